@@ -1,0 +1,1 @@
+"""A virtual submarine among artificial fishes."""

@@ -1,0 +1,1 @@
+"""Window, input, clock, overlay, film, benchmark and command line."""

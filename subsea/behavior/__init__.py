@@ -1,0 +1,1 @@
+"""What a fish wants: intentions and the motor commands that follow."""

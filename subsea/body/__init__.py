@@ -1,0 +1,1 @@
+"""The pose of what is visible, as plain numpy: the oracle for the shaders."""

@@ -1,0 +1,19 @@
+"""Errors that are meant for the person at the keyboard."""
+
+from difflib import get_close_matches
+
+
+class UserError(Exception):
+    """Something the user can mend, said in one line: which file, which key, what was expected."""
+
+
+def nearest(word: str, choices: list[str]) -> str:
+    """A hint such as ``; did you mean 'fusilier'?``, or nothing if no choice is near."""
+    match = get_close_matches(word, choices, n=1, cutoff=0.5)
+    return f"; did you mean {match[0]!r}?" if match else ""
+
+
+def unknown(kind: str, word: str, choices: list[str]) -> UserError:
+    """The error for a name that is not among the choices, with the nearest one named."""
+    hint = nearest(word, choices) or f"; there are: {', '.join(choices)}"
+    return UserError(f"unknown {kind} {word!r}{hint}")

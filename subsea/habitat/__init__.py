@@ -1,0 +1,1 @@
+"""Where the fishes live: terrain, current, plankton."""

@@ -1,0 +1,107 @@
+"""The only module that opens HDF5 files: reads what it can trust, writes whole files or none."""
+
+import math
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.errors import UserError
+
+MAX_DATASET_BYTES = 256 * 2**20  # a repertoire holds a few megabytes; more is a damaged header
+
+Group = h5py.Group
+
+
+@contextmanager
+def reading(path: Path) -> Iterator[Any]:
+    """Open `path` for reading; any fault of the file becomes one line that names it."""
+    if not path.is_file():
+        raise UserError(f"{path}: no such file")
+    try:
+        with h5py.File(path, "r") as file:
+            yield file
+    except (OSError, KeyError, RuntimeError, ValueError, TypeError) as fault:
+        reason = str(fault).splitlines()[0] if str(fault) else type(fault).__name__
+        raise UserError(f"{path}: not a readable HDF5 file ({reason})") from fault
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[Any]:
+    """Write `path` under a temporary name and rename it when whole; on a fault nothing is left.
+
+    KeyboardInterrupt and errors remove the temporary file. The contents carry no timestamps,
+    so the same input gives the same bytes.
+    """
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with h5py.File(temporary, "w", libver=("earliest", "v110"), track_order=False) as file:
+            yield file
+        temporary.replace(path)
+    except OSError as fault:
+        raise UserError(f"{path}: cannot write ({fault.strerror or fault})") from fault
+    finally:
+        with suppress(OSError):
+            temporary.unlink()
+
+
+def attribute(group: Any, name: str, kind: type, where: str) -> Any:
+    """The attribute `name` of a group as a plain Python value of the given `kind`."""
+    if name not in group.attrs:
+        raise UserError(f"{where}: attribute {name!r} is missing, expected {kind.__name__}")
+    value: Any = group.attrs[name]
+    if isinstance(value, bytes):
+        value = value.decode("utf-8", "replace")
+    if isinstance(value, np.generic):
+        value = value.item()
+    if kind is float and isinstance(value, int) and not isinstance(value, bool):
+        value = float(value)
+    if not isinstance(value, kind):
+        raise UserError(f"{where}: attribute {name!r} is {value!r}, expected {kind.__name__}")
+    if isinstance(value, float) and not math.isfinite(value):
+        raise UserError(f"{where}: attribute {name!r} is {value!r}, expected a finite number")
+    return value
+
+
+def array(
+    group: Any, name: str, shape: tuple[int | None, ...], where: str
+) -> NDArray[np.floating[Any]]:
+    """The finite floating-point dataset `name`, checked before it is read.
+
+    `shape` gives each length, None for any length of at least one. Links that lead out of the
+    file or the group, other types, other shapes, and implausible sizes are refused.
+    """
+    if not isinstance(group.get(name, getlink=True), h5py.HardLink):
+        raise UserError(f"{where}/{name}: missing, expected a dataset")
+    dataset = group[name]
+    expected = "×".join("n" if n is None else str(n) for n in shape)
+    if not isinstance(dataset, h5py.Dataset) or dataset.dtype.kind != "f":
+        raise UserError(f"{where}/{name}: expected {expected} floating-point numbers")
+    fits = len(dataset.shape) == len(shape) and all(
+        have == want if want is not None else have >= 1
+        for have, want in zip(dataset.shape, shape, strict=True)
+    )
+    if not fits:
+        found = "×".join(map(str, dataset.shape))
+        raise UserError(f"{where}/{name}: shape {found}, expected {expected}")
+    if dataset.size * dataset.dtype.itemsize > MAX_DATASET_BYTES or dataset.external:
+        raise UserError(f"{where}/{name}: claims an implausible {dataset.size} numbers")
+    values = np.asarray(dataset[()])
+    if not np.isfinite(values).all():
+        raise UserError(f"{where}/{name}: contains numbers that are not finite")
+    return values
+
+
+def subgroup(group: Any, name: str, where: str) -> Any:
+    """The group `name` inside `group`, never one that a link brings in from elsewhere."""
+    if not isinstance(group.get(name, getlink=True), h5py.HardLink) or not isinstance(
+        group[name], h5py.Group
+    ):
+        raise UserError(f"{where}/{name}: missing, expected a group")
+    return group[name]

@@ -1,0 +1,1 @@
+"""Body frame, rotations, B-splines and skin: pure functions without state."""

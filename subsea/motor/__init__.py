@@ -1,0 +1,1 @@
+"""How a fish moves: playback of captured segments, gliding, balancing, fins."""

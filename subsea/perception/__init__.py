@@ -1,0 +1,1 @@
+"""What a fish knows of its neighbours."""

@@ -1,0 +1,149 @@
+"""Reading and writing repertoire files (`repertoires/SPECIES.h5`)."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from subsea import hdf5
+from subsea.errors import UserError
+from subsea.repertoire.schema import (
+    CONTROL_POINTS,
+    FORMAT,
+    GRADES,
+    MAX_FRAMES,
+    NODES,
+    PATTERNS,
+    VERSION,
+    Array,
+    Repertoire,
+    Segment,
+)
+
+UNIT_TOLERANCE = 1e-4  # of a recorded quaternion's length
+MAX_EXTENT_BL = 3.0  # no node or control point of a plausible fish is farther from its centre
+
+
+def read_repertoire(path: Path) -> Repertoire:
+    """Read a repertoire and check all of it; a fault is a UserError that names file and key."""
+    where = str(path)
+    with hdf5.reading(path) as file:
+        if file.attrs.get("format") != FORMAT:
+            raise UserError(f"{where}: not a repertoire, expected attribute format = {FORMAT!r}")
+        version = hdf5.attribute(file, "version", int, where)
+        if version != VERSION:
+            raise UserError(f"{where}: version {version}, this program reads version {VERSION}")
+        length = _positive(file, "body_length_cm", where)
+        rest = hdf5.array(hdf5.subgroup(file, "rest", where), "nodes", (NODES, 3), where + "/rest")
+        group = hdf5.subgroup(file, "segments", where)
+        segments = {
+            name: _read_segment(
+                hdf5.subgroup(group, name, f"{where}/segments"),
+                length,
+                f"{where}/segments/{name}",
+            )
+            for name in sorted(group)
+        }
+        if not segments:
+            raise UserError(f"{where}/segments: empty, expected at least one segment")
+        return Repertoire(
+            species=hdf5.attribute(file, "species", str, where),
+            tick_s=_positive(file, "tick_s", where),
+            body_length_cm=length,
+            source=hdf5.attribute(file, "source", str, where),
+            provenance=_provenance(file, where),
+            rest_nodes=rest,
+            segments=segments,
+        )
+
+
+def write_repertoire(path: Path, repertoire: Repertoire) -> None:
+    """Write a repertoire: the whole file or none, the same bytes for the same contents."""
+    with hdf5.writing(path) as file:
+        file.attrs["format"] = FORMAT
+        file.attrs["version"] = VERSION
+        file.attrs["species"] = repertoire.species
+        file.attrs["tick_s"] = repertoire.tick_s
+        file.attrs["body_length_cm"] = repertoire.body_length_cm
+        file.attrs["source"] = repertoire.source
+        file.attrs["provenance"] = json.dumps(repertoire.provenance, sort_keys=True)
+        file["rest/nodes"] = repertoire.rest_nodes
+        for name in sorted(repertoire.segments):
+            segment = repertoire.segments[name]
+            group = file.create_group(f"segments/{name}")
+            group["increment_rotation"] = segment.increment_rotation
+            group["increment_translation"] = segment.increment_translation
+            group["nodes"] = segment.nodes
+            if segment.control_points is not None:
+                group.create_dataset(
+                    "control_points",
+                    data=segment.control_points.astype(np.float32),
+                    compression="gzip",
+                    shuffle=True,
+                )
+            for key in ("pattern", "grade", "cyclic", "speed_cm_s", "turn_deg"):
+                group.attrs[key] = getattr(segment, key)
+            group.attrs["loop_error_bl"] = segment.loop_error_bl
+            group.attrs["bounding_radius_bl"] = segment.bounding_radius_bl
+
+
+def _read_segment(group: Any, length: float, where: str) -> Segment:
+    rotation = hdf5.array(group, "increment_rotation", (None, 4), where)
+    frames = len(rotation)
+    if not 2 <= frames <= MAX_FRAMES:
+        raise UserError(f"{where}: {frames} frames, expected 2 to {MAX_FRAMES}")
+    if np.abs(np.linalg.norm(rotation, axis=1) - 1.0).max() > UNIT_TOLERANCE:
+        raise UserError(f"{where}/increment_rotation: expected unit quaternions (w, x, y, z)")
+    translation = hdf5.array(group, "increment_translation", (frames, 3), where)
+    nodes = hdf5.array(group, "nodes", (frames, NODES, 3), where)
+    points = None
+    if "control_points" in group:
+        points = hdf5.array(group, "control_points", (frames, CONTROL_POINTS, 3), where)
+    for name, values in (("increment_translation", translation), ("nodes", nodes)):
+        _within(values, length, f"{where}/{name}")
+    if points is not None:
+        _within(points, length, f"{where}/control_points")
+    return Segment(
+        pattern=_choice(group, "pattern", PATTERNS, where),
+        grade=_choice(group, "grade", GRADES, where),
+        cyclic=hdf5.attribute(group, "cyclic", bool, where),
+        increment_rotation=rotation,
+        increment_translation=translation,
+        nodes=nodes,
+        control_points=points,
+        speed_cm_s=hdf5.attribute(group, "speed_cm_s", float, where),
+        turn_deg=hdf5.attribute(group, "turn_deg", float, where),
+        loop_error_bl=hdf5.attribute(group, "loop_error_bl", float, where),
+        bounding_radius_bl=_positive(group, "bounding_radius_bl", where),
+    )
+
+
+def _within(values: Array, length: float, where: str) -> None:
+    if np.abs(values).max() > MAX_EXTENT_BL * length:
+        raise UserError(f"{where}: reaches beyond {MAX_EXTENT_BL:g} body lengths")
+
+
+def _positive(group: Any, name: str, where: str) -> float:
+    value: float = hdf5.attribute(group, name, float, where)
+    if value <= 0.0:
+        raise UserError(f"{where}: attribute {name!r} is {value:g}, expected a positive number")
+    return value
+
+
+def _choice(group: Any, name: str, choices: tuple[str, ...], where: str) -> str:
+    value: str = hdf5.attribute(group, name, str, where)
+    if value not in choices:
+        raise UserError(f"{where}: {name} is {value!r}, expected one of {', '.join(choices)}")
+    return value
+
+
+def _provenance(file: Any, where: str) -> dict[str, Any]:
+    text = hdf5.attribute(file, "provenance", str, where)
+    try:
+        value = json.loads(text)
+    except ValueError as fault:
+        raise UserError(f"{where}: attribute 'provenance' is not JSON") from fault
+    if not isinstance(value, dict):
+        raise UserError(f"{where}: attribute 'provenance' is not a JSON object")
+    return value

@@ -1,0 +1,62 @@
+"""What a repertoire is: the segments that one species plays back (SMC §4.3)."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.floating[Any]]
+
+FORMAT = "subsea-repertoire"
+VERSION = 1
+NODES = 23
+CONTROL_POINTS = 426
+MAX_FRAMES = 2000
+PATTERNS = ("forward", "left", "right")
+GRADES = ("slow", "medium", "fast", "gradual", "sharp")
+
+# The code of a segment in `state.fishes.segment` is its place in this list.
+SEGMENTS = (
+    "swim_slow",
+    "swim_medium",
+    "swim_fast",
+    "turn_left_gradual",
+    "turn_left_sharp",
+    "turn_right_gradual",
+    "turn_right_sharp",
+)
+
+
+@dataclass(frozen=True)
+class Segment:
+    """One recorded action. Row k leads from state k to k+1 and holds the deformation at k+1.
+
+    Playback: R ← R·M_k, o ← o + R_old·t_k, n = o + R·d_k (SMC eqs. 10-12, increments in body
+    axes and applied on the right, so that they hold at any attitude).
+    """
+
+    pattern: str  # one of PATTERNS
+    grade: str  # one of GRADES
+    cyclic: bool  # the last row is followed by the first
+    increment_rotation: Array  # (T, 4) unit quaternions w, x, y, z
+    increment_translation: Array  # (T, 3) cm, in the body axes before the increment
+    nodes: Array  # (T, 23, 3) cm, in body axes
+    control_points: Array | None  # (T, 426, 3) cm, in body axes
+    speed_cm_s: float  # mean over the segment
+    turn_deg: float  # change of heading over the segment, left positive
+    loop_error_bl: float  # gap between last and first frame, body lengths
+    bounding_radius_bl: float  # farthest node from the origin, body lengths
+
+
+@dataclass(frozen=True)
+class Repertoire:
+    """All segments of one species and what they were recorded from."""
+
+    species: str
+    tick_s: float
+    body_length_cm: float
+    source: str
+    provenance: dict[str, Any]  # parameters, versions, seed: enough to rebuild the file
+    rest_nodes: Array  # (23, 3) cm
+    segments: dict[str, Segment]

@@ -1,0 +1,1 @@
+"""The vessel that the visitor steers."""

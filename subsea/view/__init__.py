@@ -1,0 +1,1 @@
+"""Cameras, frusta, culling and levels of detail: lists of views, no OpenGL."""
