@@ -1,0 +1,145 @@
+"""The mass-spring-damper fish at rest: 23 nodes, 91 viscoelastic units (Tu §4.2, figs. 4.2, 4.6).
+
+Node 0 is the nose; five rings of four follow, each ordered upper left, upper right, lower right,
+lower left; nodes 21 and 22 are the upper and lower tail tips.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.biomechanics.plan import BodyPlan
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+NODES = 23
+RINGS = 5
+MUSCLES = 12
+UPPER_TAIL, LOWER_TAIL = 21, 22
+
+# Side of the body of each place in a ring: +1 left, -1 right; +1 upper, -1 lower.
+RING_LEFT = np.array([1.0, -1.0, -1.0, 1.0])
+RING_UP = np.array([1.0, 1.0, -1.0, -1.0])
+MUSCLE_LEFT = np.tile(RING_LEFT, 3)
+MUSCLE_SEGMENT = np.repeat(np.arange(3), 4)
+
+
+def _ring(number: int) -> list[int]:
+    return [1 + 4 * number + place for place in range(4)]
+
+
+def _connect() -> tuple[list[tuple[int, int]], list[tuple[int, int]], list[tuple[int, int]]]:
+    """List the muscle, cross and remaining units as pairs of nodes (i < j)."""
+    muscle, cross = [], []
+    other = [(0, node) for node in _ring(0)]
+    for number in range(RINGS):
+        a, b, c, d = _ring(number)
+        other += [(a, b), (b, c), (c, d), (a, d)]
+        cross += [(a, c), (b, d)]
+    for number in range(RINGS - 1):
+        front, back = _ring(number), _ring(number + 1)
+        lengthwise = list(zip(front, back, strict=True))
+        # The hindmost section is passive: muscles are i -> i + 4 for 1 <= i <= 12 only.
+        (muscle if number < 3 else other).extend(lengthwise)
+        for place in range(4):
+            beside = (place + 1) % 4
+            cross += [(front[place], back[beside]), (front[beside], back[place])]
+    other += [(node, tip) for node in _ring(4) for tip in (UPPER_TAIL, LOWER_TAIL)]
+    other.append((UPPER_TAIL, LOWER_TAIL))
+    return muscle, cross, other
+
+
+def _faces() -> tuple[list[tuple[int, int, int]], list[float]]:
+    """Triangulate the hull, corners anticlockwise seen from outside, with their weights.
+
+    A quadrilateral takes the triangles of both diagonals at half weight: one diagonal alone is
+    not mirror symmetric and slowly rolls the fish over.
+    """
+    triangles: list[tuple[int, int, int]] = []
+    weights: list[float] = []
+
+    def add(corners: tuple[int, ...]) -> None:
+        a, b, c, *rest = corners
+        if not rest:
+            triangles.append((a, b, c))
+            weights.append(1.0)
+            return
+        d = rest[0]
+        triangles.extend([(a, b, c), (a, c, d), (b, c, d), (b, d, a)])
+        weights.extend([0.5] * 4)
+
+    first = _ring(0)
+    for place in range(4):
+        add((0, first[place], first[(place + 1) % 4]))
+    for number in range(RINGS - 1):
+        front, back = _ring(number), _ring(number + 1)
+        for place in range(4):
+            beside = (place + 1) % 4
+            add((front[place], back[place], back[beside], front[beside]))
+    a, b, c, d = _ring(4)
+    add((d, LOWER_TAIL, UPPER_TAIL, a))
+    add((b, UPPER_TAIL, LOWER_TAIL, c))
+    add((a, UPPER_TAIL, b))
+    add((c, LOWER_TAIL, d))
+    return triangles, weights
+
+
+_MUSCLE, _CROSS, _OTHER = _connect()
+UNITS: Ints = np.array(_MUSCLE + _CROSS + _OTHER)
+"""Node pairs (91, 2): the 12 muscles, 42 cross units and 37 others, in this order."""
+KINDS: Ints = np.repeat(np.arange(3), [len(_MUSCLE), len(_CROSS), len(_OTHER)])
+"""0 muscle, 1 cross, 2 other, for each unit (91,)."""
+TRIANGLES = np.array(_faces()[0], dtype=np.uint64)
+"""Hull triangles (78, 3), corners anticlockwise from outside."""
+TRIANGLE_WEIGHTS: Floats = np.array(_faces()[1])
+"""Share of each triangle in the water force (78,)."""
+
+SKYLINE_FIRST: Ints = np.array(
+    [min([i, *(int(a) for a, b in UNITS if b == i)]) for i in range(NODES)]
+)
+"""First nonzero column of each row of the system matrix (23,): the skyline (Tu §4.5.1)."""
+SKYLINE_DIAGONAL: Ints = np.cumsum(np.arange(NODES) - SKYLINE_FIRST + 1) - 1
+"""Place of each diagonal entry in the packed matrix (23,); rows lie one after another."""
+SKYLINE_SIZE = int(SKYLINE_DIAGONAL[-1]) + 1
+
+
+class Body(NamedTuple):
+    """A body ready for the solver, arrays in cm, g and tu."""
+
+    rest: Floats  # (23, 3) nodes at rest in body axes, nose at the origin
+    mass: Floats  # (23,)
+    length: Floats  # (91,) rest length of the units
+    stiffness: Floats  # (91,)
+    viscosity: Floats  # (91,)
+    drag: float  # µ of Tu eq. 4.3
+
+
+def rest_nodes(plan: BodyPlan, back: float = 1.0) -> Floats:
+    """Nodes at rest (23, 3), cm: x anterior, y dorsal, z right lateral; the nose is the origin.
+
+    ``back`` scales the height of everything above the midline; 1 is a symmetric body.
+    """
+    nodes = np.zeros((NODES, 3))
+    nodes[1:21, 0] = -np.repeat(plan.stations[1:6], 4)
+    nodes[1:21, 1] = np.outer(plan.half_heights, RING_UP).ravel()
+    nodes[1:21, 2] = np.outer(plan.half_widths, -RING_LEFT).ravel()
+    nodes[UPPER_TAIL:, 0] = -plan.length
+    nodes[UPPER_TAIL:, 1] = plan.tail_half_height, -plan.tail_half_height
+    nodes[:, 1] *= np.where(nodes[:, 1] > 0, back, 1.0)
+    return nodes
+
+
+def build_body(plan: BodyPlan, back: float = 1.0) -> Body:
+    """Arrays of the body that a plan describes; ``back`` as in :func:`rest_nodes`."""
+    nodes = rest_nodes(plan, back)
+    kinds = np.array([plan.muscle_stiffness, plan.cross_stiffness, plan.other_stiffness])
+    return Body(
+        rest=nodes,
+        mass=np.repeat(plan.masses, [1, 4, 4, 4, 4, 4, 2]).astype(np.float64),
+        length=np.linalg.norm(nodes[UNITS[:, 1]] - nodes[UNITS[:, 0]], axis=1),
+        stiffness=kinds[KINDS],
+        viscosity=np.full(len(UNITS), plan.viscosity),
+        drag=plan.water_drag,
+    )

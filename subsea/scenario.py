@@ -1,0 +1,80 @@
+"""Scenarios: who lives where, from `assets/scenarios/NAME.toml`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import msgspec
+
+from subsea.errors import UserError, unknown
+from subsea.resources import load_toml, named_or_file
+from subsea.species import species_names
+
+Positive = Annotated[float, msgspec.Meta(gt=0)]
+Share = Annotated[float, msgspec.Meta(ge=0, le=1)]
+Colour = tuple[Share, Share, Share]
+
+
+class Bounds(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """The sea is a cylinder: from the seabed at about -depth_cm up to the surface at z = 0."""
+
+    radius_cm: Annotated[float, msgspec.Meta(ge=300, le=20000)]
+    depth_cm: Annotated[float, msgspec.Meta(ge=200, le=5000)]
+
+
+class Water(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """How the water looks and moves."""
+
+    fog: Colour  # linear RGB of the far water, seen level
+    visibility_cm: Positive  # distance at which contrast has fallen to 2%
+    current_cm_s: tuple[float, float] = (0.0, 0.0)  # uniform flow along x and y
+    plankton: Annotated[int, msgspec.Meta(ge=0, le=100000)] = 0
+
+
+class Terrain(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """The height field of the seabed."""
+
+    dune_height_cm: Annotated[float, msgspec.Meta(ge=0, le=400)]
+    dune_length_cm: Positive
+    seed: Annotated[int, msgspec.Meta(ge=0)] = 0
+
+
+class Shoal(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Fishes of one species that start together."""
+
+    species: str
+    number: Annotated[int, msgspec.Meta(ge=0, le=100000)]
+    size_cm: tuple[Positive, Positive]  # smallest and largest body length
+    position_cm: tuple[float, float, float] | None = None  # centre; none: spread over the sea
+    spread_cm: Positive = 150.0
+
+
+class Start(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Where the submarine begins."""
+
+    position_cm: tuple[float, float, float]
+    heading_deg: float = 0.0
+
+
+class Scenario(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Everything that a dive starts from."""
+
+    title: str
+    seed: Annotated[int, msgspec.Meta(ge=0)]
+    bounds: Bounds
+    water: Water
+    terrain: Terrain
+    submarine: Start
+    fish: list[Shoal]
+
+
+def load_scenario(name: str) -> tuple[Scenario, Path]:
+    """The scenario called `name`, or the one in the file `name`, and the file it came from."""
+    path = named_or_file(name, "assets/scenarios", ".toml", "scenario")
+    scenario = load_toml(path, Scenario)
+    known = species_names()
+    for shoal in scenario.fish:
+        if shoal.species not in known:
+            raise UserError(f"{path}: {unknown('species', shoal.species, known)}")
+        if shoal.size_cm[0] > shoal.size_cm[1]:
+            raise UserError(f"{path}: size_cm {shoal.size_cm} of {shoal.species}: smallest first")
+    return scenario, path

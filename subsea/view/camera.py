@@ -1,0 +1,60 @@
+"""Views, and the matrices behind them: the only module that uses pyrr.
+
+Matrices follow the textbook: ``clip = projection @ view @ (p, 1)`` with column vectors. pyrr
+keeps rows, so its matrices are transposed here and nowhere else.
+"""
+
+import warnings
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+with warnings.catch_warnings():
+    warnings.simplefilter("ignore")
+    import pyrr
+
+Array = NDArray[np.floating[Any]]
+
+NEAR_CM = 5.0
+FAR_CM = 6000.0
+
+
+@dataclass(frozen=True)
+class View:
+    """One picture of the world: where it goes and how points map into it."""
+
+    viewport: tuple[int, int, int, int]  # x, y, width, height in pixels, origin lower left
+    view: Array  # (4, 4) world to eye, looking along -z
+    projection: Array  # (4, 4) eye to clip
+    eye: Array  # (3,) cm, world
+
+
+def look(eye: Array, forward: Array, up: Array) -> Array:
+    """The world-to-eye matrix (4, 4) of an eye at `eye` (3,) that looks along `forward`."""
+    target = np.asarray(eye, np.float64) + np.asarray(forward, np.float64)
+    matrix = pyrr.matrix44.create_look_at(
+        np.asarray(eye, np.float64), target, np.asarray(up, np.float64), dtype=np.float64
+    )
+    return np.asarray(matrix.T, dtype=np.float32)
+
+
+def perspective(
+    vertical_fov: float, aspect: float, near: float = NEAR_CM, far: float = FAR_CM
+) -> Array:
+    """A symmetric perspective projection (4, 4); the field of view is in radians."""
+    matrix = pyrr.matrix44.create_perspective_projection(
+        float(np.degrees(vertical_fov)), aspect, near, far, dtype=np.float64
+    )
+    return np.asarray(matrix.T, dtype=np.float32)
+
+
+def off_axis(
+    left: float, right: float, bottom: float, top: float, near: float, far: float
+) -> Array:
+    """A projection (4, 4) through a window given by its edges on the near plane, in cm."""
+    matrix = pyrr.matrix44.create_perspective_projection_from_bounds(
+        left, right, bottom, top, near, far, dtype=np.float64
+    )
+    return np.asarray(matrix.T, dtype=np.float32)
