@@ -1,0 +1,138 @@
+"""How the submarine answers to its helm: thrust against drag, righting moment, soft limits."""
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.scenario import Bounds
+from subsea.state import Submarine
+from subsea.submarine.helm import Helm
+
+Array = NDArray[np.floating[Any]]
+FloorHeight = Callable[[float, float], float]  # x, y in cm -> height of the seabed in cm
+
+# Speeds that full thrust settles at. Brisk enough to follow a school, too slow to feel ill.
+AHEAD_CM_S = 160.0
+ASTERN_CM_S = 60.0
+HEAVE_CM_S = 70.0
+YAW_RAD_S = math.radians(40.0)
+MAX_PITCH = math.radians(60.0)  # rad; no loops: a visitor must never lose the horizon
+
+# Drag decelerates by (LINEAR + QUADRATIC * |v|) * v. The hull slips ahead far more easily than
+# sideways, which is what makes the course follow the nose.
+LINEAR_ALONG, QUADRATIC_ALONG = 0.30, 2.4e-3  # 1/s, 1/cm
+LINEAR_ACROSS, QUADRATIC_ACROSS = 1.0, 6.0e-3
+LINEAR_YAW, QUADRATIC_YAW = 1.2, 1.5  # 1/s, 1/rad
+BRAKE = 2.2  # 1/s, added to every linear term by a full stop: 160 cm/s to 1 cm/s in two seconds
+
+RIGHTING = 3.0  # 1/s; the buoyancy above the ballast levels the hull, critically damped
+
+CLEARANCE_CM = 45.0  # the hull's own radius with a hand's breadth to spare
+APPROACH_S = 1.0  # a wall at distance d may be approached at d / APPROACH_S, so never reached
+RETURN_CM_S = 40.0  # fastest push back for a hull that finds itself too close
+PROBE_CM = 25.0  # half the distance over which the slope of the seabed is felt
+
+
+def settled_speed(share: float, full_cm_s: float, linear: float, quadratic: float) -> float:
+    """The speed (cm/s or rad/s) at which drag balances `share` of full thrust.
+
+    Full thrust is whatever settles at `full_cm_s`, so this solves
+    ``linear v + quadratic v² = share (linear full + quadratic full²)``.
+    """
+    thrust = share * _thrust(full_cm_s, linear, quadratic)
+    return (math.sqrt(linear**2 + 4.0 * quadratic * thrust) - linear) / (2.0 * quadratic)
+
+
+def step_hull(
+    submarine: Submarine, helm: Helm, dt: float, floor_height: FloorHeight, bounds: Bounds
+) -> None:
+    """Advance the submarine by `dt` seconds, in place.
+
+    Writes every array of `submarine`; the position and angles before the step go to its
+    `previous_` arrays. `floor_height` gives the seabed, `bounds` the surface and the cylinder.
+    """
+    submarine.previous_position[:] = submarine.position
+    submarine.previous_angles[:] = submarine.angles
+    if helm.full_stop:
+        helm = Helm(full_stop=True)
+    _turn(submarine, helm, dt)
+    _push(submarine, helm, dt)
+    _keep_clear(submarine, floor_height, bounds)
+    submarine.position += dt * submarine.velocity
+    # Between two ticks the seabed may curve more than its slope foretold; never touch it.
+    x, y, z = submarine.position
+    submarine.position[2] = max(z, floor_height(x, y) + 0.5 * CLEARANCE_CM)
+
+
+def hull_axes(heading: float, pitch: float) -> Array:
+    """Rows ahead, left, up (3, 3): the axes of a hull without roll, in world coordinates."""
+    ch, sh, cp, sp = math.cos(heading), math.sin(heading), math.cos(pitch), math.sin(pitch)
+    return np.array([[ch * cp, sh * cp, sp], [-sh, ch, 0.0], [-ch * sp, -sh * sp, cp]])
+
+
+def _turn(submarine: Submarine, helm: Helm, dt: float) -> None:
+    heading_rate, pitch_rate = submarine.rates
+    thrust = helm.yaw * _thrust(YAW_RAD_S, LINEAR_YAW, QUADRATIC_YAW)
+    linear = LINEAR_YAW + BRAKE * helm.full_stop
+    heading_rate = _driven(heading_rate, thrust, linear, QUADRATIC_YAW, dt)
+    # Spring and damper, solved implicitly: stable at any dt, at rest where the planes hold it.
+    error = helm.pitch * MAX_PITCH - submarine.angles[1]
+    stiffness = RIGHTING**2
+    pitch_rate = (pitch_rate + dt * stiffness * error) / (
+        1.0 + 2.0 * RIGHTING * dt + stiffness * dt**2
+    )
+    submarine.rates[:] = heading_rate, pitch_rate
+    submarine.angles += dt * submarine.rates
+    submarine.angles[1] = np.clip(submarine.angles[1], -MAX_PITCH, MAX_PITCH)
+
+
+def _push(submarine: Submarine, helm: Helm, dt: float) -> None:
+    axes = hull_axes(*submarine.angles)
+    ahead, left, up = axes @ submarine.velocity
+    brake = BRAKE * helm.full_stop
+    full_surge = AHEAD_CM_S if helm.surge >= 0.0 else ASTERN_CM_S
+    surge = helm.surge * _thrust(full_surge, LINEAR_ALONG, QUADRATIC_ALONG)
+    heave = helm.heave * _thrust(HEAVE_CM_S, LINEAR_ACROSS, QUADRATIC_ACROSS)
+    along, across = LINEAR_ALONG + brake, LINEAR_ACROSS + brake
+    moved = np.array(
+        [
+            _driven(ahead, surge, along, QUADRATIC_ALONG, dt),
+            _driven(left, 0.0, across, QUADRATIC_ACROSS, dt),
+            _driven(up, heave, across, QUADRATIC_ACROSS, dt),
+        ]
+    )
+    submarine.velocity[:] = moved @ axes
+
+
+def _keep_clear(submarine: Submarine, floor_height: FloorHeight, bounds: Bounds) -> None:
+    """Slow the approach to every wall in proportion to the distance left."""
+    x, y, z = submarine.position
+    slope_x = (floor_height(x + PROBE_CM, y) - floor_height(x - PROBE_CM, y)) / (2.0 * PROBE_CM)
+    slope_y = (floor_height(x, y + PROBE_CM) - floor_height(x, y - PROBE_CM)) / (2.0 * PROBE_CM)
+    floor_normal = np.array([-slope_x, -slope_y, 1.0])
+    floor_normal /= np.linalg.norm(floor_normal)
+    radius = math.hypot(x, y)
+    inward = np.array([-x, -y, 0.0]) / max(radius, 1.0)
+    walls = (
+        (bounds.radius_cm - radius, inward),
+        (-z, np.array([0.0, 0.0, -1.0])),
+        ((z - floor_height(x, y)) * floor_normal[2], floor_normal),
+    )
+    for distance, normal in walls:
+        allowed = max((distance - CLEARANCE_CM) / APPROACH_S, -RETURN_CM_S)
+        excess = -float(submarine.velocity @ normal) - allowed
+        if excess > 0.0:
+            submarine.velocity += excess * normal
+
+
+def _thrust(full_speed: float, linear: float, quadratic: float) -> float:
+    """The thrust per mass whose settled speed is `full_speed`."""
+    return (linear + quadratic * full_speed) * full_speed
+
+
+def _driven(speed: float, thrust: float, linear: float, quadratic: float, dt: float) -> float:
+    """The speed after `dt`, with drag taken implicitly: it may slow, never reverse the motion."""
+    return float((speed + dt * thrust) / (1.0 + dt * (linear + quadratic * abs(speed))))

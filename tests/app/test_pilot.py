@@ -1,0 +1,159 @@
+"""Hands to helm, without a window."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from subsea.app.pilot import DEAD_ZONE, Pilot
+
+DT = 0.033
+
+
+def settle(pilot, seconds=3.0):
+    for _ in range(round(seconds / DT)):
+        helm = pilot.helm(DT)
+    return helm
+
+
+def steering_at(x, y):
+    pilot = Pilot()
+    pilot.point(0.0, 0.5)
+    pilot.point(x, y)
+    return pilot
+
+
+def test_nobody_at_the_helm_asks_for_nothing():
+    assert settle(Pilot()) == (0.0, 0.0, 0.0, 0.0, False)
+
+
+def test_a_pointer_that_enters_waits_until_it_moves_and_then_takes_over_gently():
+    pilot = Pilot()
+    pilot.point(0.9, 0.0)
+    assert settle(pilot).yaw == 0.0
+    pilot.point(0.95, 0.0)
+    assert -0.1 < pilot.helm(DT).yaw <= 0.0
+    assert settle(pilot).yaw < -0.8  # right of the middle turns right
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "yaw", "pitch"),
+    [
+        (-0.8, 0.0, 1, 0),
+        (0.8, 0.0, -1, 0),
+        (0.0, 0.8, 0, 1),
+        (0.0, -0.8, 0, -1),
+        (0.05, 0.05, 0, 0),
+    ],
+)
+def test_the_submarine_looks_where_the_pointer_is(x, y, yaw, pitch):
+    helm = settle(steering_at(x, y))
+    assert (math.copysign(1, helm.yaw) if abs(helm.yaw) > 1e-3 else 0) == yaw
+    assert (math.copysign(1, helm.pitch) if abs(helm.pitch) > 1e-3 else 0) == pitch
+
+
+@pytest.mark.parametrize(("button", "surge"), [("left", 1.0), ("right", -1.0)])
+def test_buttons_go_ahead_and_astern_while_held(button, surge):
+    pilot = Pilot()
+    pilot.button(button, True)
+    assert settle(pilot).surge == pytest.approx(surge, abs=1e-3)
+    pilot.button(button, False)
+    assert settle(pilot).surge == pytest.approx(0.0, abs=1e-3)
+
+
+def test_both_buttons_lift_with_the_pointer():
+    pilot = steering_at(0.0, 0.9)
+    pilot.button("left", True)
+    pilot.button("right", True)
+    helm = settle(pilot)
+    assert helm.heave > 0.5
+    assert helm.pitch == pytest.approx(0.0, abs=1e-3)
+    assert helm.surge == pytest.approx(0.0, abs=1e-3)
+
+
+def test_the_wheel_sets_a_lasting_speed():
+    pilot = Pilot()
+    pilot.wheel(4.0)
+    assert settle(pilot).surge == pytest.approx(0.5, abs=1e-3)
+    pilot.wheel(-100.0)
+    assert settle(pilot).surge == pytest.approx(-1.0, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("action", "field", "sign"),
+    [
+        ("ahead", "surge", 1), ("astern", "surge", -1), ("left", "yaw", 1), ("right", "yaw", -1),
+        ("up", "pitch", 1), ("down", "pitch", -1), ("rise", "heave", 1), ("dive", "heave", -1),
+    ],
+)  # fmt: skip
+def test_every_manoeuvre_has_a_key(action, field, sign):
+    pilot = Pilot()
+    pilot.key(action, True)
+    assert getattr(settle(pilot), field) == pytest.approx(sign, abs=1e-3)
+    pilot.key(action, False)
+    assert getattr(settle(pilot), field) == pytest.approx(0.0, abs=1e-3)
+
+
+@pytest.mark.parametrize("stop", ["key", "button"])
+def test_a_full_stop_holds_until_a_hand_moves(stop):
+    pilot = steering_at(0.8, 0.0)
+    pilot.wheel(8.0)
+    settle(pilot)
+    pilot.key("full stop", True) if stop == "key" else pilot.button("middle", True)
+    assert settle(pilot) == (0.0, 0.0, 0.0, 0.0, True)
+    pilot.point(0.8001, 0.0)
+    assert settle(pilot).full_stop
+    pilot.point(0.7, 0.0)
+    helm = settle(pilot)
+    assert not helm.full_stop
+    assert helm.yaw < -0.1
+    assert helm.surge == pytest.approx(0.0, abs=1e-3)
+
+
+def test_a_steering_key_takes_the_helm_from_a_resting_pointer():
+    pilot = steering_at(0.9, 0.0)
+    assert settle(pilot).yaw < -0.5
+    pilot.key("left", True)
+    assert settle(pilot).yaw == pytest.approx(1.0, abs=1e-3)
+    pilot.key("left", False)
+    assert settle(pilot).yaw == pytest.approx(0.0, abs=1e-3)
+
+
+def test_leaving_the_window_lets_go():
+    pilot = steering_at(0.9, 0.9)
+    settle(pilot)
+    pilot.leave()
+    assert settle(pilot).yaw == pytest.approx(0.0, abs=1e-3)
+    pilot.key("ahead", True)
+    pilot.let_go()
+    assert settle(pilot).surge == pytest.approx(0.0, abs=1e-3)
+
+
+EVENTS = st.lists(
+    st.one_of(
+        st.tuples(st.just("point"), st.floats(-2, 2), st.floats(-2, 2)),
+        st.tuples(st.just("button"), st.sampled_from(["left", "right"]), st.booleans()),
+        st.tuples(st.just("wheel"), st.floats(-3, 3)),
+        st.tuples(st.just("key"), st.sampled_from(["left", "up", "ahead", "rise"]), st.booleans()),
+        st.tuples(st.just("leave")),
+    ),
+    max_size=40,
+)
+
+
+@given(EVENTS)
+def test_no_hand_asks_for_too_much_or_makes_the_helm_jump(events):
+    pilot = Pilot()
+    before = pilot.helm(DT)
+    for name, *arguments in events:
+        getattr(pilot, name)(*arguments)
+        helm = pilot.helm(DT)
+        assert all(-1.0 <= value <= 1.0 for value in helm[:4])
+        assert all(abs(a - b) < 0.5 for a, b in zip(helm[:4], before[:4], strict=True))
+        before = helm
+
+
+def test_the_dead_zone_is_dead():
+    helm = settle(steering_at(DEAD_ZONE * 0.99, -DEAD_ZONE * 0.99))
+    assert helm[:4] == pytest.approx((0.0, 0.0, 0.0, 0.0))
