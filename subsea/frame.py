@@ -1,16 +1,24 @@
 """World and views in, packet out: all that drawing ever sees of the world."""
 
+import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
+from subsea.body.pose import pose_at
 from subsea.scenario import Water
 from subsea.species import Species
+from subsea.state import Fishes
 from subsea.view.camera import View
+from subsea.view.culling import HIDDEN, classify
+from subsea.world import TICK_S, World
 
 Array = NDArray[np.floating[Any]]
+Ints = NDArray[np.integer[Any]]
 
 LEVELS = ("tessellated", "control mesh", "far")
 
@@ -59,3 +67,98 @@ class Packet:
     batches: tuple[Batch, ...]
     plankton: Array  # (p, 3) float32 cm
     hidden: int  # fishes culled away
+
+
+def make_scene(world: World) -> Scene:
+    """The constant part of a world, for the renderer to upload once."""
+    return Scene(
+        species=world.species,
+        control_points=world.library.control_points,
+        recorded_length_cm=tuple(float(x) for x in world.library.recorded_length),
+        terrain=world.terrain,
+        terrain_half_width_cm=world.terrain_half_width,
+        world_radius_cm=world.scenario.bounds.radius_cm,
+        water=world.scenario.water,
+    )
+
+
+def pack(
+    world: World,
+    views: Sequence[View],
+    alpha: float,
+    *,
+    culling: bool = True,
+    lod: bool = True,
+) -> Packet:
+    """The frame that lies `alpha` (0 to 1) of the way from the last tick to the present one.
+
+    The times of the stages "cull" and "pose" are added to `world.stages_s`.
+    """
+    fishes, library = world.state.fishes, world.library
+    start = time.perf_counter()
+    centres = fishes.previous_position + np.float32(alpha) * (
+        fishes.position - fishes.previous_position
+    )
+    radii = library.bounding_radius[fishes.species] * fishes.length
+    level = classify(centres, radii, fishes.length, views, culling, lod)
+    kinds = len(world.species)
+    order, starts = _sort(fishes.species, level, kinds, len(LEVELS))
+    culled = time.perf_counter()
+    instances = np.empty((len(order), INSTANCE_COLUMNS), np.float32)
+    _write_instances(fishes, centres, order, alpha, instances)
+    world.stages_s["cull"] = culled - start
+    world.stages_s["pose"] = time.perf_counter() - culled
+    batches = tuple(
+        Batch(k // len(LEVELS), k % len(LEVELS), int(starts[k]), int(starts[k + 1] - starts[k]))
+        for k in range(kinds * len(LEVELS))
+        if starts[k + 1] > starts[k]
+    )
+    return Packet(
+        time_s=(world.state.tick - 1 + alpha) * TICK_S,
+        views=tuple(views),
+        instances=instances,
+        batches=batches,
+        plankton=world.state.plankton,
+        hidden=len(level) - len(order),
+    )
+
+
+@njit(cache=True)
+def _sort(species: Ints, level: Ints, kinds: int, levels: int) -> tuple[Ints, Ints]:
+    """Visible fishes by species and level, in index order within each; and where each starts."""
+    starts = np.zeros(kinds * levels + 1, np.int64)
+    for i in range(len(level)):
+        if level[i] != HIDDEN:
+            starts[species[i] * levels + level[i] + 1] += 1
+    starts = np.cumsum(starts)
+    order = np.empty(starts[-1], np.int64)
+    place = starts.copy()
+    for i in range(len(level)):
+        if level[i] != HIDDEN:
+            key = species[i] * levels + level[i]
+            order[place[key]] = i
+            place[key] += 1
+    return order, starts
+
+
+@njit(cache=True)
+def _write_instances(fishes: Fishes, centres: Array, order: Ints, alpha: float, out: Array) -> None:
+    for k in range(len(order)):
+        i = order[k]
+        out[k, 0:3] = centres[i]
+        out[k, 3] = fishes.scale[i]
+        before, after = fishes.previous_orientation[i], fishes.orientation[i]
+        sign = 1.0
+        if (before * after).sum() < 0.0:
+            sign = -1.0
+        q = (1.0 - alpha) * sign * before + alpha * after
+        out[k, 4:8] = q / np.sqrt((q * q).sum())
+        a, b, weight = pose_at(fishes, i, alpha)
+        out[k, 8] = a
+        out[k, 9] = b
+        out[k, 10] = weight
+        out[k, 11] = fishes.identity[i]
+        out[k, 12] = fishes.pectoral[i, 0]
+        out[k, 13] = fishes.pectoral[i, 1]
+        out[k, 14] = 0.0
+        out[k, 15] = 1.0

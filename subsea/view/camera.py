@@ -40,18 +40,13 @@ def look(eye: Array, forward: Array, up: Array) -> Array:
     return np.asarray(matrix.T, dtype=np.float32)
 
 
-def perspective(
-    vertical_fov: float, aspect: float, near: float = NEAR_CM, far: float = FAR_CM
-) -> Array:
-    """A symmetric perspective projection (4, 4); the field of view is in radians."""
-    matrix = pyrr.matrix44.create_perspective_projection(
-        float(np.degrees(vertical_fov)), aspect, near, far, dtype=np.float64
-    )
-    return np.asarray(matrix.T, dtype=np.float32)
-
-
 def off_axis(
-    left: float, right: float, bottom: float, top: float, near: float, far: float
+    left: float,
+    right: float,
+    bottom: float,
+    top: float,
+    near: float = NEAR_CM,
+    far: float = FAR_CM,
 ) -> Array:
     """A projection (4, 4) through a window given by its edges on the near plane, in cm."""
     matrix = pyrr.matrix44.create_perspective_projection_from_bounds(

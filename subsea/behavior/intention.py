@@ -1,0 +1,95 @@
+"""The intention generator in its first form: wander, school, avoid (SMC §6, Tu §7.5)."""
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from subsea.behavior.routines import (
+    FOLLOW_BL,
+    SPEED_PURPOSE,
+    follow,
+    give_way,
+    keep_company,
+    stay_inside,
+    wander,
+)
+from subsea.kinematics.keyed import uniform
+from subsea.state import AVOID, SCHOOL, WANDER, Fishes
+
+Array = NDArray[np.floating[Any]]
+
+AVOID_ABOVE = 0.6  # an avoidance stronger than this is what the fish is busy with
+CRUISE = (0.42, 0.8)  # shares of the fastest speed at which fishes wander
+CRUISE_S = (4.0, 9.0)  # the monotony threshold: after this a new cruising speed is drawn
+URGE_EASE = 4.0  # 1/s: how fast a wish may change, so that no fish twitches
+
+
+@njit(cache=True)
+def decide(
+    fishes: Fishes,
+    heights: Array,
+    half_width: float,
+    radius: float,
+    submarine: Array,
+    seed: int,
+    tick: int,
+    dt: float,
+) -> None:
+    """Set intention, goal direction and goal speed of every fish.
+
+    Leaders and loners wander; the others follow their leader in company. Avoidance is added on
+    top. A fish too long at one segment draws a new cruising speed, as the secondary controller
+    recommends against monotony (SMC §6.1).
+    """
+    for i in range(len(fishes.species)):
+        danger = stay_inside(fishes, i, heights, half_width, radius)
+        danger += give_way(fishes, i, submarine)
+        alarm = np.sqrt((danger**2).sum())
+        if fishes.leader[i] >= 0:
+            urge = follow(fishes, i) + keep_company(fishes, i)
+            fishes.intention[i] = SCHOOL
+            speed = _keep_pace(fishes, i)
+        else:
+            urge = wander(fishes, i, heights, half_width, radius, seed, tick, dt)
+            fishes.intention[i] = WANDER
+            speed = _cruise(fishes, i, seed, tick)
+        if alarm > AVOID_ABOVE:
+            fishes.intention[i] = AVOID
+            speed = max(speed, min(0.5 + 0.35 * alarm, 1.0))
+        urge += danger
+        norm = np.sqrt((urge**2).sum())
+        if norm > 1e-6:
+            wish = fishes.goal_direction[i] + min(URGE_EASE * dt, 1.0) * (
+                urge / norm - fishes.goal_direction[i]
+            )
+            norm = np.sqrt((wish**2).sum())
+            if norm > 1e-3:
+                fishes.goal_direction[i] = wish / norm
+            else:
+                fishes.goal_direction[i] = urge / np.sqrt((urge**2).sum())
+        fishes.goal_speed[i] = speed
+
+
+@njit(cache=True)
+def _cruise(fishes: Fishes, i: int, seed: int, tick: int) -> float:
+    """The present cruising speed, or a new one if the fish has kept its segment too long."""
+    low, high = CRUISE
+    limit = CRUISE_S[0] + (CRUISE_S[1] - CRUISE_S[0]) * fishes.identity[i]
+    now = fishes.goal_speed[i]
+    if low <= now <= high and fishes.monotony[i] < limit:
+        return float(now)
+    fishes.monotony[i] = 0.0
+    return low + (high - low) * uniform(seed, i, tick, SPEED_PURPOSE)
+
+
+@njit(cache=True)
+def _keep_pace(fishes: Fishes, i: int) -> float:
+    """Faster when behind the leader, slower when ahead of it."""
+    leader = fishes.leader[i]
+    ahead = fishes.goal_direction[leader].astype(np.float64)
+    gap = fishes.position[leader].astype(np.float64) - fishes.position[i]
+    behind = (gap * ahead).sum() / (FOLLOW_BL * fishes.length[i])
+    pace = fishes.goal_speed[leader] + 0.25 * behind + 0.08 * (fishes.identity[i] - 0.5)
+    return min(max(pace, 0.25), 1.0)

@@ -1,0 +1,16 @@
+"""Random numbers keyed by what they are for, so that order and threads do not matter."""
+
+import numpy as np
+from numba import njit, uint64
+
+
+@njit(cache=True)
+def uniform(seed: int, fish: int, tick: int, purpose: int) -> float:
+    """A number in [0, 1) that depends only on the four keys (SplitMix64 finaliser)."""
+    z = uint64(seed) * uint64(0x9E3779B97F4A7C15)
+    for key in (fish, tick, purpose):
+        z = (z ^ uint64(key)) + uint64(0x9E3779B97F4A7C15)
+        z = (z ^ (z >> uint64(30))) * uint64(0xBF58476D1CE4E5B9)
+        z = (z ^ (z >> uint64(27))) * uint64(0x94D049BB133111EB)
+        z = z ^ (z >> uint64(31))
+    return np.float64(z >> uint64(11)) * 2.0**-53

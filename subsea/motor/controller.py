@@ -1,0 +1,97 @@
+"""The secondary controller: from a wanted direction and speed to a segment (SMC §6.1)."""
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from subsea.kinematics.rotation import rotate
+from subsea.repertoire.library import Library
+from subsea.state import Fishes
+
+Array = NDArray[np.floating[Any]]
+
+# Codes of repertoire.schema.SEGMENTS, as plain numbers for the compiled kernel.
+SLOW, MEDIUM, FAST, LEFT_GRADUAL, LEFT_SHARP, RIGHT_GRADUAL, RIGHT_SHARP = range(7)
+
+SHARP_RAD = np.radians(70.0)  # beyond this angle a fish throws itself round
+GRADUAL_RAD = np.radians(24.0)  # beyond this it bends its beat
+RELEASE_RAD = np.radians(9.0)  # a gradual turn ends here, well inside, so that it doesn't flutter
+STEER_RAD = np.radians(45.0)  # careful alignment happens inside this angle (SMC §6.2)
+YAW_RATE = np.radians(24.0)  # rad/s: the most that careful alignment adds, for a recorded fish
+PITCH_RATE = np.radians(32.0)
+STEER_GAIN = 1.6  # 1/s: share of the angle that is closed in a second
+STEER_EASE = np.radians(90.0)  # rad/s²: how fast the alignment's own rate may change
+MAX_PITCH_RAD = np.radians(38.0)  # fishes do not swim steeper than this of their own will
+TEMPO = (0.75, 1.3)  # how far a segment's rate may be bent to meet a speed
+TEMPO_EASE = 1.2  # 1/s²
+GRADE_MARGIN = 1.12  # a fish keeps its grade until another fits better by this factor
+
+
+@njit(cache=True)
+def command(fishes: Fishes, library: Library, dt: float) -> None:
+    """Choose `wanted_segment`, and ease `tempo` and `steering` toward what the goal asks.
+
+    Speeds are told from the angles to the goal in the horizontal plane and in height. The
+    choice takes effect in playback at the next recorded frame.
+    """
+    ahead = np.zeros(3)
+    ahead[0] = 1.0
+    for i in range(len(fishes.species)):
+        kind = fishes.species[i]
+        x = rotate(fishes.orientation[i].astype(np.float64), ahead)
+        g = fishes.goal_direction[i]
+        azimuth = np.arctan2(x[0] * g[1] - x[1] * g[0], x[0] * g[0] + x[1] * g[1])
+        climb = np.arctan2(np.float64(g[2]), np.sqrt(np.float64(g[0] * g[0] + g[1] * g[1])))
+        climb = min(max(climb, -MAX_PITCH_RAD), MAX_PITCH_RAD)
+        pitch = np.arcsin(min(max(x[2], -1.0), 1.0))
+
+        now = fishes.segment[i]
+        angle = abs(azimuth)
+        turning = now in (LEFT_GRADUAL, RIGHT_GRADUAL)
+        same_side = (now == LEFT_GRADUAL) == (azimuth > 0.0)
+        if angle > SHARP_RAD:
+            wanted = LEFT_SHARP if azimuth > 0.0 else RIGHT_SHARP
+        elif angle > GRADUAL_RAD or (turning and same_side and angle > RELEASE_RAD):
+            wanted = LEFT_GRADUAL if azimuth > 0.0 else RIGHT_GRADUAL
+        else:
+            wanted = _grade(library.speed[kind], now, fishes.goal_speed[i])
+        fishes.wanted_segment[i] = wanted
+
+        tempo = 1.0
+        if wanted <= FAST:
+            goal = fishes.goal_speed[i] * library.speed[kind, FAST]
+            tempo = min(max(goal / library.speed[kind, wanted], TEMPO[0]), TEMPO[1])
+        ease = TEMPO_EASE * dt
+        fishes.tempo[i] += np.float32(min(max(tempo - fishes.tempo[i], -ease), ease))
+
+        # A large fish swings round more slowly, as it beats more slowly.
+        rate = np.float64(fishes.rate[i])
+        yaw = 0.0
+        if angle < STEER_RAD:
+            yaw = min(max(STEER_GAIN * azimuth, -YAW_RATE), YAW_RATE) * rate
+        lift = min(max(STEER_GAIN * (climb - pitch), -PITCH_RATE), PITCH_RATE) * rate
+        ease = STEER_EASE * dt
+        fishes.steering[i, 0] += np.float32(min(max(yaw - fishes.steering[i, 0], -ease), ease))
+        fishes.steering[i, 1] += np.float32(min(max(lift - fishes.steering[i, 1], -ease), ease))
+
+        if fishes.segment[i] == fishes.wanted_segment[i]:
+            fishes.monotony[i] += np.float32(dt)
+        else:
+            fishes.monotony[i] = 0.0
+
+
+@njit(cache=True)
+def _grade(speed: Array, now: int, share: float) -> int:
+    """The swim whose speed is nearest by ratio to the wanted share of the fastest."""
+    goal = max(share, 0.01) * speed[FAST]
+    best = SLOW
+    least = np.inf
+    for grade in (SLOW, MEDIUM, FAST):
+        gap = abs(np.log(goal / speed[grade]))
+        if grade == now:
+            gap -= np.log(GRADE_MARGIN)
+        if gap < least:
+            best, least = grade, gap
+    return best

@@ -1,0 +1,114 @@
+"""Playback of recorded motion and gliding (SMC §5.1, §5.2), one pass per tick."""
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from subsea.kinematics.rotation import about, fraction, multiply, normalised, rotate
+from subsea.motor.balance import balanced
+from subsea.repertoire.library import Library
+from subsea.state import Fishes
+
+Array = NDArray[np.floating[Any]]
+
+TAIL_NODE = 22  # the correspondence point that sets a glide's length (SMC appendix A)
+GLIDE_STEP_BL = 0.03  # body lengths that it may move in a frame of a glide
+MAX_GLIDE_FRAMES = 10
+
+
+@njit(cache=True)
+def play(fishes: Fishes, library: Library, flow: Array, dt: float) -> None:
+    """Advance every fish by one tick of recorded motion, steering, balance and current.
+
+    `flow` (3,) is the water's velocity in cm/s.
+    """
+    for i in range(len(fishes.species)):
+        fishes.previous_position[i] = fishes.position[i]
+        fishes.previous_orientation[i] = fishes.orientation[i]
+        fishes.previous_row_a[i] = fishes.row_a[i]
+        fishes.previous_row_b[i] = fishes.row_b[i]
+        fishes.previous_weight[i] = fishes.weight[i]
+        fishes.previous_span[i] = fishes.span[i]
+
+        o, q = advance(fishes, library, i, fishes.rate[i] * fishes.tempo[i])
+        o += flow * dt
+        q = _steer(q, fishes.steering[i, 0] * dt, fishes.steering[i, 1] * dt)
+        q = normalised(balanced(fishes, i, q, dt))
+        for axis in range(3):
+            fishes.velocity[i, axis] = (o[axis] - fishes.position[i, axis]) / dt
+            fishes.position[i, axis] = o[axis]
+        for part in range(4):
+            fishes.orientation[i, part] = q[part]
+
+
+@njit(cache=True)
+def advance(fishes: Fishes, library: Library, i: int, frames: float) -> tuple[Array, Array]:
+    """Play `frames` rows of fish i: its new origin (3,) and orientation (4,), float64.
+
+    R ← R·M, o ← o + R·αt (SMC eqs. 10, 11). A part f of a row moves by M^f and the same part
+    of t, so that the parts of a row join to exactly that row. Row a, row b, weight, span and
+    segment move on in place.
+    """
+    o = fishes.position[i].astype(np.float64)
+    q = fishes.orientation[i].astype(np.float64)
+    weight = float(fishes.weight[i])
+    left = float(frames)
+    while left > 0.0:
+        span = float(fishes.span[i])
+        until_b = (1.0 - weight) * span
+        part = min(left, until_b)
+        rotation = library.rotation[fishes.row_b[i]].astype(np.float64)
+        translation = library.translation[fishes.row_b[i]].astype(np.float64)
+        played = weight
+        if span > 1.0:
+            # A glide keeps the fish's way: the last increment fades into the next one.
+            a = fishes.row_a[i]
+            blend = weight + 0.5 * part / span
+            rotation = normalised((1.0 - blend) * library.rotation[a] + blend * rotation)
+            translation = (1.0 - blend) * library.translation[a] + blend * translation
+            played = 0.0
+        # Translations are recorded in the axes that the row began with.
+        step = rotate(fraction(rotation, -played), translation)
+        o += rotate(q, step) * (part * fishes.scale[i])
+        q = multiply(q, fraction(rotation, part))
+        left -= part
+        weight += part / span
+        if until_b <= part:
+            weight = 0.0
+            _next_row(fishes, library, i)
+    fishes.weight[i] = weight
+    return o, q
+
+
+@njit(cache=True)
+def _next_row(fishes: Fishes, library: Library, i: int) -> None:
+    """Row b is reached: it becomes a, and the next one is chosen."""
+    kind = fishes.species[i]
+    now = fishes.segment[i]
+    a = fishes.row_b[i]
+    first = library.first[kind, now]
+    at_end = a == first + library.length[kind, now] - 1
+    may_leave = library.cyclic[kind, now] or at_end
+    wanted = fishes.wanted_segment[i]
+    fishes.row_a[i] = a
+    if may_leave and (wanted != now or not library.cyclic[kind, now]):
+        b = library.entry[a, wanted]
+        gap = 0.0
+        for axis in range(3):
+            gap += (library.nodes[b, TAIL_NODE, axis] - library.nodes[a, TAIL_NODE, axis]) ** 2
+        frames = np.ceil(np.sqrt(gap) / (GLIDE_STEP_BL * library.recorded_length[kind]))
+        fishes.row_b[i] = b
+        fishes.span[i] = min(max(frames, 1.0), MAX_GLIDE_FRAMES)
+        fishes.segment[i] = wanted
+    else:
+        fishes.row_b[i] = first if at_end else a + 1
+        fishes.span[i] = 1.0
+
+
+@njit(cache=True)
+def _steer(q: Array, yaw: float, pitch: float) -> Array:
+    """Turn left by `yaw` about the world's vertical and raise the nose by `pitch`, rad."""
+    q = multiply(about(0.0, 0.0, 1.0, yaw), q)
+    return multiply(q, about(0.0, 0.0, 1.0, pitch))

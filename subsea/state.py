@@ -1,0 +1,122 @@
+"""Every array that changes, with shape, dtype, unit and who writes it.
+
+One fish is one index in [0, n). Arrays are plain numpy, so that any kernel may take them.
+"""
+
+import hashlib
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.floating[Any]]
+Ints = NDArray[np.integer[Any]]
+
+NEIGHBOURS = 6  # how many companions a fish attends to
+
+INTENTIONS = ("wander", "school", "avoid")
+WANDER, SCHOOL, AVOID = range(3)
+
+
+class Fishes(NamedTuple):
+    """The fishes of a dive, n of them."""
+
+    # Constant after creation.
+    species: Ints  # (n,) uint8, index into the scenario's species
+    length: Array  # (n,) float32, cm
+    scale: Array  # (n,) float32, length over recorded length: α of SMC eq. 12
+    rate: Array  # (n,) float32, recorded rows per tick: larger fishes beat more slowly
+    identity: Array  # (n,) float32 in [0, 1), individual variation
+    leader: Ints  # (n,) int32, whom a schooling fish follows, -1 for none
+
+    # Written by motor: the body frame, its pose, and both one tick ago.
+    position: Array  # (n, 3) float32, cm, world: the origin of B
+    orientation: Array  # (n, 4) float32, body to world
+    row_a: Ints  # (n,) int32: the pose mixes rows a and b of the library ...
+    row_b: Ints  # (n,) int32
+    weight: Array  # (n,) float32 in [0, 1): ... with this weight of b
+    span: Array  # (n,) float32, frames that lie between a and b: 1 in playback, N in a glide
+    previous_position: Array  # (n, 3) float32
+    previous_orientation: Array  # (n, 4) float32
+    previous_row_a: Ints  # (n,) int32
+    previous_row_b: Ints  # (n,) int32
+    previous_weight: Array  # (n,) float32
+    previous_span: Array  # (n,) float32
+    velocity: Array  # (n, 3) float32, cm/s, world, of the body frame
+    segment: Ints  # (n,) uint8, code of the segment that row b belongs to
+    wanted_segment: Ints  # (n,) uint8, what the secondary controller asks for
+    tempo: Array  # (n,) float32, playback rate asked of the segment, about 1
+    steering: Array  # (n, 2) float32, rad/s: yaw and pitch added to the recorded motion
+    roll: Array  # (n,) float32, rad, smoothed
+    fin_phase: Array  # (n,) float32, rad, beat of the pectoral fins
+    pectoral: Array  # (n, 2) float32, rad, left and right sweep
+    monotony: Array  # (n,) float32, s in the same segment
+
+    # Written by perception.
+    neighbour: Ints  # (n, NEIGHBOURS) int32, nearest first, -1 for none
+
+    # Written by behavior: what the motor system is asked for.
+    intention: Ints  # (n,) uint8, code in INTENTIONS
+    waypoint: Array  # (n, 3) float32, cm, where a wandering fish is bound
+    patience: Array  # (n,) float32, s until a wandering fish changes its mind
+    goal_direction: Array  # (n, 3) float32, unit vector, world
+    goal_speed: Array  # (n,) float32, share of the fast swim's speed, 0 to 1
+
+
+@dataclass
+class Submarine:
+    """The vessel; written by submarine. Angles are heading (left positive) and pitch (up)."""
+
+    position: Array  # (3,) cm
+    velocity: Array = field(default_factory=lambda: np.zeros(3))  # (3,) cm/s, world
+    angles: Array = field(default_factory=lambda: np.zeros(2))  # (2,) rad
+    rates: Array = field(default_factory=lambda: np.zeros(2))  # (2,) rad/s
+    previous_position: Array = field(default_factory=lambda: np.zeros(3))
+    previous_angles: Array = field(default_factory=lambda: np.zeros(2))
+
+
+@dataclass
+class State:
+    """The world at a tick."""
+
+    tick: int
+    seed: int
+    fishes: Fishes
+    plankton: Array  # (p, 3) float32, cm; written by habitat
+    submarine: Submarine
+
+
+def empty_fishes(n: int) -> Fishes:
+    """Arrays for n fishes, all zero but for unit quaternions and spans of one frame."""
+
+    def zeros(dtype: type, *shape: int) -> NDArray[Any]:
+        return np.zeros((n, *shape), dtype)
+
+    f, i, u = np.float32, np.int32, np.uint8
+    upright = zeros(f, 4)
+    upright[:, 0] = 1.0
+    return Fishes(
+        species=zeros(u), length=zeros(f), scale=zeros(f) + 1, rate=zeros(f) + 1,
+        identity=zeros(f), leader=zeros(i) - 1,
+        position=zeros(f, 3), orientation=upright.copy(),
+        row_a=zeros(i), row_b=zeros(i), weight=zeros(f), span=zeros(f) + 1,
+        previous_position=zeros(f, 3), previous_orientation=upright.copy(),
+        previous_row_a=zeros(i), previous_row_b=zeros(i), previous_weight=zeros(f),
+        previous_span=zeros(f) + 1,
+        velocity=zeros(f, 3), segment=zeros(u), wanted_segment=zeros(u), tempo=zeros(f) + 1,
+        steering=zeros(f, 2), roll=zeros(f), fin_phase=zeros(f), pectoral=zeros(f, 2),
+        monotony=zeros(f),
+        neighbour=zeros(i, NEIGHBOURS) - 1,
+        intention=zeros(u), waypoint=zeros(f, 3), patience=zeros(f),
+        goal_direction=zeros(f, 3), goal_speed=zeros(f),
+    )  # fmt: skip
+
+
+def digest(state: State) -> str:
+    """A SHA-256 over every array: equal digests are equal worlds."""
+    sha = hashlib.sha256(f"{state.tick},{state.seed}".encode())
+    arrays = [*state.fishes, state.plankton, *vars(state.submarine).values()]
+    for values in arrays:
+        sha.update(np.ascontiguousarray(values).tobytes())
+    return sha.hexdigest()

@@ -1,0 +1,175 @@
+"""A world: what is constant in a dive, the state, and how both begin."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.errors import UserError
+from subsea.habitat import plankton
+from subsea.habitat.terrain import half_width, make_terrain
+from subsea.kinematics.heightfield import height_at
+from subsea.kinematics.surface import rest_control_points
+from subsea.repertoire import SEGMENTS, Repertoire, read_repertoire
+from subsea.repertoire.library import Library, pack
+from subsea.resources import resource_path
+from subsea.scenario import Scenario, Shoal
+from subsea.species import Species, load_species
+from subsea.state import Fishes, State, Submarine, empty_fishes
+
+Array = NDArray[np.floating[Any]]
+
+TICK_S = 0.033  # one tick = one recorded frame = six steps of the simulation
+
+
+@dataclass
+class World:
+    """All that a dive consists of."""
+
+    scenario: Scenario
+    species: tuple[Species, ...]
+    library: Library
+    terrain: Array  # (n, n) float32, cm
+    terrain_half_width: float  # cm
+    state: State
+    stages_s: dict[str, float] = field(default_factory=dict)  # seconds of the last tick
+
+
+def create_world(
+    scenario: Scenario,
+    seed: int | None = None,
+    fish: int | None = None,
+    progress: Callable[[str], None] = lambda message: None,
+) -> World:
+    """Read the repertoires of a scenario's species and put everything in its place.
+
+    `seed` replaces the scenario's; `fish` scales its shoals to that many fishes in all.
+    `progress` is told what is going on. A missing or damaged file is a UserError.
+    """
+    seed = scenario.seed if seed is None else seed
+    progress("reading repertoires")
+    names = sorted({shoal.species for shoal in scenario.fish})
+    species = {name: load_species(name) for name in names}
+    repertoires = [_repertoire(name) for name in names]
+    rest = [
+        rest_control_points(species[r.species].surface, r.body_length_cm, r.rest_nodes[0, 0])
+        for r in repertoires
+    ]
+    library = pack(repertoires, rest)
+    progress("shaping the seabed")
+    terrain = make_terrain(scenario)
+    width = half_width(scenario)
+    rng = np.random.default_rng([seed, 0x5EA])
+    progress("letting the fishes in")
+    submarine = Submarine(position=np.array(scenario.submarine.position_cm, np.float64))
+    submarine.angles[0] = np.radians(scenario.submarine.heading_deg)
+    submarine.previous_position[:] = submarine.position
+    submarine.previous_angles[:] = submarine.angles
+    state = State(
+        tick=0,
+        seed=seed,
+        fishes=_populate(scenario, species, library, terrain, width, rng, fish),
+        plankton=plankton.scatter(
+            rng, scenario.water.plankton, scenario.bounds.radius_cm, terrain, width
+        ),
+        submarine=submarine,
+    )
+    return World(scenario, tuple(species.values()), library, terrain, width, state)
+
+
+def _repertoire(name: str) -> Repertoire:
+    """The repertoire of a species, which must be of that species and of this tick."""
+    path = resource_path("repertoires") / f"{name}.h5"
+    repertoire = read_repertoire(path)
+    if repertoire.species != name:
+        raise UserError(f"{path}: holds {repertoire.species!r}, expected {name!r}")
+    if abs(repertoire.tick_s - TICK_S) > 1e-6:
+        raise UserError(f"{path}: tick_s is {repertoire.tick_s:g}, expected {TICK_S:g}")
+    return repertoire
+
+
+def _shares(scenario: Scenario, fish: int | None) -> list[int]:
+    """How many fishes each shoal has; scaled to `fish` in all by largest remainders."""
+    numbers = np.array([shoal.number for shoal in scenario.fish])
+    if fish is None or numbers.sum() == 0:
+        return [int(n) for n in numbers]
+    exact = numbers * fish / numbers.sum()
+    shares = np.floor(exact).astype(int)
+    for k in np.argsort(shares - exact, kind="stable")[: fish - int(shares.sum())]:
+        shares[k] += 1
+    return [int(n) for n in shares]
+
+
+def _populate(
+    scenario: Scenario,
+    species: dict[str, Species],
+    library: Library,
+    terrain: Array,
+    width: float,
+    rng: np.random.Generator,
+    fish: int | None,
+) -> Fishes:
+    """All fishes at tick 0: places, sizes, leaders, each at its own phase of a slow swim."""
+    shares = _shares(scenario, fish)
+    fishes = empty_fishes(sum(shares))
+    slow = SEGMENTS.index("swim_slow")
+    first = 0
+    for shoal, number in zip(scenario.fish, shares, strict=True):
+        kind = list(species).index(shoal.species)
+        schooling = species[shoal.species].schooling
+        these = slice(first, first + number)
+        fishes.species[these] = kind
+        fishes.length[these] = rng.uniform(*shoal.size_cm, number)
+        fishes.identity[these] = rng.uniform(0, 1, number)
+        places = _places(shoal, number, scenario, rng)
+        common = rng.uniform(-np.pi, np.pi)
+        for i, place in enumerate(places, start=first):
+            floor = height_at(terrain, width, place[0], place[1])
+            place[2] = np.clip(place[2], floor + 40.0, -40.0)
+            turn = common + rng.normal(0, 0.2) if schooling else rng.uniform(-np.pi, np.pi)
+            fishes.position[i] = place
+            fishes.orientation[i] = heading_quaternion(turn)
+            fishes.goal_direction[i] = np.cos(turn), np.sin(turn), 0.0
+            row = int(rng.integers(library.length[kind, slow]))
+            fishes.row_a[i] = library.first[kind, slow] + row
+            fishes.row_b[i] = library.first[kind, slow] + (row + 1) % library.length[kind, slow]
+        if schooling:
+            fishes.leader[first + 1 : first + number] = first
+        first += number
+    fishes.waypoint[:] = fishes.position
+    fishes.goal_speed[:] = 0.5
+    fishes.segment[:] = slow
+    fishes.wanted_segment[:] = slow
+    fishes.scale[:] = fishes.length / library.recorded_length[fishes.species]
+    # Froude similarity: a fish α times as long beats 1/√α as often.
+    fishes.rate[:] = 1.0 / np.sqrt(fishes.scale)
+    fishes.fin_phase[:] = 2 * np.pi * fishes.identity
+    for name in ("position", "orientation", "row_a", "row_b", "weight", "span"):
+        getattr(fishes, f"previous_{name}")[:] = getattr(fishes, name)
+    return fishes
+
+
+def _places(shoal: Shoal, number: int, scenario: Scenario, rng: np.random.Generator) -> Array:
+    """Where the fishes of a shoal start (number, 3), cm, inside the cylinder."""
+    radius = scenario.bounds.radius_cm
+    if shoal.position_cm is None:
+        angle = rng.uniform(0, 2 * np.pi, number)
+        reach = 0.85 * radius * np.sqrt(rng.uniform(0, 1, number))
+        depth = rng.uniform(-0.9, -0.3, number) * scenario.bounds.depth_cm
+        return np.stack([reach * np.cos(angle), reach * np.sin(angle), depth], axis=1)
+    # A shoal larger than the scenario's spreads, so that the space per fish stays the same.
+    spread = shoal.spread_cm * max(1.0, number / max(shoal.number, 1)) ** (1 / 3)
+    places = rng.normal(0, spread / 2, (number, 3)) * (1, 1, 0.5) + shoal.position_cm
+    out = np.hypot(places[:, 0], places[:, 1]) / (0.85 * radius)
+    places[:, :2] /= np.maximum(out, 1.0)[:, None]
+    return np.asarray(places)
+
+
+def heading_quaternion(heading: float) -> Array:
+    """An upright body (4,) that heads `heading` rad left of the world's x axis."""
+    # Body y is up and z is right: a quarter turn about x, then the heading about the vertical.
+    c, s = np.cos(heading / 2), np.sin(heading / 2)
+    r = np.sqrt(0.5)
+    return np.array([c * r, c * r, s * r, s * r], np.float32)

@@ -1,0 +1,104 @@
+"""What several tests share: a fish whose motion is known in closed form, and worlds of it."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import settings
+from numpy.typing import NDArray
+
+from subsea.kinematics.frame import body_frame, to_body
+from subsea.kinematics.rotation import from_matrix
+from subsea.repertoire import SEGMENTS, Repertoire, Segment
+
+# The first example of a test may compile a kernel, so time is no measure of a failure.
+settings.register_profile("subsea", deadline=None, derandomize=True)
+settings.load_profile("subsea")
+
+TICK_S = 0.033
+LENGTH = 20.0
+STATIONS = np.array([0.0, 2.0, 5.0, 10.0, 14.7, 17.8, 20.0])
+HALF_WIDTH = [0.4, 0.95, 1.2, 1.0, 0.75]
+HALF_HEIGHT = [0.7, 1.25, 1.55, 1.5, 1.3]
+
+
+def straight_nodes() -> NDArray[np.float64]:
+    """The nodes (23, 3) of the prototype fish at rest, in body axes."""
+    x = STATIONS[2] - STATIONS
+    nodes = [[x[0], 0.0, 0.0]]
+    for k, (w, h) in enumerate(zip(HALF_WIDTH, HALF_HEIGHT, strict=True), start=1):
+        nodes += [[x[k], h, -w], [x[k], h, w], [x[k], -h, w], [x[k], -h, -w]]
+    nodes += [[x[6], 2.1, 0.0], [x[6], -2.1, 0.0]]
+    return np.array(nodes)
+
+
+def swum_nodes(
+    time: float, amplitude: float, frames: int, speed: float, turn: float
+) -> NDArray[np.float64]:
+    """World nodes (23, 3) of a fish on a circular path with a travelling wave, z up."""
+    nodes = straight_nodes()
+    phase = 2 * np.pi * time / frames
+    back = (nodes[0, 0] - nodes[:, 0]) / LENGTH
+    nodes[:, 2] += amplitude * LENGTH * back**2 * np.sin(phase - 5.0 * back)
+    heading = turn * time
+    if abs(turn) < 1e-12:
+        place = np.array([speed * time, 0.0, 0.0])
+    else:
+        place = speed / turn * np.array([np.sin(heading), 1 - np.cos(heading), 0.0])
+    # Body x, y, z to world: y is up, z is right.
+    c, s = np.cos(heading), np.sin(heading)
+    axes = np.array([[c, 0.0, s], [s, 0.0, -c], [0.0, 1.0, 0.0]])
+    return place + nodes @ axes.T
+
+
+def segment(pattern: str, grade: str, amplitude: float, speed: float, turn: float) -> Segment:
+    """Twelve frames of the known motion, reduced as SMC eqs. 6-8 say."""
+    frames = 12
+    world = np.stack([swum_nodes(t, amplitude, frames, speed, turn) for t in range(frames + 1)])
+    origin, rotation = body_frame(world)
+    before = np.swapaxes(rotation[:-1], -1, -2)
+    step = (before @ (origin[1:] - origin[:-1])[..., None])[..., 0]
+    return Segment(
+        pattern=pattern,
+        grade=grade,
+        cyclic=grade != "sharp",
+        increment_rotation=from_matrix(before @ rotation[1:]),
+        increment_translation=step,
+        nodes=to_body(world[1:], origin[1:], rotation[1:]),
+        control_points=None,
+        speed_cm_s=speed / TICK_S,
+        turn_deg=float(np.degrees(turn * frames)),
+        loop_error_bl=0.0,
+        bounding_radius_bl=0.85,
+    )
+
+
+@pytest.fixture(scope="session")
+def known_repertoire() -> Repertoire:
+    """A repertoire in closed form: seven segments of twelve frames."""
+    fast = 20.0 * TICK_S
+    forms = {
+        "swim_slow": ("forward", "slow", 0.03, 0.3 * fast, 0.0),
+        "swim_medium": ("forward", "medium", 0.06, 0.6 * fast, 0.0),
+        "swim_fast": ("forward", "fast", 0.10, fast, 0.0),
+        "turn_left_gradual": ("left", "gradual", 0.06, 0.5 * fast, np.radians(1.5)),
+        "turn_left_sharp": ("left", "sharp", 0.08, 0.5 * fast, np.radians(5.0)),
+        "turn_right_gradual": ("right", "gradual", 0.06, 0.5 * fast, np.radians(-1.5)),
+        "turn_right_sharp": ("right", "sharp", 0.08, 0.5 * fast, np.radians(-5.0)),
+    }
+    return Repertoire(
+        species="known",
+        tick_s=TICK_S,
+        body_length_cm=LENGTH,
+        source="closed form",
+        provenance={"by": "tests/conftest.py"},
+        rest_nodes=straight_nodes(),
+        segments={name: segment(*forms[name]) for name in SEGMENTS},
+    )
+
+
+@pytest.fixture(scope="session")
+def known_motion() -> Callable[..., Any]:
+    """The closed form itself: `swum_nodes`."""
+    return swum_nodes

@@ -1,0 +1,141 @@
+"""Repertoire files: what is written is read back, and nothing damaged gets in."""
+
+import dataclasses
+
+import h5py
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from subsea.errors import UserError
+from subsea.repertoire import read_repertoire, write_repertoire
+
+
+@pytest.fixture
+def path(tmp_path, known_repertoire):
+    file = tmp_path / "known.h5"
+    write_repertoire(file, known_repertoire)
+    return file
+
+
+def test_written_and_read_back(path, known_repertoire):
+    back = read_repertoire(path)
+    assert back.provenance == known_repertoire.provenance
+    assert back.segments.keys() == known_repertoire.segments.keys()
+    for name, segment in known_repertoire.segments.items():
+        for field in dataclasses.fields(segment):
+            np.testing.assert_array_equal(
+                getattr(back.segments[name], field.name), getattr(segment, field.name)
+            )
+
+
+def test_the_same_contents_are_the_same_bytes(path, tmp_path, known_repertoire):
+    write_repertoire(tmp_path / "again.h5", known_repertoire)
+    assert path.read_bytes() == (tmp_path / "again.h5").read_bytes()
+
+
+def test_a_fault_while_writing_leaves_the_old_file(path, known_repertoire):
+    before = path.read_bytes()
+    segments = dict(known_repertoire.segments, broken=None)
+    with pytest.raises(AttributeError):
+        write_repertoire(path, dataclasses.replace(known_repertoire, segments=segments))
+    assert path.read_bytes() == before
+    assert [p.name for p in path.parent.iterdir()] == [path.name]
+
+
+def _set(key, value):
+    def change(file):
+        file.attrs[key] = value
+
+    return change
+
+
+def _replace(name, value):
+    def change(file):
+        del file[name]
+        if value is not None:
+            file[name] = value
+
+    return change
+
+
+DAMAGE = {
+    "another format": (_set("format", "movie"), "not a repertoire"),
+    "a later version": (_set("version", 99), "version 99"),
+    "no length": (_set("body_length_cm", -1.0), "body_length_cm"),
+    "provenance that is no JSON": (_set("provenance", "{"), "provenance"),
+    "rest nodes of another fish": (_replace("rest/nodes", np.zeros((22, 3))), "22×3"),
+    "no segments": (_replace("segments", None), "segments"),
+    "numbers that are none": (
+        _replace("segments/swim_slow/nodes", np.full((12, 23, 3), np.nan)),
+        "not finite",
+    ),
+    "text for numbers": (_replace("segments/swim_slow/nodes", "abc"), "floating-point"),
+    "rotations that stretch": (
+        _replace("segments/swim_slow/increment_rotation", np.ones((12, 4))),
+        "unit quaternions",
+    ),
+    "frames that do not match": (
+        _replace("segments/swim_slow/increment_translation", np.zeros((11, 3))),
+        "11×3",
+    ),
+    "a fish as large as a house": (
+        _replace("segments/swim_slow/nodes", np.full((12, 23, 3), 1e4)),
+        "body lengths",
+    ),
+    "a link to another file": (
+        _replace("segments/swim_slow/nodes", h5py.ExternalLink("/etc/passwd", "/x")),
+        "expected a dataset",
+    ),
+    "a link to itself": (_replace("segments", h5py.SoftLink("/")), "expected a group"),
+}
+
+
+@pytest.mark.parametrize("name", DAMAGE)
+def test_damage_is_refused_in_one_line_that_names_the_file(path, name):
+    change, words = DAMAGE[name]
+    with h5py.File(path, "r+") as file:
+        change(file)
+    with pytest.raises(UserError) as caught:
+        read_repertoire(path)
+    message = str(caught.value)
+    assert words in message
+    assert str(path) in message
+    assert "\n" not in message
+
+
+def test_a_huge_claimed_size_is_refused_without_reading_it(path):
+    with h5py.File(path, "r+") as file:
+        del file["segments/swim_slow/increment_rotation"]
+        file.create_dataset(
+            "segments/swim_slow/increment_rotation", (10**9, 4), "f8", chunks=(1000, 4)
+        )
+    with pytest.raises(UserError, match="implausible"):
+        read_repertoire(path)
+
+
+def test_a_missing_file_is_one_line(tmp_path):
+    with pytest.raises(UserError, match="no such file"):
+        read_repertoire(tmp_path / "none.h5")
+
+
+@given(cut=st.floats(0, 0.999), flips=st.lists(st.tuples(st.floats(0, 0.999), st.integers(0, 7))))
+@settings(max_examples=60)
+def test_truncated_or_flipped_files_are_read_or_refused(tmp_path_factory, damaged, cut, flips):
+    data = bytearray(damaged)
+    for place, bit in flips[:20]:
+        data[int(place * len(data))] ^= 1 << bit
+    file = tmp_path_factory.mktemp("damaged") / "x.h5"
+    file.write_bytes(data if cut < 0.3 else data[: int(cut * len(data))])
+    try:
+        read_repertoire(file)
+    except UserError as fault:
+        assert "\n" not in str(fault)
+
+
+@pytest.fixture(scope="module")
+def damaged(tmp_path_factory, known_repertoire):
+    file = tmp_path_factory.mktemp("whole") / "known.h5"
+    write_repertoire(file, known_repertoire)
+    return file.read_bytes()
