@@ -58,18 +58,31 @@ def decide(
         if alarm > AVOID_ABOVE:
             fishes.intention[i] = AVOID
             speed = max(speed, min(0.5 + 0.35 * alarm, 1.0))
-        urge += danger
-        norm = np.sqrt((urge**2).sum())
-        if norm > 1e-6:
-            wish = fishes.goal_direction[i] + min(URGE_EASE * dt, 1.0) * (
-                urge / norm - fishes.goal_direction[i]
-            )
-            norm = np.sqrt((wish**2).sum())
-            if norm > 1e-3:
-                fishes.goal_direction[i] = wish / norm
-            else:
-                fishes.goal_direction[i] = urge / np.sqrt((urge**2).sum())
+        _turn_wish(fishes, i, urge + danger, min(URGE_EASE * dt, 1.0))
         fishes.goal_speed[i] = speed
+
+
+@njit(cache=True)
+def _turn_wish(fishes: Fishes, i: int, urge: Array, share: float) -> None:
+    """Turn the goal direction by a share of its angle to the urge, along the great circle."""
+    norm = np.sqrt((urge**2).sum())
+    if norm < 1e-6:
+        return
+    now = fishes.goal_direction[i].astype(np.float64)
+    along = (now * urge).sum() / norm
+    across = urge / norm - along * now
+    sine = np.sqrt((across**2).sum())
+    if sine < 1e-4:
+        if along > 0.0:
+            return
+        # Dead astern: either side will do, so the left one.
+        across[0], across[1], across[2] = 1e-6 - now[1], now[0], 0.0
+        across /= np.sqrt((across**2).sum())
+    else:
+        across /= sine
+    angle = share * np.arctan2(sine, along)
+    wish = np.cos(angle) * now + np.sin(angle) * across
+    fishes.goal_direction[i] = wish / np.sqrt((wish**2).sum())
 
 
 @njit(cache=True)

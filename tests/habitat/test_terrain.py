@@ -1,0 +1,37 @@
+"""The seabed."""
+
+import msgspec
+import numpy as np
+import pytest
+
+from subsea.habitat.terrain import make_terrain
+from subsea.scenario import load_scenario
+
+
+@pytest.fixture
+def scenario():
+    return load_scenario("peaceful")[0]
+
+
+def test_a_seed_is_a_seabed(scenario):
+    np.testing.assert_array_equal(make_terrain(scenario), make_terrain(scenario))
+    other = msgspec.structs.replace(
+        scenario, terrain=msgspec.structs.replace(scenario.terrain, seed=99)
+    )
+    assert np.abs(make_terrain(other) - make_terrain(scenario)).max() > 10
+
+
+def test_dunes_have_the_asked_height_and_leave_water_above(scenario):
+    heights = make_terrain(scenario)
+    n = len(heights)
+    middle = heights[n // 3 : -n // 3, n // 3 : -n // 3]
+    assert middle.std() == pytest.approx(0.5 * scenario.terrain.dune_height_cm, rel=0.4)
+    assert heights.max() <= -0.5 * scenario.bounds.depth_cm
+
+
+def test_no_cliffs(scenario):
+    """No step between samples is steeper than sand lies (34°)."""
+    heights = make_terrain(scenario)
+    step = 2 * 1.6 * scenario.bounds.radius_cm / (len(heights) - 1)
+    slope = np.hypot(*np.gradient(heights, step))
+    assert slope.max() < np.tan(np.radians(34.0))

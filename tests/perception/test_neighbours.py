@@ -1,0 +1,47 @@
+"""The grid against all pairs."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from subsea.perception.neighbours import find_neighbours
+from subsea.state import NEIGHBOURS, empty_fishes
+
+
+def _all_pairs(fishes, reach):
+    """The plain way: sort everybody by distance, then by index."""
+    out = np.full((len(fishes.species), NEIGHBOURS), -1)
+    p = fishes.position.astype(np.float64)
+    for i in range(len(p)):
+        d = ((p - p[i]) ** 2).sum(axis=1)
+        near = [
+            j
+            for j in np.lexsort((np.arange(len(p)), d))
+            if j != i and d[j] < reach**2 and fishes.species[j] == fishes.species[i]
+        ]
+        out[i, : len(near[:NEIGHBOURS])] = near[:NEIGHBOURS]
+    return out
+
+
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    n=st.integers(0, 120),
+    spread=st.sampled_from([1.0, 100.0, 800.0]),
+)
+@settings(max_examples=60)
+def test_the_grid_finds_what_all_pairs_find(seed, n, spread):
+    rng = np.random.default_rng(seed)
+    fishes = empty_fishes(n)
+    # Rounded places make equal distances, where order could tell.
+    fishes.position[:] = np.round(rng.normal(0, spread, (n, 3)))
+    fishes.species[:] = rng.integers(0, 2, n)
+    find_neighbours(fishes, 90.0)
+    np.testing.assert_array_equal(fishes.neighbour, _all_pairs(fishes, 90.0))
+
+
+@pytest.mark.parametrize("n", [0, 1])
+def test_nobody_is_alone_with_company(n):
+    fishes = empty_fishes(n)
+    find_neighbours(fishes, 90.0)
+    assert (fishes.neighbour == -1).all()

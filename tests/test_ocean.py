@@ -1,0 +1,133 @@
+"""The whole world, tick by tick."""
+
+import hashlib
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from subsea.kinematics.heightfield import height_at
+from subsea.ocean import TICK_S, create_world, step
+from subsea.scenario import load_scenario
+from subsea.state import digest
+from subsea.submarine.helm import Helm
+
+AHEAD = Helm(surge=0.4, yaw=0.1)
+
+
+def _world(seed=None, fish=None):
+    return create_world(load_scenario("peaceful")[0], seed=seed, fish=fish)
+
+
+@pytest.fixture(scope="module")
+def minute():
+    """A minute of the peaceful bay: the world, and positions (T, n, 3) of every tick."""
+    world = _world()
+    path = []
+    for _ in range(1800):
+        step(world, AHEAD)
+        path.append(world.state.fishes.position.copy())
+    return world, np.array(path)
+
+
+def test_the_sea_has_the_fishes_of_the_scenario():
+    world = _world()
+    assert len(world.state.fishes.species) == sum(s.number for s in world.scenario.fish)
+
+
+@pytest.mark.parametrize("fish", [0, 1, 7, 61, 500])
+def test_any_number_of_fishes_can_be_asked_for(fish):
+    world = _world(fish=fish)
+    step(world, AHEAD)
+    assert len(world.state.fishes.species) == fish
+
+
+def test_nobody_leaves_the_sea(minute):
+    world, path = minute
+    bounds = world.scenario.bounds
+    assert np.isfinite(path).all()
+    assert np.hypot(path[..., 0], path[..., 1]).max() < bounds.radius_cm
+    assert path[..., 2].max() < 0
+    sea = (world.terrain, world.terrain_half_width)
+    depth = [p[2] - height_at(*sea, p[0], p[1]) for p in path[::10].reshape(-1, 3)]
+    assert min(depth) > 3.0
+
+
+def test_fishes_move_like_fishes(minute):
+    """No leaps, no standing still, noses ahead."""
+    world, path = minute
+    speed = np.linalg.norm(np.diff(path, axis=0), axis=2) / TICK_S
+    lengths = world.state.fishes.length
+    assert (speed / lengths).max() < 2.5
+    assert (speed / lengths).mean(axis=0).min() > 0.15
+
+
+def test_the_school_stays_together(minute):
+    world, path = minute
+    schooling = world.state.fishes.leader >= 0
+    leader = world.state.fishes.leader[schooling][0]
+    gap = np.linalg.norm(path[600:, schooling] - path[600:, [leader]], axis=2)
+    assert np.median(gap) < 150
+    assert (gap < 350).mean() > 0.98
+
+
+def test_schooling_fishes_keep_their_distance(minute):
+    world, path = minute
+    schooling = world.state.fishes.leader >= 0
+    places = path[900::60, schooling]
+    gap = np.linalg.norm(places[:, :, None] - places[:, None], axis=3)
+    gap += 1e9 * np.eye(gap.shape[1])
+    nearest = gap.min(axis=2) / world.state.fishes.length[schooling].mean()
+    assert np.median(nearest) > 0.5
+
+
+def test_backs_stay_up(minute):
+    world, _ = minute
+    q = world.state.fishes.orientation
+    up = 2 * (q[:, 2] * q[:, 3] + q[:, 1] * q[:, 0])  # height of the dorsal axis
+    assert np.median(up) > 0.95
+    assert up.min() > 0.5
+
+
+def test_equal_seeds_are_equal_worlds_and_others_are_not():
+    worlds = [_world(seed=5, fish=40), _world(seed=5, fish=40), _world(seed=6, fish=40)]
+    for _ in range(120):
+        for world in worlds:
+            step(world, AHEAD)
+    first, second, other = (digest(world.state) for world in worlds)
+    assert first == second
+    assert first != other
+
+
+PROGRAM = """
+from subsea.ocean import create_world, step
+from subsea.scenario import load_scenario
+from subsea.state import digest
+from subsea.submarine.helm import Helm
+world = create_world(load_scenario("peaceful")[0], seed=3, fish=60)
+for _ in range(200):
+    step(world, Helm(surge=0.3))
+print(digest(world.state))
+"""
+
+
+def test_the_number_of_threads_does_not_matter():
+    def run(threads):
+        environment = dict(os.environ, NUMBA_NUM_THREADS=threads, OMP_NUM_THREADS=threads)
+        done = subprocess.run(
+            [sys.executable, "-c", PROGRAM], env=environment, capture_output=True, text=True,
+            check=True,
+        )  # fmt: skip
+        return done.stdout.strip()
+
+    assert run("1") == run("2")
+
+
+def test_the_digest_sees_every_array():
+    world = _world(fish=3)
+    before = digest(world.state)
+    world.state.fishes.pectoral[2, 1] += 1e-3
+    assert digest(world.state) != before
+    assert len(before) == len(hashlib.sha256().hexdigest())
