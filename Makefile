@@ -1,0 +1,35 @@
+# `make run` opens a dive, `make test` runs every check. Both set up what they need, once.
+#
+#   make run ARGS="--seed 3 --fullscreen"      arguments of `subsea dive`
+#   make test ARGS="-k clock"                  arguments of pytest
+
+BIN := .venv/bin
+LOCKED := uv.lock pyproject.toml tools/setup.sh
+NO_DISPLAY = [ -z "$$DISPLAY$$WAYLAND_DISPLAY" ] && [ "$$(uname -s)" != Darwin ]
+
+.PHONY: run test format clean
+
+run: .venv/ready-run
+	@if $(NO_DISPLAY); then \
+		echo "No display here: filming ten seconds to dive.mp4 instead."; \
+		exec $(BIN)/subsea film dive.mp4 --seconds 10; \
+	else \
+		exec $(BIN)/python run_submarine.py $(ARGS); \
+	fi
+
+test: .venv/ready-test
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/pytest -n 2 --dist loadfile $(ARGS)
+
+format: .venv/ready-test
+	$(BIN)/ruff format .
+	$(BIN)/ruff check --fix .
+
+clean:
+	rm -rf .venv
+
+.venv/ready-%: $(LOCKED)
+	@sh tools/setup.sh $*
+	@touch $@

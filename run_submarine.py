@@ -1,0 +1,8 @@
+"""The front door: `python run_submarine.py …` is `subsea dive …`."""
+
+import sys
+
+from subsea.app.cli import main
+
+if __name__ == "__main__":
+    sys.exit(main(["dive", *sys.argv[1:]]))
