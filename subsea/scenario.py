@@ -9,7 +9,9 @@ from subsea.errors import UserError, unknown
 from subsea.resources import load_toml, named_or_file
 from subsea.species import species_names
 
-Positive = Annotated[float, msgspec.Meta(gt=0)]
+Positive = Annotated[float, msgspec.Meta(gt=0, le=1e5)]
+Coordinate = Annotated[float, msgspec.Meta(ge=-1e5, le=1e5)]
+Flow = Annotated[float, msgspec.Meta(ge=-200, le=200)]
 Share = Annotated[float, msgspec.Meta(ge=0, le=1)]
 Colour = tuple[Share, Share, Share]
 
@@ -26,7 +28,7 @@ class Water(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
 
     fog: Colour  # linear RGB of the far water, seen level
     visibility_cm: Positive  # distance at which contrast has fallen to 2%
-    current_cm_s: tuple[float, float] = (0.0, 0.0)  # uniform flow along x and y
+    current_cm_s: tuple[Flow, Flow] = (0.0, 0.0)  # uniform flow along x and y
     plankton: Annotated[int, msgspec.Meta(ge=0, le=100000)] = 0
 
 
@@ -44,15 +46,17 @@ class Shoal(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     species: str
     number: Annotated[int, msgspec.Meta(ge=0, le=100000)]
     size_cm: tuple[Positive, Positive]  # smallest and largest body length
-    position_cm: tuple[float, float, float] | None = None  # centre; none: spread over the sea
+    position_cm: tuple[Coordinate, Coordinate, Coordinate] | None = (
+        None  # centre; none: spread over the sea
+    )
     spread_cm: Positive = 150.0
 
 
 class Start(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """Where the submarine begins."""
 
-    position_cm: tuple[float, float, float]
-    heading_deg: float = 0.0
+    position_cm: tuple[Coordinate, Coordinate, Coordinate]
+    heading_deg: Coordinate = 0.0
 
 
 class Scenario(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):

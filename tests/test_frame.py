@@ -1,0 +1,72 @@
+"""The packet: what drawing sees of a world."""
+
+import numpy as np
+import pytest
+
+from subsea import frame
+from subsea.ocean import TICK_S, create_world, step
+from subsea.scenario import load_scenario
+from subsea.submarine.helm import Helm
+from subsea.view.rigs import cockpit, views_for
+
+
+@pytest.fixture(scope="module")
+def world():
+    world = create_world(load_scenario("peaceful")[0])
+    for _ in range(40):
+        step(world, Helm(surge=0.5))
+    return world
+
+
+def _pack(world, alpha=0.5, **options):
+    views = views_for("mono", (640, 360), cockpit(world.state.submarine, alpha))
+    return frame.pack(world, views, alpha, **options)
+
+
+def test_without_culling_every_fish_is_there_once(world):
+    packet = _pack(world, culling=False)
+    fishes = world.state.fishes
+    assert packet.hidden == 0
+    np.testing.assert_array_equal(
+        np.sort(packet.instances[:, frame.IDENTITY]), np.sort(fishes.identity)
+    )
+
+
+def test_culling_hides_some_and_keeps_the_rest(world):
+    packet, everybody = _pack(world), _pack(world, culling=False)
+    assert packet.hidden + len(packet.instances) == len(everybody.instances)
+    assert 0 < packet.hidden < len(everybody.instances)
+
+
+def test_batches_cover_the_instances_in_order(world):
+    packet = _pack(world)
+    ends = [0]
+    for batch in packet.batches:
+        assert batch.first == ends[-1]
+        ends.append(batch.first + batch.count)
+        rows = packet.instances[batch.first : ends[-1], frame.ROW_A].astype(int)
+        first = world.library.first[batch.species, 0]
+        last = first + world.library.length[batch.species].sum()
+        assert ((rows >= first) & (rows < last)).all()
+    assert ends[-1] == len(packet.instances)
+    keys = [(b.species, b.level) for b in packet.batches]
+    assert keys == sorted(set(keys))
+
+
+def test_without_lod_all_are_tessellated(world):
+    assert {batch.level for batch in _pack(world, lod=False).batches} == {0}
+
+
+@pytest.mark.parametrize(("alpha", "prefix"), [(0.0, "previous_"), (1.0, "")])
+def test_the_ends_of_the_interval_are_the_ticks(world, alpha, prefix):
+    packet = _pack(world, alpha, culling=False)
+    fishes = world.state.fishes
+    order = [int(np.flatnonzero(fishes.identity == v)[0]) for v in packet.instances[:, 11]]
+    np.testing.assert_allclose(
+        packet.instances[:, frame.POSITION], getattr(fishes, prefix + "position")[order]
+    )
+    turn = (
+        packet.instances[:, frame.ORIENTATION] * getattr(fishes, prefix + "orientation")[order]
+    ).sum(axis=1)
+    np.testing.assert_allclose(np.abs(turn), 1.0, atol=1e-5)
+    assert packet.time_s == pytest.approx((39 + alpha) * TICK_S)

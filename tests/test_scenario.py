@@ -1,0 +1,58 @@
+"""Scenario files: what is wrong is said in one line with file and key."""
+
+import pytest
+
+from subsea.errors import UserError
+from subsea.resources import resource_names, resource_path
+from subsea.scenario import load_scenario
+
+PEACEFUL = resource_path("assets/scenarios/peaceful.toml").read_text()
+
+
+@pytest.mark.parametrize("name", resource_names("assets/scenarios", ".toml"))
+def test_shipped_scenarios_are_valid(name):
+    scenario, path = load_scenario(name)
+    assert scenario.title
+    assert path.stem == name
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (("seed = 1", "sead = 1"), ["unknown key `sead`", "did you mean 'seed'"]),
+        (("plankton = 700", "planktn = 700"), ["`planktn`", "water", "'plankton'"]),
+        (("number = 51", "number = -1"), [">= 0", "fish[0].number"]),
+        (('species = "fusilier"', 'species = "fuselier"'), ["'fuselier'", "'fusilier'"]),
+        (("radius_cm = 1300.0", 'radius_cm = "wide"'), ["bounds.radius_cm", "float"]),
+        (("[water]", "[water"), ["not valid TOML"]),
+        (("size_cm = [16.0, 23.0]", "size_cm = [23.0, 16.0]"), ["size_cm", "smallest first"]),
+        (('title = "Peaceful bay"', ""), ["missing key", "title"]),
+        (("radius_cm = 1300.0", "radius_cm = nan"), ["bounds.radius_cm"]),
+        (("-330.0]", "inf]"), ["position_cm"]),
+    ],
+)
+def test_a_fault_is_one_line_that_names_file_and_key(tmp_path, change, words):
+    file = tmp_path / "mine.toml"
+    assert change[0] in PEACEFUL
+    file.write_text(PEACEFUL.replace(*change))
+    with pytest.raises(UserError) as caught:
+        load_scenario(str(file))
+    message = str(caught.value)
+    assert str(file) in message
+    assert "\n" not in message
+    for word in words:
+        assert word in message
+
+
+def test_an_unknown_name_suggests_the_nearest():
+    with pytest.raises(UserError, match="did you mean 'peaceful'"):
+        load_scenario("peacefull")
+
+
+@pytest.mark.parametrize("content", [b"\xff\xfe\x00", None])
+def test_what_is_no_text_is_refused(tmp_path, content):
+    file = tmp_path / "mine.toml"
+    if content is not None:
+        file.write_bytes(content)
+    with pytest.raises(UserError, match="cannot read"):
+        load_scenario(str(file))

@@ -1,0 +1,65 @@
+"""Species files, and the conformance of every species that is shipped."""
+
+import numpy as np
+import pytest
+
+from subsea.errors import UserError
+from subsea.kinematics.surface import rest_control_points
+from subsea.repertoire import SEGMENTS, read_repertoire
+from subsea.resources import resource_path
+from subsea.species import load_species, species_names
+
+
+def test_an_unknown_species_suggests_the_nearest():
+    with pytest.raises(UserError, match="did you mean 'fusilier'"):
+        load_species("fusileer")
+
+
+@pytest.fixture(params=species_names())
+def name(request):
+    return request.param
+
+
+@pytest.fixture
+def repertoire(name):
+    return read_repertoire(resource_path("repertoires") / f"{name}.h5")
+
+
+def test_it_has_every_segment(name, repertoire):
+    assert repertoire.species == name
+    assert set(SEGMENTS) <= set(repertoire.segments)
+
+
+def test_grades_are_ordered(repertoire):
+    slow, medium, fast = (repertoire.segments[f"swim_{g}"] for g in ("slow", "medium", "fast"))
+    assert 1.4 * slow.speed_cm_s <= medium.speed_cm_s
+    assert 1.4 * medium.speed_cm_s <= fast.speed_cm_s
+
+
+@pytest.mark.parametrize("grade", ["gradual", "sharp"])
+def test_left_turns_left_and_right_is_its_mirror(repertoire, grade):
+    left, right = (repertoire.segments[f"turn_{side}_{grade}"] for side in ("left", "right"))
+    assert left.turn_deg > 2
+    np.testing.assert_allclose(right.turn_deg, -left.turn_deg, atol=0.1)
+    mirror = np.array([1, 1, -1])
+    np.testing.assert_allclose(
+        right.increment_translation, left.increment_translation * mirror, atol=1e-3
+    )
+
+
+def test_cycles_close(repertoire):
+    for segment in repertoire.segments.values():
+        if segment.cyclic:
+            assert segment.loop_error_bl < 1e-3
+
+
+def test_the_recorded_skin_wraps_the_nodes(name, repertoire):
+    """Control points stay within a plausible distance of the body, in every frame."""
+    rest = rest_control_points(
+        load_species(name).surface, repertoire.body_length_cm, repertoire.rest_nodes[0, 0]
+    )
+    reach = np.linalg.norm(rest, axis=1).max()
+    for segment in repertoire.segments.values():
+        if segment.control_points is not None:
+            far = np.linalg.norm(segment.control_points, axis=2).max()
+            assert far < 1.35 * reach
