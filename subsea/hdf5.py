@@ -2,7 +2,7 @@
 
 import math
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
@@ -49,6 +49,54 @@ def writing(path: Path) -> Iterator[Any]:
     finally:
         with suppress(OSError):
             temporary.unlink()
+
+
+@contextmanager
+def recording(
+    path: Path, attributes: Mapping[str, Any], constants: Mapping[str, NDArray[Any]]
+) -> Iterator[Callable[[Mapping[str, NDArray[Any]]], None]]:
+    """Write a file whose datasets grow along their first axis, which is time.
+
+    Yields `append`, which takes a block of rows for every dataset, all of one length. Ctrl-C
+    keeps the rows so far as a whole file and goes on as KeyboardInterrupt; with no rows, or on
+    any other fault, nothing is left.
+    """
+    interrupted: KeyboardInterrupt | None = None
+    with writing(path) as file:
+        growing: dict[str, Any] = {}
+        rows = 0
+
+        def append(block: Mapping[str, NDArray[Any]]) -> None:
+            nonlocal rows
+            for name, values in block.items():
+                if name not in growing:
+                    growing[name] = file.create_dataset(
+                        name,
+                        shape=(0, *values.shape[1:]),
+                        maxshape=(None, *values.shape[1:]),
+                        chunks=values.shape,
+                        dtype=values.dtype,
+                        compression="gzip",
+                        compression_opts=1,
+                        shuffle=True,
+                    )
+                growing[name].resize(rows + len(values), axis=0)
+                growing[name][rows:] = values
+            rows += len(values)
+
+        file.attrs.update(attributes)
+        for name, values in constants.items():
+            file[name] = values
+        try:
+            yield append
+        except KeyboardInterrupt as interrupt:
+            if not rows:
+                raise
+            interrupted = interrupt
+        for dataset in growing.values():
+            dataset.resize(rows, axis=0)  # an interruption may have cut a block short
+    if interrupted:
+        raise interrupted
 
 
 def attribute(group: Any, name: str, kind: type, where: str) -> Any:

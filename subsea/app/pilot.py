@@ -11,6 +11,8 @@ from subsea.submarine.helm import Helm
 
 Action = Literal["ahead", "astern", "left", "right", "up", "down", "rise", "dive", "full stop"]
 
+Button = Literal["left", "right", "middle"]
+
 DEAD_ZONE = 0.10  # of half the window: here the submarine keeps its course
 CURVE = 1.6  # exponent of the answer: fine near the middle, strong at the edge
 MOUSE_PITCH = 0.75  # the pointer at the edge asks for this share of the steepest pitch
@@ -33,7 +35,7 @@ class Pilot:
         self._pointer: tuple[float, float] | None = None
         self._rested: tuple[float, float] | None = None  # where the pointer lost the helm
         self._held: set[Action] = set()
-        self._buttons: set[str] = set()
+        self._buttons: set[Button] = set()
         self._throttle = 0.0
         self._stopping = False
         self._grip = 0.0
@@ -64,7 +66,7 @@ class Pilot:
         self._pointer = None
         self._rested = None
 
-    def button(self, name: Literal["left", "right", "middle"], down: bool) -> None:
+    def button(self, name: Button, down: bool) -> None:
         """A mouse button went down or up."""
         if not down:
             self._buttons.discard(name)

@@ -1,0 +1,148 @@
+"""`subsea benchmark`: how long every stage of a frame takes. docs/diving.md has the formulas."""
+
+import json
+import time
+from collections import defaultdict
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from tqdm import tqdm
+
+from subsea.app.start import start_headless, start_world
+from subsea.app.timing import summary
+from subsea.app.tour import tour_helm
+from subsea.errors import UserError
+from subsea.frame import LEVELS, Packet, pack
+from subsea.ocean import step
+from subsea.view.rigs import cockpit, views_for
+from subsea.world import World
+
+if TYPE_CHECKING:
+    from subsea.render import Renderer
+
+STAGES = (
+    "perception",
+    "behavior",
+    "motor",
+    "habitat",
+    "pose",
+    "cull",
+    "upload",
+    "draw",
+    "present",
+)
+WARM_UP_FRAMES = 30
+
+
+def benchmark(
+    scenario: str,
+    fish: int | None,
+    frames: int,
+    size: tuple[int, int],
+    display: str,
+    seed: int | None,
+    without: frozenset[str],
+    out: Path | None,
+) -> int:
+    """Measure, print the report as a table, and write it as JSON to `out` if that is named."""
+    if out is not None and not out.parent.is_dir():
+        raise UserError(f"{out}: there is no folder {out.parent}")
+    world = start_world(scenario, seed, fish)
+    context, renderer = start_headless(world, size)
+    try:
+        measured = measure(world, renderer, context, display, size, frames, without)
+        report = {
+            "renderer": context.info["GL_RENDERER"],
+            "size": list(size),
+            "display": display,
+            "scenario": scenario,
+            "fish": len(world.state.fishes.species),
+            "seed": world.state.seed,
+            "version": version("subsea"),
+            "without": sorted(without),
+            **measured,
+        }
+    finally:
+        renderer.release()
+        context.release()
+    _print(report)
+    if out is not None:
+        _write(out, report)
+    return 0
+
+
+def measure(
+    world: World,
+    renderer: "Renderer",
+    context: Any,
+    display: str,
+    size: tuple[int, int],
+    frames: int,
+    without: frozenset[str] = frozenset(),
+) -> dict[str, Any]:
+    """The measured part of the report: one tick and one picture a frame, after a warm-up."""
+    durations: list[float] = []
+    stages: dict[str, list[float]] = defaultdict(list)
+    levels = np.zeros(len(LEVELS))
+    triangles = visible = 0
+    for k in tqdm(range(-WARM_UP_FRAMES, frames), unit="frame", disable=None, leave=False):
+        start = time.perf_counter()
+        step(world, tour_helm(world))
+        views = views_for(display, size, cockpit(world.state.submarine, 1.0))
+        packet = pack(world, views, 1.0, culling="culling" not in without, lod="lod" not in without)
+        drawing = _draw(renderer, context, packet)
+        end = time.perf_counter()
+        if k < 0:
+            continue
+        durations.append(end - start)
+        for name, seconds in (world.stages_s | drawing).items():
+            stages[name].append(seconds)
+        for batch in packet.batches:
+            levels[batch.level] += batch.count
+        visible += len(packet.instances)
+        triangles += renderer.triangles
+    frame_ms = summary(durations)
+    return {
+        "frames": frames,
+        "visible_mean": visible / frames,
+        "frame_ms": frame_ms,
+        "fps": 1000.0 / frame_ms["mean"],
+        "stages_ms": {name: summary(stages[name])["p50"] for name in STAGES},
+        "lod": dict(zip(LEVELS, (levels / frames).tolist(), strict=True)),
+        "triangles_mean": triangles / frames,
+    }
+
+
+def _draw(renderer: "Renderer", context: Any, packet: Packet) -> dict[str, float]:
+    """Draw a packet to the end; seconds of the stages upload, draw and present."""
+    context.finish()
+    begin = time.perf_counter()
+    renderer.draw(packet)
+    context.finish()
+    drawn = time.perf_counter()
+    renderer.read_pixels()
+    return {
+        "draw": drawn - begin,
+        "present": time.perf_counter() - drawn,
+    }
+
+
+def _print(report: dict[str, Any]) -> None:
+    """The report for people: one figure a line."""
+    width, height = report["size"]
+    print(f"{report['fish']} fishes, {report['visible_mean']:.1f} visible, {width}x{height}")
+    print(f"{report['renderer']}")
+    for title in ("frame_ms", "stages_ms", "lod"):
+        print(title)
+        for name, value in report[title].items():
+            print(f"  {name:<14}{value:>10.3f}")
+    print(f"triangles {report['triangles_mean']:.0f} a frame, {report['fps']:.1f} frames a second")
+
+
+def _write(path: Path, report: dict[str, Any]) -> None:
+    try:
+        path.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+    except OSError as fault:
+        raise UserError(f"{path}: cannot write ({fault.strerror})") from fault

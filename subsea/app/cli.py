@@ -1,0 +1,367 @@
+"""The command line: what may be asked, checked before anything heavy is loaded."""
+
+import argparse
+import math
+import signal
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, NoReturn
+
+from subsea.errors import UserError, unknown
+
+MAX_SIZE = 8192  # pixels; the largest picture that every OpenGL 3.3 machine can hold
+MIN_SIZE = 64
+STAGES_TO_LEAVE_OUT = ("culling", "lod")
+
+FORMATTER = argparse.RawDescriptionHelpFormatter
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run `subsea` with these arguments (default: the process's) and return its exit code.
+
+    0 done, 1 a negative finding of `doctor`, 2 something the user can mend (one line on
+    standard error), 130 interrupted.
+    """
+    arguments = sys.argv[1:] if arguments is None else arguments
+    signal.signal(signal.SIGTERM, _terminate)  # a polite kill ends as Ctrl-C does
+    try:
+        return _run(arguments)
+    except UserError as fault:
+        print(f"subsea: {fault}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("subsea: interrupted", file=sys.stderr)
+        return 130
+    except BrokenPipeError:
+        # The reader of our output (`subsea … | head`) has seen enough.
+        sys.stderr.close()
+        return 0
+
+
+def _terminate(number: int, frame: object) -> NoReturn:
+    raise KeyboardInterrupt
+
+
+def _run(arguments: Sequence[str]) -> int:
+    parser, commands = _parsers()
+    if not arguments:
+        parser.print_help()
+        return 0
+    if not arguments[0].startswith("-") and arguments[0] not in commands:
+        raise unknown("command", arguments[0], list(commands))
+    options, extra = parser.parse_known_args(arguments)
+    if extra:
+        command = commands[options.command]
+        known = sorted(name for action in command._actions for name in action.option_strings)
+        stray = extra[0].split("=")[0]
+        if stray.startswith("-"):
+            raise unknown(f"option of `{command.prog}`:", stray, known)
+        raise UserError(f"{command.prog}: unexpected argument {stray!r}")
+    run: Callable[..., int] = options.run
+    return run(**{k: v for k, v in vars(options).items() if k not in ("run", "command")})
+
+
+class _Parser(argparse.ArgumentParser):
+    """Faults are UserErrors: one line, without the usage before it."""
+
+    def error(self, message: str) -> NoReturn:
+        raise UserError(f"{self.prog.removeprefix('subsea ')}: {message}")
+
+
+def _parsers() -> tuple[argparse.ArgumentParser, dict[str, argparse.ArgumentParser]]:
+    """The parser of `subsea` and the parser of each command."""
+    parser = _Parser(
+        prog="subsea",
+        description="A submarine among artificial fishes.",
+        epilog="`subsea COMMAND --help` shows the options and examples of a command.",
+        allow_abbrev=False,
+    )
+    parser.add_argument("--version", action="version", version=f"subsea {_version()}")
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND")
+    for add in (_add_dive, _add_film, _add_simulate, _add_benchmark, _add_doctor):
+        add(commands)
+    return parser, dict(commands.choices)
+
+
+def _add_dive(commands: Any) -> None:
+    dive = _command(
+        commands,
+        "dive",
+        "pilot the submarine in a window",
+        "Point where you want to look, hold the left button to go there, press the wheel or\n"
+        "the space bar to stop. H shows every control, Esc ends the dive.",
+        ["subsea dive", "subsea dive --fullscreen --seed 3", "subsea dive --seconds 60"],
+    )
+    _add_scenario(dive)
+    _add_display(dive)
+    _add_size(dive, (1280, 720))
+    dive.add_argument("--fullscreen", action="store_true", help="fill the screen (F11 toggles)")
+    _add_seed(dive)
+    dive.add_argument(
+        "--seconds", type=_number(float, 0.1, 86400.0), metavar="S", help="end by itself after S"
+    )
+    dive.set_defaults(run=_dive)
+
+
+def _add_film(commands: Any) -> None:
+    film = _command(
+        commands,
+        "film",
+        "film a tour, without a window",
+        "OUT decides what is made: a film (.mp4), one picture (.png), or a folder of numbered\n"
+        "pictures. Needs OpenGL, but no display.",
+        [
+            "subsea film dive.mp4",
+            "subsea film reef.png --size 1920x1080 --seconds 8",
+            "subsea film frames/ --seconds 2 --fps 30",
+        ],
+    )
+    film.add_argument("out", metavar="OUT", type=Path, help="FILE.mp4, FILE.png or a folder")
+    _add_scenario(film)
+    _add_display(film)
+    film.add_argument(
+        "--seconds",
+        type=_number(float, 0.05, 3600.0),
+        default=10.0,
+        metavar="S",
+        help="length of the tour; a single picture is taken at its end (default 10)",
+    )
+    film.add_argument(
+        "--fps",
+        type=_number(float, 1.0, 240.0),
+        default=30.0,
+        metavar="F",
+        help="pictures per second (default 30)",
+    )
+    _add_size(film, (1280, 720))
+    _add_seed(film)
+    film.set_defaults(run=_film)
+
+
+def _add_simulate(commands: Any) -> None:
+    simulate = _command(
+        commands,
+        "simulate",
+        "record what every fish does, without pictures",
+        "Writes an HDF5 file for those who study the fishes. Needs no OpenGL. An interrupted\n"
+        "run leaves a valid file with the ticks so far.",
+        [
+            "subsea simulate --ticks 1000 --out run.h5",
+            "subsea simulate --ticks 9000 --out run.h5 --fish 400 --seed 7",
+        ],
+    )
+    simulate.add_argument(
+        "--ticks",
+        type=_number(int, 1, 100_000_000),
+        required=True,
+        metavar="N",
+        help="length of the run; a tick is 33 ms",
+    )
+    simulate.add_argument("--out", type=Path, required=True, metavar="FILE.h5")
+    _add_scenario(simulate)
+    _add_fish(simulate)
+    _add_seed(simulate)
+    simulate.set_defaults(run=_simulate)
+
+
+def _add_benchmark(commands: Any) -> None:
+    benchmark = _command(
+        commands,
+        "benchmark",
+        "measure how long every stage of a frame takes",
+        "One tick of the world and one picture a frame, without a window; docs/diving.md gives\n"
+        "the formula of every figure. --paper measures what the 1999 paper measured.",
+        [
+            "subsea benchmark --frames 120 --json report.json",
+            "subsea benchmark --fish 1000 --without culling,lod",
+            "subsea benchmark --paper",
+        ],
+    )
+    _add_scenario(benchmark)
+    _add_fish(benchmark)
+    benchmark.add_argument(
+        "--frames",
+        type=_number(int, 1, 100_000),
+        default=120,
+        metavar="N",
+        help="frames that count, after the warm-up (default 120)",
+    )
+    _add_size(benchmark, (1280, 720))
+    _add_display(benchmark)
+    _add_seed(benchmark)
+    benchmark.add_argument(
+        "--without",
+        type=_left_out,
+        default=frozenset(),
+        metavar="LIST",
+        help=f"leave out, separated by commas: {', '.join(STAGES_TO_LEAVE_OUT)}",
+    )
+    benchmark.add_argument(
+        "--json", type=Path, dest="out", metavar="FILE", help="write the report there too"
+    )
+    benchmark.add_argument(
+        "--paper", action="store_true", help="tables 3 and 4 of the 1999 paper for this machine"
+    )
+    benchmark.set_defaults(run=_benchmark)
+
+
+def _add_doctor(commands: Any) -> None:
+    doctor = _command(
+        commands,
+        "doctor",
+        "tell what this machine can do, and what to install",
+        "Exit code 0 if a dive in a window is possible here, 1 if not.",
+        ["subsea doctor"],
+    )
+    doctor.set_defaults(run=_doctor)
+
+
+def _command(
+    commands: Any, name: str, summary: str, text: str, examples: list[str]
+) -> argparse.ArgumentParser:
+    epilog = "examples:\n" + "\n".join(f"  {example}" for example in examples)
+    parser: argparse.ArgumentParser = commands.add_parser(
+        name,
+        help=summary,
+        description=f"{summary[0].upper()}{summary[1:]}.\n\n{text}",
+        epilog=epilog,
+        formatter_class=FORMATTER,
+        allow_abbrev=False,
+    )
+    return parser
+
+
+def _add_scenario(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--scenario",
+        default="peaceful",
+        metavar="NAME|FILE",
+        help="a scenario's name or a .toml file (default peaceful)",
+    )
+
+
+def _add_display(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--display",
+        type=_display,
+        default="mono",
+        metavar="MODE",
+        help="mono, side-by-side or top-bottom (default mono)",
+    )
+
+
+def _add_size(parser: argparse.ArgumentParser, default: tuple[int, int]) -> None:
+    parser.add_argument(
+        "--size",
+        type=_size,
+        default=default,
+        metavar="WxH",
+        help=f"pixels (default {default[0]}x{default[1]})",
+    )
+
+
+def _add_seed(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--seed",
+        type=_number(int, 0, 2**32 - 1),
+        metavar="N",
+        help="another seed than the scenario's: other fishes, same sea",
+    )
+
+
+def _add_fish(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--fish",
+        type=_number(int, 1, 100_000),
+        metavar="N",
+        help="number of fishes in all, instead of the scenario's",
+    )
+
+
+def _number(kind: type[int] | type[float], low: float, high: float) -> Callable[[str], float]:
+    """A reader of numbers in [low, high]; anything else is a fault in one line."""
+    noun = "a whole number" if kind is int else "a number"
+
+    def read(text: str) -> float:
+        try:
+            value: float = kind(text)
+        except ValueError:
+            value = math.nan
+        if not low <= value <= high:
+            raise argparse.ArgumentTypeError(f"{text!r}: expected {noun} from {low} to {high}")
+        return value
+
+    return read
+
+
+def _size(text: str) -> tuple[int, int]:
+    width, cross, height = text.lower().partition("x")
+    if not (cross and width.isdecimal() and height.isdecimal()):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a size such as 1280x720")
+    size = int(width), int(height)
+    if not all(MIN_SIZE <= pixels <= MAX_SIZE for pixels in size):
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is out of range, expected {MIN_SIZE} to {MAX_SIZE} pixels a side"
+        )
+    return size
+
+
+def _display(text: str) -> str:
+    from subsea.view.rigs import DISPLAYS
+
+    if text not in DISPLAYS:
+        raise unknown("display", text, list(DISPLAYS))
+    return text
+
+
+def _left_out(text: str) -> frozenset[str]:
+    words = [word.strip() for word in text.split(",") if word.strip()]
+    for word in words:
+        if word not in STAGES_TO_LEAVE_OUT:
+            raise unknown("stage to leave out", word, list(STAGES_TO_LEAVE_OUT))
+    return frozenset(words)
+
+
+def _version() -> str:
+    from importlib.metadata import version
+
+    return version("subsea")
+
+
+# Each command loads its own modules, so that a wrong option answers at once and `simulate`
+# runs on machines without OpenGL.
+
+
+def _dive(**options: Any) -> int:
+    from subsea.app.dive import dive
+
+    return dive(**options)
+
+
+def _film(**options: Any) -> int:
+    from subsea.app.film import film
+
+    return film(**options)
+
+
+def _simulate(**options: Any) -> int:
+    from subsea.app.simulate import simulate
+
+    return simulate(**options)
+
+
+def _benchmark(paper: bool, **options: Any) -> int:
+    if paper:
+        from subsea.app.paper import paper_tables
+
+        return paper_tables()
+    from subsea.app.benchmark import benchmark
+
+    return benchmark(**options)
+
+
+def _doctor() -> int:
+    from subsea.app.doctor import doctor
+
+    return doctor()

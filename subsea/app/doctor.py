@@ -1,0 +1,146 @@
+"""`subsea doctor`: what this machine can do, and what to install."""
+
+import os
+import platform
+import sys
+import tempfile
+from collections.abc import Callable
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import NamedTuple
+
+from subsea.errors import UserError
+
+PACKAGES = (
+    "numpy", "numba", "h5py", "moderngl", "glfw", "pyrr", "imgui-bundle", "msgspec", "pillow",
+    "av", "tqdm",
+)  # fmt: skip
+INSTALL_HEADLESS = "sudo apt-get install --no-install-recommends libegl1 libgl1 libgl1-mesa-dri"
+
+
+class Finding(NamedTuple):
+    """One line of the report. `needed` findings decide whether a dive is possible."""
+
+    name: str
+    good: bool
+    text: str
+    needed: bool = True
+
+
+def doctor() -> int:
+    """Print what was found; 0 if a dive in a window is possible here, else 1."""
+    checks: tuple[Callable[[], list[Finding]], ...] = (
+        _python,
+        _packages,
+        _cache,
+        _repertoires,
+        _headless,
+        _display,
+    )
+    findings = [finding for check in checks for finding in check()]
+    for finding in findings:
+        mark = "ok  " if finding.good else "no  " if finding.needed else "--  "
+        print(f"{mark}{finding.name:<20} {finding.text}")
+    possible = all(finding.good for finding in findings if finding.needed)
+    print("a dive is possible" if possible else "a dive is not possible yet: mend the lines above")
+    return 0 if possible else 1
+
+
+def _python() -> list[Finding]:
+    good = sys.version_info >= (3, 11)
+    text = f"{platform.python_version()} on {platform.platform()}"
+    return [Finding("Python", good, text if good else f"{text}; 3.11 or later is needed")]
+
+
+def _packages() -> list[Finding]:
+    found, missing = [], []
+    for package in PACKAGES:
+        try:
+            found.append(f"{package} {version(package)}")
+        except PackageNotFoundError:
+            missing.append(package)
+    if missing:
+        return [Finding("packages", False, f"pip install {' '.join(missing)}")]
+    return [Finding("packages", True, ", ".join(found))]
+
+
+def _cache() -> list[Finding]:
+    """Whether compiled kernels can be kept; without it every start compiles again."""
+    from numba.core import config
+
+    import subsea
+
+    beside = Path(subsea.__file__).parent
+    places = [Path(config.CACHE_DIR)] if config.CACHE_DIR else [beside, _user_cache()]
+    for place in places:
+        if _writable(place):
+            return [Finding("cache of kernels", True, str(place), needed=False)]
+    text = f"not writable: {places[0]}; set NUMBA_CACHE_DIR to a folder that is"
+    return [Finding("cache of kernels", False, text, needed=False)]
+
+
+def _user_cache() -> Path:
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+
+
+def _writable(folder: Path) -> bool:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return True
+    except OSError:
+        return False
+
+
+def _repertoires() -> list[Finding]:
+    from subsea.repertoire import read_repertoire
+    from subsea.resources import resource_path
+    from subsea.species import species_names
+
+    findings = []
+    for name in species_names():
+        try:
+            repertoire = read_repertoire(resource_path("repertoires") / f"{name}.h5")
+            text = f"{len(repertoire.segments)} segments, {repertoire.source}"
+            findings.append(Finding(f"fish {name}", True, text))
+        except UserError as fault:
+            findings.append(Finding(f"fish {name}", False, str(fault)))
+    return findings
+
+
+def _headless() -> list[Finding]:
+    from subsea.render import headless_context
+
+    try:
+        context = headless_context()
+    except UserError as fault:
+        return [Finding("OpenGL, no window", False, f"{fault}", needed=False)]
+    text = f"{context.info['GL_RENDERER']}, OpenGL {context.version_code / 100:.1f}"
+    context.release()
+    return [Finding("OpenGL, no window", True, text, needed=False)]
+
+
+def _display() -> list[Finding]:
+    """Display, monitors, and the OpenGL of hidden windows."""
+    from subsea.app.window import INSTALL_WINDOW, hidden_window, on_display
+    from subsea.render import window_context
+
+    try:
+        with on_display() as display:
+            findings = [
+                Finding("display", True, display.platform),
+                Finding("monitors", True, ", ".join(display.monitors) or "none", needed=False),
+            ]
+            with hidden_window() as loader:
+                if loader is None:
+                    findings.append(Finding("OpenGL, window", False, INSTALL_WINDOW))
+                else:
+                    context = window_context(loader)
+                    text = f"{context.info['GL_RENDERER']}, {context.info['GL_VERSION']}"
+                    findings.append(Finding("OpenGL, window", True, text))
+            with hidden_window(stereo=True) as loader:
+                text = "yes" if loader else "no; use --display side-by-side or top-bottom"
+                findings.append(Finding("quad-buffered stereo", bool(loader), text, needed=False))
+            return findings
+    except UserError as fault:
+        return [Finding("display", False, str(fault))]

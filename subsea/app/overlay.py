@@ -1,0 +1,170 @@
+"""What stands over the water: the help, the instruments, and a word while loading."""
+
+import ctypes
+import math
+from pathlib import Path
+from typing import Any
+
+import imgui_bundle
+from imgui_bundle import imgui
+
+from subsea.state import Submarine
+
+# Ten manoeuvres and four more keys, in the words of a sign beside the exhibit.
+HELP = (
+    ("Look and turn", "move the mouse", "arrows, A D"),
+    ("Ahead", "left button", "W"),
+    ("Astern", "right button", "S"),
+    ("Set a speed", "wheel", ""),
+    ("Rise and dive", "both buttons, move", "E Q"),
+    ("Full stop", "press the wheel", "space"),
+    ("This help", "", "H"),
+    ("Full screen", "", "F"),
+    ("Leave", "", "Esc"),
+)
+TEXT_PT = 16.0
+FADE_S = 1.5
+MOVED_CM = 60.0  # how far the visitor must have gone by herself before the help fades
+INK = (0.93, 0.97, 1.0)
+QUIET = (0.62, 0.76, 0.84)
+DEEP = (0.02, 0.13, 0.20)
+
+
+class Overlay:
+    """Text over the picture, drawn with Dear ImGui's own OpenGL 3 backend.
+
+    The help shows at the start, fades when the visitor gets under way, and comes and goes with
+    `toggle_help`.
+    """
+
+    def __init__(self, window_handle: Any) -> None:
+        """Attach to a window whose OpenGL context is current."""
+        self._context = imgui.create_context()
+        io = imgui.get_io()
+        io.set_ini_filename(None)
+        io.config_flags |= imgui.ConfigFlags_.no_mouse_cursor_change.value
+        fonts = Path(imgui_bundle.__file__).parent / "assets" / "fonts" / "Roboto"
+        io.fonts.add_font_from_file_ttf(str(fonts / "Roboto-Regular.ttf"), TEXT_PT)
+        # The overlay takes no input, so the pilot keeps all callbacks of the window.
+        address = ctypes.cast(window_handle, ctypes.c_void_p).value or 0
+        imgui.backends.glfw_init_for_opengl(address, False)
+        imgui.backends.opengl3_init("#version 330")
+        self._help = 1.0  # opacity
+        self._pinned = False
+        self._shown = True
+        self._gone_cm = 0.0
+
+    def toggle_help(self) -> None:
+        """Show the help until told otherwise, or hide it."""
+        self._shown = not self._shown
+        self._pinned = self._shown
+        self._gone_cm = math.inf
+
+    @property
+    def help_opacity(self) -> float:
+        """How visible the help is, from 0 to 1."""
+        return self._help
+
+    def message(self, text: str, scale: float) -> None:
+        """Fill the window with one line of text on deep water; the caller presents it."""
+        self._begin(scale)
+        size = imgui.get_io().display_size
+        box = imgui.calc_text_size(text)
+        canvas = imgui.get_background_draw_list()
+        canvas.add_rect_filled((0.0, 0.0), size, _colour(DEEP))
+        canvas.add_text(((size.x - box.x) / 2, (size.y - box.y) / 2), _colour(INK), text)
+        self._end()
+
+    def draw(
+        self, submarine: Submarine, throttle: float, stopping: bool, dt: float, scale: float
+    ) -> None:
+        """Draw help and instruments over the present picture; `dt` is the time since the last."""
+        self._fade(submarine, dt)
+        self._begin(scale)
+        size = imgui.get_io().display_size
+        self._instruments(submarine, throttle, stopping, size)
+        if self._help > 0.0:
+            self._help_panel(size)
+        self._end()
+
+    def close(self) -> None:
+        """Release what it holds; the window's context must still be current."""
+        imgui.backends.opengl3_shutdown()
+        imgui.backends.glfw_shutdown()
+        imgui.destroy_context(self._context)
+
+    def _fade(self, submarine: Submarine, dt: float) -> None:
+        self._gone_cm += dt * float(sum(v * v for v in submarine.velocity)) ** 0.5
+        if self._gone_cm > MOVED_CM and not self._pinned:
+            self._shown = False
+        step = dt / FADE_S if self._shown else -dt / FADE_S
+        self._help = min(max(self._help + step, 0.0), 1.0)
+
+    def _begin(self, scale: float) -> None:
+        imgui.backends.opengl3_new_frame()
+        imgui.backends.glfw_new_frame()
+        imgui.new_frame()
+        imgui.push_font(None, TEXT_PT * scale)
+
+    def _end(self) -> None:
+        imgui.pop_font()
+        imgui.render()
+        imgui.backends.opengl3_render_draw_data(imgui.get_draw_data())
+
+    def _instruments(
+        self, submarine: Submarine, throttle: float, stopping: bool, size: Any
+    ) -> None:
+        text = readout(submarine, throttle, stopping)
+        line = imgui.get_font_size()
+        x, y = 1.2 * line, size.y - 2.2 * line
+        canvas = imgui.get_background_draw_list()
+        canvas.add_text((x + 1.0, y + 1.0), _colour((0.0, 0.05, 0.08), 0.6), text)
+        canvas.add_text((x, y), _colour(INK, 0.85), text)
+
+    def _help_panel(self, size: Any) -> None:
+        line = imgui.get_font_size()
+        flags = imgui.WindowFlags_
+        imgui.set_next_window_pos((size.x / 2, size.y - 3.4 * line), 0, (0.5, 1.0))
+        imgui.set_next_window_bg_alpha(0.55)
+        imgui.push_style_var(imgui.StyleVar_.alpha.value, self._help)
+        imgui.push_style_var(imgui.StyleVar_.window_rounding.value, 0.6 * line)
+        imgui.push_style_var(imgui.StyleVar_.window_border_size.value, 0.0)
+        imgui.push_style_var(imgui.StyleVar_.window_padding.value, (1.2 * line, 0.8 * line))
+        imgui.push_style_var(imgui.StyleVar_.cell_padding.value, (0.7 * line, 0.12 * line))
+        imgui.push_style_color(imgui.Col_.window_bg.value, (0.01, 0.06, 0.10, 1.0))
+        imgui.begin(
+            "help",
+            None,
+            flags.no_decoration.value
+            | flags.no_inputs.value
+            | flags.always_auto_resize.value
+            | flags.no_focus_on_appearing.value
+            | flags.no_saved_settings.value,
+        )
+        if imgui.begin_table("controls", 3, imgui.TableFlags_.sizing_fixed_fit.value):
+            for what, mouse, keys in HELP:
+                for text, tint in ((what, INK), (mouse, QUIET), (keys, QUIET)):
+                    imgui.table_next_column()
+                    imgui.text_colored((*tint, 1.0), text)
+            imgui.end_table()
+        imgui.end()
+        imgui.pop_style_color()
+        imgui.pop_style_var(5)
+
+
+def readout(submarine: Submarine, throttle: float, stopping: bool) -> str:
+    """The instruments in one line: depth in m, compass heading (0° is +x), speed in m/s."""
+    depth = -submarine.position[2] / 100.0
+    heading = round(-math.degrees(submarine.angles[0])) % 360
+    speed = float(sum(v * v for v in submarine.velocity)) ** 0.5 / 100.0
+    parts = [f"depth {depth:.1f} m", f"heading {heading:03d}°", f"{speed:.1f} m/s"]
+    if stopping:
+        parts.append("full stop")
+    elif throttle:
+        parts.append(f"set {throttle:+.0%}")
+    return "   ".join(parts)
+
+
+def _colour(rgb: tuple[float, float, float], alpha: float = 1.0) -> int:
+    packed: int = imgui.get_color_u32((*rgb, alpha))
+    return packed

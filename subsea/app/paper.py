@@ -1,0 +1,128 @@
+"""`subsea benchmark --paper`: tables 3 and 4 of SMC for this machine."""
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from subsea.app.benchmark import measure
+from subsea.app.console import say
+from subsea.app.start import start_headless, start_world
+from subsea.biomechanics.body import build_body
+from subsea.biomechanics.controllers import swim_contraction
+from subsea.biomechanics.simulation import at_rest, simulate
+from subsea.biomechanics.solver import STEPS_PER_TICK
+from subsea.ocean import step
+from subsea.repertoire.library import Library
+from subsea.species import load_species
+from subsea.state import Array, Fishes
+from subsea.submarine.helm import HANDS_OFF
+from subsea.world import World
+
+DYNAMICS_1999_MS, PLAYBACK_1999_MS = 40.0, 0.01
+FULL_1999_MS, REDUCED_1999_MS = 2340.0, 85.0
+SIMULATED_TICKS = 400
+PLAYED_FISH, PLAYED_TICKS = 1000, 60
+RENDERED_FRAMES = 20
+SIZE = (1280, 720)
+SCENARIO = "peaceful"
+
+
+def paper_tables() -> int:
+    """Measure and print both tables; takes well under two minutes. Returns the exit code."""
+    say("measuring the simulation of one fish")
+    dynamics = dynamics_ms()
+    say(f"measuring the playback of {PLAYED_FISH} fishes")
+    playback = playback_ms(start_world(SCENARIO, fish=PLAYED_FISH))
+    say("measuring pictures")
+    full, reduced, visible, renderer = rendering_ms()
+    _table(
+        "Table 3. CPU time for one fish and one frame (ms)",
+        ("Dynamic simulation", DYNAMICS_1999_MS, dynamics),
+        ("Synthetic motion capture", PLAYBACK_1999_MS, playback),
+    )
+    _table(
+        f"Table 4. Time to draw a scene, about 40 fishes in sight in 1999, {visible:.0f} here (ms)",
+        ("Without culling and levels of detail", FULL_1999_MS, full),
+        ("With both", REDUCED_1999_MS, reduced),
+    )
+    print(f"1999: one 194 MHz R10000 with InfiniteReality. Here: {renderer}, {SIZE[0]}x{SIZE[1]}.")
+    return 0
+
+
+def dynamics_ms() -> float:
+    """Milliseconds that one tick of one simulated fish takes: six steps of the whole body."""
+    species = load_species("fusilier")
+    body, swim = build_body(species.body), species.swim
+    state = at_rest(body)
+    steps = np.arange(SIMULATED_TICKS * STEPS_PER_TICK)
+    phase = 2.0 * np.pi * steps / (swim.ticks_per_beat * STEPS_PER_TICK)
+    contraction = swim_contraction(swim, phase)
+    simulate(body, state, contraction[:STEPS_PER_TICK])  # compiles
+    return 1000.0 * _seconds(lambda: simulate(body, state, contraction)) / SIMULATED_TICKS
+
+
+def playback_ms(world: World) -> float:
+    """Milliseconds that one tick of one played-back fish takes, with all its nodal points.
+
+    That is the motor stage of the world and SMC eqs. 10-12 for all 23 nodes, as the paper
+    counts it. Levels of detail and hidden fishes, which need no nodes, are not taken into account.
+    """
+    fishes, library = world.state.fishes, world.library
+    all_nodes(fishes, library)
+    durations = []
+    for _ in range(PLAYED_TICKS):
+        step(world, HANDS_OFF)
+        nodes = _seconds(lambda: all_nodes(fishes, library))
+        durations.append(world.stages_s["motor"] + nodes)
+    return 1000.0 * float(np.median(durations)) / len(fishes.species)
+
+
+def all_nodes(fishes: Fishes, library: Library) -> Array:
+    """World nodes (n, 23, 3) in cm of all fishes (SMC eq. 12)."""
+    weight = fishes.weight[:, None, None]
+    body = (1.0 - weight) * library.nodes[fishes.row_a] + weight * library.nodes[fishes.row_b]
+    w, x, y, z = fishes.orientation.T
+    rotation = np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    ).transpose(2, 1, 0)
+    turned = (fishes.scale[:, None, None] * body) @ rotation
+    return np.asarray(fishes.position[:, None, :] + turned)
+
+
+def rendering_ms() -> tuple[float, float, float, str]:
+    """Mean draw time without and with culling and levels of detail, fishes in sight, renderer."""
+    world = start_world(SCENARIO)
+    context, renderer = start_headless(world, SIZE)
+    try:
+        name = context.info["GL_RENDERER"]
+        without = frozenset(("culling", "lod"))
+        full = measure(world, renderer, context, "mono", SIZE, RENDERED_FRAMES, without)
+        reduced = measure(world, renderer, context, "mono", SIZE, RENDERED_FRAMES)
+    finally:
+        renderer.release()
+        context.release()
+    return (
+        full["stages_ms"]["draw"],
+        reduced["stages_ms"]["draw"],
+        reduced["visible_mean"],
+        name,
+    )
+
+
+def _seconds(work: Callable[[], object]) -> float:
+    start = time.perf_counter()
+    work()
+    return time.perf_counter() - start
+
+
+def _table(title: str, slow: tuple[str, float, float], fast: tuple[str, float, float]) -> None:
+    print(f"\n{title}")
+    print(f"{'':<40}{'1999':>12}{'here':>12}")
+    for name, then, now in (slow, fast):
+        print(f"{name:<40}{then:>12.4g}{now:>12.4g}")
+    print(f"{'times faster':<40}{slow[1] / fast[1]:>12.4g}{slow[2] / fast[2]:>12.4g}")

@@ -1,0 +1,38 @@
+"""From a scenario's name to a world that is awake, and to a renderer without a window."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from subsea.app.console import say
+from subsea.ocean import step
+from subsea.scenario import load_scenario
+from subsea.submarine.helm import HANDS_OFF
+from subsea.world import World, create_world
+
+if TYPE_CHECKING:
+    from subsea.render import Renderer
+
+Say = Callable[[str], None]
+
+WAKING = "waking the fishes (the very first start compiles their code: about a minute)"
+
+
+def start_world(
+    scenario: str, seed: int | None = None, fish: int | None = None, tell: Say = say
+) -> World:
+    """The world of a scenario after its first tick, so that every kernel is compiled."""
+    chosen, _ = load_scenario(scenario)
+    world = create_world(chosen, seed, fish, tell)
+    tell(WAKING)
+    step(world, HANDS_OFF)
+    return world
+
+
+def start_headless(world: World, size: tuple[int, int], tell: Say = say) -> tuple[Any, "Renderer"]:
+    """A context without a window and a renderer for pictures of `size`; no OpenGL: UserError."""
+    from subsea.frame import make_scene
+    from subsea.render import Renderer, headless_context
+
+    tell("starting OpenGL")
+    context = headless_context()
+    return context, Renderer(context, make_scene(world), size)
