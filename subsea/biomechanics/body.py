@@ -16,6 +16,7 @@ Ints = NDArray[np.int64]
 
 NODES = 23
 RINGS = 5
+NODES_AT_STATION = [1, 4, 4, 4, 4, 4, 2]
 MUSCLES = 12
 UPPER_TAIL, LOWER_TAIL = 21, 22
 
@@ -91,7 +92,7 @@ UNITS: Ints = np.array(_MUSCLE + _CROSS + _OTHER)
 """Node pairs (91, 2): the 12 muscles, 42 cross units and 37 others, in this order."""
 KINDS: Ints = np.repeat(np.arange(3), [len(_MUSCLE), len(_CROSS), len(_OTHER)])
 """0 muscle, 1 cross, 2 other, for each unit (91,)."""
-TRIANGLES = np.array(_faces()[0], dtype=np.uint64)
+TRIANGLES: Ints = np.array(_faces()[0])
 """Hull triangles (78, 3), corners anticlockwise from outside."""
 TRIANGLE_WEIGHTS: Floats = np.array(_faces()[1])
 """Share of each triangle in the water force (78,)."""
@@ -108,7 +109,7 @@ SKYLINE_SIZE = int(SKYLINE_DIAGONAL[-1]) + 1
 class Body(NamedTuple):
     """A body ready for the solver, arrays in cm, g and tu."""
 
-    rest: Floats  # (23, 3) nodes at rest in body axes, nose at the origin
+    rest: Floats  # (23, 3) nodes at rest in body axes
     mass: Floats  # (23,)
     length: Floats  # (91,) rest length of the units
     stiffness: Floats  # (91,)
@@ -117,15 +118,15 @@ class Body(NamedTuple):
 
 
 def rest_nodes(plan: BodyPlan, back: float = 1.0) -> Floats:
-    """Nodes at rest (23, 3), cm: x anterior, y dorsal, z right lateral; the nose is the origin.
+    """Nodes at rest (23, 3), cm, in body axes: x anterior, y dorsal, z right lateral.
 
+    The origin is the middle of the second ring, as for the body frame (SMC eq. 1).
     ``back`` scales the height of everything above the midline; 1 is a symmetric body.
     """
     nodes = np.zeros((NODES, 3))
-    nodes[1:21, 0] = -np.repeat(plan.stations[1:6], 4)
+    nodes[:, 0] = plan.stations[2] - np.repeat(plan.stations, NODES_AT_STATION)
     nodes[1:21, 1] = np.outer(plan.half_heights, RING_UP).ravel()
     nodes[1:21, 2] = np.outer(plan.half_widths, -RING_LEFT).ravel()
-    nodes[UPPER_TAIL:, 0] = -plan.length
     nodes[UPPER_TAIL:, 1] = plan.tail_half_height, -plan.tail_half_height
     nodes[:, 1] *= np.where(nodes[:, 1] > 0, back, 1.0)
     return nodes
@@ -137,7 +138,7 @@ def build_body(plan: BodyPlan, back: float = 1.0) -> Body:
     kinds = np.array([plan.muscle_stiffness, plan.cross_stiffness, plan.other_stiffness])
     return Body(
         rest=nodes,
-        mass=np.repeat(plan.masses, [1, 4, 4, 4, 4, 4, 2]).astype(np.float64),
+        mass=np.repeat(plan.masses, NODES_AT_STATION).astype(np.float64),
         length=np.linalg.norm(nodes[UNITS[:, 1]] - nodes[UNITS[:, 0]], axis=1),
         stiffness=kinds[KINDS],
         viscosity=np.full(len(UNITS), plan.viscosity),

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from subsea.biomechanics.body import MUSCLE_LEFT, MUSCLE_SEGMENT, MUSCLES, Body, Floats
-from subsea.biomechanics.plan import SwimPlan, TurnPlan
+from subsea.biomechanics.plan import Steering, SwimPlan, TurnPlan
 
 S_MAX = 0.075
 """Greatest change of a muscle's rest length in one step, cm (Tu §4.6.1)."""
@@ -35,7 +35,7 @@ def bend_contraction(bend: tuple[float, float], side: float, share: ArrayLike = 
     of it is applied.
     """
     segment = np.array([*bend, 0.0])[MUSCLE_SEGMENT]
-    inner = segment * (MUSCLE_LEFT == side)
+    inner = segment * (side == MUSCLE_LEFT)
     return np.asarray(np.reshape(share, (-1, 1)) * inner)
 
 
@@ -45,14 +45,37 @@ def ease(share: ArrayLike) -> Floats:
     return np.asarray(u * u * (3.0 - 2.0 * u))
 
 
-def turn_share(plan: TurnPlan, ticks: ArrayLike) -> Floats:
+def steering(plan: TurnPlan, angle: float) -> Steering:
+    """The steering map at ``angle`` degrees, linear between its rows (Tu fig. 4.9).
+
+    Below the first row the contraction shrinks in proportion; above the last it is the last.
+    """
+    angles = [row.angle for row in plan.steering]
+
+    def at(values: list[float]) -> float:
+        return float(np.interp(angle, angles, values))
+
+    scale = min(1.0, angle / angles[0])
+    return Steering(
+        angle=angle,
+        contraction=(
+            scale * at([row.contraction[0] for row in plan.steering]),
+            scale * at([row.contraction[1] for row in plan.steering]),
+        ),
+        bend_ticks=at([row.bend_ticks for row in plan.steering]),
+        hold_ticks=at([row.hold_ticks for row in plan.steering]),
+        restore_ticks=at([row.restore_ticks for row in plan.steering]),
+    )
+
+
+def turn_share(row: Steering, ticks: ArrayLike) -> Floats:
     """How much of a sharp turn's bend is applied at times ``ticks`` (T,) after its start.
 
     The bend comes fast and is given back slowly, so that the fish keeps its new heading.
     """
     ticks = np.asarray(ticks, dtype=np.float64)
-    released = plan.bend_ticks + plan.hold_ticks
-    return ease(ticks / plan.bend_ticks) - ease((ticks - released) / plan.restore_ticks)
+    released = row.bend_ticks + row.hold_ticks
+    return ease(ticks / row.bend_ticks) - ease((ticks - released) / row.restore_ticks)
 
 
 def muscle_lengths(body: Body, contraction: Floats) -> Floats:

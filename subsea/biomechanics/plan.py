@@ -1,12 +1,12 @@
 """The numbers that make one species' body and motion: the [body], [swim] and [turn] tables."""
 
+from itertools import pairwise
 from typing import Annotated
 
 import msgspec
 
 Positive = Annotated[float, msgspec.Meta(gt=0)]
 Fraction = Annotated[float, msgspec.Meta(ge=0, le=0.6)]
-Ticks = Annotated[int, msgspec.Meta(ge=1)]
 
 
 class BodyPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -29,10 +29,7 @@ class BodyPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
 
     def __post_init__(self) -> None:
         """Refuse stations that do not run from 0 at the nose backwards."""
-        ahead = (0.0, *self.stations)
-        if self.stations[0] != 0 or any(
-            b <= a for a, b in zip(ahead[1:], self.stations[1:], strict=False)
-        ):
+        if self.stations[0] != 0 or any(b <= a for a, b in pairwise(self.stations)):
             raise ValueError("stations must begin with 0 and increase from nose to tail")
 
     @property
@@ -56,17 +53,35 @@ class SwimPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     medium: Annotated[float, msgspec.Meta(gt=0, lt=1)]
 
 
+class Steering(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """One row of the steering map (Tu fig. 4.9): how to turn by ``angle`` degrees.
+
+    The anterior and posterior turning segment contract to ``contraction`` within ``bend_ticks``,
+    hold it for ``hold_ticks`` and relax over ``restore_ticks``.
+    """
+
+    angle: Annotated[float, msgspec.Meta(gt=0, le=90)]
+    contraction: tuple[Fraction, Fraction]
+    bend_ticks: Annotated[float, msgspec.Meta(gt=0)]
+    hold_ticks: Annotated[float, msgspec.Meta(ge=0)]
+    restore_ticks: Annotated[float, msgspec.Meta(gt=0)]
+
+
 class TurnPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """The turn controllers (Tu §4.6.1): contractions on the inner side of the turn.
 
     A gradual turn adds the constant ``gradual`` to the two turning segments while the fish
-    swims. A sharp turn, entered from a glide of ``glide_ticks``, contracts them to ``sharp``
-    within ``bend_ticks``, holds them ``hold_ticks`` and relaxes them over ``restore_ticks``.
+    swims at grade medium. A sharp turn by ``sharp`` degrees follows the steering map; while it
+    lasts the tail beats with ``amplitude`` relative to grade fast.
     """
 
     gradual: tuple[Fraction, Fraction]
-    sharp: tuple[Fraction, Fraction]
-    glide_ticks: Ticks
-    bend_ticks: Ticks
-    hold_ticks: Annotated[int, msgspec.Meta(ge=0)]
-    restore_ticks: Ticks
+    sharp: Annotated[float, msgspec.Meta(gt=0, le=90)]
+    amplitude: Annotated[float, msgspec.Meta(ge=0, le=1)]
+    steering: Annotated[tuple[Steering, ...], msgspec.Meta(min_length=2)]
+
+    def __post_init__(self) -> None:
+        """Refuse a steering map whose angles do not increase."""
+        angles = [row.angle for row in self.steering]
+        if any(b <= a for a, b in pairwise(angles)):
+            raise ValueError("the angles of the steering map must increase")

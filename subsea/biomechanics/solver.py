@@ -25,7 +25,7 @@ STRAIN_LIMITS = (0.65, 1.4)
 """Length over rest length that every unit must keep; beyond, a ring may have turned inside out."""
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def factorize(packed: Floats) -> float:
     """Replace a packed skyline matrix (126,) by its factors L and D (Tu eq. 4.12).
 
@@ -55,7 +55,7 @@ def factorize(packed: Floats) -> float:
     return smallest
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def substitute(packed: Floats, load: Floats) -> None:
     """Solve L D Lᵀ V = G in place: ``load`` (23, 3) is G and becomes V (Tu eqs. 4.13, 4.14)."""
     for i in range(NODES):
@@ -81,7 +81,7 @@ def substitute(packed: Floats, load: Floats) -> None:
             load[j, 2] -= factor * gz
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def assemble(
     x: Floats,
     v: Floats,
@@ -133,7 +133,7 @@ def assemble(
             load[i, axis] += inertia * v[i, axis]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def advance(
     x: Floats,
     v: Floats,

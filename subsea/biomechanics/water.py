@@ -6,7 +6,7 @@ from numba import njit
 from subsea.biomechanics.body import TRIANGLE_WEIGHTS, TRIANGLES, Floats
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def add_water_force(x: Floats, v: Floats, water: Floats, drag: float, force: Floats) -> None:
     """Add to ``force`` (23, 3) what the water does to the hull (Tu eq. 4.3).
 
@@ -27,9 +27,7 @@ def add_water_force(x: Floats, v: Floats, water: Floats, drag: float, force: Flo
         uz = v[a, 2] + v[b, 2] + v[c, 2] - 3.0 * water[2]
         outward = nx * ux + ny * uy + nz * uz
         if outward > 0.0:
-            speed_per_area = np.sqrt(
-                (ux * ux + uy * uy + uz * uz) / (nx * nx + ny * ny + nz * nz)
-            )
+            speed_per_area = np.sqrt((ux * ux + uy * uy + uz * uz) / (nx * nx + ny * ny + nz * nz))
             scale = -drag * TRIANGLE_WEIGHTS[k] * speed_per_area * outward / 54.0
             fx, fy, fz = scale * nx, scale * ny, scale * nz
             for node in (a, b, c):

@@ -1,0 +1,1 @@
+"""The offline tool that swims the simulated fish and records what it does (SMC §4)."""

@@ -1,0 +1,55 @@
+"""From the nodes of a trial to a segment: increments and deformation (SMC eqs. 1-9)."""
+
+import numpy as np
+
+from subsea.biomechanics.body import Floats
+from subsea.biomechanics.solver import TICK_S
+from subsea.kinematics.frame import body_frame, to_body
+from subsea.kinematics.rotation import from_matrix
+from subsea.repertoire import Segment
+
+
+def make_segment(
+    frames: Floats,
+    length: float,
+    pattern: str,
+    grade: str,
+    cyclic: bool,
+    weights: Floats | None = None,
+) -> Segment:
+    """The segment that leads through the states ``frames`` (T + 1, 23, 3), world axes, cm.
+
+    Row k holds the increment from state k to k + 1 in the body axes of state k, (Rᵏ)ᵀ Rᵏ⁺¹, and
+    the deformation at k + 1. SMC eq. 6 gives the rotation in world axes, which is right only for
+    a fish that heads as the recorded one did. ``weights`` (p, 23), if given, skin the control
+    points (SMC eq. 9).
+    """
+    origin, rotation = body_frame(frames)
+    turn = np.swapaxes(rotation[:-1], -1, -2) @ rotation[1:]
+    step = np.einsum("tji,tj->ti", rotation[:-1], np.diff(origin, axis=0))
+    nodes = to_body(frames, origin, rotation)
+    # A cycle sways about its way and ends in the pose it began in: its way is the chord.
+    way = origin[[0, -1]] if cyclic else origin
+    distance = np.linalg.norm(np.diff(way, axis=0), axis=1).sum()
+    return Segment(
+        pattern=pattern,
+        grade=grade,
+        cyclic=cyclic,
+        increment_rotation=from_matrix(turn),
+        increment_translation=step,
+        nodes=nodes[1:],
+        control_points=None if weights is None else weights @ nodes[1:],
+        speed_cm_s=float(distance / (len(step) * TICK_S)),
+        turn_deg=heading_change(rotation[0], rotation[-1]),
+        loop_error_bl=float(np.linalg.norm(nodes[-1] - nodes[0], axis=1).max() / length),
+        bounding_radius_bl=float(np.linalg.norm(nodes, axis=2).max() / length),
+    )
+
+
+def heading_change(before: Floats, after: Floats) -> float:
+    """Degrees from the heading of rotation ``before`` (3, 3) to that of ``after``, left positive.
+
+    Measured about the dorsal axis of ``before``.
+    """
+    forward = before.T @ after[:, 0]
+    return float(np.degrees(np.arctan2(-forward[2], forward[0])))
