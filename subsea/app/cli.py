@@ -14,7 +14,13 @@ MAX_SIZE = 8192  # pixels; the largest picture that every OpenGL 3.3 machine can
 MIN_SIZE = 64
 STAGES_TO_LEAVE_OUT = ("culling", "lod")
 
-FORMATTER = argparse.RawDescriptionHelpFormatter
+
+class _Formatter(argparse.RawDescriptionHelpFormatter):
+    """Keeps the line breaks of descriptions and examples, and the columns of options wide."""
+
+    def __init__(self, prog: str, **rest: Any) -> None:
+        super().__init__(prog, max_help_position=28, **rest)
+        self._action_max_length = 14  # argparse forgets the indentation of commands
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -75,6 +81,7 @@ def _parsers() -> tuple[argparse.ArgumentParser, dict[str, argparse.ArgumentPars
         prog="subsea",
         description="A submarine among artificial fishes.",
         epilog="`subsea COMMAND --help` shows the options and examples of a command.",
+        formatter_class=_Formatter,
         allow_abbrev=False,
     )
     parser.add_argument("--version", action="version", version=f"subsea {_version()}")
@@ -99,7 +106,7 @@ def _add_dive(commands: Any) -> None:
     dive.add_argument("--fullscreen", action="store_true", help="fill the screen (F11 toggles)")
     _add_seed(dive)
     dive.add_argument(
-        "--seconds", type=_number(float, 0.1, 86400.0), metavar="S", help="end by itself after S"
+        "--seconds", type=_number(float, 0.1, 86400), metavar="S", help="end by itself after S"
     )
     dive.set_defaults(run=_dive)
 
@@ -122,14 +129,14 @@ def _add_film(commands: Any) -> None:
     _add_display(film)
     film.add_argument(
         "--seconds",
-        type=_number(float, 0.05, 3600.0),
+        type=_number(float, 0.05, 3600),
         default=10.0,
         metavar="S",
         help="length of the tour; a single picture is taken at its end (default 10)",
     )
     film.add_argument(
         "--fps",
-        type=_number(float, 1.0, 240.0),
+        type=_number(float, 1, 240),
         default=30.0,
         metavar="F",
         help="pictures per second (default 30)",
@@ -226,7 +233,7 @@ def _command(
         help=summary,
         description=f"{summary[0].upper()}{summary[1:]}.\n\n{text}",
         epilog=epilog,
-        formatter_class=FORMATTER,
+        formatter_class=_Formatter,
         allow_abbrev=False,
     )
     return parser

@@ -22,7 +22,7 @@ HELP = (
     ("Full screen", "", "F"),
     ("Leave", "", "Esc"),
 )
-TEXT_PT = 16.0
+TEXT_PT = 18.0
 FADE_S = 1.5
 MOVED_CM = 60.0  # how far the visitor must have gone by herself before the help fades
 INK = (0.93, 0.97, 1.0)
@@ -141,7 +141,8 @@ class Overlay:
             | flags.no_focus_on_appearing.value
             | flags.no_saved_settings.value,
         )
-        if imgui.begin_table("controls", 3, imgui.TableFlags_.sizing_fixed_fit.value):
+        columns = imgui.TableFlags_.sizing_fixed_fit.value | imgui.TableFlags_.pad_outer_x.value
+        if imgui.begin_table("controls", 3, columns):
             for what, mouse, keys in HELP:
                 for text, tint in ((what, INK), (mouse, QUIET), (keys, QUIET)):
                     imgui.table_next_column()

@@ -1,0 +1,53 @@
+"""The report has the agreed keys, and its figures agree with each other."""
+
+import json
+
+import pytest
+
+from subsea.app import timing
+from subsea.app.benchmark import STAGES
+from subsea.app.cli import main
+
+SMALL = ["benchmark", "--frames", "5", "--size", "160x120", "--fish", "20"]
+
+
+@pytest.fixture(scope="module")
+def reports(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("reports")
+    for name, more in (("with", []), ("without", ["--without", "culling,lod"])):
+        assert main([*SMALL, "--json", str(folder / f"{name}.json"), *more]) == 0
+    return {name: json.loads((folder / f"{name}.json").read_text()) for name in ("with", "without")}
+
+
+def test_the_report_has_the_agreed_keys(reports):
+    report = reports["with"]
+    assert set(report) == {
+        "renderer", "size", "display", "scenario", "fish", "visible_mean", "frames", "seed",
+        "version", "without", "frame_ms", "fps", "stages_ms", "lod", "triangles_mean",
+    }  # fmt: skip
+    assert set(report["frame_ms"]) == {"mean", "p50", "p95", "p99", "max"}
+    assert tuple(report["stages_ms"]) == STAGES
+    assert report["size"] == [160, 120]
+    assert (report["fish"], report["frames"]) == (20, 5)
+
+
+def test_its_figures_agree(reports):
+    for report in reports.values():
+        frame = report["frame_ms"]
+        assert frame["p50"] <= frame["p95"] <= frame["p99"] <= frame["max"]
+        assert report["fps"] == pytest.approx(1000.0 / frame["mean"])
+        assert sum(report["lod"].values()) == pytest.approx(report["visible_mean"])
+        assert sum(report["stages_ms"].values()) < 1.5 * frame["max"]
+
+
+def test_without_culling_and_levels_all_fishes_are_drawn_in_full(reports):
+    full = reports["without"]
+    assert full["visible_mean"] == 20.0
+    assert full["lod"]["tessellated"] == 20.0
+    assert full["triangles_mean"] > reports["with"]["triangles_mean"]
+
+
+def test_the_summary_of_known_durations():
+    figures = timing.summary([0.001 * k for k in range(1, 102)])
+    expected = {"mean": 51.0, "p50": 51.0, "p95": 96.0, "p99": 100.0, "max": 101.0}
+    assert figures == pytest.approx(expected)

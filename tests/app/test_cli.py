@@ -1,0 +1,107 @@
+"""The command line as a shell sees it: exit codes, one line for every fault, examples."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from subsea.app.cli import main
+
+COMMANDS = ("dive", "film", "simulate", "benchmark", "doctor")
+
+
+def run(capsys, *arguments):
+    """Exit code, standard output and the lines of standard error."""
+    code = main(list(arguments))
+    captured = capsys.readouterr()
+    return code, captured.out, captured.err.splitlines()
+
+
+def test_no_command_shows_the_help(capsys):
+    code, out, err = run(capsys)
+    assert code == 0
+    assert all(command in out for command in COMMANDS)
+    assert not err
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_has_help_with_examples(capsys, command):
+    with pytest.raises(SystemExit) as exit:
+        main([command, "--help"])
+    assert exit.value.code == 0
+    assert f"examples:\n  subsea {command}" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "hint"),
+    [
+        (["flim"], "'film'"),
+        (["--sed", "3"], "--sed"),
+        (["dive", "--sed", "3"], "'--seed'"),
+        (["dive", "--seed"], "expected one argument"),
+        (["dive", "--seed", "-1"], "from 0"),
+        (["dive", "--seed", "x"], "whole number"),
+        (["dive", "--size", "1280"], "1280x720"),
+        (["dive", "--size", "1x1"], "64 to 8192"),
+        (["dive", "--seconds", "nan"], "from 0.1"),
+        (["dive", "--display", "top-bottm"], "'top-bottom'"),
+        (["dive", "--scenario", "peacefull"], "'peaceful'"),
+        (["dive", "--scenario", "nowhere/reef.toml"], "nowhere/reef.toml"),
+        (["dive", "deeper"], "'deeper'"),
+        (["film"], "OUT"),
+        (["film", "dive.avi"], ".mp4"),
+        (["film", "a.mp4", "--fps", "0"], "from 1"),
+        (["film", "a.mp4", "b.mp4"], "'b.mp4'"),
+        (["film", "a.png", "--scenario", "peacefull"], "'peaceful'"),
+        (["simulate", "--out", "a.h5"], "--ticks"),
+        (["simulate", "--ticks", "0", "--out", "a.h5"], "from 1"),
+        (["simulate", "--ticks", "1.5", "--out", "a.h5"], "whole number"),
+        (["simulate", "--ticks", "5", "--out", "/proc/none/a.h5"], "/proc/none/a.h5"),
+        (["benchmark", "--without", "culing"], "'culling'"),
+        (["benchmark", "--frames", "many"], "whole number"),
+        (["benchmark", "--fish", "0"], "from 1"),
+        (["benchmark", "--json", "no/such/folder/a.json"], "no/such/folder"),
+        (["doctor", "--quick"], "--quick"),
+    ],
+)
+def test_every_fault_is_one_line_with_a_hint(capsys, arguments, hint):
+    code, out, err = run(capsys, *arguments)
+    assert code == 2
+    assert not out
+    told = [line for line in err if not line.startswith("subsea: reading")]
+    assert len(told[-1:]) == 1
+    assert hint in told[-1]
+    assert not any("Traceback" in line for line in err)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "title = 3", "seed = [", 'title = "x"\nunknown = 1'],
+    ids=["empty", "wrong type", "not TOML", "unknown key"],
+)
+def test_a_faulty_scenario_file_is_named(capsys, tmp_path, text):
+    path = tmp_path / "reef.toml"
+    path.write_text(text)
+    code, _, err = run(capsys, "simulate", "--ticks", "1", "--out", "x.h5", "--scenario", str(path))
+    assert code == 2
+    assert len(err) == 1
+    assert str(path) in err[0]
+
+
+def test_the_front_door_is_the_dive():
+    door = Path(__file__).parents[2] / "run_submarine.py"
+    done = subprocess.run(
+        [sys.executable, str(door), "--sise", "1x1"], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 2
+    assert (
+        done.stderr == "subsea: unknown option of `subsea dive`: '--sise'; did you mean '--size'?\n"
+    )
+
+
+def test_the_module_is_the_command():
+    done = subprocess.run(
+        [sys.executable, "-m", "subsea", "--version"], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.startswith("subsea ")

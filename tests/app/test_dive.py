@@ -1,0 +1,135 @@
+"""The dive in a real window, steered by real mouse events."""
+
+import math
+import subprocess
+import time
+from contextlib import closing
+
+import numpy as np
+import pytest
+
+from subsea.app.dive import Dive
+
+SIZE = (480, 360)
+FRAME_S = 1 / 30
+
+
+@pytest.fixture(scope="module")
+def boat(display):
+    with closing(Dive("peaceful", "mono", SIZE, seed=1)) as running:
+        glide(running, 0.2)
+        yield running
+
+
+def hands(*words):
+    """Let xdotool move the mouse or press keys; returns when the display has taken it."""
+    subprocess.run(["xdotool", *map(str, words)], check=True, timeout=20)
+
+
+def glide(running, seconds):
+    """Frames of the dive for `seconds` of its own time, however slow this machine draws."""
+    for _ in range(round(seconds / FRAME_S)):
+        running.frame(FRAME_S)
+
+
+def point(running, x, y):
+    """Move the pointer, in two steps, to a place given in [-1, 1] from the middle."""
+    import glfw
+
+    left, top = glfw.get_window_pos(running.window.handle)
+    for share in (0.8, 1.0):
+        across = left + (1 + share * x) / 2 * SIZE[0]
+        down = top + (1 - share * y) / 2 * SIZE[1]
+        hands("mousemove", "--sync", int(across), int(down))
+        glide(running, FRAME_S)
+
+
+def stop(running):
+    hands("key", "space")
+    glide(running, 3.0)
+    submarine = running.world.state.submarine
+    assert np.linalg.norm(submarine.velocity) < 1.0
+    assert abs(submarine.rates[0]) < 0.01
+
+
+@pytest.mark.parametrize(("x", "sign"), [(-0.8, 1), (0.8, -1)])
+def test_it_turns_to_where_the_pointer_is(boat, x, sign):
+    stop(boat)
+    before = boat.world.state.submarine.angles[0]
+    point(boat, x, 0.0)
+    glide(boat, 2.5)
+    turned = boat.world.state.submarine.angles[0] - before
+    assert sign * turned > math.radians(15.0)
+    stop(boat)
+
+
+def test_it_goes_ahead_while_the_button_is_held_and_stops_on_the_wheel(boat):
+    stop(boat)
+    point(boat, 0.0, 0.0)
+    submarine = boat.world.state.submarine
+    start = submarine.position.copy()
+    hands("mousedown", 1)
+    glide(boat, 2.0)
+    assert np.linalg.norm(submarine.position - start) > 60.0
+    hands("mouseup", 1)
+    glide(boat, 0.5)
+    assert np.linalg.norm(submarine.velocity) > 20.0  # inertia
+    hands("click", 2)
+    glide(boat, 3.0)
+    assert np.linalg.norm(submarine.velocity) < 1.0
+    assert boat.pilot.stopping
+
+
+def test_the_wheel_sets_a_speed_and_the_right_button_goes_astern(boat):
+    stop(boat)
+    hands("click", 4, "click", 4)
+    glide(boat, 0.5)
+    assert boat.pilot.throttle == pytest.approx(0.25)
+    hands("mousedown", 3)
+    glide(boat, 3.0)
+    hands("mouseup", 3)
+    submarine = boat.world.state.submarine
+    heading = submarine.angles[0]
+    assert submarine.velocity[:2] @ (math.cos(heading), math.sin(heading)) < -10.0
+
+
+def test_keys_steer_too(boat):
+    stop(boat)
+    before = boat.world.state.submarine.position[2]
+    hands("keydown", "e")
+    glide(boat, 2.0)
+    hands("keyup", "e")
+    assert boat.world.state.submarine.position[2] > before + 20.0
+    stop(boat)
+
+
+def test_the_help_fades_under_way_and_comes_back(boat):
+    stop(boat)
+    assert boat.overlay.help_opacity == 0.0  # the tests before have sailed far
+    hands("key", "h")
+    glide(boat, 2.0)
+    assert boat.overlay.help_opacity == 1.0
+    hands("key", "F1")
+    glide(boat, 2.0)
+    assert boat.overlay.help_opacity == 0.0
+
+
+def test_the_picture_follows_the_size_of_the_window(boat):
+    import glfw
+
+    glfw.set_window_size(boat.window.handle, 400, 300)
+    for _ in range(50):
+        boat.frame(FRAME_S)
+        if boat.window.size == (400, 300):
+            break
+        time.sleep(0.02)
+    assert boat.window.size == (400, 300)
+    boat.frame(FRAME_S)
+    glfw.set_window_size(boat.window.handle, *SIZE)
+    glide(boat, 0.3)
+
+
+def test_escape_ends_the_dive(boat):
+    hands("key", "Escape")
+    glide(boat, 0.1)
+    assert not boat.window.open

@@ -1,0 +1,97 @@
+"""Each kind of output, small and short."""
+
+import av
+import numpy as np
+import pytest
+from PIL import Image
+
+from subsea.app import reels
+from subsea.app.cli import main
+from subsea.errors import UserError
+
+SMALL = ["--size", "161x120", "--seconds", "0.2", "--fps", "20", "--seed", "1"]
+
+
+def decode(path):
+    with av.open(str(path)) as container:
+        stream = container.streams.video[0]
+        assert stream.codec_context.name == "h264"
+        assert stream.codec_context.pix_fmt == "yuv420p"
+        assert stream.average_rate == 20
+        return [frame.to_ndarray(format="rgb24") for frame in container.decode(stream)]
+
+
+def test_a_film_plays_has_even_sides_and_its_index_first(tmp_path, capsys):
+    out = tmp_path / "dive.mp4"
+    assert main(["film", str(out), *SMALL]) == 0
+    pictures = decode(out)
+    assert len(pictures) == 4
+    assert pictures[0].shape == (120, 160, 3)
+    assert pictures[0].std() > 3.0  # there is something to see
+    data = out.read_bytes()
+    assert data.index(b"moov") < data.index(b"mdat")
+    assert [path.name for path in tmp_path.iterdir()] == ["dive.mp4"]
+    assert "4 frames; frame time in ms: mean" in capsys.readouterr().out
+
+
+def test_a_folder_gets_numbered_pictures_and_the_film_moves(tmp_path):
+    out = tmp_path / "frames"
+    assert main(["film", str(out), *SMALL]) == 0
+    names = sorted(path.name for path in out.iterdir())
+    assert names == [f"frame_{k:05d}.png" for k in range(4)]
+    first, last = (np.asarray(Image.open(out / names[k])).astype(int) for k in (0, 3))
+    assert first.shape == (120, 161, 3)
+    assert np.abs(first - last).max() > 8
+    assert main(["film", str(out), *SMALL]) == 2  # another film is not mixed into it
+
+
+def test_a_picture_is_the_same_each_time(tmp_path):
+    one, two = tmp_path / "one.png", tmp_path / "two.png"
+    for out in (one, two):
+        assert main(["film", str(out), *SMALL]) == 0
+    assert np.asarray(Image.open(one)).shape == (120, 161, 3)
+    assert one.read_bytes() == two.read_bytes()
+
+
+@pytest.mark.parametrize("display", ["side-by-side", "top-bottom"])
+def test_stereo_shows_two_different_eyes(tmp_path, display):
+    out = tmp_path / "stereo.png"
+    arguments = ["--display", display, "--size", "160x120", "--seconds", "1", "--seed", "1"]
+    assert main(["film", str(out), *arguments]) == 0
+    picture = np.asarray(Image.open(out)).astype(int)
+    axis = 1 if display == "side-by-side" else 0
+    left, right = np.split(picture, 2, axis=axis)
+    assert np.abs(left - right).max() > 4
+    assert abs(left.mean() - right.mean()) < 10.0
+
+
+def grey(level):
+    return np.full((48, 64, 3), level, np.uint8)
+
+
+def test_an_interruption_leaves_a_valid_shorter_film(tmp_path):
+    out = tmp_path / "dive.mp4"
+    with pytest.raises(KeyboardInterrupt), reels.open_reel(out, (64, 48), 20.0) as write:
+        for level in range(0, 100, 20):
+            write(grey(level))
+        raise KeyboardInterrupt
+    assert len(decode(out)) == 5
+    assert [path.name for path in tmp_path.iterdir()] == ["dive.mp4"]
+
+
+@pytest.mark.parametrize("fault", [RuntimeError, KeyboardInterrupt])
+def test_a_fault_or_an_interruption_before_the_first_picture_leaves_nothing(tmp_path, fault):
+    with pytest.raises(fault), reels.open_reel(tmp_path / "dive.mp4", (64, 48), 20.0):
+        raise fault
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_name_decides(tmp_path):
+    assert reels.kind_of(tmp_path / "a.MP4") == "film"
+    assert reels.kind_of(tmp_path / "a.png") == "picture"
+    assert reels.kind_of(tmp_path / "a") == "folder"
+    with pytest.raises(UserError, match=r"\.gif"):
+        reels.kind_of(tmp_path / "a.gif")
+    (tmp_path / "file").write_text("")
+    with pytest.raises(UserError, match="cannot make the folder"):
+        reels.open_reel(tmp_path / "file" / "a.mp4", (64, 48), 20.0)

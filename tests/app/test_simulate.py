@@ -1,0 +1,117 @@
+"""The record of a simulation."""
+
+import signal
+import subprocess
+import sys
+import time
+
+import h5py
+import numpy as np
+import pytest
+
+from subsea import hdf5
+
+SIMULATE = [sys.executable, "-m", "subsea", "simulate"]
+SHAPES = {
+    "time": (20,),
+    "fish/position": (20, 12, 3),
+    "fish/orientation": (20, 12, 4),
+    "fish/velocity": (20, 12, 3),
+    "fish/species": (12,),
+    "fish/length": (12,),
+    "fish/intention": (20, 12),
+    "fish/segment": (20, 12),
+    "fish/mental_state": (20, 12, 3),
+    "fish/alive": (20, 12),
+    "fish/partner": (20, 12),
+    "fish/target": (20, 12),
+    "plankton/count": (20,),
+    "submarine/position": (20, 3),
+}
+
+
+def simulate(out, *arguments):
+    command = [*SIMULATE, "--ticks", "20", "--fish", "12", "--out", str(out), *arguments]
+    subprocess.run(command, check=True, capture_output=True, timeout=280)
+    return out.read_bytes()
+
+
+@pytest.fixture(scope="module")
+def record(tmp_path_factory):
+    out = tmp_path_factory.mktemp("record") / "one.h5"
+    simulate(out)
+    return out
+
+
+def test_it_holds_what_the_format_says(record):
+    with h5py.File(record) as file:
+        found = {}
+        file.visititems(
+            lambda name, item: (
+                found.update({name: item.shape}) if isinstance(item, h5py.Dataset) else None
+            )
+        )
+        assert found == SHAPES
+        assert file["time"][:] == pytest.approx(0.033 * np.arange(1, 21))
+        assert np.linalg.norm(file["fish/orientation"], axis=2) == pytest.approx(1.0, abs=1e-3)
+        for code in ("species", "intention", "segment"):
+            names = file.attrs[f"{code}_names"]
+            assert file[f"fish/{code}"][()].max() < len(names)
+        assert file.attrs["format"] == "subsea-record"
+        assert "[bounds]" in file.attrs["scenario"]
+        assert np.hypot(*file["fish/position"][-1, :, :2].T).max() < file.attrs["radius_cm"]
+
+
+def test_velocity_is_the_change_of_position(record):
+    with h5py.File(record) as file:
+        step = np.diff(file["fish/position"][:], axis=0) / file.attrs["tick_s"]
+        assert file["fish/velocity"][1:] == pytest.approx(step, abs=0.5)
+
+
+def test_the_same_seed_gives_the_same_bytes_in_another_process(record, tmp_path):
+    again = simulate(tmp_path / "two.h5")
+    assert again == record.read_bytes()
+    assert simulate(tmp_path / "three.h5", "--seed", "99") != again
+
+
+def test_ctrl_c_leaves_a_valid_file_with_the_ticks_so_far(tmp_path):
+    out = tmp_path / "long.h5"
+    command = [*SIMULATE, "--ticks", "1000000", "--fish", "12", "--out", str(out)]
+    running = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    while not list(tmp_path.glob(".long.h5.*.part")):
+        assert running.poll() is None
+        time.sleep(0.05)
+    time.sleep(1.0)
+    running.send_signal(signal.SIGINT)
+    _, err = running.communicate(timeout=60)
+    assert running.returncode == 130
+    assert err.splitlines()[-1].endswith("subsea: interrupted")
+    assert [path.name for path in tmp_path.iterdir()] == ["long.h5"]
+    with h5py.File(out) as file:
+        ticks = len(file["time"])
+        assert 0 < ticks < 1_000_000
+        assert all(len(file[name]) == ticks for name in SHAPES if len(SHAPES[name]) > 1)
+        assert file["time"][-1] == pytest.approx(0.033 * ticks)
+
+
+def test_an_interruption_between_two_datasets_trims_to_whole_ticks(tmp_path):
+    class Cut(dict):
+        def items(self):
+            yield "a", self["a"]
+            raise KeyboardInterrupt
+
+    with (
+        pytest.raises(KeyboardInterrupt),
+        hdf5.recording(tmp_path / "r.h5", {"seed": 1}, {}) as append,
+    ):
+        append({"a": np.arange(3), "b": np.arange(3)})
+        append(Cut(a=np.arange(3), b=np.arange(3)))
+    with h5py.File(tmp_path / "r.h5") as file:
+        assert len(file["a"]) == len(file["b"]) == 3
+
+
+@pytest.mark.parametrize("fault", [KeyboardInterrupt, RuntimeError])
+def test_a_record_without_a_tick_is_no_file(tmp_path, fault):
+    with pytest.raises(fault), hdf5.recording(tmp_path / "r.h5", {}, {}):
+        raise fault
+    assert not list(tmp_path.iterdir())
