@@ -2,11 +2,12 @@
 
 from subsea.biomechanics.body import Floats, build_body
 from subsea.kinematics.skin import skin_weights
-from subsea.kinematics.surface import rest_points
+from subsea.kinematics.surface import rest_control_points
 from subsea.species import Species
 
 
 def control_weights(species: Species) -> Floats:
     """The matrix (426, 23) that gives a species' control points from its nodes, in any frame."""
     nodes = build_body(species.body).rest
-    return skin_weights(nodes, rest_points(species.surface, nodes))
+    points = rest_control_points(species.surface, species.body.length, nodes[0, 0])
+    return skin_weights(nodes, points)

@@ -28,6 +28,8 @@ MAX_WARM_UP = 400
 CLOSURE_GOAL = 1e-7
 """Loop closure, in body lengths, at which a beat counts as steady."""
 STRAIGHT = (0.0, 0.0)
+SETTLE_TICKS = 4
+"""How long a straightened body takes to come to rest, as far as playback's blending can tell."""
 
 
 class Trial(NamedTuple):
@@ -116,5 +118,6 @@ def sharp_turn(
 
 
 def turn_beats(swim: SwimPlan, row: Steering) -> int:
-    """Length of a sharp turn in beats: it ends with the beat in which the bend is given back."""
-    return int(np.ceil((row.bend_ticks + row.hold_ticks + row.restore_ticks) / swim.ticks_per_beat))
+    """Length of a sharp turn in beats: it ends with the beat in which the body has settled."""
+    ticks = row.bend_ticks + row.hold_ticks + row.restore_ticks + SETTLE_TICKS
+    return int(np.ceil(ticks / swim.ticks_per_beat))
