@@ -54,8 +54,11 @@ def _run(arguments: Sequence[str]) -> int:
     if not arguments:
         parser.print_help()
         return 0
-    if not arguments[0].startswith("-") and arguments[0] not in commands:
-        raise unknown("command", arguments[0], list(commands))
+    first = arguments[0]
+    if first.startswith("-") and first not in ("-h", "--help", "--version"):
+        raise UserError(f"unknown option {first!r}: options follow a command, see `subsea --help`")
+    if not first.startswith("-") and first not in commands:
+        raise unknown("command", first, list(commands))
     options, extra = parser.parse_known_args(arguments)
     if extra:
         command = commands[options.command]
