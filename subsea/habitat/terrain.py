@@ -33,13 +33,14 @@ def make_terrain(scenario: Scenario) -> Array:
     base = 2 * np.pi / scenario.terrain.dune_length_cm
     bend = 60.0 * np.sin(0.37 * base * y + rng.uniform(0, 2 * np.pi))
     heights = np.zeros_like(x)
-    for octave in rng.uniform(-1.2, 1.8, WAVES):
+    for octave in rng.uniform(-1.2, 1.3, WAVES):
         wave = base * 2.0**octave
         angle = rng.normal(0.5, 0.7)
         phase = rng.uniform(0, 2 * np.pi)
         along = (x + bend) * np.cos(angle) + y * np.sin(angle)
-        heights += 2.0**-octave * np.sin(wave * along + phase)
-    heights *= 0.5 * scenario.terrain.dune_height_cm / max(float(heights.std()), 1e-9)
+        heights += 2.0 ** (-1.7 * octave) * np.sin(wave * along + phase)
+    # From crest to trough a sine of this deviation is as high as asked.
+    heights *= scenario.terrain.dune_height_cm / (8**0.5 * max(float(heights.std()), 1e-9))
     rim = np.clip(np.hypot(x, y) / scenario.bounds.radius_cm - 0.75, 0.0, 1.0)
     heights = heights + RIM_CM * rim**2 - scenario.bounds.depth_cm
     return np.minimum(heights, -0.5 * scenario.bounds.depth_cm).astype(np.float32)
