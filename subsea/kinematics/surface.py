@@ -3,6 +3,7 @@
 Two halves of 9×21 control points, left then right: u runs from the dorsal ridge over the flank
 to the ventral ridge, v from the snout to the tail's edge. The last columns are the tail fin.
 Then the dorsal and the ventral fin, 2×12 each: first the row in the body, then the free edge.
+The surface, not its control mesh, meets the outline.
 """
 
 from typing import Annotated, Any
@@ -10,6 +11,8 @@ from typing import Annotated, Any
 import msgspec
 import numpy as np
 from numpy.typing import NDArray
+
+from subsea.kinematics.spline import greville, through
 
 Array = NDArray[np.floating[Any]]
 
@@ -20,45 +23,44 @@ DORSAL = slice(2 * U * V, 2 * U * V + FIN_U * FIN_V)
 VENTRAL = slice(2 * U * V + FIN_U * FIN_V, 2 * U * V + 2 * FIN_U * FIN_V)
 CONTROL_POINTS = VENTRAL.stop
 
-TAIL_COLUMNS = 5  # of the 21: the tail fin
-ROOT_DEPTH = 0.75  # the fins' lower rows are sunk to this share of the body's height
+TAIL_COLUMNS = 6  # of the 21: the tail fin
+CROWDING = 0.6  # columns crowd toward snout and tail, where the outline bends most
+SUNK = 0.82  # the fins' lower rows lie at this share of the ridge's height
+
+# The polygon around a half-circle that a quadratic spline touches at the middle of each edge.
+# Its first edge is level, so the two halves meet without a crease.
+_ANGLES = np.concatenate([[0.0], np.pi * (np.arange(U - 2) + 0.5) / (U - 2), [np.pi]])
+_REACH = np.where(np.abs(np.cos(_ANGLES)) < 1.0, 1.0 / np.cos(0.5 * np.pi / (U - 2)), 1.0)
+SECTION_HEIGHT = _REACH * np.cos(_ANGLES)
+SECTION_WIDTH = _REACH * np.sin(_ANGLES)
 
 Share = Annotated[float, msgspec.Meta(ge=0, le=1)]
 Extent = Annotated[float, msgspec.Meta(ge=-1, le=1)]
 Curve = Annotated[list[tuple[Share, Extent]], msgspec.Meta(min_length=2)]
 
-# A cross-section from ridge to ridge: shares of height and half-width. Flat at the ridges, so
-# that the two halves meet without an edge, and a little wide at the flank, which the B-spline
-# draws in.
-SECTION_HEIGHT = np.array([1.0, 1.0, 0.86, 0.5, 0.0, -0.5, -0.86, -1.0, -1.0])
-SECTION_WIDTH = np.array([0.0, 0.36, 0.72, 0.98, 1.07, 0.98, 0.72, 0.36, 0.0])
-
 
 class TailPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """The tail fin, in body lengths."""
+    """The tail fin. Its upper and lower edges belong to the curves of back and belly."""
 
-    begin: Share  # distance of its root from the snout
-    half_height: Annotated[float, msgspec.Meta(gt=0, le=1)]  # at its edge
-    fork: Extent  # how far the middle of the edge lies before the tips; negative: rounded
-    spread: Share = 0.5  # how early it widens, 0 late to 1 at once
+    begin: Share  # distance of its root from the snout, in body lengths
+    edge: Curve  # (share of the half-height, distance of the trailing edge from the snout)
 
 
 class FinPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """A dorsal or ventral fin: its edge above the body's ridge, in body lengths."""
+    """A dorsal or ventral fin, in body lengths."""
 
-    begin: Share
-    end: Share
-    height: Curve  # (share of the fin's base, height)
-    lean: Extent = 0.05  # how far the edge lies behind the base
+    base: tuple[Share, Share]  # where it begins and ends, distance from the snout
+    edge: Curve  # the free edge from front to rear: (distance from the snout, height)
 
 
-class PectoralPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """The pectoral fins, in body lengths."""
+class PaddlePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A pair of fins that stand on the flanks, in body lengths."""
 
     at: Share  # distance of the root from the snout
-    height: Extent  # of the root, share of the body's half-height
+    height: Extent  # of the root above the axis
     length: Share
-    width: Share
+    width: Share  # of the free end
+    droop: Annotated[float, msgspec.Meta(ge=-90, le=90)]  # degrees below tailward
 
 
 class EyePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -70,15 +72,16 @@ class EyePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
 
 
 class SurfacePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """The outline of a species; every curve is (distance from the snout, value)."""
+    """The shape of a species in body lengths; curves are (distance from the snout, value)."""
 
-    back: Curve  # height of the dorsal ridge above the axis
+    back: Curve  # height of the dorsal ridge above the axis, on to the tail's upper tip
     belly: Curve  # height of the ventral ridge, negative
     width: Curve  # half-width
     tail: TailPlan
     dorsal: FinPlan
     ventral: FinPlan
-    pectoral: PectoralPlan
+    pectoral: PaddlePlan
+    pelvic: PaddlePlan
     eye: EyePlan
 
 
@@ -91,53 +94,70 @@ def rest_control_points(plan: SurfacePlan, body_length_cm: float, snout_x_cm: fl
     half = _right_half(plan)
     points[RIGHT] = half.reshape(-1, 3)
     points[LEFT] = (half * (1, 1, -1)).reshape(-1, 3)
-    points[DORSAL] = _fin(plan.dorsal, plan.back, 1.0)
-    points[VENTRAL] = _fin(plan.ventral, plan.belly, -1.0)
+    points[DORSAL] = _fin(plan.dorsal, plan.back)
+    points[VENTRAL] = _fin(plan.ventral, plan.belly)
     points *= body_length_cm
     points[:, 0] = snout_x_cm - points[:, 0]
     return points
 
 
-def _at(curve: Curve, s: Array) -> Array:
-    """A curve at distances s: linear between its points, which the B-spline smooths."""
-    knots = np.array(curve)
-    return np.asarray(np.interp(s, knots[:, 0], knots[:, 1]))
+def along(curve: Curve | Array, at: Array) -> Array:
+    """Values of a curve at `at`: a C1 cubic through its points that never overshoots.
+
+    The tangents are Fritsch and Butland's: weighted harmonic means of the neighbouring slopes,
+    zero at an extremum.
+    """
+    x, y = np.asarray(curve, np.float64).T
+    gap = np.diff(x)
+    slope = np.diff(y) / gap
+    before, after = slope[:-1], slope[1:]
+    same = before * after > 0
+    a, b = gap[:-1] + 2 * gap[1:], 2 * gap[:-1] + gap[1:]
+    mean = (a + b) * before * after / np.where(same, a * after + b * before, 1.0)
+    tangent = np.concatenate([slope[:1], np.where(same, mean, 0.0), slope[-1:]])
+    cell = np.clip(np.searchsorted(x, at, side="right") - 1, 0, len(gap) - 1)
+    h = gap[cell]
+    t = np.clip((at - x[cell]) / h, 0.0, 1.0)
+    return np.asarray(
+        y[cell]
+        + t * h * tangent[cell]
+        + t**2 * (3 * slope[cell] - 2 * tangent[cell] - tangent[cell + 1]) * h
+        + t**3 * (tangent[cell] + tangent[cell + 1] - 2 * slope[cell]) * h
+    )
 
 
 def _right_half(plan: SurfacePlan) -> Array:
     """(9, 21, 3): distance from the snout, height, and right, in body lengths."""
-    tail = plan.tail
-    body = V - TAIL_COLUMNS
-    # Columns crowd toward the snout, where the outline bends most.
-    s = np.concatenate([[0.0], tail.begin * np.linspace(0.0, 1.0, body - 1) ** 1.35])
-    top, bottom, width = _at(plan.back, s), _at(plan.belly, s), _at(plan.width, s)
-    # Column 0 is the tip; column 1 lies over it, full width, which makes the snout round.
+    begin, body = plan.tail.begin, V - TAIL_COLUMNS
+    t = np.clip(greville(V) / greville(V)[body - 1], 0.0, 1.0)
+    fin = np.clip(np.arange(V) - body + 1, 0, None) / TAIL_COLUMNS  # 0 on the body, 1 at the edge
+    tip = plan.tail.edge[-1][1]
+    crowded = (1 - CROWDING) * t + CROWDING * (1 - np.cos(np.pi * t)) / 2
+    ridge = begin * crowded + (tip - begin) * fin
+    top, bottom = along(plan.back, ridge), along(plan.belly, ridge)
     middle, radius = (top + bottom) / 2, (top - bottom) / 2
-    radius[0], width[0] = 0.0, 0.0
+    # A fin is flat: there the rows spread evenly from edge to edge.
+    section = SECTION_HEIGHT[:, None]
+    even = np.linspace(1.0, -1.0, U)[:, None]
+    height = section + np.minimum(2.0 * fin, 1.0) * (even - section)
+    edge = along(plan.tail.edge, np.abs(even))
     half = np.empty((U, V, 3))
-    half[:, :body, 0] = s
-    half[:, :body, 1] = middle + SECTION_HEIGHT[:, None] * radius
-    half[:, :body, 2] = SECTION_WIDTH[:, None] * width
-    eta = np.linspace(1.0, -1.0, U)
-    thin = width[-1]
-    for k in range(1, TAIL_COLUMNS + 1):
-        t = k / TAIL_COLUMNS
-        rise = t ** (2.0 - 1.5 * tail.spread)
-        height = radius[-1] + (tail.half_height - radius[-1]) * rise
-        edge = 1.0 - tail.fork * (1.0 - np.abs(eta) ** 1.4) - tail.begin
-        half[:, body + k - 1, 0] = tail.begin + edge * t
-        half[:, body + k - 1, 1] = middle[-1] * (1 - t) + eta * height
-        half[:, body + k - 1, 2] = thin * (1 - t) ** 2 * SECTION_WIDTH + 0.0008 * (1 - eta**2)
-    return half
+    half[..., 0] = ridge + fin * (edge - tip)
+    half[..., 1] = middle + height * radius
+    half[..., 2] = SECTION_WIDTH[:, None] * along(plan.width, ridge)
+    return np.moveaxis(through(np.moveaxis(half, 1, 0)), 0, 1)
 
 
-def _fin(plan: FinPlan, ridge: Curve, side: float) -> Array:
+def _fin(plan: FinPlan, ridge: Curve) -> Array:
     """(24, 3): the row sunk in the body, then the free edge."""
-    share = np.linspace(0.0, 1.0, FIN_V)
-    s = plan.begin + (plan.end - plan.begin) * share
-    base = _at(ridge, s)
-    edge = base + side * _at(plan.height, share)
+    share = greville(FIN_V)
+    base = plan.base[0] + (plan.base[1] - plan.base[0]) * share
+    points = np.asarray(plan.edge)
+    travelled = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+    travelled /= travelled[-1]
     rows = np.zeros((FIN_U, FIN_V, 3))
-    rows[0, :, 0], rows[0, :, 1] = s, ROOT_DEPTH * base
-    rows[1, :, 0], rows[1, :, 1] = s + plan.lean * share, edge
-    return rows.reshape(-1, 3)
+    rows[0, :, 0], rows[0, :, 1] = base, SUNK * along(ridge, base)
+    for axis in range(2):
+        curve = np.stack([travelled, points[:, axis]], axis=1)
+        rows[1, :, axis] = along(curve, share)
+    return np.concatenate([through(row) for row in rows])
