@@ -1,9 +1,9 @@
-"""Pre-evaluated tables of clamped B-spline bases (SMC §7.2).
+"""Pre-evaluated tables of clamped uniform B-spline bases (SMC §7.2).
 
 Bodies are quadratic in u and v: "order 3" of SMC in the usual count, degree plus one. A quadratic
-is C1, so normals are continuous; it stays nearer to the control mesh than a cubic, so the change
-to the mesh of the next level shows less; and a vertex needs 9 control points instead of 16. Fins
-are linear across and quadratic along.
+is C1, so normals are continuous; it stays nearer to the control mesh than a cubic, so a coarser
+level differs less from a finer one; and a vertex needs 9 control points instead of 16. Fins are
+linear across and quadratic along.
 """
 
 from typing import Any, NamedTuple
@@ -22,36 +22,38 @@ class Table(NamedTuple):
     """A basis at parameters t: point(t_k) = Σ_j weight[k, j] · control[first[k] + j]."""
 
     first: Ints  # (k,) the first control point that has a part
-    weight: Array  # (k, 3)
-    slope: Array  # (k, 3) derivatives of the weights by t
+    weight: Array  # (k, 3), sum to one
+    slope: Array  # (k, 3) derivatives of the weights by t, sum to zero
 
 
 def basis_table(controls: int, samples: int, degree: int = DEGREE) -> Table:
-    """The clamped uniform basis of `controls` points at `samples` even parameters in [0, 1].
+    """The basis of `controls` points at `samples` even parameters in [0, 1].
 
-    Degree 2, or 1 for two taps and a third that is zero. Evaluated by the Cox-de Boor recursion.
     A coarser level takes every second sample: `decimated`.
+    """
+    return basis_at(controls, np.linspace(0.0, 1.0, samples), degree)
+
+
+def basis_at(controls: int, t: Array, degree: int = DEGREE) -> Table:
+    """The basis of `controls` points at parameters `t` (k,) in [0, 1], by Cox and de Boor.
+
+    Degree 2, or 1 for two taps and a third that is zero.
     """
     if degree not in (1, 2) or controls < degree + 1:
         raise ValueError(f"no basis of degree {degree} on {controls} points")
-    t = np.linspace(0.0, 1.0, samples)
-    spans = controls - degree
-    inner = np.arange(spans + 1) / spans
-    knots = np.concatenate([np.zeros(degree), inner, np.ones(degree)])
-    cell = np.minimum((t * spans).astype(np.int64), spans - 1)
-    basis = [_order_zero(knots, cell)]
+    t = np.asarray(t, np.float64)
+    knot = _knots(controls, degree)
+    first = np.clip((t * (controls - degree)).astype(np.int64), 0, controls - degree - 1)
+    weight, slope = np.ones((len(t), 1)), np.zeros((len(t), 1))
     for d in range(1, degree + 1):
-        basis.append(_raise_degree(knots, basis[-1], t, d))
-    lower = basis[-2]
-    left = _ratio(np.ones_like(t)[:, None], knots[degree : degree + controls] - knots[:controls])
-    right = _ratio(
-        np.ones_like(t)[:, None],
-        knots[degree + 1 : degree + 1 + controls] - knots[1 : controls + 1],
-    )
-    slope = degree * (left * lower[:, :controls] - right * lower[:, 1 : controls + 1])
-    first = np.minimum(cell, controls - TAPS) if controls >= TAPS else np.zeros_like(cell)
-    taps = first[:, None] + np.arange(TAPS)
-    return Table(first, _gather(basis[-1], taps), _gather(slope, taps))
+        # The d functions of degree d - 1 that are not zero; each has a part in two of degree d.
+        begin = (first + degree)[:, None] + np.arange(1 - d, 1)
+        width = knot[begin + d] - knot[begin]
+        rise = (t[:, None] - knot[begin]) / width
+        slope = d * (_after(weight / width) - _before(weight / width))
+        weight = _after(rise * weight) + _before((1 - rise) * weight)
+    missing = ((0, 0), (0, DEGREE - degree))
+    return Table(first, np.pad(weight, missing), np.pad(slope, missing))
 
 
 def decimated(table: Table, step: int) -> Table:
@@ -59,32 +61,35 @@ def decimated(table: Table, step: int) -> Table:
     return Table(*(values[::step] for values in table))
 
 
-def _order_zero(knots: Array, cell: Ints) -> Array:
-    """Degree 0: one in the cell that holds t; the last cell is closed."""
-    out = np.zeros((len(cell), len(knots) - 1))
-    padding = int(np.flatnonzero(np.diff(knots) > 0)[0])
-    out[np.arange(len(cell)), cell + padding] = 1.0
-    return out
+def dense(table: Table, controls: int) -> Array:
+    """The weights as a matrix (k, controls)."""
+    matrix = np.zeros((len(table.first), controls + TAPS))
+    for tap in range(TAPS):
+        matrix[np.arange(len(matrix)), table.first + tap] += table.weight[:, tap]
+    return matrix[:, :controls]
 
 
-def _raise_degree(knots: Array, lower: Array, t: Array, degree: int) -> Array:
-    count = lower.shape[1] - 1
-    k = knots
-    rise = _ratio(t[:, None] - k[:count], k[degree : degree + count] - k[:count])
-    fall = _ratio(
-        k[degree + 1 : degree + 1 + count] - t[:, None],
-        k[degree + 1 : degree + 1 + count] - k[1 : count + 1],
-    )
-    return np.asarray(rise * lower[:, :count] + fall * lower[:, 1 : count + 1])
+def greville(controls: int, degree: int = DEGREE) -> Array:
+    """The parameter (controls,) at which each control point pulls most."""
+    knot = _knots(controls, degree)
+    return np.stack([knot[1 + k : 1 + k + controls] for k in range(degree)]).mean(axis=0)
 
 
-def _ratio(numerator: Array, denominator: Array) -> Array:
-    """The recursion's 0/0 is 0."""
-    safe = np.where(denominator == 0.0, 1.0, denominator)
-    return np.where(denominator == 0.0, 0.0, numerator / safe)
+def through(points: Array, degree: int = DEGREE) -> Array:
+    """The control points (n, …) of the spline that meets `points` (n, …) at `greville`."""
+    points = np.asarray(points, np.float64)
+    matrix = dense(basis_at(len(points), greville(len(points), degree), degree), len(points))
+    return np.linalg.solve(matrix, points.reshape(len(points), -1)).reshape(points.shape)
 
 
-def _gather(values: Array, taps: Ints) -> Array:
-    """Columns `taps` of each row; those beyond the last control point are zero."""
-    padded = np.pad(values, ((0, 0), (0, TAPS)))
-    return np.asarray(np.take_along_axis(padded, taps, axis=1))
+def _knots(controls: int, degree: int) -> Array:
+    inner = np.linspace(0.0, 1.0, controls - degree + 1)
+    return np.concatenate([np.zeros(degree), inner, np.ones(degree)])
+
+
+def _after(values: Array) -> Array:
+    return np.pad(values, ((0, 0), (1, 0)))
+
+
+def _before(values: Array) -> Array:
+    return np.pad(values, ((0, 0), (0, 1)))

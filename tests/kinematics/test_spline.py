@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import BSpline
 
-from subsea.kinematics.spline import basis_table, decimated
+from subsea.kinematics.spline import basis_at, basis_table, decimated, dense, greville, through
 
 
 def _scipy(controls, samples, degree):
@@ -51,3 +51,14 @@ def test_a_coarser_level_is_a_subset_of_the_finest():
 def test_what_is_no_basis_is_refused():
     with pytest.raises(ValueError, match="degree 3"):
         basis_table(9, 5, 3)
+
+
+def test_a_spline_goes_through_points():
+    points = np.random.default_rng(0).normal(size=(12, 3))
+    control = through(points)
+    np.testing.assert_allclose(dense(basis_at(12, greville(12)), 12) @ control, points, atol=1e-12)
+
+
+def test_parameters_of_control_points_reproduce_the_parameter():
+    t = np.linspace(0, 1, 33)
+    np.testing.assert_allclose(dense(basis_table(9, 33), 9) @ greville(9), t, atol=1e-12)
