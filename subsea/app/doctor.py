@@ -15,7 +15,6 @@ PACKAGES = (
     "numpy", "numba", "h5py", "moderngl", "glfw", "pyrr", "imgui-bundle", "msgspec", "pillow",
     "av", "tqdm",
 )  # fmt: skip
-INSTALL_HEADLESS = "sudo apt-get install --no-install-recommends libegl1 libgl1 libgl1-mesa-dri"
 
 
 class Finding(NamedTuple):
