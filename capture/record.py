@@ -14,8 +14,8 @@ import numpy as np
 
 from capture.segment import make_segment
 from capture.skin import control_weights
-from capture.trial import STRAIGHT, Trial, sharp_turn, steady_beat
-from subsea.biomechanics.body import Body, build_body
+from capture.trial import STRAIGHT, Trial, beat_contraction, sharp_turn, steady_beat
+from subsea.biomechanics.body import Body, Floats, build_body
 from subsea.biomechanics.controllers import LEFT, RIGHT
 from subsea.biomechanics.plan import BodyPlan, SwimPlan, TurnPlan
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, TICK_S, TIME_UNIT_S
@@ -31,24 +31,33 @@ class Motion(NamedTuple):
     turn: TurnPlan
 
 
-def amplitude_of(swim: SwimPlan, grade: str) -> float:
-    """Amplitude of the grade slow, medium or fast, relative to fast."""
-    return {"slow": swim.slow, "medium": swim.medium, "fast": 1.0}[grade]
+def steady_contraction(motion: Motion, name: str) -> Floats:
+    """Contractions (6 T, 12) of one beat of a swim or gradual turn, or of that before a sharp turn.
+
+    ``name`` is a segment's, such as ``turn_left_gradual``.
+    """
+    swim = motion.swim
+    kind, _, grade = name.rpartition("_")
+    if kind == "swim":
+        return beat_contraction(swim, {"slow": swim.slow, "medium": swim.medium}.get(grade, 1.0))
+    bias = motion.turn.gradual if grade == "gradual" else STRAIGHT
+    return beat_contraction(swim, swim.medium, bias, side_of(name))
+
+
+def side_of(name: str) -> float:
+    """LEFT or RIGHT, the side of a turn's segment."""
+    return LEFT if "left" in name else RIGHT
 
 
 def run_trial(motion: Motion, name: str) -> Trial:
-    """The trial behind the segment ``name``, such as ``turn_left_sharp``."""
-    body, swim, turn = build_body(motion.body), motion.swim, motion.turn
-    kind, _, grade = name.rpartition("_")
-    if kind == "swim":
-        return steady_beat(body, swim, amplitude_of(swim, grade))
-    side = LEFT if kind == "turn_left" else RIGHT
-    bias = turn.gradual if grade == "gradual" else STRAIGHT
-    steady = steady_beat(body, swim, swim.medium, bias, side)
-    if grade == "gradual":
-        return steady
-    trial = sharp_turn(body, swim, turn, turn.sharp, side, steady.state)
-    return trial._replace(warm_up_beats=steady.warm_up_beats)
+    """The trial behind the segment ``name``."""
+    body = build_body(motion.body)
+    trial = steady_beat(body, steady_contraction(motion, name))
+    if not name.endswith("sharp"):
+        return trial
+    turn = motion.turn
+    turned = sharp_turn(body, motion.swim, turn, turn.sharp, side_of(name), trial.state)
+    return turned._replace(warm_up_beats=trial.warm_up_beats)
 
 
 def record_segment(species: Species, name: str) -> tuple[Segment, int]:
@@ -120,11 +129,11 @@ def _own_version() -> str:
 
 
 def record_all(
-    names: list[str], jobs: int, finished: Callable[[str, str], None]
+    names: list[str], jobs: int, finished: Callable[[str], object]
 ) -> Iterator[tuple[str, Repertoire]]:
     """Record several species and yield each name with its repertoire as soon as it is whole.
 
-    ``finished(species, segment)`` is called after each segment. With ``jobs`` above 1 segments
+    ``finished(species)`` is called after each segment. With ``jobs`` above 1 segments
     are recorded in that many processes; the result is the same.
     """
     species = {name: load_species(name) for name in names}
@@ -132,7 +141,7 @@ def record_all(
     with _workers(jobs) as run:
         for name, segment, result in run(species):
             done[name][segment] = result
-            finished(name, segment)
+            finished(name)
             if len(done[name]) == len(SEGMENTS):
                 yield name, assemble(name, species[name], done.pop(name))
 

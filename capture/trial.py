@@ -25,7 +25,7 @@ from subsea.kinematics.frame import body_frame, to_body
 
 MIN_WARM_UP = 24
 MAX_WARM_UP = 400
-CLOSURE_GOAL = 1e-7
+CLOSURE_GOAL = 1e-9
 """Loop closure, in body lengths, at which a beat counts as steady."""
 STRAIGHT = (0.0, 0.0)
 SETTLE_TICKS = 4
@@ -58,34 +58,38 @@ def beat_phase(swim: SwimPlan, ticks: int, side: float = LEFT) -> Floats:
     return np.asarray(start + 2 * np.pi * steps / (swim.ticks_per_beat * STEPS_PER_TICK))
 
 
-def steady_beat(
-    body: Body,
+def beat_contraction(
     swim: SwimPlan,
     amplitude: float,
     bias: tuple[float, float] = STRAIGHT,
     side: float = LEFT,
-) -> Trial:
+) -> Floats:
+    """Contractions (6 T, 12) of one beat from this side's phase 0.
+
+    ``bias`` contracts the turning muscles on ``side`` besides: the gradual turn.
+    """
+    phase = beat_phase(swim, swim.ticks_per_beat, side)
+    return swim_contraction(swim, phase, amplitude) + bend_contraction(bias, side)
+
+
+def steady_beat(body: Body, beat: Floats) -> Trial:
     """One beat of steady swimming, from rest through as many beats as it takes to close the loop.
 
-    ``bias`` contracts the turning muscles on ``side`` besides: the gradual turn. Raises UserError
-    where the body loses its shape or never swims steadily.
+    ``beat`` (6 T, 12) are the contractions of a beat. Raises UserError where the body loses its
+    shape or never comes to swim steadily.
     """
     state = at_rest(body)
-    phase = beat_phase(swim, swim.ticks_per_beat, side)
-    share = ease(np.arange(len(phase)) / len(phase))
-    bend = bend_contraction(bias, side)
-    # The first beat raises swimming and bend from nothing, so that no muscle jerks.
-    simulate(body, state, share[:, None] * (swim_contraction(swim, phase, amplitude) + bend))
-    beat = swim_contraction(swim, phase, amplitude) + bend
+    # The first beat raises everything from nothing, so that no muscle jerks.
+    simulate(body, state, ease(np.arange(len(beat)) / len(beat))[:, None] * beat)
     length = float(np.ptp(body.rest[:, 0]))
     for beats in range(1, MAX_WARM_UP):
         start = state.x.copy()
         frames = np.concatenate([start[None], simulate(body, state, beat)])
         if not is_sound(state):
-            raise UserError(f"the body lost its shape in beat {beats} at amplitude {amplitude:g}")
+            raise UserError(f"the body lost its shape in beat {beats} of its warm-up")
         if beats >= MIN_WARM_UP and loop_error(frames) <= CLOSURE_GOAL * length:
             return Trial(frames, state, beats)
-    return Trial(frames, state, MAX_WARM_UP)
+    raise UserError(f"the body does not swim steadily after {MAX_WARM_UP} beats")
 
 
 def sharp_turn(

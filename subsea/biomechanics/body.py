@@ -33,7 +33,8 @@ def _ring(number: int) -> list[int]:
 
 def _connect() -> tuple[list[tuple[int, int]], list[tuple[int, int]], list[tuple[int, int]]]:
     """List the muscle, cross and remaining units as pairs of nodes (i < j)."""
-    muscle, cross = [], []
+    muscle: list[tuple[int, int]] = []
+    cross: list[tuple[int, int]] = []
     other = [(0, node) for node in _ring(0)]
     for number in range(RINGS):
         a, b, c, d = _ring(number)

@@ -1,0 +1,176 @@
+"""The command line of the capture tool."""
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NoReturn
+
+from subsea.errors import UserError, unknown
+from subsea.resources import resource_path
+
+MAX_JOBS = 64
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run ``subsea-capture`` with these arguments (default: the process's); return its exit code.
+
+    0 done, 2 something the user can mend (one line on standard error), 130 interrupted.
+    """
+    try:
+        return _run(sys.argv[1:] if arguments is None else list(arguments))
+    except UserError as fault:
+        print(f"subsea-capture: {fault}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("subsea-capture: interrupted, nothing half-written is left", file=sys.stderr)
+        return 130
+    except BrokenPipeError:
+        # The reader of our output (`subsea-capture … | head`) has seen enough.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+
+
+def _run(arguments: list[str]) -> int:
+    parser, commands = _parsers()
+    if not arguments:
+        parser.print_help()
+        return 0
+    if not arguments[0].startswith("-") and arguments[0] not in commands:
+        raise unknown("command", arguments[0], list(commands))
+    options = parser.parse_args(arguments)
+    code: int = options.run(options)
+    return code
+
+
+class _Parser(argparse.ArgumentParser):
+    """Faults are UserErrors: one line, without the usage before it."""
+
+    def error(self, message: str) -> NoReturn:
+        raise UserError(message)
+
+
+def _parsers() -> tuple[argparse.ArgumentParser, dict[str, argparse.ArgumentParser]]:
+    parser = _Parser(
+        prog="subsea-capture",
+        description="Record the motion of simulated fishes, and judge what was recorded.",
+        epilog="`subsea-capture COMMAND --help` shows the options and examples of a command.",
+        allow_abbrev=False,
+    )
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND")
+
+    record = _command(
+        commands,
+        "record",
+        "swim fishes and write their repertoires",
+        "Three swims and four turns of each species go to OUT/SPECIES.h5. The same species\n"
+        "files give the same repertoires, however many jobs record them.",
+        [
+            "subsea-capture record fusilier",
+            "subsea-capture record --all --jobs 2",
+            "subsea-capture record emperor_angelfish --out /tmp/repertoires",
+        ],
+    )
+    record.add_argument("species", metavar="SPECIES", nargs="*", help="species to record")
+    record.add_argument("--all", action="store_true", help="record every species there is")
+    record.add_argument(
+        "--out", metavar="DIR", type=Path, default=None, help="folder to write to (repertoires/)"
+    )
+    record.add_argument(
+        "--jobs", metavar="N", type=_jobs, default=1, help="processes to record in (1)"
+    )
+    record.set_defaults(run=_record)
+
+    inspect = _command(
+        commands,
+        "inspect",
+        "show what a repertoire holds and how good it is",
+        "Lists the segments, then swims the fish again from the file's provenance and puts its\n"
+        "measures beside what is asked of them.",
+        ["subsea-capture inspect repertoires/fusilier.h5"],
+    )
+    inspect.add_argument("file", metavar="FILE", type=Path, help="a repertoire (.h5)")
+    inspect.set_defaults(run=_inspect)
+
+    plot = _command(
+        commands,
+        "plot",
+        "draw the motion of a repertoire",
+        "Writes a film strip of each segment, the paths and the tail beats as PNG files.\n"
+        "Needs matplotlib (subsea[plot]).",
+        ["subsea-capture plot repertoires/fusilier.h5 --out plots"],
+    )
+    plot.add_argument("file", metavar="FILE", type=Path, help="a repertoire (.h5)")
+    plot.add_argument("--out", metavar="DIR", type=Path, required=True, help="folder for the PNGs")
+    plot.set_defaults(run=_plot)
+    return parser, dict(commands.choices)
+
+
+def _command(
+    commands: Any, name: str, summary: str, description: str, examples: list[str]
+) -> argparse.ArgumentParser:
+    parser: argparse.ArgumentParser = commands.add_parser(
+        name,
+        help=summary,
+        description=description,
+        epilog="examples:\n" + "\n".join(f"  {example}" for example in examples),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    return parser
+
+
+def _jobs(text: str) -> int:
+    if not text.isascii() or not text.isdigit() or not 1 <= int(text) <= MAX_JOBS:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 1 to {MAX_JOBS}")
+    return int(text)
+
+
+def _record(options: argparse.Namespace) -> int:
+    from tqdm import tqdm
+
+    from capture.record import record_all
+    from subsea.repertoire import SEGMENTS, write_repertoire
+    from subsea.species import species_names
+
+    known = species_names()
+    for name in options.species:
+        if name not in known:
+            raise unknown("species", name, known)
+    if not options.all and not options.species:
+        raise UserError(f"name a species ({', '.join(known)}) or give --all")
+    names = known if options.all else list(dict.fromkeys(options.species))
+    folder: Path = options.out or resource_path("repertoires")
+    bars = {
+        name: tqdm(total=len(SEGMENTS), desc=name, position=place, unit="segment")
+        for place, name in enumerate(names)
+    }
+    try:
+        for name, repertoire in record_all(
+            names, options.jobs, lambda species: bars[species].update()
+        ):
+            write_repertoire(folder / f"{name}.h5", repertoire)
+    finally:
+        for bar in bars.values():
+            bar.close()
+    for name in names:
+        print(folder / f"{name}.h5")
+    return 0
+
+
+def _inspect(options: argparse.Namespace) -> int:
+    from capture.inspect import report
+
+    for line in report(options.file):
+        print(line, flush=True)
+    return 0
+
+
+def _plot(options: argparse.Namespace) -> int:
+    from capture.plot import plot_repertoire
+    from subsea.repertoire import read_repertoire
+
+    for path in plot_repertoire(read_repertoire(options.file), options.out):
+        print(path)
+    return 0

@@ -1,0 +1,83 @@
+"""What a step of simulation and a frame of replay cost on this machine, in microseconds."""
+
+from collections.abc import Callable
+from time import perf_counter
+
+import numpy as np
+from numba import njit
+
+from subsea.biomechanics.body import MUSCLES, NODES, Body, Floats
+from subsea.biomechanics.simulation import State, copy_state, simulate
+from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, advance
+from subsea.kinematics.rotation import matrix
+from subsea.repertoire import Segment
+
+ROUNDS = 5
+STEPS = 2_000
+FRAMES = 20_000
+
+
+def step_cost(body: Body, state: State) -> float:
+    """Microseconds of one compiled step of the fish in motion, muscles held."""
+    simulate(body, copy_state(state), np.zeros((STEPS_PER_TICK, MUSCLES)))  # compiles
+    muscles = np.tile(body.length[:MUSCLES], (STEPS, 1))
+
+    def swim() -> None:
+        x, v, watch = copy_state(state)
+        still, none = np.zeros(3), np.zeros((NODES, 3))
+        advance(x, v, *body[1:], muscles, still, none, STEP, watch)
+
+    return _best(swim) / STEPS
+
+
+def replay_cost(segment: Segment) -> float:
+    """Microseconds of replaying one frame with all 23 nodes (SMC eqs. 10-12)."""
+    return _replay_cost(segment, np.ascontiguousarray(segment.nodes))
+
+
+def frame_cost(segment: Segment) -> float:
+    """Microseconds of replaying the body frame alone, as for a fish out of sight (SMC §5.3)."""
+    return _replay_cost(segment, np.zeros((len(segment.nodes), 0, 3)))
+
+
+def _replay_cost(segment: Segment, nodes: Floats) -> float:
+    turns = np.ascontiguousarray(matrix(segment.increment_rotation))
+    steps = np.ascontiguousarray(segment.increment_translation)
+    out = np.empty(nodes.shape[1:])
+    _replay(turns, steps, nodes, 1, out)  # compiles
+    return _best(lambda: _replay(turns, steps, nodes, FRAMES, out)) / FRAMES
+
+
+def _best(run: Callable[[], object]) -> float:
+    """Microseconds of the quickest of some rounds: the one least disturbed by other work."""
+    times = []
+    for _ in range(ROUNDS):
+        start = perf_counter()
+        run()
+        times.append(perf_counter() - start)
+    return min(times) * 1e6
+
+
+@njit(cache=True, error_model="numpy")
+def _replay(turns: Floats, steps: Floats, nodes: Floats, frames: int, out: Floats) -> float:
+    origin = np.zeros(3)
+    rotation = np.eye(3)
+    turned = np.empty((3, 3))
+    for frame in range(frames):
+        k = frame % len(turns)
+        for i in range(3):
+            for j in range(3):
+                origin[i] += rotation[i, j] * steps[k, j]
+                turned[i, j] = (
+                    rotation[i, 0] * turns[k, 0, j]
+                    + rotation[i, 1] * turns[k, 1, j]
+                    + rotation[i, 2] * turns[k, 2, j]
+                )
+        rotation[:] = turned
+        for node in range(nodes.shape[1]):
+            x, y, z = nodes[k, node, 0], nodes[k, node, 1], nodes[k, node, 2]
+            for i in range(3):
+                out[node, i] = (
+                    origin[i] + rotation[i, 0] * x + rotation[i, 1] * y + rotation[i, 2] * z
+                )
+    return origin[0]

@@ -1,0 +1,89 @@
+"""The report on a repertoire file: its segments, and how good their motion is."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import msgspec
+
+from capture.quality import Measure, measure
+from capture.record import motion_from_provenance
+from subsea.errors import UserError
+from subsea.repertoire import SEGMENTS, Repertoire, read_repertoire
+
+HEADINGS = (
+    "segment", "pattern", "grade", "frames", "cyclic", "cm/s", "L/s", "L/beat", "turn °",
+    "loop error L", "radius L", "points",
+)  # fmt: skip
+
+
+def report(path: Path) -> Iterator[str]:
+    """The lines of the report on a file; UserError where it is damaged or not a repertoire."""
+    repertoire = read_repertoire(path)
+    missing = [name for name in SEGMENTS if name not in repertoire.segments]
+    yield (
+        f"{path}: {repertoire.species}, {repertoire.body_length_cm:g} cm, from "
+        f"{repertoire.source}, a frame each {1000 * repertoire.tick_s:g} ms"
+    )
+    yield ""
+    yield from _table([HEADINGS, *_segment_rows(repertoire)])
+    yield ""
+    if repertoire.source != "biomechanics" or missing:
+        gap = f"no {', '.join(missing)}" if missing else f"its source is {repertoire.source!r}"
+        yield f"Measures of the motion need a full repertoire from biomechanics; {gap}."
+        return
+    try:
+        motion = motion_from_provenance(repertoire.provenance)
+    except msgspec.ValidationError as fault:
+        raise UserError(f"{path}: attribute 'provenance' holds no fish ({fault})") from fault
+    yield "Measured by simulating again from the provenance (L: body length, tu: 0.1 s):"
+    yield ""
+    failed = 0
+    width = 41
+    for line in measure(motion, repertoire):
+        failed += not line.passed
+        yield f"{line.name:<{width}} {line.value:>22}   {line.at_least:<12} {_verdict(line)}"
+    yield ""
+    yield "Every measure reaches what is asked." if not failed else f"{failed} fall short."
+
+
+def _verdict(line: Measure) -> str:
+    if not line.at_least:
+        return ""
+    return "pass" if line.passed else "FALLS SHORT"
+
+
+def _segment_rows(repertoire: Repertoire) -> Iterator[tuple[str, ...]]:
+    length = repertoire.body_length_cm
+    for name in sorted(repertoire.segments, key=_order):
+        segment = repertoire.segments[name]
+        frames = len(segment.nodes)
+        per_second = segment.speed_cm_s / length
+        yield (
+            name,
+            segment.pattern,
+            segment.grade,
+            str(frames),
+            "yes" if segment.cyclic else "no",
+            f"{segment.speed_cm_s:.2f}",
+            f"{per_second:.3f}",
+            f"{per_second * frames * repertoire.tick_s:.3f}" if segment.cyclic else "-",
+            f"{segment.turn_deg:+.2f}",
+            f"{segment.loop_error_bl:.1e}",
+            f"{segment.bounding_radius_bl:.3f}",
+            "no" if segment.control_points is None else str(segment.control_points.shape[1]),
+        )
+
+
+def _order(name: str) -> tuple[int, str]:
+    return (SEGMENTS.index(name) if name in SEGMENTS else len(SEGMENTS), name)
+
+
+def _table(rows: list[tuple[str, ...]]) -> Iterator[str]:
+    """Columns as wide as their widest entry, words to the left and numbers to the right."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows:
+        cells = [
+            f"{cell:<{width}}" if place < 3 else f"{cell:>{width}}"
+            for place, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ]
+        yield "  ".join(cells).rstrip()
