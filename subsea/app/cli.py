@@ -36,6 +36,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except UserError as fault:
         print(f"subsea: {fault}", file=sys.stderr)
         return 2
+    except ImportError as fault:
+        if (fault.name or "").startswith("subsea"):
+            raise
+        # A package that is not installed, or a system library that a package asks for.
+        print(
+            f"subsea: {fault}; `make run` in a checkout installs what is missing", file=sys.stderr
+        )
+        return 2
     except KeyboardInterrupt:
         print("subsea: interrupted", file=sys.stderr)
         return 130

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 Say = Callable[[str], None]
 
-WAKING = "waking the fishes (the very first start compiles their code: about a minute)"
+WAKING = "waking the fishes (the very first start compiles their code: half a minute)"
 
 
 def start_world(

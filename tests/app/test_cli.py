@@ -9,6 +9,7 @@ import pytest
 from subsea.app.cli import main
 
 COMMANDS = ("dive", "film", "simulate", "benchmark", "doctor")
+DOOR = Path(__file__).parents[2] / "run_submarine.py"
 
 
 def run(capsys, *arguments):
@@ -90,14 +91,23 @@ def test_a_faulty_scenario_file_is_named(capsys, tmp_path, text):
 
 
 def test_the_front_door_is_the_dive():
-    door = Path(__file__).parents[2] / "run_submarine.py"
     done = subprocess.run(
-        [sys.executable, str(door), "--sise", "1x1"], capture_output=True, text=True, check=False
+        [sys.executable, str(DOOR), "--sise", "1x1"], capture_output=True, text=True, check=False
     )
     assert done.returncode == 2
     assert (
         done.stderr == "subsea: unknown option of `subsea dive`: '--sise'; did you mean '--size'?\n"
     )
+
+
+def test_a_missing_package_is_one_line():
+    """A newcomer who has not run `make` yet: here, a Python without its site-packages."""
+    done = subprocess.run(
+        [sys.executable, "-S", str(DOOR)], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 2
+    assert len(done.stderr.splitlines()) == 1
+    assert "make run" in done.stderr
 
 
 def test_the_module_is_the_command():
