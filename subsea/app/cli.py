@@ -86,6 +86,16 @@ class _Parser(argparse.ArgumentParser):
         raise UserError(f"{self.prog.removeprefix('subsea ')}: {message}")
 
 
+class _Version(argparse.Action):
+    """Looks the version up only when asked: that takes longer than all other parsing."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *unused: object) -> None:
+        from importlib.metadata import version
+
+        print(f"subsea {version('subsea')}")
+        parser.exit()
+
+
 def _parsers() -> tuple[argparse.ArgumentParser, dict[str, argparse.ArgumentParser]]:
     """The parser of `subsea` and the parser of each command."""
     parser = _Parser(
@@ -95,7 +105,7 @@ def _parsers() -> tuple[argparse.ArgumentParser, dict[str, argparse.ArgumentPars
         formatter_class=_Formatter,
         allow_abbrev=False,
     )
-    parser.add_argument("--version", action="version", version=f"subsea {_version()}")
+    parser.add_argument("--version", action=_Version, nargs=0, help="show the version and exit")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
     for add in (_add_dive, _add_film, _add_simulate, _add_benchmark, _add_doctor):
         add(commands)
@@ -339,12 +349,6 @@ def _left_out(text: str) -> frozenset[str]:
         if word not in STAGES_TO_LEAVE_OUT:
             raise unknown("stage to leave out", word, list(STAGES_TO_LEAVE_OUT))
     return frozenset(words)
-
-
-def _version() -> str:
-    from importlib.metadata import version
-
-    return version("subsea")
 
 
 # Each command loads its own modules, so that a wrong option answers at once and `simulate`
