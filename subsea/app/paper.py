@@ -27,6 +27,7 @@ PLAYED_FISH, PLAYED_TICKS = 1000, 60
 RENDERED_FRAMES = 20
 SIZE = (1280, 720)
 SCENARIO = "peaceful"
+UNIT = np.eye(3, dtype=np.float32)
 
 
 def paper_tables() -> int:
@@ -83,12 +84,18 @@ def playback_ms(world: World) -> float:
 @njit(cache=True)
 def place_nodes(fishes: Fishes, nodes_body: Array, out: Array) -> None:
     """World nodes of all fishes into `out` (n, 23, 3), cm, from those of the library (eq. 12)."""
+    axes = np.empty((3, 3), np.float32)
     for i in range(len(out)):
         a, b, w = fishes.row_a[i], fishes.row_b[i], fishes.weight[i]
+        for k in range(3):  # columns of the rotation, scaled
+            axes[:, k] = fishes.scale[i] * rotate(fishes.orientation[i], UNIT[k])
         for k in range(out.shape[1]):
-            body = (1.0 - w) * nodes_body[a, k] + w * nodes_body[b, k]
-            turned = rotate(fishes.orientation[i], body)
-            out[i, k] = fishes.position[i] + fishes.scale[i] * turned
+            for axis in range(3):
+                out[i, k, axis] = fishes.position[i, axis]
+            for j in range(3):
+                body = (1.0 - w) * nodes_body[a, k, j] + w * nodes_body[b, k, j]
+                for axis in range(3):
+                    out[i, k, axis] += axes[axis, j] * body
 
 
 def rendering_ms() -> tuple[float, float, float, str]:
