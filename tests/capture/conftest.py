@@ -1,0 +1,38 @@
+from pathlib import Path
+
+import pytest
+
+from capture.record import record_all
+from subsea.repertoire import Repertoire, write_repertoire
+from subsea.species import Species, load_species
+
+NAMES = ["emperor_angelfish", "fusilier"]
+
+
+@pytest.fixture(scope="session")
+def repertoires() -> dict[str, Repertoire]:
+    return dict(record_all(NAMES, 1, lambda name: None))
+
+
+@pytest.fixture(scope="session", params=NAMES)
+def name(request: pytest.FixtureRequest) -> str:
+    species: str = request.param
+    return species
+
+
+@pytest.fixture(scope="session")
+def species(name: str) -> Species:
+    return load_species(name)
+
+
+@pytest.fixture(scope="session")
+def repertoire(name: str, repertoires: dict[str, Repertoire]) -> Repertoire:
+    return repertoires[name]
+
+
+@pytest.fixture(scope="session")
+def recorded(repertoires: dict[str, Repertoire], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A freshly recorded repertoire file of the fusilier."""
+    path = tmp_path_factory.mktemp("recorded") / "fusilier.h5"
+    write_repertoire(path, repertoires["fusilier"])
+    return path
