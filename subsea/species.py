@@ -12,14 +12,18 @@ from subsea.resources import load_toml, resource_names, resource_path
 Colour = tuple[float, float, float]  # linear RGB, 0 to 1
 
 
-class SkinPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """How the species is coloured; the shader `fish.frag` reads every value."""
+PATTERNS = ("countershaded", "stripes")  # the shader knows them by place
 
-    pattern: Literal["plain", "stripes"]
+
+class SkinPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """How the species is coloured; `shaders/skin.glsl` draws it."""
+
+    pattern: Literal["countershaded", "stripes"]
     back: Colour
     flank: Colour
     belly: Colour
     fins: Colour
+    accent: Colour  # the upper band and tail, or the stripes
 
 
 class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):

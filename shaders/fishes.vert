@@ -1,0 +1,77 @@
+// A fish: two rows of control points mixed, the surface evaluated from its table (SMC §7.2).
+uniform mat4 u_view;
+uniform mat4 u_projection;
+uniform sampler2D u_table;  // control points: column by point, row by recorded frame
+uniform float u_length;     // cm, of the recorded fish
+
+in float a_base;  // first control point of the 3×3
+in vec3 a_u;      // weights across ...
+in vec3 a_v;      // ... and along
+in vec3 a_du;     // their slopes
+in vec3 a_dv;
+in vec4 a_rest;   // place on the body at rest in body lengths; side
+in vec4 a_part;   // part, u, v, control points in a row
+
+in vec4 i_place;   // cm, scale
+in vec4 i_turn;    // quaternion w, x, y, z
+in vec4 i_pose;    // row a, row b, weight of b, identity
+in vec4 i_detail;  // left and right pectoral, mouth, fade
+
+out vec3 v_world;
+out vec3 v_normal;
+out vec4 v_rest;
+out vec3 v_part;
+out float v_identity;
+out float v_fade;
+
+vec3 control(int point) {
+    point = min(point, textureSize(u_table, 0).x - 1);
+    vec3 a = texelFetch(u_table, ivec2(point, int(i_pose.x)), 0).xyz;
+    vec3 b = texelFetch(u_table, ivec2(point, int(i_pose.y)), 0).xyz;
+    return mix(a, b, i_pose.z);
+}
+
+vec3 turned(vec3 v) {
+    vec3 t = 2.0 * cross(i_turn.yzw, v);
+    return v + i_turn.x * t + cross(i_turn.yzw, t);
+}
+
+void main() {
+    vec3 place = vec3(0.0), along_u = vec3(0.0), along_v = vec3(0.0);
+    int base = int(a_base), row = int(a_part.w);
+    float side = a_rest.w;
+    v_part = a_part.xyz;
+    v_rest = a_rest;
+    if (a_part.x < 1.5) {
+        for (int i = 0; i < 3; ++i) {
+            if (a_u[i] == 0.0 && a_du[i] == 0.0) continue;
+            vec3 across = vec3(0.0), slope = vec3(0.0);
+            for (int j = 0; j < 3; ++j) {
+                if (a_v[j] == 0.0 && a_dv[j] == 0.0) continue;
+                vec3 c = control(base + i * row + j);
+                across += a_v[j] * c;
+                slope += a_dv[j] * c;
+            }
+            place += a_u[i] * across;
+            along_u += a_du[i] * across;
+            along_v += a_u[i] * slope;
+        }
+    } else {
+        // A paired fin turns about its root: it trails behind and is spread by its sweep.
+        float sweep = a_part.x > 2.5 ? 0.35 : (side < 0.0 ? i_detail.x : i_detail.y);
+        float bend = sweep * (0.6 + 0.55 * a_part.y);
+        vec3 back = a_u * cos(bend) + vec3(0.0, 0.0, side * sin(bend));
+        vec3 across = normalize(a_v + vec3(0.0, 0.0, 0.35 * side));
+        place = control(base) + u_length * (a_rest.x * back + a_rest.y * across);
+        along_u = back;
+        along_v = across;
+    }
+    vec3 normal = cross(along_u, along_v);
+    // At the snout all control points of a row are one: the normal is the way ahead.
+    normal = dot(normal, normal) > 1e-8 ? normalize(normal) : vec3(1.0, 0.0, 0.0);
+    v_normal = turned(normal);
+    v_world = i_place.xyz + turned(i_place.w * place);
+    v_identity = i_pose.w;
+    v_fade = i_detail.w;
+    gl_Position = u_projection * u_view * vec4(v_world, 1.0);
+}

@@ -1,0 +1,54 @@
+// Light in water: what every shader of the scene shares.
+uniform vec3 u_eye;          // cm
+uniform vec3 u_fog;          // radiance of the far water, seen level
+uniform float u_extinction;  // 1/cm
+uniform float u_time;        // s
+uniform sampler2D u_caustics;
+uniform sampler2D u_noise;
+
+const vec3 SUN = vec3(0.28, 0.17, 0.945);  // toward the sun, below the surface
+const vec3 SUNLIGHT = vec3(3.1, 3.0, 2.75);
+const vec3 SKYLIGHT = vec3(0.50, 0.72, 0.82);
+// Water takes red light first: 1/cm along the light's way down, and shares of u_extinction.
+const vec3 ABSORPTION = vec3(0.00170, 0.00042, 0.00026);
+const vec3 HAZE = vec3(1.45, 0.98, 0.86);
+
+// Radiance of endless water in a direction: bright above, dark below, a glow about the sun.
+vec3 water_radiance(vec3 direction) {
+    float up = direction.z;
+    float level = up > 0.0 ? mix(1.0, 2.9, up * up) + 0.35 * up : mix(1.0, 0.30, sqrt(-up));
+    vec3 tint = mix(vec3(0.9, 0.96, 1.0), vec3(1.9, 1.25, 1.05), max(up, 0.0));
+    float glow = pow(max(dot(direction, SUN), 0.0), 6.0);
+    float depth = exp(u_eye.z * 0.00045);
+    return u_fog * level * tint * depth + vec3(0.05, 0.16, 0.18) * glow * depth;
+}
+
+// A colour as the eye sees it through `distance` cm of water.
+vec3 through_water(vec3 colour, vec3 direction, float distance) {
+    vec3 clear = exp(-u_extinction * HAZE * distance);
+    return colour * clear + water_radiance(direction) * (1.0 - clear);
+}
+
+// Sunlight that reaches a depth (z ≤ 0) on its slanting way.
+vec3 sunlight_at(float z) {
+    return SUNLIGHT * exp(ABSORPTION * z / SUN.z);
+}
+
+// Focused light on a point, mean 1: two layers that move against each other, the darker one wins.
+float caustics_at(vec3 p) {
+    vec2 ground = p.xy - SUN.xy / SUN.z * p.z;
+    vec2 drift = vec2(0.021, 0.013) * u_time;
+    float a = texture(u_caustics, ground / 190.0 + drift).r;
+    float b = texture(u_caustics, ground.yx / 230.0 - drift * 0.83 + 0.37).r;
+    float sharp = exp(0.0006 * p.z);
+    return mix(1.0, 1.75 * min(a, b) + 0.35, 0.75 * sharp);
+}
+
+// Light on a surface with a normal: sun through the caustics, sky from above, sand from below.
+vec3 light_on(vec3 p, vec3 normal, float wrap) {
+    float facing = max((dot(normal, SUN) + wrap) / (1.0 + wrap), 0.0);
+    vec3 sun = sunlight_at(p.z) * facing * caustics_at(p);
+    float up = 0.5 + 0.5 * normal.z;
+    vec3 ambient = mix(vec3(0.16, 0.21, 0.20), SKYLIGHT, up) * exp(ABSORPTION * p.z);
+    return sun + ambient;
+}

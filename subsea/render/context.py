@@ -1,0 +1,63 @@
+"""OpenGL contexts: without a window through EGL, or on a window that somebody else made."""
+
+from collections.abc import Callable
+from typing import Any
+
+import moderngl
+
+from subsea.errors import UserError
+
+REQUIRED = 330  # OpenGL 3.3 core
+INSTALL = "sudo apt-get install --no-install-recommends libegl1 libgl1 libgl1-mesa-dri"
+
+
+def headless_context() -> Any:
+    """A context without a window. Missing or too old OpenGL is a UserError."""
+    try:
+        context = moderngl.create_context(standalone=True, backend="egl", require=REQUIRED)
+    except Exception as egl_fault:
+        # EGL is Linux's way; other systems have their own hidden windows.
+        try:
+            context = moderngl.create_context(standalone=True, require=REQUIRED)
+        except Exception:
+            raise _no_opengl(egl_fault) from egl_fault
+    return _prepared(context)
+
+
+class _Loader:
+    """moderngl finds OpenGL's functions through the window library's own look-up."""
+
+    def __init__(self, get_proc_address: Callable[[str], int | None]) -> None:
+        self._look_up = get_proc_address
+
+    def load_opengl_function(self, name: str) -> int:
+        """The address of a function, 0 if there is none."""
+        return self._look_up(name) or 0
+
+    def release(self) -> None:
+        """The window owns the context."""
+
+    def __enter__(self) -> "_Loader":
+        return self
+
+    def __exit__(self, *arguments: object) -> None:
+        pass
+
+
+def window_context(get_proc_address: Callable[[str], int | None]) -> Any:
+    """A context on the current window, for example with ``glfw.get_proc_address``."""
+    try:
+        context = moderngl.create_context(require=REQUIRED, context=_Loader(get_proc_address))
+    except Exception as fault:
+        raise _no_opengl(fault) from fault
+    return _prepared(context)
+
+
+def _prepared(context: Any) -> Any:
+    context.gc_mode = "auto"  # without it dropped objects are never freed
+    return context
+
+
+def _no_opengl(fault: Exception) -> UserError:
+    reason = str(fault).splitlines()[0] if str(fault) else type(fault).__name__
+    return UserError(f"no OpenGL 3.3 ({reason}); on Debian or Ubuntu: {INSTALL}")

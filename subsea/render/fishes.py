@@ -1,0 +1,226 @@
+"""Fishes: B-spline surfaces from pre-evaluated tables, evaluated in the vertex shader (SMC §7)."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.frame import INSTANCE_COLUMNS, LEVELS, Packet, Scene
+from subsea.kinematics.spline import Table, basis_at, basis_table, greville
+from subsea.kinematics.surface import (
+    DORSAL,
+    FIN_U,
+    FIN_V,
+    LEFT,
+    RIGHT,
+    VENTRAL,
+    PaddlePlan,
+    SurfacePlan,
+    U,
+    V,
+    rest_control_points,
+)
+from subsea.render.shaders import program, set_uniforms
+from subsea.species import PATTERNS
+from subsea.view.camera import View
+
+Array = NDArray[np.floating[Any]]
+Ints = NDArray[np.integer[Any]]
+
+BODY, FIN, PECTORAL, PELVIC = range(4)  # parts, as the shaders know them
+
+FINEST_BODY = (17, 41)  # samples in u and v: 2,560 triangles on both halves
+FINEST_FIN = (2, 23)
+PADDLE_SAMPLES = ((6, 5), (4, 3), (2, 2))  # by level
+
+VERTEX_FORMAT = "1f4 3f4 3f4 3f4 3f4 4f4 4f4"
+VERTEX_ATTRIBUTES = ("a_base", "a_u", "a_v", "a_du", "a_dv", "a_rest", "a_part")
+VERTEX_COLUMNS = 21
+INSTANCE_FORMAT = "4f4 4f4 4f4 4f4/i"
+INSTANCE_ATTRIBUTES = ("i_place", "i_turn", "i_pose", "i_detail")
+
+
+class Mesh(NamedTuple):
+    """Vertices of one species at one level, and the triangles over them."""
+
+    vertices: Array  # (n, 21) float32, columns as VERTEX_FORMAT
+    triangles: Ints  # (m, 3) int32
+
+
+def fish_mesh(plan: SurfacePlan, level: int) -> Mesh:
+    """The pre-evaluated mesh of a species at a level of detail.
+
+    Level 0 samples every patch finely. Level 1 has one vertex per control point, at that point's
+    own parameter, so it lies on the surface and the silhouettes of both agree; level 2 takes
+    every second of those. All levels go through the same shader.
+    """
+    rest = rest_control_points(plan, 1.0, 0.0)
+    parts = [
+        _surface(rest, LEFT.start, (U, V), level, FINEST_BODY, BODY, -1.0),
+        _surface(rest, RIGHT.start, (U, V), level, FINEST_BODY, BODY, 1.0),
+        _surface(rest, DORSAL.start, (FIN_U, FIN_V), level, FINEST_FIN, FIN, 1.0),
+        _surface(rest, VENTRAL.start, (FIN_U, FIN_V), level, FINEST_FIN, FIN, -1.0),
+    ]
+    for side in (-1.0, 1.0):
+        parts.append(_paddle(rest, plan.pectoral, level, PECTORAL, side))
+        parts.append(_paddle(rest, plan.pelvic, level, PELVIC, side))
+    starts = np.cumsum([0] + [len(part.vertices) for part in parts])
+    return Mesh(
+        np.concatenate([part.vertices for part in parts]).astype("f4"),
+        np.concatenate(
+            [part.triangles + start for part, start in zip(parts, starts, strict=False)]
+        ).astype("i4"),
+    )
+
+
+def _table(controls: int, finest: int, level: int) -> Table:
+    """The basis along one axis of a patch at a level."""
+    degree = min(2, controls - 1)
+    if level == 0:
+        return basis_table(controls, finest, degree)
+    at = greville(controls, degree)
+    if level == 2 and controls > 2:
+        last = controls - 1
+        at = at[np.round(np.linspace(0, last, last // 2 + 1)).astype(int)]
+    return basis_at(controls, at, degree)
+
+
+def _surface(
+    rest: Array, base: int, controls: tuple[int, int], level: int, finest: tuple[int, int],
+    part: int, side: float,
+) -> Mesh:  # fmt: skip
+    """One patch of u×v control points that begin at `base`."""
+    u = _table(controls[0], finest[0], level)
+    v = _table(controls[1], finest[1], level)
+    rows, columns, stride = len(u.first), len(v.first), controls[1]
+    k, j = (a.ravel() for a in np.meshgrid(range(rows), range(columns), indexing="ij"))
+    out = np.zeros((len(k), VERTEX_COLUMNS))
+    out[:, 0] = base + u.first[k] * stride + v.first[j]
+    out[:, 1:4], out[:, 4:7] = u.weight[k], v.weight[j]
+    out[:, 7:10], out[:, 10:13] = u.slope[k], v.slope[j]
+    tap = np.arange(3)
+    points = out[:, 0].astype(int)[:, None, None] + tap[:, None] * stride + tap
+    weight = u.weight[k][:, :, None] * v.weight[j][:, None, :]
+    # A linear patch has a third row of weight zero, which may lie beyond the last point.
+    near = rest[np.minimum(points, len(rest) - 1)]
+    out[:, 13:16] = np.einsum("nab,nabx->nx", weight, near)
+    out[:, 16], out[:, 17] = side, part
+    out[:, 18], out[:, 19] = k / (rows - 1), j / (columns - 1)
+    out[:, 20] = stride
+    return Mesh(out, _grid(rows, columns))
+
+
+def _paddle(rest: Array, plan: PaddlePlan, level: int, part: int, side: float) -> Mesh:
+    """A fan on the flank that the shader turns about its root (Tu appendix B).
+
+    Its root is the control point of the flank nearest to where the plan wants it; `a_rest` holds
+    how far a vertex lies along and across the fin, and `a_u` the directions of both.
+    """
+    rows, columns = PADDLE_SAMPLES[level]
+    along, across = (
+        a.ravel()
+        for a in np.meshgrid(np.linspace(0, 1, rows), np.linspace(-1, 1, columns), indexing="ij")
+    )
+    patch = RIGHT if side > 0 else LEFT
+    root = np.argmin(np.hypot(rest[patch, 0] + plan.at, rest[patch, 1] - plan.height))
+    droop = np.radians(plan.droop)
+    out = np.zeros((len(along), VERTEX_COLUMNS))
+    out[:, 0] = patch.start + root
+    out[:, 1:4] = -np.cos(droop), -np.sin(droop), 0.0
+    out[:, 4:7] = -np.sin(droop), np.cos(droop), 0.0
+    # Narrow at the root, widest near the end, which is rounded.
+    out[:, 13] = plan.length * (along - 0.22 * along**2 * across**2)
+    out[:, 14] = 0.5 * plan.width * across * (0.3 + 0.7 * np.sin(0.5 * np.pi * along))
+    out[:, 16], out[:, 17] = side, part
+    out[:, 18], out[:, 19] = along, 0.5 + 0.5 * across
+    return Mesh(out, _grid(rows, columns))
+
+
+def _grid(rows: int, columns: int) -> Ints:
+    """Two triangles per cell of a grid of vertices."""
+    k, j = (a.ravel() for a in np.meshgrid(range(rows - 1), range(columns - 1), indexing="ij"))
+    a = k * columns + j
+    b, c, d = a + 1, a + columns, a + columns + 1
+    return np.concatenate([np.stack([a, c, b], 1), np.stack([b, c, d], 1)])
+
+
+class Fishes:
+    """Holds the table of control points, a mesh per species and level, and the instances."""
+
+    def __init__(self, context: Any, scene: Scene) -> None:
+        self._context = context
+        self._program = program(context, "fishes")
+        rows, points = scene.control_points.shape[:2]
+        table = np.zeros((rows, points, 4), "f4")
+        table[..., :3] = scene.control_points
+        self._table = context.texture((points, rows), 4, table.tobytes(), dtype="f4")
+        self._table.filter = (context.NEAREST, context.NEAREST)
+        self._instances = context.buffer(reserve=INSTANCE_COLUMNS * 4)
+        self._species = scene.species
+        self._lengths = scene.recorded_length_cm
+        self._buffers: list[Any] = []
+        self._arrays: dict[tuple[int, int], tuple[Any, int]] = {}  # by species and level
+        for kind, species in enumerate(scene.species):
+            for level in range(len(LEVELS)):
+                mesh = fish_mesh(species.surface, level)
+                vertices = context.buffer(mesh.vertices.tobytes())
+                triangles = context.buffer(mesh.triangles.tobytes())
+                self._buffers += [vertices, triangles]
+                array = context.vertex_array(
+                    self._program,
+                    [
+                        (vertices, VERTEX_FORMAT, *VERTEX_ATTRIBUTES),
+                        (self._instances, INSTANCE_FORMAT, *INSTANCE_ATTRIBUTES),
+                    ],
+                    triangles,
+                )
+                self._arrays[kind, level] = (array, len(mesh.triangles))
+
+    def upload(self, packet: Packet) -> None:
+        """Send the instance records; the old buffer's contents are orphaned, never waited for."""
+        size = max(packet.instances.nbytes, INSTANCE_COLUMNS * 4)
+        self._instances.orphan(size)
+        if len(packet.instances):
+            self._instances.write(packet.instances.tobytes())
+
+    def draw(self, packet: Packet, view: View, uniforms: dict[str, Any]) -> int:
+        """Draw every batch into the bound framebuffer; the number of triangles."""
+        total = 0
+        self._table.use(0)
+        set_uniforms(self._program, u_table=0, **uniforms)
+        for batch in packet.batches:
+            species = self._species[batch.species]
+            skin, eye = species.skin, species.surface.eye
+            set_uniforms(
+                self._program,
+                u_length=self._lengths[batch.species],
+                u_pattern=PATTERNS.index(skin.pattern),
+                u_back=skin.back,
+                u_flank=skin.flank,
+                u_belly=skin.belly,
+                u_fins=skin.fins,
+                u_accent=skin.accent,
+                u_eye_spot=(eye.at, eye.height, eye.radius),
+                u_tail_begin=species.surface.tail.begin,
+            )
+            array, triangles = self._arrays[batch.species, batch.level]
+            self._bind_from(array, batch.first)
+            array.render(instances=batch.count)
+            total += triangles * batch.count
+        return total
+
+    def _bind_from(self, array: Any, first: int) -> None:
+        """Let the instance attributes begin at record `first`; 3.3 core has no base instance."""
+        stride = INSTANCE_COLUMNS * 4
+        for place, name in enumerate(INSTANCE_ATTRIBUTES):
+            if name in self._program:
+                location = self._program[name].location
+                offset = first * stride + place * 16
+                array.bind(location, "f", self._instances, "4f4", offset, stride, 1)
+
+    def release(self) -> None:
+        """Free every OpenGL object."""
+        for array, _ in self._arrays.values():
+            array.release()
+        for held in (*self._buffers, self._instances, self._table, self._program):
+            held.release()

@@ -1,0 +1,56 @@
+"""Plankton, and marine snow that drifts about the eye and shows the speed of the submarine."""
+
+from typing import Any
+
+import moderngl
+import numpy as np
+
+from subsea.frame import Packet, Scene
+from subsea.render.shaders import program, set_uniforms
+from subsea.view.camera import View
+
+SNOW = 1400  # specks in the box about the eye
+SNOW_BOX_CM = 520.0
+SNOW_SINKS_CM_S = 1.5
+SNOW_LOOK = {"u_diameter": 0.28, "u_colour": (0.55, 0.62, 0.62), "u_reach": 250.0}
+PLANKTON_LOOK = {"u_diameter": 0.75, "u_colour": (0.85, 0.88, 0.80), "u_reach": 1400.0}
+
+
+class Particles:
+    """Holds the buffers of points."""
+
+    def __init__(self, context: Any, scene: Scene) -> None:
+        """Scatter the snow; the plankton comes with each packet."""
+        self._program = program(context, "particles")
+        places = np.random.default_rng(0x5A0).uniform(size=(SNOW, 3)).astype("f4")
+        self._snow = context.buffer(places.tobytes())
+        self._plankton = context.buffer(reserve=12)
+        self._snow_array, self._plankton_array = (
+            context.vertex_array(self._program, [(buffer, "3f4", "a_position")])
+            for buffer in (self._snow, self._plankton)
+        )
+        self._drift = (*scene.water.current_cm_s, -SNOW_SINKS_CM_S)
+        self._count = 0
+
+    def upload(self, packet: Packet) -> None:
+        """Send the plankton."""
+        self._count = len(packet.plankton)
+        self._plankton.orphan(max(packet.plankton.nbytes, 12))
+        if self._count:
+            self._plankton.write(np.ascontiguousarray(packet.plankton, "f4").tobytes())
+
+    def draw(self, packet: Packet, view: View, uniforms: dict[str, Any]) -> int:
+        """Draw over what is there, blended; points count as no triangles."""
+        set_uniforms(self._program, **uniforms, **SNOW_LOOK, u_box=SNOW_BOX_CM, u_drift=self._drift)
+        self._snow_array.render(moderngl.POINTS)
+        set_uniforms(self._program, **PLANKTON_LOOK, u_box=0.0)
+        if self._count:
+            self._plankton_array.render(moderngl.POINTS, vertices=self._count)
+        return 0
+
+    def release(self) -> None:
+        """Free every OpenGL object."""
+        for held in (
+            self._snow_array, self._plankton_array, self._snow, self._plankton, self._program
+        ):  # fmt: skip
+            held.release()

@@ -1,0 +1,119 @@
+"""The order of a picture: water, seabed, fishes, particles, then tone mapping."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.frame import Packet, Scene
+from subsea.render.fishes import Fishes
+from subsea.render.particles import Particles
+from subsea.render.seabed import Seabed
+from subsea.render.target import Resolve, Target
+from subsea.render.textures import caustics, tileable_noise, upload
+from subsea.render.water import Water
+from subsea.view.camera import View
+
+CONTRAST_LEFT = 0.02  # at the distance that a scenario calls its visibility
+SAMPLES = 4  # per pixel
+
+
+class Renderer:
+    """Everything on the GPU for one dive. Draws packets; knows nothing of their origin."""
+
+    def __init__(
+        self, context: Any, scene: Scene, size: tuple[int, int], samples: int = SAMPLES
+    ) -> None:
+        self._context = context
+        self._scene = scene
+        self._samples = min(samples, context.max_samples)
+        self.triangles = 0  # of the last picture
+        self._caustics = upload(context, [caustics(1)])
+        self._noise = upload(context, [tileable_noise(2), tileable_noise(3)])
+        self._water = Water(context, scene)
+        self._seabed = Seabed(context, scene)
+        self._fishes = Fishes(context, scene)
+        self._particles = Particles(context, scene)
+        self._resolve = Resolve(context)
+        self.resize(size)
+
+    def resize(self, size: tuple[int, int]) -> None:
+        """Change the size of the picture, in pixels (width, height)."""
+        if hasattr(self, "_target"):
+            if self._target.size == size:
+                return
+            self._release_target()
+        self._target = Target(self._context, size, self._samples)
+        self._screen = self._context.renderbuffer(size, 4)
+        self._own = self._context.framebuffer([self._screen])
+
+    def draw(self, packet: Packet, into: Any = None) -> None:
+        """Draw every view of a packet and show the result in `into`, a framebuffer.
+
+        None draws into the renderer's own picture, which `read_pixels` returns.
+        """
+        context = self._context
+        self._target.framebuffer.use()
+        self._target.framebuffer.clear()
+        self._fishes.upload(packet)
+        self._particles.upload(packet)
+        self._caustics.use(1)
+        self._noise.use(2)
+        self.triangles = 0
+        context.blend_func = context.SRC_ALPHA, context.ONE_MINUS_SRC_ALPHA
+        for view in packet.views:
+            context.viewport = view.viewport
+            uniforms = self._uniforms(packet, view)
+            context.disable(context.DEPTH_TEST | context.BLEND)
+            self.triangles += self._water.draw(packet, view, uniforms)
+            context.enable(context.DEPTH_TEST)
+            self.triangles += self._seabed.draw(packet, view, uniforms)
+            context.enable(context.BLEND)
+            self.triangles += self._fishes.draw(packet, view, uniforms)
+            self._target.framebuffer.depth_mask = False
+            self.triangles += self._particles.draw(packet, view, uniforms)
+            self._target.framebuffer.depth_mask = True
+        self._resolve.draw(self._target.picture(), self._own if into is None else into)
+
+    def read_pixels(self) -> NDArray[np.uint8]:
+        """The last picture drawn into the renderer's own framebuffer: (h, w, 3), top row first."""
+        width, height = self._target.size
+        data = self._own.read(components=3, alignment=1)
+        return np.frombuffer(data, np.uint8).reshape(height, width, 3)[::-1]
+
+    def release(self) -> None:
+        """Free every OpenGL object."""
+        self._release_target()
+        for part in (
+            self._resolve, self._particles, self._fishes, self._seabed, self._water,
+            self._noise, self._caustics,
+        ):  # fmt: skip
+            part.release()
+
+    def _release_target(self) -> None:
+        self._target.release()
+        self._own.release()
+        self._screen.release()
+
+    def _uniforms(self, packet: Packet, view: View) -> dict[str, Any]:
+        """What every shader may ask for."""
+        both = view.projection.astype(np.float64) @ view.view.astype(np.float64)
+        water = self._scene.water
+        return {
+            "u_view": _columns(view.view),
+            "u_projection": _columns(view.projection),
+            "u_view_projection": _columns(both),
+            "u_inverse": _columns(np.linalg.inv(both)),
+            "u_eye": tuple(float(x) for x in view.eye),
+            "u_size": (float(view.viewport[2]), float(view.viewport[3])),
+            "u_time": packet.time_s,
+            "u_fog": water.fog,
+            "u_extinction": -np.log(CONTRAST_LEFT) / water.visibility_cm,
+            "u_caustics": 1,
+            "u_noise": 2,
+        }
+
+
+def _columns(matrix: NDArray[np.floating[Any]]) -> bytes:
+    """A matrix as OpenGL wants it: column after column."""
+    return np.ascontiguousarray(matrix.T, dtype="f4").tobytes()

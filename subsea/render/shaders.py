@@ -1,0 +1,48 @@
+"""Shader sources: `#include "file"` once each, defines, and line numbers that stay true."""
+
+import re
+from typing import Any
+
+from subsea.resources import resource_path
+
+VERSION = "#version 330 core\n"
+_INCLUDE = re.compile(r'^\s*#include\s+"([^"]+)"\s*$')
+
+
+def program(context: Any, name: str, **defines: int) -> Any:
+    """The program of `shaders/NAME.vert` and `shaders/NAME.frag`."""
+    return context.program(
+        vertex_shader=source(f"{name}.vert", **defines),
+        fragment_shader=source(f"{name}.frag", **defines),
+    )
+
+
+def source(name: str, **defines: int) -> str:
+    """One shader with its includes, ready to compile."""
+    head = "".join(f"#define {key} {value}\n" for key, value in sorted(defines.items()))
+    return VERSION + head + "\n".join(_lines(name, {})) + "\n"
+
+
+def _lines(name: str, seen: dict[str, int]) -> list[str]:
+    """The lines of a file; each file has a number, which `#line` reports in errors."""
+    number = seen.setdefault(name, len(seen))
+    out = [f"#line 1 {number}"]
+    text = resource_path(f"shaders/{name}").read_text(encoding="utf-8")
+    for count, line in enumerate(text.splitlines(), start=1):
+        include = _INCLUDE.match(line)
+        if include is None:
+            out.append(line)
+        elif include[1] not in seen:
+            out += [*_lines(include[1], seen), f"#line {count + 1} {number}"]
+    return out
+
+
+def set_uniforms(target: Any, **values: Any) -> None:
+    """Set those uniforms that the compiler has kept."""
+    for name, value in values.items():
+        if name in target:
+            uniform = target[name]
+            if isinstance(value, bytes):
+                uniform.write(value)
+            else:
+                uniform.value = value

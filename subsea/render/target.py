@@ -1,0 +1,59 @@
+"""The picture in linear light, and its way to the screen."""
+
+from typing import Any
+
+from subsea.render.shaders import program
+
+
+class Target:
+    """A half-float picture with depth, smoothed by multisampling if asked for."""
+
+    def __init__(self, context: Any, size: tuple[int, int], samples: int) -> None:
+        self.size = size
+        self._context = context
+        self._picture = context.texture(size, 4, dtype="f2")
+        self._flat = context.framebuffer([self._picture])
+        self._held = [self._flat, self._picture]
+        if samples:
+            colour = context.renderbuffer(size, 4, samples=samples, dtype="f2")
+            depth = context.depth_renderbuffer(size, samples=samples)
+            self.framebuffer = context.framebuffer([colour], depth)
+            self._held = [self.framebuffer, colour, depth, *self._held]
+        else:
+            depth = context.depth_renderbuffer(size)
+            self.framebuffer = context.framebuffer([self._picture], depth)
+            self._held = [self.framebuffer, depth, *self._held]
+        self._samples = samples
+
+    def picture(self) -> Any:
+        """The finished picture as a texture."""
+        if self._samples:
+            self._context.copy_framebuffer(self._flat, self.framebuffer)
+        return self._picture
+
+    def release(self) -> None:
+        """Free every OpenGL object."""
+        for held in self._held:
+            held.release()
+
+
+class Resolve:
+    """Tone mapping and sRGB: from a linear picture to eight bits."""
+
+    def __init__(self, context: Any) -> None:
+        self._context = context
+        self._program = program(context, "resolve")
+        self._array = context.vertex_array(self._program, [])
+
+    def draw(self, picture: Any, into: Any) -> None:
+        """Fill the framebuffer `into`, which need not have the picture's size."""
+        into.use()
+        self._context.viewport = (0, 0, *into.size)
+        self._context.disable(self._context.DEPTH_TEST | self._context.BLEND)
+        picture.use(0)
+        self._array.render(vertices=3)
+
+    def release(self) -> None:
+        """Free every OpenGL object."""
+        self._array.release()
+        self._program.release()

@@ -1,0 +1,61 @@
+"""Tileable textures, made at start: noise for the sand, caustics for the light."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.floating[Any]]
+
+SIZE = 256
+
+
+def tileable_noise(seed: int, size: int = SIZE, roughness: float = 1.6) -> Array:
+    """Smooth noise (size, size) with mean 0 and deviation 1 whose edges meet.
+
+    Random phases over a spectrum that falls with wave number to the power `roughness`.
+    """
+    rng = np.random.default_rng([seed, 0x401])
+    k = np.fft.fftfreq(size) * size
+    wave = np.hypot(k[:, None], k[None, :])
+    wave[0, 0] = 1.0
+    spectrum = wave**-roughness * np.exp(2j * np.pi * rng.uniform(size=(size, size)))
+    spectrum[0, 0] = 0.0
+    noise = np.fft.ifft2(spectrum).real
+    return np.asarray(noise / noise.std())
+
+
+def caustics(seed: int, size: int = SIZE) -> Array:
+    """Brightness (size, size), mean 1, of light that a rippled surface focuses on the ground.
+
+    A fine grid of vertical rays is bent by the slope of a tileable wave field and counted
+    where it lands: bright lines are where neighbouring rays meet.
+    """
+    fine = 4 * size
+    k = np.fft.fftfreq(size) * size
+    wave = np.hypot(k[:, None], k[None, :])
+    rng = np.random.default_rng([seed, 0xCA])
+    band = np.exp(-(((wave - 7.0) / 3.5) ** 2)) * np.exp(2j * np.pi * rng.uniform(size=wave.shape))
+    padded = np.zeros((fine, fine), complex)
+    index = (np.fft.fftfreq(size) * size).astype(int)
+    padded[np.ix_(index, index)] = band
+    K = np.fft.fftfreq(fine) * fine
+    slope_x = np.fft.ifft2(1j * K[None, :] * padded).real
+    slope_y = np.fft.ifft2(1j * K[:, None] * padded).real
+    # Strong enough that rays cross in places, so that the lines have their typical knots.
+    reach = 0.021 * fine / max(float(slope_x.std()), 1e-12) * 1.0
+    grid = np.arange(fine)
+    x = (grid[None, :] + reach * slope_x) % fine
+    y = (grid[:, None] + reach * slope_y) % fine
+    light, _, _ = np.histogram2d(y.ravel(), x.ravel(), bins=size, range=((0, fine), (0, fine)))
+    spectrum = np.fft.fft2(light) * np.exp(-((wave / 70.0) ** 2))
+    smooth = np.maximum(np.fft.ifft2(spectrum).real, 0.0)
+    return np.asarray(smooth / smooth.mean())
+
+
+def upload(context: Any, layers: list[Array]) -> Any:
+    """A repeating, mipmapped float texture of one to four layers (n, n)."""
+    data = np.stack(layers, axis=-1).astype("f2")
+    texture = context.texture(data.shape[1::-1], data.shape[2], data.tobytes(), dtype="f2")
+    texture.build_mipmaps()
+    return texture
