@@ -98,13 +98,8 @@ TRIANGLES: Ints = np.array(_faces()[0])
 TRIANGLE_WEIGHTS: Floats = np.array(_faces()[1])
 """Share of each triangle in the water force (78,)."""
 
-SKYLINE_FIRST: Ints = np.array(
-    [min([i, *(int(a) for a, b in UNITS if b == i)]) for i in range(NODES)]
-)
-"""First nonzero column of each row of the system matrix (23,): the skyline (Tu §4.5.1)."""
-SKYLINE_DIAGONAL: Ints = np.cumsum(np.arange(NODES) - SKYLINE_FIRST + 1) - 1
-"""Place of each diagonal entry in the packed matrix (23,); rows lie one after another."""
-SKYLINE_SIZE = int(SKYLINE_DIAGONAL[-1]) + 1
+HALF_BANDWIDTH = int((UNITS[:, 1] - UNITS[:, 0]).max())
+"""Greatest difference of node numbers in a unit, 7: the numbering keeps the matrix narrow."""
 
 
 class Body(NamedTuple):

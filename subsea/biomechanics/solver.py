@@ -1,17 +1,15 @@
-"""One semi-implicit step of the fish body after another (Tu §4.5)."""
+"""One semi-implicit step of the fish body after another (Tu §4.5).
+
+The system matrix is kept as a band. Tu packs its skyline, 126 of the band's 184 places; but a
+band has the same width everywhere, so the compiler turns its inner loops into vector code, which
+makes up for the zeros four times over. Rows beyond the last node are padding: with it no loop
+needs to know where the matrix ends.
+"""
 
 import numpy as np
 from numba import njit
 
-from subsea.biomechanics.body import (
-    MUSCLES,
-    NODES,
-    SKYLINE_DIAGONAL,
-    SKYLINE_FIRST,
-    SKYLINE_SIZE,
-    UNITS,
-    Floats,
-)
+from subsea.biomechanics.body import HALF_BANDWIDTH, MUSCLES, NODES, UNITS, Floats
 from subsea.biomechanics.water import add_water_force
 
 STEP = 0.055
@@ -23,62 +21,55 @@ TICK_S = STEP * STEPS_PER_TICK * TIME_UNIT_S
 """One tick, 0.033 s."""
 STRAIN_LIMITS = (0.65, 1.4)
 """Length over rest length that every unit must keep; beyond, a ring may have turned inside out."""
+ROWS = NODES + HALF_BANDWIDTH
+"""Rows of the padded band and of the load."""
 
 
 @njit(cache=True, error_model="numpy")
-def factorize(packed: Floats) -> float:
-    """Replace a packed skyline matrix (126,) by its factors L and D (Tu eq. 4.12).
+def factorize(band: Floats) -> float:
+    """Replace a banded matrix by its factors L and D (Tu eq. 4.12).
 
-    Row i keeps columns SKYLINE_FIRST[i]..i one after another. L has a unit diagonal that is not
-    stored; the diagonal places take 1/D. Returns the smallest pivot of D: at or below zero the
-    matrix was not positive definite and the factors mean nothing.
+    ``band`` (30, 8) holds a_{i+k,i} at [i, k]. L has a unit diagonal that is not stored; the
+    diagonal places take 1/D. Returns the smallest pivot of D: at or below zero the matrix was
+    not positive definite and the factors mean nothing.
     """
     smallest = np.inf
+    column = np.empty(HALF_BANDWIDTH + 1)
     for i in range(NODES):
-        first = SKYLINE_FIRST[i]
-        row = SKYLINE_DIAGONAL[i] - i  # packed place of (i, j) is row + j
-        pivot = packed[row + i]
-        for j in range(first, i):
-            start = max(first, SKYLINE_FIRST[j])
-            other = SKYLINE_DIAGONAL[j] - j
-            total = packed[row + j]
-            for k in range(start, j):
-                total -= packed[row + k] * packed[other + k]
-            packed[row + j] = total  # L_ij D_j for now
-        for j in range(first, i):
-            scaled = packed[row + j]
-            factor = scaled * packed[SKYLINE_DIAGONAL[j]]
-            pivot -= scaled * factor
-            packed[row + j] = factor
+        pivot = band[i, 0]
         smallest = min(smallest, pivot)
-        packed[row + i] = 1.0 / pivot
+        inverse = 1.0 / pivot
+        band[i, 0] = inverse
+        for k in range(1, HALF_BANDWIDTH + 1):
+            column[k] = band[i, k]
+            band[i, k] *= inverse
+        for k in range(1, HALF_BANDWIDTH + 1):
+            factor = band[i, k]
+            for j in range(HALF_BANDWIDTH + 1 - k):
+                band[i + k, j] -= factor * column[k + j]
     return smallest
 
 
 @njit(cache=True, error_model="numpy")
-def substitute(packed: Floats, load: Floats) -> None:
-    """Solve L D Lᵀ V = G in place: ``load`` (23, 3) is G and becomes V (Tu eqs. 4.13, 4.14)."""
+def substitute(band: Floats, load: Floats) -> None:
+    """Solve L D Lᵀ V = G in place: ``load`` (30, 3) is G and becomes V (Tu eqs. 4.13, 4.14)."""
     for i in range(NODES):
-        row = SKYLINE_DIAGONAL[i] - i
-        gx, gy, gz = load[i, 0], load[i, 1], load[i, 2]
-        for j in range(SKYLINE_FIRST[i], i):
-            factor = packed[row + j]
-            gx -= factor * load[j, 0]
-            gy -= factor * load[j, 1]
-            gz -= factor * load[j, 2]
-        load[i, 0], load[i, 1], load[i, 2] = gx, gy, gz
-    for i in range(NODES):
-        inverse = packed[SKYLINE_DIAGONAL[i]]
-        for axis in range(3):
-            load[i, axis] *= inverse
-    for i in range(NODES - 1, 0, -1):
-        row = SKYLINE_DIAGONAL[i] - i
-        gx, gy, gz = load[i, 0], load[i, 1], load[i, 2]
-        for j in range(SKYLINE_FIRST[i], i):
-            factor = packed[row + j]
-            load[j, 0] -= factor * gx
-            load[j, 1] -= factor * gy
-            load[j, 2] -= factor * gz
+        x, y, z = load[i, 0], load[i, 1], load[i, 2]
+        for k in range(1, HALF_BANDWIDTH + 1):
+            factor = band[i, k]
+            load[i + k, 0] -= factor * x
+            load[i + k, 1] -= factor * y
+            load[i + k, 2] -= factor * z
+    load[NODES:] = 0.0
+    for i in range(NODES - 1, -1, -1):
+        inverse = band[i, 0]
+        x, y, z = load[i, 0] * inverse, load[i, 1] * inverse, load[i, 2] * inverse
+        for k in range(1, HALF_BANDWIDTH + 1):
+            factor = band[i, k]
+            x -= factor * load[i + k, 0]
+            y -= factor * load[i + k, 1]
+            z -= factor * load[i + k, 2]
+        load[i, 0], load[i, 1], load[i, 2] = x, y, z
 
 
 @njit(cache=True, error_model="numpy")
@@ -91,11 +82,11 @@ def assemble(
     viscosity: Floats,
     muscle: Floats,
     step: float,
-    packed: Floats,
+    band: Floats,
     load: Floats,
     strain: Floats,
 ) -> None:
-    """Add the units and the inertia to A (packed, 126) and G (load, 23 by 3): Tu eqs. 4.10, 4.11.
+    """Add units and inertia to A (``band`` (30, 8)) and G (``load`` (30, 3)): Tu eqs. 4.10, 4.11.
 
     ``length`` (91,) are rest lengths; those of the muscles, the first twelve, are replaced by
     ``muscle`` (12,). ``strain`` (2,) keeps the extremes of length over natural rest length.
@@ -122,13 +113,13 @@ def assemble(
         load[j, 2] -= eta * rz
         # Under compression eta is negative and could cost A its definiteness; the true force is
         # in the load all the same, so only the implicit part is held back.
-        if eta > 0.0:
-            packed[SKYLINE_DIAGONAL[i]] += eta * step
-            packed[SKYLINE_DIAGONAL[j]] += eta * step
-            packed[SKYLINE_DIAGONAL[j] - j + i] -= eta * step
+        implicit = max(eta, 0.0) * step
+        band[i, 0] += implicit
+        band[j, 0] += implicit
+        band[i, j - i] -= implicit
     for i in range(NODES):
         inertia = mass[i] / step
-        packed[SKYLINE_DIAGONAL[i]] += inertia
+        band[i, 0] += inertia
         for axis in range(3):
             load[i, axis] += inertia * v[i, axis]
 
@@ -155,17 +146,15 @@ def advance(
     keeps the least and the greatest length ratio of any unit and the smallest pivot. The other
     arguments are the fields of :class:`~subsea.biomechanics.body.Body` (Tu §4.5.2).
     """
-    packed = np.empty(SKYLINE_SIZE)
-    load = np.empty((NODES, 3))
+    band = np.empty((ROWS, HALF_BANDWIDTH + 1))
+    load = np.zeros((ROWS, 3))
     for n in range(muscles.shape[0]):
-        packed[:] = 0.0
-        load[:] = force
+        band[:] = 0.0
+        load[:NODES] = force
         add_water_force(x, v, water, drag, load)
-        assemble(
-            x, v, mass, length, stiffness, viscosity, muscles[n], step, packed, load, watch[:2]
-        )
-        watch[2] = min(watch[2], factorize(packed))
-        substitute(packed, load)
+        assemble(x, v, mass, length, stiffness, viscosity, muscles[n], step, band, load, watch[:2])
+        watch[2] = min(watch[2], factorize(band))
+        substitute(band, load)
         for i in range(NODES):
             for axis in range(3):
                 v[i, axis] = load[i, axis]

@@ -4,32 +4,35 @@ from hypothesis import strategies as st
 from scipy.linalg import eigh
 
 from subsea.biomechanics.body import (
+    HALF_BANDWIDTH,
     MUSCLES,
     NODES,
-    SKYLINE_DIAGONAL,
-    SKYLINE_FIRST,
-    SKYLINE_SIZE,
     UNITS,
     Body,
     Floats,
     build_body,
 )
 from subsea.biomechanics.simulation import State, at_rest, copy_state, simulate
-from subsea.biomechanics.solver import STEP, assemble, factorize, substitute
+from subsea.biomechanics.solver import ROWS, STEP, assemble, factorize, substitute
 from subsea.species import Species, load_species
 
 
-def pack(matrix: Floats) -> Floats:
-    rows = [matrix[i, SKYLINE_FIRST[i] : i + 1] for i in range(NODES)]
-    return np.concatenate(rows)
+def to_band(matrix: Floats) -> Floats:
+    band = np.zeros((ROWS, HALF_BANDWIDTH + 1))
+    for k in range(HALF_BANDWIDTH + 1):
+        band[: NODES - k, k] = np.diagonal(matrix, k)
+    return band
 
 
-def unpack(packed: Floats) -> Floats:
-    matrix = np.zeros((NODES, NODES))
-    for i in range(NODES):
-        row = packed[SKYLINE_DIAGONAL[i] - (i - SKYLINE_FIRST[i]) : SKYLINE_DIAGONAL[i] + 1]
-        matrix[i, SKYLINE_FIRST[i] : i + 1] = matrix[SKYLINE_FIRST[i] : i + 1, i] = row
+def from_band(band: Floats) -> Floats:
+    matrix = np.diag(band[:NODES, 0])
+    for k in range(1, HALF_BANDWIDTH + 1):
+        matrix += np.diag(band[: NODES - k, k], k) + np.diag(band[: NODES - k, k], -k)
     return matrix
+
+
+def padded(load: Floats) -> Floats:
+    return np.concatenate([load, np.zeros((ROWS - NODES, 3))])
 
 
 @given(st.integers(0, 2**32 - 1), st.floats(0.0, 1e3))
@@ -41,27 +44,28 @@ def test_the_factorised_solution_is_that_of_a_dense_solver(seed: int, stiffness:
         matrix[[i, j], [i, j]] += eta
         matrix[[i, j], [j, i]] -= eta
     load = random.normal(0, 100, (NODES, 3))
-    packed, solution = pack(matrix), load.copy()
-    assert len(packed) == SKYLINE_SIZE
-    assert factorize(packed) > 0
-    substitute(packed, solution)
-    np.testing.assert_allclose(solution, np.linalg.solve(matrix, load), rtol=1e-9, atol=1e-9)
+    band, solution = to_band(matrix), padded(load)
+    assert factorize(band) > 0
+    substitute(band, solution)
+    np.testing.assert_allclose(
+        solution[:NODES], np.linalg.solve(matrix, load), rtol=1e-9, atol=1e-9
+    )
 
 
 def test_the_smallest_pivot_tells_an_indefinite_matrix() -> None:
     matrix = np.eye(NODES)
     matrix[3, 3] = -1.0
-    assert factorize(pack(matrix)) <= 0
+    assert factorize(to_band(matrix)) <= 0
 
 
 def assembled(body: Body, x: Floats, v: Floats) -> tuple[Floats, Floats, Floats]:
-    packed, load, strain = np.zeros(SKYLINE_SIZE), np.zeros((NODES, 3)), np.array([np.inf, 0.0])
+    band, load, strain = to_band(np.zeros((23, 23))), np.zeros((ROWS, 3)), np.array([np.inf, 0.0])
     muscle = body.length[:MUSCLES] * 0.9
     assemble(
         x, v, body.mass, body.length, body.stiffness, body.viscosity, muscle, STEP,
-        packed, load, strain,
+        band, load, strain,
     )  # fmt: skip
-    return unpack(packed), load, strain
+    return from_band(band), load[:NODES], strain
 
 
 def test_forces_and_matrix_are_those_of_voigt_units(species: Species) -> None:
