@@ -23,7 +23,7 @@ MARGIN_CM = 170.0  # from the wall inward, where turning away begins
 FLOOR_CM = 75.0  # above the seabed
 SURFACE_CM = 80.0  # below the surface
 SPACING_BL = 1.0  # schooling fishes keep one body length apart (Tu §7.9.2)
-FOLLOW_BL = 3.5  # a follower farther than this from its leader catches up
+FOLLOW_BL = 5.0  # a follower farther than this from its leader catches up
 STARTLE_CM = 150.0  # a fish gives way to the submarine inside this distance
 SPEED_PURPOSE, ANGLE_PURPOSE, RADIUS_PURPOSE, DEPTH_PURPOSE, PATIENCE_PURPOSE = range(5)
 
@@ -86,7 +86,7 @@ def keep_company(fishes: Fishes, i: int) -> Array:
         space = SPACING_BL * 0.5 * (fishes.length[i] + fishes.length[j])
         if distance < 1.5 * space:
             crowd = 1.5 - distance / space
-            out += away / max(distance, 0.1) * crowd
+            out += away / max(distance, 0.1) * (1.8 * crowd)
         speed = np.sqrt((fishes.velocity[j].astype(np.float64) ** 2).sum())
         ahead += fishes.velocity[j] / max(speed, 1.0)
         count += 1

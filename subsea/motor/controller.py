@@ -7,6 +7,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from subsea.kinematics.rotation import rotate
+from subsea.motor.playback import TEMPO
 from subsea.repertoire.library import Library
 from subsea.state import Fishes
 
@@ -24,8 +25,7 @@ PITCH_RATE = np.radians(32.0)
 STEER_GAIN = 1.6  # 1/s: share of the angle that is closed in a second
 STEER_EASE = np.radians(90.0)  # rad/s²: how fast the alignment's own rate may change
 MAX_PITCH_RAD = np.radians(38.0)  # fishes do not swim steeper than this of their own will
-TEMPO = (0.75, 1.3)  # how far a segment's rate may be bent to meet a speed
-TEMPO_EASE = 1.2  # 1/s²
+TEMPO_EASE = 0.8  # 1/s: how fast the rate may change
 GRADE_MARGIN = 1.12  # a fish keeps its grade until another fits better by this factor
 
 

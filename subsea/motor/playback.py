@@ -16,6 +16,7 @@ Array = NDArray[np.floating[Any]]
 TAIL_NODE = 22  # the correspondence point that sets a glide's length (SMC appendix A)
 GLIDE_STEP_BL = 0.03  # body lengths that it may move in a frame of a glide
 MAX_GLIDE_FRAMES = 10
+TEMPO = (0.75, 1.3)  # how far a segment's rate may be bent to meet a speed
 
 
 @njit(cache=True)
@@ -102,6 +103,9 @@ def _next_row(fishes: Fishes, library: Library, i: int) -> None:
         fishes.row_b[i] = b
         fishes.span[i] = min(max(frames, 1.0), MAX_GLIDE_FRAMES)
         fishes.segment[i] = wanted
+        # The new segment starts at the speed of the old one, as far as its rate allows.
+        speed = fishes.tempo[i] * library.speed[kind, now] / library.speed[kind, wanted]
+        fishes.tempo[i] = min(max(speed, TEMPO[0]), TEMPO[1])
     else:
         fishes.row_b[i] = first if at_end else a + 1
         fishes.span[i] = 1.0
