@@ -91,8 +91,8 @@ def _next_row(fishes: Fishes, library: Library, i: int) -> None:
     a = fishes.row_b[i]
     first = library.first[kind, now]
     at_end = a == first + library.length[kind, now] - 1
-    may_leave = library.cyclic[kind, now] or at_end
     wanted = fishes.wanted_segment[i]
+    may_leave = library.leave[a, wanted] if library.cyclic[kind, now] else at_end
     fishes.row_a[i] = a
     if may_leave and (wanted != now or not library.cyclic[kind, now]):
         b = library.entry[a, wanted]

@@ -14,6 +14,8 @@ Ints = NDArray[np.integer[Any]]
 
 # How far the tail's velocity counts against its place when a segment is entered: frames.
 VELOCITY_WEIGHT_FRAMES = 2.0
+# A cyclic segment is left only in this share of its rows, those most like what comes next.
+LEAVING_SHARE = 0.3
 
 
 class Library(NamedTuple):
@@ -29,6 +31,7 @@ class Library(NamedTuple):
     speed: Array  # (S, 7) float32, cm/s of the recorded fish
     turn: Array  # (S, 7) float32, rad, left positive
     entry: Ints  # (R, 7) int32, row at which a segment is best entered from each row
+    leave: NDArray[np.bool_]  # (R, 7), whether this row is a good one to leave for a segment
     recorded_length: Array  # (S,) float32, cm
     bounding_radius: Array  # (S,) float32, body lengths
 
@@ -39,7 +42,7 @@ def pack(repertoires: Sequence[Repertoire], rest_points: Sequence[Array]) -> Lib
     `rest_points` (426, 3) per species serves those whose file carries no control points: they
     are made from the nodes. A repertoire that lacks one of the seven segments is a UserError.
     """
-    rotation, translation, nodes, points, entry = [], [], [], [], []
+    rotation, translation, nodes, points, entry, leave = [], [], [], [], [], []
     first, length, cyclic, speed, turn = [], [], [], [], []
     row = 0
     for repertoire, rest in zip(repertoires, rest_points, strict=True):
@@ -64,7 +67,9 @@ def pack(repertoires: Sequence[Repertoire], rest_points: Sequence[Array]) -> Lib
                 if segment.control_points is None
                 else segment.control_points
             )
-        entry.append(starts[0] + _entries([s.nodes for s in segments], cyclic[-1]))
+        entries, leaving = _entries([s.nodes for s in segments], cyclic[-1])
+        entry.append(starts[0] + entries)
+        leave.append(leaving)
     return Library(
         rotation=np.concatenate(rotation).astype(np.float32),
         translation=np.concatenate(translation).astype(np.float32),
@@ -76,6 +81,7 @@ def pack(repertoires: Sequence[Repertoire], rest_points: Sequence[Array]) -> Lib
         speed=np.array(speed, np.float32),
         turn=np.array(turn, np.float32),
         entry=np.concatenate(entry).astype(np.int32),
+        leave=np.concatenate(leave),
         recorded_length=np.array([r.body_length_cm for r in repertoires], np.float32),
         bounding_radius=np.array(
             [max(s.bounding_radius_bl for s in r.segments.values()) for r in repertoires],
@@ -84,12 +90,13 @@ def pack(repertoires: Sequence[Repertoire], rest_points: Sequence[Array]) -> Lib
     )
 
 
-def _entries(segments: list[Array], cyclic: list[bool]) -> Ints:
-    """For each row of a species the row of each segment whose pose and motion are nearest.
+def _entries(segments: list[Array], cyclic: list[bool]) -> tuple[Ints, NDArray[np.bool_]]:
+    """Where each segment is entered from each row of a species (r, 7), and is it a good moment.
 
-    A cyclic segment may be entered anywhere, so a fish that speeds up goes on with its beat
-    instead of starting a new one; the others only at their first frame. Rows count from the
-    species' first row.
+    A cyclic segment may be entered anywhere: at the row after the one whose pose and motion are
+    nearest, so a fish that speeds up goes on with its beat. The others begin at their first row,
+    and a fish that is about to turn waits, a few frames, until its beat is where the turn
+    begins. Rows count from the species' first row.
     """
     poses = [s.reshape(len(s), -1) for s in segments]
     motion = [
@@ -102,13 +109,22 @@ def _entries(segments: list[Array], cyclic: list[bool]) -> Ints:
     ]
     rows = np.concatenate(features)
     start = 0
-    columns = []
+    columns, gaps = [], []
     for target, loop in zip(features, cyclic, strict=True):
+        gap = ((rows[:, None, :] - target[None, :, :]) ** 2).sum(axis=2)
         if loop:
-            # The row after the most similar one: the outgoing motion goes on.
-            gap = ((rows[:, None, :] - target[None, :, :]) ** 2).sum(axis=2)
             columns.append(start + (np.argmin(gap, axis=1) + 1) % len(target))
+            gaps.append(gap.min(axis=1))
         else:
             columns.append(np.full(len(rows), start))
+            gaps.append(gap[:, 0])
         start += len(target)
-    return np.stack(columns, axis=1)
+    nearness = np.stack(gaps, axis=1)
+    good = np.ones(nearness.shape, np.bool_)
+    start = 0
+    for own, loop in zip(features, cyclic, strict=True):
+        if loop:
+            part = slice(start, start + len(own))
+            good[part] = nearness[part] <= np.quantile(nearness[part], LEAVING_SHARE, axis=0)
+        start += len(own)
+    return np.stack(columns, axis=1), good

@@ -146,6 +146,22 @@ def test_glides_keep_the_way_and_make_no_leap(library, make_fishes, before, afte
     assert min(speeds) > 0.6 * library.speed[0, codes].min()
 
 
+@pytest.mark.parametrize("after", SEGMENTS[3:])
+def test_a_turn_waits_for_the_beat_but_not_for_long(library, make_fishes, after):
+    """From any phase of a swim the turn begins within a beat, and from similar poses."""
+    for phase in range(12):
+        fishes = make_fishes(1, "swim_medium")
+        for _ in range(phase):
+            play(fishes, library, STILL, TICK)
+        fishes.wanted_segment[:] = SEGMENTS.index(after)
+        waited = 0
+        while fishes.segment[0] != SEGMENTS.index(after):
+            play(fishes, library, STILL, TICK)
+            waited += 1
+        assert waited <= 12
+        assert fishes.span[0] <= 5
+
+
 def test_a_sharp_turn_is_played_to_its_end(library, make_fishes):
     fishes = make_fishes(1, "turn_left_sharp")
     fishes.wanted_segment[:] = SEGMENTS.index("swim_slow")
