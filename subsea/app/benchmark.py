@@ -124,7 +124,8 @@ def _draw(renderer: "Renderer", context: Any, packet: Packet) -> dict[str, float
     drawn = time.perf_counter()
     renderer.read_pixels()
     return {
-        "draw": drawn - begin,
+        "upload": renderer.upload_s,
+        "draw": drawn - begin - renderer.upload_s,
         "present": time.perf_counter() - drawn,
     }
 

@@ -1,5 +1,6 @@
 """The order of a picture: water, seabed, fishes, particles, then tone mapping."""
 
+import time
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,7 @@ class Renderer:
         self._scene = scene
         self._samples = min(samples, context.max_samples)
         self.triangles = 0  # of the last picture
+        self.upload_s = 0.0  # of the last picture: copying the packet to the GPU
         self._caustics = upload(context, [caustics(1)])
         self._noise = upload(context, [tileable_noise(2), tileable_noise(3)])
         self._water = Water(context, scene)
@@ -55,8 +57,10 @@ class Renderer:
         context = self._context
         self._target.framebuffer.use()
         self._target.framebuffer.clear()
+        start = time.perf_counter()
         self._fishes.upload(packet)
         self._particles.upload(packet)
+        self.upload_s = time.perf_counter() - start
         self._caustics.use(1)
         self._noise.use(2)
         self.triangles = 0

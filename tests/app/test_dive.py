@@ -1,6 +1,7 @@
 """The dive in a real window, steered by real mouse events."""
 
 import math
+import re
 import subprocess
 import time
 from contextlib import closing
@@ -9,14 +10,19 @@ import numpy as np
 import pytest
 
 from subsea.app.dive import Dive
+from subsea.resources import resource_path
 
-SIZE = (480, 360)
-FRAME_S = 1 / 30
+SIZE = (320, 240)
+FRAME_S = 0.1  # three ticks a picture: the tests are about the hull, not about smoothness
 
 
 @pytest.fixture(scope="module")
-def boat(display):
-    with closing(Dive("peaceful", "mono", SIZE, seed=1)) as running:
+def boat(display, tmp_path_factory):
+    # The sea of the first dive with few fishes, so that software draws it fast.
+    text = (resource_path("assets/scenarios") / "peaceful.toml").read_text()
+    quiet = tmp_path_factory.mktemp("sea") / "quiet.toml"
+    quiet.write_text(re.sub(r"^number = \d+", "number = 2", text, flags=re.MULTILINE))
+    with closing(Dive(str(quiet), "mono", SIZE, seed=1)) as running:
         glide(running, 0.2)
         yield running
 
@@ -117,13 +123,13 @@ def test_the_help_fades_under_way_and_comes_back(boat):
 def test_the_picture_follows_the_size_of_the_window(boat):
     import glfw
 
-    glfw.set_window_size(boat.window.handle, 400, 300)
+    glfw.set_window_size(boat.window.handle, 240, 180)
     for _ in range(50):
         boat.frame(FRAME_S)
-        if boat.window.size == (400, 300):
+        if boat.window.size == (240, 180):
             break
         time.sleep(0.02)
-    assert boat.window.size == (400, 300)
+    assert boat.window.size == (240, 180)
     boat.frame(FRAME_S)
     glfw.set_window_size(boat.window.handle, *SIZE)
     glide(boat, 0.3)
