@@ -19,7 +19,7 @@ in vec4 i_detail;  // left and right pectoral, mouth, fade
 
 out vec3 v_world;
 out vec3 v_normal;
-out vec4 v_rest;
+out vec3 v_rest;
 out vec3 v_part;
 out float v_identity;
 out float v_fade;
@@ -41,7 +41,7 @@ void main() {
     int base = int(a_base), row = int(a_part.w);
     float side = a_rest.w;
     v_part = a_part.xyz;
-    v_rest = a_rest;
+    v_rest = vec3(-a_rest.x, a_rest.y, side);
     if (a_part.x < 1.5) {
         for (int i = 0; i < 3; ++i) {
             if (a_u[i] == 0.0 && a_du[i] == 0.0) continue;
@@ -69,6 +69,7 @@ void main() {
     vec3 normal = cross(along_u, along_v);
     // At the snout all control points of a row are one: the normal is the way ahead.
     normal = dot(normal, normal) > 1e-8 ? normalize(normal) : vec3(1.0, 0.0, 0.0);
+    if (a_part.x < 0.5) normal *= -side;  // outward
     v_normal = turned(normal);
     v_world = i_place.xyz + turned(i_place.w * place);
     v_identity = i_pose.w;

@@ -44,11 +44,13 @@ float caustics_at(vec3 p) {
     return mix(1.0, 1.75 * min(a, b) + 0.35, 0.75 * sharp);
 }
 
-// Light on a surface with a normal: sun through the caustics, sky from above, sand from below.
-vec3 light_on(vec3 p, vec3 normal, float wrap) {
+// Light on a surface: the given sun from above, sky from above, sand from below.
+vec3 light_from(vec3 sun, float z, vec3 normal, float wrap) {
     float facing = max((dot(normal, SUN) + wrap) / (1.0 + wrap), 0.0);
-    vec3 sun = sunlight_at(p.z) * facing * caustics_at(p);
-    float up = 0.5 + 0.5 * normal.z;
-    vec3 ambient = mix(vec3(0.16, 0.21, 0.20), SKYLIGHT, up) * exp(ABSORPTION * p.z);
-    return sun + ambient;
+    vec3 ambient = mix(vec3(0.16, 0.21, 0.20), SKYLIGHT, 0.5 + 0.5 * normal.z);
+    return sun * facing + ambient * exp(ABSORPTION * z);
+}
+
+vec3 light_on(vec3 p, vec3 normal, float wrap) {
+    return light_from(sunlight_at(p.z) * caustics_at(p), p.z, normal, wrap);
 }

@@ -1,29 +1,68 @@
 """What is constant per species, from `assets/species/NAME.toml`."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
 import msgspec
 
 from subsea.biomechanics.plan import BodyPlan, SwimPlan, TurnPlan
 from subsea.errors import UserError, unknown
-from subsea.kinematics.surface import SurfacePlan
+from subsea.kinematics.surface import Curve, Extent, Share, SurfacePlan
 from subsea.resources import load_toml, resource_names, resource_path
 
-Colour = tuple[float, float, float]  # linear RGB, 0 to 1
+Positive = Annotated[float, msgspec.Meta(gt=0)]
+Colour = tuple[Share, Share, Share]  # linear RGB
 
 
-PATTERNS = ("countershaded", "stripes")  # the shader knows them by place
+class Cape(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A colour over all that lies above a line along the body."""
+
+    colour: Colour
+    line: Curve  # (distance from the snout, height; 1 is the dorsal ridge, -1 the ventral)
+
+
+class Stripes(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Lines along the body, in body lengths."""
+
+    colour: Colour
+    spacing: Positive
+    share: Share  # of the spacing that the colour takes
+    rise: Extent  # how much higher a line lies for each body length tailward
+    begin: Share  # distance from the snout at which they begin
+
+
+class Patch(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A spot with a smooth outline: points (distance from the snout, height), body lengths."""
+
+    outline: Annotated[list[tuple[float, float]], msgspec.Meta(min_length=3)]
+    colour: Colour
+    rim: Colour | None = None
+    rim_width: Share = 0.008
+
+
+class FinSkin(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A fin: at its root it has the body's colour."""
+
+    colour: Colour
+    opacity: Share = 0.8  # at the edge
+    rim: Colour | None = None
+    striped: bool = False  # the body's stripes go on over it
 
 
 class SkinPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """How the species is coloured; `shaders/skin.glsl` draws it."""
+    """How a species is coloured; painted in the order of the fields, later over earlier."""
 
-    pattern: Literal["countershaded", "stripes"]
     back: Colour
     flank: Colour
     belly: Colour
-    fins: Colour
-    accent: Colour  # the upper band and tail, or the stripes
+    stripes: Stripes | None = None
+    cape: Cape | None = None
+    patches: list[Patch] = []
+    tail: FinSkin
+    dorsal: FinSkin
+    ventral: FinSkin
+    paddles: FinSkin  # pectoral and pelvic
+    iris: Colour
+    gloss: Share  # how much the scales mirror
 
 
 class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):

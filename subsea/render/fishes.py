@@ -20,12 +20,16 @@ from subsea.kinematics.surface import (
     V,
     rest_control_points,
 )
+from subsea.render import paint
 from subsea.render.shaders import program, set_uniforms
-from subsea.species import PATTERNS
+from subsea.species import Species
 from subsea.view.camera import View
 
 Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
+
+SKIN_UNIT = 3  # texture unit
+SRGB8_ALPHA8 = 0x8C43  # OpenGL's name for the texels of a skin
 
 BODY, FIN, PECTORAL, PELVIC = range(4)  # parts, as the shaders know them
 
@@ -156,8 +160,11 @@ class Fishes:
         self._table = context.texture((points, rows), 4, table.tobytes(), dtype="f4")
         self._table.filter = (context.NEAREST, context.NEAREST)
         self._instances = context.buffer(reserve=INSTANCE_COLUMNS * 4)
-        self._species = scene.species
-        self._lengths = scene.recorded_length_cm
+        self._skins = [_skin(context, species) for species in scene.species]
+        self._looks = [
+            _look(species, length)
+            for species, length in zip(scene.species, scene.recorded_length_cm, strict=True)
+        ]
         self._buffers: list[Any] = []
         self._arrays: dict[tuple[int, int], tuple[Any, int]] = {}  # by species and level
         for kind, species in enumerate(scene.species):
@@ -187,22 +194,10 @@ class Fishes:
         """Draw every batch into the bound framebuffer; the number of triangles."""
         total = 0
         self._table.use(0)
-        set_uniforms(self._program, u_table=0, **uniforms)
+        set_uniforms(self._program, u_table=0, u_skin=SKIN_UNIT, **uniforms)
         for batch in packet.batches:
-            species = self._species[batch.species]
-            skin, eye = species.skin, species.surface.eye
-            set_uniforms(
-                self._program,
-                u_length=self._lengths[batch.species],
-                u_pattern=PATTERNS.index(skin.pattern),
-                u_back=skin.back,
-                u_flank=skin.flank,
-                u_belly=skin.belly,
-                u_fins=skin.fins,
-                u_accent=skin.accent,
-                u_eye_spot=(eye.at, eye.height, eye.radius),
-                u_tail_begin=species.surface.tail.begin,
-            )
+            self._skins[batch.species].use(SKIN_UNIT)
+            set_uniforms(self._program, **self._looks[batch.species])
             array, triangles = self._arrays[batch.species, batch.level]
             self._bind_from(array, batch.first)
             array.render(instances=batch.count)
@@ -222,5 +217,28 @@ class Fishes:
         """Free every OpenGL object."""
         for array, _ in self._arrays.values():
             array.release()
-        for held in (*self._buffers, self._instances, self._table, self._program):
+        for held in (*self._buffers, *self._skins, self._instances, self._table, self._program):
             held.release()
+
+
+def _skin(context: Any, species: Species) -> Any:
+    """The painted skin as a mipmapped sRGB texture."""
+    texels = paint.paint(species)
+    texture = context.texture(paint.SIZE, 4, texels.tobytes(), internal_format=SRGB8_ALPHA8)
+    texture.build_mipmaps()
+    texture.repeat_x = texture.repeat_y = False
+    return texture
+
+
+def _look(species: Species, length_cm: float) -> dict[str, Any]:
+    """The uniforms that change with the species."""
+    surface, skin = species.surface, species.skin
+    top = paint.half_height(surface)
+    return {
+        "u_length": length_cm,
+        "u_skin_box": (paint.SNOUT, -top, paint.EDGE, top),
+        "u_paddle": (*skin.paddles.colour, skin.paddles.opacity),
+        "u_gloss": skin.gloss,
+        "u_eye_spot": (surface.eye.at, surface.eye.height, surface.eye.radius),
+        "u_tail_begin": surface.tail.begin,
+    }

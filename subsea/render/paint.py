@@ -1,0 +1,203 @@
+"""Skins painted once at start: what SMC §4 takes from photographs of real fishes.
+
+A skin is the fish's left flank seen from the side at rest, with its fins. Colours are mixed in
+linear light and stored in sRGB; alpha is the opacity, 1 on the body.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.kinematics.surface import Curve, FinPlan, SurfacePlan, along
+from subsea.species import Cape, FinSkin, Patch, SkinPlan, Species, Stripes
+
+Array = NDArray[np.floating[Any]]
+
+SIZE = (1024, 512)  # texels
+SNOUT, EDGE = -0.03, 1.05  # distances from the snout at the left and right border, body lengths
+MARGIN = 0.03  # above and below the fins, body lengths
+SOFT = 0.004  # width of the borders between colours, body lengths
+DARK = (0.012, 0.012, 0.016)  # the pupil and the rim of the eye
+RAYS = 13.0  # of the tail, on each side
+
+
+def half_height(surface: SurfacePlan) -> float:
+    """Height of the skin's upper border above the axis; the lower one lies as far below."""
+    curves = (surface.back, surface.belly, surface.dorsal.edge, surface.ventral.edge)
+    return MARGIN + max(abs(y) for curve in curves for _, y in curve)
+
+
+def paint(species: Species, size: tuple[int, int] = SIZE) -> NDArray[np.uint8]:
+    """The skin (height, width, 4), bottom row first, as OpenGL wants it."""
+    surface, skin = species.surface, species.skin
+    width, height = size
+    top = half_height(surface)
+    s = SNOUT + (EDGE - SNOUT) * (np.arange(width) + 0.5) / width
+    y = -top + 2 * top * (np.arange(height)[:, None] + 0.5) / height
+    back, belly = along(surface.back, s), along(surface.belly, s)
+    # 1 at the dorsal ridge, 0 on the axis, -1 at the ventral ridge.
+    level = np.where(y > 0, y / back, -y / belly)
+    picture = np.empty((height, width, 4))
+    picture[..., :3] = _mixed(skin.belly, skin.flank, _step(level, -0.75, 0.1))
+    picture[..., :3] = _mixed(picture[..., :3], skin.back, _step(level, 0.25, 0.95))
+    picture[..., 3] = 1.0
+    stripes = np.zeros((height, width))
+    if skin.stripes:
+        stripes = _stripes(skin.stripes, s, y)
+        picture[..., :3] = _mixed(picture[..., :3], skin.stripes.colour, stripes)
+    if skin.cape:
+        _lay_cape(picture, skin.cape, s, level)
+    for patch in skin.patches:
+        _lay_patch(picture, patch, s, y)
+    _lay_tail(picture, skin.tail, surface, s, y / np.where(y > 0, back, -belly))
+    for plan, fin, ridge, side in (
+        (surface.dorsal, skin.dorsal, back, 1.0),
+        (surface.ventral, skin.ventral, belly, -1.0),
+    ):
+        _lay_fin(picture, plan, fin, skin, stripes, s, y, ridge, side)
+    _draw_face(picture, surface, skin, s, y, level)
+    picture[..., :3] *= _mottle(height, width)[..., None]
+    return _bytes(picture)
+
+
+def _stripes(plan: Stripes, s: Array, y: Array) -> Array:
+    """Where the stripes are, 0 to 1: they waver a little, as drawn by hand."""
+    waver = 0.09 * np.sin(19.0 * s + 23.0 * y) + 0.05 * np.sin(43.0 * s - 31.0 * y)
+    phase = (y - plan.rise * (s - 0.5) + 0.12 * (s - 0.55) ** 2) / plan.spacing + waver
+    wave = np.abs((phase % 1.0) - 0.5) * 2.0  # 0 in the middle of a stripe, 1 between two
+    soft = SOFT / plan.spacing
+    return _step(wave, plan.share + soft, plan.share - soft) * _step(
+        s, plan.begin - 0.01, plan.begin + 0.02
+    )
+
+
+def _lay_cape(picture: Array, plan: Cape, s: Array, level: Array) -> None:
+    over = _step(level - along(plan.line, s), -0.12, 0.12)
+    picture[..., :3] = _mixed(picture[..., :3], plan.colour, over)
+
+
+def _lay_patch(picture: Array, plan: Patch, s: Array, y: Array) -> None:
+    depth = _depth_inside(plan.outline, s, y)
+    if plan.rim:
+        rim = _step(depth, -plan.rim_width - SOFT / 2, -plan.rim_width + SOFT / 2)
+        picture[..., :3] = _mixed(picture[..., :3], plan.rim, rim)
+    inside = _step(depth, -SOFT / 2, SOFT / 2)
+    picture[..., :3] = _mixed(picture[..., :3], plan.colour, inside)
+
+
+def _lay_tail(picture: Array, fin: FinSkin, surface: SurfacePlan, s: Array, share: Array) -> None:
+    """`share` is the height as a share of the tail's half-height."""
+    begin = surface.tail.begin
+    over = _step(s, begin - 0.05, begin + 0.02) * np.ones_like(share)
+    picture[..., :3] = _mixed(picture[..., :3], fin.colour, over)
+    edge = along(surface.tail.edge, np.abs(share).clip(0.0, 1.0))
+    out = ((s - begin) / (edge - begin)).clip(0.0, 1.0)
+    # Rays fan out from the root.
+    rays = 0.5 + 0.5 * np.cos(np.pi * RAYS * share)
+    picture[..., :3] *= 1.0 - 0.22 * (rays * _step(out, 0.02, 0.3))[..., None]
+    if fin.rim:
+        picture[..., :3] = _mixed(picture[..., :3], fin.rim, _step(out, 0.90, 0.95))
+    picture[..., 3] *= 1.0 - (1.0 - fin.opacity) * _step(out, 0.1, 0.9)
+
+
+def _lay_fin(
+    picture: Array, plan: FinPlan, fin: FinSkin, skin: SkinPlan, stripes: Array, s: Array,
+    y: Array, ridge: Array, side: float,
+) -> None:  # fmt: skip
+    """All that lies beyond the ridge, from the fin's front to its rear."""
+    rise = side * (y - ridge)
+    to_edge = -_depth_inside(_closed(plan), s, y)
+    here = (s > plan.base[0] - 0.02) & (rise > 0.0) & (to_edge < 0.02)
+    thickness = np.where(here, rise / np.maximum(rise - to_edge, 1e-6), 0.0)  # 0 root, 1 edge
+    colour = _mixed(picture[..., :3], fin.colour, _step(thickness, 0.0, 0.25))
+    if fin.striped and skin.stripes:
+        colour = _mixed(colour, skin.stripes.colour, stripes * _step(thickness, 0.95, 0.8))
+    if fin.rim:
+        colour = _mixed(colour, fin.rim, _step(to_edge, -0.012, -0.008))
+    picture[..., :3] = np.where(here[..., None], colour, picture[..., :3])
+    opacity = 1.0 - (1.0 - fin.opacity) * _step(thickness, 0.05, 1.0)
+    picture[..., 3] = np.where(here, opacity, picture[..., 3])
+
+
+def _draw_face(
+    picture: Array, surface: SurfacePlan, skin: SkinPlan, s: Array, y: Array, level: Array
+) -> None:
+    """The edge of the gill cover, the mouth and the eye."""
+    eye = surface.eye
+    gill = np.abs(s - (eye.at + 0.135) + 0.05 * level**2 + 0.02 * level)
+    gill = _step(gill, 0.006, 0.0) * _step(np.abs(level), 0.85, 0.55)
+    mouth = np.abs(y + 0.01 + 0.28 * s)
+    mouth = _step(mouth, 0.005, 0.0025) * _step(s, 0.034, 0.026)
+    picture[..., :3] *= (1.0 - 0.4 * gill)[..., None] * (1.0 - 0.75 * mouth)[..., None]
+    distance = np.hypot(s - eye.at, y - eye.height) / eye.radius
+    for colour, outer in ((DARK, 1.12), (skin.iris, 0.98), (DARK, 0.56)):
+        picture[..., :3] = _mixed(picture[..., :3], colour, _step(distance, outer, outer - 0.14))
+
+
+def _closed(plan: FinPlan) -> list[tuple[float, float]]:
+    """The fin's outline, closed through the body."""
+    return [*plan.edge, (plan.base[1], 0.0), (plan.base[0], 0.0)]
+
+
+def _depth_inside(outline: Curve, s: Array, y: Array) -> Array:
+    """Distance (h, w) from a smooth closed outline, positive inside, in body lengths.
+
+    Far outside it is only a lower bound.
+    """
+    corners = _rounded(np.asarray(outline))
+    reach = 0.06
+    low, high = corners.min(axis=0) - reach, corners.max(axis=0) + reach
+    columns = slice(*np.searchsorted(s, [low[0], high[0]]))
+    rows = slice(*np.searchsorted(y[:, 0], [low[1], high[1]]))
+    x, h = s[columns], y[rows]
+    inside = np.zeros((len(h), len(x)), bool)
+    nearest = np.full((len(h), len(x)), np.inf)
+    for (ax, ay), (bx, by) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        dx, dy = bx - ax, by - ay
+        t = (((x - ax) * dx + (h - ay) * dy) / max(dx * dx + dy * dy, 1e-12)).clip(0.0, 1.0)
+        nearest = np.minimum(nearest, (x - ax - t * dx) ** 2 + (h - ay - t * dy) ** 2)
+        if ay != by:
+            inside ^= ((ay > h) != (by > h)) & (x < ax + dx * (h - ay) / dy)
+    depth = np.full((len(y), len(s)), -reach)
+    depth[rows, columns] = np.where(inside, 1.0, -1.0) * np.sqrt(nearest)
+    return depth
+
+
+def _rounded(corners: Array) -> Array:
+    """Twice Chaikin's corner cutting, which tends to the quadratic B-spline."""
+    for _ in range(2):
+        following = np.roll(corners, -1, axis=0)
+        pair = np.stack([0.75 * corners + 0.25 * following, 0.25 * corners + 0.75 * following], 1)
+        corners = pair.reshape(-1, 2)
+    return corners
+
+
+def _mottle(height: int, width: int) -> Array:
+    """Small unevenness of the paint, mean 1."""
+    noise = np.random.default_rng(0x5C1).normal(size=(height, width))
+    k = np.hypot(np.fft.fftfreq(height)[:, None], np.fft.rfftfreq(width))
+    smooth = np.fft.irfft2(np.fft.rfft2(noise) * np.exp(-((k / 0.04) ** 2)), s=(height, width))
+    return np.asarray(1.0 + 0.05 * smooth / smooth.std())
+
+
+def _step(x: Array, low: float, high: float) -> Array:
+    """0 at `low`, 1 at `high`, smooth between; `high` may be the smaller one."""
+    t = np.clip((x - low) / (high - low), 0.0, 1.0)
+    return np.asarray(t * t * (3.0 - 2.0 * t))
+
+
+def _mixed(under: Any, over: Any, share: Array) -> Array:
+    """Colours (…, 3) mixed by `share` (…)."""
+    under, over = np.asarray(under, np.float64), np.asarray(over, np.float64)
+    return np.asarray(under + (over - under) * share[..., None])
+
+
+def _bytes(picture: Array) -> NDArray[np.uint8]:
+    colour = picture[..., :3].clip(0.0, 1.0)
+    out = np.empty(picture.shape)
+    out[..., :3] = np.where(
+        colour <= 0.0031308, 12.92 * colour, 1.055 * colour ** (1 / 2.4) - 0.055
+    )
+    out[..., 3] = picture[..., 3]
+    return np.round(255.0 * out).astype(np.uint8)
