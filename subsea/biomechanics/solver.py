@@ -113,10 +113,10 @@ def assemble(
         load[j, 2] -= eta * rz
         # Under compression eta is negative and could cost A its definiteness; the true force is
         # in the load all the same, so only the implicit part is held back.
-        implicit = max(eta, 0.0) * step
-        band[i, 0] += implicit
-        band[j, 0] += implicit
-        band[i, j - i] -= implicit
+        if eta > 0.0:
+            band[i, 0] += eta * step
+            band[j, 0] += eta * step
+            band[i, j - i] -= eta * step
     for i in range(NODES):
         inertia = mass[i] / step
         band[i, 0] += inertia

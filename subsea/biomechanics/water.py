@@ -26,11 +26,11 @@ def add_water_force(x: Floats, v: Floats, water: Floats, drag: float, force: Flo
         uy = v[a, 1] + v[b, 1] + v[c, 1] - 3.0 * water[1]
         uz = v[a, 2] + v[b, 2] + v[c, 2] - 3.0 * water[2]
         outward = nx * ux + ny * uy + nz * uz
-        # No branch: which faces push changes too often to be foretold.
-        speed_per_area = np.sqrt((ux * ux + uy * uy + uz * uz) / (nx * nx + ny * ny + nz * nz))
-        scale = -drag * TRIANGLE_WEIGHTS[k] * speed_per_area * max(outward, 0.0) / 54.0
-        fx, fy, fz = scale * nx, scale * ny, scale * nz
-        for node in (a, b, c):
-            force[node, 0] += fx
-            force[node, 1] += fy
-            force[node, 2] += fz
+        if outward > 0.0:
+            speed_per_area = np.sqrt((ux * ux + uy * uy + uz * uz) / (nx * nx + ny * ny + nz * nz))
+            scale = -drag * TRIANGLE_WEIGHTS[k] * speed_per_area * outward / 54.0
+            fx, fy, fz = scale * nx, scale * ny, scale * nz
+            for node in (a, b, c):
+                force[node, 0] += fx
+                force[node, 1] += fy
+                force[node, 2] += fz
