@@ -58,7 +58,7 @@ def basis_at(controls: int, t: Array, degree: int = DEGREE) -> Table:
 
 def decimated(table: Table, step: int) -> Table:
     """Every `step`-th sample: the coarser levels are subsets of the finest."""
-    return Table(*(values[::step] for values in table))
+    return Table(table.first[::step], table.weight[::step], table.slope[::step])
 
 
 def dense(table: Table, controls: int) -> Array:

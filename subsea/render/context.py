@@ -14,11 +14,11 @@ INSTALL = "sudo apt-get install --no-install-recommends libegl1 libgl1 libgl1-me
 def headless_context() -> Any:
     """A context without a window. Missing or too old OpenGL is a UserError."""
     try:
-        context = moderngl.create_context(standalone=True, backend="egl", require=REQUIRED)
+        context = _create(standalone=True, backend="egl")
     except Exception as egl_fault:
         # EGL is Linux's way; other systems have their own hidden windows.
         try:
-            context = moderngl.create_context(standalone=True, require=REQUIRED)
+            context = _create(standalone=True)
         except Exception:
             raise _no_opengl(egl_fault) from egl_fault
     return _prepared(context)
@@ -47,10 +47,14 @@ class _Loader:
 def window_context(get_proc_address: Callable[[str], int | None]) -> Any:
     """A context on the current window, for example with ``glfw.get_proc_address``."""
     try:
-        context = moderngl.create_context(require=REQUIRED, context=_Loader(get_proc_address))
+        context = _create(context=_Loader(get_proc_address))
     except Exception as fault:
         raise _no_opengl(fault) from fault
     return _prepared(context)
+
+
+def _create(**settings: Any) -> Any:
+    return moderngl.create_context(require=REQUIRED, **settings)
 
 
 def _prepared(context: Any) -> Any:
