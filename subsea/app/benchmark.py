@@ -50,8 +50,7 @@ def benchmark(
     if out is not None and not out.parent.is_dir():
         raise UserError(f"{out}: there is no folder {out.parent}")
     world = start_world(scenario, seed, fish)
-    context, renderer = start_headless(world, size)
-    try:
+    with start_headless(world, size) as (context, renderer):
         measured = measure(world, renderer, context, display, size, frames, without)
         report = {
             "renderer": context.info["GL_RENDERER"],
@@ -64,9 +63,6 @@ def benchmark(
             "without": sorted(without),
             **measured,
         }
-    finally:
-        renderer.release()
-        context.release()
     _print(report)
     if out is not None:
         _write(out, report)

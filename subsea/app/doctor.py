@@ -33,8 +33,8 @@ def doctor() -> int:
         _packages,
         _cache,
         _repertoires,
-        _headless,
         _display,
+        _headless,
     )
     findings = [finding for check in checks for finding in check()]
     for finding in findings:

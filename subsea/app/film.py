@@ -37,11 +37,10 @@ def film(
     if kind == "picture":
         instants = [seconds]
     world = start_world(scenario, seed)
-    context, renderer = start_headless(world, size)
     durations: list[float] = []
     try:
-        say(f"filming to {out}")
-        with open_reel(out, size, fps) as write:
+        with start_headless(world, size) as (_, renderer), open_reel(out, size, fps) as write:
+            say(f"filming to {out}")
             for instant in tqdm(instants, unit="frame", disable=None):
                 start = time.perf_counter()
                 ticks, alpha = divmod(instant / TICK_S, 1.0)
@@ -53,8 +52,6 @@ def film(
                 durations.append(time.perf_counter() - start)
                 write(picture)
     finally:
-        renderer.release()
-        context.release()
         if durations:
             print(f"{out}: {'written' if kind == 'picture' else sentence(durations)}")
     return 0

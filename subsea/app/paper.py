@@ -101,21 +101,13 @@ def place_nodes(fishes: Fishes, nodes_body: Array, out: Array) -> None:
 def rendering_ms() -> tuple[float, float, float, str]:
     """Mean draw time without and with culling and levels of detail, fishes in sight, renderer."""
     world = start_world(SCENARIO)
-    context, renderer = start_headless(world, SIZE)
-    try:
+    with start_headless(world, SIZE) as (context, renderer):
         name = context.info["GL_RENDERER"]
         without = frozenset(("culling", "lod"))
         full = measure(world, renderer, context, "mono", SIZE, RENDERED_FRAMES, without)
         reduced = measure(world, renderer, context, "mono", SIZE, RENDERED_FRAMES)
-    finally:
-        renderer.release()
-        context.release()
-    return (
-        full["stages_ms"]["draw"],
-        reduced["stages_ms"]["draw"],
-        reduced["visible_mean"],
-        name,
-    )
+    milliseconds = [report["stages_ms"]["draw"] for report in (full, reduced)]
+    return milliseconds[0], milliseconds[1], reduced["visible_mean"], name
 
 
 def _seconds(work: Callable[[], object]) -> float:

@@ -1,6 +1,7 @@
 """From a scenario's name to a world that is awake, and to a renderer without a window."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from subsea.app.console import say
@@ -28,11 +29,24 @@ def start_world(
     return world
 
 
-def start_headless(world: World, size: tuple[int, int], tell: Say = say) -> tuple[Any, "Renderer"]:
+@contextmanager
+def start_headless(
+    world: World, size: tuple[int, int], tell: Say = say
+) -> Iterator[tuple[Any, "Renderer"]]:
     """A context without a window and a renderer for pictures of `size`; no OpenGL: UserError."""
     from subsea.frame import make_scene
     from subsea.render import Renderer, headless_context
 
     tell("starting OpenGL")
     context = headless_context()
-    return context, Renderer(context, make_scene(world), size)
+    try:
+        renderer = Renderer(context, make_scene(world), size)
+        try:
+            yield context, renderer
+        finally:
+            renderer.release()
+    finally:
+        # Leaving it takes the context off this thread: while it is there, no window can open.
+        with context:
+            pass
+        context.release()
