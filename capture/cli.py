@@ -2,6 +2,7 @@
 
 import argparse
 import os
+import signal
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -18,6 +19,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     0 done, 2 something the user can mend (one line on standard error), 130 interrupted.
     """
+    signal.signal(signal.SIGTERM, _terminate)  # a polite kill ends as Ctrl-C does
     try:
         return _run(sys.argv[1:] if arguments is None else list(arguments))
     except UserError as fault:
@@ -30,6 +32,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # The reader of our output (`subsea-capture … | head`) has seen enough.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+
+
+def _terminate(number: int, frame: object) -> NoReturn:
+    raise KeyboardInterrupt
 
 
 def _run(arguments: list[str]) -> int:
