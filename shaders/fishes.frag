@@ -13,10 +13,11 @@ in vec3 v_rest;  // distance behind the snout, height, side
 in vec3 v_part;  // part, u, v
 in float v_identity;
 in float v_fade;
+in vec3 v_clear;
+in vec3 v_veil;
 
 out vec4 f_colour;
 
-const float EXPOSURE = 0.62;
 const vec2 SCALES = vec2(78.0, 30.0);  // per body length along, from ridge to ridge
 
 // Rows of scales, set like tiles and each a little tilted; they blur away before they alias.
@@ -28,7 +29,7 @@ float scales(vec2 place, inout vec3 normal) {
     seen *= 1.0 - smoothstep(u_tail_begin - 0.02, u_tail_begin + 0.02, place.x);
     vec2 from_middle = fract(cell) - 0.5;
     normal = normalize(normal + 0.2 * seen * vec3(from_middle, 0.3 * from_middle.x));
-    return 1.0 + seen * (0.16 * from_middle.x - 0.22 * dot(from_middle, from_middle));
+    return 1.0 + seen * u_gloss * (0.3 * from_middle.x - 0.4 * dot(from_middle, from_middle));
 }
 
 // The rays of a fin run from its root to its edge.
@@ -38,9 +39,7 @@ float rays(float count, float at) {
 }
 
 void main() {
-    vec3 ray = v_world - u_eye;
-    float distance = length(ray);
-    vec3 view = -ray / distance;
+    vec3 view = normalize(u_eye - v_world);
     vec3 normal = normalize(v_normal);
     bool thin = v_part.x > 0.5;
     if (thin && dot(normal, view) < 0.0) normal = -normal;
@@ -75,5 +74,5 @@ void main() {
     float rim = 1.0 - facing;
     rim *= rim;
     colour += 0.35 * rim * rim * water_radiance(reflect(-view, normal));
-    f_colour = vec4(through_water(colour, -view, distance), skin.a * v_fade);
+    f_colour = vec4(colour * v_clear + v_veil, skin.a * v_fade);
 }

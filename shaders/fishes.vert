@@ -1,4 +1,6 @@
 // A fish: two rows of control points mixed, the surface evaluated from its table (SMC §7.2).
+#include "optics.glsl"
+
 uniform mat4 u_view;
 uniform mat4 u_projection;
 uniform sampler2D u_table;  // control points: column by point, row by recorded frame
@@ -23,6 +25,8 @@ out vec3 v_rest;
 out vec3 v_part;
 out float v_identity;
 out float v_fade;
+out vec3 v_clear;  // haze changes so slowly that the vertices suffice
+out vec3 v_veil;
 
 vec3 control(int point) {
     point = min(point, textureSize(u_table, 0).x - 1);
@@ -74,5 +78,9 @@ void main() {
     v_world = i_place.xyz + turned(i_place.w * place);
     v_identity = i_pose.w;
     v_fade = i_detail.w;
+    vec3 ray = v_world - u_eye;
+    float distance = length(ray);
+    v_clear = clearness(distance);
+    v_veil = water_radiance(ray / distance) * (1.0 - v_clear);
     gl_Position = u_projection * u_view * vec4(v_world, 1.0);
 }

@@ -11,22 +11,38 @@ const vec3 SUNLIGHT = vec3(3.1, 3.0, 2.75);
 const vec3 SKYLIGHT = vec3(0.50, 0.72, 0.82);
 // Water takes red light first: 1/cm along the light's way down, and shares of u_extinction.
 const vec3 ABSORPTION = vec3(0.00170, 0.00042, 0.00026);
+const float REACH = 1300.0;  // cm; the surface is not seen beyond
+const float EXPOSURE = 0.62;  // of everything that is lit
 const vec3 HAZE = vec3(1.45, 0.98, 0.86);
 
 // Radiance of endless water in a direction: bright above, dark below, a glow about the sun.
 vec3 water_radiance(vec3 direction) {
     float up = direction.z;
-    float level = up > 0.0 ? mix(1.0, 2.9, up * up) + 0.35 * up : mix(1.0, 0.30, sqrt(-up));
-    vec3 tint = mix(vec3(0.9, 0.96, 1.0), vec3(1.9, 1.25, 1.05), max(up, 0.0));
+    float level = up > 0.0 ? 1.0 + 0.9 * up + up * up : 1.0 / (1.0 - 0.9 * up + 1.3 * up * up);
+    vec3 tint = mix(vec3(0.9, 0.96, 1.0), vec3(1.9, 1.25, 1.05), up > 0.0 ? up * up : 0.0);
     float glow = pow(max(dot(direction, SUN), 0.0), 6.0);
     float depth = exp(u_eye.z * 0.00045);
-    return u_fog * level * tint * depth + vec3(0.05, 0.16, 0.18) * glow * depth;
+    return (u_fog * level * tint + vec3(0.05, 0.16, 0.18) * glow) * depth;
 }
 
-// A colour as the eye sees it through `distance` cm of water.
-vec3 through_water(vec3 colour, vec3 direction, float distance) {
-    vec3 clear = exp(-u_extinction * HAZE * distance);
-    return colour * clear + water_radiance(direction) * (1.0 - clear);
+// Broad shafts of light beside the view, mean 0: the caustics of a wide, slow swell.
+float shafts(vec3 direction) {
+    float light = 0.0;
+    for (int k = 0; k < 3; ++k) {
+        vec3 at = u_eye + direction * (130.0 + 210.0 * float(k));
+        vec2 entry = at.xy - SUN.xy / SUN.z * at.z;
+        light += textureLod(u_caustics, entry / 1150.0 + u_time * vec2(0.006, 0.004), 2.0).r;
+    }
+    return 0.22 * (light / 3.0 - 1.0);
+}
+
+vec3 open_water(vec3 direction) {
+    return water_radiance(direction) * (1.0 + shafts(direction));
+}
+
+// The share of a colour that `distance` cm of water let through.
+vec3 clearness(float distance) {
+    return exp(-u_extinction * HAZE * distance);
 }
 
 // Sunlight that reaches a depth (z ≤ 0) on its slanting way.

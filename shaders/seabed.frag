@@ -2,6 +2,8 @@
 
 in vec3 v_world;
 in vec2 v_slope;
+in vec3 v_clear;
+in vec3 v_veil;
 out vec4 f_colour;
 
 const vec3 PALE = vec3(0.66, 0.56, 0.40);
@@ -25,7 +27,5 @@ void main() {
     vec3 sand = mix(DARK, PALE, clamp(0.62 + 0.14 * broad + 0.10 * middle + 0.07 * fine, 0.0, 1.0));
     sand *= 1.0 + 0.10 * resolved * ripple;
     vec3 light = light_on(v_world, normal, 0.0);
-    vec3 ray = v_world - u_eye;
-    float distance = length(ray);
-    f_colour = vec4(through_water(0.62 * sand * light, ray / distance, distance), 1.0);
+    f_colour = vec4(EXPOSURE * sand * light * v_clear + v_veil, 1.0);
 }

@@ -1,4 +1,4 @@
-"""The order of a picture: water, seabed, fishes, particles, then tone mapping."""
+"""The order of a picture: seabed, water behind it, fishes, particles, then tone mapping."""
 
 import time
 from typing import Any
@@ -16,17 +16,22 @@ from subsea.render.water import Water
 from subsea.view.camera import View
 
 CONTRAST_LEFT = 0.02  # at the distance that a scenario calls its visibility
-SAMPLES = 4  # per pixel
+SAMPLES = 4  # per pixel, where a GPU takes them
+SOFTWARE = ("llvmpipe", "softpipe", "swrast")  # each sample costs these as much as a pixel
 
 
 class Renderer:
     """Everything on the GPU for one dive. Draws packets; knows nothing of their origin."""
 
     def __init__(
-        self, context: Any, scene: Scene, size: tuple[int, int], samples: int = SAMPLES
+        self, context: Any, scene: Scene, size: tuple[int, int], samples: int | None = None
     ) -> None:
+        """`size` (width, height) in pixels; `samples` per pixel, None for as many as is sensible."""
         self._context = context
         self._scene = scene
+        if samples is None:
+            software = any(name in context.info["GL_RENDERER"].lower() for name in SOFTWARE)
+            samples = 0 if software else SAMPLES
         self._samples = min(samples, context.max_samples)
         self.triangles = 0  # of the last picture
         self.upload_s = 0.0  # of the last picture: copying the packet to the GPU
@@ -37,17 +42,13 @@ class Renderer:
         self._fishes = Fishes(context, scene)
         self._particles = Particles(context, scene)
         self._resolve = Resolve(context)
-        self.resize(size)
+        self._make_target(size)
 
     def resize(self, size: tuple[int, int]) -> None:
         """Change the size of the picture, in pixels (width, height)."""
-        if hasattr(self, "_target"):
-            if self._target.size == size:
-                return
+        if size != self._target.size:
             self._release_target()
-        self._target = Target(self._context, size, self._samples)
-        self._screen = self._context.renderbuffer(size, 4)
-        self._own = self._context.framebuffer([self._screen])
+            self._make_target(size)
 
     def draw(self, packet: Packet, into: Any = None) -> None:
         """Draw every view of a packet and show the result in `into`, a framebuffer.
@@ -64,14 +65,16 @@ class Renderer:
         self._caustics.use(1)
         self._noise.use(2)
         self.triangles = 0
+        context.enable(context.PROGRAM_POINT_SIZE)
+        context.depth_func = "<="  # the water lies on the far plane
         context.blend_func = context.SRC_ALPHA, context.ONE_MINUS_SRC_ALPHA
         for view in packet.views:
             context.viewport = view.viewport
             uniforms = self._uniforms(packet, view)
-            context.disable(context.DEPTH_TEST | context.BLEND)
-            self.triangles += self._water.draw(packet, view, uniforms)
+            context.disable(context.BLEND)
             context.enable(context.DEPTH_TEST)
             self.triangles += self._seabed.draw(packet, view, uniforms)
+            self.triangles += self._water.draw(packet, view, uniforms)
             context.enable(context.BLEND)
             self.triangles += self._fishes.draw(packet, view, uniforms)
             self._target.framebuffer.depth_mask = False
@@ -93,6 +96,11 @@ class Renderer:
             self._noise, self._caustics,
         ):  # fmt: skip
             part.release()
+
+    def _make_target(self, size: tuple[int, int]) -> None:
+        self._target = Target(self._context, size, self._samples)
+        self._screen = self._context.renderbuffer(size, 4)
+        self._own = self._context.framebuffer([self._screen])
 
     def _release_target(self) -> None:
         self._target.release()
