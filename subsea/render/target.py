@@ -48,7 +48,9 @@ class Resolve:
     def draw(self, picture: Any, into: Any) -> None:
         """Fill the framebuffer `into`, which need not have the picture's size."""
         into.use()
-        self._context.viewport = (0, 0, *into.size)
+        # moderngl remembers a window's first size for ever; whoever resizes the window resizes us.
+        size = picture.size if into is self._context.screen else into.size
+        self._context.viewport = (0, 0, *size)
         self._context.disable(self._context.DEPTH_TEST | self._context.BLEND)
         picture.use(0)
         self._array.render(vertices=3)

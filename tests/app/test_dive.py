@@ -1,6 +1,7 @@
 """The dive in a real window, steered by real mouse events."""
 
 import math
+import os
 import re
 import subprocess
 import time
@@ -8,6 +9,7 @@ from contextlib import closing
 
 import numpy as np
 import pytest
+from PIL import ImageGrab
 
 from subsea.app.dive import Dive
 from subsea.resources import resource_path
@@ -46,8 +48,18 @@ def point(running, x, y):
     for share in (0.8, 1.0):
         across = left + (1 + share * x) / 2 * SIZE[0]
         down = top + (1 - share * y) / 2 * SIZE[1]
-        hands("mousemove", "--sync", int(across), int(down))
+        hands("mousemove", int(across), int(down))
         glide(running, FRAME_S)
+
+
+def screen(running):
+    """The window as the display shows it, (h, w, 3)."""
+    import glfw
+
+    left, top = glfw.get_window_pos(running.window.handle)
+    picture = ImageGrab.grab(xdisplay=os.environ["DISPLAY"])
+    width, height = running.window.size
+    return np.asarray(picture)[top : top + height, left : left + width, :3].astype(int)
 
 
 def stop(running):
@@ -131,6 +143,13 @@ def test_the_picture_follows_the_size_of_the_window(boat):
         time.sleep(0.02)
     assert boat.window.size == (240, 180)
     boat.frame(FRAME_S)
+    assert screen(boat).std(axis=(0, 1)).max() > 2.0
+    glfw.set_window_size(boat.window.handle, 400, 300)
+    time.sleep(0.2)
+    glide(boat, 0.3)
+    picture = screen(boat)
+    for corner in (picture[:20, :20], picture[:20, -20:], picture[-20:, -20:]):
+        assert corner.max() > 20  # water, not the black of an undrawn part
     glfw.set_window_size(boat.window.handle, *SIZE)
     glide(boat, 0.3)
 
