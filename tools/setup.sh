@@ -73,6 +73,8 @@ esac
 
 [ -x .venv/bin/uv ] && .venv/bin/uv --version 2>/dev/null | grep -q "${UV#uv==}" || make_environment
 say "installing the locked Python packages"
+# Compiled once here rather than at every start where Python may not write into .venv.
+export UV_COMPILE_BYTECODE=1
 # --inexact keeps uv itself, and what an earlier `make test` added.
 # shellcheck disable=SC2086
 .venv/bin/uv sync --quiet --frozen --inexact --python .venv/bin/python $groups
