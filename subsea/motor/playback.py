@@ -13,9 +13,6 @@ from subsea.state import Fishes
 
 Array = NDArray[np.floating[Any]]
 
-TAIL_NODE = 22  # the correspondence point that sets a glide's length (SMC appendix A)
-GLIDE_STEP_BL = 0.03  # body lengths that it may move in a frame of a glide
-MAX_GLIDE_FRAMES = 10
 TEMPO = (0.75, 1.3)  # how far a segment's rate may be bent to meet a speed
 
 
@@ -95,13 +92,8 @@ def _next_row(fishes: Fishes, library: Library, i: int) -> None:
     may_leave = library.leave[a, wanted] if library.cyclic[kind, now] else at_end
     fishes.row_a[i] = a
     if may_leave and (wanted != now or not library.cyclic[kind, now]):
-        b = library.entry[a, wanted]
-        gap = 0.0
-        for axis in range(3):
-            gap += (library.nodes[b, TAIL_NODE, axis] - library.nodes[a, TAIL_NODE, axis]) ** 2
-        frames = np.ceil(np.sqrt(gap) / (GLIDE_STEP_BL * library.recorded_length[kind]))
-        fishes.row_b[i] = b
-        fishes.span[i] = min(max(frames, 1.0), MAX_GLIDE_FRAMES)
+        fishes.row_b[i] = library.entry[a, wanted]
+        fishes.span[i] = library.glide[a, wanted]
         fishes.segment[i] = wanted
         # The new segment starts at the speed of the old one, as far as its rate allows.
         speed = fishes.tempo[i] * library.speed[kind, now] / library.speed[kind, wanted]

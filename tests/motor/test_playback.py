@@ -148,7 +148,7 @@ def test_glides_keep_the_way_and_make_no_leap(library, make_fishes, before, afte
 
 @pytest.mark.parametrize("after", SEGMENTS[3:])
 def test_a_turn_waits_for_the_beat_but_not_for_long(library, make_fishes, after):
-    """From any phase of a swim the turn begins within a beat, and from similar poses."""
+    """From any phase of a swim the turn begins within a beat."""
     for phase in range(12):
         fishes = make_fishes(1, "swim_medium")
         for _ in range(phase):
@@ -159,7 +159,6 @@ def test_a_turn_waits_for_the_beat_but_not_for_long(library, make_fishes, after)
             play(fishes, library, STILL, TICK)
             waited += 1
         assert waited <= 12
-        assert fishes.span[0] <= 5
 
 
 def test_a_sharp_turn_is_played_to_its_end(library, make_fishes):

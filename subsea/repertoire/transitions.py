@@ -1,0 +1,135 @@
+"""Where to enter the next segment and how many frames to glide: planned once per species.
+
+SMC appendix A glides to the first frame of the next segment, for as long as the tail needs at a
+fixed speed. Here row and length are chosen together so that no node is jerked: over all rows of
+the next segment and all lengths, the largest change of any node's velocity at the two ends of
+the glide is made smallest, as a share of what happens inside the two segments anyway.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from subsea.repertoire.schema import Segment
+
+Array = NDArray[np.floating[Any]]
+Ints = NDArray[np.integer[Any]]
+
+MAX_GLIDE_FRAMES = 10
+# A cyclic segment is left only in this share of its rows, those from which the glide is gentlest:
+# a fish that is about to turn waits a few frames until its beat is where the turn begins.
+LEAVING_SHARE = 0.3
+
+
+class Transitions(NamedTuple):
+    """For each row of a species and each of its segments; rows count from the species' first."""
+
+    entry: Ints  # (r, s) row at which the segment is entered
+    frames: Ints  # (r, s) length of the glide, 1 to MAX_GLIDE_FRAMES
+    leave: NDArray[np.bool_]  # (r, s) whether this row is a good one to leave
+
+
+class _Motion(NamedTuple):
+    """A segment's rows, t of them, and the velocities at each, per frame and in body axes."""
+
+    nodes: Array  # (t, 23, 3)
+    shift: Array  # (t, 3) of the body frame into each row
+    spin: Array  # (t, 3)
+    arriving: Array  # (t, 23, 3) of each node, into the row
+    leaving: Array  # (t, 23, 3) and out of it
+
+
+def plan_transitions(segments: list[Segment]) -> Transitions:
+    """The best transitions between all segments of one species."""
+    motions = [_motion(segment) for segment in segments]
+    usual = [_usual_change(motion) for motion in motions]
+    starts = np.concatenate([[0], np.cumsum([len(m.nodes) for m in motions])])
+    shape = (int(starts[-1]), len(segments))
+    entry = np.broadcast_to(starts[:-1], shape).copy()
+    frames = np.ones(shape, np.int64)
+    leave = np.ones(shape, np.bool_)
+    for a, (here, segment) in enumerate(zip(motions, segments, strict=True)):
+        # Segments that are not cyclic are left at their end, and entered at their beginning.
+        rows = np.arange(len(here.nodes)) if segment.cyclic else np.array([len(here.nodes) - 1])
+        for b, (there, target) in enumerate(zip(motions, segments, strict=True)):
+            goals = np.arange(len(there.nodes)) if target.cyclic else np.array([0])
+            best = [_gentlest(here, row, there, goals) for row in rows]
+            place = starts[a] + rows
+            entry[place, b] = [starts[b] + goal for goal, _, _ in best]
+            frames[place, b] = [length for _, length, _ in best]
+            change = np.array([least for _, _, least in best]) / max(usual[a], usual[b], 1e-12)
+            leave[place, b] = change <= np.quantile(change, LEAVING_SHARE)
+    return Transitions(entry, frames, leave)
+
+
+def _motion(segment: Segment) -> _Motion:
+    nodes, shift = segment.nodes, segment.increment_translation
+    spin = _rotation_vectors(segment.increment_rotation)
+    own = np.diff(np.concatenate([nodes[-1:], nodes]), axis=0)
+    if not segment.cyclic:
+        own[0] = own[1]
+    own_after, shift_after, spin_after = (
+        np.concatenate([v[1:], v[:1] if segment.cyclic else v[-1:]]) for v in (own, shift, spin)
+    )
+    return _Motion(
+        np.ascontiguousarray(nodes, np.float64),
+        np.ascontiguousarray(shift, np.float64),
+        spin,
+        _velocity(own, shift, spin, nodes),
+        _velocity(own_after, shift_after, spin_after, nodes),
+    )
+
+
+def _rotation_vectors(quaternions: Array) -> Array:
+    """Axis times angle (t, 3) of small rotations."""
+    q = np.where(quaternions[:, :1] < 0, -quaternions, quaternions)
+    return np.asarray(2.0 * q[:, 1:])
+
+
+def _usual_change(motion: _Motion) -> float:
+    """The largest change of any node's velocity between frames inside the segment."""
+    return float(np.linalg.norm(motion.leaving - motion.arriving, axis=2)[:-1].max())
+
+
+@njit(cache=True)
+def _gentlest(here: _Motion, row: int, there: _Motion, goals: Ints) -> tuple[int, int, float]:
+    """The goal, the length, and the larger change of any node's velocity at the glide's ends."""
+    best_goal, best_length, least = goals[0], 1, np.inf
+    for goal in goals:
+        for length in range(1, MAX_GLIDE_FRAMES + 1):
+            early, late = 0.5 / length, 1.0 - 0.5 / length
+            largest = 0.0
+            for node in range(here.nodes.shape[1] - 1, -1, -1):  # the tail first: it moves most
+                a, b = here.nodes[row, node], there.nodes[goal, node]
+                own = (b - a) / length
+                leaving = own + _carried(here, row, there, goal, early, a)
+                arriving = own + _carried(here, row, there, goal, late, b)
+                first = leaving - here.arriving[row, node]
+                last = there.leaving[goal, node] - arriving
+                largest = max(largest, (first * first).sum(), (last * last).sum())
+                if largest >= least:
+                    break
+            if largest < least:
+                best_goal, best_length, least = goal, length, largest
+    return best_goal, best_length, np.sqrt(least)
+
+
+@njit(cache=True)
+def _carried(
+    here: _Motion, row: int, there: _Motion, goal: int, share: float, node: Array
+) -> Array:
+    """How the gliding body frame carries a node: the increments of both rows are blended."""
+    shift = (1.0 - share) * here.shift[row] + share * there.shift[goal]
+    spin = (1.0 - share) * here.spin[row] + share * there.spin[goal]
+    shift[0] += spin[1] * node[2] - spin[2] * node[1]
+    shift[1] += spin[2] * node[0] - spin[0] * node[2]
+    shift[2] += spin[0] * node[1] - spin[1] * node[0]
+    return shift
+
+
+def _velocity(own: Array, shift: Array, spin: Array, nodes: Array) -> Array:
+    """Velocity (t, 23, 3) of the nodes in the frame's axes: own motion, shift and spin."""
+    turning = np.cross(np.broadcast_to(spin[:, None, :], nodes.shape), nodes)
+    return np.asarray(own + shift[:, None, :] + turning)

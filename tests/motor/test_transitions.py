@@ -1,0 +1,76 @@
+"""Every transition of every shipped species: no node is jerked."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+
+from subsea.body.pose import nodes_world
+from subsea.motor.playback import advance
+from subsea.repertoire import SEGMENTS, read_repertoire
+from subsea.repertoire.library import pack
+from subsea.resources import resource_path
+from subsea.species import species_names
+from subsea.state import empty_fishes
+
+LIMIT = 2.0  # times the largest change of velocity inside the two segments
+
+
+@pytest.fixture(scope="module", params=species_names())
+def shipped(request):
+    """The library of one species and, per segment, the largest change inside it."""
+    repertoire = read_repertoire(resource_path("repertoires") / f"{request.param}.h5")
+    library = pack([repertoire], [np.zeros((426, 3))])
+    usual = []
+    for code in range(len(SEGMENTS)):
+        length = library.length[0, code]
+        path, _ = _play(library, code, 1, length - 2 if "sharp" in SEGMENTS[code] else 2 * length)
+        usual.append(_changes(path).max())
+    return library, usual
+
+
+def _play(library, code, phase, ticks, wanted=None):
+    """World nodes and segments of a fish that is at row `phase` of a segment."""
+    fishes = empty_fishes(1)
+    first, length = library.first[0, code], library.length[0, code]
+    fishes.segment[:] = fishes.wanted_segment[:] = code
+    fishes.length[:] = library.recorded_length[0]
+    fishes.row_a[0] = first + (phase - 1) % length
+    fishes.row_b[0] = first + phase
+    path, segments = [nodes_world(fishes, library, 0)], [code]
+    for _ in range(ticks):
+        if wanted is not None:
+            fishes.wanted_segment[:] = wanted
+        o, q = advance(fishes, library, 0, 1.0)
+        fishes.position[0], fishes.orientation[0] = o, q / np.linalg.norm(q)
+        path.append(nodes_world(fishes, library, 0))
+        segments.append(int(fishes.segment[0]))
+    return np.array(path), segments
+
+
+def _changes(path):
+    """The largest change of any node's velocity at each frame, cm per tick²."""
+    return np.linalg.norm(np.diff(path, 2, axis=0), axis=2).max(axis=1)
+
+
+@pytest.mark.parametrize(
+    ("before", "after"), [pair for pair in product(range(7), range(7)) if pair[0] != pair[1]]
+)
+def test_no_node_is_jerked(shipped, before, after):
+    library, usual = shipped
+    length = library.length[0, before]
+    phases = range(length) if library.cyclic[0, before] else [length - 6]
+    for phase in phases:
+        path, segments = _play(library, before, phase, 45, after)
+        switched = segments.index(after)
+        window = slice(max(switched - 3, 0), switched + 14)
+        assert _changes(path)[window].max() <= LIMIT * max(usual[before], usual[after])
+
+
+def test_a_turn_of_more_than_its_angle_is_two_turns(shipped):
+    """A sharp turn that is wanted still at its end follows on itself without a jerk."""
+    library, usual = shipped
+    code = SEGMENTS.index("turn_left_sharp")
+    length = library.length[0, code]
+    path, _ = _play(library, code, length - 6, 30, code)
+    assert _changes(path).max() <= LIMIT * usual[code]
