@@ -39,7 +39,7 @@ def doctor() -> int:
     findings = [finding for check in checks for finding in check()]
     for finding in findings:
         mark = "ok  " if finding.good else "no  " if finding.needed else "--  "
-        print(f"{mark}{finding.name:<20} {finding.text}")
+        print(f"{mark}{finding.name:<24} {finding.text}")
     possible = all(finding.good for finding in findings if finding.needed)
     print("a dive is possible" if possible else "a dive is not possible yet: mend the lines above")
     return 0 if possible else 1

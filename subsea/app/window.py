@@ -70,7 +70,8 @@ def on_display() -> Iterator[Display]:
             width, height = mode.size
             name: Any = glfw.get_monitor_name(monitor)
             name = name.decode("utf-8", "replace") if isinstance(name, bytes) else name
-            monitors.append(f"{name} {width}x{height} at {mode.refresh_rate} Hz")
+            rate = f" at {mode.refresh_rate} Hz" if mode.refresh_rate else ""
+            monitors.append(f"{name} {width}x{height}{rate}")
         yield Display(PLATFORMS.get(glfw.get_platform(), "unknown"), monitors)
     finally:
         glfw.terminate()
