@@ -242,6 +242,7 @@ def _context_hints() -> None:
 
 
 def _reason(fault: Exception) -> str:
-    """The window library's own words, without its error number and final stop."""
+    """The window library's own words, without its error number, quotes and final stop."""
     text = str(fault)
-    return text.partition(") ")[2].rstrip(".") or text
+    words = text.partition(") ")[2] or text
+    return words.removeprefix("b").strip("'\"").rstrip(".")
