@@ -16,6 +16,14 @@ from subsea.repertoire import SEGMENTS, Repertoire, Segment
 settings.register_profile("subsea", deadline=None, derandomize=True)
 settings.load_profile("subsea")
 
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Let pictures be accepted: `pytest tests/render --regenerate`."""
+    parser.addoption(
+        "--regenerate", action="store_true", help="store the pictures of tests/render anew"
+    )
+
+
 TICK_S = 0.033
 LENGTH = 20.0
 STATIONS = np.array([0.0, 2.0, 5.0, 10.0, 14.7, 17.8, 20.0])

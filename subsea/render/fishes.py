@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.frame import INSTANCE_COLUMNS, LEVELS, Packet, Scene
-from subsea.kinematics.spline import Table, basis_at, basis_table, greville
+from subsea.kinematics.spline import DEGREE, basis_at, greville
 from subsea.kinematics.surface import (
     DORSAL,
     FIN_U,
@@ -77,16 +77,19 @@ def fish_mesh(plan: SurfacePlan, level: int) -> Mesh:
     )
 
 
-def _table(controls: int, finest: int, level: int) -> Table:
-    """The basis along one axis of a patch at a level."""
-    degree = min(2, controls - 1)
+def _parameters(controls: int, finest: int, level: int) -> Array:
+    """Where a patch is evaluated along one of its axes."""
     if level == 0:
-        return basis_table(controls, finest, degree)
-    at = greville(controls, degree)
+        return np.linspace(0.0, 1.0, finest)
+    at = greville(controls, _degree(controls))
     if level == 2 and controls > 2:
         last = controls - 1
         at = at[np.round(np.linspace(0, last, last // 2 + 1)).astype(int)]
-    return basis_at(controls, at, degree)
+    return at
+
+
+def _degree(controls: int) -> int:
+    return min(DEGREE, controls - 1)
 
 
 def _surface(
@@ -94,9 +97,9 @@ def _surface(
     part: int, side: float,
 ) -> Mesh:  # fmt: skip
     """One patch of u×v control points that begin at `base`."""
-    u = _table(controls[0], finest[0], level)
-    v = _table(controls[1], finest[1], level)
-    rows, columns, stride = len(u.first), len(v.first), controls[1]
+    at = [_parameters(*axis, level) for axis in zip(controls, finest, strict=True)]
+    u, v = (basis_at(n, t, _degree(n)) for n, t in zip(controls, at, strict=True))
+    rows, columns, stride = len(at[0]), len(at[1]), controls[1]
     k, j = (a.ravel() for a in np.meshgrid(range(rows), range(columns), indexing="ij"))
     out = np.zeros((len(k), VERTEX_COLUMNS))
     out[:, 0] = base + u.first[k] * stride + v.first[j]
@@ -109,7 +112,7 @@ def _surface(
     near = rest[np.minimum(points, len(rest) - 1)]
     out[:, 13:16] = np.einsum("nab,nabx->nx", weight, near)
     out[:, 16], out[:, 17] = side, part
-    out[:, 18], out[:, 19] = k / (rows - 1), j / (columns - 1)
+    out[:, 18], out[:, 19] = at[0][k], at[1][j]
     out[:, 20] = stride
     return Mesh(out, _grid(rows, columns))
 

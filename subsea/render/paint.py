@@ -38,11 +38,11 @@ def paint(species: Species, size: tuple[int, int] = SIZE) -> NDArray[np.uint8]:
     back, belly = along(surface.back, s), along(surface.belly, s)
     # 1 at the dorsal ridge, 0 on the axis, -1 at the ventral ridge.
     level = np.where(y > 0, y / back, -y / belly)
-    picture: Array = np.empty((height, width, 4))
+    picture = np.empty((height, width, 4))
     picture[..., :3] = _mixed(skin.belly, skin.flank, _step(level, -0.75, 0.1))
     picture[..., :3] = _mixed(picture[..., :3], skin.back, _step(level, 0.25, 0.95))
     picture[..., 3] = 1.0
-    stripes = np.zeros((height, width))
+    stripes: Array = np.zeros((height, width))
     if skin.stripes:
         stripes = _stripes(skin.stripes, s, y)
         picture[..., :3] = _mixed(picture[..., :3], skin.stripes.colour, stripes)

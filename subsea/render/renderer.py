@@ -26,7 +26,7 @@ class Renderer:
     def __init__(
         self, context: Any, scene: Scene, size: tuple[int, int], samples: int | None = None
     ) -> None:
-        """`size` (width, height) in pixels; `samples` per pixel, None for as many as is sensible."""
+        """`size` (width, height) in pixels; `samples` per pixel, None: what suits the GPU."""
         self._context = context
         self._scene = scene
         if samples is None:
@@ -103,6 +103,8 @@ class Renderer:
         self._own = self._context.framebuffer([self._screen])
 
     def _release_target(self) -> None:
+        # moderngl binds the last framebuffer again when it makes one; it must not be a freed one.
+        self._context.detect_framebuffer(0).use()
         self._target.release()
         self._own.release()
         self._screen.release()

@@ -1,4 +1,4 @@
-"""Shader sources: `#include "file"` once each, defines, and line numbers that stay true."""
+"""Shader sources: `#include "file"` once each, and line numbers that stay true."""
 
 import re
 from typing import Any
@@ -9,18 +9,17 @@ VERSION = "#version 330 core\n"
 _INCLUDE = re.compile(r'^\s*#include\s+"([^"]+)"\s*$')
 
 
-def program(context: Any, name: str, **defines: int) -> Any:
+def program(context: Any, name: str) -> Any:
     """The program of `shaders/NAME.vert` and `shaders/NAME.frag`."""
     return context.program(
-        vertex_shader=source(f"{name}.vert", **defines),
-        fragment_shader=source(f"{name}.frag", **defines),
+        vertex_shader=source(f"{name}.vert"),
+        fragment_shader=source(f"{name}.frag"),
     )
 
 
-def source(name: str, **defines: int) -> str:
+def source(name: str) -> str:
     """One shader with its includes, ready to compile."""
-    head = "".join(f"#define {key} {value}\n" for key, value in sorted(defines.items()))
-    return VERSION + head + "\n".join(_lines(name, {})) + "\n"
+    return VERSION + "\n".join(_lines(name, {})) + "\n"
 
 
 def _lines(name: str, seen: dict[str, int]) -> list[str]:

@@ -1,0 +1,143 @@
+"""A small sea in closed form, a context without a window, and stored pictures."""
+
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from subsea.frame import INSTANCE_COLUMNS, Batch, Packet, Scene
+from subsea.kinematics.rotation import from_matrix
+from subsea.kinematics.skin import skin_weights
+from subsea.kinematics.surface import rest_control_points
+from subsea.render import headless_context
+from subsea.scenario import Water
+from subsea.species import load_species
+from subsea.view.rigs import pose, views_for
+
+PICTURES = Path(__file__).parent / "pictures"
+SIZE = (320, 180)
+# Edges of triangles may fall on the other side of a pixel's centre on another processor, so one
+# pixel in two hundred may differ at will; all others by one grey level at most.
+TOLERANCE_LEVELS = 1
+TOLERANCE_SHARE = 0.005
+
+SPECIES = ("fusilier", "emperor_angelfish")
+LENGTH = 20.0
+HALF_WIDTH = 900.0
+
+
+class Fish(NamedTuple):
+    """What an instance record needs, with defaults that suit most tests."""
+
+    species: int
+    position: tuple[float, float, float]
+    heading: float = np.pi
+    level: int = 0
+    weight: float = 0.3
+    identity: float = 0.4
+    pectoral: tuple[float, float] = (0.5, 0.7)
+    scale: float = 1.0
+
+
+@pytest.fixture(scope="module")
+def context():
+    """Current for one module: other tests make contexts too."""
+    context = headless_context()
+    with context:
+        yield context
+    context.release()
+
+
+@pytest.fixture(scope="session")
+def scene(known_repertoire):
+    """Two species, two bent poses each; dunes of one sine."""
+    nodes = known_repertoire.rest_nodes
+    rows = []
+    for name in SPECIES:
+        rest = rest_control_points(load_species(name).surface, LENGTH, nodes[0, 0])
+        weights = skin_weights(nodes, rest)
+        back = (nodes[0, 0] - nodes[:, 0]) / LENGTH
+        for phase in (0.5, 2.0):
+            bent = nodes.copy()
+            bent[:, 2] += 1.2 * back**2 * np.sin(phase - 5.0 * back)
+            rows.append(weights @ bent)
+    axis = np.linspace(-HALF_WIDTH, HALF_WIDTH, 61)
+    x, y = np.meshgrid(axis, axis)
+    return Scene(
+        species=tuple(load_species(name) for name in SPECIES),
+        control_points=np.array(rows, np.float32),
+        recorded_length_cm=(LENGTH, LENGTH),
+        terrain=(-300.0 + 25.0 * np.sin(x / 90.0 + y / 140.0)).astype(np.float32),
+        terrain_half_width_cm=HALF_WIDTH,
+        world_radius_cm=0.7 * HALF_WIDTH,
+        water=Water(fog=(0.012, 0.115, 0.20), visibility_cm=900.0),
+    )
+
+
+@pytest.fixture(scope="session")
+def make_packet():
+    """Fishes, where the eye is and how it looks -> a packet."""
+
+    def make(fishes, eye=(0.0, 0.0, -200.0), heading=np.pi / 2, pitch=0.0, **options):
+        size = options.pop("size", SIZE)
+        display = options.pop("display", "mono")
+        fishes = sorted(fishes, key=lambda fish: (fish.species, fish.level))
+        keys = [(fish.species, fish.level) for fish in fishes]
+        batches = [
+            Batch(*key, first=keys.index(key), count=keys.count(key)) for key in sorted({*keys})
+        ]
+        records = np.array([record(fish) for fish in fishes], np.float32)
+        return Packet(
+            time_s=options.pop("time_s", 2.0),
+            views=views_for(display, size, pose(np.array(eye), heading, pitch)),
+            instances=records.reshape(-1, INSTANCE_COLUMNS),
+            batches=tuple(batches),
+            plankton=options.pop("plankton", np.zeros((0, 3), np.float32)),
+            hidden=0,
+        )
+
+    return make
+
+
+def record(fish):
+    """The instance record (16,) of an upright fish; its species has rows 2s and 2s + 1."""
+    c, s = np.cos(fish.heading), np.sin(fish.heading)
+    axes = np.array([[c, 0.0, s], [s, 0.0, -c], [0.0, 1.0, 0.0]])
+    rows = (2 * fish.species, 2 * fish.species + 1)
+    turn = from_matrix(axes[None])[0]
+    return np.array(
+        [*fish.position, fish.scale, *turn, *rows, fish.weight, fish.identity, *fish.pectoral, 0, 1]
+    )
+
+
+@pytest.fixture(scope="session")
+def fish():
+    return Fish
+
+
+@pytest.fixture
+def same_picture(request, tmp_path):
+    """Compare a picture (h, w, 3) with the stored one of that name; `--regenerate` stores it.
+
+    On failure the picture, and ten times the difference, are left in the test's folder.
+    """
+
+    def check(name, picture):
+        path = PICTURES / f"{name}.png"
+        if request.config.getoption("--regenerate"):
+            path.parent.mkdir(exist_ok=True)
+            Image.fromarray(picture).save(path)
+        stored = np.asarray(Image.open(path).convert("RGB")).astype(int)
+        assert stored.shape == picture.shape
+        difference = np.abs(stored - picture).max(axis=2)
+        share = (difference > TOLERANCE_LEVELS).mean()
+        if share > TOLERANCE_SHARE:
+            Image.fromarray(picture).save(tmp_path / f"{name}.png")
+            Image.fromarray((10 * difference).clip(0, 255).astype(np.uint8)).save(
+                tmp_path / f"{name}-difference.png"
+            )
+            pytest.fail(f"{share:.2%} of {name} differ; see {tmp_path}")
+
+    return check

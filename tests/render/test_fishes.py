@@ -1,0 +1,149 @@
+"""The vertex shader against numpy, and the levels of detail against each other."""
+
+import moderngl
+import numpy as np
+import pytest
+from scipy.interpolate import BSpline
+
+from subsea.kinematics.rotation import matrix
+from subsea.kinematics.surface import DORSAL, FIN_U, FIN_V, LEFT, RIGHT, VENTRAL, U, V
+from subsea.render import Renderer
+from subsea.render.fishes import (
+    BODY,
+    FIN,
+    INSTANCE_ATTRIBUTES,
+    INSTANCE_FORMAT,
+    VERTEX_ATTRIBUTES,
+    VERTEX_FORMAT,
+    fish_mesh,
+)
+from subsea.render.shaders import set_uniforms, source
+
+
+@pytest.fixture(scope="module")
+def program(context):
+    varyings = ("v_world", "v_normal")
+    program = context.program(vertex_shader=source("fishes.vert"), varyings=varyings)
+    yield program
+    program.release()
+
+
+def shaded(context, program, scene, mesh, packet):
+    """World positions and normals (n, 3) of one fish's vertices, as the shader has them."""
+    rows, points = scene.control_points.shape[:2]
+    table = np.zeros((rows, points, 4), np.float32)
+    table[..., :3] = scene.control_points
+    texture = context.texture((points, rows), 4, table.tobytes(), dtype="f4")
+    texture.use(0)
+    vertices = context.buffer(mesh.vertices.tobytes())
+    instances = context.buffer(packet.instances.tobytes())
+    kept = [name for name in VERTEX_ATTRIBUTES if name in program]
+    assert kept == list(VERTEX_ATTRIBUTES)
+    array = context.vertex_array(
+        program,
+        [
+            (vertices, VERTEX_FORMAT, *VERTEX_ATTRIBUTES),
+            (instances, INSTANCE_FORMAT, *INSTANCE_ATTRIBUTES),
+        ],
+    )
+    out = context.buffer(reserve=len(mesh.vertices) * 24)
+    target = context.simple_framebuffer((1, 1))  # without a window nothing else is bound
+    target.use()
+    set_uniforms(program, u_table=0, u_length=scene.recorded_length_cm[0])
+    array.transform(out, moderngl.POINTS, vertices=len(mesh.vertices), instances=1)
+    result = np.frombuffer(out.read(), np.float32).reshape(-1, 6)
+    for held in (array, out, target, vertices, instances, texture):
+        held.release()
+    return result[:, :3], result[:, 3:]
+
+
+def surface(control, u, v):
+    """Points and normals of a clamped spline patch (nu, nv, 3) at parameters (n,), by scipy."""
+
+    def basis(count, t, slope):
+        degree = min(2, count - 1)
+        inner = np.linspace(0, 1, count - degree + 1)
+        knots = np.concatenate([np.zeros(degree), inner, np.ones(degree)])
+        spline = BSpline(knots, np.eye(count), degree)
+        return spline.derivative()(t) if slope else spline(t)
+
+    nu, nv = control.shape[:2]
+    mixed = [
+        np.einsum("ni,nj,ijc->nc", basis(nu, u, du), basis(nv, v, dv), control)
+        for du, dv in ((0, 0), (1, 0), (0, 1))
+    ]
+    normal = np.cross(mixed[1], mixed[2])
+    return mixed[0], normal
+
+
+@pytest.mark.parametrize("species", [0, 1])
+@pytest.mark.parametrize("level", [0, 1, 2])
+def test_positions_and_normals_are_those_of_the_spline(
+    context, program, scene, make_packet, fish, species, level
+):
+    one = fish(species, (30.0, -12.0, -150.0), heading=0.8, weight=0.35, scale=1.3)
+    packet = make_packet([one])
+    mesh = fish_mesh(scene.species[species].surface, level)
+    position, normal = shaded(context, program, scene, mesh, packet)
+    row = packet.instances[0].astype(np.float64)
+    table = scene.control_points.astype(np.float64)
+    control = (1 - row[10]) * table[int(row[8])] + row[10] * table[int(row[9])]
+    R = matrix(row[4:8])
+    checked = 0
+    for patch, shape, part, side in (
+        (LEFT, (U, V), BODY, -1),
+        (RIGHT, (U, V), BODY, 1),
+        (DORSAL, (FIN_U, FIN_V), FIN, 1),
+        (VENTRAL, (FIN_U, FIN_V), FIN, -1),
+    ):
+        mine = (mesh.vertices[:, 17] == part) & (mesh.vertices[:, 16] == side)
+        u, v = mesh.vertices[mine, 18].astype(float), mesh.vertices[mine, 19].astype(float)
+        body, across = surface(control[patch].reshape(*shape, 3), u, v)
+        expected = row[:3] + (row[3] * body) @ R.T
+        np.testing.assert_allclose(position[mine], expected, atol=2e-4)
+        size = np.linalg.norm(across, axis=1, keepdims=True)
+        across = across / np.maximum(size, 1e-12) @ R.T * (-side if part == BODY else 1)
+        solid = size[:, 0] > 0.5
+        np.testing.assert_allclose(normal[mine][solid], across[solid], atol=2e-3)
+        checked += mine.sum()
+    assert checked > 0.8 * len(mesh.vertices)
+
+
+def test_normals_of_the_body_point_outward(context, program, scene, make_packet, fish):
+    packet = make_packet([fish(1, (0.0, 0.0, 0.0), heading=0.0)])
+    mesh = fish_mesh(scene.species[1].surface, 0)
+    position, normal = shaded(context, program, scene, mesh, packet)
+    flank = (mesh.vertices[:, 17] == BODY) & (mesh.vertices[:, 18] == 0.5)
+    flank &= (mesh.vertices[:, 19] > 0.2) & (mesh.vertices[:, 19] < 0.7)
+    # Heading along x: the right side lies at negative y.
+    assert (np.sign(normal[flank, 1]) == -mesh.vertices[flank, 16]).all()
+    assert (np.sign(position[flank, 1]) == -mesh.vertices[flank, 16]).mean() > 0.9
+
+
+def test_pectoral_fins_sweep_outward(context, program, scene, make_packet, fish):
+    mesh = fish_mesh(scene.species[0].surface, 0)
+    paddles = mesh.vertices[:, 17] == 2
+    reach = []
+    for sweep in (0.0, 0.8):
+        packet = make_packet([fish(0, (0, 0, 0), heading=0.0, weight=0.0, pectoral=(sweep, sweep))])
+        position, _ = shaded(context, program, scene, mesh, packet)
+        reach.append(-position[paddles, 1] * mesh.vertices[paddles, 16])
+    assert reach[1].max() > reach[0].max() + 1.0
+
+
+@pytest.mark.parametrize("species", [0, 1])
+def test_levels_agree_in_silhouette(context, scene, make_packet, fish, species):
+    size = (240, 160)
+    renderer = Renderer(context, scene, size, samples=0)
+    renderer.draw(make_packet([], size=size))
+    empty = renderer.read_pixels().astype(int)
+    shapes = []
+    for level in range(3):
+        one = fish(species, (0, 24, -200), heading=2.8, level=level)
+        renderer.draw(make_packet([one], size=size))
+        shapes.append(np.abs(renderer.read_pixels() - empty).max(axis=2) > 2)
+    renderer.release()
+    assert shapes[0].mean() > 0.08
+    for coarser, least in ((1, 0.97), (2, 0.93)):
+        both, either = shapes[0] & shapes[coarser], shapes[0] | shapes[coarser]
+        assert both.sum() / either.sum() > least

@@ -1,0 +1,99 @@
+"""The renderer as its callers see it."""
+
+import gc
+
+import numpy as np
+import pytest
+
+from subsea.render import Renderer
+
+
+@pytest.fixture
+def renderer(context, scene):
+    renderer = Renderer(context, scene, (160, 90))
+    yield renderer
+    renderer.release()
+
+
+def test_it_draws_into_the_framebuffer_that_it_is_given(renderer, context, make_packet, fish):
+    packet = make_packet([fish(0, (0, 40, -200))], size=(160, 90))
+    renderer.draw(packet)
+    own = renderer.read_pixels()
+    target = context.simple_framebuffer((160, 90), components=3)
+    renderer.draw(packet, into=target)
+    given = np.frombuffer(target.read(components=3, alignment=1), np.uint8)
+    np.testing.assert_array_equal(given.reshape(90, 160, 3)[::-1], own)
+    target.release()
+
+
+def test_the_top_row_comes_first(renderer, make_packet):
+    renderer.draw(make_packet([], pitch=0.0, size=(160, 90)))
+    rows = renderer.read_pixels().mean(axis=(1, 2))
+    assert rows[0] > rows[45]  # light comes from above
+
+
+def test_a_new_size(renderer, make_packet, fish):
+    for size in [(64, 48), (160, 90), (1, 1)]:
+        renderer.resize(size)
+        renderer.draw(make_packet([fish(1, (0, 40, -200))], size=size))
+        assert renderer.read_pixels().shape == (size[1], size[0], 3)
+
+
+def test_drawing_is_repeatable(renderer, make_packet, fish):
+    packet = make_packet([fish(1, (0, 40, -200)), fish(0, (9, 50, -200), level=2)], size=(160, 90))
+    renderer.draw(packet)
+    first = renderer.read_pixels().copy()
+    renderer.draw(make_packet([fish(0, (5, 30, -203))], size=(160, 90)))
+    renderer.draw(packet)
+    np.testing.assert_array_equal(renderer.read_pixels(), first)
+
+
+def test_multisampling_changes_edges_only(context, scene, make_packet, fish):
+    packet = make_packet([fish(1, (0, 60, -200))], size=(160, 90))
+    pictures = []
+    for samples in (0, 4):
+        renderer = Renderer(context, scene, (160, 90), samples=samples)
+        renderer.draw(packet)
+        pictures.append(renderer.read_pixels().astype(int))
+        renderer.release()
+    changed = (np.abs(pictures[0] - pictures[1]).max(axis=2) > 8).mean()
+    assert 0.0 < changed < 0.08
+
+
+def test_triangles_are_counted(renderer, make_packet, fish):
+    renderer.draw(make_packet([], size=(160, 90)))
+    without = renderer.triangles
+    counts = []
+    for level in range(3):
+        renderer.draw(make_packet([fish(0, (0, 40, -200), level=level)] * 7, size=(160, 90)))
+        fishes, rest = divmod(renderer.triangles - without, 7)
+        assert rest == 0
+        counts.append(fishes)
+    assert 2500 < counts[0] < 3000
+    assert 640 <= counts[1] < 800
+    assert 160 <= counts[2] < 220
+
+
+def test_release_frees_every_object(context, scene, make_packet, fish):
+    """What nobody released is collected in `context.objects`, in this mode."""
+    gc.collect()
+    usual, context.gc_mode = context.gc_mode, "context_gc"
+    try:
+        renderer = Renderer(context, scene, (64, 48), samples=4)
+        for size in [(64, 48), (32, 32)]:
+            renderer.resize(size)
+            renderer.draw(make_packet([fish(0, (0, 40, -200))], size=size))
+        renderer.release()
+        del renderer
+        gc.collect()
+        left = [thing for thing in context.objects if hasattr(thing, "release")]
+        assert left == []
+    finally:
+        context.objects.clear()
+        context.gc_mode = usual
+
+
+def test_no_error_is_left_behind(renderer, context, make_packet, fish):
+    renderer.draw(make_packet([fish(0, (0, 40, -200))], size=(160, 90)))
+    renderer.resize((64, 64))
+    assert context.error == "GL_NO_ERROR"

@@ -1,0 +1,42 @@
+"""The seabed's triangles and the surface's disc."""
+
+import numpy as np
+
+from subsea.render.seabed import APRON_CM, surface, tiles
+from subsea.render.water import disc
+
+
+def test_the_apron_goes_on_at_the_edge_height():
+    heights = np.random.default_rng(0).uniform(-400, -300, (9, 9))
+    positions, slopes = surface(heights, 100.0)
+    rim = len(APRON_CM)
+    np.testing.assert_allclose(positions[rim:-rim, rim:-rim, 2], heights)
+    np.testing.assert_allclose(positions[0, rim:-rim, 2], heights[0])
+    assert positions[0, 0, 0] == -100.0 - APRON_CM[-1]
+    np.testing.assert_allclose(slopes[rim:-rim, :rim, 0], 0.0, atol=1e-12)
+
+
+def test_slopes_are_those_of_a_plane():
+    axis = np.linspace(-100, 100, 9)
+    x, y = np.meshgrid(axis, axis)
+    _, slopes = surface(0.3 * x - 0.2 * y - 300, 100.0)
+    inner = slopes[len(APRON_CM) + 1 : -len(APRON_CM) - 1, len(APRON_CM) + 1 : -len(APRON_CM) - 1]
+    np.testing.assert_allclose(inner, np.broadcast_to([0.3, -0.2], inner.shape), atol=1e-9)
+
+
+def test_every_cell_lies_in_one_tile_and_faces_up():
+    side = 30
+    triangles, first = tiles(side)
+    assert first[0] == 0
+    assert first[-1] == len(triangles) == 2 * (side - 1) ** 2
+    assert len({tuple(t) for t in np.sort(triangles, axis=1).tolist()}) == len(triangles)
+    x, y = triangles % side, triangles // side
+    area = (x[:, 1] - x[:, 0]) * (y[:, 2] - y[:, 0]) - (x[:, 2] - x[:, 0]) * (y[:, 1] - y[:, 0])
+    assert (area == 1).all()
+
+
+def test_the_disc_covers_the_unit_circle():
+    a, b, c = np.moveaxis(disc(6, 200), 1, 0).astype(float)
+    u, v = b - a, c - a
+    area = np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]).sum() / 2
+    np.testing.assert_allclose(area, np.pi, rtol=1e-3)
