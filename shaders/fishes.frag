@@ -18,6 +18,7 @@ in vec3 v_veil;
 
 out vec4 f_colour;
 
+const float SHARPEN = -0.6;  // mipmaps alone blur stripes that can still be told apart
 const vec2 SCALES = vec2(78.0, 30.0);  // per body length along, from ridge to ridge
 
 // Rows of scales, set like tiles and each a little tilted; they blur away before they alias.
@@ -48,7 +49,7 @@ void main() {
     vec4 skin = u_paddle;
     if (v_part.x < 1.5) {
         vec2 texel = (place - u_skin_box.xy) / (u_skin_box.zw - u_skin_box.xy);
-        skin = texture(u_skin, texel);
+        skin = texture(u_skin, texel, SHARPEN);
     }
     skin.rgb *= 0.92 + 0.16 * v_identity;
     float gloss = 0.08, spark = 0.0;

@@ -10,10 +10,10 @@ const vec3 SUN = vec3(0.28, 0.17, 0.945);  // toward the sun, below the surface
 const vec3 SUNLIGHT = vec3(3.1, 3.0, 2.75);
 const vec3 SKYLIGHT = vec3(0.50, 0.72, 0.82);
 // Water takes red light first: 1/cm along the light's way down, and shares of u_extinction.
-const vec3 ABSORPTION = vec3(0.00170, 0.00042, 0.00026);
+const vec3 ABSORPTION = vec3(0.00115, 0.00042, 0.00026);
 const float REACH = 1300.0;  // cm; the surface is not seen beyond
 const float EXPOSURE = 0.62;  // of everything that is lit
-const vec3 HAZE = vec3(1.45, 0.98, 0.86);
+const vec3 HAZE = vec3(1.30, 0.98, 0.86);
 
 // Radiance of endless water in a direction: bright above, dark below, a glow about the sun.
 vec3 water_radiance(vec3 direction) {

@@ -6,8 +6,8 @@ in vec3 v_clear;
 in vec3 v_veil;
 out vec4 f_colour;
 
-const vec3 PALE = vec3(0.66, 0.56, 0.40);
-const vec3 DARK = vec3(0.42, 0.35, 0.25);
+const vec3 PALE = vec3(0.72, 0.58, 0.38);
+const vec3 DARK = vec3(0.44, 0.34, 0.22);
 const float RIPPLE_CM = 13.0;
 
 void main() {

@@ -4,7 +4,7 @@ uniform mat4 u_inverse;  // of projection and view
 
 out vec3 v_open;
 
-const ivec2 CELLS = ivec2(40, 24);
+const ivec2 CELLS = ivec2(64, 36);
 
 // A grid over the whole viewport at the far plane: the water is smooth, its vertices suffice.
 void main() {

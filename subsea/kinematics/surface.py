@@ -29,10 +29,10 @@ SUNK = 0.82  # the fins' lower rows lie at this share of the ridge's height
 
 # The polygon around a half-circle that a quadratic spline touches at the middle of each edge.
 # Its first edge is level, so the two halves meet without a crease.
-_ANGLES = np.concatenate([[0.0], np.pi * (np.arange(U - 2) + 0.5) / (U - 2), [np.pi]])
-_REACH = np.where(np.abs(np.cos(_ANGLES)) < 1.0, 1.0 / np.cos(0.5 * np.pi / (U - 2)), 1.0)
-SECTION_HEIGHT = _REACH * np.cos(_ANGLES)
-SECTION_WIDTH = _REACH * np.sin(_ANGLES)
+_ANGLES = np.pi * (np.arange(U - 2) + 0.5) / (U - 2)
+_REACH = 1.0 / np.cos(0.5 * np.pi / (U - 2))
+SECTION_HEIGHT = np.concatenate([[1.0], _REACH * np.cos(_ANGLES), [-1.0]])
+SECTION_WIDTH = np.concatenate([[0.0], _REACH * np.sin(_ANGLES), [0.0]])
 
 Share = Annotated[float, msgspec.Meta(ge=0, le=1)]
 Extent = Annotated[float, msgspec.Meta(ge=-1, le=1)]

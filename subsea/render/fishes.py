@@ -135,9 +135,9 @@ def _paddle(rest: Array, plan: PaddlePlan, level: int, part: int, side: float) -
     out[:, 0] = patch.start + root
     out[:, 1:4] = -np.cos(droop), -np.sin(droop), 0.0
     out[:, 4:7] = -np.sin(droop), np.cos(droop), 0.0
-    # Narrow at the root, widest near the end, which is rounded.
-    out[:, 13] = plan.length * (along - 0.22 * along**2 * across**2)
-    out[:, 14] = 0.5 * plan.width * across * (0.3 + 0.7 * np.sin(0.5 * np.pi * along))
+    # Narrow at the root, widest at two thirds, rounded at the end.
+    out[:, 13] = plan.length * (along - 0.3 * along**2 * across**2)
+    out[:, 14] = 0.5 * plan.width * across * (0.25 + 0.75 * np.sin(0.76 * np.pi * along))
     out[:, 16], out[:, 17] = side, part
     out[:, 18], out[:, 19] = along, 0.5 + 0.5 * across
     return Mesh(out, _grid(rows, columns))

@@ -131,7 +131,7 @@ def _draw_face(
     mouth = _step(mouth, 0.005, 0.0025) * _step(s, 0.034, 0.026)
     picture[..., :3] *= (1.0 - 0.4 * gill)[..., None] * (1.0 - 0.75 * mouth)[..., None]
     distance = np.hypot(s - eye.at, y - eye.height) / eye.radius
-    for colour, outer in ((DARK, 1.12), (skin.iris, 0.98), (DARK, 0.56)):
+    for colour, outer in ((DARK, 1.1), (skin.iris, 1.0), (DARK, 0.66)):
         picture[..., :3] = _mixed(picture[..., :3], colour, _step(distance, outer, outer - 0.14))
 
 

@@ -15,7 +15,17 @@ from subsea.view.culling import frustum_planes
 Array = NDArray[np.floating[Any]]
 
 TILES = 10  # per side
-APRON_CM = (150.0, 500.0, 1200.0, 2400.0)  # the edge's height goes on outward, into the fog
+APRON_CM = (
+    60.0,
+    140.0,
+    250.0,
+    400.0,
+    600.0,
+    900.0,
+    1300.0,
+    1800.0,
+    2400.0,
+)  # the edge's height goes on outward, into the fog
 IN_SIGHT = 1.3  # visibilities; beyond, the fog hides all
 
 

@@ -10,7 +10,7 @@ from subsea.frame import Packet, Scene
 from subsea.render.shaders import program, set_uniforms
 from subsea.view.camera import View
 
-BACKGROUND_VERTICES = 6 * 40 * 24  # as `water.vert` counts its cells
+BACKGROUND_VERTICES = 6 * 64 * 36  # as `water.vert` counts its cells
 RINGS, SECTORS = 12, 40  # of the disc that is the surface
 
 
