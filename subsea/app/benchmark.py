@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from tqdm import tqdm
 
+from subsea.app.places import check_file
 from subsea.app.start import start_headless, start_world
 from subsea.app.timing import summary
 from subsea.app.tour import tour_helm
@@ -47,8 +48,8 @@ def benchmark(
     out: Path | None,
 ) -> int:
     """Measure, print the report as a table, and write it as JSON to `out` if that is named."""
-    if out is not None and not out.parent.is_dir():
-        raise UserError(f"{out}: there is no folder {out.parent}")
+    if out is not None:
+        check_file(out)
     world = start_world(scenario, seed, fish)
     with start_headless(world, size) as (context, renderer):
         measured = measure(world, renderer, context, display, size, frames, without)

@@ -6,7 +6,7 @@ from pathlib import Path
 from tqdm import tqdm
 
 from subsea.app.console import say
-from subsea.app.reels import kind_of, open_reel
+from subsea.app.reels import check_reel, open_reel
 from subsea.app.start import start_headless, start_world
 from subsea.app.timing import sentence
 from subsea.app.tour import tour_helm
@@ -30,7 +30,7 @@ def film(
     Returns the exit code. Ctrl-C keeps what was filmed so far. Prints the frame times: ticks
     of the world, packing, drawing and reading back, without the encoding of the film.
     """
-    kind = kind_of(out)
+    kind = check_reel(out)
     if kind == "film":
         size = size[0] - size[0] % 2, size[1] - size[1] % 2  # yuv420p halves both sides
     instants = [k / fps for k in range(max(round(seconds * fps), 1))]

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.app.places import check_file, check_folder
 from subsea.errors import UserError
 
 Picture = NDArray[np.uint8]  # (height, width, 3), top row first
@@ -28,16 +29,21 @@ def kind_of(out: Path) -> str:
     return kind
 
 
-def open_reel(out: Path, size: tuple[int, int], fps: float) -> AbstractContextManager[Write]:
-    """The writer that fits the name `out`; a place that cannot be written to is a UserError."""
+def check_reel(out: Path) -> str:
+    """The kind of `out`; a place that cannot be written to, or that is taken, is a UserError."""
     kind = kind_of(out)
-    folder = out if kind == "folder" else out.parent
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as fault:
-        raise UserError(f"{folder}: cannot make the folder ({fault.strerror})") from fault
-    if not os.access(folder, os.W_OK):
-        raise UserError(f"{folder}: no permission to write there")
+    if kind != "folder":
+        check_file(out)
+        return kind
+    check_folder(out)
+    if any(out.glob("frame_*.png")):
+        raise UserError(f"{out}: holds numbered pictures already, name another folder")
+    return kind
+
+
+def open_reel(out: Path, size: tuple[int, int], fps: float) -> AbstractContextManager[Write]:
+    """The writer that fits the name `out`, see `check_reel`."""
+    kind = check_reel(out)
     if kind == "film":
         return film_reel(out, size, fps)
     if kind == "picture":
@@ -98,9 +104,7 @@ def picture_reel(out: Path) -> Iterator[Write]:
 
 @contextmanager
 def folder_reel(out: Path) -> Iterator[Write]:
-    """PNGs named frame_00000.png and on, in a folder that holds none yet."""
-    if any(out.glob("frame_*.png")):
-        raise UserError(f"{out}: holds numbered pictures already, name another folder")
+    """PNGs named frame_00000.png and on."""
     count = 0
 
     def write(picture: Picture) -> None:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from tqdm import tqdm
 
 from subsea import hdf5
+from subsea.app.places import check_file
 from subsea.app.start import start_world
 from subsea.ocean import step
 from subsea.repertoire import SEGMENTS
@@ -29,6 +30,7 @@ def simulate(ticks: int, out: Path, scenario: str, fish: int | None, seed: int |
 
     The submarine drifts where it starts. Ctrl-C leaves a valid file with the ticks so far.
     """
+    check_file(out)
     _, source = load_scenario(scenario)
     world = start_world(scenario, seed, fish)
     number = len(world.state.fishes.species)

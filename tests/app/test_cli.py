@@ -58,11 +58,12 @@ def test_every_command_has_help_with_examples(capsys, command):
         (["simulate", "--out", "a.h5"], "--ticks"),
         (["simulate", "--ticks", "0", "--out", "a.h5"], "from 1"),
         (["simulate", "--ticks", "1.5", "--out", "a.h5"], "whole number"),
-        (["simulate", "--ticks", "5", "--out", "/proc/none/a.h5"], "/proc/none/a.h5"),
+        (["simulate", "--ticks", "5", "--out", "/proc/none/a.h5"], "/proc/none"),
         (["benchmark", "--without", "culing"], "'culling'"),
         (["benchmark", "--frames", "many"], "whole number"),
         (["benchmark", "--fish", "0"], "from 1"),
-        (["benchmark", "--json", "no/such/folder/a.json"], "no/such/folder"),
+        (["simulate", "--ticks", "5", "--out", "/tmp"], "expected the name of a file"),
+        (["benchmark", "--json", "/proc/none/a.json"], "/proc/none"),
         (["doctor", "--quick"], "--quick"),
     ],
 )
@@ -70,10 +71,8 @@ def test_every_fault_is_one_line_with_a_hint(capsys, arguments, hint):
     code, out, err = run(capsys, *arguments)
     assert code == 2
     assert not out
-    told = [line for line in err if not line.startswith("subsea: reading")]
-    assert len(told[-1:]) == 1
-    assert hint in told[-1]
-    assert not any("Traceback" in line for line in err)
+    assert len(err) == 1
+    assert hint in err[0]
 
 
 @pytest.mark.parametrize(
