@@ -82,9 +82,9 @@ class Dive:
         submarine, alpha = self.world.state.submarine, self._clock.alpha
         views = views_for(self.display, self._size, cockpit(submarine, alpha))
         self._renderer.draw(pack(self.world, views, alpha), into=self._context.screen)
-        self.overlay.draw(
-            submarine, self.pilot.throttle, self.pilot.stopping, elapsed_s, self.window.text_scale
-        )
+        if self.display == "mono":  # a text across two squeezed halves could not be read
+            throttle, stopping = self.pilot.throttle, self.pilot.stopping
+            self.overlay.draw(submarine, throttle, stopping, elapsed_s, self.window.text_scale)
         self.window.present()
 
     def close(self) -> None:

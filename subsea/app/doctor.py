@@ -17,6 +17,9 @@ PACKAGES = (
 )  # fmt: skip
 
 
+INSTALL_LIBRARIES = "sudo apt-get install libgl1 libx11-6 libxext6"
+
+
 class Finding(NamedTuple):
     """One line of the report. `needed` findings decide whether a dive is possible."""
 
@@ -121,9 +124,11 @@ def _headless() -> list[Finding]:
 
 def _display() -> list[Finding]:
     """Display, monitors, and the OpenGL of hidden windows."""
-    from subsea.app.window import INSTALL_WINDOW, hidden_window, on_display
-    from subsea.render import window_context
-
+    try:
+        from subsea.app.window import INSTALL_WINDOW, hidden_window, on_display
+        from subsea.render import window_context
+    except ImportError as fault:
+        return [Finding("display", False, f"{fault}; try: {INSTALL_LIBRARIES}")]
     try:
         with on_display() as display:
             findings = [

@@ -38,3 +38,18 @@ def test_no_display_is_one_line_that_names_the_film(name):
     assert done.returncode == 2
     assert len(done.stderr.splitlines()) == 1
     assert "subsea film" in done.stderr
+
+
+def test_too_old_an_opengl_is_one_line_with_what_to_install(display):
+    environment = os.environ | {"MESA_GL_VERSION_OVERRIDE": "2.1"}
+    done = subprocess.run(DIVE, capture_output=True, text=True, timeout=120, env=environment)
+    assert done.returncode == 2
+    assert len(done.stderr.splitlines()) == 1
+    assert "apt-get install" in done.stderr
+
+
+@pytest.mark.parametrize("mode", ["side-by-side", "top-bottom"])
+def test_stereo_opens_too(display, mode):
+    command = [*DIVE, "--seconds", "0.3", "--display", mode]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr

@@ -1,5 +1,9 @@
 """Each kind of output, small and short."""
 
+import os
+import subprocess
+import sys
+
 import av
 import numpy as np
 import pytest
@@ -63,6 +67,22 @@ def test_stereo_shows_two_different_eyes(tmp_path, display):
     left, right = np.split(picture, 2, axis=axis)
     assert np.abs(left - right).max() > 4
     assert abs(left.mean() - right.mean()) < 10.0
+
+
+def test_too_old_an_opengl_is_one_line_with_what_to_install(tmp_path):
+    done = subprocess.run(
+        [sys.executable, "-m", "subsea", "film", str(tmp_path / "a.png"), *SMALL],
+        env=os.environ | {"MESA_GL_VERSION_OVERRIDE": "2.1"},
+        capture_output=True,
+        text=True,
+        timeout=200,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert "no OpenGL 3.3" in done.stderr.splitlines()[-1]
+    assert "apt-get install" in done.stderr.splitlines()[-1]
+    assert "Traceback" not in done.stderr
+    assert not list(tmp_path.iterdir())
 
 
 def grey(level):
