@@ -31,7 +31,7 @@ def step(world: World, helm: Helm) -> None:
     with _stage(world, "behavior"):
         decide(fishes, *sea, radius, state.submarine.position, seed, tick, TICK_S)
     with _stage(world, "motor"):
-        command(fishes, world.library, TICK_S)
+        command(fishes, world.library, seed, tick, TICK_S)
         play(fishes, world.library, flow, TICK_S)
         flap(fishes, TICK_S)
     with _stage(world, "habitat"):

@@ -29,6 +29,7 @@ class Fishes(NamedTuple):
     rate: Array  # (n,) float32, recorded rows per tick: larger fishes beat more slowly
     identity: Array  # (n,) float32 in [0, 1), individual variation
     leader: Ints  # (n,) int32, whom a schooling fish follows, -1 for none
+    leads: NDArray[np.bool_]  # (n,), whether others follow it
 
     # Written by motor: the body frame, its pose, and both one tick ago.
     position: Array  # (n, 3) float32, cm, world: the origin of B
@@ -47,11 +48,15 @@ class Fishes(NamedTuple):
     segment: Ints  # (n,) uint8, code of the segment that row b belongs to
     wanted_segment: Ints  # (n,) uint8, what the secondary controller asks for
     tempo: Array  # (n,) float32, playback rate asked of the segment, about 1
+    thrust: Array  # (n,) float32, share of the recorded way: 1 swims, 0 hovers, below 0 retreats
+    glide_tempo: Array  # (n,) float32, tempo and ...
+    glide_thrust: Array  # (n,) float32, ... thrust with which the present glide began
     steering: Array  # (n, 2) float32, rad/s: yaw and pitch added to the recorded motion
     roll: Array  # (n,) float32, rad, smoothed
     fin_phase: Array  # (n,) float32, rad, beat of the pectoral fins
     pectoral: Array  # (n, 2) float32, rad, left and right sweep
     monotony: Array  # (n,) float32, s in the same segment
+    recommended: Ints  # (n,) int8, code of the swim recommended against monotony, -1 for none
 
     # Written by perception.
     neighbour: Ints  # (n, NEIGHBOURS) int32, nearest first, -1 for none
@@ -61,7 +66,7 @@ class Fishes(NamedTuple):
     waypoint: Array  # (n, 3) float32, cm, where a wandering fish is bound
     patience: Array  # (n,) float32, s until a wandering fish changes its mind
     goal_direction: Array  # (n, 3) float32, unit vector, world
-    goal_speed: Array  # (n,) float32, share of the fast swim's speed, 0 to 1
+    goal_speed: Array  # (n,) float32, share of the fast swim's speed, 1 to -1; below 0 retreats
 
 
 @dataclass
@@ -98,15 +103,17 @@ def empty_fishes(n: int) -> Fishes:
     upright[:, 0] = 1.0
     return Fishes(
         species=zeros(u), length=zeros(f), scale=zeros(f) + 1, rate=zeros(f) + 1,
-        identity=zeros(f), leader=zeros(i) - 1,
+        identity=zeros(f), leader=zeros(i) - 1, leads=zeros(np.bool_),
         position=zeros(f, 3), orientation=upright.copy(),
         row_a=zeros(i), row_b=zeros(i), weight=zeros(f), span=zeros(f) + 1,
         previous_position=zeros(f, 3), previous_orientation=upright.copy(),
         previous_row_a=zeros(i), previous_row_b=zeros(i), previous_weight=zeros(f),
         previous_span=zeros(f) + 1,
-        velocity=zeros(f, 3), segment=zeros(u), wanted_segment=zeros(u), tempo=zeros(f) + 1,
+        velocity=zeros(f, 3), segment=zeros(u), wanted_segment=zeros(u),
+        tempo=zeros(f) + 1, thrust=zeros(f) + 1,
+        glide_tempo=zeros(f) + 1, glide_thrust=zeros(f) + 1,
         steering=zeros(f, 2), roll=zeros(f), fin_phase=zeros(f), pectoral=zeros(f, 2),
-        monotony=zeros(f),
+        monotony=zeros(f), recommended=zeros(np.int8) - np.int8(1),
         neighbour=zeros(i, NEIGHBOURS) - 1,
         intention=zeros(u), waypoint=zeros(f, 3), patience=zeros(f),
         goal_direction=zeros(f, 3), goal_speed=zeros(f),

@@ -137,6 +137,7 @@ def _populate(
             fishes.row_b[i] = library.first[kind, slow] + (row + 1) % library.length[kind, slow]
         if schooling:
             fishes.leader[first + 1 : first + number] = first
+            fishes.leads[first : first + 1] = number > 1
         first += number
     fishes.waypoint[:] = fishes.position
     fishes.goal_speed[:] = 0.5

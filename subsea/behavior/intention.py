@@ -8,21 +8,19 @@ from numpy.typing import NDArray
 
 from subsea.behavior.routines import (
     FOLLOW_BL,
-    SPEED_PURPOSE,
     follow,
     give_way,
     keep_company,
     stay_inside,
     wander,
 )
-from subsea.kinematics.keyed import uniform
 from subsea.state import AVOID, SCHOOL, WANDER, Fishes
 
 Array = NDArray[np.floating[Any]]
 
 AVOID_ABOVE = 0.6  # an avoidance stronger than this is what the fish is busy with
-CRUISE = (0.42, 0.8)  # shares of the fastest speed at which fishes wander
-CRUISE_S = (4.0, 9.0)  # the monotony threshold: after this a new cruising speed is drawn
+CRUISE = (0.1, 0.62, 0.85)  # shares of the fastest speed: hovering, medium and brisk cruising
+LEADING = 0.45  # a leader keeps its school moving
 URGE_EASE = 4.0  # 1/s: how fast a wish may change, so that no fish twitches
 
 
@@ -40,8 +38,8 @@ def decide(
     """Set intention, goal direction and goal speed of every fish.
 
     Leaders and loners wander; the others follow their leader in company. Avoidance is added on
-    top. A fish too long at one segment draws a new cruising speed, as the secondary controller
-    recommends against monotony (SMC §6.1).
+    top. Against monotony the secondary controller recommends another swim; a wandering fish takes
+    it up, one that schools or is in danger refuses (SMC §6.1).
     """
     for i in range(len(fishes.species)):
         danger = stay_inside(fishes, i, heights, half_width, radius)
@@ -54,7 +52,7 @@ def decide(
         else:
             urge = wander(fishes, i, heights, half_width, radius, seed, tick, dt)
             fishes.intention[i] = WANDER
-            speed = _cruise(fishes, i, seed, tick)
+            speed = _cruise(fishes, i)
         if alarm > AVOID_ABOVE:
             fishes.intention[i] = AVOID
             speed = max(speed, min(0.5 + 0.35 * alarm, 1.0))
@@ -86,23 +84,22 @@ def _turn_wish(fishes: Fishes, i: int, urge: Array, share: float) -> None:
 
 
 @njit(cache=True)
-def _cruise(fishes: Fishes, i: int, seed: int, tick: int) -> float:
-    """The present cruising speed, or a new one if the fish has kept its segment too long."""
-    low, high = CRUISE
-    limit = CRUISE_S[0] + (CRUISE_S[1] - CRUISE_S[0]) * fishes.identity[i]
-    now = fishes.goal_speed[i]
-    if low <= now <= high and fishes.monotony[i] < limit:
-        return float(now)
-    fishes.monotony[i] = 0.0
-    return low + (high - low) * uniform(seed, i, tick, SPEED_PURPOSE)
+def _cruise(fishes: Fishes, i: int) -> float:
+    """The speed of the swim that is recommended, or the present one within what is cruising."""
+    speed = float(fishes.goal_speed[i])
+    if fishes.recommended[i] >= 0:
+        speed = CRUISE[fishes.recommended[i]]
+    return min(max(speed, LEADING if fishes.leads[i] else CRUISE[0]), CRUISE[2])
 
 
 @njit(cache=True)
 def _keep_pace(fishes: Fishes, i: int) -> float:
-    """Faster when behind the leader, slower when ahead of it."""
+    """Faster when behind the leader or far away, slower when ahead of it."""
     leader = fishes.leader[i]
     ahead = fishes.goal_direction[leader].astype(np.float64)
     gap = fishes.position[leader].astype(np.float64) - fishes.position[i]
     behind = (gap * ahead).sum() / (FOLLOW_BL * fishes.length[i])
+    distance = np.sqrt((gap**2).sum()) / (FOLLOW_BL * fishes.length[i])
     pace = fishes.goal_speed[leader] + 0.25 * behind + 0.08 * (fishes.identity[i] - 0.5)
-    return min(max(pace, 0.25), 1.0)
+    pace += 0.5 * max(distance - 1.5, 0.0)
+    return min(max(pace, 0.08), 1.0)

@@ -17,6 +17,7 @@ from subsea.state import Fishes
 Array = NDArray[np.floating[Any]]
 
 ROAM = 0.8  # share of the world's radius in which waypoints lie
+SLOPE = 0.3  # of the way to a waypoint
 ARRIVED_BL = 3.0  # a waypoint counts as reached within this many body lengths
 PATIENCE_S = (9.0, 24.0)  # how long a fish keeps a waypoint that it doesn't reach
 MARGIN_CM = 170.0  # from the wall inward, where turning away begins
@@ -25,7 +26,7 @@ SURFACE_CM = 80.0  # below the surface
 SPACING_BL = 1.0  # schooling fishes keep one body length apart (Tu §7.9.2)
 FOLLOW_BL = 5.0  # a follower farther than this from its leader catches up
 STARTLE_CM = 150.0  # a fish gives way to the submarine inside this distance
-SPEED_PURPOSE, ANGLE_PURPOSE, RADIUS_PURPOSE, DEPTH_PURPOSE, PATIENCE_PURPOSE = range(5)
+ANGLE_PURPOSE, RADIUS_PURPOSE, DEPTH_PURPOSE, PATIENCE_PURPOSE = range(4)
 
 
 @njit(cache=True)
@@ -52,7 +53,11 @@ def wander(
         depth = uniform(seed, i, tick, DEPTH_PURPOSE) ** 1.6
         fishes.waypoint[i, 0] = x
         fishes.waypoint[i, 1] = y
-        fishes.waypoint[i, 2] = floor + depth * (-SURFACE_CM - floor)
+        # It lies at most a gentle climb or dive away.
+        level = np.float64(fishes.position[i, 2])
+        rise = SLOPE * np.sqrt((x - fishes.position[i, 0]) ** 2 + (y - fishes.position[i, 1]) ** 2)
+        z = min(max(floor + depth * (-SURFACE_CM - floor), level - rise), level + rise)
+        fishes.waypoint[i, 2] = max(z, floor)
         low, high = PATIENCE_S
         share = uniform(seed, i, tick, PATIENCE_PURPOSE)
         fishes.patience[i] = low + (high - low) * share

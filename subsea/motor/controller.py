@@ -6,6 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from subsea.kinematics.keyed import uniform
 from subsea.kinematics.rotation import rotate
 from subsea.motor.playback import TEMPO
 from subsea.repertoire.library import Library
@@ -26,12 +27,16 @@ STEER_GAIN = 1.6  # 1/s: share of the angle that is closed in a second
 STEER_EASE = np.radians(90.0)  # rad/s²: how fast the alignment's own rate may change
 MAX_PITCH_RAD = np.radians(38.0)  # fishes do not swim steeper than this of their own will
 TEMPO_EASE = 0.8  # 1/s: how fast the rate may change
+THRUST_EASE = 1.2  # 1/s: from full way to standing still in less than a second
+RETREAT = -0.6  # the fastest retreat, as a share of the slow swim's way
+MONOTONY_S = (4.0, 9.0)  # the fish gets bored of a segment after so long
+MONOTONY_PURPOSE = 50  # key of the random numbers
 GRADE_MARGIN = 1.12  # a fish keeps its grade until another fits better by this factor
 
 
 @njit(cache=True)
-def command(fishes: Fishes, library: Library, dt: float) -> None:
-    """Choose `wanted_segment`, and ease `tempo` and `steering` toward what the goal asks.
+def command(fishes: Fishes, library: Library, seed: int, tick: int, dt: float) -> None:
+    """Choose `wanted_segment`; ease `tempo`, `thrust` and `steering` toward what the goal asks.
 
     Speeds are told from the angles to the goal in the horizontal plane and in height. The
     choice takes effect in playback at the next recorded frame.
@@ -59,6 +64,12 @@ def command(fishes: Fishes, library: Library, dt: float) -> None:
             wanted = _grade(library.speed[kind], now, fishes.goal_speed[i])
         fishes.wanted_segment[i] = wanted
 
+        # Slower than the slowest swim: the same strokes with less way, down to backing off.
+        slowest = TEMPO[0] * library.speed[kind, SLOW] / library.speed[kind, FAST]
+        thrust = min(max(fishes.goal_speed[i] / slowest, RETREAT), 1.0)
+        ease = THRUST_EASE * dt
+        fishes.thrust[i] += np.float32(min(max(thrust - fishes.thrust[i], -ease), ease))
+
         tempo = 1.0
         if wanted <= FAST:
             goal = fishes.goal_speed[i] * library.speed[kind, FAST]
@@ -76,10 +87,27 @@ def command(fishes: Fishes, library: Library, dt: float) -> None:
         fishes.steering[i, 0] += np.float32(min(max(yaw - fishes.steering[i, 0], -ease), ease))
         fishes.steering[i, 1] += np.float32(min(max(lift - fishes.steering[i, 1], -ease), ease))
 
-        if fishes.segment[i] == fishes.wanted_segment[i]:
-            fishes.monotony[i] += np.float32(dt)
-        else:
-            fishes.monotony[i] = 0.0
+        _watch_monotony(fishes, i, seed, tick, dt)
+
+
+@njit(cache=True)
+def _watch_monotony(fishes: Fishes, i: int, seed: int, tick: int, dt: float) -> None:
+    """Time the present segment; past the threshold recommend another swim at random (SMC §6.1).
+
+    The intention generator may refuse. The timer starts anew either way.
+    """
+    fishes.recommended[i] = -1
+    if fishes.segment[i] != fishes.wanted_segment[i]:
+        fishes.monotony[i] = 0.0
+        return
+    fishes.monotony[i] += np.float32(dt)
+    low, high = MONOTONY_S
+    if fishes.monotony[i] > low + (high - low) * fishes.identity[i]:
+        fishes.monotony[i] = 0.0
+        other = int(2.0 * uniform(seed, i, tick, MONOTONY_PURPOSE))
+        if other >= fishes.segment[i]:
+            other += 1
+        fishes.recommended[i] = min(other, FAST)
 
 
 @njit(cache=True)

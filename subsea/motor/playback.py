@@ -30,7 +30,7 @@ def play(fishes: Fishes, library: Library, flow: Array, dt: float) -> None:
         fishes.previous_weight[i] = fishes.weight[i]
         fishes.previous_span[i] = fishes.span[i]
 
-        o, q = advance(fishes, library, i, fishes.rate[i] * fishes.tempo[i])
+        o, q = advance(fishes, library, i)
         o += flow * dt
         q = _steer(q, fishes.steering[i, 0] * dt, fishes.steering[i, 1] * dt)
         q = normalised(balanced(fishes, i, q, dt))
@@ -42,8 +42,8 @@ def play(fishes: Fishes, library: Library, flow: Array, dt: float) -> None:
 
 
 @njit(cache=True)
-def advance(fishes: Fishes, library: Library, i: int, frames: float) -> tuple[Array, Array]:
-    """Play `frames` rows of fish i: its new origin (3,) and orientation (4,), float64.
+def advance(fishes: Fishes, library: Library, i: int) -> tuple[Array, Array]:
+    """Play fish i for one tick: its new origin (3,) and orientation (4,), float64.
 
     R ← R·M, o ← o + R·αt (SMC eqs. 10, 11). A part f of a row moves by M^f and the same part
     of t, so that the parts of a row join to exactly that row. Row a, row b, weight, span and
@@ -52,28 +52,34 @@ def advance(fishes: Fishes, library: Library, i: int, frames: float) -> tuple[Ar
     o = fishes.position[i].astype(np.float64)
     q = fishes.orientation[i].astype(np.float64)
     weight = float(fishes.weight[i])
-    left = float(frames)
+    left = 1.0  # of the tick
     while left > 0.0:
         span = float(fishes.span[i])
+        a, b = fishes.row_a[i], fishes.row_b[i]
+        gliding = span > 1.0
+        tempo, thrust = float(fishes.tempo[i]), float(fishes.thrust[i])
+        if gliding:
+            tempo = (1.0 - weight) * fishes.glide_tempo[i] + weight * tempo
+            thrust = (1.0 - weight) * fishes.glide_thrust[i] + weight * thrust
+        rate = fishes.rate[i] * tempo  # frames in a tick
         until_b = (1.0 - weight) * span
-        part = min(left, until_b)
-        rotation = library.rotation[fishes.row_b[i]].astype(np.float64)
-        translation = library.translation[fishes.row_b[i]].astype(np.float64)
+        frames = min(left * rate, until_b)
+        rotation = library.rotation[b].astype(np.float64)
+        translation = library.translation[b].astype(np.float64)
         played = weight
-        if span > 1.0:
+        if gliding:
             # A glide keeps the fish's way: the last increment fades into the next one.
-            a = fishes.row_a[i]
-            blend = weight + 0.5 * part / span
-            rotation = normalised((1.0 - blend) * library.rotation[a] + blend * rotation)
-            translation = (1.0 - blend) * library.translation[a] + blend * translation
+            middle = weight + 0.5 * frames / span
+            rotation = normalised((1.0 - middle) * library.rotation[a] + middle * rotation)
+            translation = (1.0 - middle) * library.translation[a] + middle * translation
             played = 0.0
         # Translations are recorded in the axes that the row began with.
         step = rotate(fraction(rotation, -played), translation)
-        o += rotate(q, step) * (part * fishes.scale[i])
-        q = multiply(q, fraction(rotation, part))
-        left -= part
-        weight += part / span
-        if until_b <= part:
+        o += rotate(q, step) * (frames * fishes.scale[i] * thrust)
+        q = multiply(q, fraction(rotation, frames))
+        left -= frames / rate
+        weight += frames / span
+        if until_b <= frames:
             weight = 0.0
             _next_row(fishes, library, i)
     fishes.weight[i] = weight
@@ -95,12 +101,24 @@ def _next_row(fishes: Fishes, library: Library, i: int) -> None:
         fishes.row_b[i] = library.entry[a, wanted]
         fishes.span[i] = library.glide[a, wanted]
         fishes.segment[i] = wanted
-        # The new segment starts at the speed of the old one, as far as its rate allows.
-        speed = fishes.tempo[i] * library.speed[kind, now] / library.speed[kind, wanted]
-        fishes.tempo[i] = min(max(speed, TEMPO[0]), TEMPO[1])
+        _keep_speed(fishes, i, library.speed[kind, now] / library.speed[kind, wanted])
     else:
         fishes.row_b[i] = first if at_end else a + 1
         fishes.span[i] = 1.0
+
+
+@njit(cache=True)
+def _keep_speed(fishes: Fishes, i: int, ratio: float) -> None:
+    """Enter a segment at the speed of the old one, whose recorded speed is `ratio` times as high.
+
+    The strokes' rate takes up what it can, the way that they make takes the rest: a fish that
+    slows down coasts. The controller then eases both to what the goal asks.
+    """
+    fishes.glide_tempo[i] = fishes.tempo[i]
+    fishes.glide_thrust[i] = fishes.thrust[i]
+    exact = fishes.tempo[i] * ratio
+    fishes.tempo[i] = min(max(exact, TEMPO[0]), TEMPO[1])
+    fishes.thrust[i] *= exact / fishes.tempo[i]
 
 
 @njit(cache=True)

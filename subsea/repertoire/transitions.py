@@ -17,7 +17,7 @@ from subsea.repertoire.schema import Segment
 Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
 
-MAX_GLIDE_FRAMES = 10
+MAX_GLIDE_FRAMES = 14
 # A cyclic segment is left only in this share of its rows, those from which the glide is gentlest:
 # a fish that is about to turn waits a few frames until its beat is where the turn begins.
 LEAVING_SHARE = 0.3

@@ -26,7 +26,7 @@ def _put(fishes, nodes, turn=None, shift=0.0):
 
 def _advance(fishes, library, i=0):
     """One tick of recorded motion alone: no steering, balance or current."""
-    o, q = advance(fishes, library, i, fishes.rate[i])
+    o, q = advance(fishes, library, i)
     fishes.position[i], fishes.orientation[i] = o, q / np.linalg.norm(q)
 
 

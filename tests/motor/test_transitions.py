@@ -41,7 +41,7 @@ def _play(library, code, phase, ticks, wanted=None):
     for _ in range(ticks):
         if wanted is not None:
             fishes.wanted_segment[:] = wanted
-        o, q = advance(fishes, library, 0, 1.0)
+        o, q = advance(fishes, library, 0)
         fishes.position[0], fishes.orientation[0] = o, q / np.linalg.norm(q)
         path.append(nodes_world(fishes, library, 0))
         segments.append(int(fishes.segment[0]))

@@ -1,0 +1,127 @@
+"""The secondary controller: segments, speeds and steering from a goal."""
+
+import numpy as np
+import pytest
+
+from subsea.kinematics.rotation import about, matrix, multiply
+from subsea.motor.controller import command
+from subsea.motor.playback import play
+from subsea.repertoire import SEGMENTS
+
+TICK = 0.033
+STILL = np.zeros(3)
+UPRIGHT = about(1.0, 0.0, 0.0, np.pi / 2)
+
+
+def _ask(fishes, library, azimuth_deg=0.0, climb_deg=0.0, speed=0.6, ticks=1, tick=0):
+    """Give every fish a fixed goal and let it act; the path of the first one (T + 1, 3)."""
+    a, c = np.radians(azimuth_deg), np.radians(climb_deg)
+    fishes.goal_direction[:] = np.cos(a) * np.cos(c), np.sin(a) * np.cos(c), np.sin(c)
+    fishes.goal_speed[:] = speed
+    path = [fishes.position[0].copy()]
+    for k in range(ticks):
+        command(fishes, library, 1, tick + k, TICK)
+        play(fishes, library, STILL, TICK)
+        path.append(fishes.position[0].copy())
+    return np.array(path)
+
+
+@pytest.fixture
+def fish(make_fishes):
+    fishes = make_fishes(1, "swim_medium")
+    fishes.orientation[:] = UPRIGHT
+    return fishes
+
+
+@pytest.mark.parametrize(
+    ("azimuth", "segment"),
+    [
+        (0, "swim_medium"),
+        (20, "swim_medium"),
+        (40, "turn_left_gradual"),
+        (-40, "turn_right_gradual"),
+        (120, "turn_left_sharp"),
+        (-120, "turn_right_sharp"),
+    ],
+)
+def test_the_angle_chooses_the_turn(fish, library, azimuth, segment):
+    _ask(fish, library, azimuth_deg=azimuth)
+    assert SEGMENTS[fish.wanted_segment[0]] == segment
+
+
+@pytest.mark.parametrize(
+    ("speed", "segment"), [(0.25, "swim_slow"), (0.6, "swim_medium"), (1.0, "swim_fast")]
+)
+def test_the_speed_chooses_the_grade(fish, library, speed, segment):
+    _ask(fish, library, speed=speed, ticks=60)
+    assert SEGMENTS[fish.segment[0]] == segment
+
+
+@pytest.mark.parametrize("speed", [0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0])
+def test_speed_is_continuous_between_the_grades(fish, library, speed):
+    _ask(fish, library, speed=speed, ticks=120)
+    path = _ask(fish, library, speed=speed, ticks=120)
+    measured = np.linalg.norm(path[-1] - path[0]) / (120 * TICK)
+    assert measured == pytest.approx(speed * library.speed[0, 2], rel=0.08)
+
+
+@pytest.mark.parametrize("azimuth", [-170, -90, -30, 10, 35, 60, 100, 179])
+def test_every_heading_is_reached_and_held(fish, library, azimuth):
+    _ask(fish, library, azimuth_deg=azimuth, ticks=300)
+    path = _ask(fish, library, azimuth_deg=azimuth, ticks=60)
+    way = path[-1] - path[0]
+    gap = np.degrees(np.arctan2(way[1], way[0])) - azimuth
+    assert abs((gap + 180) % 360 - 180) < 6
+
+
+@pytest.mark.parametrize("climb", [-80, -30, 15, 35])
+def test_ascending_and_descending_are_swims_that_head_there(fish, library, climb):
+    _ask(fish, library, climb_deg=climb, ticks=240)
+    path = _ask(fish, library, climb_deg=climb, ticks=60)
+    way = path[-1] - path[0]
+    angle = np.degrees(np.arcsin(way[2] / np.linalg.norm(way)))
+    assert angle == pytest.approx(np.clip(climb, -38, 38), abs=5)
+
+
+def test_braking_stops_and_a_negative_speed_backs_off(fish, library):
+    forward = _ask(fish, library, speed=0.6, ticks=60)
+    braking = np.linalg.norm(np.diff(_ask(fish, library, speed=0.0, ticks=90), axis=0), axis=1)
+    assert braking[-30:].max() < 0.1 * braking[0]
+    assert np.abs(np.diff(braking)).max() < 0.3 * braking[0]  # it slows, it doesn't freeze
+    back = _ask(fish, library, speed=-0.3, ticks=120)
+    assert (back[-1] - back[60]) @ (forward[-1] - forward[0]) < 0
+
+
+def test_steering_is_bounded_and_eased(fish, library):
+    rates = []
+    for k in range(120):
+        _ask(fish, library, azimuth_deg=20 if k < 60 else -20, tick=k)
+        rates.append(float(fish.steering[0, 0]))
+    assert np.abs(rates).max() <= np.radians(24.0) + 1e-6
+    assert np.abs(np.diff(rates)).max() <= np.radians(90.0) * TICK + 1e-6
+
+
+def test_after_a_while_of_the_same_another_swim_is_recommended(make_fishes, library):
+    fishes = make_fishes(40, "swim_medium")
+    fishes.orientation[:] = UPRIGHT
+    fishes.identity[:] = np.linspace(0, 1, 40, endpoint=False)
+    when, what = {}, {}
+    for k in range(400):
+        _ask(fishes, library, speed=0.6, tick=k)
+        for i in np.flatnonzero(fishes.recommended >= 0):
+            when.setdefault(int(i), k * TICK)
+            what.setdefault(int(i), SEGMENTS[fishes.recommended[i]])
+    assert len(when) == 40
+    assert min(when.values()) > 3.9
+    assert max(when.values()) < 9.3
+    assert set(what.values()) == {"swim_slow", "swim_fast"}
+
+
+def test_a_large_fish_turns_more_slowly(make_fishes, library):
+    fishes = make_fishes(2, "swim_medium")
+    fishes.orientation[:] = UPRIGHT
+    fishes.scale[1], fishes.rate[1] = 4.0, 0.5
+    _ask(fishes, library, azimuth_deg=20, ticks=30)
+    heads = [matrix(multiply(q, UPRIGHT * [1, -1, -1, -1]).astype(float))[:, 0] for q in
+             fishes.orientation.astype(float)]  # fmt: skip
+    assert heads[0][1] > 1.3 * heads[1][1] > 0
