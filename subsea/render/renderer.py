@@ -36,7 +36,7 @@ class Renderer:
         self.triangles = 0  # of the last picture
         self.upload_s = 0.0  # of the last picture: copying the packet to the GPU
         self._caustics = upload(context, [caustics(1)])
-        self._noise = upload(context, [tileable_noise(2), tileable_noise(3)])
+        self._noise = upload(context, [tileable_noise(2)])
         self._water = Water(context, scene)
         self._seabed = Seabed(context, scene)
         self._fishes = Fishes(context, scene)

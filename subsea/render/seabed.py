@@ -14,18 +14,9 @@ from subsea.view.culling import frustum_planes
 
 Array = NDArray[np.floating[Any]]
 
-TILES = 10  # per side
-APRON_CM = (
-    60.0,
-    140.0,
-    250.0,
-    400.0,
-    600.0,
-    900.0,
-    1300.0,
-    1800.0,
-    2400.0,
-)  # the edge's height goes on outward, into the fog
+TILES = 16  # per side
+APRON_CM = 90.0 * np.arange(1, 17)  # the edge's height goes on outward, into the fog
+FINEST_CELL_CM = 40.0  # smaller cells cost triangles that the smooth dunes do not need
 IN_SIGHT = 1.3  # visibilities; beyond, the fog hides all
 
 
@@ -34,7 +25,8 @@ class Seabed:
 
     def __init__(self, context: Any, scene: Scene) -> None:
         """Lay the triangles out; `scene.terrain` as SMC §6.2 has it."""
-        positions, slopes = surface(scene.terrain, scene.terrain_half_width_cm)
+        width = scene.terrain_half_width_cm
+        positions, slopes = surface(thinned(scene.terrain, width), width)
         triangles, self._first = tiles(len(positions))
         corners = positions.reshape(-1, 3)[triangles]
         self._centre, self._radius = _spheres(corners, self._first)
@@ -68,9 +60,17 @@ class Seabed:
             held.release()
 
 
+def thinned(heights: Array, half_width: float) -> Array:
+    """Every second height, as often as the cells are smaller than need be."""
+    cells = len(heights) - 1
+    while cells % 2 == 0 and 2 * half_width / cells < FINEST_CELL_CM:
+        heights, cells = heights[::2, ::2], cells // 2
+    return heights
+
+
 def surface(heights: Array, half_width: float) -> tuple[Array, Array]:
     """Positions (m, m, 3) in cm and slopes (m, m, 2) along x and y, with the apron around."""
-    apron = half_width + np.array(APRON_CM)
+    apron = half_width + APRON_CM
     axis = np.concatenate([-apron[::-1], np.linspace(-half_width, half_width, len(heights)), apron])
     z = np.pad(heights.astype(np.float64), len(APRON_CM), mode="edge")
     x, y = np.meshgrid(axis, axis)

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
@@ -43,7 +44,7 @@ def caustics(seed: int, size: int = SIZE) -> Array:
     slope_x = np.fft.ifft2(1j * K[None, :] * padded).real
     slope_y = np.fft.ifft2(1j * K[:, None] * padded).real
     # Strong enough that rays cross in places, so that the lines have their typical knots.
-    reach = 0.021 * fine / max(float(slope_x.std()), 1e-12) * 1.0
+    reach = 0.021 * fine / max(float(slope_x.std()), 1e-12)
     grid = np.arange(fine)
     x = (grid[None, :] + reach * slope_x) % fine
     y = (grid[:, None] + reach * slope_y) % fine
@@ -58,4 +59,6 @@ def upload(context: Any, layers: list[Array]) -> Any:
     data = np.stack(layers, axis=-1).astype("f2")
     texture = context.texture(data.shape[1::-1], data.shape[2], data.tobytes(), dtype="f2")
     texture.build_mipmaps()
+    # Reading two mipmaps for every sample would show little and take a sixth of a picture.
+    texture.filter = moderngl.LINEAR_MIPMAP_NEAREST, moderngl.LINEAR
     return texture

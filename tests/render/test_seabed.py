@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from subsea.render.seabed import APRON_CM, surface, tiles
+from subsea.render.seabed import APRON_CM, FINEST_CELL_CM, surface, thinned, tiles
 from subsea.render.water import disc
 
 
@@ -40,3 +40,12 @@ def test_the_disc_covers_the_unit_circle():
     u, v = b - a, c - a
     area = np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]).sum() / 2
     np.testing.assert_allclose(area, np.pi, rtol=1e-3)
+
+
+def test_a_fine_grid_is_thinned_and_keeps_its_corners():
+    heights = np.random.default_rng(1).uniform(size=(193, 193))
+    coarse = thinned(heights, 2080.0)
+    assert coarse.shape == (97, 97)
+    assert FINEST_CELL_CM <= 2 * 2080.0 / 96
+    np.testing.assert_array_equal(coarse[[0, -1]][:, [0, -1]], heights[[0, -1]][:, [0, -1]])
+    assert thinned(heights[:9, :9], 2080.0).shape == (9, 9)

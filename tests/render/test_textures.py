@@ -1,0 +1,44 @@
+"""Tileable noise and caustics."""
+
+import numpy as np
+import pytest
+
+from subsea.render.textures import caustics, tileable_noise, upload
+
+
+def seam(texture):
+    """Steps across the border over steps inside."""
+    across = np.abs(texture[:, 0] - texture[:, -1]).mean() + np.abs(texture[0] - texture[-1]).mean()
+    inside = np.abs(np.diff(texture, axis=1)).mean() + np.abs(np.diff(texture, axis=0)).mean()
+    return across / inside
+
+
+@pytest.mark.parametrize("make", [tileable_noise, caustics])
+def test_edges_meet_and_seeds_differ(make):
+    texture = make(1, 64)
+    assert texture.shape == (64, 64)
+    assert seam(texture) < 1.5
+    np.testing.assert_array_equal(texture, make(1, 64))
+    assert not np.allclose(texture, make(2, 64))
+
+
+def test_noise_is_standardised():
+    noise = tileable_noise(4, 128)
+    assert abs(noise.mean()) < 1e-9
+    assert noise.std() == pytest.approx(1.0)
+
+
+def test_caustics_keep_the_light_and_gather_it_in_lines():
+    light = caustics(1)
+    assert light.mean() == pytest.approx(1.0)
+    assert light.min() >= 0.0
+    assert np.median(light) < 0.9  # most of the ground is darker than the mean
+    assert np.quantile(light, 0.98) > 2.0
+
+
+def test_a_texture_keeps_its_values(context):
+    values = np.arange(16.0).reshape(4, 4)
+    texture = upload(context, [values, 2 * values])
+    back = np.frombuffer(texture.read(), np.float16).reshape(4, 4, 2)
+    np.testing.assert_array_equal(back[..., 1], 2 * values)
+    texture.release()
