@@ -132,6 +132,8 @@ def _swimming(motion: Motion, body: Body, trials: dict[str, Trial]) -> Iterator[
     head = _sweep(trial, [0]) / length
     yield Measure("tail sweep, fast", f"{tail:.3f} L", "0.15-0.25 L", 0.15 <= tail <= 0.25)
     yield Measure("head sweep, fast", f"{head:.3f} L", "", True)
+    snout = _snout_bend(trial.frames)
+    yield Measure("bend of the snout, fast", f"{snout:.1f}°", "", True)
     strouhal = tail / fast
     yield Measure("Strouhal number, fast", f"{strouhal:.3f}", "≤ 0.55", strouhal <= 0.55)
 
@@ -143,6 +145,15 @@ def _sweep(trial: Trial, nodes: list[int]) -> float:
     across = trial.frames[:, nodes].mean(axis=1) @ aside
     drift = np.linspace(0.0, across[-1] - across[0], len(across))
     return float(np.ptp(across - drift))
+
+
+def _snout_bend(frames: Floats) -> float:
+    """Greatest angle in degrees between the snout and the head behind it, which should be stiff."""
+    nose, first, second = frames[:, 0], frames[:, 1:5].mean(axis=1), frames[:, 5:9].mean(axis=1)
+    return max(
+        float(np.degrees(_angle(snout, head)))
+        for snout, head in zip(nose - first, first - second, strict=True)
+    )
 
 
 def _straightness(motion: Motion, body: Body, steady: State) -> Iterator[Measure]:
