@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 
 from capture.record import motion_from_provenance, motion_of, record_all, run_trial
-from subsea.repertoire import SEGMENTS, Repertoire
+from subsea.repertoire import SEGMENTS, Repertoire, read_repertoire
+from subsea.resources import resource_path
 from subsea.species import Species
 
 MIRROR = np.array([0, *(1 + 4 * ring + k for ring in range(5) for k in (1, 0, 3, 2)), 21, 22])
@@ -82,3 +83,16 @@ def test_the_number_of_jobs_changes_nothing(repertoires: dict[str, Repertoire]) 
                 getattr(again.segments[segment], key),
                 getattr(repertoires["fusilier"].segments[segment], key),
             )
+
+
+def test_the_shipped_repertoire_is_that_of_the_species_file(
+    name: str, repertoire: Repertoire
+) -> None:
+    """Whoever edits a body, a gait or an outline has to record again."""
+    shipped = read_repertoire(resource_path(f"repertoires/{name}.h5"))
+    for segment, fresh in repertoire.segments.items():
+        recorded = shipped.segments[segment]
+        np.testing.assert_allclose(recorded.nodes, fresh.nodes, atol=1e-5)
+        if fresh.control_points is not None:
+            assert recorded.control_points is not None
+            np.testing.assert_allclose(recorded.control_points, fresh.control_points, atol=1e-4)
