@@ -88,7 +88,9 @@ def place_nodes(fishes: Fishes, nodes_body: Array, out: Array) -> None:
     for i in range(len(out)):
         a, b, w = fishes.row_a[i], fishes.row_b[i], fishes.weight[i]
         for k in range(3):  # columns of the rotation, scaled
-            axes[:, k] = fishes.scale[i] * rotate(fishes.orientation[i], UNIT[k])
+            turned = rotate(fishes.orientation[i], UNIT[k])
+            for axis in range(3):
+                axes[axis, k] = fishes.scale[i] * turned[axis]
         for k in range(out.shape[1]):
             for axis in range(3):
                 out[i, k, axis] = fishes.position[i, axis]

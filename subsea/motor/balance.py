@@ -1,15 +1,12 @@
 """Balancing: a fish rolls slowly back to an upright posture (SMC §5.2, appendix B)."""
 
-from typing import Any
+import math
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-from subsea.kinematics.rotation import about, multiply, rotate
+from subsea.kinematics.rotation import Quaternion, about, multiply, rotate
 from subsea.state import Fishes
-
-Array = NDArray[np.floating[Any]]
 
 ROLL_TIME_S = 0.25  # time constant of the smoothed roll: a steady beat wobbles by ±3°
 ROLL_GAIN = 0.9  # 1/s: share of the roll that is undone in a second
@@ -17,25 +14,23 @@ ROLL_RATE = np.radians(50.0)  # rad/s: the fastest that a fish rights itself
 VERTICAL = 0.98  # a fish whose nose points up or down more than this has no roll to mend
 
 
-@njit(cache=True)
-def roll_of(q: Array) -> float:
+@njit(cache=True, error_model="numpy")
+def roll_of(q: Quaternion) -> float:
     """The roll in radians about x, positive when the back leans to the right (SMC app. B).
 
     The signed angle from the upright y' = z' × x with z' = x × up. SMC takes the arccos, which
     does not tell left from right. Nearly vertical fishes have none.
     """
-    x = rotate(q, np.array([1.0, 0.0, 0.0]))
-    y = rotate(q, np.array([0.0, 1.0, 0.0]))
-    level = np.sqrt(x[0] * x[0] + x[1] * x[1])
+    x = rotate(q, (1.0, 0.0, 0.0))
+    y = rotate(q, (0.0, 1.0, 0.0))
     if abs(x[2]) > VERTICAL:
         return 0.0
-    right = (y[0] * x[1] - y[1] * x[0]) / level
-    upright = (y[2] - x[2] * (x[0] * y[0] + x[1] * y[1] + x[2] * y[2])) / level
-    return np.arctan2(right, upright)
+    # Both are longer than the unit by the same factor, which the angle does not see.
+    return math.atan2(y[0] * x[1] - y[1] * x[0], y[2])
 
 
-@njit(cache=True)
-def balanced(fishes: Fishes, i: int, q: Array, dt: float) -> Array:
+@njit(cache=True, error_model="numpy")
+def balanced(fishes: Fishes, i: int, q: Quaternion, dt: float) -> Quaternion:
     """Roll toward upright at a bounded rate, on the smoothed roll."""
     roll = roll_of(q)
     smooth = float(fishes.roll[i])

@@ -34,18 +34,16 @@ MONOTONY_PURPOSE = 50  # key of the random numbers
 GRADE_MARGIN = 1.12  # a fish keeps its grade until another fits better by this factor
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def command(fishes: Fishes, library: Library, seed: int, tick: int, dt: float) -> None:
     """Choose `wanted_segment`; ease `tempo`, `thrust` and `steering` toward what the goal asks.
 
     Speeds are told from the angles to the goal in the horizontal plane and in height. The
     choice takes effect in playback at the next recorded frame.
     """
-    ahead = np.zeros(3)
-    ahead[0] = 1.0
     for i in range(len(fishes.species)):
         kind = fishes.species[i]
-        x = rotate(fishes.orientation[i].astype(np.float64), ahead)
+        x = rotate(fishes.orientation[i], (1.0, 0.0, 0.0))
         g = fishes.goal_direction[i]
         azimuth = np.arctan2(x[0] * g[1] - x[1] * g[0], x[0] * g[0] + x[1] * g[1])
         climb = np.arctan2(np.float64(g[2]), np.sqrt(np.float64(g[0] * g[0] + g[1] * g[1])))
@@ -90,7 +88,7 @@ def command(fishes: Fishes, library: Library, seed: int, tick: int, dt: float) -
         _watch_monotony(fishes, i, seed, tick, dt)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _watch_monotony(fishes: Fishes, i: int, seed: int, tick: int, dt: float) -> None:
     """Time the present segment; past the threshold recommend another swim at random (SMC §6.1).
 
@@ -110,7 +108,7 @@ def _watch_monotony(fishes: Fishes, i: int, seed: int, tick: int, dt: float) -> 
         fishes.recommended[i] = min(other, FAST)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _grade(speed: Array, now: int, share: float) -> int:
     """The swim whose speed is nearest by ratio to the wanted share of the fastest."""
     goal = max(share, 0.01) * speed[FAST]

@@ -12,7 +12,7 @@ BEAT_HZ = 1.1  # idle; a busy fin beats up to three times as fast
 FOLD_RAD = 0.35  # a fast fish folds its fins to the body
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def flap(fishes: Fishes, dt: float) -> None:
     """Advance `fin_phase` and `pectoral`: a·sin(b·t), a and b grow with the effort (Tu B.1).
 

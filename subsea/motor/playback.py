@@ -6,7 +6,16 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from subsea.kinematics.rotation import about, fraction, multiply, normalised, rotate
+from subsea.kinematics.rotation import (
+    Quaternion,
+    Vector,
+    about,
+    fraction,
+    mixed,
+    multiply,
+    normalised,
+    rotate,
+)
 from subsea.motor.balance import balanced
 from subsea.repertoire.library import Library
 from subsea.state import Fishes
@@ -16,41 +25,44 @@ Array = NDArray[np.floating[Any]]
 TEMPO = (0.75, 1.3)  # how far a segment's rate may be bent to meet a speed
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def play(fishes: Fishes, library: Library, flow: Array, dt: float) -> None:
     """Advance every fish by one tick of recorded motion, steering, balance and current.
 
     `flow` (3,) is the water's velocity in cm/s.
     """
+    per_second = 1.0 / dt
     for i in range(len(fishes.species)):
-        fishes.previous_position[i] = fishes.position[i]
-        fishes.previous_orientation[i] = fishes.orientation[i]
+        for axis in range(3):
+            fishes.previous_position[i, axis] = fishes.position[i, axis]
+        for part in range(4):
+            fishes.previous_orientation[i, part] = fishes.orientation[i, part]
         fishes.previous_row_a[i] = fishes.row_a[i]
         fishes.previous_row_b[i] = fishes.row_b[i]
         fishes.previous_weight[i] = fishes.weight[i]
         fishes.previous_span[i] = fishes.span[i]
 
         o, q = advance(fishes, library, i)
-        o += flow * dt
         q = _steer(q, fishes.steering[i, 0] * dt, fishes.steering[i, 1] * dt)
         q = normalised(balanced(fishes, i, q, dt))
         for axis in range(3):
-            fishes.velocity[i, axis] = (o[axis] - fishes.position[i, axis]) / dt
-            fishes.position[i, axis] = o[axis]
+            place = o[axis] + flow[axis] * dt
+            fishes.velocity[i, axis] = (place - fishes.position[i, axis]) * per_second
+            fishes.position[i, axis] = place
         for part in range(4):
             fishes.orientation[i, part] = q[part]
 
 
-@njit(cache=True)
-def advance(fishes: Fishes, library: Library, i: int) -> tuple[Array, Array]:
-    """Play fish i for one tick: its new origin (3,) and orientation (4,), float64.
+@njit(cache=True, error_model="numpy")
+def advance(fishes: Fishes, library: Library, i: int) -> tuple[Vector, Quaternion]:
+    """Play fish i for one tick: its new origin and orientation.
 
     R ← R·M, o ← o + R·αt (SMC eqs. 10, 11). A part f of a row moves by M^f and the same part
     of t, so that the parts of a row join to exactly that row. Row a, row b, weight, span and
     segment move on in place.
     """
-    o = fishes.position[i].astype(np.float64)
-    q = fishes.orientation[i].astype(np.float64)
+    o = _vector(fishes.position[i])
+    q = _quaternion(fishes.orientation[i])
     weight = float(fishes.weight[i])
     left = 1.0  # of the tick
     while left > 0.0:
@@ -64,19 +76,25 @@ def advance(fishes: Fishes, library: Library, i: int) -> tuple[Array, Array]:
         rate = fishes.rate[i] * tempo  # frames in a tick
         until_b = (1.0 - weight) * span
         frames = min(left * rate, until_b)
-        rotation = library.rotation[b].astype(np.float64)
-        translation = library.translation[b].astype(np.float64)
-        played = weight
+        rotation = _quaternion(library.rotation[b])
+        shift = _vector(library.translation[b])
         if gliding:
             # A glide keeps the fish's way: the last increment fades into the next one.
             middle = weight + 0.5 * frames / span
-            rotation = normalised((1.0 - middle) * library.rotation[a] + middle * rotation)
-            translation = (1.0 - middle) * library.translation[a] + middle * translation
-            played = 0.0
-        # Translations are recorded in the axes that the row began with.
-        step = rotate(fraction(rotation, -played), translation)
-        o += rotate(q, step) * (frames * fishes.scale[i] * thrust)
-        q = multiply(q, fraction(rotation, frames))
+            rotation = mixed(_quaternion(library.rotation[a]), rotation, middle)
+            before = _vector(library.translation[a])
+            shift = (
+                (1.0 - middle) * before[0] + middle * shift[0],
+                (1.0 - middle) * before[1] + middle * shift[1],
+                (1.0 - middle) * before[2] + middle * shift[2],
+            )
+        elif weight > 0.0:
+            # Translations are recorded in the axes that the row began with.
+            shift = rotate(fraction(rotation, -weight), shift)
+        step = rotate(q, shift)
+        way = frames * fishes.scale[i] * thrust
+        o = (o[0] + way * step[0], o[1] + way * step[1], o[2] + way * step[2])
+        q = multiply(q, rotation if frames == 1.0 else fraction(rotation, frames))
         left -= frames / rate
         weight += frames / span
         if until_b <= frames:
@@ -86,7 +104,17 @@ def advance(fishes: Fishes, library: Library, i: int) -> tuple[Array, Array]:
     return o, q
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
+def _vector(v: Array) -> Vector:
+    return float(v[0]), float(v[1]), float(v[2])
+
+
+@njit(cache=True, error_model="numpy")
+def _quaternion(q: Array) -> Quaternion:
+    return float(q[0]), float(q[1]), float(q[2]), float(q[3])
+
+
+@njit(cache=True, error_model="numpy")
 def _next_row(fishes: Fishes, library: Library, i: int) -> None:
     """Row b is reached: it becomes a, and the next one is chosen."""
     kind = fishes.species[i]
@@ -107,7 +135,7 @@ def _next_row(fishes: Fishes, library: Library, i: int) -> None:
         fishes.span[i] = 1.0
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _keep_speed(fishes: Fishes, i: int, ratio: float) -> None:
     """Enter a segment at the speed of the old one, whose recorded speed is `ratio` times as high.
 
@@ -121,8 +149,8 @@ def _keep_speed(fishes: Fishes, i: int, ratio: float) -> None:
     fishes.thrust[i] *= exact / fishes.tempo[i]
 
 
-@njit(cache=True)
-def _steer(q: Array, yaw: float, pitch: float) -> Array:
+@njit(cache=True, error_model="numpy")
+def _steer(q: Quaternion, yaw: float, pitch: float) -> Quaternion:
     """Turn left by `yaw` about the world's vertical and raise the nose by `pitch`, rad."""
     q = multiply(about(0.0, 0.0, 1.0, yaw), q)
     return multiply(q, about(0.0, 0.0, 1.0, pitch))

@@ -67,5 +67,5 @@ def test_attributes_tell_what_the_rows_do(repertoire: Repertoire) -> None:
 def _product(quaternions: Array) -> Array:
     total = np.array([1.0, 0.0, 0.0, 0.0])
     for q in quaternions:
-        total = multiply(total, q)
+        total = np.array(multiply(total, q))
     return total

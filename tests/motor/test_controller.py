@@ -10,7 +10,7 @@ from subsea.repertoire import SEGMENTS
 
 TICK = 0.033
 STILL = np.zeros(3)
-UPRIGHT = about(1.0, 0.0, 0.0, np.pi / 2)
+UPRIGHT = np.array(about(1.0, 0.0, 0.0, np.pi / 2))
 
 
 def _ask(fishes, library, azimuth_deg=0.0, climb_deg=0.0, speed=0.6, ticks=1, tick=0):
@@ -122,6 +122,6 @@ def test_a_large_fish_turns_more_slowly(make_fishes, library):
     fishes.orientation[:] = UPRIGHT
     fishes.scale[1], fishes.rate[1] = 4.0, 0.5
     _ask(fishes, library, azimuth_deg=20, ticks=30)
-    heads = [matrix(multiply(q, UPRIGHT * [1, -1, -1, -1]).astype(float))[:, 0] for q in
+    heads = [matrix(np.array(multiply(q, UPRIGHT * [1, -1, -1, -1])))[:, 0] for q in
              fishes.orientation.astype(float)]  # fmt: skip
     assert heads[0][1] > 1.3 * heads[1][1] > 0
