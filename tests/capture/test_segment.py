@@ -1,3 +1,4 @@
+from functools import reduce
 from itertools import pairwise
 
 import numpy as np
@@ -6,8 +7,8 @@ import pytest
 from capture.quality import replay
 from capture.record import motion_of, run_trial
 from capture.segment import heading_change, make_segment
-from subsea.kinematics.frame import Array, body_frame
-from subsea.kinematics.rotation import about, matrix, multiply, rotate
+from subsea.kinematics.frame import body_frame
+from subsea.kinematics.rotation import about, matrix
 from subsea.repertoire import Repertoire
 from subsea.species import Species
 
@@ -49,8 +50,7 @@ def test_weights_skin_every_frame(species: Species) -> None:
 def test_headings_count_left_as_positive(degrees: float) -> None:
     start = matrix(about(1.0, 0.0, 0.0, 0.3))
     up = start[:, 1]
-    turn = about(*(float(u) for u in up), np.radians(degrees))
-    after = np.stack([rotate(turn, np.ascontiguousarray(axis)) for axis in start.T], axis=1)
+    after = matrix(about(*(float(u) for u in up), np.radians(degrees))) @ start
     assert heading_change(start, after) == pytest.approx(degrees)
 
 
@@ -60,12 +60,5 @@ def test_attributes_tell_what_the_rows_do(repertoire: Repertoire) -> None:
         assert segment.bounding_radius_bl >= np.linalg.norm(segment.nodes, axis=2).max() / length
         assert segment.cyclic == (not name.endswith("sharp"))
         assert segment.loop_error_bl < (1e-6 if segment.cyclic else 0.1)
-        turn = np.degrees(2 * np.arctan2(*np.abs(_product(segment.increment_rotation)[[2, 0]])))
-        assert abs(segment.turn_deg) == pytest.approx(turn, abs=0.05)
-
-
-def _product(quaternions: Array) -> Array:
-    total = np.array([1.0, 0.0, 0.0, 0.0])
-    for q in quaternions:
-        total = np.array(multiply(total, q))
-    return total
+        whole = reduce(np.matmul, matrix(segment.increment_rotation))
+        assert segment.turn_deg == pytest.approx(heading_change(np.eye(3), whole), abs=1e-9)
