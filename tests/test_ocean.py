@@ -4,6 +4,7 @@ import hashlib
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -132,3 +133,23 @@ def test_the_digest_sees_every_array():
     world.state.fishes.pectoral[2, 1] += 1e-3
     assert digest(world.state) != before
     assert len(before) == len(hashlib.sha256().hexdigest())
+
+
+GOLDEN = Path(__file__).parent / "golden_positions.npy"
+GOLDEN_TICKS = 150
+
+
+def test_the_world_is_the_one_it_was(request):
+    """Positions after 150 ticks are those on file: a change of behaviour is a change on purpose.
+
+    Within a millimetre, for processors and their mathematical libraries differ in the last bit.
+    """
+    world = _world(seed=11)
+    for _ in range(GOLDEN_TICKS):
+        step(world, AHEAD)
+    positions = np.concatenate(
+        [world.state.fishes.position, world.state.submarine.position[None].astype(np.float32)]
+    )
+    if request.config.getoption("--regenerate"):
+        np.save(GOLDEN, positions)
+    np.testing.assert_allclose(positions, np.load(GOLDEN), atol=0.1)
