@@ -124,7 +124,7 @@ class Overlay:
     def _help_panel(self, size: Any) -> None:
         line = imgui.get_font_size()
         flags = imgui.WindowFlags_
-        imgui.set_next_window_pos((size.x / 2, size.y - 3.4 * line), 0, (0.5, 1.0))
+        imgui.set_next_window_pos((size.x - 1.2 * line, size.y - 1.2 * line), 0, (1.0, 1.0))
         imgui.set_next_window_bg_alpha(0.55)
         imgui.push_style_var(imgui.StyleVar_.alpha.value, self._help)
         imgui.push_style_var(imgui.StyleVar_.window_rounding.value, 0.6 * line)
