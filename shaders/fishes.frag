@@ -7,10 +7,10 @@ uniform float u_gloss;
 uniform vec3 u_eye_spot;   // distance from the snout, height, radius, body lengths
 uniform float u_tail_begin;
 
-in vec3 v_world;
-in vec3 v_normal;
-in vec3 v_rest;  // distance behind the snout, height, side
-in vec3 v_part;  // part, u, v
+centroid in vec3 v_world;
+centroid in vec3 v_normal;
+centroid in vec3 v_rest;  // distance behind the snout, height, side
+centroid in vec3 v_part;  // part, u, v
 in float v_identity;
 in float v_fade;
 in vec3 v_clear;

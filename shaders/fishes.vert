@@ -19,10 +19,11 @@ in vec4 i_turn;    // quaternion w, x, y, z
 in vec4 i_pose;    // row a, row b, weight of b, identity
 in vec4 i_detail;  // left and right pectoral, mouth, fade
 
-out vec3 v_world;
-out vec3 v_normal;
-out vec3 v_rest;
-out vec3 v_part;
+// Centroid: at an edge multisampling would else ask for values outside the triangle.
+centroid out vec3 v_world;
+centroid out vec3 v_normal;
+centroid out vec3 v_rest;
+centroid out vec3 v_part;
 out float v_identity;
 out float v_fade;
 out vec3 v_clear;  // haze changes so slowly that the vertices suffice

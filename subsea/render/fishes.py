@@ -1,14 +1,11 @@
 """Fishes: B-spline surfaces from pre-evaluated tables, evaluated in the vertex shader (SMC §7)."""
 
-import inspect
 from typing import Any, NamedTuple
 
-import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from subsea.frame import INSTANCE_COLUMNS, LEVELS, Packet, Scene
-from subsea.kinematics import surface
 from subsea.kinematics.spline import DEGREE, basis_at, greville
 from subsea.kinematics.surface import (
     DORSAL,
@@ -24,7 +21,6 @@ from subsea.kinematics.surface import (
     rest_control_points,
 )
 from subsea.render import paint
-from subsea.render.kept import kept
 from subsea.render.shaders import program, set_uniforms
 from subsea.species import Species
 from subsea.view.camera import View
@@ -230,10 +226,7 @@ class Fishes:
 
 def _skin(context: Any, species: Species) -> Any:
     """The painted skin as a mipmapped sRGB texture."""
-    width, height = paint.SIZE
-    sources = [inspect.getsource(module).encode() for module in (paint, surface)]
-    plan = msgspec.json.encode(species)
-    texels = kept(lambda: paint.paint(species), (height, width, 4), plan, *sources)
+    texels = paint.paint(species)
     texture = context.texture(paint.SIZE, 4, texels.tobytes(), internal_format=SRGB8_ALPHA8)
     texture.build_mipmaps()
     texture.repeat_x = texture.repeat_y = False
