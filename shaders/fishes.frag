@@ -27,9 +27,11 @@ float scales(vec2 place, inout vec3 normal) {
     vec2 grain = fwidth(cell);
     cell.x += 0.5 * mod(floor(cell.y), 2.0);
     float seen = 1.0 - smoothstep(0.25, 0.8, max(grain.x, grain.y));
+    // Neither the face nor the tail fin has any.
+    seen *= smoothstep(u_eye_spot.x, u_eye_spot.x + 0.12, place.x);
     seen *= 1.0 - smoothstep(u_tail_begin - 0.02, u_tail_begin + 0.02, place.x);
     vec2 from_middle = fract(cell) - 0.5;
-    normal = normalize(normal + 0.2 * seen * vec3(from_middle, 0.3 * from_middle.x));
+    normal = normalize(normal + 0.14 * seen * vec3(from_middle, 0.3 * from_middle.x));
     return 1.0 + seen * u_gloss * (0.3 * from_middle.x - 0.4 * dot(from_middle, from_middle));
 }
 
