@@ -2,6 +2,7 @@
 
 from typing import Any, NamedTuple
 
+import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
@@ -44,11 +45,19 @@ INSTANCE_FORMAT = "4f4 4f4 4f4 4f4/i"
 INSTANCE_ATTRIBUTES = ("i_place", "i_turn", "i_pose", "i_detail")
 
 
+class Part(NamedTuple):
+    """Vertices and triangles of one patch."""
+
+    vertices: Array  # (n, 21)
+    triangles: Ints  # (m, 3)
+
+
 class Mesh(NamedTuple):
     """Vertices of one species at one level, and the triangles over them."""
 
     vertices: Array  # (n, 21) float32, columns as VERTEX_FORMAT
-    triangles: Ints  # (m, 3) int32
+    triangles: Ints  # (m, 3) int32, those of the closed body first
+    solid: int  # how many those are
 
 
 def fish_mesh(plan: SurfacePlan, level: int) -> Mesh:
@@ -74,6 +83,7 @@ def fish_mesh(plan: SurfacePlan, level: int) -> Mesh:
         np.concatenate(
             [part.triangles + start for part, start in zip(parts, starts, strict=False)]
         ).astype("i4"),
+        len(parts[0].triangles) + len(parts[1].triangles),
     )
 
 
@@ -95,7 +105,7 @@ def _degree(controls: int) -> int:
 def _surface(
     rest: Array, base: int, controls: tuple[int, int], level: int, finest: tuple[int, int],
     part: int, side: float,
-) -> Mesh:  # fmt: skip
+) -> Part:  # fmt: skip
     """One patch of u×v control points that begin at `base`."""
     at = [_parameters(*axis, level) for axis in zip(controls, finest, strict=True)]
     u, v = (basis_at(n, t, _degree(n)) for n, t in zip(controls, at, strict=True))
@@ -114,10 +124,12 @@ def _surface(
     out[:, 16], out[:, 17] = side, part
     out[:, 18], out[:, 19] = at[0][k], at[1][j]
     out[:, 20] = stride
-    return Mesh(out, _grid(rows, columns))
+    triangles = _grid(rows, columns)
+    # Counter-clockwise from outside.
+    return Part(out, triangles if side < 0 else triangles[:, ::-1])
 
 
-def _paddle(rest: Array, plan: PaddlePlan, level: int, part: int, side: float) -> Mesh:
+def _paddle(rest: Array, plan: PaddlePlan, level: int, part: int, side: float) -> Part:
     """A fan on the flank that the shader turns about its root (Tu appendix B).
 
     Its root is the control point of the flank nearest to where the plan wants it; `a_rest` holds
@@ -140,7 +152,7 @@ def _paddle(rest: Array, plan: PaddlePlan, level: int, part: int, side: float) -
     out[:, 14] = 0.5 * plan.width * across * (0.25 + 0.75 * np.sin(0.76 * np.pi * along))
     out[:, 16], out[:, 17] = side, part
     out[:, 18], out[:, 19] = along, 0.5 + 0.5 * across
-    return Mesh(out, _grid(rows, columns))
+    return Part(out, _grid(rows, columns))
 
 
 def _grid(rows: int, columns: int) -> Ints:
@@ -169,7 +181,7 @@ class Fishes:
             for species, length in zip(scene.species, scene.recorded_length_cm, strict=True)
         ]
         self._buffers: list[Any] = []
-        self._arrays: dict[tuple[int, int], tuple[Any, int]] = {}  # by species and level
+        self._arrays: dict[tuple[int, int], tuple[Any, Mesh]] = {}  # by species and level
         for kind, species in enumerate(scene.species):
             for level in range(len(LEVELS)):
                 mesh = fish_mesh(species.surface, level)
@@ -184,7 +196,7 @@ class Fishes:
                     ],
                     triangles,
                 )
-                self._arrays[kind, level] = (array, len(mesh.triangles))
+                self._arrays[kind, level] = (array, mesh)
 
     def upload(self, packet: Packet) -> None:
         """Send the instance records; the old buffer's contents are orphaned, never waited for."""
@@ -201,10 +213,14 @@ class Fishes:
         for batch in packet.batches:
             self._skins[batch.species].use(SKIN_UNIT)
             set_uniforms(self._program, **self._looks[batch.species])
-            array, triangles = self._arrays[batch.species, batch.level]
+            array, mesh = self._arrays[batch.species, batch.level]
             self._bind_from(array, batch.first)
-            array.render(instances=batch.count)
-            total += triangles * batch.count
+            solid, every = 3 * mesh.solid, mesh.triangles.size
+            self._context.enable(moderngl.CULL_FACE)
+            array.render(vertices=solid, instances=batch.count)
+            self._context.disable(moderngl.CULL_FACE)
+            array.render(vertices=every - solid, first=solid, instances=batch.count)
+            total += len(mesh.triangles) * batch.count
         return total
 
     def _bind_from(self, array: Any, first: int) -> None:
