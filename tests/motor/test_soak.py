@@ -1,0 +1,50 @@
+"""An hour at random commands: nothing breaks, drifts or stays upside down."""
+
+import numpy as np
+
+from subsea.kinematics.rotation import about
+from subsea.motor.balance import roll_of
+from subsea.motor.controller import command
+from subsea.motor.playback import play
+from subsea.repertoire import read_repertoire
+from subsea.repertoire.library import pack
+from subsea.resources import resource_path
+from subsea.state import empty_fishes
+
+TICK = 0.033
+HOUR = int(3600 / TICK)
+FISHES = 24
+UPSIDE_DOWN_S = 6.0  # longer than that no fish lies on its back
+
+
+def test_an_hour_at_random_commands():
+    repertoire = read_repertoire(resource_path("repertoires/fusilier.h5"))
+    library = pack([repertoire], [np.zeros((426, 3))])
+    rng = np.random.default_rng(4)
+    fishes = empty_fishes(FISHES)
+    fishes.length[:] = rng.uniform(8, 60, FISHES)
+    fishes.scale[:] = fishes.length / library.recorded_length[0]
+    fishes.rate[:] = 1 / np.sqrt(fishes.scale)
+    fishes.identity[:] = rng.uniform(0, 1, FISHES)
+    fishes.row_b[:] = 1
+    # Half of them begin on their backs.
+    fishes.orientation[:] = about(1.0, 0.0, 0.0, np.pi / 2)
+    fishes.orientation[::2] = about(1.0, 0.0, 0.0, -np.pi / 2 + 0.1)
+    overturned = np.zeros(FISHES)
+    for tick in range(HOUR):
+        if tick % 60 == 0:
+            change = rng.uniform(size=FISHES) < 0.5
+            wish = rng.normal(size=(FISHES, 3))
+            wish /= np.linalg.norm(wish, axis=1, keepdims=True)
+            fishes.goal_direction[change] = wish[change]
+            fishes.goal_speed[change] = rng.uniform(-0.5, 1.0, FISHES)[change]
+        command(fishes, library, 1, tick, TICK)
+        play(fishes, library, np.zeros(3), TICK)
+        if tick % 30 == 0:
+            rolls = np.array([abs(roll_of(q)) for q in fishes.orientation.astype(float)])
+            overturned = np.where(rolls > np.pi / 2, overturned + 30 * TICK, 0.0)
+            assert overturned.max() < UPSIDE_DOWN_S
+            assert np.abs(np.linalg.norm(fishes.orientation, axis=1) - 1).max() < 1e-5
+            assert np.isfinite(fishes.position).all()
+            speed = np.linalg.norm(fishes.velocity, axis=1) / fishes.length
+            assert speed.max() < 3.0

@@ -1,0 +1,58 @@
+"""Time a tick of the motor system for many fishes beside a copy of the arrays it touches.
+
+.venv/bin/python tools/measure_motor.py [FISHES]
+"""
+
+import sys
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from subsea.motor.controller import command
+from subsea.motor.fins import flap
+from subsea.motor.playback import play
+from subsea.scenario import load_scenario
+from subsea.world import TICK_S, create_world
+
+REPEATS = 20
+TOUCHED = (
+    "position", "orientation", "row_a", "row_b", "weight", "span", "previous_position",
+    "previous_orientation", "previous_row_a", "previous_row_b", "previous_weight",
+    "previous_span", "velocity", "segment", "wanted_segment", "tempo", "thrust", "steering",
+    "roll", "scale", "rate", "species",
+)  # fmt: skip
+
+
+def fastest_ms(work: Callable[[], object]) -> float:
+    """The shortest of several runs, in milliseconds; the first one compiles."""
+    work()
+    durations = []
+    for _ in range(REPEATS):
+        start = time.perf_counter()
+        work()
+        durations.append(time.perf_counter() - start)
+    return 1000.0 * min(durations)
+
+
+def main() -> None:
+    """Print a small table."""
+    number = int(sys.argv[1]) if len(sys.argv) > 1 else 100_000
+    world = create_world(load_scenario("peaceful")[0], fish=number)
+    fishes, library = world.state.fishes, world.library
+    still = np.zeros(3)
+    arrays = [getattr(fishes, name) for name in TOUCHED]
+    copying = fastest_ms(lambda: [a.copy() for a in arrays])
+    rows = {
+        "copy the arrays that playback touches": copying,
+        "playback of root motion": fastest_ms(lambda: play(fishes, library, still, TICK_S)),
+        "secondary controller": fastest_ms(lambda: command(fishes, library, 1, 0, TICK_S)),
+        "pectoral fins": fastest_ms(lambda: flap(fishes, TICK_S)),
+    }
+    print(f"{number} fishes, a tick")
+    for name, duration in rows.items():
+        print(f"{name:40s}{duration:9.2f} ms{duration / copying:8.2f} ×")
+
+
+if __name__ == "__main__":
+    main()
