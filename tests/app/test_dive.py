@@ -12,7 +12,9 @@ import pytest
 from PIL import ImageGrab
 
 from subsea.app.dive import Dive
+from subsea.app.overlay import readout
 from subsea.resources import resource_path
+from subsea.state import Submarine
 
 SIZE = (320, 240)
 FRAME_S = 0.1  # three ticks a picture: the tests are about the hull, not about smoothness
@@ -152,6 +154,25 @@ def test_the_picture_follows_the_size_of_the_window(boat):
         assert corner.max() > 20  # water, not the black of an undrawn part
     glfw.set_window_size(boat.window.handle, *SIZE)
     glide(boat, 0.3)
+
+
+def test_a_key_fills_the_screen_and_goes_back(boat):
+    for size in ((800, 600), SIZE):
+        hands("key", "F11")
+        for _ in range(50):
+            boat.frame(FRAME_S)
+            if boat.window.size == size:
+                break
+            time.sleep(0.02)
+        assert boat.window.size == size
+
+
+def test_the_instruments_speak_metres_and_compass(boat):
+    boat_at = Submarine(position=np.array([0.0, 0.0, -250.0]))
+    boat_at.velocity[0] = 80.0
+    boat_at.angles[0] = math.radians(90.0)  # left of +x, which the compass calls 270°
+    assert readout(boat_at, 0.5, False) == "depth 2.5 m   heading 270°   0.8 m/s   set +50%"
+    assert readout(boat_at, 0.0, True).endswith("full stop")
 
 
 def test_escape_ends_the_dive(boat):
