@@ -61,6 +61,9 @@ void main() {
             along_u += a_du[i] * across;
             along_v += a_u[i] * slope;
         }
+        // The lower jaw drops, most at its tip.
+        float jaw = (1.0 - smoothstep(0.0, 0.055, v_rest.x)) * step(0.5, a_part.y);
+        if (a_part.x < 0.5) place.y -= 0.022 * u_length * jaw * i_detail.z;
     } else {
         // A paired fin turns about its root: it trails behind and is spread by its sweep.
         float sweep = a_part.x > 2.5 ? 0.35 : (side < 0.0 ? i_detail.x : i_detail.y);

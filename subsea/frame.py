@@ -160,5 +160,5 @@ def _write_instances(fishes: Fishes, centres: Array, order: Ints, alpha: float, 
         out[k, 11] = fishes.identity[i]
         out[k, 12] = fishes.pectoral[i, 0]
         out[k, 13] = fishes.pectoral[i, 1]
-        out[k, 14] = 0.0
+        out[k, 14] = fishes.mouth[i]
         out[k, 15] = 1.0

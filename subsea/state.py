@@ -55,6 +55,8 @@ class Fishes(NamedTuple):
     roll: Array  # (n,) float32, rad, smoothed
     fin_phase: Array  # (n,) float32, rad, beat of the pectoral fins
     pectoral: Array  # (n, 2) float32, rad, left and right sweep
+    breath: Array  # (n,) float32, rad, phase of breathing
+    mouth: Array  # (n,) float32, 0 shut to 1 open
     monotony: Array  # (n,) float32, s in the same segment
     recommended: Ints  # (n,) int8, code of the swim recommended against monotony, -1 for none
 
@@ -113,6 +115,7 @@ def empty_fishes(n: int) -> Fishes:
         tempo=zeros(f) + 1, thrust=zeros(f) + 1,
         glide_tempo=zeros(f) + 1, glide_thrust=zeros(f) + 1,
         steering=zeros(f, 2), roll=zeros(f), fin_phase=zeros(f), pectoral=zeros(f, 2),
+        breath=zeros(f), mouth=zeros(f),
         monotony=zeros(f), recommended=zeros(np.int8) - np.int8(1),
         neighbour=zeros(i, NEIGHBOURS) - 1,
         intention=zeros(u), waypoint=zeros(f, 3), patience=zeros(f),

@@ -147,6 +147,7 @@ def _populate(
     # Froude similarity: a fish α times as long beats 1/√α as often.
     fishes.rate[:] = 1.0 / np.sqrt(fishes.scale)
     fishes.fin_phase[:] = 2 * np.pi * fishes.identity
+    fishes.breath[:] = fishes.fin_phase
     for name in ("position", "orientation", "row_a", "row_b", "weight", "span"):
         getattr(fishes, f"previous_{name}")[:] = getattr(fishes, name)
     return fishes
