@@ -5,9 +5,11 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from subsea.app.console import say
+from subsea.frame import make_scene, pack
 from subsea.ocean import step
 from subsea.scenario import load_scenario
 from subsea.submarine.helm import HANDS_OFF
+from subsea.view.rigs import cockpit, views_for
 from subsea.world import World, create_world
 
 if TYPE_CHECKING:
@@ -21,11 +23,12 @@ WAKING = "waking the fishes (the very first start compiles their code: half a mi
 def start_world(
     scenario: str, seed: int | None = None, fish: int | None = None, tell: Say = say
 ) -> World:
-    """The world of a scenario after its first tick, so that every kernel is compiled."""
+    """The world of a scenario after its first tick and packet: every kernel is compiled."""
     chosen, _ = load_scenario(scenario)
     world = create_world(chosen, seed, fish, tell)
     tell(WAKING)
     step(world, HANDS_OFF)
+    pack(world, views_for("mono", (64, 64), cockpit(world.state.submarine, 1.0)), 1.0)
     return world
 
 
@@ -34,7 +37,6 @@ def start_headless(
     world: World, size: tuple[int, int], tell: Say = say
 ) -> Iterator[tuple[Any, "Renderer"]]:
     """A context without a window and a renderer for pictures of `size`; no OpenGL: UserError."""
-    from subsea.frame import make_scene
     from subsea.render import Renderer, headless_context
 
     tell("starting OpenGL")
