@@ -6,7 +6,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.frame import INSTANCE_COLUMNS, LEVELS, Packet, Scene
+from subsea.frame import INSTANCE_COLUMNS, LEVELS, Batch, Packet, Scene
 from subsea.kinematics.spline import DEGREE, basis_at, greville
 from subsea.kinematics.surface import (
     DORSAL,
@@ -206,22 +206,32 @@ class Fishes:
             self._instances.write(packet.instances.tobytes())
 
     def draw(self, packet: Packet, view: View, uniforms: dict[str, Any]) -> int:
-        """Draw every batch into the bound framebuffer; the number of triangles."""
-        total = 0
+        """Draw all bodies, then all fins, into the bound framebuffer; the number of triangles.
+
+        Fins are translucent and write depth: drawn last, they let every body behind them show.
+        """
         self._table.use(0)
         set_uniforms(self._program, u_table=0, u_skin=SKIN_UNIT, **uniforms)
+        self._context.enable(moderngl.CULL_FACE)
         for batch in packet.batches:
-            self._skins[batch.species].use(SKIN_UNIT)
-            set_uniforms(self._program, **self._looks[batch.species])
-            array, mesh = self._arrays[batch.species, batch.level]
-            self._bind_from(array, batch.first)
-            solid, every = 3 * mesh.solid, mesh.triangles.size
-            self._context.enable(moderngl.CULL_FACE)
-            array.render(vertices=solid, instances=batch.count)
-            self._context.disable(moderngl.CULL_FACE)
-            array.render(vertices=every - solid, first=solid, instances=batch.count)
+            array, mesh = self._bound(batch)
+            array.render(vertices=3 * mesh.solid, instances=batch.count)
+        self._context.disable(moderngl.CULL_FACE)
+        total = 0
+        for batch in packet.batches:
+            array, mesh = self._bound(batch)
+            solid = 3 * mesh.solid
+            array.render(vertices=mesh.triangles.size - solid, first=solid, instances=batch.count)
             total += len(mesh.triangles) * batch.count
         return total
+
+    def _bound(self, batch: Batch) -> tuple[Any, Mesh]:
+        """The vertex array and the mesh of a batch, with its species' uniforms and instances."""
+        self._skins[batch.species].use(SKIN_UNIT)
+        set_uniforms(self._program, **self._looks[batch.species])
+        array, mesh = self._arrays[batch.species, batch.level]
+        self._bind_from(array, batch.first)
+        return array, mesh
 
     def _bind_from(self, array: Any, first: int) -> None:
         """Let the instance attributes begin at record `first`; 3.3 core has no base instance."""
