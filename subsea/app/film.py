@@ -15,6 +15,8 @@ from subsea.ocean import step
 from subsea.view.rigs import cockpit, views_for
 from subsea.world import TICK_S
 
+SAMPLES = 4  # per pixel, on any renderer: a film has the time
+
 
 def film(
     out: Path,
@@ -39,7 +41,10 @@ def film(
     world = start_world(scenario, seed)
     durations: list[float] = []
     try:
-        with start_headless(world, size) as (_, renderer), open_reel(out, size, fps) as write:
+        with (
+            start_headless(world, size, samples=SAMPLES) as (_, renderer),
+            open_reel(out, size, fps) as write,
+        ):
             say(f"filming to {out}")
             for instant in tqdm(instants, unit="frame", disable=None):
                 start = time.perf_counter()

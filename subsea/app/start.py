@@ -34,15 +34,18 @@ def start_world(
 
 @contextmanager
 def start_headless(
-    world: World, size: tuple[int, int], tell: Say = say
+    world: World, size: tuple[int, int], tell: Say = say, samples: int | None = None
 ) -> Iterator[tuple[Any, "Renderer"]]:
-    """A context without a window and a renderer for pictures of `size`; no OpenGL: UserError."""
+    """A context without a window and a renderer for pictures of `size`; no OpenGL: UserError.
+
+    `samples` per pixel smooth edges; None leaves the choice to the renderer.
+    """
     from subsea.render import Renderer, headless_context
 
     tell("starting OpenGL")
     context = headless_context()
     try:
-        renderer = Renderer(context, make_scene(world), size)
+        renderer = Renderer(context, make_scene(world), size, samples)
         try:
             yield context, renderer
         finally:

@@ -15,7 +15,7 @@ Array = NDArray[np.floating[Any]]
 FloorHeight = Callable[[float, float], float]  # x, y in cm -> height of the seabed in cm
 
 # Speeds that full thrust settles at. Brisk enough to follow a school, too slow to feel ill.
-AHEAD_CM_S = 160.0
+AHEAD_CM_S = 120.0
 ASTERN_CM_S = 60.0
 HEAVE_CM_S = 70.0
 YAW_RAD_S = math.radians(40.0)
@@ -26,7 +26,7 @@ MAX_PITCH = math.radians(60.0)  # rad; no loops: a visitor must never lose the h
 LINEAR_ALONG, QUADRATIC_ALONG = 0.30, 2.4e-3  # 1/s, 1/cm
 LINEAR_ACROSS, QUADRATIC_ACROSS = 1.0, 6.0e-3
 LINEAR_YAW, QUADRATIC_YAW = 1.2, 1.5  # 1/s, 1/rad
-BRAKE = 2.2  # 1/s, added to every linear term by a full stop: 160 cm/s to 1 cm/s in two seconds
+BRAKE = 2.2  # 1/s, added to every linear term by a full stop: 120 cm/s to 1 cm/s in two seconds
 
 RIGHTING = 3.0  # 1/s; the buoyancy above the ballast levels the hull, critically damped
 
