@@ -15,8 +15,6 @@ from subsea.errors import UserError
 
 MAX_DATASET_BYTES = 256 * 2**20  # a repertoire holds a few megabytes; more is a damaged header
 
-Group = h5py.Group
-
 
 @contextmanager
 def reading(path: Path) -> Iterator[Any]:
@@ -99,10 +97,22 @@ def recording(
         raise interrupted
 
 
+def text(value: str) -> np.bytes_:
+    """A string as `attribute` reads it: UTF-8 of fixed length."""
+    return np.bytes_(value.encode("utf-8"))
+
+
 def attribute(group: Any, name: str, kind: type, where: str) -> Any:
-    """The attribute `name` of a group as a plain Python value of the given `kind`."""
+    """The attribute `name` of a group as a plain Python value of the given `kind`.
+
+    Strings must be of fixed length: those of variable length lie in a heap of the file, and in
+    a damaged heap the HDF5 library searches for ever.
+    """
     if name not in group.attrs:
         raise UserError(f"{where}: attribute {name!r} is missing, expected {kind.__name__}")
+    stored = group.attrs.get_id(name)
+    if stored.dtype.kind not in "SbiufO" or stored.dtype.hasobject or stored.shape != ():
+        raise UserError(f"{where}: attribute {name!r} is not a plain {kind.__name__}")
     value: Any = group.attrs[name]
     if isinstance(value, bytes):
         value = value.decode("utf-8", "replace")

@@ -29,11 +29,13 @@ def read_repertoire(path: Path) -> Repertoire:
     """Read a repertoire and check all of it; a fault is a UserError that names file and key."""
     where = str(path)
     with hdf5.reading(path) as file:
-        if file.attrs.get("format") != FORMAT:
+        if "format" not in file.attrs:
             raise UserError(f"{where}: not a repertoire, expected attribute format = {FORMAT!r}")
         version = hdf5.attribute(file, "version", int, where)
         if version != VERSION:
             raise UserError(f"{where}: version {version}, this program reads version {VERSION}")
+        if hdf5.attribute(file, "format", str, where) != FORMAT:
+            raise UserError(f"{where}: not a repertoire, expected attribute format = {FORMAT!r}")
         length = _positive(file, "body_length_cm", where)
         rest = hdf5.array(hdf5.subgroup(file, "rest", where), "nodes", (NODES, 3), where + "/rest")
         group = hdf5.subgroup(file, "segments", where)
@@ -61,13 +63,13 @@ def read_repertoire(path: Path) -> Repertoire:
 def write_repertoire(path: Path, repertoire: Repertoire) -> None:
     """Write a repertoire: the whole file or none, the same bytes for the same contents."""
     with hdf5.writing(path) as file:
-        file.attrs["format"] = FORMAT
+        file.attrs["format"] = hdf5.text(FORMAT)
         file.attrs["version"] = VERSION
-        file.attrs["species"] = repertoire.species
+        file.attrs["species"] = hdf5.text(repertoire.species)
         file.attrs["tick_s"] = repertoire.tick_s
         file.attrs["body_length_cm"] = repertoire.body_length_cm
-        file.attrs["source"] = repertoire.source
-        file.attrs["provenance"] = json.dumps(repertoire.provenance, sort_keys=True)
+        file.attrs["source"] = hdf5.text(repertoire.source)
+        file.attrs["provenance"] = hdf5.text(json.dumps(repertoire.provenance, sort_keys=True))
         file["rest/nodes"] = repertoire.rest_nodes
         for name in sorted(repertoire.segments):
             segment = repertoire.segments[name]
@@ -82,10 +84,10 @@ def write_repertoire(path: Path, repertoire: Repertoire) -> None:
                     compression="gzip",
                     shuffle=True,
                 )
-            for key in ("pattern", "grade", "cyclic", "speed_cm_s", "turn_deg"):
+            for key in ("pattern", "grade"):
+                group.attrs[key] = hdf5.text(getattr(segment, key))
+            for key in ("cyclic", "speed_cm_s", "turn_deg", "loop_error_bl", "bounding_radius_bl"):
                 group.attrs[key] = getattr(segment, key)
-            group.attrs["loop_error_bl"] = segment.loop_error_bl
-            group.attrs["bounding_radius_bl"] = segment.bounding_radius_bl
 
 
 def _read_segment(group: Any, length: float, where: str) -> Segment:

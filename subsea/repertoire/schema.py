@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.floating[Any]]
 
 FORMAT = "subsea-repertoire"
-VERSION = 1
+VERSION = 2
 NODES = 23
 CONTROL_POINTS = 426
 MAX_FRAMES = 2000

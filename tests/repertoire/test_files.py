@@ -1,6 +1,8 @@
 """Repertoire files: what is written is read back, and nothing damaged gets in."""
 
 import dataclasses
+import subprocess
+import sys
 
 import h5py
 import numpy as np
@@ -61,10 +63,10 @@ def _replace(name, value):
 
 
 DAMAGE = {
-    "another format": (_set("format", "movie"), "not a repertoire"),
+    "another format": (_set("format", np.bytes_("movie")), "not a repertoire"),
     "a later version": (_set("version", 99), "version 99"),
     "no length": (_set("body_length_cm", -1.0), "body_length_cm"),
-    "provenance that is no JSON": (_set("provenance", "{"), "provenance"),
+    "provenance that is no JSON": (_set("provenance", np.bytes_("{")), "provenance"),
     "rest nodes of another fish": (_replace("rest/nodes", np.zeros((22, 3))), "22×3"),
     "no segments": (_replace("segments", None), "segments"),
     "numbers that are none": (
@@ -88,6 +90,9 @@ DAMAGE = {
         _replace("segments/swim_slow/nodes", h5py.ExternalLink("/etc/passwd", "/x")),
         "expected a dataset",
     ),
+    "a string in the heap": (_set("source", "biomechanics"), "not a plain str"),
+    "a reference for a number": (_set("tick_s", h5py.Reference()), "not a plain float"),
+    "numbers for a number": (_set("tick_s", [0.033, 0.033]), "not a plain float"),
     "a link to itself": (_replace("segments", h5py.SoftLink("/")), "expected a group"),
 }
 
@@ -132,6 +137,34 @@ def test_truncated_or_flipped_files_are_read_or_refused(tmp_path_factory, damage
         read_repertoire(file)
     except UserError as fault:
         assert "\n" not in str(fault)
+
+
+ZEROED = """
+import random, sys
+from pathlib import Path
+from subsea.errors import UserError
+from subsea.repertoire import read_repertoire
+whole, place = Path(sys.argv[1]).read_bytes(), Path(sys.argv[2])
+rng = random.Random(6)
+for _ in range(150):
+    length = rng.choice([8, 16, 64, 256])
+    start = rng.randrange(len(whole) - length)
+    place.write_bytes(whole[:start] + bytes(length) + whole[start + length :])
+    try:
+        read_repertoire(place)
+    except UserError as fault:
+        assert "\\n" not in str(fault)
+"""
+
+
+def test_no_zeroed_piece_makes_the_reader_hang_or_crash(tmp_path, damaged):
+    """In a process of its own, for a loop inside the HDF5 library cannot be interrupted."""
+    (tmp_path / "whole.h5").write_bytes(damaged)
+    subprocess.run(
+        [sys.executable, "-c", ZEROED, tmp_path / "whole.h5", tmp_path / "zeroed.h5"],
+        check=True,
+        timeout=60,
+    )
 
 
 @pytest.fixture(scope="module")
