@@ -3,8 +3,12 @@
 import pytest
 
 from subsea.errors import UserError
+from subsea.frame import pack
+from subsea.ocean import create_world, step
 from subsea.resources import resource_names, resource_path
 from subsea.scenario import load_scenario
+from subsea.submarine.helm import HANDS_OFF
+from subsea.view.rigs import cockpit, views_for
 
 PEACEFUL = resource_path("assets/scenarios/peaceful.toml").read_text()
 
@@ -29,6 +33,13 @@ def test_shipped_scenarios_are_valid(name):
         (('title = "Peaceful bay"', ""), ["missing key", "title"]),
         (("radius_cm = 1300.0", "radius_cm = nan"), ["bounds.radius_cm"]),
         (("-330.0]", "inf]"), ["position_cm"]),
+        (("-330.0]", "5000.0]"), ["submarine.position_cm", "outside the sea"]),
+        (("[-60.0, 40.0, -340.0]", "[-60.0, 4000.0, -340.0]"), ["fish[0].position_cm"]),
+        (("seed = 1", "seed = 99999999999999999999999"), ["seed"]),
+        (("seed = 7", "seed = 4294967296"), ["terrain.seed"]),
+        (("[16.0, 23.0]", "[0.001, 23.0]"), ["fish[0].size_cm"]),
+        (("dune_length_cm = 620.0", "dune_length_cm = 0.001"), ["terrain.dune_length_cm"]),
+        (("number = 51", "number = 99999"), ["100008 fishes in all"]),
     ],
 )
 def test_a_fault_is_one_line_that_names_file_and_key(tmp_path, change, words):
@@ -42,6 +53,17 @@ def test_a_fault_is_one_line_that_names_file_and_key(tmp_path, change, words):
     assert "\n" not in message
     for word in words:
         assert word in message
+
+
+def test_a_sea_without_fishes_is_a_sea(tmp_path):
+    file = tmp_path / "empty.toml"
+    file.write_text(
+        PEACEFUL.replace("number = 51", "number = 0").replace("number = 9", "number = 0")
+    )
+    world = create_world(load_scenario(str(file))[0])
+    step(world, HANDS_OFF)
+    views = views_for("mono", (64, 36), cockpit(world.state.submarine, 1.0))
+    assert len(pack(world, views, 1.0).instances) == 0
 
 
 def test_an_unknown_name_suggests_the_nearest():
