@@ -1,8 +1,12 @@
 """The house of docs/architecture.md: data travels down the folders, imports only go up."""
 
+import re
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
+
+import pytest
 
 ROOT = Path(__file__).parents[1]
 
@@ -16,6 +20,24 @@ def test_imports_only_go_up_the_list_of_folders():
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+@pytest.mark.parametrize(
+    ("contract", "owner"),
+    [
+        ("Only render imports moderngl", "subsea.render"),
+        ("Only app imports glfw and the panel library", "subsea.app"),
+        ("Only one module opens HDF5 files", "subsea.hdf5"),
+    ],
+)
+def test_a_library_that_one_module_owns_is_forbidden_to_all_others(contract, owner):
+    """The contracts name every module and folder of the package, so a new one is guarded too."""
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]
+    forbidden = {c["name"]: set(c.get("source_modules", ())) for c in settings["contracts"]}
+    package = ROOT / "subsea"
+    modules = {f"subsea.{path.stem}" for path in package.glob("*.py") if path.stem[0] != "_"}
+    modules |= {f"subsea.{path.parent.name}" for path in package.glob("*/__init__.py")}
+    assert forbidden[contract] == modules - {owner} | {"capture"}
+
+
 def test_a_simulation_loads_no_opengl_and_no_window():
     """`subsea simulate` runs on machines that have neither."""
     program = (
@@ -26,3 +48,12 @@ def test_a_simulation_loads_no_opengl_and_no_window():
         [sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True
     )
     assert done.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize(
+    "page", [*ROOT.glob("*.md"), *ROOT.glob("docs/*.md")], ids=lambda p: p.name
+)
+def test_every_link_of_the_documentation_leads_somewhere(page):
+    links = re.findall(r"\]\(([^)#]+)", page.read_text(encoding="utf-8"))
+    missing = [k for k in links if "://" not in k and not (page.parent / k).exists()]
+    assert not missing

@@ -6,8 +6,8 @@ import pytest
 from subsea.errors import UserError
 from subsea.kinematics.surface import rest_control_points
 from subsea.repertoire import SEGMENTS, read_repertoire
-from subsea.resources import resource_path
-from subsea.species import load_species, species_names
+from subsea.resources import load_toml, resource_path
+from subsea.species import Species, load_species, species_names
 
 
 def test_an_unknown_species_suggests_the_nearest():
@@ -62,3 +62,26 @@ def test_the_recorded_skin_wraps_the_nodes(name, repertoire):
         if segment.control_points is not None:
             far = np.linalg.norm(segment.control_points, axis=2).max()
             assert far < 1.35 * reach
+
+
+FUSILIER = resource_path("assets/species/fusilier.toml").read_text()
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (("back = [[0.0, 0.007], [0.02, 0.03]", "back = [[0.0, 0.007], [0.0, 0.03]"), "back"),
+        (("base = [0.29, 0.74]", "base = [0.74, 0.29]"), "front to rear"),
+        (("begin = 0.84", "begin = 0.0"), "tail must begin"),
+        (("[0.4, -0.12]", "[0.4, 0.2]"), "above the belly"),
+        (("[0.02, 0.03], [0.06", "[0.02, nan], [0.06"), "back"),
+    ],
+)
+def test_an_absurd_outline_is_one_line(tmp_path, change, words):
+    assert change[0] in FUSILIER
+    file = tmp_path / "mine.toml"
+    file.write_text(FUSILIER.replace(*change))
+    with pytest.raises(UserError) as caught:
+        load_toml(file, Species)
+    assert words in str(caught.value)
+    assert "\n" not in str(caught.value)

@@ -6,6 +6,7 @@ Then the dorsal and the ventral fin, 2×12 each: first the row in the body, then
 The surface, not its control mesh, meets the outline.
 """
 
+from itertools import pairwise
 from typing import Annotated, Any
 
 import msgspec
@@ -45,12 +46,23 @@ class TailPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     begin: Share  # distance of its root from the snout, in body lengths
     edge: Curve  # (share of the half-height, distance of the trailing edge from the snout)
 
+    def __post_init__(self) -> None:
+        """Refuse a fin that does not lie behind its root."""
+        _increasing("edge", self.edge)
+        if self.begin < 0.3 or min(x for _, x in self.edge) <= self.begin:
+            raise ValueError("the tail must begin behind 0.3 and its edge behind that")
+
 
 class FinPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """A dorsal or ventral fin, in body lengths."""
 
     base: tuple[Share, Share]  # where it begins and ends, distance from the snout
     edge: Curve  # the free edge from front to rear: (distance from the snout, height)
+
+    def __post_init__(self) -> None:
+        """Refuse a base that runs forwards."""
+        if self.base[0] >= self.base[1]:
+            raise ValueError("the base of a fin must run from front to rear")
 
 
 class PaddlePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -83,6 +95,19 @@ class SurfacePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_on
     pectoral: PaddlePlan
     pelvic: PaddlePlan
     eye: EyePlan
+
+    def __post_init__(self) -> None:
+        """Refuse outlines that run forwards, and a belly above the back."""
+        for name in ("back", "belly", "width"):
+            _increasing(name, getattr(self, name))
+        at = np.linspace(0.02, self.tail.begin, 50)
+        if (along(self.back, at) <= along(self.belly, at)).any():
+            raise ValueError("the back must lie above the belly")
+
+
+def _increasing(name: str, curve: Curve) -> None:
+    if any(b[0] <= a[0] for a, b in pairwise(curve)):
+        raise ValueError(f"the points of {name} must follow one another from front to rear")
 
 
 def rest_control_points(plan: SurfacePlan, body_length_cm: float, snout_x_cm: float) -> Array:

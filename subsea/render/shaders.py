@@ -3,6 +3,7 @@
 import re
 from typing import Any
 
+from subsea.errors import UserError
 from subsea.resources import resource_path
 
 VERSION = "#version 330 core\n"
@@ -26,7 +27,13 @@ def _lines(name: str, seen: dict[str, int]) -> list[str]:
     """The lines of a file; each file has a number, which `#line` reports in errors."""
     number = seen.setdefault(name, len(seen))
     out = [f"#line 1 {number}"]
-    text = resource_path(f"shaders/{name}").read_text(encoding="utf-8")
+    path = resource_path(f"shaders/{name}")
+    try:
+        text = path.read_text(encoding="utf-8")
+    except OSError as fault:
+        raise UserError(
+            f"{path}: cannot read this part of the program ({fault.strerror})"
+        ) from fault
     for count, line in enumerate(text.splitlines(), start=1):
         include = _INCLUDE.match(line)
         if include is None:
