@@ -11,6 +11,7 @@ from subsea.kinematics.heightfield import height_at
 from subsea.motor.controller import command
 from subsea.motor.fins import flap
 from subsea.motor.playback import play
+from subsea.motor.switching import swim
 from subsea.perception.neighbours import REACH_CM, find_neighbours
 from subsea.submarine.helm import Helm
 from subsea.submarine.hull import step_hull
@@ -32,6 +33,10 @@ def step(world: World, helm: Helm) -> None:
         decide(fishes, *sea, radius, state.submarine.position, seed, tick, TICK_S)
     with _stage(world, "motor"):
         command(fishes, world.library, seed, tick, TICK_S)
+        swim(
+            fishes, world.library, world.dynamics, state.live,
+            flow, state.submarine.position, tick, TICK_S,
+        )  # fmt: skip
         play(fishes, world.library, flow, TICK_S)
         flap(fishes, TICK_S)
     with _stage(world, "habitat"):

@@ -59,6 +59,8 @@ class Fishes(NamedTuple):
     mouth: Array  # (n,) float32, 0 shut to 1 open
     monotony: Array  # (n,) float32, s in the same segment
     recommended: Ints  # (n,) int8, code of the swim recommended against monotony, -1 for none
+    live: NDArray[np.bool_]  # (n,), whether it is simulated rather than played back
+    stay: Array  # (n,) float32, s since that changed
 
     # Written by perception.
     neighbour: Ints  # (n, NEIGHBOURS) int32, nearest first, -1 for none
@@ -69,6 +71,26 @@ class Fishes(NamedTuple):
     patience: Array  # (n,) float32, s until a wandering fish changes its mind
     goal_direction: Array  # (n, 3) float32, unit vector, world
     goal_speed: Array  # (n,) float32, share of the fast swim's speed, 1 to -1; below 0 retreats
+
+
+class Live(NamedTuple):
+    """k slots for fishes that are simulated, at the size and pace of the recorded fish.
+
+    Each slot owns two rows behind the recorded ones of the library, for the present pose and the
+    next. A fish keeps its slot until the glide back to playback has left the slot's rows.
+    Written by motor.
+    """
+
+    fish: Ints  # (k,) int32, index of the fish, -1 for a free slot
+    x: Array  # (k, 23, 3) float64, cm: nodes about the origin of B, world axes
+    v: Array  # (k, 23, 3) float64, cm/tu, against the water
+    phase: Array  # (k,) float64, rad, of the beat
+    amplitude: Array  # (k,) float64, of the beat, 1 is grade fast
+    bend: Array  # (k, 2) float64, contractions of the two turning segments, left positive
+    speed: Array  # (k,) float64, cm/s, smoothed, along x: of the recorded fish
+    rotation: Array  # (2 k, 4) float32, the library's rows: how B came there, per frame ...
+    translation: Array  # (2 k, 3) float32, cm
+    nodes: Array  # (2 k, 23, 3) float32, cm, body axes: ... and the pose
 
 
 @dataclass
@@ -92,6 +114,7 @@ class State:
     fishes: Fishes
     plankton: Array  # (p, 3) float32, cm; written by habitat
     submarine: Submarine
+    live: Live
 
 
 def empty_fishes(n: int) -> Fishes:
@@ -117,16 +140,27 @@ def empty_fishes(n: int) -> Fishes:
         steering=zeros(f, 2), roll=zeros(f), fin_phase=zeros(f), pectoral=zeros(f, 2),
         breath=zeros(f), mouth=zeros(f),
         monotony=zeros(f), recommended=zeros(np.int8) - np.int8(1),
+        live=zeros(np.bool_), stay=zeros(f),
         neighbour=zeros(i, NEIGHBOURS) - 1,
         intention=zeros(u), waypoint=zeros(f, 3), patience=zeros(f),
         goal_direction=zeros(f, 3), goal_speed=zeros(f),
     )  # fmt: skip
 
 
+def empty_live(rotation: Array, translation: Array, nodes: Array) -> Live:
+    """Free slots, one for each pair of the rows given: the last ones of the library's tables."""
+    k = len(nodes) // 2
+    return Live(
+        fish=np.full(k, -1, np.int32), x=np.zeros((k, 23, 3)), v=np.zeros((k, 23, 3)),
+        phase=np.zeros(k), amplitude=np.zeros(k), bend=np.zeros((k, 2)), speed=np.zeros(k),
+        rotation=rotation, translation=translation, nodes=nodes,
+    )  # fmt: skip
+
+
 def digest(state: State) -> str:
     """A SHA-256 over every array: equal digests are equal worlds."""
     sha = hashlib.sha256(f"{state.tick},{state.seed}".encode())
-    arrays = [*state.fishes, state.plankton, *vars(state.submarine).values()]
+    arrays = [*state.fishes, *state.live, state.plankton, *vars(state.submarine).values()]
     for values in arrays:
         sha.update(np.ascontiguousarray(values).tobytes())
     return sha.hexdigest()

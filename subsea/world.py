@@ -12,14 +12,20 @@ from subsea.habitat import plankton
 from subsea.habitat.terrain import half_width, make_terrain
 from subsea.kinematics.heightfield import height_at
 from subsea.kinematics.surface import rest_control_points
+from subsea.motor.dynamics import make_bodies
+from subsea.motor.switching import Dynamics
 from subsea.repertoire import SEGMENTS, Repertoire, read_repertoire
 from subsea.repertoire.library import Library, pack
+from subsea.repertoire.transitions import motion_of
 from subsea.resources import resource_path
 from subsea.scenario import Scenario, Shoal
 from subsea.species import Species, load_species
-from subsea.state import Fishes, State, Submarine, empty_fishes
+from subsea.state import Fishes, State, Submarine, empty_fishes, empty_live
 
 Array = NDArray[np.floating[Any]]
+
+LIVE_REACH_CM = 500.0  # how near to the submarine a fish must be to be simulated
+MAX_LIVE = 4000  # two rows each in a texture, whose height OpenGL drivers limit to 16384 or less
 
 TICK_S = 0.033  # one tick = one recorded frame = six steps of the simulation
 
@@ -31,6 +37,7 @@ class World:
     scenario: Scenario
     species: tuple[Species, ...]
     library: Library
+    dynamics: Dynamics
     terrain: Array  # (n, n) float32, cm
     terrain_half_width: float  # cm
     state: State
@@ -42,12 +49,18 @@ def create_world(
     seed: int | None = None,
     fish: int | None = None,
     progress: Callable[[str], None] = lambda message: None,
+    live: int = 0,
+    live_reach_cm: float = LIVE_REACH_CM,
 ) -> World:
     """Read the repertoires of a scenario's species and put everything in its place.
 
     `seed` replaces the scenario's; `fish` scales its shoals to that many fishes in all.
-    `progress` is told what is going on. A missing or damaged file is a UserError.
+    `progress` is told what is going on. `live` fishes at most are simulated instead of played
+    back: those nearest to the submarine, within `live_reach_cm`. A missing or damaged file, or
+    more live fishes than a picture can hold, is a UserError.
     """
+    if live > MAX_LIVE:
+        raise UserError(f"{live} fishes to simulate: expected at most {MAX_LIVE}")
     seed = scenario.seed if seed is None else seed
     progress("reading repertoires")
     names = sorted({shoal.species for shoal in scenario.fish})
@@ -57,7 +70,10 @@ def create_world(
         rest_control_points(species[r.species].surface, r.body_length_cm, r.rest_nodes[0, 0])
         for r in repertoires
     ]
-    library = pack(repertoires, rest)
+    library = pack(repertoires, rest, live)
+    motion = motion_of(r.segments[name] for r in repertoires for name in SEGMENTS)
+    dynamics = Dynamics(make_bodies([*species.values()]), motion, live_reach_cm)
+    recorded = len(motion.nodes)
     progress("shaping the seabed")
     terrain = make_terrain(scenario)
     width = half_width(scenario)
@@ -75,8 +91,11 @@ def create_world(
             rng, scenario.water.plankton, scenario.bounds.radius_cm, terrain, width
         ),
         submarine=submarine,
+        live=empty_live(
+            library.rotation[recorded:], library.translation[recorded:], library.nodes[recorded:]
+        ),
     )
-    return World(scenario, tuple(species.values()), library, terrain, width, state)
+    return World(scenario, tuple(species.values()), library, dynamics, terrain, width, state)
 
 
 def _repertoire(name: str) -> Repertoire:

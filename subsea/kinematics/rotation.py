@@ -98,6 +98,25 @@ def about(x: float, y: float, z: float, angle: float) -> Quaternion:
     return c, s * x, s * y, s * z
 
 
+@njit(cache=True, error_model="numpy")
+def of_axes(x: Vector, y: Vector, z: Vector) -> Quaternion:
+    """The rotation whose body axes are x, y and z: :func:`from_matrix` of one, compiled."""
+    w = 1.0 + x[0] + y[1] + z[2]
+    a = 1.0 + x[0] - y[1] - z[2]
+    b = 1.0 - x[0] + y[1] - z[2]
+    c = 1.0 - x[0] - y[1] + z[2]
+    most = max(w, a, b, c)
+    if w == most:
+        q = (w, y[2] - z[1], z[0] - x[2], x[1] - y[0])
+    elif a == most:
+        q = (y[2] - z[1], a, x[1] + y[0], z[0] + x[2])
+    elif b == most:
+        q = (z[0] - x[2], x[1] + y[0], b, y[2] + z[1])
+    else:
+        q = (x[1] - y[0], z[0] + x[2], y[2] + z[1], c)
+    return normalised(q)
+
+
 def matrix(q: Array) -> Array:
     """Rotation matrices (…, 3, 3) of unit quaternions (…, 4); columns are the body axes."""
     w, x, y, z = np.moveaxis(np.asarray(q), -1, 0)

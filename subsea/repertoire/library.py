@@ -15,12 +15,15 @@ Ints = NDArray[np.integer[Any]]
 
 
 class Library(NamedTuple):
-    """Rows are frames; all segments of all species follow one another (R rows, S species)."""
+    """Rows are frames; all segments of all species follow one another (R rows, S species).
 
-    rotation: Array  # (R, 4) float32, increments in body axes
-    translation: Array  # (R, 3) float32, cm
-    nodes: Array  # (R, 23, 3) float32, cm, body axes
-    control_points: Array  # (R, 426, 3) float32, cm, body axes
+    The first four tables go on with 2 k rows for the poses of fishes that are simulated.
+    """
+
+    rotation: Array  # (R + 2 k, 4) float32, increments in body axes
+    translation: Array  # (R + 2 k, 3) float32, cm
+    nodes: Array  # (R + 2 k, 23, 3) float32, cm, body axes
+    control_points: Array  # (R + 2 k, 426, 3) float32, cm, body axes
     first: Ints  # (S, 7) int32, first row of each segment
     length: Ints  # (S, 7) int32, rows of each segment
     cyclic: NDArray[np.bool_]  # (S, 7)
@@ -33,8 +36,10 @@ class Library(NamedTuple):
     bounding_radius: Array  # (S,) float32, body lengths
 
 
-def pack(repertoires: Sequence[Repertoire], rest_points: Sequence[Array]) -> Library:
-    """Lay the repertoires out in flat arrays.
+def pack(
+    repertoires: Sequence[Repertoire], rest_points: Sequence[Array], live: int = 0
+) -> Library:
+    """Lay the repertoires out in flat arrays, with rows for `live` fishes that are simulated.
 
     `rest_points` (426, 3) per species serves those whose file carries no control points: they
     are made from the nodes. A repertoire that lacks one of the seven segments is a UserError.
@@ -68,10 +73,10 @@ def pack(repertoires: Sequence[Repertoire], rest_points: Sequence[Array]) -> Lib
         plan = plan_transitions(segments)
         plans.append(plan._replace(entry=starts[0] + plan.entry))
     return Library(
-        rotation=np.concatenate(rotation).astype(np.float32),
-        translation=np.concatenate(translation).astype(np.float32),
-        nodes=np.concatenate(nodes).astype(np.float32),
-        control_points=np.concatenate(points).astype(np.float32),
+        rotation=_table(rotation, live),
+        translation=_table(translation, live),
+        nodes=_table(nodes, live),
+        control_points=_table(points, live),
         first=np.array(first, np.int32),
         length=np.array(length, np.int32),
         cyclic=np.array(cyclic, np.bool_),
@@ -86,3 +91,9 @@ def pack(repertoires: Sequence[Repertoire], rest_points: Sequence[Array]) -> Lib
             np.float32,
         ),
     )
+
+
+def _table(parts: list[Array], live: int) -> Array:
+    """Recorded rows, one part after another, and two empty rows for each live fish."""
+    empty = np.zeros((2 * live, *parts[0].shape[1:]))
+    return np.concatenate([*parts, empty]).astype(np.float32)

@@ -6,6 +6,7 @@ the next segment and all lengths, the largest change of any node's velocity at t
 the glide is made smallest, as a share of what happens inside the two segments anyway.
 """
 
+from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -31,8 +32,8 @@ class Transitions(NamedTuple):
     leave: NDArray[np.bool_]  # (r, s) whether this row is a good one to leave
 
 
-class _Motion(NamedTuple):
-    """A segment's rows, t of them, and the velocities at each, per frame and in body axes."""
+class Motion(NamedTuple):
+    """Rows, t of them, and the velocities at each, per frame and in body axes."""
 
     nodes: Array  # (t, 23, 3)
     shift: Array  # (t, 3) of the body frame into each row
@@ -55,7 +56,7 @@ def plan_transitions(segments: list[Segment]) -> Transitions:
         rows = np.arange(len(here.nodes)) if segment.cyclic else np.array([len(here.nodes) - 1])
         for b, (there, target) in enumerate(zip(motions, segments, strict=True)):
             goals = np.arange(len(there.nodes)) if target.cyclic else np.array([0])
-            best = [_gentlest(here, row, there, goals) for row in rows]
+            best = [gentlest(here, row, there, goals) for row in rows]
             place = starts[a] + rows
             entry[place, b] = [starts[b] + goal for goal, _, _ in best]
             frames[place, b] = [length for _, length, _ in best]
@@ -64,37 +65,43 @@ def plan_transitions(segments: list[Segment]) -> Transitions:
     return Transitions(entry, frames, leave)
 
 
-def _motion(segment: Segment) -> _Motion:
+def motion_of(segments: Iterable[Segment]) -> Motion:
+    """The rows of several segments, one after another."""
+    parts = [_motion(segment) for segment in segments]
+    return Motion(*(np.concatenate(tables) for tables in zip(*parts, strict=True)))
+
+
+def _motion(segment: Segment) -> Motion:
     nodes, shift = segment.nodes, segment.increment_translation
-    spin = _rotation_vectors(segment.increment_rotation)
+    spin = rotation_vectors(segment.increment_rotation)
     own = np.diff(np.concatenate([nodes[-1:], nodes]), axis=0)
     if not segment.cyclic:
         own[0] = own[1]
     own_after, shift_after, spin_after = (
         np.concatenate([v[1:], v[:1] if segment.cyclic else v[-1:]]) for v in (own, shift, spin)
     )
-    return _Motion(
+    return Motion(
         np.ascontiguousarray(nodes, np.float64),
         np.ascontiguousarray(shift, np.float64),
         spin,
-        _velocity(own, shift, spin, nodes),
-        _velocity(own_after, shift_after, spin_after, nodes),
+        node_velocity(own, shift, spin, nodes),
+        node_velocity(own_after, shift_after, spin_after, nodes),
     )
 
 
-def _rotation_vectors(quaternions: Array) -> Array:
+def rotation_vectors(quaternions: Array) -> Array:
     """Axis times angle (t, 3) of small rotations."""
     q = np.where(quaternions[:, :1] < 0, -quaternions, quaternions)
     return np.asarray(2.0 * q[:, 1:])
 
 
-def _usual_change(motion: _Motion) -> float:
+def _usual_change(motion: Motion) -> float:
     """The largest change of any node's velocity between frames inside the segment."""
     return float(np.linalg.norm(motion.leaving - motion.arriving, axis=2)[:-1].max())
 
 
 @njit(cache=True)
-def _gentlest(here: _Motion, row: int, there: _Motion, goals: Ints) -> tuple[int, int, float]:
+def gentlest(here: Motion, row: int, there: Motion, goals: Ints) -> tuple[int, int, float]:
     """The goal, the length, and the larger change of any node's velocity at the glide's ends."""
     best_goal, best_length, least = goals[0], 1, np.inf
     for goal in goals:
@@ -118,7 +125,7 @@ def _gentlest(here: _Motion, row: int, there: _Motion, goals: Ints) -> tuple[int
 
 @njit(cache=True)
 def _carried(
-    here: _Motion, row: int, there: _Motion, goal: int, share: float, node: Array
+    here: Motion, row: int, there: Motion, goal: int, share: float, node: Array
 ) -> Array:
     """How the gliding body frame carries a node: the increments of both rows are blended."""
     shift = (1.0 - share) * here.shift[row] + share * there.shift[goal]
@@ -129,7 +136,7 @@ def _carried(
     return shift
 
 
-def _velocity(own: Array, shift: Array, spin: Array, nodes: Array) -> Array:
+def node_velocity(own: Array, shift: Array, spin: Array, nodes: Array) -> Array:
     """Velocity (t, 23, 3) of the nodes in the frame's axes: own motion, shift and spin."""
     turning = np.cross(np.broadcast_to(spin[:, None, :], nodes.shape), nodes)
     return np.asarray(own + shift[:, None, :] + turning)

@@ -1,0 +1,267 @@
+"""Fishes that are simulated: the muscle-driven body under the secondary controller's command.
+
+The body swims at the size and pace of the recorded fish, in the water's frame: the uniform
+current carries it as it carries playback. What the controller asks of playback (segment, tempo,
+thrust, steering) is asked of the muscles and the pectoral fins instead.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from subsea.biomechanics.body import MUSCLE_LEFT, MUSCLE_SEGMENT, MUSCLES, NODES, build_body
+from subsea.biomechanics.fins import PITCH_GAIN, ROLL_GAIN, STEEPEST
+from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, STRAIN_LIMITS, TICK_S, advance
+from subsea.kinematics.rotation import (
+    Quaternion,
+    Vector,
+    fraction,
+    multiply,
+    normalised,
+    of_axes,
+    rotate,
+)
+from subsea.motor.controller import STEER_GAIN
+from subsea.repertoire import SEGMENTS
+from subsea.species import Species
+from subsea.state import Fishes, Live
+
+Array = NDArray[np.floating[Any]]
+
+TICK_TU = STEP * STEPS_PER_TICK
+FIN_AREA = 0.01  # of each pectoral fin, over the square of the body length
+BEND_EASE = 1.0 / 8.0  # share of the full bend that may change in a tick, as in a sharp turn
+AMPLITUDE_EASE = 1.0 / 14.0  # share of the fast beat's amplitude that may change in a tick
+SPEED_TIME = 14.0  # ticks over which the speed is smoothed: about a beat
+
+
+class Bodies(NamedTuple):
+    """What the simulation needs of S species; cm, g, tu and radians."""
+
+    mass: Array  # (S, 23)
+    length: Array  # (S, 91) rest length of the units
+    stiffness: Array  # (S, 91)
+    viscosity: Array  # (S, 91)
+    drag: Array  # (S,)
+    contraction: Array  # (S, 3) of the three muscle segments at grade fast
+    lag: Array  # (S, 3) of their beat
+    beat: Array  # (S,) ticks in a beat
+    amplitude: Array  # (S, 7) of the beat, by segment of the repertoire
+    turning_amplitude: Array  # (S,) at the full bend
+    bend: Array  # (S, 2) contractions of the two turning segments in a sharp turn: the full bend
+    bend_rate: Array  # (S,) rad/s, how fast a fish that is fully bent turns
+    turn_rate: Array  # (S, 7) rad/s that each segment turns by itself, left positive
+    fin_area: Array  # (S,) of each pectoral fin
+
+
+def make_bodies(species: Sequence[Species]) -> Bodies:
+    """The tables of these species, from the plans that their repertoires were recorded from."""
+    rows = [_body(one) for one in species]
+    return Bodies(*(np.array(column, np.float64) for column in zip(*rows, strict=True)))
+
+
+def _body(species: Species) -> tuple[Any, ...]:
+    body, swim, turn = build_body(species.body), species.swim, species.turn
+    first, second = turn.steering[:2]
+    # Between two rows of the steering map only the time differs for which the bend is held.
+    held = (second.hold_ticks - first.hold_ticks) * TICK_S
+    bend_rate = math.radians(second.angle - first.angle) / held
+    bend = max((row.contraction for row in turn.steering), key=sum)
+    gradual = bend_rate * sum(turn.gradual) / sum(bend)
+    amplitude = {"swim_slow": swim.slow, "swim_fast": 1.0}
+    side = {"left": 1.0, "right": -1.0}
+    rate = {"gradual": gradual, "sharp": bend_rate}
+    words = [name.split("_") for name in SEGMENTS]
+    return (
+        body.mass, body.length, body.stiffness, body.viscosity, body.drag,
+        (0.0, *swim.contraction), (0.0, 0.0, swim.lag), swim.ticks_per_beat,
+        [amplitude.get(name, swim.medium) for name in SEGMENTS], turn.amplitude,
+        bend, bend_rate,
+        [side[word[1]] * rate[word[2]] if word[0] == "turn" else 0.0 for word in words],
+        FIN_AREA * species.body.length**2,
+    )  # fmt: skip
+
+
+@njit(cache=True, error_model="numpy")
+def swim_live(
+    fishes: Fishes, bodies: Bodies, live: Live, rows: int, flow: Array, dt: float
+) -> NDArray[np.bool_]:
+    """Advance every simulated fish by one tick; whether each slot's body (k,) stayed sound.
+
+    A body that did not is left as it was a tick ago, so that playback can take over from there.
+    The pose goes to the slot's other row and so do the increments that brought it there, per
+    recorded frame: a glide takes them up as if they had been recorded. `rows` is the number of
+    recorded rows, `flow` (3,) the water's velocity in cm/s.
+    """
+    sound = np.ones(len(live.fish), np.bool_)
+    muscles = np.empty((STEPS_PER_TICK * 4, MUSCLES))
+    for slot in range(len(live.fish)):
+        i = live.fish[slot]
+        if i < 0 or not fishes.live[i]:
+            continue
+        kind = fishes.species[i]
+        rate = float(fishes.rate[i])
+        _ease_muscles(fishes, bodies, live, slot)
+        steps = min(math.ceil(STEPS_PER_TICK * rate - 1e-6), len(muscles))
+        step = STEP * STEPS_PER_TICK * rate / steps
+        pace = 2.0 * np.pi / (bodies.beat[kind] * TICK_TU) * fishes.tempo[i]
+        for n in range(steps):
+            contract(bodies, kind, live.phase[slot], live.amplitude[slot], live.bend[slot],
+                     muscles[n])  # fmt: skip
+            live.phase[slot] = (live.phase[slot] + pace * step) % (2.0 * np.pi)
+        x, v = live.x[slot].copy(), live.v[slot].copy()
+        force = fin_force(fishes, bodies, i, v)
+        watch = np.array([np.inf, 0.0, np.inf])
+        advance(
+            x, v, bodies.mass[kind], bodies.length[kind], bodies.stiffness[kind],
+            bodies.viscosity[kind], bodies.drag[kind], muscles[:steps], np.zeros(3), force, step,
+            watch,
+        )  # fmt: skip
+        low, high = STRAIN_LIMITS
+        sound[slot] = low <= watch[0] and watch[1] <= high and watch[2] > 0.0 and x[0, 0] == x[0, 0]
+        if sound[slot]:
+            live.x[slot], live.v[slot] = x, v
+            _settle(fishes, live, slot, rows, flow, dt)
+    return sound
+
+
+@njit(cache=True, error_model="numpy")
+def _ease_muscles(fishes: Fishes, bodies: Bodies, live: Live, slot: int) -> None:
+    """Ease amplitude and bend toward the wanted segment, thrust and rate of turn."""
+    i = live.fish[slot]
+    kind, wanted = fishes.species[i], fishes.wanted_segment[i]
+    yaw = bodies.turn_rate[kind, wanted] + fishes.steering[i, 0] / fishes.rate[i]
+    share = min(max(yaw / bodies.bend_rate[kind], -1.0), 1.0)
+    for k in range(2):
+        ease = BEND_EASE * bodies.bend[kind, k]
+        gap = share * bodies.bend[kind, k] - live.bend[slot, k]
+        live.bend[slot, k] += min(max(gap, -ease), ease)
+    amplitude = bodies.amplitude[kind, wanted]
+    amplitude += abs(share) * max(bodies.turning_amplitude[kind] - amplitude, 0.0)
+    amplitude *= min(max(fishes.thrust[i], 0.0), 1.0)
+    gap = amplitude - live.amplitude[slot]
+    live.amplitude[slot] += min(max(gap, -AMPLITUDE_EASE), AMPLITUDE_EASE)
+
+
+@njit(cache=True, error_model="numpy")
+def contract(
+    bodies: Bodies, kind: int, phase: float, amplitude: float, bend: Array, out: Array
+) -> None:
+    """Write the muscles' rest lengths (12,) at a phase of the beat, in cm (Tu §4.6.1).
+
+    The sum of `biomechanics.controllers.swim_contraction` and `bend_contraction`; `bend` (2,) is
+    positive to the left.
+    """
+    for m in range(MUSCLES):
+        part, side = MUSCLE_SEGMENT[m], MUSCLE_LEFT[m]
+        wave = math.sin(phase - bodies.lag[kind, part]) * side
+        share = amplitude * bodies.contraction[kind, part] * (1.0 + wave) / 2.0
+        if part < 2:
+            share += max(bend[part] * side, 0.0)
+        out[m] = bodies.length[kind, m] * (1.0 - share)
+
+
+@njit(cache=True, error_model="numpy")
+def fin_force(fishes: Fishes, bodies: Bodies, i: int, v: Array) -> Array:
+    """Force (23, 3) of the pectoral fins at node velocities v (23, 3; cm/tu): Tu §4.6.2.
+
+    As `biomechanics.fins.balance` and `pectoral_force` do, they right a roll, but pitch toward
+    the climb that is asked for; of a fish that is to slow down they also brake.
+    """
+    q = _quaternion(fishes.orientation[i])
+    x, y = rotate(q, (1.0, 0.0, 0.0)), rotate(q, (0.0, 1.0, 0.0))
+    roll = ROLL_GAIN * rotate(q, (0.0, 0.0, 1.0))[2]
+    # The controller's rate of pitch is in proportion to the angle between nose and goal.
+    lift = PITCH_GAIN / STEER_GAIN * fishes.steering[i, 1] / fishes.rate[i]
+    u = (v[1:13, 0].mean(), v[1:13, 1].mean(), v[1:13, 2].mean())
+    speed = math.sqrt(_dot(u, u))
+    area = bodies.fin_area[fishes.species[i]]
+    brake = min(max(1.0 - fishes.thrust[i], 0.0), 1.0)
+    force = np.zeros((NODES, 3))
+    for node in range(1, 13):
+        tilt = lift + MUSCLE_LEFT[node - 1] * roll
+        tilt = min(max(tilt, -STEEPEST), STEEPEST)
+        c, s = -math.sin(tilt), math.cos(tilt)  # of π/2, edge-on, and the tilt
+        normal = (c * x[0] + s * y[0], c * x[1] + s * y[1], c * x[2] + s * y[2])
+        push = -area / 6.0 * speed * _dot(u, normal)
+        hold = -area / 6.0 * speed * brake * max(_dot(u, x), 0.0)
+        for axis in range(3):
+            force[node, axis] = push * normal[axis] + hold * x[axis]
+    return force
+
+
+@njit(cache=True, error_model="numpy")
+def _settle(fishes: Fishes, live: Live, slot: int, rows: int, flow: Array, dt: float) -> None:
+    """Read body frame and pose from the nodes, and write them where playback would."""
+    i = live.fish[slot]
+    x = live.x[slot]
+    q, o = frame_of(x)
+    for axis in range(3):
+        fishes.previous_position[i, axis] = fishes.position[i, axis]
+        place = fishes.position[i, axis] + fishes.scale[i] * o[axis] + flow[axis] * dt
+        fishes.velocity[i, axis] = (place - fishes.position[i, axis]) / dt
+        fishes.position[i, axis] = place
+        for node in range(NODES):
+            x[node, axis] -= o[axis]
+    before = _quaternion(fishes.orientation[i])
+    back = (before[0], -before[1], -before[2], -before[3])
+    frames = float(fishes.rate[i])  # that a tick is worth
+    turned = fraction(normalised(multiply(back, q)), 1.0 / frames)
+    shift = rotate(back, o)
+    fishes.previous_row_a[i], fishes.previous_row_b[i] = fishes.row_a[i], fishes.row_b[i]
+    fishes.previous_weight[i], fishes.previous_span[i] = fishes.weight[i], fishes.span[i]
+    fishes.row_a[i], fishes.row_b[i] = fishes.row_b[i], fishes.row_a[i]
+    fishes.segment[i] = fishes.wanted_segment[i]
+    row = fishes.row_a[i] - rows
+    for part in range(4):
+        fishes.previous_orientation[i, part] = before[part]
+        fishes.orientation[i, part] = q[part]
+        live.rotation[row, part] = turned[part]
+    for axis in range(3):
+        live.translation[row, axis] = shift[axis] / frames
+    inverse = (q[0], -q[1], -q[2], -q[3])
+    for node in range(NODES):
+        place_body = rotate(inverse, (x[node, 0], x[node, 1], x[node, 2]))
+        for axis in range(3):
+            live.nodes[row, node, axis] = place_body[axis]
+    ahead = shift[0] / (frames * TICK_S)
+    live.speed[slot] += (ahead - live.speed[slot]) / SPEED_TIME
+
+
+@njit(cache=True, error_model="numpy")
+def frame_of(x: Array) -> tuple[Quaternion, Vector]:
+    """Orientation and origin of B for nodes (23, 3), compiled: `kinematics.frame.body_frame`."""
+    o = (0.5 * (x[5, 0] + x[7, 0]), 0.5 * (x[5, 1] + x[7, 1]), 0.5 * (x[5, 2] + x[7, 2]))
+    ahead = _unit((x[0, 0] - o[0], x[0, 1] - o[1], x[0, 2] - o[2]))
+    across = (x[5, 0] - x[6, 0], x[5, 1] - x[6, 1], x[5, 2] - x[6, 2])
+    up = _unit(_cross(ahead, across))
+    return of_axes(ahead, up, _cross(ahead, up)), o
+
+
+@njit(cache=True, error_model="numpy")
+def _quaternion(q: Array) -> Quaternion:
+    return normalised((float(q[0]), float(q[1]), float(q[2]), float(q[3])))
+
+
+@njit(cache=True, error_model="numpy")
+def _dot(a: Vector, b: Vector) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@njit(cache=True, error_model="numpy")
+def _cross(a: Vector, b: Vector) -> Vector:
+    return (
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    )
+
+
+@njit(cache=True, error_model="numpy")
+def _unit(a: Vector) -> Vector:
+    k = 1.0 / math.sqrt(_dot(a, a))
+    return a[0] * k, a[1] * k, a[2] * k

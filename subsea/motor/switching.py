@@ -1,0 +1,165 @@
+"""Who is simulated and who is played back, and the way from one to the other unseen.
+
+SMC §9.1 leaves this as future work: fishes near the viewer simulated, all others replayed.
+"""
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.biomechanics.solver import TIME_UNIT_S
+from subsea.kinematics.rotation import matrix
+from subsea.motor.balance import roll_of
+from subsea.motor.controller import FAST, LEFT_GRADUAL, RIGHT_GRADUAL
+from subsea.motor.dynamics import TICK_TU, Bodies, swim_live
+from subsea.motor.playback import TEMPO
+from subsea.repertoire.library import Library
+from subsea.repertoire.transitions import Motion, gentlest, node_velocity, rotation_vectors
+from subsea.state import Fishes, Live
+
+Array = NDArray[np.floating[Any]]
+Ints = NDArray[np.integer[Any]]
+
+REVIEW_TICKS = 10  # how often the choice of fishes is thought over
+MIN_STAY_S = 4.0  # a fish that changed over stays for so long at least
+KEEP = 1.25  # a fish that is simulated counts as nearer than it is by this factor
+HOVERING = 0.2  # thrust below which a fish is played back: backing off is not in the muscles
+
+
+class Dynamics(NamedTuple):
+    """What is constant: the species' bodies and how every recorded row moves."""
+
+    bodies: Bodies
+    motion: Motion  # R rows
+    reach_cm: float  # fishes farther from the viewer are played back
+
+
+def swim(
+    fishes: Fishes, library: Library, dynamics: Dynamics, live: Live,
+    flow: Array, viewer: Array, tick: int, dt: float,
+) -> None:  # fmt: skip
+    """One tick of all simulated fishes, before playback moves the others.
+
+    `flow` (3,) is the water's velocity in cm/s, `viewer` (3,) what fishes are near to, in cm.
+    """
+    if not len(live.fish):
+        return
+    fishes.stay[:] += np.float32(dt)
+    _free(fishes, live, len(dynamics.motion.nodes))
+    if tick % REVIEW_TICKS == 0:
+        _review(fishes, library, dynamics, live, viewer)
+    sound = swim_live(fishes, dynamics.bodies, live, len(dynamics.motion.nodes), flow, dt)
+    for slot in np.flatnonzero(~sound):
+        to_playback(fishes, library, dynamics, live, int(slot))
+
+
+def _free(fishes: Fishes, live: Live, rows: int) -> None:
+    """Free the slots whose rows no pose mixes any more."""
+    i = live.fish
+    needed = fishes.live[i] | (fishes.row_a[i] >= rows) | (fishes.previous_row_a[i] >= rows)
+    live.fish[(i >= 0) & ~needed] = -1
+
+
+def _review(
+    fishes: Fishes, library: Library, dynamics: Dynamics, live: Live, viewer: Array
+) -> None:
+    """Simulate the fishes nearest to the viewer, as many as there are slots."""
+    distance = np.linalg.norm(fishes.position - viewer, axis=1)
+    distance[fishes.live] /= KEEP
+    distance[fishes.thrust < HOVERING] = np.inf
+    nearest = np.argsort(distance, kind="stable")[: len(live.fish)]
+    chosen = np.zeros(len(distance), np.bool_)
+    chosen[nearest] = (distance[nearest] <= dynamics.reach_cm) & (distance[nearest] < np.inf)
+    settled = fishes.stay > MIN_STAY_S
+    for slot, i in enumerate(live.fish):
+        if i >= 0 and fishes.live[i] and not chosen[i] and settled[i]:
+            to_playback(fishes, library, dynamics, live, slot)
+    free = [int(slot) for slot in np.flatnonzero(live.fish < 0)]
+    waiting = chosen & settled & ~fishes.live & ~np.isin(np.arange(len(chosen)), live.fish)
+    for i in nearest:
+        if free and waiting[i] and may_go_live(fishes, library, int(i)):
+            to_live(fishes, library, dynamics, live, free.pop(0), int(i))
+
+
+def may_go_live(fishes: Fishes, library: Library, i: int) -> bool:
+    """Whether fish i is inside a cyclic segment, where beat and velocities are known."""
+    cyclic = library.cyclic[fishes.species[i], fishes.segment[i]]
+    row = fishes.row_a[i] - library.first[fishes.species[i], fishes.segment[i]]
+    inside = 0 <= row < library.length[fishes.species[i], fishes.segment[i]]
+    return bool(cyclic and inside and fishes.span[i] == 1.0)
+
+
+def to_live(
+    fishes: Fishes, library: Library, dynamics: Dynamics, live: Live, slot: int, i: int
+) -> None:
+    """Hand fish i from playback to the simulation, in a free slot.
+
+    Its nodes are the present pose (SMC eq. 12 at the recorded size); their velocities those of
+    the recorded rows, at the fish's tempo, thrust and rate of turning.
+    """
+    bodies, motion = dynamics.bodies, dynamics.motion
+    kind, segment = int(fishes.species[i]), int(fishes.segment[i])
+    a, b, w = int(fishes.row_a[i]), int(fishes.row_b[i]), float(fishes.weight[i])
+    tempo, rate = float(fishes.tempo[i]), float(fishes.rate[i])
+    nodes, velocity = (
+        (1.0 - w) * table[a] + w * table[b]
+        for table in (library.nodes.astype(np.float64), 0.5 * (motion.arriving + motion.leaving))
+    )
+    velocity += (float(fishes.thrust[i]) - 1.0) * motion.shift[b]
+    R = matrix(fishes.orientation[i].astype(np.float64))
+    x = nodes @ R.T
+    yaw, pitch = fishes.steering[i].astype(np.float64) * TIME_UNIT_S / rate
+    spin = np.array([0.0, 0.0, yaw]) + pitch * R[:, 2]
+    live.fish[slot] = i
+    live.x[slot] = x
+    live.v[slot] = tempo * velocity @ R.T / TICK_TU + np.cross(spin, x)
+    begin = math.pi if segment == RIGHT_GRADUAL else 0.0
+    row = a - library.first[kind, segment] + 1
+    live.phase[slot] = (begin + 2.0 * math.pi * (row + w) / bodies.beat[kind]) % (2.0 * math.pi)
+    live.amplitude[slot] = bodies.amplitude[kind, segment]
+    live.bend[slot] = bodies.bend[kind] * bodies.turn_rate[kind, segment] / bodies.bend_rate[kind]
+    live.speed[slot] = library.speed[kind, segment] * tempo * float(fishes.thrust[i])
+    # The present pose becomes the slot's first row, the next one is yet to be swum.
+    own = 2 * slot
+    live.nodes[own], live.nodes[own + 1] = nodes, nodes
+    live.rotation[own], live.translation[own] = library.rotation[b], library.translation[b]
+    fishes.row_a[i] = len(motion.nodes) + own
+    fishes.row_b[i] = len(motion.nodes) + own + 1
+    fishes.weight[i], fishes.span[i] = 0.0, 1.0
+    fishes.live[i], fishes.stay[i] = True, 0.0
+
+
+def to_playback(
+    fishes: Fishes, library: Library, dynamics: Dynamics, live: Live, slot: int
+) -> None:
+    """Hand the fish of a slot back: it glides from its last pose to where that is gentlest.
+
+    The glide keeps the speed, as between two segments. The slot stays taken till its end.
+    """
+    i = int(live.fish[slot])
+    kind, rows = int(fishes.species[i]), len(dynamics.motion.nodes)
+    here, before = int(fishes.row_a[i]) - rows, int(fishes.row_b[i]) - rows
+    nodes = live.nodes[[here]].astype(np.float64)
+    shift = live.translation[[here]].astype(np.float64)
+    spin = rotation_vectors(live.rotation[[here]].astype(np.float64))
+    own = (nodes - live.nodes[[before]]) / float(fishes.rate[i])
+    arriving = node_velocity(own, shift, spin, nodes)
+    speed = max(float(live.speed[slot]), 1e-3)
+    segments = [*range(FAST + 1), LEFT_GRADUAL, RIGHT_GRADUAL]
+    goals = np.concatenate(
+        [library.first[kind, s] + np.arange(library.length[kind, s]) for s in segments]
+    )
+    goal, frames, _ = gentlest(
+        Motion(nodes, shift, spin, arriving, arriving), 0, dynamics.motion, goals
+    )
+    segment = int(np.flatnonzero(library.first[kind] <= goal).max())
+    fishes.row_b[i], fishes.span[i], fishes.weight[i] = goal, frames, 0.0
+    fishes.segment[i] = segment
+    fishes.glide_tempo[i], fishes.glide_thrust[i] = 1.0, 1.0
+    exact = speed / float(library.speed[kind, segment])
+    fishes.tempo[i] = min(max(exact, TEMPO[0]), TEMPO[1])
+    fishes.thrust[i] = exact / fishes.tempo[i]
+    fishes.roll[i] = roll_of(tuple(fishes.orientation[i].astype(np.float64)))
+    fishes.live[i], fishes.stay[i] = False, 0.0
