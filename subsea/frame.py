@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -39,7 +39,7 @@ class Scene:
     """What drawing needs once: constant for a dive."""
 
     species: tuple[Species, ...]
-    control_points: Array  # (rows, 426, 3) float32 cm, all species and frames
+    control_points: Array  # (rows, 426, 3) float32 cm: all species and frames, then live fishes
     recorded_length_cm: tuple[float, ...]  # per species
     terrain: Array  # (n, n) float32 cm, height of the seabed, row i is y, column j is x
     terrain_half_width_cm: float  # the grid spans [-w, w] in x and y
@@ -67,6 +67,10 @@ class Packet:
     batches: tuple[Batch, ...]
     plankton: Array  # (p, 3) float32 cm
     hidden: int  # fishes culled away
+    # Control points (r, 426, 3) float32 cm that replace rows of the scene's from `live_row` on:
+    # those of fishes that are simulated.
+    live_points: Array = field(default_factory=lambda: np.zeros((0, 426, 3), np.float32))
+    live_row: int = 0
 
 
 def make_scene(world: World) -> Scene:
@@ -106,6 +110,7 @@ def pack(
     culled = time.perf_counter()
     instances = np.empty((len(order), INSTANCE_COLUMNS), np.float32)
     _write_instances(fishes, centres, order, alpha, instances)
+    live_points = _skin_live(world, order)
     world.stages_s["cull"] = culled - start
     world.stages_s["pose"] = time.perf_counter() - culled
     batches = tuple(
@@ -120,7 +125,28 @@ def pack(
         batches=batches,
         plankton=world.state.plankton,
         hidden=len(level) - len(order),
+        live_points=live_points,
+        live_row=len(library.entry),
     )
+
+
+def _skin_live(world: World, order: Ints) -> Array:
+    """Control points (r, 426, 3) of the slots' poses, up to the last slot that is in use.
+
+    They are written to the library's own rows, where the oracle of `body/pose.py` finds them.
+    Slots of fishes that are not in sight keep what they held.
+    """
+    live, library = world.state.live, world.library
+    seen = np.isin(live.fish, order)
+    table = library.control_points[len(library.entry) :]
+    pairs = table.reshape(len(seen), 2, *table.shape[1:])
+    nodes = live.nodes.reshape(len(seen), 2, *live.nodes.shape[1:])
+    kinds = world.state.fishes.species[live.fish[seen]]
+    for kind in np.unique(kinds):
+        slots = np.flatnonzero(seen)[kinds == kind]
+        pairs[slots] = library.skin[kind] @ nodes[slots]
+    used = np.flatnonzero(live.fish >= 0)
+    return table[: 2 * (used[-1] + 1)] if len(used) else table[:0]
 
 
 @njit(cache=True)

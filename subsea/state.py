@@ -82,9 +82,11 @@ class Live(NamedTuple):
     """
 
     fish: Ints  # (k,) int32, index of the fish, -1 for a free slot
+    waiting: Ints  # (k,) int32, ticks for which the fish has looked for a moment to leave, 0 stays
     x: Array  # (k, 23, 3) float64, cm: nodes about the origin of B, world axes
     v: Array  # (k, 23, 3) float64, cm/tu, against the water
     phase: Array  # (k,) float64, rad, of the beat
+    tempo: Array  # (k,) float64, of the beat, 1 is the recorded one
     amplitude: Array  # (k,) float64, of the beat, 1 is grade fast
     bend: Array  # (k, 2) float64, contractions of the two turning segments, left positive
     speed: Array  # (k,) float64, cm/s, smoothed, along x: of the recorded fish
@@ -151,8 +153,10 @@ def empty_live(rotation: Array, translation: Array, nodes: Array) -> Live:
     """Free slots, one for each pair of the rows given: the last ones of the library's tables."""
     k = len(nodes) // 2
     return Live(
-        fish=np.full(k, -1, np.int32), x=np.zeros((k, 23, 3)), v=np.zeros((k, 23, 3)),
-        phase=np.zeros(k), amplitude=np.zeros(k), bend=np.zeros((k, 2)), speed=np.zeros(k),
+        fish=np.full(k, -1, np.int32), waiting=np.zeros(k, np.int32),
+        x=np.zeros((k, 23, 3)), v=np.zeros((k, 23, 3)),
+        phase=np.zeros(k), tempo=np.ones(k), amplitude=np.zeros(k), bend=np.zeros((k, 2)),
+        speed=np.zeros(k),
         rotation=rotation, translation=translation, nodes=nodes,
     )  # fmt: skip
 

@@ -12,11 +12,9 @@ from subsea.habitat import plankton
 from subsea.habitat.terrain import half_width, make_terrain
 from subsea.kinematics.heightfield import height_at
 from subsea.kinematics.surface import rest_control_points
-from subsea.motor.dynamics import make_bodies
-from subsea.motor.switching import Dynamics
+from subsea.motor.switching import Dynamics, make_dynamics
 from subsea.repertoire import SEGMENTS, Repertoire, read_repertoire
 from subsea.repertoire.library import Library, pack
-from subsea.repertoire.transitions import motion_of
 from subsea.resources import resource_path
 from subsea.scenario import Scenario, Shoal
 from subsea.species import Species, load_species
@@ -71,9 +69,8 @@ def create_world(
         for r in repertoires
     ]
     library = pack(repertoires, rest, live)
-    motion = motion_of(r.segments[name] for r in repertoires for name in SEGMENTS)
-    dynamics = Dynamics(make_bodies([*species.values()]), motion, live_reach_cm)
-    recorded = len(motion.nodes)
+    dynamics = make_dynamics([*species.values()], repertoires, library, live_reach_cm)
+    recorded = len(library.entry)
     progress("shaping the seabed")
     terrain = make_terrain(scenario)
     width = half_width(scenario)

@@ -35,6 +35,7 @@ STAGES = (
     "present",
 )
 WARM_UP_FRAMES = 30
+LIVE_WARM_UP_TICKS = 300  # until fishes that are to be simulated have come out of their turns
 
 
 def benchmark(
@@ -46,11 +47,12 @@ def benchmark(
     seed: int | None,
     without: frozenset[str],
     out: Path | None,
+    motor: str = "playback",
 ) -> int:
     """Measure, print the report as a table, and write it as JSON to `out` if that is named."""
     if out is not None:
         check_file(out)
-    world = start_world(scenario, seed, fish)
+    world = start_world(scenario, seed, fish, dynamics=motor == "dynamics")
     with start_headless(world, size) as (context, renderer):
         measured = measure(world, renderer, context, display, size, frames, without)
         report = {
@@ -62,6 +64,7 @@ def benchmark(
             "seed": world.state.seed,
             "version": version("subsea"),
             "without": sorted(without),
+            "motor": motor,
             **measured,
         }
     _print(report)
@@ -83,6 +86,9 @@ def measure(
     durations: list[float] = []
     stages: dict[str, list[float]] = defaultdict(list)
     levels = np.zeros(len(LEVELS))
+    simulated = 0
+    for _ in range(LIVE_WARM_UP_TICKS if len(world.state.live.fish) else 0):
+        step(world, tour_helm(world))
     triangles = visible = 0
     for k in tqdm(range(-WARM_UP_FRAMES, frames), unit="frame", disable=None, leave=False):
         start = time.perf_counter()
@@ -98,12 +104,14 @@ def measure(
             stages[name].append(seconds)
         for batch in packet.batches:
             levels[batch.level] += batch.count
+        simulated += int(world.state.fishes.live.sum())
         visible += len(packet.instances)
         triangles += renderer.triangles
     frame_ms = summary(durations)
     return {
         "frames": frames,
         "visible_mean": visible / frames,
+        "simulated_mean": simulated / frames,
         "frame_ms": frame_ms,
         "fps": 1000.0 / frame_ms["mean"],
         "stages_ms": {name: summary(stages[name])["p50"] for name in STAGES},
@@ -131,6 +139,7 @@ def _print(report: dict[str, Any]) -> None:
     """The report for people: one figure a line."""
     width, height = report["size"]
     print(f"{report['fish']} fishes, {report['visible_mean']:.1f} visible, {width}x{height}")
+    print(f"motor {report['motor']}, {report['simulated_mean']:.1f} simulated")
     print(f"{report['renderer']}")
     for title in ("frame_ms", "stages_ms", "lod"):
         print(title)

@@ -12,6 +12,7 @@ from subsea.errors import UserError, unknown
 
 MAX_SIZE = 8192  # pixels; the largest picture that every OpenGL 3.3 machine can hold
 MIN_SIZE = 64
+MOTORS = ("playback", "dynamics")
 STAGES_TO_LEAVE_OUT = ("culling", "lod")
 
 
@@ -209,6 +210,7 @@ def _add_benchmark(commands: Any) -> None:
         [
             "subsea benchmark --frames 120 --json report.json",
             "subsea benchmark --fish 1000 --without culling,lod",
+            "subsea benchmark --fish 200 --motor dynamics",
             "subsea benchmark --paper",
         ],
     )
@@ -230,6 +232,13 @@ def _add_benchmark(commands: Any) -> None:
         default=frozenset(),
         metavar="LIST",
         help=f"leave out, separated by commas: {', '.join(STAGES_TO_LEAVE_OUT)}",
+    )
+    benchmark.add_argument(
+        "--motor",
+        type=_motor,
+        default="playback",
+        metavar="MOTOR",
+        help="playback, or dynamics: every fish is simulated (default playback)",
     )
     benchmark.add_argument(
         "--json", type=Path, dest="out", metavar="FILE", help="write the report there too"
@@ -346,6 +355,12 @@ def _display(text: str) -> str:
 
     if text not in DISPLAYS:
         raise unknown("display", text, list(DISPLAYS))
+    return text
+
+
+def _motor(text: str) -> str:
+    if text not in MOTORS:
+        raise unknown("motor", text, list(MOTORS))
     return text
 
 

@@ -1,5 +1,6 @@
 """From a scenario's name to a world that is awake, and to a renderer without a window."""
 
+import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
@@ -21,11 +22,17 @@ WAKING = "waking the fishes (the very first start compiles their code: half a mi
 
 
 def start_world(
-    scenario: str, seed: int | None = None, fish: int | None = None, tell: Say = say
-) -> World:
-    """The world of a scenario after its first tick and packet: every kernel is compiled."""
+    scenario: str, seed: int | None = None, fish: int | None = None, tell: Say = say,
+    dynamics: bool = False,
+) -> World:  # fmt: skip
+    """The world of a scenario after its first tick and packet: every kernel is compiled.
+
+    With `dynamics` every fish is simulated as soon as its motion allows.
+    """
     chosen, _ = load_scenario(scenario)
-    world = create_world(chosen, seed, fish, tell)
+    number = sum(shoal.number for shoal in chosen.fish) if fish is None else fish
+    live = number if dynamics else 0
+    world = create_world(chosen, seed, fish, tell, live, math.inf)
     tell(WAKING)
     step(world, HANDS_OFF)
     pack(world, views_for("mono", (64, 64), cockpit(world.state.submarine, 1.0)), 1.0)

@@ -27,6 +27,7 @@ from subsea.kinematics.rotation import (
 )
 from subsea.motor.controller import STEER_GAIN
 from subsea.repertoire import SEGMENTS
+from subsea.repertoire.library import Library
 from subsea.species import Species
 from subsea.state import Fishes, Live
 
@@ -36,6 +37,10 @@ TICK_TU = STEP * STEPS_PER_TICK
 FIN_AREA = 0.01  # of each pectoral fin, over the square of the body length
 BEND_EASE = 1.0 / 8.0  # share of the full bend that may change in a tick, as in a sharp turn
 AMPLITUDE_EASE = 1.0 / 14.0  # share of the fast beat's amplitude that may change in a tick
+ROLL_LEAD = 6.0  # ticks by which the fins look ahead of a roll, or the fish swings past upright
+SCULL_SPEED = 1.2  # cm/tu: the fins of a slower fish beat, and meet the water at this speed
+TEMPO_EASE = 0.025  # by which the beat's tempo may change in a tick, on its way to the recorded one
+SPEED_GAIN = 1.0  # of the speed that is lacking: fins and bends take some of it
 SPEED_TIME = 14.0  # ticks over which the speed is smoothed: about a beat
 
 
@@ -50,7 +55,8 @@ class Bodies(NamedTuple):
     contraction: Array  # (S, 3) of the three muscle segments at grade fast
     lag: Array  # (S, 3) of their beat
     beat: Array  # (S,) ticks in a beat
-    amplitude: Array  # (S, 7) of the beat, by segment of the repertoire
+    speed: Array  # (S, 4) cm/s: standing still and the three swims, at the recorded tempo ...
+    amplitude: Array  # (S, 4) ... and the amplitudes of the beat that make them
     turning_amplitude: Array  # (S,) at the full bend
     bend: Array  # (S, 2) contractions of the two turning segments in a sharp turn: the full bend
     bend_rate: Array  # (S,) rad/s, how fast a fish that is fully bent turns
@@ -58,13 +64,16 @@ class Bodies(NamedTuple):
     fin_area: Array  # (S,) of each pectoral fin
 
 
-def make_bodies(species: Sequence[Species]) -> Bodies:
-    """The tables of these species, from the plans that their repertoires were recorded from."""
-    rows = [_body(one) for one in species]
+def make_bodies(species: Sequence[Species], speed: Array) -> Bodies:
+    """The tables of these species, from the plans that their repertoires were recorded from.
+
+    `speed` (S, 7) in cm/s is that of the recorded segments.
+    """
+    rows = [_body(*one) for one in zip(species, speed, strict=True)]
     return Bodies(*(np.array(column, np.float64) for column in zip(*rows, strict=True)))
 
 
-def _body(species: Species) -> tuple[Any, ...]:
+def _body(species: Species, speed: Array) -> tuple[Any, ...]:
     body, swim, turn = build_body(species.body), species.swim, species.turn
     first, second = turn.steering[:2]
     # Between two rows of the steering map only the time differs for which the bend is held.
@@ -72,14 +81,13 @@ def _body(species: Species) -> tuple[Any, ...]:
     bend_rate = math.radians(second.angle - first.angle) / held
     bend = max((row.contraction for row in turn.steering), key=sum)
     gradual = bend_rate * sum(turn.gradual) / sum(bend)
-    amplitude = {"swim_slow": swim.slow, "swim_fast": 1.0}
     side = {"left": 1.0, "right": -1.0}
     rate = {"gradual": gradual, "sharp": bend_rate}
     words = [name.split("_") for name in SEGMENTS]
     return (
         body.mass, body.length, body.stiffness, body.viscosity, body.drag,
         (0.0, *swim.contraction), (0.0, 0.0, swim.lag), swim.ticks_per_beat,
-        [amplitude.get(name, swim.medium) for name in SEGMENTS], turn.amplitude,
+        (0.0, *speed[:3]), (0.0, swim.slow, swim.medium, 1.0), turn.amplitude,
         bend, bend_rate,
         [side[word[1]] * rate[word[2]] if word[0] == "turn" else 0.0 for word in words],
         FIN_AREA * species.body.length**2,
@@ -88,14 +96,14 @@ def _body(species: Species) -> tuple[Any, ...]:
 
 @njit(cache=True, error_model="numpy")
 def swim_live(
-    fishes: Fishes, bodies: Bodies, live: Live, rows: int, flow: Array, dt: float
+    fishes: Fishes, library: Library, bodies: Bodies, live: Live, flow: Array, dt: float
 ) -> NDArray[np.bool_]:
     """Advance every simulated fish by one tick; whether each slot's body (k,) stayed sound.
 
     A body that did not is left as it was a tick ago, so that playback can take over from there.
     The pose goes to the slot's other row and so do the increments that brought it there, per
-    recorded frame: a glide takes them up as if they had been recorded. `rows` is the number of
-    recorded rows, `flow` (3,) the water's velocity in cm/s.
+    recorded frame: a glide takes them up as if they had been recorded. `flow`
+    (3,) is the water's velocity in cm/s.
     """
     sound = np.ones(len(live.fish), np.bool_)
     muscles = np.empty((STEPS_PER_TICK * 4, MUSCLES))
@@ -105,10 +113,10 @@ def swim_live(
             continue
         kind = fishes.species[i]
         rate = float(fishes.rate[i])
-        _ease_muscles(fishes, bodies, live, slot)
+        _ease_muscles(fishes, library, bodies, live, slot)
         steps = min(math.ceil(STEPS_PER_TICK * rate - 1e-6), len(muscles))
         step = STEP * STEPS_PER_TICK * rate / steps
-        pace = 2.0 * np.pi / (bodies.beat[kind] * TICK_TU) * fishes.tempo[i]
+        pace = 2.0 * np.pi / (bodies.beat[kind] * TICK_TU) * live.tempo[slot]
         for n in range(steps):
             contract(bodies, kind, live.phase[slot], live.amplitude[slot], live.bend[slot],
                      muscles[n])  # fmt: skip
@@ -125,13 +133,17 @@ def swim_live(
         sound[slot] = low <= watch[0] and watch[1] <= high and watch[2] > 0.0 and x[0, 0] == x[0, 0]
         if sound[slot]:
             live.x[slot], live.v[slot] = x, v
-            _settle(fishes, live, slot, rows, flow, dt)
+            _settle(fishes, live, slot, len(library.entry), flow, dt)
     return sound
 
 
 @njit(cache=True, error_model="numpy")
-def _ease_muscles(fishes: Fishes, bodies: Bodies, live: Live, slot: int) -> None:
-    """Ease amplitude and bend toward the wanted segment, thrust and rate of turn."""
+def _ease_muscles(fishes: Fishes, library: Library, bodies: Bodies, live: Live, slot: int) -> None:
+    """Ease amplitude and bend toward the speed and the rate of turn that playback would have.
+
+    The amplitude alone sets the speed; the tempo goes back to that of the recorded beat, for
+    which body and muscles were found.
+    """
     i = live.fish[slot]
     kind, wanted = fishes.species[i], fishes.wanted_segment[i]
     yaw = bodies.turn_rate[kind, wanted] + fishes.steering[i, 0] / fishes.rate[i]
@@ -140,11 +152,13 @@ def _ease_muscles(fishes: Fishes, bodies: Bodies, live: Live, slot: int) -> None
         ease = BEND_EASE * bodies.bend[kind, k]
         gap = share * bodies.bend[kind, k] - live.bend[slot, k]
         live.bend[slot, k] += min(max(gap, -ease), ease)
-    amplitude = bodies.amplitude[kind, wanted]
+    speed = library.speed[kind, wanted] * fishes.tempo[i] * max(fishes.thrust[i], 0.0)
+    speed += SPEED_GAIN * (speed - live.speed[slot])
+    amplitude = np.interp(speed, bodies.speed[kind], bodies.amplitude[kind])
     amplitude += abs(share) * max(bodies.turning_amplitude[kind] - amplitude, 0.0)
-    amplitude *= min(max(fishes.thrust[i], 0.0), 1.0)
     gap = amplitude - live.amplitude[slot]
     live.amplitude[slot] += min(max(gap, -AMPLITUDE_EASE), AMPLITUDE_EASE)
+    live.tempo[slot] += min(max(1.0 - live.tempo[slot], -TEMPO_EASE), TEMPO_EASE)
 
 
 @njit(cache=True, error_model="numpy")
@@ -170,15 +184,22 @@ def fin_force(fishes: Fishes, bodies: Bodies, i: int, v: Array) -> Array:
     """Force (23, 3) of the pectoral fins at node velocities v (23, 3; cm/tu): Tu §4.6.2.
 
     As `biomechanics.fins.balance` and `pectoral_force` do, they right a roll, but pitch toward
-    the climb that is asked for; of a fish that is to slow down they also brake.
+    the climb that is asked for; of a fish that is to slow down they also brake. A slow fish rows
+    with them, so that water passes them all the same.
     """
-    q = _quaternion(fishes.orientation[i])
+    q, before = _quaternion(fishes.orientation[i]), _quaternion(fishes.previous_orientation[i])
     x, y = rotate(q, (1.0, 0.0, 0.0)), rotate(q, (0.0, 1.0, 0.0))
-    roll = ROLL_GAIN * rotate(q, (0.0, 0.0, 1.0))[2]
     # The controller's rate of pitch is in proportion to the angle between nose and goal.
     lift = PITCH_GAIN / STEER_GAIN * fishes.steering[i, 1] / fishes.rate[i]
     u = (v[1:13, 0].mean(), v[1:13, 1].mean(), v[1:13, 2].mean())
-    speed = math.sqrt(_dot(u, u))
+    ahead = _dot(u, x)
+    row = max(SCULL_SPEED - ahead, 0.0)
+    w = (u[0] + row * x[0], u[1] + row * x[1], u[2] + row * x[2])
+    speed = math.sqrt(_dot(w, w))
+    # The faster the water, the less the fins need to tilt: the beat itself makes B wobble.
+    lean = rotate(q, (0.0, 0.0, 1.0))[2]
+    swing = lean - rotate(before, (0.0, 0.0, 1.0))[2]
+    roll = ROLL_GAIN * (lean + ROLL_LEAD * swing) * min((SCULL_SPEED / speed) ** 2, 1.0)
     area = bodies.fin_area[fishes.species[i]]
     brake = min(max(1.0 - fishes.thrust[i], 0.0), 1.0)
     force = np.zeros((NODES, 3))
@@ -187,16 +208,21 @@ def fin_force(fishes: Fishes, bodies: Bodies, i: int, v: Array) -> Array:
         tilt = min(max(tilt, -STEEPEST), STEEPEST)
         c, s = -math.sin(tilt), math.cos(tilt)  # of π/2, edge-on, and the tilt
         normal = (c * x[0] + s * y[0], c * x[1] + s * y[1], c * x[2] + s * y[2])
-        push = -area / 6.0 * speed * _dot(u, normal)
-        hold = -area / 6.0 * speed * brake * max(_dot(u, x), 0.0)
+        push = -area / 6.0 * speed * _dot(w, normal)
+        # What rowing takes from the way on the stroke ahead it gives back on the stroke astern.
+        along = push * c * min(max(ahead / SCULL_SPEED, 0.0), 1.0)
+        along -= area / 6.0 * brake * max(ahead, 0.0) ** 2
         for axis in range(3):
-            force[node, axis] = push * normal[axis] + hold * x[axis]
+            force[node, axis] = push * s * y[axis] + along * x[axis]
     return force
 
 
 @njit(cache=True, error_model="numpy")
 def _settle(fishes: Fishes, live: Live, slot: int, rows: int, flow: Array, dt: float) -> None:
-    """Read body frame and pose from the nodes, and write them where playback would."""
+    """Read body frame and pose from the nodes, and write them where playback would.
+
+    `rows` is the number of recorded rows, behind which the slots' own begin.
+    """
     i = live.fish[slot]
     x = live.x[slot]
     q, o = frame_of(x)

@@ -29,7 +29,8 @@ TEMPO = (0.75, 1.3)  # how far a segment's rate may be bent to meet a speed
 def play(fishes: Fishes, library: Library, flow: Array, dt: float) -> None:
     """Advance every fish by one tick of recorded motion, steering, balance and current.
 
-    Fishes that are simulated have moved already (`motor/dynamics.py`). `flow` (3,) is the water's velocity in cm/s.
+    Fishes that are simulated have moved already (`motor/dynamics.py`). `flow`
+    (3,) is the water's velocity in cm/s.
     """
     per_second = 1.0 / dt
     for i in range(len(fishes.species)):

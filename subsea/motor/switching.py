@@ -4,6 +4,7 @@ SMC §9.1 leaves this as future work: fishes near the viewer simulated, all othe
 """
 
 import math
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,11 +13,20 @@ from numpy.typing import NDArray
 from subsea.biomechanics.solver import TIME_UNIT_S
 from subsea.kinematics.rotation import matrix
 from subsea.motor.balance import roll_of
-from subsea.motor.controller import FAST, LEFT_GRADUAL, RIGHT_GRADUAL
-from subsea.motor.dynamics import TICK_TU, Bodies, swim_live
+from subsea.motor.controller import RIGHT_GRADUAL
+from subsea.motor.dynamics import TICK_TU, Bodies, make_bodies, swim_live
 from subsea.motor.playback import TEMPO
+from subsea.repertoire import SEGMENTS, Repertoire
 from subsea.repertoire.library import Library
-from subsea.repertoire.transitions import Motion, gentlest, node_velocity, rotation_vectors
+from subsea.repertoire.transitions import (
+    Motion,
+    gentlest,
+    motion_of,
+    node_velocity,
+    rotation_vectors,
+    usual_change,
+)
+from subsea.species import Species
 from subsea.state import Fishes, Live
 
 Array = NDArray[np.floating[Any]]
@@ -25,6 +35,8 @@ Ints = NDArray[np.integer[Any]]
 REVIEW_TICKS = 10  # how often the choice of fishes is thought over
 MIN_STAY_S = 4.0  # a fish that changed over stays for so long at least
 KEEP = 1.25  # a fish that is simulated counts as nearer than it is by this factor
+GENTLE = 1.2  # a fish leaves the simulation when no node is jerked by more than usual, this often
+MAX_WAIT_TICKS = 45  # ... or after three beats
 HOVERING = 0.2  # thrust below which a fish is played back: backing off is not in the muscles
 
 
@@ -33,7 +45,23 @@ class Dynamics(NamedTuple):
 
     bodies: Bodies
     motion: Motion  # R rows
+    usual: Array  # (S, 7) the largest change of a node's velocity in each segment, cm per frame²
     reach_cm: float  # fishes farther from the viewer are played back
+
+
+def make_dynamics(
+    species: Sequence[Species], repertoires: Sequence[Repertoire], library: Library,
+    reach_cm: float,
+) -> Dynamics:  # fmt: skip
+    """The constants of these species, in the order of the library that they were packed to."""
+    motions = [[motion_of(r.segments[name]) for name in SEGMENTS] for r in repertoires]
+    every = [motion for row in motions for motion in row]
+    return Dynamics(
+        make_bodies(species, library.speed),
+        Motion(*(np.concatenate(tables) for tables in zip(*every, strict=True))),
+        np.array([[usual_change(motion) for motion in row] for row in motions]),
+        reach_cm,
+    )
 
 
 def swim(
@@ -50,9 +78,12 @@ def swim(
     _free(fishes, live, len(dynamics.motion.nodes))
     if tick % REVIEW_TICKS == 0:
         _review(fishes, library, dynamics, live, viewer)
-    sound = swim_live(fishes, dynamics.bodies, live, len(dynamics.motion.nodes), flow, dt)
+    for slot in np.flatnonzero(live.waiting):
+        _try_to_leave(fishes, library, dynamics, live, int(slot))
+    sound = swim_live(fishes, library, dynamics.bodies, live, flow, dt)
     for slot in np.flatnonzero(~sound):
-        to_playback(fishes, library, dynamics, live, int(slot))
+        way = way_back(fishes, library, dynamics, live, int(slot))
+        to_playback(fishes, library, live, int(slot), way)
 
 
 def _free(fishes: Fishes, live: Live, rows: int) -> None:
@@ -75,7 +106,7 @@ def _review(
     settled = fishes.stay > MIN_STAY_S
     for slot, i in enumerate(live.fish):
         if i >= 0 and fishes.live[i] and not chosen[i] and settled[i]:
-            to_playback(fishes, library, dynamics, live, slot)
+            live.waiting[slot] = max(live.waiting[slot], 1)
     free = [int(slot) for slot in np.flatnonzero(live.fish < 0)]
     waiting = chosen & settled & ~fishes.live & ~np.isin(np.arange(len(chosen)), live.fish)
     for i in nearest:
@@ -112,13 +143,16 @@ def to_live(
     x = nodes @ R.T
     yaw, pitch = fishes.steering[i].astype(np.float64) * TIME_UNIT_S / rate
     spin = np.array([0.0, 0.0, yaw]) + pitch * R[:, 2]
-    live.fish[slot] = i
+    live.fish[slot], live.waiting[slot] = i, 0
     live.x[slot] = x
     live.v[slot] = tempo * velocity @ R.T / TICK_TU + np.cross(spin, x)
     begin = math.pi if segment == RIGHT_GRADUAL else 0.0
     row = a - library.first[kind, segment] + 1
     live.phase[slot] = (begin + 2.0 * math.pi * (row + w) / bodies.beat[kind]) % (2.0 * math.pi)
-    live.amplitude[slot] = bodies.amplitude[kind, segment]
+    live.amplitude[slot] = np.interp(
+        library.speed[kind, segment], bodies.speed[kind], bodies.amplitude[kind]
+    )
+    live.tempo[slot] = tempo
     live.bend[slot] = bodies.bend[kind] * bodies.turn_rate[kind, segment] / bodies.bend_rate[kind]
     live.speed[slot] = library.speed[kind, segment] * tempo * float(fishes.thrust[i])
     # The present pose becomes the slot's first row, the next one is yet to be swum.
@@ -131,35 +165,65 @@ def to_live(
     fishes.live[i], fishes.stay[i] = True, 0.0
 
 
-def to_playback(
+def _try_to_leave(
     fishes: Fishes, library: Library, dynamics: Dynamics, live: Live, slot: int
 ) -> None:
-    """Hand the fish of a slot back: it glides from its last pose to where that is gentlest.
+    """Leave if that is gentle enough now, or if the fish has waited for long."""
+    way = way_back(fishes, library, dynamics, live, slot)
+    usual = dynamics.usual[fishes.species[live.fish[slot]], way.segment]
+    live.waiting[slot] += 1
+    if way.change <= GENTLE * usual or live.waiting[slot] > MAX_WAIT_TICKS:
+        to_playback(fishes, library, live, slot, way)
 
-    The glide keeps the speed, as between two segments. The slot stays taken till its end.
-    """
-    i = int(live.fish[slot])
-    kind, rows = int(fishes.species[i]), len(dynamics.motion.nodes)
-    here, before = int(fishes.row_a[i]) - rows, int(fishes.row_b[i]) - rows
+
+class WayBack(NamedTuple):
+    """A glide from a simulated pose to a recorded row."""
+
+    segment: int
+    row: int
+    frames: int
+    change: float  # of any node's velocity at the ends of the glide, cm per frame²
+
+
+def way_back(
+    fishes: Fishes, library: Library, dynamics: Dynamics, live: Live, slot: int
+) -> WayBack:
+    """The gentlest glide of the fish in a slot to any row of a cyclic segment."""
+    i = live.fish[slot]
+    kind, rows = fishes.species[i], len(dynamics.motion.nodes)
+    here, before = fishes.row_a[i] - rows, fishes.row_b[i] - rows
     nodes = live.nodes[[here]].astype(np.float64)
     shift = live.translation[[here]].astype(np.float64)
     spin = rotation_vectors(live.rotation[[here]].astype(np.float64))
     own = (nodes - live.nodes[[before]]) / float(fishes.rate[i])
     arriving = node_velocity(own, shift, spin, nodes)
-    speed = max(float(live.speed[slot]), 1e-3)
-    segments = [*range(FAST + 1), LEFT_GRADUAL, RIGHT_GRADUAL]
     goals = np.concatenate(
-        [library.first[kind, s] + np.arange(library.length[kind, s]) for s in segments]
+        [
+            first + np.arange(length)
+            for first, length, cyclic in zip(
+                library.first[kind], library.length[kind], library.cyclic[kind], strict=True
+            )
+            if cyclic
+        ]
     )
-    goal, frames, _ = gentlest(
-        Motion(nodes, shift, spin, arriving, arriving), 0, dynamics.motion, goals
-    )
-    segment = int(np.flatnonzero(library.first[kind] <= goal).max())
-    fishes.row_b[i], fishes.span[i], fishes.weight[i] = goal, frames, 0.0
-    fishes.segment[i] = segment
+    present = Motion(nodes, shift, spin, arriving, arriving)
+    row, frames, change = gentlest(present, 0, dynamics.motion, goals)
+    segment = int(np.flatnonzero(library.first[kind] <= row).max())
+    return WayBack(segment, int(row), int(frames), float(change))
+
+
+def to_playback(fishes: Fishes, library: Library, live: Live, slot: int, way: WayBack) -> None:
+    """Hand the fish of a slot back: it glides from its last pose to a recorded row.
+
+    The glide keeps the speed, as between two segments. The slot stays taken till its end.
+    """
+    i = int(live.fish[slot])
+    fishes.row_b[i], fishes.span[i], fishes.weight[i] = way.row, way.frames, 0.0
+    fishes.segment[i] = way.segment
     fishes.glide_tempo[i], fishes.glide_thrust[i] = 1.0, 1.0
-    exact = speed / float(library.speed[kind, segment])
+    recorded = float(library.speed[fishes.species[i], way.segment])
+    exact = max(float(live.speed[slot]), 0.0) / recorded
     fishes.tempo[i] = min(max(exact, TEMPO[0]), TEMPO[1])
     fishes.thrust[i] = exact / fishes.tempo[i]
     fishes.roll[i] = roll_of(tuple(fishes.orientation[i].astype(np.float64)))
-    fishes.live[i], fishes.stay[i] = False, 0.0
+    fishes.live[i], fishes.stay[i], live.waiting[slot] = False, 0.0, 0

@@ -199,11 +199,19 @@ class Fishes:
                 self._arrays[kind, level] = (array, mesh)
 
     def upload(self, packet: Packet) -> None:
-        """Send the instance records; the old buffer's contents are orphaned, never waited for."""
+        """Send instance records, and the control points of fishes that are simulated.
+
+        The old instances are orphaned, never waited for.
+        """
         size = max(packet.instances.nbytes, INSTANCE_COLUMNS * 4)
         self._instances.orphan(size)
         if len(packet.instances):
             self._instances.write(packet.instances.tobytes())
+        rows, points = packet.live_points.shape[:2]
+        if rows:
+            texels = np.zeros((rows, points, 4), "f4")
+            texels[..., :3] = packet.live_points
+            self._table.write(texels.tobytes(), viewport=(0, packet.live_row, points, rows))
 
     def draw(self, packet: Packet, view: View, uniforms: dict[str, Any]) -> int:
         """Draw all bodies, then all fins, into the bound framebuffer; the number of triangles.

@@ -32,19 +32,18 @@ class Library(NamedTuple):
     entry: Ints  # (R, 7) int32, row at which a segment is entered from each row ...
     glide: Ints  # (R, 7) int32, ... and how many frames that takes
     leave: NDArray[np.bool_]  # (R, 7), whether this row is a good one to leave for a segment
+    skin: Array  # (S, 426, 23) float32, control points from nodes
     recorded_length: Array  # (S,) float32, cm
     bounding_radius: Array  # (S,) float32, body lengths
 
 
-def pack(
-    repertoires: Sequence[Repertoire], rest_points: Sequence[Array], live: int = 0
-) -> Library:
+def pack(repertoires: Sequence[Repertoire], rest_points: Sequence[Array], live: int = 0) -> Library:
     """Lay the repertoires out in flat arrays, with rows for `live` fishes that are simulated.
 
     `rest_points` (426, 3) per species serves those whose file carries no control points: they
     are made from the nodes. A repertoire that lacks one of the seven segments is a UserError.
     """
-    rotation, translation, nodes, points = [], [], [], []
+    rotation, translation, nodes, points, skin = [], [], [], [], []
     plans: list[Transitions] = []
     first, length, cyclic, speed, turn = [], [], [], [], []
     row = 0
@@ -71,6 +70,7 @@ def pack(
                 else segment.control_points
             )
         plan = plan_transitions(segments)
+        skin.append(weights)
         plans.append(plan._replace(entry=starts[0] + plan.entry))
     return Library(
         rotation=_table(rotation, live),
@@ -85,6 +85,7 @@ def pack(
         entry=np.concatenate([p.entry for p in plans]).astype(np.int32),
         glide=np.concatenate([p.frames for p in plans]).astype(np.int32),
         leave=np.concatenate([p.leave for p in plans]),
+        skin=np.array(skin, np.float32),
         recorded_length=np.array([r.body_length_cm for r in repertoires], np.float32),
         bounding_radius=np.array(
             [max(s.bounding_radius_bl for s in r.segments.values()) for r in repertoires],

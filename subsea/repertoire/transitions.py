@@ -6,7 +6,6 @@ the next segment and all lengths, the largest change of any node's velocity at t
 the glide is made smallest, as a share of what happens inside the two segments anyway.
 """
 
-from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -44,8 +43,8 @@ class Motion(NamedTuple):
 
 def plan_transitions(segments: list[Segment]) -> Transitions:
     """The best transitions between all segments of one species."""
-    motions = [_motion(segment) for segment in segments]
-    usual = [_usual_change(motion) for motion in motions]
+    motions = [motion_of(segment) for segment in segments]
+    usual = [usual_change(motion) for motion in motions]
     starts = np.concatenate([[0], np.cumsum([len(m.nodes) for m in motions])])
     shape = (int(starts[-1]), len(segments))
     entry = np.broadcast_to(starts[:-1], shape).copy()
@@ -65,13 +64,8 @@ def plan_transitions(segments: list[Segment]) -> Transitions:
     return Transitions(entry, frames, leave)
 
 
-def motion_of(segments: Iterable[Segment]) -> Motion:
-    """The rows of several segments, one after another."""
-    parts = [_motion(segment) for segment in segments]
-    return Motion(*(np.concatenate(tables) for tables in zip(*parts, strict=True)))
-
-
-def _motion(segment: Segment) -> Motion:
+def motion_of(segment: Segment) -> Motion:
+    """The rows of one segment."""
     nodes, shift = segment.nodes, segment.increment_translation
     spin = rotation_vectors(segment.increment_rotation)
     own = np.diff(np.concatenate([nodes[-1:], nodes]), axis=0)
@@ -95,7 +89,7 @@ def rotation_vectors(quaternions: Array) -> Array:
     return np.asarray(2.0 * q[:, 1:])
 
 
-def _usual_change(motion: Motion) -> float:
+def usual_change(motion: Motion) -> float:
     """The largest change of any node's velocity between frames inside the segment."""
     return float(np.linalg.norm(motion.leaving - motion.arriving, axis=2)[:-1].max())
 
@@ -124,9 +118,7 @@ def gentlest(here: Motion, row: int, there: Motion, goals: Ints) -> tuple[int, i
 
 
 @njit(cache=True)
-def _carried(
-    here: Motion, row: int, there: Motion, goal: int, share: float, node: Array
-) -> Array:
+def _carried(here: Motion, row: int, there: Motion, goal: int, share: float, node: Array) -> Array:
     """How the gliding body frame carries a node: the increments of both rows are blended."""
     shift = (1.0 - share) * here.shift[row] + share * there.shift[goal]
     spin = (1.0 - share) * here.spin[row] + share * there.spin[goal]
