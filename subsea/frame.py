@@ -137,8 +137,10 @@ def _skin_live(world: World, order: Ints) -> Array:
     Slots of fishes that are not in sight keep what they held.
     """
     live, library = world.state.live, world.library
-    seen = np.isin(live.fish, order)
     table = library.control_points[len(library.entry) :]
+    if not len(table):
+        return table
+    seen = np.isin(live.fish, order)
     pairs = table.reshape(len(seen), 2, *table.shape[1:])
     nodes = live.nodes.reshape(len(seen), 2, *live.nodes.shape[1:])
     kinds = world.state.fishes.species[live.fish[seen]]

@@ -60,7 +60,7 @@ class Fishes(NamedTuple):
     monotony: Array  # (n,) float32, s in the same segment
     recommended: Ints  # (n,) int8, code of the swim recommended against monotony, -1 for none
     live: NDArray[np.bool_]  # (n,), whether it is simulated rather than played back
-    stay: Array  # (n,) float32, s since that changed
+    stay: Array  # (n,) float32, s since that changed, infinite if it never did
 
     # Written by perception.
     neighbour: Ints  # (n, NEIGHBOURS) int32, nearest first, -1 for none
@@ -120,7 +120,7 @@ class State:
 
 
 def empty_fishes(n: int) -> Fishes:
-    """Arrays for n fishes, all zero but for unit quaternions and spans of one frame."""
+    """Arrays for n fishes, all zero but for unit quaternions, spans of one frame and stays."""
 
     def zeros(dtype: type, *shape: int) -> NDArray[Any]:
         return np.zeros((n, *shape), dtype)
@@ -142,7 +142,7 @@ def empty_fishes(n: int) -> Fishes:
         steering=zeros(f, 2), roll=zeros(f), fin_phase=zeros(f), pectoral=zeros(f, 2),
         breath=zeros(f), mouth=zeros(f),
         monotony=zeros(f), recommended=zeros(np.int8) - np.int8(1),
-        live=zeros(np.bool_), stay=zeros(f),
+        live=zeros(np.bool_), stay=zeros(f) + np.float32(np.inf),
         neighbour=zeros(i, NEIGHBOURS) - 1,
         intention=zeros(u), waypoint=zeros(f, 3), patience=zeros(f),
         goal_direction=zeros(f, 3), goal_speed=zeros(f),

@@ -70,3 +70,39 @@ def test_the_ends_of_the_interval_are_the_ticks(world, alpha, prefix):
     ).sum(axis=1)
     np.testing.assert_allclose(np.abs(turn), 1.0, atol=1e-5)
     assert packet.time_s == pytest.approx((39 + alpha) * TICK_S)
+
+
+@pytest.fixture(scope="module")
+def lively():
+    """A world in which every fish is simulated."""
+    world = create_world(load_scenario("peaceful")[0], live=60, live_reach_cm=np.inf)
+    for _ in range(600):
+        step(world, Helm(surge=0.5))
+        if world.state.fishes.live.all():
+            break
+    assert world.state.fishes.live.all()
+    return world
+
+
+def test_simulated_fishes_bring_their_own_rows(lively):
+    packet = _pack(lively, 1.0, culling=False)
+    fishes, library, live = lively.state.fishes, lively.library, lively.state.live
+    assert packet.live_row == len(library.entry)
+    assert packet.live_points.shape == (120, 426, 3)
+    for slot, i in enumerate(live.fish):
+        for row in (2 * slot, 2 * slot + 1):
+            expected = library.skin[fishes.species[i]] @ live.nodes[row]
+            np.testing.assert_allclose(packet.live_points[row], expected, atol=1e-5)
+
+
+def test_between_ticks_a_simulated_fish_mixes_its_last_two_poses(lively):
+    packet = _pack(lively, 0.25, culling=False)
+    rows = packet.instances[:, [frame.ROW_A, frame.ROW_B]].astype(int) - packet.live_row
+    assert (rows >= 0).all()
+    np.testing.assert_array_equal(rows[:, 0] // 2, rows[:, 1] // 2)
+    np.testing.assert_array_equal(np.abs(rows[:, 0] - rows[:, 1]), 1)
+    np.testing.assert_allclose(packet.instances[:, frame.WEIGHT], 0.25, atol=1e-6)
+
+
+def test_without_simulated_fishes_the_packet_has_no_rows(world):
+    assert len(_pack(world).live_points) == 0

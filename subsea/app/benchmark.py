@@ -35,7 +35,7 @@ STAGES = (
     "present",
 )
 WARM_UP_FRAMES = 30
-LIVE_WARM_UP_TICKS = 300  # until fishes that are to be simulated have come out of their turns
+LIVE_WARM_UP_TICKS = 900  # at most, until all that are to be simulated have come out of turns
 
 
 def benchmark(
@@ -88,6 +88,8 @@ def measure(
     levels = np.zeros(len(LEVELS))
     simulated = 0
     for _ in range(LIVE_WARM_UP_TICKS if len(world.state.live.fish) else 0):
+        if world.state.fishes.live.all():
+            break
         step(world, tour_helm(world))
     triangles = visible = 0
     for k in tqdm(range(-WARM_UP_FRAMES, frames), unit="frame", disable=None, leave=False):

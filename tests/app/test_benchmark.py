@@ -14,16 +14,22 @@ SMALL = ["benchmark", "--frames", "5", "--size", "160x120", "--fish", "20"]
 @pytest.fixture(scope="module")
 def reports(tmp_path_factory):
     folder = tmp_path_factory.mktemp("reports")
-    for name, more in (("with", []), ("without", ["--without", "culling,lod"])):
+    options = {
+        "with": [],
+        "without": ["--without", "culling,lod"],
+        "live": ["--motor", "dynamics"],
+    }
+    for name, more in options.items():
         assert main([*SMALL, "--json", str(folder / f"{name}.json"), *more]) == 0
-    return {name: json.loads((folder / f"{name}.json").read_text()) for name in ("with", "without")}
+    return {name: json.loads((folder / f"{name}.json").read_text()) for name in options}
 
 
 def test_the_report_has_the_agreed_keys(reports):
     report = reports["with"]
     assert set(report) == {
         "renderer", "size", "display", "scenario", "fish", "visible_mean", "frames", "seed",
-        "version", "without", "frame_ms", "fps", "stages_ms", "lod", "triangles_mean",
+        "version", "without", "motor", "simulated_mean", "frame_ms", "fps", "stages_ms", "lod",
+        "triangles_mean",
     }  # fmt: skip
     assert set(report["frame_ms"]) == {"mean", "p50", "p95", "p99", "max"}
     assert tuple(report["stages_ms"]) == STAGES
@@ -45,6 +51,26 @@ def test_without_culling_and_levels_all_fishes_are_drawn_in_full(reports):
     assert full["visible_mean"] == 20.0
     assert full["lod"]["tessellated"] == 20.0
     assert full["triangles_mean"] > reports["with"]["triangles_mean"]
+
+
+def test_with_dynamics_every_fish_is_simulated(reports):
+    assert (reports["with"]["motor"], reports["live"]["motor"]) == ("playback", "dynamics")
+    assert reports["with"]["simulated_mean"] == 0.0
+    assert reports["live"]["simulated_mean"] == 20.0
+    assert reports["live"]["stages_ms"]["motor"] > 3 * reports["with"]["stages_ms"]["motor"]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--motor", "steam"], "unknown motor 'steam'"),
+        (["--motor", "dynamics", "--fish", "4001"], "at most 4000"),
+    ],
+)
+def test_a_motor_that_cannot_be_is_a_fault_in_one_line(capsys, options, message):
+    assert main(["benchmark", *options]) == 2
+    fault = capsys.readouterr().err.splitlines()[-1]
+    assert message in fault
 
 
 def test_the_summary_of_known_durations():

@@ -34,6 +34,12 @@ def test_matrix_and_back(q):
     assert back[0] >= 0
 
 
+@given(quaternions)
+def test_the_rotation_of_three_axes_is_that_of_their_matrix(q):
+    x, y, z = (tuple(axis) for axis in rot.matrix(q).T)
+    np.testing.assert_allclose(abs(np.array(rot.of_axes(x, y, z)) @ q), 1.0, atol=1e-12)
+
+
 def test_half_turns_survive_the_way_through_a_matrix():
     for axis in np.eye(3):
         q = np.array([0.0, *axis])

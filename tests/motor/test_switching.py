@@ -1,83 +1,178 @@
 """Switching between playback and simulation: unseen, bounded by the budget, repeatable."""
 
-from itertools import product
-
 import numpy as np
 import pytest
 
 from subsea.body.pose import nodes_world
-from subsea.motor.controller import command
-from subsea.motor.playback import play
-from subsea.motor.switching import make_dynamics, may_go_live, swim, to_live
-from subsea.repertoire import SEGMENTS, read_repertoire
-from subsea.repertoire.library import pack
-from subsea.resources import resource_path
-from subsea.species import load_species, species_names
-from subsea.state import empty_fishes, empty_live
+from subsea.motor.switching import KEEP, MAX_WAIT_TICKS, MIN_STAY_S, may_go_live
+from subsea.ocean import create_world, step
+from subsea.repertoire import SEGMENTS
+from subsea.scenario import load_scenario
+from subsea.species import species_names
+from subsea.state import digest
+from subsea.submarine.helm import HANDS_OFF, Helm
 
 TICK = 0.033
-STILL = np.zeros(3)
 LIMIT = 2.0  # times the largest change of velocity that playback itself makes
 CYCLIC = [name for name in SEGMENTS if "sharp" not in name]
-DIRECTIONS = {"swim": 0.0, "left": np.radians(50.0), "right": np.radians(-50.0)}
 
 
-class Tank:
-    """One fish of a species in still water, playback and simulation, at a goal of one's choice."""
-
-    def __init__(self, species, scale=1.0):
-        repertoire = read_repertoire(resource_path("repertoires") / f"{species}.h5")
-        self.library = pack([repertoire], [np.zeros((426, 3))], live=1)
-        self.dynamics = make_dynamics([load_species(species)], [repertoire], self.library, np.inf)
-        rows = len(self.library.entry)
-        tables = (self.library.rotation, self.library.translation, self.library.nodes)
-        self.live = empty_live(*(table[rows:] for table in tables))
-        self.fishes = empty_fishes(1)
-        self.fishes.scale[:] = scale
-        self.fishes.rate[:] = scale**-0.5
-        self.fishes.length[:] = scale * self.library.recorded_length[0]
-        self.tick = 1  # not one at which the choice is thought over
-
-    def put(self, name, row=0):
-        code = SEGMENTS.index(name)
-        first, length = self.library.first[0, code], self.library.length[0, code]
-        f = self.fishes
-        f.segment[:] = f.wanted_segment[:] = code
-        f.row_a[:], f.row_b[:] = first + row, first + (row + 1) % length
-        f.orientation[:] = np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0
-        self.aim(0.0, self.library.speed[0, code] / self.library.speed[0, 2])
-        return self
-
-    def aim(self, azimuth, speed, climb=0.0):
-        c = np.cos(climb)
-        self.fishes.goal_direction[:] = np.cos(azimuth) * c, np.sin(azimuth) * c, np.sin(climb)
-        self.fishes.goal_speed[:] = speed
-
-    def step(self, ticks, obey=True):
-        """Nodes (ticks, 23, 3) of every tick."""
-        path = []
-        for _ in range(ticks):
-            f = self.fishes
-            if obey:
-                command(f, self.library, 1, self.tick, TICK)
-            swim(f, self.library, self.dynamics, self.live, STILL, STILL, 10 * self.tick + 1, TICK)
-            play(f, self.library, STILL, TICK)
-            self.tick += 1
-            path.append(nodes_world(f, self.library, 0))
-        return np.array(path)
-
-    def to_live(self):
-        to_live(self.fishes, self.library, self.dynamics, self.live, 0, 0)
-
-    def leave(self):
-        self.live.waiting[0] = 1
-
-
-def changes(path):
+def _changes(path):
     """The largest change of any node's velocity at each frame, cm per tick²."""
     return np.linalg.norm(np.diff(path, 2, axis=0), axis=2).max(axis=1)
 
 
-def steps(path):
+def _steps(path):
     """The largest step of any node at each frame, cm."""
     return np.linalg.norm(np.diff(path, axis=0), axis=2).max(axis=1)
+
+
+@pytest.mark.parametrize("name", CYCLIC)
+@pytest.mark.parametrize("species", species_names())
+def test_going_live_jerks_no_node_at_any_phase(make_tank, species, name):
+    for row in range(14):
+        tank = make_tank(species).put(name, row)
+        before = tank.step(16, obey=False)
+        tank.to_live()
+        path = np.concatenate([before, tank.step(30, obey=False)])
+        assert tank.fishes.live[0]
+        assert _changes(path)[13:].max() <= LIMIT * _changes(before).max()
+        assert _steps(path).max() <= 1.3 * _steps(before).max()
+
+
+@pytest.mark.parametrize("scale", [0.8, 1.0, 1.4])
+@pytest.mark.parametrize("species", species_names())
+def test_at_random_goals_no_one_notices_either_change(make_tank, species, scale):
+    tank = make_tank(species, scale).put("swim_fast")
+    usual = _changes(tank.step(40)).max()
+    rng = np.random.default_rng(3)
+    for _ in range(20):
+        tank.aim(rng.uniform(-np.pi, np.pi), rng.uniform(0.1, 1.0), rng.uniform(-0.6, 0.6))
+        before = tank.step(rng.integers(5, 60))
+        while tank.live.fish[0] >= 0 or not may_go_live(tank.fishes, tank.library, 0):
+            before = np.concatenate([before, tank.step(1)])
+        tank.to_live()
+        live = tank.step(rng.integers(30, 200))
+        assert tank.fishes.live[0]
+        tank.leave()
+        after = tank.step(MAX_WAIT_TICKS + 20)
+        assert not tank.fishes.live[0]
+        path = np.concatenate([before[-3:], live, after])
+        assert _changes(path).max() <= LIMIT * usual
+
+
+def test_a_fish_that_leaves_keeps_its_speed(make_tank):
+    tank = make_tank("fusilier").put("swim_medium")
+    tank.to_live()
+    tank.step(120)
+    before = tank.step(14)
+    tank.leave()
+    tank.step(MAX_WAIT_TICKS)
+    after = tank.step(14)
+    speeds = [np.linalg.norm(path[-1] - path[0], axis=1).mean() for path in (before, after)]
+    assert speeds[1] == pytest.approx(speeds[0], rel=0.12)
+
+
+@pytest.mark.parametrize("fault", ["torn", "lost"])
+def test_a_body_that_loses_its_shape_is_played_back_at_once(make_tank, fault):
+    tank = make_tank("emperor_angelfish").put("swim_medium")
+    tank.to_live()
+    before = tank.step(60)
+    tank.live.v[0, 21] = (0.0, 0.0, 400.0) if fault == "torn" else np.nan
+    path = np.concatenate([before, tank.step(60)])
+    assert not tank.fishes.live[0]
+    assert tank.live.fish[0] == -1
+    assert _steps(path).max() <= 1.3 * _steps(before).max()
+
+
+def test_the_slot_is_kept_until_the_glide_is_over(make_tank):
+    tank = make_tank("fusilier").put("swim_slow")
+    tank.to_live()
+    tank.step(20)
+    tank.leave()
+    recorded = len(tank.library.entry)
+    while tank.live.fish[0] >= 0:
+        tank.step(1)
+    rows = [tank.fishes.row_a, tank.fishes.row_b, tank.fishes.previous_row_a]
+    assert max(int(row[0]) for row in rows) < recorded
+
+
+def test_fishes_in_sharp_turns_or_glides_are_not_taken(make_tank):
+    assert not may_go_live(*_fish(make_tank, "turn_left_sharp"), 0)
+    fishes, library = _fish(make_tank, "swim_fast")
+    assert may_go_live(fishes, library, 0)
+    fishes.span[:] = 6
+    assert not may_go_live(fishes, library, 0)
+
+
+def _fish(make_tank, name):
+    tank = make_tank("fusilier").put(name)
+    return tank.fishes, tank.library
+
+
+def _world(**options):
+    return create_world(load_scenario("peaceful")[0], seed=5, **options)
+
+
+def test_the_nearest_are_simulated_and_no_more_than_asked_for():
+    world = _world(live=8)
+    fishes = world.state.fishes
+    since = np.full(len(fishes.live), -np.inf)
+    simulated = 0
+    for tick in range(600):
+        was = fishes.live.copy()
+        step(world, HANDS_OFF)
+        assert fishes.live.sum() <= (world.state.live.fish >= 0).sum() <= 8
+        changed = was != fishes.live
+        assert (tick - since[changed] > MIN_STAY_S / TICK - 2).all()
+        since[changed] = tick
+        simulated += fishes.live.sum()
+    assert simulated > 0
+    away = np.linalg.norm(fishes.position - world.state.submarine.position, axis=1)
+    reach = world.dynamics.reach_cm
+    assert (away[fishes.live] < KEEP * reach + 100).all()
+
+
+def test_nobody_is_simulated_far_away_or_without_a_budget():
+    for world in (_world(live=8, live_reach_cm=1.0), _world()):
+        for _ in range(200):
+            step(world, HANDS_OFF)
+        assert not world.state.fishes.live.any()
+
+
+def test_equal_seeds_are_equal_worlds_with_simulated_fishes_too():
+    digests = []
+    for _ in range(2):
+        world = _world(live=12, live_reach_cm=np.inf)
+        for _ in range(250):
+            step(world, Helm(surge=0.4))
+        assert world.state.fishes.live.any()
+        digests.append(digest(world.state))
+    assert digests[0] == digests[1]
+
+
+def test_a_minute_of_nothing_but_simulation():
+    """All fishes live: sound, inside the sea, upright, and about as fast as in playback."""
+    worlds = [_world(live=60, live_reach_cm=np.inf), _world()]
+    speeds = []
+    for world in worlds:
+        speed = []
+        for _ in range(1800):
+            step(world, Helm(surge=0.4, yaw=0.1))
+            speed.append(np.linalg.norm(world.state.fishes.velocity, axis=1).mean())
+        speeds.append(np.mean(speed[300:]))
+    fishes, bounds = worlds[0].state.fishes, worlds[0].scenario.bounds
+    assert fishes.live.all()
+    assert fishes.stay.min() > 30.0
+    assert np.isfinite(fishes.position).all()
+    assert np.hypot(fishes.position[:, 0], fishes.position[:, 1]).max() < bounds.radius_cm
+    assert speeds[0] == pytest.approx(speeds[1], rel=0.25)
+
+
+def test_nodes_lie_where_the_simulation_has_them(make_tank):
+    tank = make_tank("fusilier", 1.3).put("swim_fast")
+    tank.to_live()
+    tank.step(20)
+    nodes = nodes_world(tank.fishes, tank.library, 0)
+    expected = tank.fishes.position[0] + tank.fishes.scale[0] * tank.live.x[0]
+    np.testing.assert_allclose(nodes, expected, atol=1e-3)

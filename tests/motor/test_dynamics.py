@@ -1,0 +1,186 @@
+"""Simulated fishes: the kernel against the plain simulation, and what the controller gets."""
+
+import numpy as np
+import pytest
+
+from subsea.biomechanics.body import build_body
+from subsea.biomechanics.controllers import (
+    LEFT,
+    RIGHT,
+    bend_contraction,
+    muscle_lengths,
+    swim_contraction,
+)
+from subsea.biomechanics.fins import balance, pectoral_force
+from subsea.biomechanics.simulation import State, simulate
+from subsea.biomechanics.solver import STEPS_PER_TICK
+from subsea.kinematics.frame import body_frame
+from subsea.kinematics.rotation import about, from_matrix, matrix, multiply
+from subsea.motor.balance import roll_of
+from subsea.motor.dynamics import SCULL_SPEED, contract, fin_force, frame_of, swim_live
+from subsea.species import load_species, species_names
+
+TICK = 0.033
+STILL = np.zeros(3)
+
+every_species = pytest.mark.parametrize("species", species_names())
+
+
+def _live(make_tank, species, name="swim_medium", ticks=28):
+    tank = make_tank(species).put(name)
+    tank.to_live()
+    tank.step(ticks)
+    return tank
+
+
+@every_species
+@pytest.mark.parametrize("side", [LEFT, RIGHT])
+def test_muscles_contract_as_the_plain_controllers_say(make_tank, species, side):
+    plan = load_species(species)
+    bodies = make_tank(species).dynamics.bodies
+    bend = plan.turn.gradual
+    for phase in np.linspace(0.0, 6.0, 7):
+        lengths = np.empty(12)
+        contract(bodies, 0, phase, 0.6, side * np.array(bend), lengths)
+        contraction = swim_contraction(plan.swim, phase, 0.6) + bend_contraction(bend, side)
+        expected = muscle_lengths(build_body(plan.body), contraction)[0]
+        np.testing.assert_allclose(lengths, expected, rtol=1e-12)
+
+
+@every_species
+def test_a_tick_is_six_steps_of_the_plain_simulation(make_tank, species):
+    tank = _live(make_tank, species)
+    plan = load_species(species)
+    live = tank.live
+    bodies = tank.dynamics.bodies._replace(fin_area=np.zeros(1))
+    state = State(live.x[0].copy(), live.v[0].copy(), np.array([np.inf, 0.0, np.inf]))
+    steps = 2 * np.pi / (plan.swim.ticks_per_beat * STEPS_PER_TICK) * np.arange(STEPS_PER_TICK)
+    begin = live.phase[0]
+    assert swim_live(tank.fishes, tank.library, bodies, live, STILL, TICK)[0]
+    # The kernel eases amplitude and bend first, then keeps them for the tick.
+    contraction = swim_contraction(plan.swim, begin + steps, live.amplitude[0])
+    contraction += bend_contraction(tuple(np.abs(live.bend[0])), np.sign(live.bend[0, 0]))
+    simulate(build_body(plan.body), state, contraction)
+    origin = body_frame(state.x)[0]
+    np.testing.assert_allclose(live.x[0], state.x - origin, atol=1e-9)
+    np.testing.assert_allclose(live.v[0], state.v, atol=1e-9)
+
+
+def test_the_compiled_frame_is_the_body_frame(make_tank):
+    nodes = _live(make_tank, "fusilier", "swim_fast").live.x[0] + [3.0, -2.0, 1.0]
+    q, o = frame_of(nodes)
+    origin, rotation = body_frame(nodes)
+    np.testing.assert_allclose(o, origin, atol=1e-12)
+    expected = from_matrix(rotation)
+    np.testing.assert_allclose(np.array(q) * np.sign(q @ expected), expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("roll", [-0.2, 0.05, 0.3])
+def test_fins_push_as_the_plain_ones_do(make_tank, roll):
+    """At SCULL_SPEED, level and not swinging, the fins are those of balance, pitch aside."""
+    tank = make_tank("fusilier").put("swim_medium")
+    fishes, bodies = tank.fishes, tank.dynamics.bodies
+    upright = tuple(fishes.orientation[0].astype(float))
+    turned = multiply(upright, about(1.0, 0.0, 0.0, roll))
+    fishes.orientation[0] = fishes.previous_orientation[0] = turned
+    R = matrix(np.array(turned))
+    v = np.tile(SCULL_SPEED * R[:, 0], (23, 1))
+    # Upwards is z in the world, and y in a simulation.
+    to_y = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
+    rest = build_body(load_species("fusilier").body).rest
+    state = State(rest @ R.T @ to_y.T, v @ to_y.T, np.zeros(3))
+    left, right = balance(state)
+    tilt = 0.5 * (left - right)
+    fins = np.pi / 2 + tilt, np.pi / 2 - tilt
+    expected = pectoral_force(state, bodies.fin_area[0], *fins, STILL)
+    force = fin_force(fishes, bodies, 0, v) @ to_y.T
+    np.testing.assert_allclose(force, expected, atol=1e-3 * np.abs(expected).max())
+
+
+@every_species
+@pytest.mark.parametrize("speed", [0.15, 0.3, 0.45, 0.6, 0.8, 1.0])
+def test_it_swims_about_as_fast_as_it_is_asked_to(make_tank, species, speed):
+    tank = _live(make_tank, species)
+    tank.aim(0.0, speed)
+    tank.step(200)
+    begin = tank.fishes.position[0].copy()
+    tank.step(140)
+    measured = np.linalg.norm(tank.fishes.position[0] - begin) / (140 * TICK)
+    assert measured == pytest.approx(speed * tank.library.speed[0, 2], rel=0.12)
+
+
+@every_species
+@pytest.mark.parametrize("azimuth", [-170, -90, -30, 10, 35, 60, 100, 179])
+def test_every_heading_is_reached_and_held(make_tank, species, azimuth):
+    tank = _live(make_tank, species)
+    tank.aim(np.radians(azimuth), 0.6)
+    tank.step(420)
+    begin = tank.fishes.position[0].copy()
+    tank.step(56)
+    way = tank.fishes.position[0] - begin
+    gap = np.degrees(np.arctan2(way[1], way[0])) - azimuth
+    assert abs((gap + 180) % 360 - 180) < 6
+
+
+@every_species
+@pytest.mark.parametrize(("climb", "speed"), [(-60, 0.3), (-20, 0.8), (20, 0.3), (35, 0.8)])
+def test_fins_climb_and_dive(make_tank, species, climb, speed):
+    tank = _live(make_tank, species)
+    tank.aim(0.0, speed, np.radians(climb))
+    tank.step(300)
+    begin = tank.fishes.position[0].copy()
+    tank.step(56)
+    way = tank.fishes.position[0] - begin
+    angle = np.degrees(np.arcsin(way[2] / np.linalg.norm(way)))
+    assert angle == pytest.approx(np.clip(climb, -38, 38), abs=5)
+
+
+@every_species
+@pytest.mark.parametrize("speed", [0.1, 0.3, 0.6, 1.0])
+def test_a_rolled_fish_rights_itself(make_tank, species, speed):
+    tank = make_tank(species).put("swim_medium")
+    upright = tuple(tank.fishes.orientation[0].astype(float))
+    tank.fishes.orientation[0] = multiply(upright, about(1.0, 0.0, 0.0, np.radians(40.0)))
+    tank.to_live()
+    tank.aim(0.0, speed)
+    tank.step(240)
+    rolls = []
+    for _ in range(60):
+        tank.step(1)
+        rolls.append(roll_of(tuple(tank.fishes.orientation[0].astype(float))))
+    assert np.degrees(np.abs(rolls)).max() < 10.0
+
+
+@every_species
+def test_asked_to_stop_it_stops(make_tank, species):
+    tank = _live(make_tank, species)
+    cruise = np.linalg.norm(tank.fishes.velocity[0])
+    tank.aim(0.0, 0.0)
+    tank.step(200)
+    begin = tank.fishes.position[0].copy()
+    tank.step(30)
+    assert np.linalg.norm(tank.fishes.position[0] - begin) / (30 * TICK) < 0.15 * cruise
+
+
+def test_a_larger_fish_beats_more_slowly(make_tank):
+    """A fish α times as long is the same motion, α times as large, at 1/√α of the pace."""
+    paths = []
+    for scale in (1.0, 4.0):
+        tank = make_tank("fusilier", scale).put("swim_fast")
+        tank.to_live()
+        path = tank.step(int(28 * scale**0.5), obey=False)
+        paths.append((path[-1] - path[0]) / scale)
+    np.testing.assert_allclose(paths[1], paths[0], atol=0.08 * 20)
+
+
+def test_a_current_carries_it_along(make_tank):
+    still, carried = (make_tank("fusilier").put("swim_slow") for _ in range(2))
+    flow = np.array([3.0, -5.0, 0.0])
+    for tank in (still, carried):
+        tank.to_live()
+    for _ in range(60):
+        for tank, current in ((still, STILL), (carried, flow)):
+            bodies = tank.dynamics.bodies
+            swim_live(tank.fishes, tank.library, bodies, tank.live, current, TICK)
+    gap = carried.fishes.position[0] - still.fishes.position[0]
+    np.testing.assert_allclose(gap, 60 * TICK * flow, atol=1e-3)
