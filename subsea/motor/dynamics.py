@@ -34,6 +34,7 @@ from subsea.state import Fishes, Live
 Array = NDArray[np.floating[Any]]
 
 TICK_TU = STEP * STEPS_PER_TICK
+MAX_STEPS = 8 * STEPS_PER_TICK  # in a tick: enough for a fish that is a 64th of the recorded one
 FIN_AREA = 0.01  # of each pectoral fin, over the square of the body length
 BEND_EASE = 1.0 / 8.0  # share of the full bend that may change in a tick, as in a sharp turn
 AMPLITUDE_EASE = 1.0 / 14.0  # share of the fast beat's amplitude that may change in a tick
@@ -102,11 +103,11 @@ def swim_live(
 
     A body that did not is left as it was a tick ago, so that playback can take over from there.
     The pose goes to the slot's other row and so do the increments that brought it there, per
-    recorded frame: a glide takes them up as if they had been recorded. `flow`
-    (3,) is the water's velocity in cm/s.
+    recorded frame: a glide takes them up as if they had been recorded. `flow` (3,) is the water's
+    velocity in cm/s.
     """
     sound = np.ones(len(live.fish), np.bool_)
-    muscles = np.empty((STEPS_PER_TICK * 4, MUSCLES))
+    muscles = np.empty((MAX_STEPS, MUSCLES))
     for slot in range(len(live.fish)):
         i = live.fish[slot]
         if i < 0 or not fishes.live[i]:
@@ -130,7 +131,8 @@ def swim_live(
             watch,
         )  # fmt: skip
         low, high = STRAIN_LIMITS
-        sound[slot] = low <= watch[0] and watch[1] <= high and watch[2] > 0.0 and x[0, 0] == x[0, 0]
+        sound[slot] = low <= watch[0] and watch[1] <= high and watch[2] > 0.0
+        sound[slot] &= np.isfinite(x).all()
         if sound[slot]:
             live.x[slot], live.v[slot] = x, v
             _settle(fishes, live, slot, len(library.entry), flow, dt)

@@ -35,8 +35,8 @@ Ints = NDArray[np.integer[Any]]
 REVIEW_TICKS = 10  # how often the choice of fishes is thought over
 MIN_STAY_S = 4.0  # a fish that changed over stays for so long at least
 KEEP = 1.25  # a fish that is simulated counts as nearer than it is by this factor
-GENTLE = 1.2  # a fish leaves the simulation when no node is jerked by more than usual, this often
-MAX_WAIT_TICKS = 45  # ... or after three beats
+GENTLE = 1.2  # a fish leaves when no node's velocity changes by more than usual, times this ...
+MAX_WAIT_TICKS = 45  # ... or when it has waited for about three beats
 HOVERING = 0.2  # thrust below which a fish is played back: backing off is not in the muscles
 
 
@@ -72,7 +72,7 @@ def swim(
 
     `flow` (3,) is the water's velocity in cm/s, `viewer` (3,) what fishes are near to, in cm.
     """
-    if not len(live.fish):
+    if not len(live.fish) or not len(fishes.live):
         return
     fishes.stay[:] += np.float32(dt)
     _free(fishes, live, len(dynamics.motion.nodes))
@@ -134,10 +134,11 @@ def to_live(
     kind, segment = int(fishes.species[i]), int(fishes.segment[i])
     a, b, w = int(fishes.row_a[i]), int(fishes.row_b[i]), float(fishes.weight[i])
     tempo, rate = float(fishes.tempo[i]), float(fishes.rate[i])
-    nodes, velocity = (
+    nodes, arriving, leaving = (
         (1.0 - w) * table[a] + w * table[b]
-        for table in (library.nodes.astype(np.float64), 0.5 * (motion.arriving + motion.leaving))
+        for table in (motion.nodes, motion.arriving, motion.leaving)
     )
+    velocity = 0.5 * (arriving + leaving)
     velocity += (float(fishes.thrust[i]) - 1.0) * motion.shift[b]
     R = matrix(fishes.orientation[i].astype(np.float64))
     x = nodes @ R.T

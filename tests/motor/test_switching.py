@@ -140,6 +140,14 @@ def test_nobody_is_simulated_far_away_or_without_a_budget():
         assert not world.state.fishes.live.any()
 
 
+@pytest.mark.parametrize("fish", [0, 1])
+def test_slots_may_be_more_than_fishes(fish):
+    world = _world(fish=fish, live=4, live_reach_cm=np.inf)
+    for _ in range(30):
+        step(world, HANDS_OFF)
+    assert world.state.fishes.live.sum() <= fish
+
+
 def test_equal_seeds_are_equal_worlds_with_simulated_fishes_too():
     digests = []
     for _ in range(2):
