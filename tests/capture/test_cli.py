@@ -1,6 +1,7 @@
 from pathlib import Path
 
 import h5py
+import numpy as np
 import pytest
 
 from capture import record
@@ -83,7 +84,7 @@ def test_a_provenance_without_a_fish_is_told_after_the_table(
     path = tmp_path / "orphan.h5"
     path.write_bytes(recorded.read_bytes())
     with h5py.File(path, "a") as file:
-        file.attrs["provenance"] = "{}"
+        file.attrs["provenance"] = np.bytes_("{}")
     assert main(["inspect", str(path)]) == 2
     out, err = capsys.readouterr()
     assert "swim_fast" in out
