@@ -54,7 +54,7 @@ def species_plate() -> Image.Image:
         place = np.array([0.0, APART_CM * row, -DEPTH_CM])
         # Body x, y, z to world: a quarter turn about x sets the fish upright, heading along x.
         records[row, :8] = (*place, 1.0, np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0)
-        records[row, 8:] = (row, row, 0.0, 0.5, 0.6, 0.6, 0.0, 1.0)
+        records[row, 8:] = (row, row, 0.0, 0.5, 0.6, 0.6, 0.0, 0.0, 0.0, 1.0, 0.0)
         middle = place + [(rest[:, 0].min() + rest[:, 0].max()) / 2, 0.0, 0.0]
         for column, (away, up) in enumerate(LOOKS):
             eye = middle + one.body.length * np.array(away)

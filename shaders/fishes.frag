@@ -12,7 +12,6 @@ centroid in vec3 v_normal;
 centroid in vec3 v_rest;  // distance behind the snout, height, side
 centroid in vec3 v_part;  // part, u, v
 in float v_identity;
-in float v_fade;
 in vec3 v_clear;
 in vec3 v_veil;
 
@@ -77,5 +76,5 @@ void main() {
     float rim = 1.0 - facing;
     rim *= rim;
     colour += 0.35 * rim * rim * water_radiance(reflect(-view, normal));
-    f_colour = vec4(colour * v_clear + v_veil, skin.a * v_fade);
+    f_colour = vec4(colour * v_clear + v_veil, skin.a);
 }

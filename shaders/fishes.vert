@@ -5,6 +5,7 @@ uniform mat4 u_view;
 uniform mat4 u_projection;
 uniform sampler2D u_table;  // control points: column by point, row by recorded frame
 uniform float u_length;     // cm, of the recorded fish
+uniform float u_tail_begin; // distance from the snout, body lengths
 
 in float a_base;  // first control point of the 3×3
 in vec3 a_u;      // weights across ...
@@ -17,7 +18,8 @@ in vec4 a_part;   // part, u, v, control points in a row
 in vec4 i_place;   // cm, scale
 in vec4 i_turn;    // quaternion w, x, y, z
 in vec4 i_pose;    // row a, row b, weight of b, identity
-in vec4 i_detail;  // left and right pectoral, mouth, fade
+in vec4 i_pectoral;  // left and right sweep, left and right lift
+in vec3 i_fins;      // mouth, dorsal and ventral fin, tail
 
 // Centroid: at an edge multisampling would else ask for values outside the triangle.
 centroid out vec3 v_world;
@@ -25,7 +27,6 @@ centroid out vec3 v_normal;
 centroid out vec3 v_rest;
 centroid out vec3 v_part;
 out float v_identity;
-out float v_fade;
 out vec3 v_clear;  // haze changes so slowly that the vertices suffice
 out vec3 v_veil;
 
@@ -42,7 +43,7 @@ vec3 turned(vec3 v) {
 }
 
 void main() {
-    vec3 place = vec3(0.0), along_u = vec3(0.0), along_v = vec3(0.0);
+    vec3 place = vec3(0.0), along_u = vec3(0.0), along_v = vec3(0.0), root = vec3(0.0);
     int base = int(a_base), row = int(a_part.w);
     float side = a_rest.w;
     v_part = a_part.xyz;
@@ -57,19 +58,30 @@ void main() {
                 across += a_v[j] * c;
                 slope += a_dv[j] * c;
             }
+            if (i == 0) root = across;
             place += a_u[i] * across;
             along_u += a_du[i] * across;
             along_v += a_u[i] * slope;
         }
-        // The lower jaw drops, most at its tip.
-        float jaw = (1.0 - smoothstep(0.0, 0.055, v_rest.x)) * step(0.5, a_part.y);
-        if (a_part.x < 0.5) place.y -= 0.022 * u_length * jaw * i_detail.z;
+        if (a_part.x < 0.5) {
+            // The lower jaw drops, most at its tip; the tail spreads, most at its edge.
+            float jaw = (1.0 - smoothstep(0.0, 0.055, v_rest.x)) * step(0.5, a_part.y);
+            float spread = i_fins.z * smoothstep(u_tail_begin, 1.0, v_rest.x);
+            place.y += place.y * spread - 0.022 * u_length * jaw * i_fins.x;
+        } else {
+            // A folded fin lies closer to its root.
+            place = mix(root, place, i_fins.y);
+        }
     } else {
         // A paired fin turns about its root: it trails behind and is spread by its sweep.
-        float sweep = a_part.x > 2.5 ? 0.35 : (side < 0.0 ? i_detail.x : i_detail.y);
+        bool pelvic = a_part.x > 2.5;
+        float sweep = pelvic ? 0.35 : (side < 0.0 ? i_pectoral.x : i_pectoral.y);
+        float lift = pelvic ? 0.0 : (side < 0.0 ? i_pectoral.z : i_pectoral.w);
         float bend = sweep * (0.6 + 0.55 * a_part.y);
-        vec3 back = a_u * cos(bend) + vec3(0.0, 0.0, side * sin(bend));
-        vec3 across = normalize(a_v + vec3(0.0, 0.0, 0.35 * side));
+        vec3 back = a_u * cos(lift) + a_v * sin(lift);
+        vec3 across = a_v * cos(lift) - a_u * sin(lift);
+        back = back * cos(bend) + vec3(0.0, 0.0, side * sin(bend));
+        across = normalize(across + vec3(0.0, 0.0, 0.35 * side));
         place = control(base) + u_length * (a_rest.x * back + a_rest.y * across);
         along_u = back;
         along_v = across;
@@ -81,7 +93,6 @@ void main() {
     v_normal = turned(normal);
     v_world = i_place.xyz + turned(i_place.w * place);
     v_identity = i_pose.w;
-    v_fade = i_detail.w;
     vec3 ray = v_world - u_eye;
     float distance = length(ray);
     v_clear = clearness(distance);

@@ -22,16 +22,14 @@ Ints = NDArray[np.integer[Any]]
 
 LEVELS = ("tessellated", "control mesh", "far")
 
-# Columns of an instance record: 16 float32, 64 bytes, four vec4 attributes in the shader.
+# Columns of an instance record: 19 float32, 76 bytes, five attributes in the shader.
 POSITION = slice(0, 3)  # cm, world, interpolated between the last two ticks
 SCALE = 3  # length of the fish over length of the recorded one (α of SMC eq. 12)
 ORIENTATION = slice(4, 8)  # w, x, y, z, body to world
 ROW_A, ROW_B, WEIGHT = 8, 9, 10  # a pose mixes two rows of the control-point table
 IDENTITY = 11  # constant per fish, in [0, 1): individual variation
-PECTORAL_LEFT, PECTORAL_RIGHT = 12, 13  # rad, sweep of the fin from its rest plane
-MOUTH = 14  # opening, 0 to 1
-FADE = 15  # 0 invisible to 1 opaque
-INSTANCE_COLUMNS = 16
+FINS = slice(12, 19)  # as `state.Fishes.fins`: sweeps, lifts, mouth, dorsal fin, tail
+INSTANCE_COLUMNS = 19
 
 
 @dataclass(frozen=True)
@@ -173,20 +171,18 @@ def _sort(species: Ints, level: Ints, kinds: int, levels: int) -> tuple[Ints, In
 def _write_instances(fishes: Fishes, centres: Array, order: Ints, alpha: float, out: Array) -> None:
     for k in range(len(order)):
         i = order[k]
-        out[k, 0:3] = centres[i]
-        out[k, 3] = fishes.scale[i]
+        out[k, POSITION] = centres[i]
+        out[k, SCALE] = fishes.scale[i]
         before, after = fishes.previous_orientation[i], fishes.orientation[i]
         sign = 1.0
         if (before * after).sum() < 0.0:
             sign = -1.0
         q = (1.0 - alpha) * sign * before + alpha * after
-        out[k, 4:8] = q / np.sqrt((q * q).sum())
+        out[k, ORIENTATION] = q / np.sqrt((q * q).sum())
         a, b, weight = pose_at(fishes, i, alpha)
-        out[k, 8] = a
-        out[k, 9] = b
-        out[k, 10] = weight
-        out[k, 11] = fishes.identity[i]
-        out[k, 12] = fishes.pectoral[i, 0]
-        out[k, 13] = fishes.pectoral[i, 1]
-        out[k, 14] = fishes.mouth[i]
-        out[k, 15] = 1.0
+        out[k, ROW_A] = a
+        out[k, ROW_B] = b
+        out[k, WEIGHT] = weight
+        out[k, IDENTITY] = fishes.identity[i]
+        before, after = fishes.previous_fins[i], fishes.fins[i]
+        out[k, FINS] = (1.0 - alpha) * before + alpha * after

@@ -18,6 +18,13 @@ NEIGHBOURS = 6  # how many companions a fish attends to
 INTENTIONS = ("wander", "school", "avoid")
 WANDER, SCHOOL, AVOID = range(3)
 
+# Columns of `fins`, in the order of the instance record.
+SWEEP_LEFT, SWEEP_RIGHT = 0, 1  # rad, of a pectoral fin away from the body
+LIFT_LEFT, LIFT_RIGHT = 2, 3  # rad, of a pectoral fin above its rest
+MOUTH = 4  # 0 shut to 1 open
+DORSAL = 5  # 0 folded to 1 erect, dorsal and ventral fin
+TAIL = 6  # how much wider than at rest the tail is spread
+
 
 class Fishes(NamedTuple):
     """The fishes of a dive, n of them."""
@@ -30,6 +37,7 @@ class Fishes(NamedTuple):
     identity: Array  # (n,) float32 in [0, 1), individual variation
     leader: Ints  # (n,) int32, whom a schooling fish follows, -1 for none
     leads: NDArray[np.bool_]  # (n,), whether others follow it
+    oars: NDArray[np.bool_]  # (n,), whether it rows with its pectoral fins (Tu appendix B.2)
 
     # Written by motor: the body frame, its pose, and both one tick ago.
     position: Array  # (n, 3) float32, cm, world: the origin of B
@@ -53,10 +61,10 @@ class Fishes(NamedTuple):
     glide_thrust: Array  # (n,) float32, ... thrust with which the present glide began
     steering: Array  # (n, 2) float32, rad/s: yaw and pitch added to the recorded motion
     roll: Array  # (n,) float32, rad, smoothed
-    fin_phase: Array  # (n,) float32, rad, beat of the pectoral fins
-    pectoral: Array  # (n, 2) float32, rad, left and right sweep
+    fin_phase: Array  # (n, 2) float32, rad, beat of the left and right pectoral fin
     breath: Array  # (n,) float32, rad, phase of breathing
-    mouth: Array  # (n,) float32, 0 shut to 1 open
+    fins: Array  # (n, 7) float32, columns SWEEP_LEFT to TAIL
+    previous_fins: Array  # (n, 7) float32
     monotony: Array  # (n,) float32, s in the same segment
     recommended: Ints  # (n,) int8, code of the swim recommended against monotony, -1 for none
     live: NDArray[np.bool_]  # (n,), whether it is simulated rather than played back
@@ -130,7 +138,7 @@ def empty_fishes(n: int) -> Fishes:
     upright[:, 0] = 1.0
     return Fishes(
         species=zeros(u), length=zeros(f), scale=zeros(f) + 1, rate=zeros(f) + 1,
-        identity=zeros(f), leader=zeros(i) - 1, leads=zeros(np.bool_),
+        identity=zeros(f), leader=zeros(i) - 1, leads=zeros(np.bool_), oars=zeros(np.bool_),
         position=zeros(f, 3), orientation=upright.copy(),
         row_a=zeros(i), row_b=zeros(i), weight=zeros(f), span=zeros(f) + 1,
         previous_position=zeros(f, 3), previous_orientation=upright.copy(),
@@ -139,8 +147,8 @@ def empty_fishes(n: int) -> Fishes:
         velocity=zeros(f, 3), segment=zeros(u), wanted_segment=zeros(u),
         tempo=zeros(f) + 1, thrust=zeros(f) + 1,
         glide_tempo=zeros(f) + 1, glide_thrust=zeros(f) + 1,
-        steering=zeros(f, 2), roll=zeros(f), fin_phase=zeros(f), pectoral=zeros(f, 2),
-        breath=zeros(f), mouth=zeros(f),
+        steering=zeros(f, 2), roll=zeros(f), fin_phase=zeros(f, 2),
+        breath=zeros(f), fins=zeros(f, 7), previous_fins=zeros(f, 7),
         monotony=zeros(f), recommended=zeros(np.int8) - np.int8(1),
         live=zeros(np.bool_), stay=zeros(f) + np.float32(np.inf),
         neighbour=zeros(i, NEIGHBOURS) - 1,

@@ -25,6 +25,7 @@ Array = NDArray[np.floating[Any]]
 LIVE_REACH_CM = 500.0  # how near to the submarine a fish must be to be simulated
 MAX_LIVE = 4000  # two rows each in a texture, whose height OpenGL drivers limit to 16384 or less
 
+FLAT_BL = 0.4  # a body at least this tall, over its length, rows with its pectoral fins
 TICK_S = 0.033  # one tick = one recorded frame = six steps of the simulation
 
 
@@ -162,9 +163,11 @@ def _populate(
     fishes.scale[:] = fishes.length / library.recorded_length[fishes.species]
     # Froude similarity: a fish α times as long beats 1/√α as often.
     fishes.rate[:] = 1.0 / np.sqrt(fishes.scale)
-    fishes.fin_phase[:] = 2 * np.pi * fishes.identity
-    fishes.breath[:] = fishes.fin_phase
-    for name in ("position", "orientation", "row_a", "row_b", "weight", "span"):
+    fishes.breath[:] = 2 * np.pi * fishes.identity
+    fishes.fin_phase[:] = fishes.breath[:, None]
+    flat = np.array([one.surface.depth > FLAT_BL for one in species.values()])
+    fishes.oars[:] = flat[fishes.species]
+    for name in ("position", "orientation", "row_a", "row_b", "weight", "span", "fins"):
         getattr(fishes, f"previous_{name}")[:] = getattr(fishes, name)
     return fishes
 

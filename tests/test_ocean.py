@@ -130,7 +130,7 @@ def test_the_number_of_threads_does_not_matter():
 def test_the_digest_sees_every_array():
     world = _world(fish=3)
     before = digest(world.state)
-    world.state.fishes.pectoral[2, 1] += 1e-3
+    world.state.fishes.fins[2, 1] += 1e-3
     assert digest(world.state) != before
     assert len(before) == len(hashlib.sha256().hexdigest())
 

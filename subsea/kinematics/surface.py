@@ -104,6 +104,12 @@ class SurfacePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_on
         if (along(self.back, at) <= along(self.belly, at)).any():
             raise ValueError("the back must lie above the belly")
 
+    @property
+    def depth(self) -> float:
+        """The greatest height of the body without fins, in body lengths."""
+        at = np.linspace(0.0, self.tail.begin, 100)
+        return float((along(self.back, at) - along(self.belly, at)).max())
+
 
 def _increasing(name: str, curve: Curve) -> None:
     if any(b[0] <= a[0] for a, b in pairwise(curve)):

@@ -1,39 +1,70 @@
-"""Pectoral fins and mouth, moved kinematically (Tu §5.5, appendix B)."""
+"""Fins and mouth, moved kinematically: flapping, oaring, breathing (Tu §5.5, appendix B)."""
 
 import numpy as np
 from numba import njit
 
-from subsea.state import Fishes
+from subsea.motor.controller import LEFT_GRADUAL, RIGHT_GRADUAL
+from subsea.state import DORSAL, LIFT_LEFT, MOUTH, SWEEP_LEFT, TAIL, Fishes
 
 REST_RAD = 0.55  # sweep of a relaxed fin away from the body
 FLAP_RAD = 0.22  # amplitude of the idle flapping
 EFFORT_RAD = 0.35  # added by hard climbing, diving or turning
+OAR_RAD = (0.42, 0.36)  # half-axes of the cone that an oaring fin sweeps: aside and up
 BEAT_HZ = 1.1  # idle; a busy fin beats up to three times as fast
+FOLD_RAD = 0.35  # a fast fish folds its fins to the body
+FULL_STEERING = 0.6  # rad/s: the effort of a fish that steers as hard as it can
 BREATH_HZ = 0.8  # at rest; an effort doubles it
 GAPE = 0.45  # how far the mouth opens to breathe
-FOLD_RAD = 0.35  # a fast fish folds its fins to the body
+FOLDED = 0.55  # of the dorsal fin at full speed
+SPREAD = 0.22  # of the tail in a hard turn or when braking
+EASE_HZ = 3.0  # how fast dorsal fin and tail follow
 
 
 @njit(cache=True, error_model="numpy")
 def flap(fishes: Fishes, dt: float) -> None:
-    """Advance fins and breath: a·sin(b·t), where a and b grow with the effort (Tu B.1).
+    """Advance fins and breath by one tick.
 
-    In a turn the outer fin rows while the inner one is held out, as flat-bodied fishes do.
+    Flapping is a·sin(b·t), where a and b grow with the effort (Tu B.1). Flat-bodied fishes oar:
+    each fin sweeps a cone, forwards, but backwards on the inner side of a turn, and on both
+    sides to brake or retreat (Tu B.2).
     """
     for i in range(len(fishes.species)):
-        effort = abs(fishes.steering[i, 0]) + abs(fishes.steering[i, 1])
-        effort = min(effort / 0.6, 1.0)
-        slow = 1.0 - fishes.goal_speed[i]
-        rate = BEAT_HZ * fishes.rate[i] * (1.0 + 2.0 * max(effort, slow))
-        phase = fishes.fin_phase[i] + 2.0 * np.pi * rate * dt
-        fishes.fin_phase[i] = phase % (2.0 * np.pi)
-        swing = (FLAP_RAD + EFFORT_RAD * effort) * np.sin(phase)
-        held = REST_RAD - FOLD_RAD * (1.0 - slow)
-        lean = 0.5 * fishes.steering[i, 0]
-        fishes.pectoral[i, 0] = held + swing + lean
-        fishes.pectoral[i, 1] = held + swing * np.cos(0.6 * effort) - lean
+        fins = fishes.fins[i]
+        for column in range(len(fins)):
+            fishes.previous_fins[i, column] = fins[column]
+        steering = fishes.steering[i, 0]
+        effort = min((abs(steering) + abs(fishes.steering[i, 1])) / FULL_STEERING, 1.0)
+        speed = min(max(np.float64(fishes.goal_speed[i]), 0.0), 1.0)
+        turning = min(max(steering / FULL_STEERING + _side(fishes.segment[i]), -1.0), 1.0)
+        braking = min(max(1.0 - np.float64(fishes.thrust[i]), 0.0), 1.0)
 
-        panting = max(effort, 1.0 - slow)
+        beat = 2.0 * np.pi * BEAT_HZ * fishes.rate[i] * (1.0 + 2.0 * max(effort, 1.0 - speed)) * dt
+        held = REST_RAD - FOLD_RAD * speed
+        lean = 0.5 * steering
+        for side in range(2):
+            inner = max(turning, 0.0) if side == 0 else max(-turning, 0.0)
+            forwards = (1.0 - 2.0 * inner) * (1.0 - braking) - braking
+            phase = fishes.fin_phase[i, side] + (beat * forwards if fishes.oars[i] else beat)
+            fishes.fin_phase[i, side] = phase % (2.0 * np.pi)
+            if fishes.oars[i]:
+                sweep, lift = OAR_RAD[0] * np.sin(phase), OAR_RAD[1] * np.cos(phase)
+            else:
+                sweep, lift = (FLAP_RAD + EFFORT_RAD * effort) * np.sin(phase), 0.0
+            fins[SWEEP_LEFT + side] = held + sweep + (lean if side == 0 else -lean)
+            fins[LIFT_LEFT + side] = lift
+
+        panting = max(effort, speed)
         breath = fishes.breath[i] + 2.0 * np.pi * BREATH_HZ * fishes.rate[i] * (1.0 + panting) * dt
         fishes.breath[i] = breath % (2.0 * np.pi)
-        fishes.mouth[i] = GAPE * 0.5 * (1.0 - np.cos(breath))
+        fins[MOUTH] = GAPE * 0.5 * (1.0 - np.cos(breath))
+        ease = min(EASE_HZ * dt, 1.0)
+        fins[DORSAL] += ease * (1.0 - FOLDED * speed * speed - fins[DORSAL])
+        fins[TAIL] += ease * (SPREAD * max(abs(turning), braking) - fins[TAIL])
+
+
+@njit(cache=True, error_model="numpy")
+def _side(segment: int) -> float:
+    """The turn that a segment makes: 1 left, -1 right, 0 none."""
+    if segment < LEFT_GRADUAL:
+        return 0.0
+    return 1.0 if segment < RIGHT_GRADUAL else -1.0

@@ -41,8 +41,8 @@ PADDLE_SAMPLES = ((6, 5), (4, 3), (2, 2))  # by level
 VERTEX_FORMAT = "1f4 3f4 3f4 3f4 3f4 4f4 4f4"
 VERTEX_ATTRIBUTES = ("a_base", "a_u", "a_v", "a_du", "a_dv", "a_rest", "a_part")
 VERTEX_COLUMNS = 21
-INSTANCE_FORMAT = "4f4 4f4 4f4 4f4/i"
-INSTANCE_ATTRIBUTES = ("i_place", "i_turn", "i_pose", "i_detail")
+INSTANCE_FORMAT = "4f4 4f4 4f4 4f4 3f4/i"
+INSTANCE_ATTRIBUTES = ("i_place", "i_turn", "i_pose", "i_pectoral", "i_fins")
 
 
 class Part(NamedTuple):
@@ -244,11 +244,12 @@ class Fishes:
     def _bind_from(self, array: Any, first: int) -> None:
         """Let the instance attributes begin at record `first`; 3.3 core has no base instance."""
         stride = INSTANCE_COLUMNS * 4
-        for place, name in enumerate(INSTANCE_ATTRIBUTES):
+        formats = INSTANCE_FORMAT.removesuffix("/i").split()
+        for place, (name, kind) in enumerate(zip(INSTANCE_ATTRIBUTES, formats, strict=True)):
             if name in self._program:
                 location = self._program[name].location
                 offset = first * stride + place * 16
-                array.bind(location, "f", self._instances, "4f4", offset, stride, 1)
+                array.bind(location, "f", self._instances, kind, offset, stride, 1)
 
     def release(self) -> None:
         """Free every OpenGL object."""

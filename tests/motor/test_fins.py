@@ -3,21 +3,21 @@
 import numpy as np
 
 from subsea.motor.fins import flap
+from subsea.state import DORSAL, LIFT_LEFT, LIFT_RIGHT, MOUTH, SWEEP_LEFT, SWEEP_RIGHT, TAIL
 
 TICK = 0.033
 
 
-def _minute(make_fishes, steering, speed):
-    """Sweeps (T, 2) and mouth (T,) of a fish over a minute."""
+def _minute(make_fishes, steering, speed, oars=False, thrust=1.0):
+    """The seven columns (T, 7) of a fish's fins over a minute."""
     fishes = make_fishes(1)
-    fishes.steering[:] = steering
-    fishes.goal_speed[:] = speed
-    sweeps, mouth = [], []
+    fishes.steering[:], fishes.goal_speed[:] = steering, speed
+    fishes.oars[:], fishes.thrust[:] = oars, thrust
+    fins = []
     for _ in range(1800):
         flap(fishes, TICK)
-        sweeps.append(fishes.pectoral[0].copy())
-        mouth.append(float(fishes.mouth[0]))
-    return np.array(sweeps), np.array(mouth)
+        fins.append(fishes.fins[0].copy())
+    return np.array(fins)
 
 
 def _beats(signal):
@@ -27,31 +27,63 @@ def _beats(signal):
 
 
 def test_fins_never_rest_and_beat_wider_and_faster_with_effort(make_fishes):
-    calm, _ = _minute(make_fishes, (0.0, 0.0), 0.9)
-    climbing, _ = _minute(make_fishes, (0.0, 0.5), 0.9)
+    calm = _minute(make_fishes, (0.0, 0.0), 0.9)
+    climbing = _minute(make_fishes, (0.0, 0.5), 0.9)
     assert np.ptp(calm[:, 0]) > 0.2
     assert np.ptp(climbing[:, 0]) > 1.5 * np.ptp(calm[:, 0])
     assert _beats(climbing[:, 0]) > 1.5 * _beats(calm[:, 0])
 
 
 def test_a_fast_fish_folds_its_fins_and_a_hovering_one_sculls(make_fishes):
-    fast, _ = _minute(make_fishes, (0.0, 0.0), 1.0)
-    hovering, _ = _minute(make_fishes, (0.0, 0.0), 0.0)
-    assert fast.mean() < hovering.mean() - 0.2
+    fast = _minute(make_fishes, (0.0, 0.0), 1.0)
+    hovering = _minute(make_fishes, (0.0, 0.0), 0.0)
+    assert fast[:, :2].mean() < hovering[:, :2].mean() - 0.2
     assert _beats(hovering[:, 0]) > 2 * _beats(fast[:, 0])
 
 
 def test_in_a_turn_one_fin_leads(make_fishes):
-    left, _ = _minute(make_fishes, (0.4, 0.0), 0.6)
-    right, _ = _minute(make_fishes, (-0.4, 0.0), 0.6)
-    np.testing.assert_allclose(
-        left.mean(axis=0) - left.mean(), -(right.mean(axis=0) - right.mean()), atol=0.02
-    )
+    left = _minute(make_fishes, (0.4, 0.0), 0.6)
+    right = _minute(make_fishes, (-0.4, 0.0), 0.6)
+    np.testing.assert_allclose(left[:, 0].mean(), right[:, 1].mean(), atol=0.02)
     assert left[:, 0].mean() > left[:, 1].mean() + 0.2
 
 
 def test_breath_is_regular_and_quickens_with_speed(make_fishes):
-    _, calm = _minute(make_fishes, (0.0, 0.0), 0.0)
-    _, hurried = _minute(make_fishes, (0.0, 0.0), 1.0)
+    calm = _minute(make_fishes, (0.0, 0.0), 0.0)[:, MOUTH]
+    hurried = _minute(make_fishes, (0.0, 0.0), 1.0)[:, MOUTH]
     assert 0 <= calm.min() < calm.max() <= 1
     assert _beats(hurried) > 1.7 * _beats(calm) > 60
+
+
+def _turns(sweep, lift):
+    """How often the fin goes round its cone: positive forwards."""
+    angle = np.unwrap(np.arctan2(sweep - sweep.mean(), lift))
+    return (angle[-1] - angle[0]) / (2 * np.pi)
+
+
+def test_flat_fishes_oar_forwards_and_in_a_turn_the_inner_fin_backwards(make_fishes):
+    ahead = _minute(make_fishes, (0.0, 0.0), 0.6, oars=True)
+    left = _minute(make_fishes, (0.6, 0.0), 0.6, oars=True)
+    assert _turns(ahead[:, SWEEP_LEFT], ahead[:, LIFT_LEFT]) > 60
+    assert _turns(ahead[:, SWEEP_RIGHT], ahead[:, LIFT_RIGHT]) > 60
+    assert _turns(left[:, SWEEP_LEFT], left[:, LIFT_LEFT]) < -60
+    assert _turns(left[:, SWEEP_RIGHT], left[:, LIFT_RIGHT]) > 60
+
+
+def test_they_brake_and_retreat_by_oaring_backwards(make_fishes):
+    braking = _minute(make_fishes, (0.0, 0.0), 0.0, oars=True, thrust=0.0)
+    for sweep, lift in ((SWEEP_LEFT, LIFT_LEFT), (SWEEP_RIGHT, LIFT_RIGHT)):
+        assert _turns(braking[:, sweep], braking[:, lift]) < -60
+
+
+def test_others_flap_without_lifting(make_fishes):
+    fins = _minute(make_fishes, (0.3, 0.3), 0.6)
+    assert (fins[:, [LIFT_LEFT, LIFT_RIGHT]] == 0).all()
+
+
+def test_speed_folds_the_dorsal_fin_and_braking_spreads_the_tail(make_fishes):
+    fast, slow = (_minute(make_fishes, (0.0, 0.0), speed)[-1] for speed in (1.0, 0.1))
+    braking = _minute(make_fishes, (0.0, 0.0), 0.0, thrust=0.0)
+    assert fast[DORSAL] < 0.6 < 0.95 < slow[DORSAL] <= 1.0
+    assert fast[TAIL] < 0.01 < 0.2 < braking[-1, TAIL]
+    assert np.abs(np.diff(braking, axis=0)[:, [DORSAL, TAIL]]).max() < 0.11  # eased

@@ -102,13 +102,26 @@ def make_packet():
 
 
 def record(fish):
-    """The instance record (16,) of an upright fish; its species has rows 2s and 2s + 1."""
+    """The instance record (19,) of an upright fish; its species has rows 2s and 2s + 1."""
     c, s = np.cos(fish.heading), np.sin(fish.heading)
     axes = np.array([[c, 0.0, s], [s, 0.0, -c], [0.0, 1.0, 0.0]])
     rows = (2 * fish.species, 2 * fish.species + 1)
     turn = from_matrix(axes[None])[0]
     return np.array(
-        [*fish.position, fish.scale, *turn, *rows, fish.weight, fish.identity, *fish.pectoral, 0, 1]
+        [
+            *fish.position,
+            fish.scale,
+            *turn,
+            *rows,
+            fish.weight,
+            fish.identity,
+            *fish.pectoral,
+            0,
+            0,
+            0,
+            1,
+            0,
+        ]
     )
 
 
