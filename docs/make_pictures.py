@@ -44,7 +44,6 @@ def species_plate() -> Image.Image:
         recorded_length_cm=tuple(one.body.length for one in species),
         terrain=np.full((81, 81), SEABED_CM, np.float32),
         terrain_half_width_cm=2000.0,
-        world_radius_cm=2000.0,
         water=Water(fog=(0.012, 0.115, 0.20), visibility_cm=1500.0),
     )
     size = (CELL[0] * len(LOOKS), CELL[1] * len(species))

@@ -41,7 +41,6 @@ class Scene:
     recorded_length_cm: tuple[float, ...]  # per species
     terrain: Array  # (n, n) float32 cm, height of the seabed, row i is y, column j is x
     terrain_half_width_cm: float  # the grid spans [-w, w] in x and y
-    world_radius_cm: float
     water: Water
 
 
@@ -79,7 +78,6 @@ def make_scene(world: World) -> Scene:
         recorded_length_cm=tuple(float(x) for x in world.library.recorded_length),
         terrain=world.terrain,
         terrain_half_width_cm=world.terrain_half_width,
-        world_radius_cm=world.scenario.bounds.radius_cm,
         water=world.scenario.water,
     )
 

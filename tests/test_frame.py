@@ -106,3 +106,19 @@ def test_between_ticks_a_simulated_fish_mixes_its_last_two_poses(lively):
 
 def test_without_simulated_fishes_the_packet_has_no_rows(world):
     assert len(_pack(world).live_points) == 0
+
+
+def test_a_fish_that_was_out_of_sight_comes_back_as_its_seen_twin():
+    """Who looks where changes nothing: place, roll and pose are those of a fish always seen.
+
+    SMC table 1 lets invisible fishes skip pose and gliding. Here poses are evaluated for visible
+    fishes only, by the shaders; gliding costs no more than a step of playback and is not skipped.
+    """
+    seen, unseen = (create_world(load_scenario("peaceful")[0], fish=30) for _ in range(2))
+    for tick in range(200):
+        for world in (seen, unseen):
+            step(world, Helm(yaw=0.3))
+        drawn = _pack(seen, culling=False)
+        if tick % 50 == 0:
+            _pack(unseen)  # the twin is drawn now and then, and partly culled
+    np.testing.assert_array_equal(_pack(unseen, culling=False).instances, drawn.instances)

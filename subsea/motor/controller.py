@@ -105,7 +105,7 @@ def _watch_monotony(fishes: Fishes, i: int, seed: int, tick: int, dt: float) -> 
         other = int(2.0 * uniform(seed, i, tick, MONOTONY_PURPOSE))
         if other >= fishes.segment[i]:
             other += 1
-        fishes.recommended[i] = min(other, FAST)
+        fishes.recommended[i] = other
 
 
 @njit(cache=True, error_model="numpy")

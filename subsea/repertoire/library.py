@@ -28,7 +28,6 @@ class Library(NamedTuple):
     length: Ints  # (S, 7) int32, rows of each segment
     cyclic: NDArray[np.bool_]  # (S, 7)
     speed: Array  # (S, 7) float32, cm/s of the recorded fish
-    turn: Array  # (S, 7) float32, rad, left positive
     entry: Ints  # (R, 7) int32, row at which a segment is entered from each row ...
     glide: Ints  # (R, 7) int32, ... and how many frames that takes
     leave: NDArray[np.bool_]  # (R, 7), whether this row is a good one to leave for a segment
@@ -45,7 +44,7 @@ def pack(repertoires: Sequence[Repertoire], rest_points: Sequence[Array], live: 
     """
     rotation, translation, nodes, points, skin = [], [], [], [], []
     plans: list[Transitions] = []
-    first, length, cyclic, speed, turn = [], [], [], [], []
+    first, length, cyclic, speed = [], [], [], []
     row = 0
     for repertoire, rest in zip(repertoires, rest_points, strict=True):
         missing = [name for name in SEGMENTS if name not in repertoire.segments]
@@ -59,7 +58,6 @@ def pack(repertoires: Sequence[Repertoire], rest_points: Sequence[Array], live: 
         length.append(np.diff(starts))
         cyclic.append([s.cyclic for s in segments])
         speed.append([s.speed_cm_s for s in segments])
-        turn.append([np.radians(s.turn_deg) for s in segments])
         for segment in segments:
             rotation.append(segment.increment_rotation)
             translation.append(segment.increment_translation)
@@ -81,7 +79,6 @@ def pack(repertoires: Sequence[Repertoire], rest_points: Sequence[Array], live: 
         length=np.array(length, np.int32),
         cyclic=np.array(cyclic, np.bool_),
         speed=np.array(speed, np.float32),
-        turn=np.array(turn, np.float32),
         entry=np.concatenate([p.entry for p in plans]).astype(np.int32),
         glide=np.concatenate([p.frames for p in plans]).astype(np.int32),
         leave=np.concatenate([p.leave for p in plans]),

@@ -71,7 +71,6 @@ def scene(known_repertoire):
         recorded_length_cm=(LENGTH, LENGTH),
         terrain=(-300.0 + 25.0 * np.sin(x / 90.0 + y / 140.0)).astype(np.float32),
         terrain_half_width_cm=HALF_WIDTH,
-        world_radius_cm=0.7 * HALF_WIDTH,
         water=Water(fog=(0.012, 0.115, 0.20), visibility_cm=900.0),
     )
 

@@ -23,7 +23,7 @@ context = headless_context()
 scene = Scene(
     species=(load_species("fusilier"),), control_points=np.zeros((1, 426, 3), np.float32),
     recorded_length_cm=(20.0,), terrain=np.full((9, 9), -300, np.float32),
-    terrain_half_width_cm=500.0, world_radius_cm=300.0,
+    terrain_half_width_cm=500.0,
     water=Water(fog=(0.0, 0.1, 0.2), visibility_cm=900.0),
 )
 renderer = Renderer(context, scene, (64, 36))
