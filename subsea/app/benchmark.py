@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from tqdm import tqdm
 
-from subsea.app.places import check_file
-from subsea.app.start import start_headless, start_world
+from subsea.app.places import check_file, replacing
+from subsea.app.start import headless, picture_maker, start_world
 from subsea.app.timing import summary
 from subsea.app.tour import tour_helm
-from subsea.errors import UserError
 from subsea.frame import LEVELS, Packet, pack
 from subsea.ocean import step
+from subsea.scenario import load_scenario
 from subsea.view.rigs import cockpit, views_for
 from subsea.world import World
 
@@ -52,9 +52,11 @@ def benchmark(
     """Measure, print the report as a table, and write it as JSON to `out` if that is named."""
     if out is not None:
         check_file(out)
-    world = start_world(scenario, seed, fish, dynamics=motor == "dynamics")
-    with start_headless(world, size) as (context, renderer):
-        measured = measure(world, renderer, context, display, size, frames, without)
+    load_scenario(scenario)
+    with headless() as context:
+        world = start_world(scenario, seed, fish, dynamics=motor == "dynamics")
+        with picture_maker(context, world, size) as renderer:
+            measured = measure(world, renderer, context, display, size, frames, without)
         report = {
             "renderer": context.info["GL_RENDERER"],
             "size": list(size),
@@ -151,7 +153,5 @@ def _print(report: dict[str, Any]) -> None:
 
 
 def _write(path: Path, report: dict[str, Any]) -> None:
-    try:
-        path.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
-    except OSError as fault:
-        raise UserError(f"{path}: cannot write ({fault.strerror})") from fault
+    with replacing(path) as temporary:
+        temporary.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")

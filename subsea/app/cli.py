@@ -76,6 +76,10 @@ def _run(arguments: Sequence[str]) -> int:
         if stray.startswith("-"):
             raise unknown(f"option of `{command.prog}`:", stray, known)
         raise UserError(f"{command.prog}: unexpected argument {stray!r}")
+    if getattr(options, "paper", False):
+        for other in arguments[1:]:
+            if other != "--paper":
+                raise UserError(f"benchmark: --paper takes no other option, {other!r} was given")
     run: Callable[..., int] = options.run
     return run(**{k: v for k, v in vars(options).items() if k not in ("run", "command")})
 

@@ -7,11 +7,12 @@ from tqdm import tqdm
 
 from subsea.app.console import say
 from subsea.app.reels import check_reel, open_reel
-from subsea.app.start import start_headless, start_world
+from subsea.app.start import headless, picture_maker, start_world
 from subsea.app.timing import sentence
 from subsea.app.tour import tour_helm
 from subsea.frame import pack
 from subsea.ocean import step
+from subsea.scenario import load_scenario
 from subsea.view.rigs import cockpit, views_for
 from subsea.world import TICK_S
 
@@ -38,25 +39,35 @@ def film(
     instants = [k / fps for k in range(max(round(seconds * fps), 1))]
     if kind == "picture":
         instants = [seconds]
-    world = start_world(scenario, seed)
+    load_scenario(scenario)
     durations: list[float] = []
     try:
-        with (
-            start_headless(world, size, samples=SAMPLES) as (_, renderer),
-            open_reel(out, size, fps) as write,
-        ):
-            say(f"filming to {out}")
-            for instant in tqdm(instants, unit="frame", disable=None):
-                start = time.perf_counter()
-                ticks, alpha = divmod(instant / TICK_S, 1.0)
-                while world.state.tick < ticks + 1:  # the first tick is the start of the film
-                    step(world, tour_helm(world))
-                views = views_for(display, size, cockpit(world.state.submarine, alpha))
-                renderer.draw(pack(world, views, alpha))
-                picture = renderer.read_pixels()
-                durations.append(time.perf_counter() - start)
-                write(picture)
-    finally:
-        if durations:
-            print(f"{out}: {'written' if kind == 'picture' else sentence(durations)}")
+        with headless() as context:
+            world = start_world(scenario, seed)
+            with (
+                picture_maker(context, world, size, SAMPLES) as renderer,
+                open_reel(out, size, fps) as write,
+            ):
+                say(f"filming to {out}")
+                for instant in tqdm(instants, unit="frame", disable=None):
+                    start = time.perf_counter()
+                    ticks, alpha = divmod(instant / TICK_S, 1.0)
+                    while world.state.tick < ticks + 1:  # the first is the start of the film
+                        step(world, tour_helm(world))
+                    views = views_for(display, size, cockpit(world.state.submarine, alpha))
+                    renderer.draw(pack(world, views, alpha))
+                    picture = renderer.read_pixels()
+                    drawn = time.perf_counter()
+                    write(picture)
+                    durations.append(drawn - start)
+    except KeyboardInterrupt:
+        _report(out, kind, durations)
+        raise
+    _report(out, kind, durations)
     return 0
+
+
+def _report(out: Path, kind: str, durations: list[float]) -> None:
+    """Tell what lies in `out` now; nothing where no picture was written."""
+    if durations:
+        print(f"{out}: {'written' if kind == 'picture' else sentence(durations)}")

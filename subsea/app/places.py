@@ -1,19 +1,28 @@
-"""Whether a result can be written, asked before the work rather than after it."""
+"""Where results go: asked before the work, written whole or not at all."""
 
 import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from subsea.errors import UserError
 
 
 def check_folder(folder: Path) -> None:
-    """Make the folder if it is not there; one that cannot be written to is a UserError."""
+    """Whether files can be made in `folder`, which need not be there yet; else a UserError.
+
+    Nothing is left behind: a command that fails later has made no folder.
+    """
+    there = folder = folder.absolute()
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        while not there.exists():
+            there = there.parent
+        with tempfile.TemporaryFile(dir=there):
+            pass
     except OSError as fault:
-        raise UserError(f"{folder}: cannot make the folder ({fault.strerror})") from fault
-    if not os.access(folder, os.W_OK):
-        raise UserError(f"{folder}: no permission to write there")
+        what = "write there" if there == folder else "make the folder"
+        raise UserError(f"{folder}: cannot {what} ({fault.strerror})") from fault
 
 
 def check_file(path: Path) -> None:
@@ -21,3 +30,26 @@ def check_file(path: Path) -> None:
     if path.is_dir():
         raise UserError(f"{path}: is a folder, expected the name of a file")
     check_folder(path.parent)
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """A hidden name beside `path` to write to, renamed to `path` in the end.
+
+    Folders on the way are made. On any fault nothing is left: neither a part of the file nor
+    a new folder. An OSError becomes a UserError.
+    """
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
+    new = [folder for folder in path.parents if not folder.exists()]
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        yield temporary
+        temporary.replace(path)
+    except OSError as fault:
+        raise UserError(f"{path}: cannot write ({fault.strerror or fault})") from fault
+    finally:
+        with suppress(OSError):
+            temporary.unlink()
+        with suppress(OSError):  # a folder that holds something stays
+            for folder in new:
+                folder.rmdir()

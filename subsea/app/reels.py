@@ -1,8 +1,7 @@
 """Where pictures go: a film, one picture, or a folder of them. Whole files, or none."""
 
-import os
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -10,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.app.places import check_file, check_folder
+from subsea.app.places import check_file, check_folder, replacing
 from subsea.errors import UserError
 
 Picture = NDArray[np.uint8]  # (height, width, 3), top row first
@@ -59,41 +58,34 @@ def film_reel(out: Path, size: tuple[int, int], fps: float) -> Iterator[Write]:
     """
     import av  # here: a simulation or a window has no need of it
 
-    temporary = _temporary(out)
-    try:
-        with av.open(
-            str(temporary), "w", format="mp4", options={"movflags": "+faststart"}
-        ) as container:
-            stream: Any = container.add_stream(
-                "libx264",
-                rate=Fraction(fps).limit_denominator(1001),
-                options={"crf": QUALITY, "preset": "veryfast"},
-            )
-            stream.width, stream.height = size
-            stream.pix_fmt = "yuv420p"
-            frames = 0
+    interrupted: KeyboardInterrupt | None = None
+    frames = 0
+    with (
+        replacing(out) as temporary,
+        av.open(str(temporary), "w", format="mp4", options={"movflags": "+faststart"}) as container,
+    ):
+        stream: Any = container.add_stream(
+            "libx264",
+            rate=Fraction(fps).limit_denominator(1001),
+            options={"crf": QUALITY, "preset": "veryfast"},
+        )
+        stream.width, stream.height = size
+        stream.pix_fmt = "yuv420p"
 
-            def write(picture: Picture) -> None:
-                nonlocal frames
-                container.mux(stream.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
-                frames += 1
+        def write(picture: Picture) -> None:
+            nonlocal frames
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
+            frames += 1
 
-            interrupted: KeyboardInterrupt | None = None
-            try:
-                yield write
-            except KeyboardInterrupt as interrupt:
-                interrupted = interrupt
-            if frames:
-                container.mux(stream.encode(None))
-        if frames:
-            temporary.replace(out)
-        if interrupted:
-            raise interrupted
-    except OSError as fault:
-        raise UserError(f"{out}: cannot write ({fault.strerror or fault})") from fault
-    finally:
-        with suppress(OSError):
-            temporary.unlink()
+        try:
+            yield write
+        except KeyboardInterrupt as interrupt:
+            if not frames:
+                raise
+            interrupted = interrupt
+        container.mux(stream.encode(None))
+    if interrupted:
+        raise interrupted
 
 
 @contextmanager
@@ -118,17 +110,5 @@ def folder_reel(out: Path) -> Iterator[Write]:
 def _write_png(path: Path, picture: Picture) -> None:
     from PIL import Image
 
-    temporary = _temporary(path)
-    try:
+    with replacing(path) as temporary:
         Image.fromarray(picture).save(temporary, format="PNG")
-        temporary.replace(path)
-    except OSError as fault:
-        raise UserError(f"{path}: cannot write ({fault.strerror or fault})") from fault
-    finally:
-        with suppress(OSError):
-            temporary.unlink()
-
-
-def _temporary(path: Path) -> Path:
-    """A hidden name beside `path`, so that renaming it is one step of the file system."""
-    return path.with_name(f".{path.name}.{os.getpid()}.part")

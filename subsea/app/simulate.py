@@ -11,6 +11,7 @@ from tqdm import tqdm
 from subsea import hdf5
 from subsea.app.places import check_file
 from subsea.app.start import start_world
+from subsea.errors import UserError
 from subsea.ocean import step
 from subsea.repertoire import SEGMENTS
 from subsea.scenario import load_scenario
@@ -19,6 +20,7 @@ from subsea.submarine.helm import HANDS_OFF
 from subsea.world import TICK_S, World
 
 FORMAT, VERSION = "subsea-record", 1
+SUFFIXES = (".h5", ".hdf5")
 BLOCK_FISH_TICKS = 200_000  # what is held in memory between two writes: some 16 MB
 MENTAL_STATES = ("hunger", "libido", "fear")
 
@@ -30,11 +32,15 @@ def simulate(ticks: int, out: Path, scenario: str, fish: int | None, seed: int |
 
     The submarine drifts where it starts. Ctrl-C leaves a valid file with the ticks so far.
     """
+    if out.suffix.lower() not in SUFFIXES:
+        raise UserError(f"{out}: expected a name that ends in {' or '.join(SUFFIXES)}")
     check_file(out)
-    _, source = load_scenario(scenario)
+    chosen, source = load_scenario(scenario)
+    if not any(shoal.number for shoal in chosen.fish):
+        raise UserError(f"{source}: holds no fishes, there is nothing to record")
     world = start_world(scenario, seed, fish)
     number = len(world.state.fishes.species)
-    length = int(np.clip(BLOCK_FISH_TICKS // max(number, 1), 1, min(64, ticks)))
+    length = int(np.clip(BLOCK_FISH_TICKS // number, 1, min(64, ticks)))
     block = _empty_block(length, number)
     held = 0
     attributes = _attributes(world, source.read_text(encoding="utf-8"))
@@ -103,6 +109,7 @@ def _attributes(world: World, scenario_text: str) -> dict[str, Any]:
         "scenario": scenario_text,
         "radius_cm": bounds.radius_cm,
         "depth_cm": bounds.depth_cm,
+        "species_keys": sorted({shoal.species for shoal in world.scenario.fish}),
         "species_names": [species.name for species in world.species],
         "intention_names": list(INTENTIONS),
         "segment_names": list(SEGMENTS),

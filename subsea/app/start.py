@@ -1,6 +1,7 @@
-"""From a scenario's name to a world that is awake, and to a renderer without a window."""
+"""From a scenario's name to a world that is awake, and to pictures without a window."""
 
 import math
+import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 
 Say = Callable[[str], None]
 
-WAKING = "waking the fishes (the very first start compiles their code: half a minute)"
+WAKING = "waking the fishes (the very first start compiles their code: half a minute to a minute)"
 
 
 def start_world(
@@ -40,25 +41,34 @@ def start_world(
 
 
 @contextmanager
-def start_headless(
-    world: World, size: tuple[int, int], tell: Say = say, samples: int | None = None
-) -> Iterator[tuple[Any, "Renderer"]]:
-    """A context without a window and a renderer for pictures of `size`; no OpenGL: UserError.
+def headless() -> Iterator[Any]:
+    """An OpenGL context without a window, released in the end; no OpenGL is a UserError."""
+    # Mesa's remarks would hide the one line that tells what to install.
+    os.environ.setdefault("EGL_LOG_LEVEL", "fatal")
+    from subsea.render import headless_context
 
-    `samples` per pixel smooth edges; None leaves the choice to the renderer.
-    """
-    from subsea.render import Renderer, headless_context
-
-    tell("starting OpenGL")
     context = headless_context()
     try:
-        renderer = Renderer(context, make_scene(world), size, samples)
-        try:
-            yield context, renderer
-        finally:
-            renderer.release()
+        yield context
     finally:
         # Leaving it takes the context off this thread: while it is there, no window can open.
         with context:
             pass
         context.release()
+
+
+@contextmanager
+def picture_maker(
+    context: Any, world: World, size: tuple[int, int], samples: int | None = None
+) -> Iterator["Renderer"]:
+    """A renderer for pictures of `size`, released in the end.
+
+    `samples` per pixel smooth edges; None leaves the choice to the renderer.
+    """
+    from subsea.render import Renderer
+
+    renderer = Renderer(context, make_scene(world), size, samples)
+    try:
+        yield renderer
+    finally:
+        renderer.release()

@@ -1,5 +1,6 @@
 """The command line as a shell sees it: exit codes, one line for every fault, examples."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -7,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from subsea.app.cli import main
+from subsea.resources import resource_path
 
 COMMANDS = ("dive", "film", "simulate", "benchmark", "doctor")
 DOOR = Path(__file__).parents[2] / "run_submarine.py"
@@ -62,7 +64,12 @@ def test_every_command_has_help_with_examples(capsys, command):
         (["benchmark", "--without", "culing"], "'culling'"),
         (["benchmark", "--frames", "many"], "whole number"),
         (["benchmark", "--fish", "0"], "from 1"),
-        (["simulate", "--ticks", "5", "--out", "/tmp"], "expected the name of a file"),
+        (["simulate", "--ticks", "5", "--out", "a.csv"], ".h5 or .hdf5"),
+        (["benchmark", "--json", "/tmp"], "expected the name of a file"),
+        (["benchmark", "--scenario", "peacefull"], "'peaceful'"),
+        (["benchmark", "--paper", "--json", "a.json"], "'--json'"),
+        (["benchmark", "--fish=9", "--paper"], "'--fish=9'"),
+        (["film", "/proc/a.png"], "/proc"),
         (["benchmark", "--json", "/proc/none/a.json"], "/proc/none"),
         (["doctor", "--quick"], "--quick"),
     ],
@@ -87,6 +94,33 @@ def test_a_faulty_scenario_file_is_named(capsys, tmp_path, text):
     assert code == 2
     assert len(err) == 1
     assert str(path) in err[0]
+
+
+def test_a_sea_without_fishes_is_refused(capsys, tmp_path):
+    text = resource_path("assets/scenarios/peaceful.toml").read_text()
+    path = tmp_path / "empty.toml"
+    path.write_text(re.sub(r"(?m)^number = \d+", "number = 0", text))
+    out = str(tmp_path / "x.h5")
+    code, _, err = run(capsys, "simulate", "--ticks", "1", "--out", out, "--scenario", str(path))
+    assert code == 2
+    assert len(err) == 1
+    assert str(path) in err[0]
+
+
+@pytest.mark.parametrize(
+    ("command", "out"),
+    [
+        (["film"], "new/folder/x.mp4"),
+        (["film"], "new/frames"),
+        (["simulate", "--ticks", "5", "--out"], "new/x.h5"),
+        (["benchmark", "--json"], "new/x.json"),
+    ],
+)
+def test_a_command_that_fails_makes_no_folder(capsys, tmp_path, command, out):
+    code, _, err = run(capsys, *command, str(tmp_path / out), "--scenario", "typo")
+    assert code == 2
+    assert len(err) == 1
+    assert not list(tmp_path.iterdir())
 
 
 def test_the_front_door_is_the_dive():

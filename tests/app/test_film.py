@@ -79,10 +79,36 @@ def test_too_old_an_opengl_is_one_line_with_what_to_install(tmp_path):
         check=False,
     )
     assert done.returncode == 2
-    assert "no OpenGL 3.3" in done.stderr.splitlines()[-1]
-    assert "apt-get install" in done.stderr.splitlines()[-1]
-    assert "Traceback" not in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+    assert "no OpenGL 3.3" in done.stderr
+    assert "apt-get install" in done.stderr
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("fault", [OSError(28, "No space left on device"), KeyboardInterrupt()])
+def test_only_what_was_written_is_told(tmp_path, capsys, monkeypatch, fault):
+    def failing(*arguments, **options):
+        raise fault
+
+    monkeypatch.setattr(Image.Image, "save", failing)
+    assert main(["film", str(tmp_path / "new" / "a.png"), *SMALL]) in (2, 130)
+    assert not capsys.readouterr().out
+    assert not list(tmp_path.iterdir())
+
+
+def test_an_interrupted_film_tells_the_frames_it_has(tmp_path, capsys, monkeypatch):
+    pictures = [np.full((120, 160, 3), level, np.uint8) for level in (0, 50)]
+
+    def two(self):
+        if not pictures:
+            raise KeyboardInterrupt
+        return pictures.pop()
+
+    monkeypatch.setattr("subsea.render.Renderer.read_pixels", two)
+    out = tmp_path / "a.mp4"
+    assert main(["film", str(out), *SMALL]) == 130
+    assert f"{out}: 2 frames" in capsys.readouterr().out
+    assert len(decode(out)) == 2
 
 
 def grey(level):
@@ -113,5 +139,5 @@ def test_the_name_decides(tmp_path):
     with pytest.raises(UserError, match=r"\.gif"):
         reels.kind_of(tmp_path / "a.gif")
     (tmp_path / "file").write_text("")
-    with pytest.raises(UserError, match="cannot make the folder"):
+    with pytest.raises(UserError, match="cannot write there"):
         reels.open_reel(tmp_path / "file" / "a.mp4", (64, 48), 20.0)

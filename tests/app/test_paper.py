@@ -17,6 +17,11 @@ def test_playback_is_timed_on_the_real_nodes():
         assert nodes[i] == pytest.approx(nodes_world(fishes, library, i), abs=1e-3)
 
 
+def test_the_time_to_draw_counts_the_upload():
+    stages = {"cull": 64.0, "upload": 2.0, "draw": 8.0, "present": 32.0}
+    assert paper.draw_ms({"stages_ms": stages}) == 10.0
+
+
 def test_the_tables_print_both_machines(capsys, monkeypatch):
     for name, small in (("SIMULATED_TICKS", 4), ("PLAYED_TICKS", 3), ("RENDERED_FRAMES", 2)):
         monkeypatch.setattr(paper, name, small)

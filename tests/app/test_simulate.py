@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from subsea import hdf5
+from subsea.species import load_species
 
 SIMULATE = [sys.executable, "-m", "subsea", "simulate"]
 SHAPES = {
@@ -57,6 +58,9 @@ def test_it_holds_what_the_format_says(record):
         for code in ("species", "intention", "segment"):
             names = file.attrs[f"{code}_names"]
             assert file[f"fish/{code}"][()].max() < len(names)
+        keys, names = list(file.attrs["species_keys"]), list(file.attrs["species_names"])
+        assert keys == ["emperor_angelfish", "fusilier"]
+        assert names == [load_species(key).name for key in keys]
         assert file.attrs["format"] == "subsea-record"
         assert "[bounds]" in file.attrs["scenario"]
         assert np.hypot(*file["fish/position"][-1, :, :2].T).max() < file.attrs["radius_cm"]
