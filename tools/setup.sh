@@ -43,7 +43,7 @@ system_packages() {
 	return 1
 }
 
-newest_python() {
+find_python() {
 	for name in python3 python3.14 python3.13 python3.12 python3.11; do
 		if "$name" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then
 			echo "$name"
@@ -55,7 +55,7 @@ newest_python() {
 }
 
 make_environment() {
-	python=$(newest_python)
+	python=$(find_python)
 	if ! "$python" -c 'import ensurepip' 2>/dev/null; then
 		version=$("$python" -c 'import sys; print("python%d.%d" % sys.version_info[:2])')
 		system_packages "$version-venv" || exit 1

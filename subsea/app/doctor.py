@@ -9,15 +9,13 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import NamedTuple
 
+from subsea.app.install import INSTALL
 from subsea.errors import UserError
 
 PACKAGES = (
     "numpy", "numba", "h5py", "moderngl", "glfw", "pyrr", "imgui-bundle", "msgspec", "pillow",
     "av", "tqdm",
 )  # fmt: skip
-
-
-INSTALL_LIBRARIES = "sudo apt-get install libgl1 libx11-6 libxext6"
 
 
 class Finding(NamedTuple):
@@ -125,10 +123,10 @@ def _headless() -> list[Finding]:
 def _display() -> list[Finding]:
     """Display, monitors, and the OpenGL of hidden windows."""
     try:
-        from subsea.app.window import INSTALL_WINDOW, hidden_window, on_display
+        from subsea.app.window import hidden_window, on_display
         from subsea.render import window_context
     except ImportError as fault:
-        return [Finding("display", False, f"{fault}; try: {INSTALL_LIBRARIES}")]
+        return [Finding("display", False, f"{fault}; try: {INSTALL}")]
     try:
         with on_display() as display:
             findings = [
@@ -137,7 +135,7 @@ def _display() -> list[Finding]:
             ]
             with hidden_window() as loader:
                 if loader is None:
-                    findings.append(Finding("OpenGL, window", False, INSTALL_WINDOW))
+                    findings.append(Finding("OpenGL, window", False, INSTALL))
                 else:
                     context = window_context(loader)
                     text = f"{context.info['GL_RENDERER']}, {context.info['GL_VERSION']}"

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import glfw
 import imgui_bundle  # noqa: F401  # before glfw: it brings the one libglfw that both share
 
+from subsea.app.install import INSTALL
 from subsea.app.pilot import Action, Button, Pilot
 from subsea.errors import UserError
 
@@ -38,10 +39,6 @@ PLATFORMS = {
     glfw.PLATFORM_COCOA: "macOS",
     glfw.PLATFORM_WIN32: "Windows",
 }
-INSTALL_WINDOW = (
-    "sudo apt-get install libgl1 libgl1-mesa-dri "
-    "libx11-6 libxcursor1 libxi6 libxinerama1 libxrandr2"
-)
 
 
 class Display(NamedTuple):
@@ -114,7 +111,7 @@ class Window:
                     raise glfw.GLFWError("no window was made")
             except glfw.GLFWError as fault:
                 raise UserError(
-                    f"no window with OpenGL 3.3 ({_reason(fault)}); try: {INSTALL_WINDOW}"
+                    f"no window with OpenGL 3.3 ({_reason(fault)}); try: {INSTALL}"
                 ) from fault
             undo.callback(glfw.destroy_window, self.handle)
             self._undo = undo.pop_all()
