@@ -4,6 +4,7 @@ import argparse
 import os
 import signal
 import sys
+import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NoReturn
@@ -81,7 +82,10 @@ def _parsers() -> tuple[argparse.ArgumentParser, dict[str, argparse.ArgumentPars
     record.add_argument("species", metavar="SPECIES", nargs="*", help="species to record")
     record.add_argument("--all", action="store_true", help="record every species there is")
     record.add_argument(
-        "--out", metavar="DIR", type=Path, default=None, help="folder to write to (repertoires/)"
+        "--out",
+        metavar="DIR",
+        type=Path,
+        help="folder to write to (in a checkout: its repertoires/)",
     )
     record.add_argument(
         "--jobs", metavar="N", type=_jobs, default=1, help="processes to record in (1)"
@@ -144,10 +148,13 @@ def _record(options: argparse.Namespace) -> int:
     for name in options.species:
         if name not in known:
             raise unknown("species", name, known)
+    if options.all and options.species:
+        raise UserError(f"--all and {options.species[0]!r}: give one of the two")
     if not options.all and not options.species:
         raise UserError(f"name a species ({', '.join(known)}) or give --all")
     names = known if options.all else list(dict.fromkeys(options.species))
-    folder: Path = options.out or resource_path("repertoires")
+    folder: Path = options.out or _own_repertoires()
+    _check_folder(folder)
     bars = {
         name: tqdm(total=len(SEGMENTS), desc=name, position=place, unit="segment")
         for place, name in enumerate(names)
@@ -165,6 +172,25 @@ def _record(options: argparse.Namespace) -> int:
     return 0
 
 
+def _own_repertoires() -> Path:
+    """The repertoires of a checkout; those of an installed package are not ours to change."""
+    if not resource_path("pyproject.toml").is_file():
+        raise UserError("name the folder to write to: --out DIR")
+    return resource_path("repertoires")
+
+
+def _check_folder(folder: Path) -> None:
+    """A UserError, before any work, where no file can be made in `folder`. Leaves nothing."""
+    there = folder.absolute()
+    try:
+        while not there.exists():
+            there = there.parent
+        with tempfile.TemporaryFile(dir=there):
+            pass
+    except OSError as fault:
+        raise UserError(f"{folder}: cannot write there ({fault.strerror})") from fault
+
+
 def _inspect(options: argparse.Namespace) -> int:
     from capture.inspect import report
 
@@ -177,6 +203,8 @@ def _plot(options: argparse.Namespace) -> int:
     from capture.plot import plot_repertoire
     from subsea.repertoire import read_repertoire
 
-    for path in plot_repertoire(read_repertoire(options.file), options.out):
+    repertoire = read_repertoire(options.file)
+    _check_folder(options.out)
+    for path in plot_repertoire(repertoire, options.out):
         print(path)
     return 0

@@ -12,7 +12,7 @@ from capture.cost import frame_cost, replay_cost, step_cost
 from capture.record import Motion, run_trial, steady_contraction
 from capture.trial import Trial, beat_contraction, beat_phase, sharp_turn, steady_beat
 from subsea.biomechanics.body import LOWER_TAIL, UPPER_TAIL, Body, Floats, build_body
-from subsea.biomechanics.controllers import LEFT, muscle_lengths, swim_contraction
+from subsea.biomechanics.controllers import LEFT, S_MAX, muscle_lengths, swim_contraction
 from subsea.biomechanics.fins import UP, balance, pectoral_force
 from subsea.biomechanics.simulation import (
     STILL,
@@ -112,7 +112,7 @@ def _swimming(motion: Motion, body: Body, trials: dict[str, Trial]) -> Iterator[
     yield Measure("fast swim, per tu (0.1 s)", f"{rate:.4f} L", "≥ 0.08 L", rate >= 0.08)
     muscles = muscle_lengths(body, beat_contraction(motion.swim, 1.0))
     s = float(np.abs(np.diff(muscles, axis=0)).max())
-    yield Measure("its contraction a step", f"{s:.4f} cm", "≤ 0.075 cm", s <= 0.075)
+    yield Measure("its contraction a step", f"{s:.4f} cm", f"≤ {S_MAX:g} cm", s <= S_MAX)
     for slow, quick in (("slow", "medium"), ("medium", "fast")):
         ratio = speeds[quick] / speeds[slow]
         yield Measure(f"{quick} over {slow}", f"{ratio:.2f} ×", "≥ 1.4 ×", ratio >= 1.4)
