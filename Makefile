@@ -11,8 +11,8 @@ NO_DISPLAY = [ -z "$$DISPLAY$$WAYLAND_DISPLAY" ] && [ "$$(uname -s)" != Darwin ]
 
 run: .venv/ready-run
 	@if $(NO_DISPLAY); then \
-		echo "No display here: filming ten seconds to dive.mp4 instead."; \
-		exec $(BIN)/subsea film dive.mp4 --seconds 10; \
+		echo "No display here: filming to dive.mp4 instead."; \
+		exec $(BIN)/subsea film dive.mp4 --seconds 10 $(filter-out --fullscreen,$(ARGS)); \
 	else \
 		exec $(BIN)/python run_submarine.py $(ARGS); \
 	fi
