@@ -10,6 +10,8 @@ from subsea.resources import load_toml, named_or_file
 from subsea.species import species_names
 
 MAX_FISHES = 100_000
+# Two rows each in a texture, whose height OpenGL drivers limit to 16384 or less.
+MAX_SIMULATED = 4000
 Positive = Annotated[float, msgspec.Meta(gt=0, le=1e5)]
 Coordinate = Annotated[float, msgspec.Meta(ge=-1e5, le=1e5)]
 Seed = Annotated[int, msgspec.Meta(ge=0, le=2**32 - 1)]
@@ -74,6 +76,8 @@ class Scenario(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     terrain: Terrain
     submarine: Start
     fish: Annotated[list[Shoal], msgspec.Meta(min_length=1)]
+    # So many of the nearest fishes are simulated instead of played back.
+    simulated: Annotated[int, msgspec.Meta(ge=0, le=MAX_SIMULATED)] = 0
 
 
 def load_scenario(name: str) -> tuple[Scenario, Path]:

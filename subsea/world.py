@@ -16,14 +16,13 @@ from subsea.motor.switching import Dynamics, make_dynamics
 from subsea.repertoire import SEGMENTS, Repertoire, read_repertoire
 from subsea.repertoire.library import Library, pack
 from subsea.resources import resource_path
-from subsea.scenario import Scenario, Shoal
+from subsea.scenario import MAX_SIMULATED, Scenario, Shoal
 from subsea.species import Species, load_species
 from subsea.state import Fishes, State, Submarine, empty_fishes, empty_live
 
 Array = NDArray[np.floating[Any]]
 
 LIVE_REACH_CM = 500.0  # how near to the submarine a fish must be to be simulated
-MAX_LIVE = 4000  # two rows each in a texture, whose height OpenGL drivers limit to 16384 or less
 
 FLAT_BL = 0.4  # a body at least this tall, over its length, rows with its pectoral fins
 TICK_S = 0.033  # one tick = one recorded frame = six steps of the simulation
@@ -48,18 +47,20 @@ def create_world(
     seed: int | None = None,
     fish: int | None = None,
     progress: Callable[[str], None] = lambda message: None,
-    live: int = 0,
+    live: int | None = None,
     live_reach_cm: float = LIVE_REACH_CM,
 ) -> World:
     """Read the repertoires of a scenario's species and put everything in its place.
 
     `seed` replaces the scenario's; `fish` scales its shoals to that many fishes in all.
-    `progress` is told what is going on. `live` fishes at most are simulated instead of played
-    back: those nearest to the submarine, within `live_reach_cm`. A missing or damaged file, or
-    more live fishes than a picture can hold, is a UserError.
+    `progress` is told what is going on. `live` fishes at most, None: as many as the scenario
+    says, are simulated instead of played back: those nearest to the submarine, within
+    `live_reach_cm`. A missing or damaged file, or more live fishes than a picture can hold, is a
+    UserError.
     """
-    if live > MAX_LIVE:
-        raise UserError(f"{live} fishes to simulate: expected at most {MAX_LIVE}")
+    live = scenario.simulated if live is None else live
+    if live > MAX_SIMULATED:
+        raise UserError(f"{live} fishes to simulate: expected at most {MAX_SIMULATED}")
     seed = scenario.seed if seed is None else seed
     progress("reading repertoires")
     names = sorted({shoal.species for shoal in scenario.fish})

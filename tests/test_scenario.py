@@ -78,3 +78,14 @@ def test_what_is_no_text_is_refused(tmp_path, content):
         file.write_bytes(content)
     with pytest.raises(UserError, match="cannot read"):
         load_scenario(str(file))
+
+
+def test_a_scenario_may_have_its_nearest_fishes_simulated(tmp_path):
+    file = tmp_path / "lively.toml"
+    file.write_text(
+        "simulated = 2\n" + PEACEFUL.replace("-430.0, -60.0, -330.0", "-100.0, 0, -330")
+    )
+    world = create_world(load_scenario(str(file))[0])
+    for _ in range(120):
+        step(world, HANDS_OFF)
+    assert world.state.fishes.live.sum() == 2
