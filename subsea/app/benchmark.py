@@ -54,7 +54,7 @@ def benchmark(
         check_file(out)
     load_scenario(scenario)
     with headless() as context:
-        world = start_world(scenario, seed, fish, dynamics=motor == "dynamics")
+        world = start_world(scenario, seed, fish, motor=motor)
         with picture_maker(context, world, size) as renderer:
             measured = measure(world, renderer, context, display, size, frames, without)
         report = {

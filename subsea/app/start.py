@@ -24,16 +24,20 @@ WAKING = "waking the fishes (the very first start compiles their code: half a mi
 
 def start_world(
     scenario: str, seed: int | None = None, fish: int | None = None, tell: Say = say,
-    dynamics: bool = False,
+    motor: str | None = None,
 ) -> World:  # fmt: skip
     """The world of a scenario after its first tick and packet: every kernel is compiled.
 
-    With `dynamics` every fish is simulated as soon as its motion allows.
+    The motor "playback" simulates no fish, "dynamics" every one as soon as its motion allows,
+    None those that the scenario says.
     """
     chosen, _ = load_scenario(scenario)
     number = sum(shoal.number for shoal in chosen.fish) if fish is None else fish
-    live = number if dynamics else 0
-    world = create_world(chosen, seed, fish, tell, live, math.inf)
+    if motor is None:
+        world = create_world(chosen, seed, fish, tell)
+    else:
+        live = number if motor == "dynamics" else 0
+        world = create_world(chosen, seed, fish, tell, live, math.inf)
     tell(WAKING)
     step(world, HANDS_OFF)
     pack(world, views_for("mono", (64, 64), cockpit(world.state.submarine, 1.0)), 1.0)
