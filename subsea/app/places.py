@@ -9,6 +9,14 @@ from pathlib import Path
 from subsea.errors import UserError
 
 
+def is_folder(path: Path) -> bool:
+    """Whether a folder called `path` is there; a name that no file can have is a UserError."""
+    try:
+        return path.is_dir()
+    except OSError as fault:
+        raise UserError(f"{path}: {fault.strerror}") from fault
+
+
 def check_folder(folder: Path) -> None:
     """Whether files can be made in `folder`, which need not be there yet; else a UserError.
 
@@ -27,7 +35,7 @@ def check_folder(folder: Path) -> None:
 
 def check_file(path: Path) -> None:
     """Whether the file `path` can be made or replaced; else a UserError."""
-    if path.is_dir():
+    if is_folder(path):
         raise UserError(f"{path}: is a folder, expected the name of a file")
     check_folder(path.parent)
 

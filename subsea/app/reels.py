@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.app.places import check_file, check_folder, replacing
+from subsea.app.places import check_file, check_folder, is_folder, replacing
 from subsea.errors import UserError
 
 Picture = NDArray[np.uint8]  # (height, width, 3), top row first
@@ -22,7 +22,7 @@ KINDS = "FILE.mp4, FILE.png or a folder's name without a suffix"
 def kind_of(out: Path) -> str:
     """What the name asks for: "film", "picture" or "folder"; another suffix is a UserError."""
     kinds = {".mp4": "film", ".png": "picture", "": "folder"}
-    kind = "folder" if out.is_dir() else kinds.get(out.suffix.lower())
+    kind = "folder" if is_folder(out) else kinds.get(out.suffix.lower())
     if kind is None:
         raise UserError(f"{out}: cannot write {out.suffix!r}, expected {KINDS}")
     return kind
