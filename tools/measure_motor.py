@@ -47,7 +47,7 @@ def main() -> None:
         "copy the arrays that playback touches": copying,
         "playback of root motion": fastest_ms(lambda: play(fishes, library, still, TICK_S)),
         "secondary controller": fastest_ms(lambda: command(fishes, library, 1, 0, TICK_S)),
-        "pectoral fins": fastest_ms(lambda: flap(fishes, TICK_S)),
+        "fins and breath": fastest_ms(lambda: flap(fishes, TICK_S)),
     }
     print(f"{number} fishes, a tick")
     for name, duration in rows.items():
