@@ -15,7 +15,7 @@ FOLD_RAD = 0.35  # a fast fish folds its fins to the body
 FULL_STEERING = 0.6  # rad/s: the effort of a fish that steers as hard as it can
 BREATH_HZ = 0.8  # at rest; an effort doubles it
 GAPE = 0.45  # how far the mouth opens to breathe
-FOLDED = 0.55  # of the dorsal fin at full speed
+FOLDED = 0.3  # by this share the dorsal fin folds at full speed
 SPREAD = 0.22  # of the tail in a hard turn or when braking
 EASE_HZ = 3.0  # how fast dorsal fin and tail follow
 
