@@ -4,12 +4,12 @@ import argparse
 import os
 import signal
 import sys
-import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
 from subsea.errors import UserError, unknown
+from subsea.places import check_folder
 from subsea.resources import resource_path
 
 MAX_JOBS = 64
@@ -154,7 +154,7 @@ def _record(options: argparse.Namespace) -> int:
         raise UserError(f"name a species ({', '.join(known)}) or give --all")
     names = known if options.all else list(dict.fromkeys(options.species))
     folder: Path = options.out or _own_repertoires()
-    _check_folder(folder)
+    check_folder(folder)
     bars = {
         name: tqdm(total=len(SEGMENTS), desc=name, position=place, unit="segment")
         for place, name in enumerate(names)
@@ -179,18 +179,6 @@ def _own_repertoires() -> Path:
     return resource_path("repertoires")
 
 
-def _check_folder(folder: Path) -> None:
-    """A UserError, before any work, where no file can be made in `folder`. Leaves nothing."""
-    there = folder.absolute()
-    try:
-        while not there.exists():
-            there = there.parent
-        with tempfile.TemporaryFile(dir=there):
-            pass
-    except OSError as fault:
-        raise UserError(f"{folder}: cannot write there ({fault.strerror})") from fault
-
-
 def _inspect(options: argparse.Namespace) -> int:
     from capture.inspect import report
 
@@ -204,7 +192,7 @@ def _plot(options: argparse.Namespace) -> int:
     from subsea.repertoire import read_repertoire
 
     repertoire = read_repertoire(options.file)
-    _check_folder(options.out)
+    check_folder(options.out)
     for path in plot_repertoire(repertoire, options.out):
         print(path)
     return 0

@@ -1,9 +1,8 @@
 """The only module that opens HDF5 files: reads what it can trust, writes whole files or none."""
 
 import math
-import os
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.errors import UserError
+from subsea.places import replacing
 
 MAX_DATASET_BYTES = 256 * 2**20  # a repertoire holds a few megabytes; more is a damaged header
 
@@ -36,17 +36,11 @@ def writing(path: Path) -> Iterator[Any]:
     KeyboardInterrupt and errors remove the temporary file. The contents carry no timestamps,
     so the same input gives the same bytes.
     """
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with h5py.File(temporary, "w", libver=("earliest", "v110"), track_order=False) as file:
-            yield file
-        temporary.replace(path)
-    except OSError as fault:
-        raise UserError(f"{path}: cannot write ({fault.strerror or fault})") from fault
-    finally:
-        with suppress(OSError):
-            temporary.unlink()
+    with (
+        replacing(path) as temporary,
+        h5py.File(temporary, "w", libver=("earliest", "v110"), track_order=False) as file,
+    ):
+        yield file
 
 
 @contextmanager

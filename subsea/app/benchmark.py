@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from tqdm import tqdm
 
-from subsea.app.places import check_file, replacing
 from subsea.app.start import headless, picture_maker, start_world
 from subsea.app.timing import summary
 from subsea.app.tour import tour_helm
 from subsea.frame import LEVELS, Packet, pack
 from subsea.ocean import step
+from subsea.places import check_file, replacing
 from subsea.scenario import load_scenario
 from subsea.view.rigs import cockpit, views_for
 from subsea.world import World

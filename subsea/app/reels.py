@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.app.places import check_file, check_folder, is_folder, replacing
 from subsea.errors import UserError
+from subsea.places import check_file, check_folder, is_folder, replacing
 
 Picture = NDArray[np.uint8]  # (height, width, 3), top row first
 Write = Callable[[Picture], None]

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from tqdm import tqdm
 
 from subsea import hdf5
-from subsea.app.places import check_file
 from subsea.app.start import start_world
 from subsea.errors import UserError
 from subsea.ocean import step
+from subsea.places import check_file
 from subsea.repertoire import SEGMENTS
 from subsea.scenario import load_scenario
 from subsea.state import INTENTIONS

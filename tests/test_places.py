@@ -2,8 +2,8 @@
 
 import pytest
 
-from subsea.app.places import check_file, check_folder, replacing
 from subsea.errors import UserError
+from subsea.places import check_file, check_folder, replacing
 
 
 def test_asking_leaves_nothing(tmp_path):
