@@ -38,8 +38,9 @@ GRADE_MARGIN = 1.12  # a fish keeps its grade until another fits better by this 
 def command(fishes: Fishes, library: Library, seed: int, tick: int, dt: float) -> None:
     """Choose `wanted_segment`; ease `tempo`, `thrust` and `steering` toward what the goal asks.
 
-    Speeds are told from the angles to the goal in the horizontal plane and in height. The
-    choice takes effect in playback at the next recorded frame.
+    The angle to the goal in the horizontal plane chooses between swims and turns, its height the
+    pitch, the goal's speed the grade. Playback takes the choice up at the next row from which
+    the glide is gentle.
     """
     for i in range(len(fishes.species)):
         kind = fishes.species[i]

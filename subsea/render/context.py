@@ -13,7 +13,7 @@ INSTALL = "sudo apt-get install --no-install-recommends libegl1 libgl1 libgl1-me
 
 def headless_context() -> Any:
     """A context without a window. Missing or too old OpenGL is a UserError."""
-    try:
+    try:  # what fails here, a driver or a missing library, is raised as plain Exception
         context = _create(standalone=True, backend="egl")
     except Exception as egl_fault:
         # EGL is Linux's way; other systems have their own hidden windows.
