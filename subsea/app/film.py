@@ -5,6 +5,7 @@ from pathlib import Path
 
 from tqdm import tqdm
 
+from subsea.app import interrupts
 from subsea.app.console import say
 from subsea.app.reels import check_reel, open_reel
 from subsea.app.start import headless, picture_maker, start_world
@@ -45,6 +46,7 @@ def film(
         with headless() as context:
             world = start_world(scenario, seed)
             with (
+                interrupts.deferred() as check,
                 picture_maker(context, world, size, SAMPLES) as renderer,
                 open_reel(out, size, fps) as write,
             ):
@@ -52,7 +54,9 @@ def film(
                 for instant in tqdm(instants, unit="frame", disable=None):
                     start = time.perf_counter()
                     ticks, alpha = divmod(instant / TICK_S, 1.0)
+                    check()
                     while world.state.tick < ticks + 1:  # the first is the start of the film
+                        check()
                         step(world, tour_helm(world))
                     views = views_for(display, size, cockpit(world.state.submarine, alpha))
                     renderer.draw(pack(world, views, alpha))

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from tqdm import tqdm
 
 from subsea import hdf5
+from subsea.app import interrupts
 from subsea.app.start import start_world
 from subsea.errors import UserError
 from subsea.ocean import step
@@ -44,9 +45,13 @@ def simulate(ticks: int, out: Path, scenario: str, fish: int | None, seed: int |
     block = _empty_block(length, number)
     held = 0
     attributes = _attributes(world, source.read_text(encoding="utf-8"))
-    with hdf5.recording(out, attributes, _constants(world)) as append:
+    with (
+        interrupts.deferred() as check,
+        hdf5.recording(out, attributes, _constants(world)) as append,
+    ):
         try:
             for k in tqdm(range(ticks), unit="tick", disable=None):
+                check()
                 if k:  # the world is at its first tick when it has started
                     step(world, HANDS_OFF)
                 _note(world, block, held)
