@@ -10,7 +10,7 @@ import numpy as np
 
 from capture.cost import frame_cost, replay_cost, step_cost
 from capture.record import Motion, run_trial, steady_contraction
-from capture.trial import Trial, beat_contraction, beat_phase, sharp_turn, steady_beat
+from capture.trial import Trial, beat_contraction, beat_phase, sharp_turn, speed_map, way
 from subsea.biomechanics.body import LOWER_TAIL, UPPER_TAIL, Body, Floats, build_body
 from subsea.biomechanics.controllers import LEFT, S_MAX, muscle_lengths, swim_contraction
 from subsea.biomechanics.fins import UP, balance, pectoral_force
@@ -95,15 +95,11 @@ def measure(motion: Motion, repertoire: Repertoire) -> Iterator[Measure]:
     yield Measure("a tick simulated over one replayed", f"{ratio:.0f} ×", "", True)
 
 
-def _chord(trial: Trial) -> Floats:
-    return np.asarray((trial.frames[-1] - trial.frames[0]).mean(axis=0))
-
-
 def _swimming(motion: Motion, body: Body, trials: dict[str, Trial]) -> Iterator[Measure]:
     length, ticks = motion.body.length, motion.swim.ticks_per_beat
     beat_tu = ticks * STEPS_PER_TICK * STEP
     speeds = {
-        grade: float(np.linalg.norm(_chord(trials[f"swim_{grade}"]))) / length
+        grade: float(np.linalg.norm(way(trials[f"swim_{grade}"].frames))) / length
         for grade in ("slow", "medium", "fast")
     }
     fast = speeds["fast"]
@@ -116,13 +112,7 @@ def _swimming(motion: Motion, body: Body, trials: dict[str, Trial]) -> Iterator[
     for slow, quick in (("slow", "medium"), ("medium", "fast")):
         ratio = speeds[quick] / speeds[slow]
         yield Measure(f"{quick} over {slow}", f"{ratio:.2f} ×", "≥ 1.4 ×", ratio >= 1.4)
-    levels = np.linspace(0.1, 1.0, 10)
-    swum = np.array(
-        [
-            np.linalg.norm(_chord(steady_beat(body, beat_contraction(motion.swim, level))))
-            for level in levels
-        ]
-    )
+    levels, swum = (column[1:] for column in speed_map(body, motion.swim))
     fit = float(np.corrcoef(levels, swum)[0, 1] ** 2)
     steady = bool((np.diff(swum) > 0).all())
     text = f"{'monotone' if steady else 'not monotone'}, R² {fit:.3f}"
@@ -140,7 +130,7 @@ def _swimming(motion: Motion, body: Body, trials: dict[str, Trial]) -> Iterator[
 
 def _sweep(trial: Trial, nodes: list[int]) -> float:
     """Peak-to-peak distance of the middle of ``nodes`` across the way of one beat, cm."""
-    chord = _chord(trial)
+    chord = way(trial.frames)
     aside = np.cross(UP, chord / np.linalg.norm(chord))
     across = trial.frames[:, nodes].mean(axis=1) @ aside
     drift = np.linspace(0.0, across[-1] - across[0], len(across))

@@ -11,15 +11,15 @@ import numpy as np
 from subsea.biomechanics.body import Body, Floats
 from subsea.biomechanics.controllers import (
     LEFT,
+    SpeedMap,
     bend_contraction,
     ease,
-    steering,
     swim_contraction,
-    turn_share,
+    turn_contraction,
 )
-from subsea.biomechanics.plan import Steering, SwimPlan, TurnPlan
+from subsea.biomechanics.plan import SwimPlan, TurnPlan
 from subsea.biomechanics.simulation import State, at_rest, copy_state, is_sound, simulate
-from subsea.biomechanics.solver import STEPS_PER_TICK
+from subsea.biomechanics.solver import STEP, STEPS_PER_TICK
 from subsea.errors import UserError
 from subsea.kinematics.frame import body_frame, to_body
 
@@ -28,8 +28,6 @@ MAX_WARM_UP = 400
 CLOSURE_GOAL = 1e-9
 """Loop closure, in body lengths, at which a beat counts as steady."""
 STRAIGHT = (0.0, 0.0)
-SETTLE_TICKS = 4
-"""How long a straightened body takes to come to rest, as far as playback's blending can tell."""
 
 
 class Trial(NamedTuple):
@@ -51,11 +49,15 @@ def loop_error(frames: Floats) -> float:
     return float(np.linalg.norm(ends[1] - ends[0], axis=1).max())
 
 
+def side_phase(side: float) -> float:
+    """The swim phase, in radians, that is phase 0 of a fish that turns to this side."""
+    return 0.0 if side == LEFT else np.pi
+
+
 def beat_phase(swim: SwimPlan, ticks: int, side: float = LEFT) -> Floats:
     """Swim phases (6 ticks,) of the steps of ``ticks`` ticks that begin at this side's phase 0."""
     steps = np.arange(ticks * STEPS_PER_TICK)
-    start = 0.0 if side == LEFT else np.pi
-    return np.asarray(start + 2 * np.pi * steps / (swim.ticks_per_beat * STEPS_PER_TICK))
+    return np.asarray(side_phase(side) + 2 * np.pi * steps / (swim.ticks_per_beat * STEPS_PER_TICK))
 
 
 def beat_contraction(
@@ -92,6 +94,25 @@ def steady_beat(body: Body, beat: Floats) -> Trial:
     raise UserError(f"the body does not swim steadily after {MAX_WARM_UP} beats")
 
 
+def speed_map(body: Body, swim: SwimPlan, levels: int = 10) -> SpeedMap:
+    """The steady speeds at ``levels`` amplitudes of the beat, measured by swimming.
+
+    Raises UserError where the body loses its shape at one of them.
+    """
+    amplitude = np.linspace(0.0, 1.0, levels + 1)
+    beat_tu = swim.ticks_per_beat * STEPS_PER_TICK * STEP
+    ways = [
+        np.linalg.norm(way(steady_beat(body, beat_contraction(swim, level)).frames))
+        for level in amplitude[1:]
+    ]
+    return SpeedMap(amplitude, np.array([0.0, *ways]) / beat_tu)
+
+
+def way(frames: Floats) -> Floats:
+    """From where the fish is at the first of ``frames`` (T, 23, 3) to where it is at the last."""
+    return np.asarray((frames[-1] - frames[0]).mean(axis=0))
+
+
 def sharp_turn(
     body: Body,
     swim: SwimPlan,
@@ -107,21 +128,10 @@ def sharp_turn(
     The trial lasts a whole number of beats, so that it ends in the phase in which it began.
     Raises UserError where the body loses its shape.
     """
-    row = steering(turn, angle)
     state = copy_state(start)
-    ticks = turn_beats(swim, row) * swim.ticks_per_beat
-    share = turn_share(row, np.arange(ticks * STEPS_PER_TICK) / STEPS_PER_TICK)
-    amplitude = swim.medium + (turn.amplitude - swim.medium) * share
-    contraction = swim_contraction(
-        swim, entry_phase + beat_phase(swim, ticks, side), amplitude
-    ) + bend_contraction(row.contraction, side, share)
+    phase = entry_phase + side_phase(side)
+    contraction = turn_contraction(swim, turn, side * angle, phase)
     frames = np.concatenate([start.x[None], simulate(body, state, contraction)])
     if not is_sound(state):
         raise UserError(f"the body lost its shape in a turn of {angle:g} degrees")
     return Trial(frames, state, 0)
-
-
-def turn_beats(swim: SwimPlan, row: Steering) -> int:
-    """Length of a sharp turn in beats: it ends with the beat in which the body has settled."""
-    ticks = row.bend_ticks + row.hold_ticks + row.restore_ticks + SETTLE_TICKS
-    return int(np.ceil(ticks / swim.ticks_per_beat))

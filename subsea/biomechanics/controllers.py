@@ -1,18 +1,42 @@
-"""Motor controllers: what the twelve muscles do (Tu §4.6.1).
+"""Motor controllers: what the twelve muscles do to swim, turn and glide (Tu §4.6.1).
 
 Every controller gives *contractions*, the fraction by which a muscle's rest length is shortened,
-as an array (T, 12). Contractions of several controllers add up; see :func:`muscle_lengths`.
+as an array (T, 12), a row for each step. Contractions of several controllers add up; see
+:func:`muscle_lengths`.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from subsea.biomechanics.body import MUSCLE_LEFT, MUSCLE_SEGMENT, MUSCLES, Body, Floats
 from subsea.biomechanics.plan import Steering, SwimPlan, TurnPlan
+from subsea.biomechanics.solver import STEPS_PER_TICK
 
 S_MAX = 0.075
 """Greatest change of a muscle's rest length in one step, cm (Tu §4.6.1)."""
 LEFT, RIGHT = 1.0, -1.0
+WIDEST_TURN = 90.0
+"""Greatest angle, in degrees, of a single turn; wider ones are made of several (Tu §4.6.1)."""
+SETTLE_TICKS = 4
+"""How long a straightened body takes to come to rest, as far as playback's blending can tell."""
+
+
+class SpeedMap(NamedTuple):
+    """What amplitude of the beat makes what steady speed; both increase from nothing."""
+
+    amplitude: Floats  # (n,) relative to grade fast
+    speed: Floats  # (n,) cm/tu
+
+
+def swim_amplitude(speeds: SpeedMap, speed: ArrayLike) -> Floats:
+    """Amplitude of the beat for a swimming speed in cm/tu: swim-MC (Tu §4.6.1).
+
+    Only the amplitude sets the speed, for the frequency hardly does. Speeds that are out of
+    reach give the amplitude of the nearest that is not.
+    """
+    return np.asarray(np.interp(np.asarray(speed), speeds.speed, speeds.amplitude))
 
 
 def swim_contraction(plan: SwimPlan, phase: ArrayLike, amplitude: ArrayLike = 1.0) -> Floats:
@@ -76,6 +100,39 @@ def turn_share(row: Steering, ticks: ArrayLike) -> Floats:
     ticks = np.asarray(ticks, dtype=np.float64)
     released = row.bend_ticks + row.hold_ticks
     return ease(ticks / row.bend_ticks) - ease((ticks - released) / row.restore_ticks)
+
+
+def turn_beats(swim: SwimPlan, row: Steering) -> int:
+    """Length of a sharp turn in beats: it ends with the beat in which the body has settled."""
+    ticks = row.bend_ticks + row.hold_ticks + row.restore_ticks + SETTLE_TICKS
+    return int(np.ceil(ticks / swim.ticks_per_beat))
+
+
+def turn_contraction(swim: SwimPlan, turn: TurnPlan, angle: float, phase: float = 0.0) -> Floats:
+    """Contractions (6 T, 12) of a turn by ``angle`` degrees, left positive: turn-MC (Tu §4.6.1).
+
+    The fish swims steadily at grade medium and is at ``phase`` radians of its beat; the steering
+    map is right for a left turn at phase 0 and for a right one at π. The tail beats on meanwhile.
+    A turn wider than :data:`WIDEST_TURN` is a sequence of equal lesser ones. Each lasts a whole
+    number of beats, so that the fish ends in the phase in which it began.
+    """
+    side = LEFT if angle >= 0 else RIGHT
+    parts = max(1, int(np.ceil(abs(angle) / WIDEST_TURN)))
+    row = steering(turn, abs(angle) / parts)
+    per_beat = swim.ticks_per_beat * STEPS_PER_TICK
+    steps = np.arange(turn_beats(swim, row) * per_beat)
+    share = turn_share(row, steps / STEPS_PER_TICK)
+    amplitude = swim.medium + (turn.amplitude - swim.medium) * share
+    beat = swim_contraction(swim, phase + 2 * np.pi * steps / per_beat, amplitude)
+    return np.tile(beat + bend_contraction(row.contraction, side, share), (parts, 1))
+
+
+def glide_contraction(contraction: Floats, steps: int) -> Floats:
+    """Contractions (steps, 12) that relax muscles from ``contraction`` (12,) to none: glide-MC.
+
+    The relaxation is smooth, and complete with the last step (Tu §4.6.1).
+    """
+    return np.outer(1.0 - ease(np.arange(1, steps + 1) / steps), contraction)
 
 
 def muscle_lengths(body: Body, contraction: Floats) -> Floats:

@@ -1,13 +1,20 @@
-"""Pectoral fins as the force they exert on the midsection, and balance by them (Tu §4.6.2)."""
+"""Pectoral fins as the force they exert on the midsection, and the controllers that set them.
+
+Five motor controllers work the fins (Tu §4.6.2): ascend, descend, balance, brake and backward.
+Each but the last gives the orientations of the left and the right fin in radians, to be taken up
+anew every tick.
+"""
 
 import numpy as np
 
-from subsea.biomechanics.body import NODES, RING_LEFT, Floats
+from subsea.biomechanics.body import NODES, RING_LEFT, TRIANGLE_WEIGHTS, TRIANGLES, Body, Floats
 from subsea.biomechanics.simulation import State
 from subsea.kinematics.frame import body_frame
 
 EDGE_ON = np.pi / 2
 """Orientation at which a fin cuts the water and exerts nothing."""
+BROADSIDE = np.pi
+"""Orientation at which it meets the water with its whole area."""
 STEEPEST = np.pi / 4
 """How far a fin turns from edge-on to ascend, descend or balance (Tu §4.6.2)."""
 ROLL_GAIN, PITCH_GAIN = 2.0, 6.0
@@ -18,15 +25,18 @@ UP = np.array([0.0, 1.0, 0.0])
 _SIDE = np.tile(RING_LEFT, 3)  # of nodes 1 to 12, which carry the fins
 
 
-def pectoral_force(state: State, area: float, left: float, right: float, water: Floats) -> Floats:
+def pectoral_force(
+    state: State, area: float, left: float, right: float, water: Floats, rowing: float = 0.0
+) -> Floats:
     """Force (23, 3) of fins of ``area`` cm² held at ``left`` and ``right`` radians (Tu eq. 4.16).
 
     π/2 is edge-on; more raises the leading edge and lifts the fish, less presses it down, π
-    brakes. Each fin's force is shared by the six midsection nodes on its side.
+    brakes. Each fin's force is shared by the six midsection nodes on its side. ``rowing``, cm/tu,
+    is the speed at which the fins themselves sweep forwards along the body.
     """
     rotation = body_frame(state.x)[1]
     midsection = slice(1, 13)
-    velocity = state.v[midsection].mean(axis=0) - water
+    velocity = state.v[midsection].mean(axis=0) - water + rowing * rotation[:, 0]
     force = np.zeros((NODES, 3))
     for side, angle in ((1.0, left), (-1.0, right)):
         normal = np.cos(angle) * rotation[:, 0] + np.sin(angle) * rotation[:, 1]
@@ -35,10 +45,45 @@ def pectoral_force(state: State, area: float, left: float, right: float, water: 
     return force
 
 
-def balance(state: State) -> tuple[float, float]:
-    """Left and right fin orientation, in radians, that bring a fish back upright and level."""
+def ascend(state: State, angle: float) -> tuple[float, float]:
+    """Left and right fin that make a swimming fish climb at ``angle`` radians, up to π/2.
+
+    Tu's ascend-MC maps the angle itself to an orientation; but a lift that stays would turn the
+    fish over, so here it fades as the fish comes to point where it should. It balances besides.
+    """
     rotation = body_frame(state.x)[1]
     roll = ROLL_GAIN * (rotation[:, 2] @ UP)
-    pitch = PITCH_GAIN * (rotation[:, 0] @ UP)
-    left, right = np.clip([roll - pitch, -roll - pitch], -STEEPEST, STEEPEST)
+    lift = PITCH_GAIN * (np.sin(angle) - rotation[:, 0] @ UP)
+    left, right = np.clip([lift + roll, lift - roll], -STEEPEST, STEEPEST)
     return EDGE_ON + float(left), EDGE_ON + float(right)
+
+
+def descend(state: State, angle: float) -> tuple[float, float]:
+    """Left and right fin that make a swimming fish dive at ``angle`` radians, up to π/2."""
+    return ascend(state, -angle)
+
+
+def balance(state: State) -> tuple[float, float]:
+    """Left and right fin that bring a swimming fish back upright and level."""
+    return ascend(state, 0.0)
+
+
+def brake() -> tuple[float, float]:
+    """Left and right fin of a fish that slows down: both broadside to its way."""
+    return BROADSIDE, BROADSIDE
+
+
+def backward(body: Body, area: float, speed: float) -> float:
+    """How fast, in cm/tu, fins of ``area`` cm² must row for a steady retreat at ``speed`` cm/tu.
+
+    The straight body glides (glide-MC) and the fins, broadside, sweep forwards: use the result as
+    ``rowing`` in :func:`pectoral_force`. Where Tu takes the force as proportional to the rowing
+    speed, here a fin meets the water as any plate does (Tu eq. 4.3), so that it balances the
+    drag of the hull at the retreat that was asked for, and braking is rowing at rest.
+    """
+    a, b, c = (body.rest[TRIANGLES[:, corner]] for corner in range(3))
+    twice = np.cross(b - a, c - a)
+    across = twice[:, 0] / np.linalg.norm(twice, axis=1)
+    astern = across < 0
+    hull = 0.5 * TRIANGLE_WEIGHTS * np.linalg.norm(twice, axis=1) * np.abs(across) ** 2
+    return speed * (1.0 + float(np.sqrt(body.drag * hull[astern].sum() / (2.0 * area))))

@@ -8,11 +8,13 @@ from capture.trial import (
     beat_phase,
     loop_error,
     sharp_turn,
+    speed_map,
     steady_beat,
-    turn_beats,
+    way,
 )
 from subsea.biomechanics.body import build_body
-from subsea.biomechanics.controllers import LEFT, RIGHT, steering
+from subsea.biomechanics.controllers import LEFT, RIGHT, steering, swim_amplitude, turn_beats
+from subsea.biomechanics.solver import STEP, STEPS_PER_TICK
 from subsea.errors import UserError
 from subsea.species import Species
 
@@ -47,3 +49,19 @@ def test_a_sharp_turn_starts_where_swimming_ends_and_leaves_it_alone(species: Sp
     np.testing.assert_array_equal(trial.frames[0], before)
     beats = turn_beats(species.swim, steering(species.turn, 45.0))
     assert len(trial.frames) == beats * species.swim.ticks_per_beat + 1
+
+
+def test_swimming_speed_follows_what_is_asked_for(species: Species) -> None:
+    """swim-MC: any speed within reach, between the amplitudes that were measured too."""
+    body, swim = build_body(species.body), species.swim
+    speeds = speed_map(body, swim)
+    assert (np.diff(speeds.speed) > 0).all()
+    asked = np.linspace(0.15, 1.0, 7) * speeds.speed[-1]
+    beat_tu = swim.ticks_per_beat * STEPS_PER_TICK * STEP
+    swum = [
+        np.linalg.norm(way(steady_beat(body, beat_contraction(swim, amplitude)).frames)) / beat_tu
+        for amplitude in map(float, swim_amplitude(speeds, asked))
+    ]
+    assert (np.diff(swum) > 0).all()
+    np.testing.assert_allclose(swum, asked, atol=0.03 * speeds.speed[-1])
+    assert swim_amplitude(speeds, 2 * speeds.speed[-1]) == 1
