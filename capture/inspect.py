@@ -1,11 +1,11 @@
 """The report on a repertoire file: its segments, and how good their motion is."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import msgspec
 
-from capture.quality import Measure, measure
+from capture.quality import measure
 from capture.record import motion_from_provenance
 from subsea.errors import UserError
 from subsea.repertoire import SEGMENTS, Repertoire, read_repertoire
@@ -16,40 +16,60 @@ HEADINGS = (
 )  # fmt: skip
 
 
-def report(path: Path) -> Iterator[str]:
-    """The lines of the report on a file; UserError where it is damaged or not a repertoire."""
+def report(path: Path, tell: Callable[[str], object]) -> bool:
+    """Tell the report on a file line by line; whether every measure is at least what is asked.
+
+    UserError where the file is damaged or not a repertoire.
+    """
     repertoire = read_repertoire(path)
     missing = [name for name in SEGMENTS if name not in repertoire.segments]
-    yield (
+    tell(
         f"{path}: {repertoire.species}, {repertoire.body_length_cm:g} cm, from "
         f"{repertoire.source}, a frame each {1000 * repertoire.tick_s:g} ms"
     )
-    yield ""
-    yield from _table([HEADINGS, *_segment_rows(repertoire)])
-    yield ""
+    tell("")
+    for line in _table([HEADINGS, *_segment_rows(repertoire)]):
+        tell(line)
+    tell("")
     if repertoire.source != "biomechanics" or missing:
         gap = f"no {', '.join(missing)}" if missing else f"its source is {repertoire.source!r}"
-        yield f"Measures of the motion need a full repertoire from biomechanics; {gap}."
-        return
+        tell(f"Measures of the motion need a full repertoire from biomechanics; {gap}.")
+        return not missing
     try:
         motion = motion_from_provenance(repertoire.provenance)
     except msgspec.ValidationError as fault:
         raise UserError(f"{path}: attribute 'provenance' holds no fish ({fault})") from fault
-    yield "Measured by simulating again from the provenance (L: body length, tu: 0.1 s):"
-    yield ""
-    failed = 0
-    width = 41
-    for line in measure(motion, repertoire):
-        failed += not line.passed
-        yield f"{line.name:<{width}} {line.value:>22}   {line.at_least:<12} {_verdict(line)}"
-    yield ""
-    yield "Every measure reaches what is asked." if not failed else f"{failed} fall short."
+    tell("Measured by simulating again from the provenance (L: body length, tu: 0.1 s):")
+    tell("")
+    tell(_line("", "", "at least", "", "aim", ""))
+    short, astray = 0, 0
+    for found in measure(motion, repertoire):
+        short += not found.passed
+        astray += not found.aim_reached
+        tell(
+            _line(
+                found.name,
+                found.value,
+                found.at_least,
+                _verdict(found.at_least, found.passed, "FALLS SHORT"),
+                found.aim,
+                _verdict(found.aim, found.aim_reached, "missed"),
+            )
+        )
+    tell("")
+    tell("Every measure reaches what is asked." if not short else f"{short} fall short.")
+    tell("Every aim is reached too." if not astray else f"{astray} of the aims are missed.")
+    return not short
 
 
-def _verdict(line: Measure) -> str:
-    if not line.at_least:
-        return ""
-    return "pass" if line.passed else "FALLS SHORT"
+def _line(name: str, value: str, at_least: str, passed: str, aim: str, reached: str) -> str:
+    """A row of the table of measures."""
+    cells = f"{name:<41} {value:>22}   {at_least:<12} {passed:<11}  {aim:<12} {reached}"
+    return cells.rstrip()
+
+
+def _verdict(target: str, reached: bool, missed: str) -> str:
+    return "" if not target else "pass" if reached else missed
 
 
 def _segment_rows(repertoire: Repertoire) -> Iterator[tuple[str, ...]]:

@@ -1,10 +1,11 @@
+import json
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 
-from capture import record
+from capture import quality, record
 from capture.cli import main
 from subsea.repertoire import read_repertoire
 
@@ -92,15 +93,52 @@ def test_a_provenance_without_a_fish_is_told_after_the_table(
     assert err.count("\n") == 1
 
 
+@pytest.fixture
+def quick(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Costs as on a machine that does nothing else."""
+    monkeypatch.setattr(quality, "step_cost", lambda *_: 3.0)
+    monkeypatch.setattr(quality, "replay_cost", lambda *_: 0.05)
+    monkeypatch.setattr(quality, "frame_cost", lambda *_: 0.02)
+
+
 def test_inspect_shows_segments_and_measures(
-    recorded: Path, capsys: pytest.CaptureFixture[str]
+    recorded: Path, quick: None, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(["inspect", str(recorded)]) == 0
+    assert main(["inspect", str(recorded)]) == 0  # though aims are missed
     out = capsys.readouterr().out
     assert "turn_right_sharp" in out
     assert "simulating again" in out
     assert "Strouhal" in out
-    assert "≥ 0.35 L" in out
+    rows = {line[:41].strip(): " ".join(line[41:].split()) for line in out.splitlines()}
+    assert rows["replay of a body frame"] == "0.020 µs ≤ 0.03 µs pass ≤ 0.01 µs missed"
+    assert "FALLS SHORT" not in out
+
+
+def test_a_fish_that_misses_a_target_is_code_1(
+    recorded: Path, quick: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The same file, but its fish holds a bend of 30° for as long as one of 60°."""
+    path = tmp_path / "astray.h5"
+    path.write_bytes(recorded.read_bytes())
+    with h5py.File(path, "a") as file:
+        provenance = json.loads(file.attrs["provenance"])
+        rows = provenance["turn"]["steering"]
+        rows[0]["hold_ticks"] = rows[2]["hold_ticks"]
+        file.attrs["provenance"] = np.bytes_(json.dumps(provenance).encode())
+    assert main(["inspect", str(path)]) == 1
+    short = [line for line in capsys.readouterr().out.splitlines() if "FALLS SHORT" in line]
+    assert [line.split(",")[0] for line in short] == ["turn of 30°", "turn of 30°"]
+
+
+def test_a_repertoire_with_a_gap_is_code_1(
+    recorded: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "gap.h5"
+    path.write_bytes(recorded.read_bytes())
+    with h5py.File(path, "a") as file:
+        del file["segments/swim_slow"]
+    assert main(["inspect", str(path)]) == 1
+    assert "no swim_slow" in capsys.readouterr().out
 
 
 def test_an_interrupted_recording_leaves_nothing(
