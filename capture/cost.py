@@ -27,7 +27,7 @@ def step_cost(body: Body, state: State) -> float:
         still, none = np.zeros(3), np.zeros((NODES, 3))
         advance(x, v, *body[1:], muscles, still, none, STEP, watch)
 
-    return _best(swim) / STEPS
+    return fastest_us(swim) / STEPS
 
 
 def replay_cost(segment: Segment) -> float:
@@ -45,13 +45,13 @@ def _replay_cost(segment: Segment, nodes: Floats) -> float:
     steps = np.ascontiguousarray(segment.increment_translation)
     out = np.empty(nodes.shape[1:])
     _replay(turns, steps, nodes, 1, out)  # compiles
-    return _best(lambda: _replay(turns, steps, nodes, FRAMES, out)) / FRAMES
+    return fastest_us(lambda: _replay(turns, steps, nodes, FRAMES, out)) / FRAMES
 
 
-def _best(run: Callable[[], object]) -> float:
+def fastest_us(run: Callable[[], object], rounds: int = ROUNDS) -> float:
     """Microseconds of the quickest of some rounds: the one least disturbed by other work."""
     times = []
-    for _ in range(ROUNDS):
+    for _ in range(rounds):
         start = perf_counter()
         run()
         times.append(perf_counter() - start)

@@ -1,7 +1,11 @@
+import timeit
+from collections.abc import Callable
+
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.linalg import eigh
+from scipy.linalg import eigh, solveh_banded
 
 from subsea.biomechanics.body import (
     HALF_BANDWIDTH,
@@ -13,7 +17,7 @@ from subsea.biomechanics.body import (
     build_body,
 )
 from subsea.biomechanics.simulation import State, at_rest, copy_state, simulate
-from subsea.biomechanics.solver import ROWS, STEP, assemble, factorize, substitute
+from subsea.biomechanics.solver import ROWS, STEP, advance, assemble, factorize, substitute
 from subsea.species import Species, load_species
 
 
@@ -132,6 +136,78 @@ def test_a_free_vibration_has_the_frequency_of_its_eigenmode(fusilier: Species) 
     swing = np.einsum("tij,ij,i->t", frames - body.rest, mode, body.mass) / 1e-4
     time = 6 * step * np.arange(1, ticks + 1)
     np.testing.assert_allclose(swing, np.cos(omega * time) * np.exp(-delta * time), atol=0.05)
+
+
+def with_one_unit(unit: int, viscosity: float = 0.0) -> Body:
+    """A body in a vacuum of which only one viscoelastic unit is left: two nodes on a spring."""
+    body = in_vacuum(load_species("fusilier"))
+    only = np.arange(len(UNITS)) == unit
+    return body._replace(stiffness=only * 30.0, viscosity=only * viscosity)
+
+
+@pytest.mark.parametrize(("unit", "viscosity"), [(0, 0.0), (30, 0.6), (90, 1.5)])
+def test_two_nodes_on_a_unit_are_a_damped_oscillator(unit: int, viscosity: float) -> None:
+    body, (i, j) = with_one_unit(unit, viscosity), UNITS[unit]
+    reduced = body.mass[i] * body.mass[j] / (body.mass[i] + body.mass[j])
+    omega, delta = np.sqrt(30.0 / reduced), viscosity / (2 * reduced)
+    swing = np.sqrt(omega**2 - delta**2)
+    along = (body.rest[j] - body.rest[i]) / body.length[unit]
+    state, pull = at_rest(body), 0.05 * body.length[unit]
+    state.x[j] += pull * along
+    step, ticks = 2e-4, 3000
+    frames = simulate(body, state, np.zeros((6 * ticks, MUSCLES)), step=step)
+    stretch = np.linalg.norm(frames[:, j] - frames[:, i], axis=1) - body.length[unit]
+    time = 6 * step * np.arange(1, ticks + 1)
+    assert swing * time[-1] > 2 * np.pi  # at least a whole period
+    expected = np.exp(-delta * time) * (np.cos(swing * time) + delta / swing * np.sin(swing * time))
+    np.testing.assert_allclose(stretch / pull, expected, atol=0.02)
+
+
+def test_two_nodes_keep_their_energy_and_turn_about_their_centre() -> None:
+    """Energy of stretching, swinging and spinning; momentum and spin by their closed forms."""
+    body, (i, j) = with_one_unit(40), UNITS[40]
+    state = at_rest(body)
+    state.v[i], state.v[j] = (0.3, -0.2, 0.5), (-0.1, 0.4, 0.2)
+
+    def of(state: State) -> tuple[float, Floats, Floats]:
+        two = [i, j]
+        stretch = np.linalg.norm(state.x[j] - state.x[i]) - body.length[40]
+        energy = 0.5 * body.mass[two] @ (state.v[two] ** 2).sum(axis=1) + 15.0 * stretch**2
+        spin = np.cross(state.x[two], body.mass[two, None] * state.v[two]).sum(axis=0)
+        return float(energy), body.mass[two] @ state.v[two], spin
+
+    before = of(state)
+    simulate(body, state, np.zeros((60_000, MUSCLES)), step=1e-4)
+    after = of(state)
+    for one, other, allowed in zip(before, after, (5e-3, 1e-11, 5e-3), strict=True):
+        np.testing.assert_allclose(other, one, rtol=allowed, atol=allowed)
+
+
+def test_a_step_costs_less_than_two_fifths_of_a_banded_lapack_solve(fusilier: Species) -> None:
+    """Forces, assembly, factors and three right-hand sides, beside the solve alone."""
+    body = build_body(fusilier.body)
+    state = at_rest(body)
+    state.v[:] = np.random.default_rng(2).normal(0, 0.3, (NODES, 3))
+    muscles = np.tile(body.length[:MUSCLES], (100, 1))
+    band, load = np.zeros((ROWS, HALF_BANDWIDTH + 1)), np.zeros((ROWS, 3))
+    assemble(
+        state.x, state.v, *body[1:5], muscles[0], STEP, band, load, np.array([np.inf, 0.0])
+    )  # fmt: skip
+    lower, right = np.ascontiguousarray(band[:NODES].T), load[:NODES].copy()
+    still, none = np.zeros(3), np.zeros((NODES, 3))
+
+    def fastest(work: Callable[[], object]) -> float:
+        return min(timeit.repeat(work, number=1, repeat=60))
+
+    def steps() -> None:
+        x, v, watch = copy_state(state)
+        advance(x, v, *body[1:], muscles, still, none, STEP, watch)
+
+    def solves() -> None:
+        for _ in range(100):
+            solveh_banded(lower, right, lower=True, check_finite=False)
+
+    assert fastest(steps) <= 0.4 * fastest(solves)
 
 
 def contractions() -> Floats:

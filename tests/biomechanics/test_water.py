@@ -5,8 +5,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.biomechanics.body import TRIANGLE_WEIGHTS, TRIANGLES, Floats, build_body
+from subsea.biomechanics.simulation import at_rest, simulate
 from subsea.biomechanics.water import add_water_force
 from subsea.species import Species, load_species
+
+MIRROR = np.array([0, *(1 + 4 * ring + k for ring in range(5) for k in (1, 0, 3, 2)), 21, 22])
 
 
 def force_on(x: Floats, v: Floats, water: Floats, drag: float = 1.0) -> Floats:
@@ -49,6 +52,29 @@ def test_a_plate_broadside_meets_area_times_speed_squared(fusilier: Species) -> 
     np.testing.assert_allclose(
         force.sum(axis=0), [0, 0, -0.8 * area * speed**2], rtol=1e-6, atol=1e-3
     )
+
+
+def test_a_plate_under_a_steady_force_reaches_its_terminal_velocity(fusilier: Species) -> None:
+    """Broadside, v(t) = u tanh(F t / m u) with u = √(F / µA)."""
+    thin = build_body(msgspec.structs.replace(fusilier.body, half_widths=(0.3,) * 5))
+    sideways = np.tile([0.0, 0.0, 1.0], (23, 1))
+    # Each pair of nodes weighs and is pulled as much as the area it bears: the plate stays flat.
+    share = -force_on(thin.rest, sideways, np.zeros(3))[:, 2]
+    area = share.sum()
+    share = (share + share[MIRROR]) / (2 * area)
+    weight, pull = 50.0, 0.5
+    plate = thin._replace(mass=weight * share, stiffness=np.full(len(thin.stiffness), 100.0))
+    force = pull * share[:, None] * sideways
+    state = at_rest(plate)
+    terminal = np.sqrt(pull / area)
+    step, ticks = 0.01, 80
+    for seconds in range(1, 8):
+        simulate(plate, state, np.zeros((6 * ticks, 12)), force=force, step=step)
+        time = 6 * ticks * step * seconds
+        speed = terminal * np.tanh(pull * time / (weight * terminal))
+        assert plate.mass @ state.v[:, 2] / weight == pytest.approx(speed, rel=0.02)
+    assert speed > 0.9 * terminal
+    np.testing.assert_allclose(state.x[:, :2], plate.rest[:, :2], atol=0.1)
 
 
 def test_doubling_the_speed_quadruples_the_force(species: Species) -> None:
