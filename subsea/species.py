@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 import msgspec
 
 from subsea.biomechanics.plan import BodyPlan, SwimPlan, TurnPlan
+from subsea.biomechanics.stability import check_step
 from subsea.errors import UserError, unknown
 from subsea.kinematics.surface import Curve, Extent, Share, SurfacePlan
 from subsea.resources import load_toml, resource_names, resource_path
@@ -77,6 +78,10 @@ class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     turn: TurnPlan
     surface: SurfacePlan
     skin: SkinPlan
+
+    def __post_init__(self) -> None:
+        """Refuse a body whose material the simulation's step cannot carry."""
+        check_step(self.body)
 
 
 def species_names() -> list[str]:

@@ -9,14 +9,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.biomechanics.plan import BodyPlan
+from subsea.biomechanics.plan import NODES_AT_STATION, BodyPlan
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 NODES = 23
 RINGS = 5
-NODES_AT_STATION = [1, 4, 4, 4, 4, 4, 2]
 MUSCLES = 12
 UPPER_TAIL, LOWER_TAIL = 21, 22
 

@@ -1,12 +1,33 @@
 """The numbers that make one species' body and motion: the [body], [swim] and [turn] tables."""
 
 from itertools import pairwise
+from operator import mul
 from typing import Annotated
 
 import msgspec
 
+NODES_AT_STATION = (1, 4, 4, 4, 4, 4, 2)
+"""Nose, five rings of four, two tail tips."""
+MODEL_LENGTHS = (10.0, 40.0)
+"""cm; far from Tu's 20 cm his time step and muscle speed describe no fish."""
+SHORTEST_SECTION = 0.02
+HALF_SIZES = (0.005, 0.45)
+"""Least and greatest half-width or half-height of a ring, in body lengths."""
+LONGEST = 1000.0
+"""Ticks that a part of a turn may last, half a minute."""
+DENSITIES = (0.3, 6.0)
+"""g for each cm³ between the nodes: that of water, and room for what lies around the nodes."""
+
 Positive = Annotated[float, msgspec.Meta(gt=0)]
+Modulus = Annotated[float, msgspec.Meta(gt=0, le=1e5)]
 Fraction = Annotated[float, msgspec.Meta(ge=0, le=0.6)]
+
+
+def _check(name: str, value: float, limits: tuple[float, float], scale: float, unit: str) -> None:
+    """Raise ValueError where a value lies outside ``limits`` times ``scale``."""
+    low, high = (limit * scale for limit in limits)
+    if not low <= value <= high:
+        raise ValueError(f"{name} = {value:g}; expected {low:.3g} to {high:.3g} {unit}")
 
 
 class BodyPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -14,6 +35,9 @@ class BodyPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
 
     ``stations`` are the distances behind the nose tip of nose, five rings and tail tips; their
     last is the body length. ``masses`` are grams per node at the same seven stations.
+
+    Tu's constants describe a fish of some 20 cm, so that is the length to model a species at,
+    whatever its own: playback scales motion to the individual (SMC §4.4).
     """
 
     stations: tuple[float, float, float, float, float, float, float]
@@ -21,21 +45,58 @@ class BodyPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     half_heights: tuple[Positive, Positive, Positive, Positive, Positive]
     tail_half_height: Positive
     masses: tuple[Positive, Positive, Positive, Positive, Positive, Positive, Positive]
-    cross_stiffness: Positive = 38.0
-    muscle_stiffness: Positive = 28.0
-    other_stiffness: Positive = 30.0
-    viscosity: Positive = 0.1
-    water_drag: Positive = 1.0
+    cross_stiffness: Modulus = 38.0
+    muscle_stiffness: Modulus = 28.0
+    other_stiffness: Modulus = 30.0
+    viscosity: Modulus = 0.1
+    water_drag: Modulus = 1.0
 
     def __post_init__(self) -> None:
-        """Refuse stations that do not run from 0 at the nose backwards."""
-        if self.stations[0] != 0 or any(b <= a for a, b in pairwise(self.stations)):
+        """Refuse a body that no fish has, or that the simulation cannot carry."""
+        if self.stations[0] != 0 or not all(a < b for a, b in pairwise(self.stations)):
             raise ValueError("stations must begin with 0 and increase from nose to tail")
+        length = self.length
+        _check("stations[6]", length, MODEL_LENGTHS, 1.0, "cm")
+        for place, (front, back) in enumerate(pairwise(self.stations), start=1):
+            if back - front < SHORTEST_SECTION * length:
+                raise ValueError(
+                    f"stations[{place}] is {back - front:.3g} cm behind the one before; "
+                    f"expected {SHORTEST_SECTION * length:.3g} cm or more at this length"
+                )
+        sizes = [
+            *((f"half_widths[{ring}]", size) for ring, size in enumerate(self.half_widths)),
+            *((f"half_heights[{ring}]", size) for ring, size in enumerate(self.half_heights)),
+            ("tail_half_height", self.tail_half_height),
+        ]
+        for name, size in sizes:
+            _check(name, size, HALF_SIZES, length, "cm at this length")
+        _check("sum of masses", self.mass, DENSITIES, self.hull_volume, "g in this hull")
 
     @property
     def length(self) -> float:
         """Body length, nose to tail tips, in cm."""
         return self.stations[-1]
+
+    @property
+    def mass(self) -> float:
+        """Mass of the whole body in g."""
+        return sum(map(mul, self.masses, NODES_AT_STATION))
+
+    @property
+    def hull_volume(self) -> float:
+        """Volume between the nodes in cm³, cross-sections varying linearly between stations.
+
+        The drawn fish is somewhat larger: nodes lie inside its skin.
+        """
+        areas = [
+            0.0,
+            *(4 * w * h for w, h in zip(self.half_widths, self.half_heights, strict=True)),
+            0.0,
+        ]
+        return sum(
+            (back - front) * (a + b) / 2
+            for (front, back), (a, b) in zip(pairwise(self.stations), pairwise(areas), strict=True)
+        )
 
 
 class SwimPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -46,11 +107,16 @@ class SwimPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     phase in radians by which the posterior segment follows the anterior one.
     """
 
-    ticks_per_beat: Annotated[int, msgspec.Meta(ge=4)]
+    ticks_per_beat: Annotated[int, msgspec.Meta(ge=4, le=60)]
     contraction: tuple[Fraction, Fraction]
     lag: Annotated[float, msgspec.Meta(ge=0, le=3.2)]
     slow: Annotated[float, msgspec.Meta(gt=0, lt=1)]
     medium: Annotated[float, msgspec.Meta(gt=0, lt=1)]
+
+    def __post_init__(self) -> None:
+        """Refuse a slow grade that is not the slower one."""
+        if self.slow >= self.medium:
+            raise ValueError(f"slow = {self.slow:g} must be less than medium = {self.medium:g}")
 
 
 class Steering(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -62,9 +128,9 @@ class Steering(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
 
     angle: Annotated[float, msgspec.Meta(gt=0, le=90)]
     contraction: tuple[Fraction, Fraction]
-    bend_ticks: Annotated[float, msgspec.Meta(gt=0)]
-    hold_ticks: Annotated[float, msgspec.Meta(ge=0)]
-    restore_ticks: Annotated[float, msgspec.Meta(gt=0)]
+    bend_ticks: Annotated[float, msgspec.Meta(ge=1, le=LONGEST)]
+    hold_ticks: Annotated[float, msgspec.Meta(ge=0, le=LONGEST)]
+    restore_ticks: Annotated[float, msgspec.Meta(ge=1, le=LONGEST)]
 
 
 class TurnPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -85,3 +151,8 @@ class TurnPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
         angles = [row.angle for row in self.steering]
         if any(b <= a for a, b in pairwise(angles)):
             raise ValueError("the angles of the steering map must increase")
+        if self.sharp > angles[-1]:
+            raise ValueError(
+                f"sharp = {self.sharp:g} lies beyond the steering map, which ends at "
+                f"{angles[-1]:g} degrees"
+            )

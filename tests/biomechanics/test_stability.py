@@ -1,0 +1,45 @@
+import numpy as np
+import pytest
+
+from subsea.biomechanics.body import LOWER_TAIL, MUSCLES, UPPER_TAIL, build_body
+from subsea.biomechanics.simulation import at_rest, is_sound, simulate
+from subsea.biomechanics.solver import STEP
+from subsea.biomechanics.stability import check_step, longest_step
+from subsea.species import Species
+
+
+def test_a_kicked_body_settles_below_the_limit_and_bursts_above(species: Species) -> None:
+    body = build_body(species.body)
+    limit = longest_step(body)[0]
+
+    def sound(step: float) -> bool:
+        state = at_rest(body)
+        state.v[:] = np.random.default_rng(1).normal(0, 0.2, (23, 3))
+        simulate(body, state, np.zeros((1200, MUSCLES)), step=step)
+        return is_sound(state)
+
+    assert sound(0.97 * limit)
+    assert not sound(1.06 * limit)
+
+
+def test_the_limit_of_two_masses_on_a_spring(fusilier: Species) -> None:
+    """All units but one without stiffness or damping: ω² = 2 k/m, and h² ω² + 2 h (2 c/m) = 4."""
+    body = build_body(fusilier.body)
+    body.mass[:] = 3.0
+    body.stiffness[1:] = 0.0
+    body.viscosity[1:] = 0.0
+    k, c = 2 * body.stiffness[0] / 3.0, 2 * body.viscosity[0] / 3.0
+    step = longest_step(body)[0]
+    assert step**2 * k + 2 * step * c == pytest.approx(4.0)
+
+
+def test_the_node_that_limits_is_the_light_one(fusilier: Species) -> None:
+    body = build_body(fusilier.body)
+    assert longest_step(body)[1] in (UPPER_TAIL, LOWER_TAIL)
+    body.mass[7] = 0.01
+    assert longest_step(body)[1] == 7
+
+
+def test_the_check_agrees_with_the_limit(species: Species) -> None:
+    assert longest_step(build_body(species.body))[0] > STEP
+    check_step(species.body)
