@@ -5,7 +5,7 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from subsea.app import interrupts
+from subsea import interrupts
 from subsea.app.console import say
 from subsea.app.reels import check_reel, open_reel
 from subsea.app.start import headless, picture_maker, start_world

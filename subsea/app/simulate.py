@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from tqdm import tqdm
 
-from subsea import hdf5
-from subsea.app import interrupts
+from subsea import hdf5, interrupts
 from subsea.app.start import start_world
 from subsea.errors import UserError
 from subsea.ocean import step

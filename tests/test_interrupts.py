@@ -4,7 +4,7 @@ import signal
 
 import pytest
 
-from subsea.app.interrupts import deferred
+from subsea.interrupts import deferred
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
