@@ -1,13 +1,12 @@
 """The command line of the capture tool."""
 
 import argparse
-import os
-import signal
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
+from subsea.commandline import answer, command, number, parse, program
 from subsea.errors import UserError, unknown
 from subsea.places import check_folder
 from subsea.resources import resource_path
@@ -21,54 +20,26 @@ def main(arguments: Sequence[str] | None = None) -> int:
     0 done, 1 a fish misses what `inspect` asks of it, 2 something the user can mend (one line on
     standard error), 130 interrupted.
     """
-    signal.signal(signal.SIGTERM, _terminate)  # a polite kill ends as Ctrl-C does
-    try:
-        return _run(sys.argv[1:] if arguments is None else list(arguments))
-    except UserError as fault:
-        print(f"subsea-capture: {fault}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print("subsea-capture: interrupted, nothing half-written is left", file=sys.stderr)
-        return 130
-    except BrokenPipeError:
-        # The reader of our output (`subsea-capture … | head`) has seen enough.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
+    return answer("subsea-capture", lambda: _run(sys.argv[1:] if arguments is None else arguments))
 
 
-def _terminate(number: int, frame: object) -> NoReturn:
-    raise KeyboardInterrupt
-
-
-def _run(arguments: list[str]) -> int:
+def _run(arguments: Sequence[str]) -> int:
     parser, commands = _parsers()
     if not arguments:
         parser.print_help()
         return 0
-    if not arguments[0].startswith("-") and arguments[0] not in commands:
-        raise unknown("command", arguments[0], list(commands))
-    options = parser.parse_args(arguments)
+    options = parse(parser, commands, arguments)
     code: int = options.run(options)
     return code
 
 
-class _Parser(argparse.ArgumentParser):
-    """Faults are UserErrors: one line, without the usage before it."""
-
-    def error(self, message: str) -> NoReturn:
-        raise UserError(message)
-
-
-def _parsers() -> tuple[argparse.ArgumentParser, dict[str, argparse.ArgumentParser]]:
-    parser = _Parser(
-        prog="subsea-capture",
-        description="Record the motion of simulated fishes, and judge what was recorded.",
-        epilog="`subsea-capture COMMAND --help` shows the options and examples of a command.",
-        allow_abbrev=False,
-    )
+def _parsers() -> tuple[argparse.ArgumentParser, Any]:
+    """The parser of ``subsea-capture`` and its commands."""
+    description = "Record the motion of simulated fishes, and judge what was recorded."
+    parser = program("subsea-capture", description)
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
 
-    record = _command(
+    record = command(
         commands,
         "record",
         "swim fishes and write their repertoires",
@@ -89,11 +60,15 @@ def _parsers() -> tuple[argparse.ArgumentParser, dict[str, argparse.ArgumentPars
         help="folder to write to (in a checkout: its repertoires/)",
     )
     record.add_argument(
-        "--jobs", metavar="N", type=_jobs, default=1, help="processes to record in (1)"
+        "--jobs",
+        metavar="N",
+        type=number(int, 1, MAX_JOBS),
+        default=1,
+        help="processes to record in (1)",
     )
     record.set_defaults(run=_record)
 
-    inspect = _command(
+    inspect = command(
         commands,
         "inspect",
         "show what a repertoire holds and how good it is",
@@ -106,7 +81,7 @@ def _parsers() -> tuple[argparse.ArgumentParser, dict[str, argparse.ArgumentPars
     inspect.add_argument("file", metavar="FILE", type=Path, help="a repertoire (.h5)")
     inspect.set_defaults(run=_inspect)
 
-    plot = _command(
+    plot = command(
         commands,
         "plot",
         "draw the motion of a repertoire",
@@ -117,27 +92,7 @@ def _parsers() -> tuple[argparse.ArgumentParser, dict[str, argparse.ArgumentPars
     plot.add_argument("file", metavar="FILE", type=Path, help="a repertoire (.h5)")
     plot.add_argument("--out", metavar="DIR", type=Path, required=True, help="folder for the PNGs")
     plot.set_defaults(run=_plot)
-    return parser, dict(commands.choices)
-
-
-def _command(
-    commands: Any, name: str, summary: str, description: str, examples: list[str]
-) -> argparse.ArgumentParser:
-    parser: argparse.ArgumentParser = commands.add_parser(
-        name,
-        help=summary,
-        description=description,
-        epilog="examples:\n" + "\n".join(f"  {example}" for example in examples),
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
-    )
-    return parser
-
-
-def _jobs(text: str) -> int:
-    if not text.isascii() or not text.isdigit() or not 1 <= int(text) <= MAX_JOBS:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 1 to {MAX_JOBS}")
-    return int(text)
+    return parser, commands
 
 
 def _record(options: argparse.Namespace) -> int:

@@ -1,13 +1,12 @@
 """The command line: what may be asked, checked before anything heavy is loaded."""
 
 import argparse
-import math
-import signal
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
+from subsea.commandline import answer, command, number, parse, program
 from subsea.errors import UserError, unknown
 
 MAX_SIZE = 8192  # pixels; the largest picture that every OpenGL 3.3 machine can hold
@@ -16,46 +15,13 @@ MOTORS = ("playback", "dynamics")
 STAGES_TO_LEAVE_OUT = ("culling", "lod")
 
 
-class _Formatter(argparse.RawDescriptionHelpFormatter):
-    """Keeps the line breaks of descriptions and examples, and the columns of options wide."""
-
-    def __init__(self, prog: str, **rest: Any) -> None:
-        super().__init__(prog, max_help_position=28, **rest)
-        self._action_max_length = 14  # argparse forgets the indentation of commands
-
-
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run `subsea` with these arguments (default: the process's) and return its exit code.
 
     0 done, 1 a negative finding of `doctor`, 2 something the user can mend (one line on
     standard error), 130 interrupted.
     """
-    arguments = sys.argv[1:] if arguments is None else arguments
-    signal.signal(signal.SIGTERM, _terminate)  # a polite kill ends as Ctrl-C does
-    try:
-        return _run(arguments)
-    except UserError as fault:
-        print(f"subsea: {fault}", file=sys.stderr)
-        return 2
-    except ImportError as fault:
-        if (fault.name or "").startswith("subsea"):
-            raise
-        # A package that is not installed, or a system library that a package asks for.
-        print(
-            f"subsea: {fault}; `make run` in a checkout installs what is missing", file=sys.stderr
-        )
-        return 2
-    except KeyboardInterrupt:
-        print("subsea: interrupted", file=sys.stderr)
-        return 130
-    except BrokenPipeError:
-        # The reader of our output (`subsea … | head`) has seen enough.
-        sys.stderr.close()
-        return 0
-
-
-def _terminate(number: int, frame: object) -> NoReturn:
-    raise KeyboardInterrupt
+    return answer("subsea", lambda: _run(sys.argv[1:] if arguments is None else arguments))
 
 
 def _run(arguments: Sequence[str]) -> int:
@@ -63,32 +29,13 @@ def _run(arguments: Sequence[str]) -> int:
     if not arguments:
         parser.print_help()
         return 0
-    first = arguments[0]
-    if first.startswith("-") and first not in ("-h", "--help", "--version"):
-        raise UserError(f"unknown option {first!r}: options follow a command, see `subsea --help`")
-    if not first.startswith("-") and first not in commands:
-        raise unknown("command", first, list(commands))
-    options, extra = parser.parse_known_args(arguments)
-    if extra:
-        command = commands[options.command]
-        known = sorted(name for action in command._actions for name in action.option_strings)
-        stray = extra[0].split("=")[0]
-        if stray.startswith("-"):
-            raise unknown(f"option of `{command.prog}`:", stray, known)
-        raise UserError(f"{command.prog}: unexpected argument {stray!r}")
+    options = parse(parser, commands, arguments)
     if getattr(options, "paper", False):
         for other in arguments[1:]:
             if other != "--paper":
                 raise UserError(f"benchmark: --paper takes no other option, {other!r} was given")
     run: Callable[..., int] = options.run
     return run(**{k: v for k, v in vars(options).items() if k not in ("run", "command")})
-
-
-class _Parser(argparse.ArgumentParser):
-    """Faults are UserErrors: one line, without the usage before it."""
-
-    def error(self, message: str) -> NoReturn:
-        raise UserError(f"{self.prog.removeprefix('subsea ')}: {message}")
 
 
 class _Version(argparse.Action):
@@ -101,15 +48,9 @@ class _Version(argparse.Action):
         parser.exit()
 
 
-def _parsers() -> tuple[argparse.ArgumentParser, dict[str, argparse.ArgumentParser]]:
-    """The parser of `subsea` and the parser of each command."""
-    parser = _Parser(
-        prog="subsea",
-        description="A submarine among artificial fishes.",
-        epilog="`subsea COMMAND --help` shows the options and examples of a command.",
-        formatter_class=_Formatter,
-        allow_abbrev=False,
-    )
+def _parsers() -> tuple[argparse.ArgumentParser, Any]:
+    """The parser of `subsea` and its commands."""
+    parser = program("subsea", "A submarine among artificial fishes.")
     parser.add_argument(
         "--version",
         action=_Version,
@@ -120,11 +61,11 @@ def _parsers() -> tuple[argparse.ArgumentParser, dict[str, argparse.ArgumentPars
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
     for add in (_add_dive, _add_film, _add_simulate, _add_benchmark, _add_doctor):
         add(commands)
-    return parser, dict(commands.choices)
+    return parser, commands
 
 
 def _add_dive(commands: Any) -> None:
-    dive = _command(
+    dive = command(
         commands,
         "dive",
         "pilot the submarine in a window",
@@ -138,13 +79,13 @@ def _add_dive(commands: Any) -> None:
     dive.add_argument("--fullscreen", action="store_true", help="fill the screen (F11 toggles)")
     _add_seed(dive)
     dive.add_argument(
-        "--seconds", type=_number(float, 0.1, 86400), metavar="S", help="end by itself after S"
+        "--seconds", type=number(float, 0.1, 86400), metavar="S", help="end by itself after S"
     )
     dive.set_defaults(run=_dive)
 
 
 def _add_film(commands: Any) -> None:
-    film = _command(
+    film = command(
         commands,
         "film",
         "film a tour, without a window",
@@ -161,14 +102,14 @@ def _add_film(commands: Any) -> None:
     _add_display(film)
     film.add_argument(
         "--seconds",
-        type=_number(float, 0.05, 3600),
+        type=number(float, 0.05, 3600),
         default=10.0,
         metavar="S",
         help="length of the tour; a single picture is taken at its end (default 10)",
     )
     film.add_argument(
         "--fps",
-        type=_number(float, 1, 240),
+        type=number(float, 1, 240),
         default=30.0,
         metavar="F",
         help="pictures per second (default 30)",
@@ -179,7 +120,7 @@ def _add_film(commands: Any) -> None:
 
 
 def _add_simulate(commands: Any) -> None:
-    simulate = _command(
+    simulate = command(
         commands,
         "simulate",
         "record what every fish does, without pictures",
@@ -192,7 +133,7 @@ def _add_simulate(commands: Any) -> None:
     )
     simulate.add_argument(
         "--ticks",
-        type=_number(int, 1, 100_000_000),
+        type=number(int, 1, 100_000_000),
         required=True,
         metavar="N",
         help="length of the run; a tick is 33 ms",
@@ -205,7 +146,7 @@ def _add_simulate(commands: Any) -> None:
 
 
 def _add_benchmark(commands: Any) -> None:
-    benchmark = _command(
+    benchmark = command(
         commands,
         "benchmark",
         "measure how long every stage of a frame takes",
@@ -222,7 +163,7 @@ def _add_benchmark(commands: Any) -> None:
     _add_fish(benchmark)
     benchmark.add_argument(
         "--frames",
-        type=_number(int, 1, 100_000),
+        type=number(int, 1, 100_000),
         default=120,
         metavar="N",
         help="frames that count, after the warm-up (default 120)",
@@ -254,7 +195,7 @@ def _add_benchmark(commands: Any) -> None:
 
 
 def _add_doctor(commands: Any) -> None:
-    doctor = _command(
+    doctor = command(
         commands,
         "doctor",
         "tell what this machine can do, and what to install",
@@ -262,21 +203,6 @@ def _add_doctor(commands: Any) -> None:
         ["subsea doctor"],
     )
     doctor.set_defaults(run=_doctor)
-
-
-def _command(
-    commands: Any, name: str, summary: str, text: str, examples: list[str]
-) -> argparse.ArgumentParser:
-    epilog = "examples:\n" + "\n".join(f"  {example}" for example in examples)
-    parser: argparse.ArgumentParser = commands.add_parser(
-        name,
-        help=summary,
-        description=f"{summary[0].upper()}{summary[1:]}.\n\n{text}",
-        epilog=epilog,
-        formatter_class=_Formatter,
-        allow_abbrev=False,
-    )
-    return parser
 
 
 def _add_scenario(parser: argparse.ArgumentParser) -> None:
@@ -311,7 +237,7 @@ def _add_size(parser: argparse.ArgumentParser, default: tuple[int, int]) -> None
 def _add_seed(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--seed",
-        type=_number(int, 0, 2**32 - 1),
+        type=number(int, 0, 2**32 - 1),
         metavar="N",
         help="another seed than the scenario's: other fishes, same sea",
     )
@@ -320,26 +246,10 @@ def _add_seed(parser: argparse.ArgumentParser) -> None:
 def _add_fish(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--fish",
-        type=_number(int, 1, 100_000),
+        type=number(int, 1, 100_000),
         metavar="N",
         help="number of fishes in all, instead of the scenario's",
     )
-
-
-def _number(kind: type[int] | type[float], low: float, high: float) -> Callable[[str], float]:
-    """A reader of numbers in [low, high]; anything else is a fault in one line."""
-    noun = "a whole number" if kind is int else "a number"
-
-    def read(text: str) -> float:
-        try:
-            value: float = kind(text)
-        except ValueError:
-            value = math.nan
-        if not low <= value <= high:
-            raise argparse.ArgumentTypeError(f"{text!r}: expected {noun} from {low} to {high}")
-        return value
-
-    return read
 
 
 def _size(text: str) -> tuple[int, int]:
