@@ -13,7 +13,7 @@ import numba
 import numpy as np
 
 from capture.segment import make_segment
-from capture.skin import control_weights
+from capture.skin import surface_coupling
 from capture.trial import STRAIGHT, Trial, beat_contraction, sharp_turn, steady_beat
 from subsea.biomechanics.body import Body, Floats, build_body
 from subsea.biomechanics.controllers import LEFT, RIGHT
@@ -74,7 +74,7 @@ def record_segment(species: Species, name: str) -> tuple[Segment, int]:
         pattern={"swim": "forward", "turn_left": "left", "turn_right": "right"}[kind],
         grade=grade,
         cyclic=grade != "sharp",
-        weights=control_weights(species) if species.schooling else None,
+        coupling=surface_coupling(species) if species.schooling else None,
     )
     return segment, trial.warm_up_beats
 

@@ -4,6 +4,7 @@ import numpy as np
 
 from subsea.biomechanics.body import Floats
 from subsea.biomechanics.solver import TICK_S
+from subsea.kinematics.coupling import Coupling, place
 from subsea.kinematics.frame import body_frame, to_body
 from subsea.kinematics.rotation import from_matrix
 from subsea.repertoire import Segment
@@ -15,13 +16,13 @@ def make_segment(
     pattern: str,
     grade: str,
     cyclic: bool,
-    weights: Floats | None = None,
+    coupling: Coupling | None = None,
 ) -> Segment:
     """The segment that leads through the states ``frames`` (T + 1, 23, 3), world axes, cm.
 
     Row k holds the increment from state k to k + 1 in the body axes of state k, (Rᵏ)ᵀ Rᵏ⁺¹, and
     the deformation at k + 1. SMC eq. 6 gives the rotation in world axes, which is right only for
-    a fish that heads as the recorded one did. ``weights`` (p, 23), if given, skin the control
+    a fish that heads as the recorded one did. ``coupling``, if given, places the control
     points (SMC eq. 9).
     """
     origin, rotation = body_frame(frames)
@@ -38,7 +39,7 @@ def make_segment(
         increment_rotation=from_matrix(turn),
         increment_translation=step,
         nodes=nodes[1:],
-        control_points=None if weights is None else weights @ nodes[1:],
+        control_points=None if coupling is None else place(coupling, nodes[1:]),
         speed_cm_s=float(distance / (len(step) * TICK_S)),
         turn_deg=heading_change(rotation[0], rotation[-1]),
         loop_error_bl=float(np.linalg.norm(nodes[-1] - nodes[0], axis=1).max() / length),

@@ -10,6 +10,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from subsea.body.pose import pose_at
+from subsea.kinematics.coupling import Coupling, place
 from subsea.scenario import Water
 from subsea.species import Species
 from subsea.state import Fishes
@@ -142,7 +143,8 @@ def _skin_live(world: World, order: Ints) -> Array:
     kinds = world.state.fishes.species[live.fish[seen]]
     for kind in np.unique(kinds):
         slots = np.flatnonzero(seen)[kinds == kind]
-        pairs[slots] = library.skin[kind] @ nodes[slots]
+        coupling = Coupling(*(part[kind] for part in library.coupling))
+        pairs[slots] = place(coupling, nodes[slots])
     used = np.flatnonzero(live.fish >= 0)
     return table[: 2 * (used[-1] + 1)] if len(used) else table[:0]
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from subsea.errors import UserError
 from subsea.habitat import plankton
 from subsea.habitat.terrain import half_width, make_terrain
+from subsea.kinematics.coupling import Coupling, couple
 from subsea.kinematics.heightfield import height_at
 from subsea.kinematics.surface import rest_control_points
 from subsea.motor.switching import Dynamics, make_dynamics
@@ -66,11 +67,7 @@ def create_world(
     names = sorted({shoal.species for shoal in scenario.fish})
     species = {name: load_species(name) for name in names}
     repertoires = [_repertoire(name) for name in names]
-    rest = [
-        rest_control_points(species[r.species].surface, r.body_length_cm, r.rest_nodes[0, 0])
-        for r in repertoires
-    ]
-    library = pack(repertoires, rest, live)
+    library = pack(repertoires, [_coupling(species[r.species], r) for r in repertoires], live)
     dynamics = make_dynamics([*species.values()], repertoires, library, live_reach_cm)
     recorded = len(library.entry)
     progress("shaping the seabed")
@@ -106,6 +103,13 @@ def _repertoire(name: str) -> Repertoire:
     if abs(repertoire.tick_s - TICK_S) > 1e-6:
         raise UserError(f"{path}: tick_s is {repertoire.tick_s:g}, expected {TICK_S:g}")
     return repertoire
+
+
+def _coupling(species: Species, repertoire: Repertoire) -> Coupling:
+    """How the surface of a species hangs on the nodes that its repertoire records."""
+    nodes = repertoire.rest_nodes
+    rest = rest_control_points(species.surface, repertoire.body_length_cm, nodes[0, 0])
+    return couple(species.surface.coupling, nodes, rest)
 
 
 def _shares(scenario: Scenario, fish: int | None) -> list[int]:

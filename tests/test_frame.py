@@ -91,7 +91,7 @@ def test_simulated_fishes_bring_their_own_rows(lively):
     assert packet.live_points.shape == (120, 426, 3)
     for slot, i in enumerate(live.fish):
         for row in (2 * slot, 2 * slot + 1):
-            expected = library.skin[fishes.species[i]] @ live.nodes[row]
+            expected = library.coupling.weights[fishes.species[i]] @ live.nodes[row]
             np.testing.assert_allclose(packet.live_points[row], expected, atol=1e-5)
 
 

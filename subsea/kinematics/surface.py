@@ -13,6 +13,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.kinematics.coupling import Way
 from subsea.kinematics.spline import greville, through
 
 Array = NDArray[np.floating[Any]]
@@ -84,8 +85,12 @@ class EyePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
 
 
 class SurfacePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """The shape of a species in body lengths; curves are (distance from the snout, value)."""
+    """The shape of a species in body lengths; curves are (distance from the snout, value).
 
+    ``coupling`` is how the surface hangs on the nodes of the simulated body (`coupling.py`).
+    """
+
+    coupling: Way = "sections"
     back: Curve  # height of the dorsal ridge above the axis, on to the tail's upper tip
     belly: Curve  # height of the ventral ridge, negative
     width: Curve  # half-width

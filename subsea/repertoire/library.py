@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.errors import UserError
-from subsea.kinematics.skin import skin_weights
+from subsea.kinematics.coupling import Coupling, place
 from subsea.repertoire.schema import SEGMENTS, Array, Repertoire
 from subsea.repertoire.transitions import Transitions, plan_transitions
 
@@ -31,27 +31,29 @@ class Library(NamedTuple):
     entry: Ints  # (R, 7) int32, row at which a segment is entered from each row ...
     glide: Ints  # (R, 7) int32, ... and how many frames that takes
     leave: NDArray[np.bool_]  # (R, 7), whether this row is a good one to leave for a segment
-    skin: Array  # (S, 426, 23) float32, control points from nodes
+    coupling: Coupling  # arrays (S, 426, …): control points from nodes
     recorded_length: Array  # (S,) float32, cm
     bounding_radius: Array  # (S,) float32, body lengths
 
 
-def pack(repertoires: Sequence[Repertoire], rest_points: Sequence[Array], live: int = 0) -> Library:
+def pack(
+    repertoires: Sequence[Repertoire], couplings: Sequence[Coupling], live: int = 0
+) -> Library:
     """Lay the repertoires out in flat arrays, with rows for `live` fishes that are simulated.
 
-    `rest_points` (426, 3) per species serves those whose file carries no control points: they
-    are made from the nodes. A repertoire that lacks one of the seven segments is a UserError.
+    The couplings of the 426 control points, one per species, serve those whose file carries no
+    control points: they are made from the nodes. A repertoire that lacks one of the seven
+    segments is a UserError.
     """
-    rotation, translation, nodes, points, skin = [], [], [], [], []
+    rotation, translation, nodes, points = [], [], [], []
     plans: list[Transitions] = []
     first, length, cyclic, speed = [], [], [], []
     row = 0
-    for repertoire, rest in zip(repertoires, rest_points, strict=True):
+    for repertoire, coupling in zip(repertoires, couplings, strict=True):
         missing = [name for name in SEGMENTS if name not in repertoire.segments]
         if missing:
             raise UserError(f"repertoire of {repertoire.species}: no segment {missing[0]!r}")
         segments = [repertoire.segments[name] for name in SEGMENTS]
-        weights = skin_weights(repertoire.rest_nodes, rest)
         starts = row + np.cumsum([0] + [len(s.nodes) for s in segments])
         row = int(starts[-1])
         first.append(starts[:-1])
@@ -63,12 +65,11 @@ def pack(repertoires: Sequence[Repertoire], rest_points: Sequence[Array], live: 
             translation.append(segment.increment_translation)
             nodes.append(segment.nodes)
             points.append(
-                weights @ segment.nodes
+                place(coupling, segment.nodes)
                 if segment.control_points is None
                 else segment.control_points
             )
         plan = plan_transitions(segments)
-        skin.append(weights)
         plans.append(plan._replace(entry=starts[0] + plan.entry))
     return Library(
         rotation=_table(rotation, live),
@@ -82,7 +83,7 @@ def pack(repertoires: Sequence[Repertoire], rest_points: Sequence[Array], live: 
         entry=np.concatenate([p.entry for p in plans]).astype(np.int32),
         glide=np.concatenate([p.frames for p in plans]).astype(np.int32),
         leave=np.concatenate([p.leave for p in plans]),
-        skin=np.array(skin, np.float32),
+        coupling=Coupling(*(np.stack(part) for part in zip(*couplings, strict=True))),
         recorded_length=np.array([r.body_length_cm for r in repertoires], np.float32),
         bounding_radius=np.array(
             [max(s.bounding_radius_bl for s in r.segments.values()) for r in repertoires],

@@ -7,6 +7,7 @@ import pytest
 from capture.quality import replay
 from capture.record import motion_of, run_trial
 from capture.segment import heading_change, make_segment
+from subsea.kinematics.coupling import Coupling
 from subsea.kinematics.frame import body_frame
 from subsea.kinematics.rotation import about, matrix
 from subsea.repertoire import Repertoire
@@ -36,11 +37,12 @@ def test_the_printed_world_axes_increment_would_fail_at_another_attitude(species
     assert np.abs(rotation - elsewhere[-1]).max() > 0.1
 
 
-def test_weights_skin_every_frame(species: Species) -> None:
+def test_control_points_follow_every_frame(species: Species) -> None:
     frames = run_trial(motion_of(species), "swim_slow").frames
     weights = np.zeros((2, 23))
     weights[0, 3], weights[1, [21, 22]] = 1.0, 0.5
-    segment = make_segment(frames, species.body.length, "forward", "slow", True, weights)
+    coupling = Coupling(weights, np.zeros(2, np.int32), np.zeros((2, 3)))
+    segment = make_segment(frames, species.body.length, "forward", "slow", True, coupling)
     assert segment.control_points is not None
     np.testing.assert_allclose(segment.control_points[:, 0], segment.nodes[:, 3])
     np.testing.assert_allclose(segment.control_points[:, 1], segment.nodes[:, 21:].mean(axis=1))

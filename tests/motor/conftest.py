@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from subsea.body.pose import nodes_world
+from subsea.kinematics.coupling import couple
 from subsea.motor.controller import command
 from subsea.motor.playback import play
 from subsea.motor.switching import make_dynamics, swim, to_live
@@ -20,7 +21,9 @@ STILL = np.zeros(3)
 
 @pytest.fixture(scope="session")
 def library(known_repertoire) -> Library:
-    return pack([known_repertoire], [np.zeros((426, 3))])
+    return pack(
+        [known_repertoire], [couple("sections", known_repertoire.rest_nodes, np.zeros((426, 3)))]
+    )
 
 
 @pytest.fixture
@@ -47,7 +50,9 @@ class Tank:
 
     def __init__(self, species, scale=1.0):
         repertoire = read_repertoire(resource_path("repertoires") / f"{species}.h5")
-        self.library = pack([repertoire], [np.zeros((426, 3))], live=1)
+        self.library = pack(
+            [repertoire], [couple("sections", repertoire.rest_nodes, np.zeros((426, 3)))], live=1
+        )
         self.dynamics = make_dynamics([load_species(species)], [repertoire], self.library, np.inf)
         rows = len(self.library.entry)
         tables = (self.library.rotation, self.library.translation, self.library.nodes)

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from subsea.kinematics.coupling import couple
 from subsea.kinematics.rotation import about
 from subsea.motor.balance import roll_of
 from subsea.motor.controller import command
@@ -19,7 +20,7 @@ UPSIDE_DOWN_S = 6.0  # longer than that no fish lies on its back
 
 def test_an_hour_at_random_commands():
     repertoire = read_repertoire(resource_path("repertoires/fusilier.h5"))
-    library = pack([repertoire], [np.zeros((426, 3))])
+    library = pack([repertoire], [couple("sections", repertoire.rest_nodes, np.zeros((426, 3)))])
     rng = np.random.default_rng(4)
     fishes = empty_fishes(FISHES)
     fishes.length[:] = rng.uniform(8, 60, FISHES)

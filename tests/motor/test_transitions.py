@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from subsea.body.pose import nodes_world
+from subsea.kinematics.coupling import couple
 from subsea.motor.playback import advance
 from subsea.repertoire import SEGMENTS, read_repertoire
 from subsea.repertoire.library import pack
@@ -20,7 +21,7 @@ LIMIT = 2.0  # times the largest change of velocity inside the two segments
 def shipped(request):
     """The library of one species and, per segment, the largest change inside it."""
     repertoire = read_repertoire(resource_path("repertoires") / f"{request.param}.h5")
-    library = pack([repertoire], [np.zeros((426, 3))])
+    library = pack([repertoire], [couple("sections", repertoire.rest_nodes, np.zeros((426, 3)))])
     usual = []
     for code in range(len(SEGMENTS)):
         length = library.length[0, code]

@@ -8,8 +8,8 @@ import pytest
 from PIL import Image
 
 from subsea.frame import INSTANCE_COLUMNS, Batch, Packet, Scene
+from subsea.kinematics.coupling import couple, place
 from subsea.kinematics.rotation import from_matrix
-from subsea.kinematics.skin import skin_weights
 from subsea.kinematics.surface import rest_control_points
 from subsea.render import headless_context
 from subsea.scenario import Water
@@ -57,12 +57,12 @@ def scene(known_repertoire):
     rows = []
     for name in SPECIES:
         rest = rest_control_points(load_species(name).surface, LENGTH, nodes[0, 0])
-        weights = skin_weights(nodes, rest)
+        coupling = couple("sections", nodes, rest)
         back = (nodes[0, 0] - nodes[:, 0]) / LENGTH
         for phase in (0.5, 2.0):
             bent = nodes.copy()
             bent[:, 2] += 1.2 * back**2 * np.sin(phase - 5.0 * back)
-            rows.append(weights @ bent)
+            rows.append(place(coupling, bent))
     axis = np.linspace(-HALF_WIDTH, HALF_WIDTH, 61)
     x, y = np.meshgrid(axis, axis)
     return Scene(

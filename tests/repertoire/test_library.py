@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from subsea.errors import UserError
+from subsea.kinematics.coupling import couple, place
 from subsea.repertoire import SEGMENTS
 from subsea.repertoire.library import pack
 
@@ -14,7 +15,11 @@ POINTS = np.random.default_rng(0).uniform([-15, -3, -1], [5, 3, 1], (426, 3))
 
 @pytest.fixture(scope="module")
 def library(known_repertoire):
-    return pack([known_repertoire, known_repertoire], [POINTS, POINTS])
+    return pack([known_repertoire, known_repertoire], [surface(known_repertoire)] * 2)
+
+
+def surface(repertoire, way="sections"):
+    return couple(way, repertoire.rest_nodes, POINTS)
 
 
 def test_every_frame_of_every_species_has_its_row(library, known_repertoire):
@@ -35,12 +40,25 @@ def test_control_points_are_made_when_the_file_has_none(library, known_repertoir
     assert library.control_points.shape == (168, 426, 3)
 
 
+@pytest.mark.parametrize("way", ["patches", "tetrahedra"])
+def test_they_are_made_in_the_way_that_the_species_asks_for(known_repertoire, way):
+    coupling = surface(known_repertoire, way)
+    library = pack([known_repertoire], [coupling])
+    segment = known_repertoire.segments["turn_left_sharp"]
+    first = library.first[0, SEGMENTS.index("turn_left_sharp")]
+    points = library.control_points[first : first + 12]
+    np.testing.assert_allclose(points, place(coupling, segment.nodes), atol=1e-5)
+    np.testing.assert_array_equal(library.coupling.face[0], coupling.face)
+
+
 def test_recorded_control_points_are_taken_as_they_are(known_repertoire):
     own = {
         name: dataclasses.replace(s, control_points=np.full((12, 426, 3), 7.0))
         for name, s in known_repertoire.segments.items()
     }
-    library = pack([dataclasses.replace(known_repertoire, segments=own)], [POINTS])
+    library = pack(
+        [dataclasses.replace(known_repertoire, segments=own)], [surface(known_repertoire)]
+    )
     assert (library.control_points == 7.0).all()
 
 
@@ -48,7 +66,9 @@ def test_a_missing_segment_is_named(known_repertoire):
     segments = dict(known_repertoire.segments)
     del segments["turn_left_sharp"]
     with pytest.raises(UserError, match="turn_left_sharp"):
-        pack([dataclasses.replace(known_repertoire, segments=segments)], [POINTS])
+        pack(
+            [dataclasses.replace(known_repertoire, segments=segments)], [surface(known_repertoire)]
+        )
 
 
 def test_entries_stay_in_their_species_and_segment(library):
