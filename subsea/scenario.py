@@ -7,7 +7,7 @@ import msgspec
 
 from subsea.errors import UserError, unknown
 from subsea.resources import load_toml, named_or_file
-from subsea.species import species_names
+from subsea.species import BodyLength, species_names
 
 MAX_FISHES = 100_000
 # Two rows each in a texture, whose height OpenGL drivers limit to 16384 or less.
@@ -15,7 +15,6 @@ MAX_SIMULATED = 4000
 Positive = Annotated[float, msgspec.Meta(gt=0, le=1e5)]
 Coordinate = Annotated[float, msgspec.Meta(ge=-1e5, le=1e5)]
 Seed = Annotated[int, msgspec.Meta(ge=0, le=2**32 - 1)]
-BodyLength = Annotated[float, msgspec.Meta(ge=2, le=300)]
 Flow = Annotated[float, msgspec.Meta(ge=-200, le=200)]
 Share = Annotated[float, msgspec.Meta(ge=0, le=1)]
 Colour = tuple[Share, Share, Share]
@@ -52,7 +51,7 @@ class Shoal(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
 
     species: str
     number: Annotated[int, msgspec.Meta(ge=0, le=MAX_FISHES)]
-    size_cm: tuple[BodyLength, BodyLength]  # smallest and largest body length
+    size_cm: tuple[BodyLength, BodyLength] | None = None  # smallest and largest; none: the species'
     position_cm: tuple[Coordinate, Coordinate, Coordinate] | None = (
         None  # centre; none: spread over the sea
     )
@@ -89,7 +88,7 @@ def load_scenario(name: str) -> tuple[Scenario, Path]:
     for k, shoal in enumerate(scenario.fish):
         if shoal.species not in known:
             raise UserError(f"{path}: {unknown('species', shoal.species, known)}")
-        if shoal.size_cm[0] > shoal.size_cm[1]:
+        if shoal.size_cm is not None and shoal.size_cm[0] > shoal.size_cm[1]:
             raise UserError(f"{path}: size_cm {shoal.size_cm} of {shoal.species}: smallest first")
         if shoal.position_cm is not None:
             _inside(path, f"fish[{k}].position_cm", shoal.position_cm, scenario.bounds)

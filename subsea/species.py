@@ -12,6 +12,7 @@ from subsea.resources import load_toml, resource_names, resource_path
 
 Positive = Annotated[float, msgspec.Meta(gt=0)]
 Colour = tuple[Share, Share, Share]  # linear RGB
+BodyLength = Annotated[float, msgspec.Meta(ge=2, le=300)]  # cm
 
 
 class Cape(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -73,6 +74,7 @@ class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     scientific_name: str
     kind: Literal["pacifist", "prey", "predator"]
     schooling: bool
+    size_cm: tuple[BodyLength, BodyLength]  # smallest and largest adults
     body: BodyPlan
     swim: SwimPlan
     turn: TurnPlan
@@ -80,7 +82,9 @@ class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     skin: SkinPlan
 
     def __post_init__(self) -> None:
-        """Refuse a body whose material the simulation's step cannot carry."""
+        """Refuse sizes out of order, and a body whose material the step cannot carry."""
+        if self.size_cm[0] > self.size_cm[1]:
+            raise ValueError("size_cm must name the smallest length first")
         check_step(self.body)
 
 

@@ -143,7 +143,8 @@ def _populate(
         schooling = species[shoal.species].schooling
         these = slice(first, first + number)
         fishes.species[these] = kind
-        fishes.length[these] = rng.uniform(*shoal.size_cm, number)
+        smallest, largest = shoal.size_cm or species[shoal.species].size_cm
+        fishes.length[these] = rng.uniform(smallest, largest, number)
         fishes.identity[these] = rng.uniform(0, 1, number)
         places = _places(shoal, number, scenario, rng)
         common = rng.uniform(-np.pi, np.pi)

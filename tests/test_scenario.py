@@ -7,6 +7,7 @@ from subsea.frame import pack
 from subsea.ocean import create_world, step
 from subsea.resources import resource_names, resource_path
 from subsea.scenario import load_scenario
+from subsea.species import load_species
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.rigs import cockpit, views_for
 
@@ -69,6 +70,17 @@ def test_a_sea_without_fishes_is_a_sea(tmp_path):
 def test_an_unknown_name_suggests_the_nearest():
     with pytest.raises(UserError, match="did you mean 'peaceful'"):
         load_scenario("peacefull")
+
+
+def test_a_shoal_without_sizes_has_those_of_its_species(tmp_path):
+    file = tmp_path / "mine.toml"
+    file.write_text(PEACEFUL.replace("size_cm = [19.0, 32.0]\n", ""))
+    world = create_world(load_scenario(str(file))[0], fish=2000)
+    kind = [one.name for one in world.species].index("Emperor angelfish")
+    lengths = world.state.fishes.length[world.state.fishes.species == kind]
+    smallest, largest = load_species("emperor_angelfish").size_cm
+    assert smallest <= lengths.min() < smallest + 1
+    assert largest - 1 < lengths.max() <= largest
 
 
 @pytest.mark.parametrize("content", [b"\xff\xfe\x00", None])

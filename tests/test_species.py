@@ -71,6 +71,7 @@ FUSILIER = resource_path("assets/species/fusilier.toml").read_text()
     ("change", "words"),
     [
         (("back = [[0.0, 0.007], [0.02, 0.03]", "back = [[0.0, 0.007], [0.0, 0.03]"), "back"),
+        (("size_cm = [16.0, 24.0]", "size_cm = [24.0, 16.0]"), "smallest length first"),
         (("base = [0.29, 0.74]", "base = [0.74, 0.29]"), "front to rear"),
         (("begin = 0.84", "begin = 0.0"), "tail must begin"),
         (("[0.4, -0.12]", "[0.4, 0.2]"), "above the belly"),
