@@ -8,6 +8,7 @@ from typing import Any
 
 from subsea.commandline import answer, command, number, parse, program
 from subsea.errors import UserError, unknown
+from subsea.interrupts import deferred
 from subsea.places import check_folder
 from subsea.resources import resource_path
 
@@ -44,7 +45,8 @@ def _parsers() -> tuple[argparse.ArgumentParser, Any]:
         "record",
         "swim fishes and write their repertoires",
         "Three swims and four turns of each species go to OUT/SPECIES.h5. The same species\n"
-        "files give the same repertoires, however many jobs record them.",
+        "files give the same repertoires, however many jobs record them. A repertoire that is\n"
+        "up to date is left alone; a run that was interrupted goes on where it stopped.",
         [
             "subsea-capture record fusilier",
             "subsea-capture record --all --jobs 2",
@@ -65,6 +67,9 @@ def _parsers() -> tuple[argparse.ArgumentParser, Any]:
         type=number(int, 1, MAX_JOBS),
         default=1,
         help="processes to record in (1)",
+    )
+    record.add_argument(
+        "--force", action="store_true", help="record what is up to date already, too"
     )
     record.set_defaults(run=_record)
 
@@ -98,8 +103,10 @@ def _parsers() -> tuple[argparse.ArgumentParser, Any]:
 def _record(options: argparse.Namespace) -> int:
     from tqdm import tqdm
 
-    from capture.record import record_all
-    from subsea.repertoire import SEGMENTS, write_repertoire
+    from capture.batch import record_all
+    from capture.jobs import here, processes
+    from capture.kept import repertoire_path
+    from subsea.repertoire import SEGMENTS
     from subsea.species import species_names
 
     known = species_names()
@@ -113,20 +120,31 @@ def _record(options: argparse.Namespace) -> int:
     names = known if options.all else list(dict.fromkeys(options.species))
     folder: Path = options.out or _own_repertoires()
     check_folder(folder)
-    bars = {
-        name: tqdm(total=len(SEGMENTS), desc=name, position=place, unit="segment")
-        for place, name in enumerate(names)
-    }
+    bars: dict[str, Any] = {}
+
+    def tell(name: str, segments: int) -> None:
+        if name not in bars:
+            bars[name] = tqdm(
+                total=len(SEGMENTS),
+                desc=name,
+                position=len(bars),
+                unit="segment",
+                initial=segments,
+                disable=None,
+            )
+        bars[name].update(segments - bars[name].n)
+
+    workers = here if options.jobs == 1 else processes(options.jobs)
     try:
-        for name, repertoire in record_all(
-            names, options.jobs, lambda species: bars[species].update()
-        ):
-            write_repertoire(folder / f"{name}.h5", repertoire)
+        with deferred() as check:
+            recorded = record_all(names, folder, workers, check, tell, options.force)
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt("the same command goes on from here") from None
     finally:
         for bar in bars.values():
             bar.close()
     for name in names:
-        print(folder / f"{name}.h5")
+        print(f"{repertoire_path(folder, name)}{'' if name in recorded else ': up to date'}")
     return 0
 
 

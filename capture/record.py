@@ -1,11 +1,9 @@
 """Record a species' repertoire: its three swims and four turns (SMC §4.3)."""
 
-import signal
-from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from contextlib import contextmanager
+import hashlib
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
-from multiprocessing import get_context
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import msgspec
@@ -15,12 +13,13 @@ import numpy as np
 from capture.segment import make_segment
 from capture.skin import surface_coupling
 from capture.trial import STRAIGHT, Trial, beat_contraction, sharp_turn, steady_beat
+from subsea import biomechanics
 from subsea.biomechanics.body import Body, Floats, build_body
 from subsea.biomechanics.controllers import LEFT, RIGHT
 from subsea.biomechanics.plan import BodyPlan, SwimPlan, TurnPlan
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, TICK_S, TIME_UNIT_S
 from subsea.repertoire import SEGMENTS, Repertoire, Segment
-from subsea.species import Species, load_species
+from subsea.species import Species
 
 
 class Motion(NamedTuple):
@@ -60,8 +59,12 @@ def run_trial(motion: Motion, name: str) -> Trial:
     return turned._replace(warm_up_beats=trial.warm_up_beats)
 
 
-def record_segment(species: Species, name: str) -> tuple[Segment, int]:
-    """One segment of a species' repertoire, and its warm-up in beats.
+Recorded = tuple[Segment, int]
+"""A segment and the beats of its warm-up."""
+
+
+def record_segment(species: Species, name: str) -> Recorded:
+    """One segment of a species' repertoire.
 
     Only schooling species carry control points: they are many, and SMC §4.1 trades the memory
     for them alone.
@@ -93,7 +96,14 @@ def motion_from_provenance(provenance: dict[str, Any]) -> Motion:
     )
 
 
-def assemble(name: str, species: Species, recorded: dict[str, tuple[Segment, int]]) -> Repertoire:
+def record_species(name: str, species: Species) -> Repertoire:
+    """The whole repertoire of a species, recorded in this process."""
+    return assemble(
+        name, species, {segment: record_segment(species, segment) for segment in SEGMENTS}
+    )
+
+
+def assemble(name: str, species: Species, recorded: dict[str, Recorded]) -> Repertoire:
     """Put recorded segments together; the provenance holds all it takes to record them again."""
     body: Body = build_body(species.body)
     motion = motion_of(species)
@@ -104,11 +114,8 @@ def assemble(name: str, species: Species, recorded: dict[str, tuple[Segment, int
         source="biomechanics",
         provenance={
             "tool": "subsea-capture",
-            "versions": {
-                "subsea": _own_version(),
-                "numpy": np.__version__,
-                "numba": numba.__version__,
-            },
+            "versions": _versions(),
+            "fingerprint": fingerprint(species),
             "seed": None,  # nothing in a recording is random
             "step_tu": STEP,
             "steps_per_tick": STEPS_PER_TICK,
@@ -117,66 +124,36 @@ def assemble(name: str, species: Species, recorded: dict[str, tuple[Segment, int
             **{key: msgspec.to_builtins(plan) for key, plan in motion._asdict().items()},
         },
         rest_nodes=body.rest,
-        segments={segment: recorded[segment][0] for segment in SEGMENTS},
+        segments={segment: recorded[segment][0] for segment in SEGMENTS if segment in recorded},
     )
 
 
-def _own_version() -> str:
-    try:
-        return version("subsea")
-    except PackageNotFoundError:  # run from a checkout that is not installed
-        return "checkout"
+def fingerprint(species: Species) -> str:
+    """A hash of all that a recording depends on: the species' numbers and the program.
 
-
-def record_all(
-    names: list[str], jobs: int, finished: Callable[[str], object]
-) -> Iterator[tuple[str, Repertoire]]:
-    """Record several species and yield each name with its repertoire as soon as it is whole.
-
-    ``finished(species)`` is called after each segment. With ``jobs`` above 1 segments
-    are recorded in that many processes; the result is the same.
+    Names and colours are no part of it. Any change of the modules that swim and record counts,
+    for nothing else tells surely whether it changes the motion.
     """
-    species = {name: load_species(name) for name in names}
-    done: dict[str, dict[str, tuple[Segment, int]]] = {name: {} for name in names}
-    with _workers(jobs) as run:
-        for name, segment, result in run(species):
-            done[name][segment] = result
-            finished(name)
-            if len(done[name]) == len(SEGMENTS):
-                yield name, assemble(name, species[name], done.pop(name))
+    plans = msgspec.to_builtins(species)
+    for key in ("name", "scientific_name", "kind", "skin"):
+        del plans[key]
+    known = {"plans": plans, "versions": _versions(), "code": _code()}
+    return hashlib.sha256(msgspec.json.encode(known, order="deterministic")).hexdigest()
 
 
-Results = Iterator[tuple[str, str, tuple[Segment, int]]]
+@cache
+def _code() -> str:
+    """A hash of the modules that swim and record."""
+    capture, subsea = Path(__file__).parent, Path(biomechanics.__file__).parents[1]
+    modules = [capture / f"{name}.py" for name in ("record", "segment", "skin", "trial")]
+    for package in ("biomechanics", "kinematics", "repertoire"):
+        modules += sorted((subsea / package).glob("*.py"))
+    return hashlib.sha256(b"\0".join(path.read_bytes() for path in modules)).hexdigest()
 
 
-@contextmanager
-def _workers(jobs: int) -> Iterator[Callable[[dict[str, Species]], Results]]:
-    """A function that records all segments of several species, here or in other processes."""
-    if jobs == 1:
-        yield _record_here
-        return
-    # Workers leave Ctrl-C to the main process, which then calls them off.
-    pool = ProcessPoolExecutor(jobs, get_context("spawn"), signal.signal, _IGNORE)
+def _versions() -> dict[str, str]:
     try:
-        yield lambda species: _record_in(pool, species)
-    finally:
-        pool.shutdown(cancel_futures=True)
-
-
-_IGNORE = (signal.SIGINT, signal.SIG_IGN)
-
-
-def _record_here(species: dict[str, Species]) -> Results:
-    for name, one in species.items():
-        for segment in SEGMENTS:
-            yield name, segment, record_segment(one, segment)
-
-
-def _record_in(pool: ProcessPoolExecutor, species: dict[str, Species]) -> Results:
-    tasks = {
-        pool.submit(record_segment, one, segment): (name, segment)
-        for name, one in species.items()
-        for segment in SEGMENTS
-    }
-    for task in as_completed(tasks):
-        yield *tasks[task], task.result()
+        own = version("subsea")
+    except PackageNotFoundError:  # run from a checkout that is not installed
+        own = "checkout"
+    return {"subsea": own, "numpy": np.__version__, "numba": numba.__version__}

@@ -32,8 +32,8 @@ def answer(program: str, run: Callable[[], int]) -> int:
             file=sys.stderr,
         )
         return 2
-    except KeyboardInterrupt:
-        print(f"{program}: interrupted", file=sys.stderr)
+    except KeyboardInterrupt as interrupt:
+        print(": ".join([program, "interrupted", *interrupt.args]), file=sys.stderr)
         return 130
     except BrokenPipeError:
         # The reader of our output (`subsea … | head`) has seen enough.

@@ -14,6 +14,7 @@ from subsea.errors import UserError
 from subsea.places import replacing
 
 MAX_DATASET_BYTES = 256 * 2**20  # a repertoire holds a few megabytes; more is a damaged header
+LAYOUT = {"libver": ("earliest", "v110"), "track_order": False}  # without timestamps
 
 
 @contextmanager
@@ -31,16 +32,17 @@ def reading(path: Path) -> Iterator[Any]:
 
 @contextmanager
 def writing(path: Path) -> Iterator[Any]:
-    """Write `path` under a temporary name and rename it when whole; on a fault nothing is left.
+    """Write a small file `path` whole or not at all; the same input gives the same bytes.
 
-    KeyboardInterrupt and errors remove the temporary file. The contents carry no timestamps,
-    so the same input gives the same bytes.
+    The file is composed in memory: a disk that is full in the middle of it is a fault of one
+    plain write then, and none inside the HDF5 library.
     """
-    with (
-        replacing(path) as temporary,
-        h5py.File(temporary, "w", libver=("earliest", "v110"), track_order=False) as file,
-    ):
-        yield file
+    with replacing(path) as temporary:
+        with h5py.File(temporary, "w", driver="core", backing_store=False, **LAYOUT) as file:
+            yield file
+            file.flush()
+            image = file.id.get_file_image()
+        temporary.write_bytes(image)
 
 
 @contextmanager
@@ -54,7 +56,7 @@ def recording(
     any other fault, nothing is left.
     """
     interrupted: KeyboardInterrupt | None = None
-    with writing(path) as file:
+    with replacing(path) as temporary, h5py.File(temporary, "w", **LAYOUT) as file:
         growing: dict[str, Any] = {}
         rows = 0
 

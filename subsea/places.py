@@ -54,7 +54,8 @@ def replacing(path: Path) -> Iterator[Path]:
         yield temporary
         temporary.replace(path)
     except OSError as fault:
-        raise UserError(f"{path}: cannot write ({fault.strerror or fault})") from fault
+        reason = fault.strerror or str(fault).partition("\n")[0]
+        raise UserError(f"{path}: cannot write ({reason})") from fault
     finally:
         with suppress(OSError):
             temporary.unlink()

@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from capture.record import record_all
+from capture.record import record_species
 from subsea.repertoire import Repertoire, write_repertoire
 from subsea.species import Species, load_species
 
@@ -11,7 +11,7 @@ NAMES = ["emperor_angelfish", "fusilier"]
 
 @pytest.fixture(scope="session")
 def repertoires() -> dict[str, Repertoire]:
-    return dict(record_all(NAMES, 1, lambda name: None))
+    return {name: record_species(name, load_species(name)) for name in NAMES}
 
 
 @pytest.fixture(scope="session", params=NAMES)

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from capture.record import motion_from_provenance, motion_of, record_all, run_trial
+from capture.record import motion_from_provenance, motion_of, run_trial
 from subsea.repertoire import SEGMENTS, Repertoire, read_repertoire
 from subsea.resources import resource_path
 from subsea.species import Species
@@ -70,19 +70,6 @@ def test_the_provenance_is_enough_to_record_again(repertoire: Repertoire, specie
     assert motion == motion_of(species)
     trial = run_trial(motion, "swim_fast")
     assert repertoire.provenance["warm_up_beats"]["swim_fast"] == trial.warm_up_beats
-
-
-def test_the_number_of_jobs_changes_nothing(repertoires: dict[str, Repertoire]) -> None:
-    finished: list[str] = []
-    ((name, again),) = record_all(["fusilier"], 2, finished.append)
-    assert name == "fusilier"
-    assert finished == ["fusilier"] * len(SEGMENTS)
-    for segment in SEGMENTS:
-        for key in ("increment_rotation", "increment_translation", "nodes", "control_points"):
-            np.testing.assert_array_equal(
-                getattr(again.segments[segment], key),
-                getattr(repertoires["fusilier"].segments[segment], key),
-            )
 
 
 def test_the_shipped_repertoire_is_that_of_the_species_file(

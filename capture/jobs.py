@@ -1,0 +1,80 @@
+"""Where segments are recorded: in this process or in several; the result is the same.
+
+A job is one segment of one species. *Workers* are a function that takes jobs and gives each with
+its result, in any order, as soon as it is done.
+"""
+
+import signal
+from collections.abc import Callable, Generator, Mapping
+from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from multiprocessing import get_context
+
+from capture.record import Recorded, record_segment
+from subsea.errors import UserError
+from subsea.species import Species
+
+Job = tuple[str, str]  # names of species and segment
+Check = Callable[[], object]
+"""Called between two jobs and while waiting; it raises KeyboardInterrupt to call all off."""
+Results = Generator[tuple[Job, Recorded], None, None]
+Workers = Callable[[Mapping[Job, Species], Check], Results]
+
+POLL_S = 0.2
+LOST_PROCESSES = 3
+"""How often a process may die before its job counts as impossible."""
+
+
+def record_job(job: Job, species: Species) -> Recorded:
+    """The segment of a job; a fish that cannot swim is a UserError that names it."""
+    try:
+        return record_segment(species, job[1])
+    except UserError as fault:
+        raise UserError(f"{job[0]}, {job[1]}: {fault}") from fault
+
+
+def here(jobs: Mapping[Job, Species], check: Check) -> Results:
+    """Record in this process, one job after another."""
+    for job, species in jobs.items():
+        check()
+        yield job, record_job(job, species)
+
+
+def processes(number: int) -> Workers:
+    """Workers that record in ``number`` processes of this machine.
+
+    The jobs of a process that dies are done again by others; a UserError if that goes on.
+    """
+
+    def run(jobs: Mapping[Job, Species], check: Check) -> Results:
+        left = dict(jobs)
+        for _ in range(LOST_PROCESSES):
+            try:
+                for job, result in _in_pool(number, left, check):
+                    del left[job]
+                    yield job, result
+            except BrokenProcessPool:
+                continue
+            return
+        raise UserError(
+            f"processes that record keep dying, {LOST_PROCESSES} so far; is memory short? "
+            f"Not recorded: {', '.join(' '.join(job) for job in left)}"
+        )
+
+    return run
+
+
+def _in_pool(number: int, jobs: Mapping[Job, Species], check: Check) -> Results:
+    # Workers leave Ctrl-C to the main process, which then calls them off.
+    ignore = (signal.SIGINT, signal.SIG_IGN)
+    pool = ProcessPoolExecutor(number, get_context("spawn"), signal.signal, ignore)
+    try:
+        tasks = {pool.submit(record_job, job, species): job for job, species in jobs.items()}
+        waiting = set(tasks)
+        while waiting:
+            check()
+            done, waiting = wait(waiting, POLL_S, FIRST_COMPLETED)
+            for task in done:
+                yield tasks[task], task.result()
+    finally:
+        pool.shutdown(cancel_futures=True)

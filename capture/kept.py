@@ -1,0 +1,58 @@
+"""What an interrupted recording has done already, so that the next run goes on from there.
+
+Each finished segment lies beside the repertoire to come, in ``.SPECIES.recording/SEGMENT.h5``: a
+repertoire of that one segment. All of it is removed when the whole repertoire is written.
+"""
+
+import shutil
+from pathlib import Path
+
+from capture.record import Recorded, assemble, fingerprint
+from subsea.errors import UserError
+from subsea.repertoire import SEGMENTS, Repertoire, read_repertoire, write_repertoire
+from subsea.species import Species
+
+
+def repertoire_path(folder: Path, name: str) -> Path:
+    """The repertoire of the species ``name`` in ``folder``."""
+    return folder / f"{name}.h5"
+
+
+def is_up_to_date(folder: Path, name: str, species: Species) -> bool:
+    """Whether the repertoire of a species is whole and was recorded from just this species."""
+    repertoire = _read(repertoire_path(folder, name), species)
+    return repertoire is not None and set(SEGMENTS) <= repertoire.segments.keys()
+
+
+def keep(folder: Path, name: str, species: Species, segment: str, recorded: Recorded) -> None:
+    """Keep a finished segment; UserError where it cannot be written."""
+    path = _kept(folder, name) / f"{segment}.h5"
+    write_repertoire(path, assemble(name, species, {segment: recorded}))
+
+
+def kept(folder: Path, name: str, species: Species) -> dict[str, Recorded]:
+    """The segments kept of a species; what is damaged or of another fish is left out."""
+    found = {}
+    for segment in SEGMENTS:
+        one = _read(_kept(folder, name) / f"{segment}.h5", species)
+        if one is not None and segment in one.segments:
+            found[segment] = one.segments[segment], one.provenance["warm_up_beats"][segment]
+    return found
+
+
+def drop(folder: Path, name: str) -> None:
+    """Forget what is kept of a species."""
+    shutil.rmtree(_kept(folder, name), ignore_errors=True)
+
+
+def _kept(folder: Path, name: str) -> Path:
+    return folder / f".{name}.recording"
+
+
+def _read(path: Path, species: Species) -> Repertoire | None:
+    """The repertoire at ``path`` if it was recorded from this species by this program."""
+    try:
+        repertoire = read_repertoire(path)
+    except UserError:  # missing, damaged or of another version: to be recorded again
+        return None
+    return repertoire if repertoire.provenance.get("fingerprint") == fingerprint(species) else None
