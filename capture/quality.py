@@ -8,18 +8,18 @@ from collections.abc import Iterator
 import numpy as np
 
 from capture.cost import frame_cost, replay_cost, step_cost
+from capture.gait import entries, pull, snout_bend, straightness, sweep, swim_on, turned
 from capture.record import Motion, run_trial, steady_contraction
 from capture.targets import Measure, Range, judge, least, most, off
-from capture.trial import Trial, beat_contraction, beat_phase, sharp_turn, speed_map, way
+from capture.trial import Trial, beat_contraction, speed_map, way
 from subsea.biomechanics.body import LOWER_TAIL, UPPER_TAIL, Body, Floats, build_body
-from subsea.biomechanics.controllers import LEFT, S_MAX, muscle_lengths, swim_contraction
-from subsea.biomechanics.fins import UP, balance, pectoral_force
+from subsea.biomechanics.controllers import S_MAX
+from subsea.biomechanics.fins import balance, pectoral_force
 from subsea.biomechanics.simulation import (
     STILL,
     State,
     at_rest,
     copy_state,
-    is_sound,
     simulate,
 )
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK
@@ -30,7 +30,6 @@ from subsea.repertoire import Repertoire, Segment
 STEADY_BEATS = 20
 REPLAYED_CYCLES = 10
 TURN_ANGLES = (30.0, 45.0, 60.0, 90.0)
-ENTRY_PHASES = 7
 FIN_AREA = 0.01
 """Area of a pectoral fin over the square of the body length."""
 LEAN = np.radians(15.0)
@@ -48,12 +47,6 @@ def replay(segment: Segment, origin: Array, rotation: Array, cycles: int) -> Flo
             rotation = rotation @ turn
             frames.append(to_world(nodes, origin, rotation))
     return np.array(frames)
-
-
-def swim_on(body: Body, state: State, beat: Floats, count: int) -> Floats:
-    """Nodes (count × T + 1, 23, 3) of ``count`` more beats of contractions; changes ``state``."""
-    start = state.x.copy()
-    return np.concatenate([start[None], simulate(body, state, np.tile(beat, (count, 1)))])
 
 
 def measure(motion: Motion, repertoire: Repertoire) -> Iterator[Measure]:
@@ -97,8 +90,7 @@ def _swimming(motion: Motion, body: Body, trials: dict[str, Trial]) -> Iterator[
     rate = fast / beat_tu
     yield judge("fast swim, per beat", fast, ".3f", " L", least(0.35), least(0.5))
     yield judge("fast swim, per tu (0.1 s)", rate, ".4f", " L", least(0.08), least(0.1))
-    muscles = muscle_lengths(body, beat_contraction(motion.swim, 1.0))
-    s = float(np.abs(np.diff(muscles, axis=0)).max())
+    s = pull(body, beat_contraction(motion.swim, 1.0))
     yield judge("its contraction a step", s, ".4f", " cm", most(S_MAX))
     for slow, quick in (("slow", "medium"), ("medium", "fast")):
         ratio = speeds[quick] / speeds[slow]
@@ -110,49 +102,21 @@ def _swimming(motion: Motion, body: Body, trials: dict[str, Trial]) -> Iterator[
     linear = steady and fit >= 0.97
     yield Measure("speed over 10 amplitudes", text, "monotone", steady, "R² ≥ 0.97", linear)
     trial = trials["swim_fast"]
-    tail = _sweep(trial, [UPPER_TAIL, LOWER_TAIL]) / length
-    head = _sweep(trial, [0]) / length
+    tail = sweep(trial.frames, [UPPER_TAIL, LOWER_TAIL]) / length
+    head = sweep(trial.frames, [0]) / length
     yield judge("tail sweep, fast", tail, ".3f", " L", Range(0.15, 0.25), Range(0.18, 0.22))
     yield Measure("head sweep, fast", f"{head:.3f} L")
-    snout = _snout_bend(trial.frames)
+    snout = snout_bend(trial.frames)
     yield Measure("bend of the snout, fast", f"{snout:.1f}°")
     yield judge("Strouhal number, fast", tail / fast, ".3f", "", most(0.55), most(0.45))
 
 
-def _sweep(trial: Trial, nodes: list[int]) -> float:
-    """Peak-to-peak distance of the middle of ``nodes`` across the way of one beat, cm."""
-    chord = way(trial.frames)
-    aside = np.cross(UP, chord / np.linalg.norm(chord))
-    across = trial.frames[:, nodes].mean(axis=1) @ aside
-    drift = np.linspace(0.0, across[-1] - across[0], len(across))
-    return float(np.ptp(across - drift))
-
-
-def _snout_bend(frames: Floats) -> float:
-    """Greatest angle in degrees between the snout and the head behind it, which should be stiff."""
-    nose, first, second = frames[:, 0], frames[:, 1:5].mean(axis=1), frames[:, 5:9].mean(axis=1)
-    return max(
-        float(np.degrees(_angle(snout, head)))
-        for snout, head in zip(nose - first, first - second, strict=True)
-    )
-
-
 def _straightness(motion: Motion, body: Body, steady: State) -> Iterator[Measure]:
     frames = swim_on(body, copy_state(steady), beat_contraction(motion.swim, 1.0), STEADY_BEATS)
-    centres = frames[:: motion.swim.ticks_per_beat].mean(axis=1)
-    steps = np.diff(centres, axis=0)
-    drift = float(np.degrees(_angle(steps[0], steps[-1])))
-    way = (centres[-1] - centres[0]) / np.linalg.norm(centres[-1] - centres[0])
-    offset = centres - centres[0]
-    aside = np.linalg.norm(offset - np.outer(offset @ way, way), axis=1).max()
-    aside = float(aside) / motion.body.length
+    drift, aside = straightness(frames, motion.swim.ticks_per_beat)
     name = f"drift of heading in {STEADY_BEATS} beats"
     yield judge(name, drift, ".4f", "°", most(1), most(0.1))
-    yield judge("drift aside meanwhile", aside, ".1e", " L", most(0.02))
-
-
-def _angle(a: Floats, b: Floats) -> float:
-    return float(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b))
+    yield judge("drift aside meanwhile", aside / motion.body.length, ".1e", " L", most(0.02))
 
 
 def _attitude(motion: Motion, body: Body, steady: State) -> Iterator[Measure]:
@@ -202,45 +166,20 @@ def _balanced(motion: Motion, body: Body, state: State, count: int) -> tuple[flo
 
 
 def _turning(motion: Motion, body: Body, steady: State) -> Iterator[Measure]:
-    entries = []
-    for k in range(ENTRY_PHASES):
-        state = copy_state(steady)
-        ticks = round(k * motion.swim.ticks_per_beat / ENTRY_PHASES)
-        phase = beat_phase(motion.swim, ticks)
-        simulate(body, state, swim_contraction(motion.swim, phase, motion.swim.medium))
-        entries.append((state, 2 * np.pi * ticks / motion.swim.ticks_per_beat))
+    swim, turn = motion.swim, motion.turn
+    starts = entries(body, swim, steady)
     for angle in TURN_ANGLES:
-        errors = [_turned(motion, body, angle, *entry) - angle for entry in entries]
+        errors = [turned(body, swim, turn, angle, *start) - angle for start in starts]
         worst = errors[int(np.argmax(np.abs(errors)))]  # NaN, a body out of shape, is the worst
         entered, anywhere = (off(3), off(7)) if angle <= 60 else (off(6), off(10))
         aim = off(1) if angle <= 60 else off(3)
-        turn = f"turn of {angle:g}°"
-        yield judge(f"{turn}, entered at phase 0", errors[0], "+.2f", "°", entered, aim)
-        yield judge(f"{turn}, at the worst phase", worst, "+.2f", "°", anywhere, off(3))
+        name = f"turn of {angle:g}°"
+        yield judge(f"{name}, entered at phase 0", errors[0], "+.2f", "°", entered, aim)
+        yield judge(f"{name}, at the worst phase", worst, "+.2f", "°", anywhere, off(3))
     sharp = run_trial(motion, "turn_left_sharp").frames
     speed = np.linalg.norm(np.diff(body.mass @ sharp, axis=0), axis=1)
     kept = float(speed.min() / speed[0])
     yield Measure("speed kept in the sharp turn", f"{kept:.2f} ×")
-
-
-def _turned(motion: Motion, body: Body, angle: float, start: State, phase: float) -> float:
-    """Degrees by which a turn changes the mean heading of steady swimming, left positive."""
-    swim = motion.swim
-    beat = swim_contraction(swim, phase + beat_phase(swim, swim.ticks_per_beat), swim.medium)
-    before = simulate(body, copy_state(start), beat)
-    trial = sharp_turn(body, swim, motion.turn, angle, LEFT, start, phase)
-    after = simulate(body, trial.state, np.tile(beat, (6, 1)))
-    if not is_sound(trial.state):
-        return float("nan")
-    headings = _headings(np.concatenate([before[:1], trial.frames, after]))
-    mean_before = _headings(before).mean()
-    return float(headings[-swim.ticks_per_beat :].mean() - mean_before)
-
-
-def _headings(frames: Floats) -> Floats:
-    """Heading of the body frame in degrees, left positive, without jumps."""
-    forward = body_frame(frames)[1][:, :, 0]
-    return np.asarray(np.degrees(np.unwrap(np.arctan2(-forward[:, 2], forward[:, 0]))))
 
 
 def _replay_error(motion: Motion, body: Body, trial: Trial, segment: Segment, name: str) -> float:
