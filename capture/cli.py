@@ -97,6 +97,25 @@ def _parsers() -> tuple[argparse.ArgumentParser, Any]:
     plot.add_argument("file", metavar="FILE", type=Path, help="a repertoire (.h5)")
     plot.add_argument("--out", metavar="DIR", type=Path, required=True, help="folder for the PNGs")
     plot.set_defaults(run=_plot)
+
+    mesh = command(
+        commands,
+        "mesh",
+        "move a mesh of your own with a recorded segment",
+        "Binds a Wavefront OBJ mesh to the fish's scaffold and writes one OBJ for each recorded\n"
+        "frame (0.033 s), faces, materials and texture coordinates as they were. The mesh is in\n"
+        "body axes and centimetres: x anterior, y dorsal, z right, the origin in the middle of\n"
+        "the second ring of nodes. With --fit it only has to head along x.",
+        ["subsea-capture mesh repertoires/fusilier.h5 sardine.obj --fit --out frames"],
+    )
+    mesh.add_argument("file", metavar="FILE", type=Path, help="a repertoire (.h5)")
+    mesh.add_argument("mesh", metavar="MESH", type=Path, help="a mesh (.obj)")
+    mesh.add_argument("--segment", metavar="NAME", default="swim_fast", help="(swim_fast)")
+    mesh.add_argument("--out", metavar="DIR", type=Path, required=True, help="folder for the OBJs")
+    mesh.add_argument(
+        "--fit", action="store_true", help="scale the mesh to the fish and put its snout in place"
+    )
+    mesh.set_defaults(run=_mesh)
     return parser, commands
 
 
@@ -169,4 +188,23 @@ def _plot(options: argparse.Namespace) -> int:
     check_folder(options.out)
     for path in plot_repertoire(repertoire, options.out):
         print(path)
+    return 0
+
+
+def _mesh(options: argparse.Namespace) -> int:
+    from tqdm import trange
+
+    from capture.mesh import bind_mesh, write_mesh
+    from subsea.repertoire import read_repertoire
+
+    repertoire = read_repertoire(options.file)
+    if options.segment not in repertoire.segments:
+        raise unknown("segment", options.segment, list(repertoire.segments))
+    mesh = bind_mesh(repertoire, options.mesh, options.fit)
+    check_folder(options.out)
+    name = f"{options.mesh.stem}_{options.segment}"
+    nodes = repertoire.segments[options.segment].nodes
+    for frame in trange(len(nodes), unit="frame"):
+        write_mesh(options.out / f"{name}_{frame:04d}.obj", mesh, nodes[frame])
+    print(f"{options.out / name}_0000.obj and {len(nodes) - 1} more")
     return 0

@@ -56,7 +56,7 @@ def tetrahedral_weights(rest_nodes: Array, rest_points: Array) -> Array:
     corners = nodes[TETRAHEDRA]
     edges = np.swapaxes(corners[:, 1:] - corners[:, :1], 1, 2)
     away = points[:, None] - corners[None, :, 0]
-    last = np.linalg.solve(edges[None], away[..., None])[..., 0]
+    last = np.einsum("kij,pkj->pki", np.linalg.inv(edges), away)
     shares = np.concatenate([1.0 - last.sum(axis=2, keepdims=True), last], axis=2)
     best = shares.min(axis=2).argmax(axis=1)
     rows = np.arange(len(points))

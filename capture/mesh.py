@@ -1,0 +1,113 @@
+"""A person's own mesh moved by a recorded segment (KS III.A): OBJ in, one OBJ a frame out."""
+
+import math
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from subsea.biomechanics.body import Floats
+from subsea.errors import UserError
+from subsea.kinematics.tetrahedra import tetrahedral_weights
+from subsea.places import replacing
+from subsea.repertoire import Repertoire
+from subsea.repertoire.schema import Array
+
+MAX_BYTES = 256 * 2**20
+FARTHEST = 3.0
+"""A vertex this many body lengths from the fish cannot belong to it."""
+
+
+def read_mesh(path: Path) -> tuple[list[str], Floats]:
+    """The lines of a Wavefront OBJ file and its vertices (n, 3); a fault is a UserError."""
+    try:
+        if path.stat().st_size > MAX_BYTES:
+            raise UserError(f"{path}: larger than {MAX_BYTES >> 20} MiB")
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except UnicodeDecodeError as fault:
+        raise UserError(f"{path}: not a Wavefront OBJ file, which is text") from fault
+    except OSError as fault:
+        raise UserError(f"{path}: {fault.strerror}") from fault
+    vertices = []
+    for number, line in enumerate(lines, start=1):
+        if not _is_vertex(line):
+            continue
+        try:
+            x, y, z = (float(word) for word in line.split()[1:4])
+        except ValueError as fault:
+            raise UserError(f"{path}: line {number}: expected `v x y z`, found {line!r}") from fault
+        if not all(map(math.isfinite, (x, y, z))):
+            raise UserError(f"{path}: line {number}: {line!r} is not finite")
+        vertices.append((x, y, z))
+    if not vertices:
+        raise UserError(f"{path}: no vertices; expected a Wavefront OBJ file with lines `v x y z`")
+    return lines, np.array(vertices)
+
+
+class Bound(NamedTuple):
+    """A mesh hung on the nodes."""
+
+    lines: list[str]  # of its file
+    weights: Array  # (n, 23) of the nodes, for each vertex
+
+
+def fitted(vertices: Floats, repertoire: Repertoire) -> Floats:
+    """Vertices (n, 3) that head along x, brought to the fish at rest: its length, nose and axis."""
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    if high[0] <= low[0]:
+        raise UserError("the mesh has no extent along x, its direction of swimming")
+    snout = np.array([high[0], *(low[1:] + high[1:]) / 2])
+    scale = repertoire.body_length_cm / (high[0] - low[0])
+    return np.asarray((vertices - snout) * scale + repertoire.rest_nodes[0])
+
+
+def bind_mesh(repertoire: Repertoire, path: Path, fit: bool) -> Bound:
+    """The mesh in a file, hung on the nodes of a fish.
+
+    It is in body axes and cm: x anterior, y dorsal, z right; with `fit` it only has to head
+    along x. A file that is no mesh, or a mesh that is not where the fish is, is a UserError.
+    """
+    lines, vertices = read_mesh(path)
+    if fit:
+        vertices = fitted(vertices, repertoire)
+    away = float(np.linalg.norm(vertices, axis=1).max()) / repertoire.body_length_cm
+    if away > FARTHEST:
+        raise UserError(
+            f"{path}: a vertex lies {away:.3g} body lengths from the fish, expected at most "
+            f"{FARTHEST:g}; --fit brings the mesh to the fish"
+        )
+    return Bound(lines, tetrahedral_weights(repertoire.rest_nodes, vertices))
+
+
+def write_mesh(path: Path, mesh: Bound, nodes: Array) -> None:
+    """Write the mesh as it is for nodes (23, 3).
+
+    Nothing but the vertices changes; normals, which would be wrong, are left out.
+    """
+    with replacing(path) as temporary:
+        temporary.write_text(_moved(mesh.lines, mesh.weights @ nodes), encoding="utf-8")
+
+
+def _is_vertex(line: str) -> bool:
+    return line.split(maxsplit=1)[:1] == ["v"]
+
+
+def _moved(lines: list[str], vertices: Floats) -> str:
+    """The text of the mesh with other places of its vertices, and without normals."""
+    following = iter(vertices)
+    out = []
+    for line in lines:
+        word, *rest = line.split() or [""]
+        if word == "v":
+            x, y, z = next(following)
+            out.append(" ".join(["v", f"{x:.6g}", f"{y:.6g}", f"{z:.6g}", *rest[3:]]))
+        elif word == "f":
+            out.append(" ".join(["f", *(_without_normal(corner) for corner in rest)]))
+        elif word != "vn":
+            out.append(line)
+    return "\n".join(out) + "\n"
+
+
+def _without_normal(corner: str) -> str:
+    """`v/vt` of the corner `v/vt/vn` of a face, `v` of `v//vn`."""
+    return "/".join(corner.split("/")[:2]).rstrip("/")
