@@ -4,7 +4,7 @@ import hashlib
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import msgspec
 import numba
@@ -16,18 +16,13 @@ from capture.trial import STRAIGHT, Trial, beat_contraction, sharp_turn, steady_
 from subsea import biomechanics
 from subsea.biomechanics.body import Body, Floats, build_body
 from subsea.biomechanics.controllers import LEFT, RIGHT
-from subsea.biomechanics.plan import BodyPlan, SwimPlan, TurnPlan
+from subsea.biomechanics.plan import BodyPlan, Muscles, SwimPlan, TurnPlan
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, TICK_S, TIME_UNIT_S
 from subsea.repertoire import SEGMENTS, Repertoire, Segment
 from subsea.species import Species
 
-
-class Motion(NamedTuple):
-    """The three plans that decide how a species moves."""
-
-    body: BodyPlan
-    swim: SwimPlan
-    turn: TurnPlan
+Motion = Muscles
+"""The three plans that decide how a species moves."""
 
 
 def steady_contraction(motion: Motion, name: str) -> Floats:
@@ -69,22 +64,25 @@ def record_segment(species: Species, name: str) -> Recorded:
     Only schooling species carry control points: they are many, and SMC §4.1 trades the memory
     for them alone.
     """
-    trial = run_trial(motion_of(species), name)
+    motion = motion_of(species)
+    trial = run_trial(motion, name)
     kind, _, grade = name.rpartition("_")
     segment = make_segment(
         trial.frames,
-        species.body.length,
+        species.length_cm,
         pattern={"swim": "forward", "turn_left": "left", "turn_right": "right"}[kind],
         grade=grade,
         cyclic=grade != "sharp",
-        coupling=surface_coupling(species) if species.schooling else None,
+        coupling=surface_coupling(species.surface, motion.body) if species.schooling else None,
     )
     return segment, trial.warm_up_beats
 
 
 def motion_of(species: Species) -> Motion:
-    """The plans of a species that the recording depends on."""
-    return Motion(species.body, species.swim, species.turn)
+    """The plans of a species that the recording depends on; ValueError if it has no muscles."""
+    if species.muscles is None:
+        raise ValueError(f"{species.name} has no muscles")
+    return species.muscles
 
 
 def motion_from_provenance(provenance: dict[str, Any]) -> Motion:
@@ -105,12 +103,12 @@ def record_species(name: str, species: Species) -> Repertoire:
 
 def assemble(name: str, species: Species, recorded: dict[str, Recorded]) -> Repertoire:
     """Put recorded segments together; the provenance holds all it takes to record them again."""
-    body: Body = build_body(species.body)
     motion = motion_of(species)
+    body: Body = build_body(motion.body)
     return Repertoire(
         species=name,
         tick_s=TICK_S,
-        body_length_cm=species.body.length,
+        body_length_cm=species.length_cm,
         source="biomechanics",
         provenance={
             "tool": "subsea-capture",

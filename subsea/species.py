@@ -4,9 +4,10 @@ from typing import Annotated, Literal
 
 import msgspec
 
-from subsea.biomechanics.plan import BodyPlan, SwimPlan, TurnPlan
+from subsea.biomechanics.plan import BodyPlan, Muscles, SwimPlan, TurnPlan
 from subsea.biomechanics.stability import check_step
 from subsea.errors import UserError, unknown
+from subsea.kinematics.spine import SpinePlan
 from subsea.kinematics.surface import Curve, Extent, Share, SurfacePlan
 from subsea.resources import load_toml, resource_names, resource_path
 
@@ -68,29 +69,56 @@ class SkinPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
 
 
 class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """One species: what it is called, how it is built, how it moves, what it looks like."""
+    """One species: what it is called, how it is built, how it moves, what it looks like.
+
+    What moves it is either its muscles, three tables, or its spine, one table.
+    """
 
     name: str
     scientific_name: str
     kind: Literal["pacifist", "prey", "predator"]
     schooling: bool
     size_cm: tuple[BodyLength, BodyLength]  # smallest and largest adults
-    body: BodyPlan
-    swim: SwimPlan
-    turn: TurnPlan
+    body: BodyPlan | None = None
+    swim: SwimPlan | None = None
+    turn: TurnPlan | None = None
+    spine: SpinePlan | None = None
     surface: SurfacePlan
     skin: SkinPlan
 
     def __post_init__(self) -> None:
-        """Refuse sizes out of order, and a body whose material the step cannot carry."""
+        """Refuse two movers, or none, sizes out of order, and a body that no step can carry."""
+        given = sum(table is not None for table in (self.body, self.swim, self.turn))
+        if given != (3 if self.spine is None else 0):
+            raise ValueError("expected the tables [body], [swim] and [turn], or [spine] alone")
         if self.size_cm[0] > self.size_cm[1]:
             raise ValueError("size_cm must name the smallest length first")
-        check_step(self.body)
+        if self.body:
+            check_step(self.body)
+
+    @property
+    def muscles(self) -> Muscles | None:
+        """Body, swim and turn of a species that muscles move; None of one that its spine moves."""
+        if self.body and self.swim and self.turn:
+            return Muscles(self.body, self.swim, self.turn)
+        return None
+
+    @property
+    def length_cm(self) -> float:
+        """Body length of the fish that is recorded."""
+        mover = self.body or self.spine
+        assert mover  # one of the two is there
+        return mover.length
 
 
 def species_names() -> list[str]:
     """The species that have a file, sorted."""
     return resource_names("assets/species", ".toml")
+
+
+def muscular_names() -> list[str]:
+    """Those that muscles move: they alone can be simulated."""
+    return [name for name in species_names() if load_species(name).muscles]
 
 
 def load_species(name: str) -> Species:

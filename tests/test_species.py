@@ -86,3 +86,46 @@ def test_an_absurd_outline_is_one_line(tmp_path, change, words):
         load_toml(file, Species)
     assert words in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+SPINE = """
+[spine]
+length = 80.0
+centre = 0.4
+slow = { ticks_per_beat = 40, amplitude = 0.6, slip = 0.5 }
+medium = { ticks_per_beat = 30, amplitude = 0.8, slip = 0.55 }
+fast = { ticks_per_beat = 20, amplitude = 1.0, slip = 0.6 }
+turn = { gradual = 20.0, sharp = 60.0, sharp_beats = 6 }
+
+[spine.swing]
+angle = 40.0
+inflections = [0.15, 0.5, 0.85]
+flexibility = [[0.0, 0.2], [1.0, 1.0]]
+
+"""
+SURFACE_ON = FUSILIER[FUSILIER.index("[surface]") :]
+HEADER = FUSILIER[: FUSILIER.index("# Found")]
+
+
+def _load(tmp_path, text):
+    file = tmp_path / "mine.toml"
+    file.write_text(text)
+    return load_toml(file, Species)
+
+
+def test_a_species_is_moved_by_its_muscles_or_by_its_spine(tmp_path):
+    fish = _load(tmp_path, FUSILIER)
+    assert fish.muscles == (fish.body, fish.swim, fish.turn)
+    assert fish.length_cm == fish.body.length
+    eel = _load(tmp_path, HEADER + SPINE + SURFACE_ON)
+    assert eel.muscles is None
+    assert eel.length_cm == 80.0
+
+
+@pytest.mark.parametrize(
+    "head",
+    [HEADER, FUSILIER[: FUSILIER.index("[swim]")], FUSILIER[: FUSILIER.index("[surface]")] + SPINE],
+)
+def test_two_movers_or_none_are_one_line(tmp_path, head):
+    with pytest.raises(UserError, match=r"\[body\], \[swim\] and \[turn\], or \[spine\] alone"):
+        _load(tmp_path, head + SURFACE_ON)

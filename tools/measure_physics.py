@@ -24,7 +24,7 @@ from subsea.biomechanics.solver import (
     substitute,
 )
 from subsea.biomechanics.water import add_water_force
-from subsea.species import load_species, species_names
+from subsea.species import load_species, muscular_names
 
 BEATS = 60
 PRECISION = {"semi-implicit": 0.001, "explicit": 0.0001}  # tu
@@ -108,10 +108,12 @@ def costs(body: Body, state: State) -> dict[str, float]:
 
 def main() -> None:
     """Print a table."""
-    for name in sys.argv[1:] or species_names():
-        species = load_species(name)
-        body = build_body(species.body)
-        beat = beat_contraction(species.swim, 1.0)
+    for name in sys.argv[1:] or muscular_names():
+        muscles = load_species(name).muscles
+        if muscles is None:
+            continue
+        body = build_body(muscles.body)
+        beat = beat_contraction(muscles.swim, 1.0)
         swimming = steady_beat(body, beat).state
         print(name)
         times = costs(body, swimming)

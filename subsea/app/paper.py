@@ -60,8 +60,9 @@ def paper_tables() -> int:
 
 def dynamics_ms() -> float:
     """Milliseconds that one tick of one simulated fish takes: six steps of the whole body."""
-    species = load_species("fusilier")
-    body, swim = build_body(species.body), species.swim
+    muscles = load_species("fusilier").muscles
+    assert muscles
+    body, swim = build_body(muscles.body), muscles.swim
     state = at_rest(body)
     steps = np.arange(SIMULATED_TICKS * STEPS_PER_TICK)
     phase = 2.0 * np.pi * steps / (swim.ticks_per_beat * STEPS_PER_TICK)

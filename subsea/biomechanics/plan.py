@@ -2,7 +2,7 @@
 
 from itertools import pairwise
 from operator import mul
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import msgspec
 
@@ -156,3 +156,11 @@ class TurnPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
                 f"sharp = {self.sharp:g} lies beyond the steering map, which ends at "
                 f"{angles[-1]:g} degrees"
             )
+
+
+class Muscles(NamedTuple):
+    """The three plans of a fish that muscles move."""
+
+    body: BodyPlan
+    swim: SwimPlan
+    turn: TurnPlan

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from subsea.biomechanics.body import MUSCLE_LEFT, MUSCLE_SEGMENT, MUSCLES, NODES, build_body
 from subsea.biomechanics.fins import PITCH_GAIN, ROLL_GAIN, STEEPEST
+from subsea.biomechanics.plan import Muscles
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, STRAIN_LIMITS, TICK_S, advance
 from subsea.kinematics.rotation import (
     Quaternion,
@@ -68,14 +69,23 @@ class Bodies(NamedTuple):
 def make_bodies(species: Sequence[Species], speed: Array) -> Bodies:
     """The tables of these species, from the plans that their repertoires were recorded from.
 
-    `speed` (S, 7) in cm/s is that of the recorded segments.
+    `speed` (S, 7) in cm/s is that of the recorded segments. A species that its spine moves has
+    no body to simulate: a row of zeros, which nothing reads.
     """
-    rows = [_body(*one) for one in zip(species, speed, strict=True)]
+    rows = [
+        _body(one.muscles, swum) if one.muscles else NO_BODY
+        for one, swum in zip(species, speed, strict=True)
+    ]
     return Bodies(*(np.array(column, np.float64) for column in zip(*rows, strict=True)))
 
 
-def _body(species: Species, speed: Array) -> tuple[Any, ...]:
-    body, swim, turn = build_body(species.body), species.swim, species.turn
+_ROW = (23, 91, 91, 91, 1, 3, 3, 1, 4, 4, 1, 2, 1, 7, 1)
+NO_BODY = tuple(np.zeros(n) if n > 1 else 0.0 for n in _ROW)
+"""A row of `Bodies` without content."""
+
+
+def _body(muscles: Muscles, speed: Array) -> tuple[Any, ...]:
+    body, swim, turn = build_body(muscles.body), muscles.swim, muscles.turn
     first, second = turn.steering[:2]
     # Between two rows of the steering map only the time differs for which the bend is held.
     held = (second.hold_ticks - first.hold_ticks) * TICK_S
@@ -91,7 +101,7 @@ def _body(species: Species, speed: Array) -> tuple[Any, ...]:
         (0.0, *speed[:3]), (0.0, swim.slow, swim.medium, 1.0), turn.amplitude,
         bend, bend_rate,
         [side[word[1]] * rate[word[2]] if word[0] == "turn" else 0.0 for word in words],
-        FIN_AREA * species.body.length**2,
+        FIN_AREA * muscles.body.length**2,
     )  # fmt: skip
 
 

@@ -44,6 +44,7 @@ class Dynamics(NamedTuple):
     """What is constant: the species' bodies and how every recorded row moves."""
 
     bodies: Bodies
+    muscular: NDArray[np.bool_]  # (S,) whether a species can be simulated: muscles move it
     motion: Motion  # R rows
     usual: Array  # (S, 7) the largest change of a node's velocity in each segment, cm per frame²
     reach_cm: float  # fishes farther from the viewer are played back
@@ -58,6 +59,7 @@ def make_dynamics(
     every = [motion for row in motions for motion in row]
     return Dynamics(
         make_bodies(species, library.speed),
+        np.array([one.muscles is not None for one in species]),
         Motion(*(np.concatenate(tables) for tables in zip(*every, strict=True))),
         np.array([[usual_change(motion) for motion in row] for row in motions]),
         reach_cm,
@@ -100,6 +102,7 @@ def _review(
     distance = np.linalg.norm(fishes.position - viewer, axis=1)
     distance[fishes.live] /= KEEP
     distance[fishes.thrust < HOVERING] = np.inf
+    distance[~dynamics.muscular[fishes.species]] = np.inf
     nearest = np.argsort(distance, kind="stable")[: len(live.fish)]
     chosen = np.zeros(len(distance), np.bool_)
     chosen[nearest] = (distance[nearest] <= dynamics.reach_cm) & (distance[nearest] < np.inf)

@@ -18,12 +18,12 @@ from subsea.kinematics.frame import body_frame
 from subsea.kinematics.rotation import about, from_matrix, matrix, multiply
 from subsea.motor.balance import roll_of
 from subsea.motor.dynamics import SCULL_SPEED, contract, fin_force, frame_of, swim_live
-from subsea.species import load_species, species_names
+from subsea.species import load_species, muscular_names
 
 TICK = 0.033
 STILL = np.zeros(3)
 
-every_species = pytest.mark.parametrize("species", species_names())
+every_species = pytest.mark.parametrize("species", muscular_names())
 
 
 def _live(make_tank, species, name="swim_medium", ticks=28):

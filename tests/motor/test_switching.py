@@ -8,7 +8,7 @@ from subsea.motor.switching import KEEP, MAX_WAIT_TICKS, MIN_STAY_S, may_go_live
 from subsea.ocean import create_world, step
 from subsea.repertoire import SEGMENTS
 from subsea.scenario import load_scenario
-from subsea.species import species_names
+from subsea.species import muscular_names
 from subsea.state import digest
 from subsea.submarine.helm import HANDS_OFF, Helm
 
@@ -28,7 +28,7 @@ def _steps(path):
 
 
 @pytest.mark.parametrize("name", CYCLIC)
-@pytest.mark.parametrize("species", species_names())
+@pytest.mark.parametrize("species", muscular_names())
 def test_going_live_jerks_no_node_at_any_phase(make_tank, species, name):
     for row in range(14):
         tank = make_tank(species).put(name, row)
@@ -41,7 +41,7 @@ def test_going_live_jerks_no_node_at_any_phase(make_tank, species, name):
 
 
 @pytest.mark.parametrize("scale", [0.8, 1.0, 1.4])
-@pytest.mark.parametrize("species", species_names())
+@pytest.mark.parametrize("species", muscular_names())
 def test_at_random_goals_no_one_notices_either_change(make_tank, species, scale):
     tank = make_tank(species, scale).put("swim_fast")
     usual = _changes(tank.step(40)).max()
