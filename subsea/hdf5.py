@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import h5py
 import numpy as np
@@ -14,6 +14,8 @@ from subsea.errors import UserError
 from subsea.places import replacing
 
 MAX_DATASET_BYTES = 256 * 2**20  # a repertoire holds a few megabytes; more is a damaged header
+Kind = Literal["f", "i"]
+KINDS = {"f": "floating-point", "i": "whole"}
 LAYOUT = {"libver": ("earliest", "v110"), "track_order": False}  # without timestamps
 
 
@@ -124,9 +126,9 @@ def attribute(group: Any, name: str, kind: type, where: str) -> Any:
 
 
 def array(
-    group: Any, name: str, shape: tuple[int | None, ...], where: str
-) -> NDArray[np.floating[Any]]:
-    """The finite floating-point dataset `name`, checked before it is read.
+    group: Any, name: str, shape: tuple[int | None, ...], where: str, kind: Kind = "f"
+) -> NDArray[Any]:
+    """The finite floating-point dataset `name`, or one of whole numbers, checked before it is read.
 
     `shape` gives each length, None for any length of at least one. Links that lead out of the
     file or the group, other types, other shapes, and implausible sizes are refused.
@@ -135,8 +137,8 @@ def array(
         raise UserError(f"{where}/{name}: missing, expected a dataset")
     dataset = group[name]
     expected = "×".join("n" if n is None else str(n) for n in shape)
-    if not isinstance(dataset, h5py.Dataset) or dataset.dtype.kind != "f":
-        raise UserError(f"{where}/{name}: expected {expected} floating-point numbers")
+    if not isinstance(dataset, h5py.Dataset) or dataset.dtype.kind != kind:
+        raise UserError(f"{where}/{name}: expected {expected} {KINDS[kind]} numbers")
     fits = len(dataset.shape) == len(shape) and all(
         have == want if want is not None else have >= 1
         for have, want in zip(dataset.shape, shape, strict=True)

@@ -13,13 +13,17 @@ from subsea.repertoire.schema import (
     FORMAT,
     GRADES,
     MAX_FRAMES,
+    MAX_GLIDE_FRAMES,
     NODES,
     PATTERNS,
+    SEGMENTS,
     VERSION,
     Array,
     Repertoire,
     Segment,
+    Transitions,
 )
+from subsea.repertoire.transitions import plan_transitions
 
 UNIT_TOLERANCE = 1e-4  # of a recorded quaternion's length
 MAX_EXTENT_BL = 3.0  # no node or control point of a plausible fish is farther from its centre
@@ -57,6 +61,7 @@ def read_repertoire(path: Path) -> Repertoire:
             provenance=_provenance(file, where),
             rest_nodes=rest,
             segments=segments,
+            transitions=_read_transitions(file, segments, where),
         )
 
 
@@ -88,6 +93,32 @@ def write_repertoire(path: Path, repertoire: Repertoire) -> None:
                 group.attrs[key] = hdf5.text(getattr(segment, key))
             for key in ("cyclic", "speed_cm_s", "turn_deg", "loop_error_bl", "bounding_radius_bl"):
                 group.attrs[key] = getattr(segment, key)
+        if all(name in repertoire.segments for name in SEGMENTS):
+            plan = plan_transitions([repertoire.segments[name] for name in SEGMENTS])
+            for key, values in plan._asdict().items():
+                file[f"transitions/{key}"] = values.astype(np.int16)
+
+
+def _read_transitions(file: Any, segments: dict[str, Segment], where: str) -> Transitions | None:
+    """The transitions that were planned when the file was written; none is no fault."""
+    if "transitions" not in file or any(name not in segments for name in SEGMENTS):
+        return None
+    group, where = hdf5.subgroup(file, "transitions", where), where + "/transitions"
+    rows = sum(len(segments[name].nodes) for name in SEGMENTS)
+    entry, frames, leave = (
+        hdf5.array(group, key, (rows, len(SEGMENTS)), where, kind="i")
+        for key in Transitions._fields
+    )
+    starts = np.cumsum([0, *(len(segments[name].nodes) for name in SEGMENTS)])
+    for k, name in enumerate(SEGMENTS):
+        last = starts[k + 1] - 1 if segments[name].cyclic else starts[k]
+        if (entry[:, k] < starts[k]).any() or (entry[:, k] > last).any():
+            raise UserError(f"{where}/entry: leads into {name} elsewhere than where it may begin")
+        if not leave[starts[k] : starts[k + 1]].any(axis=0).all():
+            raise UserError(f"{where}/leave: no way leads out of {name}")
+    if (frames < 1).any() or (frames > MAX_GLIDE_FRAMES).any():
+        raise UserError(f"{where}/frames: expected 1 to {MAX_GLIDE_FRAMES}")
+    return Transitions(entry, frames, leave.astype(np.bool_))
 
 
 def _read_segment(group: Any, length: float, where: str) -> Segment:

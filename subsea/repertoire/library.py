@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from subsea.errors import UserError
 from subsea.kinematics.coupling import Coupling, place
-from subsea.repertoire.schema import SEGMENTS, Array, Repertoire
-from subsea.repertoire.transitions import Transitions, plan_transitions
+from subsea.repertoire.schema import SEGMENTS, Array, Repertoire, Transitions
+from subsea.repertoire.transitions import plan_transitions
 
 Ints = NDArray[np.integer[Any]]
 
@@ -69,7 +69,7 @@ def pack(
                 if segment.control_points is None
                 else segment.control_points
             )
-        plan = plan_transitions(segments)
+        plan = repertoire.transitions or plan_transitions(segments)
         plans.append(plan._replace(entry=starts[0] + plan.entry))
     return Library(
         rotation=_table(rotation, live),

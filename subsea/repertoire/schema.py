@@ -1,18 +1,20 @@
 """What a repertoire is: the segments that one species plays back (SMC §4.3)."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.floating[Any]]
+Ints = NDArray[np.integer[Any]]
 
 FORMAT = "subsea-repertoire"
 VERSION = 2
 NODES = 23
 CONTROL_POINTS = 426
 MAX_FRAMES = 2000
+MAX_GLIDE_FRAMES = 14
 PATTERNS = ("forward", "left", "right")
 GRADES = ("slow", "medium", "fast", "gradual", "sharp")
 
@@ -49,6 +51,17 @@ class Segment:
     bounding_radius_bl: float  # farthest node from the origin, body lengths
 
 
+class Transitions(NamedTuple):
+    """From each of the r rows of a repertoire to each of its segments, in the order of SEGMENTS.
+
+    Rows are the frames of the segments, one segment after another.
+    """
+
+    entry: Ints  # (r, 7) row at which the segment is entered
+    frames: Ints  # (r, 7) length of the glide, 1 to MAX_GLIDE_FRAMES
+    leave: NDArray[np.bool_]  # (r, 7) whether this row is a good one to leave
+
+
 @dataclass(frozen=True)
 class Repertoire:
     """All segments of one species and what they were recorded from."""
@@ -60,3 +73,4 @@ class Repertoire:
     provenance: dict[str, Any]  # parameters, versions, seed: enough to rebuild the file
     rest_nodes: Array  # (23, 3) cm
     segments: dict[str, Segment]
+    transitions: Transitions | None = None  # planned when it is written, or else on packing

@@ -12,23 +12,14 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from subsea.repertoire.schema import Segment
+from subsea.repertoire.schema import MAX_GLIDE_FRAMES, Segment, Transitions
 
 Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
 
-MAX_GLIDE_FRAMES = 14
 # A cyclic segment is left only in this share of its rows, those from which the glide is gentlest:
 # a fish that is about to turn waits a few frames until its beat is where the turn begins.
 LEAVING_SHARE = 0.3
-
-
-class Transitions(NamedTuple):
-    """For each row of a species and each of its segments; rows count from the species' first."""
-
-    entry: Ints  # (r, s) row at which the segment is entered
-    frames: Ints  # (r, s) length of the glide, 1 to MAX_GLIDE_FRAMES
-    leave: NDArray[np.bool_]  # (r, s) whether this row is a good one to leave
 
 
 class Motion(NamedTuple):

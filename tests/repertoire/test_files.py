@@ -11,7 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from subsea.errors import UserError
-from subsea.repertoire import read_repertoire, write_repertoire
+from subsea.kinematics.coupling import couple
+from subsea.repertoire import SEGMENTS, read_repertoire, write_repertoire
+from subsea.repertoire.library import pack
+from subsea.repertoire.transitions import plan_transitions
 
 
 @pytest.fixture
@@ -30,6 +33,19 @@ def test_written_and_read_back(path, known_repertoire):
             np.testing.assert_array_equal(
                 getattr(back.segments[name], field.name), getattr(segment, field.name)
             )
+
+
+def test_transitions_are_planned_once_when_the_file_is_written(path, known_repertoire):
+    planned = plan_transitions([known_repertoire.segments[name] for name in SEGMENTS])
+    stored = read_repertoire(path).transitions
+    for here, there in zip(stored, planned, strict=True):
+        np.testing.assert_array_equal(here, there)
+    with h5py.File(path, "r+") as file:
+        del file["transitions"]
+    bare = read_repertoire(path)
+    assert bare.transitions is None
+    coupling = couple("sections", bare.rest_nodes, np.zeros((426, 3)))
+    np.testing.assert_array_equal(pack([bare], [coupling]).entry, planned.entry)
 
 
 def test_the_same_contents_are_the_same_bytes(path, tmp_path, known_repertoire):
@@ -93,6 +109,23 @@ DAMAGE = {
     "a string in the heap": (_set("source", "biomechanics"), "not a plain str"),
     "a reference for a number": (_set("tick_s", h5py.Reference()), "not a plain float"),
     "numbers for a number": (_set("tick_s", [0.033, 0.033]), "not a plain float"),
+    "a glide into another species": (
+        _replace("transitions/entry", np.full((84, 7), 84, np.int16)),
+        "transitions/entry: leads into swim_slow",
+    ),
+    "a glide into the middle of a sharp turn": (
+        _replace("transitions/entry", np.tile(np.arange(0, 84, 12, np.int16) + 1, (84, 1))),
+        "transitions/entry: leads into turn_left_sharp",
+    ),
+    "a glide that takes no time": (
+        _replace("transitions/frames", np.zeros((84, 7), np.int16)),
+        "transitions/frames: expected 1 to 14",
+    ),
+    "a swim without end": (
+        _replace("transitions/leave", np.zeros((84, 7), np.int16)),
+        "no way leads out of swim_slow",
+    ),
+    "halves for rows": (_replace("transitions/entry", np.full((84, 7), 0.5)), "84×7 whole"),
     "a link to itself": (_replace("segments", h5py.SoftLink("/")), "expected a group"),
 }
 
