@@ -24,7 +24,7 @@ from subsea.errors import UserError
 from subsea.kinematics.frame import body_frame, to_body
 
 MIN_WARM_UP = 24
-MAX_WARM_UP = 400
+MAX_WARM_UP = 1000
 CLOSURE_GOAL = 1e-9
 """Loop closure, in body lengths, at which a beat counts as steady."""
 STRAIGHT = (0.0, 0.0)

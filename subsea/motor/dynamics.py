@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from subsea.biomechanics.body import MUSCLE_LEFT, MUSCLE_SEGMENT, MUSCLES, NODES, build_body
+from subsea.biomechanics.body import MUSCLE_LEFT, MUSCLE_SEGMENT, MUSCLES, NODES, Body, build_body
 from subsea.biomechanics.fins import PITCH_GAIN, ROLL_GAIN, STEEPEST
 from subsea.biomechanics.plan import Muscles
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, STRAIN_LIMITS, TICK_S, advance
@@ -39,7 +39,7 @@ MAX_STEPS = 8 * STEPS_PER_TICK  # in a tick: enough for a fish that is a 64th of
 FIN_AREA = 0.01  # of each pectoral fin, over the square of the body length
 BEND_EASE = 1.0 / 8.0  # share of the full bend that may change in a tick, as in a sharp turn
 AMPLITUDE_EASE = 1.0 / 14.0  # share of the fast beat's amplitude that may change in a tick
-ROLL_LEAD = 6.0  # ticks by which the fins look ahead of a roll, or the fish swings past upright
+ROLL_LEAD = 0.55  # radians of a roll's own swing by which the fins look ahead: less overshoots
 SCULL_SPEED = 1.2  # cm/tu: the fins of a slower fish beat, and meet the water at this speed
 TEMPO_EASE = 0.025  # by which the beat's tempo may change in a tick, on its way to the recorded one
 SPEED_GAIN = 1.0  # of the speed that is lacking: fins and bends take some of it
@@ -64,6 +64,7 @@ class Bodies(NamedTuple):
     bend_rate: Array  # (S,) rad/s, how fast a fish that is fully bent turns
     turn_rate: Array  # (S, 7) rad/s that each segment turns by itself, left positive
     fin_area: Array  # (S,) of each pectoral fin
+    roll_lead: Array  # (S,) ticks by which the fins look ahead of a roll
 
 
 def make_bodies(species: Sequence[Species], speed: Array) -> Bodies:
@@ -79,7 +80,7 @@ def make_bodies(species: Sequence[Species], speed: Array) -> Bodies:
     return Bodies(*(np.array(column, np.float64) for column in zip(*rows, strict=True)))
 
 
-_ROW = (23, 91, 91, 91, 1, 3, 3, 1, 4, 4, 1, 2, 1, 7, 1)
+_ROW = (23, 91, 91, 91, 1, 3, 3, 1, 4, 4, 1, 2, 1, 7, 1, 1)
 NO_BODY = tuple(np.zeros(n) if n > 1 else 0.0 for n in _ROW)
 """A row of `Bodies` without content."""
 
@@ -95,14 +96,24 @@ def _body(muscles: Muscles, speed: Array) -> tuple[Any, ...]:
     side = {"left": 1.0, "right": -1.0}
     rate = {"gradual": gradual, "sharp": bend_rate}
     words = [name.split("_") for name in SEGMENTS]
+    fin_area = FIN_AREA * muscles.body.length**2
     return (
         body.mass, body.length, body.stiffness, body.viscosity, body.drag,
         (0.0, *swim.contraction), (0.0, 0.0, swim.lag), swim.ticks_per_beat,
         (0.0, *speed[:3]), (0.0, swim.slow, swim.medium, 1.0), turn.amplitude,
         bend, bend_rate,
         [side[word[1]] * rate[word[2]] if word[0] == "turn" else 0.0 for word in words],
-        FIN_AREA * muscles.body.length**2,
+        fin_area, _roll_lead(body, fin_area),
     )  # fmt: skip
+
+
+def _roll_lead(body: Body, fin_area: float) -> float:
+    """Ticks of :data:`ROLL_LEAD` radians of the swing that fins of this area make about x."""
+    y, z = body.rest[:, 1], body.rest[:, 2]
+    inertia = body.mass @ (y**2 + z**2)
+    arm = np.abs(z[1:13]).mean()
+    stiffness = ROLL_GAIN * 2.0 * fin_area * SCULL_SPEED**2 * arm
+    return float(ROLL_LEAD / math.sqrt(stiffness / inertia) / TICK_TU)
 
 
 @njit(cache=True, error_model="numpy")
@@ -199,6 +210,8 @@ def fin_force(fishes: Fishes, bodies: Bodies, i: int, v: Array) -> Array:
     the climb that is asked for; of a fish that is to slow down they also brake. A slow fish rows
     with them, so that water passes them all the same.
     """
+    kind = fishes.species[i]
+    area = bodies.fin_area[kind]
     q, before = _quaternion(fishes.orientation[i]), _quaternion(fishes.previous_orientation[i])
     x, y = rotate(q, (1.0, 0.0, 0.0)), rotate(q, (0.0, 1.0, 0.0))
     # The controller's rate of pitch is in proportion to the angle between nose and goal.
@@ -211,8 +224,9 @@ def fin_force(fishes: Fishes, bodies: Bodies, i: int, v: Array) -> Array:
     # The faster the water, the less the fins need to tilt: the beat itself makes B wobble.
     lean = rotate(q, (0.0, 0.0, 1.0))[2]
     swing = lean - rotate(before, (0.0, 0.0, 1.0))[2]
-    roll = ROLL_GAIN * (lean + ROLL_LEAD * swing) * min((SCULL_SPEED / speed) ** 2, 1.0)
-    area = bodies.fin_area[fishes.species[i]]
+    roll = (
+        ROLL_GAIN * (lean + bodies.roll_lead[kind] * swing) * min((SCULL_SPEED / speed) ** 2, 1.0)
+    )
     brake = min(max(1.0 - fishes.thrust[i], 0.0), 1.0)
     force = np.zeros((NODES, 3))
     for node in range(1, 13):
