@@ -50,6 +50,7 @@ def _parsers() -> tuple[argparse.ArgumentParser, Any]:
         [
             "subsea-capture record fusilier",
             "subsea-capture record --all --jobs 2",
+            "subsea-capture record --all --cluster tcp://192.168.1.5:8786",
             "subsea-capture record emperor_angelfish --out /tmp/repertoires",
         ],
     )
@@ -67,6 +68,11 @@ def _parsers() -> tuple[argparse.ArgumentParser, Any]:
         type=number(int, 1, MAX_JOBS),
         default=1,
         help="processes to record in (1)",
+    )
+    record.add_argument(
+        "--cluster",
+        metavar="ADDRESS",
+        help="record on the Dask cluster of this scheduler instead, such as tcp://host:8786",
     )
     record.add_argument(
         "--force", action="store_true", help="record what is up to date already, too"
@@ -134,6 +140,8 @@ def _record(options: argparse.Namespace) -> int:
             raise unknown("species", name, known)
     if options.all and options.species:
         raise UserError(f"--all and {options.species[0]!r}: give one of the two")
+    if options.cluster is not None and options.jobs != 1:
+        raise UserError("--jobs and --cluster: give one of the two")
     if not options.all and not options.species:
         raise UserError(f"name a species ({', '.join(known)}) or give --all")
     names = known if options.all else list(dict.fromkeys(options.species))
@@ -153,7 +161,12 @@ def _record(options: argparse.Namespace) -> int:
             )
         bars[name].update(segments - bars[name].n)
 
-    workers = here if options.jobs == 1 else processes(options.jobs)
+    if options.cluster is not None:
+        from capture.cluster import cluster
+
+        workers = cluster(options.cluster)
+    else:
+        workers = here if options.jobs == 1 else processes(options.jobs)
     try:
         with deferred() as check:
             recorded = record_all(names, folder, workers, check, tell, options.force)
