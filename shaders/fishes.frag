@@ -3,7 +3,10 @@
 uniform sampler2D u_skin;  // painted; alpha is the opacity
 uniform vec4 u_skin_box;   // left, bottom, right, top of the skin, body lengths
 uniform vec4 u_paddle;     // colour and opacity of the paired fins
+uniform vec4 u_paddle_rim; // colour and width of their edge, body lengths
 uniform float u_gloss;
+uniform float u_scales;    // how plainly scales show, and the rays of fins
+uniform float u_rays;
 uniform vec3 u_eye_spot;   // distance from the snout, height, radius, body lengths
 uniform float u_tail_begin;
 
@@ -30,14 +33,14 @@ float scales(vec2 place, inout vec3 normal) {
     seen *= smoothstep(u_eye_spot.x, u_eye_spot.x + 0.12, place.x);
     seen *= 1.0 - smoothstep(u_tail_begin - 0.02, u_tail_begin + 0.02, place.x);
     vec2 from_middle = fract(cell) - 0.5;
-    normal = normalize(normal + 0.14 * seen * vec3(from_middle, 0.3 * from_middle.x));
-    return 1.0 + seen * u_gloss * (0.3 * from_middle.x - 0.4 * dot(from_middle, from_middle));
+    normal = normalize(normal + 0.14 * u_scales * seen * vec3(from_middle, 0.3 * from_middle.x));
+    return 1.0 + seen * u_scales * u_gloss * (0.3 * from_middle.x - 0.4 * dot(from_middle, from_middle));
 }
 
 // The rays of a fin run from its root to its edge.
 float rays(float count, float at) {
     float seen = 1.0 - smoothstep(0.2, 0.8, fwidth(at * count));
-    return 1.0 - 0.26 * seen * (0.5 + 0.5 * cos(6.2832 * count * at));
+    return 1.0 - 0.26 * u_rays * seen * (0.5 + 0.5 * cos(6.2832 * count * at));
 }
 
 void main() {
@@ -51,6 +54,9 @@ void main() {
     if (v_part.x < 1.5) {
         vec2 texel = (place - u_skin_box.xy) / (u_skin_box.zw - u_skin_box.xy);
         skin = texture(u_skin, texel, SHARPEN);
+    } else {
+        float to_edge = abs(place.x) * (1.0 / max(v_part.y, 0.01) - 1.0) / u_paddle_rim.w;
+        skin.rgb = mix(u_paddle_rim.rgb, skin.rgb, smoothstep(0.7, 1.0, to_edge));
     }
     skin.rgb *= 0.92 + 0.16 * v_identity;
     float gloss = 0.08, spark = 0.0;

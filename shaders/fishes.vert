@@ -77,11 +77,11 @@ void main() {
         bool pelvic = a_part.x > 2.5;
         float sweep = pelvic ? 0.35 : (side < 0.0 ? i_pectoral.x : i_pectoral.y);
         float lift = pelvic ? 0.0 : (side < 0.0 ? i_pectoral.z : i_pectoral.w);
-        float bend = sweep * (0.6 + 0.55 * a_part.y);
-        vec3 back = a_u * cos(lift) + a_v * sin(lift);
-        vec3 across = a_v * cos(lift) - a_u * sin(lift);
+        float bend = a_du.x + a_du.y * sweep * (0.6 + 0.55 * a_part.y);
+        vec3 back = a_u * cos(lift) + vec3(a_u.y, -a_u.x, 0.0) * sin(lift);
+        vec3 across = a_v * cos(lift) + vec3(a_v.y, -a_v.x, 0.0) * sin(lift);
         back = back * cos(bend) + vec3(0.0, 0.0, side * sin(bend));
-        across = normalize(across + vec3(0.0, 0.0, 0.35 * side));
+        across = normalize(across + vec3(0.0, 0.0, a_du.z * side));
         place = control(base) + u_length * (a_rest.x * back + a_rest.y * across);
         along_u = back;
         along_v = across;

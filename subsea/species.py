@@ -14,6 +14,7 @@ from subsea.resources import load_toml, resource_names, resource_path
 Positive = Annotated[float, msgspec.Meta(gt=0)]
 Colour = tuple[Share, Share, Share]  # linear RGB
 BodyLength = Annotated[float, msgspec.Meta(ge=2, le=300)]  # cm
+Place = tuple[Share, Extent]  # (distance from the snout, height above the axis), body lengths
 
 
 class Cape(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -24,13 +25,16 @@ class Cape(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True
 
 
 class Stripes(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """Lines along the body, in body lengths."""
+    """Lines along the body, or with `upright` from back to belly, in body lengths."""
 
     colour: Colour
     spacing: Positive
     share: Share  # of the spacing that the colour takes
-    rise: Extent  # how much higher a line lies for each body length tailward
+    rise: Extent = 0.0  # for each body length tailward a line lies so much higher; if upright,
+    # for each body length of height it lies so much further tailward
     begin: Share  # distance from the snout at which they begin
+    end: Share = 1.0  # and end
+    upright: bool = False
 
 
 class Patch(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -40,6 +44,8 @@ class Patch(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     colour: Colour
     rim: Colour | None = None
     rim_width: Share = 0.008
+    soft: Share = 0.004  # width of the border
+    over_fins: bool = False  # else the fins are painted over it
 
 
 class FinSkin(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -48,6 +54,7 @@ class FinSkin(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     colour: Colour
     opacity: Share = 0.8  # at the edge
     rim: Colour | None = None
+    rim_width: Share = 0.012  # body lengths
     striped: bool = False  # the body's stripes go on over it
 
 
@@ -66,6 +73,11 @@ class SkinPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     paddles: FinSkin  # pectoral and pelvic
     iris: Colour
     gloss: Share  # how much the scales mirror
+    scales: Share = 1.0  # how plainly they show
+    rays: Share = 1.0  # how plainly the rays of the fins show
+    gills: Annotated[int, msgspec.Meta(ge=1, le=7)] = 1  # a gill cover, or so many slits
+    mouth: tuple[Place, Place] = ((0.0, -0.01), (0.03, -0.0184))  # its tip and its corner
+    clear_back: Share = 0.0  # how much the back is like glass
 
 
 class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):

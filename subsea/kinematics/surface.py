@@ -45,13 +45,23 @@ class TailPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     """The tail fin. Its upper and lower edges belong to the curves of back and belly."""
 
     begin: Share  # distance of its root from the snout, in body lengths
-    edge: Curve  # (share of the half-height, distance of the trailing edge from the snout)
+    edge: Annotated[list[tuple[Extent, Share]], msgspec.Meta(min_length=2)]
+    """The trailing edge: (share of the half-height, distance from the snout).
+
+    Shares run from 0, the middle, to 1 for both lobes alike, or from -1, the lower tip, to 1.
+    """
 
     def __post_init__(self) -> None:
-        """Refuse a fin that does not lie behind its root."""
+        """Refuse a fin that does not lie behind its root, or lacks a part."""
         _increasing("edge", self.edge)
         if self.begin < 0.3 or min(x for _, x in self.edge) <= self.begin:
             raise ValueError("the tail must begin behind 0.3 and its edge behind that")
+        if self.edge[0][0] not in (0, -1) or self.edge[-1][0] != 1:
+            raise ValueError("the edge of the tail must run from 0 or -1 to 1")
+
+    def edge_at(self, share: Array) -> Array:
+        """The trailing edge's distance from the snout at shares of the half-height, -1 to 1."""
+        return along(self.edge, share if self.edge[0][0] < 0 else np.abs(share))
 
 
 class FinPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -74,6 +84,7 @@ class PaddlePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_onl
     length: Share
     width: Share  # of the free end
     droop: Annotated[float, msgspec.Meta(ge=-90, le=90)]  # degrees below tailward
+    wing: bool = False  # pointed, and held out stiffly from a level base, as sharks do
 
 
 class EyePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -167,16 +178,16 @@ def _right_half(plan: SurfacePlan) -> Array:
     begin, body = plan.tail.begin, V - TAIL_COLUMNS
     t = np.clip(greville(V) / greville(V)[body - 1], 0.0, 1.0)
     fin = np.clip(np.arange(V) - body + 1, 0, None) / TAIL_COLUMNS  # 0 on the body, 1 at the edge
-    tip = plan.tail.edge[-1][1]
+    even = np.linspace(1.0, -1.0, U)[:, None]
+    edge = plan.tail.edge_at(even)
+    tip, lower_tip = edge[0, 0], edge[-1, 0]
     crowded = (1 - CROWDING) * t + CROWDING * (1 - np.cos(np.pi * t)) / 2
     ridge = begin * crowded + (tip - begin) * fin
-    top, bottom = along(plan.back, ridge), along(plan.belly, ridge)
+    top, bottom = along(plan.back, ridge), along(plan.belly, ridge + fin * (lower_tip - tip))
     middle, radius = (top + bottom) / 2, (top - bottom) / 2
     # A fin is flat: there the rows spread evenly from edge to edge.
     section = SECTION_HEIGHT[:, None]
-    even = np.linspace(1.0, -1.0, U)[:, None]
     height = section + np.minimum(2.0 * fin, 1.0) * (even - section)
-    edge = along(plan.tail.edge, np.abs(even))
     half = np.empty((U, V, 3))
     half[..., 0] = ridge + fin * (edge - tip)
     half[..., 1] = middle + height * radius

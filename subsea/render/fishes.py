@@ -36,6 +36,7 @@ BODY, FIN, PECTORAL, PELVIC = range(4)  # parts, as the shaders know them
 
 FINEST_BODY = (17, 41)  # samples in u and v: 2,560 triangles on both halves
 FINEST_FIN = (2, 23)
+WING_SPREAD_RAD, WING_BEAT = 0.95, 0.2  # how far a wing stands out, and its share of the beat
 PADDLE_SAMPLES = ((6, 5), (4, 3), (2, 2))  # by level
 
 VERTEX_FORMAT = "1f4 3f4 3f4 3f4 3f4 4f4 4f4"
@@ -133,7 +134,8 @@ def _paddle(rest: Array, plan: PaddlePlan, level: int, part: int, side: float) -
     """A fan on the flank that the shader turns about its root (Tu appendix B).
 
     Its root is the control point of the flank nearest to where the plan wants it; `a_rest` holds
-    how far a vertex lies along and across the fin, and `a_u` the directions of both.
+    how far a vertex lies along and across the fin, `a_u` and `a_v` the directions of both, and
+    `a_du` how far it is spread (rad), how much it beats, and how its plane leans outwards.
     """
     rows, columns = PADDLE_SAMPLES[level]
     along, across = (
@@ -146,10 +148,19 @@ def _paddle(rest: Array, plan: PaddlePlan, level: int, part: int, side: float) -
     out = np.zeros((len(along), VERTEX_COLUMNS))
     out[:, 0] = patch.start + root
     out[:, 1:4] = -np.cos(droop), -np.sin(droop), 0.0
-    out[:, 4:7] = -np.sin(droop), np.cos(droop), 0.0
-    # Narrow at the root, widest at two thirds, rounded at the end.
-    out[:, 13] = plan.length * (along - 0.3 * along**2 * across**2)
-    out[:, 14] = 0.5 * plan.width * across * (0.25 + 0.75 * np.sin(0.76 * np.pi * along))
+    if plan.wing:
+        # Its front edge bends back to the tip, its rear one is hollow; its root lies in the body.
+        chord = (1.0 - along) ** 1.4 + 0.04
+        out[:, 4:7] = 1.0, 0.0, 0.0
+        out[:, 7:10] = WING_SPREAD_RAD, WING_BEAT, 0.0
+        out[:, 13] = plan.length * (1.15 * along - 0.15)
+        out[:, 14] = plan.width * (0.5 - 0.2 * along**2 - chord * (0.5 - 0.5 * across))
+    else:
+        out[:, 4:7] = -np.sin(droop), np.cos(droop), 0.0
+        out[:, 7:10] = 0.0, 1.0, 0.35
+        # Narrow at the root, widest at two thirds, rounded at the end.
+        out[:, 13] = plan.length * (along - 0.3 * along**2 * across**2)
+        out[:, 14] = 0.5 * plan.width * across * (0.25 + 0.75 * np.sin(0.76 * np.pi * along))
     out[:, 16], out[:, 17] = side, part
     out[:, 18], out[:, 19] = along, 0.5 + 0.5 * across
     return Part(out, _grid(rows, columns))
@@ -271,12 +282,16 @@ def _skin(context: Any, species: Species) -> Any:
 def _look(species: Species, length_cm: float) -> dict[str, Any]:
     """The uniforms that change with the species."""
     surface, skin = species.surface, species.skin
+    paddles = skin.paddles
     top = paint.half_height(surface)
     return {
         "u_length": length_cm,
         "u_skin_box": (paint.SNOUT, -top, paint.EDGE, top),
-        "u_paddle": (*skin.paddles.colour, skin.paddles.opacity),
+        "u_paddle": (*paddles.colour, paddles.opacity),
+        "u_paddle_rim": (*(paddles.rim or paddles.colour), paddles.rim_width),
         "u_gloss": skin.gloss,
+        "u_scales": skin.scales,
+        "u_rays": skin.rays,
         "u_eye_spot": (surface.eye.at, surface.eye.height, surface.eye.radius),
         "u_tail_begin": surface.tail.begin,
     }

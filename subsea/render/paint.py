@@ -19,6 +19,7 @@ SNOUT, EDGE = -0.03, 1.05  # distances from the snout at the left and right bord
 MARGIN = 0.03  # above and below the fins, body lengths
 SOFT = 0.004  # width of the borders between colours, body lengths
 DARK = (0.012, 0.012, 0.016)  # the pupil and the rim of the eye
+GILLS_APART = 0.016  # body lengths
 RAYS = 13.0  # of the tail, on each side
 
 
@@ -42,6 +43,9 @@ def paint(species: Species, size: tuple[int, int] = SIZE) -> NDArray[np.uint8]:
     picture[:3] = np.array(skin.belly, np.float32)[:, None, None]
     _lay(picture, skin.flank, _step(level, -0.75, 0.1))
     _lay(picture, skin.back, _step(level, 0.25, 0.95))
+    if skin.clear_back:
+        behind_eye = _step(s, surface.eye.at + 0.05, surface.eye.at + 0.2)
+        picture[3] -= skin.clear_back * _step(level, 0.0, 0.5) * behind_eye
     stripes = np.zeros_like(level)
     if skin.stripes:
         stripes = _stripes(skin.stripes, s, y)
@@ -50,13 +54,17 @@ def paint(species: Species, size: tuple[int, int] = SIZE) -> NDArray[np.uint8]:
         line = _single(along(skin.cape.line, s))
         _lay(picture, skin.cape.colour, _step(level - line, -0.12, 0.12))
     for patch in skin.patches:
-        _lay_patch(picture, patch, s, y)
-    _lay_tail(picture, skin.tail, surface, s, y / np.where(y > 0, back, -belly))
+        if not patch.over_fins:
+            _lay_patch(picture, patch, s, y)
+    _lay_tail(picture, skin, surface, s, np.where(y > 0, back, -belly), y)
     for plan, fin, rise in (
         (surface.dorsal, skin.dorsal, y - back),
         (surface.ventral, skin.ventral, belly - y),
     ):
         _lay_fin(picture, plan, fin, skin.stripes, stripes, s, y, rise)
+    for patch in skin.patches:
+        if patch.over_fins:
+            _lay_patch(picture, patch, s, y)
     _draw_face(picture, surface, skin, s, y, level)
     picture[:3] *= _mottle(height, width)
     return _bytes(picture)
@@ -65,35 +73,40 @@ def paint(species: Species, size: tuple[int, int] = SIZE) -> NDArray[np.uint8]:
 def _stripes(plan: Stripes, s: Array, y: Array) -> Array:
     """Where the stripes are, 0 to 1: they waver a little, as drawn by hand."""
     waver = 0.09 * np.sin(19.0 * s + 23.0 * y) + 0.05 * np.sin(43.0 * s - 31.0 * y)
-    phase = (y - plan.rise * (s - 0.5) + 0.12 * (s - 0.55) ** 2) / plan.spacing + waver
+    if plan.upright:
+        phase = (s - plan.rise * y) / plan.spacing + waver
+    else:
+        phase = (y - plan.rise * (s - 0.5) + 0.12 * (s - 0.55) ** 2) / plan.spacing + waver
     wave = np.abs((phase % 1.0) - 0.5) * 2.0  # 0 in the middle of a stripe, 1 between two
     soft = SOFT / plan.spacing
-    here = _step(s, plan.begin - 0.01, plan.begin + 0.02)
+    here = _step(s, plan.begin - 0.01, plan.begin + 0.02) * _step(s, plan.end, plan.end - 0.03)
     return _step(wave, plan.share + soft, plan.share - soft) * here
 
 
 def _lay_patch(picture: Array, plan: Patch, s: Array, y: Array) -> None:
     depth = _depth_inside(plan.outline, s, y)
+    half = plan.soft / 2
     if plan.rim:
-        _lay(
-            picture, plan.rim, _step(depth, -plan.rim_width - SOFT / 2, -plan.rim_width + SOFT / 2)
-        )
-    _lay(picture, plan.colour, _step(depth, -SOFT / 2, SOFT / 2))
+        _lay(picture, plan.rim, _step(depth, -plan.rim_width - half, -plan.rim_width + half))
+    _lay(picture, plan.colour, _step(depth, -half, half))
 
 
-def _lay_tail(picture: Array, fin: FinSkin, surface: SurfacePlan, s: Array, share: Array) -> None:
-    """`share` is the height as a share of the tail's half-height."""
-    begin = surface.tail.begin
-    _lay(picture, fin.colour, _step(s, begin - 0.05, begin + 0.02) * np.ones_like(share))
+def _lay_tail(
+    picture: Array, skin: SkinPlan, surface: SurfacePlan, s: Array, reach: Array, y: Array
+) -> None:
+    """`reach` is how far the fin extends from the axis, up where y > 0, else down."""
+    begin, fin = surface.tail.begin, skin.tail
+    _lay(picture, fin.colour, _step(s, begin - 0.05, begin + 0.02) * np.ones_like(reach))
     rear = slice(int(np.searchsorted(s, begin)), None)
-    share = share[:, rear]
-    edge = along(surface.tail.edge, np.abs(share).clip(0.0, 1.0))
+    share = y / reach[:, rear]
+    edge = surface.tail.edge_at(share.clip(-1.0, 1.0))
     out = _single(((s[rear] - begin) / (edge - begin)).clip(0.0, 1.0))
     # Rays fan out from the root.
     rays = 0.5 + 0.5 * np.cos(np.pi * RAYS * share)
-    picture[:3, :, rear] *= 1.0 - 0.22 * rays * _step(out, 0.02, 0.3)
+    picture[:3, :, rear] *= 1.0 - 0.22 * skin.rays * rays * _step(out, 0.02, 0.3)
     if fin.rim:
-        _lay(picture[:, :, rear], fin.rim, _step(out, 0.90, 0.95))
+        to_edge = np.minimum(edge - s[rear], reach[:, rear] - np.abs(y)) / fin.rim_width
+        _lay(picture[:, :, rear], fin.rim, _step(to_edge, 1.0, 0.7) * _step(out, 0.2, 0.5))
     picture[3, :, rear] *= 1.0 - (1.0 - fin.opacity) * _step(out, 0.1, 0.9)
 
 
@@ -109,7 +122,7 @@ def _lay_fin(
     if fin.striped and striped:
         _lay(picture, striped.colour, here * stripes * _step(thickness, 0.95, 0.8))
     if fin.rim:
-        _lay(picture, fin.rim, here * _step(to_edge, -0.012, -0.008))
+        _lay(picture, fin.rim, here * _step(to_edge, -fin.rim_width, 0.004 - fin.rim_width))
     opacity = 1.0 - (1.0 - fin.opacity) * _step(thickness, 0.05, 1.0)
     picture[3] = np.where(here, opacity, picture[3])
 
@@ -117,15 +130,19 @@ def _lay_fin(
 def _draw_face(
     picture: Array, surface: SurfacePlan, skin: SkinPlan, s: Array, y: Array, level: Array
 ) -> None:
-    """The edge of the gill cover, the mouth and the eye."""
+    """The edge of the gill cover or the gill slits, the mouth and the eye."""
     eye = surface.eye
-    head = slice(0, int(np.searchsorted(s, eye.at + 0.17)))
+    head = slice(0, int(np.searchsorted(s, eye.at + 0.16 + 0.01 * skin.gills)))
     picture, s, level = picture[:, :, head], s[head], level[:, head]
-    gill = np.abs(s - (eye.at + 0.135) + 0.05 * level**2 + 0.02 * level)
-    gill = _step(gill, 0.006, 0.0) * _step(np.abs(level), 0.85, 0.55)
-    mouth = np.abs(y + 0.01 + 0.28 * s)
-    mouth = _step(mouth, 0.005, 0.0025) * _step(s, 0.034, 0.026)
-    picture[:3] *= (1.0 - 0.4 * gill) * (1.0 - 0.75 * mouth)
+    at = s - (eye.at + 0.135) + 0.05 * level**2 + 0.02 * level
+    tall = (0.85, 0.55) if skin.gills == 1 else (0.55, 0.4)
+    for k in range(skin.gills):
+        gill = np.abs(at + GILLS_APART * (k - 0.5 * (skin.gills - 1)))
+        picture[:3] *= 1.0 - 0.4 * _step(gill, 0.006, 0.0) * _step(np.abs(level), *tall)
+    (tip, height), (corner, low) = skin.mouth
+    mouth = np.abs(y - height - (low - height) / (corner - tip) * (s - tip))
+    mouth = _step(mouth, 0.005, 0.0025) * _step(s, corner + 0.004, corner - 0.004)
+    picture[:3] *= 1.0 - 0.75 * mouth * _step(s, tip - 0.004, tip + 0.004)
     distance = np.hypot(s - eye.at, y - eye.height) / eye.radius
     for colour, outer in ((DARK, 1.1), (skin.iris, 1.0), (DARK, 0.66)):
         _lay(picture, colour, _step(distance, outer, outer - 0.14))

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from msgspec import structs
 
 from subsea.kinematics.spline import basis_table, dense
 from subsea.kinematics.surface import (
@@ -12,6 +13,7 @@ from subsea.kinematics.surface import (
     LEFT,
     RIGHT,
     VENTRAL,
+    TailPlan,
     U,
     V,
     along,
@@ -79,9 +81,26 @@ def test_it_reaches_from_the_snout_to_the_tail(plan, points):
 def test_the_tail_is_flat_and_forked_as_planned(plan, points):
     edge = drawn(points, RIGHT, (U, V))[:, -1]
     assert np.abs(edge[:, 2]).max() < 0.003 * LENGTH
-    middle, tip = plan.tail.edge[0][1], plan.tail.edge[-1][1]
-    notch = (edge[len(edge) // 2, 0] - edge[0, 0]) / LENGTH
-    assert notch == pytest.approx(tip - middle, abs=0.02)
+    behind = (SNOUT - edge[[0, len(edge) // 2, -1], 0]) / LENGTH
+    np.testing.assert_allclose(behind, plan.tail.edge_at(np.array([1.0, 0.0, -1.0])), atol=0.02)
+
+
+def test_a_tail_may_have_a_longer_upper_lobe():
+    plan = load_species("fusilier").surface
+    tail = structs.replace(plan.tail, edge=[(-1.0, 0.92), (-0.2, 0.88), (1.0, 1.0)])
+    belly = [point for point in plan.belly if point[0] < 0.9] + [(0.92, -0.11)]
+    plan = structs.replace(plan, tail=tail, belly=belly)
+    edge = drawn(rest_control_points(plan, 1.0, 0.0), RIGHT, (U, V))[:, -1]
+    np.testing.assert_allclose(edge[0, :2], (-1.0, 0.142), atol=1e-6)
+    np.testing.assert_allclose(edge[-1, :2], (-0.92, -0.11), atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    "edge", [[(0.2, 0.9), (1.0, 1.0)], [(-1.0, 0.9), (0.5, 1.0)], [(-0.5, 0.9), (1.0, 1.0)]]
+)
+def test_the_edge_of_a_tail_is_whole(edge):
+    with pytest.raises(ValueError, match="from 0 or -1 to 1"):
+        TailPlan(begin=0.8, edge=edge)
 
 
 def test_fins_stand_in_the_middle_plane_on_the_ridges(plan, points):

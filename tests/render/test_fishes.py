@@ -3,6 +3,7 @@
 import moderngl
 import numpy as np
 import pytest
+from msgspec import structs
 from scipy.interpolate import BSpline
 
 from subsea.kinematics.rotation import matrix
@@ -13,11 +14,13 @@ from subsea.render.fishes import (
     FIN,
     INSTANCE_ATTRIBUTES,
     INSTANCE_FORMAT,
+    PECTORAL,
     VERTEX_ATTRIBUTES,
     VERTEX_FORMAT,
     fish_mesh,
 )
 from subsea.render.shaders import set_uniforms, source
+from subsea.species import load_species
 
 
 @pytest.fixture(scope="module")
@@ -147,3 +150,20 @@ def test_levels_agree_in_silhouette(context, scene, make_packet, fish, species):
     for coarser, least in ((1, 0.97), (2, 0.93)):
         both, either = shapes[0] & shapes[coarser], shapes[0] | shapes[coarser]
         assert both.sum() / either.sum() > least
+
+
+def test_a_wing_has_a_level_base_and_a_pointed_end():
+    plan = load_species("fusilier").surface
+    wing = structs.replace(plan.pectoral, wing=True)
+    vertices = fish_mesh(structs.replace(plan, pectoral=wing), 0).vertices
+    vertices = vertices[vertices[:, 17] == PECTORAL]
+    np.testing.assert_array_equal(vertices[:, 4:7] - (1, 0, 0), 0)
+    chord = [
+        np.ptp(vertices[np.isclose(vertices[:, 18], share), 14]) / wing.width
+        for share in np.linspace(0, 1, 6)
+    ]
+    assert chord[0] > 0.9
+    assert chord[-1] < 0.1
+    assert (np.diff(chord) < 0).all()
+    assert vertices[:, 13].max() == pytest.approx(wing.length)
+    assert vertices[:, 13].min() < 0  # the root lies inside the body

@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from msgspec import structs
 
 from subsea.render.paint import EDGE, SNOUT, half_height, paint
-from subsea.species import load_species, species_names
+from subsea.species import FinSkin, Patch, Stripes, load_species, species_names
 
 SIZE = (256, 128)
 
@@ -32,8 +33,9 @@ def test_the_body_is_opaque_and_the_fins_are_not(species):
     picture = paint(species, SIZE)
     surface = species.surface
     assert texel(species, picture, 0.4, 0.0)[3] == 255
-    middle = surface.dorsal.edge[len(surface.dorsal.edge) // 2]
-    assert texel(species, picture, middle[0], middle[1] - 0.008)[3] < 255
+    if species.skin.dorsal.opacity < 1:
+        highest = max(surface.dorsal.edge, key=lambda place: place[1])
+        assert texel(species, picture, highest[0], highest[1] - 0.008)[3] < 255
 
 
 def test_the_eye_is_where_the_surface_has_it(species):
@@ -45,7 +47,76 @@ def test_the_eye_is_where_the_surface_has_it(species):
     assert iris[:3].max() > pupil[:3].max() + 60
 
 
-def test_the_tail_has_its_colour(species):
-    picture = paint(species, SIZE)
-    red, green, blue = texel(species, picture, species.surface.tail.begin + 0.05, 0.0)[:3]
-    assert red > green > blue  # both species wear yellow there
+RED, GREEN, BLUE = (0.8, 0.0, 0.0), (0.0, 0.8, 0.0), (0.0, 0.0, 0.8)
+
+
+@pytest.fixture
+def painted():
+    """The fusilier with parts of its skin replaced -> what is at (distance, height): rgba."""
+    fusilier = load_species("fusilier")
+
+    def make(**parts):
+        changed = structs.replace(fusilier, skin=structs.replace(fusilier.skin, **parts))
+        picture = paint(changed)
+        return lambda s, y: texel(changed, picture, s, y)
+
+    return make
+
+
+def reddest(rgba):
+    return rgba[0] > 1.5 * max(rgba[1:3])
+
+
+def test_the_tail_has_its_colour_and_all_its_edges_the_rim(painted):
+    at = painted(tail=FinSkin(colour=GREEN, rim=RED, rim_width=0.02))
+    assert at(0.865, 0.0)[1] > 1.5 * max(at(0.865, 0.0)[[0, 2]])
+    for place in [(0.955, 0.07), (0.955, -0.07), (0.95, 0.095), (0.95, -0.095)]:
+        assert reddest(at(*place))
+
+
+def test_stripes_run_along_or_upright(painted):
+    along_body, upright = (
+        painted(
+            cape=None,
+            flank=BLUE,
+            stripes=Stripes(
+                colour=RED, spacing=0.06, share=0.5, begin=0.35, end=0.6, upright=upright
+            ),
+        )
+        for upright in (False, True)
+    )
+    level = np.array([reddest(upright(s, 0.0)) for s in np.linspace(0.39, 0.55, 60)])
+    across = np.array([reddest(upright(0.45, y)) for y in np.linspace(-0.06, 0.06, 60)])
+    assert 0.3 < level.mean() < 0.7
+    assert across.mean() in (0.0, 1.0) or np.abs(np.diff(across)).sum() <= 1
+    across = np.array([reddest(along_body(0.45, y)) for y in np.linspace(-0.06, 0.06, 60)])
+    assert 0.3 < across.mean() < 0.7
+    for at in (along_body, upright):
+        beside = [reddest(at(s, y)) for s in (0.3, 0.63) for y in np.linspace(-0.06, 0.06, 20)]
+        assert not any(beside)
+
+
+@pytest.mark.parametrize("over_fins", [False, True])
+def test_a_patch_lies_under_the_fins_or_over_them(painted, over_fins):
+    outline = [(0.36, -0.1), (0.36, 0.2), (0.5, 0.2), (0.5, -0.1)]
+    at = painted(patches=[Patch(outline=outline, colour=RED, over_fins=over_fins)])
+    assert reddest(at(0.43, 0.05))
+    assert reddest(at(0.43, 0.16)) == over_fins  # the dorsal fin
+    assert at(0.43, 0.16)[3] < 255
+
+
+def test_a_clear_back_lets_light_through(painted):
+    at = painted(clear_back=0.4)
+    assert at(0.45, 0.09)[3] == pytest.approx(0.6 * 255, abs=2)
+    assert at(0.45, -0.05)[3] == 255
+    assert at(0.06, 0.02)[3] == 255  # the head stays opaque
+
+
+def test_gill_slits_are_counted(painted):
+    def slits(gills):
+        at = painted(gills=gills, cape=None)
+        row = np.array([at(s, 0.0)[:3].sum() for s in np.linspace(0.14, 0.30, 320)])
+        dark = row < 0.9 * np.median(row)
+        return int((dark[1:] & ~dark[:-1]).sum())
+
+    assert (slits(1), slits(5)) == (1, 5)
