@@ -18,8 +18,8 @@ MAX_JOBS = 64
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run ``subsea-capture`` with these arguments (default: the process's); return its exit code.
 
-    0 done, 1 a fish misses what `inspect` asks of it, 2 something the user can mend (one line on
-    standard error), 130 interrupted.
+    0 done, 1 a fish misses what `inspect` asks of it or `learn` found nothing better, 2 something
+    the user can mend (one line on standard error), 130 interrupted.
     """
     return answer("subsea-capture", lambda: _run(sys.argv[1:] if arguments is None else arguments))
 
@@ -78,6 +78,58 @@ def _parsers() -> tuple[argparse.ArgumentParser, Any]:
         "--force", action="store_true", help="record what is up to date already, too"
     )
     record.set_defaults(run=_record)
+
+    learn = command(
+        commands,
+        "learn",
+        "find the motor controllers of a species' body",
+        "Searches the tables [swim] and [turn] of a species file for speed, economy, straightness\n"
+        "and exact turns, verifies the winner for longer and under disturbances, and writes it\n"
+        "into the file; all else in it stays. Exit code 0 if it found better controllers, 1 if\n"
+        "not: then the file stays as it is. Needs cma, scipy and tomlkit (subsea[learn]).",
+        [
+            "subsea-capture learn fusilier",
+            "subsea-capture learn fusilier --only turn --dry-run",
+            "subsea-capture learn my_fish.toml --method annealing --out /tmp/my_fish.toml",
+        ],
+    )
+    learn.add_argument("species", metavar="SPECIES", help="species, or the path of its .toml file")
+    learn.add_argument("--only", choices=["swim", "turn"], default="", help="learn only this table")
+    learn.add_argument(
+        "--method",
+        choices=["cma", "annealing"],
+        default="cma",
+        help="CMA-ES (default) or simulated annealing",
+    )
+    learn.add_argument(
+        "--budget",
+        metavar="N",
+        type=number(int, 1, 1_000_000),
+        default=300,
+        help="evaluations of each search (300)",
+    )
+    learn.add_argument(
+        "--seed",
+        metavar="N",
+        type=number(int, 0, 2**31),
+        default=1,
+        help="the same seed gives the same result (1)",
+    )
+    learn.add_argument(
+        "--ticks", metavar="N", type=number(int, 4, 60), help="fix the ticks of a beat"
+    )
+    learn.add_argument(
+        "--economy",
+        metavar="W",
+        type=number(float, 0, 10),
+        default=0.1,
+        help="weight of economy beside speed (0.1)",
+    )
+    learn.add_argument(
+        "--out", metavar="FILE", type=Path, help="species file to write (default: the one read)"
+    )
+    learn.add_argument("--dry-run", action="store_true", help="write nothing")
+    learn.set_defaults(run=_learn)
 
     inspect = command(
         commands,
@@ -185,6 +237,22 @@ def _own_repertoires() -> Path:
     if not resource_path("pyproject.toml").is_file():
         raise UserError("name the folder to write to: --out DIR")
     return resource_path("repertoires")
+
+
+def _learn(options: argparse.Namespace) -> int:
+    from capture.teach import teach
+
+    return teach(
+        options.species,
+        options.out,
+        options.dry_run,
+        options.budget,
+        only=options.only,
+        method=options.method,
+        seed=options.seed,
+        ticks=options.ticks,
+        thrift=options.economy,
+    )
 
 
 def _inspect(options: argparse.Namespace) -> int:

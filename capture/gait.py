@@ -129,3 +129,9 @@ def tension_work(stiffness: Floats, lengths: Floats, rests: Floats) -> float:
 def _muscle_spans(x: Floats) -> Floats:
     i, j = UNITS[:MUSCLES].T
     return np.asarray(np.linalg.norm(x[j] - x[i], axis=1))
+
+
+def speed_kept(body: Body, frames: Floats) -> float:
+    """The least speed of the centre of mass in ``frames`` over that at their beginning."""
+    speed = np.linalg.norm(np.diff(body.mass @ frames, axis=0), axis=1)
+    return float(speed.min() / speed[0])

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from capture.cost import frame_cost, replay_cost, step_cost
-from capture.gait import entries, pull, snout_bend, straightness, sweep, swim_on, turned
+from capture.gait import entries, pull, snout_bend, speed_kept, straightness, sweep, swim_on, turned
 from capture.record import Motion, run_trial, steady_contraction
 from capture.targets import Measure, Range, judge, least, most, off
 from capture.trial import Trial, beat_contraction, speed_map, way
@@ -176,9 +176,7 @@ def _turning(motion: Motion, body: Body, steady: State) -> Iterator[Measure]:
         name = f"turn of {angle:g}°"
         yield judge(f"{name}, entered at phase 0", errors[0], "+.2f", "°", entered, aim)
         yield judge(f"{name}, at the worst phase", worst, "+.2f", "°", anywhere, off(3))
-    sharp = run_trial(motion, "turn_left_sharp").frames
-    speed = np.linalg.norm(np.diff(body.mass @ sharp, axis=0), axis=1)
-    kept = float(speed.min() / speed[0])
+    kept = speed_kept(body, run_trial(motion, "turn_left_sharp").frames)
     yield Measure("speed kept in the sharp turn", f"{kept:.2f} ×")
 
 

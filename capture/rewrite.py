@@ -1,0 +1,40 @@
+"""Put learned controllers into a species file: their numbers change, every other byte stays."""
+
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from subsea.biomechanics.plan import SwimPlan, TurnPlan
+from subsea.errors import UserError
+from subsea.places import replacing
+from subsea.resources import load_toml
+from subsea.species import Species
+
+
+def write_controllers(source: Path, target: Path, swim: SwimPlan, turn: TurnPlan) -> None:
+    """Write the species file ``source`` to ``target`` with these tables [swim] and [turn].
+
+    Comments, order and everything else are kept. The file appears whole or not at all. UserError
+    where it cannot be written.
+    """
+    import tomlkit
+
+    document = tomlkit.parse(source.read_bytes().decode("utf-8"))
+    for name, plan in (("swim", swim), ("turn", turn)):
+        _change(document[name], msgspec.to_builtins(plan))
+    with replacing(target) as temporary:
+        temporary.write_bytes(tomlkit.dumps(document).encode("utf-8"))
+        written = load_toml(temporary, Species)
+        if (written.swim, written.turn) != (swim, turn):
+            raise UserError(f"{source}: its tables [swim] and [turn] cannot be edited")
+
+
+def _change(table: Any, new: dict[str, Any]) -> None:
+    """Set the values of ``table`` that differ from ``new``."""
+    for key, value in new.items():
+        if isinstance(value, list | tuple) and value and isinstance(value[0], dict):
+            for row, values in zip(table[key], value, strict=True):
+                _change(row, values)
+        elif key not in table or table[key] != value:
+            table[key] = list(value) if isinstance(value, tuple) else value

@@ -1,0 +1,127 @@
+"""`subsea-capture learn`: read a species file, learn, tell, write."""
+
+import sys
+from collections.abc import Iterator
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from tqdm import tqdm
+
+from capture.fitness import KICKS, Gait, Turning
+from capture.learn import gait_of, learn, turning_of
+from capture.rewrite import write_controllers
+from subsea.biomechanics.plan import SwimPlan, TurnPlan
+from subsea.errors import UserError
+from subsea.places import check_file
+from subsea.resources import load_toml, named_or_file, resource_path
+from subsea.species import Species
+
+LIBRARIES = ("cma", "scipy", "tomlkit")
+
+
+def teach(name: str, out: Path | None, dry_run: bool, budget: int, **options: Any) -> int:
+    """Learn the controllers of the species ``name`` (or file) and write them; the exit code.
+
+    0 where better ones were found, 1 where not: then the file stays as it is. ``options`` are
+    those of :func:`capture.learn.learn`. UserError before the search for anything to be mended.
+    """
+    for library in LIBRARIES:
+        if find_spec(library) is None:
+            raise UserError(f"learning needs {library}: install subsea[learn]")
+    source = named_or_file(name, "assets/species", ".toml", "species")
+    species = load_toml(source, Species)
+    target = out or _own(source)
+    if not dry_run:
+        check_file(target)
+    best: dict[str, tuple[float, SwimPlan | TurnPlan]] = {}
+    bars: dict[str, Any] = {}
+
+    def tell(stage: str, loss: float, plan: SwimPlan | TurnPlan) -> None:
+        if stage not in bars:
+            bars[stage] = tqdm(total=budget, desc=f"{source.stem}: {stage}", unit="try")
+        if stage not in best or loss < best[stage][0]:
+            best[stage] = loss, plan
+            bars[stage].set_postfix_str(f"best {loss:.4f}", refresh=False)
+        bars[stage].update()
+
+    old = species.swim, species.turn
+    try:
+        found = learn(species.body, *old, budget=budget, tell=tell, **options)
+    except KeyboardInterrupt:
+        for stage, (loss, plan) in best.items():
+            print(f"\nbest {stage} so far, not verified: {loss:.4f}, {plan}", file=sys.stderr)
+        print(f"{target} is as it was", file=sys.stderr)
+        raise
+    finally:
+        for bar in bars.values():
+            bar.close()
+    for note in found.notes:
+        print(note)
+    tried = sum(bar.n for bar in bars.values())
+    if found.swim is None and found.turn is None:
+        print(f"{source.stem}: nothing better found in {tried} tries; {source} is as it was")
+        return 1
+    new = found.swim or old[0], found.turn or old[1]
+    for line in _comparison(species, *new):
+        print(line)
+    print(f"verified at {KICKS} disturbed starts for each grade, at each turn, on both sides")
+    if dry_run:
+        print(f"dry run: {target} is as it was; {new[0]} {new[1]}")
+    else:
+        write_controllers(source, target, *new)
+        print(f"{target} has new controllers; `subsea-capture record` takes them up")
+    return 0
+
+
+def _own(source: Path) -> Path:
+    """Species files of a checkout are ours to change, those of an installed package are not."""
+    shipped = source.parent == resource_path("assets/species")
+    if shipped and not resource_path("pyproject.toml").is_file():
+        raise UserError("name the species file to write: --out FILE")
+    return source
+
+
+def _comparison(species: Species, swim: SwimPlan, turn: TurnPlan) -> Iterator[str]:
+    """A table of old and new measures."""
+    before = _values(species, species.swim, species.turn)
+    after = _values(species, swim, turn)
+    yield f"{'':<34} {'before':>18} {'after':>18}"
+    for name in after:
+        yield f"{name:<34} {before.get(name, '-'):>18} {after[name]:>18}"
+
+
+GAIT_ROWS = {
+    "stride": ("fast swim, L a beat", ".3f"),
+    "speed": ("fast swim, L/tu", ".4f"),
+    "cost": ("work, J/(kg m)", ".4f"),
+    "drift": ("drift of heading in 20 beats, °", ".4f"),
+    "aside": ("drift aside meanwhile, L", ".1e"),
+    "tail": ("tail sweep, L", ".3f"),
+    "head": ("head sweep, L", ".3f"),
+    "snout": ("bend of the snout, °", ".1f"),
+    "strouhal": ("Strouhal number", ".3f"),
+    "pull": ("contraction a step, cm", ".4f"),
+}
+TURN_ROWS = {
+    "ticks": ("widest turn, ticks", ".1f"),
+    "kept": ("speed kept in it", ".3f"),
+    "snout": ("bend of the snout in it, °", ".1f"),
+    "pull": ("contraction a step in it, cm", ".4f"),
+}
+
+
+def _values(species: Species, swim: SwimPlan, turn: TurnPlan) -> dict[str, str]:
+    """Measures by name, as a person reads them; none of what the body does not do."""
+    gait: Gait | None = gait_of(species.body, swim)
+    values = {}
+    if gait is not None:
+        values = {name: f"{getattr(gait, key):{form}}" for key, (name, form) in GAIT_ROWS.items()}
+    values["amplitude slow, medium"] = f"{swim.slow:g}, {swim.medium:g}"
+    turning: Turning | None = turning_of(species.body, swim, turn)
+    if turning is not None:
+        for row, error, worst in zip(turn.steering, turning.errors, turning.worst, strict=True):
+            values[f"turn of {row.angle:g}°, error and worst, °"] = f"{error:+.2f}, {worst:+.2f}"
+        for key, (name, form) in TURN_ROWS.items():
+            values[name] = f"{getattr(turning, key):{form}}"
+    return values
