@@ -1,6 +1,5 @@
 """`subsea-capture learn`: read a species file, learn, tell, write."""
 
-import sys
 from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path
@@ -8,10 +7,10 @@ from typing import Any
 
 from tqdm import tqdm
 
-from capture.fitness import KICKS, Gait, Turning
+from capture.fitness import KICKS
 from capture.learn import gait_of, learn, turning_of
 from capture.rewrite import write_controllers
-from subsea.biomechanics.plan import SwimPlan, TurnPlan
+from subsea.biomechanics.plan import Muscles, SwimPlan, TurnPlan
 from subsea.errors import UserError
 from subsea.places import check_file
 from subsea.resources import load_toml, named_or_file, resource_path
@@ -31,6 +30,9 @@ def teach(name: str, out: Path | None, dry_run: bool, budget: int, **options: An
             raise UserError(f"learning needs {library}: install subsea[learn]")
     source = named_or_file(name, "assets/species", ".toml", "species")
     species = load_toml(source, Species)
+    muscles = species.muscles
+    if muscles is None:
+        raise UserError(f"{source}: its spine moves it, there are no muscles to learn the use of")
     target = out or _own(source)
     if not dry_run:
         check_file(target)
@@ -45,25 +47,26 @@ def teach(name: str, out: Path | None, dry_run: bool, budget: int, **options: An
             bars[stage].set_postfix_str(f"best {loss:.4f}", refresh=False)
         bars[stage].update()
 
-    old = species.swim, species.turn
-    try:
-        found = learn(species.body, *old, budget=budget, tell=tell, **options)
-    except KeyboardInterrupt:
-        for stage, (loss, plan) in best.items():
-            print(f"\nbest {stage} so far, not verified: {loss:.4f}, {plan}", file=sys.stderr)
-        print(f"{target} is as it was", file=sys.stderr)
-        raise
-    finally:
+    def close_bars() -> None:
         for bar in bars.values():
             bar.close()
+
+    try:
+        found = learn(*muscles, budget=budget, tell=tell, **options)
+    except KeyboardInterrupt:
+        close_bars()
+        kept = [f"best {stage} so far, not verified: {best[stage][1]}" for stage in best]
+        raise KeyboardInterrupt("; ".join([*kept, f"{target} is as it was"])) from None
+    finally:
+        close_bars()
     for note in found.notes:
         print(note)
     tried = sum(bar.n for bar in bars.values())
     if found.swim is None and found.turn is None:
         print(f"{source.stem}: nothing better found in {tried} tries; {source} is as it was")
         return 1
-    new = found.swim or old[0], found.turn or old[1]
-    for line in _comparison(species, *new):
+    new = found.swim or muscles.swim, found.turn or muscles.turn
+    for line in _comparison(muscles, muscles._replace(swim=new[0], turn=new[1])):
         print(line)
     print(f"verified at {KICKS} disturbed starts for each grade, at each turn, on both sides")
     if dry_run:
@@ -82,10 +85,9 @@ def _own(source: Path) -> Path:
     return source
 
 
-def _comparison(species: Species, swim: SwimPlan, turn: TurnPlan) -> Iterator[str]:
+def _comparison(old: Muscles, new: Muscles) -> Iterator[str]:
     """A table of old and new measures."""
-    before = _values(species, species.swim, species.turn)
-    after = _values(species, swim, turn)
+    before, after = _values(old), _values(new)
     yield f"{'':<34} {'before':>18} {'after':>18}"
     for name in after:
         yield f"{name:<34} {before.get(name, '-'):>18} {after[name]:>18}"
@@ -111,14 +113,15 @@ TURN_ROWS = {
 }
 
 
-def _values(species: Species, swim: SwimPlan, turn: TurnPlan) -> dict[str, str]:
+def _values(muscles: Muscles) -> dict[str, str]:
     """Measures by name, as a person reads them; none of what the body does not do."""
-    gait: Gait | None = gait_of(species.body, swim)
+    plan, swim, turn = muscles
+    gait = gait_of(plan, swim)
     values = {}
     if gait is not None:
         values = {name: f"{getattr(gait, key):{form}}" for key, (name, form) in GAIT_ROWS.items()}
     values["amplitude slow, medium"] = f"{swim.slow:g}, {swim.medium:g}"
-    turning: Turning | None = turning_of(species.body, swim, turn)
+    turning = turning_of(plan, swim, turn)
     if turning is not None:
         for row, error, worst in zip(turn.steering, turning.errors, turning.worst, strict=True):
             values[f"turn of {row.angle:g}°, error and worst, °"] = f"{error:+.2f}, {worst:+.2f}"
