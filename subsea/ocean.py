@@ -12,7 +12,7 @@ from subsea.motor.controller import command
 from subsea.motor.fins import flap
 from subsea.motor.playback import play
 from subsea.motor.switching import swim
-from subsea.perception.neighbours import REACH_CM, find_neighbours
+from subsea.perception.neighbours import LOOK_TICKS, REACH_CM, find_neighbours
 from subsea.submarine.helm import Helm
 from subsea.submarine.hull import step_hull
 from subsea.world import TICK_S, World, create_world
@@ -28,7 +28,9 @@ def step(world: World, helm: Helm) -> None:
     sea = (world.terrain, world.terrain_half_width)
     flow = flow_at(world.scenario.water.current_cm_s, now)
     with _stage(world, "perception"):
-        find_neighbours(fishes, REACH_CM)
+        # To begin with everybody looks around, from then on a part of all in each tick.
+        stride = LOOK_TICKS if tick else 1
+        find_neighbours(fishes, REACH_CM, tick % stride, stride)
     with _stage(world, "behavior"):
         decide(fishes, *sea, radius, state.submarine.position, seed, tick, TICK_S)
     with _stage(world, "motor"):

@@ -14,6 +14,7 @@ from subsea.behavior.routines import (
     stay_inside,
     wander,
 )
+from subsea.kinematics.vector import Vector, dot, minus, norm, plus, times, unit, vector
 from subsea.state import AVOID, SCHOOL, WANDER, Fishes
 
 Array = NDArray[np.floating[Any]]
@@ -42,11 +43,12 @@ def decide(
     it up, one that schools or is in danger refuses (SMC §6.1).
     """
     for i in range(len(fishes.species)):
-        danger = stay_inside(fishes, i, heights, half_width, radius)
-        danger += give_way(fishes, i, submarine)
-        alarm = np.sqrt((danger**2).sum())
+        danger = plus(
+            stay_inside(fishes, i, heights, half_width, radius), give_way(fishes, i, submarine)
+        )
+        alarm = norm(danger)
         if fishes.leader[i] >= 0:
-            urge = follow(fishes, i) + keep_company(fishes, i)
+            urge = plus(follow(fishes, i), keep_company(fishes, i))
             fishes.intention[i] = SCHOOL
             speed = _keep_pace(fishes, i)
         else:
@@ -56,31 +58,31 @@ def decide(
         if alarm > AVOID_ABOVE:
             fishes.intention[i] = AVOID
             speed = max(speed, min(0.5 + 0.35 * alarm, 1.0))
-        _turn_wish(fishes, i, urge + danger, min(URGE_EASE * dt, 1.0))
+        _turn_wish(fishes, i, plus(urge, danger), min(URGE_EASE * dt, 1.0))
         fishes.goal_speed[i] = speed
 
 
 @njit(cache=True)
-def _turn_wish(fishes: Fishes, i: int, urge: Array, share: float) -> None:
+def _turn_wish(fishes: Fishes, i: int, urge: Vector, share: float) -> None:
     """Turn the goal direction by a share of its angle to the urge, along the great circle."""
-    norm = np.sqrt((urge**2).sum())
-    if norm < 1e-6:
+    length = norm(urge)
+    if length < 1e-6:
         return
-    now = fishes.goal_direction[i].astype(np.float64)
-    along = (now * urge).sum() / norm
-    across = urge / norm - along * now
-    sine = np.sqrt((across**2).sum())
+    now = vector(fishes.goal_direction[i])
+    along = dot(now, urge) / length
+    across = minus(times(1.0 / length, urge), times(along, now))
+    sine = norm(across)
     if sine < 1e-4:
         if along > 0.0:
             return
         # Dead astern: either side will do, so the left one.
-        across[0], across[1], across[2] = 1e-6 - now[1], now[0], 0.0
-        across /= np.sqrt((across**2).sum())
+        across = unit((1e-6 - now[1], now[0], 0.0))
     else:
-        across /= sine
+        across = times(1.0 / sine, across)
     angle = share * np.arctan2(sine, along)
-    wish = np.cos(angle) * now + np.sin(angle) * across
-    fishes.goal_direction[i] = wish / np.sqrt((wish**2).sum())
+    wish = unit(plus(times(np.cos(angle), now), times(np.sin(angle), across)))
+    for axis in range(3):
+        fishes.goal_direction[i, axis] = wish[axis]
 
 
 @njit(cache=True)
@@ -96,10 +98,9 @@ def _cruise(fishes: Fishes, i: int) -> float:
 def _keep_pace(fishes: Fishes, i: int) -> float:
     """Faster when behind the leader or far away, slower when ahead of it."""
     leader = fishes.leader[i]
-    ahead = fishes.goal_direction[leader].astype(np.float64)
-    gap = fishes.position[leader].astype(np.float64) - fishes.position[i]
-    behind = (gap * ahead).sum() / (FOLLOW_BL * fishes.length[i])
-    distance = np.sqrt((gap**2).sum()) / (FOLLOW_BL * fishes.length[i])
+    gap = minus(vector(fishes.position[leader]), vector(fishes.position[i]))
+    behind = dot(gap, vector(fishes.goal_direction[leader])) / (FOLLOW_BL * fishes.length[i])
+    distance = norm(gap) / (FOLLOW_BL * fishes.length[i])
     pace = fishes.goal_speed[leader] + 0.25 * behind + 0.08 * (fishes.identity[i] - 0.5)
     pace += 0.5 * max(distance - 1.5, 0.0)
     return min(max(pace, 0.08), 1.0)

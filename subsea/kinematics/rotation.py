@@ -12,9 +12,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from subsea.kinematics.vector import Vector
+
 Array = NDArray[np.floating[Any]]
 Quaternion = tuple[float, float, float, float]
-Vector = tuple[float, float, float]
 
 SMALL = 0.25  # sine of half an angle below which a short series is exact to rounding
 

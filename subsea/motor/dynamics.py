@@ -19,13 +19,13 @@ from subsea.biomechanics.plan import Muscles
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, STRAIN_LIMITS, TICK_S, advance
 from subsea.kinematics.rotation import (
     Quaternion,
-    Vector,
     fraction,
     multiply,
     normalised,
     of_axes,
     rotate,
 )
+from subsea.kinematics.vector import Vector, cross, dot, unit
 from subsea.motor.controller import STEER_GAIN
 from subsea.repertoire import SEGMENTS
 from subsea.repertoire.library import Library
@@ -217,10 +217,10 @@ def fin_force(fishes: Fishes, bodies: Bodies, i: int, v: Array) -> Array:
     # The controller's rate of pitch is in proportion to the angle between nose and goal.
     lift = PITCH_GAIN / STEER_GAIN * fishes.steering[i, 1] / fishes.rate[i]
     u = (v[1:13, 0].mean(), v[1:13, 1].mean(), v[1:13, 2].mean())
-    ahead = _dot(u, x)
+    ahead = dot(u, x)
     row = max(SCULL_SPEED - ahead, 0.0)
     w = (u[0] + row * x[0], u[1] + row * x[1], u[2] + row * x[2])
-    speed = math.sqrt(_dot(w, w))
+    speed = math.sqrt(dot(w, w))
     # The faster the water, the less the fins need to tilt: the beat itself makes B wobble.
     lean = rotate(q, (0.0, 0.0, 1.0))[2]
     swing = lean - rotate(before, (0.0, 0.0, 1.0))[2]
@@ -234,7 +234,7 @@ def fin_force(fishes: Fishes, bodies: Bodies, i: int, v: Array) -> Array:
         tilt = min(max(tilt, -STEEPEST), STEEPEST)
         c, s = -math.sin(tilt), math.cos(tilt)  # of π/2, edge-on, and the tilt
         normal = (c * x[0] + s * y[0], c * x[1] + s * y[1], c * x[2] + s * y[2])
-        push = -area / 6.0 * speed * _dot(w, normal)
+        push = -area / 6.0 * speed * dot(w, normal)
         # What rowing takes from the way on the stroke ahead it gives back on the stroke astern.
         along = push * c * min(max(ahead / SCULL_SPEED, 0.0), 1.0)
         along -= area / 6.0 * brake * max(ahead, 0.0) ** 2
@@ -288,32 +288,12 @@ def _settle(fishes: Fishes, live: Live, slot: int, rows: int, flow: Array, dt: f
 def frame_of(x: Array) -> tuple[Quaternion, Vector]:
     """Orientation and origin of B for nodes (23, 3), compiled: `kinematics.frame.body_frame`."""
     o = (0.5 * (x[5, 0] + x[7, 0]), 0.5 * (x[5, 1] + x[7, 1]), 0.5 * (x[5, 2] + x[7, 2]))
-    ahead = _unit((x[0, 0] - o[0], x[0, 1] - o[1], x[0, 2] - o[2]))
+    ahead = unit((x[0, 0] - o[0], x[0, 1] - o[1], x[0, 2] - o[2]))
     across = (x[5, 0] - x[6, 0], x[5, 1] - x[6, 1], x[5, 2] - x[6, 2])
-    up = _unit(_cross(ahead, across))
-    return of_axes(ahead, up, _cross(ahead, up)), o
+    up = unit(cross(ahead, across))
+    return of_axes(ahead, up, cross(ahead, up)), o
 
 
 @njit(cache=True, error_model="numpy")
 def _quaternion(q: Array) -> Quaternion:
     return normalised((float(q[0]), float(q[1]), float(q[2]), float(q[3])))
-
-
-@njit(cache=True, error_model="numpy")
-def _dot(a: Vector, b: Vector) -> float:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-@njit(cache=True, error_model="numpy")
-def _cross(a: Vector, b: Vector) -> Vector:
-    return (
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    )
-
-
-@njit(cache=True, error_model="numpy")
-def _unit(a: Vector) -> Vector:
-    k = 1.0 / math.sqrt(_dot(a, a))
-    return a[0] * k, a[1] * k, a[2] * k

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 
 from subsea.kinematics.rotation import (
     Quaternion,
-    Vector,
     about,
     fraction,
     mixed,
@@ -16,6 +15,7 @@ from subsea.kinematics.rotation import (
     normalised,
     rotate,
 )
+from subsea.kinematics.vector import Vector
 from subsea.motor.balance import balanced
 from subsea.repertoire.library import Library
 from subsea.state import Fishes

@@ -12,38 +12,47 @@ Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
 
 REACH_CM = 110.0  # how far a fish looks for companions; also the side of a cell
+LOOK_TICKS = 4  # a fish looks around once in so many ticks, 0.13 s; each tick a part of all does
 
 
-@njit(cache=True)
-def find_neighbours(fishes: Fishes, reach: float) -> None:
-    """Fill `fishes.neighbour` with the nearest fishes of the same species within `reach` cm.
+@njit(cache=True, error_model="numpy")
+def find_neighbours(fishes: Fishes, reach: float, first: int, stride: int) -> None:
+    """Enter into `fishes.neighbour` the nearest fishes of the same species within `reach` cm.
 
-    Fishes are sorted by the cell that they are in; each looks into its own cell and the 26
+    Every `stride`-th fish from `first` on looks around, the others keep whom they have seen.
+    Fishes are sorted by the cubic cell that they are in; each looks into its own cell and the 26
     around it. Equal distances are told apart by index, so the answer does not depend on order.
     """
     n = len(fishes.species)
-    fishes.neighbour[:] = -1
     if n == 0:
         return
-    position = fishes.position
-    low = np.empty(3, np.float64)
-    size = np.empty(3, np.int64)
+    low, size = np.empty(3, np.float64), np.empty(3, np.int64)
     for axis in range(3):
-        low[axis] = position[:, axis].min()
-        size[axis] = int((position[:, axis].max() - low[axis]) / reach) + 1
+        low[axis] = fishes.position[:, axis].min()
+        size[axis] = int((fishes.position[:, axis].max() - low[axis]) / reach) + 1
     cell = np.empty(n, np.int64)
     for i in range(n):
-        a = int((position[i, 0] - low[0]) / reach)
-        b = int((position[i, 1] - low[1]) / reach)
-        c = int((position[i, 2] - low[2]) / reach)
+        a = int((fishes.position[i, 0] - low[0]) / reach)
+        b = int((fishes.position[i, 1] - low[1]) / reach)
+        c = int((fishes.position[i, 2] - low[2]) / reach)
         cell[i] = (a * size[1] + b) * size[2] + c
     order = np.argsort(cell, kind="mergesort")
-    ranked = cell[order]
-    width = fishes.neighbour.shape[1]
-    best = np.empty(width, np.float64)
-    for i in range(n):
-        best[:] = reach * reach
-        found = fishes.neighbour[i]
+    ranked, place, species = cell[order], np.empty((n, 3), np.float64), fishes.species[order]
+    for k in range(n):
+        for axis in range(3):
+            place[k, axis] = fishes.position[order[k], axis]
+    squared = np.empty(fishes.neighbour.shape[1], np.float64)
+    last = len(squared) - 1
+    for i in range(first, n, stride):
+        x, y, z = (
+            np.float64(fishes.position[i, 0]),
+            np.float64(fishes.position[i, 1]),
+            np.float64(fishes.position[i, 2]),
+        )
+        kind, found = fishes.species[i], fishes.neighbour[i]
+        found[:] = -1
+        squared[:] = reach * reach
+        worst = reach * reach
         c = cell[i] % size[2]
         b = (cell[i] // size[2]) % size[1]
         a = cell[i] // (size[2] * size[1])
@@ -52,24 +61,23 @@ def find_neighbours(fishes: Fishes, reach: float) -> None:
                 # The cells c-1, c, c+1 of one row follow one another in the sorted list.
                 row = (da * size[1] + db) * size[2]
                 start = np.searchsorted(ranked, row + max(c - 1, 0))
-                stop = np.searchsorted(ranked, row + min(c + 1, size[2] - 1), side="right")
-                for k in range(start, stop):
-                    j = order[k]
-                    if j == i or fishes.species[j] != fishes.species[i]:
+                final = row + min(c + 1, size[2] - 1)
+                for k in range(start, n):
+                    if ranked[k] > final:
+                        break
+                    gx, gy, gz = place[k, 0] - x, place[k, 1] - y, place[k, 2] - z
+                    d = gx * gx + gy * gy + gz * gz
+                    if d > worst or species[k] != kind or order[k] == i:
                         continue
-                    d = 0.0
-                    for axis in range(3):
-                        gap = np.float64(position[j, axis]) - np.float64(position[i, axis])
-                        d += gap * gap
-                    last = width - 1
-                    if d > best[last] or (d == best[last] and (found[last] < 0 or j > found[last])):
+                    j = order[k]
+                    if d == worst and (found[last] < 0 or j > found[last]):
                         continue
                     slot = last
                     while slot > 0 and (
-                        d < best[slot - 1] or (d == best[slot - 1] and j < found[slot - 1])
+                        d < squared[slot - 1] or (d == squared[slot - 1] and j < found[slot - 1])
                     ):
-                        best[slot] = best[slot - 1]
+                        squared[slot] = squared[slot - 1]
                         found[slot] = found[slot - 1]
                         slot -= 1
-                    best[slot] = d
-                    found[slot] = j
+                    squared[slot], found[slot] = d, j
+                    worst = squared[last]
