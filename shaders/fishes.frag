@@ -3,7 +3,7 @@
 uniform sampler2D u_skin;  // painted; alpha is the opacity
 uniform vec4 u_skin_box;   // left, bottom, right, top of the skin, body lengths
 uniform vec4 u_paddle;     // colour and opacity of the paired fins
-uniform vec4 u_paddle_rim; // colour and width of their edge, body lengths
+uniform vec4 u_paddle_rim; // colour of their end, and its share of their length
 uniform float u_gloss;
 uniform float u_scales;    // how plainly scales show, and the rays of fins
 uniform float u_rays;
@@ -55,8 +55,8 @@ void main() {
         vec2 texel = (place - u_skin_box.xy) / (u_skin_box.zw - u_skin_box.xy);
         skin = texture(u_skin, texel, SHARPEN);
     } else {
-        float to_edge = abs(place.x) * (1.0 / max(v_part.y, 0.01) - 1.0) / u_paddle_rim.w;
-        skin.rgb = mix(u_paddle_rim.rgb, skin.rgb, smoothstep(0.7, 1.0, to_edge));
+        float to_end = (1.0 - v_part.y) / max(u_paddle_rim.w, 1e-4);
+        skin.rgb = mix(u_paddle_rim.rgb, skin.rgb, smoothstep(0.7, 1.0, to_end));
     }
     skin.rgb *= 0.92 + 0.16 * v_identity;
     float gloss = 0.08, spark = 0.0;

@@ -54,7 +54,7 @@ class FinSkin(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     colour: Colour
     opacity: Share = 0.8  # at the edge
     rim: Colour | None = None
-    rim_width: Share = 0.012  # body lengths
+    rim_width: Share = 0.012  # body lengths; of paired fins the share of their length
     striped: bool = False  # the body's stripes go on over it
 
 

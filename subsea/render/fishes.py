@@ -1,5 +1,6 @@
 """Fishes: B-spline surfaces from pre-evaluated tables, evaluated in the vertex shader (SMC §7)."""
 
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any, NamedTuple
 
 import moderngl
@@ -79,13 +80,23 @@ def fish_mesh(plan: SurfacePlan, level: int) -> Mesh:
         parts.append(_paddle(rest, plan.pectoral, level, PECTORAL, side))
         parts.append(_paddle(rest, plan.pelvic, level, PELVIC, side))
     starts = np.cumsum([0] + [len(part.vertices) for part in parts])
+    triangles = [part.triangles + start for part, start in zip(parts, starts, strict=False)]
+    triangles.insert(2, _lips(parts[0].vertices, starts[1]))
     return Mesh(
         np.concatenate([part.vertices for part in parts]).astype("f4"),
-        np.concatenate(
-            [part.triangles + start for part, start in zip(parts, starts, strict=False)]
-        ).astype("i4"),
-        len(parts[0].triangles) + len(parts[1].triangles),
+        np.concatenate(triangles).astype("i4"),
+        sum(map(len, triangles[:3])),
     )
+
+
+def _lips(left: Array, half: int) -> Ints:
+    """Triangles between the foremost vertices of both halves; without them a snout is a pipe.
+
+    `left` are the vertices of the left half, those of the right one begin at `half`.
+    """
+    a = np.flatnonzero(left[:, 19] == 0.0)
+    a, b = a[:-1], a[1:]
+    return np.concatenate([np.stack([a, a + half, b], 1), np.stack([b, a + half, b + half], 1)])
 
 
 def _parameters(controls: int, finest: int, level: int) -> Array:
@@ -186,7 +197,9 @@ class Fishes:
         self._table = context.texture((points, rows), 4, table.tobytes(), dtype="f4")
         self._table.filter = (context.NEAREST, context.NEAREST)
         self._instances = context.buffer(reserve=INSTANCE_COLUMNS * 4)
-        self._skins = [_skin(context, species) for species in scene.species]
+        with ThreadPoolExecutor() as pool:  # numpy lets go of the interpreter's lock
+            skins = pool.map(paint.paint, scene.species)
+            self._skins = [_skin(context, texels) for texels in skins]
         self._looks = [
             _look(species, length)
             for species, length in zip(scene.species, scene.recorded_length_cm, strict=True)
@@ -270,9 +283,8 @@ class Fishes:
             held.release()
 
 
-def _skin(context: Any, species: Species) -> Any:
-    """The painted skin as a mipmapped sRGB texture."""
-    texels = paint.paint(species)
+def _skin(context: Any, texels: NDArray[np.uint8]) -> Any:
+    """A painted skin as a mipmapped sRGB texture."""
     texture = context.texture(paint.SIZE, 4, texels.tobytes(), internal_format=SRGB8_ALPHA8)
     texture.build_mipmaps()
     texture.repeat_x = texture.repeat_y = False

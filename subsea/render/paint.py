@@ -4,6 +4,7 @@ A skin is the fish's left flank seen from the side at rest, with its fins. Colou
 linear light and stored in sRGB; alpha is the opacity, 1 on the body.
 """
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -84,8 +85,10 @@ def _stripes(plan: Stripes, s: Array, y: Array) -> Array:
 
 
 def _lay_patch(picture: Array, plan: Patch, s: Array, y: Array) -> None:
-    depth = _depth_inside(plan.outline, s, y)
     half = plan.soft / 2
+    rows, columns = _around(plan.outline, plan.rim_width + half, s, y)
+    picture = picture[:, rows, columns]
+    depth = _depth_inside(plan.outline, s[columns], y[rows])
     if plan.rim:
         _lay(picture, plan.rim, _step(depth, -plan.rim_width - half, -plan.rim_width + half))
     _lay(picture, plan.colour, _step(depth, -half, half))
@@ -115,7 +118,11 @@ def _lay_fin(
     s: Array, y: Array, rise: Array,
 ) -> None:  # fmt: skip
     """All that rises over the ridge, from the fin's front to its rear."""
-    to_edge = -_depth_inside(_closed(plan), s, y)
+    outline = [*plan.edge, (plan.base[1], 0.0), (plan.base[0], 0.0)]  # closed through the body
+    rows, columns = _around(outline, 0.02, s, y)
+    picture, stripes = picture[:, rows, columns], stripes[rows, columns]
+    s, y, rise = s[columns], y[rows], rise[rows, columns]
+    to_edge = -_depth_inside(outline, s, y)
     here = (s > plan.base[0] - 0.02) & (rise > 0.0) & (to_edge < 0.02)
     thickness = np.where(here, rise / np.maximum(rise - to_edge, 1e-6), 0.0)  # 0 root, 1 edge
     _lay(picture, fin.colour, here * _step(thickness, 0.0, 0.25))
@@ -148,22 +155,23 @@ def _draw_face(
         _lay(picture, colour, _step(distance, outer, outer - 0.14))
 
 
-def _closed(plan: FinPlan) -> list[tuple[float, float]]:
-    """The fin's outline, closed through the body."""
-    return [*plan.edge, (plan.base[1], 0.0), (plan.base[0], 0.0)]
+def _around(outline: Curve, reach: float, s: Array, y: Array) -> tuple[slice, slice]:
+    """Rows and columns of the texels within `reach` of the box around an outline."""
+    low, high = np.min(outline, axis=0) - reach, np.max(outline, axis=0) + reach
+    rows, columns = (
+        np.searchsorted(y[:, 0], (low[1], high[1])),
+        np.searchsorted(s, (low[0], high[0])),
+    )
+    return slice(*rows), slice(*columns)
 
 
 def _depth_inside(outline: Curve, s: Array, y: Array) -> Array:
     """Distance (h, w) from a smooth closed outline, positive inside, in body lengths.
 
-    Far outside it is only a lower bound.
+    They are measured at every fourth texel each way and interpolated.
     """
     corners = _rounded(np.asarray(outline, np.float32))
-    reach = 0.06
-    low, high = corners.min(axis=0) - reach, corners.max(axis=0) + reach
-    columns = slice(*np.searchsorted(s, [low[0], high[0]]))
-    rows = slice(*np.searchsorted(y[:, 0], [low[1], high[1]]))
-    x, h = s[columns], y[rows]
+    x, h = _every_fourth(s), _every_fourth(y[:, 0])[:, None]
     inside = np.zeros((len(h), len(x)), bool)
     nearest = np.full((len(h), len(x)), np.inf, np.float32)
     for (ax, ay), (bx, by) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
@@ -172,9 +180,21 @@ def _depth_inside(outline: Curve, s: Array, y: Array) -> Array:
         nearest = np.minimum(nearest, (x - ax - t * dx) ** 2 + (h - ay - t * dy) ** 2)
         if ay != by:
             inside ^= ((ay > h) != (by > h)) & (x < ax + dx * (h - ay) / dy)
-    depth = np.full((len(y), len(s)), -reach, np.float32)
-    depth[rows, columns] = np.where(inside, 1.0, -1.0) * np.sqrt(nearest)
-    return depth
+    coarse = np.where(inside, np.float32(1.0), np.float32(-1.0)) * np.sqrt(nearest)
+    return _between(_between(coarse.T, len(s)).T, len(y))
+
+
+def _every_fourth(x: Array) -> Array:
+    """Every fourth of evenly spaced numbers, on beyond the last."""
+    step = x[1] - x[0] if len(x) > 1 else 1.0
+    return _single(x[0] + 4 * step * np.arange(len(x) // 4 + 2)) if len(x) else x
+
+
+def _between(values: Array, count: int) -> Array:
+    """Rows (count, n) from every fourth of them, linear between."""
+    cell, t = np.divmod(np.arange(count), 4)
+    share = _single(t / 4)[:, None]
+    return np.asarray(values[cell] + share * (values[cell + 1] - values[cell]))
 
 
 def _rounded(corners: Array) -> Array:
@@ -186,18 +206,22 @@ def _rounded(corners: Array) -> Array:
     return corners
 
 
+@cache
 def _mottle(height: int, width: int) -> Array:
-    """Small unevenness of the paint, mean 1."""
+    """Small unevenness of the paint, mean 1; the same for all species."""
     noise = np.random.default_rng(0x5C1).normal(size=(height, width))
     k = np.hypot(np.fft.fftfreq(height)[:, None], np.fft.rfftfreq(width))
     smooth = np.fft.irfft2(np.fft.rfft2(noise) * np.exp(-((k / 0.04) ** 2)), s=(height, width))
-    return np.asarray(1.0 + 0.05 * smooth / smooth.std())
+    return _single(1.0 + 0.05 * smooth / smooth.std())
 
 
 def _step(x: Array, low: float, high: float) -> Array:
     """0 at `low`, 1 at `high`, smooth between; `high` may be the smaller one."""
     t = np.clip((x - low) / (high - low), 0.0, 1.0)
-    return np.asarray(t * t * (3.0 - 2.0 * t))
+    smooth = 3.0 - 2.0 * t
+    smooth *= t
+    smooth *= t
+    return np.asarray(smooth)
 
 
 def _lay(picture: Array, colour: Colour, share: Array) -> None:

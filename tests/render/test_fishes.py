@@ -167,3 +167,21 @@ def test_a_wing_has_a_level_base_and_a_pointed_end():
     assert (np.diff(chord) < 0).all()
     assert vertices[:, 13].max() == pytest.approx(wing.length)
     assert vertices[:, 13].min() < 0  # the root lies inside the body
+
+
+@pytest.mark.parametrize("level", [0, 1, 2])
+def test_the_body_is_closed(level):
+    """Every edge belongs to two triangles, but at the tail, which is thinner than a pixel."""
+    mesh = fish_mesh(load_species("fusilier").surface, level)
+    place = np.round(mesh.vertices[:, 13:16], 6)
+    _, same = np.unique(place, axis=0, return_inverse=True)
+    solid = same.reshape(-1)[mesh.triangles[: mesh.solid]]
+    edges = np.concatenate([solid[:, [0, 1]], solid[:, [1, 2]], solid[:, [2, 0]]])
+    edges = edges[edges[:, 0] != edges[:, 1]]
+    forward, backward = ({tuple(e) for e in way} for way in (edges, edges[:, ::-1]))
+    at_tail = {
+        tuple(e)
+        for e in edges
+        if (place[:, 0][[np.flatnonzero(same == k)[0] for k in e]] < -0.85).all()
+    }
+    assert forward - backward <= at_tail

@@ -120,3 +120,19 @@ def test_gill_slits_are_counted(painted):
         return int((dark[1:] & ~dark[:-1]).sum())
 
     assert (slits(1), slits(5)) == (1, 5)
+
+
+def test_a_patch_beyond_the_skin_changes_nothing(painted):
+    outside = Patch(outline=[(0.2, 3.0), (0.3, 3.2), (0.4, 3.0)], colour=RED)
+    with_it, without = painted(patches=[outside]), painted(patches=[])
+    np.testing.assert_array_equal(with_it(0.3, 0.0), without(0.3, 0.0))
+
+
+def test_the_outline_of_a_patch_is_where_it_was_drawn(painted):
+    """A large disc of red: its area, within the blur of its border."""
+    angle = np.linspace(0, 2 * np.pi, 40, endpoint=False)
+    outline = [(0.45 + 0.07 * np.cos(a), 0.07 * np.sin(a)) for a in angle]
+    at = painted(cape=None, flank=BLUE, patches=[Patch(outline=outline, colour=RED)])
+    axis = np.linspace(-0.1, 0.1, 101)
+    share = np.mean([reddest(at(0.45 + x, y)) for x in axis for y in axis])
+    assert share == pytest.approx(np.pi * 0.07**2 / 0.2**2, rel=0.06)
