@@ -39,11 +39,13 @@ MAX_STEPS = 8 * STEPS_PER_TICK  # in a tick: enough for a fish that is a 64th of
 FIN_AREA = 0.01  # of each pectoral fin, over the square of the body length
 BEND_EASE = 1.0 / 8.0  # share of the full bend that may change in a tick, as in a sharp turn
 AMPLITUDE_EASE = 1.0 / 14.0  # share of the fast beat's amplitude that may change in a tick
-ROLL_LEAD = 0.55  # radians of a roll's own swing by which the fins look ahead: less overshoots
+ROLL_LEAD = 0.4  # radians of a roll's own swing by which the fins look ahead: less overshoots
 SCULL_SPEED = 1.2  # cm/tu: the fins of a slower fish beat, and meet the water at this speed
 TEMPO_EASE = 0.025  # by which the beat's tempo may change in a tick, on its way to the recorded one
 SPEED_GAIN = 1.0  # of the speed that is lacking: fins and bends take some of it
-SPEED_TIME = 14.0  # ticks over which the speed is smoothed: about a beat
+TOO_FAST = 0.03  # share by which the speed may exceed what is asked for before the fins brake
+BRAKE_GAIN = 5.0  # share of the fins' area that brakes for each share of speed beyond that
+SPEED_TIME = 21.0  # ticks over which the speed is smoothed: a beat and a half
 
 
 class Bodies(NamedTuple):
@@ -144,7 +146,7 @@ def swim_live(
                      muscles[n])  # fmt: skip
             live.phase[slot] = (live.phase[slot] + pace * step) % (2.0 * np.pi)
         x, v = live.x[slot].copy(), live.v[slot].copy()
-        force = fin_force(fishes, bodies, i, v)
+        force = fin_force(fishes, bodies, i, v, _brake(fishes, library, live, slot))
         watch = np.array([np.inf, 0.0, np.inf])
         advance(
             x, v, bodies.mass[kind], bodies.length[kind], bodies.stiffness[kind],
@@ -175,13 +177,28 @@ def _ease_muscles(fishes: Fishes, library: Library, bodies: Bodies, live: Live, 
         ease = BEND_EASE * bodies.bend[kind, k]
         gap = share * bodies.bend[kind, k] - live.bend[slot, k]
         live.bend[slot, k] += min(max(gap, -ease), ease)
-    speed = library.speed[kind, wanted] * fishes.tempo[i] * max(fishes.thrust[i], 0.0)
+    speed = _wanted_speed(fishes, library, i)
     speed += SPEED_GAIN * (speed - live.speed[slot])
     amplitude = np.interp(speed, bodies.speed[kind], bodies.amplitude[kind])
     amplitude += abs(share) * max(bodies.turning_amplitude[kind] - amplitude, 0.0)
     gap = amplitude - live.amplitude[slot]
     live.amplitude[slot] += min(max(gap, -AMPLITUDE_EASE), AMPLITUDE_EASE)
     live.tempo[slot] += min(max(1.0 - live.tempo[slot], -TEMPO_EASE), TEMPO_EASE)
+
+
+@njit(cache=True, error_model="numpy")
+def _wanted_speed(fishes: Fishes, library: Library, i: int) -> float:
+    """The speed in cm/s at which playback would swim, at the recorded size and pace."""
+    recorded = library.speed[fishes.species[i], fishes.wanted_segment[i]]
+    return float(recorded * fishes.tempo[i] * max(fishes.thrust[i], 0.0))
+
+
+@njit(cache=True, error_model="numpy")
+def _brake(fishes: Fishes, library: Library, live: Live, slot: int) -> float:
+    """How far, up to 1, the fins of a fish that is too fast stand against its way."""
+    wanted = _wanted_speed(fishes, library, live.fish[slot])
+    excess = live.speed[slot] / max(wanted, 1e-3) - 1.0
+    return float(min(max(BRAKE_GAIN * (excess - TOO_FAST), 0.0), 1.0))
 
 
 @njit(cache=True, error_model="numpy")
@@ -203,12 +220,12 @@ def contract(
 
 
 @njit(cache=True, error_model="numpy")
-def fin_force(fishes: Fishes, bodies: Bodies, i: int, v: Array) -> Array:
+def fin_force(fishes: Fishes, bodies: Bodies, i: int, v: Array, brake: float) -> Array:
     """Force (23, 3) of the pectoral fins at node velocities v (23, 3; cm/tu): Tu §4.6.2.
 
     As `biomechanics.fins.balance` and `pectoral_force` do, they right a roll, but pitch toward
-    the climb that is asked for; of a fish that is to slow down they also brake. A slow fish rows
-    with them, so that water passes them all the same.
+    the climb that is asked for; `brake`, up to 1, is how far they also stand against the way. A
+    slow fish rows with them, so that water passes them all the same.
     """
     kind = fishes.species[i]
     area = bodies.fin_area[kind]
@@ -227,7 +244,6 @@ def fin_force(fishes: Fishes, bodies: Bodies, i: int, v: Array) -> Array:
     roll = (
         ROLL_GAIN * (lean + bodies.roll_lead[kind] * swing) * min((SCULL_SPEED / speed) ** 2, 1.0)
     )
-    brake = min(max(1.0 - fishes.thrust[i], 0.0), 1.0)
     force = np.zeros((NODES, 3))
     for node in range(1, 13):
         tilt = lift + MUSCLE_LEFT[node - 1] * roll
