@@ -148,8 +148,9 @@ def _parsers() -> tuple[argparse.ArgumentParser, Any]:
         commands,
         "plot",
         "draw the motion of a repertoire",
-        "Writes a film strip of each segment, the paths and the tail beats as PNG files.\n"
-        "Needs matplotlib (subsea[plot]).",
+        "Writes a page for each segment (film strip, trajectories, speed, tail, spectrum, loop\n"
+        "closure) and one for the repertoire (paths, speeds, steering map) as PNG files. Needs\n"
+        "matplotlib (subsea[plot]).",
         ["subsea-capture plot repertoires/fusilier.h5 --out plots"],
     )
     plot.add_argument("file", metavar="FILE", type=Path, help="a repertoire (.h5)")

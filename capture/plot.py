@@ -1,108 +1,127 @@
-"""Pictures of a repertoire: what the motion looks like, for a person to judge."""
+"""Pictures of a repertoire: one page for each segment and one for the whole."""
 
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 
-from capture.quality import replay
-from subsea.biomechanics.body import LOWER_TAIL, UPPER_TAIL, Floats
+from capture import panels
+from capture.gait import entries, turned
+from capture.record import Motion, motion_from_provenance, run_trial
+from capture.trial import deformation, speed_map
+from subsea.biomechanics.body import Floats, build_body
 from subsea.errors import UserError
+from subsea.places import replacing
 from subsea.repertoire import Repertoire, Segment
 
-STRIP_FRAMES = 8
-CYCLES = 3
-INCHES = 1.5
-LEFT_EDGE, RIGHT_EDGE = (0, 1, 5, 9, 13, 17, 21), (21, 18, 14, 10, 6, 2, 0)
-"""Nodes down the left and up the right flank, seen from above."""
+DPI = 100
+WIDTH = 12.0
+STYLE = {
+    "font.size": 9,
+    "axes.titlesize": 10,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "legend.frameon": False,
+    "legend.fontsize": 8,
+}
+ANGLES = np.arange(15.0, 91.0, 15.0)
 
 
 def plot_repertoire(repertoire: Repertoire, folder: Path) -> list[Path]:
-    """Write a film strip of every segment, all paths and all tail beats; return the files.
+    """Write a page for every segment and one for the repertoire as PNG; return the files.
 
-    Raises UserError without matplotlib or where the folder cannot be written.
+    What only swimming again can tell (first frames, speed and steering maps) is simulated from
+    the provenance and left out where that holds no muscle-driven fish. Raises UserError without
+    matplotlib or where the folder cannot be written.
     """
     try:
+        from matplotlib import rc_context
         from matplotlib.figure import Figure
     except ImportError as fault:
         raise UserError("plots need matplotlib: install subsea[plot]") from fault
-    pictures = {
-        f"strip_{name}": _strip(Figure, name, segment)
-        for name, segment in repertoire.segments.items()
-    }
-    pictures["paths"] = _paths(Figure, repertoire)
-    pictures["tail_beats"] = _tail_beats(Figure, repertoire)
+    motion = _motion(repertoire)
     written = []
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        for stem, figure in pictures.items():
-            path = folder / f"{repertoire.species}_{stem}.png"
-            figure.savefig(path, dpi=80, bbox_inches="tight", metadata={"Software": None})
-            written.append(path)
-    except OSError as fault:
-        raise UserError(f"{folder}: cannot write ({fault.strerror or fault})") from fault
+    with rc_context(STYLE):
+        for name, segment in panels.in_order(repertoire):
+            first = None if motion is None else deformation(run_trial(motion, name).frames[:1])[0]
+            page = Figure(dpi=DPI, layout="constrained")
+            _segment_page(page, repertoire, name, segment, first)
+            written.append(_write(page, folder / f"{repertoire.species}_{name}.png"))
+        page = Figure(figsize=(WIDTH, 12 if motion else 8), dpi=DPI, layout="constrained")
+        _repertoire_page(page, repertoire, motion)
+        written.append(_write(page, folder / f"{repertoire.species}.png"))
     return written
 
 
-def _world(segment: Segment) -> Floats:
-    """World nodes (T, 23, 3) of a segment that starts on the axes of the world."""
-    cycles = CYCLES if segment.cyclic else 1
-    return replay(segment, np.zeros(3), np.eye(3), cycles)
+def _write(page: Any, path: Path) -> Path:
+    with replacing(path) as temporary:
+        page.savefig(temporary, format="png", metadata={"Software": None})
+    return path
 
 
-def _strip(figure: type, name: str, segment: Segment) -> Any:
-    """The body from above in some frames of a segment, one beside another, turning as it turns."""
-    frames = replay(segment, np.zeros(3), np.eye(3), 1)
-    chosen = frames[np.linspace(0, len(frames) - 1, STRIP_FRAMES).round().astype(int)]
-    picture = figure(figsize=(INCHES * STRIP_FRAMES, 2.4 * INCHES))
-    axes = picture.subplots(1, STRIP_FRAMES, sharex=True, sharey=True)
-    for place, (axis, nodes) in enumerate(zip(axes, chosen, strict=True)):
-        nodes = nodes - nodes[5:9].mean(axis=0)
-        # Seen from above with the nose up: right is to the right.
-        axis.fill(nodes[LEFT_EDGE + RIGHT_EDGE, 2], nodes[LEFT_EDGE + RIGHT_EDGE, 0], "0.75")
-        spine = _spine(nodes)
-        axis.plot(spine[:, 2], spine[:, 0], "k", linewidth=1)
-        axis.set_aspect("equal")
-        axis.set_axis_off()
-        axis.set_title(str(round(place * (len(frames) - 1) / (STRIP_FRAMES - 1))), fontsize=8)
-    picture.suptitle(f"{name}: top view by frame", fontsize=9)
-    return picture
+def _motion(repertoire: Repertoire) -> Motion | None:
+    try:
+        return motion_from_provenance(repertoire.provenance)
+    except msgspec.ValidationError:
+        return None
 
 
-def _spine(nodes: Floats) -> Floats:
-    """Nose, centres of the five rings and middle of the tail (7, 3)."""
-    rings = nodes[1:21].reshape(5, 4, 3).mean(axis=1)
-    tail = nodes[[UPPER_TAIL, LOWER_TAIL]].mean(axis=0)
-    return np.concatenate([nodes[:1], rings, tail[None]])
+def _segment_page(
+    page: Any, repertoire: Repertoire, name: str, segment: Segment, first: Floats | None
+) -> None:
+    tick = repertoire.tick_s
+    kind = "one cycle" if segment.cyclic else "not cyclic"
+    page.suptitle(
+        f"{repertoire.species} · {name} · {len(segment.nodes)} frames of {1000 * tick:g} ms, {kind}"
+        f" · turns by {segment.turn_deg:+.1f}°"
+    )
+    right, ahead = panels.strip_limits(segment)
+    shown = len(panels.strip_frames(segment))
+    strip = 0.9 * WIDTH / shown * np.ptp(ahead) / np.ptp(right)
+    page.set_size_inches(WIDTH, strip + 10.2)
+    rows = page.subfigures(2, 1, height_ratios=(strip + 0.7, 9.5))
+    panels.strip(rows[0].subplots(1, shown, squeeze=False)[0], segment, tick)
+    grid = rows[1].subplots(3, 3)
+    panels.trajectories(grid[0, 0], grid[0, 1], segment, tick)
+    panels.path(grid[0, 2], segment)
+    panels.speed(grid[1, 0], segment, repertoire)
+    panels.tail_sweep(grid[1, 1], segment, repertoire)
+    panels.tail_spectrum(grid[1, 2], segment, repertoire)
+    for axis in grid[2]:
+        axis.remove()
+    bottom = grid[2, 0].get_gridspec()
+    panels.envelope(rows[1].add_subplot(bottom[2, :2]), segment, repertoire)
+    panels.closure(rows[1].add_subplot(bottom[2, 2]), segment, first)
 
 
-def _paths(figure: type, repertoire: Repertoire) -> Any:
-    """The way of nose, centre and tail in every segment, seen from above."""
-    names = list(repertoire.segments)
-    picture = figure(figsize=(2 * INCHES * len(names), 3 * INCHES))
-    for axis, name in zip(picture.subplots(1, len(names)), names, strict=True):
-        frames = _world(repertoire.segments[name])
-        spines = np.array([_spine(nodes) for nodes in frames])
-        for place, label in ((0, "nose"), (2, "centre"), (6, "tail")):
-            axis.plot(spines[:, place, 2], spines[:, place, 0], linewidth=1, label=label)
-        axis.set_aspect("equal", adjustable="datalim")
-        axis.set_title(name, fontsize=8)
-        axis.tick_params(labelsize=6)
-    picture.axes[0].legend(fontsize=6)
-    picture.axes[0].set_ylabel("cm", fontsize=7)
-    return picture
+def _repertoire_page(page: Any, repertoire: Repertoire, motion: Motion | None) -> None:
+    page.suptitle(
+        f"{repertoire.species} · {repertoire.body_length_cm:g} cm · from {repertoire.source}"
+    )
+    rows = page.subfigures(2, 1, height_ratios=(1, 2 if motion else 0.9))
+    panels.paths(rows[0].subplots(1, len(repertoire.segments), squeeze=False)[0], repertoire)
+    grid = rows[1].subplots(2 if motion else 1, 2, squeeze=False)
+    panels.speed_bars(grid[0, 0], repertoire)
+    panels.tail_beats(grid[0, 1], repertoire)
+    if motion is None:
+        return
+    grid[1, 0].remove()
+    grid[1, 1].remove()
+    places = grid[0, 0].get_gridspec()[1, :].subgridspec(1, 3)
+    body = build_body(motion.body)
+    panels.speed_control(
+        rows[1].add_subplot(places[0]), speed_map(body, motion.swim), motion.body.length
+    )
+    panels.turned(rows[1].add_subplot(places[1]), ANGLES, _turned(motion))
+    panels.steering_map(rows[1].add_subplot(places[2]), motion.turn)
 
 
-def _tail_beats(figure: type, repertoire: Repertoire) -> Any:
-    """How far the tail stands to the right of the body axis, over time."""
-    picture = figure(figsize=(6 * INCHES, 3 * INCHES))
-    axis = picture.subplots()
-    for name, segment in repertoire.segments.items():
-        cycles = CYCLES if segment.cyclic else 1
-        tail = np.tile(segment.nodes[:, [UPPER_TAIL, LOWER_TAIL], 2].mean(axis=1), cycles)
-        seconds = np.arange(1, len(tail) + 1) * repertoire.tick_s
-        axis.plot(seconds, tail, linewidth=1, label=name)
-    axis.set_xlabel("s")
-    axis.set_ylabel("tail to the right, cm")
-    axis.legend(fontsize=6)
-    return picture
+def _turned(motion: Motion) -> Floats:
+    """Angles turned (n, phases) when `ANGLES` are asked for, entered at several phases."""
+    body = build_body(motion.body)
+    swim, turn = motion.swim, motion.turn
+    starts = entries(body, swim, run_trial(motion, "swim_medium").state)
+    return np.array(
+        [[turned(body, swim, turn, angle, *start) for start in starts] for angle in ANGLES]
+    )
