@@ -1,26 +1,26 @@
 """Make the pictures of the documentation: `python docs/make_pictures.py [FOLDER]`.
 
-species.png: every species from its left flank, three-quarter and from above, at rest.
+species.png: every species, by name, from its left flank, three-quarter and from above, at rest.
 """
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 from PIL import Image
 
-from subsea.biomechanics.body import rest_nodes
 from subsea.frame import INSTANCE_COLUMNS, Batch, Packet, Scene
 from subsea.kinematics.surface import rest_control_points
 from subsea.render import Renderer, headless_context
 from subsea.scenario import Water
-from subsea.species import load_species
+from subsea.species import load_species, species_names
 from subsea.view.camera import NEAR_CM, View, look, off_axis
 
-SPECIES = ("fusilier", "emperor_angelfish")
-CELL = (440, 330)  # pixels of one fish
+CELL = (320, 220)  # pixels of one look
+BESIDE = 2  # species in a row
 DEPTH_CM = 120.0
-APART_CM = 500.0
+APART_CM = 300.0
 SEABED_CM = -420.0
 HALF_FIELD = 0.18  # tangent of half the horizontal angle of view
 LOOKS = (  # from where, in lengths of the fish that heads along x, and what is up
@@ -30,38 +30,41 @@ LOOKS = (  # from where, in lengths of the fish that heads along x, and what is 
 )
 
 
-def species_plate() -> Image.Image:
-    """One row per species, one column per look."""
-    species = tuple(load_species(name) for name in SPECIES)
-    nodes = [rest_nodes(one.body) for one in species]
-    points = [
-        rest_control_points(one.surface, one.body.length, node[0, 0])
-        for one, node in zip(species, nodes, strict=True)
-    ]
+def species_plate(names: Sequence[str]) -> Image.Image:
+    """The species, some beside each other, each from every look."""
+    species = tuple(load_species(name) for name in names)
+    points = [rest_control_points(one.surface, one.length_cm, 0.0) for one in species]
     scene = Scene(
         species=species,
         control_points=np.array(points, np.float32),
-        recorded_length_cm=tuple(one.body.length for one in species),
+        recorded_length_cm=tuple(one.length_cm for one in species),
         terrain=np.full((81, 81), SEABED_CM, np.float32),
         terrain_half_width_cm=2000.0,
         water=Water(fog=(0.012, 0.115, 0.20), visibility_cm=1500.0),
     )
-    size = (CELL[0] * len(LOOKS), CELL[1] * len(species))
+    beside = min(BESIDE, len(species))
+    rows = -(-len(species) // beside)
+    size = (CELL[0] * len(LOOKS) * beside, CELL[1] * rows)
     records = np.zeros((len(species), INSTANCE_COLUMNS), np.float32)
     views = []
-    for row, (one, rest) in enumerate(zip(species, points, strict=True)):
-        place = np.array([0.0, APART_CM * row, -DEPTH_CM])
-        # Body x, y, z to world: a quarter turn about x sets the fish upright, heading along x.
-        records[row, :8] = (*place, 1.0, np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0)
-        records[row, 8:] = (row, row, 0.0, 0.5, 0.6, 0.6, 0.0, 0.0, 0.0, 1.0, 0.0)
-        middle = place + [(rest[:, 0].min() + rest[:, 0].max()) / 2, 0.0, 0.0]
+    for k in range(rows * beside):  # behind the last species the water is empty
+        length = species[min(k, len(species) - 1)].length_cm
+        place = np.array([APART_CM * (k - rows * beside / 2), 0.0, -DEPTH_CM])
+        row, block = divmod(k, beside)
         for column, (away, up) in enumerate(LOOKS):
-            eye = middle + one.body.length * np.array(away)
-            viewport = (column * CELL[0], (len(species) - 1 - row) * CELL[1], *CELL)
+            eye = place + length * np.array(away)
+            corner = (block * len(LOOKS) + column, rows - 1 - row)
+            viewport = (corner[0] * CELL[0], corner[1] * CELL[1], *CELL)
             half = NEAR_CM * HALF_FIELD * np.array([1.0, CELL[1] / CELL[0]])
             projection = off_axis(-half[0], half[0], -half[1], half[1])
-            views.append(View(viewport, look(eye, middle - eye, np.array(up)), projection, eye))
-    batches = tuple(Batch(row, 0, row, 1) for row in range(len(species)))
+            views.append(View(viewport, look(eye, place - eye, np.array(up)), projection, eye))
+        if k == len(species):
+            break
+        middle = place - [(points[k][:, 0].min() + points[k][:, 0].max()) / 2, 0.0, 0.0]
+        # Body x, y, z to world: a quarter turn about x sets the fish upright, heading along x.
+        records[k, :8] = (*middle, 1.0, np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0)
+        records[k, 8:] = (k, k, 0.0, 0.5, 0.6, 0.6, 0.0, 0.0, 0.0, 1.0, 0.0)
+    batches = tuple(Batch(k, 0, k, 1) for k in range(len(species)))
     packet = Packet(1.0, tuple(views), records, batches, np.zeros((0, 3), np.float32), 0)
     with headless_context() as context:
         renderer = Renderer(context, scene, size, samples=4)
@@ -74,4 +77,4 @@ def species_plate() -> Image.Image:
 if __name__ == "__main__":
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent / "pictures"
     folder.mkdir(exist_ok=True)
-    species_plate().save(folder / "species.png")
+    species_plate(species_names()).save(folder / "species.png")
