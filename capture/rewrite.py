@@ -19,10 +19,14 @@ def write_controllers(source: Path, target: Path, swim: SwimPlan, turn: TurnPlan
     where it cannot be written.
     """
     import tomlkit
+    from tomlkit.exceptions import TOMLKitError
 
-    document = tomlkit.parse(source.read_bytes().decode("utf-8"))
-    for name, plan in (("swim", swim), ("turn", turn)):
-        _change(document[name], msgspec.to_builtins(plan))
+    try:
+        document = tomlkit.parse(source.read_bytes().decode("utf-8"))
+        for name, plan in (("swim", swim), ("turn", turn)):
+            _change(document[name], msgspec.to_builtins(plan))
+    except TOMLKitError as fault:
+        raise UserError(f"{source}: its tables cannot be edited ({fault})") from fault
     with replacing(target) as temporary:
         temporary.write_bytes(tomlkit.dumps(document).encode("utf-8"))
         written = load_toml(temporary, Species)

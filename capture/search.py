@@ -4,8 +4,8 @@ Both are kept libraries (`cma`, `scipy`). They only propose points; what is wort
 decided by whoever asked, from all that was tried.
 """
 
-from collections.abc import Callable
-from typing import NamedTuple
+from collections.abc import Callable, Iterator
+from typing import NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
@@ -15,6 +15,8 @@ from subsea.errors import UserError
 METHODS = ("cma", "annealing")
 SPREAD = 0.2
 """First step of CMA-ES in each direction of the unit box."""
+APART = 0.02
+"""In some direction of the unit box, for points that count as different."""
 TEMPERATURE = 5.0
 """At which annealing begins; scipy's 5230 is for budgets a thousand times as large."""
 
@@ -24,6 +26,22 @@ class Tried(NamedTuple):
 
     loss: float
     point: tuple[float, ...]
+
+
+Candidate = TypeVar("Candidate")
+
+
+class Hunt(Protocol[Candidate]):
+    """A search with method, budget and seed settled, that knows its candidates."""
+
+    def __call__(
+        self,
+        loss: Callable[[Candidate], float],
+        at: Callable[[Floats | tuple[float, ...]], Candidate],
+        start: Floats,
+    ) -> list[Tried]:
+        """Minimise ``loss`` over the candidates ``at`` the points of the unit box."""
+        ...
 
 
 class _Spent(Exception):  # noqa: N818 - it ends a search, nothing is wrong
@@ -60,6 +78,18 @@ def search(
     except ImportError as fault:
         raise UserError(f"learning needs {fault.name}: install subsea[learn]") from fault
     return sorted(tried)
+
+
+def distinct(tried: list[Tried]) -> Iterator[Tried]:
+    """Those of ``tried``, best first, that lie apart from all that were yielded before.
+
+    Whoever takes the next because the last was no good is not offered its like.
+    """
+    yielded: list[tuple[float, ...]] = []
+    for one in sorted(tried):
+        if all(np.abs(np.subtract(one.point, other)).max() > APART for other in yielded):
+            yielded.append(one.point)
+            yield one
 
 
 def _cma(evaluate: Callable[[Floats], float], start: Floats, seed: int, budget: int) -> None:

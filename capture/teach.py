@@ -7,9 +7,11 @@ from typing import Any
 
 from tqdm import tqdm
 
-from capture.fitness import KICKS
-from capture.learn import gait_of, learn, turning_of
+from capture.fitness import Gait, Turning, measure_gait, measure_turning
+from capture.learn import learn
 from capture.rewrite import write_controllers
+from capture.trial import beat_contraction, steady_beat
+from subsea.biomechanics.body import build_body
 from subsea.biomechanics.plan import Muscles, SwimPlan, TurnPlan
 from subsea.errors import UserError
 from subsea.places import check_file
@@ -42,6 +44,8 @@ def teach(name: str, out: Path | None, dry_run: bool, budget: int, **options: An
     def tell(stage: str, loss: float, plan: SwimPlan | TurnPlan) -> None:
         if stage not in bars:
             bars[stage] = tqdm(total=budget, desc=f"{source.stem}: {stage}", unit="try")
+        elif bars[stage].n == bars[stage].total:
+            bars[stage].total += budget  # for the next gait, when one cannot turn
         if stage not in best or loss < best[stage][0]:
             best[stage] = loss, plan
             bars[stage].set_postfix_str(f"best {loss:.4f}", refresh=False)
@@ -52,7 +56,7 @@ def teach(name: str, out: Path | None, dry_run: bool, budget: int, **options: An
             bar.close()
 
     try:
-        found = learn(*muscles, budget=budget, tell=tell, **options)
+        found = learn(muscles, budget=budget, tell=tell, **options)
     except KeyboardInterrupt:
         close_bars()
         kept = [f"best {stage} so far, not verified: {best[stage][1]}" for stage in best]
@@ -66,11 +70,11 @@ def teach(name: str, out: Path | None, dry_run: bool, budget: int, **options: An
         print(f"{source.stem}: nothing better found in {tried} tries; {source} is as it was")
         return 1
     new = found.swim or muscles.swim, found.turn or muscles.turn
-    for line in _comparison(muscles, muscles._replace(swim=new[0], turn=new[1])):
+    learned = muscles._replace(swim=new[0], turn=new[1])
+    for line in [*_comparison(muscles, learned), *_tables(learned)]:
         print(line)
-    print(f"verified at {KICKS} disturbed starts for each grade, at each turn, on both sides")
     if dry_run:
-        print(f"dry run: {target} is as it was; {new[0]} {new[1]}")
+        print(f"dry run: {target} is as it was")
     else:
         write_controllers(source, target, *new)
         print(f"{target} has new controllers; `subsea-capture record` takes them up")
@@ -115,16 +119,51 @@ TURN_ROWS = {
 
 def _values(muscles: Muscles) -> dict[str, str]:
     """Measures by name, as a person reads them; none of what the body does not do."""
-    plan, swim, turn = muscles
-    gait = gait_of(plan, swim)
     values = {}
+    gait, turning = _gait(muscles), _turning(muscles)
     if gait is not None:
         values = {name: f"{getattr(gait, key):{form}}" for key, (name, form) in GAIT_ROWS.items()}
-    values["amplitude slow, medium"] = f"{swim.slow:g}, {swim.medium:g}"
-    turning = turning_of(plan, swim, turn)
     if turning is not None:
-        for row, error, worst in zip(turn.steering, turning.errors, turning.worst, strict=True):
+        rows = muscles.turn.steering
+        for row, error, worst in zip(rows, turning.errors, turning.worst, strict=True):
             values[f"turn of {row.angle:g}°, error and worst, °"] = f"{error:+.2f}, {worst:+.2f}"
         for key, (name, form) in TURN_ROWS.items():
             values[name] = f"{getattr(turning, key):{form}}"
     return values
+
+
+def _gait(muscles: Muscles) -> Gait | None:
+    """The steady fast gait, None where the body has none."""
+    body = build_body(muscles.body)
+    try:
+        steady = steady_beat(body, beat_contraction(muscles.swim, 1.0)).state
+    except UserError:
+        return None
+    return measure_gait(body, muscles.swim, 1.0, steady)
+
+
+def _turning(muscles: Muscles) -> Turning | None:
+    """The sharp turns, None where the body loses its shape."""
+    plan, swim, turn = muscles
+    body = build_body(plan)
+    try:
+        steady = steady_beat(body, beat_contraction(swim, swim.medium)).state
+        angles = [row.angle for row in turn.steering]
+        return measure_turning(body, swim, turn, steady, angles)
+    except UserError:
+        return None
+
+
+def _tables(muscles: Muscles) -> Iterator[str]:
+    """The new tables in short."""
+    _, swim, turn = muscles
+    row, holds = turn.steering[-1], [row.hold_ticks for row in turn.steering]
+    yield (
+        f"swim: {swim.ticks_per_beat} ticks, contraction {list(swim.contraction)}, lag {swim.lag:g}"
+        f", slow {swim.slow:g}, medium {swim.medium:g}"
+    )
+    yield (
+        f"turn: contraction {list(row.contraction)}, bend {row.bend_ticks:g}, restore "
+        f"{row.restore_ticks:g}, holds {holds} ticks, amplitude {turn.amplitude:g}, "
+        f"gradual {list(turn.gradual)}"
+    )

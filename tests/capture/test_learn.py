@@ -5,12 +5,21 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from capture import learn as learning
-from capture import teach
+from capture import learn_swim, teach
 from capture.cli import main
-from capture.fitness import GAIT_LIMITS, excess, missed, swim_faults, swim_loss
-from capture.learn import gait_of, learn, swim_at, swim_point, turn_at, turn_point, with_holds
-from capture.search import METHODS, search
+from capture.fitness import (
+    GAIT_LIMITS,
+    Gait,
+    excess,
+    measure_gait,
+    missed,
+    swim_faults,
+    swim_loss,
+)
+from capture.learn import learn
+from capture.learn_swim import swim_at, swim_point
+from capture.learn_turn import turn_at, turn_point, with_holds
+from capture.search import APART, METHODS, Tried, distinct, search
 from capture.trial import beat_contraction, steady_beat
 from subsea.biomechanics.body import build_body
 from subsea.biomechanics.controllers import S_MAX
@@ -56,13 +65,17 @@ def lesson(tmp_path_factory: pytest.TempPathFactory) -> Lesson:
 def test_a_detuned_fish_learns_to_swim_faster(lesson: Lesson) -> None:
     assert lesson.code == 0
     old, new = load_detuned(lesson), load_toml(lesson.path, Species)
-    before, after = gait_of(old.body, old.swim), gait_of(new.body, new.swim)
-    assert before is not None
-    assert after is not None
+    before, after = (steady_gait(fish) for fish in (old, new))
     assert after.speed > 1.1 * before.speed
     assert not missed(after, GAIT_LIMITS)
     assert "fast swim, L/tu" in lesson.out
     assert f"{after.speed:.4f}" in lesson.out
+
+
+def steady_gait(fish: Species) -> Gait:
+    body = build_body(fish.body)
+    steady = steady_beat(body, beat_contraction(fish.swim, 1.0)).state
+    return measure_gait(body, fish.swim, 1.0, steady)
 
 
 def load_detuned(lesson: Lesson) -> Species:
@@ -109,9 +122,7 @@ def test_the_same_seed_finds_the_same(method: str) -> None:
     for _ in range(2):
         told: list[Any] = []
         found = learn(
-            fish.body,
-            fish.swim,
-            fish.turn,
+            fish.muscles,
             method=method,
             budget=7,
             only="turn",
@@ -140,6 +151,12 @@ def test_both_methods_approach_the_least_of_a_bowl(method: str) -> None:
     assert np.all((np.array([one.point for one in tried]) >= 0) & (np.array(tried[0].point) <= 1))
 
 
+def test_who_is_rejected_takes_its_like_along() -> None:
+    near, far = (0.5, 0.5 + APART / 2), (0.5, 0.5 + 2 * APART)
+    tried = [Tried(3.0, far), Tried(2.0, near), Tried(1.0, (0.5, 0.5))]
+    assert [one.loss for one in distinct(tried)] == [1.0, 3.0]
+
+
 def test_a_search_leaves_the_random_numbers_of_others_alone() -> None:
     np.random.seed(3)  # noqa: NPY002
     expected = np.random.random(4)  # noqa: NPY002
@@ -158,9 +175,9 @@ def test_a_winner_that_fails_verification_gives_way_to_the_next(
         verified.append(swim)
         return ["it circles"] if len(verified) <= 3 else []
 
-    monkeypatch.setattr(learning, "gait_faults", lambda body, swim: [])
-    monkeypatch.setattr(learning, "swim_faults", faults)
-    found = learn(fish.body, fish.swim, fish.turn, only="swim", budget=12, ticks=14)
+    monkeypatch.setattr(learn_swim, "gait_faults", lambda body, swim: [])
+    monkeypatch.setattr(learn_swim, "swim_faults", faults)
+    found = learn(fish.muscles, only="swim", budget=12, ticks=14)
     # The old controller, two winners and the third, which passed.
     assert len(verified) == 4
     assert found.swim == verified[3]
@@ -180,7 +197,7 @@ def test_an_interrupted_lesson_tells_the_best_and_leaves_the_file(
             raise KeyboardInterrupt
         return 1.0 / len(calls)
 
-    monkeypatch.setattr(learning, "swim_loss", loss)
+    monkeypatch.setattr(learn_swim, "swim_loss", loss)
     assert main(["learn", str(path), "--budget", "20"]) == 130
     assert len(calls) == 4
     err = capsys.readouterr().err.splitlines()[-1]

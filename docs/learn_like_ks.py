@@ -1,0 +1,386 @@
+"""Repeat what KS found when their fish learned to swim: `python docs/learn_like_ks.py [FOLDER]`.
+
+Each finding is an experiment with this project's fusilier, seeded: (a) one frequency for all
+muscles against one for each, (b) turns by sinusoids against the steering map, (c) bodies that
+fold, (d) roll by a coarse triangulation. Prints the numbers of docs/learning.md and draws
+FOLDER/ks_*.png (default docs/pictures). `--quick` spends a little of everything, for the tests.
+"""
+
+import argparse
+import types
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.figure import Figure
+from numba import njit
+from tqdm import tqdm
+
+from capture.gait import entries, headings, speed_kept
+from capture.learn_turn import with_holds
+from capture.search import search
+from capture.trial import beat_contraction, beat_phase, steady_beat
+from subsea.biomechanics import simulation, solver, water
+from subsea.biomechanics.body import MUSCLES, TRIANGLE_WEIGHTS, TRIANGLES, Body, Floats, build_body
+from subsea.biomechanics.controllers import ease, swim_contraction, turn_contraction
+from subsea.biomechanics.plan import SwimPlan, TurnPlan
+from subsea.biomechanics.simulation import State, at_rest, copy_state, is_sound, simulate
+from subsea.biomechanics.solver import STEP, STEPS_PER_TICK
+from subsea.kinematics.frame import body_frame
+from subsea.species import load_species
+
+SIDES = 6
+"""Muscles as KS's flat fish has them: upper and lower one as one, left and right apart."""
+OF_SIDE = np.array([2 * (k // 4) + (k % 4 in (1, 2)) for k in range(MUSCLES)])
+"""Which of them each of the twelve belongs to: segment by segment, left before right."""
+FREQUENCIES = (0.1, 0.4)
+"""Beats a tu; the shipped gait has 0.216."""
+STRONGEST = 0.5
+"""Greatest contraction searched."""
+ANGLE = 60.0
+"""Degrees of the turns compared."""
+RISE_TU = 5.0
+ROLL_TU = 400.0
+START_BEATS = 8
+"""That a start from rest takes to find its heading."""
+
+
+class Effort(NamedTuple):
+    """How much of everything is spent."""
+
+    seeds: int = 12
+    budget: int = 500
+    swim_tu: float = 120.0
+    turn_seeds: int = 5
+    turn_budget: int = 400
+    folds: int = 120
+    roll_tu: float = ROLL_TU
+
+
+QUICK = Effort(seeds=2, budget=6, swim_tu=20.0, turn_seeds=1, turn_budget=6, folds=6, roll_tu=60.0)
+
+
+class Sinusoids(NamedTuple):
+    """A rest length is shortened by amplitude (1 + sin(2π frequency t + phase))/2 (KS §I.D)."""
+
+    amplitude: Floats  # (6,)
+    frequency: Floats  # (6,) a tu
+    phase: Floats  # (6,) radians
+
+
+def sinusoids(point: Floats, one_frequency: bool) -> Sinusoids:
+    """The controller at a point of the unit box: amplitudes, phases, then one frequency or six."""
+    low, high = FREQUENCIES
+    frequency = low + point[2 * SIDES :] * (high - low)
+    return Sinusoids(
+        STRONGEST * point[:SIDES],
+        np.full(SIDES, frequency[0]) if one_frequency else frequency,
+        2 * np.pi * point[SIDES : 2 * SIDES],
+    )
+
+
+def contraction_of(controller: Sinusoids, steps: int) -> Floats:
+    """Contractions (steps, 12) of the twelve muscles, risen from nothing at the start."""
+    time = STEP * np.arange(steps)[:, None]
+    wave = np.sin(2 * np.pi * controller.frequency * time + controller.phase)
+    sides = ease(time / RISE_TU) * controller.amplitude * (1 + wave) / 2
+    return np.asarray(sides[:, OF_SIDE])
+
+
+def whole_ticks(tu: float) -> int:
+    """Steps of the whole ticks that last about this long."""
+    return round(tu / STEP / STEPS_PER_TICK) * STEPS_PER_TICK
+
+
+# (a) One frequency, or one for each muscle
+
+
+def forward_speed(body: Body, controller: Sinusoids, tu: float) -> float:
+    """L/tu that the fish gets ahead from rest; below zero the less long it keeps its shape."""
+    state = at_rest(body)
+    start = state.x.mean(axis=0)
+    contraction = contraction_of(controller, whole_ticks(tu))
+    parts = np.array_split(contraction.reshape(-1, STEPS_PER_TICK, MUSCLES), 8)
+    for done, part in enumerate(parts):
+        simulate(body, state, part.reshape(-1, MUSCLES))
+        if not is_sound(state):
+            return -0.1 * (1 - done / len(parts))
+    # At rest the fish heads along x.
+    return float((state.x.mean(axis=0) - start)[0] / np.ptp(body.rest[:, 0]) / tu)
+
+
+def frequencies(body: Body, effort: Effort, folder: Path) -> None:
+    """Distributions of what equal budgets find."""
+    curves: dict[str, Floats] = {}
+    for method in ("annealing", "cma"):
+        for one in (True, False):
+            name = f"{method}, {'one frequency' if one else 'six frequencies'}"
+            runs = []
+            for seed in tqdm(range(1, effort.seeds + 1), desc=f"(a) {name}", disable=None):
+                told: list[float] = []
+                dimensions = 2 * SIDES + (1 if one else SIDES)
+                search(
+                    lambda point, one=one: (
+                        -forward_speed(body, sinusoids(point, one), effort.swim_tu)
+                    ),
+                    np.random.default_rng(seed).random(dimensions),
+                    method,
+                    effort.budget,
+                    seed,
+                    lambda tried, told=told: told.append(-tried.loss),
+                )
+                runs.append(np.maximum.accumulate(told))
+            curves[name] = np.array(runs)
+    print("(a) best speed, L/tu:                 median   quartiles        best")
+    for name, runs in curves.items():
+        low, middle, high = np.quantile(runs[:, -1], (0.25, 0.5, 0.75))
+        print(f"    {name:<30} {middle:8.4f}   {low:.4f}-{high:.4f}  {runs[:, -1].max():8.4f}")
+    picture = Figure(figsize=(10, 3.6))
+    left, right = picture.subplots(1, 2, sharey=True)
+    for (name, runs), colour in zip(curves.items(), ("C0", "C3", "0.4", "0.75"), strict=True):
+        low, middle, high = np.quantile(runs, (0.25, 0.5, 0.75), axis=0)
+        tries = np.arange(1, runs.shape[1] + 1)
+        left.plot(tries, middle, color=colour, label=name)
+        left.fill_between(tries, low, high, color=colour, alpha=0.15)
+    left.set_xlabel("tries")
+    left.set_ylabel("best speed so far, L/tu")
+    left.legend(fontsize=7)
+    right.boxplot([runs[:, -1] for runs in curves.values()])
+    right.set_xticks(range(1, len(curves) + 1), [n.replace(", ", "\n") for n in curves], fontsize=7)
+    right.set_title(f"after {effort.budget} tries, {effort.seeds} seeds", fontsize=9)
+    save(picture, folder / "ks_frequencies.png")
+
+
+# (b) Turning
+
+
+class Turn(NamedTuple):
+    """What a turn did."""
+
+    heading: Floats  # degrees, each tick of the beat before it, of it, and of six beats after
+    frames: Floats  # of the turn alone
+
+    def by(self, beat: int) -> float:
+        """Degrees between the mean headings of its first and last beat of so many ticks."""
+        return float(self.heading[-beat:].mean() - self.heading[:beat].mean())
+
+
+def turn_from(body: Body, swim: SwimPlan, start: State, phase: float, contraction: Floats) -> Turn:
+    """Follow ``contraction`` out of steady swimming at grade medium, then swim on for six beats."""
+    state = copy_state(start)
+    beat = swim_contraction(swim, phase + beat_phase(swim, swim.ticks_per_beat), swim.medium)
+    # A steady beat is like the one before, elsewhere: its headings stand for those before.
+    before = simulate(body, copy_state(state), beat)
+    turning = simulate(body, state, contraction)
+    after = simulate(body, state, np.tile(beat, (6, 1)))
+    heading = headings(np.concatenate([before, turning, after]))
+    return Turn(heading if is_sound(state) else np.full_like(heading, np.nan), turning)
+
+
+def thrash(heading: Floats) -> float:
+    """Degrees that a heading goes to and fro beyond those from its begin to its end."""
+    return float(np.abs(np.diff(heading)).sum() - abs(heading[-1] - heading[0]))
+
+
+def turning(body: Body, swim: SwimPlan, turn: TurnPlan, effort: Effort, folder: Path) -> None:
+    """Turns by sinusoids annealed for them, against the steering map's."""
+    steady = steady_beat(body, beat_contraction(swim, swim.medium)).state
+    starts = entries(body, swim, steady)
+    beat, steps = swim.ticks_per_beat, len(turn_contraction(swim, turn, ANGLE))
+
+    def sinusoidal(point: Floats | tuple[float, ...]) -> Floats:
+        return contraction_of(sinusoids(np.asarray(point), True), steps)
+
+    def loss(point: Floats, farthest: bool) -> float:
+        turned = turn_from(body, swim, steady, 0.0, sinusoidal(point)).by(beat)
+        if np.isnan(turned):
+            return 360.0
+        return -turned if farthest else abs(turned - ANGLE)
+
+    # What muscles do when the turn begins at a phase of the beat. Sinusoids know of none.
+    muscles: dict[str, Callable[[float], Floats]] = {
+        "steering map": lambda phase: turn_contraction(swim, turn, ANGLE, phase),
+        "straight on": lambda phase: swim_contraction(
+            swim, phase + 2 * np.pi * np.arange(steps) / (beat * STEPS_PER_TICK), swim.medium
+        ),
+    }
+    for aim in (f"by {ANGLE:g}°", "farthest"):
+        for seed in tqdm(range(1, effort.turn_seeds + 1), desc=f"(b) {aim}", disable=None):
+            best = search(
+                lambda point, aim=aim: loss(point, aim == "farthest"),
+                np.random.default_rng(seed).random(2 * SIDES + 1),
+                "annealing",
+                effort.turn_budget,
+                seed,
+            )[0]
+            muscles[f"sinusoids {aim}, {seed}"] = lambda phase, best=best: sinusoidal(best.point)
+    print("(b)                     turned °  worst phase °  to and fro °  fastest °/tu  speed kept")
+    picture = Figure(figsize=(10, 3.6))
+    axes = picture.subplots(1, 2, sharey=True)
+    tick = STEP * STEPS_PER_TICK
+    for name, contraction in muscles.items():
+        found = [turn_from(body, swim, *start, contraction(start[1])) for start in starts]
+        angles = [one.by(beat) for one in found]
+        first = found[0]
+        during = first.heading[beat - 1 : beat + len(first.frames)]
+        off = max((angle - angles[0] for angle in angles), key=abs)
+        fastest, kept = np.abs(np.diff(during)).max() / tick, speed_kept(body, first.frames)
+        print(
+            f"    {name:<20} {angles[0]:7.1f}  {off:+13.1f}  {thrash(during):12.1f}"
+            f"  {fastest:12.1f}  {kept:10.2f}"
+        )
+        style: dict[str, Any] = {"linewidth": 0.8}
+        if name == "steering map":
+            style = {"color": "k", "linewidth": 2}
+        time = tick * (np.arange(len(first.heading)) - beat)
+        for axis, aim in zip(axes, (f"by {ANGLE:g}°", "farthest"), strict=True):
+            if not name.startswith("sinusoids") or aim in name:
+                axis.plot(time, first.heading - first.heading[:beat].mean(), label=name, **style)
+    for axis in axes:
+        axis.set_xlabel("tu")
+        axis.axvspan(0, steps * STEP, color="0.93")
+        axis.legend(fontsize=6)
+    axes[0].set_ylabel("heading, °")
+    save(picture, folder / "ks_turning.png")
+
+
+# (c) Folding
+
+
+def folding(body: Body, effort: Effort, folder: Path) -> dict[float, float]:
+    """Share of random sinusoids that fold the body, by their amplitude."""
+    rng = np.random.default_rng(7)
+    levels = np.round(np.arange(0.05, 0.61, 0.05), 2)
+    shares = {}
+    for level in tqdm(levels, desc="(c) folding", disable=None):
+        folded = 0
+        for _ in range(effort.folds):
+            controller = Sinusoids(
+                np.full(SIDES, level),
+                np.full(SIDES, rng.uniform(*FREQUENCIES)),
+                rng.uniform(0, 2 * np.pi, SIDES),
+            )
+            state = at_rest(body)
+            simulate(body, state, contraction_of(controller, whole_ticks(60.0)))
+            folded += not is_sound(state)
+        shares[float(level)] = folded / effort.folds
+    print("(c) amplitude: share folded  " + ", ".join(f"{a:g}: {s:.0%}" for a, s in shares.items()))
+    picture = Figure(figsize=(6, 3.2))
+    axis = picture.subplots()
+    axis.plot([*shares], [*shares.values()], "o-")
+    axis.set_xlabel("amplitude, share of rest length")
+    axis.set_ylabel(f"folded, of {effort.folds} at random")
+    save(picture, folder / "ks_folding.png")
+    return shares
+
+
+# (d) Rolling
+
+
+def one_diagonal() -> tuple[Any, Floats]:
+    """The hull with one diagonal in each quadrilateral face, as KS have triangulated it."""
+    halves = np.flatnonzero(TRIANGLE_WEIGHTS == 0.5)
+    # Four triangles a face: two of the one diagonal, then two of the other.
+    kept = np.sort([*np.flatnonzero(TRIANGLE_WEIGHTS == 1.0), *halves[halves_of(len(halves))]])
+    return TRIANGLES[kept], np.ones(len(kept))
+
+
+def halves_of(count: int) -> Any:
+    """Which of the triangles of halved faces belong to their first diagonal."""
+    return np.flatnonzero(np.arange(count) % 4 < 2)
+
+
+def simulate_with(triangles: Any, weights: Floats) -> Callable[..., Floats]:
+    """`simulate` whose water presses on another triangulation of the hull.
+
+    The kernels take the hull for a constant, so they are compiled anew.
+    """
+
+    def again(function: Any, **constants: Any) -> Any:
+        # Under a name of its own: kernels of one name are one to the linker.
+        name = f"{function.__name__}_{len(triangles)}_triangles"
+        code = function.__code__.replace(co_name=name, co_qualname=name)
+        return types.FunctionType(code, {**function.__globals__, **constants}, name)
+
+    compile_ = njit(error_model="numpy")
+    force = compile_(
+        again(water.add_water_force.py_func, TRIANGLES=triangles, TRIANGLE_WEIGHTS=weights)
+    )
+    step = compile_(again(solver.advance.py_func, add_water_force=force))
+    with_defaults = again(simulation.simulate, advance=step)
+    with_defaults.__defaults__ = simulation.simulate.__defaults__
+    return with_defaults  # type: ignore[no-any-return]
+
+
+def roll_of(run: Callable[..., Floats], body: Body, swim: SwimPlan, tu: float) -> Floats:
+    """Roll, pitch and heading (beats, 3), degrees, beat by beat of fast swimming from rest."""
+    state = at_rest(body)
+    beat = beat_contraction(swim, 1.0)
+    found = []
+    for _ in range(round(tu / STEP / len(beat))):
+        frames = run(body, state, beat)
+        rotation = body_frame(frames)[1]
+        forward, side = rotation[:, :, 0].mean(axis=0), rotation[:, :, 2].mean(axis=0)
+        up = rotation[:, :, 1].mean(axis=0)
+        found.append(
+            (np.arctan2(side[1], up[1]), np.arcsin(forward[1]), np.arctan2(-forward[2], forward[0]))
+        )
+    return np.degrees(np.unwrap(np.array(found), axis=0))
+
+
+def rolling(effort: Effort, folder: Path) -> dict[str, Floats]:
+    """Attitude in fast swimming with one diagonal of each face and with both."""
+    hulls = {"one diagonal": simulate_with(*one_diagonal()), "both diagonals": simulate}
+    found = {}
+    picture = Figure(figsize=(6, 3.2))
+    axis = picture.subplots()
+    print(f"(d) after {effort.roll_tu:g} tu of fast swimming     roll °   pitch °  heading °")
+    for name in ("fusilier", "emperor_angelfish"):
+        muscles = load_species(name).muscles
+        assert muscles
+        body = build_body(muscles.body)
+        for hull, run in hulls.items():
+            angles = roll_of(run, body, muscles.swim, effort.roll_tu)
+            found[f"{name}, {hull}"] = angles
+            roll, pitch, heading = angles[-1] - angles[min(START_BEATS, len(angles) - 1)]
+            print(f"    {name + ', ' + hull:<34} {roll:+8.3f}  {pitch:+8.3f}  {heading:+8.3f}")
+            time = np.linspace(0, effort.roll_tu, len(angles))
+            axis.plot(time, angles[:, 0], label=f"{name.replace('_', ' ')}, {hull}")
+    axis.set_xlabel("tu")
+    axis.set_ylabel("roll, °")
+    axis.legend(fontsize=7)
+    save(picture, folder / "ks_rolling.png")
+    return found
+
+
+def save(picture: Figure, path: Path) -> None:
+    """Write a picture."""
+    picture.savefig(path, dpi=80, bbox_inches="tight", metadata={"Software": None})
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """All four experiments."""
+    parser = argparse.ArgumentParser(description=__doc__.split(":")[0])
+    parser.add_argument("folder", nargs="?", type=Path, default=Path(__file__).parent / "pictures")
+    parser.add_argument("--quick", action="store_true", help="spend little")
+    parser.add_argument("--only", choices="abcd", default="abcd", help="one experiment")
+    options = parser.parse_args(arguments)
+    effort = QUICK if options.quick else Effort()
+    muscles = load_species("fusilier").muscles
+    assert muscles
+    plan, swim, turn = muscles
+    body = build_body(plan)
+    if "a" in options.only:
+        frequencies(body, effort, options.folder)
+    if "b" in options.only:
+        steady = steady_beat(body, beat_contraction(swim, swim.medium)).state
+        turning(body, swim, with_holds(body, swim, turn, steady), effort, options.folder)
+    if "c" in options.only:
+        folding(body, effort, options.folder)
+    if "d" in options.only:
+        rolling(effort, options.folder)
+
+
+if __name__ == "__main__":
+    main()
