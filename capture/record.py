@@ -129,11 +129,11 @@ def assemble(name: str, species: Species, recorded: dict[str, Recorded]) -> Repe
 def fingerprint(species: Species) -> str:
     """A hash of all that a recording depends on: the species' numbers and the program.
 
-    Names and colours are no part of it. Any change of the modules that swim and record counts,
-    for nothing else tells surely whether it changes the motion.
+    Names, sizes and colours are no part of it. Any change of the modules that swim and record
+    counts, for nothing else tells surely whether it changes the motion.
     """
     plans = msgspec.to_builtins(species)
-    for key in ("name", "scientific_name", "kind", "skin"):
+    for key in ("name", "scientific_name", "kind", "size_cm", "skin"):
         del plans[key]
     known = {"plans": plans, "versions": _versions(), "code": _code()}
     return hashlib.sha256(msgspec.json.encode(known, order="deterministic")).hexdigest()

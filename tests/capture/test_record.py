@@ -2,26 +2,10 @@ import numpy as np
 import pytest
 
 from capture.record import motion_from_provenance, motion_of, run_trial
-from subsea.repertoire import SEGMENTS, Repertoire, read_repertoire
-from subsea.resources import resource_path
+from subsea.repertoire import Repertoire
 from subsea.species import Species
 
 MIRROR = np.array([0, *(1 + 4 * ring + k for ring in range(5) for k in (1, 0, 3, 2)), 21, 22])
-
-
-def test_a_repertoire_is_complete(repertoire: Repertoire, species: Species) -> None:
-    assert tuple(repertoire.segments) == SEGMENTS
-    assert repertoire.source == "biomechanics"
-    assert repertoire.body_length_cm == species.body.length
-    assert repertoire.tick_s == 0.033
-
-
-def test_each_grade_is_clearly_faster_than_the_one_below(repertoire: Repertoire) -> None:
-    slow, medium, fast = (
-        repertoire.segments[f"swim_{grade}"].speed_cm_s for grade in ("slow", "medium", "fast")
-    )
-    assert medium >= 1.4 * slow
-    assert fast >= 1.4 * medium
 
 
 def test_turns_turn_to_their_side_by_what_they_promise(repertoire: Repertoire) -> None:
@@ -56,30 +40,8 @@ def test_a_sharp_turn_begins_and_ends_near_steady_swimming(repertoire: Repertoir
     assert (ends < 1.3 * steady.max()).all()
 
 
-def test_only_a_schooling_species_carries_control_points(
-    repertoire: Repertoire, species: Species
-) -> None:
-    for segment in repertoire.segments.values():
-        assert (segment.control_points is not None) == species.schooling
-        if segment.control_points is not None:
-            assert segment.control_points.shape == (len(segment.nodes), 426, 3)
-
-
 def test_the_provenance_is_enough_to_record_again(repertoire: Repertoire, species: Species) -> None:
     motion = motion_from_provenance(repertoire.provenance)
     assert motion == motion_of(species)
     trial = run_trial(motion, "swim_fast")
     assert repertoire.provenance["warm_up_beats"]["swim_fast"] == trial.warm_up_beats
-
-
-def test_the_shipped_repertoire_is_that_of_the_species_file(
-    name: str, repertoire: Repertoire
-) -> None:
-    """Whoever edits a body, a gait or an outline has to record again."""
-    shipped = read_repertoire(resource_path(f"repertoires/{name}.h5"))
-    for segment, fresh in repertoire.segments.items():
-        recorded = shipped.segments[segment]
-        np.testing.assert_allclose(recorded.nodes, fresh.nodes, atol=1e-5)
-        if fresh.control_points is not None:
-            assert recorded.control_points is not None
-            np.testing.assert_allclose(recorded.control_points, fresh.control_points, atol=1e-4)
