@@ -12,6 +12,7 @@ from subsea.kinematics.surface import Curve, Extent, Share, SurfacePlan
 from subsea.resources import load_toml, resource_names, resource_path
 
 Positive = Annotated[float, msgspec.Meta(gt=0)]
+Width = Annotated[float, msgspec.Meta(gt=0, le=1)]
 Colour = tuple[Share, Share, Share]  # linear RGB
 BodyLength = Annotated[float, msgspec.Meta(ge=2, le=300)]  # cm
 Place = tuple[Share, Extent]  # (distance from the snout, height above the axis), body lengths
@@ -36,6 +37,11 @@ class Stripes(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     end: Share = 1.0  # and end
     upright: bool = False
 
+    def __post_init__(self) -> None:
+        """Refuse lines that end before they begin."""
+        if self.begin >= self.end:
+            raise ValueError("stripes must end behind where they begin")
+
 
 class Patch(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """A spot with a smooth outline: points (distance from the snout, height), body lengths."""
@@ -43,8 +49,8 @@ class Patch(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     outline: Annotated[list[tuple[float, float]], msgspec.Meta(min_length=3)]
     colour: Colour
     rim: Colour | None = None
-    rim_width: Share = 0.008
-    soft: Share = 0.004  # width of the border
+    rim_width: Width = 0.008
+    soft: Width = 0.004  # width of the border
     over_fins: bool = False  # else the fins are painted over it
 
 
@@ -54,7 +60,7 @@ class FinSkin(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     colour: Colour
     opacity: Share = 0.8  # at the edge
     rim: Colour | None = None
-    rim_width: Share = 0.012  # body lengths; of paired fins the share of their length
+    rim_width: Width = 0.012  # body lengths; of paired fins the share of their length
     striped: bool = False  # the body's stripes go on over it
 
 
@@ -78,6 +84,11 @@ class SkinPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     gills: Annotated[int, msgspec.Meta(ge=1, le=7)] = 1  # a gill cover, or so many slits
     mouth: tuple[Place, Place] = ((0.0, -0.01), (0.03, -0.0184))  # its tip and its corner
     clear_back: Share = 0.0  # how much the back is like glass
+
+    def __post_init__(self) -> None:
+        """Refuse a mouth that does not open forwards."""
+        if self.mouth[0][0] >= self.mouth[1][0]:
+            raise ValueError("the corner of the mouth must lie behind its tip")
 
 
 class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):

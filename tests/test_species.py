@@ -71,6 +71,18 @@ FUSILIER = resource_path("assets/species/fusilier.toml").read_text()
     ("change", "words"),
     [
         (("back = [[0.0, 0.007], [0.02, 0.03]", "back = [[0.0, 0.007], [0.0, 0.03]"), "back"),
+        (("gloss = 0.55", "gloss = 0.5\nmouth = [[0.1, 0.0], [0.1, 0.1]]"), "mouth"),
+        (("gloss = 0.55", "gloss = 0.5\ngills = 8"), "skin.gills"),
+        (
+            (
+                "[skin.cape]",
+                "[skin.stripes]\ncolour = [0, 0, 0]\nspacing = 0.1\nshare = 0.5\n"
+                "begin = 0.5\nend = 0.4\n[skin.cape]",
+            ),
+            "stripes must end",
+        ),
+        (("[0.84, 0.033], [0.88, 0.05]", "[0.84, 0.033], [1.88, 0.05]"), "surface.back"),
+        (("[1.0, 1.0]] }", "[0.9, 1.0]] }"), "from 0 or -1 to 1"),
         (("size_cm = [16.0, 24.0]", "size_cm = [24.0, 16.0]"), "smallest length first"),
         (("base = [0.29, 0.74]", "base = [0.74, 0.29]"), "front to rear"),
         (("begin = 0.84", "begin = 0.0"), "tail must begin"),

@@ -36,9 +36,9 @@ SRGB8_ALPHA8 = 0x8C43  # OpenGL's name for the texels of a skin
 BODY, FIN, PECTORAL, PELVIC = range(4)  # parts, as the shaders know them
 
 FINEST_BODY = (17, 41)  # samples in u and v: 2,560 triangles on both halves
-FINEST_FIN = (2, 23)
+FINEST_FIN = (2, 35)
 WING_SPREAD_RAD, WING_BEAT = 0.95, 0.2  # how far a wing stands out, and its share of the beat
-PADDLE_SAMPLES = ((6, 5), (4, 3), (2, 2))  # by level
+PADDLE_SAMPLES = ((7, 6), (4, 3), (2, 2))  # by level
 
 VERTEX_FORMAT = "1f4 3f4 3f4 3f4 3f4 4f4 4f4"
 VERTEX_ATTRIBUTES = ("a_base", "a_u", "a_v", "a_du", "a_dv", "a_rest", "a_part")

@@ -142,10 +142,10 @@ def _draw_face(
     head = slice(0, int(np.searchsorted(s, eye.at + 0.16 + 0.01 * skin.gills)))
     picture, s, level = picture[:, :, head], s[head], level[:, head]
     at = s - (eye.at + 0.135) + 0.05 * level**2 + 0.02 * level
-    tall = (0.85, 0.55) if skin.gills == 1 else (0.55, 0.4)
+    tall, thick = ((0.85, 0.55), 0.006) if skin.gills == 1 else ((0.5, 0.3), 0.0045)
     for k in range(skin.gills):
         gill = np.abs(at + GILLS_APART * (k - 0.5 * (skin.gills - 1)))
-        picture[:3] *= 1.0 - 0.4 * _step(gill, 0.006, 0.0) * _step(np.abs(level), *tall)
+        picture[:3] *= 1.0 - 0.4 * _step(gill, thick, 0.0) * _step(np.abs(level), *tall)
     (tip, height), (corner, low) = skin.mouth
     mouth = np.abs(y - height - (low - height) / (corner - tip) * (s - tip))
     mouth = _step(mouth, 0.005, 0.0025) * _step(s, corner + 0.004, corner - 0.004)
