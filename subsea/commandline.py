@@ -1,6 +1,7 @@
 """What the command lines of the project share: exit codes, faults in one line, help."""
 
 import argparse
+import errno
 import math
 import os
 import signal
@@ -39,6 +40,13 @@ def answer(program: str, run: Callable[[], int]) -> int:
         # The reader of our output (`subsea … | head`) has seen enough.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+    except OSError as fault:
+        # Not only results need room: compiled code is kept on the disk too.
+        if fault.errno not in (errno.ENOSPC, errno.EDQUOT):
+            raise
+        place = f"{fault.filename}: " if fault.filename else ""
+        print(f"{program}: {place}{fault.strerror}", file=sys.stderr)
+        return 2
 
 
 def _terminate(number: int, frame: object) -> NoReturn:

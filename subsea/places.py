@@ -54,7 +54,8 @@ def replacing(path: Path) -> Iterator[Path]:
         yield temporary
         temporary.replace(path)
     except OSError as fault:
-        reason = fault.strerror or str(fault).partition("\n")[0]
+        # The HDF5 library puts lines of its own into the text of an error.
+        reason = os.strerror(fault.errno) if fault.errno else str(fault).partition("\n")[0]
         raise UserError(f"{path}: cannot write ({reason})") from fault
     finally:
         with suppress(OSError):

@@ -37,7 +37,11 @@ def read_repertoire(path: Path) -> Repertoire:
             raise UserError(f"{where}: not a repertoire, expected attribute format = {FORMAT!r}")
         version = hdf5.attribute(file, "version", int, where)
         if version != VERSION:
-            raise UserError(f"{where}: version {version}, this program reads version {VERSION}")
+            remedy = "update subsea or record it again" if version > VERSION else "record it again"
+            raise UserError(
+                f"{where}: version {version}, this program reads version {VERSION}; {remedy} "
+                "(subsea-capture record)"
+            )
         if hdf5.attribute(file, "format", str, where) != FORMAT:
             raise UserError(f"{where}: not a repertoire, expected attribute format = {FORMAT!r}")
         length = _positive(file, "body_length_cm", where)

@@ -8,6 +8,7 @@ import pytest
 from capture import quality, record
 from capture.cli import main
 from subsea.repertoire import read_repertoire
+from subsea.repertoire.schema import VERSION
 
 
 def one_line(capsys: pytest.CaptureFixture[str]) -> str:
@@ -58,6 +59,26 @@ def test_a_damaged_file_is_one_line(
     extra = ["--out", str(tmp_path)] if command == "plot" else []
     assert main([command, str(path), *extra]) == 2
     assert "damaged.h5" in one_line(capsys)
+
+
+def test_a_repertoire_of_a_newer_version_is_one_line_with_what_to_do(
+    recorded: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "newer.h5"
+    path.write_bytes(recorded.read_bytes())
+    with h5py.File(path, "a") as file:
+        file.attrs["version"] = 7
+    for command in (["inspect", str(path)], ["plot", str(path), "--out", str(tmp_path)]):
+        assert main(command) == 2
+        line = one_line(capsys)
+        assert f"version 7, this program reads version {VERSION}; update subsea" in line
+
+
+def test_a_folder_in_which_nothing_can_be_made_is_one_line_before_any_drawing(
+    recorded: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["plot", str(recorded), "--out", "/proc/plots"]) == 2
+    assert "/proc/plots: cannot make the folder" in one_line(capsys)
 
 
 def test_a_truncated_repertoire_is_one_line(

@@ -14,6 +14,7 @@ from subsea.errors import UserError
 from subsea.kinematics.coupling import couple
 from subsea.repertoire import SEGMENTS, read_repertoire, write_repertoire
 from subsea.repertoire.library import pack
+from subsea.repertoire.schema import VERSION
 from subsea.repertoire.transitions import plan_transitions
 
 
@@ -80,7 +81,14 @@ def _replace(name, value):
 
 DAMAGE = {
     "another format": (_set("format", np.bytes_("movie")), "not a repertoire"),
-    "a later version": (_set("version", 99), "version 99"),
+    "a later version": (
+        _set("version", 99),
+        f"version 99, this program reads version {VERSION}; update subsea or record it again",
+    ),
+    "an earlier version": (
+        _set("version", 1),
+        f"version 1, this program reads version {VERSION}; record it again",
+    ),
     "no length": (_set("body_length_cm", -1.0), "body_length_cm"),
     "provenance that is no JSON": (_set("provenance", np.bytes_("{")), "provenance"),
     "rest nodes of another fish": (_replace("rest/nodes", np.zeros((22, 3))), "22×3"),
