@@ -23,11 +23,12 @@ out vec4 f_colour;
 const float SHARPEN = -0.6;  // mipmaps alone blur stripes that can still be told apart
 const vec2 SCALES = vec2(78.0, 30.0);  // per body length along, from ridge to ridge
 
-// Rows of scales, set like tiles and each a little tilted; they blur away before they alias.
+// Rows of scales, each overlapping the next and a little tilted; they blur away before they alias.
 float scales(vec2 place, inout vec3 normal) {
     vec2 cell = vec2(place.x, v_part.y) * SCALES;
     vec2 grain = fwidth(cell);
-    cell.x += 0.5 * mod(floor(cell.y), 2.0);
+    float off = fract(cell.y) - 0.5;
+    cell.x += 0.5 * mod(floor(cell.y), 2.0) + 2.0 * off * off;  // round behind
     float seen = 1.0 - smoothstep(0.25, 0.8, max(grain.x, grain.y));
     // Neither the face nor the tail fin has any.
     seen *= smoothstep(u_eye_spot.x, u_eye_spot.x + 0.12, place.x);
