@@ -55,7 +55,7 @@ def benchmark(
     load_scenario(scenario)
     with headless() as context:
         world = start_world(scenario, seed, fish, motor=motor)
-        with picture_maker(context, world, size) as renderer:
+        with picture_maker(context, world, size, display=display) as renderer:
             measured = measure(world, renderer, context, display, size, frames, without)
         report = {
             "renderer": context.info["GL_RENDERER"],

@@ -75,6 +75,7 @@ def _add_dive(commands: Any) -> None:
     )
     _add_scenario(dive)
     _add_display(dive)
+    _add_stereo(dive)
     _add_size(dive, (1280, 720))
     dive.add_argument("--fullscreen", action="store_true", help="fill the screen (F11 toggles)")
     _add_seed(dive)
@@ -100,6 +101,7 @@ def _add_film(commands: Any) -> None:
     film.add_argument("out", metavar="OUT", type=Path, help="FILE.mp4, FILE.png or a folder")
     _add_scenario(film)
     _add_display(film)
+    _add_stereo(film)
     film.add_argument(
         "--seconds",
         type=number(float, 0.05, 3600),
@@ -220,7 +222,32 @@ def _add_display(parser: argparse.ArgumentParser) -> None:
         type=_display,
         default="mono",
         metavar="MODE",
-        help="mono, side-by-side or top-bottom (default mono)",
+        help="mono, or one of the stereo modes: stereo (shutter glasses, in a window), "
+        "side-by-side, top-bottom, anaglyph, anaglyph-comfort, interlaced, checkerboard "
+        "(default mono)",
+    )
+
+
+def _add_stereo(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--swap-eyes", action="store_true", help="left and right exchanged")
+    parser.add_argument(
+        "--eye-distance",
+        type=number(float, 0.0, 100.0),
+        metavar="CM",
+        help="between the two eyes (default 6.4): more deepens the sea and shrinks it",
+    )
+    parser.add_argument(
+        "--screen-distance",
+        type=number(float, 20.0, 5000.0),
+        metavar="CM",
+        help="what is nearer stands out of the screen, the rest lies behind it (default 120)",
+    )
+    parser.add_argument(
+        "--screen-width",
+        type=number(float, 5.0, 10000.0),
+        metavar="CM",
+        help="of the real screen: on a wide one the eyes come nearer together, so that nobody's "
+        "have to turn outwards",
     )
 
 
@@ -265,7 +292,7 @@ def _size(text: str) -> tuple[int, int]:
 
 
 def _display(text: str) -> str:
-    from subsea.view.rigs import DISPLAYS
+    from subsea.view.stereo import DISPLAYS
 
     if text not in DISPLAYS:
         raise unknown("display", text, list(DISPLAYS))
@@ -293,13 +320,38 @@ def _left_out(text: str) -> frozenset[str]:
 def _dive(**options: Any) -> int:
     from subsea.app.dive import dive
 
-    return dive(**options)
+    return dive(**_with_stereo(options))
 
 
 def _film(**options: Any) -> int:
     from subsea.app.film import film
 
-    return film(**options)
+    _no_pages(options["display"])
+    return film(**_with_stereo(options))
+
+
+def _with_stereo(options: dict[str, Any]) -> dict[str, Any]:
+    """The options with those of the eyes put together."""
+    from subsea.view.stereo import Stereo
+
+    given = {
+        "separation_cm": options.pop("eye_distance"),
+        "screen_cm": options.pop("screen_distance"),
+        "screen_width_cm": options.pop("screen_width"),
+        "swapped": options.pop("swap_eyes"),
+    }
+    stereo = Stereo(**{name: value for name, value in given.items() if value is not None})
+    return options | {"stereo": stereo}
+
+
+def _no_pages(display: str) -> None:
+    from subsea.view.stereo import PAGED
+
+    if display == PAGED:
+        raise UserError(
+            f"--display {PAGED} needs a window with a buffer for each eye; without a window take "
+            "side-by-side, top-bottom, anaglyph, interlaced or checkerboard"
+        )
 
 
 def _simulate(**options: Any) -> int:
@@ -315,6 +367,7 @@ def _benchmark(paper: bool, **options: Any) -> int:
         return paper_tables()
     from subsea.app.benchmark import benchmark
 
+    _no_pages(options["display"])
     return benchmark(**options)
 
 

@@ -5,28 +5,30 @@ from contextlib import ExitStack, closing
 
 from subsea.app.clock import Clock
 from subsea.app.console import say
-from subsea.app.overlay import Overlay
+from subsea.app.overlay import Overlay, one_page, panes
 from subsea.app.pilot import Pilot
 from subsea.app.start import start_world
 from subsea.app.window import Window
 from subsea.frame import make_scene, pack
 from subsea.ocean import step
-from subsea.render import Renderer, window_context
+from subsea.render import Renderer, page_switch, window_context
 from subsea.scenario import load_scenario
 from subsea.view.rigs import cockpit, views_for
+from subsea.view.stereo import EYES, PAGED, Stereo
 from subsea.world import TICK_S
 
 
 def dive(
     scenario: str,
     display: str,
+    stereo: Stereo,
     size: tuple[int, int],
     fullscreen: bool,
     seed: int | None,
     seconds: float | None,
 ) -> int:
     """Dive until the window is closed, Esc is pressed, or `seconds` have passed; exit code 0."""
-    with closing(Dive(scenario, display, size, fullscreen, seed)) as running:
+    with closing(Dive(scenario, display, size, fullscreen, seed, stereo)) as running:
         start = last = time.perf_counter()
         while running.window.open and (seconds is None or last - start < seconds):
             now = time.perf_counter()
@@ -45,18 +47,19 @@ class Dive:
         size: tuple[int, int],
         fullscreen: bool = False,
         seed: int | None = None,
+        stereo: Stereo = EYES,
     ) -> None:
         """Open the window, then the world: the visitor sees at once that something happens.
 
         Whatever fails, all that was opened is closed again.
         """
         load_scenario(scenario)  # a misspelt name is told before a window flashes up
-        self.display = display
+        self.display, self._stereo = display, stereo
         self.pilot = Pilot()
         self._clock = Clock(TICK_S)
         self._help_wanted = 0
         with ExitStack() as undo:
-            self.window = Window("subsea", size, fullscreen, self.pilot)
+            self.window = Window("subsea", size, fullscreen, self.pilot, paged=display == PAGED)
             undo.callback(self.window.close)
             self.overlay = Overlay(self.window.handle)
             undo.callback(self.overlay.close)
@@ -64,7 +67,11 @@ class Dive:
             self._tell("starting OpenGL")
             self._context = window_context(self.window.get_proc_address)
             self._size = self.window.size
-            self._renderer = Renderer(self._context, make_scene(self.world), self._size)
+            page = page_switch(self.window.get_proc_address) if display == PAGED else one_page
+            self._renderer = Renderer(
+                self._context, make_scene(self.world), self._size, display=display, page=page
+            )
+            self._panes = panes(display, page)
             undo.callback(self._renderer.release)
             self._undo = undo.pop_all()
 
@@ -80,11 +87,11 @@ class Dive:
             self._size = self.window.size
             self._renderer.resize(self._size)
         submarine, alpha = self.world.state.submarine, self._clock.alpha
-        views = views_for(self.display, self._size, cockpit(submarine, alpha))
+        views = views_for(self.display, self._size, cockpit(submarine, alpha), self._stereo)
         self._renderer.draw(pack(self.world, views, alpha), into=self._context.screen)
-        if self.display == "mono":  # a text across two squeezed halves could not be read
-            throttle, stopping = self.pilot.throttle, self.pilot.stopping
-            self.overlay.draw(submarine, throttle, stopping, elapsed_s, self.window.text_scale)
+        throttle, stopping = self.pilot.throttle, self.pilot.stopping
+        scale = self.window.text_scale
+        self.overlay.draw(submarine, throttle, stopping, elapsed_s, scale, self._panes)
         self.window.present()
 
     def close(self) -> None:

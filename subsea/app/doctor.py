@@ -123,7 +123,7 @@ def _headless() -> list[Finding]:
 def _display() -> list[Finding]:
     """Display, monitors, and the OpenGL of hidden windows."""
     try:
-        from subsea.app.window import hidden_window, on_display
+        from subsea.app.window import OTHER_STEREO, hidden_window, on_display
         from subsea.render import window_context
     except ImportError as fault:
         return [Finding("display", False, f"{fault}; try: {INSTALL}")]
@@ -141,7 +141,7 @@ def _display() -> list[Finding]:
                     text = f"{context.info['GL_RENDERER']}, {context.info['GL_VERSION']}"
                     findings.append(Finding("OpenGL, window", True, text))
             with hidden_window(stereo=True) as loader:
-                text = "yes" if loader else "no; use --display side-by-side or top-bottom"
+                text = "yes" if loader else f"no; use --display {OTHER_STEREO}"
                 findings.append(Finding("quad-buffered stereo", bool(loader), text, needed=False))
             return findings
     except UserError as fault:

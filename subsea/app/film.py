@@ -15,6 +15,7 @@ from subsea.frame import pack
 from subsea.ocean import step
 from subsea.scenario import load_scenario
 from subsea.view.rigs import cockpit, views_for
+from subsea.view.stereo import Stereo
 from subsea.world import TICK_S
 
 SAMPLES = 4  # per pixel, on any renderer: a film has the time
@@ -24,6 +25,7 @@ def film(
     out: Path,
     scenario: str,
     display: str,
+    stereo: Stereo,
     seconds: float,
     fps: float,
     size: tuple[int, int],
@@ -47,7 +49,7 @@ def film(
             world = start_world(scenario, seed)
             with (
                 interrupts.deferred() as check,
-                picture_maker(context, world, size, SAMPLES) as renderer,
+                picture_maker(context, world, size, SAMPLES, display) as renderer,
                 open_reel(out, size, fps) as write,
             ):
                 say(f"filming to {out}")
@@ -58,7 +60,8 @@ def film(
                     while world.state.tick < ticks + 1:  # the first is the start of the film
                         check()
                         step(world, tour_helm(world))
-                    views = views_for(display, size, cockpit(world.state.submarine, alpha))
+                    observer = cockpit(world.state.submarine, alpha)
+                    views = views_for(display, size, observer, stereo)
                     renderer.draw(pack(world, views, alpha))
                     picture = renderer.read_pixels()
                     drawn = time.perf_counter()

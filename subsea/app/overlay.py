@@ -2,13 +2,15 @@
 
 import ctypes
 import math
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import imgui_bundle
 from imgui_bundle import imgui
 
 from subsea.state import Submarine
+from subsea.view.stereo import LAYOUTS, Weave
 
 # Ten manoeuvres and four more keys, in the words of a sign beside the exhibit.
 HELP = (
@@ -28,6 +30,36 @@ MOVED_CM = 60.0  # how far the visitor must have gone by herself before the help
 INK = (0.93, 0.97, 1.0)
 QUIET = (0.62, 0.76, 0.84)
 DEEP = (0.02, 0.13, 0.20)
+
+
+def one_page(number: int) -> None:
+    """There is only one buffer to draw into."""
+
+
+class Pane(NamedTuple):
+    """A part of the window that shows everything, in shares of it from the upper left corner."""
+
+    x: float = 0.0
+    y: float = 0.0
+    width: float = 1.0
+    height: float = 1.0
+    number: int = 0
+    page: Callable[[int], None] = one_page
+
+
+WHOLE = Pane()
+
+
+def panes(display: str, page: Callable[[int], None]) -> tuple[Pane, ...]:
+    """Where the text of a display mode goes: once, or once for each eye that has its own part."""
+    layout = LAYOUTS[display]
+    if len(layout.weaves) == 2:
+        return Pane(number=0, page=page), Pane(number=1, page=page)
+    if layout.weaves == (Weave.PLAIN,) and layout.eyes == "beside":
+        return Pane(width=0.5), Pane(x=0.5, width=0.5)
+    if layout.weaves == (Weave.PLAIN,) and layout.eyes == "above":
+        return Pane(height=0.5), Pane(y=0.5, height=0.5)
+    return (WHOLE,)
 
 
 class Overlay:
@@ -76,16 +108,25 @@ class Overlay:
         self._end()
 
     def draw(
-        self, submarine: Submarine, throttle: float, stopping: bool, dt: float, scale: float
+        self,
+        submarine: Submarine,
+        throttle: float,
+        stopping: bool,
+        dt: float,
+        scale: float,
+        panes: Sequence[Pane] = (WHOLE,),
     ) -> None:
-        """Draw help and instruments over the present picture; `dt` is the time since the last."""
+        """Draw help and instruments over the present picture; `dt` is the time since the last.
+
+        They are drawn in each of the `panes`, in the same place for both eyes: at the screen.
+        """
         self._fade(submarine, dt)
         self._begin(scale)
         size = imgui.get_io().display_size
         self._instruments(submarine, throttle, stopping, size)
         if self._help > 0.0:
             self._help_panel(size)
-        self._end()
+        self._end(panes)
 
     def close(self) -> None:
         """Release what it holds; the window's context must still be current."""
@@ -106,10 +147,22 @@ class Overlay:
         imgui.new_frame()
         imgui.push_font(None, TEXT_PT * scale)
 
-    def _end(self) -> None:
+    def _end(self, panes: Sequence[Pane] = (WHOLE,)) -> None:
         imgui.pop_font()
         imgui.render()
-        imgui.backends.opengl3_render_draw_data(imgui.get_draw_data())
+        data = imgui.get_draw_data()
+        size, scale = data.display_size, data.framebuffer_scale
+        width, height = size.x, size.y
+        across, down = scale.x, scale.y
+        for pane in panes:
+            pane.page(pane.number)
+            # What would fill the window is drawn as the pane's part of a larger one.
+            data.display_pos = imgui.ImVec2(
+                -pane.x * width / pane.width, -pane.y * height / pane.height
+            )
+            data.display_size = imgui.ImVec2(width / pane.width, height / pane.height)
+            data.framebuffer_scale = imgui.ImVec2(across * pane.width, down * pane.height)
+            imgui.backends.opengl3_render_draw_data(data)
 
     def _instruments(
         self, submarine: Submarine, throttle: float, stopping: bool, size: Any

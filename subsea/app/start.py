@@ -63,7 +63,11 @@ def headless() -> Iterator[Any]:
 
 @contextmanager
 def picture_maker(
-    context: Any, world: World, size: tuple[int, int], samples: int | None = None
+    context: Any,
+    world: World,
+    size: tuple[int, int],
+    samples: int | None = None,
+    display: str = "mono",
 ) -> Iterator["Renderer"]:
     """A renderer for pictures of `size`, released in the end.
 
@@ -71,7 +75,7 @@ def picture_maker(
     """
     from subsea.render import Renderer
 
-    renderer = Renderer(context, make_scene(world), size, samples)
+    renderer = Renderer(context, make_scene(world), size, samples, display)
     try:
         yield renderer
     finally:

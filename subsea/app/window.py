@@ -33,6 +33,7 @@ BUTTONS: dict[int, Button] = {
     glfw.MOUSE_BUTTON_RIGHT: "right",
     glfw.MOUSE_BUTTON_MIDDLE: "middle",
 }
+OTHER_STEREO = "side-by-side, top-bottom, anaglyph, interlaced or checkerboard"
 PLATFORMS = {
     glfw.PLATFORM_X11: "X11",
     glfw.PLATFORM_WAYLAND: "Wayland",
@@ -100,16 +101,32 @@ class Window:
     `help_wanted` counts how often the visitor asked for the help.
     """
 
-    def __init__(self, title: str, size: tuple[int, int], fullscreen: bool, pilot: Pilot) -> None:
-        """Open it. No display or no OpenGL is a UserError that says what to do."""
+    def __init__(
+        self,
+        title: str,
+        size: tuple[int, int],
+        fullscreen: bool,
+        pilot: Pilot,
+        paged: bool = False,
+    ) -> None:
+        """Open it. No display or no OpenGL is a UserError that says what to do.
+
+        `paged` asks for a buffer for each eye.
+        """
         with ExitStack() as undo:
             undo.enter_context(on_display())
             _context_hints()
+            glfw.window_hint(glfw.STEREO, paged)
             try:
                 self.handle = glfw.create_window(*size, title, None, None)
                 if not self.handle:
                     raise glfw.GLFWError("no window was made")
             except glfw.GLFWError as fault:
+                if paged:
+                    raise UserError(
+                        "the graphics driver offers no window with a buffer for each eye "
+                        f"(quad-buffered stereo: {_reason(fault)}); try --display {OTHER_STEREO}"
+                    ) from fault
                 raise UserError(
                     f"no window with OpenGL 3.3 ({_reason(fault)}); try: {INSTALL}"
                 ) from fault

@@ -1,5 +1,6 @@
 """OpenGL contexts: without a window through EGL, or on a window that somebody else made."""
 
+import ctypes
 from collections.abc import Callable
 from typing import Any
 
@@ -7,6 +8,7 @@ import moderngl
 
 from subsea.errors import UserError
 
+BACK_BUFFERS = (0x0402, 0x0403)  # OpenGL's names for the left and right one
 REQUIRED = 330  # OpenGL 3.3 core
 INSTALL = "sudo apt-get install --no-install-recommends libegl1 libgl1 libgl1-mesa-dri"
 
@@ -51,6 +53,20 @@ def window_context(get_proc_address: Callable[[str], int | None]) -> Any:
     except Exception as fault:
         raise _no_opengl(fault) from fault
     return _prepared(context)
+
+
+def page_switch(get_proc_address: Callable[[str], Any]) -> Callable[[int], None]:
+    """A function that chooses the left (0) or right (1) back buffer of the current window.
+
+    moderngl has no word for it. It holds for the framebuffer of the window, while that is in use.
+    """
+    address = ctypes.cast(get_proc_address("glDrawBuffer"), ctypes.c_void_p).value
+    draw_buffer = ctypes.CFUNCTYPE(None, ctypes.c_uint)(address or 0)
+
+    def choose(number: int) -> None:
+        draw_buffer(BACK_BUFFERS[number])
+
+    return choose
 
 
 def _create(**settings: Any) -> Any:

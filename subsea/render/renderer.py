@@ -1,6 +1,7 @@
 """The order of a picture: seabed, water behind it, fishes, particles, then tone mapping."""
 
 import time
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from subsea.render.target import Resolve, Target
 from subsea.render.textures import caustics, tileable_noise, upload
 from subsea.render.water import Water
 from subsea.view.camera import View
+from subsea.view.stereo import LAYOUTS, canvas_size
 
 CONTRAST_LEFT = 0.02  # at the distance that a scenario calls its visibility
 SAMPLES = 4  # per pixel, where a GPU takes them
@@ -24,10 +26,21 @@ class Renderer:
     """Everything on the GPU for one dive. Draws packets; knows nothing of their origin."""
 
     def __init__(
-        self, context: Any, scene: Scene, size: tuple[int, int], samples: int | None = None
+        self,
+        context: Any,
+        scene: Scene,
+        size: tuple[int, int],
+        samples: int | None = None,
+        display: str = "mono",
+        page: Callable[[int], object] = lambda number: None,
     ) -> None:
-        """`size` (width, height) in pixels; `samples` per pixel, None: what suits the GPU."""
+        """`size` (width, height) in pixels; `samples` per pixel, None: what suits the GPU.
+
+        `display` is one of `view.stereo.DISPLAYS`, from whose rig the packets' views must come.
+        `page(0)`, `page(1)` choose the left or right buffer of a window that has two.
+        """
         self._context = context
+        self._display, self._page = display, page
         self._scene = scene
         if samples is None:
             software = any(name in context.info["GL_RENDERER"].lower() for name in SOFTWARE)
@@ -46,7 +59,7 @@ class Renderer:
 
     def resize(self, size: tuple[int, int]) -> None:
         """Change the size of the picture, in pixels (width, height)."""
-        if size != self._target.size:
+        if size != self._size:
             self._release_target()
             self._make_target(size)
 
@@ -80,11 +93,15 @@ class Renderer:
             self._target.framebuffer.depth_mask = False
             self.triangles += self._particles.draw(packet, view, uniforms)
             self._target.framebuffer.depth_mask = True
-        self._resolve.draw(self._target.picture(), self._own if into is None else into)
+        canvas, into = self._target.picture(), self._own if into is None else into
+        for number, weave in enumerate(LAYOUTS[self._display].weaves):
+            into.use()  # a buffer is chosen of the framebuffer in use
+            self._page(number)
+            self._resolve.draw(canvas, into, self._size, weave)
 
     def read_pixels(self) -> NDArray[np.uint8]:
         """The last picture drawn into the renderer's own framebuffer: (h, w, 3), top row first."""
-        width, height = self._target.size
+        width, height = self._size
         data = self._own.read(components=3, alignment=1)
         return np.frombuffer(data, np.uint8).reshape(height, width, 3)[::-1]
 
@@ -98,7 +115,8 @@ class Renderer:
             part.release()
 
     def _make_target(self, size: tuple[int, int]) -> None:
-        self._target = Target(self._context, size, self._samples)
+        self._size = size
+        self._target = Target(self._context, canvas_size(self._display, size), self._samples)
         self._screen = self._context.renderbuffer(size, 4)
         self._own = self._context.framebuffer([self._screen])
 

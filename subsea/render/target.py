@@ -3,6 +3,7 @@
 from typing import Any
 
 from subsea.render.shaders import program
+from subsea.view.stereo import Weave
 
 
 class Target:
@@ -38,19 +39,18 @@ class Target:
 
 
 class Resolve:
-    """Tone mapping and sRGB: from a linear picture to eight bits."""
+    """Tone mapping and sRGB, and both eyes woven together: from a linear canvas to eight bits."""
 
     def __init__(self, context: Any) -> None:
         self._context = context
         self._program = program(context, "resolve")
         self._array = context.vertex_array(self._program, [])
 
-    def draw(self, picture: Any, into: Any) -> None:
-        """Fill the framebuffer `into`, which need not have the picture's size."""
+    def draw(self, picture: Any, into: Any, size: tuple[int, int], weave: Weave) -> None:
+        """Fill the framebuffer `into`, of `size` pixels, from the canvas `picture`."""
         into.use()
-        # moderngl remembers a window's first size for ever; whoever resizes the window resizes us.
-        size = picture.size if into is self._context.screen else into.size
         self._context.viewport = (0, 0, *size)
+        self._program["u_weave"].value = int(weave)
         self._context.disable(self._context.DEPTH_TEST | self._context.BLEND)
         picture.use(0)
         self._array.render(vertices=3)

@@ -7,14 +7,11 @@ from numpy.typing import NDArray
 
 from subsea.state import Submarine
 from subsea.view.camera import NEAR_CM, View, look, off_axis
+from subsea.view.stereo import EYES, LAYOUTS, Stereo, canvas_size
 
 Array = NDArray[np.floating[Any]]
 
-DISPLAYS = ("mono", "side-by-side", "top-bottom")
-
 VERTICAL_FOV = np.radians(55.0)
-EYE_SEPARATION_CM = 6.4
-SCREEN_DISTANCE_CM = 120.0  # where both eyes' pictures coincide
 WINDOW_AHEAD_CM = 20.0  # the eye sits this far before the hull's centre
 
 
@@ -48,33 +45,42 @@ def cockpit(submarine: Submarine, alpha: float) -> Pose:
     return looking._replace(eye=position + WINDOW_AHEAD_CM * looking.forward)
 
 
-def views_for(display: str, size: tuple[int, int], observer: Pose) -> tuple[View, ...]:
-    """The views of a display mode for a picture of `size` pixels (width, height)."""
-    width, height = size
-    if display == "mono":
-        return (_eye_view((0, 0, width, height), width / height, observer, 0.0),)
-    half = EYE_SEPARATION_CM / 2
-    if display == "side-by-side":
+def views_for(
+    display: str, size: tuple[int, int], observer: Pose, stereo: Stereo = EYES
+) -> tuple[View, ...]:
+    """The views of a display mode for a picture of `size` pixels (width, height).
+
+    Their viewports lie on the mode's canvas (`stereo.canvas_size`), the left eye's comes first.
+    """
+    width, height = canvas_size(display, size)
+    # Where both eyes share the picture each is stretched over it, so the picture's aspect counts.
+    aspect = size[0] / size[1]
+    eyes = LAYOUTS[display].eyes
+    if eyes == "one":
+        return (_eye_view((0, 0, width, height), aspect, observer, 0.0, stereo),)
+    if eyes == "beside":
         left, right = (0, 0, width // 2, height), (width // 2, 0, width - width // 2, height)
-    elif display == "top-bottom":
-        left, right = (0, height // 2, width, height - height // 2), (0, 0, width, height // 2)
     else:
-        raise ValueError(f"no rig for display {display!r}")
-    # Each eye's half is stretched over the whole screen, so the screen's aspect counts.
-    aspect = width / height
+        left, right = (0, height // 2, width, height - height // 2), (0, 0, width, height // 2)
+    window = 2.0 * stereo.screen_cm * aspect * np.tan(VERTICAL_FOV / 2)
+    half = stereo.eyes(float(window)) / 2 * (-1 if stereo.swapped else 1)
     return (
-        _eye_view(left, aspect, observer, -half),
-        _eye_view(right, aspect, observer, half),
+        _eye_view(left, aspect, observer, -half, stereo),
+        _eye_view(right, aspect, observer, half, stereo),
     )
 
 
 def _eye_view(
-    viewport: tuple[int, int, int, int], aspect: float, observer: Pose, offset: float
+    viewport: tuple[int, int, int, int],
+    aspect: float,
+    observer: Pose,
+    offset: float,
+    stereo: Stereo,
 ) -> View:
     """An eye `offset` cm right of the observer; its frustum leans back to the common screen."""
     side = np.cross(observer.forward, observer.up)
     eye = observer.eye + offset * side
     top = NEAR_CM * np.tan(VERTICAL_FOV / 2)
-    lean = -offset * NEAR_CM / SCREEN_DISTANCE_CM
+    lean = -offset * NEAR_CM / stereo.screen_cm
     projection = off_axis(lean - aspect * top, lean + aspect * top, -top, top)
     return View(viewport, look(eye, observer.forward, observer.up), projection, eye)

@@ -57,6 +57,24 @@ def test_a_picture_is_the_same_each_time(tmp_path):
     assert one.read_bytes() == two.read_bytes()
 
 
+def test_a_film_for_shutter_glasses_is_one_line_with_other_modes(tmp_path, capsys):
+    assert main(["film", str(tmp_path / "a.png"), "--display", "stereo"]) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert "side-by-side" in error
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("option", ["--swap-eyes", "--eye-distance=30", "--screen-distance=400"])
+def test_the_eyes_are_set_by_options(tmp_path, option):
+    pictures = []
+    for extra in ([], [option]):
+        arguments = ["--display", "checkerboard", "--size", "64x64", "--seconds", "0.1", *extra]
+        assert main(["film", str(tmp_path / "a.png"), *arguments]) == 0
+        pictures.append(np.asarray(Image.open(tmp_path / "a.png")))
+    assert (pictures[0] != pictures[1]).any()
+
+
 @pytest.mark.parametrize("display", ["side-by-side", "top-bottom"])
 def test_stereo_shows_two_different_eyes(tmp_path, display):
     out = tmp_path / "stereo.png"

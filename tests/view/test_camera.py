@@ -2,9 +2,12 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from subsea.state import Submarine
-from subsea.view.rigs import DISPLAYS, SCREEN_DISTANCE_CM, VERTICAL_FOV, cockpit, pose, views_for
+from subsea.view.rigs import VERTICAL_FOV, cockpit, pose, views_for
+from subsea.view.stereo import DISPLAYS, EYE_SEPARATION_CM, SCREEN_DISTANCE_CM, Stereo, canvas_size
 
 EYE = np.array([10.0, 20.0, -300.0])
 
@@ -54,11 +57,61 @@ def test_the_eyes_agree_at_the_screen_and_differ_elsewhere(display):
     assert parallax(0.5 * SCREEN_DISTANCE_CM) < -1e-3
 
 
+@given(
+    point=st.tuples(st.floats(-200, 200), st.floats(-100, 100), st.floats(30, 3000)),
+    separation=st.floats(0.5, 20),
+    screen=st.floats(40, 2000),
+    display=st.sampled_from([name for name in DISPLAYS if name != "mono"]),
+)
+def test_a_point_lands_where_the_ray_to_each_eye_meets_the_screen(
+    point, separation, screen, display
+):
+    """The screen is one plane for both eyes: frusta lean, they are never toed in."""
+    observer, size = pose(EYE, 0.4, -0.3), (640, 360)
+    stereo = Stereo(separation_cm=separation, screen_cm=screen)
+    side = np.cross(observer.forward, observer.up)
+    axes = np.stack([side, observer.up, observer.forward])
+    half_height = screen * np.tan(VERTICAL_FOV / 2)
+    half = np.array([half_height * size[0] / size[1], half_height])
+    views = views_for(display, size, observer, stereo)
+    for view, offset in zip(views, (-separation / 2, separation / 2), strict=True):
+        place, depth = _pixel(view, EYE + np.array(point) @ axes)
+        assert depth == pytest.approx(point[2], rel=1e-3)
+        x, y, w, h = view.viewport
+        eye = np.array([offset, 0.0])
+        met = eye + (np.array(point[:2]) - eye) * screen / point[2]  # on the screen, cm
+        expected = np.array([x, y]) + (met / half + 1) / 2 * [w, h]
+        np.testing.assert_allclose(place, expected, rtol=2e-4, atol=0.1)
+
+
+def test_swapped_eyes_exchange_their_pictures():
+    observer = pose(EYE, 0.0, 0.0)
+    left, right = views_for("anaglyph", (64, 36), observer)
+    other_left, other_right = views_for("anaglyph", (64, 36), observer, Stereo(swapped=True))
+    np.testing.assert_array_equal(other_left.view, right.view)
+    np.testing.assert_array_equal(other_right.projection, left.projection)
+    assert other_left.viewport == left.viewport
+
+
+@given(width=st.floats(20, 3000), separation=st.floats(1, 60))
+def test_on_no_screen_do_the_eyes_have_to_turn_outwards(width, separation):
+    """The picture of something infinitely far, in real centimetres between the two eyes' places."""
+    stereo = Stereo(separation_cm=separation, screen_width_cm=width)
+    observer, size = pose(EYE, 0.0, 0.0), (640, 360)
+    places = [
+        _pixel(view, EYE + 1e6 * observer.forward)[0][0] / size[0]
+        for view in views_for("anaglyph", size, observer, stereo)
+    ]
+    apart = (places[1] - places[0]) * width
+    window = 2 * stereo.screen_cm * np.tan(VERTICAL_FOV / 2) * size[0] / size[1]
+    assert apart == pytest.approx(min(EYE_SEPARATION_CM, separation * width / window), rel=0.01)
+
+
 @pytest.mark.parametrize("display", DISPLAYS)
 @pytest.mark.parametrize("size", [(640, 360), (641, 361)])
-def test_viewports_tile_the_picture(display, size):
+def test_viewports_tile_the_canvas(display, size):
     views = views_for(display, size, pose(EYE, 0.0, 0.0))
-    covered = np.zeros(size, int)
+    covered = np.zeros(canvas_size(display, size), int)
     for x, y, w, h in (v.viewport for v in views):
         covered[x : x + w, y : y + h] += 1
     assert (covered == 1).all()
