@@ -7,6 +7,8 @@ import msgspec
 
 from capture.quality import measure
 from capture.record import motion_from_provenance
+from capture.rules import measure_rules
+from capture.targets import Measure
 from subsea.errors import UserError
 from subsea.repertoire import SEGMENTS, Repertoire, read_repertoire
 
@@ -14,6 +16,11 @@ HEADINGS = (
     "segment", "pattern", "grade", "frames", "cyclic", "cm/s", "L/s", "L/beat", "turn °",
     "loop error L", "radius L", "points",
 )  # fmt: skip
+
+SOURCES = {
+    "biomechanics": "Measured by simulating again from the provenance",
+    "spine": "Measured beside the rules in the provenance, from which all motion comes",
+}
 
 
 def report(path: Path, tell: Callable[[str], object]) -> bool:
@@ -31,19 +38,15 @@ def report(path: Path, tell: Callable[[str], object]) -> bool:
     for line in _table([HEADINGS, *_segment_rows(repertoire)]):
         tell(line)
     tell("")
-    if repertoire.source != "biomechanics" or missing:
+    if repertoire.source not in SOURCES or missing:
         gap = f"no {', '.join(missing)}" if missing else f"its source is {repertoire.source!r}"
-        tell(f"Measures of the motion need a full repertoire from biomechanics; {gap}.")
+        tell(f"Measures of the motion need a full repertoire of a known source; {gap}.")
         return not missing
-    try:
-        motion = motion_from_provenance(repertoire.provenance)
-    except msgspec.ValidationError as fault:
-        raise UserError(f"{path}: attribute 'provenance' holds no fish ({fault})") from fault
-    tell("Measured by simulating again from the provenance (L: body length, tu: 0.1 s):")
+    tell(f"{SOURCES[repertoire.source]} (L: body length, tu: 0.1 s):")
     tell("")
     tell(_line("", "", "at least", "", "aim", ""))
     short, astray = 0, 0
-    for found in measure(motion, repertoire):
+    for found in _measures(path, repertoire):
         short += not found.passed
         astray += not found.aim_reached
         tell(
@@ -60,6 +63,16 @@ def report(path: Path, tell: Callable[[str], object]) -> bool:
     tell("Every measure reaches what is asked." if not short else f"{short} fall short.")
     tell("Every aim is reached too." if not astray else f"{astray} of the aims are missed.")
     return not short
+
+
+def _measures(path: Path, repertoire: Repertoire) -> Iterator[Measure]:
+    try:
+        if repertoire.source == "spine":
+            yield from measure_rules(repertoire)
+        else:
+            yield from measure(motion_from_provenance(repertoire.provenance), repertoire)
+    except msgspec.ValidationError as fault:
+        raise UserError(f"{path}: attribute 'provenance' holds no fish ({fault})") from fault
 
 
 def _line(name: str, value: str, at_least: str, passed: str, aim: str, reached: str) -> str:

@@ -12,9 +12,10 @@ import numpy as np
 
 from capture.segment import make_segment
 from capture.skin import surface_coupling
+from capture.spine import nodes_at_rest, record_by_spine
 from capture.trial import STRAIGHT, Trial, beat_contraction, sharp_turn, steady_beat
 from subsea import biomechanics
-from subsea.biomechanics.body import Body, Floats, build_body
+from subsea.biomechanics.body import Floats, build_body
 from subsea.biomechanics.controllers import LEFT, RIGHT
 from subsea.biomechanics.plan import BodyPlan, Muscles, SwimPlan, TurnPlan
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, TICK_S, TIME_UNIT_S
@@ -61,9 +62,11 @@ Recorded = tuple[Segment, int]
 def record_segment(species: Species, name: str) -> Recorded:
     """One segment of a species' repertoire.
 
-    Only schooling species carry control points: they are many, and SMC §4.1 trades the memory
-    for them alone.
+    Of the species that muscles move only schooling ones carry control points: they are many, and
+    SMC §4.1 trades the memory for them alone.
     """
+    if species.spine:
+        return record_by_spine(species.spine, species.surface, name), 0
     motion = motion_of(species)
     trial = run_trial(motion, name)
     kind, _, grade = name.rpartition("_")
@@ -103,13 +106,17 @@ def record_species(name: str, species: Species) -> Repertoire:
 
 def assemble(name: str, species: Species, recorded: dict[str, Recorded]) -> Repertoire:
     """Put recorded segments together; the provenance holds all it takes to record them again."""
-    motion = motion_of(species)
-    body: Body = build_body(motion.body)
+    if species.spine:
+        source, rest = "spine", nodes_at_rest(species.spine, species.surface)
+        plans = {"spine": species.spine, "surface": species.surface}
+    else:
+        motion = motion_of(species)
+        source, rest, plans = "biomechanics", build_body(motion.body).rest, motion._asdict()
     return Repertoire(
         species=name,
         tick_s=TICK_S,
         body_length_cm=species.length_cm,
-        source="biomechanics",
+        source=source,
         provenance={
             "tool": "subsea-capture",
             "versions": _versions(),
@@ -119,9 +126,9 @@ def assemble(name: str, species: Species, recorded: dict[str, Recorded]) -> Repe
             "steps_per_tick": STEPS_PER_TICK,
             "time_unit_s": TIME_UNIT_S,
             "warm_up_beats": {segment: beats for segment, (_, beats) in sorted(recorded.items())},
-            **{key: msgspec.to_builtins(plan) for key, plan in motion._asdict().items()},
+            **{key: msgspec.to_builtins(plan) for key, plan in plans.items()},
         },
-        rest_nodes=body.rest,
+        rest_nodes=rest,
         segments={segment: recorded[segment][0] for segment in SEGMENTS if segment in recorded},
     )
 
@@ -143,7 +150,7 @@ def fingerprint(species: Species) -> str:
 def _code() -> str:
     """A hash of the modules that swim and record."""
     capture, subsea = Path(__file__).parent, Path(biomechanics.__file__).parents[1]
-    modules = [capture / f"{name}.py" for name in ("record", "segment", "skin", "trial")]
+    modules = [capture / f"{name}.py" for name in ("record", "segment", "skin", "spine", "trial")]
     for package in ("biomechanics", "kinematics", "repertoire"):
         modules += sorted((subsea / package).glob("*.py"))
     return hashlib.sha256(b"\0".join(path.read_bytes() for path in modules)).hexdigest()

@@ -17,18 +17,23 @@ def make_segment(
     grade: str,
     cyclic: bool,
     coupling: Coupling | None = None,
+    surface: Floats | None = None,
 ) -> Segment:
     """The segment that leads through the states ``frames`` (T + 1, 23, 3), world axes, cm.
 
     Row k holds the increment from state k to k + 1 in the body axes of state k, (Rᵏ)ᵀ Rᵏ⁺¹, and
     the deformation at k + 1. SMC eq. 6 gives the rotation in world axes, which is right only for
     a fish that heads as the recorded one did. ``coupling``, if given, places the control
-    points (SMC eq. 9).
+    points (SMC eq. 9); ``surface`` (T + 1, 426, 3) gives them, in world axes as the nodes.
     """
     origin, rotation = body_frame(frames)
     turn = np.swapaxes(rotation[:-1], -1, -2) @ rotation[1:]
     step = np.einsum("tji,tj->ti", rotation[:-1], np.diff(origin, axis=0))
     nodes = to_body(frames, origin, rotation)
+    points = None if coupling is None else place(coupling, nodes)
+    if surface is not None:
+        points = to_body(surface, origin, rotation)
+    reach = nodes if surface is None else np.concatenate([nodes, points], axis=1)
     # A cycle sways about its way and ends in the pose it began in: its way is the chord.
     way = origin[[0, -1]] if cyclic else origin
     distance = np.linalg.norm(np.diff(way, axis=0), axis=1).sum()
@@ -39,11 +44,11 @@ def make_segment(
         increment_rotation=from_matrix(turn),
         increment_translation=step,
         nodes=nodes[1:],
-        control_points=None if coupling is None else place(coupling, nodes[1:]),
+        control_points=None if points is None else points[1:],
         speed_cm_s=float(distance / (len(step) * TICK_S)),
         turn_deg=heading_change(rotation[0], rotation[-1]),
         loop_error_bl=float(np.linalg.norm(nodes[-1] - nodes[0], axis=1).max() / length),
-        bounding_radius_bl=float(np.linalg.norm(nodes, axis=2).max() / length),
+        bounding_radius_bl=float(np.linalg.norm(reach, axis=2).max() / length),
     )
 
 

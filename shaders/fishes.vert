@@ -6,6 +6,7 @@ uniform mat4 u_projection;
 uniform sampler2D u_table;  // control points: column by point, row by recorded frame
 uniform float u_length;     // cm, of the recorded fish
 uniform float u_tail_begin; // distance from the snout, body lengths
+uniform float u_head;       // size of the head, 1 that of most fishes
 
 in float a_base;  // first control point of the 3×3
 in vec3 a_u;      // weights across ...
@@ -65,9 +66,9 @@ void main() {
         }
         if (a_part.x < 0.5) {
             // The lower jaw drops, most at its tip; the tail spreads, most at its edge.
-            float jaw = (1.0 - smoothstep(0.0, 0.055, v_rest.x)) * step(0.5, a_part.y);
+            float jaw = (1.0 - smoothstep(0.0, 0.055 * u_head, v_rest.x)) * step(0.5, a_part.y);
             float spread = i_fins.z * smoothstep(u_tail_begin, 1.0, v_rest.x);
-            place.y += place.y * spread - 0.022 * u_length * jaw * i_fins.x;
+            place.y += place.y * spread - 0.022 * u_head * u_length * jaw * i_fins.x;
         } else {
             // A folded fin lies closer to its root.
             place = mix(root, place, i_fins.y);

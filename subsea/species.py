@@ -74,9 +74,9 @@ class SkinPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     cape: Cape | None = None
     patches: list[Patch] = []
     tail: FinSkin
-    dorsal: FinSkin
-    ventral: FinSkin
-    paddles: FinSkin  # pectoral and pelvic
+    dorsal: FinSkin | None = None
+    ventral: FinSkin | None = None
+    paddles: FinSkin | None = None  # pectoral and pelvic
     iris: Colour
     gloss: Share  # how much the scales mirror
     scales: Share = 1.0  # how plainly they show
@@ -116,6 +116,15 @@ class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
             raise ValueError("expected the tables [body], [swim] and [turn], or [spine] alone")
         if self.size_cm[0] > self.size_cm[1]:
             raise ValueError("size_cm must name the smallest length first")
+        fins = {
+            "dorsal": "dorsal",
+            "ventral": "ventral",
+            "pectoral": "paddles",
+            "pelvic": "paddles",
+        }
+        for fin, colours in fins.items():
+            if getattr(self.surface, fin) and not getattr(self.skin, colours):
+                raise ValueError(f"the {fin} fin has no colours: [skin.{colours}] is missing")
         if self.body:
             check_step(self.body)
 

@@ -106,10 +106,10 @@ class SurfacePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_on
     belly: Curve  # height of the ventral ridge, negative
     width: Curve  # half-width
     tail: TailPlan
-    dorsal: FinPlan
-    ventral: FinPlan
-    pectoral: PaddlePlan
-    pelvic: PaddlePlan
+    dorsal: FinPlan | None = None
+    ventral: FinPlan | None = None
+    pectoral: PaddlePlan | None = None
+    pelvic: PaddlePlan | None = None
     eye: EyePlan
 
     def __post_init__(self) -> None:
@@ -137,15 +137,36 @@ def rest_control_points(plan: SurfacePlan, body_length_cm: float, snout_x_cm: fl
 
     `snout_x_cm` is the x of the foremost point, that of node 0 at rest.
     """
+    points = fitted(rest_surface(plan)) * body_length_cm
+    points[:, 0] = snout_x_cm - points[:, 0]
+    return points
+
+
+def rest_surface(plan: SurfacePlan) -> Array:
+    """Points (426, 3) that the surface meets at rest, one for each control point, body lengths.
+
+    They are (distance from the snout, height, right), and lie where a control point pulls most.
+    """
     points = np.empty((CONTROL_POINTS, 3))
     half = _right_half(plan)
     points[RIGHT] = half.reshape(-1, 3)
     points[LEFT] = (half * (1, 1, -1)).reshape(-1, 3)
     points[DORSAL] = _fin(plan.dorsal, plan.back)
     points[VENTRAL] = _fin(plan.ventral, plan.belly)
-    points *= body_length_cm
-    points[:, 0] = snout_x_cm - points[:, 0]
     return points
+
+
+def fitted(points: Array) -> Array:
+    """Control points (…, 426, 3) of the surfaces that meet the points (…, 426, 3) lengthwise.
+
+    Across the body the rows stay as they are: they are control points already.
+    """
+    out = np.empty(points.shape)
+    for part, columns in ((LEFT, V), (RIGHT, V), (DORSAL, FIN_V), (VENTRAL, FIN_V)):
+        rows = points[..., part, :].reshape(*points.shape[:-2], -1, columns, 3)
+        solved = np.moveaxis(through(np.moveaxis(rows, -2, 0)), 0, -2)
+        out[..., part, :] = solved.reshape(*points.shape[:-2], -1, 3)
+    return out
 
 
 def along(curve: Curve | Array, at: Array) -> Array:
@@ -192,12 +213,14 @@ def _right_half(plan: SurfacePlan) -> Array:
     half[..., 0] = ridge + fin * (edge - tip)
     half[..., 1] = middle + height * radius
     half[..., 2] = SECTION_WIDTH[:, None] * along(plan.width, ridge)
-    return np.moveaxis(through(np.moveaxis(half, 1, 0)), 0, 1)
+    return half
 
 
-def _fin(plan: FinPlan, ridge: Curve) -> Array:
-    """(24, 3): the row sunk in the body, then the free edge."""
+def _fin(plan: FinPlan | None, ridge: Curve) -> Array:
+    """(24, 3): the row sunk in the body, then the free edge; without a fin all in one place."""
     share = greville(FIN_V)
+    if plan is None:
+        return np.tile((0.5, 0.0, 0.0), (FIN_U * FIN_V, 1))
     base = plan.base[0] + (plan.base[1] - plan.base[0]) * share
     points = np.asarray(plan.edge)
     travelled = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
@@ -207,4 +230,4 @@ def _fin(plan: FinPlan, ridge: Curve) -> Array:
     for axis in range(2):
         curve = np.stack([travelled, points[:, axis]], axis=1)
         rows[1, :, axis] = along(curve, share)
-    return np.concatenate([through(row) for row in rows])
+    return rows.reshape(-1, 3)

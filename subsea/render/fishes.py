@@ -73,12 +73,14 @@ def fish_mesh(plan: SurfacePlan, level: int) -> Mesh:
     parts = [
         _surface(rest, LEFT.start, (U, V), level, FINEST_BODY, BODY, -1.0),
         _surface(rest, RIGHT.start, (U, V), level, FINEST_BODY, BODY, 1.0),
-        _surface(rest, DORSAL.start, (FIN_U, FIN_V), level, FINEST_FIN, FIN, 1.0),
-        _surface(rest, VENTRAL.start, (FIN_U, FIN_V), level, FINEST_FIN, FIN, -1.0),
     ]
+    for fin, place, side in ((plan.dorsal, DORSAL, 1.0), (plan.ventral, VENTRAL, -1.0)):
+        if fin:
+            parts.append(_surface(rest, place.start, (FIN_U, FIN_V), level, FINEST_FIN, FIN, side))
     for side in (-1.0, 1.0):
-        parts.append(_paddle(rest, plan.pectoral, level, PECTORAL, side))
-        parts.append(_paddle(rest, plan.pelvic, level, PELVIC, side))
+        for paddle, part in ((plan.pectoral, PECTORAL), (plan.pelvic, PELVIC)):
+            if paddle:
+                parts.append(_paddle(rest, paddle, level, part, side))
     starts = np.cumsum([0] + [len(part.vertices) for part in parts])
     triangles = [part.triangles + start for part, start in zip(parts, starts, strict=False)]
     triangles.insert(2, _lips(parts[0].vertices, starts[1]))
@@ -299,11 +301,14 @@ def _look(species: Species, length_cm: float) -> dict[str, Any]:
     return {
         "u_length": length_cm,
         "u_skin_box": (paint.SNOUT, -top, paint.EDGE, top),
-        "u_paddle": (*paddles.colour, paddles.opacity),
-        "u_paddle_rim": (*(paddles.rim or paddles.colour), paddles.rim_width),
+        "u_paddle": (*paddles.colour, paddles.opacity) if paddles else (0.0,) * 4,
+        "u_paddle_rim": (*(paddles.rim or paddles.colour), paddles.rim_width)
+        if paddles
+        else (0.0,) * 4,
         "u_gloss": skin.gloss,
         "u_scales": skin.scales,
         "u_rays": skin.rays,
         "u_eye_spot": (surface.eye.at, surface.eye.height, surface.eye.radius),
+        "u_head": paint.head_size(surface),
         "u_tail_begin": surface.tail.begin,
     }

@@ -19,6 +19,7 @@ SIZE = (1024, 512)  # texels
 SNOUT, EDGE = -0.03, 1.05  # distances from the snout at the left and right border, body lengths
 MARGIN = 0.03  # above and below the fins, body lengths
 SOFT = 0.004  # width of the borders between colours, body lengths
+SLENDER = 0.1  # depth in body lengths below which the head is short too
 DARK = (0.012, 0.012, 0.016)  # the pupil and the rim of the eye
 GILLS_APART = 0.016  # body lengths
 RAYS = 13.0  # of the tail, on each side
@@ -26,8 +27,14 @@ RAYS = 13.0  # of the tail, on each side
 
 def half_height(surface: SurfacePlan) -> float:
     """Height of the skin's upper border above the axis; the lower one lies as far below."""
-    curves = (surface.back, surface.belly, surface.dorsal.edge, surface.ventral.edge)
+    fins = [fin.edge for fin in (surface.dorsal, surface.ventral) if fin]
+    curves = (surface.back, surface.belly, *fins)
     return MARGIN + max(abs(y) for curve in curves for _, y in curve)
+
+
+def head_size(surface: SurfacePlan) -> float:
+    """The size of gill cover and jaws: 1 for most fishes, less for a body like a rope."""
+    return min(1.0, surface.depth / SLENDER)
 
 
 def paint(species: Species, size: tuple[int, int] = SIZE) -> NDArray[np.uint8]:
@@ -62,7 +69,8 @@ def paint(species: Species, size: tuple[int, int] = SIZE) -> NDArray[np.uint8]:
         (surface.dorsal, skin.dorsal, y - back),
         (surface.ventral, skin.ventral, belly - y),
     ):
-        _lay_fin(picture, plan, fin, skin.stripes, stripes, s, y, rise)
+        if plan and fin:
+            _lay_fin(picture, plan, fin, skin.stripes, stripes, s, y, rise)
     for patch in skin.patches:
         if patch.over_fins:
             _lay_patch(picture, patch, s, y)
@@ -119,17 +127,18 @@ def _lay_fin(
 ) -> None:  # fmt: skip
     """All that rises over the ridge, from the fin's front to its rear."""
     outline = [*plan.edge, (plan.base[1], 0.0), (plan.base[0], 0.0)]  # closed through the body
-    rows, columns = _around(outline, 0.02, s, y)
+    around = min(0.02, 2.0 * fin.rim_width)
+    rows, columns = _around(outline, around, s, y)
     picture, stripes = picture[:, rows, columns], stripes[rows, columns]
     s, y, rise = s[columns], y[rows], rise[rows, columns]
     to_edge = -_depth_inside(outline, s, y)
-    here = (s > plan.base[0] - 0.02) & (rise > 0.0) & (to_edge < 0.02)
+    here = (s > plan.base[0] - around) & (rise > 0.0) & (to_edge < around)
     thickness = np.where(here, rise / np.maximum(rise - to_edge, 1e-6), 0.0)  # 0 root, 1 edge
     _lay(picture, fin.colour, here * _step(thickness, 0.0, 0.25))
     if fin.striped and striped:
         _lay(picture, striped.colour, here * stripes * _step(thickness, 0.95, 0.8))
     if fin.rim:
-        _lay(picture, fin.rim, here * _step(to_edge, -fin.rim_width, 0.004 - fin.rim_width))
+        _lay(picture, fin.rim, here * _step(to_edge, -fin.rim_width, -2.0 / 3.0 * fin.rim_width))
     opacity = 1.0 - (1.0 - fin.opacity) * _step(thickness, 0.05, 1.0)
     picture[3] = np.where(here, opacity, picture[3])
 
@@ -139,16 +148,18 @@ def _draw_face(
 ) -> None:
     """The edge of the gill cover or the gill slits, the mouth and the eye."""
     eye = surface.eye
-    head = slice(0, int(np.searchsorted(s, eye.at + 0.16 + 0.01 * skin.gills)))
+    large = head_size(surface)
+    reach = 0.16 + 0.01 * skin.gills
+    head = slice(0, int(np.searchsorted(s, max(eye.at + large * reach, skin.mouth[1][0]) + 0.01)))
     picture, s, level = picture[:, :, head], s[head], level[:, head]
-    at = s - (eye.at + 0.135) + 0.05 * level**2 + 0.02 * level
+    at = (s - eye.at) / large - 0.135 + 0.05 * level**2 + 0.02 * level
     tall, thick = ((0.85, 0.55), 0.006) if skin.gills == 1 else ((0.5, 0.3), 0.0045)
     for k in range(skin.gills):
         gill = np.abs(at + GILLS_APART * (k - 0.5 * (skin.gills - 1)))
         picture[:3] *= 1.0 - 0.4 * _step(gill, thick, 0.0) * _step(np.abs(level), *tall)
     (tip, height), (corner, low) = skin.mouth
-    mouth = np.abs(y - height - (low - height) / (corner - tip) * (s - tip))
-    mouth = _step(mouth, 0.005, 0.0025) * _step(s, corner + 0.004, corner - 0.004)
+    mouth = np.abs(y - height - (low - height) / (corner - tip) * (s - tip)) / large
+    mouth = _step(mouth, 0.005, 0.0025) * _step(s, corner + 0.004 * large, corner - 0.004 * large)
     picture[:3] *= 1.0 - 0.75 * mouth * _step(s, tip - 0.004, tip + 0.004)
     distance = np.hypot(s - eye.at, y - eye.height) / eye.radius
     for colour, outer in ((DARK, 1.1), (skin.iris, 1.0), (DARK, 0.66)):

@@ -20,6 +20,9 @@ Ints = NDArray[np.integer[Any]]
 # A cyclic segment is left only in this share of its rows, those from which the glide is gentlest:
 # a fish that is about to turn waits a few frames until its beat is where the turn begins.
 LEAVING_SHARE = 0.3
+# Nor from rows where a node's velocity would change by more than this, times what is usual,
+# unless there are none better: a long body is easily on the wrong side of its beat.
+ROUGH = 1.5
 
 
 class Motion(NamedTuple):
@@ -51,7 +54,8 @@ def plan_transitions(segments: list[Segment]) -> Transitions:
             entry[place, b] = [starts[b] + goal for goal, _, _ in best]
             frames[place, b] = [length for _, length, _ in best]
             change = np.array([least for _, _, least in best]) / max(usual[a], usual[b], 1e-12)
-            leave[place, b] = change <= np.quantile(change, LEAVING_SHARE)
+            enough = np.quantile(change, LEAVING_SHARE)
+            leave[place, b] = change <= max(min(enough, ROUGH), change.min())
     return Transitions(entry, frames, leave)
 
 

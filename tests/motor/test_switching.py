@@ -1,5 +1,6 @@
 """Switching between playback and simulation: unseen, bounded by the budget, repeatable."""
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -7,7 +8,7 @@ from subsea.body.pose import nodes_world
 from subsea.motor.switching import KEEP, MAX_WAIT_TICKS, MIN_STAY_S, may_go_live
 from subsea.ocean import create_world, step
 from subsea.repertoire import SEGMENTS
-from subsea.scenario import load_scenario
+from subsea.scenario import Shoal, load_scenario
 from subsea.species import muscular_names
 from subsea.state import digest
 from subsea.submarine.helm import HANDS_OFF, Helm
@@ -184,3 +185,22 @@ def test_nodes_lie_where_the_simulation_has_them(make_tank):
     nodes = nodes_world(tank.fishes, tank.library, 0)
     expected = tank.fishes.position[0] + tank.fishes.scale[0] * tank.live.x[0]
     np.testing.assert_allclose(nodes, expected, atol=1e-3)
+
+
+def test_a_fish_that_its_spine_moves_is_never_simulated():
+    """However near it is; muscular fishes around it are."""
+    scenario, _ = load_scenario("peaceful")
+    here = scenario.submarine.position_cm
+    shoals = [
+        Shoal(species=name, number=3, position_cm=here, spread_cm=100.0)
+        for name in ("ribbon_eel", "fusilier")
+    ]
+    scenario = msgspec.structs.replace(scenario, fish=shoals)
+    world = create_world(scenario, seed=5, live=6, live_reach_cm=1e4)
+    names = np.array([one.name for one in world.species])
+    for _ in range(200):
+        step(world, HANDS_OFF)
+        fishes = world.state.fishes
+        assert set(names[fishes.species[fishes.live]]) <= {"Yellowback fusilier"}
+    assert fishes.live.sum() == 3
+    assert np.isfinite(fishes.position).all()
