@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.frame import INSTANCE_COLUMNS, LEVELS, Batch, Packet, Scene
-from subsea.kinematics.spline import DEGREE, basis_at, greville
+from subsea.kinematics.spline import DEGREE, basis_at, dense, greville
 from subsea.kinematics.surface import (
     DORSAL,
     FIN_U,
@@ -112,6 +112,23 @@ def _parameters(controls: int, finest: int, level: int) -> Array:
     return at
 
 
+def _telling(line: Array, count: int) -> Ints:
+    """Indices of the `count` points (n, 3) that show most of a line: both ends, then the farthest.
+
+    So a far fin keeps its tip, which every second point may miss (Ramer, Douglas and Peucker).
+    """
+    kept = [0, len(line) - 1]
+    while len(kept) < count:
+        share = np.interp(np.arange(len(line)), kept, np.arange(len(kept)))
+        cell = np.minimum(share.astype(int), len(kept) - 2)
+        a, b = line[kept][cell], line[kept][cell + 1]
+        along = ((line - a) * (b - a)).sum(axis=1) / np.maximum(((b - a) ** 2).sum(axis=1), 1e-12)
+        off = np.linalg.norm(line - a - np.clip(along, 0.0, 1.0)[:, None] * (b - a), axis=1)
+        off[kept] = -1.0
+        kept = sorted([*kept, int(off.argmax())])
+    return np.array(kept)
+
+
 def _degree(controls: int) -> int:
     return min(DEGREE, controls - 1)
 
@@ -122,6 +139,10 @@ def _surface(
 ) -> Part:  # fmt: skip
     """One patch of u×v control points that begin at `base`."""
     at = [_parameters(*axis, level) for axis in zip(controls, finest, strict=True)]
+    if part == FIN and level == 2:
+        each = greville(FIN_V)
+        edge = dense(basis_at(FIN_V, each), FIN_V) @ rest[base + FIN_V : base + 2 * FIN_V]
+        at[1] = each[_telling(edge, len(at[1]))]
     u, v = (basis_at(n, t, _degree(n)) for n, t in zip(controls, at, strict=True))
     rows, columns, stride = len(at[0]), len(at[1]), controls[1]
     k, j = (a.ravel() for a in np.meshgrid(range(rows), range(columns), indexing="ij"))

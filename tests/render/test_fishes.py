@@ -185,3 +185,14 @@ def test_the_body_is_closed(level):
         if (place[:, 0][[np.flatnonzero(same == k)[0] for k in e]] < -0.85).all()
     }
     assert forward - backward <= at_tail
+
+
+def test_a_far_fin_keeps_its_tip():
+    plan = load_species("fusilier").surface
+    tip = (0.45, 0.3)
+    edge = [(0.3, 0.11), (0.43, 0.13), tip, (0.47, 0.13), (0.6, 0.1), (0.74, 0.07)]
+    plan = structs.replace(plan, dorsal=structs.replace(plan.dorsal, edge=edge))
+    near, far = (fish_mesh(plan, level).vertices for level in (1, 2))
+    highest = [mesh[mesh[:, 17] == FIN][:, 14].max() for mesh in (near, far)]
+    assert highest[1] == pytest.approx(highest[0])
+    assert len(far) < len(near) / 2
