@@ -1,39 +1,46 @@
 """Make the pictures of the documentation: `python docs/make_pictures.py [FOLDER]`.
 
-species.png: every species, by name, from its left flank, three-quarter and from above, at rest.
+species.png: every species, by name, from its left flank and three-quarter, at rest; those that
+their spine moves in a swimming pose.
 """
 
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from PIL import Image
 
 from subsea.frame import INSTANCE_COLUMNS, Batch, Packet, Scene
 from subsea.kinematics.surface import rest_control_points
 from subsea.render import Renderer, headless_context
+from subsea.repertoire import read_repertoire
+from subsea.resources import resource_path
 from subsea.scenario import Water
-from subsea.species import load_species, species_names
+from subsea.species import Species, load_species, species_names
 from subsea.view.camera import NEAR_CM, View, look, off_axis
 
-CELL = (320, 220)  # pixels of one look
-BESIDE = 2  # species in a row
+Array = NDArray[np.floating[Any]]
+
+CELL = (320, 240)  # pixels of one look
+BESIDE = 3  # species in a row
 DEPTH_CM = 120.0
 APART_CM = 300.0
+DRAWN_CM = 24.0  # every fish as long as the others
 SEABED_CM = -420.0
 HALF_FIELD = 0.18  # tangent of half the horizontal angle of view
 LOOKS = (  # from where, in lengths of the fish that heads along x, and what is up
     ((0.0, 3.4, 0.15), (0.0, 0.0, 1.0)),
     ((2.5, 2.2, 0.55), (0.0, 0.0, 1.0)),
-    ((0.0, 0.0, 3.4), (0.0, -1.0, 0.0)),
 )
 
 
 def species_plate(names: Sequence[str]) -> Image.Image:
     """The species, some beside each other, each from every look."""
     species = tuple(load_species(name) for name in names)
-    points = [rest_control_points(one.surface, one.length_cm, 0.0) for one in species]
+    points = [_pose(name, one) for name, one in zip(names, species, strict=True)]
     scene = Scene(
         species=species,
         control_points=np.array(points, np.float32),
@@ -48,11 +55,10 @@ def species_plate(names: Sequence[str]) -> Image.Image:
     records = np.zeros((len(species), INSTANCE_COLUMNS), np.float32)
     views = []
     for k in range(rows * beside):  # behind the last species the water is empty
-        length = species[min(k, len(species) - 1)].length_cm
         place = np.array([APART_CM * (k - rows * beside / 2), 0.0, -DEPTH_CM])
         row, block = divmod(k, beside)
         for column, (away, up) in enumerate(LOOKS):
-            eye = place + length * np.array(away)
+            eye = place + DRAWN_CM * np.array(away)
             corner = (block * len(LOOKS) + column, rows - 1 - row)
             viewport = (corner[0] * CELL[0], corner[1] * CELL[1], *CELL)
             half = NEAR_CM * HALF_FIELD * np.array([1.0, CELL[1] / CELL[0]])
@@ -60,9 +66,10 @@ def species_plate(names: Sequence[str]) -> Image.Image:
             views.append(View(viewport, look(eye, place - eye, np.array(up)), projection, eye))
         if k == len(species):
             break
-        middle = place - [(points[k][:, 0].min() + points[k][:, 0].max()) / 2, 0.0, 0.0]
+        scale = DRAWN_CM / species[k].length_cm
+        middle = place - [scale * (points[k][:, 0].min() + points[k][:, 0].max()) / 2, 0.0, 0.0]
         # Body x, y, z to world: a quarter turn about x sets the fish upright, heading along x.
-        records[k, :8] = (*middle, 1.0, np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0)
+        records[k, :8] = (*middle, scale, np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0)
         records[k, 8:] = (k, k, 0.0, 0.5, 0.6, 0.6, 0.0, 0.0, 0.0, 1.0, 0.0)
     batches = tuple(Batch(k, 0, k, 1) for k in range(len(species)))
     packet = Packet(1.0, tuple(views), records, batches, np.zeros((0, 3), np.float32), 0)
@@ -72,6 +79,16 @@ def species_plate(names: Sequence[str]) -> Image.Image:
         picture = Image.fromarray(renderer.read_pixels())
         renderer.release()
     return picture
+
+
+def _pose(name: str, species: Species) -> Array:
+    """Control points (426, 3) in body axes, cm: at rest, but a rope has no shape at rest."""
+    if species.muscles:
+        return rest_control_points(species.surface, species.length_cm, 0.0)
+    repertoire = read_repertoire(resource_path("repertoires") / f"{name}.h5")
+    swimming = repertoire.segments["swim_medium"].control_points
+    assert swimming is not None  # what its spine moves has them recorded
+    return np.asarray(swimming[0])
 
 
 if __name__ == "__main__":
