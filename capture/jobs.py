@@ -5,9 +5,10 @@ its result, in any order, as soon as it is done.
 """
 
 import signal
-from collections.abc import Callable, Generator, Mapping
+from collections.abc import Callable, Generator, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from multiprocessing import get_context
 
 from capture.record import Recorded, record_segment
@@ -65,11 +66,10 @@ def processes(number: int) -> Workers:
 
 
 def _in_pool(number: int, jobs: Mapping[Job, Species], check: Check) -> Results:
-    # Workers leave Ctrl-C to the main process, which then calls them off.
-    ignore = (signal.SIGINT, signal.SIG_IGN)
-    pool = ProcessPoolExecutor(number, get_context("spawn"), signal.signal, ignore)
+    pool = ProcessPoolExecutor(number, get_context("spawn"))
     try:
-        tasks = {pool.submit(record_job, job, species): job for job, species in jobs.items()}
+        with _inherited_deafness():
+            tasks = {pool.submit(record_job, job, species): job for job, species in jobs.items()}
         waiting = set(tasks)
         while waiting:
             check()
@@ -78,3 +78,17 @@ def _in_pool(number: int, jobs: Mapping[Job, Species], check: Check) -> Results:
                 yield tasks[task], task.result()
     finally:
         pool.shutdown(cancel_futures=True)
+
+
+@contextmanager
+def _inherited_deafness() -> Iterator[None]:
+    """Processes started within never hear Ctrl-C: the main process does, and calls them off.
+
+    A terminal sends it to all of them. The main process hears it when this is over. Processes
+    that would make themselves deaf could be struck while they start.
+    """
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

@@ -228,3 +228,25 @@ def test_ctrl_c_leaves_the_old_repertoire_and_one_line(
     assert main(["record", "fusilier", "--out", str(tmp_path)]) == 0
     assert old.read_bytes() == (whole / "fusilier.h5").read_bytes()
     assert list(tmp_path.iterdir()) == [old]
+
+
+def test_ctrl_c_reaches_processes_that_are_just_starting_in_silence(tmp_path: Path) -> None:
+    """A terminal sends it to every process of the command."""
+    command = [sys.executable, "-m", "capture", "record", "--all", "--jobs", "2"]
+    with subprocess.Popen(
+        [*command, "--out", str(tmp_path)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    ) as running:
+        children = Path(f"/proc/{running.pid}/task/{running.pid}/children")
+        while len(children.read_text().split()) < 3:  # the two, and one that tidies up after them
+            assert running.poll() is None
+            time.sleep(0.005)
+        time.sleep(0.05)
+        os.killpg(running.pid, signal.SIGINT)
+        out, err = running.communicate(timeout=60)
+    assert running.returncode == 130
+    assert not out
+    assert err == "subsea-capture: interrupted: the same command goes on from here\n"
