@@ -6,6 +6,7 @@ uniform mat4 u_projection;
 uniform sampler2D u_table;  // control points: column by point, row by recorded frame
 uniform float u_length;     // cm, of the recorded fish
 uniform float u_tail_begin; // distance from the snout, body lengths
+uniform float u_stiff;      // 1: fins neither fold nor spread
 uniform float u_head;       // size of the head, 1 that of most fishes
 
 in float a_base;  // first control point of the 3×3
@@ -67,11 +68,11 @@ void main() {
         if (a_part.x < 0.5) {
             // The lower jaw drops, most at its tip; the tail spreads, most at its edge.
             float jaw = (1.0 - smoothstep(0.0, 0.055 * u_head, v_rest.x)) * step(0.5, a_part.y);
-            float spread = i_fins.z * smoothstep(u_tail_begin, 1.0, v_rest.x);
+            float spread = i_fins.z * (1.0 - u_stiff) * smoothstep(u_tail_begin, 1.0, v_rest.x);
             place.y += place.y * spread - 0.022 * u_head * u_length * jaw * i_fins.x;
         } else {
             // A folded fin lies closer to its root.
-            place = mix(root, place, i_fins.y);
+            place = mix(root, place, mix(i_fins.y, 1.0, u_stiff));
         }
     } else {
         // A paired fin turns about its root: it trails behind and is spread by its sweep.

@@ -111,6 +111,7 @@ class SurfacePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_on
     pectoral: PaddlePlan | None = None
     pelvic: PaddlePlan | None = None
     eye: EyePlan
+    stiff_fins: bool = False  # dorsal, ventral and tail fin neither fold nor spread, as in sharks
 
     def __post_init__(self) -> None:
         """Refuse outlines that run forwards, and a belly above the back."""

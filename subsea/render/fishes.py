@@ -37,6 +37,7 @@ BODY, FIN, PECTORAL, PELVIC = range(4)  # parts, as the shaders know them
 
 FINEST_BODY = (17, 41)  # samples in u and v: 2,560 triangles on both halves
 FINEST_FIN = (2, 35)
+JAWS_AHEAD = 0.02  # body lengths from the snout to the tip of a mouth that it ends in
 WING_SPREAD_RAD, WING_BEAT = 0.95, 0.2  # how far a wing stands out, and its share of the beat
 PADDLE_SAMPLES = ((7, 6), (4, 3), (2, 2))  # by level
 
@@ -330,6 +331,8 @@ def _look(species: Species, length_cm: float) -> dict[str, Any]:
         "u_scales": skin.scales,
         "u_rays": skin.rays,
         "u_eye_spot": (surface.eye.at, surface.eye.height, surface.eye.radius),
-        "u_head": paint.head_size(surface),
+        "u_stiff": float(surface.stiff_fins),
+        # A jaw that lies beneath the snout does not show when it drops.
+        "u_head": paint.head_size(surface) if skin.mouth[0][0] < JAWS_AHEAD else 1e-3,
         "u_tail_begin": surface.tail.begin,
     }

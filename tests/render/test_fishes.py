@@ -31,7 +31,7 @@ def program(context):
     program.release()
 
 
-def shaded(context, program, scene, mesh, packet):
+def shaded(context, program, scene, mesh, packet, stiff=0.0):
     """World positions and normals (n, 3) of one fish's vertices, as the shader has them."""
     rows, points = scene.control_points.shape[:2]
     table = np.zeros((rows, points, 4), np.float32)
@@ -52,7 +52,8 @@ def shaded(context, program, scene, mesh, packet):
     out = context.buffer(reserve=len(mesh.vertices) * 24)
     target = context.simple_framebuffer((1, 1))  # without a window nothing else is bound
     target.use()
-    set_uniforms(program, u_table=0, u_length=scene.recorded_length_cm[0])
+    length = scene.recorded_length_cm[0]
+    set_uniforms(program, u_table=0, u_length=length, u_stiff=stiff)
     array.transform(out, moderngl.POINTS, vertices=len(mesh.vertices), instances=1)
     result = np.frombuffer(out.read(), np.float32).reshape(-1, 6)
     for held in (array, out, target, vertices, instances, texture):
@@ -132,6 +133,22 @@ def test_pectoral_fins_sweep_outward(context, program, scene, make_packet, fish)
         position, _ = shaded(context, program, scene, mesh, packet)
         reach.append(-position[paddles, 1] * mesh.vertices[paddles, 16])
     assert reach[1].max() > reach[0].max() + 1.0
+
+
+def test_fins_fold_and_the_tail_spreads_unless_they_are_stiff(
+    context, program, scene, make_packet, fish
+):
+    mesh = fish_mesh(scene.species[0].surface, 0)
+    still, moved = (make_packet([fish(0, (0, 0, 0))]) for _ in range(2))
+    moved.instances[0, 17:] = 0.5, 0.4  # folded by half, spread
+    change = {}
+    for stiff in (0.0, 1.0):
+        places = [shaded(context, program, scene, mesh, p, stiff)[0] for p in (still, moved)]
+        change[stiff] = np.abs(places[0] - places[1]).max(axis=1)
+    fins, tail = mesh.vertices[:, 17] == FIN, mesh.vertices[:, 13] < -0.95
+    assert change[0.0][fins].max() > 0.5
+    assert change[0.0][tail].max() > 0.5
+    assert change[1.0].max() == 0.0
 
 
 @pytest.mark.parametrize("species", [0, 1])
