@@ -2,8 +2,13 @@
 // the left one's picture above the right one's, they are woven together (view/stereo.py).
 uniform sampler2D u_picture;
 uniform int u_weave;
+uniform vec2 u_size;    // pixels of the picture
+uniform vec2 u_wide;    // angle of a panorama, tilt of a dome, rad
+uniform float u_margin; // tangent of half a cube face's angle of view
 
-const int PLAIN = 0, LEFT = 1, RIGHT = 2, ROWS = 3, CHECKERS = 4, RED_CYAN = 5, DUBOIS = 6;
+const int PLAIN = 0, LEFT = 1, RIGHT = 2, ROWS = 3, CHECKERS = 4, RED_CYAN = 5, DUBOIS = 6,
+    EQUIRECTANGULAR = 7, DOME = 8, PANORAMA = 9;
+const float PI = 3.14159265358979;
 
 // Dubois, "A projection method to generate anaglyph stereo images" (2001), for red-cyan glasses.
 const mat3 DUBOIS_LEFT = mat3(
@@ -48,9 +53,57 @@ vec3 woven() {
     return clamp(DUBOIS_LEFT * left + DUBOIS_RIGHT * right, 0.0, 1.0);
 }
 
+// Where a pixel looks: right, up, ahead (view/surround.py). Zero outside a dome.
+vec3 direction() {
+    vec2 place = gl_FragCoord.xy / u_size - 0.5;
+    if (u_weave == EQUIRECTANGULAR) {
+        float longitude = 2.0 * PI * place.x, latitude = PI * place.y;
+        return vec3(sin(longitude) * cos(latitude), sin(latitude), cos(longitude) * cos(latitude));
+    }
+    if (u_weave == PANORAMA) {
+        float longitude = u_wide.x * place.x;
+        return vec3(sin(longitude), u_wide.x * place.y * u_size.y / u_size.x, cos(longitude));
+    }
+    vec2 p = place * u_size * 2.0 / min(u_size.x, u_size.y);
+    float r = length(p);
+    if (r > 1.0)
+        return vec3(0.0);
+    vec2 aside = p / max(r, 1e-6) * sin(0.5 * PI * r);
+    float c = cos(u_wide.y), s = sin(u_wide.y);
+    return cos(0.5 * PI * r) * vec3(0.0, c, s) + vec3(aside.x, aside.y * s, -aside.y * c);
+}
+
+// The cube's faces: left, ahead, right in the lower row, below, astern, above in the upper.
+vec3 all_round(vec3 d) {
+    vec3 far = abs(d);
+    float cell;
+    vec3 q;  // along the face's own right and up, and its distance
+    if (far.x >= far.y && far.x >= far.z) {
+        cell = d.x < 0.0 ? 0.0 : 2.0;
+        q = vec3(d.x < 0.0 ? d.z : -d.z, d.y, far.x);
+    } else if (far.z >= far.y) {
+        cell = d.z > 0.0 ? 1.0 : 4.0;
+        q = vec3(d.z > 0.0 ? d.x : -d.x, d.y, far.z);
+    } else {
+        cell = d.y < 0.0 ? 3.0 : 5.0;
+        q = vec3(d.x, d.y < 0.0 ? d.z : -d.z, far.y);
+    }
+    vec2 inside = 0.5 + 0.5 * q.xy / (q.z * u_margin);
+    vec2 corner = vec2(mod(cell, 3.0), floor(cell / 3.0));
+    return filmic(texture(u_picture, (corner + inside) / vec2(3.0, 2.0)).rgb);
+}
+
+vec3 light() {
+    if (u_weave == PLAIN)
+        return filmic(texture(u_picture, v_place).rgb);
+    if (u_weave < EQUIRECTANGULAR)
+        return woven();
+    vec3 d = direction();
+    return d == vec3(0.0) ? vec3(0.0) : all_round(d);
+}
+
 void main() {
-    vec3 light = u_weave == PLAIN ? filmic(texture(u_picture, v_place).rgb) : woven();
-    vec3 colour = to_srgb(light);
+    vec3 colour = to_srgb(light());
     // Half a grey level of fixed noise keeps the water's soft gradients from banding.
     float grain = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
     f_colour = vec4(colour + (grain - 0.5) / 255.0, 1.0);

@@ -76,6 +76,7 @@ def _add_dive(commands: Any) -> None:
     _add_scenario(dive)
     _add_display(dive)
     _add_stereo(dive)
+    _add_surround(dive)
     _add_size(dive, (1280, 720))
     dive.add_argument("--fullscreen", action="store_true", help="fill the screen (F11 toggles)")
     _add_seed(dive)
@@ -102,6 +103,7 @@ def _add_film(commands: Any) -> None:
     _add_scenario(film)
     _add_display(film)
     _add_stereo(film)
+    _add_surround(film)
     film.add_argument(
         "--seconds",
         type=number(float, 0.05, 3600),
@@ -223,8 +225,8 @@ def _add_display(parser: argparse.ArgumentParser) -> None:
         default="mono",
         metavar="MODE",
         help="mono, or one of the stereo modes: stereo (shutter glasses, in a window), "
-        "side-by-side, top-bottom, anaglyph, anaglyph-comfort, interlaced, checkerboard "
-        "(default mono)",
+        "side-by-side, top-bottom, anaglyph, anaglyph-comfort, interlaced, checkerboard; or "
+        "all round: panorama, dome, equirectangular (default mono)",
     )
 
 
@@ -248,6 +250,21 @@ def _add_stereo(parser: argparse.ArgumentParser) -> None:
         metavar="CM",
         help="of the real screen: on a wide one the eyes come nearer together, so that nobody's "
         "have to turn outwards",
+    )
+
+
+def _add_surround(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--panorama-angle",
+        type=number(float, 30.0, 359.0),
+        metavar="DEG",
+        help="what a panorama shows from left to right (default 160)",
+    )
+    parser.add_argument(
+        "--dome-tilt",
+        type=number(float, 0.0, 90.0),
+        metavar="DEG",
+        help="of a dome toward the front; 0 has the zenith in its middle (default 30)",
     )
 
 
@@ -320,19 +337,20 @@ def _left_out(text: str) -> frozenset[str]:
 def _dive(**options: Any) -> int:
     from subsea.app.dive import dive
 
-    return dive(**_with_stereo(options))
+    return dive(**_with_optics(options))
 
 
 def _film(**options: Any) -> int:
     from subsea.app.film import film
 
     _no_pages(options["display"])
-    return film(**_with_stereo(options))
+    return film(**_with_optics(options))
 
 
-def _with_stereo(options: dict[str, Any]) -> dict[str, Any]:
-    """The options with those of the eyes put together."""
+def _with_optics(options: dict[str, Any]) -> dict[str, Any]:
+    """The options with those of the eyes, and of what lies round them, put together."""
     from subsea.view.stereo import Stereo
+    from subsea.view.surround import Surround
 
     given = {
         "separation_cm": options.pop("eye_distance"),
@@ -341,7 +359,12 @@ def _with_stereo(options: dict[str, Any]) -> dict[str, Any]:
         "swapped": options.pop("swap_eyes"),
     }
     stereo = Stereo(**{name: value for name, value in given.items() if value is not None})
-    return options | {"stereo": stereo}
+    wide = {
+        "angle_deg": options.pop("panorama_angle"),
+        "tilt_deg": options.pop("dome_tilt"),
+    }
+    surround = Surround(**{name: value for name, value in wide.items() if value is not None})
+    return options | {"stereo": stereo, "surround": surround}
 
 
 def _no_pages(display: str) -> None:

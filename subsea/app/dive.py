@@ -15,6 +15,7 @@ from subsea.render import Renderer, page_switch, window_context
 from subsea.scenario import load_scenario
 from subsea.view.rigs import cockpit, views_for
 from subsea.view.stereo import EYES, PAGED, Stereo
+from subsea.view.surround import ALL_ROUND, Surround
 from subsea.world import TICK_S
 
 
@@ -22,13 +23,14 @@ def dive(
     scenario: str,
     display: str,
     stereo: Stereo,
+    surround: Surround,
     size: tuple[int, int],
     fullscreen: bool,
     seed: int | None,
     seconds: float | None,
 ) -> int:
     """Dive until the window is closed, Esc is pressed, or `seconds` have passed; exit code 0."""
-    with closing(Dive(scenario, display, size, fullscreen, seed, stereo)) as running:
+    with closing(Dive(scenario, display, size, fullscreen, seed, stereo, surround)) as running:
         start = last = time.perf_counter()
         while running.window.open and (seconds is None or last - start < seconds):
             now = time.perf_counter()
@@ -48,13 +50,14 @@ class Dive:
         fullscreen: bool = False,
         seed: int | None = None,
         stereo: Stereo = EYES,
+        surround: Surround = ALL_ROUND,
     ) -> None:
         """Open the window, then the world: the visitor sees at once that something happens.
 
         Whatever fails, all that was opened is closed again.
         """
         load_scenario(scenario)  # a misspelt name is told before a window flashes up
-        self.display, self._stereo = display, stereo
+        self.display, self._stereo, self._surround = display, stereo, surround
         self.pilot = Pilot()
         self._clock = Clock(TICK_S)
         self._help_wanted = 0
@@ -69,7 +72,12 @@ class Dive:
             self._size = self.window.size
             page = page_switch(self.window.get_proc_address) if display == PAGED else one_page
             self._renderer = Renderer(
-                self._context, make_scene(self.world), self._size, display=display, page=page
+                self._context,
+                make_scene(self.world),
+                self._size,
+                display=display,
+                surround=surround,
+                page=page,
             )
             self._panes = panes(display, page)
             undo.callback(self._renderer.release)
@@ -87,7 +95,8 @@ class Dive:
             self._size = self.window.size
             self._renderer.resize(self._size)
         submarine, alpha = self.world.state.submarine, self._clock.alpha
-        views = views_for(self.display, self._size, cockpit(submarine, alpha), self._stereo)
+        observer = cockpit(submarine, alpha)
+        views = views_for(self.display, self._size, observer, self._stereo, self._surround)
         self._renderer.draw(pack(self.world, views, alpha), into=self._context.screen)
         throttle, stopping = self.pilot.throttle, self.pilot.stopping
         scale = self.window.text_scale

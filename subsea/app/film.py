@@ -16,6 +16,7 @@ from subsea.ocean import step
 from subsea.scenario import load_scenario
 from subsea.view.rigs import cockpit, views_for
 from subsea.view.stereo import Stereo
+from subsea.view.surround import Surround
 from subsea.world import TICK_S
 
 SAMPLES = 4  # per pixel, on any renderer: a film has the time
@@ -26,6 +27,7 @@ def film(
     scenario: str,
     display: str,
     stereo: Stereo,
+    surround: Surround,
     seconds: float,
     fps: float,
     size: tuple[int, int],
@@ -49,7 +51,7 @@ def film(
             world = start_world(scenario, seed)
             with (
                 interrupts.deferred() as check,
-                picture_maker(context, world, size, SAMPLES, display) as renderer,
+                picture_maker(context, world, size, SAMPLES, display, surround) as renderer,
                 open_reel(out, size, fps) as write,
             ):
                 say(f"filming to {out}")
@@ -61,7 +63,7 @@ def film(
                         check()
                         step(world, tour_helm(world))
                     observer = cockpit(world.state.submarine, alpha)
-                    views = views_for(display, size, observer, stereo)
+                    views = views_for(display, size, observer, stereo, surround)
                     renderer.draw(pack(world, views, alpha))
                     picture = renderer.read_pixels()
                     drawn = time.perf_counter()

@@ -12,6 +12,7 @@ from subsea.ocean import step
 from subsea.scenario import load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.rigs import cockpit, views_for
+from subsea.view.surround import ALL_ROUND, Surround
 from subsea.world import World, create_world
 
 if TYPE_CHECKING:
@@ -68,6 +69,7 @@ def picture_maker(
     size: tuple[int, int],
     samples: int | None = None,
     display: str = "mono",
+    surround: Surround = ALL_ROUND,
 ) -> Iterator["Renderer"]:
     """A renderer for pictures of `size`, released in the end.
 
@@ -75,7 +77,7 @@ def picture_maker(
     """
     from subsea.render import Renderer
 
-    renderer = Renderer(context, make_scene(world), size, samples, display)
+    renderer = Renderer(context, make_scene(world), size, samples, display, surround)
     try:
         yield renderer
     finally:

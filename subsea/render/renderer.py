@@ -16,6 +16,7 @@ from subsea.render.textures import caustics, tileable_noise, upload
 from subsea.render.water import Water
 from subsea.view.camera import View
 from subsea.view.stereo import LAYOUTS, canvas_size
+from subsea.view.surround import ALL_ROUND, Surround
 
 CONTRAST_LEFT = 0.02  # at the distance that a scenario calls its visibility
 SAMPLES = 4  # per pixel, where a GPU takes them
@@ -32,6 +33,7 @@ class Renderer:
         size: tuple[int, int],
         samples: int | None = None,
         display: str = "mono",
+        surround: Surround = ALL_ROUND,
         page: Callable[[int], object] = lambda number: None,
     ) -> None:
         """`size` (width, height) in pixels; `samples` per pixel, None: what suits the GPU.
@@ -40,7 +42,7 @@ class Renderer:
         `page(0)`, `page(1)` choose the left or right buffer of a window that has two.
         """
         self._context = context
-        self._display, self._page = display, page
+        self._display, self._surround, self._page = display, surround, page
         self._scene = scene
         if samples is None:
             software = any(name in context.info["GL_RENDERER"].lower() for name in SOFTWARE)
@@ -97,7 +99,7 @@ class Renderer:
         for number, weave in enumerate(LAYOUTS[self._display].weaves):
             into.use()  # a buffer is chosen of the framebuffer in use
             self._page(number)
-            self._resolve.draw(canvas, into, self._size, weave)
+            self._resolve.draw(canvas, into, self._size, weave, self._surround)
 
     def read_pixels(self) -> NDArray[np.uint8]:
         """The last picture drawn into the renderer's own framebuffer: (h, w, 3), top row first."""
@@ -116,7 +118,8 @@ class Renderer:
 
     def _make_target(self, size: tuple[int, int]) -> None:
         self._size = size
-        self._target = Target(self._context, canvas_size(self._display, size), self._samples)
+        canvas = canvas_size(self._display, size, self._surround)
+        self._target = Target(self._context, canvas, self._samples)
         self._screen = self._context.renderbuffer(size, 4)
         self._own = self._context.framebuffer([self._screen])
 

@@ -1,9 +1,11 @@
 """The picture in linear light, and its way to the screen."""
 
+import math
 from typing import Any
 
-from subsea.render.shaders import program
+from subsea.render.shaders import program, set_uniforms
 from subsea.view.stereo import Weave
+from subsea.view.surround import ALL_ROUND, ROWS, Surround, half_tangent
 
 
 class Target:
@@ -46,11 +48,20 @@ class Resolve:
         self._program = program(context, "resolve")
         self._array = context.vertex_array(self._program, [])
 
-    def draw(self, picture: Any, into: Any, size: tuple[int, int], weave: Weave) -> None:
+    def draw(
+        self,
+        picture: Any,
+        into: Any,
+        size: tuple[int, int],
+        weave: Weave,
+        surround: Surround = ALL_ROUND,
+    ) -> None:
         """Fill the framebuffer `into`, of `size` pixels, from the canvas `picture`."""
         into.use()
         self._context.viewport = (0, 0, *size)
-        self._program["u_weave"].value = int(weave)
+        wide = math.radians(surround.angle_deg), math.radians(surround.tilt_deg)
+        margin = half_tangent(picture.height // ROWS)
+        set_uniforms(self._program, u_weave=int(weave), u_size=size, u_wide=wide, u_margin=margin)
         self._context.disable(self._context.DEPTH_TEST | self._context.BLEND)
         picture.use(0)
         self._array.render(vertices=3)

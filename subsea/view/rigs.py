@@ -8,8 +8,11 @@ from numpy.typing import NDArray
 from subsea.state import Submarine
 from subsea.view.camera import NEAR_CM, View, look, off_axis
 from subsea.view.stereo import EYES, LAYOUTS, Stereo, canvas_size
+from subsea.view.surround import ALL_ROUND, COLUMNS, FACES, Surround, half_tangent
 
 Array = NDArray[np.floating[Any]]
+
+LEVEL = ("equirectangular", "dome")  # displays whose horizon stays level
 
 VERTICAL_FOV = np.radians(55.0)
 WINDOW_AHEAD_CM = 20.0  # the eye sits this far before the hull's centre
@@ -46,13 +49,20 @@ def cockpit(submarine: Submarine, alpha: float) -> Pose:
 
 
 def views_for(
-    display: str, size: tuple[int, int], observer: Pose, stereo: Stereo = EYES
+    display: str,
+    size: tuple[int, int],
+    observer: Pose,
+    stereo: Stereo = EYES,
+    surround: Surround = ALL_ROUND,
 ) -> tuple[View, ...]:
     """The views of a display mode for a picture of `size` pixels (width, height).
 
     Their viewports lie on the mode's canvas (`stereo.canvas_size`), the left eye's comes first.
+    A picture of all directions keeps its horizon level, whatever the submarine's pitch.
     """
-    width, height = canvas_size(display, size)
+    width, height = canvas_size(display, size, surround)
+    if LAYOUTS[display].eyes == "cube":
+        return _cube(width // COLUMNS, levelled(observer) if display in LEVEL else observer)
     # Where both eyes share the picture each is stretched over it, so the picture's aspect counts.
     aspect = size[0] / size[1]
     eyes = LAYOUTS[display].eyes
@@ -67,6 +77,28 @@ def views_for(
     return (
         _eye_view(left, aspect, observer, -half, stereo),
         _eye_view(right, aspect, observer, half, stereo),
+    )
+
+
+def levelled(observer: Pose) -> Pose:
+    """The same observer with the head upright, looking level."""
+    heading = float(np.arctan2(observer.forward[1], observer.forward[0]))
+    return pose(observer.eye, heading, 0.0)
+
+
+def _cube(face: int, observer: Pose) -> tuple[View, ...]:
+    """A view through each face of a cube about the observer."""
+    axes = np.stack([np.cross(observer.forward, observer.up), observer.up, observer.forward])
+    edge = NEAR_CM * half_tangent(face)
+    projection = off_axis(-edge, edge, -edge, edge)
+    return tuple(
+        View(
+            (number % COLUMNS * face, number // COLUMNS * face, face, face),
+            look(observer.eye, np.array(forward) @ axes, np.array(up) @ axes),
+            projection,
+            observer.eye,
+        )
+        for number, (forward, up) in enumerate(FACES)
     )
 
 

@@ -1,4 +1,4 @@
-"""Two eyes: how far apart they are, and how a display brings a picture to each.
+"""Displays: what a mode draws, and how it becomes the picture, for two eyes or all round.
 
 Where a display shows both pictures at once, in colours, rows or pixels, the renderer draws one
 above the other on a *canvas* and weaves them into the picture in the end.
@@ -6,6 +6,8 @@ above the other on a *canvas* and weaves them into the picture in the end.
 
 from enum import IntEnum
 from typing import NamedTuple
+
+from subsea.view.surround import ALL_ROUND, COLUMNS, ROWS, Surround, face_size
 
 EYE_SEPARATION_CM = 6.4
 SCREEN_DISTANCE_CM = 120.0
@@ -44,12 +46,15 @@ class Weave(IntEnum):
     CHECKERS = 4  # the same within each row, the upper left pixel is left
     RED_CYAN = 5  # red from the left eye, green and blue from the right
     DUBOIS = 6  # the same with colours mixed so that both eyes see about the same brightness
+    EQUIRECTANGULAR = 7  # from the faces of a cube, as the next two
+    DOME = 8
+    PANORAMA = 9
 
 
 class Layout(NamedTuple):
     """What a display mode draws, and how that becomes the picture."""
 
-    eyes: str  # "one", "beside" (left eye left) or "above" (left eye above)
+    eyes: str  # "one", "beside" (left eye left), "above" (left eye above), or "cube"
     tall: bool  # the canvas is twice as high as the picture: each eye in full
     weaves: tuple[Weave, ...]  # one for each buffer of the window
 
@@ -63,11 +68,19 @@ LAYOUTS = {
     "anaglyph-comfort": Layout("above", True, (Weave.DUBOIS,)),
     "interlaced": Layout("above", False, (Weave.ROWS,)),
     "checkerboard": Layout("above", True, (Weave.CHECKERS,)),
+    "panorama": Layout("cube", False, (Weave.PANORAMA,)),
+    "dome": Layout("cube", False, (Weave.DOME,)),
+    "equirectangular": Layout("cube", False, (Weave.EQUIRECTANGULAR,)),
 }
 DISPLAYS = tuple(LAYOUTS)
 PAGED = "stereo"  # needs a window with a buffer for each eye
 
 
-def canvas_size(display: str, size: tuple[int, int]) -> tuple[int, int]:
+def canvas_size(
+    display: str, size: tuple[int, int], surround: Surround = ALL_ROUND
+) -> tuple[int, int]:
     """Pixels of the canvas for a picture of `size` (width, height)."""
+    if LAYOUTS[display].eyes == "cube":
+        face = face_size(display, size, surround)
+        return COLUMNS * face, ROWS * face
     return size[0], 2 * size[1] if LAYOUTS[display].tall else size[1]

@@ -15,17 +15,16 @@ def display() -> Iterator[str]:
         if shutil.which(tool) is None:
             pytest.fail(f"{tool} is missing; `make test` installs it, or prints how")
     read, write = os.pipe()
-    # A number of its own for each process of the tests: a server that ends would take away the
-    # socket of one that has just begun under the same number. It tells when it listens.
-    name = f":{1000 + os.getpid() % 50_000}"
-    command = ["Xvfb", name, "-displayfd", str(write), "-screen", "0", "800x600x24"]
-    command += ["-nolisten", "tcp"]
+    # The server chooses a free number itself and tells it once it listens. Left to itself it
+    # would begin anew whenever the last window closes, and refuse the next one meanwhile.
+    command = ["Xvfb", "-displayfd", str(write), "-screen", "0", "800x600x24"]
+    command += ["-nolisten", "tcp", "-noreset"]
     server = subprocess.Popen(
         command, pass_fds=[write], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
     )
     os.close(write)
     with os.fdopen(read) as pipe:
-        assert pipe.readline().strip() == name[1:]
+        name = ":" + pipe.readline().strip()
     before = {key: os.environ.pop(key, None) for key in ("DISPLAY", "WAYLAND_DISPLAY")}
     os.environ["DISPLAY"] = name
     try:

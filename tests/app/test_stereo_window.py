@@ -76,5 +76,5 @@ def test_each_half_has_the_whole_text_squeezed(windows, mode, axis):
 
 
 @pytest.mark.parametrize("mode", SHOWN)
-def test_the_window_shows_two_eyes(windows, mode):
+def test_the_window_shows_what_the_mode_is_for(windows, mode):
     assert np.abs(windows[mode][1] - windows["mono"][1]).max() > 10

@@ -1,0 +1,84 @@
+"""All round: six views on the faces of a cube, from which a wide picture is taken.
+
+Directions are (right, up, ahead) in the axes of the observer. The six faces lie on a canvas of
+three columns and two rows; each is a little wider than a right angle, so that pixels next to an
+edge have neighbours to be smoothed with.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.floating[Any]]
+
+# Where a face looks and what is up there, in the order of its place on the canvas: the lower row
+# from the left, then the upper row. `shaders/resolve.frag` knows the same order.
+FACES = (
+    ((-1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),  # left
+    ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0)),  # ahead
+    ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),  # right
+    ((0.0, -1.0, 0.0), (0.0, 0.0, 1.0)),  # below
+    ((0.0, 0.0, -1.0), (0.0, 1.0, 0.0)),  # astern
+    ((0.0, 1.0, 0.0), (0.0, 0.0, -1.0)),  # above
+)
+COLUMNS, ROWS = 3, 2
+MARGIN_PX = 2  # by which a face is wider than a right angle, at each edge
+LARGEST_FACE = 2560  # pixels: three of them side by side are a texture that every GPU can hold
+
+
+class Surround(NamedTuple):
+    """What a wide picture shows, in degrees."""
+
+    angle_deg: float = 160.0  # of a panorama, from left to right
+    tilt_deg: float = 30.0  # of a dome toward the front: 0 has the zenith in its middle
+
+
+ALL_ROUND = Surround()
+
+
+def face_size(display: str, size: tuple[int, int], surround: Surround) -> int:
+    """Pixels of a cube's face that are as fine as the picture is where it is finest."""
+    width, height = size
+    per_radian = {
+        "equirectangular": width / (2 * np.pi),
+        "dome": min(width, height) / np.pi,
+        "panorama": width / np.radians(surround.angle_deg),
+    }[display]
+    return int(np.clip(np.ceil(2 * per_radian), 16, LARGEST_FACE)) + 2 * MARGIN_PX
+
+
+def half_tangent(face: int) -> float:
+    """Tangent of half a face's angle of view: one, and the margin."""
+    return face / (face - 2 * MARGIN_PX)
+
+
+def directions(display: str, size: tuple[int, int], surround: Surround, pixels: Array) -> Array:
+    """Where pixels (n, 2) look, (n, 3); NaN outside a dome. The plain form of the shader's.
+
+    Pixels are counted from the lower left corner of the picture; their middles lie at .5.
+    """
+    width, height = size
+    x, y = np.asarray(pixels, np.float64).T / [[width], [height]]
+    if display == "equirectangular":
+        longitude, latitude = 2 * np.pi * (x - 0.5), np.pi * (y - 0.5)
+        level = np.cos(latitude)
+        return np.stack(
+            [np.sin(longitude) * level, np.sin(latitude), np.cos(longitude) * level], axis=1
+        )
+    if display == "panorama":
+        angle = np.radians(surround.angle_deg)
+        longitude, rise = angle * (x - 0.5), angle * (y - 0.5) * height / width
+        found = np.stack([np.sin(longitude), rise, np.cos(longitude)], axis=1)
+        return np.asarray(found / np.linalg.norm(found, axis=1, keepdims=True))
+    radius = min(width, height)
+    p = (np.stack([x, y], axis=1) - 0.5) * [width, height] / (radius / 2)
+    r = np.linalg.norm(p, axis=1)
+    away, tilt = r * np.pi / 2, np.radians(surround.tilt_deg)
+    middle = np.array([0.0, np.cos(tilt), np.sin(tilt)])
+    behind = np.array([0.0, np.sin(tilt), -np.cos(tilt)])
+    aside = p / np.maximum(r, 1e-9)[:, None]
+    found = np.cos(away)[:, None] * middle
+    found += np.sin(away)[:, None] * (aside[:, :1] * [1.0, 0.0, 0.0] + aside[:, 1:] * behind)
+    found[r > 1] = np.nan
+    return found

@@ -1,0 +1,67 @@
+"""Wide pictures are woven from the faces of a cube without a seam."""
+
+import numpy as np
+import pytest
+
+from subsea.render import Renderer
+from subsea.render.target import Resolve
+from subsea.view.rigs import pose, views_for
+from subsea.view.stereo import LAYOUTS, canvas_size
+from subsea.view.surround import ALL_ROUND, Surround, directions
+
+SIZES = {"equirectangular": (160, 80), "dome": (120, 100), "panorama": (160, 40)}
+
+
+def shown(light):
+    """What the screen shows of linear light: filmic curve and sRGB."""
+    x = np.clip(light * (2.51 * light + 0.03) / (light * (2.43 * light + 0.59) + 0.14), 0, 1)
+    return 255 * np.where(x < 0.0031308, 12.92 * x, 1.055 * x ** (1 / 2.4) - 0.055)
+
+
+def coloured_canvas(display, size, observer, surround):
+    """Every pixel of the canvas in the colour of the direction that its view sees there."""
+    width, height = canvas_size(display, size, surround)
+    canvas = np.zeros((height, width, 3))
+    axes = np.stack([np.cross(observer.forward, observer.up), observer.up, observer.forward])
+    for view in views_for(display, size, observer, surround=surround):
+        x, y, w, h = view.viewport
+        row, column = np.mgrid[:h, :w]
+        ndc = np.stack([2 * (column + 0.5) / w - 1, 2 * (row + 0.5) / h - 1], axis=-1)
+        far = np.concatenate([ndc, np.ones((h, w, 2))], axis=-1)
+        matrix = view.projection.astype(float) @ view.view.astype(float)
+        place = far @ np.linalg.inv(matrix).T
+        d = (place[..., :3] / place[..., 3:] - view.eye) @ axes.T
+        d /= np.linalg.norm(d, axis=-1, keepdims=True)
+        canvas[y : y + h, x : x + w] = 0.5 + 0.5 * d
+    return canvas
+
+
+@pytest.mark.parametrize("display", SIZES)
+@pytest.mark.parametrize("surround", [ALL_ROUND, Surround(angle_deg=300.0, tilt_deg=0.0)])
+def test_every_pixel_shows_what_lies_in_its_direction(context, display, surround):
+    """Views and shader together against the plain form."""
+    size = SIZES[display]
+    canvas = coloured_canvas(display, size, pose(np.zeros(3), 0.0, 0.0), surround)
+    picture = context.texture((canvas.shape[1], canvas.shape[0]), 3, canvas.astype("f2").tobytes(),
+                              dtype="f2", alignment=1)  # fmt: skip
+    target = context.simple_framebuffer(size)
+    resolve = Resolve(context)
+    resolve.draw(picture, target, size, LAYOUTS[display].weaves[0], surround)
+    found = np.frombuffer(target.read(alignment=1), np.uint8).reshape(size[1], size[0], 3)
+    row, column = np.mgrid[: size[1], : size[0]]
+    d = directions(display, size, surround, np.stack([column + 0.5, row + 0.5], -1).reshape(-1, 2))
+    light = shown(0.5 + 0.5 * d).reshape(found.shape)
+    # Smoothing between the canvas' pixels, half precision and the grain: two grey levels.
+    np.testing.assert_allclose(found, np.nan_to_num(light), atol=2.5)
+    for held in (resolve, target, picture):
+        held.release()
+
+
+@pytest.mark.parametrize("display", SIZES)
+def test_wide_pictures(context, scene, make_packet, fish, same_picture, display):
+    fishes = [fish(1, (0, 45, -200)), fish(0, (45, 2, -205)), fish(0, (-30, -32, -190))]
+    packet = make_packet(fishes, display=display, size=SIZES[display])
+    renderer = Renderer(context, scene, SIZES[display], samples=0, display=display)
+    renderer.draw(packet)
+    same_picture(display, renderer.read_pixels())
+    renderer.release()
