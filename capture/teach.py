@@ -7,8 +7,17 @@ from typing import Any
 
 from tqdm import tqdm
 
-from capture.fitness import Gait, Turning, measure_gait, measure_turning
-from capture.learn import learn
+from capture.fitness import (
+    HORIZON,
+    KICKS,
+    LONGER,
+    Gait,
+    Turning,
+    measure_gait,
+    measure_turning,
+)
+from capture.gait import ENTRY_PHASES
+from capture.learn import Learned, learn
 from capture.rewrite import write_controllers
 from capture.trial import beat_contraction, steady_beat
 from subsea.biomechanics.body import build_body
@@ -63,15 +72,17 @@ def teach(name: str, out: Path | None, dry_run: bool, budget: int, **options: An
         raise KeyboardInterrupt("; ".join([*kept, f"{target} is as it was"])) from None
     finally:
         close_bars()
+    if found.swim is None and found.turn is None:
+        tried = sum(bar.n for bar in bars.values())
+        rejected = [note.partition("rejected: ") for note in found.notes if "rejected: " in note]
+        why = f", {len(rejected)} rejected, the best as {rejected[0][2]}" if rejected else ""
+        print(f"{source.stem}: nothing better found in {tried} tries{why}; {target} is as it was")
+        return 1
     for note in found.notes:
         print(note)
-    tried = sum(bar.n for bar in bars.values())
-    if found.swim is None and found.turn is None:
-        print(f"{source.stem}: nothing better found in {tried} tries; {source} is as it was")
-        return 1
     new = found.swim or muscles.swim, found.turn or muscles.turn
     learned = muscles._replace(swim=new[0], turn=new[1])
-    for line in [*_comparison(muscles, learned), *_tables(learned)]:
+    for line in [*_comparison(muscles, learned), *_tables(learned), *_verification(found)]:
         print(line)
     if dry_run:
         print(f"dry run: {target} is as it was")
@@ -95,6 +106,20 @@ def _comparison(old: Muscles, new: Muscles) -> Iterator[str]:
     yield f"{'':<34} {'before':>18} {'after':>18}"
     for name in after:
         yield f"{name:<34} {before.get(name, '-'):>18} {after[name]:>18}"
+
+
+def _verification(found: Learned) -> Iterator[str]:
+    """What the winners have borne."""
+    beats = round(LONGER * HORIZON)
+    if found.swim:
+        swims = 4 * KICKS
+        yield f"verified: {swims} disturbed swims of {beats} beats, ten amplitudes, three grades"
+    if found.turn:
+        rows = len(found.turn.steering)
+        yield (
+            f"verified: {rows} disturbed turns and {beats} beats after each, each from "
+            f"{ENTRY_PHASES} phases, 180° to both sides, gradual turns to both sides"
+        )
 
 
 GAIT_ROWS = {

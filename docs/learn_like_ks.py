@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from numba import njit
 from tqdm import tqdm
 
-from capture.gait import entries, headings, speed_kept
+from capture.gait import entries, headings, muscle_work, speed_kept
 from capture.learn_turn import with_holds
 from capture.search import search
 from capture.trial import beat_contraction, beat_phase, steady_beat
@@ -80,11 +80,15 @@ def sinusoids(point: Floats, one_frequency: bool) -> Sinusoids:
     )
 
 
-def contraction_of(controller: Sinusoids, steps: int) -> Floats:
-    """Contractions (steps, 12) of the twelve muscles, risen from nothing at the start."""
+def contraction_of(controller: Sinusoids, steps: int, about_rest: bool = False) -> Floats:
+    """Contractions (steps, 12) of the twelve muscles, risen from nothing at the start.
+
+    ``about_rest`` lets rest lengths swing about the natural ones, to both sides as far.
+    """
     time = STEP * np.arange(steps)[:, None]
     wave = np.sin(2 * np.pi * controller.frequency * time + controller.phase)
-    sides = ease(time / RISE_TU) * controller.amplitude * (1 + wave) / 2
+    share = wave if about_rest else (1 + wave) / 2
+    sides = ease(time / RISE_TU) * controller.amplitude * share
     return np.asarray(sides[:, OF_SIDE])
 
 
@@ -143,6 +147,7 @@ def frequencies(body: Body, effort: Effort, folder: Path) -> None:
         tries = np.arange(1, runs.shape[1] + 1)
         left.plot(tries, middle, color=colour, label=name)
         left.fill_between(tries, low, high, color=colour, alpha=0.15)
+    left.set_ylim(0, None)
     left.set_xlabel("tries")
     left.set_ylabel("best speed so far, L/tu")
     left.legend(fontsize=7)
@@ -189,14 +194,12 @@ def turning(body: Body, swim: SwimPlan, turn: TurnPlan, effort: Effort, folder: 
     starts = entries(body, swim, steady)
     beat, steps = swim.ticks_per_beat, len(turn_contraction(swim, turn, ANGLE))
 
-    def sinusoidal(point: Floats | tuple[float, ...]) -> Floats:
-        return contraction_of(sinusoids(np.asarray(point), True), steps)
+    def sinusoidal(point: Floats | tuple[float, ...], about_rest: bool) -> Floats:
+        return contraction_of(sinusoids(np.asarray(point), True), steps, about_rest)
 
-    def loss(point: Floats, farthest: bool) -> float:
-        turned = turn_from(body, swim, steady, 0.0, sinusoidal(point)).by(beat)
-        if np.isnan(turned):
-            return 360.0
-        return -turned if farthest else abs(turned - ANGLE)
+    def loss(point: Floats, about_rest: bool) -> float:
+        turned = turn_from(body, swim, steady, 0.0, sinusoidal(point, about_rest)).by(beat)
+        return 360.0 if np.isnan(turned) else abs(turned - ANGLE)
 
     # What muscles do when the turn begins at a phase of the beat. Sinusoids know of none.
     muscles: dict[str, Callable[[float], Floats]] = {
@@ -205,17 +208,20 @@ def turning(body: Body, swim: SwimPlan, turn: TurnPlan, effort: Effort, folder: 
             swim, phase + 2 * np.pi * np.arange(steps) / (beat * STEPS_PER_TICK), swim.medium
         ),
     }
-    for aim in (f"by {ANGLE:g}°", "farthest"):
-        for seed in tqdm(range(1, effort.turn_seeds + 1), desc=f"(b) {aim}", disable=None):
+    families = {"contracting": False, "about rest": True}
+    for family, swing in families.items():
+        for seed in tqdm(range(1, effort.turn_seeds + 1), desc=f"(b) {family}", disable=None):
             best = search(
-                lambda point, aim=aim: loss(point, aim == "farthest"),
+                lambda point, swing=swing: loss(point, swing),
                 np.random.default_rng(seed).random(2 * SIDES + 1),
                 "annealing",
                 effort.turn_budget,
                 seed,
             )[0]
-            muscles[f"sinusoids {aim}, {seed}"] = lambda phase, best=best: sinusoidal(best.point)
-    print("(b)                     turned °  worst phase °  to and fro °  fastest °/tu  speed kept")
+            muscles[f"{family}, {seed}"] = lambda phase, best=best, swing=swing: sinusoidal(
+                best.point, swing
+            )
+    print("(b)                     turned °  worst phase  overshoot  to and fro  °/tu  kept  mJ/kg")
     picture = Figure(figsize=(10, 3.6))
     axes = picture.subplots(1, 2, sharey=True)
     tick = STEP * STEPS_PER_TICK
@@ -225,19 +231,23 @@ def turning(body: Body, swim: SwimPlan, turn: TurnPlan, effort: Effort, folder: 
         first = found[0]
         during = first.heading[beat - 1 : beat + len(first.frames)]
         off = max((angle - angles[0] for angle in angles), key=abs)
+        overshoot = during.max() - first.heading[-beat:].max()
         fastest, kept = np.abs(np.diff(during)).max() / tick, speed_kept(body, first.frames)
+        # g cm²/tu² for each g is 0.01 J/kg.
+        work = 10 * muscle_work(body, copy_state(steady), contraction(0.0)) / body.mass.sum()
         print(
-            f"    {name:<20} {angles[0]:7.1f}  {off:+13.1f}  {thrash(during):12.1f}"
-            f"  {fastest:12.1f}  {kept:10.2f}"
+            f"    {name:<20} {angles[0]:7.1f}  {off:+11.1f}  {overshoot:9.1f}"
+            f"  {thrash(during):10.1f}  {fastest:4.1f}  {kept:4.2f}  {work:5.1f}"
         )
         style: dict[str, Any] = {"linewidth": 0.8}
         if name == "steering map":
             style = {"color": "k", "linewidth": 2}
         time = tick * (np.arange(len(first.heading)) - beat)
-        for axis, aim in zip(axes, (f"by {ANGLE:g}°", "farthest"), strict=True):
-            if not name.startswith("sinusoids") or aim in name:
+        for axis, family in zip(axes, families, strict=True):
+            if family in name or "," not in name:
                 axis.plot(time, first.heading - first.heading[:beat].mean(), label=name, **style)
-    for axis in axes:
+    for axis, family in zip(axes, families, strict=True):
+        axis.set_title(f"sinusoids {family}", fontsize=9)
         axis.set_xlabel("tu")
         axis.axvspan(0, steps * STEP, color="0.93")
         axis.legend(fontsize=6)

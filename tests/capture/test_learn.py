@@ -1,7 +1,9 @@
 import re
+from errno import ENOSPC
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -16,9 +18,10 @@ from capture.fitness import (
     swim_faults,
     swim_loss,
 )
-from capture.learn import learn
+from capture.learn import Learned, learn
 from capture.learn_swim import swim_at, swim_point
 from capture.learn_turn import turn_at, turn_point, with_holds
+from capture.rewrite import write_controllers
 from capture.search import APART, METHODS, Tried, distinct, search
 from capture.trial import beat_contraction, steady_beat
 from subsea.biomechanics.body import build_body
@@ -69,6 +72,7 @@ def test_a_detuned_fish_learns_to_swim_faster(lesson: Lesson) -> None:
     assert after.speed > 1.1 * before.speed
     assert not missed(after, GAIT_LIMITS)
     assert "fast swim, L/tu" in lesson.out
+    assert "verified: 12 disturbed swims of 150 beats" in lesson.out
     assert f"{after.speed:.4f}" in lesson.out
 
 
@@ -115,6 +119,57 @@ def test_nothing_better_is_one_line_and_code_1(
     assert path.stat().st_ino == inode
 
 
+def test_winners_that_all_fail_are_told_in_one_line_and_change_nothing(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = detuned(tmp_path / "fish.toml")
+    before = path.read_bytes()
+    monkeypatch.setattr(learn_swim, "gait_faults", lambda *fish: ["it circles"])
+    assert main(["learn", str(path), "--only", "swim", "--budget", "20", "--ticks", "14"]) == 1
+    out = capsys.readouterr().out
+    assert out.count("\n") == 1
+    assert re.search(r"in 20 tries, \d+ rejected, the best as it circles; ", out)
+    assert path.read_bytes() == before
+
+
+def test_a_full_disk_leaves_the_old_file(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = detuned(tmp_path / "fish.toml")
+    before = path.read_bytes()
+    fish = load_toml(path, Species)
+    assert fish.swim
+    new = msgspec.structs.replace(fish.swim, lag=1.0)
+    monkeypatch.setattr(teach, "learn", lambda *given, **options: Learned(new, None, []))
+
+    def full(file: Path, data: bytes) -> None:
+        file.open("wb").close()
+        raise OSError(ENOSPC, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "write_bytes", full)
+        assert main(["learn", str(path)]) == 2
+    assert "No space left" in capsys.readouterr().err
+    assert path.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [path]
+    # A dry run shows what it found and writes nothing.
+    assert main(["learn", str(path), "--dry-run"]) == 0
+    assert "lag 1" in capsys.readouterr().out
+    assert path.read_bytes() == before
+    # With room, and elsewhere, it is written.
+    assert main(["learn", str(path), "--out", str(tmp_path / "new" / "fish.toml")]) == 0
+    assert load_toml(tmp_path / "new" / "fish.toml", Species).swim == new
+    assert path.read_bytes() == before
+
+
+def test_the_same_numbers_give_the_same_bytes(species: Species, name: str, tmp_path: Path) -> None:
+    source = resource_path(f"assets/species/{name}.toml")
+    assert species.swim
+    assert species.turn
+    write_controllers(source, tmp_path / "same.toml", species.swim, species.turn)
+    assert (tmp_path / "same.toml").read_bytes() == source.read_bytes()
+
+
 @pytest.mark.parametrize("method", METHODS)
 def test_the_same_seed_finds_the_same(method: str) -> None:
     fish = load_species("fusilier")
@@ -124,12 +179,12 @@ def test_the_same_seed_finds_the_same(method: str) -> None:
         found = learn(
             fish.muscles,
             method=method,
-            budget=7,
+            budget=4,
             only="turn",
             tell=lambda *step, told=told: told.append(step),
         )
         runs.append([*told, found])
-    assert len(runs[0]) == 8
+    assert len(runs[0]) == 5
     assert runs[0] == runs[1]
 
 
@@ -213,6 +268,7 @@ def test_an_interrupted_lesson_tells_the_best_and_leaves_the_file(
         ([], "SPECIES"),
         (["fusiler"], "did you mean 'fusilier'?"),
         (["no/such.toml"], "no/such.toml: cannot read"),
+        (["ribbon_eel"], "ribbon_eel.toml: its spine moves it"),
         (["fusilier", "--method", "guessing"], "guessing"),
         (["fusilier", "--budget", "0"], "whole number from 1"),
         (["fusilier", "--only", "glide"], "glide"),
