@@ -11,7 +11,7 @@ from subsea.biomechanics.plan import TurnPlan
 from subsea.repertoire import SEGMENTS, Repertoire, Segment
 
 CYCLES = 3
-STRIP_FRAMES = 10, 16
+STRIP_FRAMES = 8, 16
 POINTS = {"nose": "0.45", "origin": "#08519c", "tail": "#d94801"}
 SEGMENT_COLOURS = {
     "swim_slow": "#9ecae1",
@@ -24,7 +24,7 @@ SEGMENT_COLOURS = {
 }
 BODY, FAINT = "#bdd7e7", "0.82"
 X_COLOUR, Z_COLOUR = "#08306b", "0.6"
-SCALE_CM = 5.0
+SCALES_CM = (0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100)
 LEFT_EDGE, RIGHT_EDGE = (0, 1, 5, 9, 13, 17, 21), (21, 18, 14, 10, 6, 2, 0)
 OUTLINE = LEFT_EDGE + RIGHT_EDGE
 """Nodes down the left and up the right flank, seen from above."""
@@ -71,9 +71,10 @@ def strip(axes: Any, segment: Segment, tick_s: float) -> None:
         axis.spines[:].set(visible=True, color=FAINT)
         axis.set_title(f"{k + 1}\n{(k + 1) * tick_s:.2f} s", fontsize=8)
     axes[0].set_ylabel("frames from above, ahead is up", fontsize=8)
+    scale = max(cm for cm in SCALES_CM if cm < 0.6 * (right[1] - right[0]))
     at = right[0] + 0.1 * (right[1] - right[0]), ahead[0] + 0.04 * (ahead[1] - ahead[0])
-    axes[-1].plot([at[0], at[0] + SCALE_CM], [at[1]] * 2, "k", linewidth=1.5)
-    axes[-1].annotate(f"{SCALE_CM:g} cm", at, xytext=(0, 3), textcoords="offset points", fontsize=7)
+    axes[-1].plot([at[0], at[0] + scale], [at[1]] * 2, "k", linewidth=1.5)
+    axes[-1].annotate(f"{scale:g} cm", at, xytext=(0, 3), textcoords="offset points", fontsize=7)
 
 
 def _arrows(played: Played) -> tuple[tuple[str, Any], tuple[str, Any]]:

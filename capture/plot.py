@@ -8,7 +8,8 @@ import numpy as np
 
 from capture import panels
 from capture.gait import entries, turned
-from capture.record import Motion, motion_from_provenance, run_trial
+from capture.record import Motion, motion_from_provenance, run_trial, spine_from_provenance
+from capture.spine import perform
 from capture.trial import deformation, speed_map
 from subsea.biomechanics.body import Floats, build_body
 from subsea.errors import UserError
@@ -31,9 +32,9 @@ ANGLES = np.arange(15.0, 91.0, 15.0)
 def plot_repertoire(repertoire: Repertoire, folder: Path) -> list[Path]:
     """Write a page for every segment and one for the repertoire as PNG; return the files.
 
-    What only swimming again can tell (first frames, speed and steering maps) is simulated from
-    the provenance and left out where that holds no muscle-driven fish. Raises UserError without
-    matplotlib or where the folder cannot be written.
+    What only swimming again can tell (first frames, and of muscle-driven fishes the speed and
+    steering maps) comes from the provenance, and is left out where that holds no fish. Raises
+    UserError without matplotlib or where the folder cannot be written.
     """
     try:
         from matplotlib import rc_context
@@ -44,7 +45,7 @@ def plot_repertoire(repertoire: Repertoire, folder: Path) -> list[Path]:
     written = []
     with rc_context(STYLE):
         for name, segment in panels.in_order(repertoire):
-            first = None if motion is None else deformation(run_trial(motion, name).frames[:1])[0]
+            first = _first_frame(repertoire, motion, name)
             page = Figure(dpi=DPI, layout="constrained")
             _segment_page(page, repertoire, name, segment, first)
             written.append(_write(page, folder / f"{repertoire.species}_{name}.png"))
@@ -67,6 +68,19 @@ def _motion(repertoire: Repertoire) -> Motion | None:
         return None
 
 
+def _first_frame(repertoire: Repertoire, motion: Motion | None, name: str) -> Floats | None:
+    """The deformation (23, 3) that a segment starts from: a file holds those that follow."""
+    if motion:
+        frames = run_trial(motion, name).frames
+    else:
+        try:
+            plans = spine_from_provenance(repertoire.provenance)
+        except msgspec.ValidationError:
+            return None
+        frames = perform(*plans, name).nodes
+    return np.asarray(deformation(frames[:1])[0])
+
+
 def _segment_page(
     page: Any, repertoire: Repertoire, name: str, segment: Segment, first: Floats | None
 ) -> None:
@@ -74,7 +88,7 @@ def _segment_page(
     kind = "one cycle" if segment.cyclic else "not cyclic"
     page.suptitle(
         f"{repertoire.species} · {name} · {len(segment.nodes)} frames of {1000 * tick:g} ms, {kind}"
-        f" · turns by {segment.turn_deg:+.1f}°"
+        f" · turns by {round(segment.turn_deg, 1) + 0.0:+.1f}°"
     )
     right, ahead = panels.strip_limits(segment)
     shown = len(panels.strip_frames(segment))

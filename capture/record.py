@@ -19,6 +19,8 @@ from subsea.biomechanics.body import Floats, build_body
 from subsea.biomechanics.controllers import LEFT, RIGHT
 from subsea.biomechanics.plan import BodyPlan, Muscles, SwimPlan, TurnPlan
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, TICK_S, TIME_UNIT_S
+from subsea.kinematics.spine import SpinePlan
+from subsea.kinematics.surface import SurfacePlan
 from subsea.repertoire import SEGMENTS, Repertoire, Segment
 from subsea.species import Species
 
@@ -94,6 +96,14 @@ def motion_from_provenance(provenance: dict[str, Any]) -> Motion:
         msgspec.convert(provenance.get("body"), BodyPlan),
         msgspec.convert(provenance.get("swim"), SwimPlan),
         msgspec.convert(provenance.get("turn"), TurnPlan),
+    )
+
+
+def spine_from_provenance(provenance: dict[str, Any]) -> tuple[SpinePlan, SurfacePlan]:
+    """The same of a fish that its spine moves."""
+    return (
+        msgspec.convert(provenance.get("spine"), SpinePlan),
+        msgspec.convert(provenance.get("surface"), SurfacePlan),
     )
 
 

@@ -2,10 +2,10 @@
 
 from collections.abc import Iterator
 
-import msgspec
 import numpy as np
 
 from capture.quality import REPLAYED_CYCLES, replay
+from capture.record import spine_from_provenance
 from capture.spine import perform
 from capture.targets import Measure, judge, least, most, off
 from subsea.kinematics.frame import body_frame
@@ -20,8 +20,7 @@ def measure_rules(repertoire: Repertoire) -> Iterator[Measure]:
     msgspec.ValidationError where the provenance holds no plan. Of swimming speed nothing is
     asked: it is a number of the plan.
     """
-    plan = msgspec.convert(repertoire.provenance.get("spine"), SpinePlan)
-    surface = msgspec.convert(repertoire.provenance.get("surface"), SurfacePlan)
+    plan, surface = spine_from_provenance(repertoire.provenance)
     segments = repertoire.segments
     speeds = [segments[f"swim_{grade}"].speed_cm_s for grade in ("slow", "medium", "fast")]
     yield judge("medium over slow", speeds[1] / speeds[0], ".2f", " ×", least(1.4))

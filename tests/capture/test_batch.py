@@ -1,5 +1,6 @@
 """Recording of several species: interrupted, resumed, in processes that die, on a full disk."""
 
+import dataclasses
 import multiprocessing
 import os
 import resource
@@ -11,6 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
 import pytest
 from msgspec import structs
 
@@ -22,7 +24,7 @@ from capture.kept import keep, kept
 from capture.record import fingerprint, record_segment
 from subsea.errors import UserError
 from subsea.repertoire import SEGMENTS, Repertoire, write_repertoire
-from subsea.species import Species, load_species
+from subsea.species import Species, load_species, species_names
 
 NAMES = ["emperor_angelfish", "fusilier"]
 
@@ -116,6 +118,20 @@ def test_kept_segments_of_another_fish_or_damaged_ones_are_recorded_again(
     assert not kept(tmp_path, "fusilier", changed(species, "swim", lag=1.4))
     (tmp_path / ".fusilier.recording" / "swim_medium.h5").write_bytes(b"half")
     assert set(kept(tmp_path, "fusilier", species)) == {"swim_slow", "swim_fast"}
+
+
+@pytest.mark.parametrize("name", species_names())
+def test_a_segment_is_kept_exactly(name: str, tmp_path: Path) -> None:
+    species = load_species(name)
+    segment, beats = record_segment(species, "turn_left_sharp")
+    keep(tmp_path, name, species, "turn_left_sharp", (segment, beats))
+    ((back, again),) = kept(tmp_path, name, species).values()
+    assert again == beats
+    for field in dataclasses.fields(segment):
+        ours, theirs = getattr(segment, field.name), getattr(back, field.name)
+        if field.name == "control_points" and ours is not None:
+            ours = ours.astype(np.float32)  # as they are stored
+        np.testing.assert_array_equal(theirs, ours)
 
 
 def test_colours_and_names_change_no_fingerprint_but_a_number_of_the_body_does() -> None:
