@@ -154,7 +154,7 @@ def mass(surface: SurfacePlan) -> Array:
 
 def half_span(surface: SurfacePlan) -> float:
     """From the spine to the tip of a wing, body lengths."""
-    return max(width for _, width in surface.width)
+    return surface.wing.span if surface.wing else max(width for _, width in surface.width)
 
 
 def nodes_at_rest(plan: SpinePlan, surface: SurfacePlan) -> Array:

@@ -54,6 +54,19 @@ class Patch(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     over_fins: bool = False  # else the fins are painted over it
 
 
+class Spots(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Round spots strewn over the upper side of a body with wings, in body lengths."""
+
+    colour: Colour
+    radius: tuple[Positive, Positive]  # of the smallest and the largest
+    spacing: Annotated[float, msgspec.Meta(ge=0.005, le=1)]
+
+    def __post_init__(self) -> None:
+        """Refuse spots that run into one another."""
+        if not self.radius[0] <= self.radius[1] <= 0.5 * self.spacing:
+            raise ValueError("radius must name the smaller first, and at most half the spacing")
+
+
 class FinSkin(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """A fin: at its root it has the body's colour."""
 
@@ -73,6 +86,7 @@ class SkinPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     stripes: Stripes | None = None
     cape: Cape | None = None
     patches: list[Patch] = []
+    spots: Spots | None = None
     tail: FinSkin
     dorsal: FinSkin | None = None
     ventral: FinSkin | None = None

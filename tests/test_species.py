@@ -141,3 +141,23 @@ def test_a_species_is_moved_by_its_muscles_or_by_its_spine(tmp_path):
 def test_two_movers_or_none_are_one_line(tmp_path, head):
     with pytest.raises(UserError, match=r"\[body\], \[swim\] and \[turn\], or \[spine\] alone"):
         _load(tmp_path, head + SURFACE_ON)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (("radius = [0.0024, 0.0052]", "radius = [0.0052, 0.0024]"), "radius"),
+        (("radius = [0.0024, 0.0052]", "radius = [0.0024, 0.02]"), "half the spacing"),
+        (("chord = [0.07, 0.3]", "chord = [0.3, 0.07]"), "chord"),
+        (("chord_lag = 0.22", "chord_lag = 0.0"), "chord_lag"),
+        (("[skin.dorsal]", "[skin.ventral]"), "skin.dorsal"),
+        (("sharp_beats = 4", "sharp_beats = 2"), "sharp_beats"),
+    ],
+)
+def test_an_absurd_ray_is_one_line(tmp_path, change, words):
+    text = resource_path("assets/species/spotted_eagle_ray.toml").read_text()
+    assert change[0] in text
+    with pytest.raises(UserError) as caught:
+        _load(tmp_path, text.replace(*change))
+    assert words in str(caught.value)
+    assert "\n" not in str(caught.value)

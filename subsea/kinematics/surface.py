@@ -6,6 +6,7 @@ Then the dorsal and the ventral fin, 2×12 each: first the row in the body, then
 The surface, not its control mesh, meets the outline.
 """
 
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import Annotated, Any
 
@@ -26,6 +27,8 @@ VENTRAL = slice(2 * U * V + FIN_U * FIN_V, 2 * U * V + 2 * FIN_U * FIN_V)
 CONTROL_POINTS = VENTRAL.stop
 
 TAIL_COLUMNS = 6  # of the 21: the tail fin
+TIP_COLUMN = 9  # of the 15 on the body: the one that runs to the tip of a wing
+WING_ROWS = np.array([0.0, 0.16, 0.42, 0.72])  # of the span, on either side
 CROWDING = 0.6  # columns crowd toward snout and tail, where the outline bends most
 SUNK = 0.82  # the fins' lower rows lie at this share of the ridge's height
 
@@ -91,8 +94,35 @@ class EyePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     """The eyes, in body lengths."""
 
     at: Share  # distance from the snout
-    height: Extent  # above the axis
+    height: Extent  # above the axis; of a body with wings, aside from the spine on the upper side
     radius: Share
+
+
+class WingPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A body that is flat and spreads to both sides, as a ray's, in body lengths."""
+
+    outline: Annotated[list[tuple[Share, Share]], msgspec.Meta(min_length=5)]
+    """Its edge from the snout over the tip to the root of the tail: (behind the snout, right)."""
+    thickness: Curve
+    """(distance from the spine over the half span, share of the body's height)."""
+
+    def __post_init__(self) -> None:
+        """Refuse an outline that has no tip or steps in place."""
+        if not 1 < self.tip < len(self.outline) - 2:
+            raise ValueError("the outline must have its tip inside, two points or more from an end")
+        if any(a == b for a, b in pairwise(self.outline)):
+            raise ValueError("two neighbouring points of the outline are the same")
+        _increasing("thickness", self.thickness)
+
+    @property
+    def tip(self) -> int:
+        """Which point of the outline is farthest aside."""
+        return int(np.argmax([right for _, right in self.outline]))
+
+    @property
+    def span(self) -> float:
+        """From the spine to the tip."""
+        return self.outline[self.tip][1]
 
 
 class SurfacePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -104,7 +134,8 @@ class SurfacePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_on
     coupling: Way = "sections"
     back: Curve  # height of the dorsal ridge above the axis, on to the tail's upper tip
     belly: Curve  # height of the ventral ridge, negative
-    width: Curve  # half-width
+    width: Curve  # half-width, of a body with wings that of its trunk
+    wing: WingPlan | None = None
     tail: TailPlan
     dorsal: FinPlan | None = None
     ventral: FinPlan | None = None
@@ -214,7 +245,41 @@ def _right_half(plan: SurfacePlan) -> Array:
     half[..., 0] = ridge + fin * (edge - tip)
     half[..., 1] = middle + height * radius
     half[..., 2] = SECTION_WIDTH[:, None] * along(plan.width, ridge)
+    if plan.wing:
+        half[:, :body] = _wing(plan.wing, ridge[:body], top[:body], bottom[:body])
     return half
+
+
+def _wing(plan: WingPlan, ridge: Array, top: Array, bottom: Array) -> Array:
+    """(9, 15, 3): rows from the spine over the wing's edge to the keel, columns along the chord.
+
+    Each column runs straight from its place on the ridge to one on the outline, the one in the
+    middle to the tip.
+    """
+    front, rear = plan.outline[: plan.tip + 1], plan.outline[plan.tip :]
+    columns = np.arange(len(ridge))
+    before = (columns[: TIP_COLUMN + 1] / TIP_COLUMN) ** 1.25  # more of them at the head
+    behind = (columns[TIP_COLUMN:] - TIP_COLUMN) / (columns[-1] - TIP_COLUMN)
+    edge = np.concatenate([_travelled(front, before)[:-1], _travelled(rear, behind)])
+    # The spline passes inside the edge's control points: they lie farther out.
+    out = (1.0 - 0.25 * WING_ROWS[-1]) / 0.75
+    reach = np.concatenate([WING_ROWS, [out], WING_ROWS[::-1]])[:, None]
+    half = np.empty((U, len(ridge), 3))
+    half[..., 0] = ridge + reach * (edge[:, 0] - ridge)
+    half[..., 2] = reach * edge[:, 1]
+    thick = along(plan.thickness, np.minimum(half[..., 2] / plan.span, 1.0))
+    thick[[0, 1, -2, -1]] = 1.0  # level at the ridge, so that both halves meet without a crease
+    half[..., 1] = thick * np.where(np.arange(U)[:, None] < U // 2, top, bottom)
+    half[U // 2, :, 1] = 0.0
+    return half
+
+
+def _travelled(points: Sequence[tuple[float, float]], share: Array) -> Array:
+    """Places (n, 2) on a smooth curve through `points`, at shares of its length."""
+    corner = np.asarray(points)
+    way = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(corner, axis=0).T))])
+    way /= way[-1]
+    return np.stack([along(np.stack([way, axis], 1), share) for axis in corner.T], axis=1)
 
 
 def _fin(plan: FinPlan | None, ridge: Curve) -> Array:
@@ -223,12 +288,7 @@ def _fin(plan: FinPlan | None, ridge: Curve) -> Array:
     if plan is None:
         return np.tile((0.5, 0.0, 0.0), (FIN_U * FIN_V, 1))
     base = plan.base[0] + (plan.base[1] - plan.base[0]) * share
-    points = np.asarray(plan.edge)
-    travelled = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
-    travelled /= travelled[-1]
     rows = np.zeros((FIN_U, FIN_V, 3))
     rows[0, :, 0], rows[0, :, 1] = base, SUNK * along(ridge, base)
-    for axis in range(2):
-        curve = np.stack([travelled, points[:, axis]], axis=1)
-        rows[1, :, axis] = along(curve, share)
+    rows[1, :, :2] = _travelled(plan.edge, share)
     return rows.reshape(-1, 3)

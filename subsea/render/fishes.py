@@ -71,10 +71,13 @@ def fish_mesh(plan: SurfacePlan, level: int) -> Mesh:
     every second of those. All levels go through the same shader.
     """
     rest = rest_control_points(plan, 1.0, 0.0)
+    halves = ((LEFT.start, -1.0), (RIGHT.start, 1.0))
     parts = [
-        _surface(rest, LEFT.start, (U, V), level, FINEST_BODY, BODY, -1.0),
-        _surface(rest, RIGHT.start, (U, V), level, FINEST_BODY, BODY, 1.0),
+        _surface(rest, start, (U, V), level, FINEST_BODY, BODY, side) for start, side in halves
     ]
+    if plan.wing:  # which is painted on both sides
+        parts = [side for part in parts for side in _sides(plan, part)]
+    solid = len(parts)
     for fin, place, side in ((plan.dorsal, DORSAL, 1.0), (plan.ventral, VENTRAL, -1.0)):
         if fin:
             parts.append(_surface(rest, place.start, (FIN_U, FIN_V), level, FINEST_FIN, FIN, side))
@@ -84,12 +87,26 @@ def fish_mesh(plan: SurfacePlan, level: int) -> Mesh:
                 parts.append(_paddle(rest, paddle, level, part, side))
     starts = np.cumsum([0] + [len(part.vertices) for part in parts])
     triangles = [part.triangles + start for part, start in zip(parts, starts, strict=False)]
-    triangles.insert(2, _lips(parts[0].vertices, starts[1]))
+    if not plan.wing:  # whose snout is closed
+        triangles.insert(solid, _lips(parts[0].vertices, starts[1]))
+        solid += 1
     return Mesh(
         np.concatenate([part.vertices for part in parts]).astype("f4"),
         np.concatenate(triangles).astype("i4"),
-        sum(map(len, triangles[:3])),
+        sum(map(len, triangles[:solid])),
     )
+
+
+def _sides(plan: SurfacePlan, half: Part) -> tuple[Part, Part]:
+    """The upper and the lower side of one half of a body with wings, with their own skins."""
+    vertices, triangles = half
+    sides = []
+    for upper in (True, False):
+        copy = vertices.copy()
+        copy[:, 14] = paint.unfolded(plan, vertices[:, 15], np.full(len(vertices), upper))
+        middle = vertices[triangles, 18].mean(axis=1)
+        sides.append(Part(copy, triangles[(middle < 0.5) == upper]))
+    return sides[0], sides[1]
 
 
 def _lips(left: Array, half: int) -> Ints:
@@ -320,9 +337,10 @@ def _look(species: Species, length_cm: float) -> dict[str, Any]:
     surface, skin = species.surface, species.skin
     paddles = skin.paddles
     top = paint.half_height(surface)
+    front, rear = paint.borders(surface)
     return {
         "u_length": length_cm,
-        "u_skin_box": (paint.SNOUT, -top, paint.EDGE, top),
+        "u_skin_box": (front, -top, rear, top),
         "u_paddle": (*paddles.colour, paddles.opacity) if paddles else (0.0,) * 4,
         "u_paddle_rim": (*(paddles.rim or paddles.colour), paddles.rim_width)
         if paddles
@@ -330,7 +348,7 @@ def _look(species: Species, length_cm: float) -> dict[str, Any]:
         "u_gloss": skin.gloss,
         "u_scales": skin.scales,
         "u_rays": skin.rays,
-        "u_eye_spot": (surface.eye.at, surface.eye.height, surface.eye.radius),
+        "u_eye_spot": (surface.eye.at, paint.eye_height(surface), surface.eye.radius),
         "u_stiff": float(surface.stiff_fins),
         # A jaw that lies beneath the snout does not show when it drops.
         "u_head": paint.head_size(surface) if skin.mouth[0][0] < JAWS_AHEAD else 1e-3,

@@ -1,6 +1,9 @@
 """Skins painted once at start: what SMC §4 takes from photographs of real fishes.
 
-A skin is the fish's left flank seen from the side at rest, with its fins. Colours are mixed in
+A skin is the fish's left flank seen from the side at rest, with its fins. That of a fish with wings
+shows one of them from above and below, unfolded at the edge: its upper border is the spine, then
+comes the wing's upper side, in the middle all that lies beyond the tips, below it the wing's lower
+side, and its lower border is the keel. Colours are mixed in
 linear light and stored in sRGB; alpha is the opacity, 1 on the body.
 """
 
@@ -10,17 +13,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.kinematics.surface import Curve, FinPlan, SurfacePlan, along
-from subsea.species import Colour, FinSkin, Patch, SkinPlan, Species, Stripes
+from subsea.kinematics.surface import Curve, FinPlan, SurfacePlan, WingPlan, along
+from subsea.species import Colour, FinSkin, Patch, SkinPlan, Species, Spots, Stripes
 
 Array = NDArray[np.floating[Any]]
 
 SIZE = (1024, 512)  # texels
-SNOUT, EDGE = -0.03, 1.05  # distances from the snout at the left and right border, body lengths
+SNOUT, EDGE = -0.03, 1.05  # distances from the snout at the left and right border, but of wings
 MARGIN = 0.03  # above and below the fins, body lengths
 SOFT = 0.004  # width of the borders between colours, body lengths
 SLENDER = 0.1  # depth in body lengths below which the head is short too
 DARK = (0.012, 0.012, 0.016)  # the pupil and the rim of the eye
+FLANK = 0.45  # how wide what lies on the flank of a flat head looks from above
+EDGE_SHADE = 0.02  # width of the band along the edge of a wing, body lengths
 GILLS_APART = 0.016  # body lengths
 RAYS = 13.0  # of the tail, on each side
 
@@ -29,7 +34,18 @@ def half_height(surface: SurfacePlan) -> float:
     """Height of the skin's upper border above the axis; the lower one lies as far below."""
     fins = [fin.edge for fin in (surface.dorsal, surface.ventral) if fin]
     curves = (surface.back, surface.belly, *fins)
-    return MARGIN + max(abs(y) for curve in curves for _, y in curve)
+    wide = surface.wing.span if surface.wing else 0.0
+    return MARGIN + max(wide, *(abs(y) for curve in curves for _, y in curve))
+
+
+def borders(surface: SurfacePlan) -> tuple[float, float]:
+    """Distances from the snout at the left and right border; a whip of a tail has one colour."""
+    return SNOUT, surface.tail.begin + 0.05 if surface.wing else EDGE
+
+
+def unfolded(surface: SurfacePlan, right: Array, upper: Array) -> Array:
+    """Height on the skin of points at `right` of the spine of a fish with wings, either side up."""
+    return np.asarray(np.where(upper, 1.0, -1.0) * (half_height(surface) - np.abs(right)))
 
 
 def head_size(surface: SurfacePlan) -> float:
@@ -37,13 +53,22 @@ def head_size(surface: SurfacePlan) -> float:
     return min(1.0, surface.depth / SLENDER)
 
 
+def eye_height(surface: SurfacePlan) -> float:
+    """Height of the eye on the skin."""
+    eye = surface.eye
+    return half_height(surface) - eye.height if surface.wing else eye.height
+
+
 def paint(species: Species, size: tuple[int, int] = SIZE) -> NDArray[np.uint8]:
     """The skin (height, width, 4), bottom row first, as OpenGL wants it."""
     surface, skin = species.surface, species.skin
     width, height = size
     top = half_height(surface)
-    s = _single(SNOUT + (EDGE - SNOUT) * (np.arange(width) + 0.5) / width)
+    front, rear = borders(surface)
+    s = _single(front + (rear - front) * (np.arange(width) + 0.5) / width)
     y = _single(-top + 2 * top * (np.arange(height)[:, None] + 0.5) / height)
+    if surface.wing:
+        return _bytes(_unfolded_skin(species, surface.wing, s, y))
     back, belly = _single(along(surface.back, s)), _single(along(surface.belly, s))
     # 1 at the dorsal ridge, 0 on the axis, -1 at the ventral ridge.
     level = np.where(y > 0, y / back, -y / belly)
@@ -77,6 +102,62 @@ def paint(species: Species, size: tuple[int, int] = SIZE) -> NDArray[np.uint8]:
     _draw_face(picture, surface, skin, s, y, level)
     picture[:3] *= _mottle(height, width)
     return _bytes(picture)
+
+
+def _unfolded_skin(species: Species, wing: WingPlan, s: Array, y: Array) -> Array:
+    """The planes of a skin of a fish with wings: both sides, spots, tail and face."""
+    surface, skin = species.surface, species.skin
+    right, upper = half_height(surface) - np.abs(y), y > 0.0
+    picture = np.ones((4, len(y), len(s)), np.float32)
+    picture[:3] = np.array(skin.belly, np.float32)[:, None, None]
+    everywhere = np.ones((1, len(s)), np.float32)
+    _lay(picture, skin.back, upper * everywhere)
+    outline = [*wing.outline, *((x, -z) for x, z in wing.outline[::-1])]
+    inside = np.empty((len(y), len(s)), np.float32)  # distance from the wing's edge
+    for half, rows in ((upper[:, 0], right[upper[:, 0]]), (~upper[:, 0], right[~upper[:, 0]])):
+        order = np.argsort(rows[:, 0])
+        inside[np.flatnonzero(half)[order]] = _depth_inside(outline, s, rows[order])
+    # Toward the edge both sides take on the colour of the flank.
+    _lay(picture, skin.flank, _step(inside, EDGE_SHADE, 0.0) * np.where(upper, 1.0, 0.8))
+    if skin.spots:
+        _strew(picture, skin.spots, s, right, upper * _step(inside, 0.004, 0.008))
+    for patch in skin.patches:
+        _lay_patch(picture, patch, s, y)
+    begin = surface.tail.begin
+    _lay(picture, skin.tail.colour, _step(s, begin - 0.03, begin) * np.ones_like(y))
+    (tip, _), (corner, wide) = skin.mouth  # from the middle to the right
+    lips = tip + (corner - tip) * (right / wide) ** 2
+    mouth = _step(np.abs(s - lips), 0.003, 0.001) * _step(right, wide, 0.8 * wide)
+    gills = np.zeros_like(mouth)
+    for k in range(skin.gills):
+        at = np.hypot(
+            (s - surface.eye.at - 0.045 - GILLS_APART * k) / 0.3, right - 0.045 + 0.003 * k
+        )
+        gills = np.maximum(gills, _step(at, 0.010, 0.005))
+    _lay(picture, DARK, np.where(upper, 0.0, np.maximum(0.8 * mouth, 0.5 * gills)))
+    # The eyes look aside: seen from above the flank of the head is narrow.
+    aside = (right - surface.eye.height) / FLANK
+    distance = np.hypot(s - surface.eye.at, aside) / surface.eye.radius
+    for colour, outer in ((DARK, 1.1), (skin.iris, 1.0), (DARK, 0.66)):
+        _lay(picture, colour, np.where(upper, _step(distance, outer, outer - 0.14), 0.0))
+    picture[:3] *= _mottle(len(y), len(s))
+    return picture
+
+
+def _strew(picture: Array, plan: Spots, s: Array, right: Array, where: Array) -> None:
+    """Lay round spots on a wavering grid, each of its own size."""
+    rng = np.random.default_rng(0x5B07)
+    rows = np.arange(-0.5 * plan.spacing, right.max(), plan.spacing * np.sqrt(0.75))
+    share = np.zeros_like(where)
+    for k, z in enumerate(rows):
+        for x in np.arange(s[0], s[-1], plan.spacing) + 0.5 * plan.spacing * (k % 2):
+            place = np.array([x, z]) + rng.uniform(-0.22, 0.22, 2) * plan.spacing
+            radius = rng.uniform(*plan.radius)
+            columns = slice(*np.searchsorted(s, place[0] + radius * np.array([-1.5, 1.5])))
+            near = np.flatnonzero(np.abs(right[:, 0] - place[1]) < 1.5 * radius)
+            far = np.hypot(s[columns] - place[0], right[near] - place[1]) / radius
+            share[near, columns] = np.maximum(share[near, columns], _step(far, 1.25, 0.8))
+    _lay(picture, plan.colour, share * where)
 
 
 def _stripes(plan: Stripes, s: Array, y: Array) -> Array:

@@ -23,6 +23,7 @@ LEAVING_SHARE = 0.3
 # Nor from rows where a node's velocity would change by more than this, times what is usual,
 # unless there are none better: a long body is easily on the wrong side of its beat.
 ROUGH = 1.5
+NEARLY = 1.15  # times the gentlest is as good
 
 
 class Motion(NamedTuple):
@@ -55,7 +56,7 @@ def plan_transitions(segments: list[Segment]) -> Transitions:
             frames[place, b] = [length for _, length, _ in best]
             change = np.array([least for _, _, least in best]) / max(usual[a], usual[b], 1e-12)
             enough = np.quantile(change, LEAVING_SHARE)
-            leave[place, b] = change <= max(min(enough, ROUGH), change.min())
+            leave[place, b] = change <= max(min(enough, ROUGH), NEARLY * change.min())
     return Transitions(entry, frames, leave)
 
 

@@ -1,5 +1,8 @@
 """The drawn surface at rest."""
 
+from itertools import pairwise
+
+import msgspec
 import numpy as np
 import pytest
 from msgspec import structs
@@ -16,6 +19,7 @@ from subsea.kinematics.surface import (
     TailPlan,
     U,
     V,
+    WingPlan,
     along,
     rest_control_points,
 )
@@ -67,7 +71,8 @@ def test_the_surface_meets_the_outline(plan, points):
     for ridge, curve in ((0, plan.back), (-1, plan.belly)):
         expected = LENGTH * along(curve, behind[ridge])
         np.testing.assert_allclose(body[ridge, :, 1], expected, atol=0.012 * LENGTH)
-    widest = LENGTH * max(width for _, width in plan.width)
+    span = plan.wing.span if plan.wing else max(width for _, width in plan.width)
+    widest = LENGTH * span
     assert body[..., 2].max() == pytest.approx(widest, rel=0.03)
 
 
@@ -110,6 +115,9 @@ def test_fins_stand_in_the_middle_plane_on_the_ridges(plan, points):
     ):
         rows = drawn(points, patch, (FIN_U, FIN_V), (2, 101))
         assert (rows[..., 2] == 0).all()
+        if fin is None:
+            assert np.ptp(rows, axis=(0, 1)).max() < 1e-12  # no area: nothing is drawn
+            continue
         base = along(curve, (SNOUT - rows[0, :, 0]) / LENGTH) * LENGTH
         assert (side * (base - rows[0, :, 1]) > 0).all()  # sunk
         highest = max(side * height for _, height in fin.edge)
@@ -129,3 +137,44 @@ def test_a_curve_meets_its_points_and_never_overshoots():
     assert fine.min() >= -0.5 - 1e-12
     slope = np.diff(along(curve, np.linspace(0, 1, 20001))) * 20000
     assert np.abs(np.diff(slope)).max() < 0.1  # C1
+
+
+@pytest.fixture
+def ray():
+    return load_species("spotted_eagle_ray").surface
+
+
+def test_a_wing_meets_its_outline_and_is_thin_there(ray):
+    half = drawn(rest_control_points(ray, 1.0, 0.0), RIGHT, (U, V), (33, 241))
+    edge = half[16, : int(241 * 12.5 / 19)]
+    corners = np.array(ray.wing.outline)
+    fine = np.concatenate([np.linspace(a, b, 40) for a, b in pairwise(corners)])
+    apart = np.linalg.norm((edge[:, [0, 2]] * (-1, 1))[:, None] - fine, axis=2)
+    assert apart.min(axis=1).max() < 0.008
+    wing = fine[:, 0] < 0.26  # behind it the edge runs out into the tail
+    assert apart.min(axis=0)[wing].max() < 0.008
+    assert half[..., 2].max() == pytest.approx(ray.wing.span, abs=0.008)
+    assert np.abs(edge[:, 1]).max() < 0.002
+    thickness = half[:17, :, 1] - half[:15:-1, :, 1]
+    assert thickness.min() > -1e-4  # the upper side lies above the lower one
+
+
+def test_a_wing_is_not_folded(ray):
+    """Seen from above every cell of its upper side has the same sense."""
+    top = drawn(rest_control_points(ray, 1.0, 0.0), RIGHT, (U, V), (17, 121))[:9, :80][..., [0, 2]]
+    u, v = np.diff(top, axis=0)[:, :-1], np.diff(top, axis=1)[:-1]
+    area = u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
+    assert (area > -1e-9).all()
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"outline": [(0.0, 0.3), (0.1, 0.2), (0.2, 0.1), (0.3, 0.05), (0.4, 0.0)]}, "tip"),
+        ({"outline": [(0.0, 0.0), (0.1, 0.2), (0.1, 0.2), (0.2, 0.1), (0.3, 0.0)]}, "outline"),
+        ({"thickness": [(0.5, 1.0), (0.2, 0.1)]}, "thickness"),
+    ],
+)
+def test_an_absurd_wing_is_refused(ray, changes, words):
+    with pytest.raises(msgspec.ValidationError, match=words):
+        msgspec.convert(msgspec.to_builtins(ray.wing) | changes, WingPlan)

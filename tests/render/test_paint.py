@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from msgspec import structs
 
-from subsea.render.paint import EDGE, SNOUT, half_height, paint
+from subsea.render.paint import borders, eye_height, half_height, paint
 from subsea.species import FinSkin, Patch, Stripes, load_species, species_names
 
 SIZE = (256, 128)
@@ -17,7 +17,8 @@ def species(request):
 
 def texel(species, picture, s, y):
     top = half_height(species.surface)
-    column = int((s - SNOUT) / (EDGE - SNOUT) * picture.shape[1])
+    front, rear = borders(species.surface)
+    column = int((s - front) / (rear - front) * picture.shape[1])
     row = int((y + top) / (2 * top) * picture.shape[0])
     return picture[row, column].astype(int)
 
@@ -32,7 +33,7 @@ def test_a_skin_covers_the_fish(species):
 def test_the_body_is_opaque_and_the_fins_are_not(species):
     picture = paint(species, SIZE)
     surface = species.surface
-    assert texel(species, picture, 0.4, 0.0)[3] == 255
+    assert texel(species, picture, 0.3, 0.0)[3] == 255
     if species.skin.dorsal.opacity < 1:
         highest = max(surface.dorsal.edge, key=lambda place: place[1])
         assert texel(species, picture, highest[0], highest[1] - 0.008)[3] < 255
@@ -41,8 +42,9 @@ def test_the_body_is_opaque_and_the_fins_are_not(species):
 def test_the_eye_is_where_the_surface_has_it(species):
     eye = species.surface.eye
     picture = paint(species)
-    pupil = texel(species, picture, eye.at, eye.height)
-    iris = texel(species, picture, eye.at + 0.77 * eye.radius, eye.height)
+    height = eye_height(species.surface)
+    pupil = texel(species, picture, eye.at, height)
+    iris = texel(species, picture, eye.at + 0.77 * eye.radius, height)
     assert pupil[:3].max() < 60
     assert iris[:3].max() > pupil[:3].max() + 60
 
