@@ -39,11 +39,12 @@ MAX_STEPS = 8 * STEPS_PER_TICK  # in a tick: enough for a fish that is a 64th of
 FIN_AREA = 0.01  # of each pectoral fin, over the square of the body length
 BEND_EASE = 1.0 / 8.0  # share of the full bend that may change in a tick, as in a sharp turn
 AMPLITUDE_EASE = 1.0 / 14.0  # share of the fast beat's amplitude that may change in a tick
-ROLL_LEAD = 0.4  # radians of a roll's own swing by which the fins look ahead: less overshoots
+ROLL_LEAD = 0.7  # radians of a roll's own swing by which the fins look ahead: less overshoots
 SCULL_SPEED = 1.2  # cm/tu: the fins of a slower fish beat, and meet the water at this speed
 TEMPO_EASE = 0.025  # by which the beat's tempo may change in a tick, on its way to the recorded one
 SPEED_GAIN = 1.0  # of the speed that is lacking: fins and bends take some of it
 TOO_FAST = 0.03  # share by which the speed may exceed what is asked for before the fins brake
+HARDEST_BRAKE = 2.0  # times the area of the pectoral fins: a fish that stops spreads the others too
 BRAKE_GAIN = 5.0  # share of the fins' area that brakes for each share of speed beyond that
 SPEED_TIME = 21.0  # ticks over which the speed is smoothed: a beat and a half
 
@@ -66,7 +67,7 @@ class Bodies(NamedTuple):
     bend_rate: Array  # (S,) rad/s, how fast a fish that is fully bent turns
     turn_rate: Array  # (S, 7) rad/s that each segment turns by itself, left positive
     fin_area: Array  # (S,) of each pectoral fin
-    roll_lead: Array  # (S,) ticks by which the fins look ahead of a roll
+    roll_lead: Array  # (S,) tu by which the fins look ahead of a roll
 
 
 def make_bodies(species: Sequence[Species], speed: Array) -> Bodies:
@@ -110,12 +111,12 @@ def _body(muscles: Muscles, speed: Array) -> tuple[Any, ...]:
 
 
 def _roll_lead(body: Body, fin_area: float) -> float:
-    """Ticks of :data:`ROLL_LEAD` radians of the swing that fins of this area make about x."""
+    """Time (tu) of :data:`ROLL_LEAD` radians of the swing that fins of this area make about x."""
     y, z = body.rest[:, 1], body.rest[:, 2]
     inertia = body.mass @ (y**2 + z**2)
     arm = np.abs(z[1:13]).mean()
     stiffness = ROLL_GAIN * 2.0 * fin_area * SCULL_SPEED**2 * arm
-    return float(ROLL_LEAD / math.sqrt(stiffness / inertia) / TICK_TU)
+    return float(ROLL_LEAD / math.sqrt(stiffness / inertia))
 
 
 @njit(cache=True, error_model="numpy")
@@ -146,7 +147,7 @@ def swim_live(
                      muscles[n])  # fmt: skip
             live.phase[slot] = (live.phase[slot] + pace * step) % (2.0 * np.pi)
         x, v = live.x[slot].copy(), live.v[slot].copy()
-        force = fin_force(fishes, bodies, i, v, _brake(fishes, library, live, slot))
+        force = fin_force(fishes, bodies, i, x, v, _brake(fishes, library, live, slot))
         watch = np.array([np.inf, 0.0, np.inf])
         advance(
             x, v, bodies.mass[kind], bodies.length[kind], bodies.stiffness[kind],
@@ -195,10 +196,10 @@ def _wanted_speed(fishes: Fishes, library: Library, i: int) -> float:
 
 @njit(cache=True, error_model="numpy")
 def _brake(fishes: Fishes, library: Library, live: Live, slot: int) -> float:
-    """How far, up to 1, the fins of a fish that is too fast stand against its way."""
+    """How far the fins of a fish that is too fast stand against its way."""
     wanted = _wanted_speed(fishes, library, live.fish[slot])
     excess = live.speed[slot] / max(wanted, 1e-3) - 1.0
-    return float(min(max(BRAKE_GAIN * (excess - TOO_FAST), 0.0), 1.0))
+    return float(min(max(BRAKE_GAIN * (excess - TOO_FAST), 0.0), HARDEST_BRAKE))
 
 
 @njit(cache=True, error_model="numpy")
@@ -220,16 +221,16 @@ def contract(
 
 
 @njit(cache=True, error_model="numpy")
-def fin_force(fishes: Fishes, bodies: Bodies, i: int, v: Array, brake: float) -> Array:
-    """Force (23, 3) of the pectoral fins at node velocities v (23, 3; cm/tu): Tu §4.6.2.
+def fin_force(fishes: Fishes, bodies: Bodies, i: int, at: Array, v: Array, brake: float) -> Array:
+    """Force (23, 3) of the pectoral fins on nodes at `at` (cm) that move at v (cm/tu): Tu §4.6.2.
 
     As `biomechanics.fins.balance` and `pectoral_force` do, they right a roll, but pitch toward
-    the climb that is asked for; `brake`, up to 1, is how far they also stand against the way. A
-    slow fish rows with them, so that water passes them all the same.
+    the climb that is asked for; `brake` times their area also stands against the way. A slow fish
+    rows with them, so that water passes them all the same.
     """
     kind = fishes.species[i]
     area = bodies.fin_area[kind]
-    q, before = _quaternion(fishes.orientation[i]), _quaternion(fishes.previous_orientation[i])
+    q = _quaternion(fishes.orientation[i])
     x, y = rotate(q, (1.0, 0.0, 0.0)), rotate(q, (0.0, 1.0, 0.0))
     # The controller's rate of pitch is in proportion to the angle between nose and goal.
     lift = PITCH_GAIN / STEER_GAIN * fishes.steering[i, 1] / fishes.rate[i]
@@ -240,10 +241,9 @@ def fin_force(fishes: Fishes, bodies: Bodies, i: int, v: Array, brake: float) ->
     speed = math.sqrt(dot(w, w))
     # The faster the water, the less the fins need to tilt: the beat itself makes B wobble.
     lean = rotate(q, (0.0, 0.0, 1.0))[2]
-    swing = lean - rotate(before, (0.0, 0.0, 1.0))[2]
-    roll = (
-        ROLL_GAIN * (lean + bodies.roll_lead[kind] * swing) * min((SCULL_SPEED / speed) ** 2, 1.0)
-    )
+    swing = -y[2] * roll_rate(at, v, bodies.mass[kind], x)
+    roll = ROLL_GAIN * (lean + bodies.roll_lead[kind] * swing)
+    roll *= min((SCULL_SPEED / speed) ** 2, 1.0)
     force = np.zeros((NODES, 3))
     for node in range(1, 13):
         tilt = lift + MUSCLE_LEFT[node - 1] * roll
@@ -257,6 +257,28 @@ def fin_force(fishes: Fishes, bodies: Bodies, i: int, v: Array, brake: float) ->
         for axis in range(3):
             force[node, axis] = push * s * y[axis] + along * x[axis]
     return force
+
+
+@njit(cache=True, error_model="numpy")
+def roll_rate(at: Array, v: Array, mass: Array, axis: Vector) -> float:
+    """Rate (rad/tu) at which a body rolls about `axis`: angular momentum over inertia.
+
+    `at` and v (23, 3) are the nodes' places and velocities. The frame B leans to and fro with the
+    head in every beat, the momentum of the whole body does not.
+    """
+    momentum, inertia, total = 0.0, 0.0, 0.0
+    middle, drift = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    for node in range(NODES):
+        m, r = mass[node], (at[node, 0], at[node, 1], at[node, 2])
+        w = (v[node, 0], v[node, 1], v[node, 2])
+        arm = cross(axis, r)
+        momentum += m * dot(arm, w)
+        inertia += m * dot(arm, arm)
+        middle = (middle[0] + m * r[0], middle[1] + m * r[1], middle[2] + m * r[2])
+        drift = (drift[0] + m * w[0], drift[1] + m * w[1], drift[2] + m * w[2])
+        total += m
+    arm = cross(axis, middle)
+    return (momentum - dot(arm, drift) / total) / (inertia - dot(arm, arm) / total)
 
 
 @njit(cache=True, error_model="numpy")

@@ -17,7 +17,14 @@ from subsea.biomechanics.solver import STEPS_PER_TICK
 from subsea.kinematics.frame import body_frame
 from subsea.kinematics.rotation import about, from_matrix, matrix, multiply
 from subsea.motor.balance import roll_of
-from subsea.motor.dynamics import SCULL_SPEED, contract, fin_force, frame_of, swim_live
+from subsea.motor.dynamics import (
+    SCULL_SPEED,
+    contract,
+    fin_force,
+    frame_of,
+    roll_rate,
+    swim_live,
+)
 from subsea.species import load_species, muscular_names
 
 TICK = 0.033
@@ -93,7 +100,7 @@ def test_fins_push_as_the_plain_ones_do(make_tank, roll):
     tilt = 0.5 * (left - right)
     fins = np.pi / 2 + tilt, np.pi / 2 - tilt
     expected = pectoral_force(state, bodies.fin_area[0], *fins, STILL)
-    force = fin_force(fishes, bodies, 0, v, 0.0) @ to_y.T
+    force = fin_force(fishes, bodies, 0, rest @ R.T, v, 0.0) @ to_y.T
     np.testing.assert_allclose(force, expected, atol=1e-3 * np.abs(expected).max())
 
 
@@ -184,3 +191,17 @@ def test_a_current_carries_it_along(make_tank):
             swim_live(tank.fishes, tank.library, bodies, tank.live, current, TICK)
     gap = carried.fishes.position[0] - still.fishes.position[0]
     np.testing.assert_allclose(gap, 60 * TICK * flow, atol=1e-3)
+
+
+@pytest.mark.parametrize("rate", [0.0, 0.3, -1.2])
+def test_the_rate_of_roll_of_a_body_that_rolls_and_beats(rate):
+    """A stiff roll about any axis is found; a beat, equal above and below, has none."""
+    rng = np.random.default_rng(8)
+    body = build_body(load_species("fusilier").body)
+    axis = np.array([0.6, 0.0, 0.8])
+    drift = rng.normal(0, 1, 3)
+    stiff = drift + rate * np.cross(axis, body.rest - rng.normal(0, 1, 3))
+    assert roll_rate(body.rest, stiff, body.mass, tuple(axis)) == pytest.approx(rate)
+    beat = np.zeros((23, 3))
+    beat[:, 2] = np.sin(body.rest[:, 0])
+    assert roll_rate(body.rest, beat, body.mass, (1.0, 0.0, 0.0)) == pytest.approx(0.0, abs=1e-12)
