@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from capture.gait import (
+    NOWHERE,
     entries,
     headings,
     muscle_work,
@@ -151,7 +152,7 @@ def measure_gait(body: Body, swim: SwimPlan, amplitude: float, state: State) -> 
     forward = body_frame(last)[1][:, :, 0].mean(axis=0)
     chord = way(last)
     # A fish that swims backwards has a negative speed.
-    ahead = float(np.copysign(np.linalg.norm(chord), chord @ forward))
+    ahead = float(np.copysign(max(float(np.linalg.norm(chord)), NOWHERE), chord @ forward))
     tail = sweep(last, [UPPER_TAIL, LOWER_TAIL]) / length
     work = muscle_work(body, copy_state(state), beat)
     return Gait(

@@ -12,6 +12,8 @@ from subsea.biomechanics.solver import STEP, advance
 from subsea.kinematics.frame import body_frame
 
 ENTRY_PHASES = 7
+NOWHERE = 1e-9
+"""A way in cm, against dividing by that of a fish that does not swim."""
 SETTLE_BEATS = 6
 """Beats after a turn, in the last of which the new heading is measured."""
 
@@ -30,7 +32,7 @@ def pull(body: Body, contraction: Floats) -> float:
 def sweep(frames: Floats, nodes: list[int]) -> float:
     """Peak-to-peak distance of the middle of ``nodes`` across the way of one beat, cm."""
     chord = way(frames)
-    aside = np.cross(UP, chord / np.linalg.norm(chord))
+    aside = np.cross(UP, chord / max(float(np.linalg.norm(chord)), NOWHERE))
     across = frames[:, nodes].mean(axis=1) @ aside
     drift = np.linspace(0.0, across[-1] - across[0], len(across))
     return float(np.ptp(across - drift))
@@ -52,8 +54,8 @@ def straightness(frames: Floats, ticks_per_beat: int) -> tuple[float, float]:
     """
     centres = frames[::ticks_per_beat].mean(axis=1)
     steps = np.diff(centres, axis=0)
-    line = (centres[-1] - centres[0]) / np.linalg.norm(centres[-1] - centres[0])
     offset = centres - centres[0]
+    line = offset[-1] / max(float(np.linalg.norm(offset[-1])), NOWHERE)
     aside = np.linalg.norm(offset - np.outer(offset @ line, line), axis=1).max()
     return _angle(steps[0], steps[-1]), float(aside)
 

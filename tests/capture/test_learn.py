@@ -186,6 +186,7 @@ def test_the_same_seed_finds_the_same(method: str) -> None:
         runs.append([*told, found])
     assert len(runs[0]) == 5
     assert runs[0] == runs[1]
+    assert runs[0][-1].swim is None
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -351,6 +352,22 @@ def test_a_body_out_of_shape_is_worse_than_any_that_keeps_it() -> None:
     lame = swim_loss(body, swim_at(body, fish.swim, (0.05, 0.05, 0.0), 14), 1)
     torn = swim_loss(body._replace(stiffness=body.stiffness * 0.2), fish.swim, 1)
     assert sound < lame < 100 <= torn
+
+
+def test_thrift_weighs_the_logarithm_of_the_cost(species: Species) -> None:
+    body = build_body(species.body)
+    loss = [swim_loss(body, species.swim, 1, thrift) for thrift in (0.0, 1.0)]
+    assert np.exp(loss[1] - loss[0]) == pytest.approx(steady_gait(species).cost, rel=1e-3)
+
+
+def test_a_fish_that_does_not_swim_is_measured_and_learns_all_the_same() -> None:
+    fish = load_species("fusilier")
+    assert fish.muscles
+    lame = msgspec.structs.replace(fish.swim, contraction=(0.0, 0.0), ticks_per_beat=40)
+    assert swim_faults(build_body(fish.body), lame, 1)
+    found = learn(fish.muscles._replace(swim=lame), only="swim", budget=3)
+    assert found.swim is None
+    assert "old controller is faulty" in found.notes[0]
 
 
 def test_missing_a_limit_counts_by_its_share() -> None:
