@@ -20,7 +20,7 @@ def repertoire_path(folder: Path, name: str) -> Path:
 
 def is_up_to_date(folder: Path, name: str, species: Species) -> bool:
     """Whether the repertoire of a species is whole and was recorded from just this species."""
-    repertoire = _read(repertoire_path(folder, name), species)
+    repertoire = _read(repertoire_path(folder, name), name, species)
     return repertoire is not None and set(SEGMENTS) <= repertoire.segments.keys()
 
 
@@ -34,7 +34,7 @@ def kept(folder: Path, name: str, species: Species) -> dict[str, Recorded]:
     """The segments kept of a species; what is damaged or of another fish is left out."""
     found = {}
     for segment in SEGMENTS:
-        one = _read(_kept(folder, name) / f"{segment}.h5", species)
+        one = _read(_kept(folder, name) / f"{segment}.h5", name, species)
         if one is not None and segment in one.segments:
             found[segment] = one.segments[segment], one.provenance["warm_up_beats"][segment]
     return found
@@ -49,10 +49,11 @@ def _kept(folder: Path, name: str) -> Path:
     return folder / f".{name}.recording"
 
 
-def _read(path: Path, species: Species) -> Repertoire | None:
+def _read(path: Path, name: str, species: Species) -> Repertoire | None:
     """The repertoire at ``path`` if it was recorded from this species by this program."""
     try:
         repertoire = read_repertoire(path)
     except UserError:  # missing, damaged or of another version: to be recorded again
         return None
-    return repertoire if repertoire.provenance.get("fingerprint") == fingerprint(species) else None
+    found = repertoire.species, repertoire.provenance.get("fingerprint")
+    return repertoire if found == (name, fingerprint(species)) else None
