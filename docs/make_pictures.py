@@ -1,7 +1,7 @@
 """Make the pictures of the documentation: `python docs/make_pictures.py [FOLDER]`.
 
 species.png: every species, by name, from its left flank and three-quarter, at rest; those that
-their spine moves in a swimming pose.
+their spine moves from above and three-quarter, swimming.
 """
 
 import sys
@@ -25,7 +25,7 @@ from subsea.view.camera import NEAR_CM, View, look, off_axis
 Array = NDArray[np.floating[Any]]
 
 CELL = (320, 240)  # pixels of one look
-BESIDE = 3  # species in a row
+BESIDE = 2  # species in a row
 DEPTH_CM = 120.0
 APART_CM = 300.0
 DRAWN_CM = 24.0  # every fish as long as the others
@@ -35,6 +35,7 @@ LOOKS = (  # from where, in lengths of the fish that heads along x, and what is 
     ((0.0, 3.4, 0.15), (0.0, 0.0, 1.0)),
     ((2.5, 2.2, 0.55), (0.0, 0.0, 1.0)),
 )
+LOOKS_DOWN = (((0.0, 0.0, 3.4), (0.0, -1.0, 0.0)), ((2.0, 1.8, 1.7), (0.0, 0.0, 1.0)))
 
 
 def species_plate(names: Sequence[str]) -> Image.Image:
@@ -57,7 +58,8 @@ def species_plate(names: Sequence[str]) -> Image.Image:
     for k in range(rows * beside):  # behind the last species the water is empty
         place = np.array([APART_CM * (k - rows * beside / 2), 0.0, -DEPTH_CM])
         row, block = divmod(k, beside)
-        for column, (away, up) in enumerate(LOOKS):
+        flat = k < len(species) and not species[k].muscles
+        for column, (away, up) in enumerate(LOOKS_DOWN if flat else LOOKS):
             eye = place + DRAWN_CM * np.array(away)
             corner = (block * len(LOOKS) + column, rows - 1 - row)
             viewport = (corner[0] * CELL[0], corner[1] * CELL[1], *CELL)
