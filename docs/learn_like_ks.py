@@ -375,8 +375,12 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument("folder", nargs="?", type=Path, default=Path(__file__).parent / "pictures")
     parser.add_argument("--quick", action="store_true", help="spend little")
     parser.add_argument("--only", choices="abcd", default="abcd", help="one experiment")
+    parser.add_argument("--seeds", type=int, help="of (a)")
+    parser.add_argument("--tries", type=int, help="of each search of (a)")
     options = parser.parse_args(arguments)
     effort = QUICK if options.quick else Effort()
+    given = {"seeds": options.seeds, "budget": options.tries}
+    effort = effort._replace(**{key: number for key, number in given.items() if number})
     muscles = load_species("fusilier").muscles
     assert muscles
     plan, swim, turn = muscles
