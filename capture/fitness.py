@@ -220,7 +220,7 @@ def gait_faults(body: Body, swim: SwimPlan) -> list[str]:
     except UserError as fault:
         return [str(fault)]
     gait = measure_gait(body, swim, 1.0, steady)
-    return [f"{name} is {getattr(gait, name):.3g}" for name in missed(gait, GAIT_LIMITS)]
+    return [f"{name} is {getattr(gait, name):.4g}" for name in missed(gait, GAIT_LIMITS)]
 
 
 def swim_faults(body: Body, swim: SwimPlan, seed: int) -> list[str]:
@@ -328,7 +328,7 @@ def turn_faults(body: Body, swim: SwimPlan, turn: TurnPlan, seed: int) -> list[s
                 faults.append(f"its gradual turn is {each:.1f}° a beat")
     except UserError as fault:
         return [*faults, str(fault)]
-    faults += [f"{name} is {getattr(turning, name):.3g}" for name in missed(turning, TURN_LIMITS)]
+    faults += [f"{name} is {getattr(turning, name):.4g}" for name in missed(turning, TURN_LIMITS)]
     for angle, error, worst in zip(angles, turning.errors, turning.worst, strict=True):
         if not entered_error(angle).holds(error):
             faults.append(f"a turn by {angle:g}° misses it by {error:+.1f}°")
