@@ -2,6 +2,7 @@
 
 spine_swings.png: a beat of the ribbon eel's spine seen from above, for both swing functions and
 for two rules of propagation (KS's movies B1 and B2).
+spine_beats.png: a beat of each such species as it is drawn, from two sides.
 """
 
 import sys
@@ -11,13 +12,80 @@ from typing import Any
 import msgspec
 import numpy as np
 from matplotlib.figure import Figure
+from PIL import Image
 
+from subsea.frame import INSTANCE_COLUMNS, Batch, Packet, Scene
 from subsea.kinematics.spine import MIDDLES, UNITS, spines, swung
-from subsea.species import load_species
+from subsea.render import Renderer, headless_context
+from subsea.repertoire import read_repertoire
+from subsea.resources import resource_path
+from subsea.scenario import Water
+from subsea.species import load_species, species_names
+from subsea.view.camera import NEAR_CM, View, look, off_axis
 
 SPECIES = "ribbon_eel"
 MOMENTS = 9
 COLOURS = ("#0b3c8c", "#d8a200")
+
+CELL = (280, 170)  # pixels of one look
+BESIDE = 4  # moments of a beat
+SHOWN_CM = 24.0
+DEPTH_CM = 120.0
+APART_CM = 300.0
+SEABED_CM = -420.0
+HALF_FIELD = 0.155  # tangent of half the horizontal angle of view
+LOOKS = (  # from where, in lengths of the fish that heads along x, and what is up
+    ((0.0, 0.0, 3.4), (0.0, -1.0, 0.0)),
+    ((2.4, 1.6, 1.2), (0.0, 0.0, 1.0)),
+)
+
+
+def beats() -> Image.Image:
+    """A fast beat of each species that its spine moves: moments from left to right."""
+    names = [name for name in species_names() if load_species(name).spine]
+    species = tuple(load_species(name) for name in names)
+    poses = []
+    for name in names:
+        swim = read_repertoire(resource_path(f"repertoires/{name}.h5")).segments["swim_fast"]
+        assert swim.control_points is not None
+        moments = np.arange(BESIDE) * len(swim.nodes) // BESIDE
+        poses.append(swim.control_points[moments])
+    rows = len(names) * len(LOOKS)
+    size = (CELL[0] * BESIDE, CELL[1] * rows)
+    records = np.zeros((len(names) * BESIDE, INSTANCE_COLUMNS), np.float32)
+    views = []
+    for k in range(len(records)):
+        kind, moment = divmod(k, BESIDE)
+        scale = SHOWN_CM / species[kind].length_cm
+        place = np.array([APART_CM * (k - len(records) / 2), 0.0, -DEPTH_CM])
+        ends = poses[kind][..., 0]
+        middle = place - [0.5 * scale * (ends.min() + ends.max()), 0.0, 0.0]
+        # Body x, y, z to world: a quarter turn about x sets the fish upright, heading along x.
+        records[k, :8] = (*middle, scale, np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0)
+        records[k, 8:] = (k, k, 0.0, 0.5, 0.6, 0.6, 0.0, 0.0, 0.0, 1.0, 0.0)
+        for look_number, (away, up) in enumerate(LOOKS):
+            eye = place + SHOWN_CM * np.array(away)
+            row = rows - 1 - (kind * len(LOOKS) + look_number)
+            viewport = (moment * CELL[0], row * CELL[1], *CELL)
+            half = NEAR_CM * HALF_FIELD * np.array([1.0, CELL[1] / CELL[0]])
+            projection = off_axis(-half[0], half[0], -half[1], half[1])
+            views.append(View(viewport, look(eye, place - eye, np.array(up)), projection, eye))
+    scene = Scene(
+        species=species,
+        control_points=np.concatenate(poses).astype(np.float32),
+        recorded_length_cm=tuple(one.length_cm for one in species),
+        terrain=np.full((81, 81), SEABED_CM, np.float32),
+        terrain_half_width_cm=4000.0,
+        water=Water(fog=(0.012, 0.115, 0.20), visibility_cm=1500.0),
+    )
+    batches = tuple(Batch(kind, 0, kind * BESIDE, BESIDE) for kind in range(len(names)))
+    packet = Packet(1.0, tuple(views), records, batches, np.zeros((0, 3), np.float32), 0)
+    with headless_context() as context:
+        renderer = Renderer(context, scene, size, samples=4)
+        renderer.draw(packet)
+        picture = Image.fromarray(renderer.read_pixels())
+        renderer.release()
+    return picture
 
 
 def swings() -> Any:
@@ -58,4 +126,5 @@ def swings() -> Any:
 if __name__ == "__main__":
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent / "pictures"
     folder.mkdir(exist_ok=True)
+    beats().save(folder / "spine_beats.png")
     swings().savefig(folder / "spine_swings.png", dpi=80, metadata={"Software": None})

@@ -106,40 +106,35 @@ def paint(species: Species, size: tuple[int, int] = SIZE) -> NDArray[np.uint8]:
 
 def _unfolded_skin(species: Species, wing: WingPlan, s: Array, y: Array) -> Array:
     """The planes of a skin of a fish with wings: both sides, spots, tail and face."""
-    surface, skin = species.surface, species.skin
-    right, upper = half_height(surface) - np.abs(y), y > 0.0
+    surface, skin, eye = species.surface, species.skin, species.surface.eye
     picture = np.ones((4, len(y), len(s)), np.float32)
-    picture[:3] = np.array(skin.belly, np.float32)[:, None, None]
-    everywhere = np.ones((1, len(s)), np.float32)
-    _lay(picture, skin.back, upper * everywhere)
+    half = len(y) // 2
+    below, above = picture[:, :half], picture[:, half:][:, ::-1]  # both from the spine outward
+    right = half_height(surface) + y[:half]
     outline = [*wing.outline, *((x, -z) for x, z in wing.outline[::-1])]
-    inside = np.empty((len(y), len(s)), np.float32)  # distance from the wing's edge
-    for half, rows in ((upper[:, 0], right[upper[:, 0]]), (~upper[:, 0], right[~upper[:, 0]])):
-        order = np.argsort(rows[:, 0])
-        inside[np.flatnonzero(half)[order]] = _depth_inside(outline, s, rows[order])
-    # Toward the edge both sides take on the colour of the flank.
-    _lay(picture, skin.flank, _step(inside, EDGE_SHADE, 0.0) * np.where(upper, 1.0, 0.8))
+    inside = _depth_inside(outline, s, right)
+    for side, colour in ((above, skin.back), (below, skin.belly)):
+        side[:3] = np.array(colour, np.float32)[:, None, None]
+        # Toward the edge both sides take on the colour of the flank.
+        _lay(side, skin.flank, _step(inside, EDGE_SHADE, 0.0))
     if skin.spots:
-        _strew(picture, skin.spots, s, right, upper * _step(inside, 0.004, 0.008))
+        _strew(above, skin.spots, s, right, _step(inside, 0.004, 0.008))
     for patch in skin.patches:
-        _lay_patch(picture, patch, s, y)
+        _lay_patch(above, patch, s, right)
     begin = surface.tail.begin
     _lay(picture, skin.tail.colour, _step(s, begin - 0.03, begin) * np.ones_like(y))
     (tip, _), (corner, wide) = skin.mouth  # from the middle to the right
     lips = tip + (corner - tip) * (right / wide) ** 2
     mouth = _step(np.abs(s - lips), 0.003, 0.001) * _step(right, wide, 0.8 * wide)
-    gills = np.zeros_like(mouth)
+    _lay(below, DARK, 0.8 * mouth)
     for k in range(skin.gills):
-        at = np.hypot(
-            (s - surface.eye.at - 0.045 - GILLS_APART * k) / 0.3, right - 0.045 + 0.003 * k
-        )
-        gills = np.maximum(gills, _step(at, 0.010, 0.005))
-    _lay(picture, DARK, np.where(upper, 0.0, np.maximum(0.8 * mouth, 0.5 * gills)))
+        behind = s - eye.at - 0.045 - GILLS_APART * k
+        slit = np.hypot(behind / 0.3, right - 0.045 + 0.003 * k)
+        _lay(below, DARK, 0.5 * _step(slit, 0.010, 0.005))
     # The eyes look aside: seen from above the flank of the head is narrow.
-    aside = (right - surface.eye.height) / FLANK
-    distance = np.hypot(s - surface.eye.at, aside) / surface.eye.radius
+    distance = np.hypot(s - eye.at, (right - eye.height) / FLANK) / eye.radius
     for colour, outer in ((DARK, 1.1), (skin.iris, 1.0), (DARK, 0.66)):
-        _lay(picture, colour, np.where(upper, _step(distance, outer, outer - 0.14), 0.0))
+        _lay(above, colour, _step(distance, outer, outer - 0.14))
     picture[:3] *= _mottle(len(y), len(s))
     return picture
 

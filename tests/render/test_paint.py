@@ -138,3 +138,33 @@ def test_the_outline_of_a_patch_is_where_it_was_drawn(painted):
     axis = np.linspace(-0.1, 0.1, 101)
     share = np.mean([reddest(at(0.45 + x, y)) for x in axis for y in axis])
     assert share == pytest.approx(np.pi * 0.07**2 / 0.2**2, rel=0.06)
+
+
+def test_wings_are_painted_on_both_sides():
+    ray = load_species("spotted_eagle_ray")
+    skin = ray.skin
+    disc = structs.replace(skin.spots, colour=RED, radius=(0.006, 0.006), spacing=0.02)
+    patch = Patch(outline=[(0.14, 0.08), (0.2, 0.08), (0.2, 0.14), (0.14, 0.14)], colour=GREEN)
+    changed = structs.replace(
+        skin, back=BLUE, flank=BLUE, belly=(0.8, 0.8, 0.8), spots=disc, patches=[patch]
+    )
+    picture = paint(structs.replace(ray, skin=changed)).astype(int)
+    above, below = picture[256:][::-1], picture[:256]  # from the spine outward
+    top = half_height(ray.surface)
+    front, rear = borders(ray.surface)
+
+    def at(side, s, right):
+        return side[int(256 * right / top), int((s - front) / (rear - front) * 1024)]
+
+    assert at(above, 0.17, 0.11)[1] > at(above, 0.17, 0.11)[[0, 2]].max() + 60
+    np.testing.assert_allclose(at(below, 0.17, 0.11), at(below, 0.2, 0.02), atol=40)
+    disc_texels = above[:80, 200:700]
+    red = (disc_texels[..., 0] > 120) & (disc_texels[..., 2] < 90)
+    cover = np.pi * 0.006**2 / (0.02**2 * np.sqrt(0.75))
+    assert red.mean() == pytest.approx(cover, rel=0.35)
+    assert (below[..., 0] - below[..., 2]).max() < 40  # no spot below
+    edge = (
+        at(above, 0.2, ray.surface.wing.span + 0.01),
+        at(below, 0.2, ray.surface.wing.span + 0.01),
+    )
+    np.testing.assert_allclose(*edge, atol=25)  # both sides are one colour at the edge
