@@ -151,7 +151,7 @@ def test_two_movers_or_none_are_one_line(tmp_path, head):
         (("chord = [0.07, 0.3]", "chord = [0.3, 0.07]"), "chord"),
         (("chord_lag = 0.22", "chord_lag = 0.0"), "chord_lag"),
         (("[skin.dorsal]", "[skin.ventral]"), "skin.dorsal"),
-        (("sharp_beats = 4", "sharp_beats = 2"), "sharp_beats"),
+        (("sharp_beats = 3", "sharp_beats = 2"), "sharp_beats"),
     ],
 )
 def test_an_absurd_ray_is_one_line(tmp_path, change, words):

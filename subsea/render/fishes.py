@@ -97,6 +97,14 @@ def fish_mesh(plan: SurfacePlan, level: int) -> Mesh:
     )
 
 
+def mesh_level(species: Species, level: int) -> int:
+    """The mesh of a species at a level of detail: one finer where a whole wave runs along it.
+
+    Coarse ones would cut its crests, of body and fins at different places.
+    """
+    return max(level - 1, 0) if species.spine else level
+
+
 def _sides(plan: SurfacePlan, half: Part) -> tuple[Part, Part]:
     """The upper and the lower side of one half of a body with wings, with their own skins."""
     vertices, triangles = half
@@ -249,7 +257,7 @@ class Fishes:
         self._arrays: dict[tuple[int, int], tuple[Any, Mesh]] = {}  # by species and level
         for kind, species in enumerate(scene.species):
             for level in range(len(LEVELS)):
-                mesh = fish_mesh(species.surface, level)
+                mesh = fish_mesh(species.surface, mesh_level(species, level))
                 vertices = context.buffer(mesh.vertices.tobytes())
                 triangles = context.buffer(mesh.triangles.tobytes())
                 self._buffers += [vertices, triangles]

@@ -1,5 +1,7 @@
 """The vertex shader against numpy, and the levels of detail against each other."""
 
+from itertools import pairwise
+
 import moderngl
 import numpy as np
 import pytest
@@ -18,8 +20,11 @@ from subsea.render.fishes import (
     VERTEX_ATTRIBUTES,
     VERTEX_FORMAT,
     fish_mesh,
+    mesh_level,
 )
 from subsea.render.shaders import set_uniforms, source
+from subsea.repertoire import read_repertoire
+from subsea.resources import resource_path
 from subsea.species import load_species
 
 
@@ -213,3 +218,36 @@ def test_a_far_fin_keeps_its_tip():
     highest = [mesh[mesh[:, 17] == FIN][:, 14].max() for mesh in (near, far)]
     assert highest[1] == pytest.approx(highest[0])
     assert len(far) < len(near) / 2
+
+
+def test_a_body_with_a_wave_is_never_drawn_so_coarsely_that_its_fins_come_off():
+    """Where a fin rises from the eel's back, in every level and at every moment of a beat."""
+    eel = load_species("ribbon_eel")
+    repertoire = read_repertoire(resource_path("repertoires/ribbon_eel.h5"))
+    points = repertoire.segments["swim_fast"].control_points
+    for level in range(3):
+        mesh = fish_mesh(eel.surface, mesh_level(eel, level))
+        body, fin = (mesh.vertices[mesh.vertices[:, 17] == part] for part in (BODY, FIN))
+        ridge = body[(body[:, 18] == 0) & (body[:, 16] < 0)]
+        root = fin[(fin[:, 18] == 0) & (fin[:, 16] > 0)]
+        for pose in points:
+            a, b = (
+                np.array([place(vertex, pose) for vertex in row])[:, [0, 2]]
+                for row in (ridge, root)
+            )
+            for one in b:
+                along = [_distance(one, *ends) for ends in pairwise(a)]
+                assert min(along) < 0.008 * eel.length_cm
+
+
+def place(vertex, pose):
+    """Where a vertex of body or fin is, as the shader evaluates it."""
+    rows = int(vertex[0]) + int(vertex[20]) * np.arange(3)[:, None] + np.arange(3)
+    weight = vertex[1:4][:, None] * vertex[4:7]
+    return np.einsum("ab,abx->x", weight, pose[np.minimum(rows, len(pose) - 1)])
+
+
+def _distance(point, start, end):
+    way = end - start
+    share = np.clip((point - start) @ way / (way @ way), 0, 1)
+    return np.linalg.norm(point - start - share * way)
