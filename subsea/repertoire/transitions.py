@@ -56,7 +56,7 @@ def plan_transitions(segments: list[Segment]) -> Transitions:
             frames[place, b] = [length for _, length, _ in best]
             change = np.array([least for _, _, least in best]) / max(usual[a], usual[b], 1e-12)
             enough = np.quantile(change, LEAVING_SHARE)
-            leave[place, b] = change <= max(min(enough, ROUGH), NEARLY * change.min())
+            leave[place, b] = change <= min(enough, max(ROUGH, NEARLY * change.min()))
     return Transitions(entry, frames, leave)
 
 
