@@ -5,11 +5,15 @@ from subsea.biomechanics.body import LOWER_TAIL, MUSCLES, UPPER_TAIL, build_body
 from subsea.biomechanics.simulation import at_rest, is_sound, simulate
 from subsea.biomechanics.solver import STEP
 from subsea.biomechanics.stability import check_step, longest_step
-from subsea.species import Species
+from subsea.species import Species, load_species, muscular_names
 
 
-def test_a_kicked_body_settles_below_the_limit_and_bursts_above(species: Species) -> None:
-    body = build_body(species.body)
+@pytest.mark.parametrize("name", muscular_names())
+def test_a_kicked_body_settles_below_the_limit_and_bursts_above(name: str) -> None:
+    """A little above the limit water may still hold the growing mode down."""
+    muscles = load_species(name).muscles
+    assert muscles
+    body = build_body(muscles.body)
     limit = longest_step(body)[0]
 
     def sound(step: float) -> bool:
@@ -19,7 +23,7 @@ def test_a_kicked_body_settles_below_the_limit_and_bursts_above(species: Species
         return is_sound(state)
 
     assert sound(0.97 * limit)
-    assert not sound(1.06 * limit)
+    assert not sound(1.12 * limit)
 
 
 def test_the_limit_of_two_masses_on_a_spring(fusilier: Species) -> None:
