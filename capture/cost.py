@@ -12,9 +12,9 @@ from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, advance
 from subsea.kinematics.rotation import matrix
 from subsea.repertoire import Segment
 
-ROUNDS = 5
-STEPS = 2_000
-FRAMES = 20_000
+ROUNDS = 25
+STEPS = 400
+FRAMES = 4_000
 
 
 def step_cost(body: Body, state: State) -> float:

@@ -1,7 +1,7 @@
 // From linear light to the screen: filmic curve, then sRGB. Where both eyes are on the canvas,
-// the left one's picture above the right one's, they are woven together (view/stereo.py).
+// the left one's picture above the right one's, they are woven together (view/stereo.py). WEAVE is
+// defined when this is compiled: a software renderer would walk every branch for every pixel.
 uniform sampler2D u_picture;
-uniform int u_weave;
 uniform vec2 u_size;    // pixels of the picture
 uniform vec2 u_wide;    // angle of a panorama, tilt of a dome, rad
 uniform float u_margin; // tangent of half a cube face's angle of view
@@ -39,16 +39,16 @@ vec3 eye(int which, ivec2 place) {
 
 vec3 woven() {
     ivec2 canvas = textureSize(u_picture, 0);
-    int height = u_weave == ROWS ? canvas.y : canvas.y / 2;
+    int height = WEAVE == ROWS ? canvas.y : canvas.y / 2;
     ivec2 place = ivec2(int(gl_FragCoord.x), height - 1 - int(gl_FragCoord.y));
-    if (u_weave == ROWS)
+    if (WEAVE == ROWS)
         return eye(place.y % 2, ivec2(place.x, place.y / 2));
-    if (u_weave == CHECKERS)
+    if (WEAVE == CHECKERS)
         return eye((place.x + place.y) % 2, place);
-    if (u_weave == LEFT || u_weave == RIGHT)
-        return eye(u_weave - LEFT, place);
+    if (WEAVE == LEFT || WEAVE == RIGHT)
+        return eye(WEAVE - LEFT, place);
     vec3 left = eye(0, place), right = eye(1, place);
-    if (u_weave == RED_CYAN)
+    if (WEAVE == RED_CYAN)
         return vec3(left.r, right.gb);
     return clamp(DUBOIS_LEFT * left + DUBOIS_RIGHT * right, 0.0, 1.0);
 }
@@ -56,11 +56,11 @@ vec3 woven() {
 // Where a pixel looks: right, up, ahead (view/surround.py). Zero outside a dome.
 vec3 direction() {
     vec2 place = gl_FragCoord.xy / u_size - 0.5;
-    if (u_weave == EQUIRECTANGULAR) {
+    if (WEAVE == EQUIRECTANGULAR) {
         float longitude = 2.0 * PI * place.x, latitude = PI * place.y;
         return vec3(sin(longitude) * cos(latitude), sin(latitude), cos(longitude) * cos(latitude));
     }
-    if (u_weave == PANORAMA) {
+    if (WEAVE == PANORAMA) {
         float longitude = u_wide.x * place.x;
         return vec3(sin(longitude), u_wide.x * place.y * u_size.y / u_size.x, cos(longitude));
     }
@@ -94,9 +94,9 @@ vec3 all_round(vec3 d) {
 }
 
 vec3 light() {
-    if (u_weave == PLAIN)
+    if (WEAVE == PLAIN)
         return filmic(texture(u_picture, v_place).rgb);
-    if (u_weave < EQUIRECTANGULAR)
+    if (WEAVE < EQUIRECTANGULAR)
         return woven();
     vec3 d = direction();
     return d == vec3(0.0) ? vec3(0.0) : all_round(d);

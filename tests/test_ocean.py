@@ -58,19 +58,21 @@ def test_nobody_leaves_the_sea(minute):
 
 
 def test_fishes_move_like_fishes(minute):
-    """No leaps, no standing still, noses ahead."""
+    """No leaps, no standing still. A small fish beats faster, so it goes farther for its length."""
     world, path = minute
     speed = np.linalg.norm(np.diff(path, axis=0), axis=2) / TICK_S
     lengths = world.state.fishes.length
-    assert (speed / lengths).max() < 2.5
-    assert (speed / lengths).mean(axis=0).min() > 0.15
+    pace = speed / lengths * np.sqrt(lengths / 20.0)
+    assert pace.max() < 2.5
+    assert pace.mean(axis=0).min() > 0.1
 
 
-def test_the_school_stays_together(minute):
+def test_schools_stay_together(minute):
     world, path = minute
     schooling = world.state.fishes.leader >= 0
-    leader = world.state.fishes.leader[schooling][0]
-    gap = np.linalg.norm(path[600:, schooling] - path[600:, [leader]], axis=2)
+    leaders = world.state.fishes.leader[schooling]
+    assert len(set(leaders)) == 2
+    gap = np.linalg.norm(path[600:, schooling] - path[600:, leaders], axis=2)
     assert np.median(gap) < 150
     assert (gap < 350).mean() > 0.98
 

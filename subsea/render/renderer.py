@@ -56,7 +56,7 @@ class Renderer:
         self._seabed = Seabed(context, scene)
         self._fishes = Fishes(context, scene)
         self._particles = Particles(context, scene)
-        self._resolve = Resolve(context)
+        self._resolve = Resolve(context, LAYOUTS[display].weaves)
         self._make_target(size)
 
     def resize(self, size: tuple[int, int]) -> None:

@@ -10,17 +10,18 @@ VERSION = "#version 330 core\n"
 _INCLUDE = re.compile(r'^\s*#include\s+"([^"]+)"\s*$')
 
 
-def program(context: Any, name: str) -> Any:
-    """The program of `shaders/NAME.vert` and `shaders/NAME.frag`."""
+def program(context: Any, name: str, **constants: int) -> Any:
+    """The program of `shaders/NAME.vert` and `shaders/NAME.frag`, with `constants` defined."""
     return context.program(
-        vertex_shader=source(f"{name}.vert"),
-        fragment_shader=source(f"{name}.frag"),
+        vertex_shader=source(f"{name}.vert", **constants),
+        fragment_shader=source(f"{name}.frag", **constants),
     )
 
 
-def source(name: str) -> str:
-    """One shader with its includes, ready to compile."""
-    return VERSION + "\n".join(_lines(name, {})) + "\n"
+def source(name: str, **constants: int) -> str:
+    """One shader with its includes, ready to compile; `constants` are defined before it."""
+    defined = "".join(f"#define {key} {value}\n" for key, value in constants.items())
+    return VERSION + defined + "\n".join(_lines(name, {})) + "\n"
 
 
 def _lines(name: str, seen: dict[str, int]) -> list[str]:

@@ -1,6 +1,7 @@
 """The picture in linear light, and its way to the screen."""
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 from subsea.render.shaders import program, set_uniforms
@@ -43,10 +44,13 @@ class Target:
 class Resolve:
     """Tone mapping and sRGB, and both eyes woven together: from a linear canvas to eight bits."""
 
-    def __init__(self, context: Any) -> None:
+    def __init__(self, context: Any, weaves: Sequence[Weave]) -> None:
+        """For a display that takes its picture, or pictures, from the canvas in these ways."""
         self._context = context
-        self._program = program(context, "resolve")
-        self._array = context.vertex_array(self._program, [])
+        self._programs = {weave: program(context, "resolve", WEAVE=weave) for weave in weaves}
+        self._arrays = {
+            weave: context.vertex_array(compiled, []) for weave, compiled in self._programs.items()
+        }
 
     def draw(
         self,
@@ -61,12 +65,12 @@ class Resolve:
         self._context.viewport = (0, 0, *size)
         wide = math.radians(surround.angle_deg), math.radians(surround.tilt_deg)
         margin = half_tangent(picture.height // ROWS)
-        set_uniforms(self._program, u_weave=int(weave), u_size=size, u_wide=wide, u_margin=margin)
+        set_uniforms(self._programs[weave], u_size=size, u_wide=wide, u_margin=margin)
         self._context.disable(self._context.DEPTH_TEST | self._context.BLEND)
         picture.use(0)
-        self._array.render(vertices=3)
+        self._arrays[weave].render(vertices=3)
 
     def release(self) -> None:
         """Free every OpenGL object."""
-        self._array.release()
-        self._program.release()
+        for held in (*self._arrays.values(), *self._programs.values()):
+            held.release()

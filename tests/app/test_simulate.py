@@ -59,7 +59,7 @@ def test_it_holds_what_the_format_says(record):
             names = file.attrs[f"{code}_names"]
             assert file[f"fish/{code}"][()].max() < len(names)
         keys, names = list(file.attrs["species_keys"]), list(file.attrs["species_names"])
-        assert keys == ["emperor_angelfish", "fusilier"]
+        assert len(keys) == 7
         assert names == [load_species(key).name for key in keys]
         assert file.attrs["format"] == "subsea-record"
         assert "[bounds]" in file.attrs["scenario"]

@@ -45,7 +45,7 @@ def test_every_pixel_shows_what_lies_in_its_direction(context, display, surround
     picture = context.texture((canvas.shape[1], canvas.shape[0]), 3, canvas.astype("f2").tobytes(),
                               dtype="f2", alignment=1)  # fmt: skip
     target = context.simple_framebuffer(size)
-    resolve = Resolve(context)
+    resolve = Resolve(context, LAYOUTS[display].weaves)
     resolve.draw(picture, target, size, LAYOUTS[display].weaves[0], surround)
     found = np.frombuffer(target.read(alignment=1), np.uint8).reshape(size[1], size[0], 3)
     row, column = np.mgrid[: size[1], : size[0]]
