@@ -162,7 +162,7 @@ def test_swims_are_straight_and_turns_turn_to_their_side(species):
     assert max(abs(turn[name]) for name in SWIMS) < 0.05
     for side, sign in (("left", 1), ("right", -1)):
         gradual, sharp = sign * turn[f"turn_{side}_gradual"], sign * turn[f"turn_{side}_sharp"]
-        assert 3 < gradual < 25
+        assert 2 < gradual < 25
         assert 25 < sharp < 100
         assert gradual < sharp
 

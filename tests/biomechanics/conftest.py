@@ -1,9 +1,9 @@
 import pytest
 
-from subsea.species import Species, load_species
+from subsea.species import Species, load_species, muscular_names
 
 
-@pytest.fixture(params=["fusilier", "emperor_angelfish"])
+@pytest.fixture(params=muscular_names())
 def species(request: pytest.FixtureRequest) -> Species:
     return load_species(request.param)
 
