@@ -120,7 +120,10 @@ def turn_point(turn: TurnPlan) -> Floats:
 
 
 def turn_at(base: TurnPlan, point: Floats | tuple[float, ...]) -> TurnPlan:
-    """The turn controller at a point of the unit box: all rows bend alike, holds are ``base``'s."""
+    """The turn controller at a point of the unit box: all rows bend alike, holds are ``base``'s.
+
+    A body is never straightened faster than it was bent (Tu §4.6.1).
+    """
     low, high = np.array([BENDS, BENDS, BEND_TICKS, RESTORE_TICKS, AMPLITUDES]).T
     front, back, bend, restore, amplitude = (low + np.array(point) * (high - low)).tolist()
     rows = tuple(
@@ -128,7 +131,7 @@ def turn_at(base: TurnPlan, point: Floats | tuple[float, ...]) -> TurnPlan:
             row,
             contraction=(round(front, 3), round(back, 3)),
             bend_ticks=round(bend, 1),
-            restore_ticks=round(restore, 1),
+            restore_ticks=round(max(restore, bend + 0.1), 1),
         )
         for row in base.steering
     )
