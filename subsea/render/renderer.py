@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.errors import UserError
 from subsea.frame import Packet, Scene
 from subsea.render.fishes import Fishes
 from subsea.render.particles import Particles
@@ -119,6 +120,12 @@ class Renderer:
     def _make_target(self, size: tuple[int, int]) -> None:
         self._size = size
         canvas = canvas_size(self._display, size, self._surround)
+        limit = self._context.info["GL_MAX_TEXTURE_SIZE"]
+        if max(canvas) > limit:
+            raise UserError(
+                f"a {self._display} picture of {size[0]}x{size[1]} needs a canvas of "
+                f"{canvas[0]}x{canvas[1]} pixels, this GPU holds at most {limit} a side"
+            )
         self._target = Target(self._context, canvas, self._samples)
         self._screen = self._context.renderbuffer(size, 4)
         self._own = self._context.framebuffer([self._screen])

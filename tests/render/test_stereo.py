@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from subsea.errors import UserError
 from subsea.render import Renderer
 from subsea.view.stereo import DISPLAYS, canvas_size
 
@@ -116,6 +117,13 @@ def test_the_picture_follows_its_size_in_every_mode(context, scene, make, displa
         assert renderer.read_pixels().mean() > 20
     assert context.error == "GL_NO_ERROR"
     renderer.release()
+
+
+def test_a_canvas_too_large_for_the_gpu_is_one_line(context, scene, monkeypatch):
+    held = dict(context.info, GL_MAX_TEXTURE_SIZE=100)
+    monkeypatch.setattr(type(context), "info", held)
+    with pytest.raises(UserError, match="96x128 pixels, this GPU holds at most 100"):
+        Renderer(context, scene, SIZE, samples=0, display="anaglyph")
 
 
 @pytest.mark.parametrize("display", DISPLAYS)
