@@ -31,6 +31,7 @@ def record_all(
         if force:
             drop(folder, name)
         elif is_up_to_date(folder, name, one):
+            drop(folder, name)  # what a kill just before the end may have left
             continue
         done[name] = kept(folder, name, one)
         tell(name, len(done[name]))

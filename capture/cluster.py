@@ -101,4 +101,11 @@ def _result(task: Any, address: str) -> Recorded | None:
         raise UserError(f"{address}: the scheduler is gone") from fault
     except ImportError as fault:
         raise UserError(f"{address}: a worker lacks a package: {fault}") from fault
+    except UserError:
+        raise
+    except Exception as fault:  # another program may fail in any way
+        reason = f"{type(fault).__name__}: {fault}".splitlines()[0]
+        raise UserError(
+            f"{address}: a worker cannot record ({reason}); install the same subsea there"
+        ) from fault
     return result

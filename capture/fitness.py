@@ -21,6 +21,7 @@ from capture.gait import (
     sweep,
     swim_on,
     turned,
+    widest_pull,
 )
 from capture.targets import Range, least, most, off
 from capture.trial import (
@@ -86,7 +87,7 @@ STRIDE = least(0.35)
 """L a beat that are asked of a fast gait; a body that cannot reach them may still learn."""
 TURN_LIMITS = {"pull": most(S_MAX), "snout": most(25.0), "kept": least(0.7)}
 GRADE_RATIO = least(1.4)
-GRADUAL_DEG = Range(4.0, 18.0)
+GRADUAL_DEG = Range(2.0, 18.0)
 
 
 class Gait(NamedTuple):
@@ -277,7 +278,7 @@ def measure_turning(
         ticks=row.bend_ticks + row.hold_ticks + row.restore_ticks,
         kept=speed_kept(body, widest),
         snout=snout_bend(widest),
-        pull=pull(body, turn_contraction(swim, turn, angles[-1])),
+        pull=widest_pull(body, swim, turn, angles),
     )
 
 

@@ -4,7 +4,12 @@ import numpy as np
 
 from capture.trial import beat_phase, sharp_turn, way
 from subsea.biomechanics.body import MUSCLES, UNITS, Body, Floats
-from subsea.biomechanics.controllers import LEFT, muscle_lengths, swim_contraction
+from subsea.biomechanics.controllers import (
+    LEFT,
+    muscle_lengths,
+    swim_contraction,
+    turn_contraction,
+)
 from subsea.biomechanics.fins import UP
 from subsea.biomechanics.plan import SwimPlan, TurnPlan
 from subsea.biomechanics.simulation import NO_FORCE, STILL, State, copy_state, is_sound, simulate
@@ -27,6 +32,11 @@ def swim_on(body: Body, state: State, beat: Floats, count: int) -> Floats:
 def pull(body: Body, contraction: Floats) -> float:
     """Greatest change of a muscle's rest length in one step, cm, to be compared with S_MAX."""
     return float(np.abs(np.diff(muscle_lengths(body, contraction), axis=0)).max())
+
+
+def widest_pull(body: Body, swim: SwimPlan, turn: TurnPlan, angles: list[float]) -> float:
+    """Greatest change of a muscle's rest length in one step, cm, in any of several sharp turns."""
+    return max(pull(body, turn_contraction(swim, turn, angle)) for angle in angles)
 
 
 def sweep(frames: Floats, nodes: list[int]) -> float:

@@ -23,7 +23,7 @@ Workers = Callable[[Mapping[Job, Species], Check], Results]
 
 POLL_S = 0.2
 LOST_PROCESSES = 3
-"""How often a process may die before its job counts as impossible."""
+"""How many times processes may die before the recording is given up."""
 
 
 def record_job(job: Job, species: Species) -> Recorded:

@@ -13,12 +13,12 @@ from capture.fitness import (
     turn_faults,
     turn_loss,
 )
-from capture.gait import pull, turned
+from capture.gait import turned, widest_pull
 from capture.learn_swim import BETTER, VERIFIED
 from capture.search import Hunt, distinct
 from capture.trial import beat_contraction, steady_beat
 from subsea.biomechanics.body import Body, Floats
-from subsea.biomechanics.controllers import S_MAX, turn_contraction
+from subsea.biomechanics.controllers import S_MAX
 from subsea.biomechanics.plan import Steering, SwimPlan, TurnPlan
 from subsea.biomechanics.simulation import State
 from subsea.errors import UserError
@@ -89,8 +89,8 @@ def refitted(
     body: Body, swim: SwimPlan, turn: TurnPlan, seed: int, notes: list[str]
 ) -> TurnPlan | None:
     """The old bends with the holds that a new gait needs, beating less where it is too fast."""
-    widest = turn.steering[-1].angle
-    while pull(body, turn_contraction(swim, turn, widest)) > 0.99 * S_MAX and turn.amplitude > 0:
+    angles = [row.angle for row in turn.steering]
+    while widest_pull(body, swim, turn, angles) > 0.99 * S_MAX and turn.amplitude > 0:
         turn = msgspec.structs.replace(turn, amplitude=max(0.0, round(turn.amplitude - 0.01, 3)))
     steady = steady_beat(body, beat_contraction(swim, swim.medium)).state
     return _verified(body, swim, turn, steady, seed, notes)

@@ -55,7 +55,7 @@ def fitted(vertices: Floats, repertoire: Repertoire) -> Floats:
     """Vertices (n, 3) that head along x, brought to the fish at rest: its length, nose and axis."""
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     if high[0] <= low[0]:
-        raise UserError("the mesh has no extent along x, its direction of swimming")
+        raise UserError("no extent along x, the direction of swimming")
     snout = np.array([high[0], *(low[1:] + high[1:]) / 2])
     scale = repertoire.body_length_cm / (high[0] - low[0])
     return np.asarray((vertices - snout) * scale + repertoire.rest_nodes[0])
@@ -69,7 +69,10 @@ def bind_mesh(repertoire: Repertoire, path: Path, fit: bool) -> Bound:
     """
     lines, vertices = read_mesh(path)
     if fit:
-        vertices = fitted(vertices, repertoire)
+        try:
+            vertices = fitted(vertices, repertoire)
+        except UserError as fault:
+            raise UserError(f"{path}: {fault}") from fault
     away = float(np.linalg.norm(vertices, axis=1).max()) / repertoire.body_length_cm
     if away > FARTHEST:
         raise UserError(

@@ -145,7 +145,7 @@ def tail_spectrum(axis: Any, segment: Segment, repertoire: Repertoire) -> None:
     """What sines the tail's lateral motion is made of."""
     tail = across(segment)[:, -1] / repertoire.body_length_cm
     hertz, amplitude = spectrum(tail, repertoire.tick_s, segment.cyclic)
-    seen = (hertz > 0) & (hertz <= MAX_HZ)
+    seen = (hertz > 0) & (hertz <= max(MAX_HZ, hertz[1]))
     axis.vlines(hertz[seen], 0, amplitude[seen], color=POINTS["tail"], linewidth=3)
     strongest = hertz[seen][amplitude[seen].argmax()]
     axis.set(xlabel="frequency, Hz", ylabel="amplitude, L", xlim=(0, MAX_HZ))

@@ -23,6 +23,7 @@ from subsea.biomechanics.simulation import (
     simulate,
 )
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK
+from subsea.errors import UserError
 from subsea.kinematics.frame import Array, body_frame, to_world
 from subsea.kinematics.rotation import matrix
 from subsea.repertoire import Repertoire, Segment
@@ -165,11 +166,19 @@ def _balanced(motion: Motion, body: Body, state: State, count: int) -> tuple[flo
     return _mean_attitude(np.array(frames))
 
 
+def _turned(body: Body, motion: Motion, angle: float, start: State, phase: float) -> float:
+    """What a turn turns by, in degrees; NaN where the body loses its shape."""
+    try:
+        return turned(body, motion.swim, motion.turn, angle, start, phase)
+    except UserError:
+        return float("nan")
+
+
 def _turning(motion: Motion, body: Body, steady: State) -> Iterator[Measure]:
-    swim, turn = motion.swim, motion.turn
+    swim, _turn = motion.swim, motion.turn
     starts = entries(body, swim, steady)
     for angle in TURN_ANGLES:
-        errors = [turned(body, swim, turn, angle, *start) - angle for start in starts]
+        errors = [_turned(body, motion, angle, *start) - angle for start in starts]
         worst = errors[int(np.argmax(np.abs(errors)))]  # NaN, a body out of shape, is the worst
         entered, anywhere = (off(3), off(7)) if angle <= 60 else (off(6), off(10))
         aim = off(1) if angle <= 60 else off(3)

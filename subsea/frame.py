@@ -61,7 +61,7 @@ class Packet:
 
     time_s: float  # world time, interpolated
     views: tuple[View, ...]
-    instances: Array  # (m, 16) float32, sorted by batch
+    instances: Array  # (m, 19) float32, sorted by batch
     batches: tuple[Batch, ...]
     plankton: Array  # (p, 3) float32 cm
     hidden: int  # fishes culled away

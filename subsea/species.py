@@ -6,7 +6,7 @@ import msgspec
 
 from subsea.biomechanics.plan import BodyPlan, Muscles, SwimPlan, TurnPlan
 from subsea.biomechanics.stability import check_step
-from subsea.errors import UserError, unknown
+from subsea.errors import unknown
 from subsea.kinematics.spine import SpinePlan
 from subsea.kinematics.surface import Curve, Extent, Share, SurfacePlan
 from subsea.resources import load_toml, resource_names, resource_path
@@ -125,9 +125,15 @@ class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
 
     def __post_init__(self) -> None:
         """Refuse two movers, or none, sizes out of order, and a body that no step can carry."""
+        if not self.name:
+            raise ValueError("`name` is empty, expected the common name")
         given = sum(table is not None for table in (self.body, self.swim, self.turn))
         if given != (3 if self.spine is None else 0):
             raise ValueError("expected the tables [body], [swim] and [turn], or [spine] alone")
+        if self.spine and self.spine.wings and not self.surface.wing:
+            raise ValueError("[spine.wings] needs the outline [surface.wing]")
+        if self.skin.spots and not self.surface.wing:
+            raise ValueError("[skin.spots] are for bodies with [surface.wing]")
         if self.size_cm[0] > self.size_cm[1]:
             raise ValueError("size_cm must name the smallest length first")
         fins = {
@@ -172,8 +178,4 @@ def load_species(name: str) -> Species:
     known = species_names()
     if name not in known:
         raise unknown("species", name, known)
-    path = resource_path("assets/species") / f"{name}.toml"
-    species = load_toml(path, Species)
-    if not species.name:
-        raise UserError(f"{path}: `name` is empty, expected the common name")
-    return species
+    return load_toml(resource_path("assets/species") / f"{name}.toml", Species)

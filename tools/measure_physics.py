@@ -84,7 +84,7 @@ def longest_step(name: str, advance: Callable[..., None], body: Body, beat: Floa
 
 
 def costs(body: Body, state: State) -> dict[str, float]:
-    """Microseconds of a step and its parts, and of the same system by LAPACK."""
+    """Microseconds of a step, and of the same system by LAPACK."""
     band, load = np.zeros((ROWS, HALF_BANDWIDTH + 1)), np.zeros((ROWS, 3))
     strain, muscle = np.array([np.inf, 0.0]), body.length[:MUSCLES].copy()
     add_water_force(state.x, state.v, STILL, body.drag, load)

@@ -90,7 +90,8 @@ def measure(
     levels = np.zeros(len(LEVELS))
     simulated = 0
     for _ in range(LIVE_WARM_UP_TICKS if len(world.state.live.fish) else 0):
-        if world.state.fishes.live.all():
+        able = world.dynamics.muscular[world.state.fishes.species]
+        if world.state.fishes.live[able].all():
             break
         step(world, tour_helm(world))
     triangles = visible = 0

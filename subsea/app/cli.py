@@ -9,7 +9,7 @@ from typing import Any
 from subsea.commandline import answer, command, number, parse, program
 from subsea.errors import UserError, unknown
 
-MAX_SIZE = 8192  # pixels; the largest picture that every OpenGL 3.3 machine can hold
+MAX_SIZE = 8192  # pixels; what a GPU of today can hold, at least for one eye
 MIN_SIZE = 64
 MOTORS = ("playback", "dynamics")
 STAGES_TO_LEAVE_OUT = ("culling", "lod")
@@ -187,7 +187,7 @@ def _add_benchmark(commands: Any) -> None:
         type=_motor,
         default="playback",
         metavar="MOTOR",
-        help="playback, or dynamics: every fish is simulated (default playback)",
+        help="playback, or dynamics: every fish with muscles is simulated (default playback)",
     )
     benchmark.add_argument(
         "--json", type=Path, dest="out", metavar="FILE", help="write the report there too"
@@ -368,12 +368,12 @@ def _with_optics(options: dict[str, Any]) -> dict[str, Any]:
 
 
 def _no_pages(display: str) -> None:
-    from subsea.view.stereo import PAGED
+    from subsea.view.stereo import OTHER_STEREO, PAGED
 
     if display == PAGED:
         raise UserError(
             f"--display {PAGED} needs a window with a buffer for each eye; without a window take "
-            "side-by-side, top-bottom, anaglyph, interlaced or checkerboard"
+            f"{OTHER_STEREO}"
         )
 
 

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from subsea.app.install import INSTALL
 from subsea.errors import UserError
+from subsea.view.stereo import OTHER_STEREO
 
 PACKAGES = (
     "numpy", "numba", "h5py", "moderngl", "glfw", "pyrr", "imgui-bundle", "msgspec", "pillow",
@@ -123,7 +124,7 @@ def _headless() -> list[Finding]:
 def _display() -> list[Finding]:
     """Display, monitors, and the OpenGL of hidden windows."""
     try:
-        from subsea.app.window import OTHER_STEREO, hidden_window, on_display
+        from subsea.app.window import hidden_window, on_display
         from subsea.render import window_context
     except ImportError as fault:
         return [Finding("display", False, f"{fault}; try: {INSTALL}")]

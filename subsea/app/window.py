@@ -10,6 +10,7 @@ import imgui_bundle  # noqa: F401  # before glfw: it brings the one libglfw that
 from subsea.app.install import INSTALL
 from subsea.app.pilot import Action, Button, Pilot
 from subsea.errors import UserError
+from subsea.view.stereo import OTHER_STEREO
 
 KEYS: dict[int, Action] = {
     glfw.KEY_W: "ahead",
@@ -33,7 +34,6 @@ BUTTONS: dict[int, Button] = {
     glfw.MOUSE_BUTTON_RIGHT: "right",
     glfw.MOUSE_BUTTON_MIDDLE: "middle",
 }
-OTHER_STEREO = "side-by-side, top-bottom, anaglyph, interlaced or checkerboard"
 PLATFORMS = {
     glfw.PLATFORM_X11: "X11",
     glfw.PLATFORM_WAYLAND: "Wayland",

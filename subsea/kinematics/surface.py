@@ -77,6 +77,8 @@ class FinPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
         """Refuse a base that runs forwards."""
         if self.base[0] >= self.base[1]:
             raise ValueError("the base of a fin must run from front to rear")
+        if any(a == b for a, b in pairwise(self.edge)):
+            raise ValueError("two neighbouring points of a fin's edge are the same")
 
 
 class PaddlePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):

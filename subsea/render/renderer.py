@@ -4,6 +4,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
@@ -85,7 +86,7 @@ class Renderer:
         context.depth_func = "<="  # the water lies on the far plane
         context.blend_func = context.SRC_ALPHA, context.ONE_MINUS_SRC_ALPHA
         for view in packet.views:
-            context.viewport = view.viewport
+            context.viewport = context.scissor = view.viewport  # specks must not spill over
             uniforms = self._uniforms(packet, view)
             context.disable(context.BLEND)
             context.enable(context.DEPTH_TEST)
@@ -96,6 +97,7 @@ class Renderer:
             self._target.framebuffer.depth_mask = False
             self.triangles += self._particles.draw(packet, view, uniforms)
             self._target.framebuffer.depth_mask = True
+        context.scissor = None
         canvas, into = self._target.picture(), self._own if into is None else into
         for number, weave in enumerate(LAYOUTS[self._display].weaves):
             into.use()  # a buffer is chosen of the framebuffer in use
@@ -126,7 +128,13 @@ class Renderer:
                 f"a {self._display} picture of {size[0]}x{size[1]} needs a canvas of "
                 f"{canvas[0]}x{canvas[1]} pixels, this GPU holds at most {limit} a side"
             )
-        self._target = Target(self._context, canvas, self._samples)
+        try:
+            self._target = Target(self._context, canvas, self._samples)
+        except moderngl.Error as fault:
+            raise UserError(
+                f"a {self._display} picture of {size[0]}x{size[1]} is more than this GPU can hold; "
+                "take a smaller --size"
+            ) from fault
         self._screen = self._context.renderbuffer(size, 4)
         self._own = self._context.framebuffer([self._screen])
 

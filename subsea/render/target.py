@@ -64,7 +64,7 @@ class Resolve:
         into.use()
         self._context.viewport = (0, 0, *size)
         wide = math.radians(surround.angle_deg), math.radians(surround.tilt_deg)
-        margin = half_tangent(picture.height // ROWS)
+        margin = half_tangent(picture.height // ROWS) if weave >= Weave.EQUIRECTANGULAR else 1.0
         set_uniforms(self._programs[weave], u_size=size, u_wide=wide, u_margin=margin)
         self._context.disable(self._context.DEPTH_TEST | self._context.BLEND)
         picture.use(0)

@@ -149,7 +149,7 @@ def _read_segment(group: Any, length: float, where: str) -> Segment:
         increment_translation=translation,
         nodes=nodes,
         control_points=points,
-        speed_cm_s=hdf5.attribute(group, "speed_cm_s", float, where),
+        speed_cm_s=_positive(group, "speed_cm_s", where),
         turn_deg=hdf5.attribute(group, "turn_deg", float, where),
         loop_error_bl=hdf5.attribute(group, "loop_error_bl", float, where),
         bounding_radius_bl=_positive(group, "bounding_radius_bl", where),

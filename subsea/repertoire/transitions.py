@@ -1,4 +1,4 @@
-"""Where to enter the next segment and how many frames to glide: planned once per species.
+"""Where to enter the next segment and how many frames to glide: planned when it is written.
 
 SMC appendix A glides to the first frame of the next segment, for as long as the tail needs at a
 fixed speed. Here row and length are chosen together so that no node is jerked: over all rows of

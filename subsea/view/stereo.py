@@ -74,6 +74,7 @@ LAYOUTS = {
 }
 DISPLAYS = tuple(LAYOUTS)
 PAGED = "stereo"  # needs a window with a buffer for each eye
+OTHER_STEREO = "side-by-side, top-bottom, anaglyph, interlaced or checkerboard"
 
 
 def canvas_size(

@@ -23,8 +23,8 @@ FACES = (
     ((0.0, 1.0, 0.0), (0.0, 0.0, -1.0)),  # above
 )
 COLUMNS, ROWS = 3, 2
-MARGIN_PX = 2  # by which a face is wider than a right angle, at each edge
-LARGEST_FACE = 2560  # pixels: three of them side by side are a texture that every GPU can hold
+MARGIN_PX = 12  # by which a face is wider than a right angle: half the largest speck of plankton
+LARGEST_FACE = 2560  # pixels: three of them side by side are a texture that GPUs of today hold
 
 
 class Surround(NamedTuple):
@@ -38,7 +38,7 @@ ALL_ROUND = Surround()
 
 
 def face_size(display: str, size: tuple[int, int], surround: Surround) -> int:
-    """Pixels of a cube's face that are as fine as the picture is where it is finest."""
+    """Pixels of a cube's face: as fine as the picture is where it is finest, up to a limit."""
     width, height = size
     per_radian = {
         "equirectangular": width / (2 * np.pi),

@@ -110,11 +110,11 @@ def test_shutter_glasses_get_one_full_picture_each(context, scene, make, eyes):
 @pytest.mark.parametrize("display", DISPLAYS)
 def test_the_picture_follows_its_size_in_every_mode(context, scene, make, display):
     renderer = Renderer(context, scene, (40, 30), samples=0, display=display)
-    for size in ((64, 48), (33, 21)):
+    for size in ((64, 48), (33, 21), (64, 9), (64, 4), (1, 1)):
         renderer.resize(size)
         renderer.draw(make(display, size))
         assert renderer.read_pixels().shape == (size[1], size[0], 3)
-        assert renderer.read_pixels().mean() > 20
+        assert renderer.read_pixels().mean() > 5
     assert context.error == "GL_NO_ERROR"
     renderer.release()
 
