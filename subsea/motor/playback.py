@@ -15,7 +15,7 @@ from subsea.kinematics.rotation import (
     normalised,
     rotate,
 )
-from subsea.kinematics.vector import Vector
+from subsea.kinematics.vector import Vector, vector
 from subsea.motor.balance import balanced
 from subsea.repertoire.library import Library
 from subsea.state import Fishes
@@ -64,7 +64,7 @@ def advance(fishes: Fishes, library: Library, i: int) -> tuple[Vector, Quaternio
     of t, so that the parts of a row join to exactly that row. Row a, row b, weight, span and
     segment move on in place.
     """
-    o = _vector(fishes.position[i])
+    o = vector(fishes.position[i])
     q = _quaternion(fishes.orientation[i])
     weight = float(fishes.weight[i])
     left = 1.0  # of the tick
@@ -80,12 +80,12 @@ def advance(fishes: Fishes, library: Library, i: int) -> tuple[Vector, Quaternio
         until_b = (1.0 - weight) * span
         frames = min(left * rate, until_b)
         rotation = _quaternion(library.rotation[b])
-        shift = _vector(library.translation[b])
+        shift = vector(library.translation[b])
         if gliding:
             # A glide keeps the fish's way: the last increment fades into the next one.
             middle = weight + 0.5 * frames / span
             rotation = mixed(_quaternion(library.rotation[a]), rotation, middle)
-            before = _vector(library.translation[a])
+            before = vector(library.translation[a])
             shift = (
                 (1.0 - middle) * before[0] + middle * shift[0],
                 (1.0 - middle) * before[1] + middle * shift[1],
@@ -105,11 +105,6 @@ def advance(fishes: Fishes, library: Library, i: int) -> tuple[Vector, Quaternio
             _next_row(fishes, library, i)
     fishes.weight[i] = weight
     return o, q
-
-
-@njit(cache=True, error_model="numpy")
-def _vector(v: Array) -> Vector:
-    return float(v[0]), float(v[1]), float(v[2])
 
 
 @njit(cache=True, error_model="numpy")

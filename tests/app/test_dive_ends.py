@@ -48,6 +48,13 @@ def test_too_old_an_opengl_is_one_line_with_what_to_install(display):
     assert "apt-get install" in done.stderr
 
 
+@pytest.mark.parametrize("mode", ["side-by-side", "top-bottom", "anaglyph", "equirectangular"])
+def test_other_displays_open_too(display, mode):
+    command = [*DIVE, "--seconds", "0.3", "--display", mode]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+
+
 def test_a_window_without_a_buffer_for_each_eye_is_one_line_with_other_modes(display):
     command = [*DIVE, "--display", "stereo"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120)
