@@ -77,8 +77,8 @@ def make_scene(world: World) -> Scene:
         species=world.species,
         control_points=world.library.control_points,
         recorded_length_cm=tuple(float(x) for x in world.library.recorded_length),
-        terrain=world.terrain,
-        terrain_half_width_cm=world.terrain_half_width,
+        terrain=world.state.sea.heights,
+        terrain_half_width_cm=world.state.sea.half_width,
         water=world.scenario.water,
     )
 
@@ -102,6 +102,7 @@ def pack(
     )
     radii = library.bounding_radius[fishes.species] * fishes.length
     level = classify(centres, radii, fishes.length, views, culling, lod)
+    level[~fishes.alive] = HIDDEN
     kinds = len(world.species)
     order, starts = _sort(fishes.species, level, kinds, len(LEVELS))
     culled = time.perf_counter()
@@ -120,7 +121,7 @@ def pack(
         views=tuple(views),
         instances=instances,
         batches=batches,
-        plankton=world.state.plankton,
+        plankton=world.state.sea.plankton[world.state.sea.absent == 0.0],
         hidden=len(level) - len(order),
         live_points=live_points,
         live_row=len(library.entry),

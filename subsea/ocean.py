@@ -4,15 +4,20 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from subsea.behavior.intention import decide
+from subsea.behavior import eating, steering
+from subsea.behavior.intention import choose
+from subsea.behavior.mental import feel
+from subsea.behavior.table import BEHAVIOR_OF_DESIRE, LEVEL_OF_DESIRE, TIRES, act, want
 from subsea.habitat import plankton
-from subsea.habitat.current import flow_at
+from subsea.habitat.current import carry, flow_at
 from subsea.kinematics.heightfield import height_at
 from subsea.motor.controller import command
 from subsea.motor.fins import flap
 from subsea.motor.playback import play
 from subsea.motor.switching import swim
-from subsea.perception.neighbours import LOOK_TICKS, REACH_CM, find_neighbours
+from subsea.perception.neighbours import REACH_CM, find_neighbours
+from subsea.perception.turns import whose_turn
+from subsea.state import Clock
 from subsea.submarine.helm import Helm
 from subsea.submarine.hull import step_hull
 from subsea.world import TICK_S, World, create_world
@@ -21,31 +26,42 @@ __all__ = ["TICK_S", "World", "create_world", "step"]
 
 
 def step(world: World, helm: Helm) -> None:
-    """Advance the world by one tick: perceive, decide, move, flow, steer."""
-    state, fishes = world.state, world.state.fishes
-    seed, tick, now = state.seed, state.tick, state.tick * TICK_S
-    radius = world.scenario.bounds.radius_cm
-    sea = (world.terrain, world.terrain_half_width)
-    flow = flow_at(world.scenario.water.current_cm_s, now)
+    """Advance the world by one tick: flow, perceive, decide, move, steer.
+
+    Fishes take turns to think: those far from the submarine do it less often.
+    """
+    state, nature = world.state, world.nature
+    fishes, minds, sea = state.fishes, state.minds, state.sea
+    clock = Clock(state.seed, state.tick, TICK_S)
+    flow = flow_at(world.scenario.water.current_cm_s, state.tick * TICK_S)
+    with _stage(world, "habitat"):
+        sea.submarine[:3], sea.submarine[3:] = state.submarine.position, state.submarine.velocity
+        plankton.drift(sea, flow, clock)
+        carry(fishes, sea, flow)
     with _stage(world, "perception"):
-        # To begin with everybody looks around, from then on a part of all in each tick.
-        stride = LOOK_TICKS if tick else 1
-        find_neighbours(fishes, REACH_CM, tick % stride, stride)
+        who = whose_turn(fishes, minds, sea, world.scenario.water.visibility_cm, clock)
+        find_neighbours(who, fishes, minds, REACH_CM)
     with _stage(world, "behavior"):
-        decide(fishes, *sea, radius, state.submarine.position, seed, tick, TICK_S)
+        feel(who, fishes, minds, nature, clock)
+        want(who, fishes, minds, sea, nature, clock)
+        choose(who, minds, nature, LEVEL_OF_DESIRE, BEHAVIOR_OF_DESIRE, TIRES)
+        act(who, fishes, minds, sea, nature, clock)
+        steering.keep_clear(who, fishes, minds, sea)
+        steering.heed(fishes, minds, clock)
+        eating.ingest(fishes, minds, sea, clock)
+        minds.pause[who] = 0.0
     with _stage(world, "motor"):
-        command(fishes, world.library, seed, tick, TICK_S)
+        command(fishes, world.library, state.seed, state.tick, TICK_S)
         swim(
             fishes, world.library, world.dynamics, state.live,
-            flow, state.submarine.position, tick, TICK_S,
+            state.submarine.position, state.tick, TICK_S,
         )  # fmt: skip
-        play(fishes, world.library, flow, TICK_S)
+        play(fishes, world.library, TICK_S)
         flap(fishes, TICK_S)
-    with _stage(world, "habitat"):
-        plankton.drift(state.plankton, flow, radius, *sea, seed, tick, TICK_S)
     step_hull(
-        state.submarine, helm, TICK_S, lambda x, y: height_at(*sea, x, y), world.scenario.bounds
-    )
+        state.submarine, helm, TICK_S,
+        lambda x, y: height_at(sea.heights, sea.half_width, x, y), world.scenario.bounds,
+    )  # fmt: skip
     state.tick += 1
 
 

@@ -1,7 +1,7 @@
 """Scenarios: who lives where, from `assets/scenarios/NAME.toml`."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import msgspec
 
@@ -12,10 +12,14 @@ from subsea.species import BodyLength, species_names
 MAX_FISHES = 100_000
 # Two rows each in a texture, whose height OpenGL drivers limit to 16384 or less.
 MAX_SIMULATED = 4000
+MAX_SOLIDS = 200  # pillars, and as many rocks
 Positive = Annotated[float, msgspec.Meta(gt=0, le=1e5)]
 Coordinate = Annotated[float, msgspec.Meta(ge=-1e5, le=1e5)]
 Seed = Annotated[int, msgspec.Meta(ge=0, le=2**32 - 1)]
+Rate = Annotated[float, msgspec.Meta(ge=0, le=1)]
+Size = Annotated[float, msgspec.Meta(gt=0, le=1000)]
 Flow = Annotated[float, msgspec.Meta(ge=-200, le=200)]
+Celsius = Annotated[float, msgspec.Meta(ge=-2, le=40)]
 Share = Annotated[float, msgspec.Meta(ge=0, le=1)]
 Colour = tuple[Share, Share, Share]
 
@@ -36,6 +40,8 @@ class Water(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     ]  # distance at which contrast has fallen to 2%
     current_cm_s: tuple[Flow, Flow] = (0.0, 0.0)  # uniform flow along x and y
     plankton: Annotated[int, msgspec.Meta(ge=0, le=100000)] = 0
+    temperature_c: tuple[Celsius, Celsius] = (27.0, 21.0)  # at the surface and at `depth_cm`
+    light_depth_cm: Positive = 700.0  # where the light has fallen to 1/e
 
 
 class Terrain(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -56,6 +62,32 @@ class Shoal(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         None  # centre; none: spread over the sea
     )
     spread_cm: Positive = 150.0
+    heading_deg: Coordinate | None = None  # none: the dice decide
+    male_share: Share = 0.5
+    likes: list[Literal["brightness", "darkness", "cold", "warmth"]] = []  # Tu §7.3
+    schooling: bool | None = None  # none: as the species does
+    hunger: Share | None = None  # at the start, the urge within; none: the dice decide
+    libido: Share | None = None
+    digestion: Rate | None = None  # p0 of Tu §7.4, 1/s
+    libido_rate: Rate | None = None  # p1, 1/s
+    dread_cm: Annotated[float, msgspec.Meta(ge=0, le=5000)] | None = None  # D0
+
+
+class Pillar(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A round pillar that stands on the seabed."""
+
+    position_cm: tuple[Coordinate, Coordinate]
+    radius_cm: Annotated[float, msgspec.Meta(gt=0, le=1000)]
+    height_cm: Annotated[float, msgspec.Meta(gt=0, le=5000)]  # above the seabed at its middle
+
+
+class Rock(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A boulder: an ellipsoid whose middle is `sunk` of its height below the seabed."""
+
+    position_cm: tuple[Coordinate, Coordinate]
+    size_cm: tuple[Size, Size, Size]  # half axes
+    yaw_deg: Coordinate = 0.0
+    sunk: Share = 0.3
 
 
 class Start(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -63,6 +95,31 @@ class Start(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
 
     position_cm: tuple[Coordinate, Coordinate, Coordinate]
     heading_deg: Coordinate = 0.0
+
+
+class Temper(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Constants of perception and behavior, as `state.Nature` explains them."""
+
+    vision_cm: Positive = 500.0
+    smell_cm: Positive = 600.0
+    standard_cm: Positive = 20.0
+    hunger_stimulus: Share = 0.8
+    libido_stimulus: Share = 0.5
+    alarmed: Share = 0.5
+    panicked: Share = 0.8
+    keen: Share = 0.25
+    devotion_cm: Annotated[float, msgspec.Meta(ge=0, le=1e4)] = 25.0
+    fatigue_s: Positive = 40.0
+    timidity: Annotated[float, msgspec.Meta(ge=0.1, le=5)] = 1.0
+    submarine_cm: Annotated[float, msgspec.Meta(ge=0, le=5000)] = 130.0
+    curiosity_cm: Annotated[float, msgspec.Meta(ge=0, le=5000)] = 350.0
+
+    def __post_init__(self) -> None:
+        """Refuse thresholds in the wrong order (Tu §7.5)."""
+        if self.alarmed >= self.panicked:
+            raise ValueError("`alarmed` must be less than `panicked`")
+        if self.vision_cm > self.smell_cm:
+            raise ValueError("`vision_cm` must not be more than `smell_cm`")
 
 
 class Scenario(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -75,6 +132,9 @@ class Scenario(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     terrain: Terrain
     submarine: Start
     fish: Annotated[list[Shoal], msgspec.Meta(min_length=1)]
+    pillar: Annotated[list[Pillar], msgspec.Meta(max_length=MAX_SOLIDS)] = []
+    rock: Annotated[list[Rock], msgspec.Meta(max_length=MAX_SOLIDS)] = []
+    nature: Temper = Temper()
     # So many of the nearest fishes are simulated instead of played back.
     simulated: Annotated[int, msgspec.Meta(ge=0, le=MAX_SIMULATED)] = 0
 

@@ -14,9 +14,25 @@ Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
 
 NEIGHBOURS = 6  # how many companions a fish attends to
+NOBODY, SUBMARINE = -1, -2  # where an index of a fish is expected
+KINDS = ("pacifist", "prey", "predator")  # Tu §7.9
+PACIFIST, PREY, PREDATOR = range(3)
 
-INTENTIONS = ("wander", "school", "avoid")
-WANDER, SCHOOL, AVOID = range(3)
+# Codes of what a fish may intend (Tu fig. 7.4); `behavior/table.py` says what each is.
+AVOID, ESCAPE, SCHOOL, EAT, MATE, LEAVE, WANDER = range(7)
+
+# Columns of `likes`: habits (Tu §7.3).
+BRIGHTNESS, DARKNESS, COLD, WARMTH = range(4)
+# Columns of `mental`.
+MENTAL_STATES = ("hunger", "libido", "fear")
+HUNGER, LIBIDO, FEAR = range(3)
+# Columns of `preference`: motor preferences (Tu §6.5.2).
+LEFT, RIGHT, FORWARD, BACKWARD, ASCEND, DESCEND = range(6)
+# What a barrier is: the index of a pillar, -1 for none, or one of these; rocks follow the pillars.
+SEABED, SURFACE, WALL = -2, -3, -4
+# Where a pair stands in its courtship (Tu §7.9.3).
+COURTSHIP = ("none", "approaching", "looping", "circling", "ascending", "nuzzling")
+NO_COURTSHIP, APPROACHING, LOOPING, CIRCLING, ASCENDING, NUZZLING = range(6)
 
 # Columns of `fins`, in the order of the instance record.
 SWEEP_LEFT, SWEEP_RIGHT = 0, 1  # rad, of a pectoral fin away from the body
@@ -35,8 +51,7 @@ class Fishes(NamedTuple):
     scale: Array  # (n,) float32, length over recorded length: α of SMC eq. 12
     rate: Array  # (n,) float32, recorded rows per tick: larger fishes beat more slowly
     identity: Array  # (n,) float32 in [0, 1), individual variation
-    leader: Ints  # (n,) int32, whom a schooling fish follows, -1 for none
-    leads: NDArray[np.bool_]  # (n,), whether others follow it
+    snout: Array  # (n,) float32, cm from the origin of B to the tip of the snout, along x
     oars: NDArray[np.bool_]  # (n,), whether it rows with its pectoral fins (Tu appendix B.2)
 
     # Written by motor: the body frame, its pose, and both one tick ago.
@@ -70,15 +85,119 @@ class Fishes(NamedTuple):
     live: NDArray[np.bool_]  # (n,), whether it is simulated rather than played back
     stay: Array  # (n,) float32, s since that changed, infinite if it never did
 
-    # Written by perception.
-    neighbour: Ints  # (n, NEIGHBOURS) int32, nearest first, -1 for none
+    # Written by habitat at the start of a tick; behavior adds what a fish is sucked or pulled by.
+    drift: Array  # (n, 3) float32, cm/s, world: how the water carries the fish
 
     # Written by behavior: what the motor system is asked for.
-    intention: Ints  # (n,) uint8, code in INTENTIONS
-    waypoint: Array  # (n, 3) float32, cm, where a wandering fish is bound
-    patience: Array  # (n,) float32, s until a wandering fish changes its mind
+    alive: NDArray[np.bool_]  # (n,), False once it was eaten or landed: nobody sees it any more
     goal_direction: Array  # (n, 3) float32, unit vector, world
     goal_speed: Array  # (n,) float32, share of the fast swim's speed, 1 to -1; below 0 retreats
+    gape: Array  # (n,) float32 in [0, 1], how far the mouth is to be open
+
+
+class Minds(NamedTuple):
+    """What the n fishes sense, feel and want (Tu chs. 6, 7)."""
+
+    # Constant after creation: habits (Tu §7.3) and temper (Tu §7.4).
+    kind: Ints  # (n,) uint8, code in KINDS
+    male: NDArray[np.bool_]  # (n,)
+    likes: NDArray[np.bool_]  # (n, 4), columns BRIGHTNESS to WARMTH; both of a pair: does not care
+    schools: NDArray[np.bool_]  # (n,), whether it likes schooling
+    appetite: Array  # (n,) float32, n^a, meals that fill it: larger for larger fishes
+    digestion: Array  # (n,) float32, p0, 1/s
+    libido_rate: Array  # (n,) float32, p1, 1/s
+    dread: Array  # (n,) float32, D0, cm: a predator at this distance is all the fear there is
+
+    # Written by perception, of the fishes whose turn it is.
+    neighbour: Ints  # (n, NEIGHBOURS) int32, companions of its species, nearest first, or NOBODY
+    threat: Ints  # (n,) int32, the fish with which it is most in danger to collide, or NOBODY
+    barrier: Ints  # (n,) int32, what stands in its way: pillar, rock, SEABED, SURFACE, WALL, or -1
+    predator: Ints  # (n,) int32, the most dangerous one in sight, SUBMARINE, or NOBODY
+    menace: Array  # (n,) float32, F^m of that one, in [0, 1]
+    menaces: Array  # (n,) float32, sum of F^i over all in sight
+    food: (
+        Ints  # (n,) int32, nearest speck of plankton perceived; of a predator: nearest prey; or -1
+    )
+    food_distance: Array  # (n,) float32, cm, infinite if there is none
+    mate: Ints  # (n,) int32, nearest possible mate in sight, or NOBODY
+    mate_distance: Array  # (n,) float32, cm, infinite if there is none
+    light: Array  # (n,) float32 in [0, 1], ambient brightness
+    temperature: Array  # (n,) float32, degrees C
+    target: Ints  # (n,) int32, what the intention is about: a fish, of eaters of plankton a speck
+    preference: Array  # (n, 6) float32, motor preferences, columns LEFT to DESCEND
+
+    # Written by behavior.
+    mental: Array  # (n, 3) float32 in [0, 1], columns HUNGER, LIBIDO, FEAR
+    eaten: Array  # (n,) float32, n^e, meals since the last complete digestion
+    last_meal: Array  # (n,) float32, s, world time
+    last_mating: Array  # (n,) float32, s, world time
+    desire: Array  # (d, n) float32, strength of each row of `behavior/table.py`'s desires
+    intention: Ints  # (n,) uint8, code, AVOID to WANDER and on
+    busy: Array  # (n,) float32, s for which it has had this intention
+    fatigue: Array  # (b, n) float32, s for which each behavior was active, less those it was not
+    pause: Array  # (n,) float32, s since the fish last thought
+    memory: Ints  # (n,) int8, an interrupted intention, -1 for none (Tu §7.7.1)
+    memory_target: Ints  # (n,) int32, and what that was about
+    resumed: NDArray[np.bool_]  # (n,), whether the present intention came from memory
+    urge: Array  # (n, 3) float32, world: where the routine wants to go; length does not matter
+    waypoint: Array  # (n, 3) float32, cm, where a wandering fish is bound
+    patience: Array  # (n,) float32, s until a wandering fish changes its mind
+    leader: Ints  # (n,) int32, whom a schooling fish follows, NOBODY for a leader or a loner
+    leads: NDArray[np.bool_]  # (n,), whether others follow it
+    partner: Ints  # (n,) int32, with whom it courts, or NOBODY
+    courtship: Ints  # (n,) uint8, code in COURTSHIP
+    courtship_time: Array  # (n,) float32, s in this state
+    courtship_count: Array  # (n,) float32, what the state counts: points reached, turns, nudges
+
+
+class Sea(NamedTuple):
+    """Everything around the fishes that they may perceive."""
+
+    # Constant.
+    heights: Array  # (m, m) float32, cm, of the seabed: row i along y, column j along x
+    half_width: float  # cm, the height field spans [-w, w] in x and y
+    radius: float  # cm, of the cylinder that bounds the sea
+    pillars: Array  # (k, 4) float64: x, y, radius, height of the top, cm; from the seabed up
+    rocks: (
+        Array  # (k, 7) float64: centre x, y, z and half axes a, b, c of an ellipsoid, cm; its yaw
+    )
+    climate: (
+        Array  # (4,) float64: C at the surface, C at the depth, cm of that depth, cm of 1/e light
+    )
+
+    # Written by habitat.
+    plankton: Array  # (p, 3) float32, cm
+    absent: Array  # (p,) float32, s until a speck that was eaten drifts in again, 0: it is there
+    seaweed: Array  # (c, 6) float32, cm: lowest and highest corner of each cluster's bounding box
+
+    # Written by submarine, before the tick.
+    submarine: Array  # (6,) float64: place, cm, and velocity, cm/s
+
+
+class Nature(NamedTuple):
+    """Constants of perception and behavior that a scenario may change (Tu chs. 6, 7)."""
+
+    vision_cm: float  # V_r for an object of standard size
+    smell_cm: float  # O_r
+    standard_cm: float  # a fish so long has the standard size, s^p = 1
+    hunger_stimulus: float  # alpha_h
+    libido_stimulus: float  # alpha_l
+    alarmed: float  # f0: more fear than that calls for evasion
+    panicked: float  # f1: a predator as fearful as that is fled from
+    keen: float  # r: more hunger or libido than that calls for eating or mating
+    devotion_cm: float  # so much nearer must another target be to be preferred (Tu §7.7.3)
+    fatigue_s: float  # after so long a desire has tired to half (Tu §7.7.2)
+    timidity: float  # size of the collision sensitivity region over the usual one (Tu §6.6.1)
+    submarine_cm: float  # D0 of the submarine for prey: how large a predator it is
+    curiosity_cm: float  # from how far pacifists are drawn to the submarine, 0 for never
+
+
+class Clock(NamedTuple):
+    """The moment, and what random numbers are keyed with."""
+
+    seed: int
+    tick: int
+    dt: float  # s
 
 
 class Live(NamedTuple):
@@ -122,7 +241,8 @@ class State:
     tick: int
     seed: int
     fishes: Fishes
-    plankton: Array  # (p, 3) float32, cm; written by habitat
+    minds: Minds
+    sea: Sea
     submarine: Submarine
     live: Live
 
@@ -138,7 +258,7 @@ def empty_fishes(n: int) -> Fishes:
     upright[:, 0] = 1.0
     return Fishes(
         species=zeros(u), length=zeros(f), scale=zeros(f) + 1, rate=zeros(f) + 1,
-        identity=zeros(f), leader=zeros(i) - 1, leads=zeros(np.bool_), oars=zeros(np.bool_),
+        identity=zeros(f), snout=zeros(f), oars=zeros(np.bool_),
         position=zeros(f, 3), orientation=upright.copy(),
         row_a=zeros(i), row_b=zeros(i), weight=zeros(f), span=zeros(f) + 1,
         previous_position=zeros(f, 3), previous_orientation=upright.copy(),
@@ -151,9 +271,38 @@ def empty_fishes(n: int) -> Fishes:
         breath=zeros(f), fins=zeros(f, 7), previous_fins=zeros(f, 7),
         monotony=zeros(f), recommended=zeros(np.int8) - np.int8(1),
         live=zeros(np.bool_), stay=zeros(f) + np.float32(np.inf),
-        neighbour=zeros(i, NEIGHBOURS) - 1,
-        intention=zeros(u), waypoint=zeros(f, 3), patience=zeros(f),
-        goal_direction=zeros(f, 3), goal_speed=zeros(f),
+        drift=zeros(f, 3), alive=~zeros(np.bool_),
+        goal_direction=zeros(f, 3), goal_speed=zeros(f), gape=zeros(f),
+    )  # fmt: skip
+
+
+def empty_minds(n: int, behaviors: int, desires: int) -> Minds:
+    """Minds of n fishes that perceive nothing, want nothing and wander.
+
+    They know so many behaviors, to which so many desires lead.
+    """
+
+    def zeros(dtype: type, *shape: int) -> NDArray[Any]:
+        return np.zeros((n, *shape), dtype)
+
+    f, i, u, b = np.float32, np.int32, np.uint8, np.bool_
+    never = np.float32(np.inf)
+    return Minds(
+        kind=zeros(u), male=zeros(b), likes=zeros(b, 4), schools=zeros(b), appetite=zeros(f) + 1,
+        digestion=zeros(f), libido_rate=zeros(f), dread=zeros(f),
+        neighbour=zeros(i, NEIGHBOURS) + NOBODY, threat=zeros(i) + NOBODY, barrier=zeros(i) - 1,
+        predator=zeros(i) + NOBODY, menace=zeros(f), menaces=zeros(f),
+        food=zeros(i) - 1, food_distance=zeros(f) + never,
+        mate=zeros(i) + NOBODY, mate_distance=zeros(f) + never,
+        light=zeros(f), temperature=zeros(f), target=zeros(i) - 1, preference=zeros(f, 6),
+        mental=zeros(f, 3), eaten=zeros(f), last_meal=zeros(f), last_mating=zeros(f),
+        desire=np.zeros((desires, n), f), intention=zeros(u) + u(WANDER), busy=zeros(f),
+        fatigue=np.zeros((behaviors, n), f), pause=zeros(f),
+        memory=zeros(np.int8) - np.int8(1), memory_target=zeros(i) - 1, resumed=zeros(b),
+        urge=zeros(f, 3), waypoint=zeros(f, 3), patience=zeros(f),
+        leader=zeros(i) + NOBODY, leads=zeros(b),
+        partner=zeros(i) + NOBODY, courtship=zeros(u), courtship_time=zeros(f),
+        courtship_count=zeros(f),
     )  # fmt: skip
 
 
@@ -172,7 +321,7 @@ def empty_live(rotation: Array, translation: Array, nodes: Array) -> Live:
 def digest(state: State) -> str:
     """A SHA-256 over every array: equal digests are equal worlds."""
     sha = hashlib.sha256(f"{state.tick},{state.seed}".encode())
-    arrays = [*state.fishes, *state.live, state.plankton, *vars(state.submarine).values()]
-    for values in arrays:
+    parts = (state.fishes, state.minds, state.sea, state.live, vars(state.submarine).values())
+    for values in (array for part in parts for array in part):
         sha.update(np.ascontiguousarray(values).tobytes())
     return sha.hexdigest()

@@ -4,12 +4,14 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.behavior.mental import DIGESTION, DREAD_CM, LIBIDO_RATE
+from subsea.behavior.table import BEHAVIORS, DESIRES
 from subsea.errors import UserError
-from subsea.habitat import plankton
-from subsea.habitat.terrain import half_width, make_terrain
+from subsea.habitat.sea import make_sea
 from subsea.kinematics.coupling import Coupling, couple
 from subsea.kinematics.heightfield import height_at
 from subsea.kinematics.surface import rest_control_points
@@ -19,13 +21,26 @@ from subsea.repertoire.library import Library, pack
 from subsea.resources import resource_path
 from subsea.scenario import MAX_SIMULATED, Scenario, Shoal
 from subsea.species import Species, load_species
-from subsea.state import Fishes, State, Submarine, empty_fishes, empty_live
+from subsea.state import (
+    KINDS,
+    PREDATOR,
+    Fishes,
+    Minds,
+    Nature,
+    Sea,
+    State,
+    Submarine,
+    empty_fishes,
+    empty_live,
+    empty_minds,
+)
 
 Array = NDArray[np.floating[Any]]
 
 LIVE_REACH_CM = 500.0  # how near to the submarine a fish must be to be simulated
 
 FLAT_BL = 0.4  # a body at least this tall, over its length, rows with its pectoral fins
+PLANKTON_CM, PREY_CM = 4.0, 40.0  # of its length for each meal that it takes to fill a fish
 TICK_S = 0.033  # one tick = one recorded frame = six steps of the simulation
 
 
@@ -37,8 +52,7 @@ class World:
     species: tuple[Species, ...]
     library: Library
     dynamics: Dynamics
-    terrain: Array  # (n, n) float32, cm
-    terrain_half_width: float  # cm
+    nature: Nature
     state: State
     stages_s: dict[str, float] = field(default_factory=dict)  # seconds of the last tick
 
@@ -71,27 +85,27 @@ def create_world(
     dynamics = make_dynamics([*species.values()], repertoires, library, live_reach_cm)
     recorded = len(library.entry)
     progress("shaping the seabed")
-    terrain = make_terrain(scenario)
-    width = half_width(scenario)
     rng = np.random.default_rng([seed, 0x5EA])
+    sea = make_sea(scenario, rng)
     progress("letting the fishes in")
     submarine = Submarine(position=np.array(scenario.submarine.position_cm, np.float64))
     submarine.angles[0] = np.radians(scenario.submarine.heading_deg)
     submarine.previous_position[:] = submarine.position
     submarine.previous_angles[:] = submarine.angles
+    fishes, minds = _populate(scenario, species, library, sea, rng, fish)
     state = State(
         tick=0,
         seed=seed,
-        fishes=_populate(scenario, species, library, terrain, width, rng, fish),
-        plankton=plankton.scatter(
-            rng, scenario.water.plankton, scenario.bounds.radius_cm, terrain, width
-        ),
+        fishes=fishes,
+        minds=minds,
+        sea=sea,
         submarine=submarine,
         live=empty_live(
             library.rotation[recorded:], library.translation[recorded:], library.nodes[recorded:]
         ),
     )
-    return World(scenario, tuple(species.values()), library, dynamics, terrain, width, state)
+    nature = Nature(**msgspec.structs.asdict(scenario.nature))
+    return World(scenario, tuple(species.values()), library, dynamics, nature, state)
 
 
 def _repertoire(name: str) -> Repertoire:
@@ -128,30 +142,34 @@ def _populate(
     scenario: Scenario,
     species: dict[str, Species],
     library: Library,
-    terrain: Array,
-    width: float,
+    sea: Sea,
     rng: np.random.Generator,
     fish: int | None,
-) -> Fishes:
-    """All fishes at tick 0: places, sizes, leaders, each at its own phase of a slow swim."""
+) -> tuple[Fishes, Minds]:
+    """All fishes at tick 0: places, sizes, leaders, tempers, each at its own phase of a swim."""
     shares = _shares(scenario, fish)
     fishes = empty_fishes(sum(shares))
+    minds = empty_minds(sum(shares), len(BEHAVIORS), len(DESIRES))
     slow = SEGMENTS.index("swim_slow")
     first = 0
     for shoal, number in zip(scenario.fish, shares, strict=True):
         kind = list(species).index(shoal.species)
-        schooling = species[shoal.species].schooling
         these = slice(first, first + number)
         fishes.species[these] = kind
         smallest, largest = shoal.size_cm or species[shoal.species].size_cm
         fishes.length[these] = rng.uniform(smallest, largest, number)
         fishes.identity[these] = rng.uniform(0, 1, number)
+        schooling = species[shoal.species].schooling if shoal.schooling is None else shoal.schooling
+        minds.schools[these] = schooling
         places = _places(shoal, number, scenario, rng)
         common = rng.uniform(-np.pi, np.pi)
+        if shoal.heading_deg is not None:
+            common = np.radians(shoal.heading_deg)
+        together = schooling or shoal.heading_deg is not None
         for i, place in enumerate(places, start=first):
-            floor = height_at(terrain, width, place[0], place[1])
+            floor = height_at(sea.heights, sea.half_width, place[0], place[1])
             place[2] = np.clip(place[2], floor + 40.0, -40.0)
-            turn = common + rng.normal(0, 0.2) if schooling else rng.uniform(-np.pi, np.pi)
+            turn = common + rng.normal(0, 0.2) if together else rng.uniform(-np.pi, np.pi)
             fishes.position[i] = place
             fishes.orientation[i] = heading_quaternion(turn)
             fishes.goal_direction[i] = np.cos(turn), np.sin(turn), 0.0
@@ -159,14 +177,18 @@ def _populate(
             fishes.row_a[i] = library.first[kind, slow] + row
             fishes.row_b[i] = library.first[kind, slow] + (row + 1) % library.length[kind, slow]
         if schooling:
-            fishes.leader[first + 1 : first + number] = first
-            fishes.leads[first : first + 1] = number > 1
+            minds.leader[first + 1 : first + number] = first
+            minds.leads[first : first + 1] = number > 1
+        minds.kind[these] = KINDS.index(species[shoal.species].kind)
+        _temper(shoal, fishes, minds, these, rng)
         first += number
-    fishes.waypoint[:] = fishes.position
+    minds.waypoint[:] = fishes.position
+    minds.urge[:] = fishes.goal_direction
     fishes.goal_speed[:] = 0.5
     fishes.segment[:] = slow
     fishes.wanted_segment[:] = slow
     fishes.scale[:] = fishes.length / library.recorded_length[fishes.species]
+    fishes.snout[:] = fishes.scale * library.nodes[library.first[fishes.species, slow], 0, 0]
     # Froude similarity: a fish α times as long beats 1/√α as often.
     fishes.rate[:] = 1.0 / np.sqrt(fishes.scale)
     fishes.breath[:] = 2 * np.pi * fishes.identity
@@ -175,7 +197,30 @@ def _populate(
     fishes.oars[:] = flat[fishes.species]
     for name in ("position", "orientation", "row_a", "row_b", "weight", "span", "fins"):
         getattr(fishes, f"previous_{name}")[:] = getattr(fishes, name)
-    return fishes
+    return fishes, minds
+
+
+def _temper(
+    shoal: Shoal, fishes: Fishes, minds: Minds, these: slice, rng: np.random.Generator
+) -> None:
+    """Sexes, habits and the mental state with which the fishes of a shoal begin."""
+    number = these.stop - these.start
+    # Evenly spread, so that a pair is a pair.
+    males = np.floor(np.arange(1, number + 1) * shoal.male_share + 1e-9)
+    minds.male[these] = np.diff(males, prepend=0.0) > 0
+    for habit, name in enumerate(("brightness", "darkness", "cold", "warmth")):
+        minds.likes[these, habit] = name in shoal.likes
+    meal_cm = PREY_CM if minds.kind[these.start : these.stop][:1] == PREDATOR else PLANKTON_CM
+    minds.appetite[these] = np.maximum(np.round(fishes.length[these] / meal_cm), 2.0)
+    minds.digestion[these] = DIGESTION if shoal.digestion is None else shoal.digestion
+    minds.libido_rate[these] = LIBIDO_RATE if shoal.libido_rate is None else shoal.libido_rate
+    minds.dread[these] = DREAD_CM if shoal.dread_cm is None else shoal.dread_cm
+    hunger = rng.uniform(0, 0.6, number) if shoal.hunger is None else shoal.hunger
+    libido = rng.uniform(0, 0.3, number) if shoal.libido is None else shoal.libido
+    minds.eaten[these] = (1.0 - hunger) * minds.appetite[these]
+    # How long ago a mating must have been for that libido, in a fish that is as hungry.
+    share = libido / np.maximum(1.0 - hunger, 0.1)
+    minds.last_mating[these] = -share / np.maximum(minds.libido_rate[these], 1e-9)
 
 
 def _places(shoal: Shoal, number: int, scenario: Scenario, rng: np.random.Generator) -> Array:

@@ -10,19 +10,19 @@ from tqdm import tqdm
 
 from subsea import hdf5, interrupts
 from subsea.app.start import start_world
+from subsea.behavior.table import INTENTIONS
 from subsea.errors import UserError
 from subsea.ocean import step
 from subsea.places import check_file
 from subsea.repertoire import SEGMENTS
 from subsea.scenario import load_scenario
-from subsea.state import INTENTIONS
+from subsea.state import COURTSHIP, MENTAL_STATES
 from subsea.submarine.helm import HANDS_OFF
 from subsea.world import TICK_S, World
 
 FORMAT, VERSION = "subsea-record", 1
 SUFFIXES = (".h5", ".hdf5")
 BLOCK_FISH_TICKS = 200_000  # what is held in memory between two writes: some 16 MB
-MENTAL_STATES = ("hunger", "libido", "fear")
 
 Rows = dict[str, NDArray[Any]]
 
@@ -67,7 +67,7 @@ def simulate(ticks: int, out: Path, scenario: str, fish: int | None, seed: int |
 
 
 def _empty_block(length: int, n: int) -> Rows:
-    """Room for `length` ticks of `n` fishes, with what this world does not model filled in."""
+    """Room for `length` ticks of `n` fishes."""
     f, i = np.float32, np.int32
     return {
         "time": np.zeros(length, np.float64),
@@ -77,9 +77,10 @@ def _empty_block(length: int, n: int) -> Rows:
         "fish/intention": np.zeros((length, n), np.uint8),
         "fish/segment": np.zeros((length, n), np.uint8),
         "fish/mental_state": np.zeros((length, n, len(MENTAL_STATES)), f),
-        "fish/alive": np.ones((length, n), np.bool_),
-        "fish/partner": np.full((length, n), -1, i),
-        "fish/target": np.full((length, n), -1, i),
+        "fish/alive": np.zeros((length, n), np.bool_),
+        "fish/courtship": np.zeros((length, n), np.uint8),
+        "fish/partner": np.zeros((length, n), i),
+        "fish/target": np.zeros((length, n), i),
         "plankton/count": np.zeros(length, i),
         "submarine/position": np.zeros((length, 3), np.float64),
     }
@@ -89,9 +90,12 @@ def _note(world: World, block: Rows, row: int) -> None:
     """Write the present tick into a row of the block."""
     state = world.state
     block["time"][row] = state.tick * TICK_S
-    for name in ("position", "orientation", "velocity", "intention", "segment"):
+    for name in ("position", "orientation", "velocity", "segment", "alive"):
         block[f"fish/{name}"][row] = getattr(state.fishes, name)
-    block["plankton/count"][row] = len(state.plankton)
+    block["fish/mental_state"][row] = state.minds.mental
+    for name in ("intention", "courtship", "partner", "target"):
+        block[f"fish/{name}"][row] = getattr(state.minds, name)
+    block["plankton/count"][row] = (state.sea.absent == 0.0).sum()
     block["submarine/position"][row] = state.submarine.position
 
 
@@ -118,5 +122,5 @@ def _attributes(world: World, scenario_text: str) -> dict[str, Any]:
         "intention_names": list(INTENTIONS),
         "segment_names": list(SEGMENTS),
         "mental_state_names": list(MENTAL_STATES),
-        "not_modelled": ["fish/mental_state", "fish/alive", "fish/partner", "fish/target"],
+        "courtship_names": list(COURTSHIP),
     }

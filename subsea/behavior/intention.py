@@ -1,4 +1,4 @@
-"""The intention generator in its first form: wander, school, avoid (SMC §6, Tu §7.5)."""
+"""The intention generator: a hierarchy of desires, with memory, inhibition and fatigue."""
 
 from typing import Any
 
@@ -6,101 +6,110 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from subsea.behavior.routines import (
-    FOLLOW_BL,
-    follow,
-    give_way,
-    keep_company,
-    stay_inside,
-    wander,
-)
-from subsea.kinematics.vector import Vector, dot, minus, norm, plus, times, unit, vector
-from subsea.state import AVOID, SCHOOL, WANDER, Fishes
+from subsea.state import Minds, Nature
 
-Array = NDArray[np.floating[Any]]
+Flags = NDArray[np.bool_]
+Ints = NDArray[np.integer[Any]]
 
-AVOID_ABOVE = 0.6  # an avoidance stronger than this is what the fish is busy with
-CRUISE = (0.1, 0.62, 0.85)  # shares of the fastest speed: hovering, medium and brisk cruising
-LEADING = 0.45  # a leader keeps its school moving
-URGE_EASE = 4.0  # 1/s: how fast a wish may change, so that no fish twitches
+INHIBITION = 0.2  # share of the active desire's strength that its rivals lose (Tu §7.7.2)
+MEMORY_S = 12.0  # what was interrupted for longer is forgotten
+LASTING = 2  # level from which an intention is worth remembering: earlier ones are reactions
 
 
-@njit(cache=True)
-def decide(
-    fishes: Fishes,
-    heights: Array,
-    half_width: float,
-    radius: float,
-    submarine: Array,
-    seed: int,
-    tick: int,
-    dt: float,
+@njit(cache=True, error_model="numpy")
+def choose(
+    who: Ints, minds: Minds, nature: Nature, level: Ints, behavior: Ints, tires: Flags
 ) -> None:
-    """Set intention, goal direction and goal speed of every fish.
+    """Set the intention of the fishes `who` (Tu fig. 7.4, of which 7.9 and 7.12 are cases).
 
-    Leaders and loners wander; the others follow their leader in company. Avoidance is added on
-    top. Against monotony the secondary controller recommends another swim; a wandering fish takes
-    it up, one that schools or is in danger refuses (SMC §6.1).
+    `minds.desire` has a row for each of d desires; `level` and `behavior` (d,) say on which
+    level of the hierarchy it is and what it leads to, most urgent first. The strongest desire on
+    the first level that has any wins. An intention that a reaction interrupts is remembered with
+    what it was about, and resumed once the reaction is over; then it inhibits its rivals (Tu
+    §7.7). A desire whose behavior `tires` (b,) fades while it is followed, and recovers after.
     """
-    for i in range(len(fishes.species)):
-        danger = plus(
-            stay_inside(fishes, i, heights, half_width, radius), give_way(fishes, i, submarine)
-        )
-        alarm = norm(danger)
-        if fishes.leader[i] >= 0:
-            urge = plus(follow(fishes, i), keep_company(fishes, i))
-            fishes.intention[i] = SCHOOL
-            speed = _keep_pace(fishes, i)
-        else:
-            urge = wander(fishes, i, heights, half_width, radius, seed, tick, dt)
-            fishes.intention[i] = WANDER
-            speed = _cruise(fishes, i)
-        if alarm > AVOID_ABOVE:
-            fishes.intention[i] = AVOID
-            speed = max(speed, min(0.5 + 0.35 * alarm, 1.0))
-        _turn_wish(fishes, i, plus(urge, danger), min(URGE_EASE * dt, 1.0))
-        fishes.goal_speed[i] = speed
+    for i in who:
+        now = minds.intention[i]
+        _tire(minds, i, tires)
+        row = _strongest(minds, i, nature, level, behavior, tires)
+        wanted = behavior[row]
+        if level[row] < LASTING:
+            if wanted != now and _is_lasting(now, level, behavior):
+                minds.memory[i] = now
+                minds.memory_target[i] = minds.target[i]
+            minds.resumed[i] = False
+        elif minds.memory[i] >= 0:
+            before = _row_of(minds, i, minds.memory[i], nature, level, behavior, tires)
+            if before >= 0 and level[before] <= level[row] and minds.busy[i] < MEMORY_S:
+                wanted = behavior[before]
+                minds.target[i] = minds.memory_target[i]
+                minds.resumed[i] = True
+            minds.memory[i] = -1
+        elif wanted != now:
+            minds.resumed[i] = False
+        minds.busy[i] = minds.busy[i] + minds.pause[i] if wanted == now else 0.0
+        if wanted != now and not minds.resumed[i]:
+            minds.target[i] = -1
+        minds.intention[i] = wanted
 
 
-@njit(cache=True)
-def _turn_wish(fishes: Fishes, i: int, urge: Vector, share: float) -> None:
-    """Turn the goal direction by a share of its angle to the urge, along the great circle."""
-    length = norm(urge)
-    if length < 1e-6:
-        return
-    now = vector(fishes.goal_direction[i])
-    along = dot(now, urge) / length
-    across = minus(times(1.0 / length, urge), times(along, now))
-    sine = norm(across)
-    if sine < 1e-4:
-        if along > 0.0:
-            return
-        # Dead astern: either side will do, so the left one.
-        across = unit((1e-6 - now[1], now[0], 0.0))
-    else:
-        across = times(1.0 / sine, across)
-    angle = share * np.arctan2(sine, along)
-    wish = unit(plus(times(np.cos(angle), now), times(np.sin(angle), across)))
-    for axis in range(3):
-        fishes.goal_direction[i, axis] = wish[axis]
+@njit(cache=True, error_model="numpy")
+def strength(
+    minds: Minds, i: int, row: int, nature: Nature, level: Ints, behavior: Ints, tires: Flags
+) -> float:
+    """How strong desire `row` of fish i is after fatigue and inhibition; 0 if not worth it."""
+    desire = minds.desire[row, i]
+    if desire <= 0.0 or not tires[behavior[row]]:
+        return desire
+    desire *= 0.5 ** (minds.fatigue[behavior[row], i] / nature.fatigue_s)
+    now = minds.intention[i]
+    if minds.resumed[i] and now != behavior[row]:
+        for rival in range(len(level)):
+            if behavior[rival] == now and level[rival] == level[row]:
+                desire -= INHIBITION * max(minds.desire[rival, i], 0.0)
+    return desire if desire > nature.keen else 0.0
 
 
-@njit(cache=True)
-def _cruise(fishes: Fishes, i: int) -> float:
-    """The speed of the swim that is recommended, or the present one within what is cruising."""
-    speed = float(fishes.goal_speed[i])
-    if fishes.recommended[i] >= 0:
-        speed = CRUISE[fishes.recommended[i]]
-    return min(max(speed, LEADING if fishes.leads[i] else CRUISE[0]), CRUISE[2])
+@njit(cache=True, error_model="numpy")
+def _strongest(
+    minds: Minds, i: int, nature: Nature, level: Ints, behavior: Ints, tires: Flags
+) -> int:
+    """Row of the desire that wins; of equals the one that is being followed, else the first."""
+    best, most = len(level) - 1, 0.0
+    for row in range(len(level)):
+        if most > 0.0 and level[row] != level[best]:
+            break
+        much = strength(minds, i, row, nature, level, behavior, tires)
+        if much > most or (much == most > 0.0 and behavior[row] == minds.intention[i]):
+            best, most = row, much
+    return best
 
 
-@njit(cache=True)
-def _keep_pace(fishes: Fishes, i: int) -> float:
-    """Faster when behind the leader or far away, slower when ahead of it."""
-    leader = fishes.leader[i]
-    gap = minus(vector(fishes.position[leader]), vector(fishes.position[i]))
-    behind = dot(gap, vector(fishes.goal_direction[leader])) / (FOLLOW_BL * fishes.length[i])
-    distance = norm(gap) / (FOLLOW_BL * fishes.length[i])
-    pace = fishes.goal_speed[leader] + 0.25 * behind + 0.08 * (fishes.identity[i] - 0.5)
-    pace += 0.5 * max(distance - 1.5, 0.0)
-    return min(max(pace, 0.08), 1.0)
+@njit(cache=True, error_model="numpy")
+def _row_of(
+    minds: Minds, i: int, code: int, nature: Nature, level: Ints, behavior: Ints, tires: Flags
+) -> int:
+    """The first row by which fish i still wants behavior `code`, -1 if it doesn't."""
+    for row in range(len(level)):
+        if behavior[row] == code and strength(minds, i, row, nature, level, behavior, tires) > 0.0:
+            return row
+    return -1
+
+
+@njit(cache=True, error_model="numpy")
+def _is_lasting(code: int, level: Ints, behavior: Ints) -> bool:
+    """Whether behavior `code` may be more than a reaction."""
+    lasting = False
+    for row in range(len(level)):
+        lasting = lasting or (behavior[row] == code and level[row] >= LASTING)
+    return lasting
+
+
+@njit(cache=True, error_model="numpy")
+def _tire(minds: Minds, i: int, tires: Flags) -> None:
+    """Count the time for which each behavior has been followed, and has been rested from."""
+    for code in range(len(tires)):
+        if tires[code]:
+            active = 1.0 if minds.intention[i] == code else -1.0
+            spent = minds.fatigue[code, i] + active * minds.pause[i]
+            minds.fatigue[code, i] = max(spent, 0.0)

@@ -8,12 +8,14 @@ from numpy.typing import NDArray
 
 from subsea.kinematics.heightfield import height_at
 from subsea.kinematics.keyed import uniform
+from subsea.state import Clock, Sea
 
 Array = NDArray[np.floating[Any]]
 
 WANDER_CM_S = 4.0  # size of a speck's own random motion
 HOLD_TICKS = 45  # a speck keeps its random direction this long
 CLEARANCE_CM = 12.0  # from the seabed and from the surface
+RETURN_PURPOSE = 110  # key of the random numbers
 
 
 def scatter(
@@ -31,27 +33,32 @@ def scatter(
     return places
 
 
-@njit(cache=True)
-def drift(
-    plankton: Array,
-    flow: Array,
-    radius: float,
-    heights: Array,
-    half_width: float,
-    seed: int,
-    tick: int,
-    dt: float,
-) -> None:
-    """Move every speck by one tick; one that leaves the cylinder comes in on the other side."""
-    for k in range(len(plankton)):
-        epoch = (tick + k) // HOLD_TICKS
+@njit(cache=True, error_model="numpy")
+def drift(sea: Sea, flow: Array, clock: Clock) -> None:
+    """Move every speck by one tick; one that leaves the cylinder comes in on the other side.
+
+    A speck that was eaten comes in again after its absence, where the current enters.
+    """
+    for k in range(len(sea.plankton)):
+        speck = sea.plankton[k]
+        if sea.absent[k] > 0.0:
+            sea.absent[k] = max(sea.absent[k] - clock.dt, 0.0)
+            if sea.absent[k] == 0.0:
+                angle = np.arctan2(-flow[1], -flow[0])
+                angle += 2.0 * uniform(clock.seed, k, clock.tick, RETURN_PURPOSE) - 1.0
+                speck[0] = 0.97 * sea.radius * np.cos(angle)
+                speck[1] = 0.97 * sea.radius * np.sin(angle)
+                share = uniform(clock.seed, k, clock.tick, RETURN_PURPOSE + 1)
+                floor = height_at(sea.heights, sea.half_width, speck[0], speck[1]) + CLEARANCE_CM
+                speck[2] = floor + share * (-CLEARANCE_CM - floor)
+            continue
+        epoch = (clock.tick + k) // HOLD_TICKS
         for axis in range(3):
-            own = WANDER_CM_S * (2.0 * uniform(seed, k, epoch, 100 + axis) - 1.0)
-            plankton[k, axis] += np.float32((flow[axis] + own) * dt)
-        x, y = plankton[k, 0], plankton[k, 1]
-        if x * x + y * y > radius * radius:
+            own = WANDER_CM_S * (2.0 * uniform(clock.seed, k, epoch, 100 + axis) - 1.0)
+            speck[axis] += np.float32((flow[axis] + own) * clock.dt)
+        if speck[0] * speck[0] + speck[1] * speck[1] > sea.radius * sea.radius:
             shrink = np.float32(-0.98)
-            plankton[k, 0] = shrink * x
-            plankton[k, 1] = shrink * y
-        floor = height_at(heights, half_width, plankton[k, 0], plankton[k, 1]) + CLEARANCE_CM
-        plankton[k, 2] = np.float32(min(max(plankton[k, 2], floor), -CLEARANCE_CM))
+            speck[0] *= shrink
+            speck[1] *= shrink
+        floor = height_at(sea.heights, sea.half_width, speck[0], speck[1]) + CLEARANCE_CM
+        speck[2] = np.float32(min(max(speck[2], floor), -CLEARANCE_CM))

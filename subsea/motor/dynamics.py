@@ -121,14 +121,13 @@ def _roll_lead(body: Body, fin_area: float) -> float:
 
 @njit(cache=True, error_model="numpy")
 def swim_live(
-    fishes: Fishes, library: Library, bodies: Bodies, live: Live, flow: Array, dt: float
+    fishes: Fishes, library: Library, bodies: Bodies, live: Live, dt: float
 ) -> NDArray[np.bool_]:
     """Advance every simulated fish by one tick; whether each slot's body (k,) stayed sound.
 
     A body that did not is left as it was a tick ago, so that playback can take over from there.
     The pose goes to the slot's other row and so do the increments that brought it there, per
-    recorded frame: a glide takes them up as if they had been recorded. `flow` (3,) is the water's
-    velocity in cm/s.
+    recorded frame: a glide takes them up as if they had been recorded.
     """
     sound = np.ones(len(live.fish), np.bool_)
     muscles = np.empty((MAX_STEPS, MUSCLES))
@@ -159,7 +158,7 @@ def swim_live(
         sound[slot] &= np.isfinite(x).all()
         if sound[slot]:
             live.x[slot], live.v[slot] = x, v
-            _settle(fishes, live, slot, len(library.entry), flow, dt)
+            _settle(fishes, live, slot, len(library.entry), dt)
     return sound
 
 
@@ -282,7 +281,7 @@ def roll_rate(at: Array, v: Array, mass: Array, axis: Vector) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def _settle(fishes: Fishes, live: Live, slot: int, rows: int, flow: Array, dt: float) -> None:
+def _settle(fishes: Fishes, live: Live, slot: int, rows: int, dt: float) -> None:
     """Read body frame and pose from the nodes, and write them where playback would.
 
     `rows` is the number of recorded rows, behind which the slots' own begin.
@@ -292,7 +291,7 @@ def _settle(fishes: Fishes, live: Live, slot: int, rows: int, flow: Array, dt: f
     q, o = frame_of(x)
     for axis in range(3):
         fishes.previous_position[i, axis] = fishes.position[i, axis]
-        place = fishes.position[i, axis] + fishes.scale[i] * o[axis] + flow[axis] * dt
+        place = fishes.position[i, axis] + fishes.scale[i] * o[axis] + fishes.drift[i, axis] * dt
         fishes.velocity[i, axis] = (place - fishes.position[i, axis]) / dt
         fishes.position[i, axis] = place
         for node in range(NODES):

@@ -56,7 +56,7 @@ def flap(fishes: Fishes, dt: float) -> None:
         panting = max(effort, speed)
         breath = fishes.breath[i] + 2.0 * np.pi * BREATH_HZ * fishes.rate[i] * (1.0 + panting) * dt
         fishes.breath[i] = breath % (2.0 * np.pi)
-        fins[MOUTH] = GAPE * 0.5 * (1.0 - np.cos(breath))
+        fins[MOUTH] = max(GAPE * 0.5 * (1.0 - np.cos(breath)), np.float64(fishes.gape[i]))
         ease = min(EASE_HZ * dt, 1.0)
         fins[DORSAL] += ease * (1.0 - FOLDED * speed * speed - fins[DORSAL])
         fins[TAIL] += ease * (SPREAD * max(abs(turning), braking) - fins[TAIL])

@@ -26,15 +26,14 @@ TEMPO = (0.75, 1.3)  # how far a segment's rate may be bent to meet a speed
 
 
 @njit(cache=True, error_model="numpy")
-def play(fishes: Fishes, library: Library, flow: Array, dt: float) -> None:
-    """Advance every fish by one tick of recorded motion, steering, balance and current.
+def play(fishes: Fishes, library: Library, dt: float) -> None:
+    """Advance every fish by one tick of recorded motion, steering, balance and drift.
 
-    Fishes that are simulated have moved already (`motor/dynamics.py`). `flow`
-    (3,) is the water's velocity in cm/s.
+    Fishes that are simulated have moved already (`motor/dynamics.py`).
     """
     per_second = 1.0 / dt
     for i in range(len(fishes.species)):
-        if fishes.live[i]:
+        if fishes.live[i] or not fishes.alive[i]:
             continue
         for axis in range(3):
             fishes.previous_position[i, axis] = fishes.position[i, axis]
@@ -49,7 +48,7 @@ def play(fishes: Fishes, library: Library, flow: Array, dt: float) -> None:
         q = _steer(q, fishes.steering[i, 0] * dt, fishes.steering[i, 1] * dt)
         q = normalised(balanced(fishes, i, q, dt))
         for axis in range(3):
-            place = o[axis] + flow[axis] * dt
+            place = o[axis] + fishes.drift[i, axis] * dt
             fishes.velocity[i, axis] = (place - fishes.position[i, axis]) * per_second
             fishes.position[i, axis] = place
         for part in range(4):

@@ -68,11 +68,11 @@ def make_dynamics(
 
 def swim(
     fishes: Fishes, library: Library, dynamics: Dynamics, live: Live,
-    flow: Array, viewer: Array, tick: int, dt: float,
+    viewer: Array, tick: int, dt: float,
 ) -> None:  # fmt: skip
     """One tick of all simulated fishes, before playback moves the others.
 
-    `flow` (3,) is the water's velocity in cm/s, `viewer` (3,) what fishes are near to, in cm.
+    `viewer` (3,) is what fishes are near to, in cm.
     """
     if not len(live.fish) or not len(fishes.live):
         return
@@ -82,7 +82,7 @@ def swim(
         _review(fishes, library, dynamics, live, viewer)
     for slot in np.flatnonzero(live.waiting):
         _try_to_leave(fishes, library, dynamics, live, int(slot))
-    sound = swim_live(fishes, library, dynamics.bodies, live, flow, dt)
+    sound = swim_live(fishes, library, dynamics.bodies, live, dt)
     for slot in np.flatnonzero(~sound):
         way = way_back(fishes, library, dynamics, live, int(slot))
         to_playback(fishes, library, live, int(slot), way)
@@ -102,7 +102,7 @@ def _review(
     distance = np.linalg.norm(fishes.position - viewer, axis=1)
     distance[fishes.live] /= KEEP
     distance[fishes.thrust < HOVERING] = np.inf
-    distance[~dynamics.muscular[fishes.species]] = np.inf
+    distance[~dynamics.muscular[fishes.species] | ~fishes.alive] = np.inf
     nearest = np.argsort(distance, kind="stable")[: len(live.fish)]
     chosen = np.zeros(len(distance), np.bool_)
     chosen[nearest] = (distance[nearest] <= dynamics.reach_cm) & (distance[nearest] < np.inf)

@@ -6,22 +6,21 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from subsea.state import Fishes
+from subsea.state import Fishes, Minds
 
 Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
 
 REACH_CM = 110.0  # how far a fish looks for companions; also the side of a cell
-LOOK_TICKS = 4  # a fish looks around once in so many ticks, 0.13 s; each tick a part of all does
 
 
 @njit(cache=True, error_model="numpy")
-def find_neighbours(fishes: Fishes, reach: float, first: int, stride: int) -> None:
-    """Enter into `fishes.neighbour` the nearest fishes of the same species within `reach` cm.
+def find_neighbours(who: Ints, fishes: Fishes, minds: Minds, reach: float) -> None:
+    """Enter into `minds.neighbour` of the fishes `who` the nearest living ones of the same species.
 
-    Every `stride`-th fish from `first` on looks around, the others keep whom they have seen.
-    Fishes are sorted by the cubic cell that they are in; each looks into its own cell and the 26
-    around it. Equal distances are told apart by index, so the answer does not depend on order.
+    They are within `reach` cm. Fishes are sorted by the cubic cell that they are in; each looks
+    into its own cell and the 26 around it. Equal distances are told apart by index, so the answer
+    does not depend on order.
     """
     n = len(fishes.species)
     if n == 0:
@@ -38,18 +37,19 @@ def find_neighbours(fishes: Fishes, reach: float, first: int, stride: int) -> No
         cell[i] = (a * size[1] + b) * size[2] + c
     order = np.argsort(cell, kind="mergesort")
     ranked, place, species = cell[order], np.empty((n, 3), np.float64), fishes.species[order]
+    alive = fishes.alive[order]
     for k in range(n):
         for axis in range(3):
             place[k, axis] = fishes.position[order[k], axis]
-    squared = np.empty(fishes.neighbour.shape[1], np.float64)
+    squared = np.empty(minds.neighbour.shape[1], np.float64)
     last = len(squared) - 1
-    for i in range(first, n, stride):
+    for i in who:
         x, y, z = (
             np.float64(fishes.position[i, 0]),
             np.float64(fishes.position[i, 1]),
             np.float64(fishes.position[i, 2]),
         )
-        kind, found = fishes.species[i], fishes.neighbour[i]
+        kind, found = fishes.species[i], minds.neighbour[i]
         found[:] = -1
         squared[:] = reach * reach
         worst = reach * reach
@@ -67,7 +67,7 @@ def find_neighbours(fishes: Fishes, reach: float, first: int, stride: int) -> No
                         break
                     gx, gy, gz = place[k, 0] - x, place[k, 1] - y, place[k, 2] - z
                     d = gx * gx + gy * gy + gz * gz
-                    if d > worst or species[k] != kind or order[k] == i:
+                    if d > worst or species[k] != kind or order[k] == i or not alive[k]:
                         continue
                     j = order[k]
                     if d == worst and (found[last] < 0 or j > found[last]):

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from subsea.behavior.routines import FLOOR_CM, MARGIN_CM, STARTLE_CM, SURFACE_CM
 
 from subsea.behavior.intention import decide
-from subsea.behavior.routines import FLOOR_CM, MARGIN_CM, STARTLE_CM, SURFACE_CM
 from subsea.state import AVOID, INTENTIONS, SCHOOL, WANDER, empty_fishes
 
 RADIUS, WIDTH, TICK = 1000.0, 1600.0, 0.033

@@ -1,0 +1,67 @@
+"""Avoiding a collision, with another fish or with what stands in the way (Tu §7.8.1)."""
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from subsea.kinematics.rotation import rotate
+from subsea.kinematics.vector import dot, minus, norm, plus, times, unit, vector
+from subsea.state import ASCEND, DESCEND, LEFT, NOBODY, RIGHT, Clock, Fishes, Minds, Nature, Sea
+
+Array = NDArray[np.floating[Any]]
+Ints = NDArray[np.integer[Any]]
+
+ASIDE = 1.5  # how hard a fish turns away, over how much it keeps its course
+SLOWED = 0.35  # share of the fastest speed at which it lets another pass that is ahead
+PASSING_BL = 0.05  # an obstacle whose middle is less far aside is straight ahead
+
+
+@njit(cache=True, error_model="numpy")
+def desire(
+    who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
+) -> None:
+    """All or nothing: perception has found a danger of collision."""
+    for i in who:
+        out[i] = 1.0 if minds.threat[i] != NOBODY or minds.barrier[i] != -1 else 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
+    """Turn aside, to where the motor preferences point if both sides are as good."""
+    for i in who:
+        ahead = rotate(fishes.orientation[i], (1.0, 0.0, 0.0))
+        j = minds.threat[i]
+        if j == NOBODY:
+            # What stands still is kept clear of by `steering.keep_clear`: the routine slows down.
+            for axis in range(3):
+                minds.urge[i, axis] = ahead[axis]
+            side = _side(minds, i)
+            minds.urge[i, 0] -= 0.4 * side * ahead[1]
+            minds.urge[i, 1] += 0.4 * side * ahead[0]
+            continue
+        away = minus(vector(fishes.position[i]), vector(fishes.position[j]))
+        before = -dot(away, ahead)
+        aside = plus(away, times(before, ahead))
+        if norm(aside) < PASSING_BL * fishes.length[i]:
+            side = _side(minds, i)
+            aside = (-side * ahead[1], side * ahead[0], 0.01)
+        urge = plus(ahead, times(ASIDE, unit(aside)))
+        if minds.preference[i, ASCEND] < 0.0 < urge[2]:
+            urge = (urge[0], urge[1], 0.0)
+        if minds.preference[i, DESCEND] < 0.0 > urge[2]:
+            urge = (urge[0], urge[1], 0.0)
+        for axis in range(3):
+            minds.urge[i, axis] = urge[axis]
+        if before > 0.0:
+            fishes.goal_speed[i] = min(fishes.goal_speed[i], SLOWED)
+
+
+@njit(cache=True, error_model="numpy")
+def _side(minds: Minds, i: int) -> float:
+    """1 for left, -1 for right: the preferred one, else one that each fish has for itself."""
+    difference = minds.preference[i, LEFT] - minds.preference[i, RIGHT]
+    if difference == 0.0:
+        return 1.0 if i % 2 == 0 else -1.0
+    return 1.0 if difference > 0.0 else -1.0

@@ -1,0 +1,38 @@
+"""Chasing a target: the part that eating, hunting, schooling and mating share (Tu §7.8.2)."""
+
+from numba import njit
+
+from subsea.kinematics.rotation import rotate
+from subsea.kinematics.vector import Vector, minus, norm, plus, times, vector
+from subsea.state import Fishes, Minds
+
+NEAR_BL = 1.5  # within this distance a fish slows down, to have more control
+LEAST_SPEED = 0.25  # share of the fastest with which it arrives
+CRUISE_CM_S = 1.0  # body lengths a second of a fish at full speed, about, to foresee a meeting
+FORESIGHT_S = 2.0  # how far ahead a target's motion is reckoned with
+
+
+@njit(cache=True, error_model="numpy")
+def chase(fishes: Fishes, minds: Minds, i: int, target: Vector, velocity: Vector) -> float:
+    """Head for a target (cm) that moves at `velocity` (cm/s); returns its distance from the mouth.
+
+    The fish aims where the target will be when they meet: interception. It swims at full speed
+    when that is far and slower as it approaches, to have more control over steering.
+    """
+    mouth = mouth_of(fishes, i)
+    toward = minus(target, mouth)
+    distance = norm(toward)
+    meeting = min(distance / max(CRUISE_CM_S * fishes.length[i], 1.0), FORESIGHT_S)
+    ahead = plus(toward, times(meeting, minus(velocity, vector(fishes.drift[i]))))
+    for axis in range(3):
+        minds.urge[i, axis] = ahead[axis]
+    share = distance / (NEAR_BL * fishes.length[i])
+    fishes.goal_speed[i] = min(max(share, LEAST_SPEED), 1.0)
+    return distance
+
+
+@njit(cache=True, error_model="numpy")
+def mouth_of(fishes: Fishes, i: int) -> Vector:
+    """Where the tip of the snout of fish i is, cm, world."""
+    along = rotate(fishes.orientation[i], (float(fishes.snout[i]), 0.0, 0.0))
+    return plus(vector(fishes.position[i]), along)

@@ -1,0 +1,78 @@
+"""Eating what floats: chase a speck of plankton and suck it in (Tu §7.8, §7.9.1)."""
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from subsea.behavior.chasing import chase, mouth_of
+from subsea.behavior.wandering import cruise, heading
+from subsea.kinematics.keyed import uniform
+from subsea.kinematics.vector import ZERO, minus, norm, vector
+from subsea.state import EAT, HUNGER, PREDATOR, Clock, Fishes, Minds, Nature, Sea
+
+Array = NDArray[np.floating[Any]]
+Ints = NDArray[np.integer[Any]]
+
+STILL_KEEN = 0.6  # of `keen`: a fish that eats goes on until its hunger is below that share of it
+OPEN_BL = 0.35  # the mouth begins to open so far from the speck
+SUCK_BL = 0.16  # the vacuum reaches so far ...
+SUCK_CM_S = 18.0  # ... and draws that fast
+SWALLOW_BL = 0.045  # so near a speck is in the mouth
+ABSENCE_S = (40.0, 90.0)  # until another speck drifts in where one was eaten
+ABSENCE_PURPOSE = 60  # key of the random numbers
+
+
+@njit(cache=True, error_model="numpy")
+def desire(
+    who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
+) -> None:
+    """Hunger, if there is more than `keen` of it and something to eat."""
+    for i in who:
+        hunger = minds.mental[i, HUNGER]
+        eats = minds.intention[i] == EAT
+        least = nature.keen * (STILL_KEEN if eats else 1.0)
+        out[i] = max(hunger, nature.keen + 1e-6) if hunger > least and minds.food[i] >= 0 else 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
+    """Chase the speck that has the fish's attention; once it is near, open the mouth."""
+    for i in who:
+        k = minds.target[i]
+        if minds.kind[i] == PREDATOR or k < 0 or sea.absent[k] > 0.0:
+            toward = heading(fishes, minds, i, sea, clock)
+            for axis in range(3):
+                minds.urge[i, axis] = toward[axis]
+            fishes.goal_speed[i] = cruise(fishes, minds, i)
+            continue
+        distance = chase(fishes, minds, i, vector(sea.plankton[k]), ZERO)
+        near = 1.0 - (distance / fishes.length[i] - SUCK_BL) / (OPEN_BL - SUCK_BL)
+        fishes.gape[i] = min(max(near, 0.0), 1.0)
+
+
+@njit(cache=True, error_model="numpy")
+def ingest(fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
+    """Draw specks into open mouths, every tick; what is in the mouth is eaten."""
+    for i in range(len(minds.intention)):
+        k = minds.target[i]
+        if minds.intention[i] != EAT or minds.kind[i] == PREDATOR or k < 0:
+            continue
+        if sea.absent[k] > 0.0 or fishes.gape[i] <= 0.0:
+            continue
+        toward = minus(mouth_of(fishes, i), vector(sea.plankton[k]))
+        distance = norm(toward)
+        if distance < SUCK_BL * fishes.length[i]:
+            step = min(SUCK_CM_S * clock.dt / max(distance, 1e-6), 1.0)
+            for axis in range(3):
+                sea.plankton[k, axis] += np.float32(step * toward[axis])
+            distance *= 1.0 - step
+        if distance < SWALLOW_BL * fishes.length[i]:
+            low, high = ABSENCE_S
+            share = uniform(clock.seed, np.int64(k), clock.tick, ABSENCE_PURPOSE)
+            sea.absent[k] = low + (high - low) * share
+            minds.eaten[i] += 1.0
+            minds.last_meal[i] = clock.tick * clock.dt
+            minds.fatigue[EAT, i] = 0.0
+            minds.target[i] = -1

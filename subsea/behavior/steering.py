@@ -1,0 +1,149 @@
+"""From what a routine wants to what the motor system is asked for, inside the sea (SMC §6.2)."""
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from subsea.kinematics.heightfield import height_at
+from subsea.kinematics.rotation import rotate
+from subsea.kinematics.vector import Vector, dot, minus, norm, plus, times, unit, vector
+from subsea.state import LEFT, RIGHT, Clock, Fishes, Minds, Sea
+
+Ints = NDArray[np.integer[Any]]
+
+EASE = 4.0  # 1/s: how fast a wish may change, so that no fish twitches
+ROOM_BL = 4.0  # a fish needs so many body lengths to turn away from what it heads for
+BODY_BL = 0.45  # no part of it is farther than that from its middle ...
+CLEARANCE_CM = 8.0  # ... and so much of the water beyond stays free
+SLOPE_CM = 20.0  # over which the seabed's slope is taken
+
+
+@njit(cache=True, error_model="numpy")
+def keep_clear(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> None:
+    """Turn `minds.urge` of the fishes `who` away from the bounds of the sea and what stands in it.
+
+    Near a boundary a fish is constrained in which directions it may turn (SMC §6.2): its wish may
+    point outward the less, the nearer it is, and must point inward where it is too near. What
+    remains of the wish runs along the boundary.
+    """
+    for i in who:
+        urge = vector(minds.urge[i])
+        length = norm(urge)
+        if length < 1e-9:
+            urge = rotate(fishes.orientation[i], (1.0, 0.0, 0.0))
+        else:
+            urge = times(1.0 / length, urge)
+        # Twice, so that in a corner neither undoes the other.
+        for _ in range(2):
+            urge = _inside(fishes, i, sea, urge)
+            urge = _around(fishes, i, sea, urge)
+        for axis in range(3):
+            minds.urge[i, axis] = urge[axis]
+
+
+@njit(cache=True, error_model="numpy")
+def _inside(fishes: Fishes, i: int, sea: Sea, urge: Vector) -> Vector:
+    """The wish constrained by wall, surface and seabed."""
+    p = vector(fishes.position[i])
+    reach = BODY_BL * fishes.length[i] + CLEARANCE_CM
+    room = ROOM_BL * fishes.length[i]
+    away = np.sqrt(p[0] * p[0] + p[1] * p[1])
+    if sea.radius - away < reach + room:
+        inward = (-p[0] / away, -p[1] / away, 0.0)
+        urge = constrained(urge, inward, sea.radius - away - reach, room)
+    urge = constrained(urge, (0.0, 0.0, -1.0), -p[2] - reach, room)
+    floor = height_at(sea.heights, sea.half_width, p[0], p[1])
+    if p[2] - floor < 1.5 * (reach + room):
+        east = height_at(sea.heights, sea.half_width, p[0] + SLOPE_CM, p[1])
+        north = height_at(sea.heights, sea.half_width, p[0], p[1] + SLOPE_CM)
+        normal = unit(((floor - east) / SLOPE_CM, (floor - north) / SLOPE_CM, 1.0))
+        urge = constrained(urge, normal, (p[2] - floor) * normal[2] - reach, room)
+    return urge
+
+
+@njit(cache=True, error_model="numpy")
+def _around(fishes: Fishes, i: int, sea: Sea, urge: Vector) -> Vector:
+    """The wish constrained by pillars and rocks."""
+    p = vector(fishes.position[i])
+    reach = BODY_BL * fishes.length[i] + CLEARANCE_CM
+    room = ROOM_BL * fishes.length[i]
+    for k in range(len(sea.pillars)):
+        x, y, radius, top = sea.pillars[k]
+        away = (p[0] - x, p[1] - y, 0.0)
+        distance = norm(away)
+        if distance - radius < reach + room and p[2] < top + reach:
+            normal = times(1.0 / max(distance, 1e-6), away)
+            urge = constrained(urge, normal, distance - radius - reach, room)
+    for k in range(len(sea.rocks)):
+        normal, distance = from_rock(sea, k, p)
+        if distance < reach + room:
+            urge = constrained(urge, normal, distance - reach, room)
+    return urge
+
+
+@njit(cache=True, error_model="numpy")
+def from_rock(sea: Sea, k: int, p: Vector) -> tuple[Vector, float]:
+    """Direction away from rock k at p, and about how far p is from it (cm, negative inside)."""
+    rock = sea.rocks[k]
+    c, s = np.cos(rock[6]), np.sin(rock[6])
+    dx, dy, dz = p[0] - rock[0], p[1] - rock[1], p[2] - rock[2]
+    x, y, z = (c * dx + s * dy) / rock[3], (c * dy - s * dx) / rock[4], dz / rock[5]
+    scaled = np.sqrt(x * x + y * y + z * z)
+    gx, gy, gz = x / rock[3], y / rock[4], z / rock[5]
+    slope = max(np.sqrt(gx * gx + gy * gy + gz * gz), 1e-9)
+    normal = ((c * gx - s * gy) / slope, (s * gx + c * gy) / slope, gz / slope)
+    return normal, scaled * (scaled - 1.0) / slope
+
+
+@njit(cache=True, error_model="numpy")
+def constrained(urge: Vector, normal: Vector, distance: float, room: float) -> Vector:
+    """A unit wish that heads for a boundary no harder than `distance` over `room` allows.
+
+    `normal` points away from the boundary. At no distance the wish runs along it, and
+    behind it leads back.
+    """
+    least = -min(max(distance / room, -1.0), 1.0)
+    inward = dot(urge, normal)
+    if inward >= least:
+        return urge
+    along = minus(urge, times(inward, normal))
+    size = norm(along)
+    if size < 1e-3:
+        # Head-on: along the boundary to the left.
+        along = (-normal[1], normal[0], 0.0) if abs(normal[2]) < 0.9 else (1.0, 0.0, 0.0)
+        size = norm(along)
+    return plus(times(least, normal), times(np.sqrt(1.0 - least * least) / size, along))
+
+
+@njit(cache=True, error_model="numpy")
+def heed(fishes: Fishes, minds: Minds, clock: Clock) -> None:
+    """Turn every fish's goal direction toward its urge by a share of the angle, every tick.
+
+    A turn to a side of which the motor preferences warn is made smaller: its angle is multiplied
+    by min(1, 1.5 + M), where M is negative (Tu §6.5.3).
+    """
+    share = min(EASE * clock.dt, 1.0)
+    for i in range(len(minds.intention)):
+        urge = vector(minds.urge[i])
+        length = norm(urge)
+        if length < 1e-6:
+            continue
+        now = vector(fishes.goal_direction[i])
+        along = dot(now, urge) / length
+        across = minus(times(1.0 / length, urge), times(along, now))
+        sine = norm(across)
+        if sine < 1e-4:
+            if along > 0.0:
+                continue
+            # Dead astern: either side will do, so the left one.
+            across = unit((1e-6 - now[1], now[0], 0.0))
+        else:
+            across = times(1.0 / sine, across)
+        left = now[0] * urge[1] - now[1] * urge[0] > 0.0
+        warning = float(minds.preference[i, LEFT if left else RIGHT])
+        angle = share * min(1.0, 1.5 + warning) * np.arctan2(sine, along)
+        wish = unit(plus(times(np.cos(angle), now), times(np.sin(angle), across)))
+        for axis in range(3):
+            fishes.goal_direction[i, axis] = wish[axis]

@@ -1,0 +1,75 @@
+"""What fishes can do: one row for each behavior. A new one is a file and a row."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.behavior import avoiding, eating, escaping, leaving, mating, schooling, wandering
+from subsea.state import Clock, Fishes, Minds, Nature, Sea
+
+Ints = NDArray[np.integer[Any]]
+Array = NDArray[np.floating[Any]]
+
+# Writes into `out` (n,) how strongly each of the fishes `who` wants something: 0 not at all, to 1.
+Desire = Callable[[Ints, Fishes, Minds, Sea, Nature, Clock, Array], None]
+# Sets urge, goal speed, gape and what else is its own for each of the fishes `who`.
+Routine = Callable[[Ints, Fishes, Minds, Sea, Nature, Clock], None]
+
+# Levels of the hierarchy (Tu §7.5): a desire on one comes before all desires on the next.
+COLLISION, DANGER, APPETITE, EASE = range(4)
+
+
+class Behavior(NamedTuple):
+    """An intention: what leads to it, and on which level, and what it does."""
+
+    name: str
+    routine: Routine
+    desires: tuple[tuple[int, Desire], ...]
+    tires: bool = False  # whether the desire fades while it is followed (Tu §7.7.2)
+
+
+# The first seven in the order of the codes AVOID to WANDER of `state.py`.
+BEHAVIORS = (
+    Behavior("avoid", avoiding.act, ((COLLISION, avoiding.desire),)),
+    Behavior("escape", escaping.act, ((DANGER, escaping.desire),)),
+    Behavior(
+        "school",
+        schooling.act,
+        ((DANGER, schooling.alarmed_desire), (EASE, schooling.desire)),
+    ),
+    Behavior("eat", eating.act, ((APPETITE, eating.desire),), tires=True),
+    Behavior("mate", mating.act, ((APPETITE, mating.desire),), tires=True),
+    Behavior("leave", leaving.act, ((EASE, leaving.desire),)),
+    Behavior("wander", wandering.act, ((EASE, wandering.desire),)),
+)
+INTENTIONS = tuple(behavior.name for behavior in BEHAVIORS)
+
+# Every desire as (level, behavior, function), most urgent first.
+DESIRES = sorted(
+    (
+        (level, code, desire)
+        for code, behavior in enumerate(BEHAVIORS)
+        for level, desire in behavior.desires
+    ),
+    key=lambda row: row[:2],
+)
+LEVEL_OF_DESIRE = np.array([level for level, _, _ in DESIRES])
+BEHAVIOR_OF_DESIRE = np.array([code for _, code, _ in DESIRES])
+TIRES = np.array([behavior.tires for behavior in BEHAVIORS])
+
+
+def want(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
+    """Fill `minds.desire` for the fishes `who`."""
+    for row, (_, _, desire) in enumerate(DESIRES):
+        desire(who, fishes, minds, sea, nature, clock, minds.desire[row])
+
+
+def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
+    """Let each of the fishes `who` follow its intention."""
+    intention = minds.intention[who]
+    for code, behavior in enumerate(BEHAVIORS):
+        those = who[intention == code]
+        if len(those):
+            behavior.routine(those, fishes, minds, sea, nature, clock)

@@ -1,0 +1,84 @@
+"""Wandering about: from waypoint to waypoint, what a contented fish does (Tu §7.8)."""
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from subsea.kinematics.heightfield import height_at
+from subsea.kinematics.keyed import uniform
+from subsea.kinematics.vector import Vector, minus, norm, times, vector
+from subsea.state import Clock, Fishes, Minds, Nature, Sea
+
+Array = NDArray[np.floating[Any]]
+Ints = NDArray[np.integer[Any]]
+
+ROAM = 0.8  # share of the sea's radius in which waypoints lie
+SLOPE = 0.3  # of the way to a waypoint
+ARRIVED_BL = 3.0  # a waypoint counts as reached within this many body lengths
+PATIENCE_S = (9.0, 24.0)  # how long a fish keeps a waypoint that it doesn't reach
+FLOOR_CM = 75.0  # waypoints lie so far above the seabed ...
+SURFACE_CM = 80.0  # ... and below the surface
+CRUISE = (0.1, 0.62, 0.85)  # shares of the fastest speed: hovering, medium and brisk cruising
+LEADING = 0.45  # a leader keeps its school moving
+ANGLE_PURPOSE, RADIUS_PURPOSE, DEPTH_PURPOSE, PATIENCE_PURPOSE = range(4)
+
+
+@njit(cache=True, error_model="numpy")
+def desire(
+    who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
+) -> None:
+    """Always a little: when nothing else is wanted."""
+    for i in who:
+        out[i] = 0.01
+
+
+@njit(cache=True, error_model="numpy")
+def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
+    """Swim to the waypoint at a cruising speed."""
+    for i in who:
+        toward = heading(fishes, minds, i, sea, clock)
+        for axis in range(3):
+            minds.urge[i, axis] = toward[axis]
+        fishes.goal_speed[i] = cruise(fishes, minds, i)
+
+
+@njit(cache=True, error_model="numpy")
+def heading(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> Vector:
+    """Unit vector to the waypoint, drawn anew when it is reached or was pursued too long."""
+    minds.patience[i] -= minds.pause[i]
+    here = vector(fishes.position[i])
+    toward = minus(vector(minds.waypoint[i]), here)
+    if minds.patience[i] <= 0.0 or norm(toward) < ARRIVED_BL * fishes.length[i]:
+        _draw(minds, i, here, sea, clock)
+        toward = minus(vector(minds.waypoint[i]), here)
+    return times(1.0 / max(norm(toward), 1.0), toward)
+
+
+@njit(cache=True, error_model="numpy")
+def _draw(minds: Minds, i: int, here: Vector, sea: Sea, clock: Clock) -> None:
+    """A new waypoint, at most a gentle climb or dive away, and patience for it."""
+    angle = 2.0 * np.pi * uniform(clock.seed, i, clock.tick, ANGLE_PURPOSE)
+    reach = ROAM * sea.radius * np.sqrt(uniform(clock.seed, i, clock.tick, RADIUS_PURPOSE))
+    x, y = reach * np.cos(angle), reach * np.sin(angle)
+    floor = height_at(sea.heights, sea.half_width, x, y) + FLOOR_CM
+    # Most of a reef's life is in the lower half of the water.
+    depth = uniform(clock.seed, i, clock.tick, DEPTH_PURPOSE) ** 1.6
+    rise = SLOPE * np.sqrt((x - here[0]) ** 2 + (y - here[1]) ** 2)
+    z = min(max(floor + depth * (-SURFACE_CM - floor), here[2] - rise), here[2] + rise)
+    minds.waypoint[i, 0] = x
+    minds.waypoint[i, 1] = y
+    minds.waypoint[i, 2] = max(z, floor)
+    low, high = PATIENCE_S
+    share = uniform(clock.seed, i, clock.tick, PATIENCE_PURPOSE)
+    minds.patience[i] = low + (high - low) * share
+
+
+@njit(cache=True, error_model="numpy")
+def cruise(fishes: Fishes, minds: Minds, i: int) -> float:
+    """The speed of the swim recommended against monotony, else the present one, if it cruises."""
+    speed = float(fishes.goal_speed[i])
+    if fishes.recommended[i] >= 0:
+        speed = CRUISE[fishes.recommended[i]]
+    return min(max(speed, LEADING if minds.leads[i] else CRUISE[0]), CRUISE[2])

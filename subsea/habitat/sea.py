@@ -1,0 +1,38 @@
+"""The sea as a scenario has it: seabed, what stands on it, climate, plankton."""
+
+import numpy as np
+
+from subsea.habitat import plankton
+from subsea.habitat.terrain import half_width, make_terrain
+from subsea.kinematics.heightfield import height_at
+from subsea.scenario import Scenario
+from subsea.state import Sea
+
+
+def make_sea(scenario: Scenario, rng: np.random.Generator) -> Sea:
+    """All that surrounds the fishes at tick 0; pillars and rocks stand on the seabed."""
+    heights, width = make_terrain(scenario), half_width(scenario)
+    radius, water = scenario.bounds.radius_cm, scenario.water
+    pillars = np.zeros((len(scenario.pillar), 4))
+    for k, pillar in enumerate(scenario.pillar):
+        x, y = pillar.position_cm
+        pillars[k] = x, y, pillar.radius_cm, height_at(heights, width, x, y) + pillar.height_cm
+    rocks = np.zeros((len(scenario.rock), 7))
+    for k, rock in enumerate(scenario.rock):
+        x, y = rock.position_cm
+        a, b, c = rock.size_cm
+        middle = height_at(heights, width, x, y) + c * (1.0 - 2.0 * rock.sunk)
+        rocks[k] = x, y, middle, a, b, c, np.radians(rock.yaw_deg)
+    surface_c, depth_c = water.temperature_c
+    return Sea(
+        heights=heights,
+        half_width=width,
+        radius=radius,
+        pillars=pillars,
+        rocks=rocks,
+        climate=np.array([surface_c, depth_c, scenario.bounds.depth_cm, water.light_depth_cm]),
+        plankton=plankton.scatter(rng, water.plankton, radius, heights, width),
+        absent=np.zeros(water.plankton, np.float32),
+        seaweed=np.zeros((0, 6), np.float32),
+        submarine=np.zeros(6),
+    )

@@ -1,0 +1,40 @@
+"""Who thinks in this tick: fishes that are far away or out of sight do so less often."""
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from subsea.kinematics.vector import minus, norm, vector
+from subsea.state import Clock, Fishes, Minds, Sea
+
+Ints = NDArray[np.integer[Any]]
+
+NEAR_CM = 400.0  # within this distance of the submarine a fish thinks in every tick
+FAR_TICKS = 4  # farther away once in so many ticks, 0.13 s ...
+UNSEEN_TICKS = 8  # ... and once in so many where the water hides it
+
+
+@njit(cache=True, error_model="numpy")
+def whose_turn(fishes: Fishes, minds: Minds, sea: Sea, visibility: float, clock: Clock) -> Ints:
+    """Indices, rising, of the living fishes that think now; `minds.pause` of all grows.
+
+    Turns are spread evenly over ticks. In the first tick everybody thinks.
+    """
+    n = len(minds.intention)
+    who = np.empty(n, np.int64)
+    count = 0
+    submarine = vector(sea.submarine)
+    for i in range(n):
+        minds.pause[i] += np.float32(clock.dt)
+        if not fishes.alive[i]:
+            continue
+        distance = norm(minus(vector(fishes.position[i]), submarine))
+        every = 1
+        if distance > NEAR_CM:
+            every = FAR_TICKS if distance < visibility else UNSEEN_TICKS
+        if clock.tick == 0 or (clock.tick + i) % every == 0:
+            who[count] = i
+            count += 1
+    return who[:count]
