@@ -210,7 +210,7 @@ def _temper(
     minds.male[these] = np.diff(males, prepend=0.0) > 0
     for habit, name in enumerate(("brightness", "darkness", "cold", "warmth")):
         minds.likes[these, habit] = name in shoal.likes
-    meal_cm = PREY_CM if minds.kind[these.start : these.stop][:1] == PREDATOR else PLANKTON_CM
+    meal_cm = np.where(minds.kind[these] == PREDATOR, PREY_CM, PLANKTON_CM)
     minds.appetite[these] = np.maximum(np.round(fishes.length[these] / meal_cm), 2.0)
     minds.digestion[these] = DIGESTION if shoal.digestion is None else shoal.digestion
     minds.libido_rate[these] = LIBIDO_RATE if shoal.libido_rate is None else shoal.libido_rate

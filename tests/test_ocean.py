@@ -52,8 +52,10 @@ def test_nobody_leaves_the_sea(minute):
     assert np.isfinite(path).all()
     assert np.hypot(path[..., 0], path[..., 1]).max() < bounds.radius_cm
     assert path[..., 2].max() < 0
-    sea = (world.terrain, world.terrain_half_width)
-    depth = [p[2] - height_at(*sea, p[0], p[1]) for p in path[::10].reshape(-1, 3)]
+    sea = world.state.sea
+    depth = [
+        p[2] - height_at(sea.heights, sea.half_width, p[0], p[1]) for p in path[::10].reshape(-1, 3)
+    ]
     assert min(depth) > 3.0
 
 
@@ -68,8 +70,8 @@ def test_fishes_move_like_fishes(minute):
 
 def test_schools_stay_together(minute):
     world, path = minute
-    schooling = world.state.fishes.leader >= 0
-    leaders = world.state.fishes.leader[schooling]
+    schooling = world.state.minds.leader >= 0
+    leaders = world.state.minds.leader[schooling]
     assert len(set(leaders)) == 2
     gap = np.linalg.norm(path[600:, schooling] - path[600:, leaders], axis=2)
     assert np.median(gap) < 150
@@ -78,7 +80,7 @@ def test_schools_stay_together(minute):
 
 def test_schooling_fishes_keep_their_distance(minute):
     world, path = minute
-    schooling = world.state.fishes.leader >= 0
+    schooling = world.state.minds.leader >= 0
     places = path[900::60, schooling]
     gap = np.linalg.norm(places[:, :, None] - places[:, None], axis=3)
     gap += 1e9 * np.eye(gap.shape[1])

@@ -11,7 +11,9 @@ from subsea.state import Minds, Nature
 Flags = NDArray[np.bool_]
 Ints = NDArray[np.integer[Any]]
 
-INHIBITION = 0.2  # share of the active desire's strength that its rivals lose (Tu §7.7.2)
+# Share of the active desire's strength that its rivals lose: of one that was resumed (Tu §7.7.2),
+# and of any other, so that two equal desires that tire do not take turns at every thought.
+INHIBITION, GRACE = 0.2, 0.05
 MEMORY_S = 12.0  # what was interrupted for longer is forgotten
 LASTING = 2  # level from which an intention is worth remembering: earlier ones are reactions
 
@@ -61,13 +63,20 @@ def strength(
     desire = minds.desire[row, i]
     if desire <= 0.0 or not tires[behavior[row]]:
         return desire
-    desire *= 0.5 ** (minds.fatigue[behavior[row], i] / nature.fatigue_s)
+    desire *= tiredness(minds.fatigue[behavior[row], i], nature.fatigue_s)
     now = minds.intention[i]
-    if minds.resumed[i] and now != behavior[row]:
+    if now != behavior[row]:
+        gain = INHIBITION if minds.resumed[i] else GRACE
         for rival in range(len(level)):
             if behavior[rival] == now and level[rival] == level[row]:
-                desire -= INHIBITION * max(minds.desire[rival, i], 0.0)
+                desire -= gain * max(minds.desire[rival, i], 0.0)
     return desire if desire > nature.keen else 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def tiredness(fatigue: float, half: float) -> float:
+    """What remains of a desire after so many s: nearly all at first, half of it after `half`."""
+    return 0.5 ** ((fatigue / half) ** 2)
 
 
 @njit(cache=True, error_model="numpy")

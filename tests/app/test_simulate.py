@@ -24,6 +24,7 @@ SHAPES = {
     "fish/segment": (20, 12),
     "fish/mental_state": (20, 12, 3),
     "fish/alive": (20, 12),
+    "fish/courtship": (20, 12),
     "fish/partner": (20, 12),
     "fish/target": (20, 12),
     "plankton/count": (20,),

@@ -1,97 +1,130 @@
-"""Wishes of fishes in an empty sea."""
+"""The hierarchy of desires, memory, inhibition and fatigue, on desires set by hand."""
 
 import numpy as np
 import pytest
-from subsea.behavior.routines import FLOOR_CM, MARGIN_CM, STARTLE_CM, SURFACE_CM
 
-from subsea.behavior.intention import decide
-from subsea.state import AVOID, INTENTIONS, SCHOOL, WANDER, empty_fishes
+from subsea.behavior.intention import MEMORY_S, choose, tiredness
+from subsea.behavior.table import BEHAVIOR_OF_DESIRE, BEHAVIORS, DESIRES, LEVEL_OF_DESIRE, TIRES
+from subsea.state import AVOID, EAT, ESCAPE, LEAVE, MATE, SCHOOL, WANDER
 
-RADIUS, WIDTH, TICK = 1000.0, 1600.0, 0.033
-FLOOR = np.full((9, 9), -600.0, np.float32)
-FAR_AWAY = np.array([0.0, 0.0, 1e6])
+ONE = np.zeros(1, np.int64)
 
 
-def _decide(fishes, submarine=FAR_AWAY, ticks=30, seed=1):
-    for tick in range(ticks):
-        decide(fishes, FLOOR, WIDTH, RADIUS, submarine, seed, tick, TICK)
+def _row(code, level=None):
+    for row, (its_level, behavior, _) in enumerate(DESIRES):
+        if behavior == code and level in (None, its_level):
+            return row
+    raise AssertionError("no such desire")
 
 
-def _fish(position, velocity=(15.0, 0.0, 0.0), n=1):
-    fishes = empty_fishes(n)
-    fishes.length[:] = 20.0
-    fishes.position[:] = position
-    fishes.velocity[:] = velocity
-    fishes.waypoint[:] = position
-    fishes.goal_direction[:] = np.array(velocity) / np.linalg.norm(velocity)
-    fishes.goal_speed[:] = 0.5
-    return fishes
+@pytest.fixture
+def mind(tank):
+    """Choose(desires by code, seconds) of one fish, and its mind."""
+    t = tank()
+
+    def decide(desires, seconds=0.033):
+        t.minds.desire[:] = 0.0
+        t.minds.desire[_row(WANDER)] = 0.01
+        for key, value in desires.items():
+            t.minds.desire[_row(*key) if isinstance(key, tuple) else _row(key)] = value
+        t.minds.pause[:] = seconds
+        choose(ONE, t.minds, t.nature, LEVEL_OF_DESIRE, BEHAVIOR_OF_DESIRE, TIRES)
+        return int(t.minds.intention[0])
+
+    return decide, t.minds
 
 
-def test_a_loner_in_open_water_wanders_toward_its_waypoint():
-    fishes = _fish((0.0, 0.0, -300.0))
-    _decide(fishes, ticks=60)
-    assert INTENTIONS[fishes.intention[0]] == "wander"
-    toward = fishes.waypoint[0] - fishes.position[0]
-    assert fishes.goal_direction[0] @ toward / np.linalg.norm(toward) > 0.99
-    assert np.hypot(*fishes.waypoint[0, :2]) < RADIUS
+def test_the_codes_are_the_rows_of_the_table():
+    names = ("avoid", "escape", "school", "eat", "mate", "leave", "wander")
+    assert tuple(b.name for b in BEHAVIORS)[:7] == names
+    assert tuple(range(7)) == (AVOID, ESCAPE, SCHOOL, EAT, MATE, LEAVE, WANDER)
+    assert (np.diff(LEVEL_OF_DESIRE) >= 0).all()
 
 
 @pytest.mark.parametrize(
-    ("place", "velocity", "inward"),
+    ("desires", "wins"),
     [
-        ((RADIUS - 0.3 * MARGIN_CM, 0, -300), (15, 0, 0), (-1, 0, 0)),
-        ((0, RADIUS - 0.3 * MARGIN_CM, -300), (0, 15, 0), (0, -1, 0)),
-        ((0, 0, -600 + 0.3 * FLOOR_CM), (15, 0, -5), (0, 0, 1)),
-        ((0, 0, -0.3 * SURFACE_CM), (15, 0, 5), (0, 0, -1)),
+        ({}, WANDER),
+        ({LEAVE: 0.015}, LEAVE),
+        ({(SCHOOL, 3): 0.02, LEAVE: 0.015}, SCHOOL),
+        ({EAT: 0.3, (SCHOOL, 3): 0.02}, EAT),
+        ({EAT: 0.3, MATE: 0.5}, MATE),
+        ({EAT: 0.2}, WANDER),  # not more than r
+        ({ESCAPE: 0.6, EAT: 1.0}, ESCAPE),
+        ({(SCHOOL, 1): 0.6, EAT: 1.0}, SCHOOL),
+        ({AVOID: 1.0, ESCAPE: 1.0, EAT: 1.0}, AVOID),
     ],
 )
-def test_near_a_boundary_the_wish_points_inward(place, velocity, inward):
-    fishes = _fish(place, velocity)
-    # Bound outward: the boundary must win over the waypoint.
-    fishes.waypoint[:] = np.array(place) - 300.0 * np.array(inward)
-    fishes.patience[:] = 100.0
-    _decide(fishes, ticks=60)
-    assert fishes.goal_direction[0] @ np.array(inward) > 0.25
-    assert fishes.intention[0] == AVOID
+def test_the_hierarchy(mind, desires, wins):
+    decide, _ = mind
+    assert decide(desires) == wins
 
 
-def test_followers_school_and_stragglers_catch_up():
-    fishes = _fish((0.0, 0.0, -300.0), n=3)
-    fishes.leader[1:] = 0
-    fishes.position[1] = -40.0, 0.0, -300.0
-    fishes.position[2] = -400.0, 50.0, -300.0
-    _decide(fishes)
-    assert fishes.intention[0] == WANDER
-    assert (fishes.intention[1:] == SCHOOL).all()
-    toward = fishes.position[0] - fishes.position[2]
-    assert fishes.goal_direction[2] @ toward / np.linalg.norm(toward) > 0.9
-    assert fishes.goal_speed[2] > fishes.goal_speed[1]
+def test_of_equal_desires_the_one_that_is_followed_stays(mind):
+    decide, _ = mind
+    for code, other in ((EAT, MATE), (MATE, EAT)):
+        assert decide({code: 0.5}) == code
+        assert decide({code: 0.4, other: 0.4}) == code
 
 
-def test_companions_too_close_part():
-    fishes = _fish((0.0, 0.0, -300.0), n=3)
-    fishes.leader[1:] = 0
-    fishes.position[1] = -60.0, 3.0, -300.0
-    fishes.position[2] = -60.0, -3.0, -300.0
-    fishes.neighbour[1, 0], fishes.neighbour[2, 0] = 2, 1
-    _decide(fishes)
-    assert fishes.goal_direction[1, 1] > fishes.goal_direction[2, 1]
+def test_an_interrupted_intention_is_resumed_with_its_target(mind):
+    decide, minds = mind
+    decide({MATE: 0.5})
+    minds.target[0] = 17
+    assert decide({AVOID: 1.0, MATE: 0.5}) == AVOID
+    minds.target[0] = 3
+    assert decide({MATE: 0.4, EAT: 0.45}) == MATE
+    assert minds.target[0] == 17
+    assert minds.resumed[0]
 
 
-def test_the_submarine_is_given_way():
-    fishes = _fish((0.0, 0.0, -300.0))
-    _decide(fishes, submarine=np.array([0.4 * STARTLE_CM, 0.0, -300.0]))
-    assert fishes.goal_direction[0, 0] < 0
-    assert fishes.intention[0] == AVOID
+def test_a_resumed_intention_inhibits_its_rivals_by_a_fifth_of_itself(mind):
+    decide, _ = mind
+    decide({MATE: 0.5})
+    # Not yet interrupted, it has no such grace.
+    assert decide({MATE: 0.5, EAT: 0.55}) == EAT
+    decide({MATE: 0.5})
+    decide({AVOID: 1.0, MATE: 0.5})
+    assert decide({MATE: 0.5}) == MATE
+    assert decide({MATE: 0.5, EAT: 0.59}) == MATE
+    assert decide({MATE: 0.5, EAT: 0.62}) == EAT
 
 
-def test_wishes_change_smoothly_and_stay_unit_vectors():
-    fishes = _fish((0.0, 0.0, -300.0))
-    before = fishes.goal_direction.copy()
-    for tick in range(600):
-        decide(fishes, FLOOR, WIDTH, RADIUS, FAR_AWAY, 3, tick, TICK)
-        now = fishes.goal_direction[0]
-        assert abs(np.linalg.norm(now) - 1) < 1e-5
-        assert now @ before[0] > np.cos(np.radians(25))
-        before = fishes.goal_direction.copy()
+def test_what_is_not_wanted_any_more_is_not_resumed(mind):
+    decide, minds = mind
+    decide({EAT: 0.5})
+    decide({ESCAPE: 0.9})
+    assert decide({}) == WANDER
+    assert minds.memory[0] == -1
+    assert not minds.resumed[0]
+
+
+def test_memory_is_short(mind):
+    decide, _ = mind
+    decide({MATE: 0.5})
+    for _ in range(3):
+        decide({ESCAPE: 0.9}, seconds=MEMORY_S)
+    assert decide({MATE: 0.4, EAT: 0.45}) == EAT
+
+
+def test_a_desire_tires_and_recovers(mind, tank):
+    decide, minds = mind
+    np.testing.assert_allclose([tiredness(0, 40), tiredness(40, 40)], [1.0, 0.5])
+    fatigue = tank().nature.fatigue_s
+    decide({EAT: 0.5})
+    assert decide({EAT: 0.6, MATE: 0.4}, fatigue / 4) == EAT
+    # Halved after `fatigue_s`.
+    assert decide({EAT: 0.6, MATE: 0.4}, fatigue) == MATE
+    assert decide({EAT: 0.26, MATE: 0.0}) == WANDER
+    assert decide({EAT: 0.26}, 2 * fatigue) == EAT
+    assert minds.fatigue[EAT, 0] == 0.0
+
+
+def test_time_in_an_intention_is_counted(mind):
+    decide, minds = mind
+    decide({EAT: 0.5})
+    decide({EAT: 0.5}, 1.5)
+    decide({EAT: 0.5}, 1.0)
+    assert minds.busy[0] == pytest.approx(2.5)
+    decide({AVOID: 1.0})
+    assert minds.busy[0] == 0.0

@@ -85,8 +85,8 @@ class Tank:
             f = self.fishes
             if obey:
                 command(f, self.library, 1, self.tick, TICK)
-            swim(f, self.library, self.dynamics, self.live, STILL, STILL, 10 * self.tick + 1, TICK)
-            play(f, self.library, STILL, TICK)
+            swim(f, self.library, self.dynamics, self.live, STILL, 10 * self.tick + 1, TICK)
+            play(f, self.library, TICK)
             self.tick += 1
             path.append(nodes_world(f, self.library, 0))
         return np.array(path)

@@ -27,7 +27,7 @@ def test_a_rolled_fish_rights_itself_at_a_bounded_rate(library, make_fishes, rol
     fishes.orientation[0] = multiply(upright, about(1.0, 0.0, 0.0, np.radians(roll_deg)))
     rolls = [np.radians(roll_deg)]
     for _ in range(400):
-        play(fishes, library, STILL, TICK)
+        play(fishes, library, TICK)
         rolls.append(roll_of(fishes.orientation[0].astype(float)))
     assert abs(rolls[-1]) < np.radians(1.0)
     assert np.abs(np.diff(np.unwrap(rolls))).max() < np.radians(56) * TICK

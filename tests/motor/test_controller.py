@@ -21,7 +21,7 @@ def _ask(fishes, library, azimuth_deg=0.0, climb_deg=0.0, speed=0.6, ticks=1, ti
     path = [fishes.position[0].copy()]
     for k in range(ticks):
         command(fishes, library, 1, tick + k, TICK)
-        play(fishes, library, STILL, TICK)
+        play(fishes, library, TICK)
         path.append(fishes.position[0].copy())
     return np.array(path)
 

@@ -102,7 +102,7 @@ def test_a_larger_fish_covers_more_ground_a_beat(library, make_fishes):
     fishes = make_fishes(2, "swim_fast")
     fishes.scale[1] = 2.0
     for _ in range(24):
-        play(fishes, library, STILL, TICK)
+        play(fishes, library, TICK)
     moved = np.linalg.norm(fishes.position, axis=1)
     np.testing.assert_allclose(moved[1] / moved[0], 2.0, rtol=1e-4)
 
@@ -110,9 +110,10 @@ def test_a_larger_fish_covers_more_ground_a_beat(library, make_fishes):
 def test_the_current_carries_fishes(library, make_fishes):
     fishes = make_fishes(2, "swim_slow")
     drifting = make_fishes(2, "swim_slow")
+    drifting.drift[:] = 5.0, -2.0, 1.0
     for _ in range(30):
-        play(fishes, library, STILL, TICK)
-        play(drifting, library, np.array([5.0, -2.0, 1.0]), TICK)
+        play(fishes, library, TICK)
+        play(drifting, library, TICK)
     gone = drifting.position - fishes.position
     np.testing.assert_allclose(gone, 30 * TICK * np.array([[5.0, -2.0, 1.0]] * 2), atol=1e-3)
 
@@ -132,11 +133,11 @@ def test_glides_keep_the_way_and_make_no_leap(library, make_fishes, before, afte
     fishes.orientation[0] = about(1.0, 0.0, 0.0, np.pi / 2)
     # A segment that isn't cyclic is played to its end before it is left.
     for _ in range(5):
-        play(fishes, library, STILL, TICK)
+        play(fishes, library, TICK)
     fishes.wanted_segment[:] = SEGMENTS.index(after)
     nodes, speeds = [nodes_world(fishes, library, 0)], []
     for _ in range(40):
-        play(fishes, library, STILL, TICK)
+        play(fishes, library, TICK)
         nodes.append(nodes_world(fishes, library, 0))
         speeds.append(np.linalg.norm(fishes.velocity[0]))
     assert fishes.segment[0] == SEGMENTS.index(after)
@@ -153,11 +154,11 @@ def test_a_turn_waits_for_the_beat_but_not_for_long(library, make_fishes, after)
     for phase in range(12):
         fishes = make_fishes(1, "swim_medium")
         for _ in range(phase):
-            play(fishes, library, STILL, TICK)
+            play(fishes, library, TICK)
         fishes.wanted_segment[:] = SEGMENTS.index(after)
         waited = 0
         while fishes.segment[0] != SEGMENTS.index(after):
-            play(fishes, library, STILL, TICK)
+            play(fishes, library, TICK)
             waited += 1
         assert waited <= 12
 
@@ -166,8 +167,8 @@ def test_a_sharp_turn_is_played_to_its_end(library, make_fishes):
     fishes = make_fishes(1, "turn_left_sharp")
     fishes.wanted_segment[:] = SEGMENTS.index("swim_slow")
     for _ in range(11):
-        play(fishes, library, STILL, TICK)
+        play(fishes, library, TICK)
         assert fishes.segment[0] == SEGMENTS.index("turn_left_sharp")
     for _ in range(3):
-        play(fishes, library, STILL, TICK)
+        play(fishes, library, TICK)
     assert fishes.segment[0] == SEGMENTS.index("swim_slow")

@@ -40,7 +40,7 @@ def test_an_hour_at_random_commands():
             fishes.goal_direction[change] = wish[change]
             fishes.goal_speed[change] = rng.uniform(-0.5, 1.0, FISHES)[change]
         command(fishes, library, 1, tick, TICK)
-        play(fishes, library, np.zeros(3), TICK)
+        play(fishes, library, TICK)
         if tick % 30 == 0:
             rolls = np.array([abs(roll_of(q)) for q in fishes.orientation.astype(float)])
             overturned = np.where(rolls > np.pi / 2, overturned + 30 * TICK, 0.0)

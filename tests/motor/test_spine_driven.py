@@ -34,7 +34,7 @@ def test_at_random_commands_no_point_of_the_surface_is_jerked(name):
             fishes.goal_direction[:] = np.cos(azimuth), np.sin(azimuth), 0.0
             fishes.goal_speed[:] = rng.uniform(0.2, 1.0)
         command(fishes, library, 1, tick, TICK)
-        play(fishes, library, np.zeros(3), TICK)
+        play(fishes, library, TICK)
         path.append(control_points_world(fishes, library, 0)[::5])
         segments.add(int(fishes.segment[0]))
     change = np.linalg.norm(np.diff(path, 2, axis=0), axis=2).max()

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from subsea.perception.neighbours import find_neighbours
-from subsea.state import NEIGHBOURS, empty_fishes
+from subsea.state import NEIGHBOURS, empty_fishes, empty_minds
 
 
 def _all_pairs(fishes, reach):
@@ -24,6 +24,10 @@ def _all_pairs(fishes, reach):
     return out
 
 
+def _find(fishes, minds, who):
+    find_neighbours(who, fishes, minds, 90.0)
+
+
 @given(
     seed=st.integers(0, 2**32 - 1),
     n=st.integers(0, 120),
@@ -32,31 +36,31 @@ def _all_pairs(fishes, reach):
 @settings(max_examples=60)
 def test_the_grid_finds_what_all_pairs_find(seed, n, spread):
     rng = np.random.default_rng(seed)
-    fishes = empty_fishes(n)
+    fishes, minds = empty_fishes(n), empty_minds(n, 1, 1)
     # Rounded places make equal distances, where order could tell.
     fishes.position[:] = np.round(rng.normal(0, spread, (n, 3)))
     fishes.species[:] = rng.integers(0, 2, n)
-    find_neighbours(fishes, 90.0, 0, 1)
-    np.testing.assert_array_equal(fishes.neighbour, _all_pairs(fishes, 90.0))
+    _find(fishes, minds, np.arange(n))
+    np.testing.assert_array_equal(minds.neighbour, _all_pairs(fishes, 90.0))
 
 
 @pytest.mark.parametrize("n", [0, 1])
 def test_nobody_is_alone_with_company(n):
-    fishes = empty_fishes(n)
-    find_neighbours(fishes, 90.0, 0, 1)
-    assert (fishes.neighbour == -1).all()
+    fishes, minds = empty_fishes(n), empty_minds(n, 1, 1)
+    _find(fishes, minds, np.arange(n))
+    assert (minds.neighbour == -1).all()
 
 
 @given(seed=st.integers(0, 2**32 - 1), stride=st.integers(1, 5))
 @settings(max_examples=20)
 def test_those_whose_turn_it_is_not_keep_whom_they_have_seen(seed, stride):
     rng = np.random.default_rng(seed)
-    fishes = empty_fishes(40)
+    fishes, minds = empty_fishes(40), empty_minds(40, 1, 1)
     fishes.position[:] = rng.normal(0, 60, (40, 3))
-    fishes.neighbour[:] = 7
+    minds.neighbour[:] = 7
     seen = _all_pairs(fishes, 90.0)
     for first in range(stride):
-        find_neighbours(fishes, 90.0, first, stride)
+        _find(fishes, minds, np.arange(first, 40, stride))
         turn = np.arange(40) % stride <= first
-        np.testing.assert_array_equal(fishes.neighbour[turn], seen[turn])
-        assert (fishes.neighbour[~turn] == 7).all()
+        np.testing.assert_array_equal(minds.neighbour[turn], seen[turn])
+        assert (minds.neighbour[~turn] == 7).all()

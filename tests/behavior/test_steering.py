@@ -1,0 +1,102 @@
+"""Wishes inside a sea with bounds and solids."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from subsea.behavior.steering import constrained, from_rock, heed, keep_clear
+from subsea.state import LEFT
+
+ALL = np.arange(1)
+angle = st.floats(0, 2 * np.pi)
+direction = st.tuples(st.floats(-1, 1), angle).map(
+    lambda a: (
+        float(np.sqrt(1 - a[0] ** 2) * np.cos(a[1])),
+        float(np.sqrt(1 - a[0] ** 2) * np.sin(a[1])),
+        float(a[0]),
+    )
+)
+
+
+@given(direction, direction, st.floats(-50, 200))
+def test_no_wish_heads_out_harder_than_the_distance_allows(urge, normal, distance):
+    wish = np.array(constrained(urge, normal, distance, 80.0))
+    assert np.linalg.norm(wish) == pytest.approx(1.0, abs=1e-6)
+    least = -np.clip(distance / 80.0, -1, 1)
+    assert wish @ normal >= least - 1e-6
+    if np.dot(urge, normal) >= least:
+        np.testing.assert_allclose(wish, urge)
+
+
+@pytest.mark.parametrize(
+    ("place", "outward"),
+    [
+        ((990.0, 0.0, -300.0), (1.0, 0.0, 0.0)),
+        ((0.0, -985.0, -300.0), (0.0, -1.0, 0.0)),
+        ((0.0, 0.0, -592.0), (0.5, 0.0, -0.8)),
+        ((0.0, 0.0, -9.0), (0.5, 0.0, 0.8)),
+    ],
+)
+def test_too_near_a_bound_the_wish_points_inward(tank, place, outward):
+    t = tank()
+    t.fishes.position[:] = place
+    t.minds.urge[:] = outward
+    keep_clear(ALL, t.fishes, t.minds, t.sea)
+    away = np.array(outward) * (np.array(place) != 0)
+    assert t.minds.urge[0] @ away < 0
+
+
+def test_a_pillar_is_passed_and_its_top_is_free(tank):
+    t = tank(pillars=[(100.0, 0.0, 50.0, -200.0)])
+    t.fishes.position[:] = 40.0, 0.0, -300.0
+    keep_clear(ALL, t.fishes, t.minds, t.sea)
+    assert t.minds.urge[0, 0] < 0.05
+    t.fishes.position[:] = 40.0, 0.0, -150.0
+    t.minds.urge[:] = 1.0, 0.0, 0.0
+    keep_clear(ALL, t.fishes, t.minds, t.sea)
+    np.testing.assert_allclose(t.minds.urge[0], [1.0, 0.0, 0.0])
+
+
+@given(direction, angle, st.floats(-0.2, 3.0))
+def test_distance_from_a_round_rock_and_its_normal(tank, out, yaw, away):
+    radius = 40.0
+    sea = tank(rocks=[(10.0, -20.0, -400.0, radius, radius, radius, yaw)]).sea
+    place = np.array([10.0, -20.0, -400.0]) + radius * (1 + away) * np.array(out)
+    normal, distance = from_rock(sea, 0, tuple(place))
+    np.testing.assert_allclose(normal, out, atol=1e-6)
+    assert distance == pytest.approx(radius * away, abs=1e-6)
+
+
+def test_the_way_around_an_ellipsoid(tank):
+    t = tank(rocks=[(60.0, 0.0, -300.0, 30.0, 90.0, 40.0, 0.0)])
+    t.fishes.position[:] = 15.0, 0.0, -300.0
+    keep_clear(ALL, t.fishes, t.minds, t.sea)
+    assert t.minds.urge[0, 0] < 0.1
+    assert np.hypot(*t.minds.urge[0, 1:]) > 0.9
+
+
+def test_goals_turn_smoothly_and_stay_unit_vectors(tank):
+    t = tank()
+    rng = np.random.default_rng(2)
+    before = t.fishes.goal_direction[0].copy()
+    for tick in range(600):
+        if tick % 20 == 0:
+            t.minds.urge[:] = rng.normal(size=3)
+        heed(t.fishes, t.minds, t.at(tick).clock)
+        now = t.fishes.goal_direction[0]
+        assert abs(np.linalg.norm(now) - 1) < 1e-5
+        assert now @ before > np.cos(np.radians(25))
+        before = now.copy()
+
+
+def test_a_warning_makes_the_turn_smaller(tank):
+    """min(1, 1.5 + M) of the angle (Tu §6.5.3); a preference for that side does nothing."""
+    turned = []
+    for preference in (0.0, -0.4, -1.0, 0.7):
+        t = tank()
+        t.minds.urge[:] = 0.0, 1.0, 0.0
+        t.minds.preference[:, LEFT] = preference
+        heed(t.fishes, t.minds, t.clock)
+        turned.append(np.arctan2(t.fishes.goal_direction[0, 1], t.fishes.goal_direction[0, 0]))
+    np.testing.assert_allclose(np.array(turned) / turned[0], [1, 1, 0.5, 1], rtol=1e-4)
