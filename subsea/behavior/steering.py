@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from subsea.kinematics.heightfield import height_at
 from subsea.kinematics.rotation import rotate
+from subsea.kinematics.solids import from_pillar, from_rock
 from subsea.kinematics.vector import Vector, dot, minus, norm, plus, times, unit, vector
 from subsea.state import LEFT, RIGHT, Clock, Fishes, Minds, Sea
 
@@ -70,31 +71,14 @@ def _around(fishes: Fishes, i: int, sea: Sea, urge: Vector) -> Vector:
     reach = BODY_BL * fishes.length[i] + CLEARANCE_CM
     room = ROOM_BL * fishes.length[i]
     for k in range(len(sea.pillars)):
-        x, y, radius, top = sea.pillars[k]
-        away = (p[0] - x, p[1] - y, 0.0)
-        distance = norm(away)
-        if distance - radius < reach + room and p[2] < top + reach:
-            normal = times(1.0 / max(distance, 1e-6), away)
-            urge = constrained(urge, normal, distance - radius - reach, room)
+        normal, distance = from_pillar(sea.pillars[k], p)
+        if distance < reach + room:
+            urge = constrained(urge, normal, distance - reach, room)
     for k in range(len(sea.rocks)):
-        normal, distance = from_rock(sea, k, p)
+        normal, distance = from_rock(sea.rocks[k], p)
         if distance < reach + room:
             urge = constrained(urge, normal, distance - reach, room)
     return urge
-
-
-@njit(cache=True, error_model="numpy")
-def from_rock(sea: Sea, k: int, p: Vector) -> tuple[Vector, float]:
-    """Direction away from rock k at p, and about how far p is from it (cm, negative inside)."""
-    rock = sea.rocks[k]
-    c, s = np.cos(rock[6]), np.sin(rock[6])
-    dx, dy, dz = p[0] - rock[0], p[1] - rock[1], p[2] - rock[2]
-    x, y, z = (c * dx + s * dy) / rock[3], (c * dy - s * dx) / rock[4], dz / rock[5]
-    scaled = np.sqrt(x * x + y * y + z * z)
-    gx, gy, gz = x / rock[3], y / rock[4], z / rock[5]
-    slope = max(np.sqrt(gx * gx + gy * gy + gz * gz), 1e-9)
-    normal = ((c * gx - s * gy) / slope, (s * gx + c * gy) / slope, gz / slope)
-    return normal, scaled * (scaled - 1.0) / slope
 
 
 @njit(cache=True, error_model="numpy")
