@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from subsea.behavior.steering import constrained, from_rock, heed, keep_clear
+from subsea.behavior.steering import constrained, heed, keep_clear
 from subsea.state import LEFT
 
 ALL = np.arange(1)
@@ -56,16 +56,6 @@ def test_a_pillar_is_passed_and_its_top_is_free(tank):
     t.minds.urge[:] = 1.0, 0.0, 0.0
     keep_clear(ALL, t.fishes, t.minds, t.sea)
     np.testing.assert_allclose(t.minds.urge[0], [1.0, 0.0, 0.0])
-
-
-@given(direction, angle, st.floats(-0.2, 3.0))
-def test_distance_from_a_round_rock_and_its_normal(tank, out, yaw, away):
-    radius = 40.0
-    sea = tank(rocks=[(10.0, -20.0, -400.0, radius, radius, radius, yaw)]).sea
-    place = np.array([10.0, -20.0, -400.0]) + radius * (1 + away) * np.array(out)
-    normal, distance = from_rock(sea, 0, tuple(place))
-    np.testing.assert_allclose(normal, out, atol=1e-6)
-    assert distance == pytest.approx(radius * away, abs=1e-6)
 
 
 def test_the_way_around_an_ellipsoid(tank):

@@ -33,7 +33,7 @@ def _check(found, above, a, b):
     values = above(a + MANY[:, None] * (b - a))
     if np.isfinite(found):
         assert 0.0 <= found <= 1.0
-        assert (values[MANY < found - 1e-9] > 0.0).all()
+        assert (values[found - 1e-9 > MANY] > 0.0).all()
         here = above((a + found * (b - a))[None])[0]
         assert here <= 1e-6 if found == 0.0 else abs(here) < 1e-6
     else:
