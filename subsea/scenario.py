@@ -63,6 +63,7 @@ class Shoal(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     )
     spread_cm: Positive = 150.0
     heading_deg: Coordinate | None = None  # none: the dice decide
+    kind: Literal["pacifist", "prey", "predator"] | None = None  # none: as the species is
     male_share: Share = 0.5
     likes: list[Literal["brightness", "darkness", "cold", "warmth"]] = []  # Tu §7.3
     schooling: bool | None = None  # none: as the species does

@@ -179,7 +179,7 @@ def _populate(
         if schooling:
             minds.leader[first + 1 : first + number] = first
             minds.leads[first : first + 1] = number > 1
-        minds.kind[these] = KINDS.index(species[shoal.species].kind)
+        minds.kind[these] = KINDS.index(shoal.kind or species[shoal.species].kind)
         _temper(shoal, fishes, minds, these, rng)
         first += number
     minds.waypoint[:] = fishes.position

@@ -1,38 +1,143 @@
-"""Escaping from a predator (Tu §7.9.2)."""
+"""Escaping from a predator by eleven rules (Tu §7.9.2)."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from subsea.kinematics.vector import minus, vector
+from subsea.kinematics.rotation import rotate
+from subsea.kinematics.vector import Vector, dot, minus, norm, vector
 from subsea.state import FEAR, NOBODY, PREY, SUBMARINE, Clock, Fishes, Minds, Nature, Sea
 
 Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
+
+CLOSE = 0.6  # of D0: a predator nearer than this is close
+FRONT_RAD = np.radians(45.0)  # it is in front within this angle of the fish's heading ...
+BEHIND_RAD = np.radians(135.0)  # ... and behind beyond this one
+ALIKE_RAD = np.radians(45.0)  # headings that differ by less are roughly the same ...
+OPPOSITE_RAD = np.radians(135.0)  # ... and up to this one roughly perpendicular
+TURN_BACK_RAD = np.radians(175.0)  # 180 degrees, but for a hint of which side to turn by
+DODGE_RAD = np.radians(30.0), np.radians(75.0)  # out of the way of one that is close, and touches
+STEEP = 0.5  # of the way to the side: how much a fish flees upward or downward
+ADRIFT_CM_S = 5.0  # what moves more slowly (the submarine) is taken to head for the fish
+
+
+class Danger(NamedTuple):
+    """A predator as the fish that flees sees it, in the horizontal plane; angles left positive."""
+
+    near: float  # 0 where it begins to be close, 1 where it touches; below 0 it is far
+    bearing: float  # rad, from my heading to where it is
+    course: float  # rad, from my heading to its heading
+    approaches: bool
+    above: float  # sine of the angle by which it is higher
 
 
 @njit(cache=True, error_model="numpy")
 def desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
-    """Fear above f0, of prey that don't school or see one predator as fearful as f1 (Tu §7.5)."""
+    """Fear above f0, of prey that see one predator as fearful as f1 or have no school (Tu §7.5).
+
+    One that likes schooling but has nobody to follow, as the leader itself, is without a school.
+    """
     for i in who:
         fear = minds.mental[i, FEAR]
-        panics = minds.menace[i] >= nature.panicked or not minds.schools[i]
-        out[i] = fear if minds.kind[i] == PREY and fear > nature.alarmed and panics else 0.0
+        leader = minds.leader[i]
+        led = minds.schools[i] and leader >= 0 and fishes.alive[leader]
+        panics = minds.menace[i] >= nature.panicked or not led
+        sees = minds.predator[i] != NOBODY
+        out[i] = (
+            fear if minds.kind[i] == PREY and sees and fear > nature.alarmed and panics else 0.0
+        )
 
 
 @njit(cache=True, error_model="numpy")
 def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
-    """Swim away from the most dangerous predator as fast as possible."""
+    """Turn as the rule says, at full speed; and up or down, away from the predator."""
     for i in who:
-        j = minds.predator[i]
-        if j == NOBODY:
+        if minds.predator[i] == NOBODY:
             continue
-        danger = vector(sea.submarine) if j == SUBMARINE else vector(fishes.position[j])
-        away = minus(vector(fishes.position[i]), danger)
-        for axis in range(3):
-            minds.urge[i, axis] = away[axis]
+        danger = danger_of(fishes, minds, i, sea, nature)
+        turn = turn_of(rule_of(danger), danger)
+        ahead = rotate(fishes.orientation[i], (1.0, 0.0, 0.0))
+        heading = np.arctan2(ahead[1], ahead[0]) + turn
+        minds.urge[i, 0] = np.cos(heading)
+        minds.urge[i, 1] = np.sin(heading)
+        minds.urge[i, 2] = -min(max(danger.above, -STEEP), STEEP)
         fishes.goal_speed[i] = 1.0
+
+
+@njit(cache=True, error_model="numpy")
+def danger_of(fishes: Fishes, minds: Minds, i: int, sea: Sea, nature: Nature) -> Danger:
+    """What fish i sees of `minds.predator[i]`, which must not be NOBODY."""
+    j = minds.predator[i]
+    if j == SUBMARINE:
+        there, velocity = vector(sea.submarine[:3]), vector(sea.submarine[3:])
+        dread = nature.submarine_cm
+    else:
+        there, velocity = vector(fishes.position[j]), vector(fishes.velocity[j])
+        dread = float(minds.dread[i])
+    toward = minus(there, vector(fishes.position[i]))
+    distance = max(norm(toward), 1e-6)
+    ahead = rotate(fishes.orientation[i], (1.0, 0.0, 0.0))
+    course = velocity
+    if j != SUBMARINE:
+        course = rotate(fishes.orientation[j], (1.0, 0.0, 0.0))
+    elif norm(velocity) < ADRIFT_CM_S:
+        course = (-toward[0], -toward[1], -toward[2])
+    return Danger(
+        1.0 - distance / max(CLOSE * dread, 1e-6),
+        _angle(ahead, toward),
+        _angle(ahead, course),
+        dot(toward, minus(velocity, vector(fishes.velocity[i]))) < 0.0,
+        toward[2] / distance,
+    )
+
+
+@njit(cache=True, error_model="numpy")
+def rule_of(danger: Danger) -> int:
+    """Which of the eleven rules holds, 1 to 11: four for a predator that is far, seven if close."""
+    in_front = abs(danger.bearing) < FRONT_RAD
+    behind = abs(danger.bearing) > BEHIND_RAD
+    to_the_left = danger.bearing > 0.0
+    same_heading = abs(danger.course) < ALIKE_RAD
+    perpendicular = ALIKE_RAD <= abs(danger.course) <= OPPOSITE_RAD
+    if danger.near < 0.0:
+        if in_front:
+            return 1  # turn 180 degrees
+        if behind:
+            return 2  # proceed at full speed
+        return 3 if to_the_left else 4  # turn away from it
+    if in_front:
+        return 5 if perpendicular else 6  # turn away from where it heads; turn 180 degrees
+    if behind:
+        if same_heading and danger.approaches:
+            return 7  # turn away from it, out of its way
+        return 8 if perpendicular else 9  # turn away from where it heads; proceed at full speed
+    return 10 if to_the_left else 11  # turn away from it
+
+
+@njit(cache=True, error_model="numpy")
+def turn_of(rule: int, danger: Danger) -> float:
+    """The turn that a rule asks for, rad, left positive."""
+    from_it = -1.0 if danger.bearing > 0.0 else 1.0
+    from_its_course = -1.0 if danger.course > 0.0 else 1.0
+    if rule in (1, 6):
+        return from_it * TURN_BACK_RAD
+    if rule in (3, 4, 10, 11):  # until it is right behind
+        return from_it * (np.pi - abs(danger.bearing))
+    if rule == 5:  # until it heads the other way
+        return from_its_course * (np.pi - abs(danger.course))
+    if rule == 7:
+        return from_it * (DODGE_RAD[0] + danger.near * (DODGE_RAD[1] - DODGE_RAD[0]))
+    if rule == 8:  # half as far: it is behind already
+        return from_its_course * 0.5 * (np.pi - abs(danger.course))
+    return 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def _angle(a: Vector, b: Vector) -> float:
+    """The horizontal angle from a to b, rad in (-π, π], left positive."""
+    return np.arctan2(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1])

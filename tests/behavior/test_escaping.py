@@ -1,0 +1,196 @@
+"""The eleven rules of escape, each against what it says."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from subsea.behavior.escaping import (
+    CLOSE,
+    DODGE_RAD,
+    STEEP,
+    TURN_BACK_RAD,
+    Danger,
+    act,
+    danger_of,
+    desire,
+    rule_of,
+    turn_of,
+)
+from subsea.behavior.table import BEHAVIORS, DESIRES
+from subsea.scenario import load_scenario
+from subsea.state import (
+    FEAR,
+    NOBODY,
+    PACIFIST,
+    PREDATOR,
+    PREY,
+    SUBMARINE,
+    Clock,
+    empty_fishes,
+    empty_minds,
+)
+from subsea.world import create_world, heading_quaternion
+
+DREAD = 200.0
+FAR, NEAR = -0.5, 0.4
+CLOCK = Clock(1, 0, 0.033)
+
+
+@pytest.fixture(scope="module")
+def around():
+    """A sea and its nature."""
+    scenario, _ = load_scenario("peaceful")
+    world = create_world(scenario, fish=0)
+    return world.state.sea, world.nature
+
+
+def _pair(place, heading=0.0, speed=40.0):
+    """A fish at the origin that heads along x, and a predator at `place` with its heading, rad."""
+    fishes, minds = empty_fishes(2), empty_minds(2, len(BEHAVIORS), len(DESIRES))
+    fishes.length[:] = 20.0, 60.0
+    fishes.position[0] = 0.0, 0.0, -300.0
+    fishes.position[1] = np.array(place) + (0.0, 0.0, -300.0)
+    fishes.orientation[0] = heading_quaternion(0.0)
+    fishes.orientation[1] = heading_quaternion(heading)
+    fishes.velocity[0] = 20.0, 0.0, 0.0
+    fishes.velocity[1] = speed * np.array([np.cos(heading), np.sin(heading), 0.0])
+    minds.kind[:] = PREY, PREDATOR
+    minds.dread[:] = DREAD
+    minds.predator[0] = 1
+    return fishes, minds
+
+
+# bearing, course of the predator (degrees, left positive), near, approaching; rule, turn (degrees)
+DODGE = float(np.degrees(DODGE_RAD[0] + NEAR * (DODGE_RAD[1] - DODGE_RAD[0])))
+BACK = float(np.degrees(TURN_BACK_RAD))
+RULES = [
+    # Far: in front, behind, to the left, to the right.
+    (10, 180, FAR, True, 1, -BACK),
+    (-10, 180, FAR, True, 1, BACK),
+    (170, 0, FAR, True, 2, 0),
+    (-170, 90, FAR, True, 2, 0),
+    (100, 0, FAR, True, 3, -80),
+    (-60, 0, FAR, True, 4, 120),
+    # Close, in front: heading to my left or right, or else.
+    (20, 80, NEAR, True, 5, -100),
+    (20, -100, NEAR, True, 5, 80),
+    (20, 170, NEAR, True, 6, -BACK),
+    (-20, 10, NEAR, False, 6, BACK),
+    # Close, behind: same heading and approaching, perpendicular, or else.
+    (160, 10, NEAR, True, 7, -DODGE),
+    (-160, 10, NEAR, True, 7, DODGE),
+    (160, 80, NEAR, True, 8, -50),
+    (160, -80, NEAR, True, 8, 50),
+    (160, 10, NEAR, False, 9, 0),
+    (-160, 170, NEAR, True, 9, 0),
+    # Close, to the side.
+    (90, 0, NEAR, True, 10, -90),
+    (120, -90, NEAR, True, 10, -60),
+    (-90, 0, NEAR, True, 11, 90),
+]
+
+
+@pytest.mark.parametrize(("bearing", "course", "near", "approaches", "rule", "turn"), RULES)
+def test_each_rule(bearing, course, near, approaches, rule, turn):
+    danger = Danger(near, np.radians(bearing), np.radians(course), approaches, 0.0)
+    assert rule_of(danger) == rule
+    assert np.degrees(turn_of(rule, danger)) == pytest.approx(turn)
+
+
+def test_every_rule_is_tried():
+    assert {row[4] for row in RULES} == set(range(1, 12))
+
+
+angles = st.floats(-np.pi, np.pi).filter(lambda a: abs(a) > 1e-6)
+
+
+@given(near=st.floats(-3, 1), bearing=angles, course=angles, approaches=st.booleans())
+def test_the_mirrored_danger_is_fled_from_mirrored(near, bearing, course, approaches):
+    danger = Danger(near, bearing, course, approaches, 0.0)
+    mirrored = Danger(near, -bearing, -course, approaches, 0.0)
+    turn = turn_of(rule_of(danger), danger)
+    assert turn_of(rule_of(mirrored), mirrored) == pytest.approx(-turn)
+    assert abs(turn) <= np.pi
+
+
+@given(near=st.floats(-3, 1), bearing=angles)
+def test_a_turn_from_one_that_is_not_behind_leads_away_from_it(near, bearing):
+    danger = Danger(near, bearing, bearing + np.pi, True, 0.0)
+    if abs(bearing) < np.radians(134):
+        after = bearing - turn_of(rule_of(danger), danger)
+        assert np.cos(after) < -0.6
+
+
+@given(angle=angles, course=angles, distance=st.floats(5, 600), height=st.floats(-100, 100))
+def test_what_is_seen_of_a_predator(around, angle, course, distance, height):
+    place = distance * np.cos(angle), distance * np.sin(angle), height
+    fishes, minds = _pair(place, course)
+    danger = danger_of(fishes, minds, 0, *around)
+    off = np.linalg.norm(place)
+    assert danger.near == pytest.approx(1 - off / (CLOSE * DREAD), abs=1e-4)
+    assert np.cos(danger.bearing - angle) == pytest.approx(1, abs=1e-4)
+    assert np.cos(danger.course - course) == pytest.approx(1, abs=1e-4)
+    assert danger.above == pytest.approx(height / off, abs=1e-4)
+    closing = np.dot(place, fishes.velocity[1] - fishes.velocity[0])
+    if abs(closing) > 0.1:
+        assert danger.approaches == (closing < 0)
+
+
+@pytest.mark.parametrize(("height", "climb"), [(30.0, -0.5), (-5.0, 0.1), (0.0, 0.0)])
+def test_a_fish_flees_at_full_speed_and_away_in_height(around, height, climb):
+    side = np.sqrt(50.0**2 - height**2)
+    fishes, minds = _pair((0.0, side, height))
+    act(np.array([0]), fishes, minds, *around, CLOCK)
+    assert fishes.goal_speed[0] == 1
+    assert minds.urge[0, :2] == pytest.approx([0, -1], abs=1e-5)
+    assert minds.urge[0, 2] == pytest.approx(np.clip(climb, -STEEP, STEEP), abs=1e-5)
+
+
+def test_the_submarine_heads_where_it_goes_and_at_rest_for_the_fish(around):
+    sea, nature = around
+    fishes, minds = _pair((0.0, 0.0, 0.0))
+    minds.predator[0] = SUBMARINE
+    sea.submarine[:] = -60.0, 0.0, -300.0, 0.0, 50.0, 0.0
+    danger = danger_of(fishes, minds, 0, sea, nature)
+    assert danger.near == pytest.approx(1 - 60 / (CLOSE * nature.submarine_cm))
+    assert danger.course == pytest.approx(np.pi / 2)
+    sea.submarine[3:] = 0.0
+    assert danger_of(fishes, minds, 0, sea, nature).course == pytest.approx(0.0)
+
+
+def test_schoolmates_on_either_side_of_the_hunter_part(around):
+    """A school that swims ahead of its hunter opens like a fan."""
+    for side in (-12.0, 12.0):
+        fishes, minds = _pair((-40.0, -side, 0.0))
+        danger = danger_of(fishes, minds, 0, *around)
+        assert rule_of(danger) == 7
+        act(np.array([0]), fishes, minds, *around, CLOCK)
+        assert np.sign(minds.urge[0, 1]) == np.sign(side)
+
+
+def test_who_flees(around):
+    fishes, minds = _pair((100.0, 0.0, 0.0))
+    nature = around[1]
+
+    def wants():
+        out = np.zeros(2, np.float32)
+        desire(np.arange(2), fishes, minds, *around, CLOCK, out)
+        return float(out[0])
+
+    minds.mental[:, FEAR] = nature.alarmed + 0.1
+    assert wants() == pytest.approx(nature.alarmed + 0.1)  # likes no school
+    minds.schools[0] = True
+    assert wants() > 0  # has nobody to follow
+    minds.leader[0] = 1
+    assert wants() == 0  # rather closes the ranks
+    minds.menace[0] = nature.panicked
+    assert wants() > 0
+    minds.predator[0] = NOBODY
+    assert wants() == 0
+    minds.predator[0] = 1
+    minds.mental[:, FEAR] = nature.alarmed
+    assert wants() == 0
+    minds.mental[:, FEAR] = 1.0
+    minds.kind[0] = PACIFIST
+    assert wants() == 0
