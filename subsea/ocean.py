@@ -4,7 +4,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from subsea.behavior import eating, steering
+from subsea.behavior import eating, hunting, steering
 from subsea.behavior.intention import choose
 from subsea.behavior.mental import feel
 from subsea.behavior.table import BEHAVIOR_OF_DESIRE, LEVEL_OF_DESIRE, TIRES, act, want
@@ -49,6 +49,7 @@ def step(world: World, helm: Helm) -> None:
         steering.keep_clear(who, fishes, minds, sea)
         steering.heed(fishes, minds, clock)
         eating.ingest(fishes, minds, sea, clock)
+        hunting.inhale(fishes, minds, sea, clock)
         minds.pause[who] = 0.0
     with _stage(world, "motor"):
         command(fishes, world.library, state.seed, state.tick, TICK_S)

@@ -8,7 +8,7 @@ from subsea.state import Fishes, Minds
 
 NEAR_BL = 1.5  # within this distance a fish slows down, to have more control
 LEAST_SPEED = 0.25  # share of the fastest with which it arrives
-CRUISE_CM_S = 1.0  # body lengths a second of a fish at full speed, about, to foresee a meeting
+LEAST_BL_S = 0.4  # body lengths a second with which a slow fish reckons, to foresee a meeting
 FORESIGHT_S = 2.0  # how far ahead a target's motion is reckoned with
 
 
@@ -22,7 +22,8 @@ def chase(fishes: Fishes, minds: Minds, i: int, target: Vector, velocity: Vector
     mouth = mouth_of(fishes, i)
     toward = minus(target, mouth)
     distance = norm(toward)
-    meeting = min(distance / max(CRUISE_CM_S * fishes.length[i], 1.0), FORESIGHT_S)
+    speed = max(norm(vector(fishes.velocity[i])), LEAST_BL_S * fishes.length[i])
+    meeting = min(distance / max(speed, 1.0), FORESIGHT_S)
     ahead = plus(toward, times(meeting, minus(velocity, vector(fishes.drift[i]))))
     for axis in range(3):
         minds.urge[i, axis] = ahead[axis]

@@ -1,4 +1,4 @@
-"""Eating what floats: chase a speck of plankton and suck it in (Tu §7.8, §7.9.1)."""
+"""Eating: predators hunt, the others chase a speck of plankton and suck it in (Tu §7.8)."""
 
 from typing import Any
 
@@ -7,6 +7,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from subsea.behavior.chasing import chase, mouth_of
+from subsea.behavior.hunting import hunger as hunters_hunger
+from subsea.behavior.hunting import hunt
 from subsea.behavior.wandering import cruise, heading
 from subsea.kinematics.keyed import uniform
 from subsea.kinematics.vector import ZERO, minus, norm, vector
@@ -30,6 +32,9 @@ def desire(
 ) -> None:
     """Hunger, if there is more than `keen` of it and something to eat."""
     for i in who:
+        if minds.kind[i] == PREDATOR:
+            out[i] = hunters_hunger(minds, i, nature)
+            continue
         hunger = minds.mental[i, HUNGER]
         eats = minds.intention[i] == EAT
         least = nature.keen * (STILL_KEEN if eats else 1.0)
@@ -38,10 +43,13 @@ def desire(
 
 @njit(cache=True, error_model="numpy")
 def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
-    """Chase the speck that has the fish's attention; once it is near, open the mouth."""
+    """Hunt, or chase the speck that has the fish's attention; once it is near, open the mouth."""
     for i in who:
+        if minds.kind[i] == PREDATOR:
+            hunt(fishes, minds, i, sea, clock)
+            continue
         k = minds.target[i]
-        if minds.kind[i] == PREDATOR or k < 0 or sea.absent[k] > 0.0:
+        if k < 0 or sea.absent[k] > 0.0:
             toward = heading(fishes, minds, i, sea, clock)
             for axis in range(3):
                 minds.urge[i, axis] = toward[axis]

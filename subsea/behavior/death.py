@@ -1,0 +1,70 @@
+"""What becomes of the others when a fish is gone: eaten, or landed."""
+
+import numpy as np
+from numba import njit
+
+from subsea.kinematics.vector import dot, minus, norm, vector
+from subsea.state import MATE, NO_COURTSHIP, NOBODY, PREDATOR, Fishes, Minds
+
+
+@njit(cache=True, error_model="numpy")
+def remove(fishes: Fishes, minds: Minds, dead: int) -> None:
+    """Fish `dead` is no longer alive; nobody follows, courts, hunts or fears it any more.
+
+    Its school, if it led one, is led by the frontmost of those who followed (Tu §7.9.2).
+    """
+    fishes.alive[dead] = False
+    fishes.gape[dead] = 0.0
+    minds.leads[dead] = False
+    heir = _frontmost(fishes, minds, dead)
+    for i in range(len(minds.leader)):
+        if minds.leader[i] == dead:
+            minds.leader[i] = heir if i != heir else NOBODY
+        if minds.predator[i] == dead:
+            minds.predator[i] = NOBODY
+            minds.menace[i] = 0.0
+        if minds.threat[i] == dead:
+            minds.threat[i] = NOBODY
+        if minds.mate[i] == dead:
+            minds.mate[i] = NOBODY
+            minds.mate_distance[i] = np.inf
+        if minds.partner[i] == dead:
+            minds.partner[i] = NOBODY
+            minds.courtship[i] = NO_COURTSHIP
+        hunts = minds.kind[i] == PREDATOR
+        if minds.target[i] == dead and (hunts or minds.intention[i] == MATE):
+            minds.target[i] = NOBODY
+        if minds.memory_target[i] == dead and (hunts or minds.memory[i] == MATE):
+            minds.memory_target[i] = NOBODY
+        if hunts and minds.food[i] == dead:
+            minds.food[i] = NOBODY
+            minds.food_distance[i] = np.inf
+        for slot in range(minds.neighbour.shape[1]):
+            if minds.neighbour[i, slot] == dead:
+                # The list ends at the first NOBODY: those who come after move up.
+                minds.neighbour[i, slot:-1] = minds.neighbour[i, slot + 1 :].copy()
+                minds.neighbour[i, -1] = NOBODY
+    minds.leader[dead] = NOBODY
+    if heir != NOBODY:
+        # With a single follower nobody is left to be led.
+        minds.leads[heir] = _has_followers(minds, heir)
+
+
+@njit(cache=True, error_model="numpy")
+def _frontmost(fishes: Fishes, minds: Minds, leader: int) -> int:
+    """Of the living followers of `leader` the one farthest ahead along its heading, or NOBODY."""
+    ahead, there = vector(fishes.goal_direction[leader]), vector(fishes.position[leader])
+    if norm(ahead) < 1e-6:
+        ahead = (1.0, 0.0, 0.0)
+    best, farthest = NOBODY, -np.inf
+    for i in range(len(minds.leader)):
+        if minds.leader[i] == leader and fishes.alive[i]:
+            lead = dot(minus(vector(fishes.position[i]), there), ahead)
+            if lead > farthest:
+                best, farthest = i, lead
+    return best
+
+
+@njit(cache=True, error_model="numpy")
+def _has_followers(minds: Minds, leader: int) -> bool:
+    return bool((minds.leader == leader).any())

@@ -1,0 +1,151 @@
+"""Hunting: chase a prey, open the mouth and suck it in (Tu §7.8.2, §7.9.1)."""
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from subsea.behavior.chasing import chase, mouth_of
+from subsea.behavior.death import remove
+from subsea.behavior.wandering import cruise, heading
+from subsea.kinematics.rotation import rotate
+from subsea.kinematics.vector import Vector, dot, minus, norm, times, vector
+from subsea.state import EAT, HUNGER, PREDATOR, PREY, Clock, Fishes, Minds, Nature, Sea
+
+Array = NDArray[np.floating[Any]]
+Ints = NDArray[np.integer[Any]]
+
+STILL_HUNGRY = 0.6  # of `keen`: a hunter goes on until its hunger is below that share of it
+STALK = 0.7  # share of the fastest speed at which it comes up
+BURST_BL = 2.5  # within this distance it throws itself forward ...
+AIM_RAD = np.radians(50.0)  # ... if it heads for the prey, ...
+BRAKED = 0.12  # ... and if not it slows down, to turn on the spot
+STRAIN = 2.0  # s of fatigue that each second of a burst adds
+RESTED_S = 25.0  # a hunter that gave up begins anew once its fatigue is less
+CHEW_S = 2.0  # it grinds what it caught
+CHEWS_PER_S = 2.5
+
+FITS = 0.45  # of its own length is the longest prey that it can swallow
+OPEN_BL = 0.32  # the mouth is open once the prey is so near
+SUCK_BL = 0.28  # the vacuum reaches so far ...
+SUCK_BL_S = 0.9  # ... and draws that fast at the mouth
+MOUTH_BL, MIDDLE = 0.05, 0.2  # a prey is in the mouth when its middle is within so much of the
+# hunter's length and of its own
+
+
+@njit(cache=True, error_model="numpy")
+def hunger(minds: Minds, i: int, nature: Nature) -> float:
+    """How much a predator wants to hunt: its hunger, if it isn't tired from the last chase."""
+    hunts = minds.intention[i] == EAT
+    least = nature.keen * (STILL_HUNGRY if hunts else 1.0)
+    tired = not hunts and minds.fatigue[EAT, i] > RESTED_S
+    if minds.food[i] < 0 or tired or minds.mental[i, HUNGER] <= least:
+        return 0.0
+    return max(minds.mental[i, HUNGER], nature.keen + 1e-6)
+
+
+@njit(cache=True, error_model="numpy")
+def hunt(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
+    """Come up, burst forward once near, and open the mouth before the prey.
+
+    Without a prey, or while it still chews the last one, it cruises.
+    """
+    j = minds.target[i] if minds.target[i] >= 0 else minds.food[i]
+    since = clock.tick * clock.dt - minds.last_meal[i]
+    chews = since < CHEW_S and minds.eaten[i] > 0.0 and minds.last_meal[i] > 0.0
+    if j < 0 or not fishes.alive[j] or chews:
+        toward = heading(fishes, minds, i, sea, clock)
+        for axis in range(3):
+            minds.urge[i, axis] = toward[axis]
+        fishes.goal_speed[i] = cruise(fishes, minds, i)
+        if chews:
+            fishes.gape[i] = 0.15 + 0.15 * np.sin(2.0 * np.pi * CHEWS_PER_S * since)
+        return
+    minds.target[i] = j
+    distance = chase(fishes, minds, i, vector(fishes.position[j]), vector(fishes.velocity[j]))
+    length = fishes.length[i]
+    if distance > BURST_BL * length:
+        fishes.goal_speed[i] = STALK
+    elif _aside(fishes, minds, i) > AIM_RAD:
+        fishes.goal_speed[i] = BRAKED
+    else:
+        fishes.goal_speed[i] = 1.0
+        minds.fatigue[EAT, i] += STRAIN * minds.pause[i]
+    fishes.gape[i] = 1.0 if distance < OPEN_BL * length else 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def _aside(fishes: Fishes, minds: Minds, i: int) -> float:
+    """The angle between where fish i heads and where it wants to go, rad."""
+    ahead, urge = rotate(fishes.orientation[i], (1.0, 0.0, 0.0)), vector(minds.urge[i])
+    return np.arccos(min(max(dot(ahead, urge) / max(norm(urge), 1e-9), -1.0), 1.0))
+
+
+@njit(cache=True, error_model="numpy")
+def inhale(fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
+    """Draw what is near toward the open mouths of hunters, every tick; prey in them is eaten.
+
+    Fishes are drawn by their `drift`, specks of plankton at once. The mouths are few and sorted
+    along x, so that each thing looks only at those about it: never all pairs.
+    """
+    mouths = np.flatnonzero(
+        (fishes.gape > 0.5) & (minds.kind == PREDATOR) & (minds.intention == EAT) & fishes.alive
+    )
+    if len(mouths) == 0:
+        return
+    x = np.array([mouth_of(fishes, i)[0] for i in mouths])
+    order = np.argsort(x, kind="mergesort")
+    mouths, x = mouths[order], x[order]
+    farthest = SUCK_BL * fishes.length[mouths].max()
+    for j in range(len(fishes.species)):
+        if not fishes.alive[j]:
+            continue
+        there = vector(fishes.position[j])
+        for k in range(np.searchsorted(x, there[0] - farthest), len(mouths)):
+            i = mouths[k]
+            if x[k] > there[0] + farthest or not fishes.alive[j]:
+                break
+            if i == j:
+                continue
+            toward = minus(mouth_of(fishes, i), there)
+            flow = suction(toward, fishes.length[i], clock.dt)
+            # A fish that would not go into the mouth resists.
+            small = min(FITS * fishes.length[i] / fishes.length[j], 1.0) ** 2
+            for axis in range(3):
+                fishes.drift[j, axis] += np.float32(small * flow[axis])
+            within = MOUTH_BL * fishes.length[i] + MIDDLE * fishes.length[j]
+            if minds.kind[j] == PREY and small == 1.0 and norm(toward) < within:
+                _swallow(fishes, minds, i, j, clock)
+    for k in range(len(sea.plankton)):
+        there = vector(sea.plankton[k])
+        for m in range(np.searchsorted(x, there[0] - farthest), len(mouths)):
+            if x[m] > there[0] + farthest:
+                break
+            i = mouths[m]
+            flow = suction(minus(mouth_of(fishes, i), there), fishes.length[i], clock.dt)
+            for axis in range(3):
+                sea.plankton[k, axis] += np.float32(flow[axis] * clock.dt)
+
+
+@njit(cache=True, error_model="numpy")
+def suction(toward: Vector, length: float, dt: float) -> Vector:
+    """Velocity, cm/s, of what lies `toward` (cm) the open mouth of a hunter so long (cm).
+
+    It falls to nothing at the vacuum's reach, and carries nothing past the mouth in `dt` s.
+    """
+    distance, reach = norm(toward), SUCK_BL * length
+    if distance >= reach or distance < 1e-6:
+        return (0.0, 0.0, 0.0)
+    speed = min(SUCK_BL_S * length * (1.0 - distance / reach), distance / dt)
+    return times(speed / distance, toward)
+
+
+@njit(cache=True, error_model="numpy")
+def _swallow(fishes: Fishes, minds: Minds, i: int, j: int, clock: Clock) -> None:
+    """Hunter i eats prey j."""
+    remove(fishes, minds, j)
+    minds.eaten[i] += 1.0
+    minds.last_meal[i] = clock.tick * clock.dt
+    minds.fatigue[EAT, i] = 0.0
+    minds.target[i] = -1
