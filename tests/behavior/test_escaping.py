@@ -18,7 +18,6 @@ from subsea.behavior.escaping import (
     turn_of,
 )
 from subsea.behavior.table import BEHAVIORS, DESIRES
-from subsea.scenario import load_scenario
 from subsea.state import (
     FEAR,
     NOBODY,
@@ -30,7 +29,7 @@ from subsea.state import (
     empty_fishes,
     empty_minds,
 )
-from subsea.world import create_world, heading_quaternion
+from subsea.world import heading_quaternion
 
 DREAD = 200.0
 FAR, NEAR = -0.5, 0.4
@@ -38,11 +37,9 @@ CLOCK = Clock(1, 0, 0.033)
 
 
 @pytest.fixture(scope="module")
-def around():
+def around(tank):
     """A sea and its nature."""
-    scenario, _ = load_scenario("peaceful")
-    world = create_world(scenario, fish=0)
-    return world.state.sea, world.nature
+    return tank(0).sea, tank(0).nature
 
 
 def _pair(place, heading=0.0, speed=40.0):

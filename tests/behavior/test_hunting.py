@@ -1,5 +1,6 @@
 """How predators hunt, and what an open mouth draws in."""
 
+import msgspec
 import numpy as np
 import pytest
 from hypothesis import given
@@ -22,7 +23,7 @@ from subsea.behavior.hunting import (
     suction,
 )
 from subsea.behavior.table import BEHAVIORS, DESIRES
-from subsea.scenario import load_scenario
+from subsea.scenario import Shoal, load_scenario
 from subsea.state import EAT, HUNGER, PACIFIST, PREDATOR, PREY, Clock, empty_fishes, empty_minds
 from subsea.world import create_world, heading_quaternion
 
@@ -33,11 +34,11 @@ CLOCK = Clock(1, 1000, DT)
 
 
 @pytest.fixture
-def around():
+def around(tank):
     """A sea and its nature."""
-    world = create_world(load_scenario("peaceful")[0], fish=0)
-    world.state.sea.plankton[:] = 1e4, 0.0, -300.0
-    return world.state.sea, world.nature
+    one = tank(0, specks=1)
+    one.sea.plankton[0] = 1e4, 0.0, -300.0
+    return one.sea, one.nature
 
 
 def _hunter(*prey, kind=PREY, length=20.0, gape=1.0):
@@ -204,10 +205,6 @@ def test_what_is_not_swallowed(around, hindrance):
 
 def test_a_shoal_may_be_of_another_kind_than_its_species():
     scenario, _ = load_scenario("peaceful")
-    shoal = type(scenario.fish[0])(species="moon_wrasse", number=2, kind="predator")
-    world = create_world(type(scenario)(**{**_fields(scenario), "fish": [shoal]}))
+    shoal = Shoal(species="moon_wrasse", number=2, kind="predator")
+    world = create_world(msgspec.structs.replace(scenario, fish=[shoal]))
     assert (world.state.minds.kind == PREDATOR).all()
-
-
-def _fields(scenario):
-    return {name: getattr(scenario, name) for name in scenario.__struct_fields__}
