@@ -1,21 +1,68 @@
-"""The water's flow: a uniform current whose strength swings (Tu §8.1)."""
+"""The water's flow: a uniform current that swings, and around each solid a source (Tu §8.1)."""
 
 from typing import Any
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
+from subsea.habitat.solids import from_pillar, from_rock
+from subsea.kinematics.vector import Vector, plus, times, vector
 from subsea.state import Fishes, Sea
 
+Array = NDArray[np.floating[Any]]
+
 PERIOD_S = 14.0
+SOURCE_CM = 40.0  # so near to a solid its source is as strong as the current: none flows in
+SPAN = 10.0  # so many times as far away a source has 1% of its strength, and is left out
 
 
-def flow_at(current_cm_s: tuple[float, float], time_s: float) -> NDArray[np.floating[Any]]:
-    """Velocity of the water (3,) in cm/s: v = a·sin(ωt) along a fixed direction."""
+def flow_at(current_cm_s: tuple[float, float], time_s: float) -> Array:
+    """Velocity of the uniform current (3,) in cm/s: v^u = a·sin(ωt) along a fixed direction."""
     swing = np.sin(2 * np.pi * time_s / PERIOD_S)
     return np.array([current_cm_s[0] * swing, current_cm_s[1] * swing, 0.0])
 
 
-def carry(fishes: Fishes, sea: Sea, flow: NDArray[np.floating[Any]]) -> None:
+@njit(cache=True, error_model="numpy")
+def flow_near(pillars: Array, rocks: Array, flow: Vector, p: Vector) -> Vector:
+    """Velocity of the water at p, cm/s: the uniform `flow` and the sources of the solids near.
+
+    Tu's source, v^s = a/(d - r)² outward from the axis of a pillar and below its top, is given
+    the present strength of the uniform flow for a, distances in units of SOURCE_CM, and no more
+    than that strength. Of a rock the distance is that from its surface. All flow is level.
+    """
+    strength = np.sqrt(flow[0] * flow[0] + flow[1] * flow[1])
+    if strength == 0.0:
+        return flow
+    reach = SPAN * SOURCE_CM
+    for k in range(len(pillars)):
+        x, y, radius, top = pillars[k]
+        far = radius + reach
+        if p[2] < top and abs(p[0] - x) < far and abs(p[1] - y) < far:
+            way, gap = from_pillar((x, y, radius, np.inf), p)
+            flow = plus(flow, times(_source(strength, gap), way))
+    for k in range(len(rocks)):
+        far = max(rocks[k, 3], rocks[k, 4]) + reach
+        if abs(p[0] - rocks[k, 0]) < far and abs(p[1] - rocks[k, 1]) < far:
+            way, gap = from_rock(rocks[k], p)
+            flow = plus(flow, times(_source(strength, gap), (way[0], way[1], 0.0)))
+    return flow
+
+
+@njit(cache=True, error_model="numpy")
+def _source(strength: float, gap: float) -> float:
+    """Speed of the water that a source sends out, `gap` cm from its solid."""
+    gap = gap / SOURCE_CM
+    if gap > SPAN:
+        return 0.0
+    return strength / max(gap, 1.0) ** 2
+
+
+@njit(cache=True, error_model="numpy")
+def carry(fishes: Fishes, sea: Sea, flow: Array) -> None:
     """Set `fishes.drift`: the velocity of the water where each fish is."""
-    fishes.drift[:] = flow
+    uniform = vector(flow)
+    for i in range(len(fishes.drift)):
+        here = flow_near(sea.pillars, sea.rocks, uniform, vector(fishes.position[i]))
+        for axis in range(3):
+            fishes.drift[i, axis] = here[axis]

@@ -6,8 +6,11 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from subsea.habitat.current import flow_near
+from subsea.habitat.solids import is_free
 from subsea.kinematics.heightfield import height_at
 from subsea.kinematics.keyed import uniform
+from subsea.kinematics.vector import Vector, plus, times, vector
 from subsea.state import Clock, Sea
 
 Array = NDArray[np.floating[Any]]
@@ -16,49 +19,82 @@ WANDER_CM_S = 4.0  # size of a speck's own random motion
 HOLD_TICKS = 45  # a speck keeps its random direction this long
 CLEARANCE_CM = 12.0  # from the seabed and from the surface
 RETURN_PURPOSE = 110  # key of the random numbers
+TRIES = 100  # places that a speck is offered before it is left in a solid
+NOTHING = np.zeros((0, 7))
 
 
 def scatter(
-    rng: np.random.Generator, number: int, radius: float, heights: Array, half_width: float
+    rng: np.random.Generator,
+    number: int,
+    radius: float,
+    heights: Array,
+    half_width: float,
+    pillars: Array = NOTHING,
+    rocks: Array = NOTHING,
 ) -> Array:
-    """Places (p, 3) float32, cm: even over the cylinder's area and over the water's height."""
+    """Places (p, 3) float32, cm: even over the cylinder's area and over the water's height.
+
+    None lies in a pillar or a rock, unless that fills the sea.
+    """
     angle = rng.uniform(0, 2 * np.pi, number)
     distance = radius * np.sqrt(rng.uniform(0, 1, number))
     share = rng.uniform(0, 1, number)
     places = np.zeros((number, 3), np.float32)
     for k in range(number):
-        x, y = distance[k] * np.cos(angle[k]), distance[k] * np.sin(angle[k])
-        floor = height_at(heights, half_width, x, y) + CLEARANCE_CM
-        places[k] = x, y, floor + share[k] * (-CLEARANCE_CM - floor)
+        for _ in range(TRIES):
+            x, y = distance[k] * np.cos(angle[k]), distance[k] * np.sin(angle[k])
+            floor = height_at(heights, half_width, x, y) + CLEARANCE_CM
+            places[k] = x, y, floor + share[k] * (-CLEARANCE_CM - floor)
+            if is_free(pillars, rocks, vector(places[k])):
+                break
+            angle[k], share[k] = rng.uniform(0, 2 * np.pi), rng.uniform(0, 1)
+            distance[k] = radius * np.sqrt(rng.uniform(0, 1))
     return places
 
 
 @njit(cache=True, error_model="numpy")
 def drift(sea: Sea, flow: Array, clock: Clock) -> None:
-    """Move every speck by one tick; one that leaves the cylinder comes in on the other side.
+    """Move every speck by one tick with the water where it is, and a little on its own.
 
-    A speck that was eaten comes in again after its absence, where the current enters.
+    One that leaves the cylinder comes in on the other side; one that was eaten comes in again
+    after its absence, where the current enters. None enters a pillar or a rock: it waits.
     """
+    uniform_flow = vector(flow)
     for k in range(len(sea.plankton)):
         speck = sea.plankton[k]
         if sea.absent[k] > 0.0:
-            sea.absent[k] = max(sea.absent[k] - clock.dt, 0.0)
+            sea.absent[k] = max(sea.absent[k] - np.float32(clock.dt), np.float32(0.0))
             if sea.absent[k] == 0.0:
                 angle = np.arctan2(-flow[1], -flow[0])
                 angle += 2.0 * uniform(clock.seed, k, clock.tick, RETURN_PURPOSE) - 1.0
-                speck[0] = 0.97 * sea.radius * np.cos(angle)
-                speck[1] = 0.97 * sea.radius * np.sin(angle)
+                x, y = 0.97 * sea.radius * np.cos(angle), 0.97 * sea.radius * np.sin(angle)
+                floor = height_at(sea.heights, sea.half_width, x, y) + CLEARANCE_CM
                 share = uniform(clock.seed, k, clock.tick, RETURN_PURPOSE + 1)
-                floor = height_at(sea.heights, sea.half_width, speck[0], speck[1]) + CLEARANCE_CM
-                speck[2] = floor + share * (-CLEARANCE_CM - floor)
+                entry = (x, y, floor + share * (-CLEARANCE_CM - floor))
+                if is_free(sea.pillars, sea.rocks, entry):
+                    _put(speck, entry)
+                else:
+                    sea.absent[k] = clock.dt  # tries again in the next tick
             continue
         epoch = (clock.tick + k) // HOLD_TICKS
-        for axis in range(3):
-            own = WANDER_CM_S * (2.0 * uniform(clock.seed, k, epoch, 100 + axis) - 1.0)
-            speck[axis] += np.float32((flow[axis] + own) * clock.dt)
-        if speck[0] * speck[0] + speck[1] * speck[1] > sea.radius * sea.radius:
-            shrink = np.float32(-0.98)
-            speck[0] *= shrink
-            speck[1] *= shrink
-        floor = height_at(sea.heights, sea.half_width, speck[0], speck[1]) + CLEARANCE_CM
-        speck[2] = np.float32(min(max(speck[2], floor), -CLEARANCE_CM))
+        own = (
+            WANDER_CM_S * (2.0 * uniform(clock.seed, k, epoch, 100) - 1.0),
+            WANDER_CM_S * (2.0 * uniform(clock.seed, k, epoch, 101) - 1.0),
+            WANDER_CM_S * (2.0 * uniform(clock.seed, k, epoch, 102) - 1.0),
+        )
+        here = vector(speck)
+        velocity = plus(flow_near(sea.pillars, sea.rocks, uniform_flow, here), own)
+        x, y, z = plus(here, times(clock.dt, velocity))
+        if x * x + y * y > sea.radius * sea.radius:
+            x, y = -0.98 * x, -0.98 * y
+        floor = height_at(sea.heights, sea.half_width, x, y) + CLEARANCE_CM
+        there = (x, y, min(max(z, floor), -CLEARANCE_CM))
+        # One that a mouth has drawn into a solid must get out again.
+        if is_free(sea.pillars, sea.rocks, there) or not is_free(sea.pillars, sea.rocks, here):
+            _put(speck, there)
+
+
+@njit(cache=True, error_model="numpy")
+def _put(speck: Array, place: Vector) -> None:
+    for axis in range(3):
+        speck[axis] = place[axis]

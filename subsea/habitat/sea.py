@@ -31,7 +31,7 @@ def make_sea(scenario: Scenario, rng: np.random.Generator) -> Sea:
         pillars=pillars,
         rocks=rocks,
         climate=np.array([surface_c, depth_c, scenario.bounds.depth_cm, water.light_depth_cm]),
-        plankton=plankton.scatter(rng, water.plankton, radius, heights, width),
+        plankton=plankton.scatter(rng, water.plankton, radius, heights, width, pillars, rocks),
         absent=np.zeros(water.plankton, np.float32),
         seaweed=np.zeros((0, 6), np.float32),
         submarine=np.zeros(6),

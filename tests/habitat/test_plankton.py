@@ -1,29 +1,28 @@
-"""Plankton and the current that carries it."""
+"""Plankton: it drifts with the water, past what stands there, is eaten and comes again."""
 
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from subsea.habitat.current import PERIOD_S, flow_at
 from subsea.habitat.plankton import CLEARANCE_CM, drift, scatter
-from subsea.state import Clock, Sea
+from subsea.habitat.solids import clearance
+from subsea.kinematics.vector import vector
+from subsea.state import Clock
 
+DT = 0.033
 RADIUS, WIDTH = 500.0, 800.0
 FLOOR = np.full((5, 5), -300.0, np.float32)
+PILLARS = np.array([(0.0, 0.0, 80.0, -60.0), (60.0, 40.0, 70.0, 50.0), (-470.0, 0.0, 60.0, -10.0)])
+ROCKS = np.array([(-200.0, 100.0, -280.0, 90.0, 60.0, 50.0, 0.4)])
 
 
-def _scattered(number=300, seed=0):
-    return scatter(np.random.default_rng(seed), number, RADIUS, FLOOR, WIDTH)
+def _scattered(number=300, seed=0, pillars=PILLARS[:0], rocks=ROCKS[:0]):
+    return scatter(np.random.default_rng(seed), number, RADIUS, FLOOR, WIDTH, pillars, rocks)
 
 
-def _sea(number, radius=RADIUS, width=WIDTH):
-    specks = _scattered(number)
-    return Sea(
-        heights=FLOOR, half_width=width, radius=radius,
-        pillars=np.zeros((0, 4)), rocks=np.zeros((0, 7)), climate=np.zeros(4),
-        plankton=specks, absent=np.zeros(number, np.float32),
-        seaweed=np.zeros((0, 6), np.float32), submarine=np.zeros(6),
-    )  # fmt: skip
+def _pass(sea, flow, ticks, seed=0, first=0):
+    for tick in range(first, first + ticks):
+        drift(sea, np.array(flow), Clock(seed, tick, DT))
 
 
 def test_scattered_evenly_in_the_water():
@@ -34,28 +33,69 @@ def test_scattered_evenly_in_the_water():
     assert specks[:, 2].max() <= -CLEARANCE_CM
 
 
+def test_none_is_scattered_into_a_solid():
+    bare, specks = _scattered(2000), _scattered(2000, pillars=PILLARS, rocks=ROCKS)
+    assert min(clearance(PILLARS, ROCKS, vector(p)) for p in bare) < -30.0
+    assert min(clearance(PILLARS, ROCKS, vector(p)) for p in specks) >= 0.0
+    moved = (bare != specks).any(axis=1)
+    assert 0.03 < moved.mean() < 0.2  # the others stay where they were
+
+
 @given(st.floats(-60, 60), st.floats(-60, 60), st.integers(0, 1000))
 @settings(max_examples=20)
-def test_stays_in_the_sea_whatever_the_current(vx, vy, seed):
-    sea = _sea(60)
-    specks = sea.plankton
+def test_stays_in_the_sea_whatever_the_current(make_sea, vx, vy, seed):
+    sea = make_sea(_scattered(60))
+    _pass(sea, (vx, vy, 0.0), 200, seed)
+    assert np.hypot(sea.plankton[:, 0], sea.plankton[:, 1]).max() <= RADIUS * 1.01
+    assert sea.plankton[:, 2].min() >= -300 + CLEARANCE_CM - 1e-3
+    assert sea.plankton[:, 2].max() <= -CLEARANCE_CM + 1e-3
+
+
+@given(st.floats(-60, 60), st.floats(-60, 60), st.integers(0, 1000))
+@settings(max_examples=20)
+def test_none_ever_enters_a_pillar_or_a_rock(make_sea, vx, vy, seed):
+    sea = make_sea(_scattered(150, seed, PILLARS, ROCKS), PILLARS, ROCKS)
     for tick in range(200):
-        drift(sea, np.array([vx, vy, 0.0]), Clock(seed, tick, 0.033))
-    assert np.hypot(specks[:, 0], specks[:, 1]).max() <= RADIUS * 1.01
-    assert specks[:, 2].min() >= -300 + CLEARANCE_CM - 1e-3
-    assert specks[:, 2].max() <= -CLEARANCE_CM + 1e-3
+        sea.absent[tick % 150] = DT  # eaten, and back in the next tick
+        drift(sea, np.array([vx, vy, 0.0]), Clock(seed, tick, DT))
+        assert min(clearance(PILLARS, ROCKS, vector(p)) for p in sea.plankton) > -1e-3
 
 
-def test_the_crowd_moves_with_the_water():
-    sea = _sea(2000, 1e6, 2e6)
-    specks, before = sea.plankton, sea.plankton.copy()
-    for tick in range(30):
-        drift(sea, np.array([10.0, 0.0, 0.0]), Clock(1, tick, 0.033))
-    np.testing.assert_allclose((specks - before).mean(axis=0)[:2], [9.9, 0.0], atol=0.3)
+def test_the_crowd_moves_with_the_water(make_sea):
+    sea = make_sea(_scattered(2000), radius=1e6)
+    before = sea.plankton.copy()
+    _pass(sea, (10.0, 0.0, 0.0), 30, seed=1)
+    np.testing.assert_allclose((sea.plankton - before).mean(axis=0)[:2], [9.9, 0.0], atol=0.3)
 
 
-def test_the_current_swings_about_nothing():
-    times = np.linspace(0, PERIOD_S, 1000, endpoint=False)
-    flow = np.array([flow_at((3.0, -1.0), t) for t in times])
-    np.testing.assert_allclose(flow.mean(axis=0), 0.0, atol=1e-9)
-    np.testing.assert_allclose(np.abs(flow).max(axis=0), [3.0, 1.0, 0.0], rtol=1e-4)
+def test_what_is_eaten_stays_away_and_comes_in_where_the_current_enters(make_sea):
+    sea = make_sea(_scattered(100))
+    eaten = np.arange(0, 100, 2)
+    sea.absent[eaten] = 1.0  # s
+    held = sea.plankton[eaten].copy()
+    _pass(sea, (4.0, 3.0, 0.0), 29)
+    assert (sea.absent > 0.0).sum() == 50
+    np.testing.assert_array_equal(sea.plankton[eaten], held)
+    _pass(sea, (4.0, 3.0, 0.0), 2, first=29)
+    assert (sea.absent == 0.0).all()
+    back = sea.plankton[eaten]
+    np.testing.assert_allclose(np.hypot(back[:, 0], back[:, 1]), 0.97 * RADIUS, rtol=1e-3)
+    upstream = np.array([-0.8, -0.6])
+    assert (back[:, :2] @ upstream > 0.97 * RADIUS * np.cos(1.01)).all()
+    assert len(np.unique(back[:, 2])) == 50
+
+
+def test_it_goes_on_in_the_same_way_from_the_same_seed(make_sea):
+    ends = []
+    for seed in (7, 7, 8):
+        sea = make_sea(_scattered(100, 0, PILLARS, ROCKS), PILLARS, ROCKS)
+        sea.absent[::3] = 0.2
+        _pass(sea, (4.0, 3.0, 0.0), 60, seed)
+        ends.append(sea.plankton.tobytes())
+    assert ends[0] == ends[1] != ends[2]
+
+
+def test_one_that_was_drawn_into_a_rock_gets_out_again(make_sea):
+    sea = make_sea([ROCKS[0, :3]], rocks=ROCKS)
+    _pass(sea, (40.0, 0.0, 0.0), 200)
+    assert clearance(PILLARS[:0], ROCKS, vector(sea.plankton[0])) > 0.0
