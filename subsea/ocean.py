@@ -9,6 +9,7 @@ from subsea.behavior.intention import choose
 from subsea.behavior.mental import feel
 from subsea.behavior.table import BEHAVIOR_OF_DESIRE, LEVEL_OF_DESIRE, TIRES, act, want
 from subsea.habitat import plankton
+from subsea.habitat.bow_wave import push
 from subsea.habitat.current import carry, flow_at
 from subsea.kinematics.heightfield import height_at
 from subsea.motor.controller import command
@@ -19,7 +20,7 @@ from subsea.perception.neighbours import REACH_CM, find_neighbours
 from subsea.perception.turns import whose_turn
 from subsea.state import Clock
 from subsea.submarine.helm import Helm
-from subsea.submarine.hull import step_hull
+from subsea.submarine.hull import hull_axes, step_hull
 from subsea.world import TICK_S, World, create_world
 
 __all__ = ["TICK_S", "World", "create_world", "step"]
@@ -35,9 +36,11 @@ def step(world: World, helm: Helm) -> None:
     clock = Clock(state.seed, state.tick, TICK_S)
     flow = flow_at(world.scenario.water.current_cm_s, state.tick * TICK_S)
     with _stage(world, "habitat"):
-        sea.submarine[:3], sea.submarine[3:] = state.submarine.position, state.submarine.velocity
+        sea.submarine[:3], sea.submarine[3:6] = state.submarine.position, state.submarine.velocity
+        sea.submarine[6:] = hull_axes(*state.submarine.angles)[0]
         plankton.drift(sea, flow, clock)
         carry(fishes, sea, flow)
+        push(fishes, sea)
     with _stage(world, "perception"):
         who = whose_turn(fishes, minds, sea, world.scenario.water.visibility_cm, clock)
         find_neighbours(who, fishes, minds, REACH_CM)

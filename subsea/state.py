@@ -15,6 +15,7 @@ Ints = NDArray[np.integer[Any]]
 
 NEIGHBOURS = 6  # how many companions a fish attends to
 NOBODY, SUBMARINE = -1, -2  # where an index of a fish is expected
+HULL_CM = 45.0  # radius of the submarine, with a hand's breadth to spare
 KINDS = ("pacifist", "prey", "predator")  # Tu §7.9
 PACIFIST, PREY, PREDATOR = range(3)
 
@@ -171,7 +172,7 @@ class Sea(NamedTuple):
     seaweed: Array  # (c, 6) float32, cm: lowest and highest corner of each cluster's bounding box
 
     # Written by submarine, before the tick.
-    submarine: Array  # (6,) float64: place, cm, and velocity, cm/s
+    submarine: Array  # (9,) float64: place, cm, velocity, cm/s, and the unit vector of its gaze
 
 
 class Nature(NamedTuple):

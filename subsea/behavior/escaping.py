@@ -74,7 +74,7 @@ def danger_of(fishes: Fishes, minds: Minds, i: int, sea: Sea, nature: Nature) ->
     """What fish i sees of `minds.predator[i]`, which must not be NOBODY."""
     j = minds.predator[i]
     if j == SUBMARINE:
-        there, velocity = vector(sea.submarine[:3]), vector(sea.submarine[3:])
+        there, velocity = vector(sea.submarine[:3]), vector(sea.submarine[3:6])
         dread = nature.submarine_cm
     else:
         there, velocity = vector(fishes.position[j]), vector(fishes.velocity[j])

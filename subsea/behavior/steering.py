@@ -10,7 +10,7 @@ from subsea.kinematics.heightfield import height_at
 from subsea.kinematics.rotation import rotate
 from subsea.kinematics.solids import from_pillar, from_rock
 from subsea.kinematics.vector import Vector, dot, minus, norm, plus, times, unit, vector
-from subsea.state import LEFT, RIGHT, Clock, Fishes, Minds, Sea
+from subsea.state import HULL_CM, LEFT, RIGHT, Clock, Fishes, Minds, Sea
 
 Ints = NDArray[np.integer[Any]]
 
@@ -18,6 +18,7 @@ EASE = 4.0  # 1/s: how fast a wish may change, so that no fish twitches
 ROOM_BL = 4.0  # a fish needs so many body lengths to turn away from what it heads for
 BODY_BL = 0.45  # no part of it is farther than that from its middle ...
 CLEARANCE_CM = 8.0  # ... and so much of the water beyond stays free
+HULL_AHEAD_S = 1.5  # how far ahead fishes reckon with the submarine's motion
 SLOPE_CM = 20.0  # over which the seabed's slope is taken
 
 
@@ -40,6 +41,7 @@ def keep_clear(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> None:
         for _ in range(2):
             urge = _inside(fishes, i, sea, urge)
             urge = _around(fishes, i, sea, urge)
+            urge = _off_the_hull(fishes, i, sea, urge)
         for axis in range(3):
             minds.urge[i, axis] = urge[axis]
 
@@ -79,6 +81,26 @@ def _around(fishes: Fishes, i: int, sea: Sea, urge: Vector) -> Vector:
         if distance < reach + room:
             urge = constrained(urge, normal, distance - reach, room)
     return urge
+
+
+@njit(cache=True, error_model="numpy")
+def _off_the_hull(fishes: Fishes, i: int, sea: Sea, urge: Vector) -> Vector:
+    """The wish constrained by the submarine, from where that will be nearest: aside, not ahead."""
+    away = minus(vector(fishes.position[i]), vector(sea.submarine[:3]))
+    reach = HULL_CM + BODY_BL * fishes.length[i] + CLEARANCE_CM
+    room = ROOM_BL * fishes.length[i]
+    velocity = vector(sea.submarine[3:6])
+    speed = norm(velocity)
+    if norm(away) > reach + room + HULL_AHEAD_S * speed:
+        return urge
+    if speed > 1.0:
+        until = min(max(dot(away, velocity) / speed**2, 0.0), HULL_AHEAD_S)
+        away = minus(away, times(until, velocity))
+    distance = norm(away)
+    if distance >= reach + room:
+        return urge
+    normal = (0.0, 0.0, 1.0) if distance < 1.0 else times(1.0 / distance, away)
+    return constrained(urge, normal, distance - reach, room)
 
 
 @njit(cache=True, error_model="numpy")

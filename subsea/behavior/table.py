@@ -6,7 +6,16 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.behavior import avoiding, eating, escaping, leaving, mating, schooling, wandering
+from subsea.behavior import (
+    avoiding,
+    curious,
+    eating,
+    escaping,
+    leaving,
+    mating,
+    schooling,
+    wandering,
+)
 from subsea.state import Clock, Fishes, Minds, Nature, Sea
 
 Ints = NDArray[np.integer[Any]]
@@ -43,6 +52,7 @@ BEHAVIORS = (
     Behavior("mate", mating.act, ((APPETITE, mating.desire),), tires=True),
     Behavior("leave", leaving.act, ((EASE, leaving.desire),)),
     Behavior("wander", wandering.act, ((EASE, wandering.desire),)),
+    Behavior("curious", curious.act, ((EASE, curious.desire),), tires=True),
 )
 INTENTIONS = tuple(behavior.name for behavior in BEHAVIORS)
 

@@ -34,5 +34,5 @@ def make_sea(scenario: Scenario, rng: np.random.Generator) -> Sea:
         plankton=plankton.scatter(rng, water.plankton, radius, heights, width, pillars, rocks),
         absent=np.zeros(water.plankton, np.float32),
         seaweed=np.zeros((0, 6), np.float32),
-        submarine=np.zeros(6),
+        submarine=np.zeros(9),
     )

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.scenario import Bounds
-from subsea.state import Submarine
+from subsea.state import HULL_CM, Submarine
 from subsea.submarine.helm import Helm
 
 Array = NDArray[np.floating[Any]]
@@ -30,7 +30,7 @@ BRAKE = 2.2  # 1/s, added to every linear term by a full stop: 120 cm/s to 1 cm/
 
 RIGHTING = 3.0  # 1/s; the buoyancy above the ballast levels the hull, critically damped
 
-CLEARANCE_CM = 45.0  # the hull's own radius with a hand's breadth to spare
+CLEARANCE_CM = HULL_CM
 APPROACH_S = 1.0  # a wall at distance d may be approached at d / APPROACH_S, so never reached
 RETURN_CM_S = 40.0  # fastest push back for a hull that finds itself too close
 PROBE_CM = 25.0  # half the distance over which the slope of the seabed is felt

@@ -62,7 +62,7 @@ def make_tank(
         climate=np.array([27.0, 21.0, DEPTH, 700.0]),
         plankton=np.zeros((specks, 3), np.float32), absent=np.zeros(specks, np.float32),
         seaweed=np.zeros((0, 6), np.float32),
-        submarine=np.array([0.0, 0.0, 1e6, 0.0, 0.0, 0.0]),
+        submarine=np.array([0.0, 0.0, 1e6, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0]),
     )  # fmt: skip
     constants = {name: getattr(Temper(), name) for name in Nature._fields}
     return Tank(fishes, minds, sea, Nature(**(constants | nature)), Clock(seed, 1, TICK))

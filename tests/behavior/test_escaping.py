@@ -148,11 +148,11 @@ def test_the_submarine_heads_where_it_goes_and_at_rest_for_the_fish(around):
     sea, nature = around
     fishes, minds = _pair((0.0, 0.0, 0.0))
     minds.predator[0] = SUBMARINE
-    sea.submarine[:] = -60.0, 0.0, -300.0, 0.0, 50.0, 0.0
+    sea.submarine[:6] = -60.0, 0.0, -300.0, 0.0, 50.0, 0.0
     danger = danger_of(fishes, minds, 0, sea, nature)
     assert danger.near == pytest.approx(1 - 60 / (CLOSE * nature.submarine_cm))
     assert danger.course == pytest.approx(np.pi / 2)
-    sea.submarine[3:] = 0.0
+    sea.submarine[3:6] = 0.0
     assert danger_of(fishes, minds, 0, sea, nature).course == pytest.approx(0.0)
 
 

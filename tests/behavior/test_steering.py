@@ -5,8 +5,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from subsea.behavior.steering import constrained, heed, keep_clear
-from subsea.state import LEFT
+from subsea.behavior.steering import (
+    BODY_BL,
+    CLEARANCE_CM,
+    HULL_AHEAD_S,
+    ROOM_BL,
+    constrained,
+    heed,
+    keep_clear,
+)
+from subsea.state import HULL_CM, LEFT
 
 ALL = np.arange(1)
 angle = st.floats(0, 2 * np.pi)
@@ -90,3 +98,27 @@ def test_a_warning_makes_the_turn_smaller(tank):
         heed(t.fishes, t.minds, t.clock)
         turned.append(np.arctan2(t.fishes.goal_direction[0, 1], t.fishes.goal_direction[0, 0]))
     np.testing.assert_allclose(np.array(turned) / turned[0], [1, 1, 0.5, 1], rtol=1e-4)
+
+
+@given(bearing=direction, along=direction, speed=st.floats(0, 120), off=st.floats(70, 90))
+def test_no_wish_leads_into_the_submarine(tank, bearing, along, speed, off):
+    """Where it will be nearest, the wish heads for it no harder than the distance allows."""
+    one = tank()
+    here = one.fishes.position[0].astype(float)
+    hull = here - off * np.array(bearing)
+    one.sea.submarine[:3], one.sea.submarine[3:6] = hull, speed * np.array(along)
+    one.minds.urge[0] = -np.array(bearing)
+    keep_clear(ALL, one.fishes, one.minds, one.sea)
+    until = np.clip(off * np.dot(bearing, along) / speed, 0, HULL_AHEAD_S) if speed > 1 else 0.0
+    away = here - hull - until * speed * np.array(along)
+    if np.linalg.norm(away) > 1:
+        room = (np.linalg.norm(away) - HULL_CM - BODY_BL * 20 - CLEARANCE_CM) / (ROOM_BL * 20)
+        least = -np.clip(room, -1, 1)
+        assert one.minds.urge[0] @ away / np.linalg.norm(away) >= least - 1e-3
+
+
+def test_the_submarine_is_given_way_aside(tank):
+    one = tank()
+    one.sea.submarine[:6] = -150.0, -5.0, -300.0, 120.0, 0.0, 0.0
+    keep_clear(ALL, one.fishes, one.minds, one.sea)
+    assert one.minds.urge[0, 1] > 0.7

@@ -1,0 +1,80 @@
+"""Curiosity: pacifists come to the submarine's window and watch it for a while (SMC §9.1)."""
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from subsea.behavior.chasing import chase
+from subsea.kinematics.rotation import rotate
+from subsea.kinematics.vector import Vector, dot, minus, norm, plus, times, vector
+from subsea.state import PACIFIST, Clock, Fishes, Minds, Nature, Sea
+
+Array = NDArray[np.floating[Any]]
+Ints = NDArray[np.integer[Any]]
+
+CURIOUS = 7  # its place in `table.py`, where its fatigue is counted
+
+INTEREST = 0.6
+SATED_S = (25.0, 40.0)  # after so long a look a fish has seen enough, one sooner than another
+FORGETS = 0.4  # s of it are forgotten in each second: a minute or more until the next look
+FRESH_S = 2.0
+SIGHT_COS = np.cos(np.radians(150.0))  # what is farther astern a fish does not see
+WATCH_CM = 110.0  # from the middle of the hull to the snout of one that watches
+FAN_RAD, TIERS_CM = np.radians(70.0), 90.0  # the crowd's width and height before the window
+THERE_BL, CLOSE = 2.0, 0.75  # it is there within so many lengths; and backs off nearer than that
+WATCHES, BACKS_OFF = 0.05, -0.4  # shares of the fastest speed
+
+
+@njit(cache=True, error_model="numpy")
+def desire(
+    who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
+) -> None:
+    """Interest of a pacifist that sees the submarine and has not seen enough of it lately."""
+    for i in who:
+        looks = minds.intention[i] == CURIOUS
+        seen = minds.fatigue[CURIOUS, i]
+        low, high = SATED_S
+        enough = low + (high - low) * fishes.identity[i] if looks else FRESH_S
+        if not looks and seen > 0.0:
+            # Fatigue falls by a second in a second: here it is forgotten more slowly.
+            minds.fatigue[CURIOUS, i] += (1.0 - FORGETS) * minds.pause[i]
+        drawn = minds.kind[i] == PACIFIST and seen < enough
+        out[i] = INTEREST if drawn and _sees(fishes, i, sea, nature.curiosity_cm) else 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
+    """Come to a place of its own before the window, keep pace with it, and face it."""
+    hull, pace = vector(sea.submarine[:3]), vector(sea.submarine[3:6])
+    for i in who:
+        spot = plus(hull, place_before(sea, fishes.length[i], fishes.identity[i]))
+        gap = chase(fishes, minds, i, spot, pace)
+        toward = minus(hull, vector(fishes.position[i]))
+        near = norm(toward) - (WATCH_CM + 0.5 * fishes.length[i])
+        if gap < THERE_BL * fishes.length[i] or near < 0.0:
+            for axis in range(3):
+                minds.urge[i, axis] = toward[axis]
+            too_close = norm(toward) < CLOSE * (WATCH_CM + 0.5 * fishes.length[i])
+            fishes.goal_speed[i] = BACKS_OFF if too_close else WATCHES
+
+
+@njit(cache=True, error_model="numpy")
+def place_before(sea: Sea, length: float, identity: float) -> Vector:
+    """Where fish of that length watches, cm from the middle of the hull: each has its own place."""
+    gaze = vector(sea.submarine[6:9])
+    aside = FAN_RAD * (identity - 0.5)
+    c, s = np.cos(aside), np.sin(aside)
+    ahead = (c * gaze[0] - s * gaze[1], s * gaze[0] + c * gaze[1], gaze[2])
+    tier = TIERS_CM * ((7.0 * identity) % 1.0 - 0.5)
+    return plus(times(WATCH_CM + length, ahead), (0.0, 0.0, tier))
+
+
+@njit(cache=True, error_model="numpy")
+def _sees(fishes: Fishes, i: int, sea: Sea, reach: float) -> bool:
+    """Whether the submarine is within `reach` cm and not behind fish i."""
+    toward = minus(vector(sea.submarine[:3]), vector(fishes.position[i]))
+    distance = norm(toward)
+    ahead = rotate(fishes.orientation[i], (1.0, 0.0, 0.0))
+    return distance < reach and dot(ahead, toward) > SIGHT_COS * distance

@@ -1,0 +1,46 @@
+"""The water that the submarine pushes aside as it moves, and the fishes with it."""
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from subsea.kinematics.vector import Vector, dot, minus, norm, plus, times, unit, vector
+from subsea.state import HULL_CM, Fishes, Sea
+
+Array = NDArray[np.floating[Any]]
+
+BEAM_BL = 0.25  # the hull is felt as so much larger, of a fish's length: it does not touch it
+SPAN = 4.0  # radii, beyond which the wave has less than 2% of the hull's speed
+
+
+@njit(cache=True, error_model="numpy")
+def push(fishes: Fishes, sea: Sea) -> None:
+    """Add the bow wave to `fishes.drift`: no hull, however fast, runs into a fish."""
+    hull, velocity = vector(sea.submarine[:3]), vector(sea.submarine[3:6])
+    if norm(velocity) == 0.0:
+        return
+    for i in range(len(fishes.drift)):
+        radius = HULL_CM + BEAM_BL * fishes.length[i]
+        if abs(fishes.position[i, 0] - hull[0]) > SPAN * radius:
+            continue
+        wave = bow_wave(minus(vector(fishes.position[i]), hull), velocity, radius)
+        for axis in range(3):
+            fishes.drift[i, axis] += np.float32(wave[axis])
+
+
+@njit(cache=True, error_model="numpy")
+def bow_wave(place: Vector, velocity: Vector, radius: float) -> Vector:
+    """Velocity of the water at `place` (cm from the middle of a sphere that moves), cm/s.
+
+    The potential flow about a sphere, a dipole: u = (R/r)³ (3 (v·e) e - v)/2. On the sphere the
+    water moves outward as fast as the sphere does, so nothing passes its surface.
+    """
+    distance = norm(place)
+    if distance > SPAN * radius or distance < 1e-6:
+        return (0.0, 0.0, 0.0)
+    outward = unit(place)
+    share = 0.5 * min(radius / distance, 1.0) ** 3
+    along = times(3.0 * dot(velocity, outward), outward)
+    return times(share, plus(along, times(-1.0, velocity)))
