@@ -14,8 +14,8 @@ from subsea.errors import UserError
 from subsea.places import replacing
 
 MAX_DATASET_BYTES = 256 * 2**20  # a repertoire holds a few megabytes; more is a damaged header
-Kind = Literal["f", "i"]
-KINDS = {"f": "floating-point", "i": "whole"}
+Kind = Literal["f", "i", "u", "b"]
+KINDS = {"f": "floating-point", "i": "whole", "u": "unsigned whole", "b": "true or false"}
 LAYOUT = {"libver": ("earliest", "v110"), "track_order": False}  # without timestamps
 
 
@@ -49,14 +49,19 @@ def writing(path: Path) -> Iterator[Any]:
 
 @contextmanager
 def recording(
-    path: Path, attributes: Mapping[str, Any], constants: Mapping[str, NDArray[Any]]
+    path: Path,
+    attributes: Mapping[str, Any],
+    constants: Mapping[str, NDArray[Any]],
+    notes: Mapping[str, Mapping[str, Any]] | None = None,
 ) -> Iterator[Callable[[Mapping[str, NDArray[Any]]], None]]:
     """Write a file whose datasets grow along their first axis, which is time.
 
-    Yields `append`, which takes a block of rows for every dataset, all of one length. Ctrl-C
+    Yields `append`, which takes a block of rows for every dataset, all of one length. `notes` are
+    the attributes of each dataset, by its name. Ctrl-C
     keeps the rows so far as a whole file and goes on as KeyboardInterrupt; with no rows, or on
     any other fault, nothing is left.
     """
+    notes = notes or {}
     interrupted: KeyboardInterrupt | None = None
     with replacing(path) as temporary, h5py.File(temporary, "w", **LAYOUT) as file:
         growing: dict[str, Any] = {}
@@ -76,6 +81,7 @@ def recording(
                         compression_opts=1,
                         shuffle=True,
                     )
+                    growing[name].attrs.update(notes.get(name, {}))
                 growing[name].resize(rows + len(values), axis=0)
                 growing[name][rows:] = values
             rows += len(values)
@@ -83,6 +89,7 @@ def recording(
         file.attrs.update(attributes)
         for name, values in constants.items():
             file[name] = values
+            file[name].attrs.update(notes.get(name, {}))
         try:
             yield append
         except KeyboardInterrupt as interrupt:
@@ -125,12 +132,28 @@ def attribute(group: Any, name: str, kind: type, where: str) -> Any:
     return value
 
 
-def array(
-    group: Any, name: str, shape: tuple[int | None, ...], where: str, kind: Kind = "f"
-) -> NDArray[Any]:
-    """The finite floating-point dataset `name`, or one of whole numbers, checked before it is read.
+def texts(group: Any, name: str, where: str) -> list[str]:
+    """The attribute `name` of a group that is a row of strings of fixed length."""
+    if name not in group.attrs:
+        raise UserError(f"{where}: attribute {name!r} is missing, expected a row of words")
+    stored = group.attrs.get_id(name)
+    if stored.dtype.kind != "S" or len(stored.shape) != 1:
+        raise UserError(f"{where}: attribute {name!r} is not a row of words")
+    return [word.decode("utf-8", "replace") for word in group.attrs[name]]
 
-    `shape` gives each length, None for any length of at least one. Links that lead out of the
+
+def array(
+    group: Any,
+    name: str,
+    shape: tuple[int | None, ...],
+    where: str,
+    kind: Kind = "f",
+    least: int = 1,
+    most_bytes: int = MAX_DATASET_BYTES,
+) -> NDArray[Any]:
+    """The dataset `name` of finite numbers of a kind, checked before it is read.
+
+    `shape` gives each length, None for any length of at least `least`. Links that lead out of the
     file or the group, other types, other shapes, and implausible sizes are refused.
     """
     if not isinstance(group.get(name, getlink=True), h5py.HardLink):
@@ -140,13 +163,13 @@ def array(
     if not isinstance(dataset, h5py.Dataset) or dataset.dtype.kind != kind:
         raise UserError(f"{where}/{name}: expected {expected} {KINDS[kind]} numbers")
     fits = len(dataset.shape) == len(shape) and all(
-        have == want if want is not None else have >= 1
+        have == want if want is not None else have >= least
         for have, want in zip(dataset.shape, shape, strict=True)
     )
     if not fits:
         found = "×".join(map(str, dataset.shape))
         raise UserError(f"{where}/{name}: shape {found}, expected {expected}")
-    if dataset.size * dataset.dtype.itemsize > MAX_DATASET_BYTES or dataset.external:
+    if dataset.size * dataset.dtype.itemsize > most_bytes or dataset.external:
         raise UserError(f"{where}/{name}: claims an implausible {dataset.size} numbers")
     values = np.asarray(dataset[()])
     if not np.isfinite(values).all():

@@ -59,7 +59,7 @@ def _parsers() -> tuple[argparse.ArgumentParser, Any]:
         help="show the version and exit",
     )
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
-    for add in (_add_dive, _add_film, _add_simulate, _add_benchmark, _add_doctor):
+    for add in (_add_dive, _add_film, _add_simulate, _add_study, _add_benchmark, _add_doctor):
         add(commands)
     return parser, commands
 
@@ -147,6 +147,26 @@ def _add_simulate(commands: Any) -> None:
     _add_fish(simulate)
     _add_seed(simulate)
     simulate.set_defaults(run=_simulate)
+
+
+def _add_study(commands: Any) -> None:
+    study = command(
+        commands,
+        "study",
+        "measure what a record shows",
+        "Prints a table: collisions, time budgets, schools, escapes, captures, matings, meals.\n"
+        "docs/records.md defines every measure. Plots need the extra `plot`.",
+        [
+            "subsea study run.h5",
+            "subsea study run.h5 --out plots --json run.json",
+        ],
+    )
+    study.add_argument("record", metavar="RECORD.h5", type=Path, help="from `subsea simulate`")
+    study.add_argument("--out", type=Path, metavar="DIR", help="draw plots (PNG) into this folder")
+    study.add_argument(
+        "--json", type=Path, dest="json_file", metavar="FILE", help="write the measures there too"
+    )
+    study.set_defaults(run=_study)
 
 
 def _add_benchmark(commands: Any) -> None:
@@ -381,6 +401,12 @@ def _simulate(**options: Any) -> int:
     from subsea.app.simulate import simulate
 
     return simulate(**options)
+
+
+def _study(**options: Any) -> int:
+    from subsea.app.study import study
+
+    return study(**options)
 
 
 def _benchmark(paper: bool, **options: Any) -> int:

@@ -9,22 +9,36 @@ from numpy.typing import NDArray
 from tqdm import tqdm
 
 from subsea import hdf5, interrupts
+from subsea.app.records import FIELDS, FORMAT, VERSION, outline
 from subsea.app.start import start_world
 from subsea.behavior.table import INTENTIONS
+from subsea.body.pose import ends_world
 from subsea.errors import UserError
 from subsea.ocean import step
 from subsea.places import check_file
 from subsea.repertoire import SEGMENTS
 from subsea.scenario import load_scenario
-from subsea.state import COURTSHIP, MENTAL_STATES
+from subsea.state import COURTSHIP, KINDS, MENTAL_STATES
 from subsea.submarine.helm import HANDS_OFF
 from subsea.world import TICK_S, World
 
-FORMAT, VERSION = "subsea-record", 1
 SUFFIXES = (".h5", ".hdf5")
 BLOCK_FISH_TICKS = 200_000  # what is held in memory between two writes: some 16 MB
 
 Rows = dict[str, NDArray[Any]]
+
+# What `minds.target` means to each intention; one that is not named has no target.
+TARGETS = {
+    "avoid": "fish",
+    "escape": "fish",
+    "school": "fish",
+    "eat": "speck of plankton; of predators a fish",
+    "mate": "fish",
+}
+_NOTES = {
+    name: {"unit": hdf5.text(field.unit), "meaning": hdf5.text(field.meaning)}
+    for name, field in FIELDS.items()
+}
 
 
 def simulate(ticks: int, out: Path, scenario: str, fish: int | None, seed: int | None) -> int:
@@ -46,7 +60,7 @@ def simulate(ticks: int, out: Path, scenario: str, fish: int | None, seed: int |
     attributes = _attributes(world, source.read_text(encoding="utf-8"))
     with (
         interrupts.deferred() as check,
-        hdf5.recording(out, attributes, _constants(world)) as append,
+        hdf5.recording(out, attributes, _constants(world), _NOTES) as append,
     ):
         try:
             for k in tqdm(range(ticks), unit="tick", disable=None):
@@ -68,21 +82,11 @@ def simulate(ticks: int, out: Path, scenario: str, fish: int | None, seed: int |
 
 def _empty_block(length: int, n: int) -> Rows:
     """Room for `length` ticks of `n` fishes."""
-    f, i = np.float32, np.int32
+    sizes = {"T": length, "n": n}
     return {
-        "time": np.zeros(length, np.float64),
-        "fish/position": np.zeros((length, n, 3), f),
-        "fish/orientation": np.zeros((length, n, 4), f),
-        "fish/velocity": np.zeros((length, n, 3), f),
-        "fish/intention": np.zeros((length, n), np.uint8),
-        "fish/segment": np.zeros((length, n), np.uint8),
-        "fish/mental_state": np.zeros((length, n, len(MENTAL_STATES)), f),
-        "fish/alive": np.zeros((length, n), np.bool_),
-        "fish/courtship": np.zeros((length, n), np.uint8),
-        "fish/partner": np.zeros((length, n), i),
-        "fish/target": np.zeros((length, n), i),
-        "plankton/count": np.zeros(length, i),
-        "submarine/position": np.zeros((length, 3), np.float64),
+        name: np.zeros([sizes[k] if isinstance(k, str) else k for k in field.shape], field.type)
+        for name, field in FIELDS.items()
+        if field.shape[0] == "T"
     }
 
 
@@ -92,35 +96,58 @@ def _note(world: World, block: Rows, row: int) -> None:
     block["time"][row] = state.tick * TICK_S
     for name in ("position", "orientation", "velocity", "segment", "alive"):
         block[f"fish/{name}"][row] = getattr(state.fishes, name)
+    ends_world(state.fishes, world.library.nodes, block["fish/snout"][row], block["fish/tail"][row])
     block["fish/mental_state"][row] = state.minds.mental
-    for name in ("intention", "courtship", "partner", "target"):
+    for name in ("intention", "leader", "target", "partner", "courtship", "last_meal"):
         block[f"fish/{name}"][row] = getattr(state.minds, name)
     block["plankton/count"][row] = (state.sea.absent == 0.0).sum()
     block["submarine/position"][row] = state.submarine.position
 
 
 def _constants(world: World) -> Rows:
-    fishes = world.state.fishes
-    return {"fish/species": fishes.species, "fish/length": fishes.length}
+    fishes, minds, sea = world.state.fishes, world.state.minds, world.state.sea
+    outlines = [outline(species.surface) for species in world.species]
+    values = {
+        "fish/species": fishes.species,
+        "fish/kind": minds.kind,
+        "fish/male": minds.male,
+        "fish/schools": minds.schools,
+        "fish/length": fishes.length,
+        "fish/snout_reach": fishes.snout,
+        "species/half_width": np.array([width for width, _ in outlines]),
+        "species/half_height": np.array([height for _, height in outlines]),
+        "sea/heights": sea.heights,
+        "sea/pillars": sea.pillars,
+        "sea/rocks": sea.rocks,
+    }
+    return {name: np.asarray(given, FIELDS[name].type) for name, given in values.items()}
 
 
 def _attributes(world: World, scenario_text: str) -> dict[str, Any]:
     """The names behind every code, and all that is needed to run the same again."""
     bounds = world.scenario.bounds
+    names = {
+        "species_keys": sorted({shoal.species for shoal in world.scenario.fish}),
+        "species_names": [species.name for species in world.species],
+        "kind_names": KINDS,
+        "intention_names": INTENTIONS,
+        "target_names": [TARGETS.get(name, "nothing") for name in INTENTIONS],
+        "segment_names": SEGMENTS,
+        "mental_state_names": MENTAL_STATES,
+        "courtship_names": COURTSHIP,
+    }
     return {
-        "format": FORMAT,
+        "format": hdf5.text(FORMAT),
         "version": VERSION,
-        "program": f"subsea {version('subsea')}",
+        "program": hdf5.text(f"subsea {version('subsea')}"),
         "tick_s": TICK_S,
         "seed": world.state.seed,
         "fish": len(world.state.fishes.species),
         "scenario": scenario_text,
         "radius_cm": bounds.radius_cm,
         "depth_cm": bounds.depth_cm,
-        "species_keys": sorted({shoal.species for shoal in world.scenario.fish}),
-        "species_names": [species.name for species in world.species],
-        "intention_names": list(INTENTIONS),
-        "segment_names": list(SEGMENTS),
-        "mental_state_names": list(MENTAL_STATES),
-        "courtship_names": list(COURTSHIP),
-    }
+        "sea_half_width_cm": float(world.state.sea.half_width),
+        **{name: np.array([word.encode("utf-8") for word in words], "S")
+           for name, words in names.items()},
+        **{f"nature_{name}": value for name, value in world.nature._asdict().items()},
+    }  # fmt: skip

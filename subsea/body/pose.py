@@ -6,12 +6,15 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from subsea.kinematics.rotation import matrix
+from subsea.kinematics.rotation import matrix, rotate
+from subsea.kinematics.vector import plus, times, vector
 from subsea.repertoire.library import Library
 from subsea.state import Fishes
 
 Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
+
+TAIL_TIPS = 21, 22  # the nodes at the upper and lower tip of the tail
 
 
 @njit(cache=True)
@@ -47,6 +50,24 @@ def nodes_world(fishes: Fishes, library: Library, i: int) -> Array:
 def control_points_world(fishes: Fishes, library: Library, i: int) -> Array:
     """The 426 control points (426, 3) of fish i at the present tick, cm, world (SMC eq. 13)."""
     return _points_world(fishes, library.control_points, i)
+
+
+@njit(cache=True)
+def ends_world(fishes: Fishes, nodes: Array, snout: Array, tail: Array) -> None:
+    """Set the tip of the snout and the middle of the tail's edge (n, 3) of all fishes, cm, world.
+
+    `nodes` are the library's.
+    """
+    upper, lower = TAIL_TIPS
+    for i in range(len(fishes.species)):
+        w, a, b = fishes.weight[i], fishes.row_a[i], fishes.row_b[i]
+        body = fishes.scale[i] * ((1.0 - w) * nodes[a] + w * nodes[b])
+        nose = vector(body[0])
+        edge = times(0.5, plus(vector(body[upper]), vector(body[lower])))
+        for out, point in ((snout, nose), (tail, edge)):
+            moved = plus(vector(fishes.position[i]), rotate(fishes.orientation[i], point))
+            for axis in range(3):
+                out[i, axis] = moved[axis]
 
 
 def _points_world(fishes: Fishes, table: Array, i: int) -> Array:

@@ -10,7 +10,7 @@ import pytest
 from subsea.app.cli import main
 from subsea.resources import resource_path
 
-COMMANDS = ("dive", "film", "simulate", "benchmark", "doctor")
+COMMANDS = ("dive", "film", "simulate", "study", "benchmark", "doctor")
 DOOR = Path(__file__).parents[2] / "run_submarine.py"
 
 
@@ -65,6 +65,8 @@ def test_every_command_has_help_with_examples(capsys, command):
         (["benchmark", "--frames", "many"], "whole number"),
         (["benchmark", "--fish", "0"], "from 1"),
         (["simulate", "--ticks", "5", "--out", "a.csv"], ".h5 or .hdf5"),
+        (["study"], "RECORD.h5"),
+        (["study", "nowhere.h5"], "no such file"),
         (["benchmark", "--json", "/tmp"], "expected the name of a file"),
         (["benchmark", "--scenario", "peacefull"], "'peaceful'"),
         (["benchmark", "--paper", "--json", "a.json"], "'--json'"),

@@ -10,26 +10,11 @@ import numpy as np
 import pytest
 
 from subsea import hdf5
+from subsea.app.records import FIELDS
 from subsea.species import load_species
 
 SIMULATE = [sys.executable, "-m", "subsea", "simulate"]
-SHAPES = {
-    "time": (20,),
-    "fish/position": (20, 12, 3),
-    "fish/orientation": (20, 12, 4),
-    "fish/velocity": (20, 12, 3),
-    "fish/species": (12,),
-    "fish/length": (12,),
-    "fish/intention": (20, 12),
-    "fish/segment": (20, 12),
-    "fish/mental_state": (20, 12, 3),
-    "fish/alive": (20, 12),
-    "fish/courtship": (20, 12),
-    "fish/partner": (20, 12),
-    "fish/target": (20, 12),
-    "plankton/count": (20,),
-    "submarine/position": (20, 3),
-}
+SHAPES = {"T": 20, "n": 12, "s": 7, "m": 193, "p": 0, "r": 0}
 
 
 def simulate(out, *arguments):
@@ -53,18 +38,37 @@ def test_it_holds_what_the_format_says(record):
                 found.update({name: item.shape}) if isinstance(item, h5py.Dataset) else None
             )
         )
-        assert found == SHAPES
+        sizes = {k: file["sea/" + name].shape[0] for k, name in (("p", "pillars"), ("r", "rocks"))}
+        assert found == {
+            name: tuple((SHAPES | sizes).get(k, k) for k in field.shape)
+            for name, field in FIELDS.items()
+        }
+        for name, field in FIELDS.items():
+            assert file[name].dtype == field.type
+            assert file[name].attrs["unit"].decode() == field.unit
+            assert file[name].attrs["meaning"].decode() == field.meaning
         assert file["time"][:] == pytest.approx(0.033 * np.arange(1, 21))
         assert np.linalg.norm(file["fish/orientation"], axis=2) == pytest.approx(1.0, abs=1e-3)
-        for code in ("species", "intention", "segment"):
+        for code in ("species", "kind", "intention", "segment", "courtship"):
             names = file.attrs[f"{code}_names"]
             assert file[f"fish/{code}"][()].max() < len(names)
-        keys, names = list(file.attrs["species_keys"]), list(file.attrs["species_names"])
+        assert len(file.attrs["target_names"]) == len(file.attrs["intention_names"])
+        keys = list(file.attrs["species_keys"].astype(str))
+        names = list(file.attrs["species_names"].astype(str))
         assert len(keys) == 7
         assert names == [load_species(key).name for key in keys]
-        assert file.attrs["format"] == "subsea-record"
+        assert file.attrs["format"] == b"subsea-record"
         assert "[bounds]" in file.attrs["scenario"]
         assert np.hypot(*file["fish/position"][-1, :, :2].T).max() < file.attrs["radius_cm"]
+
+
+def test_snout_and_tail_are_a_body_apart_and_the_middle_between_them(record):
+    with h5py.File(record) as file:
+        snout, tail = file["fish/snout"][:], file["fish/tail"][:]
+        body = np.linalg.norm(snout - tail, axis=2) / file["fish/length"][:]
+        assert (body > 0.7).all() and (body < 1.01).all()
+        reach = np.linalg.norm(snout - file["fish/position"][:], axis=2)
+        assert reach == pytest.approx(np.tile(file["fish/snout_reach"][:], (20, 1)), rel=0.1)
 
 
 def test_velocity_is_the_change_of_position(record):
@@ -95,7 +99,9 @@ def test_ctrl_c_leaves_a_valid_file_with_the_ticks_so_far(tmp_path):
     with h5py.File(out) as file:
         ticks = len(file["time"])
         assert 0 < ticks < 1_000_000
-        assert all(len(file[name]) == ticks for name in SHAPES if len(SHAPES[name]) > 1)
+        assert all(
+            len(file[name]) == ticks for name, field in FIELDS.items() if field.shape[0] == "T"
+        )
         assert file["time"][-1] == pytest.approx(0.033 * ticks)
 
 
