@@ -43,6 +43,8 @@ class Scene:
     terrain: Array  # (n, n) float32 cm, height of the seabed, row i is y, column j is x
     terrain_half_width_cm: float  # the grid spans [-w, w] in x and y
     water: Water
+    pillars: Array = field(default_factory=lambda: np.zeros((0, 4)))  # (k, 4) as `state.Sea` has it
+    rocks: Array = field(default_factory=lambda: np.zeros((0, 7)))  # (k, 7) likewise
 
 
 @dataclass(frozen=True)
@@ -80,6 +82,8 @@ def make_scene(world: World) -> Scene:
         terrain=world.state.sea.heights,
         terrain_half_width_cm=world.state.sea.half_width,
         water=world.scenario.water,
+        pillars=world.state.sea.pillars,
+        rocks=world.state.sea.rocks,
     )
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from subsea.kinematics.vector import Vector
+from subsea.kinematics.vector import Vector, vector
 
 Array = NDArray[np.floating[Any]]
 
@@ -71,3 +71,12 @@ def is_free(pillars: Array, rocks: Array, p: Vector) -> bool:
         if near and from_rock(rocks[k], p)[1] < 0.0:
             return False
     return True
+
+
+@njit(cache=True, error_model="numpy")
+def clearances(pillars: Array, rocks: Array, places: Array) -> Array:
+    """How far each of the places (n, 3) is from the nearest solid (n,), cm."""
+    far = np.empty(len(places))
+    for k in range(len(places)):
+        far[k] = clearance(pillars, rocks, vector(places[k]))
+    return far

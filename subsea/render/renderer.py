@@ -1,4 +1,4 @@
-"""The order of a picture: seabed, water behind it, fishes, particles, then tone mapping."""
+"""The order of a picture: solids, seabed, water behind it, fishes, particles, then tone mapping."""
 
 import time
 from collections.abc import Callable
@@ -13,6 +13,7 @@ from subsea.frame import Packet, Scene
 from subsea.render.fishes import Fishes
 from subsea.render.particles import Particles
 from subsea.render.seabed import Seabed
+from subsea.render.solids import Solids
 from subsea.render.target import Resolve, Target
 from subsea.render.textures import caustics, tileable_noise, upload
 from subsea.render.water import Water
@@ -56,6 +57,7 @@ class Renderer:
         self._noise = upload(context, [tileable_noise(2)])
         self._water = Water(context, scene)
         self._seabed = Seabed(context, scene)
+        self._solids = Solids(context, scene)
         self._fishes = Fishes(context, scene)
         self._particles = Particles(context, scene)
         self._resolve = Resolve(context, LAYOUTS[display].weaves)
@@ -90,7 +92,13 @@ class Renderer:
             uniforms = self._uniforms(packet, view)
             context.disable(context.BLEND)
             context.enable(context.DEPTH_TEST)
+            self.triangles += self._solids.draw(packet, view, uniforms)
             self.triangles += self._seabed.draw(packet, view, uniforms)
+            context.enable(context.BLEND)
+            self._target.framebuffer.depth_mask = False  # shadows may lie on one another
+            self.triangles += self._solids.draw_shadows(packet, view, uniforms)
+            self._target.framebuffer.depth_mask = True
+            context.disable(context.BLEND)
             self.triangles += self._water.draw(packet, view, uniforms)
             context.enable(context.BLEND)
             self.triangles += self._fishes.draw(packet, view, uniforms)
@@ -114,7 +122,7 @@ class Renderer:
         """Free every OpenGL object."""
         self._release_target()
         for part in (
-            self._resolve, self._particles, self._fishes, self._seabed, self._water,
+            self._resolve, self._particles, self._fishes, self._solids, self._seabed, self._water,
             self._noise, self._caustics,
         ):  # fmt: skip
             part.release()

@@ -68,6 +68,20 @@ def thinned(heights: Array, half_width: float) -> Array:
     return heights
 
 
+def drawn_height(heights: Array, half_width: float, x: Array, y: Array) -> Array:
+    """Height of the drawn triangles at places of any shape, cm; `heights` are thinned."""
+    last = len(heights) - 1
+    u = np.clip((x + half_width) / (2 * half_width) * last, 0, last)
+    v = np.clip((y + half_width) / (2 * half_width) * last, 0, last)
+    j, i = np.minimum(u.astype(int), last - 1), np.minimum(v.astype(int), last - 1)
+    u, v = u - j, v - i
+    east, north = heights[i, j + 1], heights[i + 1, j]
+    near = heights[i, j] + u * (east - heights[i, j]) + v * (north - heights[i, j])
+    corner = heights[i + 1, j + 1]
+    far = corner + (1 - u) * (north - corner) + (1 - v) * (east - corner)
+    return np.asarray(np.where(u + v <= 1.0, near, far))
+
+
 def surface(heights: Array, half_width: float) -> tuple[Array, Array]:
     """Positions (m, m, 3) in cm and slopes (m, m, 2) along x and y, with the apron around."""
     apron = half_width + APRON_CM

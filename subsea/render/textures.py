@@ -54,6 +54,41 @@ def caustics(seed: int, size: int = SIZE) -> Array:
     return np.asarray(smooth / smooth.mean())
 
 
+def relief(seed: int, size: int = SIZE, cells: int = 24) -> list[Array]:
+    """Stone that corals grew on, four tileable layers (size, size).
+
+    Its height, about 0, with the slopes of that along x and y, per texel times `size`; and how
+    near the middle of a polyp is, 0 to 1.
+    """
+    polyps = np.clip(1.0 - 1.4 * nearest_of_cells(seed, size, cells), 0.0, 1.0)
+    rough = tileable_noise(seed + 1, size, 1.9)
+    cracks = np.minimum(np.abs(tileable_noise(seed + 2, size, 2.2)), 0.45)
+    grown = np.clip(0.5 + tileable_noise(seed + 3, size, 2.6), 0.0, 1.0)  # where polyps are
+    height = 0.45 * rough + 1.1 * cracks + 0.45 * grown * polyps**0.7
+    height -= height.mean()
+    slope_x, slope_y = (
+        size / 2 * (np.roll(height, -1, axis) - np.roll(height, 1, axis)) for axis in (1, 0)
+    )
+    return [height, slope_x, slope_y, polyps]
+
+
+def nearest_of_cells(seed: int, size: int, cells: int) -> Array:
+    """Distance (size, size), in cells, to the nearest of one random point in each cell (Worley)."""
+    rng = np.random.default_rng([seed, 0x33])
+    points = rng.uniform(0.1, 0.9, (cells, cells, 2))
+    at = (np.arange(size) + 0.5) * cells / size
+    cell = at.astype(int)
+    nearest = np.full((size, size), np.inf)
+    for down in (-1, 0, 1):
+        for right in (-1, 0, 1):
+            row, column = cell + down, cell + right
+            point = points[(row % cells)[:, None], (column % cells)[None, :]]
+            y = (row[:, None] + point[..., 1]) - at[:, None]
+            x = (column[None, :] + point[..., 0]) - at[None, :]
+            nearest = np.minimum(nearest, np.hypot(x, y))
+    return nearest
+
+
 def upload(context: Any, layers: list[Array]) -> Any:
     """A repeating, mipmapped float texture of one to four layers (n, n)."""
     data = np.stack(layers, axis=-1).astype("f2")

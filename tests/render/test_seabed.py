@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from subsea.render.seabed import APRON_CM, FINEST_CELL_CM, surface, thinned, tiles
+from subsea.render.seabed import APRON_CM, FINEST_CELL_CM, drawn_height, surface, thinned, tiles
 from subsea.render.water import disc
 
 
@@ -49,3 +49,15 @@ def test_a_fine_grid_is_thinned_and_keeps_its_corners():
     assert FINEST_CELL_CM <= 2 * 2080.0 / 96
     np.testing.assert_array_equal(coarse[[0, -1]][:, [0, -1]], heights[[0, -1]][:, [0, -1]])
     assert thinned(heights[:9, :9], 2080.0).shape == (9, 9)
+
+
+def test_the_drawn_height_is_that_of_the_triangles():
+    rng = np.random.default_rng(2)
+    heights = rng.uniform(-400, -300, (9, 9))
+    positions, _ = surface(heights, 100.0)
+    corners = positions.reshape(-1, 3)[tiles(len(positions))[0]]
+    inside = (rng.dirichlet([1, 1, 1], len(corners))[:, :, None] * corners).sum(axis=1)
+    inside = inside[np.abs(inside[:, :2]).max(axis=1) < 100.0]
+    assert len(inside) == 2 * 8 * 8
+    got = drawn_height(heights, 100.0, inside[:, 0], inside[:, 1])
+    np.testing.assert_allclose(got, inside[:, 2])

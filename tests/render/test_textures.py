@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.render.textures import caustics, tileable_noise, upload
+from subsea.render.textures import caustics, nearest_of_cells, relief, tileable_noise, upload
 
 
 def seam(texture):
@@ -34,6 +34,28 @@ def test_caustics_keep_the_light_and_gather_it_in_lines():
     assert light.min() >= 0.0
     assert np.median(light) < 0.9  # most of the ground is darker than the mean
     assert np.quantile(light, 0.98) > 2.0
+
+
+def test_the_relief_of_stone_meets_at_its_edges_and_knows_its_slopes():
+    height, slope_x, slope_y, polyps = relief(5, 128)
+    assert seam(height) < 1.5
+    assert seam(polyps) < 1.5
+    assert abs(height.mean()) < 1e-9
+    assert polyps.min() == 0.0
+    assert 0.8 < polyps.max() <= 1.0
+    # Along a row the slope adds up to how much the height has changed.
+    np.testing.assert_allclose(
+        (slope_x[:, 1:-1].cumsum(axis=1) / 128)[:, -1],
+        (height[:, -1] + height[:, -2] - height[:, 0] - height[:, 1]) / 2,
+    )
+    assert slope_y.std() == pytest.approx(slope_x.std(), rel=0.3)
+
+
+def test_no_place_is_far_from_the_nearest_point_of_its_cells():
+    distance = nearest_of_cells(3, 96, 12)
+    assert 0.0 <= distance.min() < 0.1
+    assert distance.max() < np.sqrt(2.0)
+    assert seam(distance) < 1.5
 
 
 def test_a_texture_keeps_its_values(context):

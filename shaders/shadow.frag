@@ -1,0 +1,8 @@
+// Darkens the sand beneath but not the haze before it: blended, that is what remains.
+in vec3 v_veil;
+in float v_dark;
+out vec4 f_colour;
+
+void main() {
+    f_colour = vec4(v_veil, v_dark);
+}
