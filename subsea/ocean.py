@@ -6,6 +6,7 @@ from contextlib import contextmanager
 
 from subsea.behavior import eating, hunting, steering
 from subsea.behavior.intention import choose
+from subsea.behavior.mating import review
 from subsea.behavior.mental import feel
 from subsea.behavior.table import BEHAVIOR_OF_DESIRE, LEVEL_OF_DESIRE, TIRES, act, want
 from subsea.habitat import plankton
@@ -46,6 +47,7 @@ def step(world: World, helm: Helm) -> None:
         find_neighbours(who, fishes, minds, REACH_CM)
     with _stage(world, "behavior"):
         feel(who, fishes, minds, nature, clock)
+        review(who, fishes, minds)
         want(who, fishes, minds, sea, nature, clock)
         choose(who, minds, nature, LEVEL_OF_DESIRE, BEHAVIOR_OF_DESIRE, TIRES)
         act(who, fishes, minds, sea, nature, clock)

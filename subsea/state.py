@@ -145,10 +145,15 @@ class Minds(NamedTuple):
     patience: Array  # (n,) float32, s until a wandering fish changes its mind
     leader: Ints  # (n,) int32, whom a schooling fish follows, NOBODY for a leader or a loner
     leads: NDArray[np.bool_]  # (n,), whether others follow it
-    partner: Ints  # (n,) int32, with whom it courts, or NOBODY
+    partner: Ints  # (n,) int32, with whom it courts, or NOBODY; mutual from CIRCLING on
     courtship: Ints  # (n,) uint8, code in COURTSHIP
     courtship_time: Array  # (n,) float32, s in this state
     courtship_count: Array  # (n,) float32, what the state counts: points reached, turns, nudges
+    courtship_mark: Array  # (n,) float32, and from where it does: see `behavior/courtship.py`
+    alone: Array  # (n,) float32, s for which the partner has minded something or somebody else
+    shunned: Ints  # (n,) int32, whom it doesn't court for a while, or NOBODY: who turned it down,
+    # or with whom it has just spawned; perception leaves that fish out of `mate` and `target`
+    shunning: Array  # (n,) float32, s until it forgets that
 
 
 class Sea(NamedTuple):
@@ -303,7 +308,8 @@ def empty_minds(n: int, behaviors: int, desires: int) -> Minds:
         urge=zeros(f, 3), waypoint=zeros(f, 3), patience=zeros(f),
         leader=zeros(i) + NOBODY, leads=zeros(b),
         partner=zeros(i) + NOBODY, courtship=zeros(u), courtship_time=zeros(f),
-        courtship_count=zeros(f),
+        courtship_count=zeros(f), courtship_mark=zeros(f), alone=zeros(f),
+        shunned=zeros(i) + NOBODY, shunning=zeros(f),
     )  # fmt: skip
 
 

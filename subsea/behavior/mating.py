@@ -1,4 +1,7 @@
-"""Mating (Tu §7.9.3)."""
+"""Mating: whom to court, and keeping a pair a pair (Tu §7.9.3).
+
+`behavior/courtship.py` is the dance itself.
+"""
 
 from typing import Any
 
@@ -7,11 +10,35 @@ from numba import njit
 from numpy.typing import NDArray
 
 from subsea.behavior.chasing import chase
-from subsea.kinematics.vector import vector
-from subsea.state import LIBIDO, PACIFIST, Clock, Fishes, Minds, Nature, Sea
+from subsea.behavior.courtship import ALONE_S, LIMIT_S, STATES, enter
+from subsea.behavior.wandering import cruise, heading
+from subsea.kinematics.vector import Vector, minus, norm, plus, times, vector
+from subsea.state import (
+    APPROACHING,
+    CIRCLING,
+    LIBIDO,
+    LOOPING,
+    MATE,
+    NO_COURTSHIP,
+    NOBODY,
+    NUZZLING,
+    PACIFIST,
+    Clock,
+    Fishes,
+    Minds,
+    Nature,
+    Sea,
+)
 
 Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
+
+STILL_KEEN = 0.6  # of `keen`: who courts goes on until its libido is below that share of it
+DEVOTED = 1.5  # times `keen`: the least desire of who courts
+LOST_CM = 250.0  # a partner farther away than this is out of sight
+SHUN_S = 45.0  # for how long a fish leaves alone who turned it down
+APART_CM = 260.0  # how far off the place is to which it turns away
+PARTING_S = 12.0  # and for how long it is bound there
 
 
 @njit(cache=True, error_model="numpy")
@@ -21,14 +48,142 @@ def desire(
     """Libido, if there is more than `keen` of it and somebody to court; only of pacifists."""
     for i in who:
         libido = minds.mental[i, LIBIDO]
-        able = minds.kind[i] == PACIFIST and minds.mate[i] >= 0
-        out[i] = libido if able and libido > nature.keen else 0.0
+        out[i] = 0.0
+        if minds.kind[i] != PACIFIST:
+            continue
+        if minds.partner[i] != NOBODY:
+            if libido > STILL_KEEN * nature.keen:
+                out[i] = max(libido, DEVOTED * nature.keen)
+        elif libido > nature.keen and _may_court(fishes, minds, i, minds.mate[i]):
+            out[i] = libido
+
+
+def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
+    """Choose a partner, do what the courtship's state asks for, go on when it is completed."""
+    choose_partner(who, fishes, minds, sea, clock)
+    courtship = minds.courtship[who]
+    for code, state in enumerate(STATES[1:], start=1):
+        those = who[courtship == code]
+        if len(those):
+            state.component(those, fishes, minds, sea, clock)
+            done = state.completed(those, fishes, minds, sea)
+            if done.any():
+                proceed(those[done], fishes, minds, clock)
 
 
 @njit(cache=True, error_model="numpy")
-def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
-    """Approach the mate that has the fish's attention."""
+def choose_partner(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
+    """Take up with the most desirable one in sight, unless there is a partner already.
+
+    A male approaches her, and may still change his mind. A female follows a male that has no
+    mind to mate; if he courts somebody else, or comes to her, she goes her way.
+    """
     for i in who:
         j = minds.target[i]
-        if j >= 0:
-            chase(fishes, minds, i, vector(fishes.position[j]), vector(fishes.velocity[j]))
+        able = _may_court(fishes, minds, i, j)
+        free = minds.courtship[i] <= APPROACHING and minds.partner[i] != j
+        if minds.male[i] and able and free:
+            enter(fishes, minds, i, APPROACHING)
+            minds.partner[i] = j
+        if minds.courtship[i] != NO_COURTSHIP:
+            continue
+        if able and minds.intention[j] != MATE:
+            distance = chase(
+                fishes, minds, i, vector(fishes.position[j]), vector(fishes.velocity[j])
+            )
+            if distance < fishes.length[i] + fishes.length[j]:
+                fishes.goal_speed[i] = min(fishes.goal_speed[i], 0.3)
+            continue
+        toward = heading(fishes, minds, i, sea, clock)
+        for axis in range(3):
+            minds.urge[i, axis] = toward[axis]
+        fishes.goal_speed[i] = cruise(fishes, minds, i)
+
+
+@njit(cache=True, error_model="numpy")
+def review(who: Ints, fishes: Fishes, minds: Minds) -> None:
+    """End the courtships of the fishes `who` that cannot or should not go on.
+
+    Whatever a fish intends: a partner that died, is lost, minds something else for too long or
+    has turned to another, or a state that takes too long.
+    """
+    for i in who:
+        minds.shunning[i] -= minds.pause[i]
+        if minds.shunning[i] <= 0.0:
+            minds.shunning[i] = 0.0
+            minds.shunned[i] = NOBODY
+        j = minds.partner[i]
+        if j == NOBODY:
+            continue
+        state = minds.courtship[i]
+        minds.courtship_time[i] += minds.pause[i]
+        minds.alone[i] = minds.alone[i] + minds.pause[i] if _is_alone(fishes, minds, i) else 0.0
+        lost_to_another = minds.partner[j] != i and minds.courtship[j] >= CIRCLING
+        if (
+            not fishes.alive[j]
+            or lost_to_another
+            or minds.courtship_time[i] > LIMIT_S[state]
+            or minds.alone[i] > ALONE_S[state]
+        ):
+            if minds.partner[j] == i:
+                _part(fishes, minds, j)
+            _part(fishes, minds, i)
+
+
+@njit(cache=True, error_model="numpy")
+def _is_alone(fishes: Fishes, minds: Minds, i: int) -> bool:
+    """Whether the partner minds something or somebody else, or is out of sight."""
+    j = minds.partner[i]
+    if minds.intention[i] != MATE or minds.intention[j] != MATE:
+        return True
+    if minds.courtship[i] > APPROACHING and minds.partner[j] != i:
+        return True
+    away = norm(minus(vector(fishes.position[i]), vector(fishes.position[j])))
+    return away > LOST_CM
+
+
+@njit(cache=True, error_model="numpy")
+def proceed(who: Ints, fishes: Fishes, minds: Minds, clock: Clock) -> None:
+    """The next state for the fishes `who` and, where it is mutual, their partners.
+
+    Who has come to show off begins; she notices by herself. After the last state both have mated.
+    """
+    for i in who:
+        j = minds.partner[i]
+        after = minds.courtship[i] + 1
+        if after == LOOPING:
+            enter(fishes, minds, i, after)
+        elif after <= NUZZLING:
+            enter(fishes, minds, i, after)
+            enter(fishes, minds, j, after)
+        else:
+            minds.last_mating[i] = clock.tick * clock.dt
+            minds.last_mating[j] = clock.tick * clock.dt
+            _part(fishes, minds, j)
+            _part(fishes, minds, i)
+
+
+@njit(cache=True, error_model="numpy")
+def _may_court(fishes: Fishes, minds: Minds, i: int, j: int) -> bool:
+    """Whether fish j is somebody for fish i: alive, of the other sex, and not shunned."""
+    if j < 0 or j == minds.shunned[i]:
+        return False
+    return bool(fishes.alive[j] and minds.kind[j] == PACIFIST and minds.male[j] != minds.male[i])
+
+
+@njit(cache=True, error_model="numpy")
+def _part(fishes: Fishes, minds: Minds, i: int) -> None:
+    """Courtship is over: turn away from the partner and leave it alone for a while."""
+    j = minds.partner[i]
+    enter(fishes, minds, i, NO_COURTSHIP)
+    minds.partner[i] = NOBODY
+    minds.target[i] = NOBODY
+    minds.shunned[i] = j
+    minds.shunning[i] = SHUN_S
+    away = minus(vector(fishes.position[i]), vector(fishes.position[j]))
+    away = (away[0], away[1], 0.3 * away[2])
+    size = max(norm(away), 1e-3)
+    place: Vector = plus(vector(fishes.position[i]), times(APART_CM / size, away))
+    for axis in range(3):
+        minds.waypoint[i, axis] = place[axis]
+    minds.patience[i] = PARTING_S

@@ -1,0 +1,413 @@
+"""Courtship as a state machine: what each state does and when it is completed (Tu §7.9.3).
+
+Approaching, looping, circling, spawning ascent, nuzzling. Lengths are in body lengths of the
+fish, times in those of the recorded fish: a smaller one beats and turns faster.
+"""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from subsea.behavior.chasing import chase, mouth_of
+from subsea.kinematics.rotation import rotate
+from subsea.kinematics.vector import Vector, minus, norm, plus, vector
+from subsea.state import (
+    APPROACHING,
+    ASCENDING,
+    CIRCLING,
+    LOOPING,
+    MATE,
+    NO_COURTSHIP,
+    NOBODY,
+    NUZZLING,
+    Clock,
+    Fishes,
+    Minds,
+    Sea,
+)
+
+Array = NDArray[np.floating[Any]]
+Flags = NDArray[np.bool_]
+Ints = NDArray[np.integer[Any]]
+
+CLOSE_RAD = np.radians(40.0)  # with recorded turns and careful alignment a fish turns fastest here
+TURNING_RAD, TURNING_SPEED = np.radians((15.0, 45.0, 90.0)), np.array((1.0, 0.35, 0.1))
+AHEAD_BL, ABOVE_BL = 1.0, 0.25  # where before her head he shows off, in their mean body length
+DISPLAY_BL = 1.5  # so near that place he begins to
+SWING_BL = 0.55  # how far up and down the point moves that he chases, in his
+SWING_HZ = 0.14
+REACH_BL = 0.45  # so near the point he has reached it
+VIGOUR, BENT = 0.75, 0.25  # share of the fastest speed at which he loops, and of that in turns
+POINTS = 4  # reached, and he goes on to circle
+IMPRESSED = 1  # point reached by a rival before she compares him with the one she favours
+LARGER = 1.05  # times as long a rival must be
+BOB_HZ, BOB_SLOPE = 0.45, 0.5  # of her head while she looks on
+CIRCLING_BL, CIRCLING_SPEED = 0.45, 0.2  # distance to the other's tail, at which speed
+TURNS = 2.0  # of hers, and they go on to the ascent
+RISE_BL = 4.0  # how far she ascends, in her body lengths ...
+CEILING_BL, CEILING_CM = 1.6, 10.0  # ... but no nearer to the surface
+LEAST_RISE = 0.4  # share of the fastest speed at which she ascends while he is left behind
+STEEP = 0.78  # slope of her ascent: the motor system's steepest
+FOLLOWED_BL = 1.3  # so near her abdomen he has kept up
+BELLY_BACK_BL, BELLY_DOWN_BL = 0.05, 0.15  # of her abdomen, behind and below her origin
+BELOW_BL = 0.6  # how far under it he keeps while he follows
+GATHER_BL = 1.1  # nearer than this he sees to it that he comes ...
+SLOPES = (0.3, 0.9)  # ... at a slope between these, and straight
+GENTLE = 0.6  # ... and a retreat leads to where it is at most this
+LEAST_PACE = 0.12  # share of the fastest speed with which he arrives
+TOUCH_BL = 0.1  # mouth to abdomen
+RETREAT_S, WAIT_S = 2.5, 1.0  # after each nudge; it takes a little longer ...
+MORE_S = 0.3  # ... as long as she is too steep above him
+BACKING = -0.4  # speed of the retreat
+NUDGES = 3
+
+# Sets urge and goal speed of each of the fishes `who`.
+Component = Callable[[Ints, Fishes, Minds, Sea, Clock], None]
+# Whether each of the fishes `who` has completed its state.
+Transition = Callable[[Ints, Fishes, Minds, Sea], Flags]
+
+
+class State(NamedTuple):
+    """A state of courtship: what is done in it, when it is completed, when it is given up."""
+
+    component: Component
+    completed: Transition
+    limit_s: float  # given up after so long ...
+    alone_s: float  # ... or when the partner has minded somebody or something else for so long
+
+
+@njit(cache=True, error_model="numpy")
+def approach(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
+    """Chase her, or the place before her head where he will show off if she has a mind to mate."""
+    for i in who:
+        j = minds.partner[i]
+        velocity = vector(fishes.velocity[j])
+        if minds.intention[j] == MATE:
+            chase(fishes, minds, i, stage(fishes, i, j), velocity)
+            continue
+        distance = chase(fishes, minds, i, vector(fishes.position[j]), velocity)
+        if distance < fishes.length[i] + fishes.length[j]:
+            fishes.goal_speed[i] = min(fishes.goal_speed[i], 0.3)
+
+
+@njit(cache=True, error_model="numpy")
+def arrived(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Flags:
+    """He is where he can show off, and she has a mind to look."""
+    done = np.zeros(len(who), np.bool_)
+    for k in range(len(who)):
+        i = who[k]
+        j = minds.partner[i]
+        distance = norm(minus(stage(fishes, i, j), mouth_of(fishes, i)))
+        near = distance < DISPLAY_BL * 0.5 * (fishes.length[i] + fishes.length[j])
+        done[k] = near and minds.intention[j] == MATE
+    return done
+
+
+@njit(cache=True, error_model="numpy")
+def loop(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
+    """He chases a point before her head that moves up and down; she hovers and bobs her head."""
+    for i in who:
+        if not minds.male[i]:
+            _hover(fishes, minds, i, BOB_SLOPE * np.sin(_beat(fishes, i, BOB_HZ, clock)))
+            continue
+        j = minds.partner[i]
+        swing = _beat(fishes, i, SWING_HZ, clock) + 2.0 * np.pi * fishes.identity[i]
+        height = SWING_BL * fishes.length[i] * np.sin(swing)
+        point = plus(stage(fishes, i, j), (0.0, 0.0, height))
+        toward = minus(point, mouth_of(fishes, i))
+        turn = _steer(fishes, minds, i, toward)
+        fishes.goal_speed[i] = VIGOUR * max(np.cos(turn), BENT)
+        minds.courtship_mark[i] -= minds.pause[i] * fishes.rate[i]
+        reached = norm(toward) < REACH_BL * fishes.length[i]
+        if reached and minds.courtship_mark[i] <= 0.0:
+            # The point must be at its other end before it counts again.
+            minds.courtship_mark[i] = 0.4 / SWING_HZ
+            minds.courtship_count[i] += 1.0
+            minds.fatigue[MATE, i] = 0.0
+        _impress(fishes, minds, i, j)
+
+
+@njit(cache=True, error_model="numpy")
+def _impress(fishes: Fishes, minds: Minds, i: int, j: int) -> None:
+    """Let her favour the male that loops before her if he is better than whom she favours."""
+    best = minds.partner[j]
+    if best == i or minds.intention[j] != MATE or minds.courtship[j] > LOOPING:
+        return
+    impressive = minds.courtship_count[i] >= IMPRESSED
+    if best != NOBODY and not (impressive and preferred(fishes, j, i, best)):
+        return
+    enter(fishes, minds, j, LOOPING)
+    minds.partner[j] = i
+
+
+@njit(cache=True, error_model="numpy")
+def preferred(fishes: Fishes, j: int, i: int, best: int) -> bool:
+    """Whether female j prefers male i: her own species first, then size (Tu §7.9.3)."""
+    own, other = fishes.species[i] == fishes.species[j], fishes.species[best] == fishes.species[j]
+    if own != other:
+        return bool(own)
+    return bool(fishes.length[i] > LARGER * fishes.length[best])
+
+
+@njit(cache=True, error_model="numpy")
+def chosen(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Flags:
+    """He has reached the point often enough, and it is him that she favours."""
+    done = np.zeros(len(who), np.bool_)
+    for k in range(len(who)):
+        i = who[k]
+        favoured = minds.partner[minds.partner[i]] == i
+        done[k] = minds.male[i] and favoured and minds.courtship_count[i] >= POINTS
+    return done
+
+
+@njit(cache=True, error_model="numpy")
+def circle(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
+    """Each chases the other's tail; her turns are counted."""
+    for i in who:
+        toward = minus(_tail(fishes, minds.partner[i]), mouth_of(fishes, i))
+        gap = norm(toward) / (CIRCLING_BL * fishes.length[i])
+        turn = _steer(fishes, minds, i, toward)
+        fishes.goal_speed[i] = CIRCLING_SPEED * min(max(gap, 0.3), 3.0) * max(np.cos(turn), 0.3)
+        heading = _heading(fishes, i)
+        turn = heading - minds.courtship_mark[i]
+        turn -= 2.0 * np.pi * np.round(turn / (2.0 * np.pi))
+        minds.courtship_mark[i] = heading
+        minds.courtship_count[i] += turn / (2.0 * np.pi)
+
+
+@njit(cache=True, error_model="numpy")
+def circled(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Flags:
+    """She has turned round often enough."""
+    done = np.zeros(len(who), np.bool_)
+    for k in range(len(who)):
+        done[k] = not minds.male[who[k]] and abs(minds.courtship_count[who[k]]) >= TURNS
+    return done
+
+
+@njit(cache=True, error_model="numpy")
+def ascend(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
+    """She ascends fast, then hovers; he follows her abdomen."""
+    for i in who:
+        if minds.male[i]:
+            j = minds.partner[i]
+            under = minus(abdomen(fishes, j), (0.0, 0.0, 0.5 * BELOW_BL * fishes.length[i]))
+            toward = minus(under, mouth_of(fishes, i))
+            speed = min(norm(toward) / fishes.length[i], 1.0)
+            fishes.goal_speed[i] = speed * _careful(_steer(fishes, minds, i, toward))
+        elif _at_top(fishes, minds, i):
+            _hover(fishes, minds, i, 0.0)
+        else:
+            ahead = rotate(fishes.orientation[i], (1.0, 0.0, 0.0))
+            level = max(np.sqrt(ahead[0] * ahead[0] + ahead[1] * ahead[1]), 1e-6)
+            _want(minds, i, (ahead[0], ahead[1], STEEP * level))
+            gap = norm(minus(vector(fishes.position[minds.partner[i]]), vector(fishes.position[i])))
+            fishes.goal_speed[i] = min(max(2.0 - 0.5 * gap / fishes.length[i], LEAST_RISE), 1.0)
+
+
+@njit(cache=True, error_model="numpy")
+def ascended(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Flags:
+    """She hovers at the peak of her ascent, and he is there."""
+    done = np.zeros(len(who), np.bool_)
+    for k in range(len(who)):
+        i = who[k]
+        if minds.male[i] or not _at_top(fishes, minds, i):
+            continue
+        j = minds.partner[i]
+        distance = norm(minus(abdomen(fishes, i), mouth_of(fishes, j)))
+        done[k] = distance < FOLLOWED_BL * fishes.length[j]
+    return done
+
+
+@njit(cache=True, error_model="numpy")
+def _at_top(fishes: Fishes, minds: Minds, i: int) -> bool:
+    """Whether she has risen as far as she wants, or as the surface lets her."""
+    height = fishes.position[i, 2]
+    ceiling = -CEILING_BL * fishes.length[i] - CEILING_CM
+    return bool(height > min(minds.courtship_mark[i] + RISE_BL * fishes.length[i], ceiling))
+
+
+@njit(cache=True, error_model="numpy")
+def nuzzle(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
+    """She hovers; he nudges her abdomen from below, retreats, waits and comes again."""
+    for i in who:
+        if not minds.male[i]:
+            _hover(fishes, minds, i, 0.0)
+            continue
+        toward = minus(abdomen(fishes, minds.partner[i]), mouth_of(fishes, i))
+        distance = norm(toward)
+        minds.courtship_mark[i] -= minds.pause[i] * fishes.rate[i]
+        if minds.courtship_mark[i] > 0.0:
+            _retreat(fishes, minds, i, toward)
+        elif distance < TOUCH_BL * fishes.length[i]:
+            minds.courtship_count[i] += 1.0
+            minds.courtship_mark[i] = RETREAT_S + WAIT_S
+            minds.fatigue[MATE, i] = 0.0
+        else:
+            _nudge(fishes, minds, i, toward, distance)
+
+
+@njit(cache=True, error_model="numpy")
+def _nudge(fishes: Fishes, minds: Minds, i: int, toward: Vector, distance: float) -> None:
+    """To the abdomen, from below and straight; a try that comes otherwise is broken off."""
+    length = fishes.length[i]
+    slope = _slope(toward)
+    if slope < SLOPES[0] and distance > GATHER_BL * length:
+        toward = plus(toward, (0.0, 0.0, -BELOW_BL * length))
+    turn = _steer(fishes, minds, i, toward)
+    pace = min(max(0.5 * distance / length, LEAST_PACE), 1.0)
+    fishes.goal_speed[i] = pace * _careful(turn)
+    if distance < GATHER_BL * length and not (SLOPES[0] < slope < SLOPES[1] and turn < CLOSE_RAD):
+        minds.courtship_mark[i] = RETREAT_S + WAIT_S
+
+
+@njit(cache=True, error_model="numpy")
+def _retreat(fishes: Fishes, minds: Minds, i: int, toward: Vector) -> None:
+    """Back off with the eyes on her: with the nose up, which leads down, or level if too steep.
+
+    It lasts until he can come at her at a gentle slope. Then he waits.
+    """
+    level = np.sqrt(toward[0] * toward[0] + toward[1] * toward[1])
+    steep = toward[2] > GENTLE * level
+    _steer(fishes, minds, i, (toward[0], toward[1], 0.0 if steep else level))
+    if minds.courtship_mark[i] < WAIT_S:
+        fishes.goal_speed[i] = 0.0
+        return
+    fishes.goal_speed[i] = BACKING
+    if steep:
+        minds.courtship_mark[i] = max(minds.courtship_mark[i], WAIT_S + MORE_S)
+
+
+@njit(cache=True, error_model="numpy")
+def _slope(toward: Vector) -> float:
+    level = np.sqrt(toward[0] * toward[0] + toward[1] * toward[1])
+    return float(toward[2] / max(level, 1e-6))
+
+
+@njit(cache=True, error_model="numpy")
+def nuzzled(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Flags:
+    """He has nudged her often enough."""
+    done = np.zeros(len(who), np.bool_)
+    for k in range(len(who)):
+        done[k] = minds.male[who[k]] and minds.courtship_count[who[k]] >= NUDGES
+    return done
+
+
+@njit(cache=True, error_model="numpy")
+def idle(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
+    """Nothing: no courtship."""
+
+
+@njit(cache=True, error_model="numpy")
+def never(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Flags:
+    """Nobody completes this state."""
+    return np.zeros(len(who), np.bool_)
+
+
+@njit(cache=True, error_model="numpy")
+def enter(fishes: Fishes, minds: Minds, i: int, code: int) -> None:
+    """Begin a state: nothing counted yet."""
+    minds.courtship[i] = code
+    minds.courtship_time[i] = 0.0
+    minds.courtship_count[i] = 0.0
+    minds.courtship_mark[i] = 0.0
+    if code == CIRCLING:
+        minds.courtship_mark[i] = _heading(fishes, i)
+    elif code == ASCENDING:
+        minds.courtship_mark[i] = fishes.position[i, 2]
+    minds.alone[i] = 0.0
+    minds.fatigue[MATE, i] = 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def stage(fishes: Fishes, i: int, j: int) -> Vector:
+    """The place in front of and slightly above the head of fish j where fish i shows off."""
+    x = rotate(fishes.orientation[j], (1.0, 0.0, 0.0))
+    level = max(np.sqrt(x[0] * x[0] + x[1] * x[1]), 1e-6)
+    length = 0.5 * (fishes.length[i] + fishes.length[j])
+    ahead = fishes.snout[j] + AHEAD_BL * length
+    offset = (ahead * x[0] / level, ahead * x[1] / level, ABOVE_BL * length)
+    return plus(vector(fishes.position[j]), offset)
+
+
+@njit(cache=True, error_model="numpy")
+def abdomen(fishes: Fishes, j: int) -> Vector:
+    """Where the belly of fish j is, cm, world."""
+    length = fishes.length[j]
+    offset = (-BELLY_BACK_BL * length, -BELLY_DOWN_BL * length, 0.0)
+    return plus(vector(fishes.position[j]), rotate(fishes.orientation[j], offset))
+
+
+@njit(cache=True, error_model="numpy")
+def _tail(fishes: Fishes, j: int) -> Vector:
+    """Where the tail of fish j is, cm, world, were it straight."""
+    along = fishes.snout[j] - fishes.length[j]
+    return plus(vector(fishes.position[j]), rotate(fishes.orientation[j], (along, 0.0, 0.0)))
+
+
+@njit(cache=True, error_model="numpy")
+def _heading(fishes: Fishes, i: int) -> float:
+    """The angle, rad, that the body heads left of the world's x axis."""
+    x = rotate(fishes.orientation[i], (1.0, 0.0, 0.0))
+    return float(np.arctan2(x[1], x[0]))
+
+
+@njit(cache=True, error_model="numpy")
+def _beat(fishes: Fishes, i: int, hertz: float, clock: Clock) -> float:
+    """Phase of an oscillation that has this frequency in a fish of recorded size."""
+    return 2.0 * np.pi * hertz * fishes.rate[i] * clock.tick * clock.dt
+
+
+@njit(cache=True, error_model="numpy")
+def _hover(fishes: Fishes, minds: Minds, i: int, slope: float) -> None:
+    """Stand still and keep the heading, with the head up or down by a slope."""
+    heading = _heading(fishes, i)
+    _want(minds, i, (np.cos(heading), np.sin(heading), slope))
+    fishes.goal_speed[i] = 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def _steer(fishes: Fishes, minds: Minds, i: int, toward: Vector) -> float:
+    """Turn to what is near as hard as the motor system can; returns the angle left, rad.
+
+    A fish that asks for a sharp turn throws itself round and turns less in a second than one
+    that asks for CLOSE_RAD, where recorded turns and careful alignment add up.
+    """
+    heading = _heading(fishes, i)
+    level = np.sqrt(toward[0] * toward[0] + toward[1] * toward[1])
+    turn = np.arctan2(toward[1], toward[0]) - heading
+    turn -= 2.0 * np.pi * np.round(turn / (2.0 * np.pi))
+    bent = heading + min(max(turn, -CLOSE_RAD), CLOSE_RAD)
+    _want(minds, i, (level * np.cos(bent), level * np.sin(bent), toward[2]))
+    return float(abs(turn))
+
+
+@njit(cache=True, error_model="numpy")
+def _careful(turn: float) -> float:
+    """The share of its speed that a fish keeps which has to turn by so many rad.
+
+    Who turns on the spot comes to face what lies inside its turning circle, and doesn't orbit it.
+    """
+    return float(np.interp(turn, TURNING_RAD, TURNING_SPEED))
+
+
+@njit(cache=True, error_model="numpy")
+def _want(minds: Minds, i: int, urge: Vector) -> None:
+    for axis in range(3):
+        minds.urge[i, axis] = urge[axis]
+
+
+# By code: what NO_COURTSHIP, APPROACHING, LOOPING, CIRCLING, ASCENDING and NUZZLING are.
+STATES = (
+    State(idle, never, np.inf, np.inf),
+    State(approach, arrived, 60.0, 25.0),
+    State(loop, chosen, 60.0, 8.0),
+    State(circle, circled, 45.0, 10.0),
+    State(ascend, ascended, 30.0, 10.0),
+    State(nuzzle, nuzzled, 60.0, 10.0),
+)
+LIMIT_S = np.array([state.limit_s for state in STATES])
+ALONE_S = np.array([state.alone_s for state in STATES])
+assert len(STATES) == NUZZLING + 1 and NO_COURTSHIP == 0 and APPROACHING == 1
