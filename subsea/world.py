@@ -12,9 +12,11 @@ from subsea.behavior.mental import DIGESTION, DREAD_CM, LIBIDO_RATE
 from subsea.behavior.table import BEHAVIORS, DESIRES
 from subsea.errors import UserError
 from subsea.habitat.sea import make_sea
+from subsea.habitat.solids import out_of_solids
 from subsea.kinematics.coupling import Coupling, couple
-from subsea.kinematics.heightfield import height_at
+from subsea.kinematics.solids import from_pillar, from_rock
 from subsea.kinematics.surface import rest_control_points
+from subsea.kinematics.vector import vector
 from subsea.motor.switching import Dynamics, make_dynamics
 from subsea.repertoire import SEGMENTS, Repertoire, read_repertoire
 from subsea.repertoire.library import Library, pack
@@ -22,6 +24,7 @@ from subsea.resources import resource_path
 from subsea.scenario import MAX_SIMULATED, Scenario, Shoal
 from subsea.species import Species, load_species
 from subsea.state import (
+    HULL_CM,
     KINDS,
     PREDATOR,
     Fishes,
@@ -39,6 +42,7 @@ Array = NDArray[np.floating[Any]]
 
 LIVE_REACH_CM = 500.0  # how near to the submarine a fish must be to be simulated
 
+ROOM_BL = 0.6  # so many body lengths off every rock a fish begins
 FLAT_BL = 0.4  # a body at least this tall, over its length, rows with its pectoral fins
 PLANKTON_CM, PREY_CM = 4.0, 40.0  # of its length for each meal that it takes to fill a fish
 TICK_S = 0.033  # one tick = one recorded frame = six steps of the simulation
@@ -64,14 +68,15 @@ def create_world(
     progress: Callable[[str], None] = lambda message: None,
     live: int | None = None,
     live_reach_cm: float = LIVE_REACH_CM,
+    source: str = "the scenario",
 ) -> World:
     """Read the repertoires of a scenario's species and put everything in its place.
 
     `seed` replaces the scenario's; `fish` scales its shoals to that many fishes in all.
     `progress` is told what is going on. `live` fishes at most, None: as many as the scenario
     says, are simulated instead of played back: those nearest to the submarine, within
-    `live_reach_cm`. A missing or damaged file, or more live fishes than a picture can hold, is a
-    UserError.
+    `live_reach_cm`. A missing or damaged file, more live fishes than a picture can hold, or who
+    would begin inside a rock or a pillar, is a UserError; `source` is the scenario's file.
     """
     live = scenario.simulated if live is None else live
     if live > MAX_SIMULATED:
@@ -87,6 +92,7 @@ def create_world(
     progress("shaping the seabed")
     rng = np.random.default_rng([seed, 0x5EA])
     sea = make_sea(scenario, rng)
+    _refuse_within_solids(scenario, sea, source)
     progress("letting the fishes in")
     submarine = Submarine(position=np.array(scenario.submarine.position_cm, np.float64))
     submarine.angles[0] = np.radians(scenario.submarine.heading_deg)
@@ -124,6 +130,24 @@ def _coupling(species: Species, repertoire: Repertoire) -> Coupling:
     nodes = repertoire.rest_nodes
     rest = rest_control_points(species.surface, repertoire.body_length_cm, nodes[0, 0])
     return couple(species.surface.coupling, nodes, rest)
+
+
+def _refuse_within_solids(scenario: Scenario, sea: Sea, source: str) -> None:
+    """A UserError if the submarine or a shoal would begin inside a rock or a pillar."""
+    starts = [("submarine.position_cm", scenario.submarine.position_cm, HULL_CM)]
+    for k, shoal in enumerate(scenario.fish):
+        if shoal.position_cm is not None:
+            starts.append((f"fish[{k}].position_cm", shoal.position_cm, 0.0))
+    solids = [(f"pillar[{k}]", from_pillar, row) for k, row in enumerate(sea.pillars)]
+    solids += [(f"rock[{k}]", from_rock, row) for k, row in enumerate(sea.rocks)]
+    for key, place, room in starts:
+        for name, off, row in solids:
+            gap = off(row, place)[1]
+            if gap < room:
+                where = f"lies inside `{name}`" if gap < 0.0 else f"is {gap:.0f} cm from `{name}`"
+                raise UserError(
+                    f"{source}: `{key}` {place} {where}, expected at least {room:g} cm off it"
+                )
 
 
 def _shares(scenario: Scenario, fish: int | None) -> list[int]:
@@ -167,8 +191,8 @@ def _populate(
             common = np.radians(shoal.heading_deg)
         together = schooling or shoal.heading_deg is not None
         for i, place in enumerate(places, start=first):
-            floor = height_at(sea.heights, sea.half_width, place[0], place[1])
-            place[2] = np.clip(place[2], floor + 40.0, -40.0)
+            room = ROOM_BL * float(fishes.length[i])
+            place[:] = out_of_solids(sea, vector(place), room, 40.0, 40.0)
             turn = common + rng.normal(0, 0.2) if together else rng.uniform(-np.pi, np.pi)
             fishes.position[i] = place
             fishes.orientation[i] = heading_quaternion(turn)

@@ -6,6 +6,7 @@ import pytest
 
 from subsea.errors import UserError
 from subsea.frame import pack
+from subsea.habitat.solids import clearances
 from subsea.ocean import create_world, step
 from subsea.resources import resource_names, resource_path
 from subsea.scenario import load_scenario
@@ -14,6 +15,7 @@ from subsea.submarine.helm import HANDS_OFF
 from subsea.view.rigs import cockpit, views_for
 
 PEACEFUL = resource_path("assets/scenarios/peaceful.toml").read_text()
+BARE = PEACEFUL.split("\n[[rock]]")[0]  # nothing stands on its seabed
 
 
 @pytest.mark.parametrize("name", resource_names("assets/scenarios", ".toml"))
@@ -101,3 +103,40 @@ def test_a_scenario_may_have_its_nearest_fishes_simulated(tmp_path):
     for _ in range(120):
         step(world, HANDS_OFF)
     assert world.state.fishes.live.sum() == 2
+
+
+STANDS = {
+    "pillar[0]": "\n[[pillar]]\nposition_cm = {}\nradius_cm = 60.0\nheight_cm = 900.0\n",
+    "rock[0]": "\n[[rock]]\nposition_cm = {}\nsize_cm = [90.0, 90.0, 500.0]\n",
+}
+
+
+@pytest.mark.parametrize("solid", STANDS)
+@pytest.mark.parametrize(
+    ("place", "key"),
+    [("[-430.0, -150.0]", "submarine.position_cm"), ("[-60.0, 45.0]", "fish[0].position_cm")],
+)
+def test_nobody_may_begin_inside_what_stands_there(tmp_path, solid, place, key):
+    """The submarine's hull must be clear of it too."""
+    file = tmp_path / "walled.toml"
+    file.write_text(BARE + STANDS[solid].format(place))
+    with pytest.raises(UserError) as caught:
+        create_world(load_scenario(str(file))[0], source=str(file))
+    message = str(caught.value)
+    assert message.startswith(f"{file}: `{key}`")
+    assert f"`{solid}`" in message
+    assert "\n" not in message
+
+
+def test_fishes_that_the_dice_put_into_a_rock_are_moved_out_of_it(tmp_path):
+    file, bare_file = tmp_path / "walled.toml", tmp_path / "bare.toml"
+    bare_file.write_text(BARE)
+    solids = STANDS["pillar[0]"].format("[-60.0, 150.0]") + STANDS["rock[0]"].format("[0, -80.0]")
+    file.write_text(BARE + solids)
+    scenario = load_scenario(str(file))[0]
+    world, bare = create_world(scenario), create_world(load_scenario(str(bare_file))[0])
+    sea, fishes = world.state.sea, world.state.fishes
+    far = clearances(sea.pillars, sea.rocks, fishes.position.astype(float))
+    assert (far > 0.5 * fishes.length).all()
+    before = clearances(sea.pillars, sea.rocks, bare.state.fishes.position.astype(float))
+    assert (before < 0.0).sum() >= 3  # the dice had put some into them

@@ -32,13 +32,13 @@ def start_world(
     The motor "playback" simulates no fish, "dynamics" every one as soon as its motion allows,
     None those that the scenario says.
     """
-    chosen, _ = load_scenario(scenario)
+    chosen, path = load_scenario(scenario)
     number = sum(shoal.number for shoal in chosen.fish) if fish is None else fish
     if motor is None:
-        world = create_world(chosen, seed, fish, tell)
+        world = create_world(chosen, seed, fish, tell, source=str(path))
     else:
         live = number if motor == "dynamics" else 0
-        world = create_world(chosen, seed, fish, tell, live, math.inf)
+        world = create_world(chosen, seed, fish, tell, live, math.inf, str(path))
     tell(WAKING)
     step(world, HANDS_OFF)
     pack(world, views_for("mono", (64, 64), cockpit(world.state.submarine, 1.0)), 1.0)

@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from subsea.habitat.solids import from_pillar, from_rock
+from subsea.kinematics.solids import from_pillar, from_rock
 from subsea.kinematics.vector import Vector, plus, times, vector
 from subsea.state import Fishes, Sea
 

@@ -1,4 +1,4 @@
-"""How far a place is from what stands on the seabed: pillars and rocks."""
+"""Which places are free of what stands on the seabed, and the way out of it."""
 
 from typing import Any
 
@@ -6,45 +6,14 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from subsea.kinematics.vector import Vector, vector
+from subsea.kinematics.heightfield import height_at
+from subsea.kinematics.solids import from_pillar, from_rock
+from subsea.kinematics.vector import Vector, norm, plus, times, vector
+from subsea.state import Sea
 
 Array = NDArray[np.floating[Any]]
 
-
-@njit(cache=True, error_model="numpy")
-def from_pillar(pillar: Array, p: Vector) -> tuple[Vector, float]:
-    """The way off a pillar at p, and how far p is from it (cm, negative inside).
-
-    A row of `Sea.pillars`. The way is a unit vector, outward from the axis, or up over its top.
-    """
-    dx, dy = p[0] - pillar[0], p[1] - pillar[1]
-    axis = max(np.sqrt(dx * dx + dy * dy), 1e-9)
-    aside, above = axis - pillar[2], p[2] - pillar[3]
-    if aside > 0.0 and above > 0.0:
-        corner = np.sqrt(aside * aside + above * above)
-        share = aside / (corner * axis)
-        return (dx * share, dy * share, above / corner), corner
-    if above > aside:
-        return (0.0, 0.0, 1.0), above
-    return (dx / axis, dy / axis, 0.0), aside
-
-
-@njit(cache=True, error_model="numpy")
-def from_rock(rock: Array, p: Vector) -> tuple[Vector, float]:
-    """The way off a rock at p, and about how far p is from it (cm, negative inside).
-
-    A row of `Sea.rocks`. The distance is exact on the surface and to first order near it.
-    """
-    c, s = np.cos(rock[6]), np.sin(rock[6])
-    dx, dy, dz = p[0] - rock[0], p[1] - rock[1], p[2] - rock[2]
-    x, y, z = (c * dx + s * dy) / rock[3], (c * dy - s * dx) / rock[4], dz / rock[5]
-    scaled = np.sqrt(x * x + y * y + z * z)
-    gx, gy, gz = x / rock[3], y / rock[4], z / rock[5]
-    slope = np.sqrt(gx * gx + gy * gy + gz * gz)
-    if slope < 1e-9:  # its very middle
-        return (0.0, 0.0, 1.0), -min(rock[3], rock[4], rock[5])
-    way = ((c * gx - s * gy) / slope, (s * gx + c * gy) / slope, gz / slope)
-    return way, scaled * (scaled - 1.0) / slope
+PASSES = 12  # out of so many solids that overlap
 
 
 @njit(cache=True, error_model="numpy")
@@ -56,6 +25,15 @@ def clearance(pillars: Array, rocks: Array, p: Vector) -> float:
     for k in range(len(rocks)):
         nearest = min(nearest, from_rock(rocks[k], p)[1])
     return nearest
+
+
+@njit(cache=True, error_model="numpy")
+def clearances(pillars: Array, rocks: Array, places: Array) -> Array:
+    """How far each of the places (n, 3) is from the nearest solid (n,), cm."""
+    far = np.empty(len(places))
+    for k in range(len(places)):
+        far[k] = clearance(pillars, rocks, vector(places[k]))
+    return far
 
 
 @njit(cache=True, error_model="numpy")
@@ -74,9 +52,30 @@ def is_free(pillars: Array, rocks: Array, p: Vector) -> bool:
 
 
 @njit(cache=True, error_model="numpy")
-def clearances(pillars: Array, rocks: Array, places: Array) -> Array:
-    """How far each of the places (n, 3) is from the nearest solid (n,), cm."""
-    far = np.empty(len(places))
-    for k in range(len(places)):
-        far[k] = clearance(pillars, rocks, vector(places[k]))
-    return far
+def out_of_solids(sea: Sea, p: Vector, room: float, above: float, below: float) -> Vector:
+    """The place, near p, that is `room` cm off every solid.
+
+    It is `above` cm over the seabed at least, and `below` cm under the surface. Where solids
+    stand too close for that, the last place tried.
+    """
+    for _ in range(PASSES):
+        moved = False
+        for k in range(len(sea.pillars)):
+            x, y, radius, top = sea.pillars[k]
+            if top + room > -below:  # no way over it
+                top = np.inf
+            way, gap = from_pillar((x, y, radius, top), p)
+            if gap < room:
+                p, moved = plus(p, times(room - gap + 0.1, way)), True
+        for k in range(len(sea.rocks)):
+            way, gap = from_rock(sea.rocks[k], p)
+            if gap < room:
+                if way[2] < 0.0:  # an overhang: aside, not into the ground
+                    level = (way[0], way[1], 0.0)
+                    way = times(1.0 / max(norm(level), 1e-3), level)
+                p, moved = plus(p, times(room - gap + 0.1, way)), True
+        floor = height_at(sea.heights, sea.half_width, p[0], p[1])
+        p = (p[0], p[1], min(max(p[2], floor + above), -below))
+        if not moved:
+            break
+    return p

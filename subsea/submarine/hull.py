@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.kinematics.solids import from_pillar, from_rock
 from subsea.scenario import Bounds
 from subsea.state import HULL_CM, Submarine
 from subsea.submarine.helm import Helm
@@ -36,6 +37,9 @@ RETURN_CM_S = 40.0  # fastest push back for a hull that finds itself too close
 PROBE_CM = 25.0  # half the distance over which the slope of the seabed is felt
 
 
+NO_SOLIDS = np.zeros((0, 7))
+
+
 def settled_speed(share: float, full_cm_s: float, linear: float, quadratic: float) -> float:
     """The speed (cm/s or rad/s) at which drag balances `share` of full thrust.
 
@@ -47,12 +51,19 @@ def settled_speed(share: float, full_cm_s: float, linear: float, quadratic: floa
 
 
 def step_hull(
-    submarine: Submarine, helm: Helm, dt: float, floor_height: FloorHeight, bounds: Bounds
+    submarine: Submarine,
+    helm: Helm,
+    dt: float,
+    floor_height: FloorHeight,
+    bounds: Bounds,
+    pillars: Array = NO_SOLIDS,
+    rocks: Array = NO_SOLIDS,
 ) -> None:
     """Advance the submarine by `dt` seconds, in place.
 
     Writes every array of `submarine`; the position and angles before the step go to its
-    `previous_` arrays. `floor_height` gives the seabed, `bounds` the surface and the cylinder.
+    `previous_` arrays. `floor_height` gives the seabed, `bounds` the surface and the cylinder,
+    `pillars` (k, 4) and `rocks` (k, 7), as in `state.Sea`, what stands in the way.
     """
     submarine.previous_position[:] = submarine.position
     submarine.previous_angles[:] = submarine.angles
@@ -60,8 +71,10 @@ def step_hull(
         helm = Helm(full_stop=True)
     _turn(submarine, helm, dt)
     _push(submarine, helm, dt)
-    _keep_clear(submarine, floor_height, bounds)
+    _keep_clear(submarine, floor_height, bounds, pillars, rocks)
     submarine.position += dt * submarine.velocity
+    for distance, normal in _solids(submarine, pillars, rocks):
+        submarine.position += max(0.5 * CLEARANCE_CM - distance, 0.0) * normal
     # Between two ticks the seabed may curve more than its slope foretold; never touch it.
     x, y, z = submarine.position
     submarine.position[2] = max(z, floor_height(x, y) + 0.5 * CLEARANCE_CM)
@@ -107,7 +120,27 @@ def _push(submarine: Submarine, helm: Helm, dt: float) -> None:
     submarine.velocity[:] = moved @ axes
 
 
-def _keep_clear(submarine: Submarine, floor_height: FloorHeight, bounds: Bounds) -> None:
+def _solids(submarine: Submarine, pillars: Array, rocks: Array) -> list[tuple[float, Array]]:
+    """Distances from the solids that the hull may reach within two seconds, and the ways off."""
+    x, y, z = (float(value) for value in submarine.position)
+    reach = CLEARANCE_CM + 2.0 * AHEAD_CM_S
+    found = []
+    for rows, size, off in (
+        (pillars, pillars[:, 2], from_pillar),
+        (rocks, rocks[:, 3:5].max(axis=1, initial=0.0), from_rock),
+    ):
+        for k in np.flatnonzero(np.hypot(rows[:, 0] - x, rows[:, 1] - y) < size + reach):
+            normal, distance = off(rows[k], (x, y, z))
+            if normal[2] < 0.0:  # an overhang must not press the hull into the seabed
+                level = max(math.hypot(normal[0], normal[1]), 1e-3)
+                normal = normal[0] / level, normal[1] / level, 0.0
+            found.append((distance, np.array(normal)))
+    return found
+
+
+def _keep_clear(
+    submarine: Submarine, floor_height: FloorHeight, bounds: Bounds, pillars: Array, rocks: Array
+) -> None:
     """Slow the approach to every wall in proportion to the distance left."""
     x, y, z = submarine.position
     slope_x = (floor_height(x + PROBE_CM, y) - floor_height(x - PROBE_CM, y)) / (2.0 * PROBE_CM)
@@ -116,11 +149,12 @@ def _keep_clear(submarine: Submarine, floor_height: FloorHeight, bounds: Bounds)
     floor_normal /= np.linalg.norm(floor_normal)
     radius = math.hypot(x, y)
     inward = np.array([-x, -y, 0.0]) / max(radius, 1.0)
-    walls = (
+    walls = [
+        *_solids(submarine, pillars, rocks),
         (bounds.radius_cm - radius, inward),
         (-z, np.array([0.0, 0.0, -1.0])),
         ((z - floor_height(x, y)) * floor_normal[2], floor_normal),
-    )
+    ]
     for distance, normal in walls:
         allowed = max((distance - CLEARANCE_CM) / APPROACH_S, -RETURN_CM_S)
         excess = -float(submarine.velocity @ normal) - allowed

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.habitat.current import PERIOD_S, SOURCE_CM, SPAN, carry, flow_at, flow_near
-from subsea.habitat.solids import from_pillar, from_rock
+from subsea.kinematics.solids import from_pillar, from_rock
 from subsea.state import empty_fishes
 
 FLOW = (3.0, 1.0, 0.0)

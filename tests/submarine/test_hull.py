@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from subsea.kinematics.solids import from_pillar, from_rock
 from subsea.scenario import Bounds
 from subsea.state import Submarine
 from subsea.submarine import hull
@@ -157,3 +158,47 @@ def test_the_same_helms_give_the_same_bits():
         sail(boat, Helm(0.7, 0.3, -0.2, 0.1), 5.0, dunes, SEA)
     assert one.position.tobytes() == two.position.tobytes()
     assert one.angles.tobytes() == two.angles.tobytes()
+
+
+PILLARS = np.array([(300.0, 0.0, 60.0, -150.0), (360.0, 80.0, 50.0, 40.0)])
+ROCKS = np.array([(-250.0, 100.0, -560.0, 120.0, 90.0, 80.0, 0.4)])
+
+
+def distance(boat):
+    place = tuple(float(value) for value in boat.position)
+    gaps = [from_pillar(row, place)[1] for row in PILLARS]
+    return min(gaps + [from_rock(row, place)[1] for row in ROCKS])
+
+
+@pytest.mark.parametrize(("start", "heading"), [((0.0, 5.0, -300.0), 0.0), ((0, 0, -530), 2.76)])
+def test_a_run_at_a_solid_ends_softly_before_it(start, heading):
+    boat, hardest = submarine(start, heading), 0.0
+    for _ in range(900):
+        before = boat.velocity.copy()
+        hull.step_hull(boat, Helm(surge=1.0), DT, flat(700.0), OCEAN, PILLARS, ROCKS)
+        hardest = max(hardest, float(np.linalg.norm(boat.velocity - before)) / DT)
+        assert distance(boat) > 0.95 * hull.CLEARANCE_CM
+    assert hardest < 300.0
+    assert np.linalg.norm(boat.position - start) > 100.0
+
+
+@settings(max_examples=40, deadline=None)
+@given(HELMS, st.floats(0.0, math.tau), st.floats(-500.0, -60.0))
+def test_no_pilot_touches_a_pillar_or_a_rock(helms, heading, depth):
+    boat = submarine((0.0, 0.0, depth), heading)
+    for helm, ticks in helms:
+        for _ in range(2 * ticks):
+            before = boat.velocity.copy()
+            hull.step_hull(boat, helm, DT, dunes, SEA, PILLARS, ROCKS)
+            assert distance(boat) >= 0.49 * hull.CLEARANCE_CM
+            x, y, z = boat.position
+            assert z >= dunes(x, y) + 0.5 * hull.CLEARANCE_CM - 1e-9
+            assert np.linalg.norm(boat.velocity - before) / DT < 900.0
+
+
+def test_solids_that_are_far_change_nothing():
+    one, two = submarine(), submarine()
+    for _ in range(60):
+        hull.step_hull(one, Helm(surge=0.5), DT, dunes, SEA)
+        hull.step_hull(two, Helm(surge=0.5), DT, dunes, SEA, PILLARS + [900, 0, 0, 0], ROCKS[:0])
+    assert one.position.tobytes() == two.position.tobytes()
