@@ -4,12 +4,12 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from subsea.behavior import eating, hunting, steering
+from subsea.behavior import biting, eating, hunting, steering
 from subsea.behavior.intention import choose
 from subsea.behavior.mating import review
 from subsea.behavior.mental import feel
 from subsea.behavior.table import BEHAVIOR_OF_DESIRE, LEVEL_OF_DESIRE, TIRES, act, want
-from subsea.habitat import plankton
+from subsea.habitat import hook, plankton
 from subsea.habitat.bow_wave import push
 from subsea.habitat.current import carry, flow_at
 from subsea.kinematics.heightfield import height_at
@@ -42,6 +42,7 @@ def step(world: World, helm: Helm) -> None:
         plankton.drift(sea, flow, clock)
         carry(fishes, sea, flow)
         push(fishes, sea)
+        hook.lower(sea, clock)
     with _stage(world, "perception"):
         who = whose_turn(fishes, minds, sea, world.scenario.water.visibility_cm, clock)
         find_neighbours(who, fishes, minds, REACH_CM)
@@ -55,6 +56,7 @@ def step(world: World, helm: Helm) -> None:
         steering.heed(fishes, minds, clock)
         eating.ingest(fishes, minds, sea, clock)
         hunting.inhale(fishes, minds, sea, clock)
+        biting.bite(fishes, minds, sea, clock)
         minds.pause[who] = 0.0
     with _stage(world, "motor"):
         command(fishes, world.library, state.seed, state.tick, TICK_S)

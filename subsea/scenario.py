@@ -91,6 +91,15 @@ class Rock(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True
     sunk: Share = 0.3
 
 
+class Hook(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A baited hook that descends on a line (Tu §10.1)."""
+
+    position_cm: tuple[Coordinate, Coordinate]
+    depth_cm: Annotated[float, msgspec.Meta(gt=0, le=5000)]  # how deep it hangs
+    speed_cm_s: Annotated[float, msgspec.Meta(gt=0, le=200)] = 30.0  # down, and up with the catch
+    start_s: Annotated[float, msgspec.Meta(ge=0, le=1e6)] = 0.0
+
+
 class Start(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """Where the submarine begins."""
 
@@ -135,6 +144,7 @@ class Scenario(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     fish: Annotated[list[Shoal], msgspec.Meta(min_length=1)]
     pillar: Annotated[list[Pillar], msgspec.Meta(max_length=MAX_SOLIDS)] = []
     rock: Annotated[list[Rock], msgspec.Meta(max_length=MAX_SOLIDS)] = []
+    hook: Hook | None = None
     nature: Temper = Temper()
     # So many of the nearest fishes are simulated instead of played back.
     simulated: Annotated[int, msgspec.Meta(ge=0, le=MAX_SIMULATED)] = 0
@@ -153,6 +163,9 @@ def load_scenario(name: str) -> tuple[Scenario, Path]:
             raise UserError(f"{path}: size_cm {shoal.size_cm} of {shoal.species}: smallest first")
         if shoal.position_cm is not None:
             _inside(path, f"fish[{k}].position_cm", shoal.position_cm, scenario.bounds)
+    if scenario.hook is not None:
+        hangs = (*scenario.hook.position_cm, -scenario.hook.depth_cm)
+        _inside(path, "hook", hangs, scenario.bounds)
     number = sum(shoal.number for shoal in scenario.fish)
     if number > MAX_FISHES:
         raise UserError(f"{path}: {number} fishes in all, expected at most {MAX_FISHES}")

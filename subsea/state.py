@@ -35,6 +35,10 @@ SEABED, SURFACE, WALL = -2, -3, -4
 COURTSHIP = ("none", "approaching", "looping", "circling", "ascending", "nuzzling")
 NO_COURTSHIP, APPROACHING, LOOPING, CIRCLING, ASCENDING, NUZZLING = range(6)
 
+BAIT = -3  # what an eater of plankton may be after instead of a speck
+# What becomes of the hook (Tu §10.1).
+STOWED, SINKING, HANGING, HOOKED, LANDED = range(5)
+
 # Columns of `fins`, in the order of the instance record.
 SWEEP_LEFT, SWEEP_RIGHT = 0, 1  # rad, of a pectoral fin away from the body
 LIFT_LEFT, LIFT_RIGHT = 2, 3  # rad, of a pectoral fin above its rest
@@ -178,6 +182,15 @@ class Sea(NamedTuple):
 
     # Written by submarine, before the tick.
     submarine: Array  # (9,) float64: place, cm, velocity, cm/s, and the unit vector of its gaze
+
+    # The hook on its line; without any it never comes, and these are never written.
+    # Constant: x, y, depth, cm, speed, cm/s, and s when it comes ...
+    tackle: Array = np.array([0.0, 0.0, 0.0, 0.0, np.inf])  # (5,) float64
+    # ... where the bait is, written by habitat ...
+    hook: Array = np.zeros(3)  # (3,) float64, cm
+    # ... and what has become of it, STOWED to LANDED, by habitat and, of the bite, by behavior,
+    # which also enters whom it caught, or NOBODY.
+    catch: Ints = np.array([STOWED, NOBODY])  # (2,) int64
 
 
 class Nature(NamedTuple):

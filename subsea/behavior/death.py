@@ -15,11 +15,8 @@ def remove(fishes: Fishes, minds: Minds, dead: int) -> None:
     """
     fishes.alive[dead] = False
     fishes.gape[dead] = 0.0
-    minds.leads[dead] = False
-    heir = _frontmost(fishes, minds, dead)
+    hand_over(fishes, minds, dead)
     for i in range(len(minds.leader)):
-        if minds.leader[i] == dead:
-            minds.leader[i] = heir if i != heir else NOBODY
         if minds.predator[i] == dead:
             minds.predator[i] = NOBODY
             minds.menace[i] = 0.0
@@ -44,10 +41,20 @@ def remove(fishes: Fishes, minds: Minds, dead: int) -> None:
                 # The list ends at the first NOBODY: those who come after move up.
                 minds.neighbour[i, slot:-1] = minds.neighbour[i, slot + 1 :].copy()
                 minds.neighbour[i, -1] = NOBODY
-    minds.leader[dead] = NOBODY
+
+
+@njit(cache=True, error_model="numpy")
+def hand_over(fishes: Fishes, minds: Minds, leader: int) -> None:
+    """Let the frontmost of those who follow fish `leader` lead them; it follows nobody itself."""
+    heir = _frontmost(fishes, minds, leader)
+    for i in range(len(minds.leader)):
+        if minds.leader[i] == leader:
+            minds.leader[i] = heir if i != heir else NOBODY
+    minds.leader[leader] = NOBODY
+    minds.leads[leader] = False
     if heir != NOBODY:
         # With a single follower nobody is left to be led.
-        minds.leads[heir] = _has_followers(minds, heir)
+        minds.leads[heir] = (minds.leader == heir).any()
 
 
 @njit(cache=True, error_model="numpy")
@@ -63,8 +70,3 @@ def _frontmost(fishes: Fishes, minds: Minds, leader: int) -> int:
             if lead > farthest:
                 best, farthest = i, lead
     return best
-
-
-@njit(cache=True, error_model="numpy")
-def _has_followers(minds: Minds, leader: int) -> bool:
-    return bool((minds.leader == leader).any())

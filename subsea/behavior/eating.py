@@ -6,6 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from subsea.behavior.biting import approach, bait_in_reach
 from subsea.behavior.chasing import chase, mouth_of
 from subsea.behavior.hunting import hunger as hunters_hunger
 from subsea.behavior.hunting import hunt
@@ -38,7 +39,8 @@ def desire(
         hunger = minds.mental[i, HUNGER]
         eats = minds.intention[i] == EAT
         least = nature.keen * (STILL_KEEN if eats else 1.0)
-        out[i] = max(hunger, nature.keen + 1e-6) if hunger > least and minds.food[i] >= 0 else 0.0
+        food = minds.food[i] >= 0 or bait_in_reach(fishes, minds, i, sea, nature)
+        out[i] = max(hunger, nature.keen + 1e-6) if hunger > least and food else 0.0
 
 
 @njit(cache=True, error_model="numpy")
@@ -47,6 +49,9 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
     for i in who:
         if minds.kind[i] == PREDATOR:
             hunt(fishes, minds, i, sea, clock)
+            continue
+        if bait_in_reach(fishes, minds, i, sea, nature):
+            approach(fishes, minds, i, sea)
             continue
         k = minds.target[i]
         if k < 0 or sea.absent[k] > 0.0:

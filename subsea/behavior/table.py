@@ -14,6 +14,7 @@ from subsea.behavior import (
     leaving,
     mating,
     schooling,
+    struggling,
     wandering,
 )
 from subsea.state import Clock, Fishes, Minds, Nature, Sea
@@ -53,6 +54,7 @@ BEHAVIORS = (
     Behavior("leave", leaving.act, ((EASE, leaving.desire),)),
     Behavior("wander", wandering.act, ((EASE, wandering.desire),)),
     Behavior("curious", curious.act, ((EASE, curious.desire),), tires=True),
+    Behavior("struggle", struggling.act, ((COLLISION, struggling.desire),)),
 )
 INTENTIONS = tuple(behavior.name for behavior in BEHAVIORS)
 

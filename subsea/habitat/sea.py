@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from subsea.habitat import plankton
+from subsea.habitat import hook, plankton
 from subsea.habitat.terrain import half_width, make_terrain
 from subsea.kinematics.heightfield import height_at
 from subsea.scenario import Scenario
-from subsea.state import Sea
+from subsea.state import NOBODY, STOWED, Sea
 
 
 def make_sea(scenario: Scenario, rng: np.random.Generator) -> Sea:
@@ -34,5 +34,8 @@ def make_sea(scenario: Scenario, rng: np.random.Generator) -> Sea:
         plankton=plankton.scatter(rng, water.plankton, radius, heights, width, pillars, rocks),
         absent=np.zeros(water.plankton, np.float32),
         seaweed=np.zeros((0, 6), np.float32),
+        tackle=hook.tackle(scenario.hook),
+        hook=np.zeros(3),
+        catch=np.array([STOWED, NOBODY]),
         submarine=np.zeros(9),
     )

@@ -7,7 +7,17 @@ import pytest
 
 from subsea.behavior.table import BEHAVIORS, DESIRES
 from subsea.scenario import Temper
-from subsea.state import Clock, Fishes, Minds, Nature, Sea, empty_fishes, empty_minds
+from subsea.state import (
+    NOBODY,
+    STOWED,
+    Clock,
+    Fishes,
+    Minds,
+    Nature,
+    Sea,
+    empty_fishes,
+    empty_minds,
+)
 
 RADIUS, DEPTH, TICK = 1000.0, 600.0, 0.033
 FLOOR = np.full((9, 9), -DEPTH, np.float32)
@@ -62,6 +72,8 @@ def make_tank(
         climate=np.array([27.0, 21.0, DEPTH, 700.0]),
         plankton=np.zeros((specks, 3), np.float32), absent=np.zeros(specks, np.float32),
         seaweed=np.zeros((0, 6), np.float32),
+        tackle=np.array([0.0, 0.0, 0.0, 0.0, np.inf]), hook=np.zeros(3),
+        catch=np.array([STOWED, NOBODY]),
         submarine=np.array([0.0, 0.0, 1e6, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0]),
     )  # fmt: skip
     constants = {name: getattr(Temper(), name) for name in Nature._fields}

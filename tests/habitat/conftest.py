@@ -24,7 +24,7 @@ def make_sea():
             plankton=specks,
             absent=np.zeros(len(specks), np.float32),
             seaweed=np.zeros((0, 6), np.float32),
-            submarine=np.zeros(6),
+            submarine=np.zeros(9),
         )
 
     return make

@@ -1,0 +1,86 @@
+"""The bait on a hook: the hungry come for it, and the first to bite is caught (Tu §10.1)."""
+
+import numpy as np
+from numba import njit
+
+from subsea.behavior.chasing import chase, mouth_of
+from subsea.behavior.death import hand_over, remove
+from subsea.kinematics.vector import Vector, minus, norm, vector
+from subsea.state import (
+    BAIT,
+    EAT,
+    HANGING,
+    HOOKED,
+    NOBODY,
+    PREDATOR,
+    SINKING,
+    Clock,
+    Fishes,
+    Minds,
+    Nature,
+    Sea,
+)
+
+TEMPTING = 4.0  # the bait is preferred to a speck unless that is so many times as near
+COVER_CM = 10.0  # below the surface a bait is in sight
+BITE_BL = 0.06  # so near the mouth the bait is bitten
+OPEN_BL = 0.4  # the mouth is open so near to it
+FOLLOWS = 6.0  # 1/s: how fast the snout of the catch is drawn to the hook
+YANK_CM_S = 150.0  # at most
+OUT_BL = 0.6  # a catch whose middle is so far above the surface is gone
+
+
+@njit(cache=True, error_model="numpy")
+def bait_in_reach(fishes: Fishes, minds: Minds, i: int, sea: Sea, nature: Nature) -> bool:
+    """Whether fish i smells a bait that nobody has bitten, and no speck is much nearer."""
+    if minds.kind[i] == PREDATOR or sea.catch[0] not in (SINKING, HANGING):
+        return False
+    distance = norm(minus(vector(sea.hook), mouth_of(fishes, i)))
+    near = distance < nature.smell_cm and sea.hook[2] < -COVER_CM
+    return near and distance < TEMPTING * minds.food_distance[i]
+
+
+@njit(cache=True, error_model="numpy")
+def approach(fishes: Fishes, minds: Minds, i: int, sea: Sea) -> None:
+    """Head for the bait, with an open mouth once it is near."""
+    minds.target[i] = BAIT
+    distance = chase(fishes, minds, i, vector(sea.hook), _motion(sea))
+    fishes.gape[i] = 1.0 if distance < OPEN_BL * fishes.length[i] else 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def bite(fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
+    """Catch the first fish whose mouth is at the bait, and pull at the one that is caught.
+
+    Every tick, after all drift has been set. A catch leads nobody, and once it is above the
+    surface it is gone.
+    """
+    state = sea.catch[0]
+    if state in (SINKING, HANGING):
+        nearest = 1.0
+        for i in range(len(minds.intention)):
+            if not fishes.alive[i] or minds.intention[i] != EAT or minds.target[i] != BAIT:
+                continue
+            distance = norm(minus(vector(sea.hook), mouth_of(fishes, i)))
+            share = distance / (BITE_BL * fishes.length[i])
+            if share < nearest:
+                nearest = share
+                sea.catch[0], sea.catch[1] = HOOKED, i
+        if sea.catch[0] == HOOKED:
+            hand_over(fishes, minds, sea.catch[1])
+    elif state == HOOKED and sea.catch[1] != NOBODY:
+        i = sea.catch[1]
+        gap = minus(vector(sea.hook), mouth_of(fishes, i))
+        rise = sea.tackle[3]
+        pull = min(FOLLOWS, YANK_CM_S / max(norm(gap), 1e-6))
+        for axis in range(3):
+            fishes.drift[i, axis] = np.float32(pull * gap[axis] + (rise if axis == 2 else 0.0))
+        if fishes.position[i, 2] > OUT_BL * fishes.length[i]:
+            sea.catch[1] = NOBODY
+            remove(fishes, minds, i)
+
+
+@njit(cache=True, error_model="numpy")
+def _motion(sea: Sea) -> Vector:
+    """Velocity of the bait, cm/s."""
+    return (0.0, 0.0, -sea.tackle[3] if sea.catch[0] == SINKING else 0.0)

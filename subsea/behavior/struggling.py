@@ -1,0 +1,43 @@
+"""Struggling on the hook: nothing comes before that (Tu §10.1)."""
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from subsea.kinematics.keyed import uniform
+from subsea.state import HOOKED, Clock, Fishes, Minds, Nature, Sea
+
+Array = NDArray[np.floating[Any]]
+Ints = NDArray[np.integer[Any]]
+
+HOLD_TICKS = 14  # it fights in one direction for half a second
+DIVE = 0.3, 0.6  # how steeply downward, against a level stroke
+GASP = 0.6  # how far the mouth is held open
+HEADING_PURPOSE, DIVE_PURPOSE = 70, 71  # keys of the random numbers
+
+
+@njit(cache=True, error_model="numpy")
+def desire(
+    who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
+) -> None:
+    """More than anything else, of the one that is caught."""
+    for i in who:
+        out[i] = 2.0 if sea.catch[0] == HOOKED and sea.catch[1] == i else 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
+    """Beat as fast as it can, downward, every half second in another direction."""
+    for i in who:
+        epoch = np.int64(clock.tick // HOLD_TICKS)
+        fish = np.int64(i)
+        heading = 2.0 * np.pi * uniform(clock.seed, fish, epoch, HEADING_PURPOSE)
+        low, high = DIVE
+        dive = low + (high - low) * uniform(clock.seed, fish, epoch, DIVE_PURPOSE)
+        minds.urge[i, 0] = np.cos(heading)
+        minds.urge[i, 1] = np.sin(heading)
+        minds.urge[i, 2] = -dive
+        fishes.goal_speed[i] = 1.0
+        fishes.gape[i] = GASP

@@ -1,0 +1,37 @@
+"""A baited hook that descends on a line and is drawn up with what it caught (Tu §10.1)."""
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from subsea.scenario import Hook
+from subsea.state import HANGING, HOOKED, LANDED, SINKING, STOWED, Clock, Sea
+
+OUT_CM = 60.0  # so high above the surface it is out of sight
+
+
+def tackle(plan: Hook | None) -> NDArray[np.floating[Any]]:
+    """The constants of a hook (5,): x, y, depth, cm, speed, cm/s, start, s; never without one."""
+    if plan is None:
+        return np.array([0.0, 0.0, 0.0, 0.0, np.inf])
+    return np.array([*plan.position_cm, plan.depth_cm, plan.speed_cm_s, plan.start_s])
+
+
+@njit(cache=True, error_model="numpy")
+def lower(sea: Sea, clock: Clock) -> None:
+    """Move the hook by one tick: down until it hangs, up once it has caught a fish."""
+    x, y, depth, speed, start = sea.tackle
+    state = sea.catch[0]
+    if state == STOWED and clock.tick * clock.dt >= start:
+        sea.hook[0], sea.hook[1], sea.hook[2] = x, y, 0.0
+        sea.catch[0] = SINKING
+    elif state == SINKING:
+        sea.hook[2] = max(sea.hook[2] - speed * clock.dt, -depth)
+        if sea.hook[2] == -depth:
+            sea.catch[0] = HANGING
+    elif state == HOOKED:
+        sea.hook[2] += speed * clock.dt
+        if sea.hook[2] > OUT_CM:
+            sea.catch[0] = LANDED
