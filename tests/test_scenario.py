@@ -60,6 +60,27 @@ def test_a_fault_is_one_line_that_names_file_and_key(tmp_path, change, words):
         assert word in message
 
 
+@pytest.mark.parametrize(
+    ("hook", "words"),
+    [
+        ("position_cm = [0.0, 0.0]\ndepth_cm = 900.0", ["`hook`", "outside the sea"]),
+        ("position_cm = [0.0, 0.0]", ["hook", "depth_cm"]),
+        (
+            "position_cm = [0.0, 0.0]\ndepth_cm = 9.0\nsped_cm_s = 1.0",
+            ["`sped_cm_s`", "'speed_cm_s'"],
+        ),
+    ],
+)
+def test_a_faulty_hook_is_one_line(tmp_path, hook, words):
+    path = tmp_path / "mine.toml"
+    path.write_text(f"{BARE}\n[hook]\n{hook}\n")
+    with pytest.raises(UserError) as caught:
+        load_scenario(str(path))
+    message = str(caught.value)
+    assert "\n" not in message
+    assert all(word in message for word in [str(path), *words])
+
+
 def test_a_sea_without_fishes_is_a_sea(tmp_path):
     file = tmp_path / "empty.toml"
     file.write_text(re.sub(r"(?m)^number = \d+", "number = 0", PEACEFUL))
