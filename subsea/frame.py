@@ -13,7 +13,7 @@ from subsea.body.pose import pose_at
 from subsea.kinematics.coupling import Coupling, place
 from subsea.scenario import Water
 from subsea.species import Species
-from subsea.state import Fishes
+from subsea.state import HANGING, HOOKED, LANDED, SINKING, STOWED, Fishes, Sea
 from subsea.view.camera import View
 from subsea.view.culling import HIDDEN, classify
 from subsea.world import TICK_S, World
@@ -71,6 +71,8 @@ class Packet:
     # those of fishes that are simulated.
     live_points: Array = field(default_factory=lambda: np.zeros((0, 426, 3), np.float32))
     live_row: int = 0
+    hook: Array | None = None  # (3,) cm, of the bend; None: no hook is in the water
+    bait: bool = False  # whether it is still on the hook
 
 
 def make_scene(world: World) -> Scene:
@@ -129,7 +131,18 @@ def pack(
         hidden=len(level) - len(order),
         live_points=live_points,
         live_row=len(library.entry),
+        hook=_hook(world.state.sea, alpha),
+        bait=bool(world.state.sea.catch[0] in (SINKING, HANGING)),
     )
+
+
+def _hook(sea: Sea, alpha: float) -> Array | None:
+    """Where the hook is between two ticks, None if it is out of the water."""
+    state = sea.catch[0]
+    if state in (STOWED, LANDED):
+        return None
+    velocity = {SINKING: -sea.tackle[3], HOOKED: sea.tackle[3]}.get(int(state), 0.0)
+    return np.asarray(sea.hook - (0.0, 0.0, (1.0 - alpha) * TICK_S * velocity))
 
 
 def _skin_live(world: World, order: Ints) -> Array:

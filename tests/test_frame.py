@@ -6,6 +6,7 @@ import pytest
 from subsea import frame
 from subsea.ocean import TICK_S, create_world, step
 from subsea.scenario import load_scenario
+from subsea.state import HANGING, HOOKED, LANDED, NOBODY, SINKING, STOWED
 from subsea.submarine.helm import Helm
 from subsea.view.rigs import cockpit, views_for
 
@@ -122,3 +123,27 @@ def test_a_fish_that_was_out_of_sight_comes_back_as_its_seen_twin():
         if tick % 50 == 0:
             _pack(unseen)  # the twin is drawn now and then, and partly culled
     np.testing.assert_array_equal(_pack(unseen, culling=False).instances, drawn.instances)
+
+
+def test_the_hook_is_there_while_it_is_in_the_water(world):
+    sea = world.state.sea
+    there = sea._replace(
+        tackle=np.array([1.0, 2.0, 300.0, 30.0, 0.0]),
+        hook=np.array([1.0, 2.0, -50.0]),
+        catch=np.array([STOWED, NOBODY]),
+    )
+    seen = {}
+    world.state.sea = there
+    for state in (STOWED, SINKING, HANGING, HOOKED, LANDED):
+        there.catch[0] = state
+        packet = _pack(world, alpha=0.25)
+        seen[state] = None if packet.hook is None else (round(packet.hook[2], 4), packet.bait)
+    world.state.sea = sea
+    ago = 0.75 * TICK_S * 30.0
+    assert seen == {
+        STOWED: None,
+        SINKING: (round(-50 + ago, 4), True),
+        HANGING: (-50.0, True),
+        HOOKED: (round(-50 - ago, 4), False),
+        LANDED: None,
+    }

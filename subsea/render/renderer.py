@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from subsea.errors import UserError
 from subsea.frame import Packet, Scene
 from subsea.render.fishes import Fishes
+from subsea.render.hook import Hook
 from subsea.render.particles import Particles
 from subsea.render.seabed import Seabed
 from subsea.render.solids import Solids
@@ -59,6 +60,7 @@ class Renderer:
         self._seabed = Seabed(context, scene)
         self._solids = Solids(context, scene)
         self._fishes = Fishes(context, scene)
+        self._hook = Hook(context)
         self._particles = Particles(context, scene)
         self._resolve = Resolve(context, LAYOUTS[display].weaves)
         self._make_target(size)
@@ -102,6 +104,7 @@ class Renderer:
             self.triangles += self._water.draw(packet, view, uniforms)
             context.enable(context.BLEND)
             self.triangles += self._fishes.draw(packet, view, uniforms)
+            self.triangles += self._hook.draw(packet, view, uniforms)
             self._target.framebuffer.depth_mask = False
             self.triangles += self._particles.draw(packet, view, uniforms)
             self._target.framebuffer.depth_mask = True
@@ -122,8 +125,8 @@ class Renderer:
         """Free every OpenGL object."""
         self._release_target()
         for part in (
-            self._resolve, self._particles, self._fishes, self._solids, self._seabed, self._water,
-            self._noise, self._caustics,
+            self._resolve, self._particles, self._hook, self._fishes, self._solids, self._seabed,
+            self._water, self._noise, self._caustics,
         ):  # fmt: skip
             part.release()
 
