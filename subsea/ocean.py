@@ -17,7 +17,8 @@ from subsea.motor.controller import command
 from subsea.motor.fins import flap
 from subsea.motor.playback import play
 from subsea.motor.switching import swim
-from subsea.perception.neighbours import REACH_CM, find_neighbours
+from subsea.perception.focusser import focus
+from subsea.perception.senses import sense
 from subsea.perception.turns import whose_turn
 from subsea.state import Clock
 from subsea.submarine.helm import Helm
@@ -28,7 +29,7 @@ __all__ = ["TICK_S", "World", "create_world", "step"]
 
 
 def step(world: World, helm: Helm) -> None:
-    """Advance the world by one tick: flow, perceive, decide, move, steer.
+    """Advance the world by one tick: flow, perceive, want, focus, act, move, steer.
 
     Fishes take turns to think: those far from the submarine do it less often.
     """
@@ -36,6 +37,7 @@ def step(world: World, helm: Helm) -> None:
     fishes, minds, sea = state.fishes, state.minds, state.sea
     clock = Clock(state.seed, state.tick, TICK_S)
     flow = flow_at(world.scenario.water.current_cm_s, state.tick * TICK_S)
+    world.stages_s.clear()
     with _stage(world, "habitat"):
         sea.submarine[:3], sea.submarine[3:6] = state.submarine.position, state.submarine.velocity
         sea.submarine[6:] = hull_axes(*state.submarine.angles)[0]
@@ -45,12 +47,16 @@ def step(world: World, helm: Helm) -> None:
         hook.lower(sea, clock)
     with _stage(world, "perception"):
         who = whose_turn(fishes, minds, sea, world.scenario.water.visibility_cm, clock)
-        find_neighbours(who, fishes, minds, REACH_CM)
+        sense(who, fishes, minds, sea, nature, clock)
     with _stage(world, "behavior"):
         feel(who, fishes, minds, nature, clock)
         review(who, fishes, minds)
         want(who, fishes, minds, sea, nature, clock)
         choose(who, minds, nature, LEVEL_OF_DESIRE, BEHAVIOR_OF_DESIRE, TIRES)
+    with _stage(world, "perception"):
+        focus(who, fishes, minds, sea, nature, clock)
+    with _stage(world, "behavior"):
+        fishes.gape[who] = 0.0
         act(who, fishes, minds, sea, nature, clock)
         steering.keep_clear(who, fishes, minds, sea)
         steering.heed(fishes, minds, clock)
@@ -76,7 +82,8 @@ def step(world: World, helm: Helm) -> None:
 
 @contextmanager
 def _stage(world: World, name: str) -> Iterator[None]:
-    """Measure the wall-clock time of one stage of the tick."""
+    """Measure the wall-clock time of one stage of the tick; parts of a stage add up."""
     start = time.perf_counter()
     yield
-    world.stages_s[name] = time.perf_counter() - start
+    spent = time.perf_counter() - start
+    world.stages_s[name] = world.stages_s.get(name, 0.0) + spent

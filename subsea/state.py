@@ -14,6 +14,7 @@ Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
 
 NEIGHBOURS = 6  # how many companions a fish attends to
+CHOICES = 3  # among how many targets it chooses: K of Tu §6.5.3
 NOBODY, SUBMARINE = -1, -2  # where an index of a fish is expected
 HULL_CM = 45.0  # radius of the submarine, with a hand's breadth to spare
 KINDS = ("pacifist", "prey", "predator")  # Tu §7.9
@@ -57,6 +58,7 @@ class Fishes(NamedTuple):
     rate: Array  # (n,) float32, recorded rows per tick: larger fishes beat more slowly
     identity: Array  # (n,) float32 in [0, 1), individual variation
     snout: Array  # (n,) float32, cm from the origin of B to the tip of the snout, along x
+    girth: Array  # (n, 2) float32, cm, how tall and how wide the body is, fins apart
     oars: NDArray[np.bool_]  # (n,), whether it rows with its pectoral fins (Tu appendix B.2)
 
     # Written by motor: the body frame, its pose, and both one tick ago.
@@ -117,14 +119,17 @@ class Minds(NamedTuple):
     neighbour: Ints  # (n, NEIGHBOURS) int32, companions of its species, nearest first, or NOBODY
     threat: Ints  # (n,) int32, the fish with which it is most in danger to collide, or NOBODY
     barrier: Ints  # (n,) int32, what stands in its way: pillar, rock, SEABED, SURFACE, WALL, or -1
+    predators: Ints  # (n, CHOICES) int32, those in sight, most dangerous first, or NOBODY
     predator: Ints  # (n,) int32, the most dangerous one in sight, SUBMARINE, or NOBODY
     menace: Array  # (n,) float32, F^m of that one, in [0, 1]
     menaces: Array  # (n,) float32, sum of F^i over all in sight
     food: (
         Ints  # (n,) int32, nearest speck of plankton perceived; of a predator: nearest prey; or -1
     )
+    foods: Ints  # (n, CHOICES) int32, best specks perceived, nearest first; prey by cost; or -1
     food_distance: Array  # (n,) float32, cm, infinite if there is none
     mate: Ints  # (n,) int32, nearest possible mate in sight, or NOBODY
+    mates: Ints  # (n, CHOICES) int32, those in sight, of its species first, nearest first
     mate_distance: Array  # (n,) float32, cm, infinite if there is none
     light: Array  # (n,) float32 in [0, 1], ambient brightness
     temperature: Array  # (n,) float32, degrees C
@@ -277,7 +282,7 @@ def empty_fishes(n: int) -> Fishes:
     upright[:, 0] = 1.0
     return Fishes(
         species=zeros(u), length=zeros(f), scale=zeros(f) + 1, rate=zeros(f) + 1,
-        identity=zeros(f), snout=zeros(f), oars=zeros(np.bool_),
+        identity=zeros(f), snout=zeros(f), girth=zeros(f, 2), oars=zeros(np.bool_),
         position=zeros(f, 3), orientation=upright.copy(),
         row_a=zeros(i), row_b=zeros(i), weight=zeros(f), span=zeros(f) + 1,
         previous_position=zeros(f, 3), previous_orientation=upright.copy(),
@@ -311,6 +316,8 @@ def empty_minds(n: int, behaviors: int, desires: int) -> Minds:
         digestion=zeros(f), libido_rate=zeros(f), dread=zeros(f),
         neighbour=zeros(i, NEIGHBOURS) + NOBODY, threat=zeros(i) + NOBODY, barrier=zeros(i) - 1,
         predator=zeros(i) + NOBODY, menace=zeros(f), menaces=zeros(f),
+        predators=zeros(i, CHOICES) + NOBODY, foods=zeros(i, CHOICES) - 1,
+        mates=zeros(i, CHOICES) + NOBODY,
         food=zeros(i) - 1, food_distance=zeros(f) + never,
         mate=zeros(i) + NOBODY, mate_distance=zeros(f) + never,
         light=zeros(f), temperature=zeros(f), target=zeros(i) - 1, preference=zeros(f, 6),

@@ -213,6 +213,7 @@ def _populate(
     fishes.wanted_segment[:] = slow
     fishes.scale[:] = fishes.length / library.recorded_length[fishes.species]
     fishes.snout[:] = fishes.scale * library.nodes[library.first[fishes.species, slow], 0, 0]
+    fishes.girth[:] = fishes.length[:, None] * _girths([*species.values()], library)[fishes.species]
     # Froude similarity: a fish α times as long beats 1/√α as often.
     fishes.rate[:] = 1.0 / np.sqrt(fishes.scale)
     fishes.breath[:] = 2 * np.pi * fishes.identity
@@ -222,6 +223,14 @@ def _populate(
     for name in ("position", "orientation", "row_a", "row_b", "weight", "span", "fins"):
         getattr(fishes, f"previous_{name}")[:] = getattr(fishes, name)
     return fishes, minds
+
+
+def _girths(species: list[Species], library: Library) -> Array:
+    """How tall and how wide each species is (s, 2), body lengths: its widest cross-section."""
+    rows = library.nodes[library.first[:, SEGMENTS.index("swim_slow")], 1:21]
+    sections = rows.reshape(len(species), 5, 4, 3)
+    wide = np.ptp(sections[..., 2], axis=2).max(axis=1) / library.recorded_length
+    return np.stack([[one.surface.depth for one in species], wide], axis=1)
 
 
 def _temper(

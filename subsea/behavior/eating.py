@@ -19,6 +19,7 @@ Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
 
 STILL_KEEN = 0.6  # of `keen`: a fish that eats goes on until its hunger is below that share of it
+BROWSE_BL = 3.0  # a follower leaves its school for no food that is farther off
 OPEN_BL = 0.35  # the mouth begins to open so far from the speck
 SUCK_BL = 0.16  # the vacuum reaches so far ...
 SUCK_CM_S = 18.0  # ... and draws that fast
@@ -39,7 +40,10 @@ def desire(
         hunger = minds.mental[i, HUNGER]
         eats = minds.intention[i] == EAT
         least = nature.keen * (STILL_KEEN if eats else 1.0)
-        food = minds.food[i] >= 0 or bait_in_reach(fishes, minds, i, sea, nature)
+        led = minds.schools[i] and minds.leader[i] >= 0
+        reach = BROWSE_BL * fishes.length[i] if led else np.inf
+        near = minds.food[i] >= 0 and minds.food_distance[i] <= reach
+        food = near or bait_in_reach(fishes, minds, i, sea, nature)
         out[i] = max(hunger, nature.keen + 1e-6) if hunger > least and food else 0.0
 
 

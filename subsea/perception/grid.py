@@ -1,6 +1,5 @@
 """A sorted uniform grid over points: who is near, without asking everybody."""
 
-from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -113,33 +112,36 @@ def ring_distance(grid: Grid, p: Vector, ring: int) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def ring_slots(grid: Grid, p: Vector, ring: int) -> Iterator[int]:
-    """Slots of `member` and `place` whose cell is `ring` cells away from that of p."""
+def ring_slots(grid: Grid, p: Vector, ring: int, slots: Ints) -> int:
+    """Enter slots of `member` and `place` whose cell is `ring` cells away from that of p.
+
+    Returns how many there are; `slots` must have room for all m. A generator would read better,
+    but compiled ones cannot be kept in numba's cache.
+    """
     home_a, home_b, home_c = cell_of(grid, p)
+    count = 0
     for a in range(max(home_a - ring, 0), min(home_a + ring + 1, grid.size[0])):
         for b in range(max(home_b - ring, 0), min(home_b + ring + 1, grid.size[1])):
             row = (a * grid.size[1] + b) * grid.size[2]
-            low, high = home_c - ring, home_c + ring
-            if abs(a - home_a) == ring or abs(b - home_b) == ring:
-                first, last = max(low, 0), min(high, grid.size[2] - 1)
-                if first <= last:
-                    for slot in range(grid.start[row + first], grid.start[row + last + 1]):
-                        yield slot
-            else:
-                if 0 <= low < grid.size[2]:
-                    for slot in range(grid.start[row + low], grid.start[row + low + 1]):
-                        yield slot
-                if 0 <= high < grid.size[2]:
-                    for slot in range(grid.start[row + high], grid.start[row + high + 1]):
-                        yield slot
+            rim = abs(a - home_a) == ring or abs(b - home_b) == ring
+            # All cells of a row on the rim, else its first and its last.
+            step = 1 if rim else max(2 * ring, 1)
+            for c in range(home_c - ring, home_c + ring + 1, step):
+                if 0 <= c < grid.size[2]:
+                    for slot in range(grid.start[row + c], grid.start[row + c + 1]):
+                        slots[count] = slot
+                        count += 1
+    return count
 
 
 @njit(cache=True, error_model="numpy")
-def nearest(grid: Grid, p: Vector, reach: float, but: int, found: Ints, gaps: Array) -> None:
+def nearest(
+    grid: Grid, p: Vector, reach: float, but: int, found: Ints, gaps: Array, slots: Ints
+) -> None:
     """Enter the members nearest to p into `found` (k,) and their distances, cm, into `gaps` (k,).
 
     They are nearer than `reach` and none is the member `but`; -1 and infinity where there are no
-    more. Of those at equal distances the lower index comes first.
+    more. Of those at equal distances the lower index comes first. `slots` (m,) is room to work.
     """
     found[:] = -1
     gaps[:] = np.inf
@@ -149,7 +151,8 @@ def nearest(grid: Grid, p: Vector, reach: float, but: int, found: Ints, gaps: Ar
         beyond = ring_distance(grid, p, ring)
         if beyond * beyond > worst:
             break
-        for slot in ring_slots(grid, p, ring):
+        for k in range(ring_slots(grid, p, ring, slots)):
+            slot = slots[k]
             x = grid.place[slot, 0] - p[0]
             y = grid.place[slot, 1] - p[1]
             z = grid.place[slot, 2] - p[2]

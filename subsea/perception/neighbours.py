@@ -10,6 +10,7 @@ from subsea.kinematics.vector import vector
 from subsea.perception.grid import Grid, make_grid, nearest
 from subsea.state import Fishes, Minds
 
+Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
 
 REACH_CM = 110.0  # how far a fish looks for companions
@@ -26,11 +27,11 @@ def find_neighbours(who: Ints, fishes: Fishes, minds: Minds, reach: float) -> No
     for kind in np.unique(kinds):
         fellows = np.flatnonzero(fishes.alive & (fishes.species == kind))
         grid = make_grid(fishes.position, fellows, CELL_CM)
-        _find(who[kinds == kind], fishes, minds, grid, reach)
+        _find(who[kinds == kind], fishes.position, minds.neighbour, grid, reach)
 
 
 @njit(cache=True, error_model="numpy")
-def _find(who: Ints, fishes: Fishes, minds: Minds, grid: Grid, reach: float) -> None:
-    gaps = np.empty(minds.neighbour.shape[1])
+def _find(who: Ints, position: Array, neighbour: Ints, grid: Grid, reach: float) -> None:
+    gaps, slots = np.empty(neighbour.shape[1]), np.empty(len(grid.member), np.int64)
     for i in who:
-        nearest(grid, vector(fishes.position[i]), reach, i, minds.neighbour[i], gaps)
+        nearest(grid, vector(position[i]), reach, i, neighbour[i], gaps, slots)

@@ -1,0 +1,232 @@
+"""Danger of collision, with other fishes and with what stands still (Tu §6.6.1, SMC §6.2)."""
+
+import math
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from subsea.kinematics.rotation import rotate
+from subsea.kinematics.solids import (
+    NEVER,
+    from_pillar,
+    from_rock,
+    ray_meets_pillar,
+    ray_meets_rock,
+    ray_meets_seabed,
+)
+from subsea.kinematics.vector import Vector, dot, minus, norm, plus, times, vector
+from subsea.perception.grid import Grid, first_ring, last_ring, ring_slots
+from subsea.perception.vision import FIELD_COS, Bodies, Scene, ahead_of, along_body, eye_of
+from subsea.state import (
+    APPROACHING,
+    AVOID,
+    EAT,
+    NOBODY,
+    PREDATOR,
+    SCHOOL,
+    SEABED,
+    SURFACE,
+    WALL,
+    Minds,
+    Nature,
+)
+
+Array = NDArray[np.floating[Any]]
+Ints = NDArray[np.integer[Any]]
+
+ANTENNA_BL = 1.0  # length of the ray that feels for obstacles (Tu §6.6.1) ...
+ENLARGED = 1.5  # ... and how much larger all is for fishes that move by recorded motion (SMC §6.2)
+BERTH_WIDTHS = 1.5  # so many widths of the body an obstacle counts as larger
+# The sensitivity region is a box around the body, so many body lengths larger on all sides, ...
+MARGIN_BL = 0.08
+SCHOOLING_BL = 0.02  # ... of a fish in formation (Tu §7.9.2), ...
+COURTING_BL = 0.0  # ... and of one that courts (Tu §7.9.3),
+# swept by how fast the two approach each other in so many seconds.
+FORESIGHT_S = 0.6
+SCHOOLING_S = 0.3
+COURTING_S = 0.1
+HELD = 1.3  # how much larger the region is for what a fish is avoiding already: no dithering
+STATIONS = 7  # points of a centre line, as many as there are sets of nodes along it ...
+FINEST, MOST_STATIONS = 0.3, 64  # ... and no farther apart than so many lengths of the other
+
+
+@njit(cache=True, error_model="numpy")
+def find_threats(
+    who: Ints, bodies: Bodies, minds: Minds, grids: tuple[Grid, Grid], nature: Nature
+) -> None:
+    """Enter into `minds.threat` with whom each of the fishes `who` is in danger to collide.
+
+    `grids` holds all that may be run into, small and large ones apart. The one with the largest
+    share of its centre line in the sensitivity region counts, of equal ones the nearest. A fish
+    takes no prey that it hunts for a threat, and no partner in courtship.
+    """
+    most = np.zeros((2, 2))  # extent and speed of each grid's fishes
+    for g, grid in enumerate(grids):
+        for j in grid.member:
+            most[g, 0] = max(most[g, 0], extent(bodies, j))
+            most[g, 1] = max(most[g, 1], norm(vector(bodies.velocity[j])))
+    slots = np.empty(max(len(grids[0].member), len(grids[1].member)), np.int64)
+    scale = ENLARGED * nature.timidity
+    for i in who:
+        intention = minds.intention[i]
+        interrupted = minds.memory[i] if intention == AVOID else intention
+        margin, foresight = scale * MARGIN_BL, scale * FORESIGHT_S
+        welcome = NOBODY
+        if minds.courtship[i] > APPROACHING:
+            margin, foresight = scale * COURTING_BL, scale * COURTING_S
+            welcome = minds.partner[i]
+        elif interrupted == SCHOOL:
+            margin, foresight = scale * SCHOOLING_BL, scale * SCHOOLING_S
+        elif interrupted == EAT and minds.kind[i] == PREDATOR:
+            welcome = minds.memory_target[i] if intention == AVOID else minds.target[i]
+        before = minds.threat[i] if intention == AVOID else NOBODY
+        minds.threat[i] = worst_threat(
+            bodies, i, grids, most, slots, margin, foresight, welcome, before
+        )
+
+
+@njit(cache=True, error_model="numpy")
+def worst_threat(
+    bodies: Bodies, i: int, grids: tuple[Grid, Grid], most: Array, slots: Ints,
+    margin: float, foresight: float, welcome: int, before: int,
+) -> int:  # fmt: skip
+    """The worst threat to fish i, or NOBODY; for `before`, the last one, the region is larger."""
+    here, velocity = vector(bodies.position[i]), vector(bodies.velocity[i])
+    around = extent(bodies, i) + 2.0 * HELD * margin * float(bodies.length[i])
+    threat, largest, least = NOBODY, 0.0, np.inf
+    for g, grid in enumerate(grids):
+        reach = around + most[g, 0] + HELD * foresight * (norm(velocity) + most[g, 1])
+        for ring in range(first_ring(grid, here), last_ring(grid, here, reach) + 1):
+            for k in range(ring_slots(grid, here, ring, slots)):
+                j = grid.member[slots[k]]
+                gap = minus(vector(grid.place[slots[k]]), here)
+                squared = dot(gap, gap)
+                approach = norm(minus(vector(bodies.velocity[j]), velocity))
+                near = around + extent(bodies, j) + HELD * foresight * approach
+                if squared > near * near or j in (i, welcome):
+                    continue
+                held = HELD if j == before else 1.0
+                share = share_inside(bodies, i, j, held * margin, held * foresight)
+                nearer = squared < least or (squared == least and j < threat)
+                if share > largest or (share == largest > 0.0 and nearer):
+                    threat, largest, least = j, share, squared
+    return threat
+
+
+@njit(cache=True, error_model="numpy")
+def extent(bodies: Bodies, i: int) -> float:
+    """How far any part of fish i is from its position at most, cm."""
+    snout = float(bodies.snout[i])
+    along = max(snout, float(bodies.length[i]) - snout)
+    return along + 0.5 * (float(bodies.girth[i, 0]) + float(bodies.girth[i, 1]))
+
+
+@njit(cache=True, error_model="numpy")
+def share_inside(bodies: Bodies, i: int, j: int, margin: float, foresight: float) -> float:
+    """The share of the centre line of fish j that lies in the sensitivity region of fish i.
+
+    A point is inside if it would enter the box around i, `margin` body lengths larger than the
+    two are thick, within `foresight` seconds at the velocity that j has against i. So a
+    fish that swims alongside is none, however near, and one that is met head-on is from afar.
+    What i cannot see for it is straight behind does not count.
+    """
+    q = bodies.orientation[i]
+    back = (q[0], -q[1], -q[2], -q[3])
+    length, other = float(bodies.length[i]), float(bodies.length[j])
+    room = margin * length
+    tall = 0.5 * (float(bodies.girth[i, 0]) + float(bodies.girth[j, 0])) + room
+    wide = 0.5 * (float(bodies.girth[i, 1]) + float(bodies.girth[j, 1])) + room
+    front, tail = float(bodies.snout[i]) + room, float(bodies.snout[i]) - length - room
+    low, high = (tail, -tall, -wide), (front, tall, wide)
+    drift = minus(vector(bodies.velocity[j]), vector(bodies.velocity[i]))
+    way = times(foresight, rotate(back, drift))
+    here = vector(bodies.position[i])
+    middle = rotate(back, minus(along_body(bodies, j, 0.5), here))
+    if not _sweeps(middle, way, low, high, 0.5 * other):
+        return 0.0
+    first = rotate(back, minus(along_body(bodies, j, 0.0), here))
+    step = times(2.0, minus(middle, first))
+    stations = int(min(max(math.ceil(other / (FINEST * length)), STATIONS), MOST_STATIONS))
+    inside = 0
+    for k in range(stations):
+        p = plus(first, times(k / (stations - 1.0), step))
+        ray = (p[0] - float(bodies.snout[i]), p[1], p[2])
+        if ray[0] > FIELD_COS * norm(ray) and _sweeps(p, way, low, high, 0.0):
+            inside += 1
+    return inside / stations
+
+
+@njit(cache=True, error_model="numpy")
+def _sweeps(p: Vector, way: Vector, low: Vector, high: Vector, more: float) -> bool:
+    """Whether p on its way enters a box, `more` cm larger on all sides."""
+    first, last = 0.0, 1.0
+    for axis in range(3):
+        a, b = low[axis] - more - p[axis], high[axis] + more - p[axis]
+        if abs(way[axis]) < 1e-9:
+            if a > 0.0 or b < 0.0:
+                return False
+            continue
+        enter, leave = a / way[axis], b / way[axis]
+        first = max(first, min(enter, leave))
+        last = min(last, max(enter, leave))
+    return first <= last
+
+
+@njit(cache=True, error_model="numpy")
+def find_barriers(who: Ints, bodies: Bodies, minds: Minds, scene: Scene, nature: Nature) -> None:
+    """Enter into `minds.barrier` what stands in the way of each of the fishes `who`.
+
+    It is what a ray ahead from the eye meets first: a pillar, a rock, seabed, surface or wall,
+    each nearer by 1.5 widths of the body.
+    """
+    for i in who:
+        antenna = ENLARGED * nature.timidity * ANTENNA_BL * float(bodies.length[i])
+        held = HELD if minds.intention[i] == AVOID and minds.barrier[i] != -1 else 1.0
+        minds.barrier[i] = met_first(bodies, i, scene, held * antenna)
+
+
+@njit(cache=True, error_model="numpy")
+def met_first(bodies: Bodies, i: int, scene: Scene, antenna: float) -> int:
+    """What stands still that a ray ahead of fish i, `antenna` cm long, meets first; -1: nothing.
+
+    What the fish is within its berth of already only counts if it heads for it.
+    """
+    berth = BERTH_WIDTHS * float(bodies.girth[i, 1])
+    eye, ahead = eye_of(bodies, i), ahead_of(bodies, i)
+    tip = plus(eye, times(antenna, ahead))
+    found, nearest = -1, NEVER
+    for k in range(len(scene.pillars)):
+        t = ray_meets_pillar(scene.pillars[k], berth, eye, tip)
+        if t < nearest and (t > 0.0 or dot(from_pillar(scene.pillars[k], eye)[0], ahead) < 0.0):
+            found, nearest = k, t
+    for k in range(len(scene.rocks)):
+        t = ray_meets_rock(scene.rocks[k], berth, eye, tip)
+        if t < nearest and (t > 0.0 or dot(from_rock(scene.rocks[k], eye)[0], ahead) < 0.0):
+            found, nearest = len(scene.pillars) + k, t
+    if tip[2] > -berth and ahead[2] > 0.0:
+        t = max((-berth - eye[2]) / (tip[2] - eye[2]), 0.0)
+        if t < nearest:
+            found, nearest = SURFACE, t
+    edge = scene.radius - berth
+    outward = tip[0] * ahead[0] + tip[1] * ahead[1]
+    if tip[0] * tip[0] + tip[1] * tip[1] > edge * edge and outward > 0.0:
+        t = _leaves_circle(eye, tip, edge)
+        if t < nearest:
+            found, nearest = WALL, t
+    t = ray_meets_seabed(scene.heights, scene.half_width, berth, eye, tip)
+    if t < nearest and (t > 0.0 or ahead[2] < 0.0):
+        found = SEABED
+    return found
+
+
+@njit(cache=True, error_model="numpy")
+def _leaves_circle(a: Vector, b: Vector, radius: float) -> float:
+    """The t at which a + t (b - a) leaves the upright cylinder about the world's axis, else 0."""
+    dx, dy = b[0] - a[0], b[1] - a[1]
+    along, square = a[0] * dx + a[1] * dy, dx * dx + dy * dy
+    inside = radius * radius - a[0] * a[0] - a[1] * a[1]
+    if inside <= 0.0:
+        return 0.0
+    return (math.sqrt(along * along + square * inside) - along) / square

@@ -1,0 +1,72 @@
+"""Which predators a prey fish sees, and how fearful each of them is (Tu §7.4)."""
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from subsea.kinematics.vector import minus, norm, vector
+from subsea.perception.grid import Grid, first_ring, insert, last_ring, ring_slots
+from subsea.perception.vision import (
+    SUBMARINE_CM,
+    Bodies,
+    Scene,
+    eye_of,
+    sees_fish,
+    sees_point,
+    sight,
+)
+from subsea.state import NOBODY, PREY, SUBMARINE, Minds, Nature
+
+Array = NDArray[np.floating[Any]]
+Ints = NDArray[np.integer[Any]]
+
+CELL_CM = 400.0  # predators are few, and seen from afar
+
+
+@njit(cache=True, error_model="numpy")
+def see_predators(
+    who: Ints, bodies: Bodies, minds: Minds, scene: Scene, hull: Array, grid: Grid, nature: Nature
+) -> None:
+    """Enter what the fishes `who` have to fear: those in sight of the predators in `grid`.
+
+    Predator j, d cm away, is as fearful as Fʲ = min(D₀/d, 1). The submarine, whose middle
+    is at `hull`, is one more, with a D₀ of its own. Only prey fear (Tu §7.9).
+    """
+    longest = 0.0
+    for j in grid.member:
+        longest = max(longest, float(bodies.length[j]))
+    cost = np.empty(minds.predators.shape[1])
+    slots = np.empty(len(grid.member), np.int64)
+    for i in who:
+        worst = minds.predators[i]
+        worst[:] = NOBODY
+        cost[:] = np.inf
+        total = 0.0
+        if minds.kind[i] == PREY:
+            eye = eye_of(bodies, i)
+            there = vector(hull)
+            if sees_point(bodies, i, scene, there, sight(SUBMARINE_CM, nature)):
+                danger = fearfulness(nature.submarine_cm, norm(minus(there, eye)))
+                total += min(danger, 1.0)
+                insert(worst, cost, SUBMARINE, -danger)
+            last = last_ring(grid, eye, sight(longest, nature))
+            for ring in range(first_ring(grid, eye), last + 1):
+                for k in range(ring_slots(grid, eye, ring, slots)):
+                    slot = slots[k]
+                    j = grid.member[slot]
+                    if sees_fish(bodies, i, j, scene, nature):
+                        gap = minus(vector(grid.place[slot]), eye)
+                        danger = fearfulness(float(minds.dread[i]), norm(gap))
+                        total += min(danger, 1.0)
+                        insert(worst, cost, j, -danger)
+        minds.predator[i] = worst[0]
+        minds.menace[i] = min(-cost[0], 1.0) if worst[0] != NOBODY else 0.0
+        minds.menaces[i] = total
+
+
+@njit(cache=True, error_model="numpy")
+def fearfulness(dread: float, distance: float) -> float:
+    """D₀/d."""
+    return dread / max(distance, 1e-6)

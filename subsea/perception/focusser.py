@@ -1,0 +1,284 @@
+"""The focusser: what an intention is about, and motor preferences from all else (Tu §6.5, §7.6)."""
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from subsea.kinematics.heightfield import height_at
+from subsea.kinematics.rotation import rotate
+from subsea.kinematics.solids import from_pillar, from_rock
+from subsea.kinematics.vector import Vector, minus, norm, times, vector
+from subsea.perception.collision import ANTENNA_BL, ENLARGED
+from subsea.perception.foraging import cost_of, perceives
+from subsea.perception.vision import (
+    Bodies,
+    Scene,
+    ahead_of,
+    along_body,
+    bodies_of,
+    eye_of,
+    scene_of,
+    sees_fish,
+)
+from subsea.state import (
+    ASCEND,
+    AVOID,
+    BACKWARD,
+    DESCEND,
+    EAT,
+    ESCAPE,
+    FEAR,
+    FORWARD,
+    HUNGER,
+    LEFT,
+    LIBIDO,
+    MATE,
+    NO_COURTSHIP,
+    NOBODY,
+    PREDATOR,
+    RIGHT,
+    SCHOOL,
+    SUBMARINE,
+    Clock,
+    Fishes,
+    Minds,
+    Nature,
+    Sea,
+)
+
+Array = NDArray[np.floating[Any]]
+Flags = NDArray[np.bool_]
+Ints = NDArray[np.integer[Any]]
+
+COMPROMISE = 0.2  # p of Tu §6.5.3: what a motor preference adds to a target's desirability
+STRANGER = 0.5  # how desirable a mate of another species is against one of its own
+TOWARD = 0.5  # cosine of 60 degrees: what lies so near an axis lies in its direction
+ELBOW_BL = 0.6  # a companion nearer than this is in the way
+APPETISING_BL = 5.0  # food farther off than that does not bend a fish's way
+
+
+def focus(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
+    """Set `minds.preference` and `minds.target` of the fishes `who`, whose intention is known.
+
+    To avoid: the fish that threatens most. To escape: the most fearful predator. To eat: a speck
+    or prey. To mate: a fish to court, until the courtship itself goes on. Nothing that is
+    gone or no longer perceived stays a target. What else is intended has none.
+    """
+    bodies, scene = bodies_of(fishes), scene_of(sea)
+    prefer(who, bodies, minds, scene, sea.plankton, sea.submarine, nature)
+    aim(who, bodies, minds, scene, fishes.species, fishes.alive, sea.plankton, sea.absent, nature)
+
+
+@njit(cache=True, error_model="numpy")
+def aim(
+    who: Ints, bodies: Bodies, minds: Minds, scene: Scene, species: Ints, alive: Flags,
+    plankton: Array, absent: Array, nature: Nature,
+) -> None:  # fmt: skip
+    """Set the target of each of the fishes `who`.
+
+    A speck is desired as D = 1 - d / O_r (Tu §6.5.3), prey the more the less it costs to catch
+    (§7.9.1). A male likes a female the better the nearer she is, a female a male the larger he
+    is; both like their own species better (§7.9.3). The present target is kept while it is
+    perceived, unless another is nearer, or of prey cheaper, by `devotion_cm` (§7.7.3).
+    """
+    desire, gaps = np.zeros(minds.foods.shape[1]), np.zeros(minds.foods.shape[1])
+    for i in who:
+        intention, now = minds.intention[i], minds.target[i]
+        eye, ahead = eye_of(bodies, i), ahead_of(bodies, i)
+        if intention == AVOID:
+            minds.target[i] = minds.threat[i]
+        elif intention == ESCAPE:
+            minds.target[i] = minds.predator[i]
+        elif intention == EAT and minds.kind[i] == PREDATOR:
+            best = minds.foods[i, 0]
+            if now >= 0 and best >= 0 and alive[now]:
+                toward = minus(vector(bodies.position[now]), eye)
+                if perceives(bodies, i, now, scene, nature, norm(toward)):
+                    schools = minds.intention[now] == SCHOOL
+                    present = cost_of(toward, norm(toward), ahead, schools)
+                    toward = minus(vector(bodies.position[best]), eye)
+                    schools = minds.intention[best] == SCHOOL
+                    other = cost_of(toward, norm(toward), ahead, schools)
+                    best = now if present - other <= nature.devotion_cm else best
+            minds.target[i] = best
+        elif intention == EAT:
+            for k, speck in enumerate(minds.foods[i]):
+                if speck >= 0:
+                    gaps[k] = norm(minus(vector(plankton[speck]), eye))
+                    desire[k] = max(1.0 - gaps[k] / nature.smell_cm, 0.0)
+            k = most_desirable(bodies, i, minds.foods[i], desire, plankton, minds.preference[i])
+            best = minds.foods[i, k] if k >= 0 else -1
+            if now >= 0 and best >= 0 and absent[now] <= 0.0:
+                gap = norm(minus(vector(plankton[now]), eye))
+                if gap <= nature.smell_cm and gap - gaps[k] <= nature.devotion_cm:
+                    best = now
+            minds.target[i] = best
+        elif intention == MATE and minds.courtship[i] == NO_COURTSHIP:
+            for k, j in enumerate(minds.mates[i]):
+                if j >= 0:
+                    length = float(bodies.length[j])
+                    gaps[k] = norm(minus(vector(bodies.position[j]), eye))
+                    desire[k] = length / (length + float(bodies.length[i]))
+                    if minds.male[i]:
+                        desire[k] = max(1.0 - gaps[k] / nature.vision_cm, 0.0)
+                    if species[i] != species[j]:
+                        desire[k] *= STRANGER
+            k = most_desirable(
+                bodies, i, minds.mates[i], desire, bodies.position, minds.preference[i]
+            )
+            best = minds.mates[i, k] if k >= 0 else NOBODY
+            if now >= 0 and best >= 0 and alive[now] and sees_fish(bodies, i, now, scene, nature):
+                gap = norm(minus(vector(bodies.position[now]), eye))
+                if gap - gaps[k] <= nature.devotion_cm:
+                    best = now
+            minds.target[i] = best
+
+
+@njit(cache=True, error_model="numpy")
+def most_desirable(
+    bodies: Bodies, i: int, targets: Ints, desire: Array, place: Array, preference: Array
+) -> int:
+    """Which of up to K targets fish i chooses, -1 of none (Tu §6.5.3).
+
+    `targets` (k,) index rows of `place`, -1 for none; `desire` (k,) is how desirable each is.
+    The best wins if it is far better than the next. Otherwise p M is added for the side on which
+    each lies: left, right or front. Far better means by more than p, which a preference at its
+    most adds.
+    """
+    first, second = -1, -1
+    for k in range(len(targets)):
+        if targets[k] < 0:
+            continue
+        if first < 0 or desire[k] > desire[first]:
+            first, second = k, first
+        elif second < 0 or desire[k] > desire[second]:
+            second = k
+    if second < 0 or desire[first] - desire[second] > COMPROMISE:
+        return first
+    best, most = -1, -np.inf
+    eye, q = eye_of(bodies, i), bodies.orientation[i]
+    for k in range(len(targets)):
+        if targets[k] >= 0:
+            toward = to_body(q, minus(vector(place[targets[k]]), eye))
+            side = FORWARD
+            if abs(toward[2]) > toward[0]:
+                side = RIGHT if toward[2] > 0.0 else LEFT
+            worth = desire[k] + COMPROMISE * float(preference[side])
+            if worth > most:
+                best, most = k, worth
+    return best
+
+
+@njit(cache=True, error_model="numpy")
+def prefer(
+    who: Ints, bodies: Bodies, minds: Minds, scene: Scene, plankton: Array, hull: Array,
+    nature: Nature,
+) -> None:  # fmt: skip
+    """Set the motor preferences of each of the fishes `who` (Tu §6.5.2, §7.6).
+
+    Each stimulus recommends the directions in which it lies, or warns of them, as strongly as
+    the desire is that it concerns, against the present intention. Recommendations and warnings
+    are averaged apart, and added. `hull` is where the submarine is.
+    """
+    sums, counts = np.zeros((2, 6)), np.zeros((2, 6))
+    for i in who:
+        sums[:] = 0.0
+        counts[:] = 0.0
+        eye, q = eye_of(bodies, i), bodies.orientation[i]
+        strength = 1.0
+        if minds.intention[i] == ESCAPE:
+            strength = minds.mental[i, FEAR]
+        elif minds.intention[i] == EAT:
+            strength = minds.mental[i, HUNGER]
+        elif minds.intention[i] == MATE:
+            strength = minds.mental[i, LIBIDO]
+        warn_of_fishes(bodies, i, minds.threat[i], minds.neighbour[i], sums, counts)
+        warn_of_solids(bodies, i, scene, nature, sums, counts)
+        fear = against(minds.mental[i, FEAR], strength)
+        for j in minds.predators[i]:
+            if j != NOBODY and fear > 0.0:
+                danger = vector(hull) if j == SUBMARINE else vector(bodies.position[j])
+                note(q, minus(danger, eye), -fear, sums, counts)
+        hunger = against(minds.mental[i, HUNGER], strength)
+        hunts = minds.kind[i] == PREDATOR
+        for k in minds.foods[i]:
+            if k >= 0 and hunger > 0.0:
+                food = vector(bodies.position[k]) if hunts else vector(plankton[k])
+                toward = minus(food, eye)
+                if norm(toward) < APPETISING_BL * bodies.length[i]:
+                    note(q, toward, hunger, sums, counts)
+        libido = against(minds.mental[i, LIBIDO], strength)
+        for j in minds.mates[i]:
+            if j >= 0 and libido > 0.0:
+                note(q, minus(vector(bodies.position[j]), eye), libido, sums, counts)
+        for side in range(6):
+            good = sums[0, side] / max(counts[0, side], 1.0)
+            bad = sums[1, side] / max(counts[1, side], 1.0)
+            minds.preference[i, side] = good + bad
+
+
+@njit(cache=True, error_model="numpy")
+def against(desire: float, strength: float) -> float:
+    """The strength of a desire over that of the intention, at most 1 (Tu §7.6)."""
+    return min(float(desire) / max(float(strength), 1e-6), 1.0)
+
+
+@njit(cache=True, error_model="numpy")
+def warn_of_fishes(
+    bodies: Bodies, i: int, threat: int, neighbour: Ints, sums: Array, counts: Array
+) -> None:
+    """Warn of the fish that threatens to collide, and of companions that are too near."""
+    here, q = vector(bodies.position[i]), bodies.orientation[i]
+    if threat != NOBODY:
+        note(q, minus(along_body(bodies, threat, 0.5), here), -1.0, sums, counts)
+    for j in neighbour:
+        if j == NOBODY:
+            break
+        gap = minus(vector(bodies.position[j]), here)
+        elbow = ELBOW_BL * 0.5 * (bodies.length[i] + bodies.length[j])
+        if j != threat and norm(gap) < elbow:
+            note(q, gap, -1.0, sums, counts)
+
+
+@njit(cache=True, error_model="numpy")
+def warn_of_solids(
+    bodies: Bodies, i: int, scene: Scene, nature: Nature, sums: Array, counts: Array
+) -> None:
+    """Warn of what stands still within an antenna's length of the eye."""
+    eye, q = eye_of(bodies, i), bodies.orientation[i]
+    reach = ENLARGED * nature.timidity * ANTENNA_BL * float(bodies.length[i])
+    for k in range(len(scene.pillars)):
+        normal, distance = from_pillar(scene.pillars[k], eye)
+        if distance < reach:
+            note(q, times(-1.0, normal), -1.0, sums, counts)
+    for k in range(len(scene.rocks)):
+        normal, distance = from_rock(scene.rocks[k], eye)
+        if distance < reach:
+            note(q, times(-1.0, normal), -1.0, sums, counts)
+    if -eye[2] < reach:
+        note(q, (0.0, 0.0, 1.0), -1.0, sums, counts)
+    if eye[2] - height_at(scene.heights, scene.half_width, eye[0], eye[1]) < reach:
+        note(q, (0.0, 0.0, -1.0), -1.0, sums, counts)
+    if scene.radius - norm((eye[0], eye[1], 0.0)) < reach:
+        note(q, (eye[0], eye[1], 0.0), -1.0, sums, counts)
+
+
+@njit(cache=True, error_model="numpy")
+def note(q: Array, toward: Vector, value: float, sums: Array, counts: Array) -> None:
+    """Count a stimulus for the directions within 60 degrees of which it lies."""
+    x, y, z = to_body(q, times(1.0 / max(norm(toward), 1e-9), toward))
+    sign = 0 if value > 0.0 else 1
+    for side, along in (
+        (LEFT, -z), (RIGHT, z), (FORWARD, x), (BACKWARD, -x), (ASCEND, y), (DESCEND, -y),
+    ):  # fmt: skip
+        if along > TOWARD:
+            sums[sign, side] += value
+            counts[sign, side] += 1.0
+
+
+@njit(cache=True, error_model="numpy")
+def to_body(q: Array, v: Vector) -> Vector:
+    """A vector in the axes of a body of orientation q: forward, up, right."""
+    return rotate((q[0], -q[1], -q[2], -q[3]), v)

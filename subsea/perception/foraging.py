@@ -1,0 +1,104 @@
+"""Which food a fish perceives: specks of plankton, or of a predator prey (Tu §6.3.1, §7.9.1)."""
+
+import math
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from subsea.kinematics.vector import Vector, dot, minus, norm, vector
+from subsea.perception.grid import (
+    Grid,
+    first_ring,
+    insert,
+    last_ring,
+    nearest,
+    ring_distance,
+    ring_slots,
+)
+from subsea.perception.vision import Bodies, Scene, ahead_of, eye_of, sees_fish, sight
+from subsea.state import PREDATOR, SCHOOL, Minds, Nature, Sea
+
+Array = NDArray[np.floating[Any]]
+Ints = NDArray[np.integer[Any]]
+
+PREY_CELL_CM = 100.0
+SCHOOL_COST, TURN_COST = 0.5, 0.2  # beta1 and beta2 of Tu §7.9.1
+
+
+def cell_cm(sea: Sea) -> float:
+    """Side of a cell, cm, in which there is about one speck."""
+    volume = math.pi * sea.radius**2 * float(sea.climate[2])
+    return float((volume / max(len(sea.plankton), 1)) ** (1 / 3))
+
+
+@njit(cache=True, error_model="numpy")
+def perceive_plankton(who: Ints, bodies: Bodies, minds: Minds, grid: Grid, nature: Nature) -> None:
+    """Enter the specks of `grid` that those of the fishes `who` perceive that live on them.
+
+    A speck is seen within V_r and smelled within O_r, in all directions and behind what hides
+    it. As O_r is the larger, what is smelled is all that is perceived.
+    """
+    gaps, slots = np.empty(minds.foods.shape[1]), np.empty(len(grid.member), np.int64)
+    for i in who:
+        if minds.kind[i] != PREDATOR:
+            nearest(grid, eye_of(bodies, i), nature.smell_cm, -1, minds.foods[i], gaps, slots)
+            minds.food[i] = minds.foods[i, 0]
+            minds.food_distance[i] = gaps[0]
+
+
+@njit(cache=True, error_model="numpy")
+def perceive_prey(
+    who: Ints, bodies: Bodies, minds: Minds, scene: Scene, grid: Grid, nature: Nature
+) -> None:
+    """Enter the prey of `grid` that the predators among the fishes `who` see or smell.
+
+    `minds.food` is the nearest, `minds.foods` the cheapest to catch.
+    """
+    farthest = nature.smell_cm
+    for j in grid.member:
+        farthest = max(farthest, sight(float(bodies.length[j]), nature))
+    cost, slots = np.empty(minds.foods.shape[1]), np.empty(len(grid.member), np.int64)
+    for i in who:
+        if minds.kind[i] != PREDATOR:
+            continue
+        found, least = minds.foods[i], np.inf
+        found[:] = -1
+        cost[:] = np.inf
+        minds.food[i] = -1
+        mouth, ahead = eye_of(bodies, i), ahead_of(bodies, i)
+        for ring in range(first_ring(grid, mouth), last_ring(grid, mouth, farthest) + 1):
+            if ring_distance(grid, mouth, ring) > cost[-1]:
+                break  # a cost is never less than the distance
+            for k in range(ring_slots(grid, mouth, ring, slots)):
+                slot = slots[k]
+                j = grid.member[slot]
+                toward = minus(vector(grid.place[slot]), mouth)
+                distance = norm(toward)
+                if distance > cost[-1] or not perceives(bodies, i, j, scene, nature, distance):
+                    continue
+                schools = minds.intention[j] == SCHOOL
+                insert(found, cost, j, cost_of(toward, distance, ahead, schools))
+                if distance < least or (distance == least and j < minds.food[i]):
+                    minds.food[i], least = j, distance
+        minds.food_distance[i] = least
+
+
+@njit(cache=True, error_model="numpy")
+def perceives(
+    bodies: Bodies, i: int, j: int, scene: Scene, nature: Nature, distance: float
+) -> bool:
+    """Whether predator i smells or sees prey j, `distance` cm before its mouth."""
+    return distance <= nature.smell_cm or sees_fish(bodies, i, j, scene, nature)
+
+
+@njit(cache=True, error_model="numpy")
+def cost_of(toward: Vector, distance: float, ahead: Vector, schools: bool) -> float:
+    """What it costs to catch a prey: C = d (1 + beta1 S + beta2 E / pi) (Tu §7.9.1), cm.
+
+    S is whether it is in a school, E the angle by which the predator has to turn.
+    """
+    cosine = dot(toward, ahead) / max(distance, 1e-9)
+    turn = math.acos(min(max(cosine, -1.0), 1.0))
+    return distance * (1.0 + (SCHOOL_COST if schools else 0.0) + TURN_COST * turn / math.pi)

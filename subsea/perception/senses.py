@@ -1,0 +1,62 @@
+"""What the fishes whose turn it is perceive."""
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from subsea.perception import collision, courting, danger, foraging
+from subsea.perception.grid import make_grid
+from subsea.perception.neighbours import REACH_CM, find_neighbours
+from subsea.perception.vision import bodies_of, scene_of
+from subsea.state import PACIFIST, PREDATOR, PREY, Clock, Fishes, Minds, Nature, Sea
+
+Array = NDArray[np.floating[Any]]
+Ints = NDArray[np.integer[Any]]
+
+LARGE_CM = 45.0  # fishes longer than that are kept in a grid of their own ...
+SMALL_CELL_CM, LARGE_CELL_CM = 30.0, 150.0  # ... so that nobody looks far for small ones
+
+
+def sense(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
+    """Fill all that perception writes of the fishes `who`, but for what the focusser does."""
+    if len(who) == 0:
+        return
+    feel_water(who, fishes.position, sea.climate, minds.light, minds.temperature)
+    find_neighbours(who, fishes, minds, REACH_CM)
+    bodies, scene = bodies_of(fishes), scene_of(sea)
+    alive, place, kinds = fishes.alive, fishes.position, minds.kind
+    large = fishes.length > LARGE_CM
+    crowd = (
+        make_grid(place, np.flatnonzero(alive & ~large), SMALL_CELL_CM),
+        make_grid(place, np.flatnonzero(alive & large), LARGE_CELL_CM),
+    )
+    collision.find_threats(who, bodies, minds, crowd, nature)
+    collision.find_barriers(who, bodies, minds, scene, nature)
+    hunters = make_grid(place, np.flatnonzero(alive & (kinds == PREDATOR)), danger.CELL_CM)
+    danger.see_predators(who, bodies, minds, scene, sea.submarine, hunters, nature)
+    specks = make_grid(sea.plankton, np.flatnonzero(sea.absent <= 0.0), foraging.cell_cm(sea))
+    foraging.perceive_plankton(who, bodies, minds, specks, nature)
+    if (kinds[who] == PREDATOR).any():
+        prey = make_grid(place, np.flatnonzero(alive & (kinds == PREY)), foraging.PREY_CELL_CM)
+        foraging.perceive_prey(who, bodies, minds, scene, prey, nature)
+    if (kinds[who] == PACIFIST).any():
+        mild = make_grid(place, np.flatnonzero(alive & (kinds == PACIFIST)), courting.CELL_CM)
+        courting.see_mates(who, bodies, minds, fishes.species, scene, mild, nature)
+
+
+@njit(cache=True, error_model="numpy")
+def feel_water(
+    who: Ints, position: Array, climate: Array, light: Array, temperature: Array
+) -> None:
+    """Set brightness and temperature of the water around the fishes `who`.
+
+    Light fades with depth as exp(-depth / l); the water cools evenly down to the depth at which
+    its lower temperature is given, and no further.
+    """
+    surface_c, depth_c, depth, fade = climate
+    for i in who:
+        below = max(-float(position[i, 2]), 0.0)
+        light[i] = np.exp(-below / fade)
+        temperature[i] = surface_c + (depth_c - surface_c) * min(below / depth, 1.0)

@@ -1,0 +1,150 @@
+"""What a fish can see: the view volume, and what hides things in it (Tu §6.3, §6.4)."""
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from subsea.kinematics.rotation import rotate
+from subsea.kinematics.solids import ray_meets_pillar, ray_meets_rock, ray_meets_seabed
+from subsea.kinematics.vector import Vector, dot, minus, norm, plus, times, vector
+from subsea.state import Fishes, Nature, Sea
+
+Array = NDArray[np.floating[Any]]
+
+FIELD_COS = math.cos(math.radians(150.0))  # half of the field of 300 degrees
+# Where on its centre line, from snout to tail, a fish is looked at: first where most of it is.
+# A solid that hides five points in a row is as long as the fish, which hides all 23 nodes too.
+BODY_SHARES = (0.5, 0.25, 0.75, 0.0, 1.0)
+SUBMARINE_CM = 300.0  # how long the submarine is to the eye of a fish
+
+
+class Bodies(NamedTuple):
+    """What kernels of perception need of `Fishes`: to hand them all of it costs more than they do.
+
+    The fields have the names, shapes and units that they have there.
+    """
+
+    position: Array
+    orientation: Array
+    velocity: Array
+    length: Array
+    snout: Array
+    girth: Array
+
+
+class Scene(NamedTuple):
+    """What kernels of perception need of `Sea`: what can hide or be run into."""
+
+    pillars: Array
+    rocks: Array
+    heights: Array
+    half_width: float
+    radius: float
+
+
+def bodies_of(fishes: Fishes) -> Bodies:
+    """Views of the fishes' arrays."""
+    return Bodies(*(getattr(fishes, name) for name in Bodies._fields))
+
+
+def scene_of(sea: Sea) -> Scene:
+    """Views of the sea's arrays."""
+    return Scene(*(getattr(sea, name) for name in Scene._fields))
+
+
+@njit(cache=True, error_model="numpy")
+def ahead_of(bodies: Bodies, i: int) -> Vector:
+    """Unit vector along the x axis of the body."""
+    return rotate(bodies.orientation[i], (1.0, 0.0, 0.0))
+
+
+@njit(cache=True, error_model="numpy")
+def eye_of(bodies: Bodies, i: int) -> Vector:
+    """The cyclopean origin: the tip of the snout, cm, world."""
+    return along_body(bodies, i, 0.0)
+
+
+@njit(cache=True, error_model="numpy")
+def along_body(bodies: Bodies, i: int, share: float) -> Vector:
+    """A point on the centre line, `share` of the body length behind the snout, cm, world.
+
+    The line is straight, as it is on average over a beat: a swimming body's bends are less than
+    a tenth of its length.
+    """
+    along = float(bodies.snout[i]) - share * float(bodies.length[i])
+    return plus(vector(bodies.position[i]), times(along, ahead_of(bodies, i)))
+
+
+@njit(cache=True, error_model="numpy")
+def sight(length: float, nature: Nature) -> float:
+    """V_r s^p: from how far something `length` cm long is seen (Tu §6.3.1)."""
+    return nature.vision_cm * length / nature.standard_cm
+
+
+@njit(cache=True, error_model="numpy")
+def in_view(eye: Vector, ahead: Vector, p: Vector, reach: float) -> bool:
+    """Whether p lies in the view volume: within `reach` and less than 150 degrees from ahead."""
+    ray = minus(p, eye)
+    distance = norm(ray)
+    return distance <= reach and (distance == 0.0 or dot(ray, ahead) > FIELD_COS * distance)
+
+
+@njit(cache=True, error_model="numpy")
+def hidden(scene: Scene, eye: Vector, p: Vector) -> bool:
+    """Whether a pillar, a rock or the seabed is between eye and p; other fishes do not hide."""
+    for k in range(len(scene.pillars)):
+        if ray_meets_pillar(scene.pillars[k], 0.0, eye, p) <= 1.0:
+            return True
+    for k in range(len(scene.rocks)):
+        if ray_meets_rock(scene.rocks[k], 0.0, eye, p) <= 1.0:
+            return True
+    return ray_meets_seabed(scene.heights, scene.half_width, 0.0, eye, p) <= 1.0
+
+
+@njit(cache=True, error_model="numpy")
+def sees_point(bodies: Bodies, i: int, scene: Scene, p: Vector, reach: float) -> bool:
+    """Whether fish i sees the point p, which is in sight from `reach` cm (Tu §6.4.1)."""
+    eye = eye_of(bodies, i)
+    return in_view(eye, ahead_of(bodies, i), p, reach) and not hidden(scene, eye, p)
+
+
+@njit(cache=True, error_model="numpy")
+def sees_fish(bodies: Bodies, i: int, j: int, scene: Scene, nature: Nature) -> bool:
+    """Whether fish i sees fish j: its middle is in view and any point of it not hidden (§6.4.2)."""
+    eye = eye_of(bodies, i)
+    reach = sight(float(bodies.length[j]), nature)
+    if not in_view(eye, ahead_of(bodies, i), vector(bodies.position[j]), reach):
+        return False
+    seen = False
+    for share in BODY_SHARES:
+        seen = seen or not hidden(scene, eye, along_body(bodies, j, share))
+    return seen
+
+
+@njit(cache=True, error_model="numpy")
+def sees_pillar(bodies: Bodies, i: int, pillar: Array, nature: Nature) -> bool:
+    """Whether a pillar is near enough to be seen at all: Tu's test, |P - O| - r < V_r (§6.4.3).
+
+    P is the point of the axis that is closest in height to the eye. Pillars stand so far apart
+    that what hides them, and the blind angle, are neglected.
+    """
+    eye = eye_of(bodies, i)
+    x, y, radius, top = pillar
+    return norm(minus((x, y, min(eye[2], top)), eye)) - radius < nature.vision_cm
+
+
+@njit(cache=True, error_model="numpy")
+def sees_box(bodies: Bodies, i: int, scene: Scene, box: Array, reach: float) -> bool:
+    """Whether any of the eight corners of a box, as of a cluster of seaweed, is seen (§6.4.4)."""
+    for corner in range(8):
+        p = (
+            float(box[3 if corner & 1 else 0]),
+            float(box[4 if corner & 2 else 1]),
+            float(box[5 if corner & 4 else 2]),
+        )
+        if sees_point(bodies, i, scene, p, reach):
+            return True
+    return False

@@ -1,0 +1,242 @@
+"""Danger of collision, in situations that a person would judge at a glance."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from subsea.kinematics.rotation import from_matrix
+from subsea.perception.collision import (
+    ENLARGED,
+    HELD,
+    find_barriers,
+    find_threats,
+    met_first,
+    share_inside,
+)
+from subsea.perception.grid import make_grid
+from subsea.perception.senses import LARGE_CELL_CM, LARGE_CM, SMALL_CELL_CM
+from subsea.perception.vision import bodies_of, scene_of
+from subsea.state import (
+    APPROACHING,
+    AVOID,
+    CIRCLING,
+    EAT,
+    NOBODY,
+    PREDATOR,
+    SCHOOL,
+    SEABED,
+    SURFACE,
+    WALL,
+)
+
+BACK = np.array([0.0, 0.0, np.sqrt(0.5), np.sqrt(0.5)])  # upright, heading against x
+
+
+def _threats(t):
+    fishes = t.fishes
+    large = fishes.length > LARGE_CM
+    grids = (
+        make_grid(fishes.position, np.flatnonzero(fishes.alive & ~large), SMALL_CELL_CM),
+        make_grid(fishes.position, np.flatnonzero(fishes.alive & large), LARGE_CELL_CM),
+    )
+    find_threats(np.arange(len(large)), bodies_of(fishes), t.minds, grids, t.nature)
+    return list(t.minds.threat)
+
+
+def _pair(tank, gap, against=False, **nature):
+    """Two fishes, the second `gap` cm from the first, heading along or against x."""
+    t = tank(2, **nature)
+    t.fishes.position[1] += np.array(gap, np.float32)
+    if against:
+        t.fishes.orientation[1], t.fishes.velocity[1] = BACK, (-15.0, 0.0, 0.0)
+    return t
+
+
+def test_two_that_meet_head_on_are_in_danger_and_far_apart_not(tank):
+    assert _threats(_pair(tank, (35.0, 0.0, 0.0), against=True)) == [1, 0]
+    assert _threats(_pair(tank, (90.0, 0.0, 0.0), against=True)) == [NOBODY, NOBODY]
+    # They pass at a distance.
+    assert _threats(_pair(tank, (35.0, 15.0, 0.0), against=True)) == [NOBODY, NOBODY]
+
+
+@pytest.mark.parametrize("gap", [(0.0, 20.0, 0.0), (25.0, 0.0, 0.0), (0.0, 0.0, 20.0), (9, 9, 0)])
+def test_one_that_swims_alongside_or_ahead_is_no_danger(tank, gap):
+    assert _threats(_pair(tank, gap)) == [NOBODY, NOBODY]
+
+
+def test_whoever_closes_in_from_the_side_is(tank):
+    t = _pair(tank, (5.0, 16.0, 0.0))
+    t.fishes.velocity[1] = 15.0, -20.0, 0.0
+    assert _threats(t)[0] == 1
+    t.fishes.velocity[1] = 15.0, 20.0, 0.0
+    assert _threats(t)[0] == NOBODY
+
+
+def test_nobody_is_afraid_of_what_is_behind(tank):
+    t = _pair(tank, (25.0, 0.0, 0.0))
+    t.fishes.velocity[0] = 40.0, 0.0, 0.0
+    # The one behind runs into the other, who doesn't see it coming.
+    assert _threats(t) == [1, NOBODY]
+
+
+def test_timid_fishes_turn_earlier(tank):
+    gap = (55.0, 0.0, 0.0)
+    assert _threats(_pair(tank, gap, against=True))[0] == NOBODY
+    assert _threats(_pair(tank, gap, against=True, timidity=2.0))[0] == 1
+
+
+def test_in_formation_fishes_bear_one_another_nearer(tank):
+    t = _pair(tank, (38.0, 0.0, 0.0), against=True)
+    assert _threats(t)[0] == 1
+    t.minds.intention[:] = SCHOOL
+    assert _threats(t)[0] == NOBODY
+    # Also while the school is only interrupted.
+    t.minds.intention[:], t.minds.memory[:], t.minds.threat[:] = AVOID, SCHOOL, NOBODY
+    assert _threats(t)[0] == NOBODY
+
+
+def test_what_is_avoided_is_avoided_until_it_is_well_clear(tank):
+    """Just outside the region, but inside the larger one of a fish that avoids already."""
+    t = _pair(tank, (0.0, 0.0, 0.0), against=True)
+    gaps = np.arange(30.0, 70.0, 0.5)
+
+    def farthest():
+        near = []
+        for gap in gaps:
+            t.fishes.position[1, 0] = gap
+            t.minds.threat[:] = 1
+            if _threats(t)[0] == 1:
+                near.append(gap)
+        return max(near)
+
+    calm = farthest()
+    t.minds.intention[0] = AVOID
+    assert calm + 3.0 < farthest() < HELD * calm
+
+
+def test_partners_and_prey_may_be_touched(tank):
+    t = _pair(tank, (20.0, 0.0, 0.0), against=True)
+    t.minds.partner[:] = 1, 0
+    t.minds.courtship[:] = APPROACHING
+    assert _threats(t) == [1, 0]
+    t.minds.courtship[:] = CIRCLING
+    assert _threats(t) == [NOBODY, NOBODY]
+
+    t = _pair(tank, (20.0, 0.0, 0.0), against=True)
+    t.minds.kind[0], t.minds.intention[0], t.minds.target[0] = PREDATOR, EAT, 1
+    assert _threats(t) == [NOBODY, 0]
+    t.minds.target[0] = NOBODY
+    assert _threats(t) == [1, 0]
+
+
+def test_the_dead_are_in_nobodys_way(tank):
+    t = _pair(tank, (20.0, 0.0, 0.0), against=True)
+    t.fishes.alive[1] = False
+    assert _threats(t)[0] == NOBODY
+
+
+def test_the_one_with_most_of_its_body_inside_is_worst(tank):
+    t = tank(3)
+    t.fishes.position[1:] = (20.0, 2.0, -300.0), (18.0, 4.0, -300.0)
+    # One lies across the way, the other comes straight on with all of its body.
+    t.fishes.orientation[1:] = (0.5, 0.5, 0.5, 0.5), BACK
+    t.fishes.velocity[1:] = (0.0, 0.0, 0.0), (-15.0, -6.0, 0.0)
+    bodies = bodies_of(t.fishes)
+    shares = [share_inside(bodies, 0, j, ENLARGED * 0.08, ENLARGED * 0.6) for j in (1, 2)]
+    assert 0.0 < shares[0] < shares[1]
+    assert _threats(t)[0] == 2
+
+
+@given(st.integers(0, 2**32 - 1))
+@settings(max_examples=40)
+def test_the_grids_miss_nobody(tank, seed):
+    """Against all pairs, with fishes of all sizes and speeds."""
+    rng = np.random.default_rng(seed)
+    n = 40
+    t = tank(n)
+    t.fishes.length[:] = rng.choice([8.0, 20.0, 30.0, 120.0], n)
+    t.fishes.snout[:] = 0.3 * t.fishes.length
+    t.fishes.girth[:] = t.fishes.length[:, None] * (0.2, 0.1)
+    t.fishes.position[:] = rng.normal((0, 0, -300), 60, (n, 3))
+    t.fishes.velocity[:] = rng.normal(0, 25, (n, 3))
+    turn = rng.normal(size=(n, 4))
+    t.fishes.orientation[:] = turn / np.linalg.norm(turn, axis=1)[:, None]
+    found = _threats(t)
+    bodies = bodies_of(t.fishes)
+    p = t.fishes.position.astype(float)
+    for i in range(n):
+        shares = [
+            share_inside(bodies, i, j, ENLARGED * 0.08, ENLARGED * 0.6) if j != i else 0.0
+            for j in range(n)
+        ]
+        gaps = ((p - p[i]) ** 2).sum(axis=1)
+        best = min(range(n), key=lambda j: (-shares[j], gaps[j], j))
+        assert found[i] == (best if shares[best] > 0 else NOBODY)
+
+
+# What stands still.
+
+
+def _barrier(t):
+    find_barriers(np.arange(1), bodies_of(t.fishes), t.minds, scene_of(t.sea), t.nature)
+    return t.minds.barrier[0]
+
+
+@pytest.mark.parametrize(
+    ("place", "heading", "barrier"),
+    [
+        ((0, 0, -300), (1, 0, 0), -1),
+        ((0, 0, -590), (0.6, 0, -0.8), SEABED),
+        ((0, 0, -590), (0.6, 0, 0.8), -1),
+        ((0, 0, -15), (0.6, 0, 0.8), SURFACE),
+        ((0, 0, -15), (0.6, 0, -0.8), -1),
+        ((970, 0, -300), (1, 0, 0), WALL),
+        ((970, 0, -300), (-1, 0, 0), -1),
+        ((0, -975, -300), (0.6, -0.8, 0), WALL),
+        ((60, 100, -300), (1, 0, 0), 0),
+        ((140, 100, -300), (1, 0, 0), -1),
+        ((60, -100, -300), (1, 0, 0), 1),
+        ((100, -100, -240), (0, 0, -1), 1),
+        ((100, 100, -90), (0.6, 0, -0.8), 0),
+    ],
+)
+def test_what_stands_in_the_way(tank, place, heading, barrier):
+    t = tank(pillars=[(100, 100, 10, -100)], rocks=[(100, -100, -300, 15, 20, 30, 0.5)])
+    t.fishes.position[0] = place
+    t.fishes.orientation[0] = _heading(heading)
+    assert _barrier(t) == barrier
+
+
+def _heading(x):
+    """Orientation of a body whose x axis is `x`, its back up as far as that goes."""
+    x = np.array(x, float)
+    right = np.cross(x, (0.0, 0.0, 1.0))
+    if np.linalg.norm(right) < 1e-6:
+        right = np.array([0.0, 1.0, 0.0])
+    right /= np.linalg.norm(right)
+    return from_matrix(np.stack([x, np.cross(right, x), right], axis=1))
+
+
+def test_a_wide_body_keeps_a_wider_berth(tank):
+    t = tank(pillars=[(40, 14, 10, -100)])
+    assert _barrier(t) == -1
+    t.fishes.girth[0, 1] = 3.0  # 1.5 times that is more than 4
+    assert _barrier(t) == 0
+
+
+def test_the_nearer_boundary_counts(tank):
+    t = tank(pillars=[(60, 0, 25, -100), (40, 0, 10, -100)])
+    assert _barrier(t) == 1
+
+
+def test_an_antenna_is_as_long_as_asked(tank):
+    t = tank(pillars=[(60, 0, 10, -100)])  # 40 cm before the eye, with the berth
+    bodies, scene = bodies_of(t.fishes), scene_of(t.sea)
+    assert met_first(bodies, 0, scene, 39.9) == -1
+    assert met_first(bodies, 0, scene, 40.1) == 0
+    t.minds.barrier[0] = -1
+    assert _barrier(t) == -1
+    t.minds.intention[0], t.minds.barrier[0] = AVOID, 0
+    t.fishes.position[0, 0] = 4.0
+    assert _barrier(t) == 0  # 36 cm: within 1.3 antennae of 30 cm

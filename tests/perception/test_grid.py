@@ -1,0 +1,87 @@
+"""The grid against all pairs, for points that nobody chose to suit it."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from subsea.perception.grid import (
+    CELLS_EACH,
+    CELLS_MORE,
+    first_ring,
+    last_ring,
+    make_grid,
+    nearest,
+    ring_distance,
+    ring_slots,
+)
+
+SEEDS = st.integers(0, 2**32 - 1)
+
+
+def _ring(grid, p, ring):
+    slots = np.empty(len(grid.member), np.int64)
+    return slots[: ring_slots(grid, p, ring, slots)]
+
+
+def _nearest(grid, p, reach, but, k):
+    found, gaps = np.zeros(k, np.int32), np.zeros(k)
+    nearest(grid, p, reach, but, found, gaps, np.empty(len(grid.member), np.int64))
+    return found, gaps
+
+
+def _scene(seed, n=80, spread=100.0):
+    rng = np.random.default_rng(seed)
+    points = rng.normal(0, spread, (n, 3)).astype(np.float32)
+    chosen = np.flatnonzero(rng.uniform(0, 1, n) < 0.7)
+    return points, chosen, tuple(rng.normal(0, 1.5 * spread, 3))
+
+
+@given(SEEDS, st.sampled_from([20.0, 70.0, 1e4]))
+@settings(max_examples=40)
+def test_rings_hold_every_point_once_and_none_nearer_than_said(seed, cell):
+    points, chosen, p = _scene(seed)
+    grid = make_grid(points, chosen, cell)
+    seen = []
+    for ring in range(first_ring(grid, p), last_ring(grid, p, 1e6) + 1):
+        slots = _ring(grid, p, ring)
+        gaps = np.linalg.norm(grid.place[slots] - p, axis=1)
+        assert (gaps >= ring_distance(grid, p, ring) - 1e-6).all()
+        seen += list(grid.member[slots])
+    assert sorted(seen) == list(chosen)
+
+
+@given(SEEDS, st.floats(10.0, 400.0), st.integers(1, 6))
+@settings(max_examples=60)
+def test_the_nearest_are_those_of_all_pairs(seed, reach, k):
+    points, chosen, p = _scene(seed)
+    points[:] = np.round(points, -1)  # equal distances, where order could tell
+    p = tuple(np.round(p, -1))
+    but = int(chosen[0])
+    found, gaps = _nearest(make_grid(points, chosen, 30.0), p, reach, but, k)
+    away = np.linalg.norm(points[chosen].astype(float) - p, axis=1)
+    order = [(d, j) for d, j in sorted(zip(away, chosen, strict=True)) if j != but and d < reach]
+    order = (order + [(np.inf, -1)] * k)[:k]
+    np.testing.assert_allclose(gaps, [d for d, _ in order])
+    np.testing.assert_array_equal(found, [j for _, j in order])
+
+
+def test_a_few_points_far_apart_do_not_fill_the_memory():
+    points = np.array([[-1e6, 0, 0], [1e6, 1e6, 1e6]], np.float32)
+    grid = make_grid(points, np.arange(2), 1.0)
+    assert len(grid.start) - 1 <= 2 * CELLS_EACH + CELLS_MORE
+    assert list(_nearest(grid, (0.0, 0.0, 0.0), 1e7, -1, 2)[0]) == [0, 1]
+
+
+def test_a_grid_may_be_empty():
+    grid = make_grid(np.zeros((3, 3), np.float32), np.zeros(0, np.int64), 10.0)
+    found, gaps = _nearest(grid, (5.0, 5.0, 5.0), 100.0, -1, 2)
+    assert list(found) == [-1, -1]
+    assert list(gaps) == [np.inf, np.inf]
+
+
+@pytest.mark.parametrize("order", [[0, 1, 2, 3], [3, 1, 0, 2]])
+def test_of_equal_distances_the_lower_index_comes_first(order):
+    points = np.array([[1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, 0, -1]], np.float32)
+    grid = make_grid(points[order], np.arange(4), 0.7)
+    assert list(_nearest(grid, (0.0, 0.0, 0.0), 2.0, -1, 3)[0]) == [0, 1, 2]

@@ -1,0 +1,188 @@
+"""What fills minds: food, prey, mates, predators, water; against closed forms and all pairs."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from subsea.perception.foraging import SCHOOL_COST, TURN_COST
+from subsea.perception.senses import sense
+from subsea.perception.vision import (
+    SUBMARINE_CM,
+    bodies_of,
+    eye_of,
+    scene_of,
+    sees_fish,
+    sees_point,
+    sight,
+)
+from subsea.state import NOBODY, PACIFIST, PREDATOR, PREY, SCHOOL, SUBMARINE
+
+SEEDS = st.integers(0, 2**32 - 1)
+EYE = np.array([7.0, 0.0, -300.0])
+
+
+def _sense(t, *who):
+    t.run(sense, *who)
+
+
+def test_light_fades_and_water_cools_with_depth(tank):
+    t = tank(3)
+    t.fishes.position[:, 2] = -1e-3, -300.0, -900.0
+    _sense(t)
+    np.testing.assert_allclose(t.minds.light, np.exp([0.0, -300 / 700, -900 / 700]), rtol=1e-4)
+    np.testing.assert_allclose(t.minds.temperature, [27.0, 24.0, 21.0], rtol=1e-4)
+
+
+def test_only_those_whose_turn_it_is_perceive(tank):
+    t = tank(3)
+    t.minds.kind[:] = PREY
+    t.sea.submarine[:3] = 300.0, 0.0, -300.0
+    _sense(t, 1)
+    assert list(t.minds.light > 0) == [False, True, False]
+    assert list(t.minds.predator) == [NOBODY, SUBMARINE, NOBODY]
+    assert list(t.minds.neighbour[:, 0] != NOBODY) == [False, True, False]
+
+
+def test_nobody_is_there(tank):
+    t = tank(0, specks=3)
+    sense(np.zeros(0, np.int64), *t)
+    t = tank(2)
+    t.fishes.alive[:] = False
+    sense(np.zeros(0, np.int64), *t)
+
+
+def test_the_nearest_specks_are_smelled_even_behind_and_out_of_sight(tank):
+    t = tank(specks=5, pillars=[(60.0, 0.0, 20.0, -100.0)])
+    t.sea.plankton[:] = EYE + np.array(
+        [[100, 0, 0], [-40, 0, 0], [0, 0, 70.0], [5, 0, 0], [601, 0, 0]]
+    )
+    t.sea.absent[3] = 10.0
+    _sense(t)
+    assert list(t.minds.foods[0]) == [1, 2, 0]
+    assert t.minds.food[0] == 1
+    assert t.minds.food_distance[0] == pytest.approx(40.0)
+    t.sea.absent[:4] = 1.0
+    _sense(t)
+    assert t.minds.food[0] == -1
+    assert t.minds.food_distance[0] == np.inf
+
+
+def _crowd(tank, seed, kinds):
+    """Fishes of several kinds and sizes, and a pillar that hides some from others."""
+    rng = np.random.default_rng(seed)
+    n = 30
+    t = tank(n, pillars=[(0.0, 0.0, 60.0, -250.0)])
+    t.minds.kind[:] = rng.choice(kinds, n)
+    t.minds.male[:] = rng.uniform(0, 1, n) < 0.5
+    t.minds.intention[:] = rng.integers(0, 7, n)
+    t.fishes.species[:] = rng.integers(0, 2, n)
+    t.fishes.length[:] = rng.uniform(8, 60, n)
+    t.fishes.alive[:] = rng.uniform(0, 1, n) < 0.9
+    t.fishes.position[:] = rng.uniform((-700, -700, -550), (700, 700, -50), (n, 3))
+    turn = rng.normal(size=(n, 4))
+    t.fishes.orientation[:] = turn / np.linalg.norm(turn, axis=1)[:, None]
+    return t
+
+
+def _all(t, i, kind):
+    """Every living other fish of a kind, its vector from the eye of i, and whether i sees it."""
+    bodies, scene = bodies_of(t.fishes), scene_of(t.sea)
+    eye = np.array(eye_of(bodies, i))
+    for j in np.flatnonzero(t.fishes.alive & (t.minds.kind == kind)):
+        if j != i:
+            seen = sees_fish(bodies, i, j, scene, t.nature)
+            yield j, t.fishes.position[j].astype(float) - eye, seen
+
+
+@given(SEEDS)
+@settings(max_examples=25)
+def test_possible_mates_are_the_nearest_visible_of_the_other_sex(tank, seed):
+    t = _crowd(tank, seed, [PACIFIST, PACIFIST, PREY])
+    _sense(t)
+    for i in np.flatnonzero(t.fishes.alive):
+        able = []
+        if t.minds.kind[i] == PACIFIST:
+            able = [
+                (t.fishes.species[j] != t.fishes.species[i], np.linalg.norm(gap), j)
+                for j, gap, seen in _all(t, i, PACIFIST)
+                if seen and t.minds.male[j] != t.minds.male[i]
+            ]
+        best = [j for _, _, j in sorted(able)[:3]]
+        assert list(t.minds.mates[i]) == best + [NOBODY] * (3 - len(best))
+        assert t.minds.mate[i] == t.minds.mates[i, 0]
+        if best:
+            assert t.minds.mate_distance[i] == pytest.approx(sorted(able)[0][1], rel=1e-4)
+        else:
+            assert t.minds.mate_distance[i] == np.inf
+
+
+@given(SEEDS)
+@settings(max_examples=25)
+def test_prey_are_judged_by_what_they_cost(tank, seed):
+    t = _crowd(tank, seed, [PREDATOR, PREY, PREY])
+    _sense(t)
+    for i in np.flatnonzero(t.fishes.alive & (t.minds.kind == PREDATOR)):
+        x = np.subtract(eye_of(bodies_of(t.fishes), i), t.fishes.position[i]) / t.fishes.snout[i]
+        able = []
+        for j, gap, seen in _all(t, i, PREY):
+            d = np.linalg.norm(gap)
+            turn = np.arccos(np.clip(gap @ x / d, -1, 1))
+            cost = d * (1 + 0.5 * (t.minds.intention[j] == SCHOOL) + 0.2 * turn / np.pi)
+            if seen or d <= t.nature.smell_cm:
+                able.append((cost, d, j))
+        best = [j for _, _, j in sorted(able)[:3]]
+        assert list(t.minds.foods[i]) == best + [-1] * (3 - len(best))
+        nearest = min(((d, j) for _, d, j in able), default=(np.inf, -1))
+        assert t.minds.food[i] == nearest[1]
+        assert t.minds.food_distance[i] == pytest.approx(nearest[0], rel=1e-4)
+    assert (SCHOOL_COST, TURN_COST) == (0.5, 0.2)
+
+
+@given(SEEDS, st.booleans())
+@settings(max_examples=25)
+def test_fear_is_of_visible_predators(tank, seed, company):
+    t = _crowd(tank, seed, [PREDATOR, PREY, PREY, PACIFIST])
+    if company:
+        t.sea.submarine[:3] = 200.0, 300.0, -300.0
+    _sense(t)
+    bodies, scene = bodies_of(t.fishes), scene_of(t.sea)
+    for i in np.flatnonzero(t.fishes.alive):
+        if t.minds.kind[i] != PREY:
+            assert t.minds.predator[i] == NOBODY
+            assert t.minds.menaces[i] == t.minds.menace[i] == 0.0
+            continue
+        fears = [(200.0 / np.linalg.norm(gap), j) for j, gap, seen in _all(t, i, PREDATOR) if seen]
+        hull = tuple(t.sea.submarine[:3])
+        if sees_point(bodies, i, scene, hull, sight(SUBMARINE_CM, t.nature)):
+            away = np.linalg.norm(np.subtract(hull, eye_of(bodies, i)))
+            fears.append((t.nature.submarine_cm / away, SUBMARINE))
+        assert t.minds.menaces[i] == pytest.approx(sum(min(f, 1.0) for f, _ in fears), rel=1e-4)
+        most = max(fears, default=(0.0, NOBODY))
+        assert t.minds.predator[i] == most[1]
+        assert t.minds.menace[i] == pytest.approx(min(most[0], 1.0), rel=1e-4)
+    seen = t.minds.predator[t.fishes.alive & (t.minds.kind == PREY)]
+    assert (seen != NOBODY).any()
+
+
+def test_coward_and_bold(tank):
+    t = tank(2)
+    t.minds.kind[:] = PREY, PREDATOR
+    t.fishes.position[1, 0] = 407.0
+    _sense(t, 0)
+    assert t.minds.menace[0] == pytest.approx(0.5)
+    t.minds.dread[0] = 500.0
+    _sense(t, 0)
+    assert t.minds.menace[0] == 1.0
+
+
+def test_a_large_predator_is_seen_in_advance(tank):
+    """V_r times the size of what is seen (Tu §6.3.1)."""
+    t = tank(2)
+    t.minds.kind[:] = PREY, PREDATOR
+    t.fishes.position[1, 0] = 900.0
+    _sense(t, 0)
+    assert t.minds.predator[0] == NOBODY
+    t.fishes.length[1] = 120.0
+    _sense(t, 0)
+    assert t.minds.predator[0] == 1
