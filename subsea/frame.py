@@ -15,7 +15,7 @@ from subsea.scenario import Water
 from subsea.species import Species
 from subsea.state import HANGING, HOOKED, LANDED, SINKING, STOWED, Fishes, Sea
 from subsea.view.camera import View
-from subsea.view.culling import HIDDEN, classify
+from subsea.view.culling import HIDDEN, IN_SIGHT, classify, pixels_per_radian
 from subsea.world import TICK_S, World
 
 Array = NDArray[np.floating[Any]]
@@ -31,6 +31,12 @@ ROW_A, ROW_B, WEIGHT = 8, 9, 10  # a pose mixes two rows of the control-point ta
 IDENTITY = 11  # constant per fish, in [0, 1): individual variation
 FINS = slice(12, 19)  # as `state.Fishes.fins`: sweeps, lifts, mouth, dorsal fin, tail
 INSTANCE_COLUMNS = 19
+
+# Texels of a leaf of seaweed: its nodes from the root to the tip, then what it looks like.
+LEAF_NODES = 8
+LEAF_TEXELS = LEAF_NODES + 2  # width, facing, twist, own number; colour, length
+LEAF_NEAR_PX = 110.0  # a leaf that covers fewer pixels is drawn coarsely ...
+LEAF_LEAST_PX = 7.0  # ... and not at all if it covers fewer
 
 
 @dataclass(frozen=True)
@@ -73,6 +79,9 @@ class Packet:
     live_row: int = 0
     hook: Array | None = None  # (3,) cm, of the bend; None: no hook is in the water
     bait: bool = False  # whether it is still on the hook
+    # Leaves of seaweed in sight, those to be drawn finely first, and how many these are.
+    leaves: Array = field(default_factory=lambda: np.zeros((0, LEAF_TEXELS, 4), np.float32))
+    fine_leaves: int = 0
 
 
 def make_scene(world: World) -> Scene:
@@ -112,6 +121,7 @@ def pack(
     kinds = len(world.species)
     order, starts = _sort(fishes.species, level, kinds, len(LEVELS))
     culled = time.perf_counter()
+    fine, coarse = _leaves_in_sight(world, views, culling, lod)
     instances = np.empty((len(order), INSTANCE_COLUMNS), np.float32)
     _write_instances(fishes, centres, order, alpha, instances)
     live_points = _skin_live(world, order)
@@ -133,6 +143,8 @@ def pack(
         live_row=len(library.entry),
         hook=_hook(world.state.sea, alpha),
         bait=bool(world.state.sea.catch[0] in (SINKING, HANGING)),
+        leaves=_leaves(world, np.concatenate([fine, coarse]), alpha),
+        fine_leaves=len(fine),
     )
 
 
@@ -143,6 +155,35 @@ def _hook(sea: Sea, alpha: float) -> Array | None:
         return None
     velocity = {SINKING: -sea.tackle[3], HOOKED: sea.tackle[3]}.get(int(state), 0.0)
     return np.asarray(sea.hook - (0.0, 0.0, (1.0 - alpha) * TICK_S * velocity))
+
+
+def _leaves_in_sight(
+    world: World, views: Sequence[View], culling: bool, lod: bool
+) -> tuple[Ints, Ints]:
+    """Leaves near and far of those clusters whose centroid is in some view, or nearly."""
+    box, seaweed = world.state.sea.seaweed, world.state.seaweed
+    centres, size = (box[:, :3] + box[:, 3:]) / 2, box[:, 3:] - box[:, :3]
+    # A leaf is wider than its chain, and between two ticks outside of its box.
+    radii = np.linalg.norm(size, axis=1) / 2 + 10.0
+    level = classify(centres, radii, radii, views, culling, False)
+    away = np.array([np.linalg.norm(centres - view.eye, axis=1) for view in views])
+    scale = np.array([pixels_per_radian(view) for view in views])
+    pixels = (2 * radii * scale[:, None] / np.maximum(away, 1.0)).max(axis=0)
+    seen = (level != HIDDEN) & (away.min(axis=0) < IN_SIGHT * world.scenario.water.visibility_cm)
+    near = pixels > LEAF_NEAR_PX if lod else np.ones(len(box), np.bool_)
+    leaves = np.diff(seaweed.first)
+    fine, coarse = seen & near, seen & ~near & (pixels > LEAF_LEAST_PX)
+    return np.flatnonzero(np.repeat(fine, leaves)), np.flatnonzero(np.repeat(coarse, leaves))
+
+
+def _leaves(world: World, order: Ints, alpha: float) -> Array:
+    """The texels of the leaves `order`, `alpha` of the way from the last tick to the present."""
+    seaweed = world.state.seaweed
+    out = np.zeros((len(order), LEAF_TEXELS, 4), np.float32)
+    before, after = seaweed.previous[order], seaweed.node[order]
+    out[:, :LEAF_NODES, :3] = before + np.float32(alpha) * (after - before)
+    out[:, LEAF_NODES:] = seaweed.look[order].reshape(-1, 2, 4)
+    return out
 
 
 def _skin_live(world: World, order: Ints) -> Array:

@@ -13,6 +13,8 @@ MAX_FISHES = 100_000
 # Two rows each in a texture, whose height OpenGL drivers limit to 16384 or less.
 MAX_SIMULATED = 4000
 MAX_SOLIDS = 200  # pillars, and as many rocks
+MAX_CLUSTERS, MAX_LEAVES = 500, 40  # of seaweed in a group, of leaves in a cluster
+MAX_SEAWEED = 8000  # leaves in all: their nodes must fit into a texture
 Positive = Annotated[float, msgspec.Meta(gt=0, le=1e5)]
 Coordinate = Annotated[float, msgspec.Meta(ge=-1e5, le=1e5)]
 Seed = Annotated[int, msgspec.Meta(ge=0, le=2**32 - 1)]
@@ -100,6 +102,18 @@ class Hook(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True
     start_s: Annotated[float, msgspec.Meta(ge=0, le=1e6)] = 0.0
 
 
+class Seaweed(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Clusters of leaves that are rooted in the seabed, or on a solid that stands there."""
+
+    position_cm: tuple[Coordinate, Coordinate] | None = None  # none: scattered over the sea
+    spread_cm: Positive = 120.0  # how far the clusters stand from it
+    clusters: Annotated[int, msgspec.Meta(ge=0, le=MAX_CLUSTERS)] = 1
+    leaves: Annotated[int, msgspec.Meta(ge=1, le=MAX_LEAVES)] = 6  # of each cluster
+    height_cm: Annotated[float, msgspec.Meta(ge=5, le=1000)] = 90.0
+    width_cm: Annotated[float, msgspec.Meta(gt=0, le=100)] | None = None  # none: by the height
+    colour: Colour = (0.14, 0.155, 0.03)  # linear RGB
+
+
 class Start(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """Where the submarine begins."""
 
@@ -145,6 +159,7 @@ class Scenario(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     pillar: Annotated[list[Pillar], msgspec.Meta(max_length=MAX_SOLIDS)] = []
     rock: Annotated[list[Rock], msgspec.Meta(max_length=MAX_SOLIDS)] = []
     hook: Hook | None = None
+    seaweed: list[Seaweed] = []
     nature: Temper = Temper()
     # So many of the nearest fishes are simulated instead of played back.
     simulated: Annotated[int, msgspec.Meta(ge=0, le=MAX_SIMULATED)] = 0
@@ -166,6 +181,13 @@ def load_scenario(name: str) -> tuple[Scenario, Path]:
     if scenario.hook is not None:
         hangs = (*scenario.hook.position_cm, -scenario.hook.depth_cm)
         _inside(path, "hook", hangs, scenario.bounds)
+    leaves = sum(group.clusters * group.leaves for group in scenario.seaweed)
+    if leaves > MAX_SEAWEED:
+        raise UserError(f"{path}: `seaweed` has {leaves} leaves, expected at most {MAX_SEAWEED}")
+    for k, group in enumerate(scenario.seaweed):
+        if group.position_cm is not None:
+            place = (*group.position_cm, 0.0)
+            _inside(path, f"seaweed[{k}].position_cm", place, scenario.bounds)
     number = sum(shoal.number for shoal in scenario.fish)
     if number > MAX_FISHES:
         raise UserError(f"{path}: {number} fishes in all, expected at most {MAX_FISHES}")

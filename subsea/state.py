@@ -198,6 +198,26 @@ class Sea(NamedTuple):
     catch: Ints = np.array([STOWED, NOBODY])  # (2,) int64
 
 
+class Seaweed(NamedTuple):
+    """Seaweed (Tu §8.2): l leaves in c clusters, each a chain of m nodes from root to tip."""
+
+    # Constant.
+    first: Ints  # (c + 1,) int32, the leaves of cluster k are those from first[k] to first[k + 1]
+    rest: Array  # (l, m - 1) float32, cm from node to node, less and less toward the tip
+    lean: Array  # (l, m, 3) float32, unit vectors: where each node's buoyancy drives it
+    look: (
+        Array  # (l, 8) float32: width, cm; how it faces and twists, rad; own number; colour; length
+    )
+    cell_cm: float  # side of square cells over the sea, row by row from its south-west corner
+    cell_first: Ints  # (g² + 1,) int32, where in `cell_cluster` each cell's list begins
+    cell_cluster: Ints  # int32, clusters that a fish in a cell may touch
+
+    # Written by habitat.
+    node: Array  # (l, m, 3) float32, cm, world
+    previous: Array  # (l, m, 3) float32, one tick ago
+    velocity: Array  # (l, m, 3) float32, cm/s
+
+
 class Nature(NamedTuple):
     """Constants of perception and behavior that a scenario may change (Tu chs. 6, 7)."""
 
@@ -267,6 +287,7 @@ class State:
     fishes: Fishes
     minds: Minds
     sea: Sea
+    seaweed: Seaweed
     submarine: Submarine
     live: Live
 
@@ -348,7 +369,10 @@ def empty_live(rotation: Array, translation: Array, nodes: Array) -> Live:
 def digest(state: State) -> str:
     """A SHA-256 over every array: equal digests are equal worlds."""
     sha = hashlib.sha256(f"{state.tick},{state.seed}".encode())
-    parts = (state.fishes, state.minds, state.sea, state.live, vars(state.submarine).values())
+    parts = (
+        state.fishes, state.minds, state.sea, state.seaweed, state.live,
+        vars(state.submarine).values(),
+    )  # fmt: skip
     for values in (array for part in parts for array in part):
         sha.update(np.ascontiguousarray(values).tobytes())
     return sha.hexdigest()

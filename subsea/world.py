@@ -12,6 +12,7 @@ from subsea.behavior.mental import DIGESTION, DREAD_CM, LIBIDO_RATE
 from subsea.behavior.table import BEHAVIORS, DESIRES
 from subsea.errors import UserError
 from subsea.habitat.sea import make_sea
+from subsea.habitat.seaweed import plant
 from subsea.habitat.solids import out_of_solids
 from subsea.kinematics.coupling import Coupling, couple
 from subsea.kinematics.solids import from_pillar, from_rock
@@ -93,6 +94,7 @@ def create_world(
     rng = np.random.default_rng([seed, 0x5EA])
     sea = make_sea(scenario, rng)
     _refuse_within_solids(scenario, sea, source)
+    sea, seaweed = plant(scenario, sea, seed)
     progress("letting the fishes in")
     submarine = Submarine(position=np.array(scenario.submarine.position_cm, np.float64))
     submarine.angles[0] = np.radians(scenario.submarine.heading_deg)
@@ -105,6 +107,7 @@ def create_world(
         fishes=fishes,
         minds=minds,
         sea=sea,
+        seaweed=seaweed,
         submarine=submarine,
         live=empty_live(
             library.rotation[recorded:], library.translation[recorded:], library.nodes[recorded:]

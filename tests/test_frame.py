@@ -1,14 +1,15 @@
 """The packet: what drawing sees of a world."""
 
+import msgspec
 import numpy as np
 import pytest
 
 from subsea import frame
 from subsea.ocean import TICK_S, create_world, step
-from subsea.scenario import load_scenario
+from subsea.scenario import Seaweed, load_scenario
 from subsea.state import HANGING, HOOKED, LANDED, NOBODY, SINKING, STOWED
-from subsea.submarine.helm import Helm
-from subsea.view.rigs import cockpit, views_for
+from subsea.submarine.helm import HANDS_OFF, Helm
+from subsea.view.rigs import cockpit, pose, views_for
 
 
 @pytest.fixture(scope="module")
@@ -147,3 +148,47 @@ def test_the_hook_is_there_while_it_is_in_the_water(world):
         HOOKED: (round(-50 - ago, 4), False),
         LANDED: None,
     }
+
+
+@pytest.fixture(scope="module")
+def overgrown():
+    """The peaceful bay with a bed of seaweed before the submarine, moved by the current."""
+    scenario = load_scenario("peaceful")[0]
+    x, y, _ = scenario.submarine.position_cm
+    bed = Seaweed(position_cm=(x + 150.0, y), spread_cm=150.0, clusters=12, leaves=4)
+    world = create_world(msgspec.structs.replace(scenario, seaweed=[bed]), fish=10)
+    for _ in range(60):
+        step(world, HANDS_OFF)
+    return world
+
+
+def _leaves_of(world, heading, alpha=1.0, **options):
+    submarine = world.state.submarine
+    eye = pose(submarine.position, heading, -0.5)
+    return frame.pack(world, views_for("mono", (640, 360), eye), alpha, **options)
+
+
+def test_leaves_lie_between_the_last_tick_and_this_one(overgrown):
+    weed = overgrown.state.seaweed
+    assert np.abs(weed.node - weed.previous).max() > 0.05
+    for alpha in (0.0, 0.3, 1.0):
+        packet = _leaves_of(overgrown, 0.0, alpha, culling=False, lod=False)
+        assert packet.fine_leaves == len(packet.leaves) == 48
+        expected = weed.previous + alpha * (weed.node - weed.previous)
+        np.testing.assert_allclose(packet.leaves[:, :8, :3], expected, atol=1e-3)
+        np.testing.assert_array_equal(packet.leaves[:, 8:].reshape(48, 8), weed.look)
+
+
+def test_seaweed_out_of_sight_is_left_out_and_what_is_far_is_coarse(overgrown):
+    ahead, astern = (_leaves_of(overgrown, heading) for heading in (0.0, np.pi))
+    assert len(ahead.leaves) > 30
+    assert len(astern.leaves) < 10
+    near = np.linalg.norm(ahead.leaves[:, 0, :3] - overgrown.state.submarine.position, axis=1)
+    assert ahead.fine_leaves > 0
+    if ahead.fine_leaves < len(ahead.leaves):
+        assert near[: ahead.fine_leaves].mean() < near[ahead.fine_leaves :].mean()
+    submarine = overgrown.state.submarine.position.copy()
+    overgrown.state.submarine.position[0] -= 900.0
+    far = _leaves_of(overgrown, 0.0)
+    overgrown.state.submarine.position[:] = submarine
+    assert far.fine_leaves == 0

@@ -14,6 +14,7 @@ from subsea.render.fishes import Fishes
 from subsea.render.hook import Hook
 from subsea.render.particles import Particles
 from subsea.render.seabed import Seabed
+from subsea.render.seaweed import Seaweed
 from subsea.render.solids import Solids
 from subsea.render.target import Resolve, Target
 from subsea.render.textures import caustics, tileable_noise, upload
@@ -59,6 +60,7 @@ class Renderer:
         self._water = Water(context, scene)
         self._seabed = Seabed(context, scene)
         self._solids = Solids(context, scene)
+        self._seaweed = Seaweed(context)
         self._fishes = Fishes(context, scene)
         self._hook = Hook(context)
         self._particles = Particles(context, scene)
@@ -81,6 +83,7 @@ class Renderer:
         self._target.framebuffer.clear()
         start = time.perf_counter()
         self._fishes.upload(packet)
+        self._seaweed.upload(packet)
         self._particles.upload(packet)
         self.upload_s = time.perf_counter() - start
         self._caustics.use(1)
@@ -95,6 +98,7 @@ class Renderer:
             context.disable(context.BLEND)
             context.enable(context.DEPTH_TEST)
             self.triangles += self._solids.draw(packet, view, uniforms)
+            self.triangles += self._seaweed.draw(packet, view, uniforms)
             self.triangles += self._seabed.draw(packet, view, uniforms)
             context.enable(context.BLEND)
             self._target.framebuffer.depth_mask = False  # shadows may lie on one another
@@ -125,8 +129,8 @@ class Renderer:
         """Free every OpenGL object."""
         self._release_target()
         for part in (
-            self._resolve, self._particles, self._hook, self._fishes, self._solids, self._seabed,
-            self._water, self._noise, self._caustics,
+            self._resolve, self._particles, self._hook, self._fishes, self._seaweed, self._solids,
+            self._seabed, self._water, self._noise, self._caustics,
         ):  # fmt: skip
             part.release()
 

@@ -10,14 +10,13 @@ from numpy.typing import NDArray
 from subsea.frame import Packet, Scene
 from subsea.render.shaders import program, set_uniforms
 from subsea.view.camera import View
-from subsea.view.culling import frustum_planes
+from subsea.view.culling import IN_SIGHT, frustum_planes
 
 Array = NDArray[np.floating[Any]]
 
 TILES = 16  # per side
 APRON_CM = 90.0 * np.arange(1, 17)  # the edge's height goes on outward, into the fog
 FINEST_CELL_CM = 40.0  # smaller cells cost triangles that the smooth dunes do not need
-IN_SIGHT = 1.3  # visibilities; beyond, the fog hides all
 
 
 class Seabed:

@@ -7,12 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.frame import LEVELS, Packet, Scene
-from subsea.render.seabed import IN_SIGHT, drawn_height, thinned
+from subsea.render.seabed import drawn_height, thinned
 from subsea.render.shaders import program, set_uniforms
 from subsea.render.stone import Shape, pillar_shape, rock_shape, shadow
 from subsea.render.textures import relief, upload
 from subsea.view.camera import View
-from subsea.view.culling import HIDDEN, classify
+from subsea.view.culling import HIDDEN, IN_SIGHT, classify
 
 Array = NDArray[np.floating[Any]]
 

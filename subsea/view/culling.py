@@ -13,6 +13,7 @@ Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
 
 HIDDEN = 255
+IN_SIGHT = 1.3  # visibilities; beyond, the fog hides all
 # A level is used as long as the fish's length covers at least so many pixels.
 TESSELLATED_PX = 190.0
 CONTROL_MESH_PX = 60.0

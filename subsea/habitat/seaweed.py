@@ -1,0 +1,304 @@
+"""Seaweed: leaves as chains of masses and springs that the water moves (Tu §8.2)."""
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from subsea.habitat.bow_wave import bow_wave
+from subsea.habitat.current import flow_near
+from subsea.habitat.solids import clearance
+from subsea.kinematics.heightfield import height_at
+from subsea.kinematics.vector import Vector, minus, norm, plus, times, vector
+from subsea.scenario import Scenario
+from subsea.state import HULL_CM, Clock, Fishes, Sea, Seaweed
+
+Array = NDArray[np.floating[Any]]
+Ints = NDArray[np.integer[Any]]
+
+NODES = 8
+SUBSTEPS = 4
+# All per mass of the node at the root; springs and viscosity are the same for all nodes.
+SPRING = 1600.0  # 1/s²
+DAMPING = 5.0  # 1/s, along a spring
+VISCOSITY = 9.0  # 1/s: μ_w
+BUOYANCY_CM_S2 = 120.0
+MASS = np.linspace(1.0, 0.3, NODES)  # from the root to the tip
+SPACING = np.linspace(1.3, 0.7, NODES - 1)  # distances of nodes, over their mean
+
+EDDY_CM_S = 1.6  # what is smaller than the current, in seconds and cm:
+EDDY_S, EDDY_CM = 3.7, 130.0
+BODY_BL = 0.28  # radius of a fish as the leaves feel it, over its length
+SHOVE_CM_S = 90.0  # how fast the water leaves the place that a body takes
+TORRENT_CM_S = 80.0  # faster water would tear a leaf, and is not felt
+TOUCHING = 10  # so many fishes at most push a cluster at a time
+MARGIN_CM = 40.0  # from a cluster to the middle of a fish that pushes it
+CELL_CM = 100.0
+SETTLING = 240  # ticks in still water before the first
+
+WIDTH = 0.075  # of a leaf, over its length
+TUFT_CM = 9.0  # how far the roots of a cluster stand apart
+LEAN = 1.0  # how far leaves bend out of their cluster, at the root
+BURIED_CM = 4.0  # the root's node lies so deep
+ROOM_CM = 30.0  # of free water under the surface
+TRIES = 30
+
+
+def plant(scenario: Scenario, sea: Sea, seed: int) -> tuple[Sea, Seaweed]:
+    """All seaweed of a scenario, come to rest in still water, and the sea with its boxes."""
+    rng = np.random.default_rng([seed, 0x5EAEED])
+    first: list[int] = [0]
+    rows: list[list[float]] = []
+    for group in scenario.seaweed:
+        for _ in range(group.clusters):
+            x, y = _middle(group.position_cm, group.spread_cm, sea, rng)
+            vigour = rng.uniform(0.7, 1.1)
+            for k in range(group.leaves):
+                # The leaves of a cluster turn outward, each its own way.
+                outward = 2 * np.pi * (k + rng.uniform(-0.3, 0.3)) / group.leaves
+                away = TUFT_CM * rng.uniform(0.2, 1.0)
+                here = (x + away * float(np.cos(outward)), y + away * float(np.sin(outward)))
+                ground = _ground(sea, *here)
+                height = group.height_cm * vigour * rng.uniform(0.6, 1.0)
+                height = min(height, max(-ROOM_CM - ground, 5.0))
+                width = WIDTH * height if group.width_cm is None else group.width_cm
+                colour = np.array(group.colour) * rng.uniform(0.75, 1.25)
+                width *= rng.uniform(0.8, 1.2)
+                rows.append([*here, ground - BURIED_CM, outward, height, width, *colour])
+            first.append(len(rows))
+    table = np.array(rows).reshape(-1, 9)
+    n = len(table)
+    facing, length = table[:, 3], table[:, 4]
+    along = np.linspace(0.0, 1.0, NODES)
+    bent = (facing + rng.normal(0.0, 0.5, n))[:, None] + rng.normal(0.0, 1.2, n)[:, None] * along
+    way = np.stack([np.cos(bent), np.sin(bent), np.zeros((n, NODES))], axis=2)
+    share = (1.0 - along) + 0.35 * np.sin(2 * np.pi * (along + rng.uniform(0, 1, n)[:, None]))
+    lean = (LEAN * rng.uniform(0.3, 1.0, n)[:, None] * share)[:, :, None] * way
+    lean[..., 2] += 1.0
+    lean /= np.linalg.norm(lean, axis=2, keepdims=True)
+    rest = SPACING * length[:, None] / (NODES - 1)
+    node = np.zeros((n, NODES, 3))
+    node[:, 0] = table[:, :3]
+    node[:, 1:] = node[:, :1] + np.cumsum(rest[:, :, None] * lean[:, 1:], axis=1)
+    facing = facing + 0.5 * np.pi + rng.normal(0.0, 0.4, n)
+    look = np.column_stack(
+        [table[:, 5], facing, rng.normal(0.0, 1.3, n), rng.uniform(0, 1, n), table[:, 6:9], length]
+    )
+    starts = np.array(first, np.int32)
+    cell_first, cell_cluster = _cells(node, starts, sea)
+    f = np.float32
+    seaweed = Seaweed(
+        first=starts, rest=rest.astype(f), lean=lean.astype(f), look=look.astype(f),
+        cell_cm=CELL_CM, cell_first=cell_first, cell_cluster=cell_cluster,
+        node=node.astype(f), previous=node.astype(f), velocity=np.zeros((n, NODES, 3), f),
+    )  # fmt: skip
+    sea = sea._replace(seaweed=np.zeros((len(starts) - 1, 6), f))
+    _settle(seaweed, sea)
+    return sea, seaweed
+
+
+def _middle(
+    middle: tuple[float, float] | None, spread: float, sea: Sea, rng: np.random.Generator
+) -> tuple[float, float]:
+    """Where a cluster grows: within the sea, with water over it."""
+    x, y = middle or (0.0, 0.0)
+    for _ in range(TRIES):
+        if middle is None:
+            angle, away = rng.uniform(0, 2 * np.pi), 0.9 * sea.radius * rng.uniform() ** 0.5
+            x, y = float(away * np.cos(angle)), float(away * np.sin(angle))
+        else:
+            x, y = (float(m + spread * rng.normal(0, 0.5)) for m in middle)
+        if _ground(sea, x, y) < -2.0 * ROOM_CM and np.hypot(x, y) < 0.97 * sea.radius:
+            break
+    return x, y
+
+
+@njit(cache=True, error_model="numpy")
+def _ground(sea: Sea, x: float, y: float) -> float:
+    """Height of the seabed at (x, y), or of the top of what stands there; cm."""
+    z = height_at(sea.heights, sea.half_width, x, y)
+    while z < 0.0 and clearance(sea.pillars, sea.rocks, (x, y, z)) < 0.0:
+        z += 1.0
+    return z
+
+
+def _cells(node: Array, first: Ints, sea: Sea) -> tuple[Ints, Ints]:
+    """Lists of the clusters that a fish in each square cell over the sea may touch."""
+    side = int(2 * sea.radius / CELL_CM) + 1
+    lists: list[list[int]] = [[] for _ in range(side * side)]
+    for k in range(len(first) - 1):
+        leaves = node[first[k] : first[k + 1]]
+        # However the current bends a leaf, its tip stays within its length of the root.
+        reach = MARGIN_CM + 0.7 * float((leaves[:, -1, 2] - leaves[:, 0, 2]).max())
+        low = ((leaves[:, 0, :2].min(axis=0) - reach + sea.radius) / CELL_CM).astype(int)
+        high = ((leaves[:, 0, :2].max(axis=0) + reach + sea.radius) / CELL_CM).astype(int)
+        for i in range(max(low[1], 0), min(high[1] + 1, side)):
+            for j in range(max(low[0], 0), min(high[0] + 1, side)):
+                lists[i * side + j].append(k)
+    starts = np.cumsum([0] + [len(one) for one in lists]).astype(np.int32)
+    return starts, np.array([k for one in lists for k in one], np.int32)
+
+
+@njit(cache=True, error_model="numpy")
+def sway(
+    seaweed: Seaweed, fishes: Fishes, sea: Sea, flow: Array, visibility: float, clock: Clock
+) -> None:
+    """Move the leaves by one tick: current, passing fishes and the submarine carry them along.
+
+    Clusters that the submarine cannot see for the water stand still. Writes `sea.seaweed` too.
+    """
+    clusters = len(seaweed.first) - 1
+    if clusters == 0:
+        return
+    seaweed.previous[:] = seaweed.node
+    count, near = _passers(seaweed, fishes, sea)
+    hull, velocity = vector(sea.submarine[:3]), vector(sea.submarine[3:6])
+    uniform = vector(flow)
+    water = np.empty((NODES, 3))
+    for k in range(clusters):
+        box = sea.seaweed[k]
+        middle = (
+            0.5 * float(box[0] + box[3]), 0.5 * float(box[1] + box[4]),
+            0.5 * float(box[2] + box[5]),
+        )  # fmt: skip
+        away = norm(minus(middle, hull))
+        if away > visibility:
+            continue
+        size = 0.5 * norm((float(box[3] - box[0]), float(box[4] - box[1]), float(box[5] - box[2])))
+        by_hull = away < size + 4.0 * HULL_CM
+        here = flow_near(sea.pillars, sea.rocks, uniform, middle)
+        for leaf in range(seaweed.first[k], seaweed.first[k + 1]):
+            phase = 6.2832 * (clock.tick * clock.dt / EDDY_S + seaweed.look[leaf, 3])
+            for i in range(1, NODES):
+                p = vector(seaweed.node[leaf, i])
+                along = phase - 6.2832 / EDDY_CM * (p[0] + 0.5 * p[2])
+                v = (
+                    here[0] + EDDY_CM_S * np.sin(along),
+                    here[1] + EDDY_CM_S * np.sin(0.83 * along + 1.0),
+                    here[2],
+                )
+                for slot in range(count[k]):
+                    j = near[k, slot]
+                    radius = BODY_BL * float(fishes.length[j])
+                    v = plus(v, _wake(minus(p, vector(fishes.position[j])),
+                                      vector(fishes.velocity[j]), radius))  # fmt: skip
+                if by_hull:
+                    v = plus(v, _wake(minus(p, hull), velocity, HULL_CM))
+                speed = norm(v)
+                if speed > TORRENT_CM_S:
+                    v = times(TORRENT_CM_S / speed, v)
+                water[i, 0], water[i, 1], water[i, 2] = v
+            _swing_leaf(seaweed, leaf, water, clock.dt)
+        _enclose(seaweed, sea, k)
+
+
+@njit(cache=True, error_model="numpy")
+def _wake(place: Vector, velocity: Vector, radius: float) -> Vector:
+    """Velocity of the water `place` from the middle of a body that moves and takes its room."""
+    wave = bow_wave(place, velocity, radius)
+    away = norm(place)
+    if away < radius and away > 1e-6:
+        wave = plus(wave, times(SHOVE_CM_S * (1.0 - away / radius) / away, place))
+    return wave
+
+
+@njit(cache=True, error_model="numpy")
+def _passers(seaweed: Seaweed, fishes: Fishes, sea: Sea) -> tuple[Ints, Ints]:
+    """How many living fishes are near each cluster (c,), and which (c, TOUCHING)."""
+    clusters = len(seaweed.first) - 1
+    side = int(np.sqrt(len(seaweed.cell_first) - 1) + 0.5)
+    count = np.zeros(clusters, np.int32)
+    near = np.empty((clusters, TOUCHING), np.int32)
+    for i in range(len(fishes.position)):
+        if not fishes.alive[i]:
+            continue
+        column = int((fishes.position[i, 0] + sea.radius) / seaweed.cell_cm)
+        row = int((fishes.position[i, 1] + sea.radius) / seaweed.cell_cm)
+        if column < 0 or row < 0 or column >= side or row >= side:
+            continue
+        cell = row * side + column
+        for k in range(seaweed.cell_first[cell], seaweed.cell_first[cell + 1]):
+            cluster = seaweed.cell_cluster[k]
+            box = sea.seaweed[cluster]
+            inside = count[cluster] < TOUCHING
+            for axis in range(3):
+                place = fishes.position[i, axis]
+                inside = inside and box[axis] - MARGIN_CM < place < box[axis + 3] + MARGIN_CM
+            if inside:
+                near[cluster, count[cluster]] = i
+                count[cluster] += 1
+    return count, near
+
+
+@njit(cache=True, error_model="numpy")
+def _settle(seaweed: Seaweed, sea: Sea) -> None:
+    """Let all leaves come to rest in still water."""
+    still = np.zeros((NODES, 3))
+    for leaf in range(len(seaweed.node)):
+        for _ in range(SETTLING):
+            _swing_leaf(seaweed, leaf, still, 0.033)
+    for k in range(len(seaweed.first) - 1):
+        _enclose(seaweed, sea, k)
+    seaweed.previous[:] = seaweed.node
+
+
+@njit(cache=True, error_model="numpy")
+def _swing_leaf(seaweed: Seaweed, leaf: int, water: Array, dt: float) -> None:
+    """Move a leaf by `dt` in `water` (m, 3), cm/s: springs, buoyancy, and f = μ_w (v - ẋ).
+
+    Springs are explicit, in substeps that are short for the lightest node; the water's drag is
+    implicit.
+    """
+    h = dt / SUBSTEPS
+    node, velocity = seaweed.node[leaf], seaweed.velocity[leaf]
+    rest, lean = seaweed.rest[leaf], seaweed.lean[leaf]
+    for _ in range(SUBSTEPS):
+        fx, fy, fz = 0.0, 0.0, 0.0  # pull of the spring above, on the node below it
+        for i in range(NODES - 1, 0, -1):
+            dx = float(node[i, 0]) - float(node[i - 1, 0])
+            dy = float(node[i, 1]) - float(node[i - 1, 1])
+            dz = float(node[i, 2]) - float(node[i - 1, 2])
+            length = np.sqrt(dx * dx + dy * dy + dz * dz)
+            inverse = 1.0 / max(length, 1e-6)
+            dx, dy, dz = dx * inverse, dy * inverse, dz * inverse
+            parting = (
+                dx * float(velocity[i, 0] - velocity[i - 1, 0])
+                + dy * float(velocity[i, 1] - velocity[i - 1, 1])
+                + dz * float(velocity[i, 2] - velocity[i - 1, 2])
+            )
+            pull = SPRING * (length - float(rest[i - 1])) + DAMPING * parting
+            share = h / MASS[i]
+            drag = 1.0 / (1.0 + share * VISCOSITY)
+            lift = h * BUOYANCY_CM_S2
+            flow = share * VISCOSITY
+            gx, gy, gz = pull * dx, pull * dy, pull * dz
+            velocity[i, 0] = drag * (
+                velocity[i, 0] + share * (fx - gx) + lift * lean[i, 0] + flow * water[i, 0]
+            )
+            velocity[i, 1] = drag * (
+                velocity[i, 1] + share * (fy - gy) + lift * lean[i, 1] + flow * water[i, 1]
+            )
+            velocity[i, 2] = drag * (
+                velocity[i, 2] + share * (fz - gz) + lift * lean[i, 2] + flow * water[i, 2]
+            )
+            fx, fy, fz = gx, gy, gz
+        for i in range(1, NODES):
+            for axis in range(3):
+                node[i, axis] += h * velocity[i, axis]
+            if node[i, 2] < node[0, 2] + 2.0:  # a leaf that is pressed down lies on the ground
+                node[i, 2] = node[0, 2] + 2.0
+                velocity[i, 2] = max(velocity[i, 2], 0.0)
+
+
+@njit(cache=True, error_model="numpy")
+def _enclose(seaweed: Seaweed, sea: Sea, k: int) -> None:
+    """Write the bounding box of cluster k."""
+    box = sea.seaweed[k]
+    for axis in range(3):
+        low, high = np.inf, -np.inf
+        for leaf in range(seaweed.first[k], seaweed.first[k + 1]):
+            for i in range(NODES):
+                low = min(low, seaweed.node[leaf, i, axis])
+                high = max(high, seaweed.node[leaf, i, axis])
+        box[axis], box[axis + 3] = low, high
