@@ -46,6 +46,7 @@ IMPRESSED = 1  # point reached by a rival before she compares him with the one s
 LARGER = 1.05  # times as long a rival must be
 BOB_HZ, BOB_SLOPE = 0.45, 0.5  # of her head while she looks on
 CIRCLING_BL, CIRCLING_SPEED = 0.45, 0.2  # distance to the other's tail, at which speed
+ASTRAY_RAD, LEAST_RAD = np.radians((60.0, 15.0))  # a tail farther astray; the least turn
 TURNS = 2.0  # of hers, and they go on to the ascent
 RISE_BL = 4.0  # how far she ascends, in her body lengths ...
 CEILING_BL, CEILING_CM = 1.6, 10.0  # ... but no nearer to the surface
@@ -165,17 +166,23 @@ def chosen(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Flags:
 
 @njit(cache=True, error_model="numpy")
 def circle(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
-    """Each chases the other's tail; her turns are counted."""
+    """Each chases the other's tail, both the same way round; her turns are counted."""
     for i in who:
-        toward = minus(_tail(fishes, minds.partner[i]), mouth_of(fishes, i))
+        j = minds.partner[i]
+        male = i if minds.male[i] else j
+        way = 1.0 if fishes.identity[male] < 0.5 else -1.0
+        toward = minus(_tail(fishes, j), mouth_of(fishes, i))
+        turn = way * _turn_to(fishes, i, toward)
+        # A tail that is behind is reached by going on round, or one of them would run away.
+        if turn < -ASTRAY_RAD:
+            turn += 2.0 * np.pi
+        _bend(fishes, minds, i, toward, way * min(max(turn, LEAST_RAD), CLOSE_RAD))
         gap = norm(toward) / (CIRCLING_BL * fishes.length[i])
-        turn = _steer(fishes, minds, i, toward)
         fishes.goal_speed[i] = CIRCLING_SPEED * min(max(gap, 0.3), 3.0) * max(np.cos(turn), 0.3)
         heading = _heading(fishes, i)
-        turn = heading - minds.courtship_mark[i]
-        turn -= 2.0 * np.pi * np.round(turn / (2.0 * np.pi))
+        gained = _wrapped(heading - minds.courtship_mark[i])
         minds.courtship_mark[i] = heading
-        minds.courtship_count[i] += turn / (2.0 * np.pi)
+        minds.courtship_count[i] += gained / (2.0 * np.pi)
 
 
 @njit(cache=True, error_model="numpy")
@@ -375,13 +382,29 @@ def _steer(fishes: Fishes, minds: Minds, i: int, toward: Vector) -> float:
     A fish that asks for a sharp turn throws itself round and turns less in a second than one
     that asks for CLOSE_RAD, where recorded turns and careful alignment add up.
     """
-    heading = _heading(fishes, i)
-    level = np.sqrt(toward[0] * toward[0] + toward[1] * toward[1])
-    turn = np.arctan2(toward[1], toward[0]) - heading
-    turn -= 2.0 * np.pi * np.round(turn / (2.0 * np.pi))
-    bent = heading + min(max(turn, -CLOSE_RAD), CLOSE_RAD)
-    _want(minds, i, (level * np.cos(bent), level * np.sin(bent), toward[2]))
+    turn = _turn_to(fishes, i, toward)
+    _bend(fishes, minds, i, toward, min(max(turn, -CLOSE_RAD), CLOSE_RAD))
     return float(abs(turn))
+
+
+@njit(cache=True, error_model="numpy")
+def _bend(fishes: Fishes, minds: Minds, i: int, toward: Vector, turn: float) -> None:
+    """Want to turn left by `turn` rad, and upward or downward as `toward` leads."""
+    level = np.sqrt(toward[0] * toward[0] + toward[1] * toward[1])
+    course = _heading(fishes, i) + turn
+    _want(minds, i, (level * np.cos(course), level * np.sin(course), toward[2]))
+
+
+@njit(cache=True, error_model="numpy")
+def _turn_to(fishes: Fishes, i: int, toward: Vector) -> float:
+    """The angle, rad, by which fish i would have to turn left to head along `toward`."""
+    return _wrapped(np.arctan2(toward[1], toward[0]) - _heading(fishes, i))
+
+
+@njit(cache=True, error_model="numpy")
+def _wrapped(angle: float) -> float:
+    """The same angle between -π and π."""
+    return float(angle - 2.0 * np.pi * np.round(angle / (2.0 * np.pi)))
 
 
 @njit(cache=True, error_model="numpy")

@@ -36,6 +36,7 @@ Ints = NDArray[np.integer[Any]]
 STILL_KEEN = 0.6  # of `keen`: who courts goes on until its libido is below that share of it
 DEVOTED = 1.5  # times `keen`: the least desire of who courts
 LOST_CM = 250.0  # a partner farther away than this is out of sight
+REST_S = 30.0  # after spawning nobody tempts a fish for so long
 SHUN_S = 45.0  # for how long a fish leaves alone who turned it down
 APART_CM = 260.0  # how far off the place is to which it turns away
 PARTING_S = 12.0  # and for how long it is bound there
@@ -54,7 +55,9 @@ def desire(
         if minds.partner[i] != NOBODY:
             if libido > STILL_KEEN * nature.keen:
                 out[i] = max(libido, DEVOTED * nature.keen)
-        elif libido > nature.keen and _may_court(fishes, minds, i, minds.mate[i]):
+            continue
+        rested = clock.tick * clock.dt - minds.last_mating[i] > REST_S
+        if libido > nature.keen and rested and _may_court(fishes, minds, i, minds.mate[i]):
             out[i] = libido
 
 
@@ -75,14 +78,13 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
 def choose_partner(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
     """Take up with the most desirable one in sight, unless there is a partner already.
 
-    A male approaches her, and may still change his mind. A female follows a male that has no
-    mind to mate; if he courts somebody else, or comes to her, she goes her way.
+    A male approaches her. A female follows a male that has no mind to mate; if he courts somebody
+    else, or comes to her, she goes her way.
     """
     for i in who:
         j = minds.target[i]
         able = _may_court(fishes, minds, i, j)
-        free = minds.courtship[i] <= APPROACHING and minds.partner[i] != j
-        if minds.male[i] and able and free:
+        if minds.male[i] and able and minds.partner[i] == NOBODY:
             enter(fishes, minds, i, APPROACHING)
             minds.partner[i] = j
         if minds.courtship[i] != NO_COURTSHIP:
@@ -165,8 +167,10 @@ def proceed(who: Ints, fishes: Fishes, minds: Minds, clock: Clock) -> None:
 
 @njit(cache=True, error_model="numpy")
 def _may_court(fishes: Fishes, minds: Minds, i: int, j: int) -> bool:
-    """Whether fish j is somebody for fish i: alive, of the other sex, and not shunned."""
+    """Whether fish j is somebody for fish i: alive, of the other sex, not shunned, not taken."""
     if j < 0 or j == minds.shunned[i]:
+        return False
+    if minds.courtship[j] >= CIRCLING and minds.partner[j] != i:
         return False
     return bool(fishes.alive[j] and minds.kind[j] == PACIFIST and minds.male[j] != minds.male[i])
 

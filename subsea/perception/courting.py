@@ -9,11 +9,12 @@ from numpy.typing import NDArray
 from subsea.kinematics.vector import minus, norm, vector
 from subsea.perception.grid import Grid, first_ring, insert, last_ring, ring_distance, ring_slots
 from subsea.perception.vision import Bodies, Scene, eye_of, sees_fish, sight
-from subsea.state import PACIFIST, Minds, Nature
+from subsea.state import LOOPING, PACIFIST, Minds, Nature
 
 Ints = NDArray[np.integer[Any]]
 
 CELL_CM = 100.0
+ODD = 2.0  # nobody courts a stranger so many times as long, or as short
 STRANGE_CM = 1e6  # so much farther away a fish of another species counts
 
 
@@ -23,7 +24,7 @@ def see_mates(
 ) -> None:
     """Enter possible mates in sight of the fishes `who`, from the pacifists in `grid`.
 
-    They are of the other sex; those of the same species come first, then the nearest.
+    Those of the same species come first, then the nearest.
     """
     longest = 0.0
     for j in grid.member:
@@ -43,7 +44,7 @@ def see_mates(
                 for k in range(ring_slots(grid, eye, ring, slots)):
                     slot = slots[k]
                     j = grid.member[slot]
-                    if minds.male[i] == minds.male[j]:
+                    if not _is_possible(bodies, minds, species, i, j):
                         continue
                     price = norm(minus(vector(grid.place[slot]), eye))
                     if species[i] != species[j]:
@@ -52,3 +53,18 @@ def see_mates(
                         insert(found, cost, j, price)
         minds.mate[i] = found[0]
         minds.mate_distance[i] = cost[0] - STRANGE_CM if cost[0] >= STRANGE_CM else cost[0]
+
+
+@njit(cache=True, error_model="numpy")
+def _is_possible(bodies: Bodies, minds: Minds, species: Ints, i: int, j: int) -> bool:
+    """Whether fish i might court fish j: of the other sex, not shunned, not circling with another.
+
+    One of another species must be about as large.
+    """
+    if minds.male[i] == minds.male[j] or minds.shunned[i] == j:
+        return False
+    if minds.courtship[j] > LOOPING and minds.partner[j] != i:
+        return False
+    if species[i] == species[j]:
+        return True
+    return bool(1.0 / ODD < bodies.length[i] / bodies.length[j] < ODD)

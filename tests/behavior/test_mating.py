@@ -37,6 +37,7 @@ def _bay(tank, n=2, **nature):
         t.fishes.position[i] = 60.0 * i, 10.0 * i, -300.0
     t.minds.target[1:] = FEMALE
     t.minds.target[FEMALE] = 1
+    t.minds.last_mating[:] = -1e3
     t.minds.mate[1:] = FEMALE
     t.minds.mate[FEMALE] = 1
     return t
@@ -58,12 +59,13 @@ def _free(t, *who):
 
 
 def test_desire_is_libido_above_the_threshold_of_pacifists_with_somebody_to_court(tank):
-    t = _bay(tank, 6)
-    t.minds.mental[:, LIBIDO] = 0.6, 0.2, 0.6, 0.6, 0.6, 0.6
+    t = _bay(tank, 7).at(3000)
+    t.minds.mental[:, LIBIDO] = 0.6, 0.2, 0.6, 0.6, 0.6, 0.6, 0.6
+    t.minds.last_mating[6] = 3000 * 0.033 - mating.REST_S + 1.0
     t.minds.kind[2], t.minds.kind[3] = PREY, PREDATOR
     t.minds.mate[4] = NOBODY
     t.minds.shunned[5] = FEMALE
-    np.testing.assert_allclose(t.desire(mating.desire), [0.6, 0, 0, 0, 0, 0])
+    np.testing.assert_allclose(t.desire(mating.desire), [0.6, 0, 0, 0, 0, 0, 0])
 
 
 def test_who_courts_goes_on_with_less_libido_even_where_it_sees_nobody(tank):
@@ -86,15 +88,17 @@ def test_a_male_takes_up_with_his_target_and_swims_to_her(tank):
     assert t.minds.partner[FEMALE] == NOBODY, "he has not shown off yet"
 
 
-@pytest.mark.parametrize("why", ["dead", "male", "shunned", "prey", "nobody"])
+@pytest.mark.parametrize("why", ["dead", "male", "shunned", "prey", "taken", "nobody"])
 def test_nobody_courts_who_is_out_of_the_question(tank, why):
-    t = _bay(tank)
+    t = _bay(tank, 3)
     if why == "dead":
         t.fishes.alive[FEMALE] = False
     elif why == "male":
         t.minds.male[FEMALE] = True
     elif why == "shunned":
         t.minds.shunned[1] = FEMALE
+    elif why == "taken":
+        t.minds.partner[FEMALE], t.minds.courtship[FEMALE] = 2, CIRCLING
     elif why == "prey":
         t.minds.kind[FEMALE] = PREY
     else:

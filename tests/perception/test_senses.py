@@ -16,7 +16,17 @@ from subsea.perception.vision import (
     sees_point,
     sight,
 )
-from subsea.state import NOBODY, PACIFIST, PREDATOR, PREY, SCHOOL, SUBMARINE
+from subsea.state import (
+    CIRCLING,
+    LOOPING,
+    NO_COURTSHIP,
+    NOBODY,
+    PACIFIST,
+    PREDATOR,
+    PREY,
+    SCHOOL,
+    SUBMARINE,
+)
 
 SEEDS = st.integers(0, 2**32 - 1)
 EYE = np.array([7.0, 0.0, -300.0])
@@ -99,14 +109,28 @@ def _all(t, i, kind):
 @settings(max_examples=25)
 def test_possible_mates_are_the_nearest_visible_of_the_other_sex(tank, seed):
     t = _crowd(tank, seed, [PACIFIST, PACIFIST, PREY])
+    n = len(t.fishes.species)
+    rng = np.random.default_rng(seed)
+    t.minds.shunned[:] = rng.integers(-1, n, n)
+    t.minds.courtship[:] = rng.choice([NO_COURTSHIP, LOOPING, CIRCLING], n)
+    t.minds.partner[:] = rng.integers(0, n, n)
     _sense(t)
+
+    def possible(i, j):
+        """Of the other sex, not shunned, not taken, and a stranger not of quite another size."""
+        taken = t.minds.courtship[j] == CIRCLING and t.minds.partner[j] != i
+        alike = 0.5 < t.fishes.length[i] / t.fishes.length[j] < 2.0
+        known = t.fishes.species[i] == t.fishes.species[j]
+        other = t.minds.male[i] != t.minds.male[j]
+        return other and t.minds.shunned[i] != j and not taken and (known or alike)
+
     for i in np.flatnonzero(t.fishes.alive):
         able = []
         if t.minds.kind[i] == PACIFIST:
             able = [
                 (t.fishes.species[j] != t.fishes.species[i], np.linalg.norm(gap), j)
                 for j, gap, seen in _all(t, i, PACIFIST)
-                if seen and t.minds.male[j] != t.minds.male[i]
+                if seen and possible(i, j)
             ]
         best = [j for _, _, j in sorted(able)[:3]]
         assert list(t.minds.mates[i]) == best + [NOBODY] * (3 - len(best))
