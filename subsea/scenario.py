@@ -65,6 +65,8 @@ class Shoal(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     )
     spread_cm: Positive = 150.0
     heading_deg: Coordinate | None = None  # none: the dice decide
+    toward_cm: tuple[Coordinate, Coordinate, Coordinate] | None = None  # where they are bound first
+    leader_cm: BodyLength | None = None  # of the first fish, which leads; none: as the others
     kind: Literal["pacifist", "prey", "predator"] | None = None  # none: as the species is
     male_share: Share = 0.5
     likes: list[Literal["brightness", "darkness", "cold", "warmth"]] = []  # Tu §7.3
@@ -178,6 +180,8 @@ def load_scenario(name: str) -> tuple[Scenario, Path]:
             raise UserError(f"{path}: size_cm {shoal.size_cm} of {shoal.species}: smallest first")
         if shoal.position_cm is not None:
             _inside(path, f"fish[{k}].position_cm", shoal.position_cm, scenario.bounds)
+        if shoal.toward_cm is not None:
+            _inside(path, f"fish[{k}].toward_cm", shoal.toward_cm, scenario.bounds)
     if scenario.hook is not None:
         hangs = (*scenario.hook.position_cm, -scenario.hook.depth_cm)
         _inside(path, "hook", hangs, scenario.bounds)

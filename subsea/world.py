@@ -46,6 +46,7 @@ LIVE_REACH_CM = 500.0  # how near to the submarine a fish must be to be simulate
 ROOM_BL = 0.6  # so many body lengths off every rock a fish begins
 FLAT_BL = 0.4  # a body at least this tall, over its length, rows with its pectoral fins
 PLANKTON_CM, PREY_CM = 4.0, 40.0  # of its length for each meal that it takes to fill a fish
+RESOLVE_S = 60.0  # for so long fishes keep to the place that they are bound for first
 TICK_S = 0.033  # one tick = one recorded frame = six steps of the simulation
 
 
@@ -185,10 +186,14 @@ def _populate(
         fishes.species[these] = kind
         smallest, largest = shoal.size_cm or species[shoal.species].size_cm
         fishes.length[these] = rng.uniform(smallest, largest, number)
+        if shoal.leader_cm and number:
+            fishes.length[first] = shoal.leader_cm
         fishes.identity[these] = rng.uniform(0, 1, number)
         schooling = species[shoal.species].schooling if shoal.schooling is None else shoal.schooling
         minds.schools[these] = schooling
         places = _places(shoal, number, scenario, rng)
+        if shoal.leader_cm and shoal.position_cm:
+            places[:1] = shoal.position_cm
         common = rng.uniform(-np.pi, np.pi)
         if shoal.heading_deg is not None:
             common = np.radians(shoal.heading_deg)
@@ -208,8 +213,11 @@ def _populate(
             minds.leads[first : first + 1] = number > 1
         minds.kind[these] = KINDS.index(shoal.kind or species[shoal.species].kind)
         _temper(shoal, fishes, minds, these, rng)
+        minds.waypoint[these] = fishes.position[these]
+        if shoal.toward_cm:
+            minds.waypoint[these] = shoal.toward_cm
+            minds.patience[these] = RESOLVE_S
         first += number
-    minds.waypoint[:] = fishes.position
     minds.urge[:] = fishes.goal_direction
     fishes.goal_speed[:] = 0.5
     fishes.segment[:] = slow

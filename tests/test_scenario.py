@@ -40,6 +40,11 @@ def test_shipped_scenarios_are_valid(name):
         (("-330.0]", "inf]"), ["position_cm"]),
         (("-330.0]", "5000.0]"), ["submarine.position_cm", "outside the sea"]),
         (("[-60.0, 40.0, -340.0]", "[-60.0, 4000.0, -340.0]"), ["fish[0].position_cm"]),
+        (
+            ("[-60.0, 40.0, -340.0]", "[-60.0, 40.0, -340.0]\ntoward_cm = [0.0, 0.0, 9.0]"),
+            ["fish[0].toward_cm", "outside the sea"],
+        ),
+        (("[-60.0, 40.0, -340.0]", "[-60.0, 40.0, -340.0]\nleader_cm = 900.0"), ["leader_cm"]),
         (("seed = 1", "seed = 99999999999999999999999"), ["seed"]),
         (("seed = 7", "seed = 4294967296"), ["terrain.seed"]),
         (("[16.0, 23.0]", "[0.001, 23.0]"), ["fish[0].size_cm"]),
@@ -161,3 +166,18 @@ def test_fishes_that_the_dice_put_into_a_rock_are_moved_out_of_it(tmp_path):
     assert (far > 0.5 * fishes.length).all()
     before = clearances(sea.pillars, sea.rocks, bare.state.fishes.position.astype(float))
     assert (before < 0.0).sum() >= 3  # the dice had put some into them
+
+
+def test_a_school_has_the_leader_and_the_aim_that_it_is_given(tmp_path):
+    path = tmp_path / "led.toml"
+    place = "position_cm = [-60.0, 40.0, -340.0]"
+    given = place + "\nleader_cm = 31.0\ntoward_cm = [500.0, 0.0, -300.0]"
+    path.write_text(BARE.replace(place, given))
+    world = create_world(load_scenario(str(path))[0])
+    fishes, minds = world.state.fishes, world.state.minds
+    assert fishes.length[0] == 31.0
+    assert fishes.length[1:33].max() <= 23.0
+    assert fishes.position[0] == pytest.approx([-60.0, 40.0, -340.0])
+    for _ in range(30):
+        step(world, HANDS_OFF)
+    assert minds.waypoint[0] == pytest.approx([500.0, 0.0, -300.0])

@@ -217,18 +217,23 @@ def _eventful(record: Record) -> list[int]:
 
 def _paths_page(page: Any, record: Record) -> None:
     """The ways of the fishes from above, over the seabed and what stands on it."""
+    from matplotlib.colors import LinearSegmentedColormap
     from matplotlib.patches import Circle, Ellipse
 
     page.set_size_inches(8.6, 7.4)
     axis = page.subplots()
-    across = np.linspace(-record.half_width_cm, record.half_width_cm, len(record.heights)) / 100
+    across = np.linspace(-record.half_width_cm, record.half_width_cm, len(record.heights))
+    inside = np.hypot(across[:, None], across) < 1.05 * record.radius_cm
+    seabed = np.where(inside, record.heights, np.nan)
+    low, high = np.nanmin(seabed) / 100, np.nanmax(seabed) / 100
     shade = axis.contourf(
-        across, across, record.heights / 100, levels=12, colors=_shades(13), zorder=0
-    )
+        across / 100, across / 100, record.heights / 100, extend="both", zorder=0,
+        levels=np.linspace(low, max(high, low + 0.1), 13),
+        cmap=LinearSegmentedColormap.from_list("seabed", [DEEP, SAND]),
+    )  # fmt: skip
     wall = Circle((0, 0), record.radius_cm / 100, fill=False, color="0.2", linewidth=1.2)
     axis.add_patch(wall)
-    for part in [shade] if hasattr(shade, "set_clip_path") else []:
-        part.set_clip_path(wall)
+    shade.set_clip_path(wall)
     for x, y, radius, _ in record.pillars / 100:
         axis.add_patch(Circle((x, y), radius, color=STONE, zorder=4))
     for rock in record.rocks:
@@ -250,11 +255,10 @@ def _paths_page(page: Any, record: Record) -> None:
         if len(those):
             last = np.where(record.alive[-1, those, None], record.position[-1, those, :2], np.nan)
             axis.plot(*last.T / 100, ".", color=colour, markersize=5, label=name, zorder=6)
-    reach = 1.03 * record.radius_cm / 100
-    axis.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal", xlabel="x, m")
-    axis.set_ylabel("y, m")
+    (left, right), (low, high) = _frame(record)
+    axis.set(xlim=(left, right), ylim=(low, high), aspect="equal", xlabel="x, m", ylabel="y, m")
     axis.spines[:].set_visible(False)
-    page.colorbar(shade, ax=axis, label="seabed, m", shrink=0.5, aspect=25)
+    page.colorbar(shade, ax=axis, label="seabed, m", format="%.1f", shrink=0.5, aspect=25)
     page.legend(loc="outside lower center", ncols=min(4, len(record.species_names)))
     page.suptitle(
         f"Ways from above, {_span(record)}; the last {RECENT_S:g} s in full", x=0.01, ha="left",
@@ -262,11 +266,16 @@ def _paths_page(page: Any, record: Record) -> None:
     )  # fmt: skip
 
 
-def _shades(number: int) -> list[str]:
-    from matplotlib.colors import to_hex, to_rgb
-
-    low, high = np.array(to_rgb(DEEP)), np.array(to_rgb(SAND))
-    return [to_hex(low + (high - low) * k / (number - 1)) for k in range(number)]
+def _frame(record: Record) -> tuple[Array, Array]:
+    """Limits in x and y, m, of a square around all ways; of the whole sea if that is not larger."""
+    whole = 1.03 * record.radius_cm / 100
+    places = record.position[record.alive][:, :2] / 100
+    low, high = places.min(axis=0), places.max(axis=0)
+    half = 0.6 * float((high - low).max()) + 1.0
+    if half >= 0.8 * whole:
+        return np.array([-whole, whole]), np.array([-whole, whole])
+    x, y = 0.5 * (low + high)
+    return np.array([x - half, x + half]), np.array([y - half, y + half])
 
 
 def _clearance_page(page: Any, record: Record) -> None:
