@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from subsea.state import Minds, Nature
 
+Array = NDArray[np.floating[Any]]
 Flags = NDArray[np.bool_]
 Ints = NDArray[np.integer[Any]]
 
@@ -30,18 +31,35 @@ def choose(
     what it was about, and resumed once the reaction is over; then it inhibits its rivals (Tu
     §7.7). A desire whose behavior `tires` (b,) fades while it is followed, and recovers after.
     """
+    strength = np.empty(len(level), np.float64)
+    lasting = np.zeros(len(tires), np.bool_)
+    for row in range(len(level)):
+        lasting[behavior[row]] |= level[row] >= LASTING
     for i in who:
         now = minds.intention[i]
-        _tire(minds, i, tires)
-        row = _strongest(minds, i, nature, level, behavior, tires)
+        for code in range(len(tires)):
+            if tires[code]:
+                spent = minds.pause[i] if code == now else -minds.pause[i]
+                minds.fatigue[code, i] = max(minds.fatigue[code, i] + spent, 0.0)
+        for row in range(len(level)):
+            strength[row] = minds.desire[row, i]
+            if tires[behavior[row]]:
+                strength[row] *= tiredness(minds.fatigue[behavior[row], i], nature.fatigue_s)
+        gain = INHIBITION if minds.resumed[i] else GRACE
+        for row in range(len(level)):
+            if tires[behavior[row]]:
+                strength[row] -= gain * _rival(minds.desire[:, i], level, behavior, row, now)
+                if strength[row] <= nature.keen:
+                    strength[row] = 0.0
+        row = _strongest(strength, level, behavior, now)
         wanted = behavior[row]
         if level[row] < LASTING:
-            if wanted != now and _is_lasting(now, level, behavior):
+            if wanted != now and lasting[now]:
                 minds.memory[i] = now
                 minds.memory_target[i] = minds.target[i]
             minds.resumed[i] = False
         elif minds.memory[i] >= 0:
-            before = _row_of(minds, i, minds.memory[i], nature, level, behavior, tires)
+            before = _row_of(strength, behavior, minds.memory[i])
             if before >= 0 and level[before] <= level[row] and minds.busy[i] < MEMORY_S:
                 wanted = behavior[before]
                 minds.target[i] = minds.memory_target[i]
@@ -56,69 +74,40 @@ def choose(
 
 
 @njit(cache=True, error_model="numpy")
-def strength(
-    minds: Minds, i: int, row: int, nature: Nature, level: Ints, behavior: Ints, tires: Flags
-) -> float:
-    """How strong desire `row` of fish i is after fatigue and inhibition; 0 if not worth it."""
-    desire = minds.desire[row, i]
-    if desire <= 0.0 or not tires[behavior[row]]:
-        return desire
-    desire *= tiredness(minds.fatigue[behavior[row], i], nature.fatigue_s)
-    now = minds.intention[i]
-    if now != behavior[row]:
-        gain = INHIBITION if minds.resumed[i] else GRACE
-        for rival in range(len(level)):
-            if behavior[rival] == now and level[rival] == level[row]:
-                desire -= gain * max(minds.desire[rival, i], 0.0)
-    return desire if desire > nature.keen else 0.0
-
-
-@njit(cache=True, error_model="numpy")
 def tiredness(fatigue: float, half: float) -> float:
     """What remains of a desire after so many s: nearly all at first, half of it after `half`."""
-    return 0.5 ** ((fatigue / half) ** 2)
+    return 0.5 ** ((fatigue / half) ** 2) if fatigue > 0.0 else 1.0
 
 
 @njit(cache=True, error_model="numpy")
-def _strongest(
-    minds: Minds, i: int, nature: Nature, level: Ints, behavior: Ints, tires: Flags
-) -> int:
+def _rival(desire: Array, level: Ints, behavior: Ints, row: int, now: int) -> float:
+    """Strength of the desire that is being followed, if `row` is another one on its level."""
+    if behavior[row] == now:
+        return 0.0
+    most = 0.0
+    for rival in range(len(level)):
+        if behavior[rival] == now and level[rival] == level[row]:
+            most = max(most, float(desire[rival]))
+    return most
+
+
+@njit(cache=True, error_model="numpy")
+def _strongest(strength: Array, level: Ints, behavior: Ints, now: int) -> int:
     """Row of the desire that wins; of equals the one that is being followed, else the first."""
     best, most = len(level) - 1, 0.0
     for row in range(len(level)):
         if most > 0.0 and level[row] != level[best]:
             break
-        much = strength(minds, i, row, nature, level, behavior, tires)
-        if much > most or (much == most > 0.0 and behavior[row] == minds.intention[i]):
+        much = strength[row]
+        if much > most or (much == most > 0.0 and behavior[row] == now):
             best, most = row, much
     return best
 
 
 @njit(cache=True, error_model="numpy")
-def _row_of(
-    minds: Minds, i: int, code: int, nature: Nature, level: Ints, behavior: Ints, tires: Flags
-) -> int:
-    """The first row by which fish i still wants behavior `code`, -1 if it doesn't."""
-    for row in range(len(level)):
-        if behavior[row] == code and strength(minds, i, row, nature, level, behavior, tires) > 0.0:
+def _row_of(strength: Array, behavior: Ints, code: int) -> int:
+    """The first row by which behavior `code` is still wanted, -1 if it isn't."""
+    for row in range(len(behavior)):
+        if behavior[row] == code and strength[row] > 0.0:
             return row
     return -1
-
-
-@njit(cache=True, error_model="numpy")
-def _is_lasting(code: int, level: Ints, behavior: Ints) -> bool:
-    """Whether behavior `code` may be more than a reaction."""
-    lasting = False
-    for row in range(len(level)):
-        lasting = lasting or (behavior[row] == code and level[row] >= LASTING)
-    return lasting
-
-
-@njit(cache=True, error_model="numpy")
-def _tire(minds: Minds, i: int, tires: Flags) -> None:
-    """Count the time for which each behavior has been followed, and has been rested from."""
-    for code in range(len(tires)):
-        if tires[code]:
-            active = 1.0 if minds.intention[i] == code else -1.0
-            spent = minds.fatigue[code, i] + active * minds.pause[i]
-            minds.fatigue[code, i] = max(spent, 0.0)
