@@ -117,6 +117,8 @@ class Minds(NamedTuple):
 
     # Written by perception, of the fishes whose turn it is.
     neighbour: Ints  # (n, NEIGHBOURS) int32, companions of its species, nearest first, or NOBODY
+    leader_place: Array  # (n, 3) float32, cm, where the leader was when last seen ...
+    leader_seen: Array  # (n,) float32, s, world time, ... and when that was
     threat: Ints  # (n,) int32, the fish with which it is most in danger to collide, or NOBODY
     barrier: Ints  # (n,) int32, what stands in its way: pillar, rock, SEABED, SURFACE, WALL, or -1
     predators: Ints  # (n, CHOICES) int32, those in sight, most dangerous first, or NOBODY
@@ -335,7 +337,9 @@ def empty_minds(n: int, behaviors: int, desires: int) -> Minds:
     return Minds(
         kind=zeros(u), male=zeros(b), likes=zeros(b, 4), schools=zeros(b), appetite=zeros(f) + 1,
         digestion=zeros(f), libido_rate=zeros(f), dread=zeros(f),
-        neighbour=zeros(i, NEIGHBOURS) + NOBODY, threat=zeros(i) + NOBODY, barrier=zeros(i) - 1,
+        neighbour=zeros(i, NEIGHBOURS) + NOBODY,
+        leader_place=zeros(f, 3), leader_seen=zeros(f) - never,
+        threat=zeros(i) + NOBODY, barrier=zeros(i) - 1,
         predator=zeros(i) + NOBODY, menace=zeros(f), menaces=zeros(f),
         predators=zeros(i, CHOICES) + NOBODY, foods=zeros(i, CHOICES) - 1,
         mates=zeros(i, CHOICES) + NOBODY,

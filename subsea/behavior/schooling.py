@@ -14,16 +14,20 @@ Ints = NDArray[np.integer[Any]]
 
 SPACING_BL = 1.0  # schooling fishes keep one body length apart
 FOLLOW_BL = 5.0  # a follower farther than this from its leader catches up
+CLOSED = 0.6  # of the usual spacing, in a school that is alarmed
+SIGHT_S = 1.0  # a leader seen within this time is followed by its heading too
+LOST_S = 25.0  # for so long a fish swims on to where it saw its leader last
 
 
 @njit(cache=True, error_model="numpy")
 def desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
-    """At ease: a little more than wandering, of fishes that like it and have a leader."""
+    """At ease: a little more than wandering, of fishes that like it and know of company."""
+    now = clock.tick * clock.dt
     for i in who:
-        leader = minds.leader[i]
-        out[i] = 0.02 if minds.schools[i] and leader >= 0 and fishes.alive[leader] else 0.0
+        knows = now - minds.leader_seen[i] < LOST_S or minds.neighbour[i, 0] >= 0
+        out[i] = 0.02 if minds.schools[i] and minds.leader[i] >= 0 and knows else 0.0
 
 
 @njit(cache=True, error_model="numpy")
@@ -31,64 +35,71 @@ def alarmed_desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
     """Close the ranks while no single predator is too fearful (f0 < F, F^m < f1; Tu §7.5)."""
+    now = clock.tick * clock.dt
     for i in who:
         fear = minds.mental[i, FEAR]
         afraid = minds.kind[i] == PREY and fear > nature.alarmed
         calm_enough = minds.menace[i] < nature.panicked
-        leader = minds.leader[i]
-        led = minds.schools[i] and leader >= 0 and fishes.alive[leader]
+        knows = now - minds.leader_seen[i] < LOST_S or minds.neighbour[i, 0] >= 0
+        led = minds.schools[i] and minds.leader[i] >= 0 and knows
         out[i] = fear if afraid and calm_enough and led else 0.0
 
 
 @njit(cache=True, error_model="numpy")
 def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
-    """Follow the leader in company."""
+    """Follow the leader in company; one that is out of sight, to where it was seen last."""
+    now = clock.tick * clock.dt
     for i in who:
-        urge = plus(_follow(fishes, minds, i), _keep_company(fishes, minds, i))
+        here, length = vector(fishes.position[i]), float(fishes.length[i])
+        leader = minds.leader[i]
+        lost = now - minds.leader_seen[i]
+        ahead = vector(fishes.goal_direction[leader]) if lost < SIGHT_S else ZERO
+        toward = minus(vector(minds.leader_place[i]), here) if lost < LOST_S else ZERO
+        pace = fishes.goal_speed[leader] if lost < SIGHT_S else fishes.goal_speed[i]
+        spacing = SPACING_BL * (CLOSED if minds.mental[i, FEAR] > nature.alarmed else 1.0)
+        company = _company(fishes.position, fishes.velocity, fishes.length, minds.neighbour[i], i,
+                           spacing)  # fmt: skip
+        urge = plus(plus(_pull(toward, length), ahead), company)
         for axis in range(3):
             minds.urge[i, axis] = urge[axis]
-        fishes.goal_speed[i] = _keep_pace(fishes, minds, i)
+        whim = 0.08 * (fishes.identity[i] - 0.5)
+        fishes.goal_speed[i] = _pace(toward, ahead, length, pace + whim)
 
 
 @njit(cache=True, error_model="numpy")
-def _follow(fishes: Fishes, minds: Minds, i: int) -> Vector:
-    """Toward the leader, more the farther it is, and along with it when near."""
-    leader = minds.leader[i]
-    toward = minus(vector(fishes.position[leader]), vector(fishes.position[i]))
+def _pull(toward: Vector, length: float) -> Vector:
+    """Toward the leader, more the farther it is."""
     distance = norm(toward)
-    lag = distance / (FOLLOW_BL * fishes.length[i])
-    pull = min(lag * lag, 2.5) / max(distance, 1.0)
-    return plus(times(pull, toward), vector(fishes.goal_direction[leader]))
+    lag = distance / (FOLLOW_BL * length)
+    return times(min(lag * lag, 2.5) / max(distance, 1.0), toward)
 
 
 @njit(cache=True, error_model="numpy")
-def _keep_company(fishes: Fishes, minds: Minds, i: int) -> Vector:
-    """Heading like the neighbours, and one body length away from each of them."""
+def _company(
+    position: Array, velocity: Array, length: Array, neighbour: Ints, i: int, spacing: float
+) -> Vector:
+    """Heading like the neighbours, and `spacing` body lengths away from each of them."""
     out, ahead = ZERO, ZERO
-    here = vector(fishes.position[i])
+    here = vector(position[i])
     count = 0
-    for j in minds.neighbour[i]:
+    for j in neighbour:
         if j < 0:
             break
-        away = minus(here, vector(fishes.position[j]))
+        away = minus(here, vector(position[j]))
         distance = norm(away)
-        space = SPACING_BL * 0.5 * (fishes.length[i] + fishes.length[j])
+        space = spacing * 0.5 * (length[i] + length[j])
         if distance < 1.5 * space:
             crowd = 1.5 - distance / space
             out = plus(out, times(1.8 * crowd / max(distance, 0.1), away))
-        velocity = vector(fishes.velocity[j])
-        ahead = plus(ahead, times(1.0 / max(norm(velocity), 1.0), velocity))
+        its = vector(velocity[j])
+        ahead = plus(ahead, times(1.0 / max(norm(its), 1.0), its))
         count += 1
     return plus(out, times(0.7 / max(count, 1), ahead))
 
 
 @njit(cache=True, error_model="numpy")
-def _keep_pace(fishes: Fishes, minds: Minds, i: int) -> float:
+def _pace(toward: Vector, ahead: Vector, length: float, pace: float) -> float:
     """Faster when behind the leader or far away, slower when ahead of it."""
-    leader = minds.leader[i]
-    gap = minus(vector(fishes.position[leader]), vector(fishes.position[i]))
-    behind = dot(gap, vector(fishes.goal_direction[leader])) / (FOLLOW_BL * fishes.length[i])
-    distance = norm(gap) / (FOLLOW_BL * fishes.length[i])
-    pace = fishes.goal_speed[leader] + 0.25 * behind + 0.08 * (fishes.identity[i] - 0.5)
-    pace += 0.5 * max(distance - 1.5, 0.0)
-    return min(max(pace, 0.08), 1.0)
+    behind = dot(toward, ahead) / (FOLLOW_BL * length)
+    distance = norm(toward) / (FOLLOW_BL * length)
+    return min(max(pace + 0.25 * behind + 0.5 * max(distance - 1.5, 0.0), 0.08), 1.0)

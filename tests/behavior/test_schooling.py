@@ -12,13 +12,21 @@ def _school(tank, n=3):
     t.minds.leader[1:] = 0
     t.minds.schools[:] = True
     t.minds.kind[:] = PREY
+    _see(t)
     return t
+
+
+def _see(t):
+    """Everybody knows where the leader is."""
+    t.minds.leader_place[:] = t.fishes.position[0]
+    t.minds.leader_seen[:] = 0.0
 
 
 def test_stragglers_catch_up(tank):
     t = _school(tank)
     t.fishes.position[1] = -40.0, 0.0, -300.0
     t.fishes.position[2] = -400.0, 50.0, -300.0
+    _see(t)
     for tick in range(30):
         t.at(tick).run(schooling.act, 1, 2)
         heed(t.fishes, t.minds, t.clock)
@@ -36,12 +44,25 @@ def test_companions_too_close_part(tank):
     assert t.minds.urge[1, 1] > 0 > t.minds.urge[2, 1]
 
 
-def test_schooling_at_ease_needs_habit_and_leader(tank):
-    t = _school(tank)
+def test_schooling_at_ease_needs_habit_leader_and_knowledge_of_company(tank):
+    t = _school(tank, 4)
     t.minds.schools[2] = False
-    np.testing.assert_array_equal(t.desire(schooling.desire) > 0, [False, True, False])
-    t.fishes.alive[0] = False
-    assert not t.desire(schooling.desire).any()
+    np.testing.assert_array_equal(t.desire(schooling.desire) > 0, [False, True, False, True])
+    later = t.at(int(2 * schooling.LOST_S / 0.033))
+    assert not later.desire(schooling.desire).any()
+    t.minds.neighbour[1, 0] = 3
+    np.testing.assert_array_equal(later.desire(schooling.desire) > 0, [False, True, False, False])
+
+
+def test_a_leader_out_of_sight_is_sought_where_it_was_seen_last(tank):
+    t = _school(tank, 2)
+    t.fishes.position[1] = -200.0, 0.0, -300.0
+    _see(t)
+    t.fishes.position[0] = -200.0, 500.0, -300.0
+    t.fishes.goal_direction[0] = 0.0, 1.0, 0.0
+    t.at(100).run(schooling.act, 1)
+    urge = t.minds.urge[1] / np.linalg.norm(t.minds.urge[1])
+    np.testing.assert_allclose(urge, [1.0, 0.0, 0.0], atol=1e-5)
 
 
 def test_ranks_are_closed_between_alarm_and_panic(tank):
@@ -50,3 +71,16 @@ def test_ranks_are_closed_between_alarm_and_panic(tank):
     t.minds.mental[:, FEAR] = 0.4, 0.4, 0.6, 0.9, 0.9
     t.minds.menace[:] = 0.4, 0.4, 0.6, 0.7, 0.9
     np.testing.assert_allclose(t.desire(schooling.alarmed_desire), [0, 0, 0.6, 0.9, 0], atol=1e-6)
+
+
+def test_an_alarmed_school_is_denser(tank):
+    gaps = []
+    for fear in (0.0, 0.6):
+        t = _school(tank, 3)
+        t.fishes.position[1:] = (-40.0, 12.0, -300.0), (-40.0, -12.0, -300.0)
+        _see(t)
+        t.minds.neighbour[1, 0], t.minds.neighbour[2, 0] = 2, 1
+        t.minds.mental[:, FEAR] = fear
+        t.run(schooling.act, 1, 2)
+        gaps.append(t.minds.urge[1, 1] - t.minds.urge[2, 1])
+    assert gaps[0] > gaps[1]
