@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from subsea.perception import collision, courting, danger, foraging
+from subsea.perception import collision, company, courting, danger, foraging
 from subsea.perception.grid import make_grid
 from subsea.perception.neighbours import REACH_CM, find_neighbours
 from subsea.perception.vision import bodies_of, scene_of
@@ -26,6 +26,7 @@ def sense(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clo
     feel_water(who, fishes.position, sea.climate, minds.light, minds.temperature)
     find_neighbours(who, fishes, minds, REACH_CM)
     bodies, scene = bodies_of(fishes), scene_of(sea)
+    company.watch_leader(who, bodies, fishes.alive, minds, scene, nature, clock)
     alive, place, kinds = fishes.alive, fishes.position, minds.kind
     large = fishes.length > LARGE_CM
     crowd = (

@@ -1,0 +1,46 @@
+"""Where its leader is, as far as a schooling fish knows: from its own eyes, or its companions'."""
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from subsea.perception.vision import Bodies, Scene, sees_fish
+from subsea.state import Clock, Minds, Nature
+
+Ints = NDArray[np.integer[Any]]
+
+
+@njit(cache=True, error_model="numpy")
+def watch_leader(
+    who: Ints,
+    bodies: Bodies,
+    alive: NDArray[np.bool_],
+    minds: Minds,
+    scene: Scene,
+    nature: Nature,
+    clock: Clock,
+) -> None:
+    """Renew `leader_place` and `leader_seen` of the fishes `who` that school.
+
+    A fish that doesn't see its leader knows what those of its companions know that saw it last:
+    so a school finds its way around a pillar that hides who leads it.
+    """
+    now = clock.tick * clock.dt
+    for i in who:
+        leader = minds.leader[i]
+        if leader < 0 or not minds.schools[i] or not alive[leader]:
+            continue
+        if sees_fish(bodies, i, leader, scene, nature):
+            minds.leader_seen[i] = now
+            for axis in range(3):
+                minds.leader_place[i, axis] = bodies.position[leader, axis]
+            continue
+        for j in minds.neighbour[i]:
+            if j < 0:
+                break
+            if minds.leader[j] == leader and minds.leader_seen[j] > minds.leader_seen[i]:
+                minds.leader_seen[i] = minds.leader_seen[j]
+                for axis in range(3):
+                    minds.leader_place[i, axis] = minds.leader_place[j, axis]

@@ -1,0 +1,53 @@
+"""What schooling fishes know of their leader."""
+
+import numpy as np
+
+from subsea.perception.company import watch_leader
+from subsea.perception.vision import bodies_of, scene_of
+
+FOLLOWERS = np.array([1, 2])
+
+
+def _school(tank):
+    """A leader, a follower that sees it, and one from which a pillar hides it."""
+    t = tank(3, pillars=[(50.0, -60.0, 30.0, -100.0)])
+    t.fishes.position[:] = (100.0, 0.0, -300.0), (0.0, 0.0, -300.0), (0.0, -120.0, -300.0)
+    t.minds.leader[1:] = 0
+    t.minds.schools[:] = True
+    return t
+
+
+def _watch(t, tick):
+    watch_leader(
+        FOLLOWERS, bodies_of(t.fishes), t.fishes.alive, t.minds, scene_of(t.sea), t.nature,
+        t.at(tick).clock,
+    )  # fmt: skip
+
+
+def test_who_sees_the_leader_knows_where_it_is(tank):
+    t = _school(tank)
+    _watch(t, 100)
+    np.testing.assert_allclose(t.minds.leader_place[1], t.fishes.position[0])
+    assert t.minds.leader_seen[1] == np.float32(3.3)
+    assert t.minds.leader_seen[2] == -np.inf
+
+
+def test_who_doesnt_is_told_by_a_companion(tank):
+    t = _school(tank)
+    t.minds.neighbour[2, 0] = 1
+    _watch(t, 100)
+    np.testing.assert_allclose(t.minds.leader_place[2], t.fishes.position[0])
+    # Out of everybody's sight the place and the time are remembered.
+    seen = t.fishes.position[0].copy()
+    t.fishes.position[0] = 5000.0, 0.0, -300.0
+    _watch(t, 200)
+    np.testing.assert_allclose(t.minds.leader_place[1:], np.stack([seen, seen]))
+    np.testing.assert_allclose(t.minds.leader_seen[1:], 3.3, rtol=1e-6)
+
+
+def test_companions_of_another_school_tell_nothing(tank):
+    t = _school(tank)
+    t.minds.neighbour[2, 0] = 1
+    t.minds.leader[1] = 2
+    _watch(t, 100)
+    assert t.minds.leader_seen[2] == -np.inf
