@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from subsea.kinematics.heightfield import height_at
 from subsea.kinematics.keyed import uniform
+from subsea.kinematics.solids import from_pillar, from_rock
 from subsea.kinematics.vector import Vector, minus, norm, times, vector
 from subsea.state import Clock, Fishes, Minds, Nature, Sea
 
@@ -19,7 +20,9 @@ SLOPE = 0.3  # of the way to a waypoint
 ARRIVED_BL = 3.0  # a waypoint counts as reached within this many body lengths
 PATIENCE_S = (9.0, 24.0)  # how long a fish keeps a waypoint that it doesn't reach
 FLOOR_CM = 75.0  # waypoints lie so far above the seabed ...
-SURFACE_CM = 80.0  # ... and below the surface
+SURFACE_CM = 80.0  # ... and below the surface, ...
+FREE_CM = 40.0  # ... and at least so far from pillars and rocks, ...
+ATTEMPTS = 6  # ... if so many throws of the dice find such a place
 CRUISE = (0.1, 0.62, 0.85)  # shares of the fastest speed: hovering, medium and brisk cruising
 LEADING = 0.45  # a leader keeps its school moving
 ANGLE_PURPOSE, RADIUS_PURPOSE, DEPTH_PURPOSE, PATIENCE_PURPOSE = range(4)
@@ -58,21 +61,36 @@ def heading(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> Vec
 
 @njit(cache=True, error_model="numpy")
 def _draw(minds: Minds, i: int, here: Vector, sea: Sea, clock: Clock) -> None:
-    """A new waypoint, at most a gentle climb or dive away, and patience for it."""
-    angle = 2.0 * np.pi * uniform(clock.seed, i, clock.tick, ANGLE_PURPOSE)
-    reach = ROAM * sea.radius * np.sqrt(uniform(clock.seed, i, clock.tick, RADIUS_PURPOSE))
-    x, y = reach * np.cos(angle), reach * np.sin(angle)
-    floor = height_at(sea.heights, sea.half_width, x, y) + FLOOR_CM
-    # Most of a reef's life is in the lower half of the water.
-    depth = uniform(clock.seed, i, clock.tick, DEPTH_PURPOSE) ** 1.6
-    rise = SLOPE * np.sqrt((x - here[0]) ** 2 + (y - here[1]) ** 2)
-    z = min(max(floor + depth * (-SURFACE_CM - floor), here[2] - rise), here[2] + rise)
-    minds.waypoint[i, 0] = x
-    minds.waypoint[i, 1] = y
-    minds.waypoint[i, 2] = max(z, floor)
+    """A new waypoint in free water, at most a gentle climb or dive away, and patience for it."""
+    for attempt in range(ATTEMPTS):
+        tick = clock.tick + (attempt << 40)
+        angle = 2.0 * np.pi * uniform(clock.seed, i, tick, ANGLE_PURPOSE)
+        reach = ROAM * sea.radius * np.sqrt(uniform(clock.seed, i, tick, RADIUS_PURPOSE))
+        x, y = reach * np.cos(angle), reach * np.sin(angle)
+        floor = height_at(sea.heights, sea.half_width, x, y) + FLOOR_CM
+        # Most of a reef's life is in the lower half of the water.
+        depth = uniform(clock.seed, i, tick, DEPTH_PURPOSE) ** 1.6
+        rise = SLOPE * np.sqrt((x - here[0]) ** 2 + (y - here[1]) ** 2)
+        z = min(max(floor + depth * (-SURFACE_CM - floor), here[2] - rise), here[2] + rise)
+        minds.waypoint[i, 0] = x
+        minds.waypoint[i, 1] = y
+        minds.waypoint[i, 2] = max(z, floor)
+        if _is_free(sea, vector(minds.waypoint[i])):
+            break
     low, high = PATIENCE_S
     share = uniform(clock.seed, i, clock.tick, PATIENCE_PURPOSE)
     minds.patience[i] = low + (high - low) * share
+
+
+@njit(cache=True, error_model="numpy")
+def _is_free(sea: Sea, p: Vector) -> bool:
+    """Whether no pillar or rock is near p."""
+    free = True
+    for k in range(len(sea.pillars)):
+        free = free and from_pillar(sea.pillars[k], p)[1] >= FREE_CM
+    for k in range(len(sea.rocks)):
+        free = free and from_rock(sea.rocks[k], p)[1] >= FREE_CM
+    return free
 
 
 @njit(cache=True, error_model="numpy")

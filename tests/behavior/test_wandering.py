@@ -45,3 +45,14 @@ def test_a_leader_keeps_its_school_moving(tank):
     t.fishes.recommended[:] = 0
     t.run(wandering.act)
     assert t.fishes.goal_speed[0] == np.float32(wandering.LEADING)
+
+
+def test_waypoints_lie_in_free_water(tank):
+    """Solids fill a third of the sea."""
+    pillars = [(x, y, 110.0, 0.0) for x in (-500, 0, 500) for y in (-500, 0, 500)]
+    t = tank(200, pillars=pillars)
+    t.minds.patience[:] = 0.0
+    t.run(wandering.act)
+    places = t.minds.waypoint[:, None, :2] - np.array(pillars)[None, :, :2]
+    gap = np.linalg.norm(places, axis=2).min(axis=1) - 110.0
+    assert (gap > wandering.FREE_CM - 1).mean() > 0.95
