@@ -17,7 +17,7 @@ from subsea.world import create_world
 
 NUMBERS = (60, 1000, 3000, 10_000, 30_000, 50_000)
 STAGES = ("perception", "behavior")
-SETTLED, TICKS = 90, 48  # ticks before the first that counts, and those that count
+SETTLED, TICKS = 32, 24  # ticks before the first that counts, and those that count
 
 
 def everybody(

@@ -6,6 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from subsea.behavior.passing import past
 from subsea.kinematics.vector import ZERO, Vector, dot, minus, norm, plus, times, vector
 from subsea.state import FEAR, PREY, Clock, Fishes, Minds, Nature, Sea
 
@@ -14,6 +15,8 @@ Ints = NDArray[np.integer[Any]]
 
 SPACING_BL = 1.0  # schooling fishes keep one body length apart
 FOLLOW_BL = 5.0  # a follower farther than this from its leader catches up
+OWN_WAY, COMPANY = 2.0, 0.3  # what counts for a fish that has to pass something by itself, ...
+HURRY = 0.7  # ... and the share of the fastest speed at which it does so, to rejoin soon
 CLOSED = 0.6  # of the usual spacing, in a school that is alarmed
 SIGHT_S = 1.0  # a leader seen within this time is followed by its heading too
 LOST_S = 25.0  # for so long a fish swims on to where it saw its leader last
@@ -60,6 +63,10 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         company = _company(fishes.position, fishes.velocity, fishes.length, minds.neighbour[i], i,
                            spacing)  # fmt: skip
         urge = plus(plus(_pull(toward, length), ahead), company)
+        way = past(urge, vector(fishes.velocity[i]), here, length, sea.pillars, sea.rocks)
+        if norm(way) > 0.0:
+            urge = plus(times(OWN_WAY, way), (COMPANY * company[0], COMPANY * company[1], 0.0))
+            pace = max(pace, HURRY)
         for axis in range(3):
             minds.urge[i, axis] = urge[axis]
         whim = 0.08 * (fishes.identity[i] - 0.5)

@@ -1,0 +1,40 @@
+"""Make the plots of docs/behavior.md: `python docs/make_study_plots.py [FOLDER]`.
+
+Records peaceful for ten minutes and schooling for two, draws what they show and prints the tables.
+"""
+
+import sys
+import tempfile
+from pathlib import Path
+
+from PIL import Image
+
+from subsea.app.records import read_record
+from subsea.app.simulate import simulate
+from subsea.app.study import measure
+from subsea.app.study_plots import plot
+from subsea.app.study_table import table
+
+SHOWN = {
+    ("peaceful", 18182): ("time_budget", "minds", "schools", "clearance"),
+    ("schooling", 3636): ("paths", "schools"),
+}
+
+
+def main() -> None:
+    """Write `study-SCENARIO-PLOT.png` into the folder."""
+    folder = Path(sys.argv[1] if len(sys.argv) > 1 else "docs/pictures")
+    for (scenario, ticks), names in SHOWN.items():
+        with tempfile.TemporaryDirectory() as place:
+            file = Path(place) / "record.h5"
+            simulate(ticks, file, scenario, None, None)
+            record = read_record(file)
+            print("\n".join([scenario, *table(measure(record))]), flush=True)
+            drawn = {path.stem: path for path in plot(record, Path(place))}
+            for name in names:
+                picture = Image.open(drawn[name]).convert("RGB").quantize(64)
+                picture.save(folder / f"study-{scenario}-{name}.png", optimize=True)
+
+
+if __name__ == "__main__":
+    main()
