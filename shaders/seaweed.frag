@@ -26,11 +26,10 @@ void main() {
     vec3 light = light_from(sun, v_world.z, normal, 0.3);
     // What comes through from the other side is yellower.
     vec3 through = vec3(1.25, 1.1, 0.35) * (1.0 - 0.6 * rib);
-    float behind = max(dot(-normal, SUN), 0.0) + 0.25 + 0.6 * pow(max(dot(-view, SUN), 0.0), 4.0);
+    float glow = max(dot(-view, SUN), 0.0);
+    glow *= glow;
+    float behind = max(dot(-normal, SUN), 0.0) + 0.25 + 0.6 * glow * glow;
     light += 0.75 * through * behind * sun;
     light *= mix(0.35, 1.0, smoothstep(0.0, 0.35, t));  // shaded by its cluster at the foot
-    vec3 colour = EXPOSURE * leaf * light;
-    float mirror = max(dot(normal, normalize(view + SUN)), 0.0);
-    colour += 0.05 * pow(mirror, 24.0) * sun;
-    f_colour = vec4(colour * v_clear + v_veil, 1.0);
+    f_colour = vec4(EXPOSURE * leaf * light * v_clear + v_veil, 1.0);
 }

@@ -35,7 +35,7 @@ INSTANCE_COLUMNS = 19
 # Texels of a leaf of seaweed: its nodes from the root to the tip, then what it looks like.
 LEAF_NODES = 8
 LEAF_TEXELS = LEAF_NODES + 2  # width, facing, twist, own number; colour, length
-LEAF_NEAR_PX = 110.0  # a leaf that covers fewer pixels is drawn coarsely ...
+LEAF_NEAR_PX = 260.0  # a leaf that covers fewer pixels is drawn coarsely ...
 LEAF_LEAST_PX = 7.0  # ... and not at all if it covers fewer
 
 

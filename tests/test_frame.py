@@ -165,7 +165,7 @@ def overgrown():
 def _leaves_of(world, heading, alpha=1.0, **options):
     submarine = world.state.submarine
     eye = pose(submarine.position, heading, -0.5)
-    return frame.pack(world, views_for("mono", (640, 360), eye), alpha, **options)
+    return frame.pack(world, views_for("mono", (1280, 720), eye), alpha, **options)
 
 
 def test_leaves_lie_between_the_last_tick_and_this_one(overgrown):

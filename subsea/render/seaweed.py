@@ -13,7 +13,7 @@ from subsea.view.camera import View
 Array = NDArray[np.floating[Any]]
 
 LEAVES_UNIT = 5  # texture unit
-FINE, COARSE = (19, 3), (7, 2)  # samples along a leaf and across it
+FINE, COARSE = (13, 3), (7, 2)  # samples along a leaf and across it
 
 
 class Seaweed:
