@@ -12,17 +12,28 @@ from numba import njit
 from numpy.typing import NDArray
 
 from subsea.behavior.chasing import chase, mouth_of
+from subsea.behavior.close_quarters import (
+    CLOSE_RAD,
+    abdomen_of,
+    bend,
+    careful,
+    heading_of,
+    hover,
+    steer,
+    tail_of,
+    turn_to,
+    want,
+    wrapped,
+)
+from subsea.behavior.nuzzling import nuzzle, nuzzled
 from subsea.kinematics.rotation import rotate
 from subsea.kinematics.vector import Vector, minus, norm, plus, vector
 from subsea.state import (
-    APPROACHING,
     ASCENDING,
     CIRCLING,
     LOOPING,
     MATE,
-    NO_COURTSHIP,
     NOBODY,
-    NUZZLING,
     Clock,
     Fishes,
     Minds,
@@ -33,9 +44,7 @@ Array = NDArray[np.floating[Any]]
 Flags = NDArray[np.bool_]
 Ints = NDArray[np.integer[Any]]
 
-CLOSE_RAD = np.radians(40.0)  # with recorded turns and careful alignment a fish turns fastest here
-TURNING_RAD, TURNING_SPEED = np.radians((15.0, 45.0, 90.0)), np.array((1.0, 0.35, 0.1))
-AHEAD_BL, ABOVE_BL = 1.0, 0.25  # where before her head he shows off, in their mean body length
+AHEAD_BL, ABOVE_BL = 1.15, 0.25  # where before her head he shows off, in their mean body length
 DISPLAY_BL = 1.5  # so near that place he begins to
 SWING_BL = 0.55  # how far up and down the point moves that he chases, in his
 SWING_HZ = 0.14
@@ -46,6 +55,7 @@ IMPRESSED = 1  # point reached by a rival before she compares him with the one s
 LARGER = 1.05  # times as long a rival must be
 BOB_HZ, BOB_SLOPE = 0.45, 0.5  # of her head while she looks on
 CIRCLING_BL, CIRCLING_SPEED = 0.45, 0.2  # distance to the other's tail, at which speed
+ROOM_BL = 0.8  # middles nearer than that: he passes above her
 ASTRAY_RAD, LEAST_RAD = np.radians((60.0, 15.0))  # a tail farther astray; the least turn
 TURNS = 2.0  # of hers, and they go on to the ascent
 RISE_BL = 4.0  # how far she ascends, in her body lengths ...
@@ -53,17 +63,7 @@ CEILING_BL, CEILING_CM = 1.6, 10.0  # ... but no nearer to the surface
 LEAST_RISE = 0.4  # share of the fastest speed at which she ascends while he is left behind
 STEEP = 0.78  # slope of her ascent: the motor system's steepest
 FOLLOWED_BL = 1.3  # so near her abdomen he has kept up
-BELLY_BACK_BL, BELLY_DOWN_BL = 0.05, 0.15  # of her abdomen, behind and below her origin
-BELOW_BL = 0.6  # how far under it he keeps while he follows
-GATHER_BL = 1.1  # nearer than this he sees to it that he comes ...
-SLOPES = (0.3, 0.9)  # ... at a slope between these, and straight
-GENTLE = 0.6  # ... and a retreat leads to where it is at most this
-LEAST_PACE = 0.12  # share of the fastest speed with which he arrives
-TOUCH_BL = 0.1  # mouth to abdomen
-RETREAT_S, WAIT_S = 2.5, 1.0  # after each nudge; it takes a little longer ...
-MORE_S = 0.3  # ... as long as she is too steep above him
-BACKING = -0.4  # speed of the retreat
-NUDGES = 3
+BELOW_BL = 0.3  # and so far under it he keeps, in his
 
 # Sets urge and goal speed of each of the fishes `who`.
 Component = Callable[[Ints, Fishes, Minds, Sea, Clock], None]
@@ -112,14 +112,14 @@ def loop(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> Non
     """He chases a point before her head that moves up and down; she hovers and bobs her head."""
     for i in who:
         if not minds.male[i]:
-            _hover(fishes, minds, i, BOB_SLOPE * np.sin(_beat(fishes, i, BOB_HZ, clock)))
+            hover(fishes, minds, i, BOB_SLOPE * np.sin(_beat(fishes, i, BOB_HZ, clock)))
             continue
         j = minds.partner[i]
         swing = _beat(fishes, i, SWING_HZ, clock) + 2.0 * np.pi * fishes.identity[i]
         height = SWING_BL * fishes.length[i] * np.sin(swing)
         point = plus(stage(fishes, i, j), (0.0, 0.0, height))
         toward = minus(point, mouth_of(fishes, i))
-        turn = _steer(fishes, minds, i, toward)
+        turn = steer(fishes, minds, i, toward)
         fishes.goal_speed[i] = VIGOUR * max(np.cos(turn), BENT)
         minds.courtship_mark[i] -= minds.pause[i] * fishes.rate[i]
         reached = norm(toward) < REACH_BL * fishes.length[i]
@@ -171,18 +171,28 @@ def circle(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> N
         j = minds.partner[i]
         male = i if minds.male[i] else j
         way = 1.0 if fishes.identity[male] < 0.5 else -1.0
-        toward = minus(_tail(fishes, j), mouth_of(fishes, i))
-        turn = way * _turn_to(fishes, i, toward)
+        toward = plus(
+            minus(tail_of(fishes, j), mouth_of(fishes, i)), _make_room(fishes, i, j, minds.male[i])
+        )
+        turn = way * turn_to(fishes, i, toward)
         # A tail that is behind is reached by going on round, or one of them would run away.
         if turn < -ASTRAY_RAD:
             turn += 2.0 * np.pi
-        _bend(fishes, minds, i, toward, way * min(max(turn, LEAST_RAD), CLOSE_RAD))
+        bend(fishes, minds, i, toward, way * min(max(turn, LEAST_RAD), CLOSE_RAD))
         gap = norm(toward) / (CIRCLING_BL * fishes.length[i])
         fishes.goal_speed[i] = CIRCLING_SPEED * min(max(gap, 0.3), 3.0) * max(np.cos(turn), 0.3)
-        heading = _heading(fishes, i)
-        gained = _wrapped(heading - minds.courtship_mark[i])
+        heading = heading_of(fishes, i)
+        gained = wrapped(heading - minds.courtship_mark[i])
         minds.courtship_mark[i] = heading
         minds.courtship_count[i] += gained / (2.0 * np.pi)
+
+
+@njit(cache=True, error_model="numpy")
+def _make_room(fishes: Fishes, i: int, j: int, upward: bool) -> Vector:
+    """How far, cm, one of two passes above the other while their middles are too near."""
+    gap = norm(minus(vector(fishes.position[i]), vector(fishes.position[j])))
+    room = max(ROOM_BL * 0.5 * (fishes.length[i] + fishes.length[j]) - gap, 0.0)
+    return 0.0, 0.0, room if upward else -room
 
 
 @njit(cache=True, error_model="numpy")
@@ -200,16 +210,16 @@ def ascend(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> N
     for i in who:
         if minds.male[i]:
             j = minds.partner[i]
-            under = minus(abdomen(fishes, j), (0.0, 0.0, 0.5 * BELOW_BL * fishes.length[i]))
+            under = minus(abdomen_of(fishes, j), (0.0, 0.0, BELOW_BL * fishes.length[i]))
             toward = minus(under, mouth_of(fishes, i))
             speed = min(norm(toward) / fishes.length[i], 1.0)
-            fishes.goal_speed[i] = speed * _careful(_steer(fishes, minds, i, toward))
+            fishes.goal_speed[i] = speed * careful(steer(fishes, minds, i, toward))
         elif _at_top(fishes, minds, i):
-            _hover(fishes, minds, i, 0.0)
+            hover(fishes, minds, i, 0.0)
         else:
             ahead = rotate(fishes.orientation[i], (1.0, 0.0, 0.0))
             level = max(np.sqrt(ahead[0] * ahead[0] + ahead[1] * ahead[1]), 1e-6)
-            _want(minds, i, (ahead[0], ahead[1], STEEP * level))
+            want(minds, i, (ahead[0], ahead[1], STEEP * level))
             gap = norm(minus(vector(fishes.position[minds.partner[i]]), vector(fishes.position[i])))
             fishes.goal_speed[i] = min(max(2.0 - 0.5 * gap / fishes.length[i], LEAST_RISE), 1.0)
 
@@ -223,7 +233,7 @@ def ascended(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Flags:
         if minds.male[i] or not _at_top(fishes, minds, i):
             continue
         j = minds.partner[i]
-        distance = norm(minus(abdomen(fishes, i), mouth_of(fishes, j)))
+        distance = norm(minus(abdomen_of(fishes, i), mouth_of(fishes, j)))
         done[k] = distance < FOLLOWED_BL * fishes.length[j]
     return done
 
@@ -234,72 +244,6 @@ def _at_top(fishes: Fishes, minds: Minds, i: int) -> bool:
     height = fishes.position[i, 2]
     ceiling = -CEILING_BL * fishes.length[i] - CEILING_CM
     return bool(height > min(minds.courtship_mark[i] + RISE_BL * fishes.length[i], ceiling))
-
-
-@njit(cache=True, error_model="numpy")
-def nuzzle(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
-    """She hovers; he nudges her abdomen from below, retreats, waits and comes again."""
-    for i in who:
-        if not minds.male[i]:
-            _hover(fishes, minds, i, 0.0)
-            continue
-        toward = minus(abdomen(fishes, minds.partner[i]), mouth_of(fishes, i))
-        distance = norm(toward)
-        minds.courtship_mark[i] -= minds.pause[i] * fishes.rate[i]
-        if minds.courtship_mark[i] > 0.0:
-            _retreat(fishes, minds, i, toward)
-        elif distance < TOUCH_BL * fishes.length[i]:
-            minds.courtship_count[i] += 1.0
-            minds.courtship_mark[i] = RETREAT_S + WAIT_S
-            minds.fatigue[MATE, i] = 0.0
-        else:
-            _nudge(fishes, minds, i, toward, distance)
-
-
-@njit(cache=True, error_model="numpy")
-def _nudge(fishes: Fishes, minds: Minds, i: int, toward: Vector, distance: float) -> None:
-    """To the abdomen, from below and straight; a try that comes otherwise is broken off."""
-    length = fishes.length[i]
-    slope = _slope(toward)
-    if slope < SLOPES[0] and distance > GATHER_BL * length:
-        toward = plus(toward, (0.0, 0.0, -BELOW_BL * length))
-    turn = _steer(fishes, minds, i, toward)
-    pace = min(max(0.5 * distance / length, LEAST_PACE), 1.0)
-    fishes.goal_speed[i] = pace * _careful(turn)
-    if distance < GATHER_BL * length and not (SLOPES[0] < slope < SLOPES[1] and turn < CLOSE_RAD):
-        minds.courtship_mark[i] = RETREAT_S + WAIT_S
-
-
-@njit(cache=True, error_model="numpy")
-def _retreat(fishes: Fishes, minds: Minds, i: int, toward: Vector) -> None:
-    """Back off with the eyes on her: with the nose up, which leads down, or level if too steep.
-
-    It lasts until he can come at her at a gentle slope. Then he waits.
-    """
-    level = np.sqrt(toward[0] * toward[0] + toward[1] * toward[1])
-    steep = toward[2] > GENTLE * level
-    _steer(fishes, minds, i, (toward[0], toward[1], 0.0 if steep else level))
-    if minds.courtship_mark[i] < WAIT_S:
-        fishes.goal_speed[i] = 0.0
-        return
-    fishes.goal_speed[i] = BACKING
-    if steep:
-        minds.courtship_mark[i] = max(minds.courtship_mark[i], WAIT_S + MORE_S)
-
-
-@njit(cache=True, error_model="numpy")
-def _slope(toward: Vector) -> float:
-    level = np.sqrt(toward[0] * toward[0] + toward[1] * toward[1])
-    return float(toward[2] / max(level, 1e-6))
-
-
-@njit(cache=True, error_model="numpy")
-def nuzzled(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Flags:
-    """He has nudged her often enough."""
-    done = np.zeros(len(who), np.bool_)
-    for k in range(len(who)):
-        done[k] = minds.male[who[k]] and minds.courtship_count[who[k]] >= NUDGES
-    return done
 
 
 @njit(cache=True, error_model="numpy")
@@ -321,7 +265,7 @@ def enter(fishes: Fishes, minds: Minds, i: int, code: int) -> None:
     minds.courtship_count[i] = 0.0
     minds.courtship_mark[i] = 0.0
     if code == CIRCLING:
-        minds.courtship_mark[i] = _heading(fishes, i)
+        minds.courtship_mark[i] = heading_of(fishes, i)
     elif code == ASCENDING:
         minds.courtship_mark[i] = fishes.position[i, 2]
     minds.alone[i] = 0.0
@@ -340,86 +284,9 @@ def stage(fishes: Fishes, i: int, j: int) -> Vector:
 
 
 @njit(cache=True, error_model="numpy")
-def abdomen(fishes: Fishes, j: int) -> Vector:
-    """Where the belly of fish j is, cm, world."""
-    length = fishes.length[j]
-    offset = (-BELLY_BACK_BL * length, -BELLY_DOWN_BL * length, 0.0)
-    return plus(vector(fishes.position[j]), rotate(fishes.orientation[j], offset))
-
-
-@njit(cache=True, error_model="numpy")
-def _tail(fishes: Fishes, j: int) -> Vector:
-    """Where the tail of fish j is, cm, world, were it straight."""
-    along = fishes.snout[j] - fishes.length[j]
-    return plus(vector(fishes.position[j]), rotate(fishes.orientation[j], (along, 0.0, 0.0)))
-
-
-@njit(cache=True, error_model="numpy")
-def _heading(fishes: Fishes, i: int) -> float:
-    """The angle, rad, that the body heads left of the world's x axis."""
-    x = rotate(fishes.orientation[i], (1.0, 0.0, 0.0))
-    return float(np.arctan2(x[1], x[0]))
-
-
-@njit(cache=True, error_model="numpy")
 def _beat(fishes: Fishes, i: int, hertz: float, clock: Clock) -> float:
     """Phase of an oscillation that has this frequency in a fish of recorded size."""
     return 2.0 * np.pi * hertz * fishes.rate[i] * clock.tick * clock.dt
-
-
-@njit(cache=True, error_model="numpy")
-def _hover(fishes: Fishes, minds: Minds, i: int, slope: float) -> None:
-    """Stand still and keep the heading, with the head up or down by a slope."""
-    heading = _heading(fishes, i)
-    _want(minds, i, (np.cos(heading), np.sin(heading), slope))
-    fishes.goal_speed[i] = 0.0
-
-
-@njit(cache=True, error_model="numpy")
-def _steer(fishes: Fishes, minds: Minds, i: int, toward: Vector) -> float:
-    """Turn to what is near as hard as the motor system can; returns the angle left, rad.
-
-    A fish that asks for a sharp turn throws itself round and turns less in a second than one
-    that asks for CLOSE_RAD, where recorded turns and careful alignment add up.
-    """
-    turn = _turn_to(fishes, i, toward)
-    _bend(fishes, minds, i, toward, min(max(turn, -CLOSE_RAD), CLOSE_RAD))
-    return float(abs(turn))
-
-
-@njit(cache=True, error_model="numpy")
-def _bend(fishes: Fishes, minds: Minds, i: int, toward: Vector, turn: float) -> None:
-    """Want to turn left by `turn` rad, and upward or downward as `toward` leads."""
-    level = np.sqrt(toward[0] * toward[0] + toward[1] * toward[1])
-    course = _heading(fishes, i) + turn
-    _want(minds, i, (level * np.cos(course), level * np.sin(course), toward[2]))
-
-
-@njit(cache=True, error_model="numpy")
-def _turn_to(fishes: Fishes, i: int, toward: Vector) -> float:
-    """The angle, rad, by which fish i would have to turn left to head along `toward`."""
-    return _wrapped(np.arctan2(toward[1], toward[0]) - _heading(fishes, i))
-
-
-@njit(cache=True, error_model="numpy")
-def _wrapped(angle: float) -> float:
-    """The same angle between -π and π."""
-    return float(angle - 2.0 * np.pi * np.round(angle / (2.0 * np.pi)))
-
-
-@njit(cache=True, error_model="numpy")
-def _careful(turn: float) -> float:
-    """The share of its speed that a fish keeps which has to turn by so many rad.
-
-    Who turns on the spot comes to face what lies inside its turning circle, and doesn't orbit it.
-    """
-    return float(np.interp(turn, TURNING_RAD, TURNING_SPEED))
-
-
-@njit(cache=True, error_model="numpy")
-def _want(minds: Minds, i: int, urge: Vector) -> None:
-    for axis in range(3):
-        minds.urge[i, axis] = urge[axis]
 
 
 # By code: what NO_COURTSHIP, APPROACHING, LOOPING, CIRCLING, ASCENDING and NUZZLING are.
@@ -433,4 +300,3 @@ STATES = (
 )
 LIMIT_S = np.array([state.limit_s for state in STATES])
 ALONE_S = np.array([state.alone_s for state in STATES])
-assert len(STATES) == NUZZLING + 1 and NO_COURTSHIP == 0 and APPROACHING == 1

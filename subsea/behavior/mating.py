@@ -35,6 +35,7 @@ Ints = NDArray[np.integer[Any]]
 
 STILL_KEEN = 0.6  # of `keen`: who courts goes on until its libido is below that share of it
 DEVOTED = 1.5  # times `keen`: the least desire of who courts
+COY = 0.15  # share of the fastest speed of a female to whom a male is on his way
 LOST_CM = 250.0  # a partner farther away than this is out of sight
 REST_S = 30.0  # after spawning nobody tempts a fish for so long
 SHUN_S = 45.0  # for how long a fish leaves alone who turned it down
@@ -100,6 +101,9 @@ def choose_partner(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clo
         for axis in range(3):
             minds.urge[i, axis] = toward[axis]
         fishes.goal_speed[i] = cruise(fishes, minds, i)
+        if able and minds.partner[j] == i:
+            # He is coming: she does not run away.
+            fishes.goal_speed[i] = min(fishes.goal_speed[i], COY)
 
 
 @njit(cache=True, error_model="numpy")

@@ -7,9 +7,10 @@ import msgspec
 import numpy as np
 import pytest
 
-from subsea.behavior import courtship
 from subsea.behavior.chasing import mouth_of
-from subsea.behavior.courtship import NUDGES, POINTS, RISE_BL, TOUCH_BL, TURNS
+from subsea.behavior.close_quarters import abdomen_of
+from subsea.behavior.courtship import POINTS, RISE_BL, TURNS
+from subsea.behavior.nuzzling import NUDGES, TOUCH_BL
 from subsea.ocean import TICK_S, create_world, step
 from subsea.scenario import Scenario, load_scenario
 from subsea.state import (
@@ -97,7 +98,7 @@ def test_a_pair_dances_from_approach_to_spawning(species, male_cm, female_cm):
         counts[state] = minds.courtship_count.copy()
         nudged = state == NUZZLING and minds.courtship_count[0] > len(touched)
         if nudged:
-            belly, mouth = courtship.abdomen(fishes, 1), mouth_of(fishes, 0)
+            belly, mouth = abdomen_of(fishes, 1), mouth_of(fishes, 0)
             touched.append(np.array(belly) - mouth)
     assert states == [NO_COURTSHIP, *DANCE, NO_COURTSHIP]
     assert 40.0 < began[NO_COURTSHIP][0] - began[APPROACHING][0] < 120.0

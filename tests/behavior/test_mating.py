@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from subsea.behavior import courtship, mating
 from subsea.behavior.courtship import ALONE_S, LIMIT_S, POINTS, preferred
+from subsea.behavior.nuzzling import NUDGES
 from subsea.state import (
     APPROACHING,
     ASCENDING,
@@ -271,7 +272,7 @@ def test_a_short_interruption_does_not_end_a_courtship(tank):
 def test_after_the_last_nudge_both_have_mated_and_part(tank):
     t = _bay(tank).at(3000)
     _pair(t, 1, NUZZLING)
-    t.minds.courtship_count[1] = courtship.NUDGES
+    t.minds.courtship_count[1] = NUDGES
     t.run(mating.act)
     assert _free(t, FEMALE, 1)
     np.testing.assert_allclose(t.minds.last_mating, 3000 * 0.033, rtol=1e-6)

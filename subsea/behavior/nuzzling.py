@@ -1,0 +1,97 @@
+"""Nuzzling: nudging the abdomen of a hovering female from below (Tu §7.9.3)."""
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from subsea.behavior.chasing import mouth_of
+from subsea.behavior.close_quarters import CLOSE_RAD, abdomen_of, careful, hover, steer
+from subsea.kinematics.vector import Vector, minus, norm, plus
+from subsea.state import MATE, Clock, Fishes, Minds, Sea
+
+Flags = NDArray[np.bool_]
+Ints = NDArray[np.integer[Any]]
+
+BELOW_BL = 0.6  # so far under her abdomen who comes from elsewhere goes first
+GATHER_BL = 1.1  # nearer than this he sees to it that he comes ...
+SLOPES = (0.3, 0.9)  # ... at a slope between these, and straight
+GENTLE = 0.6  # ... and a retreat leads to where it is at most this
+NIP_BL = 0.25  # nearer than this a try is only broken off when he has passed her by
+LEAST_PACE = 0.12  # share of the fastest speed with which he arrives
+TOUCH_BL = 0.1  # mouth to abdomen
+RETREAT_S, WAIT_S = 2.5, 1.0  # after each nudge; it takes a little longer ...
+MORE_S = 0.3  # ... as long as she is too steep above him
+BACKING = -0.4  # speed of the retreat
+NUDGES = 3
+
+
+@njit(cache=True, error_model="numpy")
+def nuzzle(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
+    """She hovers; he nudges her abdomen from below, retreats, waits and comes again."""
+    for i in who:
+        if not minds.male[i]:
+            hover(fishes, minds, i, 0.0)
+            continue
+        toward = minus(abdomen_of(fishes, minds.partner[i]), mouth_of(fishes, i))
+        distance = norm(toward)
+        minds.courtship_mark[i] -= minds.pause[i] * fishes.rate[i]
+        if minds.courtship_mark[i] > 0.0:
+            _retreat(fishes, minds, i, toward)
+        elif distance < TOUCH_BL * fishes.length[i]:
+            minds.courtship_count[i] += 1.0
+            minds.courtship_mark[i] = RETREAT_S + WAIT_S
+            minds.fatigue[MATE, i] = 0.0
+        else:
+            _nudge(fishes, minds, i, toward, distance)
+
+
+@njit(cache=True, error_model="numpy")
+def _nudge(fishes: Fishes, minds: Minds, i: int, toward: Vector, distance: float) -> None:
+    """To the abdomen, from below and straight; a try that comes otherwise is broken off."""
+    length = fishes.length[i]
+    slope = _slope(toward)
+    if slope < SLOPES[0] and distance > GATHER_BL * length:
+        toward = plus(toward, (0.0, 0.0, -BELOW_BL * length))
+    turn = steer(fishes, minds, i, toward)
+    pace = min(max(0.5 * distance / length, LEAST_PACE), 1.0)
+    fishes.goal_speed[i] = pace * careful(turn)
+    # So near that a small error is a large angle he goes on unless he has passed her by.
+    good = turn < CLOSE_RAD and SLOPES[0] < slope < SLOPES[1]
+    if distance < NIP_BL * length:
+        good = turn < np.pi / 2.0
+    if distance < GATHER_BL * length and not good:
+        minds.courtship_mark[i] = RETREAT_S + WAIT_S
+
+
+@njit(cache=True, error_model="numpy")
+def _retreat(fishes: Fishes, minds: Minds, i: int, toward: Vector) -> None:
+    """Back off with the eyes on her: with the nose up, which leads down, or level if too steep.
+
+    It lasts until he can come at her at a gentle slope. Then he waits.
+    """
+    level = np.sqrt(toward[0] * toward[0] + toward[1] * toward[1])
+    steep = toward[2] > GENTLE * level
+    steer(fishes, minds, i, (toward[0], toward[1], 0.0 if steep else level))
+    if minds.courtship_mark[i] < WAIT_S:
+        fishes.goal_speed[i] = 0.0
+        return
+    fishes.goal_speed[i] = BACKING
+    if steep:
+        minds.courtship_mark[i] = max(minds.courtship_mark[i], WAIT_S + MORE_S)
+
+
+@njit(cache=True, error_model="numpy")
+def _slope(toward: Vector) -> float:
+    level = np.sqrt(toward[0] * toward[0] + toward[1] * toward[1])
+    return float(toward[2] / max(level, 1e-6))
+
+
+@njit(cache=True, error_model="numpy")
+def nuzzled(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Flags:
+    """He has nudged her often enough."""
+    done = np.zeros(len(who), np.bool_)
+    for k in range(len(who)):
+        done[k] = minds.male[who[k]] and minds.courtship_count[who[k]] >= NUDGES
+    return done
