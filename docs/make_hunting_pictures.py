@@ -1,0 +1,169 @@
+"""Make the pictures of docs/behavior.md: `python docs/make_hunting_pictures.py [FOLDER] [NAME]`.
+
+capture.png: a reef shark sucks in a prey, moment by moment.
+scatter.png: the paths of a school, seen from above, as the shark comes near and after.
+hook.png: the bait, the bite, the way up.
+"""
+
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+from PIL import Image
+
+from subsea.behavior.chasing import mouth_of
+from subsea.frame import make_scene, pack
+from subsea.kinematics.rotation import rotate
+from subsea.ocean import step
+from subsea.render import Renderer, headless_context
+from subsea.scenario import load_scenario
+from subsea.state import ESCAPE, HOOKED, PREDATOR, PREY
+from subsea.submarine.helm import HANDS_OFF
+from subsea.view.rigs import Pose, views_for
+from subsea.world import TICK_S, World, create_world
+
+Array = NDArray[np.floating[Any]]
+
+CELL = (480, 300)  # pixels of one moment
+SAMPLES = 4
+LONGEST = 6000  # ticks in which something must have happened
+HUNT_SEED, HOOK_SEED = 3, 1
+
+
+def run(scenario: str, seed: int) -> Iterator[World]:
+    """The world after each tick."""
+    world = create_world(load_scenario(scenario)[0], seed=seed)
+    for _ in range(LONGEST):
+        step(world, HANDS_OFF)
+        yield world
+
+
+def shot(renderer: Renderer, world: World, eye: Array, at: Array) -> Image.Image:
+    """What is seen from `eye` when looking at `at`, cm."""
+    forward = (at - eye) / np.linalg.norm(at - eye)
+    right = np.cross(forward, (0.0, 0.0, 1.0))
+    up = np.cross(right / np.linalg.norm(right), forward)
+    renderer.draw(pack(world, views_for("mono", CELL, Pose(eye, forward, up)), 1.0))
+    return Image.fromarray(renderer.read_pixels())
+
+
+def strip(
+    scenario: str,
+    seed: int,
+    moments: dict[int, Callable[[World], tuple[Array, Array]]],
+    beside: int,
+) -> Image.Image:
+    """Pictures after so many ticks, each from the eye and toward the point that it names."""
+    pictures: list[Image.Image] = []
+    with headless_context() as context:
+        renderer = None
+        for world in run(scenario, seed):
+            renderer = renderer or Renderer(context, make_scene(world), CELL, SAMPLES)
+            if world.state.tick in moments:
+                pictures.append(shot(renderer, world, *moments[world.state.tick](world)))
+            if world.state.tick >= max(moments):
+                break
+        if renderer:
+            renderer.release()
+    rows = -(-len(pictures) // beside)
+    sheet = Image.new("RGB", (CELL[0] * beside, CELL[1] * rows))
+    for k, picture in enumerate(pictures):
+        sheet.paste(picture, (k % beside * CELL[0], k // beside * CELL[1]))
+    return sheet
+
+
+def capture() -> Image.Image:
+    """The second before the first prey is in the hunter's mouth; the hunter is fish 0."""
+    caught = next(w.state.tick for w in run("preying", HUNT_SEED) if not w.state.fishes.alive.all())
+
+    def beside(world: World) -> tuple[Array, Array]:
+        fishes = world.state.fishes
+        mouth = np.array(mouth_of(fishes, 0))
+        ahead = np.array(rotate(fishes.orientation[0], (1.0, 0.0, 0.0)))
+        right = np.cross(ahead, (0.0, 0.0, 1.0))
+        return mouth + 20.0 * ahead + 105.0 * right + (0.0, 0.0, 14.0), mouth
+
+    return strip("preying", HUNT_SEED, {caught - ago: beside for ago in (30, 14, 8, 4, 1, -1)}, 3)
+
+
+def hook() -> Image.Image:
+    """The hungry about the bait, the bite, and the catch on its way up."""
+    bitten = next(w.state.tick for w in run("go-fish", HOOK_SEED) if w.state.sea.catch[0] == HOOKED)
+
+    def near(off: float) -> Callable[[World], tuple[Array, Array]]:
+        def look(world: World) -> tuple[Array, Array]:
+            place = world.state.sea.hook.copy()
+            return place + np.array([-0.63 * off, -0.77 * off, -0.05 * off]), place + (0, 0, 4)
+
+        return look
+
+    moments = {bitten - 70: near(150.0), bitten + 4: near(75.0), bitten + 90: near(110.0)}
+    return strip("go-fish", HOOK_SEED, moments | {bitten + 220: near(150.0)}, 2)
+
+
+def scatter() -> Figure:
+    """Paths of a school for the seconds in which most of it fled, and those after; and its size."""
+    paths, fled, alive = [], [], []
+    for world in run("preying", HUNT_SEED):
+        fishes, minds = world.state.fishes, world.state.minds
+        school = np.flatnonzero((minds.kind == PREY) & minds.schools)
+        hunter = np.flatnonzero(minds.kind == PREDATOR)[:1]
+        paths.append(fishes.position[np.concatenate([hunter, school])].copy())
+        fled.append((minds.intention[school] == ESCAPE).sum())
+        alive.append(fishes.alive[school].copy())
+    places, living, fleeing = np.array(paths), np.array(alive), np.array(fled)
+    window = round(4.0 / TICK_S)
+    worst = int(np.convolve(fleeing, np.ones(window), "same").argmax())
+    figure = Figure(figsize=(10, 4.2), layout="constrained")
+    axes = figure.subplots(1, 3, width_ratios=(1, 1, 1.1))
+    spans = ((worst - window, worst + window // 2), (worst + window // 2, worst + 7 * window))
+    for ax, (first, last), title in zip(axes, spans, ("it comes near", "and after"), strict=False):
+        first = max(first, 0)
+        track = places[first:last]
+        ax.plot(*track[:, 0, :2].T, color="black", lw=2.5, label="shark")
+        ax.plot(*track[-1, 0, :2], "o", color="black")
+        for k in range(1, track.shape[1]):
+            seen = living[first:last, k - 1]
+            ax.plot(*track[seen, k, :2].T, color="#c8401e", lw=1.2)
+            if seen.any():
+                ax.plot(*track[seen, k, :2][-1], "o", color="#c8401e", ms=4)
+        ax.set_aspect("equal", "datalim")
+        ax.set_title(f"{title}: {first * TICK_S:.0f} to {last * TICK_S:.0f} s")
+        ax.set_xlabel("x, cm")
+    axes[0].set_ylabel("y, cm")
+    radius = [
+        np.linalg.norm(row[1:][left] - np.median(row[1:][left], axis=0), axis=1).mean()
+        for row, left in zip(places, living, strict=True)
+    ]
+    gap = np.linalg.norm(places[:, 1:] - places[:, :1], axis=2)
+    gap[~living] = np.inf
+    time = TICK_S * np.arange(len(places))
+    axes[2].plot(time, radius, color="#c8401e", label="mean distance from the school's middle")
+    axes[2].plot(time, gap.min(axis=1), color="black", label="shark to the nearest of it")
+    axes[2].set_ylim(0, 700)
+    axes[2].set_xlabel("s")
+    axes[2].set_ylabel("cm")
+    axes[2].legend(fontsize=8)
+    return figure
+
+
+def main() -> None:
+    """All of them, or the one that is named, into the folder."""
+    folder = Path(sys.argv[1] if len(sys.argv) > 1 else "docs/pictures")
+    pictures = {"capture": capture, "hook": hook, "scatter": scatter}
+    for name, make in pictures.items():
+        if len(sys.argv) > 2 and name not in sys.argv[2:]:
+            continue
+        made = make()
+        if isinstance(made, Figure):
+            made.savefig(folder / f"{name}.png", dpi=100)
+        else:
+            made.quantize(256).save(folder / f"{name}.png", optimize=True)
+
+
+if __name__ == "__main__":
+    main()
