@@ -8,7 +8,20 @@ from numpy.typing import NDArray
 
 from subsea.kinematics.rotation import rotate
 from subsea.kinematics.vector import dot, minus, norm, plus, times, unit, vector
-from subsea.state import ASCEND, DESCEND, LEFT, NOBODY, RIGHT, Clock, Fishes, Minds, Nature, Sea
+from subsea.state import (
+    ASCEND,
+    DESCEND,
+    LEFT,
+    NOBODY,
+    PREDATOR,
+    PREY,
+    RIGHT,
+    Clock,
+    Fishes,
+    Minds,
+    Nature,
+    Sea,
+)
 
 Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
@@ -22,9 +35,11 @@ PASSING_BL = 0.05  # an obstacle whose middle is less far aside is straight ahea
 def desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
-    """All or nothing: perception has found a danger of collision."""
+    """All or nothing: perception has found a danger of collision. Hunters yield to no prey."""
     for i in who:
-        out[i] = 1.0 if minds.threat[i] != NOBODY or minds.barrier[i] != -1 else 0.0
+        j = minds.threat[i]
+        yields = j != NOBODY and (minds.kind[i] != PREDATOR or minds.kind[j] != PREY)
+        out[i] = 1.0 if yields or minds.barrier[i] != -1 else 0.0
 
 
 @njit(cache=True, error_model="numpy")

@@ -1,10 +1,15 @@
 """What becomes of the others when a fish is gone: eaten, or landed."""
 
+from typing import Any
+
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from subsea.kinematics.vector import dot, minus, norm, vector
 from subsea.state import MATE, NO_COURTSHIP, NOBODY, PREDATOR, Fishes, Minds
+
+Ints = NDArray[np.integer[Any]]
 
 
 @njit(cache=True, error_model="numpy")
@@ -36,11 +41,22 @@ def remove(fishes: Fishes, minds: Minds, dead: int) -> None:
         if hunts and minds.food[i] == dead:
             minds.food[i] = NOBODY
             minds.food_distance[i] = np.inf
-        for slot in range(minds.neighbour.shape[1]):
-            if minds.neighbour[i, slot] == dead:
-                # The list ends at the first NOBODY: those who come after move up.
-                minds.neighbour[i, slot:-1] = minds.neighbour[i, slot + 1 :].copy()
-                minds.neighbour[i, -1] = NOBODY
+        if hunts:
+            _strike(minds.foods[i], dead)
+        _strike(minds.predators[i], dead)
+        _strike(minds.mates[i], dead)
+        _strike(minds.neighbour[i], dead)
+
+
+@njit(cache=True, error_model="numpy")
+def _strike(row: Ints, dead: int) -> None:
+    """Take `dead` out of a list that ends at the first NOBODY: those who come after move up."""
+    kept = 0
+    for j in row:
+        if j != dead:
+            row[kept] = j
+            kept += 1
+    row[kept:] = NOBODY
 
 
 @njit(cache=True, error_model="numpy")

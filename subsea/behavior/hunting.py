@@ -17,13 +17,14 @@ Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
 
 STILL_HUNGRY = 0.6  # of `keen`: a hunter goes on until its hunger is below that share of it
+EAGER = 1.5  # of `keen`: the least desire of one that hunts, so that it doesn't waver
 STALK = 0.7  # share of the fastest speed at which it comes up
 BURST_BL = 2.5  # within this distance it throws itself forward ...
 AIM_RAD = np.radians(50.0)  # ... if it heads for the prey, ...
 BRAKED = 0.12  # ... and if not it slows down, to turn on the spot
-STRAIN = 2.0  # s of fatigue that each second of a burst adds
+STRAIN = 2.0  # s of fatigue in each second of a burst; coming up and turning cost none
 RESTED_S = 25.0  # a hunter that gave up begins anew once its fatigue is less
-CHEW_S = 2.0  # it grinds what it caught
+CHEW_S = 5.0  # it grinds what it caught: time for the others to scatter
 CHEWS_PER_S = 2.5
 
 FITS = 0.45  # of its own length is the longest prey that it can swallow
@@ -37,12 +38,12 @@ MOUTH_BL, MIDDLE = 0.05, 0.2  # a prey is in the mouth when its middle is within
 @njit(cache=True, error_model="numpy")
 def hunger(minds: Minds, i: int, nature: Nature) -> float:
     """How much a predator wants to hunt: its hunger, if it isn't tired from the last chase."""
-    hunts = minds.intention[i] == EAT
+    hunts = minds.intention[i] == EAT or minds.memory[i] == EAT
     least = nature.keen * (STILL_HUNGRY if hunts else 1.0)
     tired = not hunts and minds.fatigue[EAT, i] > RESTED_S
     if minds.food[i] < 0 or tired or minds.mental[i, HUNGER] <= least:
         return 0.0
-    return max(minds.mental[i, HUNGER], nature.keen + 1e-6)
+    return max(minds.mental[i, HUNGER], EAGER * nature.keen if hunts else 0.0)
 
 
 @njit(cache=True, error_model="numpy")
@@ -65,13 +66,17 @@ def hunt(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
     minds.target[i] = j
     distance = chase(fishes, minds, i, vector(fishes.position[j]), vector(fishes.velocity[j]))
     length = fishes.length[i]
+    strain = 0.0
     if distance > BURST_BL * length:
         fishes.goal_speed[i] = STALK
     elif _aside(fishes, minds, i) > AIM_RAD:
         fishes.goal_speed[i] = BRAKED
     else:
         fishes.goal_speed[i] = 1.0
-        minds.fatigue[EAT, i] += STRAIN * minds.pause[i]
+        strain = STRAIN
+    # The generator has counted a second for each that it is followed.
+    fatigue = minds.fatigue[EAT, i] + (strain - 1.0) * minds.pause[i]
+    minds.fatigue[EAT, i] = max(fatigue, 0.0)
     fishes.gape[i] = 1.0 if distance < OPEN_BL * length else 0.0
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from subsea.behavior import avoiding
-from subsea.state import LEFT, RIGHT
+from subsea.state import LEFT, PACIFIST, PREDATOR, PREY, RIGHT
 
 
 def test_danger_is_all_or_nothing(tank):
@@ -41,3 +41,12 @@ def test_straight_ahead_the_motor_preferences_decide(tank, preferred, sign):
         t.minds.preference[0, preferred] = 0.5
         t.run(avoiding.act, 0)
         assert np.sign(t.minds.urge[0, 1]) == sign
+
+
+def test_a_hunter_yields_to_no_prey(tank):
+    one = tank(2)
+    one.minds.threat[:] = 1, 0
+    one.minds.kind[:] = PREDATOR, PREY
+    assert one.desire(avoiding.desire).tolist() == [0, 1]
+    one.minds.kind[1] = PACIFIST
+    assert one.desire(avoiding.desire).tolist() == [1, 1]

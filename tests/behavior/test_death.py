@@ -53,6 +53,7 @@ def test_nobody_points_to_the_dead():
     minds.memory[1] = MATE
     minds.memory_target[:] = 3
     minds.neighbour[1, :3] = 2, 3, 0
+    minds.foods[:2], minds.predators[2], minds.mates[1] = (1, 3, -1), (3, 0, -1), (2, 3, -1)
     minds.mate[1], minds.partner[1], minds.courtship[1] = 3, 3, APPROACHING
     minds.predator[2], minds.menace[2], minds.threat[2] = 3, 0.9, 3
     remove(fishes, minds, 3)
@@ -60,6 +61,9 @@ def test_nobody_points_to_the_dead():
     assert minds.memory_target.tolist() == [NOBODY, NOBODY, 3, 3]
     assert minds.food.tolist() == [NOBODY, 3, 3, 3]
     assert minds.neighbour[1, :3].tolist() == [2, 0, NOBODY]
+    assert minds.foods[:2].tolist() == [[1, NOBODY, NOBODY], [1, 3, NOBODY]]
+    assert minds.predators[2].tolist() == [0, NOBODY, NOBODY]
+    assert minds.mates[1].tolist() == [2, NOBODY, NOBODY]
     assert minds.mate[1] == minds.partner[1] == NOBODY
     assert minds.courtship[1] == NO_COURTSHIP
     assert minds.predator[2] == minds.threat[2] == NOBODY

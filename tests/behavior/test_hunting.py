@@ -24,7 +24,17 @@ from subsea.behavior.hunting import (
 )
 from subsea.behavior.table import BEHAVIORS, DESIRES
 from subsea.scenario import Shoal, load_scenario
-from subsea.state import EAT, HUNGER, PACIFIST, PREDATOR, PREY, Clock, empty_fishes, empty_minds
+from subsea.state import (
+    AVOID,
+    EAT,
+    HUNGER,
+    PACIFIST,
+    PREDATOR,
+    PREY,
+    Clock,
+    empty_fishes,
+    empty_minds,
+)
 from subsea.world import create_world, heading_quaternion
 
 LENGTH, SNOUT = 100.0, 30.0
@@ -78,12 +88,14 @@ def _act(fishes, minds, around):
 )
 def test_a_hunter_comes_up_and_bursts_forward(around, place, speed, gape):
     fishes, minds = _hunter(place)
+    minds.fatigue[EAT, 0] = 5.0
     _act(fishes, minds, around)
     assert fishes.goal_speed[0] == pytest.approx(speed)
     assert fishes.gape[0] == gape
     toward = minds.urge[0] / np.linalg.norm(minds.urge[0])
     assert toward @ (np.array(place) / np.linalg.norm(place)) > 0.999
-    assert minds.fatigue[EAT, 0] == pytest.approx(STRAIN * DT if speed == 1 else 0)
+    strain = STRAIN if speed == 1 else 0.0
+    assert minds.fatigue[EAT, 0] == pytest.approx(5.0 + (strain - 1) * DT)
 
 
 def test_it_heads_off_a_prey_that_crosses_its_way(around):
@@ -114,7 +126,9 @@ def test_hunger_and_fatigue_decide_whether_it_hunts(around):
     assert wants()
     minds.fatigue[EAT, 0] = RESTED_S + 1
     assert wants()  # a chase is finished ...
-    minds.intention[0] = 0
+    minds.intention[0], minds.memory[0] = AVOID, EAT
+    assert wants()  # ... even when it was interrupted, ...
+    minds.memory[0] = -1
     assert not wants()  # ... but one that gave up rests
     minds.fatigue[EAT, 0] = RESTED_S - 1
     assert wants()
