@@ -1,4 +1,4 @@
-"""Figures of docs/behavior.md: `python docs/behavior_figures.py preying|go-fish [SEEDS]`.
+"""Figures of docs/behavior.md: `python docs/hunting_figures.py preying|go-fish [SEEDS]`.
 
 Runs the scenario from so many seeds, 1 and on, ten if left out, and prints a line for each.
 """
