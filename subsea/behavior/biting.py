@@ -12,7 +12,6 @@ from subsea.state import (
     HANGING,
     HOOKED,
     NOBODY,
-    PREDATOR,
     SINKING,
     Clock,
     Fishes,
@@ -31,13 +30,16 @@ OUT_BL = 0.6  # a catch whose middle is so far above the surface is gone
 
 
 @njit(cache=True, error_model="numpy")
-def bait_in_reach(fishes: Fishes, minds: Minds, i: int, sea: Sea, nature: Nature) -> bool:
-    """Whether fish i smells a bait that nobody has bitten, and no speck is much nearer."""
-    if minds.kind[i] == PREDATOR or sea.catch[0] not in (SINKING, HANGING):
-        return False
+def is_offered(sea: Sea) -> bool:
+    """Whether a bait that nobody has bitten is in the water."""
+    return sea.catch[0] in (SINKING, HANGING) and sea.hook[2] < -COVER_CM
+
+
+@njit(cache=True, error_model="numpy")
+def in_reach(fishes: Fishes, minds: Minds, i: int, sea: Sea, nature: Nature) -> bool:
+    """Whether fish i, no predator, smells the bait that is offered, and no speck is much nearer."""
     distance = norm(minus(vector(sea.hook), mouth_of(fishes, i)))
-    near = distance < nature.smell_cm and sea.hook[2] < -COVER_CM
-    return near and distance < TEMPTING * minds.food_distance[i]
+    return distance < nature.smell_cm and distance < TEMPTING * minds.food_distance[i]
 
 
 @njit(cache=True, error_model="numpy")

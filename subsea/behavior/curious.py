@@ -32,6 +32,7 @@ def desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
     """Interest of a pacifist that sees the submarine and has not seen enough of it lately."""
+    hull = vector(sea.submarine[:3])
     for i in who:
         looks = minds.intention[i] == CURIOUS
         seen = minds.fatigue[CURIOUS, i]
@@ -40,8 +41,10 @@ def desire(
         if not looks and seen > 0.0:
             # Fatigue falls by a second in a second: here it is forgotten more slowly.
             minds.fatigue[CURIOUS, i] += (1.0 - FORGETS) * minds.pause[i]
+        toward = minus(hull, vector(fishes.position[i]))
+        ahead = rotate(fishes.orientation[i], (1.0, 0.0, 0.0))
         drawn = minds.kind[i] == PACIFIST and seen < enough
-        out[i] = INTEREST if drawn and _sees(fishes, i, sea, nature.curiosity_cm) else 0.0
+        out[i] = INTEREST if drawn and _sees(toward, ahead, nature.curiosity_cm) else 0.0
 
 
 @njit(cache=True, error_model="numpy")
@@ -72,9 +75,7 @@ def place_before(sea: Sea, length: float, identity: float) -> Vector:
 
 
 @njit(cache=True, error_model="numpy")
-def _sees(fishes: Fishes, i: int, sea: Sea, reach: float) -> bool:
-    """Whether the submarine is within `reach` cm and not behind fish i."""
-    toward = minus(vector(sea.submarine[:3]), vector(fishes.position[i]))
+def _sees(toward: Vector, ahead: Vector, reach: float) -> bool:
+    """Whether what lies `toward` (cm) a fish is within `reach` cm and not behind it."""
     distance = norm(toward)
-    ahead = rotate(fishes.orientation[i], (1.0, 0.0, 0.0))
     return distance < reach and dot(ahead, toward) > SIGHT_COS * distance

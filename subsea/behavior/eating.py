@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from subsea.behavior.biting import approach, bait_in_reach
+from subsea.behavior.biting import approach, in_reach, is_offered
 from subsea.behavior.chasing import chase, mouth_of
 from subsea.behavior.hunting import hunger as hunters_hunger
 from subsea.behavior.hunting import hunt
@@ -33,6 +33,7 @@ def desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
     """Hunger, if there is more than `keen` of it and something to eat."""
+    bait = is_offered(sea)
     for i in who:
         if minds.kind[i] == PREDATOR:
             out[i] = hunters_hunger(minds, i, nature)
@@ -43,18 +44,19 @@ def desire(
         led = minds.schools[i] and minds.leader[i] >= 0
         reach = BROWSE_BL * fishes.length[i] if led else np.inf
         near = minds.food[i] >= 0 and minds.food_distance[i] <= reach
-        food = near or bait_in_reach(fishes, minds, i, sea, nature)
+        food = near or (bait and in_reach(fishes, minds, i, sea, nature))
         out[i] = max(hunger, nature.keen + 1e-6) if hunger > least and food else 0.0
 
 
 @njit(cache=True, error_model="numpy")
 def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
     """Hunt, or chase the speck that has the fish's attention; once it is near, open the mouth."""
+    bait = is_offered(sea)
     for i in who:
         if minds.kind[i] == PREDATOR:
             hunt(fishes, minds, i, sea, clock)
             continue
-        if bait_in_reach(fishes, minds, i, sea, nature):
+        if bait and in_reach(fishes, minds, i, sea, nature):
             approach(fishes, minds, i, sea)
             continue
         k = minds.target[i]

@@ -30,7 +30,9 @@ def keep_clear(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> None:
     point outward the less, the nearer it is, and must point inward where it is too near. What
     remains of the wish runs along the boundary.
     """
+    hull, velocity = vector(sea.submarine[:3]), vector(sea.submarine[3:6])
     for i in who:
+        here = vector(fishes.position[i])
         urge = vector(minds.urge[i])
         length = norm(urge)
         if length < 1e-9:
@@ -41,7 +43,7 @@ def keep_clear(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> None:
         for _ in range(2):
             urge = _inside(fishes, i, sea, urge)
             urge = _around(fishes, i, sea, urge)
-            urge = _off_the_hull(fishes, i, sea, urge)
+            urge = _off_the_hull(here, fishes.length[i], hull, velocity, urge)
         for axis in range(3):
             minds.urge[i, axis] = urge[axis]
 
@@ -84,12 +86,12 @@ def _around(fishes: Fishes, i: int, sea: Sea, urge: Vector) -> Vector:
 
 
 @njit(cache=True, error_model="numpy")
-def _off_the_hull(fishes: Fishes, i: int, sea: Sea, urge: Vector) -> Vector:
+def _off_the_hull(
+    here: Vector, length: float, hull: Vector, velocity: Vector, urge: Vector
+) -> Vector:
     """The wish constrained by the submarine, from where that will be nearest: aside, not ahead."""
-    away = minus(vector(fishes.position[i]), vector(sea.submarine[:3]))
-    reach = HULL_CM + BODY_BL * fishes.length[i] + CLEARANCE_CM
-    room = ROOM_BL * fishes.length[i]
-    velocity = vector(sea.submarine[3:6])
+    away = minus(here, hull)
+    reach, room = HULL_CM + BODY_BL * length + CLEARANCE_CM, ROOM_BL * length
     speed = norm(velocity)
     if norm(away) > reach + room + HULL_AHEAD_S * speed:
         return urge
