@@ -1,9 +1,13 @@
-"""Time perception and behavior of `open-ocean` with more and more fishes.
+"""Time perception and behavior of `open-ocean` with more and more fishes, on one core.
+
+Processor time of the thread counts, so what else the machine does matters little.
 
 .venv/bin/python tools/measure_minds.py [FISHES ...]
 """
 
 import sys
+import time
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -43,6 +47,7 @@ def main() -> None:
     """Print a row for each number of fishes: with turns, then everybody in every tick."""
     numbers = [int(word) for word in sys.argv[1:]] or list(NUMBERS)
     taking_turns = ocean.whose_turn
+    ocean.time = SimpleNamespace(perf_counter=time.thread_time)
     medians_ms(60)  # compiles
     print(f"{'':8s}{'taking turns, ms':>30s}{'everybody, ms':>30s}")
     print(f"{'fishes':8s}" + 2 * f"{'perception':>12s}{'behavior':>10s}{'both':>8s}")
