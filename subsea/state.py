@@ -199,6 +199,8 @@ class Sea(NamedTuple):
     # which also enters whom it caught, or NOBODY.
     catch: Ints = np.array([STOWED, NOBODY])  # (2,) int64
 
+    crest: float = np.inf  # cm, constant: no part of the seabed inside the sea is higher
+
 
 class Seaweed(NamedTuple):
     """Seaweed (Tu §8.2): l leaves in c clusters, each a chain of m nodes from root to tip."""

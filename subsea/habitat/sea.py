@@ -3,7 +3,7 @@
 import numpy as np
 
 from subsea.habitat import hook, plankton
-from subsea.habitat.terrain import half_width, make_terrain
+from subsea.habitat.terrain import crest, half_width, make_terrain
 from subsea.kinematics.heightfield import height_at
 from subsea.scenario import Scenario
 from subsea.state import NOBODY, STOWED, Sea
@@ -38,4 +38,5 @@ def make_sea(scenario: Scenario, rng: np.random.Generator) -> Sea:
         hook=np.zeros(3),
         catch=np.array([STOWED, NOBODY]),
         submarine=np.zeros(9),
+        crest=crest(heights, width, radius),
     )

@@ -44,3 +44,12 @@ def make_terrain(scenario: Scenario) -> Array:
     rim = np.clip(np.hypot(x, y) / scenario.bounds.radius_cm - 0.75, 0.0, 1.0)
     heights = heights + RIM_CM * rim**2 - scenario.bounds.depth_cm
     return np.minimum(heights, -0.5 * scenario.bounds.depth_cm).astype(np.float32)
+
+
+def crest(heights: Array, half_width: float, radius: float) -> float:
+    """The height (cm) that no part of the seabed within `radius` exceeds."""
+    axis = np.linspace(-half_width, half_width, len(heights))
+    x, y = np.meshgrid(axis, axis)
+    # A sample beyond the radius still shapes what is inside of it, a cell away.
+    inside = np.hypot(x, y) <= radius + 2.0 * (axis[1] - axis[0])
+    return float(heights[inside].max())

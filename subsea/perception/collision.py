@@ -17,7 +17,7 @@ from subsea.kinematics.solids import (
     ray_meets_seabed,
 )
 from subsea.kinematics.vector import Vector, dot, minus, norm, plus, times, vector
-from subsea.perception.grid import Grid, first_ring, last_ring, ring_slots
+from subsea.perception.grid import Grid, near_slots
 from subsea.perception.vision import FIELD_COS, Bodies, Scene, ahead_of, along_body, eye_of
 from subsea.state import (
     APPROACHING,
@@ -34,6 +34,7 @@ from subsea.state import (
 )
 
 Array = NDArray[np.floating[Any]]
+Flags = NDArray[np.bool_]
 Ints = NDArray[np.integer[Any]]
 
 ANTENNA_BL = 1.0  # length of the ray that feels for obstacles (Tu §6.6.1) ...
@@ -54,20 +55,18 @@ FINEST, MOST_STATIONS = 0.3, 64  # ... and no farther apart than so many lengths
 
 @njit(cache=True, error_model="numpy")
 def find_threats(
-    who: Ints, bodies: Bodies, minds: Minds, grids: tuple[Grid, Grid], nature: Nature
+    who: Ints, bodies: Bodies, minds: Minds, alive: Flags, grids: tuple[Grid, Grid], nature: Nature
 ) -> None:
     """Enter into `minds.threat` with whom each of the fishes `who` is in danger to collide.
 
-    `grids` holds all that may be run into, small and large ones apart. The one with the largest
-    share of its centre line in the sensitivity region counts, of equal ones the nearest. A fish
-    takes no prey that it hunts for a threat, and no partner in courtship.
+    `grids` holds the middles of all that may be run into, small and large ones apart. The one with
+    the largest share of its centre line in the sensitivity region counts, of equal ones the
+    nearest. A fish takes no prey that it hunts for a threat, and no partner in courtship.
     """
-    most = np.zeros((2, 2))  # extent and speed of each grid's fishes
-    for g, grid in enumerate(grids):
-        for j in grid.member:
-            most[g, 0] = max(most[g, 0], extent(bodies, j))
-            most[g, 1] = max(most[g, 1], norm(vector(bodies.velocity[j])))
-    slots = np.empty(max(len(grids[0].member), len(grids[1].member)), np.int64)
+    small, large = grids
+    motions = motion(bodies, small), motion(bodies, large)
+    most = _most(motions[0]), _most(motions[1])
+    slots = np.empty(max(len(small.member), len(large.member)), np.int64)
     scale = ENLARGED * nature.timidity
     for i in who:
         intention = minds.intention[i]
@@ -81,46 +80,79 @@ def find_threats(
             margin, foresight = scale * SCHOOLING_BL, scale * SCHOOLING_S
         elif interrupted == EAT and minds.kind[i] == PREDATOR:
             welcome = minds.memory_target[i] if intention == AVOID else minds.target[i]
-        before = minds.threat[i] if intention == AVOID else NOBODY
-        minds.threat[i] = worst_threat(
-            bodies, i, grids, most, slots, margin, foresight, welcome, before
-        )
+        worst = (np.int64(NOBODY), 0.0, np.inf)
+        before = minds.threat[i]
+        if intention == AVOID and before != NOBODY and before != welcome and alive[before]:
+            share = share_inside(bodies, i, before, HELD * margin, HELD * foresight)
+            gap = minus(along_body(bodies, before, 0.5), along_body(bodies, i, 0.5))
+            if share > 0.0:
+                worst = (np.int64(before), share, dot(gap, gap))
+        for g in range(2):
+            worst = worst_threat(
+                bodies, i, grids[g], motions[g], most[g], slots, margin, foresight, welcome, worst
+            )
+        minds.threat[i] = worst[0]
+
+
+@njit(cache=True, error_model="numpy")
+def motion(bodies: Bodies, grid: Grid) -> Array:
+    """Velocity (x, y, z) and radius about its middle of the fish in each slot (m, 4), cm/s, cm."""
+    out = np.empty((len(grid.member), 4))
+    for slot in range(len(out)):
+        j = grid.member[slot]
+        for axis in range(3):
+            out[slot, axis] = bodies.velocity[j, axis]
+        out[slot, 3] = _radius(bodies, j)
+    return out
+
+
+@njit(cache=True, error_model="numpy")
+def _most(motion: Array) -> tuple[float, float]:
+    """The largest radius and speed."""
+    radius, speed = 0.0, 0.0
+    for slot in range(len(motion)):
+        radius = max(radius, motion[slot, 3])
+        speed = max(speed, norm(vector(motion[slot])))
+    return radius, speed
 
 
 @njit(cache=True, error_model="numpy")
 def worst_threat(
-    bodies: Bodies, i: int, grids: tuple[Grid, Grid], most: Array, slots: Ints,
-    margin: float, foresight: float, welcome: int, before: int,
-) -> int:  # fmt: skip
-    """The worst threat to fish i, or NOBODY; for `before`, the last one, the region is larger."""
-    here, velocity = vector(bodies.position[i]), vector(bodies.velocity[i])
-    around = extent(bodies, i) + 2.0 * HELD * margin * float(bodies.length[i])
-    threat, largest, least = NOBODY, 0.0, np.inf
-    for g, grid in enumerate(grids):
-        reach = around + most[g, 0] + HELD * foresight * (norm(velocity) + most[g, 1])
-        for ring in range(first_ring(grid, here), last_ring(grid, here, reach) + 1):
-            for k in range(ring_slots(grid, here, ring, slots)):
-                j = grid.member[slots[k]]
-                gap = minus(vector(grid.place[slots[k]]), here)
-                squared = dot(gap, gap)
-                approach = norm(minus(vector(bodies.velocity[j]), velocity))
-                near = around + extent(bodies, j) + HELD * foresight * approach
-                if squared > near * near or j in (i, welcome):
-                    continue
-                held = HELD if j == before else 1.0
-                share = share_inside(bodies, i, j, held * margin, held * foresight)
-                nearer = squared < least or (squared == least and j < threat)
-                if share > largest or (share == largest > 0.0 and nearer):
-                    threat, largest, least = j, share, squared
-    return threat
+    bodies: Bodies, i: int, grid: Grid, motion: Array, most: tuple[float, float], slots: Ints,
+    margin: float, foresight: float, welcome: int, worst: tuple[int, float, float],
+) -> tuple[int, float, float]:  # fmt: skip
+    """The worst threat to fish i in a grid of the middles of fishes, if it is worse than `worst`.
+
+    A threat is the fish or NOBODY, the share of it that is inside, and its distance squared.
+    """
+    here, velocity = along_body(bodies, i, 0.5), vector(bodies.velocity[i])
+    around = _radius(bodies, i) + 3.0 * margin * float(bodies.length[i])
+    reach = around + most[0] + foresight * (norm(velocity) + most[1])
+    for k in range(near_slots(grid, here, reach, slots)):
+        slot = slots[k]
+        j = grid.member[slot]
+        gap = minus(vector(grid.place[slot]), here)
+        drift = minus(vector(motion[slot]), velocity)
+        # How near the middles come: nothing of a body is farther from its middle than its radius.
+        met, along = gap, dot(gap, drift)
+        if along < 0.0:
+            met = plus(gap, times(min(-along / dot(drift, drift), foresight), drift))
+        near = around + motion[slot, 3]
+        if dot(met, met) > near * near or j in (i, welcome):
+            continue
+        share = share_inside(bodies, i, j, margin, foresight)
+        squared = dot(gap, gap)
+        nearer = squared < worst[2] or (squared == worst[2] and j < worst[0])
+        if share > worst[1] or (share == worst[1] > 0.0 and nearer):
+            worst = (j, share, squared)
+    return worst
 
 
 @njit(cache=True, error_model="numpy")
-def extent(bodies: Bodies, i: int) -> float:
-    """How far any part of fish i is from its position at most, cm."""
-    snout = float(bodies.snout[i])
-    along = max(snout, float(bodies.length[i]) - snout)
-    return along + 0.5 * (float(bodies.girth[i, 0]) + float(bodies.girth[i, 1]))
+def _radius(bodies: Bodies, i: int) -> float:
+    """How far any part of fish i is from its middle at most, cm."""
+    girth = float(bodies.girth[i, 0]) + float(bodies.girth[i, 1])
+    return 0.5 * (float(bodies.length[i]) + girth)
 
 
 @njit(cache=True, error_model="numpy")

@@ -7,14 +7,15 @@ from numba import njit
 from numpy.typing import NDArray
 
 from subsea.kinematics.vector import minus, norm, vector
-from subsea.perception.grid import Grid, first_ring, insert, last_ring, ring_distance, ring_slots
+from subsea.perception.grid import Grid, insert, near_slots
 from subsea.perception.vision import Bodies, Scene, eye_of, sees_fish, sight
-from subsea.state import LOOPING, PACIFIST, Minds, Nature
+from subsea.state import LIBIDO, LOOPING, PACIFIST, Minds, Nature
 
 Ints = NDArray[np.integer[Any]]
 
 CELL_CM = 100.0
 ODD = 2.0  # nobody courts a stranger so many times as long, or as short
+TEMPTING_CM = 40.0  # a mate that is farther off does not tempt who is not in the mood (Tu §7.4)
 STRANGE_CM = 1e6  # so much farther away a fish of another species counts
 
 
@@ -24,7 +25,9 @@ def see_mates(
 ) -> None:
     """Enter possible mates in sight of the fishes `who`, from the pacifists in `grid`.
 
-    Those of the same species come first, then the nearest.
+    Those of the same species come first, then the nearest. Who has too little libido to court
+    looks no farther than a mate could tempt it. A mate is of the other sex, not shunned and not
+    circling with another; one of another species must be about as large.
     """
     longest = 0.0
     for j in grid.member:
@@ -37,34 +40,26 @@ def see_mates(
         cost[:] = np.inf
         if minds.kind[i] == PACIFIST:
             eye = eye_of(bodies, i)
-            last = last_ring(grid, eye, sight(longest, nature))
-            for ring in range(first_ring(grid, eye), last + 1):
-                if ring_distance(grid, eye, ring) > cost[-1]:
-                    break
-                for k in range(ring_slots(grid, eye, ring, slots)):
-                    slot = slots[k]
-                    j = grid.member[slot]
-                    if not _is_possible(bodies, minds, species, i, j):
+            farthest = sight(longest, nature)
+            if minds.mental[i, LIBIDO] <= nature.keen:
+                farthest = min(farthest, TEMPTING_CM)
+            inner, outer = -1.0, min(grid.cell, farthest)
+            while True:
+                for k in range(near_slots(grid, eye, outer, slots)):
+                    j = grid.member[slots[k]]
+                    price = norm(minus(vector(grid.place[slots[k]]), eye))
+                    if not inner < price <= outer or minds.male[i] == minds.male[j]:
                         continue
-                    price = norm(minus(vector(grid.place[slot]), eye))
+                    taken = minds.courtship[j] > LOOPING and minds.partner[j] != i
+                    odd = not 1.0 / ODD < bodies.length[i] / bodies.length[j] < ODD
+                    if minds.shunned[i] == j or taken or (odd and species[i] != species[j]):
+                        continue
                     if species[i] != species[j]:
                         price += STRANGE_CM
                     if price <= cost[-1] and sees_fish(bodies, i, j, scene, nature):
                         insert(found, cost, j, price)
+                if cost[-1] <= outer or outer >= farthest:
+                    break
+                inner, outer = outer, min(2.0 * outer, farthest)
         minds.mate[i] = found[0]
         minds.mate_distance[i] = cost[0] - STRANGE_CM if cost[0] >= STRANGE_CM else cost[0]
-
-
-@njit(cache=True, error_model="numpy")
-def _is_possible(bodies: Bodies, minds: Minds, species: Ints, i: int, j: int) -> bool:
-    """Whether fish i might court fish j: of the other sex, not shunned, not circling with another.
-
-    One of another species must be about as large.
-    """
-    if minds.male[i] == minds.male[j] or minds.shunned[i] == j:
-        return False
-    if minds.courtship[j] > LOOPING and minds.partner[j] != i:
-        return False
-    if species[i] == species[j]:
-        return True
-    return bool(1.0 / ODD < bodies.length[i] / bodies.length[j] < ODD)

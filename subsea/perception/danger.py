@@ -7,7 +7,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from subsea.kinematics.vector import minus, norm, vector
-from subsea.perception.grid import Grid, first_ring, insert, last_ring, ring_slots
+from subsea.perception.grid import Grid, insert, near_slots
 from subsea.perception.vision import (
     SUBMARINE_CM,
     Bodies,
@@ -51,16 +51,13 @@ def see_predators(
                 danger = fearfulness(nature.submarine_cm, norm(minus(there, eye)))
                 total += min(danger, 1.0)
                 insert(worst, cost, SUBMARINE, -danger)
-            last = last_ring(grid, eye, sight(longest, nature))
-            for ring in range(first_ring(grid, eye), last + 1):
-                for k in range(ring_slots(grid, eye, ring, slots)):
-                    slot = slots[k]
-                    j = grid.member[slot]
-                    if sees_fish(bodies, i, j, scene, nature):
-                        gap = minus(vector(grid.place[slot]), eye)
-                        danger = fearfulness(float(minds.dread[i]), norm(gap))
-                        total += min(danger, 1.0)
-                        insert(worst, cost, j, -danger)
+            for k in range(near_slots(grid, eye, sight(longest, nature), slots)):
+                j = grid.member[slots[k]]
+                if sees_fish(bodies, i, j, scene, nature):
+                    gap = minus(vector(grid.place[slots[k]]), eye)
+                    danger = fearfulness(float(minds.dread[i]), norm(gap))
+                    total += min(danger, 1.0)
+                    insert(worst, cost, j, -danger)
         minds.predator[i] = worst[0]
         minds.menace[i] = min(-cost[0], 1.0) if worst[0] != NOBODY else 0.0
         minds.menaces[i] = total

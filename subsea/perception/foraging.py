@@ -8,15 +8,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from subsea.kinematics.vector import Vector, dot, minus, norm, vector
-from subsea.perception.grid import (
-    Grid,
-    first_ring,
-    insert,
-    last_ring,
-    nearest,
-    ring_distance,
-    ring_slots,
-)
+from subsea.perception.grid import Grid, insert, near_slots, nearest
 from subsea.perception.vision import Bodies, Scene, ahead_of, eye_of, sees_fish, sight
 from subsea.state import PREDATOR, SCHOOL, Minds, Nature, Sea
 
@@ -68,20 +60,24 @@ def perceive_prey(
         cost[:] = np.inf
         minds.food[i] = -1
         mouth, ahead = eye_of(bodies, i), ahead_of(bodies, i)
-        for ring in range(first_ring(grid, mouth), last_ring(grid, mouth, farthest) + 1):
-            if ring_distance(grid, mouth, ring) > cost[-1]:
-                break  # a cost is never less than the distance
-            for k in range(ring_slots(grid, mouth, ring, slots)):
+        inner, outer = -1.0, min(grid.cell, farthest)
+        while True:
+            for k in range(near_slots(grid, mouth, outer, slots)):
                 slot = slots[k]
                 j = grid.member[slot]
                 toward = minus(vector(grid.place[slot]), mouth)
                 distance = norm(toward)
-                if distance > cost[-1] or not perceives(bodies, i, j, scene, nature, distance):
+                if not inner < distance <= outer or distance > cost[-1]:
+                    continue
+                if not perceives(bodies, i, j, scene, nature, distance):
                     continue
                 schools = minds.intention[j] == SCHOOL
                 insert(found, cost, j, cost_of(toward, distance, ahead, schools))
                 if distance < least or (distance == least and j < minds.food[i]):
                     minds.food[i], least = j, distance
+            if cost[-1] <= outer or outer >= farthest:
+                break  # a cost is never less than the distance
+            inner, outer = outer, min(2.0 * outer, farthest)
         minds.food_distance[i] = least
 
 

@@ -1,12 +1,13 @@
 """A sorted uniform grid over points: who is near, without asking everybody."""
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from subsea.kinematics.vector import Vector
+from subsea.kinematics.vector import Vector, dot, minus, vector
 
 Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
@@ -69,69 +70,34 @@ def make_grid(points: Array, chosen: Ints, cell: float) -> Grid:
 
 
 @njit(cache=True, error_model="numpy")
-def cell_of(grid: Grid, p: Vector) -> tuple[int, int, int]:
-    """The cell that p lies in, which may be outside of the grid."""
-    return (
-        int(np.floor((p[0] - grid.low[0]) / grid.cell)),
-        int(np.floor((p[1] - grid.low[1]) / grid.cell)),
-        int(np.floor((p[2] - grid.low[2]) / grid.cell)),
-    )
+def near_slots(grid: Grid, p: Vector, reach: float, slots: Ints) -> int:
+    """Enter slots of all points within `reach` cm of p, and of some that are farther.
 
-
-@njit(cache=True, error_model="numpy")
-def first_ring(grid: Grid, p: Vector) -> int:
-    """The number of the first ring of cells around p that has a part in the grid."""
-    ring = 0
-    home = cell_of(grid, p)
-    for axis in range(3):
-        ring = max(ring, -home[axis], home[axis] - grid.size[axis] + 1)
-    return ring
-
-
-@njit(cache=True, error_model="numpy")
-def last_ring(grid: Grid, p: Vector, reach: float) -> int:
-    """The number of the last ring of cells around p that has a part in the grid and in reach."""
-    ring = 0
-    home = cell_of(grid, p)
-    for axis in range(3):
-        ring = max(ring, home[axis], grid.size[axis] - 1 - home[axis])
-    return min(ring, int(reach / grid.cell) + 1)
-
-
-@njit(cache=True, error_model="numpy")
-def ring_distance(grid: Grid, p: Vector, ring: int) -> float:
-    """No point of the ring of cells number `ring` around that of p is nearer to p than this."""
-    if ring == 0:
-        return 0.0
-    least = np.inf
-    home = cell_of(grid, p)
-    for axis in range(3):
-        inside = p[axis] - grid.low[axis] - home[axis] * grid.cell
-        least = min(least, inside, grid.cell - inside)
-    return (ring - 1) * grid.cell + max(least, 0.0)
-
-
-@njit(cache=True, error_model="numpy")
-def ring_slots(grid: Grid, p: Vector, ring: int, slots: Ints) -> int:
-    """Enter slots of `member` and `place` whose cell is `ring` cells away from that of p.
-
-    Returns how many there are; `slots` must have room for all m. A generator would read better,
-    but compiled ones cannot be kept in numba's cache.
+    Returns how many there are; `slots` must have room for all m. (A generator would read better,
+    but compiled ones do not survive in numba's cache.)
     """
-    home_a, home_b, home_c = cell_of(grid, p)
+    first_a, last_a = _range(grid, p, reach, 0)
+    first_b, last_b = _range(grid, p, reach, 1)
+    first_c, last_c = _range(grid, p, reach, 2)
     count = 0
-    for a in range(max(home_a - ring, 0), min(home_a + ring + 1, grid.size[0])):
-        for b in range(max(home_b - ring, 0), min(home_b + ring + 1, grid.size[1])):
+    if first_c > last_c:
+        return 0
+    for a in range(first_a, last_a + 1):
+        for b in range(first_b, last_b + 1):
             row = (a * grid.size[1] + b) * grid.size[2]
-            rim = abs(a - home_a) == ring or abs(b - home_b) == ring
-            # All cells of a row on the rim, else its first and its last.
-            step = 1 if rim else max(2 * ring, 1)
-            for c in range(home_c - ring, home_c + ring + 1, step):
-                if 0 <= c < grid.size[2]:
-                    for slot in range(grid.start[row + c], grid.start[row + c + 1]):
-                        slots[count] = slot
-                        count += 1
+            for slot in range(grid.start[row + first_c], grid.start[row + last_c + 1]):
+                slots[count] = slot
+                count += 1
     return count
+
+
+@njit(cache=True, error_model="numpy")
+def _range(grid: Grid, p: Vector, reach: float, axis: int) -> tuple[int, int]:
+    """The first and the last cell along an axis within `reach` of p; none if last < first."""
+    middle = p[axis] - grid.low[axis]
+    first = np.floor((middle - reach) / grid.cell)
+    last = np.floor((middle + reach) / grid.cell)
+    return int(max(first, 0.0)), int(min(last, grid.size[axis] - 1.0))
 
 
 @njit(cache=True, error_model="numpy")
@@ -142,27 +108,26 @@ def nearest(
 
     They are nearer than `reach` and none is the member `but`; -1 and infinity where there are no
     more. Of those at equal distances the lower index comes first. `slots` (m,) is room to work.
+    One looks farther only while there are too few.
     """
     found[:] = -1
     gaps[:] = np.inf
-    last = len(found) - 1
-    worst = reach * reach
-    for ring in range(first_ring(grid, p), last_ring(grid, p, reach) + 1):
-        beyond = ring_distance(grid, p, ring)
-        if beyond * beyond > worst:
-            break
-        for k in range(ring_slots(grid, p, ring, slots)):
+    inner, outer = -1.0, min(grid.cell, reach)
+    while True:
+        bound = min(outer, gaps[-1]) * (1.0 + 1e-12)  # rounding must not tell equals apart
+        for k in range(near_slots(grid, p, outer, slots)):
             slot = slots[k]
-            x = grid.place[slot, 0] - p[0]
-            y = grid.place[slot, 1] - p[1]
-            z = grid.place[slot, 2] - p[2]
-            squared = x * x + y * y + z * z
-            if squared > worst or grid.member[slot] == but:
+            away = minus(vector(grid.place[slot]), p)
+            squared = dot(away, away)
+            if squared > bound * bound or grid.member[slot] == but:
                 continue
-            if squared < reach * reach and insert(found, gaps, grid.member[slot], squared):
-                worst = min(worst, gaps[last])
-    for k in range(last + 1):
-        gaps[k] = np.sqrt(gaps[k])
+            gap = math.sqrt(squared)
+            if inner < gap <= outer and gap < reach:
+                insert(found, gaps, grid.member[slot], gap)
+                bound = min(bound, gaps[-1] * (1.0 + 1e-12))
+        if gaps[-1] <= outer or outer >= reach:
+            break
+        inner, outer = outer, min(2.0 * outer, reach)
 
 
 @njit(cache=True, error_model="numpy")

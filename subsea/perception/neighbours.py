@@ -14,7 +14,7 @@ Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
 
 REACH_CM = 110.0  # how far a fish looks for companions
-CELL_CM = 40.0  # side of a cell: a school's fishes are half as far apart
+CELL_CM = 60.0  # side of a cell: large enough that few are empty
 
 
 def find_neighbours(who: Ints, fishes: Fishes, minds: Minds, reach: float) -> None:

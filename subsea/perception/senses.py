@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from subsea.perception import collision, company, courting, danger, foraging
 from subsea.perception.grid import make_grid
 from subsea.perception.neighbours import REACH_CM, find_neighbours
-from subsea.perception.vision import bodies_of, scene_of
+from subsea.perception.vision import bodies_of, middles_of, scene_of
 from subsea.state import PACIFIST, PREDATOR, PREY, Clock, Fishes, Minds, Nature, Sea
 
 Array = NDArray[np.floating[Any]]
@@ -28,12 +28,12 @@ def sense(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clo
     bodies, scene = bodies_of(fishes), scene_of(sea)
     company.watch_leader(who, bodies, fishes.alive, minds, scene, nature, clock)
     alive, place, kinds = fishes.alive, fishes.position, minds.kind
-    large = fishes.length > LARGE_CM
+    large, middles = fishes.length > LARGE_CM, middles_of(bodies)
     crowd = (
-        make_grid(place, np.flatnonzero(alive & ~large), SMALL_CELL_CM),
-        make_grid(place, np.flatnonzero(alive & large), LARGE_CELL_CM),
+        make_grid(middles, np.flatnonzero(alive & ~large), SMALL_CELL_CM),
+        make_grid(middles, np.flatnonzero(alive & large), LARGE_CELL_CM),
     )
-    collision.find_threats(who, bodies, minds, crowd, nature)
+    collision.find_threats(who, bodies, minds, alive, crowd, nature)
     collision.find_barriers(who, bodies, minds, scene, nature)
     hunters = make_grid(place, np.flatnonzero(alive & (kinds == PREDATOR)), danger.CELL_CM)
     danger.see_predators(who, bodies, minds, scene, sea.submarine, hunters, nature)

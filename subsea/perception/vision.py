@@ -18,6 +18,8 @@ FIELD_COS = math.cos(math.radians(150.0))  # half of the field of 300 degrees
 # Where on its centre line, from snout to tail, a fish is looked at: first where most of it is.
 # A solid that hides five points in a row is as long as the fish, which hides all 23 nodes too.
 BODY_SHARES = (0.5, 0.25, 0.75, 0.0, 1.0)
+# Water takes contrast away exponentially: what is farther than so many V_r is seen by nobody.
+FARTHEST = 3.0
 SUBMARINE_CM = 300.0  # how long the submarine is to the eye of a fish
 
 
@@ -43,6 +45,7 @@ class Scene(NamedTuple):
     heights: Array
     half_width: float
     radius: float
+    crest: float
 
 
 def bodies_of(fishes: Fishes) -> Bodies:
@@ -79,9 +82,18 @@ def along_body(bodies: Bodies, i: int, share: float) -> Vector:
 
 
 @njit(cache=True, error_model="numpy")
+def middles_of(bodies: Bodies) -> Array:
+    """The middle of the centre line of every fish (n, 3), cm, world."""
+    out = np.empty((len(bodies.length), 3))
+    for i in range(len(out)):
+        out[i, 0], out[i, 1], out[i, 2] = along_body(bodies, i, 0.5)
+    return out
+
+
+@njit(cache=True, error_model="numpy")
 def sight(length: float, nature: Nature) -> float:
-    """V_r s^p: from how far something `length` cm long is seen (Tu §6.3.1)."""
-    return nature.vision_cm * length / nature.standard_cm
+    """V_r s^p: from how far something `length` cm long is seen, cm (Tu §6.3.1)."""
+    return nature.vision_cm * min(length / nature.standard_cm, FARTHEST)
 
 
 @njit(cache=True, error_model="numpy")
@@ -101,6 +113,8 @@ def hidden(scene: Scene, eye: Vector, p: Vector) -> bool:
     for k in range(len(scene.rocks)):
         if ray_meets_rock(scene.rocks[k], 0.0, eye, p) <= 1.0:
             return True
+    if min(eye[2], p[2]) > scene.crest:
+        return False
     return ray_meets_seabed(scene.heights, scene.half_width, 0.0, eye, p) <= 1.0
 
 

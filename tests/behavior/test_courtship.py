@@ -144,7 +144,8 @@ def test_the_film_plays_by_itself(seed):
     assert minds.last_mating[large] == minds.last_mating[female] > 0
     assert minds.last_mating[angel] == minds.last_mating[angel_mate] > 0
     # He showed off before her in vain, turned away, and tried another.
-    assert small_s[:4] == [NO_COURTSHIP, APPROACHING, LOOPING, NO_COURTSHIP]
+    assert small_s[:3] == [NO_COURTSHIP, APPROACHING, LOOPING]
+    assert small_s[3] in (NO_COURTSHIP, APPROACHING)
     assert female in looped_for
     assert farthest > apart + 3 * fishes.length[small]
     assert flirts

@@ -4,7 +4,8 @@ import msgspec
 import numpy as np
 import pytest
 
-from subsea.habitat.terrain import make_terrain
+from subsea.habitat.terrain import crest, half_width, make_terrain
+from subsea.kinematics.heightfield import height_at
 from subsea.scenario import load_scenario
 
 
@@ -36,3 +37,15 @@ def test_no_cliffs(scenario):
     step = 2 * 1.6 * scenario.bounds.radius_cm / (len(heights) - 1)
     slope = np.hypot(*np.gradient(heights, step))
     assert slope.max() < np.tan(np.radians(34.0))
+
+
+def test_no_part_of_the_sea_is_above_the_crest(scenario):
+    heights, width, radius = make_terrain(scenario), half_width(scenario), scenario.bounds.radius_cm
+    top = crest(heights, width, radius)
+    rng = np.random.default_rng(1)
+    angle, away = rng.uniform(0, 2 * np.pi, 5000), radius * np.sqrt(rng.uniform(0, 1, 5000))
+    inside = [
+        height_at(heights, width, a * np.cos(b), a * np.sin(b))
+        for a, b in zip(away, angle, strict=True)
+    ]
+    assert top - 30.0 < max(inside) <= top

@@ -16,7 +16,7 @@ from subsea.perception.collision import (
 )
 from subsea.perception.grid import make_grid
 from subsea.perception.senses import LARGE_CELL_CM, LARGE_CM, SMALL_CELL_CM
-from subsea.perception.vision import bodies_of, scene_of
+from subsea.perception.vision import bodies_of, middles_of, scene_of
 from subsea.state import (
     APPROACHING,
     AVOID,
@@ -36,11 +36,12 @@ BACK = np.array([0.0, 0.0, np.sqrt(0.5), np.sqrt(0.5)])  # upright, heading agai
 def _threats(t):
     fishes = t.fishes
     large = fishes.length > LARGE_CM
+    middles = middles_of(bodies_of(fishes))
     grids = (
-        make_grid(fishes.position, np.flatnonzero(fishes.alive & ~large), SMALL_CELL_CM),
-        make_grid(fishes.position, np.flatnonzero(fishes.alive & large), LARGE_CELL_CM),
+        make_grid(middles, np.flatnonzero(fishes.alive & ~large), SMALL_CELL_CM),
+        make_grid(middles, np.flatnonzero(fishes.alive & large), LARGE_CELL_CM),
     )
-    find_threats(np.arange(len(large)), bodies_of(fishes), t.minds, grids, t.nature)
+    find_threats(np.arange(len(large)), bodies_of(fishes), t.minds, fishes.alive, grids, t.nature)
     return list(t.minds.threat)
 
 
@@ -164,7 +165,7 @@ def test_the_grids_miss_nobody(tank, seed):
     t.fishes.orientation[:] = turn / np.linalg.norm(turn, axis=1)[:, None]
     found = _threats(t)
     bodies = bodies_of(t.fishes)
-    p = t.fishes.position.astype(float)
+    p = middles_of(bodies)
     for i in range(n):
         shares = [
             share_inside(bodies, i, j, ENLARGED * 0.08, ENLARGED * 0.6) if j != i else 0.0

@@ -8,20 +8,12 @@ from hypothesis import strategies as st
 from subsea.perception.grid import (
     CELLS_EACH,
     CELLS_MORE,
-    first_ring,
-    last_ring,
     make_grid,
+    near_slots,
     nearest,
-    ring_distance,
-    ring_slots,
 )
 
 SEEDS = st.integers(0, 2**32 - 1)
-
-
-def _ring(grid, p, ring):
-    slots = np.empty(len(grid.member), np.int64)
-    return slots[: ring_slots(grid, p, ring, slots)]
 
 
 def _nearest(grid, p, reach, but, k):
@@ -37,18 +29,19 @@ def _scene(seed, n=80, spread=100.0):
     return points, chosen, tuple(rng.normal(0, 1.5 * spread, 3))
 
 
-@given(SEEDS, st.sampled_from([20.0, 70.0, 1e4]))
+@given(SEEDS, st.sampled_from([20.0, 70.0, 1e4]), st.floats(0.0, 500.0))
 @settings(max_examples=40)
-def test_rings_hold_every_point_once_and_none_nearer_than_said(seed, cell):
+def test_near_slots_hold_all_that_are_near_once(seed, cell, reach):
     points, chosen, p = _scene(seed)
     grid = make_grid(points, chosen, cell)
-    seen = []
-    for ring in range(first_ring(grid, p), last_ring(grid, p, 1e6) + 1):
-        slots = _ring(grid, p, ring)
-        gaps = np.linalg.norm(grid.place[slots] - p, axis=1)
-        assert (gaps >= ring_distance(grid, p, ring) - 1e-6).all()
-        seen += list(grid.member[slots])
-    assert sorted(seen) == list(chosen)
+    slots = np.full(len(chosen), -1)
+    found = list(grid.member[slots[: near_slots(grid, p, reach, slots)]])
+    gaps = np.abs(points[chosen].astype(float) - p)
+    near = chosen[np.linalg.norm(gaps, axis=1) <= reach]
+    assert set(near) <= set(found)
+    assert len(set(found)) == len(found)
+    # And nobody who is in no cell within reach.
+    assert set(found) <= set(chosen[(gaps <= reach + grid.cell).all(axis=1)])
 
 
 @given(SEEDS, st.floats(10.0, 400.0), st.integers(1, 6))

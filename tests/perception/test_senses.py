@@ -18,6 +18,7 @@ from subsea.perception.vision import (
 )
 from subsea.state import (
     CIRCLING,
+    LIBIDO,
     LOOPING,
     NO_COURTSHIP,
     NOBODY,
@@ -114,6 +115,7 @@ def test_possible_mates_are_the_nearest_visible_of_the_other_sex(tank, seed):
     t.minds.shunned[:] = rng.integers(-1, n, n)
     t.minds.courtship[:] = rng.choice([NO_COURTSHIP, LOOPING, CIRCLING], n)
     t.minds.partner[:] = rng.integers(0, n, n)
+    t.minds.mental[:, LIBIDO] = 1.0
     _sense(t)
 
     def possible(i, j):
@@ -139,6 +141,16 @@ def test_possible_mates_are_the_nearest_visible_of_the_other_sex(tank, seed):
             assert t.minds.mate_distance[i] == pytest.approx(sorted(able)[0][1], rel=1e-4)
         else:
             assert t.minds.mate_distance[i] == np.inf
+
+
+def test_who_is_not_in_the_mood_heeds_only_a_mate_that_tempts_it(tank):
+    t = tank(2)
+    t.minds.male[0] = True
+    for libido, gap, seen in ((0.1, 38, True), (0.1, 42, False), (0.3, 42, True)):
+        t.fishes.position[1] = EYE + (gap, 0.0, 0.0)
+        t.minds.mental[:, LIBIDO] = libido
+        _sense(t, 0)
+        assert (t.minds.mate[0] == 1) == seen
 
 
 @given(SEEDS)

@@ -58,6 +58,7 @@ def test_the_centre_line_goes_from_the_eye_to_the_tail(tank):
 def test_a_large_fish_is_seen_from_farther(tank):
     t = tank(2)
     assert sight(20.0, t.nature) == t.nature.vision_cm
+    assert sight(500.0, t.nature) == 3.0 * t.nature.vision_cm
     for length, seen in ((20.0, False), (40.0, True)):
         t.fishes.length[1] = length
         t.fishes.position[1] = 7.0 + 1.5 * t.nature.vision_cm, 0.0, -300.0
