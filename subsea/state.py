@@ -8,7 +8,10 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
+from numba import types
 from numpy.typing import NDArray
+
+from subsea.pointers import by_pointer
 
 Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
@@ -48,6 +51,11 @@ DORSAL = 5  # 0 folded to 1 erect, dorsal and ventral fin
 TAIL = 6  # how much wider than at rest the tail is spread
 
 
+class FishesKind(types.StructRef):  # type: ignore[misc]
+    """What compiled kernels call `Fishes`."""
+
+
+@by_pointer(FishesKind)
 class Fishes(NamedTuple):
     """The fishes of a dive, n of them."""
 
@@ -102,6 +110,11 @@ class Fishes(NamedTuple):
     gape: Array  # (n,) float32 in [0, 1], how far the mouth is to be open
 
 
+class MindsKind(types.StructRef):  # type: ignore[misc]
+    """What compiled kernels call `Minds`."""
+
+
+@by_pointer(MindsKind)
 class Minds(NamedTuple):
     """What the n fishes sense, feel and want (Tu chs. 6, 7)."""
 
@@ -167,6 +180,11 @@ class Minds(NamedTuple):
     shunning: Array  # (n,) float32, s until it forgets that
 
 
+class SeaKind(types.StructRef):  # type: ignore[misc]
+    """What compiled kernels call `Sea`."""
+
+
+@by_pointer(SeaKind)
 class Sea(NamedTuple):
     """Everything around the fishes that they may perceive."""
 

@@ -1,14 +1,17 @@
 """Chasing a target: the part that eating, hunting, schooling and mating share (Tu §7.8.2)."""
 
+import numpy as np
 from numba import njit
 
 from subsea.kinematics.rotation import rotate
-from subsea.kinematics.vector import Vector, minus, norm, plus, times, vector
+from subsea.kinematics.vector import Vector, dot, minus, norm, plus, times, vector
 from subsea.state import Fishes, Minds
 
 NEAR_BL = 1.5  # within this distance a fish slows down, to have more control
 LEAST_SPEED = 0.25  # share of the fastest with which it arrives
 LEAST_BL_S = 0.4  # body lengths a second with which a slow fish reckons, to foresee a meeting
+CIRCLE_BL = 2.2  # radius of a gradual turn at full speed
+TURNING = 0.12  # share of the fastest speed with which it turns toward what is too near
 FORESIGHT_S = 2.0  # how far ahead a target's motion is reckoned with
 
 
@@ -17,7 +20,9 @@ def chase(fishes: Fishes, minds: Minds, i: int, target: Vector, velocity: Vector
     """Head for a target (cm) that moves at `velocity` (cm/s); returns its distance from the mouth.
 
     The fish aims where the target will be when they meet: interception. It swims at full speed
-    when that is far and slower as it approaches, to have more control over steering.
+    when that is far and slower as it approaches, to have more control over steering; slower still
+    while its circle of turning is too wide to reach what lies aside, or it would swim around it
+    for ever.
     """
     mouth = mouth_of(fishes, i)
     toward = minus(target, mouth)
@@ -27,8 +32,14 @@ def chase(fishes: Fishes, minds: Minds, i: int, target: Vector, velocity: Vector
     ahead = plus(toward, times(meeting, minus(velocity, vector(fishes.drift[i]))))
     for axis in range(3):
         minds.urge[i, axis] = ahead[axis]
-    share = distance / (NEAR_BL * fishes.length[i])
-    fishes.goal_speed[i] = min(max(share, LEAST_SPEED), 1.0)
+    share = max(distance / (NEAR_BL * fishes.length[i]), LEAST_SPEED)
+    heading = rotate(fishes.orientation[i], (1.0, 0.0, 0.0))
+    cosine = dot(heading, ahead) / max(norm(ahead), 1e-6)
+    sine = np.sqrt(max(1.0 - cosine * cosine, 0.0)) if cosine > 0.0 else 1.0
+    # A chord of the circle: a target at that angle is reached if it is 2 R sin away.
+    wide = 2.0 * CIRCLE_BL * fishes.length[i] * sine
+    turning = max(distance / max(wide, 1e-6), TURNING)
+    fishes.goal_speed[i] = min(share, turning, 1.0)
     return distance
 
 

@@ -1,0 +1,78 @@
+"""Groups of arrays that compiled kernels take by one pointer.
+
+A kernel that is handed a named tuple of fifty arrays is compiled with code that takes all of them
+apart, a second or more for each kernel. A group behind a pointer costs it a twentieth of that,
+and a call does not take the fifty apart either. Kernels read `group.field` alike.
+"""
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from numba import njit, typeof, types
+from numba.experimental import structref
+from numba.extending import typeof_impl
+
+T = TypeVar("T")
+
+SOURCE = """
+def {name}(arrays):
+    group = new(kind)
+    {fields}
+    return group
+"""
+
+
+def by_pointer(kind: type[types.StructRef]) -> Callable[[type[T]], type[T]]:
+    """Let kernels take instances of a NamedTuple class by pointer: a decorator for the class.
+
+    `kind` is what the compiler calls such a group: a class at the top level of a module, so that
+    compiled code that names it can be kept. The instance stays a named tuple for Python. A kernel
+    cannot replace its fields, only write into those that are arrays.
+    """
+    return lambda group: _pointed(group, structref.register(kind))
+
+
+def _pointed(group: Any, kind: Any) -> Any:
+    name, fields = group.__name__, group._fields
+
+    class Group(group):  # type: ignore[misc]
+        """What `group` is, and a pointer to it that is made when first needed."""
+
+        @property
+        def _numba_type_(self) -> Any:
+            if "kind" not in self.__dict__:
+                self.__dict__["kind"] = kind(
+                    [(field, typeof(value)) for field, value in zip(fields, self, strict=True)]
+                )
+            return self.__dict__["kind"]
+
+        @property
+        def _meminfo(self) -> Any:
+            if "pointer" not in self.__dict__:
+                self.__dict__["pointer"] = _maker(name, fields, self._numba_type_)(tuple(self))
+            return self.__dict__["pointer"]
+
+        @staticmethod
+        def _numba_box_(kind: Any, pointer: Any) -> Any:
+            return pointer
+
+    Group.__name__, Group.__qualname__ = name, group.__qualname__
+    Group.__module__, Group.__doc__ = group.__module__, group.__doc__
+    structref.define_boxing(kind, Group)
+    typeof_impl.register(Group)(lambda value, _: value._numba_type_)
+    return Group
+
+
+_makers: dict[Any, Any] = {}
+
+
+def _maker(name: str, fields: tuple[str, ...], kind: Any) -> Any:
+    """The kernel that allocates a group of that type and fills in its fields."""
+    if kind not in _makers:
+        lines = "\n    ".join(f"group.{field} = arrays[{k}]" for k, field in enumerate(fields))
+        source = SOURCE.format(name=f"make_{name.lower()}", fields=lines)
+        # Compiled under this file's name, so that numba can keep it with this file's other code.
+        names = {"new": structref.new, "kind": kind, "__name__": __name__}
+        exec(compile(source, __file__, "exec"), names)
+        _makers[kind] = njit(cache=True)(names[f"make_{name.lower()}"])
+    return _makers[kind]
