@@ -20,7 +20,7 @@ from subsea.state import (
     Sea,
 )
 
-TEMPTING = 4.0  # the bait is preferred to a speck unless that is so many times as near
+TEMPTING = 20.0  # the bait is preferred to a speck unless that is so many times as near
 COVER_CM = 10.0  # below the surface a bait is in sight
 BITE_BL = 0.06  # so near the mouth the bait is bitten
 OPEN_BL = 0.4  # the mouth is open so near to it
