@@ -22,7 +22,7 @@ from subsea.state import (
 
 TEMPTING = 20.0  # the bait is preferred to a speck unless that is so many times as near
 COVER_CM = 10.0  # below the surface a bait is in sight
-BITE_BL = 0.06  # so near the mouth the bait is bitten
+BITE_BL = 0.15  # so near the mouth the bait is bitten
 OPEN_BL = 0.4  # the mouth is open so near to it
 FOLLOWS = 6.0  # 1/s: how fast the snout of the catch is drawn to the hook
 YANK_CM_S = 150.0  # at most
