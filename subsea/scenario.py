@@ -137,7 +137,7 @@ class Temper(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
     devotion_cm: Annotated[float, msgspec.Meta(ge=0, le=1e4)] = 25.0
     fatigue_s: Positive = 40.0
     timidity: Annotated[float, msgspec.Meta(ge=0.1, le=5)] = 1.0
-    submarine_cm: Annotated[float, msgspec.Meta(ge=0, le=5000)] = 130.0
+    submarine_cm: Annotated[float, msgspec.Meta(ge=0, le=5000)] = 80.0
     curiosity_cm: Annotated[float, msgspec.Meta(ge=0, le=5000)] = 350.0
 
     def __post_init__(self) -> None:

@@ -45,7 +45,7 @@ LIVE_REACH_CM = 500.0  # how near to the submarine a fish must be to be simulate
 
 ROOM_BL = 0.6  # so many body lengths off every rock a fish begins
 FLAT_BL = 0.4  # a body at least this tall, over its length, rows with its pectoral fins
-PLANKTON_CM, PREY_CM = 4.0, 40.0  # of its length for each meal that it takes to fill a fish
+PLANKTON_CM, PREY_CM = 8.0, 40.0  # of its length for each meal that it takes to fill a fish
 RESOLVE_S = 60.0  # for so long fishes keep to the place that they are bound for first
 TICK_S = 0.033  # one tick = one recorded frame = six steps of the simulation
 

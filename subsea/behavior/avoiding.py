@@ -16,6 +16,7 @@ from subsea.state import (
     PREDATOR,
     PREY,
     RIGHT,
+    SCHOOL,
     Clock,
     Fishes,
     Minds,
@@ -27,6 +28,7 @@ Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
 
 ASIDE = 1.5  # how hard a fish turns away, over how much it keeps its course
+MAKING_ROOM = 0.6  # the same in a school, which it means to stay with
 SLOWED = 0.35  # share of the fastest speed at which it lets another pass that is ahead
 PASSING_BL = 0.05  # an obstacle whose middle is less far aside is straight ahead
 
@@ -62,7 +64,8 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         if norm(aside) < PASSING_BL * fishes.length[i]:
             side = _side(minds, i)
             aside = (-side * ahead[1], side * ahead[0], 0.01)
-        urge = plus(ahead, times(ASIDE, unit(aside)))
+        schooling = minds.memory[i] == SCHOOL
+        urge = plus(ahead, times(MAKING_ROOM if schooling else ASIDE, unit(aside)))
         if minds.preference[i, ASCEND] < 0.0 < urge[2]:
             urge = (urge[0], urge[1], 0.0)
         if minds.preference[i, DESCEND] < 0.0 > urge[2]:
@@ -70,7 +73,9 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         for axis in range(3):
             minds.urge[i, axis] = urge[axis]
         if before > 0.0:
-            fishes.goal_speed[i] = min(fishes.goal_speed[i], SLOWED)
+            # In a school all behind would have to slow down as well.
+            least = max(0.8 * fishes.goal_speed[j], SLOWED) if schooling else SLOWED
+            fishes.goal_speed[i] = min(fishes.goal_speed[i], least)
 
 
 @njit(cache=True, error_model="numpy")

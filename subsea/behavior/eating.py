@@ -8,22 +8,24 @@ from numpy.typing import NDArray
 
 from subsea.behavior.biting import approach, in_reach, is_offered
 from subsea.behavior.chasing import chase, mouth_of
+from subsea.behavior.hunting import EAGER, hunt
 from subsea.behavior.hunting import hunger as hunters_hunger
-from subsea.behavior.hunting import hunt
 from subsea.behavior.wandering import cruise, heading
 from subsea.kinematics.keyed import uniform
-from subsea.kinematics.vector import ZERO, minus, norm, vector
+from subsea.kinematics.rotation import rotate
+from subsea.kinematics.vector import ZERO, dot, minus, norm, vector
 from subsea.state import EAT, HUNGER, PREDATOR, Clock, Fishes, Minds, Nature, Sea
 
 Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
 
 STILL_KEEN = 0.6  # of `keen`: a fish that eats goes on until its hunger is below that share of it
-BROWSE_BL = 3.0  # a follower leaves its school for no food that is farther off
-OPEN_BL = 0.35  # the mouth begins to open so far from the speck
-SUCK_BL = 0.16  # the vacuum reaches so far ...
-SUCK_CM_S = 18.0  # ... and draws that fast
-SWALLOW_BL = 0.045  # so near a speck is in the mouth
+# In a school, even at its head, a fish turns aside only for food so near and so far ahead.
+BROWSE_BL, BROWSE_COS = 4.5, np.cos(np.radians(50.0))
+OPEN_BL = 0.5  # the mouth begins to open so far from the speck
+SUCK_BL = 0.28  # the vacuum reaches so far ...
+SUCK_CM_S = 25.0  # ... and draws that fast
+SWALLOW_BL = 0.06  # so near a speck is in the mouth
 ABSENCE_S = (40.0, 90.0)  # until another speck drifts in where one was eaten
 ABSENCE_PURPOSE = 60  # key of the random numbers
 
@@ -41,11 +43,22 @@ def desire(
         hunger = minds.mental[i, HUNGER]
         eats = minds.intention[i] == EAT
         least = nature.keen * (STILL_KEEN if eats else 1.0)
-        led = minds.schools[i] and minds.leader[i] >= 0
-        reach = BROWSE_BL * fishes.length[i] if led else np.inf
-        near = minds.food[i] >= 0 and minds.food_distance[i] <= reach
+        near = minds.food[i] >= 0
+        if near and minds.schools[i] and (minds.leader[i] >= 0 or minds.leads[i]):
+            near = _on_the_way(fishes, minds, i, sea, eats)
         food = near or (bait and in_reach(fishes, minds, i, sea, nature))
-        out[i] = max(hunger, nature.keen + 1e-6) if hunger > least and food else 0.0
+        out[i] = max(hunger, EAGER * nature.keen) if hunger > least and food else 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def _on_the_way(fishes: Fishes, minds: Minds, i: int, sea: Sea, eats: bool) -> bool:
+    """Whether the nearest speck is worth it for a fish in a school: near, and ahead."""
+    toward = minus(vector(sea.plankton[minds.food[i]]), vector(fishes.position[i]))
+    distance = norm(toward)
+    ahead = rotate(fishes.orientation[i], (1.0, 0.0, 0.0))
+    reach = BROWSE_BL * fishes.length[i] * (1.3 if eats else 1.0)
+    aside = 0.0 if eats else BROWSE_COS
+    return distance < reach and dot(toward, ahead) > aside * distance
 
 
 @njit(cache=True, error_model="numpy")

@@ -15,6 +15,9 @@ Ints = NDArray[np.integer[Any]]
 # Share of the active desire's strength that its rivals lose: of one that was resumed (Tu §7.7.2),
 # and of any other, so that two equal desires that tire do not take turns at every thought.
 INHIBITION, GRACE = 0.2, 0.05
+# What has tired must recover for a while before it is taken up again: else one that is just
+# not worth following would be, after a moment's rest, and so on in turn.
+RESTS = 0.8
 MEMORY_S = 12.0  # what was interrupted for longer is forgotten
 LASTING = 2  # level from which an intention is worth remembering: earlier ones are reactions
 
@@ -43,8 +46,11 @@ def choose(
                 minds.fatigue[code, i] = max(minds.fatigue[code, i] + spent, 0.0)
         for row in range(len(level)):
             strength[row] = minds.desire[row, i]
-            if tires[behavior[row]]:
-                strength[row] *= tiredness(minds.fatigue[behavior[row], i], nature.fatigue_s)
+            code = behavior[row]
+            if tires[code]:
+                strength[row] *= tiredness(minds.fatigue[code, i], nature.fatigue_s)
+                if minds.fatigue[code, i] > 0.0 and code != now and code != minds.memory[i]:
+                    strength[row] *= RESTS
         gain = INHIBITION if minds.resumed[i] else GRACE
         for row in range(len(level)):
             if tires[behavior[row]]:

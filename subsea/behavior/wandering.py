@@ -25,6 +25,7 @@ FREE_CM = 40.0  # ... and at least so far from pillars and rocks, ...
 ATTEMPTS = 6  # ... if so many throws of the dice find such a place
 CRUISE = (0.1, 0.62, 0.85)  # shares of the fastest speed: hovering, medium and brisk cruising
 LEADING = 0.45  # a leader keeps its school moving
+WAITING, COMPANY = 0.3, 3  # and waits for it while fewer companions than that are near
 ANGLE_PURPOSE, RADIUS_PURPOSE, DEPTH_PURPOSE, PATIENCE_PURPOSE = range(4)
 
 
@@ -44,7 +45,10 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         toward = heading(fishes, minds, i, sea, clock)
         for axis in range(3):
             minds.urge[i, axis] = toward[axis]
-        fishes.goal_speed[i] = cruise(fishes, minds, i)
+        speed = cruise(fishes, minds, i)
+        if minds.leads[i] and minds.neighbour[i, COMPANY - 1] < 0:
+            speed = min(speed, WAITING)
+        fishes.goal_speed[i] = speed
 
 
 @njit(cache=True, error_model="numpy")

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from subsea.kinematics.heightfield import height_at
 from subsea.kinematics.rotation import rotate
 from subsea.kinematics.solids import from_pillar, from_rock
-from subsea.kinematics.vector import Vector, minus, norm, times, vector
+from subsea.kinematics.vector import Vector, dot, minus, norm, times, vector
 from subsea.perception.collision import ANTENNA_BL, ENLARGED
 from subsea.perception.foraging import cost_of, perceives
 from subsea.perception.vision import (
@@ -54,6 +54,8 @@ Ints = NDArray[np.integer[Any]]
 
 COMPROMISE = 0.2  # p of Tu §6.5.3: what a motor preference adds to a target's desirability
 STRANGER = 0.5  # how desirable a mate of another species is against one of its own
+STEEPEST = 0.6  # sine of the steepest climb or dive, as in `motor/controller.py`
+ARC = 0.5  # what is straight behind is so much farther than it looks
 TOWARD = 0.5  # cosine of 60 degrees: what lies so near an axis lies in its direction
 ELBOW_BL = 0.6  # a companion nearer than this is in the way
 APPETISING_BL = 5.0  # food farther off than that does not bend a fish's way
@@ -78,10 +80,11 @@ def aim(
 ) -> None:  # fmt: skip
     """Set the target of each of the fishes `who`.
 
-    A speck is desired as D = 1 - d / O_r (Tu §6.5.3), prey the more the less it costs to catch
-    (§7.9.1). A male likes a female the better the nearer she is, a female a male the larger he
-    is; both like their own species better (§7.9.3). The present target is kept while it is
-    perceived, unless another is nearer, or of prey cheaper, by `devotion_cm` (§7.7.3).
+    A speck is desired as D = 1 - d / O_r (Tu §6.5.3), d being the way that must be swum; prey the
+    more the less it costs to catch (§7.9.1). A male likes a female the better the nearer she is, a
+    female a male the larger he is; both like their own species better (§7.9.3). The present target
+    is kept while it is perceived, unless another is nearer, or of prey cheaper, by `devotion_cm`
+    (§7.7.3).
     """
     desire, gaps = np.zeros(minds.foods.shape[1]), np.zeros(minds.foods.shape[1])
     for i in who:
@@ -106,12 +109,12 @@ def aim(
         elif intention == EAT:
             for k, speck in enumerate(minds.foods[i]):
                 if speck >= 0:
-                    gaps[k] = norm(minus(vector(plankton[speck]), eye))
+                    gaps[k] = way_to(minus(vector(plankton[speck]), eye), ahead)
                     desire[k] = max(1.0 - gaps[k] / nature.smell_cm, 0.0)
             k = most_desirable(bodies, i, minds.foods[i], desire, plankton, minds.preference[i])
             best = minds.foods[i, k] if k >= 0 else -1
             if now >= 0 and best >= 0 and absent[now] <= 0.0:
-                gap = norm(minus(vector(plankton[now]), eye))
+                gap = way_to(minus(vector(plankton[now]), eye), ahead)
                 if gap <= nature.smell_cm and gap - gaps[k] <= nature.devotion_cm:
                     best = now
             minds.target[i] = best
@@ -134,6 +137,19 @@ def aim(
                 if gap - gaps[k] <= nature.devotion_cm:
                     best = now
             minds.target[i] = best
+
+
+@njit(cache=True, error_model="numpy")
+def way_to(toward: Vector, ahead: Vector) -> float:
+    """About how far a fish must swim to what lies `toward` (cm) its mouth.
+
+    It turns in an arc, by half of the distance more for what is straight behind, and doesn't
+    swim steeper than recorded motion allows.
+    """
+    distance = norm(toward)
+    cosine = dot(toward, ahead) / max(distance, 1e-6)
+    turn = np.arccos(min(max(cosine, -1.0), 1.0)) / np.pi
+    return max(distance, abs(toward[2]) / STEEPEST) * (1.0 + ARC * turn)
 
 
 @njit(cache=True, error_model="numpy")

@@ -39,12 +39,13 @@ def test_a_recommendation_against_monotony_is_taken_up(tank):
     np.testing.assert_allclose(t.fishes.goal_speed, [0.5, wandering.CRUISE[0]])
 
 
-def test_a_leader_keeps_its_school_moving(tank):
-    t = tank()
+def test_a_leader_keeps_its_school_moving_but_waits_for_it(tank):
+    t = tank(2)
     t.minds.leads[:] = True
+    t.minds.neighbour[0] = 1
     t.fishes.recommended[:] = 0
     t.run(wandering.act)
-    assert t.fishes.goal_speed[0] == np.float32(wandering.LEADING)
+    np.testing.assert_allclose(t.fishes.goal_speed, [wandering.LEADING, wandering.WAITING])
 
 
 def test_waypoints_lie_in_free_water(tank):
