@@ -467,7 +467,7 @@ def captures(record: Record) -> Captures:
 @njit(cache=True, error_model="numpy")
 def _company(position: Array, alive: Flags, species: Ints, length: Array, company: Flags) -> None:
     n = len(species)
-    count = np.empty(n, np.int64)
+    count, farthest = np.empty(n, np.int64), COMPANY_BL * length.max()
     for t in range(len(position)):
         count[:] = 0
         order = np.argsort(position[t, :, 0], kind="mergesort")
@@ -475,7 +475,7 @@ def _company(position: Array, alive: Flags, species: Ints, length: Array, compan
             i = order[a]
             for b in range(a + 1, n):
                 j = order[b]
-                if position[t, j, 0] - position[t, i, 0] > COMPANY_BL * length.max():
+                if position[t, j, 0] - position[t, i, 0] > farthest:
                     break
                 if species[i] != species[j] or not alive[t, i] or not alive[t, j]:
                     continue
