@@ -4,7 +4,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from subsea.behavior import biting, eating, hunting, steering
+from subsea.behavior import biting, eating, hunting, schooling, steering
 from subsea.behavior.intention import choose
 from subsea.behavior.mating import review
 from subsea.behavior.mental import feel
@@ -53,6 +53,7 @@ def step(world: World, helm: Helm) -> None:
         who = whose_turn(fishes, minds, sea, world.scenario.water.visibility_cm, clock)
         sense(who, fishes, minds, sea, nature, clock)
     with _stage(world, "behavior"):
+        schooling.join(who, fishes.alive, minds)
         feel(who, fishes, minds, nature, clock)
         review(who, fishes, minds)
         want(who, fishes, minds, sea, nature, clock)

@@ -158,7 +158,7 @@ class Minds(NamedTuple):
     last_mating: Array  # (n,) float32, s, world time
     desire: Array  # (d, n) float32, strength of each row of `behavior/table.py`'s desires
     intention: Ints  # (n,) uint8, code, AVOID to WANDER and on
-    busy: Array  # (n,) float32, s for which it has had this intention
+    busy: Array  # (n,) float32, s for which it has had this intention, or has reacted
     fatigue: Array  # (b, n) float32, s for which each behavior was active, less those it was not
     pause: Array  # (n,) float32, s since the fish last thought
     memory: Ints  # (n,) int8, an interrupted intention, -1 for none (Tu §7.7.1)

@@ -131,7 +131,7 @@ def overlaps(record: Record) -> Ints:
     found = np.zeros(record.alive.shape, np.uint8)
     _overlap(
         record.snout, record.position, record.tail, record.orientation, record.alive,
-        record.partner, record.kind == PREDATOR, np.clip(middle, 0.05, 0.95), sizes, found,
+        record.partner, record.kind, np.clip(middle, 0.05, 0.95), sizes, found,
     )  # fmt: skip
     return found
 
@@ -139,7 +139,7 @@ def overlaps(record: Record) -> Ints:
 @njit(cache=True, error_model="numpy")
 def _overlap(
     snout: Array, middle: Array, tail: Array, orientation: Array, alive: Flags, partner: Ints,
-    hunts: Flags, share: Array, sizes: Array, found: Ints,
+    kind: Ints, share: Array, sizes: Array, found: Ints,
 ) -> None:  # fmt: skip
     """Fill `found`; `share` (n,) is how far along the body the middle lies."""
     n = middle.shape[1]
@@ -178,7 +178,8 @@ def _overlap(
                     or low[j, 2] > high[i, 2] or low[i, 2] > high[j, 2]
                 ):  # fmt: skip
                     continue
-                meant = partner[t, i] == j or partner[t, j] == i or hunts[i] != hunts[j]
+                hunt = min(kind[i], kind[j]) == PREY and max(kind[i], kind[j]) == PREDATOR
+                meant = partner[t, i] == j or partner[t, j] == i or hunt
                 code = 1 if meant else 2
                 if found[t, i] >= code and found[t, j] >= code:
                     continue
@@ -426,7 +427,7 @@ def escapes(record: Record) -> tuple[int, int]:
     fearful = record.mental_state[:, :, FEAR] > record.alarmed
     times_, fishes = np.nonzero(began & record.alive[1:])
     warned = [
-        fearful[max(t + 1 - window, 0) : t + 2, i].any()
+        fearful[max(t + 1 - window, 0) : t + 1, i].any()
         for t, i in zip(times_, fishes, strict=True)
     ]
     return len(warned), int(np.sum(warned))

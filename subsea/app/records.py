@@ -55,7 +55,7 @@ FIELDS = {
     "fish/target": Field(
         np.int32, ("T", "n"), "1",
         "what its intention is about: a fish, or of what eats plankton a speck: target_names;"
-        " -1 nothing, -2 the submarine",
+        " -1 nothing, -2 the submarine, -3 a bait",
     ),
     "fish/partner": Field(np.int32, ("T", "n"), "1", "fish with which it courts, -1 for none"),
     "fish/courtship": Field(np.uint8, ("T", "n"), "1", _CODES + "courtship_names"),

@@ -31,7 +31,6 @@ Rows = dict[str, NDArray[Any]]
 TARGETS = {
     "avoid": "fish",
     "escape": "fish",
-    "school": "fish",
     "eat": "speck of plankton; of predators a fish",
     "mate": "fish",
 }

@@ -30,6 +30,7 @@ Ints = NDArray[np.integer[Any]]
 ASIDE = 1.5  # how hard a fish turns away, over how much it keeps its course
 MAKING_ROOM = 0.6  # the same in a school, which it means to stay with
 SLOWED = 0.35  # share of the fastest speed at which it lets another pass that is ahead
+CAREFUL = 0.6  # and at which it rounds an obstacle, at most
 PASSING_BL = 0.05  # an obstacle whose middle is less far aside is straight ahead
 
 
@@ -51,7 +52,8 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         ahead = rotate(fishes.orientation[i], (1.0, 0.0, 0.0))
         j = minds.threat[i]
         if j == NOBODY:
-            # What stands still is kept clear of by `steering.keep_clear`: the routine slows down.
+            # Around what stands still leads `steering.keep_clear`; slower, the turn is narrower.
+            fishes.goal_speed[i] = min(max(fishes.goal_speed[i], SLOWED), CAREFUL)
             for axis in range(3):
                 minds.urge[i, axis] = ahead[axis]
             side = _side(minds, i)
@@ -75,7 +77,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         if before > 0.0:
             # In a school all behind would have to slow down as well.
             least = max(0.8 * fishes.goal_speed[j], SLOWED) if schooling else SLOWED
-            fishes.goal_speed[i] = min(fishes.goal_speed[i], least)
+            fishes.goal_speed[i] = min(max(fishes.goal_speed[i], SLOWED), least)
 
 
 @njit(cache=True, error_model="numpy")

@@ -6,6 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from subsea.behavior.schooling import has_school
 from subsea.kinematics.rotation import rotate
 from subsea.kinematics.vector import Vector, dot, minus, norm, vector
 from subsea.state import FEAR, NOBODY, PREY, SUBMARINE, Clock, Fishes, Minds, Nature, Sea
@@ -42,11 +43,10 @@ def desire(
 
     One that likes schooling but has nobody to follow, as the leader itself, is without a school.
     """
+    now = clock.tick * clock.dt
     for i in who:
         fear = minds.mental[i, FEAR]
-        leader = minds.leader[i]
-        led = minds.schools[i] and leader >= 0 and fishes.alive[leader]
-        panics = minds.menace[i] >= nature.panicked or not led
+        panics = minds.menace[i] >= nature.panicked or not has_school(minds, i, now)
         sees = minds.predator[i] != NOBODY
         out[i] = (
             fear if minds.kind[i] == PREY and sees and fear > nature.alarmed and panics else 0.0

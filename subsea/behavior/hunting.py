@@ -120,7 +120,8 @@ def inhale(fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
             for axis in range(3):
                 fishes.drift[j, axis] += np.float32(small * flow[axis])
             within = MOUTH_BL * fishes.length[i] + MIDDLE * fishes.length[j]
-            if minds.kind[j] == PREY and small == 1.0 and norm(toward) < within:
+            free = j != sea.catch[1]  # and not on a hook
+            if minds.kind[j] == PREY and free and small == 1.0 and norm(toward) < within:
                 _swallow(fishes, minds, i, j, clock)
     for k in range(len(sea.plankton)):
         there = vector(sea.plankton[k])

@@ -57,6 +57,7 @@ def choose(
                 strength[row] -= gain * _rival(minds.desire[:, i], level, behavior, row, now)
                 if strength[row] <= nature.keen:
                     strength[row] = 0.0
+        held = minds.memory[i] >= 0
         row = _strongest(strength, level, behavior, now)
         wanted = behavior[row]
         if level[row] < LASTING:
@@ -73,7 +74,9 @@ def choose(
             minds.memory[i] = -1
         elif wanted != now:
             minds.resumed[i] = False
-        minds.busy[i] = minds.busy[i] + minds.pause[i] if wanted == now else 0.0
+        # One reaction after another is one interruption.
+        goes_on = wanted == now or (held and level[row] < LASTING)
+        minds.busy[i] = minds.busy[i] + minds.pause[i] if goes_on else 0.0
         if wanted != now and not minds.resumed[i]:
             minds.target[i] = -1
         minds.intention[i] = wanted

@@ -29,8 +29,7 @@ def desire(
     """At ease: a little more than wandering, of fishes that like it and know of company."""
     now = clock.tick * clock.dt
     for i in who:
-        knows = now - minds.leader_seen[i] < LOST_S or minds.neighbour[i, 0] >= 0
-        out[i] = 0.02 if minds.schools[i] and minds.leader[i] >= 0 and knows else 0.0
+        out[i] = 0.02 if has_school(minds, i, now) else 0.0
 
 
 @njit(cache=True, error_model="numpy")
@@ -43,9 +42,14 @@ def alarmed_desire(
         fear = minds.mental[i, FEAR]
         afraid = minds.kind[i] == PREY and fear > nature.alarmed
         calm_enough = minds.menace[i] < nature.panicked
-        knows = now - minds.leader_seen[i] < LOST_S or minds.neighbour[i, 0] >= 0
-        led = minds.schools[i] and minds.leader[i] >= 0 and knows
-        out[i] = fear if afraid and calm_enough and led else 0.0
+        out[i] = fear if afraid and calm_enough and has_school(minds, i, now) else 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def has_school(minds: Minds, i: int, now: float) -> bool:
+    """Whether fish i likes schooling, has a leader, and knows where that or company is."""
+    knows = now - minds.leader_seen[i] < LOST_S or minds.neighbour[i, 0] >= 0
+    return minds.schools[i] and minds.leader[i] >= 0 and knows
 
 
 @njit(cache=True, error_model="numpy")
@@ -110,3 +114,21 @@ def _pace(toward: Vector, ahead: Vector, length: float, pace: float) -> float:
     behind = dot(toward, ahead) / (FOLLOW_BL * length)
     distance = norm(toward) / (FOLLOW_BL * length)
     return min(max(pace + 0.25 * behind + 0.5 * max(distance - 1.5, 0.0), 0.08), 1.0)
+
+
+@njit(cache=True, error_model="numpy")
+def join(who: Ints, alive: NDArray[np.bool_], minds: Minds) -> None:
+    """Let fishes that like schooling but have no school join their companions: inception.
+
+    One that meets a school follows its leader; of loners that meet, one becomes the leader.
+    """
+    for i in who:
+        if not minds.schools[i] or minds.leader[i] >= 0 or minds.leads[i]:
+            continue
+        for j in minds.neighbour[i]:
+            if j < 0:
+                break
+            if alive[j] and minds.schools[j]:
+                minds.leader[i] = minds.leader[j] if minds.leader[j] >= 0 else j
+                minds.leads[minds.leader[i]] = True
+                break

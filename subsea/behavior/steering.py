@@ -54,7 +54,7 @@ def _inside(fishes: Fishes, i: int, sea: Sea, urge: Vector) -> Vector:
     p = vector(fishes.position[i])
     reach = BODY_BL * fishes.length[i] + CLEARANCE_CM
     room = ROOM_BL * fishes.length[i]
-    away = np.sqrt(p[0] * p[0] + p[1] * p[1])
+    away = max(np.sqrt(p[0] * p[0] + p[1] * p[1]), 1e-6)
     if sea.radius - away < reach + room:
         inward = (-p[0] / away, -p[1] / away, 0.0)
         urge = constrained(urge, inward, sea.radius - away - reach, room)

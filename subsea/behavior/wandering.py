@@ -25,7 +25,7 @@ FREE_CM = 40.0  # ... and at least so far from pillars and rocks, ...
 ATTEMPTS = 6  # ... if so many throws of the dice find such a place
 CRUISE = (0.1, 0.62, 0.85)  # shares of the fastest speed: hovering, medium and brisk cruising
 LEADING = 0.45  # a leader keeps its school moving
-WAITING, COMPANY = 0.3, 3  # and waits for it while fewer companions than that are near
+WAITING = 0.3  # and waits for it while no companion is near
 ANGLE_PURPOSE, RADIUS_PURPOSE, DEPTH_PURPOSE, PATIENCE_PURPOSE = range(4)
 
 
@@ -46,7 +46,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         for axis in range(3):
             minds.urge[i, axis] = toward[axis]
         speed = cruise(fishes, minds, i)
-        if minds.leads[i] and minds.neighbour[i, COMPANY - 1] < 0:
+        if minds.leads[i] and minds.neighbour[i, 0] < 0:
             speed = min(speed, WAITING)
         fishes.goal_speed[i] = speed
 

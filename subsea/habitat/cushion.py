@@ -29,7 +29,7 @@ def part(fishes: Fishes, minds: Minds) -> None:
         for k in range(CLOSEST + 1):
             j = minds.neighbour[i, k] if k < CLOSEST else minds.threat[i]
             felt = k == CLOSEST and (j == minds.neighbour[i, 0] or j == minds.neighbour[i, 1])
-            if j == NOBODY or felt or not fishes.alive[j]:
+            if j == NOBODY or felt or not fishes.alive[j] or minds.kind[j] == PREDATOR:
                 continue
             away = _between(fishes.position, fishes.orientation, fishes.snout, fishes.length, i, j)
             distance = norm(away)

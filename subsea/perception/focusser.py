@@ -11,7 +11,7 @@ from subsea.kinematics.rotation import rotate
 from subsea.kinematics.solids import from_pillar, from_rock
 from subsea.kinematics.vector import Vector, dot, minus, norm, times, vector
 from subsea.perception.collision import ANTENNA_BL, ENLARGED
-from subsea.perception.foraging import cost_of, perceives
+from subsea.perception.foraging import cost_of, is_in_school, perceives
 from subsea.perception.vision import (
     Bodies,
     Scene,
@@ -39,7 +39,6 @@ from subsea.state import (
     NOBODY,
     PREDATOR,
     RIGHT,
-    SCHOOL,
     SUBMARINE,
     Clock,
     Fishes,
@@ -99,10 +98,10 @@ def aim(
             if now >= 0 and best >= 0 and alive[now]:
                 toward = minus(vector(bodies.position[now]), eye)
                 if perceives(bodies, i, now, scene, nature, norm(toward)):
-                    schools = minds.intention[now] == SCHOOL
+                    schools = is_in_school(minds, now)
                     present = cost_of(toward, norm(toward), ahead, schools)
                     toward = minus(vector(bodies.position[best]), eye)
-                    schools = minds.intention[best] == SCHOOL
+                    schools = is_in_school(minds, best)
                     other = cost_of(toward, norm(toward), ahead, schools)
                     best = now if present - other <= nature.devotion_cm else best
             minds.target[i] = best

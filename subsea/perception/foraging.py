@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from subsea.kinematics.vector import Vector, dot, minus, norm, vector
 from subsea.perception.grid import Grid, insert, near_slots, nearest
 from subsea.perception.vision import Bodies, Scene, ahead_of, eye_of, sees_fish, sight
-from subsea.state import PREDATOR, SCHOOL, Minds, Nature, Sea
+from subsea.state import PREDATOR, Minds, Nature, Sea
 
 Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
@@ -71,7 +71,7 @@ def perceive_prey(
                     continue
                 if not perceives(bodies, i, j, scene, nature, distance):
                     continue
-                schools = minds.intention[j] == SCHOOL
+                schools = is_in_school(minds, j)
                 insert(found, cost, j, cost_of(toward, distance, ahead, schools))
                 if distance < least or (distance == least and j < minds.food[i]):
                     minds.food[i], least = j, distance
@@ -79,6 +79,13 @@ def perceive_prey(
                 break  # a cost is never less than the distance
             inner, outer = outer, min(2.0 * outer, farthest)
         minds.food_distance[i] = least
+
+
+@njit(cache=True, error_model="numpy")
+def is_in_school(minds: Minds, j: int) -> bool:
+    """Whether fish j schools, at this moment or by habit, and has company of its species near."""
+    belongs = minds.leads[j] or (minds.schools[j] and minds.leader[j] >= 0)
+    return belongs and minds.neighbour[j, 0] >= 0
 
 
 @njit(cache=True, error_model="numpy")

@@ -180,6 +180,8 @@ def test_who_flees(around):
     minds.schools[0] = True
     assert wants() > 0  # has nobody to follow
     minds.leader[0] = 1
+    assert wants() > 0  # has lost it
+    minds.leader_seen[0] = 0.0
     assert wants() == 0  # rather closes the ranks
     minds.menace[0] = nature.panicked
     assert wants() > 0

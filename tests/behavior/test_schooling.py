@@ -84,3 +84,25 @@ def test_an_alarmed_school_is_denser(tank):
         t.run(schooling.act, 1, 2)
         gaps.append(t.minds.urge[1, 1] - t.minds.urge[2, 1])
     assert gaps[0] > gaps[1]
+
+
+def test_loners_that_meet_form_a_school_and_others_join_it(tank):
+    """Inception: the first follows the second, who leads; a third joins the same school."""
+    t = tank(4)
+    t.minds.schools[:3] = True
+    t.minds.neighbour[0, :2] = 3, 1
+    t.minds.neighbour[1, 0] = 0
+    t.minds.neighbour[2, 0] = 0
+    t.minds.neighbour[3, 0] = 0
+    schooling.join(np.arange(4), t.fishes.alive, t.minds)
+    np.testing.assert_array_equal(t.minds.leader, [1, -1, 1, -1])
+    np.testing.assert_array_equal(t.minds.leads, [False, True, False, False])
+
+
+def test_nobody_joins_the_dead(tank):
+    t = tank(2)
+    t.minds.schools[:] = True
+    t.minds.neighbour[0, 0] = 1
+    t.fishes.alive[1] = False
+    schooling.join(np.arange(2), t.fishes.alive, t.minds)
+    assert t.minds.leader[0] == -1

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from subsea.habitat.cushion import FULL_CM_S, part
-from subsea.state import CIRCLING
+from subsea.state import CIRCLING, PREDATOR
 
 
 def _pair(tank, gap):
@@ -51,3 +51,10 @@ def test_partners_that_dance_are_let_alone(tank):
     part(t.fishes, t.minds)
     np.testing.assert_array_equal(t.fishes.drift[0], 0)
     assert t.fishes.drift[1, 1] > 0
+
+
+def test_no_prey_is_pushed_out_of_a_hunters_mouth(tank):
+    t = _pair(tank, (0.0, 4.0, 0.0))
+    t.minds.kind[0] = PREDATOR
+    part(t.fishes, t.minds)
+    assert not t.fishes.drift.any()

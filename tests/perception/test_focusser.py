@@ -23,7 +23,6 @@ from subsea.state import (
     MATE,
     PREDATOR,
     RIGHT,
-    SCHOOL,
     SUBMARINE,
     WANDER,
 )
@@ -230,7 +229,10 @@ def test_a_predator_takes_the_prey_that_costs_least_and_keeps_it(tank):
     t.minds.target[0] = 2
     t.run(focus, 0)
     assert t.minds.target[0] == 1  # 130 against 100
-    t.minds.intention[1] = SCHOOL  # 130 against 150: now the other is the better one
+    t.minds.leads[1], t.minds.neighbour[1, 0] = (
+        True,
+        2,
+    )  # 130 against 150: now the other is the better one
     t.minds.foods[0, :2], t.minds.target[0] = (2, 1), 1
     t.run(focus, 0)
     assert t.minds.target[0] == 1  # 20 cm are less than its devotion

@@ -157,14 +157,16 @@ def test_who_is_not_in_the_mood_heeds_only_a_mate_that_tempts_it(tank):
 @settings(max_examples=25)
 def test_prey_are_judged_by_what_they_cost(tank, seed):
     t = _crowd(tank, seed, [PREDATOR, PREY, PREY])
+    t.minds.leads[:] = t.minds.intention == SCHOOL
     _sense(t)
+    schools = t.minds.leads & (t.minds.neighbour[:, 0] >= 0)
     for i in np.flatnonzero(t.fishes.alive & (t.minds.kind == PREDATOR)):
         x = np.subtract(eye_of(bodies_of(t.fishes), i), t.fishes.position[i]) / t.fishes.snout[i]
         able = []
         for j, gap, seen in _all(t, i, PREY):
             d = np.linalg.norm(gap)
             turn = np.arccos(np.clip(gap @ x / d, -1, 1))
-            cost = d * (1 + 0.5 * (t.minds.intention[j] == SCHOOL) + 0.2 * turn / np.pi)
+            cost = d * (1 + 0.5 * schools[j] + 0.2 * turn / np.pi)
             if seen or d <= t.nature.smell_cm:
                 able.append((cost, d, j))
         best = [j for _, _, j in sorted(able)[:3]]
