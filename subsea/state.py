@@ -137,7 +137,7 @@ class Minds(NamedTuple):
     predators: Ints  # (n, CHOICES) int32, those in sight, most dangerous first, or NOBODY
     predator: Ints  # (n,) int32, the most dangerous one in sight, SUBMARINE, or NOBODY
     menace: Array  # (n,) float32, F^m of that one, in [0, 1]
-    menaces: Array  # (n,) float32, sum of F^i over all in sight
+    menaces: Array  # (n,) float32, sum of F^i over all in sight, at most 1
     food: (
         Ints  # (n,) int32, nearest speck of plankton perceived; of a predator: nearest prey; or -1
     )

@@ -96,13 +96,17 @@ def find_threats(
 
 @njit(cache=True, error_model="numpy")
 def motion(bodies: Bodies, grid: Grid) -> Array:
-    """Velocity (x, y, z) and radius about its middle of the fish in each slot (m, 4), cm/s, cm."""
-    out = np.empty((len(grid.member), 4))
+    """Velocity (x, y, z), radius about its middle and speed of the fish in each slot (m, 5).
+
+    In cm/s and cm.
+    """
+    out = np.empty((len(grid.member), 5))
     for slot in range(len(out)):
         j = grid.member[slot]
         for axis in range(3):
             out[slot, axis] = bodies.velocity[j, axis]
         out[slot, 3] = _radius(bodies, j)
+        out[slot, 4] = norm(vector(bodies.velocity[j]))
     return out
 
 
@@ -112,7 +116,7 @@ def _most(motion: Array) -> tuple[float, float]:
     radius, speed = 0.0, 0.0
     for slot in range(len(motion)):
         radius = max(radius, motion[slot, 3])
-        speed = max(speed, norm(vector(motion[slot])))
+        speed = max(speed, motion[slot, 4])
     return radius, speed
 
 
@@ -127,21 +131,26 @@ def worst_threat(
     """
     here, velocity = along_body(bodies, i, 0.5), vector(bodies.velocity[i])
     around = _radius(bodies, i) + 3.0 * margin * float(bodies.length[i])
-    reach = around + most[0] + foresight * (norm(velocity) + most[1])
+    speed = norm(velocity)
+    reach = around + most[0] + foresight * (speed + most[1])
     for k in range(near_slots(grid, here, reach, slots)):
         slot = slots[k]
-        j = grid.member[slot]
         gap = minus(vector(grid.place[slot]), here)
+        near = around + motion[slot, 3]
+        # Most are too far off, however they move: in a dense school it pays to ask that first.
+        far = near + foresight * (speed + motion[slot, 4])
+        squared = dot(gap, gap)
+        if squared > far * far:
+            continue
         drift = minus(vector(motion[slot]), velocity)
         # How near the middles come: nothing of a body is farther from its middle than its radius.
         met, along = gap, dot(gap, drift)
         if along < 0.0:
             met = plus(gap, times(min(-along / dot(drift, drift), foresight), drift))
-        near = around + motion[slot, 3]
+        j = grid.member[slot]
         if dot(met, met) > near * near or j in (i, welcome):
             continue
         share = share_inside(bodies, i, j, margin, foresight)
-        squared = dot(gap, gap)
         nearer = squared < worst[2] or (squared == worst[2] and j < worst[0])
         if share > worst[1] or (share == worst[1] > 0.0 and nearer):
             worst = (j, share, squared)

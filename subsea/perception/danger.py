@@ -32,7 +32,8 @@ def see_predators(
     """Enter what the fishes `who` have to fear: those in sight of the predators in `grid`.
 
     Predator j, d cm away, is as fearful as Fʲ = min(D₀/d, 1). The submarine, whose middle
-    is at `hull`, is one more, with a D₀ of its own. Only prey fear (Tu §7.9).
+    is at `hull`, is one more, with a D₀ of its own. Only prey fear (Tu §7.9). `minds.menaces`
+    is their sum, at most 1: no fish fears more, and who fears so much looks at none but the worst.
     """
     longest = 0.0
     for j in grid.member:
@@ -53,14 +54,16 @@ def see_predators(
                 insert(worst, cost, SUBMARINE, -danger)
             for k in range(near_slots(grid, eye, sight(longest, nature), slots)):
                 j = grid.member[slots[k]]
+                gap = minus(vector(grid.place[slots[k]]), eye)
+                danger = fearfulness(float(minds.dread[i]), norm(gap))
+                if total >= 1.0 and -danger > cost[-1]:
+                    continue  # it could add nothing, and to see costs more than all else
                 if sees_fish(bodies, i, j, scene, nature):
-                    gap = minus(vector(grid.place[slots[k]]), eye)
-                    danger = fearfulness(float(minds.dread[i]), norm(gap))
                     total += min(danger, 1.0)
                     insert(worst, cost, j, -danger)
         minds.predator[i] = worst[0]
         minds.menace[i] = min(-cost[0], 1.0) if worst[0] != NOBODY else 0.0
-        minds.menaces[i] = total
+        minds.menaces[i] = min(total, 1.0)
 
 
 @njit(cache=True, error_model="numpy")

@@ -112,7 +112,7 @@ def nearest(
     """
     found[:] = -1
     gaps[:] = np.inf
-    inner, outer = -1.0, min(grid.cell, reach)
+    inner, outer = -1.0, min(0.5 * grid.cell, reach)
     while True:
         bound = min(outer, gaps[-1]) * (1.0 + 1e-12)  # rounding must not tell equals apart
         for k in range(near_slots(grid, p, outer, slots)):

@@ -195,7 +195,7 @@ def test_fear_is_of_visible_predators(tank, seed, company):
         if sees_point(bodies, i, scene, hull, sight(SUBMARINE_CM, t.nature)):
             away = np.linalg.norm(np.subtract(hull, eye_of(bodies, i)))
             fears.append((t.nature.submarine_cm / away, SUBMARINE))
-        assert t.minds.menaces[i] == pytest.approx(sum(min(f, 1.0) for f, _ in fears), rel=1e-4)
+        assert t.minds.menaces[i] == pytest.approx(min(sum(f for f, _ in fears), 1.0), rel=1e-4)
         most = max(fears, default=(0.0, NOBODY))
         assert t.minds.predator[i] == most[1]
         assert t.minds.menace[i] == pytest.approx(min(most[0], 1.0), rel=1e-4)
