@@ -14,7 +14,7 @@ from functools import partial
 import msgspec
 import numpy as np
 
-from subsea.app.tour import tour_helm
+from subsea.app.tour import Tour
 from subsea.frame import make_scene, pack
 from subsea.habitat import plankton
 from subsea.habitat.current import carry
@@ -44,10 +44,10 @@ def least_ms(clock: Callable[[], float], work: Callable[[], object]) -> float:
 
 def pictures(scenario: Scenario) -> None:
     """Three frames of the tour, with and without what stands and grows there."""
-    world = create_world(scenario)
+    world, tour = create_world(scenario), Tour()
     packets = []
     for tick in range(1, AT_TICKS[-1] + 1):
-        step(world, tour_helm(world))
+        step(world, tour.helm(world))
         if tick in AT_TICKS:
             views = views_for("mono", SIZE, cockpit(world.state.submarine, 1.0))
             packets.append(pack(world, views, 1.0))

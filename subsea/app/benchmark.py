@@ -12,7 +12,7 @@ from tqdm import tqdm
 
 from subsea.app.start import headless, picture_maker, start_world
 from subsea.app.timing import summary
-from subsea.app.tour import tour_helm
+from subsea.app.tour import Tour
 from subsea.frame import LEVELS, Packet, pack
 from subsea.ocean import step
 from subsea.places import check_file, replacing
@@ -89,15 +89,16 @@ def measure(
     stages: dict[str, list[float]] = defaultdict(list)
     levels = np.zeros(len(LEVELS))
     simulated = 0
+    tour = Tour()
     for _ in range(LIVE_WARM_UP_TICKS if len(world.state.live.fish) else 0):
         able = world.dynamics.muscular[world.state.fishes.species]
         if world.state.fishes.live[able].all():
             break
-        step(world, tour_helm(world))
+        step(world, tour.helm(world))
     triangles = visible = 0
     for k in tqdm(range(-WARM_UP_FRAMES, frames), unit="frame", disable=None, leave=False):
         start = time.perf_counter()
-        step(world, tour_helm(world))
+        step(world, tour.helm(world))
         views = views_for(display, size, cockpit(world.state.submarine, 1.0))
         packet = pack(world, views, 1.0, culling="culling" not in without, lod="lod" not in without)
         drawing = _draw(renderer, context, packet)

@@ -10,7 +10,7 @@ from subsea.app.console import say
 from subsea.app.reels import check_reel, open_reel
 from subsea.app.start import headless, picture_maker, start_world
 from subsea.app.timing import sentence
-from subsea.app.tour import tour_helm
+from subsea.app.tour import Tour
 from subsea.frame import pack
 from subsea.ocean import step
 from subsea.scenario import load_scenario
@@ -48,7 +48,7 @@ def film(
     durations: list[float] = []
     try:
         with headless() as context:
-            world = start_world(scenario, seed)
+            world, tour = start_world(scenario, seed), Tour()
             with (
                 interrupts.deferred() as check,
                 picture_maker(context, world, size, SAMPLES, display, surround) as renderer,
@@ -61,7 +61,7 @@ def film(
                     check()
                     while world.state.tick < ticks + 1:  # the first is the start of the film
                         check()
-                        step(world, tour_helm(world))
+                        step(world, tour.helm(world))
                     observer = cockpit(world.state.submarine, alpha)
                     views = views_for(display, size, observer, stereo, surround)
                     renderer.draw(pack(world, views, alpha))
