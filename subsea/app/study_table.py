@@ -45,7 +45,7 @@ def _cm(sea: Measured) -> str:
 def _escapes(minds: Measured) -> str:
     if not minds["escapes"]:
         return "none"
-    after = f"{minds['escapes_after_fear_share']:.1%} after alarming fear within a second"
+    after = f"{minds['escapes_after_fear_share']:.1%} with alarming fear before they begin"
     return f"{minds['escapes']}, {after}"
 
 
