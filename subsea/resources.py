@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import msgspec
+from msgspec import inspect
 
 from subsea.errors import UserError, nearest, unknown
 
@@ -55,20 +56,38 @@ def load_toml(path: Path, kind: type[T]) -> T:
     except tomllib.TOMLDecodeError as fault:
         raise UserError(f"{path}: not valid TOML ({fault})") from fault
     except msgspec.ValidationError as fault:
-        message = str(fault).replace(" - at `$.", ", at `").replace(" - at `$`", "")
-        key = re.search(r"unknown field `([^`]*)`", message)
-        hint = nearest(key[1], sorted(_field_names(kind))) if key else ""
+        message, _, place = str(fault).partition(" - at `$")
+        place = place.removeprefix(".").removesuffix("`")
+        here = _type_at(kind, place)
+        hint = ""
+        if key := re.search(r"unknown field `([^`]*)`", message):
+            hint = nearest(key[1], sorted(one.encode_name for one in getattr(here, "fields", ())))
+        elif isinstance(here, inspect.LiteralType):
+            hint = f"; there are: {', '.join(map(repr, here.values))}"
         message = message.replace("Object contains unknown field", "unknown key")
         message = message.replace("Object missing required field", "missing key")
-        raise UserError(f"{path}: {message}{hint}") from fault
+        where = f", at `{place}`" if place else ""
+        raise UserError(f"{path}: {message}{where}{hint}") from fault
 
 
-def _field_names(kind: Any) -> set[str]:
-    """The names of all keys in a struct and the structs inside it."""
-    names: set[str] = set()
-    for field in msgspec.structs.fields(kind):
-        names.add(field.encode_name)
-        for inner in (field.type, *getattr(field.type, "__args__", ())):
-            if isinstance(inner, type) and issubclass(inner, msgspec.Struct):
-                names |= _field_names(inner)
-    return names
+def _type_at(kind: Any, place: str) -> inspect.Type | None:
+    """What is expected at a place such as ``fish[0].kind`` of a struct; None where unknown."""
+    here = _without_none(inspect.type_info(kind))
+    for step in re.findall(r"[^.\[\]]+", place):
+        if isinstance(here, inspect.StructType):
+            here = next((one.type for one in here.fields if one.encode_name == step), None)
+        else:  # of lists and their like, the numbers of which are steps too
+            here = getattr(here, "item_type", None)
+        here = _without_none(here)
+    return here
+
+
+def _without_none(kind: Any) -> Any:
+    """The type itself of one with limits, or that may be left out."""
+    if isinstance(kind, inspect.Metadata):
+        return _without_none(kind.type)
+    if isinstance(kind, inspect.UnionType):
+        return _without_none(
+            next(one for one in kind.types if not isinstance(one, inspect.NoneType))
+        )
+    return kind

@@ -1,5 +1,6 @@
 """Scenarios: who lives where, from `assets/scenarios/NAME.toml`."""
 
+import math
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -103,6 +104,11 @@ class Hook(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True
     speed_cm_s: Annotated[float, msgspec.Meta(gt=0, le=200)] = 30.0  # down, and up with the catch
     start_s: Annotated[float, msgspec.Meta(ge=0, le=1e6)] = 0.0
 
+    @property
+    def bait_cm(self) -> tuple[float, float, float]:
+        """Where the bait hangs in the end."""
+        return (*self.position_cm, -self.depth_cm)
+
 
 class Seaweed(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """Clusters of leaves that are rooted in the seabed, or on a solid that stands there."""
@@ -175,34 +181,38 @@ def load_scenario(name: str) -> tuple[Scenario, Path]:
     _inside(path, "submarine.position_cm", scenario.submarine.position_cm, scenario.bounds)
     for k, shoal in enumerate(scenario.fish):
         if shoal.species not in known:
-            raise UserError(f"{path}: {unknown('species', shoal.species, known)}")
+            fault = unknown("species", shoal.species, known)
+            raise UserError(f"{path}: `fish[{k}].species`: {fault}")
         if shoal.size_cm is not None and shoal.size_cm[0] > shoal.size_cm[1]:
-            raise UserError(f"{path}: size_cm {shoal.size_cm} of {shoal.species}: smallest first")
+            sizes = list(shoal.size_cm)
+            raise UserError(f"{path}: `fish[{k}].size_cm` {sizes}: expected the smallest first")
         if shoal.position_cm is not None:
             _inside(path, f"fish[{k}].position_cm", shoal.position_cm, scenario.bounds)
         if shoal.toward_cm is not None:
             _inside(path, f"fish[{k}].toward_cm", shoal.toward_cm, scenario.bounds)
     if scenario.hook is not None:
-        hangs = (*scenario.hook.position_cm, -scenario.hook.depth_cm)
-        _inside(path, "hook", hangs, scenario.bounds)
+        _inside(path, "hook", scenario.hook.bait_cm, scenario.bounds)
+    for k, pillar in enumerate(scenario.pillar):
+        _inside(path, f"pillar[{k}].position_cm", pillar.position_cm, scenario.bounds)
+    for k, rock in enumerate(scenario.rock):
+        _inside(path, f"rock[{k}].position_cm", rock.position_cm, scenario.bounds)
     leaves = sum(group.clusters * group.leaves for group in scenario.seaweed)
     if leaves > MAX_SEAWEED:
         raise UserError(f"{path}: `seaweed` has {leaves} leaves, expected at most {MAX_SEAWEED}")
     for k, group in enumerate(scenario.seaweed):
         if group.position_cm is not None:
-            place = (*group.position_cm, 0.0)
-            _inside(path, f"seaweed[{k}].position_cm", place, scenario.bounds)
+            _inside(path, f"seaweed[{k}].position_cm", group.position_cm, scenario.bounds)
     number = sum(shoal.number for shoal in scenario.fish)
     if number > MAX_FISHES:
         raise UserError(f"{path}: {number} fishes in all, expected at most {MAX_FISHES}")
     return scenario, path
 
 
-def _inside(path: Path, key: str, place: tuple[float, float, float], bounds: Bounds) -> None:
-    """A UserError unless `place` lies in the cylinder, between its floor and the surface."""
-    x, y, z = place
-    if x * x + y * y > bounds.radius_cm**2 or not -bounds.depth_cm <= z <= 0:
-        raise UserError(
-            f"{path}: `{key}` {place} lies outside the sea: expected at most "
-            f"{bounds.radius_cm:g} cm from the middle and 0 to {-bounds.depth_cm:g} cm high"
-        )
+def _inside(path: Path, key: str, place: tuple[float, ...], bounds: Bounds) -> None:
+    """A UserError unless `place` lies in the cylinder; one of three between floor and surface."""
+    expected = f"at most {bounds.radius_cm:g} cm from the middle"
+    if len(place) == 3:
+        expected += f" and 0 to {-bounds.depth_cm:g} cm high"
+    height_fits = all(-bounds.depth_cm <= z <= 0 for z in place[2:])
+    if math.hypot(*place[:2]) > bounds.radius_cm or not height_fits:
+        raise UserError(f"{path}: `{key}` {place} lies outside the sea: expected {expected}")

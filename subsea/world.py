@@ -15,6 +15,7 @@ from subsea.habitat.sea import make_sea
 from subsea.habitat.seaweed import plant
 from subsea.habitat.solids import out_of_solids
 from subsea.kinematics.coupling import Coupling, couple
+from subsea.kinematics.heightfield import height_at
 from subsea.kinematics.solids import from_pillar, from_rock
 from subsea.kinematics.surface import rest_control_points
 from subsea.kinematics.vector import vector
@@ -77,8 +78,8 @@ def create_world(
     `seed` replaces the scenario's; `fish` scales its shoals to that many fishes in all.
     `progress` is told what is going on. `live` fishes at most, None: as many as the scenario
     says, are simulated instead of played back: those nearest to the submarine, within
-    `live_reach_cm`. A missing or damaged file, more live fishes than a picture can hold, or who
-    would begin inside a rock or a pillar, is a UserError; `source` is the scenario's file.
+    `live_reach_cm`. A missing or damaged file, more live fishes than a picture can hold, or what
+    would lie inside a rock, a pillar or the seabed is a UserError; `source` is the scenario's file.
     """
     live = scenario.simulated if live is None else live
     if live > MAX_SIMULATED:
@@ -94,7 +95,7 @@ def create_world(
     progress("shaping the seabed")
     rng = np.random.default_rng([seed, 0x5EA])
     sea = make_sea(scenario, rng)
-    _refuse_within_solids(scenario, sea, source)
+    _refuse_misplaced(scenario, sea, source)
     sea, seaweed = plant(scenario, sea, seed)
     progress("letting the fishes in")
     submarine = Submarine(position=np.array(scenario.submarine.position_cm, np.float64))
@@ -136,22 +137,39 @@ def _coupling(species: Species, repertoire: Repertoire) -> Coupling:
     return couple(species.surface.coupling, nodes, rest)
 
 
-def _refuse_within_solids(scenario: Scenario, sea: Sea, source: str) -> None:
-    """A UserError if the submarine or a shoal would begin inside a rock or a pillar."""
-    starts = [("submarine.position_cm", scenario.submarine.position_cm, HULL_CM)]
+def _refuse_misplaced(scenario: Scenario, sea: Sea, source: str) -> None:
+    """A UserError for what a scenario puts inside the seabed, a rock or a pillar.
+
+    So it is for a pillar that is higher than the sea is deep.
+    """
+    for k, top in enumerate(sea.pillars[:, 3]):
+        if top > 0.0:
+            given = scenario.pillar[k].height_cm
+            raise UserError(
+                f"{source}: `pillar[{k}].height_cm` {given:g} reaches above the surface, "
+                f"expected at most {np.floor(given - top):g} there"
+            )
+    places = [("submarine.position_cm", scenario.submarine.position_cm, HULL_CM)]
     for k, shoal in enumerate(scenario.fish):
         if shoal.position_cm is not None:
-            starts.append((f"fish[{k}].position_cm", shoal.position_cm, 0.0))
-    solids = [(f"pillar[{k}]", from_pillar, row) for k, row in enumerate(sea.pillars)]
-    solids += [(f"rock[{k}]", from_rock, row) for k, row in enumerate(sea.rocks)]
-    for key, place, room in starts:
-        for name, off, row in solids:
-            gap = off(row, place)[1]
+            places.append((f"fish[{k}].position_cm", shoal.position_cm, 0.0))
+        if shoal.toward_cm is not None:
+            places.append((f"fish[{k}].toward_cm", shoal.toward_cm, 0.0))
+    if scenario.hook is not None:
+        places.append(("hook", scenario.hook.bait_cm, 0.0))
+    for key, place, room in places:
+        floor = height_at(sea.heights, sea.half_width, place[0], place[1])
+        gaps = {"the seabed": place[2] - floor}
+        gaps |= {f"`pillar[{k}]`": from_pillar(row, place)[1] for k, row in enumerate(sea.pillars)}
+        gaps |= {f"`rock[{k}]`": from_rock(row, place)[1] for k, row in enumerate(sea.rocks)}
+        for name, gap in gaps.items():
             if gap < room:
-                where = f"lies inside `{name}`" if gap < 0.0 else f"is {gap:.0f} cm from `{name}`"
-                raise UserError(
-                    f"{source}: `{key}` {place} {where}, expected at least {room:g} cm off it"
-                )
+                inside, outside = "inside", "outside"
+                if name == "the seabed":
+                    inside, outside = "below", "above"
+                where = f"lies {inside} {name}" if gap < 0.0 else f"is {gap:.0f} cm from {name}"
+                expected = f"at least {room:g} cm off it" if room else f"{outside} it"
+                raise UserError(f"{source}: `{key}` {place} {where}, expected {expected}")
 
 
 def _shares(scenario: Scenario, fish: int | None) -> list[int]:

@@ -7,6 +7,7 @@ import pytest
 from subsea.errors import UserError
 from subsea.frame import pack
 from subsea.habitat.solids import clearances
+from subsea.kinematics.heightfield import height_at
 from subsea.ocean import create_world, step
 from subsea.resources import resource_names, resource_path
 from subsea.scenario import load_scenario
@@ -29,12 +30,25 @@ def test_shipped_scenarios_are_valid(name):
     ("change", "words"),
     [
         (("seed = 1", "sead = 1"), ["unknown key `sead`", "did you mean 'seed'"]),
-        (("plankton = 700", "planktn = 700"), ["`planktn`", "water", "'plankton'"]),
+        (("plankton = 1800", "planktn = 1800"), ["`planktn`", "water", "'plankton'"]),
         (("number = 33", "number = -1"), [">= 0", "fish[0].number"]),
-        (('species = "fusilier"', 'species = "fuselier"'), ["'fuselier'", "'fusilier'"]),
+        (
+            ("number = 33", 'number = 33\nkind = "pray"'),
+            ["'pray'", "`fish[0].kind`", "'pacifist', 'predator', 'prey'"],
+        ),
+        (("number = 33", 'number = 33\nlikes = ["shade"]'), ["`fish[0].likes[0]`", "'darkness'"]),
+        (("number = 33", "number = 33\nspread = 9.0"), ["`fish[0]`", "'spread_cm'"]),
+        (("plankton = 1800", "current = 3"), ["`water`", "'current_cm_s'"]),
+        (
+            ('species = "fusilier"', 'species = "fuselier"'),
+            ["`fish[0].species`", "'fuselier'", "'fusilier'"],
+        ),
         (("radius_cm = 1300.0", 'radius_cm = "wide"'), ["bounds.radius_cm", "float"]),
         (("[water]", "[water"), ["not valid TOML"]),
-        (("size_cm = [16.0, 23.0]", "size_cm = [23.0, 16.0]"), ["size_cm", "smallest first"]),
+        (
+            ("size_cm = [16.0, 23.0]", "size_cm = [23.0, 16.0]"),
+            ["`fish[0].size_cm`", "smallest first"],
+        ),
         (('title = "Peaceful bay"', ""), ["missing key", "title"]),
         (("radius_cm = 1300.0", "radius_cm = nan"), ["bounds.radius_cm"]),
         (("-330.0]", "inf]"), ["position_cm"]),
@@ -73,6 +87,10 @@ def test_a_fault_is_one_line_that_names_file_and_key(tmp_path, change, words):
         (
             "position_cm = [0.0, 0.0]\ndepth_cm = 9.0\nsped_cm_s = 1.0",
             ["`sped_cm_s`", "'speed_cm_s'"],
+        ),
+        (
+            "position_cm = [0.0, 0.0]\ndepth_cm = 9.0\nspeed = 1.0",
+            ["`hook`", "did you mean 'speed_cm_s'?"],
         ),
     ],
 )
@@ -131,27 +149,88 @@ def test_a_scenario_may_have_its_nearest_fishes_simulated(tmp_path):
     assert world.state.fishes.live.sum() == 2
 
 
+BUSY = (
+    BARE.replace("40.0, -340.0]", "40.0, -340.0]\ntoward_cm = [300.0, 300.0, -340.0]")
+    + "\n[hook]\nposition_cm = [300.0, -300.0]\ndepth_cm = 340.0\n"
+)
+
+
+def written(folder, text):
+    """A file with that text."""
+    file = folder / "mine.toml"
+    file.write_text(text)
+    return file
+
+
+def fault_of(folder, text):
+    """The one line with which a scenario is refused, which begins with its file."""
+    file = written(folder, text)
+    with pytest.raises(UserError) as caught:
+        create_world(load_scenario(str(file))[0], source=str(file))
+    message = str(caught.value)
+    assert message.startswith(f"{file}: ")
+    assert "\n" not in message
+    return message
+
+
 STANDS = {
-    "pillar[0]": "\n[[pillar]]\nposition_cm = {}\nradius_cm = 60.0\nheight_cm = 900.0\n",
+    "pillar[0]": "\n[[pillar]]\nposition_cm = {}\nradius_cm = 60.0\nheight_cm = 500.0\n",
     "rock[0]": "\n[[rock]]\nposition_cm = {}\nsize_cm = [90.0, 90.0, 500.0]\n",
 }
 
 
 @pytest.mark.parametrize("solid", STANDS)
 @pytest.mark.parametrize(
-    ("place", "key"),
-    [("[-430.0, -150.0]", "submarine.position_cm"), ("[-60.0, 45.0]", "fish[0].position_cm")],
+    ("place", "key", "expected"),
+    [
+        ("[-430.0, -150.0]", "submarine.position_cm", "expected at least 45 cm off it"),
+        ("[-60.0, 45.0]", "fish[0].position_cm", "expected outside it"),
+        ("[300.0, 310.0]", "fish[0].toward_cm", "expected outside it"),
+        ("[300.0, -310.0]", "hook", "expected outside it"),
+    ],
 )
-def test_nobody_may_begin_inside_what_stands_there(tmp_path, solid, place, key):
+def test_nothing_may_begin_inside_what_stands_there(tmp_path, solid, place, key, expected):
     """The submarine's hull must be clear of it too."""
-    file = tmp_path / "walled.toml"
-    file.write_text(BARE + STANDS[solid].format(place))
-    with pytest.raises(UserError) as caught:
-        create_world(load_scenario(str(file))[0], source=str(file))
-    message = str(caught.value)
-    assert message.startswith(f"{file}: `{key}`")
+    message = fault_of(tmp_path, BUSY + STANDS[solid].format(place))
+    assert f": `{key}`" in message
     assert f"`{solid}`" in message
-    assert "\n" not in message
+    assert message.endswith(expected)
+
+
+@pytest.mark.parametrize(
+    ("key", "given", "low"),
+    [
+        ("submarine.position_cm", "[-430.0, -60.0, -330.0]", "[{}, {}, {}]"),
+        ("fish[0].position_cm", "[-60.0, 40.0, -340.0]", "[{}, {}, {}]"),
+        ("fish[0].toward_cm", "[300.0, 300.0, -340.0]", "[{}, {}, {}]"),
+        ("hook", "[300.0, -300.0]\ndepth_cm = 340.0", "[{}, {}]\ndepth_cm = {}"),
+    ],
+)
+def test_nothing_may_begin_below_the_seabed(tmp_path, key, given, low):
+    scenario = load_scenario(str(written(tmp_path, BUSY)))[0]
+    sea = create_world(scenario).state.sea
+    z = height_at(sea.heights, sea.half_width, 700.0, 0.0) - 2.0
+    assert z > -scenario.bounds.depth_cm  # not yet outside the sea
+    assert BUSY.count(given) == 1
+    text = BUSY.replace(given, low.format(700.0, 0.0, -z if key == "hook" else z))
+    message = fault_of(tmp_path, text)
+    assert f": `{key}` (700.0, 0.0, " in message
+    assert "lies below the seabed, expected " in message
+
+
+def test_a_pillar_stays_below_the_surface(tmp_path):
+    pillar = "\n[[pillar]]\nposition_cm = [500.0, 500.0]\nradius_cm = 60.0\nheight_cm = {}\n"
+    message = fault_of(tmp_path, BARE + pillar.format(800.0))
+    assert "`pillar[0].height_cm` 800 reaches above the surface" in message
+    most = re.search(r"expected at most (\d+) there", message)
+    create_world(load_scenario(str(written(tmp_path, BARE + pillar.format(most[1]))))[0])
+
+
+@pytest.mark.parametrize("solid", STANDS)
+def test_what_stands_in_the_sea_stands_within_its_radius(tmp_path, solid):
+    message = fault_of(tmp_path, BARE + STANDS[solid].format("[1000.0, 1000.0]"))
+    assert f": `{solid}.position_cm` (1000.0, 1000.0) lies outside the sea" in message
+    assert message.endswith("expected at most 1300 cm from the middle")
 
 
 def test_fishes_that_the_dice_put_into_a_rock_are_moved_out_of_it(tmp_path):

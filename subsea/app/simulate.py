@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from tqdm import tqdm
 
 from subsea import hdf5, interrupts
+from subsea.app.console import counted
 from subsea.app.records import FIELDS, FORMAT, VERSION, outline
 from subsea.app.start import start_world
 from subsea.behavior.table import INTENTIONS
@@ -74,9 +75,15 @@ def simulate(ticks: int, out: Path, scenario: str, fish: int | None, seed: int |
         except KeyboardInterrupt:
             if held:
                 append({name: rows[:held] for name, rows in block.items()})
-            raise
-    print(f"{out}: {ticks} ticks of {number} fishes")
+            if not k:
+                raise
+            raise KeyboardInterrupt(f"{out}: {_extent(k, number)} kept") from None
+    print(f"{out}: {_extent(ticks, number)}")
     return 0
+
+
+def _extent(ticks: int, fishes: int) -> str:
+    return f"{counted(ticks, 'tick', 'ticks')} of {counted(fishes, 'fish', 'fishes')}"
 
 
 def _empty_block(length: int, n: int) -> Rows:

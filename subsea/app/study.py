@@ -1,16 +1,21 @@
 """`subsea study`: what a record of a simulation shows, as a table, as JSON and as plots."""
 
 import json
+import os
+from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea import interrupts
 from subsea.app import measures
 from subsea.app.records import Record, read_record
-from subsea.app.study_plots import check_plots, plot
+from subsea.app.study_plots import check_plots, plot, plots_in
 from subsea.app.study_table import table
+from subsea.errors import UserError
 from subsea.places import check_file, check_folder, replacing
 
 Measured = dict[str, Any]
@@ -20,29 +25,48 @@ def study(record: Path, out: Path | None, json_file: Path | None) -> int:
     """Measure the record in a file and print a table; returns the exit code.
 
     `out` is a folder for plots, `json_file` takes the measures. What cannot be read, written or
-    plotted is a UserError, said before the work.
+    plotted is a UserError, said before the work; so is a result in the record's place. Ctrl-C
+    leaves no result.
     """
+    results = [*([json_file] if json_file else []), *(plots_in(out) if out else [])]
+    _refuse_clashes(record, results)
     if json_file:
         check_file(json_file)
     if out:
         check_folder(out)
         check_plots()
-    read = read_record(record)
-    found = measure(read)
-    print("\n".join(table(found)))
-    if json_file:
-        with replacing(json_file) as temporary:
-            temporary.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
-    if out:
-        for path in plot(read, out):
-            print(path)
+    # Within compiled code Ctrl-C comes up as another fault.
+    with interrupts.deferred() as check:
+        read = read_record(record)
+        found = measure(read, check)
+        print("\n".join(table(found)))
+        with ExitStack() as whole:
+            if json_file:
+                temporary = whole.enter_context(replacing(json_file))
+                temporary.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+            drawn = plot(read, out, check) if out else []
+    for path in drawn:
+        print(path)
     return 0
 
 
-def measure(record: Record) -> Measured:
-    """All measures of docs/records.md, ready for JSON; None where there is nothing to measure."""
+def _refuse_clashes(record: Path, results: list[Path]) -> None:
+    """A UserError if a result would take the place of the record or of another one."""
+    taken = {os.path.realpath(record): "the record"}
+    for result in results:
+        place = os.path.realpath(result)
+        if place in taken:
+            raise UserError(f"{result}: is {taken[place]} too, expected another name")
+        taken[place] = "another result"
+
+
+def measure(record: Record, check: Callable[[], None] = lambda: None) -> Measured:
+    """All measures of docs/records.md, ready for JSON; None where there is nothing to measure.
+
+    `check` is called between two of them, and may raise.
+    """
     ticks, n = record.alive.shape
-    return {
+    found: Measured = {
         "seed": record.seed,
         "ticks": ticks,
         "seconds": round(ticks * record.tick_s, 3),
@@ -50,13 +74,14 @@ def measure(record: Record) -> Measured:
         "species": {
             name: int((record.species == k).sum()) for k, name in enumerate(record.species_names)
         },
-        "sea": _sea(record),
-        "minds": _minds(record),
-        "schools": [_school(one, float(record.time[-1])) for one in measures.schools(record)],
-        "captures": _captures(record),
-        "mating": _mating(record),
-        "food": _food(record),
     }
+    parts = {"sea": _sea, "minds": _minds, "schools": _schools, "captures": _captures,
+             "mating": _mating, "food": _food}  # fmt: skip
+    for name, part in parts.items():
+        check()
+        found[name] = part(record)
+    check()
+    return found
 
 
 def _sea(record: Record) -> Measured:
@@ -92,6 +117,10 @@ def _minds(record: Record) -> Measured:
             for name, row in zip(record.species_names, budget, strict=True)
         },
     }
+
+
+def _schools(record: Record) -> list[Measured]:
+    return [_school(one, float(record.time[-1])) for one in measures.schools(record)]
 
 
 def _school(school: measures.School, end: float) -> Measured:

@@ -1,5 +1,7 @@
 """Plots of a record: who does what, how schools hold together, what moves a mind, ways and room."""
 
+from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -51,35 +53,34 @@ def check_plots() -> None:
         raise UserError("plots need matplotlib: install subsea[plot]") from fault
 
 
-def plot(record: Record, folder: Path) -> list[Path]:
-    """Write the plots of a record into `folder` as PNG; returns the files.
+def plots_in(folder: Path) -> list[Path]:
+    """The files that `plot` may write into `folder`."""
+    return [folder / f"{name}.png" for name in _PAGES]
 
-    Schools are left out of a record that has none.
+
+def plot(record: Record, folder: Path, check: Callable[[], None] = lambda: None) -> list[Path]:
+    """Write the plots of a record into `folder` as PNG, all or none; returns the files.
+
+    Schools are left out of a record that has none. `check` is called between two plots, and may
+    raise.
     """
     check_plots()
     from matplotlib import rc_context
     from matplotlib.figure import Figure
 
-    schools = measures.schools(record)
-    pages = {"time_budget": _budget_page, "minds": _minds_page, "paths": _paths_page,
-             "clearance": _clearance_page}  # fmt: skip
     written = []
-    with rc_context(STYLE):
-        for name, draw in pages.items():
+    with rc_context(STYLE), ExitStack() as whole:
+        for path, draw in zip(plots_in(folder), _PAGES.values(), strict=True):
+            check()
+            if draw is _schools_page and not measures.schools(record):
+                continue
             page = Figure(dpi=DPI, layout="constrained")
             draw(page, record)
-            written.append(_write(page, folder / f"{name}.png"))
-        if schools:
-            page = Figure(dpi=DPI, layout="constrained")
-            _schools_page(page, record, schools)
-            written.append(_write(page, folder / "schools.png"))
+            temporary = whole.enter_context(replacing(path))
+            page.savefig(temporary, format="png", metadata={"Software": None})
+            written.append(path)
+        check()
     return written
-
-
-def _write(page: Any, path: Path) -> Path:
-    with replacing(path) as temporary:
-        page.savefig(temporary, format="png", metadata={"Software": None})
-    return path
 
 
 def _colours(record: Record) -> list[str]:
@@ -122,9 +123,9 @@ def _span(record: Record) -> str:
     return f"{seconds / 60:.1f} minutes" if seconds >= 120 else f"{seconds:.0f} s"
 
 
-def _schools_page(page: Any, record: Record, schools: list[measures.School]) -> None:
+def _schools_page(page: Any, record: Record) -> None:
     """Polarisation, distance to the nearest and what hangs together, over time."""
-    largest = sorted(schools, key=lambda s: -int(s.members.max()))[:SHOWN_SCHOOLS]
+    largest = sorted(measures.schools(record), key=lambda s: -int(s.members.max()))[:SHOWN_SCHOOLS]
     page.set_size_inches(10, 6.2)
     top, middle, bottom = page.subplots(3, 1, sharex=True, height_ratios=(3, 3, 2))
     for school, colour in zip(largest, LINES, strict=False):
@@ -302,3 +303,12 @@ def _clearance_page(page: Any, record: Record) -> None:
         f"Room to bounds and obstacles: {inside:,} of {there.sum():,} fish-ticks below 0"
     )
     axis.legend(title="nearest")
+
+
+_PAGES = {
+    "time_budget": _budget_page,
+    "minds": _minds_page,
+    "paths": _paths_page,
+    "clearance": _clearance_page,
+    "schools": _schools_page,
+}

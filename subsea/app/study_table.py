@@ -2,6 +2,8 @@
 
 from typing import Any
 
+from subsea.app.console import counted
+
 Measured = dict[str, Any]
 
 
@@ -10,8 +12,8 @@ def table(found: Measured) -> list[str]:
     sea, minds, food = found["sea"], found["minds"], found["food"]
     species = ", ".join(f"{number} {name}" for name, number in found["species"].items())
     lines = [
-        f"{found['ticks']:,} ticks ({found['seconds']:g} s) of {found['fishes']:,} fishes, seed "
-        f"{found['seed']}: {species}",
+        f"{counted(found['ticks'], 'tick', 'ticks')} ({found['seconds']:g} s) of "
+        f"{counted(found['fishes'], 'fish', 'fishes')}, seed {found['seed']}: {species}",
         "",
         _line("out of bounds or in an obstacle", f"{sea['out_of_bounds_or_inside']:,} of "
               f"{sea['fish_ticks']:,} fish-ticks"),

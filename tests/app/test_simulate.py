@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from subsea import hdf5
+from subsea.app.console import counted
 from subsea.app.records import FIELDS
 from subsea.species import load_species
 
@@ -94,11 +95,14 @@ def test_ctrl_c_leaves_a_valid_file_with_the_ticks_so_far(tmp_path):
     running.send_signal(signal.SIGINT)
     _, err = running.communicate(timeout=60)
     assert running.returncode == 130
-    assert err.splitlines()[-1].endswith("subsea: interrupted")
+    told = err.splitlines()[-1]
     assert [path.name for path in tmp_path.iterdir()] == ["long.h5"]
     with h5py.File(out) as file:
         ticks = len(file["time"])
         assert 0 < ticks < 1_000_000
+        assert told.endswith(
+            f"subsea: interrupted: {out}: {counted(ticks, 'tick', 'ticks')} of 12 fishes kept"
+        )
         assert all(
             len(file[name]) == ticks for name, field in FIELDS.items() if field.shape[0] == "T"
         )

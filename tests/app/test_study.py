@@ -2,6 +2,7 @@
 
 import json
 import re
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -11,6 +12,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from subsea.app import study, study_plots
 from subsea.app.cli import main
 from subsea.app.records import FIELDS, outline, read_record
 from subsea.errors import UserError
@@ -68,7 +70,9 @@ def test_a_study_of_nothing_much_has_an_answer_too(tmp_path, capsys):
     out = tmp_path / "one.h5"
     assert main(["simulate", "--ticks", "1", "--fish", "1", "--out", str(out)]) == 0
     assert main(["study", str(out), "--out", str(tmp_path / "plots")]) == 0
-    assert "1 ticks" in capsys.readouterr().out
+    recorded, studied = capsys.readouterr().out.splitlines()[:2]
+    assert recorded == f"{out}: 1 tick of 1 fish"
+    assert studied.startswith("1 tick (0.033 s) of 1 fish, seed")
 
 
 def spoil_type(file):
@@ -175,6 +179,45 @@ def test_no_room_for_results_is_said_before_the_work(record, tmp_path, capsys):
         assert main(["study", str(record), *option]) == 2
         out = capsys.readouterr()
         assert not out.out and len(out.err.splitlines()) == 1
+
+
+def test_a_result_never_takes_the_place_of_the_record(damaged, tmp_path, monkeypatch, capsys):
+    before = damaged.read_bytes()
+    monkeypatch.chdir(tmp_path)
+    drawn = tmp_path / "plots" / "minds.png"
+    drawn.parent.mkdir()
+    drawn.write_bytes(before)
+    for options in (
+        [str(damaged), "--json", f"../{tmp_path.name}/copy.h5"],
+        [str(drawn), "--out", "plots"],
+        [str(damaged), "--out", "plots", "--json", "plots/paths.png"],
+    ):
+        assert main(["study", *options]) == 2
+        out = capsys.readouterr()
+        assert not out.out and len(out.err.splitlines()) == 1
+        assert "too, expected another name" in out.err
+    assert damaged.read_bytes() == drawn.read_bytes() == before
+    assert list(drawn.parent.iterdir()) == [drawn]
+
+
+@pytest.mark.parametrize("when", ["measuring", "drawing"])
+def test_ctrl_c_leaves_no_result(record, tmp_path, monkeypatch, capsys, when):
+    """It comes in the middle of a measure or of a plot, and is heeded after it."""
+    done = []
+
+    def disturbed(*given):
+        signal.raise_signal(signal.SIGINT)
+        done.append(when)
+
+    if when == "measuring":
+        monkeypatch.setattr(study, "_minds", disturbed)
+    else:
+        monkeypatch.setitem(study_plots._PAGES, "paths", disturbed)
+    places = ["--out", str(tmp_path / "plots"), "--json", str(tmp_path / "report.json")]
+    assert main(["study", str(record), *places]) == 130
+    assert done == [when]
+    assert capsys.readouterr().err == "subsea: interrupted\n"
+    assert not list(tmp_path.iterdir())
 
 
 def test_without_matplotlib_the_table_works_and_plots_are_one_line(record, tmp_path):
