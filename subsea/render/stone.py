@@ -93,7 +93,8 @@ def shadow(pillars: Array, rocks: Array, floor: Floor) -> Shape:
         top = rocks[0, 2] + rocks[0, 5]
     height = float(np.clip(top - floor(x0, y0), 0.0, 400.0))
     wide = reach + 30.0 + 0.3 * height
-    radius, turn = wide * np.linspace(0.2, 1.0, RINGS), np.linspace(0.0, 2 * np.pi, SECTORS + 1)
+    # From its middle: the shadow lies aside, so a hole would show beside the foot.
+    radius, turn = wide * np.linspace(0.0, 1.0, RINGS), np.linspace(0.0, 2 * np.pi, SECTORS + 1)
     x = x0 + radius[:, None] * np.cos(turn) - 0.15 * height * SUN[0] / SUN[2]
     y = y0 + radius[:, None] * np.sin(turn) - 0.15 * height * SUN[1] / SUN[2]
     places = np.stack([x, y, floor(x, y)], axis=2).reshape(-1, 3)

@@ -102,6 +102,7 @@ def test_two_stones_differ_and_one_stays_as_it_is():
 def test_a_shadow_lies_on_the_sand_away_from_the_sun(pillars, rocks):
     places = shadow(pillars, rocks, floor).vertices.astype(np.float64)
     np.testing.assert_allclose(places[:, 2], floor(places[:, 0], places[:, 1]), atol=1e-3)
+    assert np.ptp(places[: SECTORS + 1], axis=0).max() < 1e-3  # no hole, in which sand would shine
     dark = places[:, 3].reshape(RINGS, SECTORS + 1)
     assert dark.min() == 0.0
     assert (dark[-1] == 0.0).all()
