@@ -155,6 +155,7 @@ def scatter() -> Figure:
 def main() -> None:
     """All of them, or the one that is named, into the folder."""
     folder = Path(sys.argv[1] if len(sys.argv) > 1 else "docs/pictures")
+    folder.mkdir(parents=True, exist_ok=True)
     pictures = {"capture": capture, "hook": hook, "scatter": scatter}
     for name, make in pictures.items():
         if len(sys.argv) > 2 and name not in sys.argv[2:]:
