@@ -1,0 +1,161 @@
+"""What stands still: all shapes in one buffer, of which a frame draws those in sight at once."""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.render.shaders import set_uniforms
+from subsea.view.camera import View
+from subsea.view.culling import frustum_planes, pixels_per_radian
+
+Array = NDArray[np.floating[Any]]
+Ints = NDArray[np.integer[Any]]
+Bools = NDArray[np.bool_]
+
+OUT_OF_SIGHT = -1  # in place of a level
+NEAR_PX, MIDDLE_PX = 360.0, 130.0  # a level is used while its shape's diameter covers so many
+LEAST_PX = 3.0  # what covers fewer is not drawn
+HYSTERESIS = 0.12  # share by which a threshold is overstepped before the level changes
+
+
+class Shape(NamedTuple):
+    """One shape at one level of detail, in world coordinates."""
+
+    vertices: Array  # (n, c) float32; the first three columns are the place, cm
+    triangles: Ints  # (m, 3), counter-clockwise from outside
+
+
+class Standing:
+    """Holds the vertices of all shapes, and the triangles of those that are drawn now."""
+
+    def __init__(
+        self,
+        context: Any,
+        compiled: Any,
+        layout: str,
+        attributes: str,
+        shapes: Sequence[Sequence[Shape]],
+        reach_cm: float,
+        thresholds_px: Sequence[float] = (NEAR_PX, MIDDLE_PX),
+    ) -> None:
+        """Upload `shapes`: per item its levels, finest first; the last one stands for coarser ones.
+
+        `compiled` is the program, `layout` and `attributes` are those of moderngl, `reach_cm` is
+        how far one sees. Level k is used from `thresholds_px[k]` pixels on. The program stays
+        the caller's.
+        """
+        self._program = compiled
+        self._reach = reach_cm
+        self._thresholds = np.asarray(thresholds_px, np.float64)
+        self._first = _first_triangles(shapes, len(thresholds_px) + 1)
+        flat = [shape for levels in shapes for shape in levels]
+        starts = np.cumsum([0] + [len(shape.vertices) for shape in flat])
+        self._triangles = np.concatenate(
+            [np.zeros((0, 3), np.int32)]
+            + [shape.triangles + start for shape, start in zip(flat, starts, strict=False)]
+        ).astype(np.int32)
+        spheres = [bounding_sphere(levels[0].vertices[:, :3]) for levels in shapes]
+        self._centres = np.array([centre for centre, _ in spheres]).reshape(-1, 3)
+        self._radii = np.array([radius for _, radius in spheres])
+        self._level = np.full(len(shapes), OUT_OF_SIGHT)
+        self._count = 0
+        self._held: list[Any] = []
+        if not flat:
+            return
+        vertices = np.concatenate([shape.vertices for shape in flat]).astype("f4")
+        self._vertices = context.buffer(vertices.tobytes())
+        self._indices = context.buffer(reserve=12)
+        self._array = context.vertex_array(
+            compiled, [(self._vertices, layout, *attributes.split())], self._indices
+        )
+        self._held = [self._array, self._vertices, self._indices]
+
+    def choose(
+        self, views: Sequence[View], detail: float = 1.0, shown: Bools | None = None
+    ) -> None:
+        """Decide once for all views what is drawn, and how finely.
+
+        `detail` is a factor on the pixels that a shape covers; `shown` (k,) leaves items out.
+        """
+        if not self._held:
+            return
+        level = levels_in_sight(
+            self._centres, self._radii, views, self._reach, detail, self._thresholds, self._level
+        )
+        if shown is not None:
+            level[~shown] = OUT_OF_SIGHT
+        if (level == self._level).all():
+            return
+        self._level = level
+        drawn = np.flatnonzero(level != OUT_OF_SIGHT)
+        ranges = self._first[drawn, level[drawn]]
+        parts = [self._triangles[first:end] for first, end in ranges]
+        self._count = int((ranges[:, 1] - ranges[:, 0]).sum())
+        if self._count:
+            data = np.concatenate(parts)
+            self._indices.orphan(data.nbytes)
+            self._indices.write(data.tobytes())
+
+    def draw(self, uniforms: dict[str, Any]) -> int:
+        """Draw in one call what was chosen; the number of triangles."""
+        if self._count:
+            set_uniforms(self._program, **uniforms)
+            self._array.render(moderngl.TRIANGLES, vertices=3 * self._count)
+        return self._count
+
+    def release(self) -> None:
+        """Free the buffers."""
+        for held in self._held:
+            held.release()
+
+
+def levels_in_sight(
+    centres: Array,
+    radii: Array,
+    views: Sequence[View],
+    reach_cm: float,
+    detail: float,
+    thresholds_px: Array,
+    before: Ints,
+) -> Ints:
+    """Levels of detail (k,) of spheres, OUT_OF_SIGHT for those that no view sees.
+
+    A level follows from the pixels that the diameter covers where it covers most. One `before`
+    is kept until a threshold is overstepped by HYSTERESIS.
+    """
+    pixels = np.zeros(len(centres))
+    for view in views:
+        planes = frustum_planes(view)
+        inside = (centres @ planes[:, :3].T + planes[:, 3] > -radii[:, None]).all(axis=1)
+        distance = np.linalg.norm(centres - view.eye, axis=1)
+        seen = inside & (distance - radii < reach_cm)
+        covers = 2 * radii * pixels_per_radian(view) / np.maximum(distance - radii, 1.0)
+        pixels = np.maximum(pixels, np.where(seen, covers, 0.0))
+    pixels *= detail
+    finest = (pixels[:, None] * (1 + HYSTERESIS) < thresholds_px).sum(axis=1)
+    coarsest = (pixels[:, None] / (1 + HYSTERESIS) < thresholds_px).sum(axis=1)
+    plain = (pixels[:, None] < thresholds_px).sum(axis=1)
+    new = before == OUT_OF_SIGHT
+    level = np.where(new, plain, np.clip(before, finest, coarsest))
+    least = np.where(new, LEAST_PX, LEAST_PX / (1 + HYSTERESIS))
+    return np.asarray(np.where(pixels < least, OUT_OF_SIGHT, level))
+
+
+def bounding_sphere(places: Array) -> tuple[Array, float]:
+    """Centre (3,) and radius of a sphere about places (n, 3), from their bounding box."""
+    centre = (places.min(axis=0) + places.max(axis=0)) / 2
+    return centre, float(np.linalg.norm(places - centre, axis=1).max())
+
+
+def _first_triangles(shapes: Sequence[Sequence[Shape]], levels: int) -> Ints:
+    """First triangle and end (k, levels, 2) of every item at every level."""
+    ranges = np.zeros((len(shapes), levels, 2), np.int64)
+    end = 0
+    for item, own in enumerate(shapes):
+        for level, shape in enumerate(own):
+            ranges[item, level:] = end, end + len(shape.triangles)
+            end += len(shape.triangles)
+    return ranges
