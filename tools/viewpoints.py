@@ -1,0 +1,93 @@
+"""Look at a scenario from five viewpoints: `python tools/viewpoints.py OUT [SCENARIO…]`.
+
+One picture a viewpoint and a sheet of all five: the pilot's start, the reef near, the largest
+school, up toward the surface, and the bay from above.
+"""
+
+import argparse
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from subsea.app.start import headless, picture_maker, start_world
+from subsea.frame import pack
+from subsea.kinematics.heightfield import height_at
+from subsea.ocean import step
+from subsea.places import check_folder
+from subsea.resources import resource_names
+from subsea.submarine.helm import HANDS_OFF
+from subsea.view.rigs import Pose, pose, views_for
+from subsea.world import World
+
+Array = NDArray[np.float64]
+
+CLEAR_CM = 45.0  # of the eye above the seabed
+
+
+def viewpoints(world: World) -> Iterator[tuple[str, Pose]]:
+    """Names of the viewpoints and the poses of the eye."""
+    sub, sea = world.state.submarine, world.state.sea
+    start = np.asarray(sub.position, np.float64)
+    yield "start", pose(start, float(sub.angles[0]), 0.0)
+    centre = np.zeros(3)
+    if len(sea.rocks):
+        near = np.linalg.norm(sea.rocks[:, :2] - start[:2], axis=1)
+        centre = np.asarray(sea.rocks[near.argmin(), :3], np.float64)
+    yield "reef", _looking_at(world, centre + (-190.0, -110.0, 60.0), centre + (0.0, 0.0, 25.0))
+    fishes = world.state.fishes
+    numbers = np.bincount(fishes.species[fishes.alive])
+    places = fishes.position[fishes.alive & (fishes.species == numbers.argmax())]
+    middle = places[np.linalg.norm(places - np.median(places, axis=0), axis=1).argmin()]
+    middle = np.asarray(middle, np.float64)
+    yield "school", _looking_at(world, middle + (-150.0, -120.0, -10.0), middle)
+    below = centre + (-260.0, 60.0, 0.0)
+    yield "up", _looking_at(world, below, below + (200.0, 60.0, 160.0))
+    yield "above", _looking_at(world, centre + (-480.0, -320.0, 380.0), centre)
+
+
+def _looking_at(world: World, eye: Array, target: Array) -> Pose:
+    sea = world.state.sea
+    ground = height_at(sea.heights, sea.half_width, float(eye[0]), float(eye[1]))
+    eye = np.array([eye[0], eye[1], np.clip(eye[2], ground + CLEAR_CM, -40.0)])
+    x, y, z = target - eye
+    return pose(eye, float(np.arctan2(y, x)), float(np.arctan2(z, np.hypot(x, y))))
+
+
+def main() -> None:
+    """Render what the command line asks for."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("out", type=Path, help="a folder for the pictures")
+    parser.add_argument("scenarios", nargs="*", metavar="SCENARIO", help="default: all")
+    parser.add_argument("--seconds", type=float, default=8.0, help="of the world before them")
+    parser.add_argument("--size", default="960x540", help="of each picture, in pixels")
+    parser.add_argument("--only", help="name of one viewpoint")
+    arguments = parser.parse_args()
+    size = tuple(int(side) for side in arguments.size.split("x"))
+    check_folder(arguments.out)
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    names = arguments.scenarios or resource_names("assets/scenarios", ".toml")
+    with headless() as context:
+        for name in names:
+            world = start_world(name)
+            for _ in range(round(arguments.seconds * 30.3)):
+                step(world, HANDS_OFF)
+            pictures = []
+            with picture_maker(context, world, size, samples=4) as renderer:
+                for title, eye in viewpoints(world):
+                    if arguments.only not in (None, title):
+                        continue
+                    renderer.draw(pack(world, views_for("mono", size, eye), 1.0))
+                    pictures.append(Image.fromarray(renderer.read_pixels()))
+                    pictures[-1].save(arguments.out / f"{name}-{title}.png")
+            sheet = Image.new("RGB", (2 * size[0], -(-len(pictures) // 2) * size[1]))
+            for k, picture in enumerate(pictures):
+                sheet.paste(picture, (k % 2 * size[0], k // 2 * size[1]))
+            sheet.save(arguments.out / f"{name}.png")
+            print(arguments.out / f"{name}.png")
+
+
+if __name__ == "__main__":
+    main()
