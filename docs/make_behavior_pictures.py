@@ -22,6 +22,7 @@ from subsea.frame import pack
 from subsea.kinematics.rotation import matrix
 from subsea.ocean import create_world, step
 from subsea.render import Renderer
+from subsea.render.quality import PRESETS
 from subsea.scenario import load_scenario
 from subsea.state import ASCENDING, CIRCLING, COURTSHIP, LOOPING, NO_COURTSHIP, NUZZLING
 from subsea.submarine.helm import HANDS_OFF
@@ -54,7 +55,7 @@ def courtship_plate() -> Image.Image:
     rows = -(-len(moments) // BESIDE)
     plate = Image.new("RGB", (CELL[0] * BESIDE, CELL[1] * rows))
     pictures: dict[str, Image.Image] = {}
-    with headless() as context, picture_maker(context, world, CELL, 4) as renderer:
+    with headless() as context, picture_maker(context, world, CELL, PRESETS["high"]) as renderer:
         for _ in range(int(LIMIT_S / TICK_S)):
             step(world, HANDS_OFF)
             for title, who, comes, *look_from in moments:

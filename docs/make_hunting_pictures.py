@@ -20,6 +20,7 @@ from subsea.frame import make_scene, pack
 from subsea.kinematics.rotation import rotate
 from subsea.ocean import step
 from subsea.render import Renderer, headless_context
+from subsea.render.quality import PRESETS
 from subsea.scenario import load_scenario
 from subsea.state import ESCAPE, HOOKED, PREDATOR, PREY
 from subsea.submarine.helm import HANDS_OFF
@@ -29,7 +30,6 @@ from subsea.world import TICK_S, World, create_world
 Array = NDArray[np.floating[Any]]
 
 CELL = (360, 240)  # pixels of one moment
-SAMPLES = 4
 BITS = 6  # of each colour: half the file, and no difference to see
 LONGEST = 3000  # ticks in which something must have happened
 HUNT_SEED, HOOK_SEED = 1, 1
@@ -63,7 +63,7 @@ def strip(
     with headless_context() as context:
         renderer = None
         for world in run(scenario, seed):
-            renderer = renderer or Renderer(context, make_scene(world), CELL, SAMPLES)
+            renderer = renderer or Renderer(context, make_scene(world), CELL, PRESETS["high"])
             if world.state.tick in moments:
                 pictures.append(shot(renderer, world, *moments[world.state.tick](world)))
             if world.state.tick >= max(moments):

@@ -16,6 +16,7 @@ from PIL import Image
 from subsea.frame import INSTANCE_COLUMNS, Batch, Packet, Scene
 from subsea.kinematics.surface import rest_control_points
 from subsea.render import Renderer, headless_context
+from subsea.render.quality import PRESETS
 from subsea.repertoire import read_repertoire
 from subsea.resources import resource_path
 from subsea.scenario import Water
@@ -76,7 +77,7 @@ def species_plate(names: Sequence[str]) -> Image.Image:
     batches = tuple(Batch(k, 0, k, 1) for k in range(len(species)))
     packet = Packet(1.0, tuple(views), records, batches, np.zeros((0, 3), np.float32), 0)
     with headless_context() as context:
-        renderer = Renderer(context, scene, size, samples=4)
+        renderer = Renderer(context, scene, size, PRESETS["high"])
         renderer.draw(packet)
         picture = Image.fromarray(renderer.read_pixels())
         renderer.release()

@@ -17,6 +17,7 @@ from PIL import Image
 from subsea.frame import INSTANCE_COLUMNS, Batch, Packet, Scene
 from subsea.kinematics.spine import MIDDLES, UNITS, spines, swung
 from subsea.render import Renderer, headless_context
+from subsea.render.quality import PRESETS
 from subsea.repertoire import read_repertoire
 from subsea.resources import resource_path
 from subsea.scenario import Water
@@ -81,7 +82,7 @@ def beats() -> Image.Image:
     batches = tuple(Batch(kind, 0, kind * BESIDE, BESIDE) for kind in range(len(names)))
     packet = Packet(1.0, tuple(views), records, batches, np.zeros((0, 3), np.float32), 0)
     with headless_context() as context:
-        renderer = Renderer(context, scene, size, samples=4)
+        renderer = Renderer(context, scene, size, PRESETS["high"])
         renderer.draw(packet)
         picture = Image.fromarray(renderer.read_pixels())
         renderer.release()

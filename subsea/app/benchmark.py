@@ -16,6 +16,7 @@ from subsea.app.tour import Tour
 from subsea.frame import LEVELS, Packet, pack
 from subsea.ocean import step
 from subsea.places import check_file, replacing
+from subsea.render.quality import PRESETS
 from subsea.scenario import load_scenario
 from subsea.view.rigs import cockpit, views_for
 from subsea.world import World
@@ -55,7 +56,7 @@ def benchmark(
     load_scenario(scenario)
     with headless() as context:
         world = start_world(scenario, seed, fish, motor=motor)
-        with picture_maker(context, world, size, display=display) as renderer:
+        with picture_maker(context, world, size, PRESETS["low"], display) as renderer:
             measured = measure(world, renderer, context, display, size, frames, without)
         report = {
             "renderer": context.info["GL_RENDERER"],

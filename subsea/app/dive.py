@@ -12,6 +12,7 @@ from subsea.app.window import Window
 from subsea.frame import make_scene, pack
 from subsea.ocean import step
 from subsea.render import Renderer, page_switch, window_context
+from subsea.render.quality import LADDER, first_rung
 from subsea.scenario import load_scenario
 from subsea.view.rigs import cockpit, views_for
 from subsea.view.stereo import EYES, PAGED, Stereo
@@ -75,6 +76,7 @@ class Dive:
                 self._context,
                 make_scene(self.world),
                 self._size,
+                LADDER[first_rung(self._context.info["GL_RENDERER"])],
                 display=display,
                 surround=surround,
                 page=page,

@@ -13,13 +13,12 @@ from subsea.app.timing import sentence
 from subsea.app.tour import Tour
 from subsea.frame import pack
 from subsea.ocean import step
+from subsea.render.quality import PRESETS
 from subsea.scenario import load_scenario
 from subsea.view.rigs import cockpit, views_for
 from subsea.view.stereo import Stereo
 from subsea.view.surround import Surround
 from subsea.world import TICK_S
-
-SAMPLES = 4  # per pixel, on any renderer: a film has the time
 
 
 def film(
@@ -51,7 +50,7 @@ def film(
             world, tour = start_world(scenario, seed), Tour()
             with (
                 interrupts.deferred() as check,
-                picture_maker(context, world, size, SAMPLES, display, surround) as renderer,
+                picture_maker(context, world, size, PRESETS["high"], display, surround) as renderer,
                 open_reel(out, size, fps) as write,
             ):
                 say(f"filming to {out}")

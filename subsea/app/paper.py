@@ -16,6 +16,7 @@ from subsea.biomechanics.simulation import at_rest, simulate
 from subsea.biomechanics.solver import STEPS_PER_TICK
 from subsea.kinematics.rotation import rotate
 from subsea.ocean import step
+from subsea.render.quality import PRESETS
 from subsea.species import load_species
 from subsea.state import Array, Fishes
 from subsea.submarine.helm import HANDS_OFF
@@ -115,7 +116,7 @@ def rendering_ms() -> tuple[float, float, float, str]:
     with headless() as context:
         name = context.info["GL_RENDERER"]
         world = start_world(SCENARIO)
-        with picture_maker(context, world, SIZE) as renderer:
+        with picture_maker(context, world, SIZE, PRESETS["low"]) as renderer:
             without = frozenset(("culling", "lod"))
             full = measure(world, renderer, context, "mono", SIZE, RENDERED_FRAMES, without)
             reduced = measure(world, renderer, context, "mono", SIZE, RENDERED_FRAMES)

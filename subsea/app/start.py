@@ -17,6 +17,7 @@ from subsea.world import World, create_world
 
 if TYPE_CHECKING:
     from subsea.render import Renderer
+    from subsea.render.quality import Quality
 
 Say = Callable[[str], None]
 
@@ -67,17 +68,14 @@ def picture_maker(
     context: Any,
     world: World,
     size: tuple[int, int],
-    samples: int | None = None,
+    quality: "Quality",
     display: str = "mono",
     surround: Surround = ALL_ROUND,
 ) -> Iterator["Renderer"]:
-    """A renderer for pictures of `size`, released in the end.
-
-    `samples` per pixel smooth edges; None leaves the choice to the renderer.
-    """
+    """A renderer for pictures of `size`, released in the end."""
     from subsea.render import Renderer
 
-    renderer = Renderer(context, make_scene(world), size, samples, display, surround)
+    renderer = Renderer(context, make_scene(world), size, quality, display, surround)
     try:
         yield renderer
     finally:

@@ -6,10 +6,11 @@ import moderngl
 import numpy as np
 
 from subsea.frame import Packet, Scene
+from subsea.render.quality import PRESETS, Quality
 from subsea.render.shaders import program, set_uniforms
 from subsea.view.camera import View
 
-SNOW = 1400  # specks in the box about the eye
+SNOW = max(preset.snow for preset in PRESETS.values())  # specks in the box about the eye
 SNOW_BOX_CM = 520.0
 SNOW_SINKS_CM_S = 1.5
 SNOW_LOOK = {"u_diameter": 0.28, "u_colour": (0.55, 0.62, 0.62), "u_reach": 250.0}
@@ -31,6 +32,11 @@ class Particles:
         )
         self._drift = (*scene.water.current_cm_s, -SNOW_SINKS_CM_S)
         self._count = 0
+        self._specks = SNOW
+
+    def adapt(self, quality: Quality) -> None:
+        """So much snow from now on, at most SNOW specks."""
+        self._specks = min(quality.snow, SNOW)
 
     def upload(self, packet: Packet) -> None:
         """Send the plankton."""
@@ -42,7 +48,7 @@ class Particles:
     def draw(self, packet: Packet, view: View, uniforms: dict[str, Any]) -> int:
         """Draw over what is there, blended; points count as no triangles."""
         set_uniforms(self._program, **uniforms, **SNOW_LOOK, u_box=SNOW_BOX_CM, u_drift=self._drift)
-        self._snow_array.render(moderngl.POINTS)
+        self._snow_array.render(moderngl.POINTS, vertices=self._specks)
         set_uniforms(self._program, **PLANKTON_LOOK, u_box=0.0)
         if self._count:
             self._plankton_array.render(moderngl.POINTS, vertices=self._count)

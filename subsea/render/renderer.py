@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import moderngl
@@ -13,6 +14,7 @@ from subsea.frame import Packet, Scene
 from subsea.render.fishes import Fishes
 from subsea.render.hook import Hook
 from subsea.render.particles import Particles
+from subsea.render.quality import PRESETS, Quality
 from subsea.render.seabed import Seabed
 from subsea.render.seaweed import Seaweed
 from subsea.render.solids import Solids
@@ -24,8 +26,6 @@ from subsea.view.stereo import LAYOUTS, canvas_size
 from subsea.view.surround import ALL_ROUND, Surround
 
 CONTRAST_LEFT = 0.02  # at the distance that a scenario calls its visibility
-SAMPLES = 4  # per pixel, where a GPU takes them
-SOFTWARE = ("llvmpipe", "softpipe", "swrast")  # each sample costs these as much as a pixel
 
 
 class Renderer:
@@ -36,12 +36,12 @@ class Renderer:
         context: Any,
         scene: Scene,
         size: tuple[int, int],
-        samples: int | None = None,
+        quality: Quality = PRESETS["medium"],
         display: str = "mono",
         surround: Surround = ALL_ROUND,
         page: Callable[[int], object] = lambda number: None,
     ) -> None:
-        """`size` (width, height) in pixels; `samples` per pixel, None: what suits the GPU.
+        """Make every object for pictures of `size` (width, height) pixels in this `quality`.
 
         `display` is one of `view.stereo.DISPLAYS`, from whose rig the packets' views must come.
         `page(0)`, `page(1)` choose the left or right buffer of a window that has two.
@@ -49,10 +49,7 @@ class Renderer:
         self._context = context
         self._display, self._surround, self._page = display, surround, page
         self._scene = scene
-        if samples is None:
-            software = any(name in context.info["GL_RENDERER"].lower() for name in SOFTWARE)
-            samples = 0 if software else SAMPLES
-        self._samples = min(samples, context.max_samples)
+        self.quality = quality
         self.triangles = 0  # of the last picture
         self.upload_s = 0.0  # of the last picture: copying the packet to the GPU
         self._caustics = upload(context, [caustics(1)])
@@ -66,12 +63,21 @@ class Renderer:
         self._particles = Particles(context, scene)
         self._resolve = Resolve(context, LAYOUTS[display].weaves)
         self._make_target(size)
+        self.adapt(quality)
 
     def resize(self, size: tuple[int, int]) -> None:
         """Change the size of the picture, in pixels (width, height)."""
         if size != self._size:
             self._release_target()
             self._make_target(size)
+
+    def adapt(self, quality: Quality) -> None:
+        """Draw in this quality from the next picture on."""
+        before, self.quality = self.quality, quality
+        if (before.scale, before.samples) != (quality.scale, quality.samples):
+            self._release_target()
+            self._make_target(self._size)
+        self._particles.adapt(quality)
 
     def draw(self, packet: Packet, into: Any = None) -> None:
         """Draw every view of a packet and show the result in `into`, a framebuffer.
@@ -93,6 +99,7 @@ class Renderer:
         context.depth_func = "<="  # the water lies on the far plane
         context.blend_func = context.SRC_ALPHA, context.ONE_MINUS_SRC_ALPHA
         for view in packet.views:
+            view = self._on_canvas(view)
             context.viewport = context.scissor = view.viewport  # specks must not spill over
             uniforms = self._uniforms(packet, view)
             context.disable(context.BLEND)
@@ -136,7 +143,7 @@ class Renderer:
 
     def _make_target(self, size: tuple[int, int]) -> None:
         self._size = size
-        canvas = canvas_size(self._display, size, self._surround)
+        canvas = self._scaled(canvas_size(self._display, size, self._surround))
         limit = self._context.info["GL_MAX_TEXTURE_SIZE"]
         if max(canvas) > limit:
             raise UserError(
@@ -144,7 +151,8 @@ class Renderer:
                 f"{canvas[0]}x{canvas[1]} pixels, this GPU holds at most {limit} a side"
             )
         try:
-            self._target = Target(self._context, canvas, self._samples)
+            samples = min(self.quality.samples, self._context.max_samples)
+            self._target = Target(self._context, canvas, samples)
         except moderngl.Error as fault:
             raise UserError(
                 f"a {self._display} picture of {size[0]}x{size[1]} is more than this GPU can hold; "
@@ -152,6 +160,20 @@ class Renderer:
             ) from fault
         self._screen = self._context.renderbuffer(size, 4)
         self._own = self._context.framebuffer([self._screen])
+
+    def _scaled(self, size: tuple[int, int]) -> tuple[int, int]:
+        """Width and height on the canvas for those that a display asks for.
+
+        Only where one eye sees the whole canvas: two are woven from exact rows and pixels, and
+        the faces of a cube have margins in pixels.
+        """
+        scale = self.quality.scale if LAYOUTS[self._display].eyes == "one" else 1.0
+        return max(round(scale * size[0]), 1), max(round(scale * size[1]), 1)
+
+    def _on_canvas(self, view: View) -> View:
+        """The view in its place on the canvas."""
+        x, y, width, height = view.viewport
+        return replace(view, viewport=(x, y, *self._scaled((width, height))))
 
     def _release_target(self) -> None:
         # moderngl binds the last framebuffer again when it makes one; it must not be a freed one.

@@ -159,7 +159,7 @@ def test_fins_fold_and_the_tail_spreads_unless_they_are_stiff(
 @pytest.mark.parametrize("species", [0, 1])
 def test_levels_agree_in_silhouette(context, scene, make_packet, fish, species):
     size = (240, 160)
-    renderer = Renderer(context, scene, size, samples=0)
+    renderer = Renderer(context, scene, size)
     renderer.draw(make_packet([], size=size))
     empty = renderer.read_pixels().astype(int)
     shapes = []

@@ -44,7 +44,7 @@ def test_the_picture_is_that_of_rows_that_were_there_from_the_start(context, wor
     nothing = np.zeros((0, 426, 3), np.float32)
     pictures = []
     for points, sent in ((blank, packet), (full, replace(packet, live_points=nothing))):
-        renderer = Renderer(context, replace(scene, control_points=points), SIZE, samples=0)
+        renderer = Renderer(context, replace(scene, control_points=points), SIZE)
         renderer.draw(sent)
         pictures.append(renderer.read_pixels().copy())
         renderer.release()
@@ -59,7 +59,7 @@ def test_the_silhouette_is_where_the_oracle_has_the_control_points(context, worl
     records[:, frame.FINS] = 0.0  # the paired fins, which are no control points, lie at the body
     mine = np.flatnonzero(np.abs(records[:, frame.POSITION] - fishes.position[0]).max(1) < 1e-3)
     assert len(mine) == 1
-    renderer = Renderer(context, frame.make_scene(world), SIZE, samples=0)
+    renderer = Renderer(context, frame.make_scene(world), SIZE)
     shapes = []
     for fade in (0.0, 1.0):
         faded = records.copy()

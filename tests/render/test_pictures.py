@@ -10,7 +10,7 @@ SIZE = (320, 180)
 
 @pytest.fixture(scope="module")
 def renderer(context, scene):
-    renderer = Renderer(context, scene, SIZE, samples=0)
+    renderer = Renderer(context, scene, SIZE)
     yield renderer
     renderer.release()
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from subsea.render import Renderer
+from subsea.render.quality import PRESETS, Quality
 
 
 @pytest.fixture
@@ -52,7 +53,7 @@ def test_multisampling_changes_edges_only(context, scene, make_packet, fish):
     packet = make_packet([fish(1, (0, 60, -200))], size=(160, 90))
     pictures = []
     for samples in (0, 4):
-        renderer = Renderer(context, scene, (160, 90), samples=samples)
+        renderer = Renderer(context, scene, (160, 90), Quality(samples=samples))
         renderer.draw(packet)
         pictures.append(renderer.read_pixels().astype(int))
         renderer.release()
@@ -79,7 +80,7 @@ def test_release_frees_every_object(context, scene, make_packet, fish):
     gc.collect()
     usual, context.gc_mode = context.gc_mode, "context_gc"
     try:
-        renderer = Renderer(context, scene, (64, 48), samples=4)
+        renderer = Renderer(context, scene, (64, 48), PRESETS["high"])
         for size in [(64, 48), (32, 32)]:
             renderer.resize(size)
             renderer.draw(make_packet([fish(0, (0, 40, -200))], size=size))

@@ -41,7 +41,7 @@ def draw(context, scene):
 
     def draw(packet, display="mono"):
         if display not in renderers:
-            renderers[display] = Renderer(context, scene, SIZE, samples=0, display=display)
+            renderers[display] = Renderer(context, scene, SIZE, display=display)
         renderers[display].draw(packet)
         return renderers[display].read_pixels(), renderers[display].triangles
 

@@ -19,7 +19,7 @@ def stony(scene):
 @pytest.fixture
 def render(context):
     def render(scene, packet, size=(320, 180), display="mono"):
-        renderer = Renderer(context, scene, size, samples=0, display=display)
+        renderer = Renderer(context, scene, size, display=display)
         renderer.draw(packet)
         picture, triangles = renderer.read_pixels(), renderer.triangles
         renderer.release()

@@ -14,7 +14,7 @@ TALL = ["anaglyph", "anaglyph-comfort", "checkerboard"]
 
 
 def rendered(context, scene, packet, display, size=SIZE):
-    renderer = Renderer(context, scene, size, samples=0, display=display)
+    renderer = Renderer(context, scene, size, display=display)
     renderer.draw(packet)
     picture = renderer.read_pixels().astype(int)
     renderer.release()
@@ -99,7 +99,7 @@ def test_shutter_glasses_get_one_full_picture_each(context, scene, make, eyes):
         if number:  # the right eye's turn: what is there is the left one's
             kept.append(renderer.read_pixels().astype(int))
 
-    renderer = Renderer(context, scene, SIZE, samples=0, display="stereo", page=page)
+    renderer = Renderer(context, scene, SIZE, display="stereo", page=page)
     renderer.draw(make("stereo"))
     kept.append(renderer.read_pixels().astype(int))
     renderer.release()
@@ -109,7 +109,7 @@ def test_shutter_glasses_get_one_full_picture_each(context, scene, make, eyes):
 
 @pytest.mark.parametrize("display", DISPLAYS)
 def test_the_picture_follows_its_size_in_every_mode(context, scene, make, display):
-    renderer = Renderer(context, scene, (40, 30), samples=0, display=display)
+    renderer = Renderer(context, scene, (40, 30), display=display)
     for size in ((64, 48), (33, 21), (64, 9), (64, 4), (1, 1)):
         renderer.resize(size)
         renderer.draw(make(display, size))
@@ -123,7 +123,7 @@ def test_a_canvas_too_large_for_the_gpu_is_one_line(context, scene, monkeypatch)
     held = dict(context.info, GL_MAX_TEXTURE_SIZE=100)
     monkeypatch.setattr(type(context), "info", held)
     with pytest.raises(UserError, match="96x128 pixels, this GPU holds at most 100"):
-        Renderer(context, scene, SIZE, samples=0, display="anaglyph")
+        Renderer(context, scene, SIZE, display="anaglyph")
 
 
 @pytest.mark.parametrize("display", DISPLAYS)

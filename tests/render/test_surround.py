@@ -61,7 +61,7 @@ def test_every_pixel_shows_what_lies_in_its_direction(context, display, surround
 def test_wide_pictures(context, scene, make_packet, fish, same_picture, display):
     fishes = [fish(1, (0, 45, -200)), fish(0, (45, 2, -205)), fish(0, (-30, -32, -190))]
     packet = make_packet(fishes, display=display, size=SIZES[display])
-    renderer = Renderer(context, scene, SIZES[display], samples=0, display=display)
+    renderer = Renderer(context, scene, SIZES[display], display=display)
     renderer.draw(packet)
     same_picture(display, renderer.read_pixels())
     renderer.release()
