@@ -73,8 +73,8 @@ def species_plate(names: Sequence[str]) -> Image.Image:
         middle = place - [scale * (points[k][:, 0].min() + points[k][:, 0].max()) / 2, 0.0, 0.0]
         # Body x, y, z to world: a quarter turn about x sets the fish upright, heading along x.
         records[k, :8] = (*middle, scale, np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0)
-        records[k, 8:] = (k, k, 0.0, 0.5, 0.6, 0.6, 0.0, 0.0, 0.0, 1.0, 0.0)
-    batches = tuple(Batch(k, 0, k, 1) for k in range(len(species)))
+        records[k, 8:] = (k, k, 0.0, 0.5, 0.6, 0.6, 0.0, 0.0, 0.0, 1.0, 0.0, k, 0.0, 0.0)
+    batches = (Batch(0, 0, len(species)),)
     packet = Packet(1.0, tuple(views), records, batches, np.zeros((0, 3), np.float32), 0)
     with headless_context() as context:
         renderer = Renderer(context, scene, size, PRESETS["high"])

@@ -63,7 +63,7 @@ def beats() -> Image.Image:
         middle = place - [0.5 * scale * (ends.min() + ends.max()), 0.0, 0.0]
         # Body x, y, z to world: a quarter turn about x sets the fish upright, heading along x.
         records[k, :8] = (*middle, scale, np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0)
-        records[k, 8:] = (k, k, 0.0, 0.5, 0.6, 0.6, 0.0, 0.0, 0.0, 1.0, 0.0)
+        records[k, 8:] = (k, k, 0.0, 0.5, 0.6, 0.6, 0.0, 0.0, 0.0, 1.0, 0.0, kind, 0.0, 0.0)
         for look_number, (away, up) in enumerate(LOOKS):
             eye = place + SHOWN_CM * np.array(away)
             row = rows - 1 - (kind * len(LOOKS) + look_number)
@@ -79,7 +79,7 @@ def beats() -> Image.Image:
         terrain_half_width_cm=4000.0,
         water=Water(fog=(0.012, 0.115, 0.20), visibility_cm=1500.0),
     )
-    batches = tuple(Batch(kind, 0, kind * BESIDE, BESIDE) for kind in range(len(names)))
+    batches = (Batch(0, 0, len(records)),)
     packet = Packet(1.0, tuple(views), records, batches, np.zeros((0, 3), np.float32), 0)
     with headless_context() as context:
         renderer = Renderer(context, scene, size, PRESETS["high"])

@@ -1,14 +1,7 @@
 #include "optics.glsl"
+#include "fishes.glsl"
 
-uniform sampler2D u_skin;  // painted; alpha is the opacity
-uniform vec4 u_skin_box;   // left, bottom, right, top of the skin, body lengths
-uniform vec4 u_paddle;     // colour and opacity of the paired fins
-uniform vec4 u_paddle_rim; // colour of their end, and its share of their length
-uniform float u_gloss;
-uniform float u_scales;    // how plainly scales show, and the rays of fins
-uniform float u_rays;
-uniform vec3 u_eye_spot;   // distance from the snout, height, radius, body lengths
-uniform float u_tail_begin;
+uniform sampler2D u_skins;  // painted, side by side; alpha is the opacity
 
 centroid in vec3 v_world;
 centroid in vec3 v_normal;
@@ -17,31 +10,41 @@ centroid in vec3 v_part;  // part, u, v
 in float v_identity;
 in vec3 v_clear;
 in vec3 v_veil;
+flat in int v_kind;
+flat in float v_fade;
+flat in float v_display;
 
 out vec4 f_colour;
 
 const float SHARPEN = -0.6;  // mipmaps alone blur stripes that can still be told apart
 const vec2 SCALES = vec2(78.0, 30.0);  // per body length along, from ridge to ridge
 
+// The paint at a place on the body.
+vec4 painted(vec2 place) {
+    vec4 box = looks[v_kind].skin_box, on = looks[v_kind].skin;
+    return texture(u_skins, on.xy + on.zw * clamp(place, box.xy, box.zw), SHARPEN);
+}
+
 // Rows of scales, each overlapping the next and a little tilted; they blur away before they alias.
 float scales(vec2 place, inout vec3 normal) {
+    vec4 coat = looks[v_kind].coat;
     vec2 cell = vec2(place.x, v_part.y) * SCALES;
     vec2 grain = fwidth(cell);
     float off = fract(cell.y) - 0.5;
     cell.x += 0.5 * mod(floor(cell.y), 2.0) + 2.0 * off * off;  // round behind
     float seen = 1.0 - smoothstep(0.25, 0.8, max(grain.x, grain.y));
     // Neither the face nor the tail fin has any.
-    seen *= smoothstep(u_eye_spot.x, u_eye_spot.x + 0.12, place.x);
-    seen *= 1.0 - smoothstep(u_tail_begin - 0.02, u_tail_begin + 0.02, place.x);
+    seen *= smoothstep(looks[v_kind].eye.x, looks[v_kind].eye.x + 0.12, place.x);
+    seen *= 1.0 - smoothstep(looks[v_kind].build.y - 0.02, looks[v_kind].build.y + 0.02, place.x);
     vec2 from_middle = fract(cell) - 0.5;
-    normal = normalize(normal + 0.14 * u_scales * seen * vec3(from_middle, 0.3 * from_middle.x));
-    return 1.0 + seen * u_scales * u_gloss * (0.3 * from_middle.x - 0.4 * dot(from_middle, from_middle));
+    normal = normalize(normal + 0.14 * coat.y * seen * vec3(from_middle, 0.3 * from_middle.x));
+    return 1.0 + seen * coat.y * coat.x * (0.3 * from_middle.x - 0.4 * dot(from_middle, from_middle));
 }
 
 // The rays of a fin run from its root to its edge.
 float rays(float count, float at) {
     float seen = 1.0 - smoothstep(0.2, 0.8, fwidth(at * count));
-    return 1.0 - 0.26 * u_rays * seen * (0.5 + 0.5 * cos(6.2832 * count * at));
+    return 1.0 - 0.26 * looks[v_kind].coat.z * seen * (0.5 + 0.5 * cos(6.2832 * count * at));
 }
 
 void main() {
@@ -51,13 +54,13 @@ void main() {
     if (thin && dot(normal, view) < 0.0) normal = -normal;
 
     vec2 place = v_rest.xy;
-    vec4 skin = u_paddle;
+    vec4 skin = looks[v_kind].paddle;
     if (v_part.x < 1.5) {
-        vec2 texel = (place - u_skin_box.xy) / (u_skin_box.zw - u_skin_box.xy);
-        skin = texture(u_skin, texel, SHARPEN);
+        skin = painted(place);
     } else {
-        float to_end = (1.0 - v_part.y) / max(u_paddle_rim.w, 1e-4);
-        skin.rgb = mix(u_paddle_rim.rgb, skin.rgb, smoothstep(0.7, 1.0, to_end));
+        vec4 rim = looks[v_kind].paddle_rim;
+        float to_end = (1.0 - v_part.y) / max(rim.w, 1e-4);
+        skin.rgb = mix(rim.rgb, skin.rgb, smoothstep(0.7, 1.0, to_end));
     }
     skin.rgb *= 0.92 + 0.16 * v_identity;
     float gloss = 0.08, spark = 0.0;
@@ -66,8 +69,8 @@ void main() {
         if (v_part.x > 1.5) skin.a = mix(1.0, skin.a, smoothstep(0.0, 0.5, v_part.y));
     } else {
         skin.rgb *= scales(place, normal);
-        gloss = u_gloss * skin.a;
-        spark = 1.0 - smoothstep(0.8, 1.0, length(place - u_eye_spot.xy) / u_eye_spot.z);
+        gloss = looks[v_kind].coat.x * skin.a;
+        spark = 1.0 - smoothstep(0.8, 1.0, length(place - looks[v_kind].eye.xy) / looks[v_kind].eye.z);
     }
 
     vec3 sun = sunlight_at(v_world.z) * caustics_at(v_world);

@@ -1,27 +1,25 @@
 // A fish: two rows of control points mixed, the surface evaluated from its table (SMC §7.2).
 #include "optics.glsl"
+#include "fishes.glsl"
 
 uniform mat4 u_view;
 uniform mat4 u_projection;
-uniform sampler2D u_table;  // control points: column by point, row by recorded frame
-uniform float u_length;     // cm, of the recorded fish
-uniform float u_tail_begin; // distance from the snout, body lengths
-uniform float u_stiff;      // 1: fins neither fold nor spread
-uniform float u_head;       // size of the head, 1 that of most fishes
+uniform sampler2D u_table;     // control points: column by point, row by recorded frame
+uniform sampler2D u_vertices;  // column by vertex, row by species: place on the skin, first
+                               // control point of the 3×3 or -1 for none, place along the patch
 
-in float a_base;  // first control point of the 3×3
-in vec3 a_u;      // weights across ...
-in vec3 a_v;      // ... and along
-in vec3 a_du;     // their slopes
+in vec3 a_u;     // weights across ...
+in vec3 a_v;     // ... and along
+in vec3 a_du;    // their slopes
 in vec3 a_dv;
-in vec4 a_rest;   // place on the body at rest in body lengths; side
-in vec4 a_part;   // part, u, v, control points in a row
+in vec4 a_part;  // part, u, side, control points in a row
 
-in vec4 i_place;   // cm, scale
-in vec4 i_turn;    // quaternion w, x, y, z
-in vec4 i_pose;    // row a, row b, weight of b, identity
+in vec4 i_place;     // cm, scale
+in vec4 i_turn;      // quaternion w, x, y, z
+in vec4 i_pose;      // row a, row b, weight of b, identity
 in vec4 i_pectoral;  // left and right sweep, left and right lift
 in vec3 i_fins;      // mouth, dorsal and ventral fin, tail
+in vec3 i_show;      // species, cross-fade, mating colours
 
 // Centroid: at an edge multisampling would else ask for values outside the triangle.
 centroid out vec3 v_world;
@@ -31,6 +29,12 @@ centroid out vec3 v_part;
 out float v_identity;
 out vec3 v_clear;  // haze changes so slowly that the vertices suffice
 out vec3 v_veil;
+flat out int v_kind;
+flat out float v_fade;
+flat out float v_display;
+
+const float WING_SPREAD = 0.95, WING_BEAT = 0.2;  // rad that a wing stands out; its share of the beat
+const float LEAN = 0.35;  // of a paddle's plane, outwards
 
 vec3 control(int point) {
     point = min(point, textureSize(u_table, 0).x - 1);
@@ -45,11 +49,17 @@ vec3 turned(vec3 v) {
 }
 
 void main() {
+    v_kind = int(i_show.x);
+    v_fade = i_show.y;
+    v_display = i_show.z;
+    vec4 own = texelFetch(u_vertices, ivec2(gl_VertexID, v_kind), 0);
+    vec4 build = looks[v_kind].build;
+    float head = looks[v_kind].eye.w, stiff = looks[v_kind].coat.w;
     vec3 place = vec3(0.0), along_u = vec3(0.0), along_v = vec3(0.0), root = vec3(0.0);
-    int base = int(a_base), row = int(a_part.w);
-    float side = a_rest.w;
-    v_part = a_part.xyz;
-    v_rest = vec3(-a_rest.x, a_rest.y, side);
+    int base = int(own.z), row = int(a_part.w);
+    float side = a_part.z;
+    v_part = vec3(a_part.xy, own.w);
+    v_rest = vec3(own.xy, side);
     if (a_part.x < 1.5) {
         for (int i = 0; i < 3; ++i) {
             if (a_u[i] == 0.0 && a_du[i] == 0.0) continue;
@@ -67,24 +77,29 @@ void main() {
         }
         if (a_part.x < 0.5) {
             // The lower jaw drops, most at its tip; the tail spreads, most at its edge.
-            float jaw = (1.0 - smoothstep(0.0, 0.055 * u_head, v_rest.x)) * step(0.5, a_part.y);
-            float spread = i_fins.z * (1.0 - u_stiff) * smoothstep(u_tail_begin, 1.0, v_rest.x);
-            place.y += place.y * spread - 0.022 * u_head * u_length * jaw * i_fins.x;
+            float jaw = (1.0 - smoothstep(0.0, 0.055 * head, v_rest.x)) * step(0.5, a_part.y);
+            float spread = i_fins.z * (1.0 - stiff) * smoothstep(build.y, 1.0, v_rest.x);
+            place.y += place.y * spread - 0.022 * head * build.x * jaw * i_fins.x;
         } else {
             // A folded fin lies closer to its root.
-            place = mix(root, place, mix(i_fins.y, 1.0, u_stiff));
+            place = mix(root, place, mix(i_fins.y, 1.0, stiff));
         }
     } else {
         // A paired fin turns about its root: it trails behind and is spread by its sweep.
         bool pelvic = a_part.x > 2.5;
+        vec4 paddle = pelvic ? looks[v_kind].pelvic : looks[v_kind].pectoral;
+        bool wing = paddle.z > 0.5;
         float sweep = pelvic ? 0.35 : (side < 0.0 ? i_pectoral.x : i_pectoral.y);
         float lift = pelvic ? 0.0 : (side < 0.0 ? i_pectoral.z : i_pectoral.w);
-        float bend = a_du.x + a_du.y * sweep * (0.6 + 0.55 * a_part.y);
-        vec3 back = a_u * cos(lift) + vec3(a_u.y, -a_u.x, 0.0) * sin(lift);
-        vec3 across = a_v * cos(lift) + vec3(a_v.y, -a_v.x, 0.0) * sin(lift);
+        float beat = sweep * (0.6 + 0.55 * a_part.y);
+        float bend = wing ? WING_SPREAD + WING_BEAT * beat : beat;
+        vec3 back = vec3(-paddle.xy, 0.0);
+        vec3 across = wing ? vec3(1.0, 0.0, 0.0) : vec3(-paddle.y, paddle.x, 0.0);
+        back = back * cos(lift) + vec3(back.y, -back.x, 0.0) * sin(lift);
+        across = across * cos(lift) + vec3(across.y, -across.x, 0.0) * sin(lift);
         back = back * cos(bend) + vec3(0.0, 0.0, side * sin(bend));
-        across = normalize(across + vec3(0.0, 0.0, a_du.z * side));
-        place = control(base) + u_length * (a_rest.x * back + a_rest.y * across);
+        across = normalize(across + vec3(0.0, 0.0, wing ? 0.0 : LEAN * side));
+        place = control(base) + build.x * (own.x * back + own.y * across);
         along_u = back;
         along_v = across;
     }
@@ -100,4 +115,5 @@ void main() {
     v_clear = clearness(distance);
     v_veil = water_radiance(ray / distance) * (1.0 - v_clear);
     gl_Position = u_projection * u_view * vec4(v_world, 1.0);
+    if (base < 0) gl_Position = vec4(0.0, 0.0, 2.0, 1.0);  // outside: this species has no such fin
 }

@@ -23,14 +23,19 @@ Ints = NDArray[np.integer[Any]]
 
 LEVELS = ("tessellated", "control mesh", "far")
 
-# Columns of an instance record: 19 float32, 76 bytes, five attributes in the shader.
+# Columns of an instance record: 22 float32, 88 bytes, six attributes in the shader.
 POSITION = slice(0, 3)  # cm, world, interpolated between the last two ticks
 SCALE = 3  # length of the fish over length of the recorded one (α of SMC eq. 12)
 ORIENTATION = slice(4, 8)  # w, x, y, z, body to world
 ROW_A, ROW_B, WEIGHT = 8, 9, 10  # a pose mixes two rows of the control-point table
 IDENTITY = 11  # constant per fish, in [0, 1): individual variation
 FINS = slice(12, 19)  # as `state.Fishes.fins`: sweeps, lifts, mouth, dorsal fin, tail
-INSTANCE_COLUMNS = 19
+KIND = 19  # which species of the scene it is
+# Share of the pixels of a pattern that are drawn while two levels cross-fade, 0: all. Below zero
+# those that its other self, with the opposite sum, leaves out.
+FADE = 20
+DISPLAY = 21  # how much it wears its mating colours, 0 to 1
+INSTANCE_COLUMNS = 22
 
 # Texels of a leaf of seaweed: its nodes from the root to the tip, then what it looks like.
 LEAF_NODES = 8
@@ -55,9 +60,8 @@ class Scene:
 
 @dataclass(frozen=True)
 class Batch:
-    """Consecutive instances that share species and level of detail."""
+    """Consecutive instances that share a level of detail."""
 
-    species: int
     level: int
     first: int
     count: int
@@ -69,7 +73,7 @@ class Packet:
 
     time_s: float  # world time, interpolated
     views: tuple[View, ...]
-    instances: Array  # (m, 19) float32, sorted by batch
+    instances: Array  # (m, 22) float32, sorted by batch
     batches: tuple[Batch, ...]
     plankton: Array  # (p, 3) float32 cm
     hidden: int  # fishes culled away
@@ -117,9 +121,12 @@ def pack(
     )
     radii = library.bounding_radius[fishes.species] * fishes.length
     level = classify(centres, radii, fishes.length, views, culling, lod)
+    # Where a whole wave runs along a body coarse levels would cut its crests, of body and fins at
+    # different places: it is drawn one level finer.
+    wavy = np.array([one.spine is not None for one in world.species])[fishes.species]
+    level[wavy & (level != HIDDEN) & (level > 0)] -= 1
     level[~fishes.alive] = HIDDEN
-    kinds = len(world.species)
-    order, starts = _sort(fishes.species, level, kinds, len(LEVELS))
+    order, starts = _sort(level, len(LEVELS))
     culled = time.perf_counter()
     fine, coarse = _leaves_in_sight(world, views, culling, lod)
     instances = np.empty((len(order), INSTANCE_COLUMNS), np.float32)
@@ -128,8 +135,8 @@ def pack(
     world.stages_s["cull"] = culled - start
     world.stages_s["pose"] = time.perf_counter() - culled
     batches = tuple(
-        Batch(k // len(LEVELS), k % len(LEVELS), int(starts[k]), int(starts[k + 1] - starts[k]))
-        for k in range(kinds * len(LEVELS))
+        Batch(k, int(starts[k]), int(starts[k + 1] - starts[k]))
+        for k in range(len(LEVELS))
         if starts[k + 1] > starts[k]
     )
     return Packet(
@@ -209,20 +216,19 @@ def _skin_live(world: World, order: Ints) -> Array:
 
 
 @njit(cache=True)
-def _sort(species: Ints, level: Ints, kinds: int, levels: int) -> tuple[Ints, Ints]:
-    """Visible fishes by species and level, in index order within each; and where each starts."""
-    starts = np.zeros(kinds * levels + 1, np.int64)
+def _sort(level: Ints, levels: int) -> tuple[Ints, Ints]:
+    """Visible fishes by level, in index order within each; and where each level starts."""
+    starts = np.zeros(levels + 1, np.int64)
     for i in range(len(level)):
         if level[i] != HIDDEN:
-            starts[species[i] * levels + level[i] + 1] += 1
+            starts[level[i] + 1] += 1
     starts = np.cumsum(starts)
     order = np.empty(starts[-1], np.int64)
     place = starts.copy()
     for i in range(len(level)):
         if level[i] != HIDDEN:
-            key = species[i] * levels + level[i]
-            order[place[key]] = i
-            place[key] += 1
+            order[place[level[i]]] = i
+            place[level[i]] += 1
     return order, starts
 
 
@@ -245,3 +251,6 @@ def _write_instances(fishes: Fishes, centres: Array, order: Ints, alpha: float, 
         out[k, IDENTITY] = fishes.identity[i]
         before, after = fishes.previous_fins[i], fishes.fins[i]
         out[k, FINS] = (1.0 - alpha) * before + alpha * after
+        out[k, KIND] = fishes.species[i]
+        out[k, FADE] = 0.0
+        out[k, DISPLAY] = fishes.display[i]

@@ -108,6 +108,7 @@ class Fishes(NamedTuple):
     goal_direction: Array  # (n, 3) float32, unit vector, world
     goal_speed: Array  # (n,) float32, share of the fast swim's speed, 1 to -1; below 0 retreats
     gape: Array  # (n,) float32 in [0, 1], how far the mouth is to be open
+    display: Array  # (n,) float32 in [0, 1], how much it wears its mating colours
 
 
 class MindsKind(types.StructRef):  # type: ignore[misc]
@@ -340,6 +341,7 @@ def empty_fishes(n: int) -> Fishes:
         live=zeros(np.bool_), stay=zeros(f) + np.float32(np.inf),
         drift=zeros(f, 3), alive=~zeros(np.bool_),
         goal_direction=zeros(f, 3), goal_speed=zeros(f), gape=zeros(f),
+        display=zeros(f),
     )  # fmt: skip
 
 

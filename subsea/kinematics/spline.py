@@ -29,7 +29,7 @@ class Table(NamedTuple):
 def basis_table(controls: int, samples: int, degree: int = DEGREE) -> Table:
     """The basis of `controls` points at `samples` even parameters in [0, 1].
 
-    A coarser level takes every second sample: `decimated`.
+    A coarser level takes some of the samples: `decimated`.
     """
     return basis_at(controls, np.linspace(0.0, 1.0, samples), degree)
 
@@ -56,9 +56,9 @@ def basis_at(controls: int, t: Array, degree: int = DEGREE) -> Table:
     return Table(first, np.pad(weight, missing), np.pad(slope, missing))
 
 
-def decimated(table: Table, step: int) -> Table:
-    """Every `step`-th sample: the coarser levels are subsets of the finest."""
-    return Table(table.first[::step], table.weight[::step], table.slope[::step])
+def decimated(table: Table, kept: Ints | slice) -> Table:
+    """Those samples alone: the coarser levels are subsets of the finest (SMC §7.2)."""
+    return Table(table.first[kept], table.weight[kept], table.slope[kept])
 
 
 def dense(table: Table, controls: int) -> Array:

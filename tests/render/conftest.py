@@ -39,6 +39,8 @@ class Fish(NamedTuple):
     identity: float = 0.4
     pectoral: tuple[float, float] = (0.5, 0.7)
     scale: float = 1.0
+    fade: float = 0.0
+    display: float = 0.0
 
 
 @pytest.fixture(scope="module")
@@ -82,10 +84,10 @@ def make_packet():
     def make(fishes, eye=(0.0, 0.0, -200.0), heading=np.pi / 2, pitch=0.0, **options):
         size = options.pop("size", SIZE)
         display = options.pop("display", "mono")
-        fishes = sorted(fishes, key=lambda fish: (fish.species, fish.level))
-        keys = [(fish.species, fish.level) for fish in fishes]
+        fishes = sorted(fishes, key=lambda fish: fish.level)
+        levels = [fish.level for fish in fishes]
         batches = [
-            Batch(*key, first=keys.index(key), count=keys.count(key)) for key in sorted({*keys})
+            Batch(k, first=levels.index(k), count=levels.count(k)) for k in sorted({*levels})
         ]
         records = np.array([record(fish) for fish in fishes], np.float32)
         return Packet(
@@ -101,7 +103,7 @@ def make_packet():
 
 
 def record(fish):
-    """The instance record (19,) of an upright fish; its species has rows 2s and 2s + 1."""
+    """The instance record (22,) of an upright fish; its species has rows 2s and 2s + 1."""
     c, s = np.cos(fish.heading), np.sin(fish.heading)
     axes = np.array([[c, 0.0, s], [s, 0.0, -c], [0.0, 1.0, 0.0]])
     rows = (2 * fish.species, 2 * fish.species + 1)
@@ -120,6 +122,9 @@ def record(fish):
             0,
             1,
             0,
+            fish.species,
+            fish.fade,
+            fish.display,
         ]
     )
 

@@ -9,40 +9,80 @@ from msgspec import structs
 from scipy.interpolate import BSpline
 
 from subsea.kinematics.rotation import matrix
-from subsea.kinematics.surface import DORSAL, FIN_U, FIN_V, LEFT, RIGHT, VENTRAL, U, V
-from subsea.render import Renderer
-from subsea.render.fishes import (
+from subsea.kinematics.surface import (
+    DORSAL,
+    FIN_U,
+    FIN_V,
+    LEFT,
+    RIGHT,
+    VENTRAL,
+    U,
+    V,
+    rest_control_points,
+)
+from subsea.render import Renderer, fishes
+from subsea.render.fish_mesh import (
+    ABSENT,
     BODY,
+    DETAILS,
     FIN,
-    INSTANCE_ATTRIBUTES,
-    INSTANCE_FORMAT,
     PECTORAL,
+    PELVIC,
     VERTEX_ATTRIBUTES,
     VERTEX_FORMAT,
     fish_mesh,
-    mesh_level,
+    outfit,
+    surface_points,
 )
+from subsea.render.fishes import INSTANCE_ATTRIBUTES, INSTANCE_FORMAT, look
 from subsea.render.shaders import set_uniforms, source
 from subsea.repertoire import read_repertoire
 from subsea.resources import resource_path
 from subsea.species import load_species
 
+PART, ALONG, SIDE = 12, 13, 14  # columns of a vertex
+MESHES = [fish_mesh(detail) for detail in DETAILS]
+
 
 @pytest.fixture(scope="module")
-def program(context):
+def program(context, scene):
     varyings = ("v_world", "v_normal")
-    program = context.program(vertex_shader=source("fishes.vert"), varyings=varyings)
+    program = context.program(
+        vertex_shader=source("fishes.vert", SPECIES=len(scene.species)), varyings=varyings
+    )
     yield program
     program.release()
 
 
-def shaded(context, program, scene, mesh, packet, stiff=0.0):
+def dressed(scene, species, level):
+    """A mesh, and what its vertices have of their own."""
+    return MESHES[level], outfit(scene.species[species].surface, MESHES[level], DETAILS[level])
+
+
+def shaded(context, program, scene, level, packet, stiff=None):
     """World positions and normals (n, 3) of one fish's vertices, as the shader has them."""
+    mesh = MESHES[level]
+    own = [dressed(scene, k, level)[1] for k in range(len(scene.species))]
     rows, points = scene.control_points.shape[:2]
     table = np.zeros((rows, points, 4), np.float32)
     table[..., :3] = scene.control_points
-    texture = context.texture((points, rows), 4, table.tobytes(), dtype="f4")
-    texture.use(0)
+    textures = []
+    for unit, texels in enumerate((table, np.array(own, np.float32))):
+        size = texels.shape[1], texels.shape[0]
+        textures.append(context.texture(size, 4, texels.tobytes(), dtype="f4"))
+        textures[-1].use(unit)
+    looks = np.array(
+        [
+            look(one, length, (0.0, 0.0, 1.0, 1.0))
+            for one, length in zip(scene.species, scene.recorded_length_cm, strict=True)
+        ],
+        np.float32,
+    )
+    if stiff is not None:
+        looks[:, 5, 3] = stiff
+    block = context.buffer(looks.tobytes())
+    block.bind_to_uniform_block(0)
+    program["Looks"].binding = 0
     vertices = context.buffer(mesh.vertices.tobytes())
     instances = context.buffer(packet.instances.tobytes())
     kept = [name for name in VERTEX_ATTRIBUTES if name in program]
@@ -53,15 +93,15 @@ def shaded(context, program, scene, mesh, packet, stiff=0.0):
             (vertices, VERTEX_FORMAT, *VERTEX_ATTRIBUTES),
             (instances, INSTANCE_FORMAT, *INSTANCE_ATTRIBUTES),
         ],
+        skip_errors=True,
     )
     out = context.buffer(reserve=len(mesh.vertices) * 24)
     target = context.simple_framebuffer((1, 1))  # without a window nothing else is bound
     target.use()
-    length = scene.recorded_length_cm[0]
-    set_uniforms(program, u_table=0, u_length=length, u_stiff=stiff)
+    set_uniforms(program, u_table=0, u_vertices=1)
     array.transform(out, moderngl.POINTS, vertices=len(mesh.vertices), instances=1)
     result = np.frombuffer(out.read(), np.float32).reshape(-1, 6)
-    for held in (array, out, target, vertices, instances, texture):
+    for held in (array, out, target, vertices, instances, block, *textures):
         held.release()
     return result[:, :3], result[:, 3:]
 
@@ -86,14 +126,14 @@ def surface(control, u, v):
 
 
 @pytest.mark.parametrize("species", [0, 1])
-@pytest.mark.parametrize("level", [0, 1, 2])
+@pytest.mark.parametrize("level", range(len(DETAILS)))
 def test_positions_and_normals_are_those_of_the_spline(
     context, program, scene, make_packet, fish, species, level
 ):
     one = fish(species, (30.0, -12.0, -150.0), heading=0.8, weight=0.35, scale=1.3)
     packet = make_packet([one])
-    mesh = fish_mesh(scene.species[species].surface, level)
-    position, normal = shaded(context, program, scene, mesh, packet)
+    mesh, own = dressed(scene, species, level)
+    position, normal = shaded(context, program, scene, level, packet)
     row = packet.instances[0].astype(np.float64)
     table = scene.control_points.astype(np.float64)
     control = (1 - row[10]) * table[int(row[8])] + row[10] * table[int(row[9])]
@@ -105,8 +145,8 @@ def test_positions_and_normals_are_those_of_the_spline(
         (DORSAL, (FIN_U, FIN_V), FIN, 1),
         (VENTRAL, (FIN_U, FIN_V), FIN, -1),
     ):
-        mine = (mesh.vertices[:, 17] == part) & (mesh.vertices[:, 16] == side)
-        u, v = mesh.vertices[mine, 18].astype(float), mesh.vertices[mine, 19].astype(float)
+        mine = (mesh.vertices[:, PART] == part) & (mesh.vertices[:, SIDE] == side)
+        u, v = mesh.vertices[mine, ALONG].astype(float), own[mine, 3]
         body, across = surface(control[patch].reshape(*shape, 3), u, v)
         expected = row[:3] + (row[3] * body) @ R.T
         np.testing.assert_allclose(position[mine], expected, atol=2e-4)
@@ -120,40 +160,54 @@ def test_positions_and_normals_are_those_of_the_spline(
 
 def test_normals_of_the_body_point_outward(context, program, scene, make_packet, fish):
     packet = make_packet([fish(1, (0.0, 0.0, 0.0), heading=0.0)])
-    mesh = fish_mesh(scene.species[1].surface, 0)
-    position, normal = shaded(context, program, scene, mesh, packet)
-    flank = (mesh.vertices[:, 17] == BODY) & (mesh.vertices[:, 18] == 0.5)
-    flank &= (mesh.vertices[:, 19] > 0.2) & (mesh.vertices[:, 19] < 0.7)
+    mesh, own = dressed(scene, 1, 0)
+    position, normal = shaded(context, program, scene, 0, packet)
+    flank = (mesh.vertices[:, PART] == BODY) & (mesh.vertices[:, ALONG] == 0.5)
+    flank &= (own[:, 3] > 0.2) & (own[:, 3] < 0.7)
+    assert flank.sum() > 50
     # Heading along x: the right side lies at negative y.
-    assert (np.sign(normal[flank, 1]) == -mesh.vertices[flank, 16]).all()
-    assert (np.sign(position[flank, 1]) == -mesh.vertices[flank, 16]).mean() > 0.9
+    assert (np.sign(normal[flank, 1]) == -mesh.vertices[flank, SIDE]).all()
+    assert (np.sign(position[flank, 1]) == -mesh.vertices[flank, SIDE]).mean() > 0.9
 
 
 def test_pectoral_fins_sweep_outward(context, program, scene, make_packet, fish):
-    mesh = fish_mesh(scene.species[0].surface, 0)
-    paddles = mesh.vertices[:, 17] == 2
+    mesh = MESHES[0]
+    paddles = mesh.vertices[:, PART] == PECTORAL
     reach = []
     for sweep in (0.0, 0.8):
         packet = make_packet([fish(0, (0, 0, 0), heading=0.0, weight=0.0, pectoral=(sweep, sweep))])
-        position, _ = shaded(context, program, scene, mesh, packet)
-        reach.append(-position[paddles, 1] * mesh.vertices[paddles, 16])
+        position, _ = shaded(context, program, scene, 0, packet)
+        reach.append(-position[paddles, 1] * mesh.vertices[paddles, SIDE])
     assert reach[1].max() > reach[0].max() + 1.0
 
 
 def test_fins_fold_and_the_tail_spreads_unless_they_are_stiff(
     context, program, scene, make_packet, fish
 ):
-    mesh = fish_mesh(scene.species[0].surface, 0)
+    mesh, own = dressed(scene, 0, 0)
     still, moved = (make_packet([fish(0, (0, 0, 0))]) for _ in range(2))
-    moved.instances[0, 17:] = 0.5, 0.4  # folded by half, spread
+    moved.instances[0, 17:19] = 0.5, 0.4  # folded by half, spread
     change = {}
     for stiff in (0.0, 1.0):
-        places = [shaded(context, program, scene, mesh, p, stiff)[0] for p in (still, moved)]
+        places = [shaded(context, program, scene, 0, p, stiff)[0] for p in (still, moved)]
         change[stiff] = np.abs(places[0] - places[1]).max(axis=1)
-    fins, tail = mesh.vertices[:, 17] == FIN, mesh.vertices[:, 13] < -0.95
+    fins = mesh.vertices[:, PART] == FIN
+    tail = (mesh.vertices[:, PART] == BODY) & (own[:, 0] > 0.95)
     assert change[0.0][fins].max() > 0.5
     assert change[0.0][tail].max() > 0.5
     assert change[1.0].max() == 0.0
+
+
+@pytest.mark.parametrize("level", range(len(DETAILS)))
+def test_fins_that_a_species_lacks_are_drawn_nowhere(level):
+    plan = load_species("fusilier").surface
+    finless = structs.replace(plan, dorsal=None, pelvic=None)
+    mesh = MESHES[level]
+    full, less = (outfit(one, mesh, DETAILS[level]) for one in (plan, finless))
+    hidden = less[:, 2] == ABSENT
+    part, side = mesh.vertices[:, PART], mesh.vertices[:, SIDE]
+    np.testing.assert_array_equal(hidden, ((part == FIN) & (side > 0)) | (part == PELVIC))
+    assert (full[:, 2] != ABSENT).all()
 
 
 @pytest.mark.parametrize("species", [0, 1])
@@ -177,27 +231,30 @@ def test_levels_agree_in_silhouette(context, scene, make_packet, fish, species):
 def test_a_wing_has_a_level_base_and_a_pointed_end():
     plan = load_species("fusilier").surface
     wing = structs.replace(plan.pectoral, wing=True)
-    vertices = fish_mesh(structs.replace(plan, pectoral=wing), 0).vertices
-    vertices = vertices[vertices[:, 17] == PECTORAL]
-    np.testing.assert_array_equal(vertices[:, 4:7] - (1, 0, 0), 0)
-    chord = [
-        np.ptp(vertices[np.isclose(vertices[:, 18], share), 14]) / wing.width
-        for share in np.unique(vertices[:, 18])
-    ]
+    own = outfit(structs.replace(plan, pectoral=wing), MESHES[0], DETAILS[0])
+    mine = MESHES[0].vertices[:, PART] == PECTORAL
+    along, place = MESHES[0].vertices[mine, ALONG], own[mine, :2]
+    chord = [np.ptp(place[along == share, 1]) / wing.width for share in np.unique(along)]
     assert chord[0] > 0.9
     assert chord[-1] < 0.1
     assert (np.diff(chord) < 0).all()
-    assert vertices[:, 13].max() == pytest.approx(wing.length)
-    assert vertices[:, 13].min() < 0  # the root lies inside the body
+    assert place[:, 0].max() == pytest.approx(wing.length)
+    assert place[:, 0].min() < 0  # the root lies inside the body
 
 
-@pytest.mark.parametrize("level", [0, 1, 2])
-def test_the_body_is_closed(level):
+@pytest.mark.parametrize("name", ["fusilier", "spotted_eagle_ray"])
+@pytest.mark.parametrize("level", range(len(DETAILS)))
+def test_the_body_is_closed(level, name):
     """Every edge belongs to two triangles, but at the tail, which is thinner than a pixel."""
-    mesh = fish_mesh(load_species("fusilier").surface, level)
-    place = np.round(mesh.vertices[:, 13:16], 6)
+    mesh = MESHES[level]
+    body = mesh.vertices[:, PART] == BODY
+    rest = rest_control_points(load_species(name).surface, 1.0, 0.0)
+    place = np.full((len(body), 3), np.nan)
+    place[body] = np.round(surface_points(rest, mesh.vertices[body], mesh.base[body]), 6)
     _, same = np.unique(place, axis=0, return_inverse=True)
-    solid = same.reshape(-1)[mesh.triangles[: mesh.solid]]
+    triangles = mesh.triangles[: mesh.solid]
+    solid = same.reshape(-1)[triangles[body[triangles].all(axis=1)]]
+    assert len(solid) > 100
     edges = np.concatenate([solid[:, [0, 1]], solid[:, [1, 2]], solid[:, [2, 0]]])
     edges = edges[edges[:, 0] != edges[:, 1]]
     forward, backward = ({tuple(e) for e in way} for way in (edges, edges[:, ::-1]))
@@ -214,40 +271,55 @@ def test_a_far_fin_keeps_its_tip():
     tip = (0.45, 0.3)
     edge = [(0.3, 0.11), (0.43, 0.13), tip, (0.47, 0.13), (0.6, 0.1), (0.74, 0.07)]
     plan = structs.replace(plan, dorsal=structs.replace(plan.dorsal, edge=edge))
-    near, far = (fish_mesh(plan, level).vertices for level in (1, 2))
-    highest = [mesh[mesh[:, 17] == FIN][:, 14].max() for mesh in (near, far)]
-    assert highest[1] == pytest.approx(highest[0])
-    assert len(far) < len(near) / 2
+    highest = []
+    for mesh, detail in zip(MESHES[1:], DETAILS[1:], strict=True):
+        mine = (mesh.vertices[:, PART] == FIN) & (mesh.vertices[:, SIDE] > 0)
+        highest.append(outfit(plan, mesh, detail)[mine, 1].max())
+    assert highest[-1] == pytest.approx(highest[0])
+    assert len(MESHES[-1].vertices) < len(MESHES[1].vertices) / 2
 
 
-def test_a_body_with_a_wave_is_never_drawn_so_coarsely_that_its_fins_come_off():
-    """Where a fin rises from the eel's back, in every level and at every moment of a beat."""
+def test_a_body_with_a_wave_keeps_its_fins():
+    """Where a fin rises from the eel's back, in all but the coarsest level, all through a beat."""
     eel = load_species("ribbon_eel")
     repertoire = read_repertoire(resource_path("repertoires/ribbon_eel.h5"))
-    points = repertoire.segments["swim_fast"].control_points
-    for level in range(3):
-        mesh = fish_mesh(eel.surface, mesh_level(eel, level))
-        body, fin = (mesh.vertices[mesh.vertices[:, 17] == part] for part in (BODY, FIN))
-        ridge = body[(body[:, 18] == 0) & (body[:, 16] < 0)]
-        root = fin[(fin[:, 18] == 0) & (fin[:, 16] > 0)]
-        for pose in points:
-            a, b = (
-                np.array([place(vertex, pose) for vertex in row])[:, [0, 2]]
-                for row in (ridge, root)
+    for mesh, detail in zip(MESHES[:-1], DETAILS[:-1], strict=True):
+        own = outfit(eel.surface, mesh, detail)
+        part, side, along = mesh.vertices[:, [PART, SIDE, ALONG]].T
+        lines = [
+            (along == 0) & (part == BODY) & (side < 0),
+            (along == 0) & (part == FIN) & (side > 0),
+        ]
+        for pose in repertoire.segments["swim_fast"].control_points:
+            ridge, root = (
+                surface_points(pose, mesh.vertices[mine], own[mine, 2].astype(int))[:, [0, 2]]
+                for mine in lines
             )
-            for one in b:
-                along = [_distance(one, *ends) for ends in pairwise(a)]
-                assert min(along) < 0.008 * eel.length_cm
-
-
-def place(vertex, pose):
-    """Where a vertex of body or fin is, as the shader evaluates it."""
-    rows = int(vertex[0]) + int(vertex[20]) * np.arange(3)[:, None] + np.arange(3)
-    weight = vertex[1:4][:, None] * vertex[4:7]
-    return np.einsum("ab,abx->x", weight, pose[np.minimum(rows, len(pose) - 1)])
+            for one in root:
+                assert min(_distance(one, *ends) for ends in pairwise(ridge)) < (
+                    0.008 * eel.length_cm
+                )
 
 
 def _distance(point, start, end):
     way = end - start
     share = np.clip((point - start) @ way / (way @ way), 0, 1)
     return np.linalg.norm(point - start - share * way)
+
+
+def test_the_number_of_calls_does_not_depend_on_the_fishes(
+    context, scene, make_packet, fish, monkeypatch
+):
+    """Nor on how many species they are of."""
+    made = []
+    render = fishes.Fishes._render
+    monkeypatch.setattr(fishes.Fishes, "_render", lambda *a: (made.append(a), render(*a)))
+    renderer = Renderer(context, scene, (64, 48))
+    calls = []
+    for number in (2, 40):
+        made.clear()
+        few = [fish(k // 3 % 2, (0, 40, -200), level=k % 3) for k in range(3 * number)]
+        renderer.draw(make_packet(few, size=(64, 48)))
+        calls.append(len(made))
+    renderer.release()
+    assert 0 < calls[0] == calls[1] <= 10
