@@ -51,6 +51,8 @@ class Renderer:
         self._scene = scene
         self.quality = quality
         self.triangles = 0  # of the last picture
+        self.draw_calls = 0  # of the last picture
+        self.draw_s = 0.0  # of the last picture: until its drawing calls returned
         self.upload_s = 0.0  # of the last picture: copying the packet to the GPU
         self._caustics = upload(context, [caustics(1)])
         self._noise = upload(context, [tileable_noise(2)])
@@ -85,6 +87,7 @@ class Renderer:
         None draws into the renderer's own picture, which `read_pixels` returns.
         """
         context = self._context
+        calls, seconds = context.extra.calls, context.extra.seconds
         self._target.framebuffer.use()
         self._target.framebuffer.clear()
         start = time.perf_counter()
@@ -125,6 +128,8 @@ class Renderer:
             into.use()  # a buffer is chosen of the framebuffer in use
             self._page(number)
             self._resolve.draw(canvas, into, self._size, weave, self._surround)
+        self.draw_calls = context.extra.calls - calls
+        self.draw_s = context.extra.seconds - seconds
 
     def read_pixels(self) -> NDArray[np.uint8]:
         """The last picture drawn into the renderer's own framebuffer: (h, w, 3), top row first."""
