@@ -94,6 +94,7 @@ class Renderer:
         self._fishes.upload(packet)
         self._seaweed.upload(packet)
         self._particles.upload(packet)
+        self._solids.choose(packet)
         self.upload_s = time.perf_counter() - start
         self._caustics.use(1)
         self._noise.use(2)
@@ -107,14 +108,9 @@ class Renderer:
             uniforms = self._uniforms(packet, view)
             context.disable(context.BLEND)
             context.enable(context.DEPTH_TEST)
-            self.triangles += self._solids.draw(packet, view, uniforms)
+            self.triangles += self._solids.draw(uniforms)
             self.triangles += self._seaweed.draw(packet, view, uniforms)
             self.triangles += self._seabed.draw(packet, view, uniforms)
-            context.enable(context.BLEND)
-            self._target.framebuffer.depth_mask = False  # shadows may lie on one another
-            self.triangles += self._solids.draw_shadows(packet, view, uniforms)
-            self._target.framebuffer.depth_mask = True
-            context.disable(context.BLEND)
             self.triangles += self._water.draw(packet, view, uniforms)
             context.enable(context.BLEND)
             self.triangles += self._fishes.draw(packet, view, uniforms)
