@@ -1,5 +1,6 @@
 #include "optics.glsl"
 #include "fishes.glsl"
+#include "skin.glsl"
 
 uniform sampler2D u_skins;  // painted, side by side; alpha is the opacity
 
@@ -7,84 +8,72 @@ centroid in vec3 v_world;
 centroid in vec3 v_normal;
 centroid in vec3 v_rest;  // distance behind the snout, height, side
 centroid in vec3 v_part;  // part, u, v
+centroid in vec2 v_skin;  // place on the atlas of skins
 in float v_identity;
+flat in vec4 v_tone;   // tint and saturation of this individual
+flat in vec3 v_ahead;  // axes of the body in the world
+flat in vec3 v_up;
 in vec3 v_clear;
 in vec3 v_veil;
+flat in vec4 v_wear;   // a colour that gives way to another, and how far from it a colour may be
+flat in vec3 v_shift;  // by how much it does
+flat in float v_nick;  // where along the fin its edge is torn, far outside if nowhere
 flat in int v_kind;
 flat in float v_fade;
-flat in float v_display;
 
 out vec4 f_colour;
 
 const float SHARPEN = -0.6;  // mipmaps alone blur stripes that can still be told apart
-const vec2 SCALES = vec2(78.0, 30.0);  // per body length along, from ridge to ridge
-
-// The paint at a place on the body.
-vec4 painted(vec2 place) {
-    vec4 box = looks[v_kind].skin_box, on = looks[v_kind].skin;
-    return texture(u_skins, on.xy + on.zw * clamp(place, box.xy, box.zw), SHARPEN);
-}
-
-// Rows of scales, each overlapping the next and a little tilted; they blur away before they alias.
-float scales(vec2 place, inout vec3 normal) {
-    vec4 coat = looks[v_kind].coat;
-    vec2 cell = vec2(place.x, v_part.y) * SCALES;
-    vec2 grain = fwidth(cell);
-    float off = fract(cell.y) - 0.5;
-    cell.x += 0.5 * mod(floor(cell.y), 2.0) + 2.0 * off * off;  // round behind
-    float seen = 1.0 - smoothstep(0.25, 0.8, max(grain.x, grain.y));
-    // Neither the face nor the tail fin has any.
-    seen *= smoothstep(looks[v_kind].eye.x, looks[v_kind].eye.x + 0.12, place.x);
-    seen *= 1.0 - smoothstep(looks[v_kind].build.y - 0.02, looks[v_kind].build.y + 0.02, place.x);
-    vec2 from_middle = fract(cell) - 0.5;
-    normal = normalize(normal + 0.14 * coat.y * seen * vec3(from_middle, 0.3 * from_middle.x));
-    return 1.0 + seen * coat.y * coat.x * (0.3 * from_middle.x - 0.4 * dot(from_middle, from_middle));
-}
-
-// The rays of a fin run from its root to its edge.
-float rays(float count, float at) {
-    float seen = 1.0 - smoothstep(0.2, 0.8, fwidth(at * count));
-    return 1.0 - 0.26 * looks[v_kind].coat.z * seen * (0.5 + 0.5 * cos(6.2832 * count * at));
-}
 
 void main() {
     vec3 view = normalize(u_eye - v_world);
     vec3 normal = normalize(v_normal);
     bool thin = v_part.x > 0.5;
     if (thin && dot(normal, view) < 0.0) normal = -normal;
-
     vec2 place = v_rest.xy;
-    vec4 skin = looks[v_kind].paddle;
-    if (v_part.x < 1.5) {
-        skin = painted(place);
-    } else {
-        vec4 rim = looks[v_kind].paddle_rim;
-        float to_end = (1.0 - v_part.y) / max(rim.w, 1e-4);
-        skin.rgb = mix(rim.rgb, skin.rgb, smoothstep(0.7, 1.0, to_end));
-    }
-    skin.rgb *= 0.92 + 0.16 * v_identity;
-    float gloss = 0.08, spark = 0.0;
-    if (thin) {
-        skin.rgb *= rays(v_part.x < 1.5 ? 30.0 : 7.0, v_part.z);
-        if (v_part.x > 1.5) skin.a = mix(1.0, skin.a, smoothstep(0.0, 0.5, v_part.y));
-    } else {
-        skin.rgb *= scales(place, normal);
-        gloss = looks[v_kind].coat.x * skin.a;
-        spark = 1.0 - smoothstep(0.8, 1.0, length(place - looks[v_kind].eye.xy) / looks[v_kind].eye.z);
-    }
 
+    vec4 eye_spot = looks[v_kind].eye, coat = looks[v_kind].coat;
+    float tail = looks[v_kind].build.y;
+    vec4 skin = texture(u_skins, v_skin, SHARPEN);
+    skin.a *= 1.0 - smoothstep(-0.05, 0.05, v_part.y - 0.5 - 9.0 * abs(v_part.z - v_nick));
+    vec3 off = skin.rgb - v_wear.rgb;
+    skin.rgb += v_shift * smoothstep(1.0, 0.0, dot(off, off) * v_wear.w);
+    skin.rgb = toned(skin.rgb, v_tone);
+
+    // How far a place is a web of skin between rays, and not body.
+    float web = thin ? 1.0 : smoothstep(tail, tail + 0.06, place.x);
+    float face = 1.0 - smoothstep(eye_spot.x + 0.02, eye_spot.x + 0.12, place.x);
+    float seen;
+    vec3 relief = scales(place, v_part.y, v_identity, coat.y * (1.0 - web) * (1.0 - face), seen);
+    skin.rgb *= relief.z;
+    vec2 from_eye = (place - eye_spot.xy) / eye_spot.z;
+    float eye = thin ? 0.0 : 1.0 - smoothstep(0.75, 1.1, dot(from_eye, from_eye));
+    vec2 slope = relief.xy + eye * from_eye * vec2(0.9, 0.9);
+    normal = normalize(normal - slope.x * v_ahead + slope.y * v_up);
+
+    // What is bright and without colour is silver.
+    float silver = coat.z * (1.0 - web) * smoothstep(0.05, 0.5, min(skin.r, min(skin.g, skin.b)));
     vec3 sun = sunlight_at(v_world.z) * caustics_at(v_world);
     vec3 light = light_from(sun, v_world.z, normal, 0.25);
     // What is thin glows with the light that falls on its other side.
-    float clear = thin ? 0.5 : 2.0 * (1.0 - skin.a);
-    light += clear * sun * max(dot(-normal, SUN), 0.25);
+    float clear = max(web * (1.1 - 0.6 * skin.a), 2.0 * (1.0 - skin.a));
+    light += clear * sun * max(dot(-normal, SUN), 0.2);
+    vec3 colour = EXPOSURE * skin.rgb * light * (1.0 - 0.6 * silver);
+
     float facing = max(dot(normal, view), 0.0);
     float mirror = max(dot(normal, normalize(view + SUN)), 0.0);
-    vec3 colour = EXPOSURE * skin.rgb * light;
-    colour += (gloss * pow(mirror, 38.0) + 3.0 * spark * pow(mirror, 160.0)) * sun;
-    // A wet skin mirrors the water around it at grazing angles.
+    mirror *= mirror; mirror *= mirror; mirror *= mirror; mirror *= mirror;  // ^16
+    float sharp = mirror * mirror;
+    float spark = sharp * sharp;
+    spark *= spark;
+    float gloss = mix(coat.x * (0.35 + 0.65 * seen), 0.06, web);
+    vec3 sheen = 0.75 + 0.5 * abs(2.0 * fract(1.4 * facing + 0.5 * relief.x + vec3(0.0, 0.3, 0.6)) - 1.0);
+    colour += (gloss * sharp * mix(0.3 + 1.2 * skin.rgb, 1.2 * sheen, silver) + 4.0 * eye * spark) * sun;
+    // Wet skin mirrors the water around it at grazing angles, silver at all.
     float rim = 1.0 - facing;
     rim *= rim;
-    colour += 0.35 * rim * rim * water_radiance(reflect(-view, normal));
+    float share = 0.35 * rim * rim + (0.10 + 0.1 * rim) * eye;
+    vec3 around = water_radiance(reflect(-view, normal));
+    colour += (share + silver * sheen * (0.4 + skin.rgb)) * around;
     f_colour = vec4(colour * v_clear + v_veil, skin.a);
 }

@@ -1,6 +1,7 @@
 // A fish: two rows of control points mixed, the surface evaluated from its table (SMC §7.2).
 #include "optics.glsl"
 #include "fishes.glsl"
+#include "individual.glsl"
 
 uniform mat4 u_view;
 uniform mat4 u_projection;
@@ -26,12 +27,18 @@ centroid out vec3 v_world;
 centroid out vec3 v_normal;
 centroid out vec3 v_rest;
 centroid out vec3 v_part;
+centroid out vec2 v_skin;
 out float v_identity;
+flat out vec4 v_tone;
+flat out vec3 v_ahead;
+flat out vec3 v_up;
 out vec3 v_clear;  // haze changes so slowly that the vertices suffice
 out vec3 v_veil;
+flat out vec4 v_wear;
+flat out vec3 v_shift;
+flat out float v_nick;
 flat out int v_kind;
 flat out float v_fade;
-flat out float v_display;
 
 const float WING_SPREAD = 0.95, WING_BEAT = 0.2;  // rad that a wing stands out; its share of the beat
 const float LEAN = 0.35;  // of a paddle's plane, outwards
@@ -51,7 +58,6 @@ vec3 turned(vec3 v) {
 void main() {
     v_kind = int(i_show.x);
     v_fade = i_show.y;
-    v_display = i_show.z;
     vec4 own = texelFetch(u_vertices, ivec2(gl_VertexID, v_kind), 0);
     vec4 build = looks[v_kind].build;
     float head = looks[v_kind].eye.w, stiff = looks[v_kind].coat.w;
@@ -110,6 +116,17 @@ void main() {
     v_normal = turned(normal);
     v_world = i_place.xyz + turned(i_place.w * place);
     v_identity = i_pose.w;
+    v_tone = tone(i_pose.w, v_kind, i_show.z);
+    v_nick = a_part.x == 1.0 && side > 0.0 ? nick(i_pose.w, v_kind) : 9.0;
+    v_wear = looks[v_kind].wear;
+    v_shift = i_show.z * looks[v_kind].show.rgb;
+    vec2 skin = v_rest.xy + displaced(v_rest.xy, v_part.y, i_pose.w, v_kind);
+    if (a_part.x < 0.5) skin = on_body(skin, v_kind);
+    else if (a_part.x < 1.5) skin = on_fin(v_part.zy, side > 0.0 ? 0 : 1);
+    else skin = on_fin(v_part.yz, a_part.x < 2.5 ? 2 : 3);
+    v_skin = looks[v_kind].cell.xy + looks[v_kind].cell.zw * skin;
+    v_ahead = turned(vec3(1.0, 0.0, 0.0));
+    v_up = turned(vec3(0.0, 1.0, 0.0));
     vec3 ray = v_world - u_eye;
     float distance = length(ray);
     v_clear = clearness(distance);

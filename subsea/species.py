@@ -12,6 +12,7 @@ from subsea.kinematics.surface import Curve, Extent, Share, SurfacePlan
 from subsea.resources import load_toml, resource_names, resource_path
 
 Positive = Annotated[float, msgspec.Meta(gt=0)]
+Count = Annotated[int, msgspec.Meta(ge=0, le=60)]
 Width = Annotated[float, msgspec.Meta(gt=0, le=1)]
 Colour = tuple[Share, Share, Share]  # linear RGB
 BodyLength = Annotated[float, msgspec.Meta(ge=2, le=300)]  # cm
@@ -23,6 +24,7 @@ class Cape(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True
 
     colour: Colour
     line: Curve  # (distance from the snout, height; 1 is the dorsal ridge, -1 the ventral)
+    soft: Width = 0.12  # half the width of its border, of the height
 
 
 class Stripes(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -60,6 +62,7 @@ class Spots(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     colour: Colour
     radius: tuple[Positive, Positive]  # of the smallest and the largest
     spacing: Annotated[float, msgspec.Meta(ge=0.005, le=1)]
+    rings: Share = 0.0  # how many of the larger ones are rings
 
     def __post_init__(self) -> None:
         """Refuse spots that run into one another."""
@@ -75,6 +78,29 @@ class FinSkin(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     rim: Colour | None = None
     rim_width: Width = 0.012  # body lengths; of paired fins the share of their length
     striped: bool = False  # the body's stripes go on over it
+    spines: Count = 0  # stiff rays in front, between which the membrane is cut in ...
+    soft_rays: Count = 16  # ... and soft ones behind them, which part in two
+
+
+class Variation(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """How much the fishes of a species differ from one another."""
+
+    hue: Share = 0.05  # by which share a primary colour is stronger or weaker
+    saturation: Share = 0.10
+    brightness: Share = 0.08
+    pattern: Annotated[float, msgspec.Meta(ge=0, le=0.05)] = 0.006  # how far it is displaced,
+    # body lengths
+    torn: Share = 0.12  # how many have a nick in their dorsal fin
+
+
+class Display(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """What a courting male wears (Tu §5.3): colours near one give way to another."""
+
+    of: Colour
+    to: Colour
+    reach: Positive = 0.35  # how far a colour may be from `of`, in linear RGB
+    saturation: Annotated[float, msgspec.Meta(ge=0, le=3)] = 1.0  # of all colours, times as much
+    brightness: Annotated[float, msgspec.Meta(ge=0, le=3)] = 1.0
 
 
 class SkinPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -93,11 +119,16 @@ class SkinPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     paddles: FinSkin | None = None  # pectoral and pelvic
     iris: Colour
     gloss: Share  # how much the scales mirror
+    silver: Share = 0.0  # how much what is pale on its flanks mirrors the water around
     scales: Share = 1.0  # how plainly they show
     rays: Share = 1.0  # how plainly the rays of the fins show
-    gills: Annotated[int, msgspec.Meta(ge=1, le=7)] = 1  # a gill cover, or so many slits
+    gills: Annotated[int, msgspec.Meta(ge=0, le=7)] = 1  # a gill cover, so many slits, 0 a pore
+    pupil: Share = 0.55  # its size, share of the eye
     mouth: tuple[Place, Place] = ((0.0, -0.01), (0.03, -0.0184))  # its tip and its corner
     clear_back: Share = 0.0  # how much the back is like glass
+    blotches: Share = 0.5  # how unevenly it is coloured
+    variation: Variation = Variation()
+    display: Display | None = None
 
     def __post_init__(self) -> None:
         """Refuse a mouth that does not open forwards."""

@@ -262,7 +262,7 @@ def _wing(plan: WingPlan, ridge: Array, top: Array, bottom: Array) -> Array:
     columns = np.arange(len(ridge))
     before = (columns[: TIP_COLUMN + 1] / TIP_COLUMN) ** 1.25  # more of them at the head
     behind = (columns[TIP_COLUMN:] - TIP_COLUMN) / (columns[-1] - TIP_COLUMN)
-    edge = np.concatenate([_travelled(front, before)[:-1], _travelled(rear, behind)])
+    edge = np.concatenate([travelled(front, before)[:-1], travelled(rear, behind)])
     # The spline passes inside the edge's control points: they lie farther out.
     out = (1.0 - 0.25 * WING_ROWS[-1]) / 0.75
     reach = np.concatenate([WING_ROWS, [out], WING_ROWS[::-1]])[:, None]
@@ -276,7 +276,7 @@ def _wing(plan: WingPlan, ridge: Array, top: Array, bottom: Array) -> Array:
     return half
 
 
-def _travelled(points: Sequence[tuple[float, float]], share: Array) -> Array:
+def travelled(points: Sequence[tuple[float, float]], share: Array) -> Array:
     """Places (n, 2) on a smooth curve through `points`, at shares of its length."""
     corner = np.asarray(points)
     way = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(corner, axis=0).T))])
@@ -292,5 +292,5 @@ def _fin(plan: FinPlan | None, ridge: Curve) -> Array:
     base = plan.base[0] + (plan.base[1] - plan.base[0]) * share
     rows = np.zeros((FIN_U, FIN_V, 3))
     rows[0, :, 0], rows[0, :, 1] = base, SUNK * along(ridge, base)
-    rows[1, :, :2] = _travelled(plan.edge, share)
+    rows[1, :, :2] = travelled(plan.edge, share)
     return rows.reshape(-1, 3)

@@ -4,7 +4,6 @@ All species are drawn by the same calls: their skins lie side by side on one atl
 constant per species is one block of uniforms, and each instance says which species it is.
 """
 
-from concurrent.futures import ThreadPoolExecutor
 from math import ceil, cos, radians, sin, sqrt
 from typing import Any
 
@@ -24,7 +23,7 @@ from subsea.render.fish_mesh import (
     outfit,
 )
 from subsea.render.shaders import program, set_uniforms
-from subsea.species import Species
+from subsea.species import Display, Species
 from subsea.view.camera import View
 
 Array = NDArray[np.floating[Any]]
@@ -54,15 +53,13 @@ class Fishes:
         table[..., :3] = scene.control_points
         self._table = _table(context, table)
         self._instances = context.buffer(reserve=INSTANCE_COLUMNS * 4)
-        with ThreadPoolExecutor() as pool:  # numpy lets go of the interpreter's lock
-            self._skins = _atlas(context, list(pool.map(paint.paint, scene.species)))
+        self._skins = _atlas(context, paint.paint_all(scene.species))
         looks = [
-            look(species, length, cell(k, len(scene.species)))
-            for k, (species, length) in enumerate(
-                zip(scene.species, scene.recorded_length_cm, strict=True)
-            )
+            row
+            for k, one in enumerate(zip(scene.species, scene.recorded_length_cm, strict=True))
+            for row in look(*one, cell(k, len(scene.species)))
         ]
-        self._looks = context.buffer(np.array(looks, "f4").tobytes())
+        self._looks = context.buffer(np.array([*looks, *frames()], "f4").tobytes())
         self._program["Looks"].binding = LOOKS_BINDING
         self._meshes = [fish_mesh(detail) for detail in DETAILS]
         vertices, triangles, self._first = joined(self._meshes)
@@ -219,23 +216,36 @@ def look(
     `length_cm` is that of the recorded fish, `place` where its skin lies on the atlas.
     """
     surface, skin = species.surface, species.skin
-    paddles = skin.paddles
     top = paint.half_height(surface)
     front, rear = paint.borders(surface)
-    scale = place[2] / (rear - front), place[3] / (2.0 * top)
     # A jaw that lies beneath the snout does not show when it drops.
     head = paint.head_size(surface) if skin.mouth[0][0] < JAWS_AHEAD else 1e-3
+    vary, show = skin.variation, skin.display or Display(of=(0, 0, 0), to=(0, 0, 0))
+    shift = [to - of for to, of in zip(show.to, show.of, strict=True)]
     return [
-        (place[0] - front * scale[0], place[1] + top * scale[1], *scale),
+        place,
         (front, -top, rear, top),
-        (*paddles.colour, paddles.opacity) if paddles else (0.0,) * 4,
-        (*(paddles.rim or paddles.colour), paddles.rim_width) if paddles else (0.0,) * 4,
         (surface.eye.at, paint.eye_height(surface), surface.eye.radius, head),
-        (skin.gloss, skin.scales, skin.rays, float(surface.stiff_fins)),
-        (length_cm, surface.tail.begin, 0.0, 0.0),
+        (skin.gloss, skin.scales, skin.silver, float(surface.stiff_fins)),
+        (length_cm, surface.tail.begin, show.brightness, vary.torn),
+        (vary.hue, vary.saturation, vary.brightness, vary.pattern),
+        (*show.of, show.reach**-2),
+        (*shift, show.saturation),
         _stand(surface.pectoral),
         _stand(surface.pelvic),
     ]
+
+
+def frames() -> list[tuple[float, ...]]:
+    """Left, bottom, width and height of the parts of a skin, shares of it, for `fishes.glsl`.
+
+    Those of the fins are a texel smaller on all sides: so none takes on a neighbour's colour.
+    """
+    inset = 1.0 / np.array(paint.SIZE)
+    parts = np.array([paint.DORSAL, paint.VENTRAL, paint.PECTORAL, paint.PELVIC, paint.BODY])
+    low, high = parts[:, :2], parts[:, 2:]
+    low[:4], high[:4] = low[:4] + inset, high[:4] - inset
+    return [tuple(row) for row in np.concatenate([low, high - low], axis=1)]
 
 
 def _stand(plan: PaddlePlan | None) -> tuple[float, ...]:

@@ -34,7 +34,7 @@ from subsea.render.fish_mesh import (
     outfit,
     surface_points,
 )
-from subsea.render.fishes import INSTANCE_ATTRIBUTES, INSTANCE_FORMAT, look
+from subsea.render.fishes import INSTANCE_ATTRIBUTES, INSTANCE_FORMAT, frames, look
 from subsea.render.shaders import set_uniforms, source
 from subsea.repertoire import read_repertoire
 from subsea.resources import resource_path
@@ -79,8 +79,8 @@ def shaded(context, program, scene, level, packet, stiff=None):
         np.float32,
     )
     if stiff is not None:
-        looks[:, 5, 3] = stiff
-    block = context.buffer(looks.tobytes())
+        looks[:, 3, 3] = stiff
+    block = context.buffer(looks.tobytes() + np.array(frames(), "f4").tobytes())
     block.bind_to_uniform_block(0)
     program["Looks"].binding = 0
     vertices = context.buffer(mesh.vertices.tobytes())
