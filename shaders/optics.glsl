@@ -3,37 +3,54 @@ uniform vec3 u_eye;          // cm
 uniform vec3 u_fog;          // radiance of the far water, seen level
 uniform float u_extinction;  // 1/cm
 uniform float u_time;        // s
-uniform sampler2D u_caustics;
+uniform sampler2D u_caustics;  // of short waves near below them, of long ones far below
 uniform sampler2D u_noise;
+uniform sampler2D u_shafts;  // about the sun: turn by cosine; see shafts.frag
 
 const vec3 SUN = vec3(0.28, 0.17, 0.945);  // toward the sun, below the surface
-const vec3 SUNLIGHT = vec3(3.1, 3.0, 2.75);
-const vec3 SKYLIGHT = vec3(0.50, 0.72, 0.82);
-// Water takes red light first: 1/cm along the light's way down, and shares of u_extinction.
-const vec3 ABSORPTION = vec3(0.00115, 0.00042, 0.00026);
-const float REACH = 1300.0;  // cm; the surface is not seen beyond
+const vec3 SUNLIGHT = vec3(4.3, 3.7, 3.0);
+const vec3 SKYLIGHT = vec3(0.42, 0.66, 0.82);
+// What the sand sends back up.
+const vec3 SANDLIGHT = vec3(0.20, 0.22, 0.20);
+// Water takes red light first: 1/cm along the light's way down (Jerlov's clear coastal water) and
+// shares of u_extinction along the view.
+const vec3 ABSORPTION = vec3(0.0020, 0.00080, 0.00042);
+const vec3 HAZE = vec3(1.45, 1.0, 0.82);
+// An eye takes the light about it for white, the less for green and blue the deeper it gets.
+const vec3 ADAPTED = vec3(0.90, 0.50, 0.35);
 const float EXPOSURE = 0.62;  // of everything that is lit
-const vec3 HAZE = vec3(1.30, 0.98, 0.86);
+const float LEVEL_DEPTH = -350.0;  // cm, where the scenario's fog is seen level
 
-// Radiance of endless water in a direction: bright above, dark below, a glow about the sun.
-vec3 water_radiance(vec3 direction) {
-    float up = direction.z;
-    float level = up > 0.0 ? 1.0 + 0.9 * up + up * up : 1.0 / (1.0 - 0.9 * up + 1.3 * up * up);
-    vec3 tint = mix(vec3(0.9, 0.96, 1.0), vec3(1.9, 1.25, 1.05), up > 0.0 ? up * up : 0.0);
-    float glow = pow(max(dot(direction, SUN), 0.0), 6.0);
-    float depth = exp(u_eye.z * 0.00045);
-    return (u_fog * level * tint + vec3(0.05, 0.16, 0.18) * glow) * depth;
+// Axes across the sun's rays.
+const vec3 ACROSS = vec3(0.9588, 0.0, -0.2841);
+const vec3 ASIDE = vec3(-0.0483, 0.9856, -0.1630);
+
+// Daylight at a depth (z ≤ 0), as shares of that at the surface, to an eye at its own depth.
+vec3 daylight(float z) {
+    return exp(ABSORPTION * (z - ADAPTED * u_eye.z));
 }
 
-// Broad shafts of light beside the view, mean 0: the caustics of a wide, slow swell.
+// Radiance of endless water in a direction: bright above, dark and blue below, and light that is
+// scattered forward about the sun.
+vec3 water_radiance(vec3 direction) {
+    float up = max(direction.z, 0.0), down = max(-direction.z, 0.0);
+    float level = (1.0 + up * (1.2 + 1.3 * up)) / (1.0 + down * (1.5 + 3.0 * down));
+    level *= 1.0 + 0.9 * dot(direction.xy, SUN.xy);
+    vec3 tint = mix(vec3(1.0), vec3(2.2, 1.25, 1.0), up * up) * mix(vec3(1.0), vec3(0.55, 0.72, 1.0), down);
+    float glow = max(dot(direction, SUN), 0.0);
+    glow *= glow;
+    float narrow = glow * glow;
+    narrow *= narrow;
+    narrow *= narrow;
+    vec3 about_sun = vec3(0.02, 0.08, 0.11) * glow * glow + vec3(0.22, 0.45, 0.50) * narrow;
+    vec3 depth = exp(ABSORPTION * (1.0 - ADAPTED) * (u_eye.z - LEVEL_DEPTH));
+    return (0.75 * u_fog * level * tint + about_sun) * depth;
+}
+
+// Shafts of light beside the view, mean about 0, from the map of this view.
 float shafts(vec3 direction) {
-    float light = 0.0;
-    for (int k = 0; k < 3; ++k) {
-        vec3 at = u_eye + direction * (130.0 + 210.0 * float(k));
-        vec2 entry = at.xy - SUN.xy / SUN.z * at.z;
-        light += textureLod(u_caustics, entry / 1150.0 + u_time * vec2(0.006, 0.004), 2.0).r;
-    }
-    return 0.22 * (light / 3.0 - 1.0);
+    float turn = atan(dot(direction, ASIDE), dot(direction, ACROSS)) / 6.2831853;
+    return textureLod(u_shafts, vec2(turn, 0.5 - 0.5 * dot(direction, SUN)), 0.0).r;
 }
 
 vec3 open_water(vec3 direction) {
@@ -45,26 +62,38 @@ vec3 clearness(float distance) {
     return exp(-u_extinction * HAZE * distance);
 }
 
-// Sunlight that reaches a depth (z ≤ 0) on its slanting way.
+// Sunlight that reaches a depth (z ≤ 0).
 vec3 sunlight_at(float z) {
-    return SUNLIGHT * exp(ABSORPTION * z / SUN.z);
+    return SUNLIGHT * daylight(z);
 }
 
-// Focused light on a point, mean 1: two layers that move against each other, the darker one wins.
+// Nearly a sine of whole turns, for less.
+vec2 wave(vec2 turns) {
+    vec2 t = fract(turns) - 0.5;
+    return t * (16.0 * abs(t) - 8.0);
+}
+
+// Focused light on a point, mean about 1: short waves focus near below the surface, long ones
+// deeper. Two copies move against each other; where both are bright light is. A broad swell bends
+// them and gathers light in places, so that no tile shows.
 float caustics_at(vec3 p) {
     vec2 ground = p.xy - SUN.xy / SUN.z * p.z;
-    vec2 drift = vec2(0.021, 0.013) * u_time;
-    float a = texture(u_caustics, ground / 190.0 + drift).r;
-    float b = texture(u_caustics, ground.yx / 230.0 - drift * 0.83 + 0.37).r;
-    float sharp = exp(0.0006 * p.z);
-    return mix(1.0, 1.75 * min(a, b) + 0.35, 0.75 * sharp);
+    vec2 swell = wave(ground.yx * vec2(0.00148, 0.00113) + u_time * vec2(0.065, 0.052));
+    ground += 16.0 * swell;
+    vec2 a = texture(u_caustics, mat2(0.0029, 0.0009, -0.0009, 0.0029) * ground + u_time * vec2(0.034, 0.019)).rg;
+    vec2 b = texture(u_caustics, mat2(-0.0010, 0.0035, -0.0035, -0.0010) * ground - u_time * vec2(0.027, 0.037)).rg;
+    vec2 both = min(a, b);
+    float depth = -p.z;
+    float light = 1.85 * mix(both.x, both.y, clamp(depth / 1600.0, 0.0, 1.0));
+    float plain = (0.66 + 0.33 * swell.x * swell.y) * min(depth / 60.0, 1.0) / (1.0 + depth / 900.0);
+    return 1.0 + plain * (light - 1.0);
 }
 
 // Light on a surface: the given sun from above, sky from above, sand from below.
 vec3 light_from(vec3 sun, float z, vec3 normal, float wrap) {
     float facing = max((dot(normal, SUN) + wrap) / (1.0 + wrap), 0.0);
-    vec3 ambient = mix(vec3(0.16, 0.21, 0.20), SKYLIGHT, 0.5 + 0.5 * normal.z);
-    return sun * facing + ambient * exp(ABSORPTION * z);
+    vec3 ambient = mix(SANDLIGHT, SKYLIGHT, 0.5 + 0.5 * normal.z);
+    return sun * facing + ambient * daylight(z);
 }
 
 vec3 light_on(vec3 p, vec3 normal, float wrap) {

@@ -21,9 +21,13 @@ const mat3 DUBOIS_RIGHT = mat3(
 in vec2 v_place;
 out vec4 f_colour;
 
-// Narkowicz' fit of the ACES curve.
+// Narkowicz' fit of the ACES curve, on each channel and on the strongest. Curving each channel
+// would turn saturated colours toward yellow, cyan and magenta; so most of the hue is kept, but of
+// what is very bright, which burns out to white.
 vec3 filmic(vec3 x) {
-    return clamp(x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14), 0.0, 1.0);
+    vec4 y = vec4(x, max(max(x.r, x.g), max(x.b, 1e-4)));
+    vec4 curved = clamp(y * (2.51 * y + 0.03) / (y * (2.43 * y + 0.59) + 0.14), 0.0, 1.0);
+    return mix(curved.rgb, x * (curved.a / y.a), 0.4 - 0.4 * curved.a * curved.a);
 }
 
 vec3 to_srgb(vec3 x) {

@@ -1,38 +1,56 @@
+// The surface from below: the sky within Snell's window, the deep and the lit sand mirrored about
+// it. Ripples that are too small to be seen widen the edge of the window and the sun's glitter.
 #include "optics.glsl"
 
+uniform sampler2D u_ripples;  // slopes along x and y, their mean square
+uniform float u_floor;
+
 in vec3 v_world;
+in vec3 v_clear;
+in float v_share;
+flat in vec3 v_level;
+flat in vec3 v_deep;
+flat in vec3 v_sand;
+flat in vec3 v_sun;
 out vec4 f_colour;
 
 const float WATER_INDEX = 1.33;
+const float CRITICAL = 0.6593;  // cosine of the steepest angle at which all light is mirrored
 const vec3 SUN_IN_AIR = normalize(vec3(1.33 * SUN.xy, 0.9));
+const vec3 ZENITH = vec3(0.30, 0.75, 1.15), HORIZON = vec3(0.85, 1.2, 1.35);
 
-// Slope of the noise, read as the height of waves.
-vec2 slope_of(vec2 at) {
-    const float STEP = 1.0 / 128.0;
-    float here = texture(u_noise, at).r;
-    return vec2(texture(u_noise, at + vec2(STEP, 0.0)).r, texture(u_noise, at + vec2(0.0, STEP)).r) - here;
-}
-
-// The surface from below: the sky within Snell's window, the deep mirrored around it.
-vec3 surface(vec3 direction, vec2 at, float distance) {
-    vec2 slope = slope_of(at / 900.0 + u_time * vec2(0.008, 0.005));
-    slope += 0.6 * slope_of(at.yx / 340.0 - u_time * vec2(0.011, 0.017));
-    slope *= 0.9 * exp(-distance / 1500.0);
-    vec3 normal = normalize(vec3(slope, -1.0));
-    vec3 beyond = refract(direction, normal, WATER_INDEX);
-    vec3 mirrored = water_radiance(reflect(direction, normal));
-    if (beyond == vec3(0.0)) return mirrored;
-    float facing = -dot(direction, normal);
-    float mirror = pow(1.0 - clamp((facing - 0.66) / 0.34, 0.0, 1.0), 4.0);
-    vec3 sky = mix(vec3(0.45, 0.85, 1.05), vec3(0.75, 1.2, 1.35), beyond.z);
-    sky += vec3(4.0, 3.8, 3.2) * pow(max(dot(beyond, SUN_IN_AIR), 0.0), 90.0);
-    return mix(sky, mirrored, mirror);
+// Adds waves of some deviation of slope; the third component gathers the variance not resolved.
+void add(inout vec3 waves, vec2 at, float deviation, mat2 turn) {
+    vec3 texel = texture(u_ripples, turn * at).rgb;
+    waves.xy += deviation * texel.xy * turn;
+    waves.z += deviation * deviation * max(texel.z - dot(texel.xy, texel.xy), 0.0);
 }
 
 void main() {
-    vec3 ray = v_world - u_eye;
-    float distance = length(ray);
-    vec3 colour = surface(ray / distance, v_world.xy, distance);
-    float share = 1.0 - smoothstep(0.5 * REACH, REACH, distance);
-    f_colour = vec4(colour, share * clearness(distance).g);
+    vec3 direction = normalize(v_world - u_eye);
+    vec3 waves = vec3(0.0);
+    add(waves, v_world.xy / 1300.0 + u_time * vec2(0.022, 0.013), 0.055, mat2(1.0));
+    add(waves, v_world.xy / 410.0 + u_time * vec2(0.045, 0.060), 0.075, mat2(0.8, -0.6, 0.6, 0.8));
+    add(waves, v_world.xy / 101.0 - u_time * vec2(0.110, 0.140), 0.085, mat2(0.6, 0.8, -0.8, 0.6));
+    vec3 normal = normalize(vec3(waves.xy, -1.0));
+    float facing = max(-dot(direction, normal), 0.0);
+    float spread = sqrt(0.5 * waves.z);
+
+    vec3 below = reflect(direction, normal);
+    float down = max(-below.z, 0.02);
+    vec3 mirrored = mix(v_level, v_deep, sqrt(down));
+    mirrored = mix(mirrored, v_sand, exp(u_extinction * u_floor / down * HAZE));
+
+    float level = 1.0 - WATER_INDEX * WATER_INDEX * (1.0 - facing * facing);
+    vec3 beyond = WATER_INDEX * direction + (WATER_INDEX * facing - sqrt(max(level, 0.0))) * normal;
+    float high = clamp(beyond.z, 0.0, 1.0);
+    vec3 sky = mix(HORIZON, ZENITH, high);
+    float width = 0.0006 + 0.25 * waves.z;
+    float off = max(1.0 - dot(beyond, SUN_IN_AIR), 0.0);
+    sky += vec3(1.0, 0.94, 0.82) * (120.0 * 0.0006 / width * exp(-off / width) + 2.2 * exp(-off * 45.0));
+
+    float within = smoothstep(CRITICAL - 0.01 - 1.5 * spread, CRITICAL + 0.07 + 1.5 * spread, facing);
+    vec3 colour = mix(mirrored, sky * v_sun, within);
+    // What the water before it adds is there already, with its shafts.
+    f_colour = vec4(colour * v_clear / v_clear.g, v_share * v_clear.g);
 }

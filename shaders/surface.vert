@@ -3,11 +3,28 @@
 in vec2 a_place;  // on the unit disc about the eye
 
 uniform mat4 u_view_projection;
+uniform float u_floor;  // cm, mean height of the seabed
 
 out vec3 v_world;
+out vec3 v_clear;
+out float v_share;
+flat out vec3 v_level;  // of the water that the surface mirrors
+flat out vec3 v_deep;
+flat out vec3 v_sand;
+flat out vec3 v_sun;
 
-// The water's surface as far as it can be seen.
+const vec3 SAND = vec3(0.58, 0.47, 0.31);
+
+// The water's surface as far as it can be seen: less than 2% of contrast is left at its edge.
 void main() {
-    v_world = vec3(u_eye.xy + REACH * a_place, 0.0);
+    float reach = max(4.2 / u_extinction, -3.5 * u_eye.z);
+    v_world = vec3(u_eye.xy + reach * a_place, 0.0);
+    float distance = length(v_world - u_eye);
+    v_clear = clearness(distance);
+    v_share = 1.0 - smoothstep(0.55, 0.95, length(a_place));
+    v_level = water_radiance(vec3(1.0, 0.0, 0.0));
+    v_deep = water_radiance(vec3(0.0, 0.0, -1.0));
+    v_sand = EXPOSURE * SAND * SUN.z * sunlight_at(u_floor);
+    v_sun = daylight(0.0);
     gl_Position = u_view_projection * vec4(v_world, 1.0);
 }

@@ -88,12 +88,35 @@ class Pillar(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
 
 
 class Rock(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """A boulder: an ellipsoid whose middle is `sunk` of its height below the seabed."""
+    """A boulder: an ellipsoid of whose height `sunk` is below the seabed."""
 
     position_cm: tuple[Coordinate, Coordinate]
     size_cm: tuple[Size, Size, Size]  # half axes
     yaw_deg: Coordinate = 0.0
     sunk: Share = 0.3
+    height_cm: Coordinate | None = None  # of its middle above the seabed, instead of `sunk`
+
+
+class Outcrop(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A knoll of rocks that overlap: so many, the same for the same seed."""
+
+    position_cm: tuple[Coordinate, Coordinate]
+    size_cm: tuple[Size, Size, Size]  # half length, half width, height above the seabed
+    rocks: Annotated[int, msgspec.Meta(ge=1, le=MAX_SOLIDS)] = 6
+    yaw_deg: Coordinate = 0.0
+    seed: Seed = 0
+
+
+class Arch(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Rocks on rocks: two legs and a bow, under which the submarine and schools swim through."""
+
+    position_cm: tuple[Coordinate, Coordinate]  # of the middle between the legs
+    # The opening: wide enough for the hull, with the room that it keeps on both sides.
+    span_cm: Annotated[float, msgspec.Meta(ge=220, le=3000)]
+    height_cm: Annotated[float, msgspec.Meta(ge=160, le=3000)]
+    thickness_cm: Annotated[float, msgspec.Meta(ge=30, le=600)] = 90.0
+    yaw_deg: Coordinate = 0.0  # of the line from leg to leg; 90 opens it along x
+    seed: Seed = 0
 
 
 class Hook(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -166,6 +189,8 @@ class Scenario(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     fish: Annotated[list[Shoal], msgspec.Meta(min_length=1)]
     pillar: Annotated[list[Pillar], msgspec.Meta(max_length=MAX_SOLIDS)] = []
     rock: Annotated[list[Rock], msgspec.Meta(max_length=MAX_SOLIDS)] = []
+    outcrop: list[Outcrop] = []
+    arch: list[Arch] = []
     hook: Hook | None = None
     seaweed: list[Seaweed] = []
     nature: Temper = Temper()
@@ -196,6 +221,10 @@ def load_scenario(name: str) -> tuple[Scenario, Path]:
         _inside(path, f"pillar[{k}].position_cm", pillar.position_cm, scenario.bounds)
     for k, rock in enumerate(scenario.rock):
         _inside(path, f"rock[{k}].position_cm", rock.position_cm, scenario.bounds)
+    for k, knoll in enumerate(scenario.outcrop):
+        _inside(path, f"outcrop[{k}].position_cm", knoll.position_cm, scenario.bounds)
+    for k, arch in enumerate(scenario.arch):
+        _inside(path, f"arch[{k}].position_cm", arch.position_cm, scenario.bounds)
     leaves = sum(group.clusters * group.leaves for group in scenario.seaweed)
     if leaves > MAX_SEAWEED:
         raise UserError(f"{path}: `seaweed` has {leaves} leaves, expected at most {MAX_SEAWEED}")

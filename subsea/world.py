@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from subsea.behavior.mental import DIGESTION, DREAD_CM, LIBIDO_RATE
 from subsea.behavior.table import BEHAVIORS, DESIRES
 from subsea.errors import UserError
+from subsea.habitat.rocks import rock_rows
 from subsea.habitat.sea import make_sea
 from subsea.habitat.seaweed import plant
 from subsea.habitat.solids import out_of_solids
@@ -23,7 +24,7 @@ from subsea.motor.switching import Dynamics, make_dynamics
 from subsea.repertoire import SEGMENTS, Repertoire, read_repertoire
 from subsea.repertoire.library import Library, pack
 from subsea.resources import resource_path
-from subsea.scenario import MAX_SIMULATED, Scenario, Shoal
+from subsea.scenario import MAX_SIMULATED, MAX_SOLIDS, Scenario, Shoal
 from subsea.species import Species, load_species
 from subsea.state import (
     HULL_CM,
@@ -149,6 +150,12 @@ def _refuse_misplaced(scenario: Scenario, sea: Sea, source: str) -> None:
                 f"{source}: `pillar[{k}].height_cm` {given:g} reaches above the surface, "
                 f"expected at most {np.floor(given - top):g} there"
             )
+    _, rocks = rock_rows(scenario, lambda x, y: 0.0)
+    if len(rocks) > MAX_SOLIDS:
+        raise UserError(
+            f"{source}: {len(rocks)} rocks in all, those of outcrops and arches counted, "
+            f"expected at most {MAX_SOLIDS}"
+        )
     places = [("submarine.position_cm", scenario.submarine.position_cm, HULL_CM)]
     for k, shoal in enumerate(scenario.fish):
         if shoal.position_cm is not None:
@@ -161,7 +168,8 @@ def _refuse_misplaced(scenario: Scenario, sea: Sea, source: str) -> None:
         floor = height_at(sea.heights, sea.half_width, place[0], place[1])
         gaps = {"the seabed": place[2] - floor}
         gaps |= {f"`pillar[{k}]`": from_pillar(row, place)[1] for k, row in enumerate(sea.pillars)}
-        gaps |= {f"`rock[{k}]`": from_rock(row, place)[1] for k, row in enumerate(sea.rocks)}
+        for name, row in zip(rocks, sea.rocks, strict=True):
+            gaps[name] = min(from_rock(row, place)[1], gaps.get(name, np.inf))
         for name, gap in gaps.items():
             if gap < room:
                 inside, outside = "inside", "outside"

@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from tqdm import tqdm
 
+from subsea.app import pacing
 from subsea.app.start import headless, picture_maker, start_world
 from subsea.app.timing import summary
 from subsea.app.tour import Tour
 from subsea.frame import LEVELS, Packet, pack
 from subsea.ocean import step
 from subsea.places import check_file, replacing
-from subsea.render.quality import PRESETS
+from subsea.render.quality import AUTO, LADDER, PRESETS, first_rung, name_of
 from subsea.scenario import load_scenario
 from subsea.view.rigs import cockpit, views_for
 from subsea.world import World
@@ -49,6 +50,8 @@ def benchmark(
     without: frozenset[str],
     out: Path | None,
     motor: str = "playback",
+    quality: str = "low",
+    target_ms: float | None = None,
 ) -> int:
     """Measure, print the report as a table, and write it as JSON to `out` if that is named."""
     if out is not None:
@@ -56,12 +59,20 @@ def benchmark(
     load_scenario(scenario)
     with headless() as context:
         world = start_world(scenario, seed, fish, motor=motor)
-        with picture_maker(context, world, size, PRESETS["low"], display) as renderer:
-            measured = measure(world, renderer, context, display, size, frames, without)
+        gpu, hold_ms = context.info["GL_RENDERER"], None
+        if quality == AUTO:
+            hold_ms = target_ms or pacing.target_for(gpu)
+        begin = LADDER[first_rung(gpu)] if quality == AUTO else PRESETS[quality]
+        with picture_maker(context, world, size, begin, display) as renderer:
+            measured = measure(world, renderer, context, display, size, frames, without, hold_ms)
+            drawn = name_of(renderer.quality)
         report = {
-            "renderer": context.info["GL_RENDERER"],
+            "renderer": gpu,
             "size": list(size),
             "display": display,
+            "quality": quality,
+            "quality_drawn": drawn,
+            "target_ms": hold_ms,
             "scenario": scenario,
             "fish": len(world.state.fishes.species),
             "seed": world.state.seed,
@@ -84,9 +95,14 @@ def measure(
     size: tuple[int, int],
     frames: int,
     without: frozenset[str] = frozenset(),
+    hold_ms: float | None = None,
 ) -> dict[str, Any]:
-    """The measured part of the report: one tick and one picture a frame, after a warm-up."""
+    """The measured part of the report: one tick and one picture a frame, after a warm-up.
+
+    With `hold_ms` the quality changes from frame to frame, to hold that time; None keeps it.
+    """
     durations: list[float] = []
+    host: list[float] = []
     stages: dict[str, list[float]] = defaultdict(list)
     levels = np.zeros(len(LEVELS))
     simulated = 0
@@ -96,17 +112,24 @@ def measure(
         if world.state.fishes.live[able].all():
             break
         step(world, tour.helm(world))
-    triangles = visible = 0
+    triangles = visible = calls = 0
+    pace = pacing.start(LADDER.index(renderer.quality)) if hold_ms else None
     for k in tqdm(range(-WARM_UP_FRAMES, frames), unit="frame", disable=None, leave=False):
         start = time.perf_counter()
         step(world, tour.helm(world))
         views = views_for(display, size, cockpit(world.state.submarine, 1.0))
         packet = pack(world, views, 1.0, culling="culling" not in without, lod="lod" not in without)
-        drawing = _draw(renderer, context, packet)
+        packed = time.perf_counter()
+        drawing, host_s = _draw(renderer, context, packet)
         end = time.perf_counter()
+        if pace and hold_ms:
+            pace = pacing.paced(pace, 1000.0 * (end - start), hold_ms)
+            if LADDER[pace.rung] != renderer.quality:
+                renderer.adapt(LADDER[pace.rung])
         if k < 0:
             continue
         durations.append(end - start)
+        host.append(packed - start + host_s)
         for name, seconds in (world.stages_s | drawing).items():
             stages[name].append(seconds)
         for batch in packet.batches:
@@ -114,32 +137,40 @@ def measure(
         simulated += int(world.state.fishes.live.sum())
         visible += len(packet.instances)
         triangles += renderer.triangles
+        calls = max(calls, renderer.draw_calls)
     frame_ms = summary(durations)
     return {
         "frames": frames,
         "visible_mean": visible / frames,
         "simulated_mean": simulated / frames,
         "frame_ms": frame_ms,
+        "host_ms": summary(host)["p50"],
         "fps": 1000.0 / frame_ms["mean"],
         "stages_ms": {name: summary(stages[name])["p50"] for name in STAGES},
         "lod": dict(zip(LEVELS, (levels / frames).tolist(), strict=True)),
         "triangles_mean": triangles / frames,
+        "draw_calls": calls,
     }
 
 
-def _draw(renderer: "Renderer", context: Any, packet: Packet) -> dict[str, float]:
-    """Draw a packet to the end; seconds of the stages upload, draw and present."""
+def _draw(renderer: "Renderer", context: Any, packet: Packet) -> tuple[dict[str, float], float]:
+    """Draw a packet to the end; seconds of the stages upload, draw and present.
+
+    Also the seconds that the renderer spent beside its drawing calls.
+    """
     context.finish()
     begin = time.perf_counter()
     renderer.draw(packet)
+    asked = time.perf_counter()
     context.finish()
     drawn = time.perf_counter()
     renderer.read_pixels()
-    return {
+    stages = {
         "upload": renderer.upload_s,
         "draw": drawn - begin - renderer.upload_s,
         "present": time.perf_counter() - drawn,
     }
+    return stages, asked - begin - renderer.draw_s
 
 
 def _print(report: dict[str, Any]) -> None:
@@ -147,11 +178,12 @@ def _print(report: dict[str, Any]) -> None:
     width, height = report["size"]
     print(f"{report['fish']} fishes, {report['visible_mean']:.1f} visible, {width}x{height}")
     print(f"motor {report['motor']}, {report['simulated_mean']:.1f} simulated")
-    print(f"{report['renderer']}")
+    print(f"{report['renderer']}, quality {report['quality']} ({report['quality_drawn']})")
     for title in ("frame_ms", "stages_ms", "lod"):
         print(title)
         for name, value in report[title].items():
             print(f"  {name:<14}{value:>10.3f}")
+    print(f"host_ms {report['host_ms']:.2f}, at most {report['draw_calls']} drawing calls a frame")
     print(f"triangles {report['triangles_mean']:.0f} a frame, {report['fps']:.1f} frames a second")
 
 

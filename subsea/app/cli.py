@@ -78,6 +78,8 @@ def _add_dive(commands: Any) -> None:
     _add_stereo(dive)
     _add_surround(dive)
     _add_size(dive, (1280, 720))
+    _add_quality(dive, "auto")
+    _add_target(dive)
     dive.add_argument("--fullscreen", action="store_true", help="fill the screen (F11 toggles)")
     _add_seed(dive)
     dive.add_argument(
@@ -119,6 +121,7 @@ def _add_film(commands: Any) -> None:
         help="pictures per second (default 30)",
     )
     _add_size(film, (1280, 720))
+    _add_quality(film, "high")
     _add_seed(film)
     film.set_defaults(run=_film)
 
@@ -193,6 +196,8 @@ def _add_benchmark(commands: Any) -> None:
         help="frames that count, after the warm-up (default 120)",
     )
     _add_size(benchmark, (1280, 720))
+    _add_quality(benchmark, "low")
+    _add_target(benchmark)
     _add_display(benchmark)
     _add_seed(benchmark)
     benchmark.add_argument(
@@ -298,6 +303,26 @@ def _add_size(parser: argparse.ArgumentParser, default: tuple[int, int]) -> None
     )
 
 
+def _add_quality(parser: argparse.ArgumentParser, default: str) -> None:
+    auto = "" if parser.prog.endswith("film") else ", or auto, which holds --target-ms"
+    parser.add_argument(
+        "--quality",
+        type=_quality if auto else _preset,
+        default=default,
+        metavar="Q",
+        help=f"low, medium or high{auto} (default {default})",
+    )
+
+
+def _add_target(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--target-ms",
+        type=number(float, 1.0, 1000.0),
+        metavar="MS",
+        help="time of a frame that --quality auto holds (default 16.7 on a GPU, 50 without)",
+    )
+
+
 def _add_seed(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--seed",
@@ -333,6 +358,20 @@ def _display(text: str) -> str:
 
     if text not in DISPLAYS:
         raise unknown("display", text, list(DISPLAYS))
+    return text
+
+
+def _quality(text: str) -> str:
+    from subsea.render.quality import check_choice
+
+    return check_choice(text)
+
+
+def _preset(text: str) -> str:
+    from subsea.render.quality import AUTO
+
+    if _quality(text) == AUTO:
+        raise UserError("a film has all the time that it takes: --quality low, medium or high")
     return text
 
 

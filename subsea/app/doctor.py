@@ -121,6 +121,16 @@ def _headless() -> list[Finding]:
     return [Finding("OpenGL, no window", True, text, needed=False)]
 
 
+def _quality(renderer: str) -> Finding:
+    """With what a dive begins here unless told otherwise."""
+    from subsea.app.pacing import target_for
+    from subsea.render.quality import LADDER, first_rung, name_of, on_software
+
+    why = "computes pictures without a GPU" if on_software(renderer) else "is a GPU"
+    text = f"auto begins at {name_of(LADDER[first_rung(renderer)])}: {renderer} {why}"
+    return Finding("quality", True, f"{text}; holds {target_for(renderer):.3g} ms", needed=False)
+
+
 def _display() -> list[Finding]:
     """Display, monitors, and the OpenGL of hidden windows."""
     try:
@@ -141,6 +151,7 @@ def _display() -> list[Finding]:
                     context = window_context(loader)
                     text = f"{context.info['GL_RENDERER']}, {context.info['GL_VERSION']}"
                     findings.append(Finding("OpenGL, window", True, text))
+                    findings.append(_quality(context.info["GL_RENDERER"]))
             with hidden_window(stereo=True) as loader:
                 text = "yes" if loader else f"no; use --display {OTHER_STEREO}"
                 findings.append(Finding("quad-buffered stereo", bool(loader), text, needed=False))

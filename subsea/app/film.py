@@ -30,9 +30,12 @@ def film(
     seconds: float,
     fps: float,
     size: tuple[int, int],
+    quality: str,
     seed: int | None,
 ) -> int:
     """Film `seconds` of the tour at `fps` into `out`; a single picture is taken at its end.
+
+    `quality` is the name of a preset.
 
     Returns the exit code. Ctrl-C keeps what was filmed so far. Prints the frame times: ticks
     of the world, packing, drawing and reading back, without the encoding of the film.
@@ -50,7 +53,9 @@ def film(
             world, tour = start_world(scenario, seed), Tour()
             with (
                 interrupts.deferred() as check,
-                picture_maker(context, world, size, PRESETS["high"], display, surround) as renderer,
+                picture_maker(
+                    context, world, size, PRESETS[quality], display, surround
+                ) as renderer,
                 open_reel(out, size, fps) as write,
             ):
                 say(f"filming to {out}")

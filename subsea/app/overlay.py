@@ -12,7 +12,7 @@ from imgui_bundle import imgui
 from subsea.state import Submarine
 from subsea.view.stereo import LAYOUTS, Weave
 
-# Ten manoeuvres and four more keys, in the words of a sign beside the exhibit.
+# Ten manoeuvres and five more keys, in the words of a sign beside the exhibit.
 HELP = (
     ("Look and turn", "move the mouse", "arrows, A D"),
     ("Ahead", "left button", "W"),
@@ -21,11 +21,13 @@ HELP = (
     ("Rise and dive", "both buttons, move", "E Q"),
     ("Full stop", "press the wheel", "space"),
     ("This help", "", "H"),
+    ("Quality of the picture", "", "P"),
     ("Full screen", "", "F"),
     ("Leave", "", "Esc"),
 )
 TEXT_PT = 18.0
 FADE_S = 1.5
+NOTE_S = 4.0
 MOVED_CM = 60.0  # how far the visitor must have gone by herself before the help fades
 INK = (0.93, 0.97, 1.0)
 QUIET = (0.62, 0.76, 0.84)
@@ -85,6 +87,11 @@ class Overlay:
         self._pinned = False
         self._shown = True
         self._gone_cm = 0.0
+        self._note_s = 0.0
+
+    def show_quality(self) -> None:
+        """Show for a while in what quality the picture is drawn."""
+        self._note_s = NOTE_S
 
     def toggle_help(self) -> None:
         """Show the help until told otherwise, or hide it."""
@@ -115,15 +122,20 @@ class Overlay:
         dt: float,
         scale: float,
         panes: Sequence[Pane] = (WHOLE,),
+        quality: str = "",
     ) -> None:
         """Draw help and instruments over the present picture; `dt` is the time since the last.
+
+        What `quality` says is shown beside the help, and for a while after it has changed by
+        `show_quality`.
 
         They are drawn in each of the `panes`, in the same place for both eyes: at the screen.
         """
         self._fade(submarine, dt)
         self._begin(scale)
         size = imgui.get_io().display_size
-        self._instruments(submarine, throttle, stopping, size)
+        note = quality if self._help > 0.0 or self._note_s > 0.0 else ""
+        self._instruments(submarine, throttle, stopping, size, note)
         if self._help > 0.0:
             self._help_panel(size)
         self._end(panes)
@@ -135,6 +147,7 @@ class Overlay:
         imgui.destroy_context(self._context)
 
     def _fade(self, submarine: Submarine, dt: float) -> None:
+        self._note_s -= dt
         self._gone_cm += dt * float(sum(v * v for v in submarine.velocity)) ** 0.5
         if self._gone_cm > MOVED_CM and not self._pinned:
             self._shown = False
@@ -165,9 +178,9 @@ class Overlay:
             imgui.backends.opengl3_render_draw_data(data)
 
     def _instruments(
-        self, submarine: Submarine, throttle: float, stopping: bool, size: Any
+        self, submarine: Submarine, throttle: float, stopping: bool, size: Any, note: str
     ) -> None:
-        text = readout(submarine, throttle, stopping)
+        text = "   ".join(filter(None, (readout(submarine, throttle, stopping), note)))
         line = imgui.get_font_size()
         x, y = 1.2 * line, size.y - 2.2 * line
         canvas = imgui.get_background_draw_list()

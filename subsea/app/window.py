@@ -28,6 +28,7 @@ KEYS: dict[int, Action] = {
     glfw.KEY_SPACE: "full stop",
 }
 HELP_KEYS = (glfw.KEY_H, glfw.KEY_F1)
+QUALITY_KEYS = (glfw.KEY_P,)
 FULLSCREEN_KEYS = (glfw.KEY_F, glfw.KEY_F11)
 BUTTONS: dict[int, Button] = {
     glfw.MOUSE_BUTTON_LEFT: "left",
@@ -98,7 +99,8 @@ def hidden_window(stereo: bool = False) -> Iterator[Callable[[str], Any] | None]
 class Window:
     """One window with an OpenGL 3.3 context, current in this thread.
 
-    `help_wanted` counts how often the visitor asked for the help.
+    `help_wanted` and `quality_wanted` count how often the visitor asked for the help, and for
+    another quality of the picture.
     """
 
     def __init__(
@@ -134,6 +136,7 @@ class Window:
             self._undo = undo.pop_all()
         self.pilot = pilot
         self.help_wanted = 0
+        self.quality_wanted = 0
         self._windowed = (0, 0, *size)
         # From here on a hiccup of the desktop must not end the dive.
         glfw.ERROR_REPORTING = "ignore"
@@ -220,6 +223,8 @@ class Window:
             glfw.set_window_should_close(self.handle, True)
         elif down and key in HELP_KEYS:
             self.help_wanted += 1
+        elif down and key in QUALITY_KEYS:
+            self.quality_wanted += 1
         elif down and key in FULLSCREEN_KEYS:
             self.toggle_fullscreen()
 

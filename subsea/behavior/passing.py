@@ -22,19 +22,22 @@ def past(
 
     It is the tangent on the side to which the fish, `length` cm long at `here`, is heading already,
     so that it never changes its mind before the obstacle. Each fish decides for itself: a school
-    that meets an obstacle splits. A rock counts as round, as wide as it is long.
+    that meets an obstacle splits. A rock counts as round, as wide as it is long; under one that is
+    high enough above, as in an arch, fishes swim through.
     """
     nearest, found = LOOK_BL * length, False
     px, py, berth = 0.0, 0.0, 0.0
     for k in range(len(pillars) + len(rocks)):
+        roof = -np.inf
         if k < len(pillars):
             x, y, radius, top = pillars[k, 0], pillars[k, 1], pillars[k, 2], pillars[k, 3]
         else:
             rock = rocks[k - len(pillars)]
             x, y, radius, top = rock[0], rock[1], max(rock[3], rock[4]), rock[2] + rock[5]
+            roof = rock[2] - rock[5] - BERTH_BL * length
         dx, dy = x - here[0], y - here[1]
         gap = np.sqrt(dx * dx + dy * dy) - radius
-        if here[2] > top or gap > nearest:
+        if here[2] > top or here[2] < roof or gap > nearest:
             continue
         around = radius + BERTH_BL * length
         if _leads_into(heading, dx, dy, around) or _leads_into(wish, dx, dy, around):

@@ -3,6 +3,7 @@
 import numpy as np
 
 from subsea.habitat import hook, plankton
+from subsea.habitat.rocks import rock_rows
 from subsea.habitat.terrain import crest, half_width, make_terrain
 from subsea.kinematics.heightfield import height_at
 from subsea.scenario import Scenario
@@ -17,12 +18,7 @@ def make_sea(scenario: Scenario, rng: np.random.Generator) -> Sea:
     for k, pillar in enumerate(scenario.pillar):
         x, y = pillar.position_cm
         pillars[k] = x, y, pillar.radius_cm, height_at(heights, width, x, y) + pillar.height_cm
-    rocks = np.zeros((len(scenario.rock), 7))
-    for k, rock in enumerate(scenario.rock):
-        x, y = rock.position_cm
-        a, b, c = rock.size_cm
-        middle = height_at(heights, width, x, y) + c * (1.0 - 2.0 * rock.sunk)
-        rocks[k] = x, y, middle, a, b, c, np.radians(rock.yaw_deg)
+    rocks, _ = rock_rows(scenario, lambda x, y: height_at(heights, width, x, y))
     surface_c, depth_c = water.temperature_c
     return Sea(
         heights=heights,

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from subsea.habitat.bow_wave import bow_wave
 from subsea.habitat.current import flow_near
+from subsea.habitat.formations import formations, stone_above
 from subsea.habitat.solids import clearance
 from subsea.kinematics.heightfield import height_at
 from subsea.kinematics.vector import Vector, minus, norm, plus, times, vector
@@ -114,12 +115,13 @@ def _middle(
     return x, y
 
 
-@njit(cache=True, error_model="numpy")
 def _ground(sea: Sea, x: float, y: float) -> float:
     """Height of the seabed at (x, y), or of the top of what stands there; cm."""
     z = height_at(sea.heights, sea.half_width, x, y)
-    while z < 0.0 and clearance(sea.pillars, sea.rocks, (x, y, z)) < 0.0:
-        z += 1.0
+    if clearance(sea.pillars, sea.rocks, (x, y, z)) > 0.0:
+        return z
+    for blocks in formations(sea.pillars, sea.rocks):
+        z = max(z, stone_above(blocks, x, y, z))
     return z
 
 

@@ -1,6 +1,7 @@
 """OpenGL contexts: without a window through EGL, or on a window that somebody else made."""
 
 import ctypes
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -43,6 +44,7 @@ class _Loader:
         return self
 
     def __exit__(self, *arguments: object) -> None:
+        """It has returned."""
         pass
 
 
@@ -73,8 +75,40 @@ def _create(**settings: Any) -> Any:
     return moderngl.create_context(require=REQUIRED, **settings)
 
 
+class Tally:
+    """Drawing calls in a context since it was made, and the seconds that they took to return.
+
+    moderngl enters the `scope` of a vertex array about each of its drawing calls: this is it.
+    """
+
+    def __init__(self) -> None:
+        """Nothing drawn yet."""
+        self.calls = 0
+        self.seconds = 0.0
+        self._start = 0.0
+
+    def __enter__(self) -> None:
+        """A drawing call begins."""
+        self._start = time.perf_counter()
+
+    def __exit__(self, *arguments: object) -> None:
+        """It has returned."""
+        self.calls += 1
+        self.seconds += time.perf_counter() - self._start
+
+
 def _prepared(context: Any) -> Any:
+    """The context with memory that is freed, and a Tally of its vertex arrays as `extra`."""
     context.gc_mode = "auto"  # without it dropped objects are never freed
+    context.extra = tally = Tally()
+    make = context.vertex_array
+
+    def counted(*arguments: Any, **settings: Any) -> Any:
+        array = make(*arguments, **settings)
+        array.scope = tally
+        return array
+
+    context.vertex_array = counted
     return context
 
 

@@ -17,6 +17,8 @@ from subsea.render.particles import Particles
 from subsea.render.quality import PRESETS, Quality
 from subsea.render.seabed import Seabed
 from subsea.render.seaweed import Seaweed
+from subsea.render.shafts import UNIT as SHAFTS_UNIT
+from subsea.render.shafts import Shafts
 from subsea.render.solids import Solids
 from subsea.render.target import Resolve, Target
 from subsea.render.textures import caustics, tileable_noise, upload
@@ -51,9 +53,13 @@ class Renderer:
         self._scene = scene
         self.quality = quality
         self.triangles = 0  # of the last picture
+        self.draw_calls = 0  # of the last picture
+        self.draw_s = 0.0  # of the last picture: until its drawing calls returned
         self.upload_s = 0.0  # of the last picture: copying the packet to the GPU
-        self._caustics = upload(context, [caustics(1)])
+        near_and_far = [caustics(1), caustics(1, waves=(4.0, 14.0), reach=0.040, penumbra=0.010)]
+        self._caustics = upload(context, near_and_far)
         self._noise = upload(context, [tileable_noise(2)])
+        self._shafts = Shafts(context, quality)
         self._water = Water(context, scene)
         self._seabed = Seabed(context, scene)
         self._solids = Solids(context, scene)
@@ -78,6 +84,7 @@ class Renderer:
             self._release_target()
             self._make_target(self._size)
         self._particles.adapt(quality)
+        self._shafts.adapt(quality)
 
     def draw(self, packet: Packet, into: Any = None) -> None:
         """Draw every view of a packet and show the result in `into`, a framebuffer.
@@ -85,12 +92,14 @@ class Renderer:
         None draws into the renderer's own picture, which `read_pixels` returns.
         """
         context = self._context
+        calls, seconds = context.extra.calls, context.extra.seconds
         self._target.framebuffer.use()
         self._target.framebuffer.clear()
         start = time.perf_counter()
         self._fishes.upload(packet)
         self._seaweed.upload(packet)
         self._particles.upload(packet)
+        self._solids.choose(packet)
         self.upload_s = time.perf_counter() - start
         self._caustics.use(1)
         self._noise.use(2)
@@ -100,18 +109,15 @@ class Renderer:
         context.blend_func = context.SRC_ALPHA, context.ONE_MINUS_SRC_ALPHA
         for view in packet.views:
             view = self._on_canvas(view)
-            context.viewport = context.scissor = view.viewport  # specks must not spill over
             uniforms = self._uniforms(packet, view)
+            self._shafts.cast(uniforms)
+            self._target.framebuffer.use()
+            context.viewport = context.scissor = view.viewport  # specks must not spill over
             context.disable(context.BLEND)
             context.enable(context.DEPTH_TEST)
-            self.triangles += self._solids.draw(packet, view, uniforms)
+            self.triangles += self._solids.draw(uniforms)
             self.triangles += self._seaweed.draw(packet, view, uniforms)
             self.triangles += self._seabed.draw(packet, view, uniforms)
-            context.enable(context.BLEND)
-            self._target.framebuffer.depth_mask = False  # shadows may lie on one another
-            self.triangles += self._solids.draw_shadows(packet, view, uniforms)
-            self._target.framebuffer.depth_mask = True
-            context.disable(context.BLEND)
             self.triangles += self._water.draw(packet, view, uniforms)
             context.enable(context.BLEND)
             self.triangles += self._fishes.draw(packet, view, uniforms)
@@ -125,6 +131,8 @@ class Renderer:
             into.use()  # a buffer is chosen of the framebuffer in use
             self._page(number)
             self._resolve.draw(canvas, into, self._size, weave, self._surround)
+        self.draw_calls = context.extra.calls - calls
+        self.draw_s = context.extra.seconds - seconds
 
     def read_pixels(self) -> NDArray[np.uint8]:
         """The last picture drawn into the renderer's own framebuffer: (h, w, 3), top row first."""
@@ -137,7 +145,7 @@ class Renderer:
         self._release_target()
         for part in (
             self._resolve, self._particles, self._hook, self._fishes, self._seaweed, self._solids,
-            self._seabed, self._water, self._noise, self._caustics,
+            self._seabed, self._water, self._shafts, self._noise, self._caustics,
         ):  # fmt: skip
             part.release()
 
@@ -198,6 +206,7 @@ class Renderer:
             "u_extinction": -np.log(CONTRAST_LEFT) / water.visibility_cm,
             "u_caustics": 1,
             "u_noise": 2,
+            "u_shafts": SHAFTS_UNIT,
         }
 
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.floating[Any]]
 
 SIZE = 256
+WIND = 0.6  # rad, which way most waves run
 
 
 def tileable_noise(seed: int, size: int = SIZE, roughness: float = 1.6) -> Array:
@@ -26,32 +27,74 @@ def tileable_noise(seed: int, size: int = SIZE, roughness: float = 1.6) -> Array
     return np.asarray(noise / noise.std())
 
 
-def caustics(seed: int, size: int = SIZE) -> Array:
+def caustics(
+    seed: int,
+    size: int = SIZE,
+    waves: tuple[float, float] = (4.0, 24.0),
+    reach: float = 0.020,
+    penumbra: float = 0.0035,
+) -> Array:
     """Brightness (size, size), mean 1, of light that a rippled surface focuses on the ground.
 
-    A fine grid of vertical rays is bent by the slope of a tileable wave field and counted
-    where it lands: bright lines are where neighbouring rays meet.
+    A grid of vertical rays is bent by the slope of a tileable wave field and gathered where it
+    lands: bright lines are where neighbouring rays meet. The waves run mostly one way; `waves` are
+    how many of the longest and of the shortest fit into the tile, `reach` how far a ray of mean
+    slope is carried and `penumbra` how far the sun's disc blurs it, shares of the tile.
     """
-    fine = 4 * size
-    k = np.fft.fftfreq(size) * size
-    wave = np.hypot(k[:, None], k[None, :])
+    fine = 2 * size
+    n = np.fft.fftfreq(size) * size
+    wave = np.hypot(n[:, None], n[None, :])
+    wave[0, 0] = 1.0
     rng = np.random.default_rng([seed, 0xCA])
-    band = np.exp(-(((wave - 7.0) / 3.5) ** 2)) * np.exp(2j * np.pi * rng.uniform(size=wave.shape))
-    padded = np.zeros((fine, fine), complex)
-    index = (np.fft.fftfreq(size) * size).astype(int)
-    padded[np.ix_(index, index)] = band
-    K = np.fft.fftfreq(fine) * fine
-    slope_x = np.fft.ifft2(1j * K[None, :] * padded).real
-    slope_y = np.fft.ifft2(1j * K[:, None] * padded).real
-    # Strong enough that rays cross in places, so that the lines have their typical knots.
-    reach = 0.021 * fine / max(float(slope_x.std()), 1e-12)
-    grid = np.arange(fine)
-    x = (grid[None, :] + reach * slope_x) % fine
-    y = (grid[:, None] + reach * slope_y) % fine
-    light, _, _ = np.histogram2d(y.ravel(), x.ravel(), bins=size, range=((0, fine), (0, fine)))
-    spectrum = np.fft.fft2(light) * np.exp(-((wave / 70.0) ** 2))
-    smooth = np.maximum(np.fft.ifft2(spectrum).real, 0.0)
-    return np.asarray(smooth / smooth.mean())
+    along = np.cos(np.arctan2(n[:, None], n[None, :]) - WIND) ** 2
+    slope = np.where(wave < waves[0], (wave / waves[0]) ** 2, waves[0] / wave) * (
+        0.25 + 0.75 * along
+    )
+    band = slope * np.exp(-((wave / waves[1]) ** 2) + 2j * np.pi * rng.uniform(size=wave.shape))
+    slopes = []
+    for share in (n[None, :] / wave, n[:, None] / wave):
+        padded = np.zeros((fine, fine), complex)
+        padded[np.ix_(n.astype(int), n.astype(int))] = 1j * share * band
+        slopes.append(np.fft.ifft2(padded).real)
+    mean = np.sqrt((slopes[0] ** 2 + slopes[1] ** 2).mean())
+    grid = np.arange(fine) * size / fine
+    x = grid[None, :] + reach * size / mean * slopes[0]
+    y = grid[:, None] + reach * size / mean * slopes[1]
+    blur = np.exp(-2.0 * (np.pi * penumbra * wave) ** 2)
+    light = np.maximum(np.fft.ifft2(np.fft.fft2(_gathered(x, y, size)) * blur).real, 0.0)
+    return np.asarray(light / light.mean())
+
+
+def _gathered(x: Array, y: Array, size: int) -> Array:
+    """How many points fall on each texel (size, size); each is shared among the nearest four."""
+    column, row = np.floor(x).astype(np.int64), np.floor(y).astype(np.int64)
+    right, down = x - column, y - row
+    out = np.zeros(size * size)
+    for i, share_y in ((0, 1.0 - down), (1, down)):
+        for j, share_x in ((0, 1.0 - right), (1, right)):
+            texel = (row + i) % size * size + (column + j) % size
+            out += np.bincount(texel.ravel(), (share_y * share_x).ravel(), size * size)
+    return out.reshape(size, size)
+
+
+def ripples(seed: int, size: int = SIZE) -> list[Array]:
+    """Slopes of a wind-blown surface along x and y, each (size, size), tileable, deviation 1.
+
+    Mean square slopes of waves fall slowly with their number (Cox and Munk), so that each scale
+    shows; and again the waves run mostly one way.
+    """
+    rng = np.random.default_rng([seed, 0x51])
+    n = np.fft.fftfreq(size) * size
+    wave = np.hypot(n[:, None], n[None, :])
+    wave[0, 0] = 1.0
+    along = np.cos(np.arctan2(n[:, None], n[None, :]) - WIND) ** 2
+    slope = wave**-1.35 * (1.0 - np.exp(-((wave / 3.0) ** 2))) * (0.3 + 0.7 * along)
+    slope = slope * np.exp(2j * np.pi * rng.uniform(size=wave.shape))
+    both = [
+        np.fft.ifft2(1j * share * slope).real for share in (n[None, :] / wave, n[:, None] / wave)
+    ]
+    mean = np.sqrt((both[0] ** 2 + both[1] ** 2).mean() / 2)
+    return [both[0] / mean, both[1] / mean]
 
 
 def relief(seed: int, size: int = SIZE, cells: int = 24) -> list[Array]:
@@ -90,7 +133,10 @@ def nearest_of_cells(seed: int, size: int, cells: int) -> Array:
 
 
 def upload(context: Any, layers: list[Array]) -> Any:
-    """A repeating, mipmapped float texture of one to four layers (n, n)."""
+    """A repeating, mipmapped texture of one to four layers (n, n).
+
+    Of half floats: a software rasteriser reads these faster than bytes.
+    """
     data = np.stack(layers, axis=-1).astype("f2")
     texture = context.texture(data.shape[1::-1], data.shape[2], data.tobytes(), dtype="f2")
     texture.build_mipmaps()

@@ -8,21 +8,26 @@ from numpy.typing import NDArray
 
 from subsea.frame import Packet, Scene
 from subsea.render.shaders import program, set_uniforms
+from subsea.render.textures import ripples, upload
 from subsea.view.camera import View
 
-BACKGROUND_VERTICES = 6 * 64 * 36  # as `water.vert` counts its cells
-RINGS, SECTORS = 12, 40  # of the disc that is the surface
+ACROSS, DOWN = 112, 63  # cells of the background's grid
+RINGS, SECTORS = 16, 48  # of the disc that is the surface
+RIPPLES_UNIT = 7  # texture unit
 
 
 class Water:
     """Holds the grid of the background and the disc of the surface."""
 
     def __init__(self, context: Any, scene: Scene) -> None:
-        """Compile the shaders; `scene` has nothing that they need now."""
+        """Compile the shaders; of `scene` the surface mirrors the sand."""
         self._context = context
-        self._background = program(context, "water")
-        self._grid = context.vertex_array(self._background, [])
+        self._background = program(context, "water", ACROSS_CELLS=ACROSS, DOWN_CELLS=DOWN)
+        self._cells = context.buffer(grid(ACROSS, DOWN).tobytes())
+        self._grid = context.vertex_array(self._background, [], self._cells)
         self._surface = program(context, "surface")
+        self._floor = float(np.mean(scene.terrain))
+        self._ripples = upload_ripples(context)
         places = disc(RINGS, SECTORS)
         self._places = context.buffer(places.tobytes())
         self._disc = context.vertex_array(self._surface, [(self._places, "2f4", "a_place")])
@@ -30,16 +35,36 @@ class Water:
     def draw(self, packet: Packet, view: View, uniforms: dict[str, Any]) -> int:
         """Fill what nothing covers; the number of triangles."""
         set_uniforms(self._background, **uniforms)
-        self._grid.render(moderngl.TRIANGLES, vertices=BACKGROUND_VERTICES)
+        self._grid.render(moderngl.TRIANGLES)
         self._context.enable(moderngl.BLEND)
-        set_uniforms(self._surface, **uniforms)
+        self._ripples.use(RIPPLES_UNIT)
+        set_uniforms(self._surface, **uniforms, u_ripples=RIPPLES_UNIT, u_floor=self._floor)
         self._disc.render(moderngl.TRIANGLES)
-        return (BACKGROUND_VERTICES + self._disc.vertices) // 3
+        return (self._grid.vertices + self._disc.vertices) // 3
 
     def release(self) -> None:
         """Free every OpenGL object."""
-        for held in (self._grid, self._background, self._disc, self._places, self._surface):
+        for held in (
+            self._grid, self._cells, self._background, self._disc, self._places, self._surface,
+            self._ripples,
+        ):  # fmt: skip
             held.release()
+
+
+def upload_ripples(context: Any) -> Any:
+    """The slopes of the surface and the square of them, of which mipmaps keep the mean.
+
+    Where a mipmap has smoothed the slopes away, their square still tells how rough it is.
+    """
+    x, y = ripples(3)
+    return upload(context, [x, y, x**2 + y**2])
+
+
+def grid(across: int, down: int) -> NDArray[np.int32]:
+    """Triangles (n, 3) over (down + 1)·(across + 1) vertices, row after row."""
+    corner = np.arange((across + 1) * (down + 1), dtype=np.int32).reshape(down + 1, across + 1)
+    a, b, c, d = corner[:-1, :-1], corner[:-1, 1:], corner[1:, :-1], corner[1:, 1:]
+    return np.stack([a, b, c, c, b, d], axis=2).reshape(-1, 3)
 
 
 def disc(rings: int, sectors: int) -> NDArray[np.float32]:

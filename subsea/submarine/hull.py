@@ -73,7 +73,7 @@ def step_hull(
     _push(submarine, helm, dt)
     _keep_clear(submarine, floor_height, bounds, pillars, rocks)
     submarine.position += dt * submarine.velocity
-    for distance, normal in _solids(submarine, pillars, rocks):
+    for distance, normal in _solids(submarine, floor_height, pillars, rocks):
         submarine.position += max(0.5 * CLEARANCE_CM - distance, 0.0) * normal
     # Between two ticks the seabed may curve more than its slope foretold; never touch it.
     x, y, z = submarine.position
@@ -120,9 +120,12 @@ def _push(submarine: Submarine, helm: Helm, dt: float) -> None:
     submarine.velocity[:] = moved @ axes
 
 
-def _solids(submarine: Submarine, pillars: Array, rocks: Array) -> list[tuple[float, Array]]:
+def _solids(
+    submarine: Submarine, floor_height: FloorHeight, pillars: Array, rocks: Array
+) -> list[tuple[float, Array]]:
     """Distances from the solids that the hull may reach within two seconds, and the ways off."""
     x, y, z = (float(value) for value in submarine.position)
+    floor = floor_height(x, y)
     reach = CLEARANCE_CM + 2.0 * AHEAD_CM_S
     found = []
     for rows, size, off in (
@@ -131,7 +134,9 @@ def _solids(submarine: Submarine, pillars: Array, rocks: Array) -> list[tuple[fl
     ):
         for k in np.flatnonzero(np.hypot(rows[:, 0] - x, rows[:, 1] - y) < size + reach):
             normal, distance = off(rows[k], (x, y, z))
-            if normal[2] < 0.0:  # an overhang must not press the hull into the seabed
+            roof = rows[k, 2] - rows[k, 5] if off is from_rock else z
+            if normal[2] < 0.0 and roof < floor + 2.0 * CLEARANCE_CM:
+                # What has no room beneath it must not press the hull into the seabed.
                 level = max(math.hypot(normal[0], normal[1]), 1e-3)
                 normal = normal[0] / level, normal[1] / level, 0.0
             found.append((distance, np.array(normal)))
@@ -150,7 +155,7 @@ def _keep_clear(
     radius = math.hypot(x, y)
     inward = np.array([-x, -y, 0.0]) / max(radius, 1.0)
     walls = [
-        *_solids(submarine, pillars, rocks),
+        *_solids(submarine, floor_height, pillars, rocks),
         (bounds.radius_cm - radius, inward),
         (-z, np.array([0.0, 0.0, -1.0])),
         ((z - floor_height(x, y)) * floor_normal[2], floor_normal),

@@ -1,6 +1,7 @@
 """The report has the agreed keys, and its figures agree with each other."""
 
 import json
+import re
 
 import pytest
 
@@ -29,7 +30,7 @@ def test_the_report_has_the_agreed_keys(reports):
     assert set(report) == {
         "renderer", "size", "display", "scenario", "fish", "visible_mean", "frames", "seed",
         "version", "without", "motor", "simulated_mean", "frame_ms", "fps", "stages_ms", "lod",
-        "triangles_mean",
+        "triangles_mean", "quality", "quality_drawn", "target_ms", "host_ms", "draw_calls",
     }  # fmt: skip
     assert set(report["frame_ms"]) == {"mean", "p50", "p95", "p99", "max"}
     assert tuple(report["stages_ms"]) == STAGES
@@ -44,6 +45,10 @@ def test_its_figures_agree(reports):
         assert report["fps"] == pytest.approx(1000.0 / frame["mean"])
         assert sum(report["lod"].values()) == pytest.approx(report["visible_mean"])
         assert sum(report["stages_ms"].values()) < 1.5 * frame["max"]
+        assert 0.0 < report["host_ms"] < frame["p50"]
+        assert report["draw_calls"] >= 5
+        assert (report["quality"], report["quality_drawn"]) == ("low", "low")
+        assert report["target_ms"] is None
 
 
 def test_without_culling_and_levels_all_fishes_are_drawn_in_full(reports):
@@ -71,6 +76,31 @@ def test_a_motor_that_cannot_be_is_a_fault_in_one_line(capsys, options, message)
     assert main(["benchmark", *options]) == 2
     fault = capsys.readouterr().err.splitlines()[-1]
     assert message in fault
+
+
+def test_auto_climbs_down_to_hold_its_target(tmp_path):
+    report = tmp_path / "auto.json"
+    options = ["--quality", "auto", "--target-ms", "1", "--json", str(report)]
+    assert main([*SMALL, "--frames", "30", *options]) == 0
+    figures = json.loads(report.read_text())
+    assert (figures["quality"], figures["target_ms"]) == ("auto", 1.0)
+    assert re.fullmatch(r"low at [59]\d%", figures["quality_drawn"])
+
+
+@pytest.mark.parametrize(
+    ("command", "message"),
+    [
+        (["benchmark", "--quality", "medum"], "unknown quality 'medum'; did you mean 'medium'?"),
+        (["dive", "--quality", "best"], "there are: auto, low, medium, high"),
+        (["dive", "--target-ms", "0"], "'0': expected a number from 1.0 to 1000.0"),
+        (["film", "x.png", "--quality", "auto"], "--quality low, medium or high"),
+    ],
+)
+def test_a_quality_that_cannot_be_is_a_fault_in_one_line(capsys, command, message):
+    assert main(command) == 2
+    fault = capsys.readouterr().err.splitlines()
+    assert len(fault) == 1
+    assert message in fault[0]
 
 
 def test_the_summary_of_known_durations():

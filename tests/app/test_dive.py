@@ -143,6 +143,22 @@ def test_the_help_fades_under_way_and_comes_back(boat):
     until(boat, lambda: boat.overlay.help_opacity == 0.0)
 
 
+def test_a_key_goes_through_the_qualities(boat):
+    assert boat.quality.startswith("picture auto: low")  # there is no GPU here
+    for name in ("low", "medium", "high"):
+        hands("key", "p")
+        until(boat, lambda name=name: boat.quality == f"picture {name}")
+    hands("key", "p")
+    until(boat, lambda: boat.quality.startswith("picture auto"))
+
+
+def test_auto_makes_the_canvas_smaller_where_frames_take_too_long(boat):
+    boat._target_ms, usual = 0.5, boat._target_ms
+    until(boat, lambda: boat.quality.endswith("%"))
+    assert screen(boat)[20:-20, 20:-20].std() > 3
+    boat._target_ms = usual
+
+
 def test_the_picture_follows_the_size_of_the_window(boat):
     import glfw
 

@@ -28,6 +28,13 @@ def test_with_a_display_a_dive_is_possible(display):
         assert any(line.startswith("ok") and name in line for line in lines), name
 
 
+def test_it_tells_with_what_quality_a_dive_begins_and_why(display):
+    _, lines = doctor(DISPLAY=display)
+    [line] = [line for line in lines if " quality " in line]
+    assert "auto begins at low: llvmpipe" in line
+    assert line.endswith("computes pictures without a GPU; holds 50 ms")
+
+
 def test_without_a_display_it_says_what_still_works():
     code, lines = doctor()
     assert code == 1

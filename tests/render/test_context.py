@@ -9,7 +9,7 @@ import moderngl
 import pytest
 
 from subsea.errors import UserError
-from subsea.render import headless_context, window_context
+from subsea.render import Renderer, headless_context, window_context
 
 DRAW = """
 import numpy as np
@@ -66,6 +66,18 @@ def test_no_opengl_at_all_says_what_to_install(monkeypatch, make):
     with pytest.raises(UserError, match=r"libEGL.so not loaded.*apt-get install") as caught:
         make()
     assert "\n" not in str(caught.value)
+
+
+def test_drawing_calls_are_counted_and_timed(context, scene, make_packet, fish):
+    renderer = Renderer(context, scene, (64, 36))
+    renderer.draw(make_packet([], size=(64, 36)))
+    without = renderer.draw_calls
+    tally = context.extra.calls
+    renderer.draw(make_packet([fish(0, (0, 40, -200))], size=(64, 36)))
+    assert context.extra.calls - tally == renderer.draw_calls
+    assert without < renderer.draw_calls <= without + 2  # its body and its fins
+    assert 0.0 < renderer.draw_s < 10.0
+    renderer.release()
 
 
 def test_a_window_brings_its_own_functions(context):

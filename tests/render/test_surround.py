@@ -13,8 +13,12 @@ SIZES = {"equirectangular": (160, 80), "dome": (120, 100), "panorama": (160, 40)
 
 
 def shown(light):
-    """What the screen shows of linear light: filmic curve and sRGB."""
-    x = np.clip(light * (2.51 * light + 0.03) / (light * (2.43 * light + 0.59) + 0.14), 0, 1)
+    """What the screen shows of linear light: filmic curve, with most of the hue, and sRGB."""
+    peak = np.maximum(light.max(axis=-1, keepdims=True), 1e-4)
+    x, top = (
+        np.clip(y * (2.51 * y + 0.03) / (y * (2.43 * y + 0.59) + 0.14), 0, 1) for y in (light, peak)
+    )
+    x += (0.4 - 0.4 * top**2) * (light * top / peak - x)
     return 255 * np.where(x < 0.0031308, 12.92 * x, 1.055 * x ** (1 / 2.4) - 0.055)
 
 

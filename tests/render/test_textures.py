@@ -1,9 +1,16 @@
-"""Tileable noise and caustics."""
+"""Tileable noise, caustics and waves."""
 
 import numpy as np
 import pytest
 
-from subsea.render.textures import caustics, nearest_of_cells, relief, tileable_noise, upload
+from subsea.render.textures import (
+    caustics,
+    nearest_of_cells,
+    relief,
+    ripples,
+    tileable_noise,
+    upload,
+)
 
 
 def seam(texture):
@@ -34,6 +41,35 @@ def test_caustics_keep_the_light_and_gather_it_in_lines():
     assert light.min() >= 0.0
     assert np.median(light) < 0.9  # most of the ground is darker than the mean
     assert np.quantile(light, 0.98) > 2.0
+
+
+def test_longer_waves_gather_the_light_in_broader_lines():
+    near, far = caustics(1), caustics(1, waves=(4.0, 14.0), reach=0.04, penumbra=0.01)
+    wave = np.fft.fftfreq(256) * 256
+
+    def finest(light):
+        power = np.abs(np.fft.fft2(light - light.mean())) ** 2
+        return (power * np.hypot(wave[:, None], wave[None, :])).sum() / power.sum()
+
+    assert finest(far) < 0.6 * finest(near)
+    assert far.mean() == pytest.approx(1.0)
+
+
+def test_flat_water_leaves_the_light_as_it_is():
+    np.testing.assert_allclose(caustics(1, 64, reach=0.0), 1.0, atol=1e-9)
+
+
+def test_slopes_of_waves_are_those_of_one_surface_and_run_with_the_wind():
+    x, y = ripples(3, 64)
+    assert seam(x) < 1.5
+    assert ((x**2 + y**2) / 2).mean() == pytest.approx(1.0)
+    # What has slopes has no curl: kx·Y = ky·X for every wave.
+    n = np.fft.fftfreq(64) * 64
+    n[32] = 0.0  # of the shortest wave the sign is not known
+    curl = n[None, :] * np.fft.fft2(y) - n[:, None] * np.fft.fft2(x)
+    curl[32] = curl[:, 32] = 0.0
+    assert np.abs(curl).max() < 1e-6 * np.abs(np.fft.fft2(x)).max() * 64
+    assert np.cov(x.ravel(), y.ravel())[0, 1] > 0.1  # the wind is between both axes
 
 
 def test_the_relief_of_stone_meets_at_its_edges_and_knows_its_slopes():

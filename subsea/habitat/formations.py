@@ -1,0 +1,327 @@
+"""Rock formations: solids that overlap are one weathered stone, given by a signed distance.
+
+The stone that is drawn, and on which corals grow, lies inside what the fishes avoid
+(`kinematics/solids.py`): by a shell in which there is room for growth, and by what strata,
+cracks, bored holes and worn faces have taken away.
+
+A formation is an array of blocks (k, 11): x, y, z, half axes a, b, c, cosine and sine of the yaw,
+shell, relief and softness, lengths in cm. Of a pillar z is its top, a and b are its radius and c is
+infinite.
+"""
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from subsea.kinematics.noise import fractal, noise
+from subsea.kinematics.vector import Vector, vector
+
+Array = NDArray[np.floating[Any]]
+Ints = NDArray[np.integer[Any]]
+
+SHELL_CM, SHELL = 9.0, 0.13  # room for growth, at most, and as a share of a solid's least half axis
+RELIEF_CM, RELIEF = 28.0, 0.32  # depth of the deepest hollow, likewise
+BLEND = 0.10  # of the mean least half axis: how smoothly one block goes over into the next
+PROBE_CM = 1.5  # over which slopes are taken
+SUN = (0.28, 0.17, 0.945)  # toward it, below the surface, as in `optics.glsl`
+# Directions of the upper half of the sky, even in the light that they give to level ground.
+SKY = np.array(
+    [(0.0, 0.0, 1.0)]
+    + [(0.62 * math.cos(t), 0.62 * math.sin(t), 0.785) for t in np.arange(4) * math.pi / 2 + 0.4]
+    + [(0.91 * math.cos(t), 0.91 * math.sin(t), 0.415) for t in np.arange(5) * math.pi * 0.4]
+)
+
+
+def blocks_of(pillars: Array, rocks: Array) -> Array:
+    """Rows of `Sea.pillars` (k, 4) and of `Sea.rocks` (m, 7) as blocks (k + m, 11)."""
+    out = np.zeros((len(pillars) + len(rocks), 11))
+    for row, (x, y, radius, top) in zip(out, pillars, strict=False):
+        row[:8] = x, y, top, radius, radius, np.inf, 1.0, 0.0
+    rest = out[len(pillars) :]
+    rest[:, :6] = rocks[:, :6]
+    rest[:, 6], rest[:, 7] = np.cos(rocks[:, 6]), np.sin(rocks[:, 6])
+    least = out[:, 3:6].min(axis=1)
+    out[:, 8], out[:, 9] = (
+        np.minimum(SHELL * least, SHELL_CM),
+        np.minimum(RELIEF * least, RELIEF_CM),
+    )
+    out[:, 10] = BLEND * least
+    return out
+
+
+def formations(pillars: Array, rocks: Array) -> list[Array]:
+    """The blocks of each formation: solids that overlap, directly or by way of others."""
+    blocks = blocks_of(pillars, rocks)
+    group = _groups(blocks, _even(48))
+    found = [blocks[group == k] for k in np.unique(group)]
+    for one in found:
+        one[:, 10] = one[:, 10].mean()  # else it would jump from block to block
+    return found
+
+
+class Samples(NamedTuple):
+    """Places on stone that is drawn."""
+
+    place: Array  # (n, 3) cm
+    normal: Array  # (n, 3) unit vectors outward, over a stretch of PROBE_CM
+    open: Array  # (n,) share of the sky's light that other stone lets through, 0 to 1
+    formation: Ints  # (n,) which of `formations`
+
+
+def samples(pillars: Array, rocks: Array, per_m2: float, rng: np.random.Generator) -> Samples:
+    """About `per_m2` places for each square metre of stone, even over it, in random order.
+
+    They lie on the surface that is drawn to about 1 cm, on undersides and in the ground too:
+    leave out what is lower than `height_at` and what faces the wrong way.
+    """
+    found = [_strewn(blocks, k, per_m2, rng) for k, blocks in enumerate(formations(pillars, rocks))]
+    if not found:
+        return Samples(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0), np.zeros(0, np.int64))
+    all_of = [np.concatenate(part) for part in zip(*found, strict=True)]
+    order = rng.permutation(len(all_of[0]))
+    return Samples(*(part[order] for part in all_of))
+
+
+def _strewn(blocks: Array, number: int, per_m2: float, rng: np.random.Generator) -> Samples:
+    places = []
+    for x, y, z, a, b, c, cosine, sine, shell, relief, _ in blocks:
+        deep = shell + 0.4 * relief
+        if math.isinf(c):
+            a, b, c, z = a - deep, b - deep, 0.5 * abs(z), z - 0.5 * abs(z)  # down to the middle
+        half = np.array([a, b, c]) - (deep if not math.isinf(c) else 0.0)
+        # A sphere that is stretched has its points crowded where it is stretched least.
+        number_of = per_m2 / 1e4 * 4 * np.pi * half.prod() / half.min()
+        unit = _unit(rng.normal(size=(int(np.ceil(number_of)), 3)))
+        kept = rng.uniform(size=len(unit)) < np.linalg.norm(unit / half, axis=1) * half.min()
+        spread = unit[kept] * half
+        turned = np.stack(
+            [
+                cosine * spread[:, 0] - sine * spread[:, 1],
+                sine * spread[:, 0] + cosine * spread[:, 1],
+                spread[:, 2],
+            ],
+            axis=1,
+        )
+        places.append(turned + (x, y, z))
+    place, normal, error = on_the_surface(blocks, np.concatenate(places), 4)
+    kept = error < 2.0
+    place, normal = place[kept], normal[kept]
+    return Samples(place, normal, openness(blocks, place, normal), np.full(len(place), number))
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def on_the_surface(blocks: Array, places: Array, steps: int) -> tuple[Array, Array, Array]:
+    """Places (n, 3) moved onto the drawn stone along its slope, normals, what is left (n,), cm."""
+    place, normal, error = places.copy(), np.empty_like(places), np.empty(len(places))
+    for i in range(len(places)):
+        for _ in range(steps):
+            p = vector(place[i])
+            way, steep = outward(blocks, p)
+            step = drawn_distance(blocks, p) / max(steep, 0.5)
+            for axis in range(3):
+                place[i, axis] -= 0.9 * step * way[axis]
+        p = vector(place[i])
+        normal[i, 0], normal[i, 1], normal[i, 2] = outward(blocks, p)[0]
+        error[i] = abs(drawn_distance(blocks, p))
+    return place, normal, error
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def drawn_distance(blocks: Array, p: Vector) -> float:
+    """How far p is from the drawn stone of a formation, to first order; cm, negative inside."""
+    distance, relief = plain_distance(blocks, p)
+    return distance + relief * carved(p)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def stone_above(blocks: Array, x: float, y: float, z: float) -> float:
+    """Height at which one who rises from (x, y, z) leaves the drawn stone: z itself outside it."""
+    while z < 0.0:
+        gap = drawn_distance(blocks, (x, y, z))
+        if gap > -0.2:
+            break
+        z += max(-0.5 * gap, 0.5)
+    return z
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def plain_distance(blocks: Array, p: Vector) -> tuple[float, float]:
+    """Distance from the formation before it was weathered, and how deep its hollows are here."""
+    nearest, avoided = np.inf, np.inf
+    weight, deep, softness = 0.0, 0.0, blocks[0, 10]
+    for k in range(len(blocks)):
+        block = blocks[k]
+        if _at_least(block, p) > nearest + 40.0:
+            continue  # too far to have a share
+        outer = _from_block(block, p)
+        d = outer + block[8]
+        avoided = min(avoided, outer)
+        if d < nearest:
+            share = math.exp((d - nearest) / softness) if weight > 0.0 else 0.0
+            weight, deep, nearest = weight * share + 1.0, deep * share + block[9], d
+        else:
+            share = math.exp((nearest - d) / softness)
+            weight, deep = weight + share, deep + share * block[9]
+    # Where blocks meet the smooth union is larger than they are: never than what is avoided.
+    return max(nearest - softness * math.log(weight), avoided + 1.0), deep / weight
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _rough_distance(blocks: Array, p: Vector) -> float:
+    """As `plain_distance`, without what happens where blocks meet: enough for shade."""
+    nearest = np.inf
+    for k in range(len(blocks)):
+        if _at_least(blocks[k], p) < nearest:
+            nearest = min(nearest, _from_block(blocks[k], p) + blocks[k, 8])
+    return nearest
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _at_least(block: Array, p: Vector) -> float:
+    """How far p is from a box about a block at least, cm; negative inside."""
+    reach = max(block[3], block[4])
+    side = max(abs(p[0] - block[0]), abs(p[1] - block[1])) - reach
+    above = p[2] - block[2]
+    if block[5] == np.inf:
+        return max(side, above)
+    return max(side, abs(above) - block[5])
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _from_block(block: Array, p: Vector) -> float:
+    """Distance from one block, as `solids.from_rock`; a pillar's edge is worn round, inside it."""
+    dx, dy, dz = p[0] - block[0], p[1] - block[1], p[2] - block[2]
+    if block[5] == np.inf:
+        worn = 0.45 * block[3]
+        side, above = math.sqrt(dx * dx + dy * dy) - block[3] + worn, dz + worn
+        if side <= 0.0 or above <= 0.0:
+            return max(side, above) - worn
+        return math.sqrt(side * side + above * above) - worn
+    x, y = block[6] * dx + block[7] * dy, block[6] * dy - block[7] * dx
+    x, y, z = x / block[3], y / block[4], dz / block[5]
+    scaled = math.sqrt(x * x + y * y + z * z)
+    x, y, z = x / block[3], y / block[4], z / block[5]
+    slope = math.sqrt(x * x + y * y + z * z)
+    if slope < 1e-9:
+        return -min(block[3], block[4], block[5])
+    return scaled * (scaled - 1.0) / slope
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def carved(p: Vector) -> float:
+    """Which share of the relief is gone at p, 0 to 1: weathering runs on from block to block."""
+    x, y, z = p
+    bend = noise(x / 140.0 + 3.1, y / 140.0, z / 140.0)
+    # Ridges between worn faces, large and small.
+    faces = abs(noise(x / 66.0 + bend, y / 66.0, z / 58.0))
+    faces += 0.55 * abs(noise(x / 29.0, y / 29.0 + 2.0 * bend, z / 26.0 + 5.5))
+    lumps = fractal(x / 92.0, y / 92.0, z / 75.0 + 1.7, 2)
+    # Strata: hard layers jut out over soft ones; the one is worn more deeply than the other.
+    layer = (z + 30.0 * bend + 0.07 * x) / 36.0
+    within = layer - math.floor(layer)
+    ledge = 1.0 - within if within > 0.16 else 0.84 * within / 0.16
+    ledge *= 0.65 + 1.1 * noise(0.7 * math.floor(layer), x / 170.0, y / 170.0)
+    crack = abs(noise(x / 74.0, y / 74.0 + 8.5, z / 150.0)) / 0.045
+    crack = math.exp(-crack * crack)
+    hole = noise(x / 24.0 + 4.4, y / 24.0, z / 24.0)
+    hole = min(max((hole - 0.30) / 0.2, 0.0), 1.0)
+    gone = 0.06 + 0.95 * faces - 0.30 * lumps + 0.34 * ledge + 0.40 * crack + 0.30 * hole
+    return min(max(gone, 0.0), 1.0)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def outward(blocks: Array, p: Vector) -> tuple[Vector, float]:
+    """The direction in which the distance from the drawn stone grows, and how fast, about 1."""
+    # Four corners of a tetrahedron make a slope.
+    a = drawn_distance(blocks, (p[0] + PROBE_CM, p[1] - PROBE_CM, p[2] - PROBE_CM))
+    b = drawn_distance(blocks, (p[0] - PROBE_CM, p[1] - PROBE_CM, p[2] + PROBE_CM))
+    c = drawn_distance(blocks, (p[0] - PROBE_CM, p[1] + PROBE_CM, p[2] - PROBE_CM))
+    d = drawn_distance(blocks, (p[0] + PROBE_CM, p[1] + PROBE_CM, p[2] + PROBE_CM))
+    x, y, z = a - b - c + d, -a - b + c + d, -a + b - c + d
+    size = math.sqrt(x * x + y * y + z * z)
+    if size < 1e-9:
+        return (0.0, 0.0, 1.0), 0.0
+    return (x / size, y / size, z / size), size / (4.0 * PROBE_CM)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def openness(blocks: Array, places: Array, normals: Array) -> Array:
+    """The share (n,) of the sky's light that stone lets through to places on it, 0 to 1."""
+    out = np.empty(len(places))
+    for i in range(len(places)):
+        n = vector(normals[i])
+        p = (places[i, 0] + 2.0 * n[0], places[i, 1] + 2.0 * n[1], places[i, 2] + 2.0 * n[2])
+        light = 0.0
+        for k in range(len(SKY)):
+            facing = 0.5 + 0.5 * (n[0] * SKY[k, 0] + n[1] * SKY[k, 1] + n[2] * SKY[k, 2])
+            light += min(2.0 * facing, 1.0) * passes(blocks, p, vector(SKY[k]), 0.5)
+        out[i] = light / len(SKY)
+    return out
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def passes(blocks: Array, p: Vector, way: Vector, wide: float) -> float:
+    """The share of a cone of light, as wide as `wide` times its length, that reaches p."""
+    left, along = 1.0, 7.0
+    for _ in range(6):
+        at = (p[0] + along * way[0], p[1] + along * way[1], p[2] + along * way[2])
+        gap = _rough_distance(blocks, at) + 6.0
+        left = min(left, 0.2 + gap / (wide * along + 3.0))
+        if left <= 0.0:
+            return 0.0
+        along = along * 1.3 + max(gap, 0.0) + 4.0
+    return min(left, 1.0)
+
+
+def _unit(rows: Array) -> Array:
+    return np.asarray(rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-12))
+
+
+def _even(number: int) -> Array:
+    """Directions (n, 3), even over the sphere (Fibonacci's spiral)."""
+    k = np.arange(number) + 0.5
+    z, turn = 1.0 - 2.0 * k / number, np.pi * (1.0 + 5.0**0.5) * k
+    ring = np.sqrt(1.0 - z * z)
+    return np.stack([ring * np.cos(turn), ring * np.sin(turn), z], axis=1)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _groups(blocks: Array, directions: Array) -> Ints:
+    """A number (k,) that solids have in common which overlap."""
+    group = np.arange(len(blocks))
+    for i in range(len(blocks)):
+        for j in range(len(blocks)):
+            if group[i] != group[j] and _meet(blocks[i], blocks[j], directions):
+                old, new = group[i], group[j]
+                for k in range(len(blocks)):
+                    if group[k] == old:
+                        group[k] = new
+    return group
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _meet(one: Array, other: Array, directions: Array) -> bool:
+    """Whether some point on one block, or its middle, lies inside the other."""
+    if one[5] == np.inf:
+        if other[5] == np.inf:
+            far = one[3] + other[3]
+            return (one[0] - other[0]) ** 2 + (one[1] - other[1]) ** 2 < far * far
+        return False  # asked the other way round
+    reach = max(one[3], one[4], one[5])
+    if abs(one[0] - other[0]) > reach + max(other[3], other[4]) + 1.0 and one[5] != np.inf:
+        return False
+    if _from_block(other, (one[0], one[1], one[2])) < 0.0:
+        return True
+    for k in range(len(directions)):
+        x, y = one[3] * directions[k, 0], one[4] * directions[k, 1]
+        p = (
+            one[0] + one[6] * x - one[7] * y,
+            one[1] + one[7] * x + one[6] * y,
+            one[2] + one[5] * directions[k, 2],
+        )
+        if _from_block(other, p) < 0.0:
+            return True
+    return False

@@ -1,0 +1,112 @@
+"""The rocks that a scenario asks for: single ones, and those of which outcrops and arches are made.
+
+All are rows of `state.Sea.rocks` (k, 7): x, y, z and half axes a, b, c in cm, yaw in rad.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.scenario import Arch, Outcrop, Rock, Scenario
+
+Array = NDArray[np.floating[Any]]
+Floor = Callable[[float, float], float]  # x and y in cm -> height of the seabed in cm
+
+GOLDEN = np.pi * (3.0 - 5.0**0.5)  # rad, from one rock of an outcrop to the next
+
+
+def rock_rows(scenario: Scenario, floor: Floor) -> tuple[Array, list[str]]:
+    """All rocks (k, 7), and of each the table of the scenario that it belongs to."""
+    parts = [(f"`rock[{k}]`", single(rock, floor)) for k, rock in enumerate(scenario.rock)]
+    parts += [(f"`outcrop[{k}]`", outcrop(one, floor)) for k, one in enumerate(scenario.outcrop)]
+    parts += [(f"`arch[{k}]`", arch(one, floor)) for k, one in enumerate(scenario.arch)]
+    rows = np.concatenate([np.zeros((0, 7))] + [part for _, part in parts])
+    return rows, [name for name, part in parts for _ in part]
+
+
+def single(rock: Rock, floor: Floor) -> Array:
+    """One rock (1, 7)."""
+    (x, y), (a, b, c) = rock.position_cm, rock.size_cm
+    middle = c * (1.0 - 2.0 * rock.sunk) if rock.height_cm is None else rock.height_cm
+    return np.array([[x, y, floor(x, y) + middle, a, b, c, np.radians(rock.yaw_deg)]])
+
+
+def outcrop(one: Outcrop, floor: Floor) -> Array:
+    """A knoll (k, 7): a large rock in the middle, smaller ones about it and on it.
+
+    All lie in its ellipse and below its height, and overlap the first.
+    """
+    rng = np.random.default_rng([one.seed, 0x0C])
+    x, y = one.position_cm
+    size = np.array(one.size_cm)
+    yaw, turn = np.radians(one.yaw_deg), rng.uniform(0, 2 * np.pi)
+    rows = [(0.0, 0.0, 0.12 * size[2], 0.66 * size[0], 0.66 * size[1], 0.80 * size[2], 0.0)]
+    for k in range(1, one.rocks):
+        turn += GOLDEN + rng.uniform(-0.3, 0.3)
+        high = k % 3 == 0
+        half = size * rng.uniform(0.26, 0.44, 3) * (0.85 if high else 1.0)
+        # An ellipsoid that is turned must still fit.
+        away = rng.uniform(0.15, 0.35) if high else rng.uniform(0.80, 1.0)
+        room = np.maximum(size[:2] - half[:2].max(), 0.0)
+        low, top = (0.35, 1.0) if high else (0.0, 0.55)
+        middle = rng.uniform(low, top) * (size[2] - half[2])
+        spot = away * room * (np.cos(turn), np.sin(turn))
+        rows.append((*spot, middle, *half, rng.uniform(-0.6, 0.6)))
+    out = np.array(rows)
+    c, s = np.cos(yaw), np.sin(yaw)
+    out[:, :2] = out[:, :2] @ np.array([[c, s], [-s, c]]) + (x, y)
+    out[:, 2] += floor(x, y)
+    out[:, 6] += yaw
+    return out
+
+
+def arch(one: Arch, floor: Floor) -> Array:
+    """An arch (k, 7): rocks one on the other up a leg, along the bow and down the other leg.
+
+    Others lean on them from outside. Between the legs there is no stone in the half ellipse as
+    wide as the span and as high as the height.
+    """
+    rng = np.random.default_rng([one.seed, 0xA7])
+    thick, yaw = one.thickness_cm, np.radians(one.yaw_deg)
+    half, high = 0.5 * one.span_cm, one.height_cm
+    line = np.linspace(0.0, np.pi, 400)
+    steps = np.hypot(*np.diff([(half + thick) * np.cos(line), (high + thick) * np.sin(line)]))
+    along = np.concatenate([[0.0], np.cumsum(steps)])
+    number = max(int(np.ceil(along[-1] / (0.58 * thick))), 5)
+    turns = list(np.interp(np.linspace(0.0, along[-1], number), along, line))
+    rows = [_of_arch(t, 0.0, half, high, thick, rng) for t in turns]
+    # Buttresses at the feet and blocks on the shoulders break the line.
+    for t in (0.1, 0.4, 0.9, 1.35, np.pi - 1.0, np.pi - 0.5, np.pi - 0.1):
+        t, foot = t + rng.uniform(-0.12, 0.12), (1.0 - np.sin(t)) ** 2
+        aside = rng.uniform(0.12, 0.3) + 0.35 * foot
+        rows.append(_of_arch(t, aside, half, high, rng.uniform(0.8, 1.1) * thick, rng))
+    out = np.array(rows)
+    c, s = np.cos(yaw), np.sin(yaw)
+    out[:, :2] = out[:, :2] @ np.array([[c, s], [-s, c]]) + one.position_cm
+    # A leg stands in the sand wherever that is.
+    ground = floor(*one.position_cm)
+    lower = np.array([min(floor(x, y) - ground, 0.0) for x, y in out[:, :2]])
+    share = np.clip(1.0 - out[:, 2] / (0.6 * high), 0.0, 1.0)
+    out[:, 2] += ground + share * lower
+    out[:, 6] += yaw
+    return out
+
+
+def _of_arch(
+    t: float, out: float, half: float, high: float, thick: float, rng: np.random.Generator
+) -> list[float]:
+    """One rock at the angle t of the ellipse of an opening, `out` of a thickness outside of it."""
+    up = np.sin(t)
+    size = 0.5 * thick * rng.uniform(0.92, 1.25, 3)
+    a = size[0] * (1.0 + 0.5 * up**6) * (1.0 + 0.3 * (1.0 - up) ** 2)
+    b = 1.25 * size[1] * (1.0 + 0.3 * (1.0 - up) ** 2)
+    c = size[2] * (1.0 + 0.5 * (1.0 - up) ** 2)
+    # So far out that its inner side only just touches the opening.
+    slope = np.array([np.cos(t) / half, up / high])
+    slope /= np.linalg.norm(slope)
+    reach = np.hypot(a * slope[0], c * slope[1]) + (0.03 + out) * thick
+    x, z = half * np.cos(t) + reach * slope[0], high * up + reach * slope[1]
+    across = rng.uniform(-0.22, 0.22) * thick * (1.0 + 2.0 * out)
+    return [x, across, z, a, b, c, rng.uniform(-0.15, 0.15)]

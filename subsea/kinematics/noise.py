@@ -1,0 +1,56 @@
+"""Smooth noise in space: a pure function of the place, the same on every machine."""
+
+import math
+
+from numba import njit
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def noise(x: float, y: float, z: float) -> float:
+    """Gradient noise (Perlin 2002) about 0, seldom beyond ±0.7, whose waves are about 1.5 long."""
+    fx, fy, fz = math.floor(x), math.floor(y), math.floor(z)
+    i, j, k = int(fx), int(fy), int(fz)
+    x, y, z = x - fx, y - fy, z - fz
+    u, v, w = _eased(x), _eased(y), _eased(z)
+    low = _mix(
+        v,
+        _mix(u, _corner(i, j, k, x, y, z), _corner(i + 1, j, k, x - 1.0, y, z)),
+        _mix(u, _corner(i, j + 1, k, x, y - 1.0, z), _corner(i + 1, j + 1, k, x - 1.0, y - 1.0, z)),
+    )
+    k, z = k + 1, z - 1.0
+    high = _mix(
+        v,
+        _mix(u, _corner(i, j, k, x, y, z), _corner(i + 1, j, k, x - 1.0, y, z)),
+        _mix(u, _corner(i, j + 1, k, x, y - 1.0, z), _corner(i + 1, j + 1, k, x - 1.0, y - 1.0, z)),
+    )
+    return _mix(w, low, high)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def fractal(x: float, y: float, z: float, octaves: int) -> float:
+    """Noise over ever shorter waves, each octave half as long and half as strong; about ±0.8."""
+    total, share = 0.0, 1.0
+    for _ in range(octaves):
+        total += share * noise(x, y, z)
+        x, y, z, share = 2.03 * x + 17.3, 2.03 * y - 5.1, 2.03 * z + 9.7, 0.5 * share
+    return total
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _eased(t: float) -> float:
+    return t * t * t * (t * (6.0 * t - 15.0) + 10.0)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _mix(share: float, a: float, b: float) -> float:
+    return a + share * (b - a)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _corner(i: int, j: int, k: int, x: float, y: float, z: float) -> float:
+    """The slope of a corner of the lattice, from a hash, times the way from it."""
+    h = (i * 374761393 + j * 668265263 + k * 1440662683) & 0xFFFFFFFF
+    h = ((h ^ (h >> 13)) * 1274126177) & 0xFFFFFFFF
+    h = h ^ (h >> 16)
+    gx, gy, gz = (h & 1023) - 511.5, ((h >> 10) & 1023) - 511.5, ((h >> 20) & 1023) - 511.5
+    return (gx * x + gy * y + gz * z) / 420.0

@@ -1,0 +1,60 @@
+"""Shafts of light: a small map of all directions about the sun, made anew for every eye."""
+
+from typing import Any
+
+import moderngl
+
+from subsea.render.quality import Quality
+from subsea.render.shaders import program, set_uniforms
+
+UNIT = 6  # texture unit
+SIZE = (320, 24)  # turns about the sun, cosines of the angle from it
+
+
+class Shafts:
+    """Holds the map; whoever includes `optics.glsl` reads it."""
+
+    def __init__(self, context: Any, quality: Quality) -> None:
+        """An empty map: no shafts until the first `cast`."""
+        self._context = context
+        self._map = context.texture(SIZE, 1, dtype="f2")
+        self._map.repeat_y = False
+        self._picture = context.framebuffer([self._map])
+        self._program: Any = None
+        self._array: Any = None
+        self._samples = 0
+        self.adapt(quality)
+
+    def adapt(self, quality: Quality) -> None:
+        """Take so many samples along each ray from now on; 0 leaves the water without shafts."""
+        if quality.shafts == self._samples:
+            return
+        self._release_program()
+        self._samples = quality.shafts
+        if self._samples:
+            self._program = program(self._context, "shafts", SAMPLES=self._samples)
+            self._array = self._context.vertex_array(self._program, [])
+        else:
+            self._picture.clear()
+
+    def cast(self, uniforms: dict[str, Any]) -> None:
+        """Fill the map for the eye of a view. Changes the framebuffer in use and the viewport."""
+        if self._samples:
+            self._picture.use()
+            self._context.viewport, self._context.scissor = (0, 0, *SIZE), None
+            self._context.disable(moderngl.BLEND | moderngl.DEPTH_TEST)
+            set_uniforms(self._program, **uniforms)
+            self._array.render(vertices=3)
+        self._map.use(UNIT)
+
+    def release(self) -> None:
+        """Free every OpenGL object."""
+        self._release_program()
+        self._picture.release()
+        self._map.release()
+
+    def _release_program(self) -> None:
+        for held in (self._array, self._program):
+            if held is not None:
+                held.release()
+        self._array = self._program = None

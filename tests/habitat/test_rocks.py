@@ -1,0 +1,102 @@
+"""Outcrops and arches: rocks that hold together, and leave the way free."""
+
+import msgspec
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from subsea.habitat.formations import formations
+from subsea.habitat.rocks import arch, outcrop, rock_rows, single
+from subsea.habitat.solids import clearances
+from subsea.scenario import Arch, Outcrop, Rock, load_scenario
+from subsea.state import HULL_CM, Submarine
+from subsea.submarine.helm import Helm
+from subsea.submarine.hull import step_hull
+
+NO_PILLARS = np.zeros((0, 4))
+SEED = st.integers(0, 2**32 - 1)
+
+
+def level(x, y):
+    return -600.0
+
+
+def slanting(x, y):
+    return -600.0 + 0.1 * x - 0.06 * y
+
+
+@given(SEED, st.integers(1, 20), st.floats(-180, 180))
+@settings(max_examples=25, deadline=None)
+def test_an_outcrop_is_one_formation_within_its_size(seed, number, yaw):
+    one = Outcrop(
+        position_cm=(50, 60), size_cm=(160, 110, 140), rocks=number, yaw_deg=yaw, seed=seed
+    )
+    rows = outcrop(one, slanting)
+    assert rows.shape == (number, 7)
+    np.testing.assert_array_equal(rows, outcrop(one, slanting))
+    assert len(formations(NO_PILLARS, rows)) == 1
+    assert (rows[:, 2] + rows[:, 5]).max() <= slanting(50, 60) + 140.0 + 1e-6
+    assert np.hypot(*(rows[:, :2] - (50, 60)).T).max() + rows[:, 3:5].min() < 180.0
+
+
+@given(SEED, st.floats(220, 600), st.floats(160, 450), st.floats(40, 200), st.floats(-180, 180))
+@settings(max_examples=25, deadline=None)
+def test_an_arch_stands_and_is_open(seed, span, height, thick, yaw):
+    one = Arch(position_cm=(50, 60), span_cm=span, height_cm=height, thickness_cm=thick,
+               yaw_deg=yaw, seed=seed)  # fmt: skip
+    rows = arch(one, slanting)
+    assert len(formations(NO_PILLARS, rows)) == 1
+    along = np.array([np.cos(np.radians(yaw)), np.sin(np.radians(yaw))])
+    ground = slanting(50, 60)
+    rng = np.random.default_rng(seed)
+    turn, away = rng.uniform(0, np.pi, 300), rng.uniform(0, 0.98, 300)
+    across = (0.5 * span * away * np.cos(turn))[:, None] * along
+    inside = np.column_stack([across + (50, 60), ground + height * away * np.sin(turn)])
+    high = inside[:, 2] > ground + 0.25 * height  # on a slope a foot may reach in a little
+    assert clearances(NO_PILLARS, rows, inside[high]).min() > 0.0
+    # Both legs reach the sand.
+    for sign in (-1.0, 1.0):
+        foot = np.array([50, 60]) + sign * (0.5 * span + 0.5 * thick) * along
+        place = np.array([[*foot, slanting(*foot) + 5.0]])
+        assert clearances(NO_PILLARS, rows, place)[0] < 0.0
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_hull_passes_through_the_least_arch_and_through_no_stone(seed):
+    bounds = load_scenario("peaceful")[0].bounds
+    rows = arch(Arch(position_cm=(0, 0), span_cm=220, height_cm=160, yaw_deg=90, seed=seed), level)
+
+    def steer(y):
+        hull = Submarine(position=np.array([-400.0, y, -525.0]))
+        nearest = np.inf
+        for _ in range(500):
+            step_hull(hull, Helm(surge=1.0), 0.033, level, bounds, NO_PILLARS, rows)
+            nearest = min(nearest, clearances(NO_PILLARS, rows, hull.position[None])[0])
+        return hull.position, nearest
+
+    place, nearest = steer(0.0)
+    assert place[0] > 200.0
+    assert nearest > 0.4 * HULL_CM
+    place, nearest = steer(160.0)  # into a leg
+    assert nearest > 0.4 * HULL_CM
+
+
+def test_a_rock_may_lie_above_the_sand():
+    assert single(Rock(position_cm=(1, 2), size_cm=(30, 20, 10)), level)[0, 2] == pytest.approx(
+        -596
+    )
+    high = Rock(position_cm=(1, 2), size_cm=(30, 20, 10), height_cm=150.0)
+    assert single(high, level)[0, 2] == -450.0
+
+
+def test_every_rock_knows_its_table():
+    scenario = msgspec.structs.replace(
+        load_scenario("peaceful")[0],
+        rock=[Rock(position_cm=(1, 2), size_cm=(30, 20, 10))],
+        outcrop=[Outcrop(position_cm=(1, 2), size_cm=(30, 20, 10), rocks=3)],
+        arch=[Arch(position_cm=(1, 2), span_cm=300, height_cm=200)],
+    )
+    rows, names = rock_rows(scenario, level)
+    assert len(rows) == len(names)
+    assert names[:5] == ["`rock[0]`", *3 * ["`outcrop[0]`"], "`arch[0]`"]
