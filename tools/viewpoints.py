@@ -17,6 +17,7 @@ from subsea.frame import pack
 from subsea.kinematics.heightfield import height_at
 from subsea.ocean import step
 from subsea.places import check_folder
+from subsea.render.quality import PRESETS
 from subsea.resources import resource_names
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.rigs import Pose, pose, views_for
@@ -63,6 +64,7 @@ def main() -> None:
     parser.add_argument("scenarios", nargs="*", metavar="SCENARIO", help="default: all")
     parser.add_argument("--seconds", type=float, default=8.0, help="of the world before them")
     parser.add_argument("--size", default="960x540", help="of each picture, in pixels")
+    parser.add_argument("--quality", choices=sorted(PRESETS), default="high")
     parser.add_argument("--only", help="name of one viewpoint")
     arguments = parser.parse_args()
     size = tuple(int(side) for side in arguments.size.split("x"))
@@ -75,7 +77,7 @@ def main() -> None:
             for _ in range(round(arguments.seconds * 30.3)):
                 step(world, HANDS_OFF)
             pictures = []
-            with picture_maker(context, world, size, samples=4) as renderer:
+            with picture_maker(context, world, size, PRESETS[arguments.quality]) as renderer:
                 for title, eye in viewpoints(world):
                     if arguments.only not in (None, title):
                         continue
