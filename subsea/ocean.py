@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from subsea.behavior import biting, eating, hunting, schooling, steering
+from subsea.behavior.colouring import colour
 from subsea.behavior.intention import choose
 from subsea.behavior.mating import review
 from subsea.behavior.mental import feel
@@ -68,6 +69,7 @@ def step(world: World, helm: Helm) -> None:
         eating.ingest(fishes, minds, sea, clock)
         hunting.inhale(fishes, minds, sea, clock)
         biting.bite(fishes, minds, sea, clock)
+        colour(fishes, minds, clock)
         minds.pause[who] = 0.0
     with _stage(world, "motor"):
         command(fishes, world.library, state.seed, state.tick, TICK_S)

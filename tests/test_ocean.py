@@ -13,7 +13,7 @@ from subsea.kinematics.heightfield import height_at
 from subsea.motor.balance import roll_of
 from subsea.ocean import TICK_S, create_world, step
 from subsea.scenario import load_scenario
-from subsea.state import digest
+from subsea.state import LOOPING, digest
 from subsea.submarine.helm import Helm
 
 AHEAD = Helm(surge=0.4, yaw=0.1)
@@ -44,6 +44,18 @@ def test_any_number_of_fishes_can_be_asked_for(fish):
     world = _world(fish=fish)
     step(world, AHEAD)
     assert len(world.state.fishes.species) == fish
+
+
+def test_a_courting_male_grows_colourful():
+    world = _world(fish=7)
+    minds, display = world.state.minds, world.state.fishes.display
+    minds.male[:2] = True, False
+    for _ in range(10):
+        minds.courtship[:2] = LOOPING  # nobody is there to court: behavior ends it at each thought
+        minds.pause[:2] = 0.0
+        step(world, Helm())
+    assert display[0] > 0.0
+    assert display[1] == 0.0
 
 
 def test_nobody_leaves_the_sea(minute):
@@ -109,7 +121,7 @@ PROGRAM = """
 from subsea.motor.balance import roll_of
 from subsea.ocean import create_world, step
 from subsea.scenario import load_scenario
-from subsea.state import digest
+from subsea.state import LOOPING, digest
 from subsea.submarine.helm import Helm
 world = create_world(load_scenario("peaceful")[0], seed=3, fish=60)
 for _ in range(200):

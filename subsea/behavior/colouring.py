@@ -1,0 +1,17 @@
+"""Mating colours: a male grows colourful while he courts (Tu §5.3)."""
+
+import numpy as np
+from numba import njit
+
+from subsea.state import NO_COURTSHIP, Clock, Fishes, Minds
+
+EASE_S = 0.7  # time constant: after 2 s all but a twentieth of a change is done
+
+
+@njit(cache=True, error_model="numpy")
+def colour(fishes: Fishes, minds: Minds, clock: Clock) -> None:
+    """Ease the display of all fishes toward 1 where a male courts, toward 0 elsewhere."""
+    share = 1.0 - np.exp(-clock.dt / EASE_S)
+    for i in range(len(fishes.display)):
+        courts = fishes.alive[i] and minds.male[i] and minds.courtship[i] != NO_COURTSHIP
+        fishes.display[i] += share * ((1.0 if courts else 0.0) - fishes.display[i])
