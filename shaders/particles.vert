@@ -1,3 +1,5 @@
+// Specks in the water: marine snow about the eye, and plankton. Both shine toward the light, blur
+// out of focus and are drawn out along the way that they have moved while the picture was exposed.
 #include "optics.glsl"
 
 in vec3 a_position;
@@ -5,33 +7,66 @@ in vec3 a_position;
 uniform mat4 u_view_projection;
 uniform mat4 u_projection;
 uniform vec2 u_size;     // pixels of the viewport
-uniform float u_diameter;  // cm
+uniform float u_diameter;  // cm, of the largest
 uniform float u_box;     // cm; 0: positions are the world's, else shares of a box about the eye
 uniform float u_reach;   // cm; specks have faded there
 uniform vec3 u_drift;    // cm/s, of the boxed specks
+uniform vec3 u_passing;  // cm/s, of the eye
 uniform vec3 u_colour;
 
 out vec4 v_colour;
+flat out vec2 v_streak;  // half the way that it has moved, and its radius, shares of the sprite
+flat out float v_radius;
+
+const float EXPOSED = 0.02;    // s
+const float APERTURE = 0.5;    // cm
+const float FOCUSED = 220.0;   // cm
+const float LARGEST = 48.0;    // pixels, of a sprite
 
 void main() {
-    vec3 world = a_position;
+    float number = fract(float(gl_VertexID) * 0.618034), chance = fract(a_position.x * 91.7 + number);
+    vec3 world = a_position, moved = -u_passing;
+    float glint = 1.0;
     if (u_box > 0.0) {
         vec3 place = a_position * u_box + u_drift * u_time;
         place.xy += 6.0 * sin(u_time * vec2(0.31, 0.23) + a_position.yx * 40.0);
         world = u_eye + mod(place - u_eye, u_box) - 0.5 * u_box;
+        moved += u_drift;
+        chance *= chance;
+    } else {
+        // It hops, sinks back, and glints as it turns.
+        float beat = u_time * (0.35 + 0.5 * number) + 6.0 * number;
+        float hop = smoothstep(0.0, 0.12, fract(beat)) - fract(beat);
+        float way = 40.0 * floor(beat) + 9.0 * number;
+        world += 1.6 * hop * vec3(sin(way), cos(1.3 * way), 0.6 * sin(2.1 * way));
+        glint = 0.55 + 0.45 * sin(u_time * (2.0 + 5.0 * number) + 40.0 * number);
     }
     gl_Position = u_view_projection * vec4(world, 1.0);
-    float size = u_diameter * (0.6 + 0.8 * fract(a_position.x * 91.7 + float(gl_VertexID) * 0.618));
-    float pixels = size * u_projection[1][1] * u_size.y * 0.5 / max(gl_Position.w, 1.0);
-    // A speck smaller than a few pixels keeps their area and loses strength instead.
-    gl_PointSize = clamp(pixels, 2.0, 24.0);
-    float share = clamp(pixels / gl_PointSize, 0.0, 1.0);
     vec3 ray = world - u_eye;
     float distance = length(ray);
+    float scale = u_projection[1][1] * u_size.y * 0.5;  // pixels of a radian
+    float pixels = u_diameter * (0.22 + 0.78 * chance * chance) * scale / max(distance, 1.0);
+    float blurred = pixels + APERTURE * abs(1.0 / distance - 1.0 / FOCUSED) * scale;
+    // A speck smaller than two pixels keeps the light that it sends and loses strength instead.
+    float width = clamp(blurred, 2.0, 0.6 * LARGEST);
+    vec4 before = u_view_projection * vec4(world - EXPOSED * moved, 1.0);
+    vec2 streak = gl_Position.xy / max(gl_Position.w, 1.0) - before.xy / max(before.w, 1.0);
+    streak *= 0.5 * u_size;
+    float length_ = length(streak);
+    streak *= min(length_, LARGEST - width) / max(length_, 1e-4);
+    length_ = length(streak);
+    gl_PointSize = width + length_;
+    v_streak = vec2(streak.x, -streak.y) / gl_PointSize;
+    v_radius = width / gl_PointSize;
+    float share = min(pixels * pixels / (width * width), 1.0);
+    share = mix(share, sqrt(share), 0.35) * width / (width + 0.8 * length_);
+
+    vec3 look = ray / distance;
     vec3 clear = clearness(distance);
-    vec3 light = 0.35 * sunlight_at(world.z) + SKYLIGHT;
-    vec3 colour = u_colour * light * clear + water_radiance(ray / distance) * (1.0 - clear);
-    float strength = share * share * (1.0 - smoothstep(0.6 * u_reach, u_reach, distance))
-        * smoothstep(6.0, 30.0, distance) * step(world.z, 0.0);
+    float toward = max(dot(look, SUN), 0.0);
+    vec3 light = (0.30 + 0.9 * toward * toward) * sunlight_at(world.z) + SKYLIGHT * daylight(world.z);
+    vec3 colour = u_colour * glint * light * clear + water_radiance(look) * (1.0 - clear);
+    float strength = share * (1.0 - smoothstep(0.6 * u_reach, u_reach, distance))
+        * smoothstep(7.0, 26.0, distance) * step(world.z, 0.0);
     v_colour = vec4(colour, strength);
 }

@@ -56,6 +56,8 @@ class Scene:
     water: Water
     pillars: Array = field(default_factory=lambda: np.zeros((0, 4)))  # (k, 4) as `state.Sea` has it
     rocks: Array = field(default_factory=lambda: np.zeros((0, 7)))  # (k, 7) likewise
+    # (k, 4): x and y in cm, bubbles a second, the largest one's diameter in cm
+    vents: Array = field(default_factory=lambda: np.zeros((0, 4)))
 
 
 @dataclass(frozen=True)
@@ -81,6 +83,7 @@ class Packet:
     # those of fishes that are simulated.
     live_points: Array = field(default_factory=lambda: np.zeros((0, 426, 3), np.float32))
     live_row: int = 0
+    passing_cm_s: tuple[float, float, float] = (0.0, 0.0, 0.0)  # velocity of the submarine
     hook: Array | None = None  # (3,) cm, of the bend; None: no hook is in the water
     bait: bool = False  # whether it is still on the hook
     # Leaves of seaweed in sight, those to be drawn finely first, and how many these are.
@@ -99,6 +102,9 @@ def make_scene(world: World) -> Scene:
         water=world.scenario.water,
         pillars=world.state.sea.pillars,
         rocks=world.state.sea.rocks,
+        vents=np.array(
+            [(*v.position_cm, v.rate_per_s, v.size_cm) for v in world.scenario.vent]
+        ).reshape(-1, 4),
     )
 
 
@@ -148,11 +154,19 @@ def pack(
         hidden=len(level) - len(order),
         live_points=live_points,
         live_row=len(library.entry),
+        passing_cm_s=_velocity(world),
         hook=_hook(world.state.sea, alpha),
         bait=bool(world.state.sea.catch[0] in (SINKING, HANGING)),
         leaves=_leaves(world, np.concatenate([fine, coarse]), alpha),
         fine_leaves=len(fine),
     )
+
+
+def _velocity(world: World) -> tuple[float, float, float]:
+    """How fast the submarine went between the last tick and the present one, cm/s."""
+    submarine = world.state.submarine
+    x, y, z = (submarine.position - submarine.previous_position) / TICK_S
+    return float(x), float(y), float(z)
 
 
 def _hook(sea: Sea, alpha: float) -> Array | None:

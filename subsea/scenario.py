@@ -15,6 +15,7 @@ MAX_FISHES = 100_000
 MAX_SIMULATED = 4000
 MAX_SOLIDS = 200  # pillars, and as many rocks
 MAX_CLUSTERS, MAX_LEAVES = 500, 40  # of seaweed in a group, of leaves in a cluster
+MAX_VENTS = 50
 MAX_SEAWEED = 8000  # leaves in all: their nodes must fit into a texture
 Positive = Annotated[float, msgspec.Meta(gt=0, le=1e5)]
 Coordinate = Annotated[float, msgspec.Meta(ge=-1e5, le=1e5)]
@@ -145,6 +146,14 @@ class Seaweed(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     colour: Colour = (0.14, 0.155, 0.03)  # linear RGB
 
 
+class Vent(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Where air bubbles leave the seabed (Tu §8.2)."""
+
+    position_cm: tuple[Coordinate, Coordinate]
+    rate_per_s: Annotated[float, msgspec.Meta(gt=0, le=100)] = 12.0
+    size_cm: Annotated[float, msgspec.Meta(ge=0.05, le=10)] = 1.2  # across, the largest
+
+
 class Start(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """Where the submarine begins."""
 
@@ -193,6 +202,7 @@ class Scenario(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     arch: list[Arch] = []
     hook: Hook | None = None
     seaweed: list[Seaweed] = []
+    vent: Annotated[list[Vent], msgspec.Meta(max_length=MAX_VENTS)] = []
     nature: Temper = Temper()
     # So many of the nearest fishes are simulated instead of played back.
     simulated: Annotated[int, msgspec.Meta(ge=0, le=MAX_SIMULATED)] = 0
@@ -225,6 +235,8 @@ def load_scenario(name: str) -> tuple[Scenario, Path]:
         _inside(path, f"outcrop[{k}].position_cm", knoll.position_cm, scenario.bounds)
     for k, arch in enumerate(scenario.arch):
         _inside(path, f"arch[{k}].position_cm", arch.position_cm, scenario.bounds)
+    for k, vent in enumerate(scenario.vent):
+        _inside(path, f"vent[{k}].position_cm", vent.position_cm, scenario.bounds)
     leaves = sum(group.clusters * group.leaves for group in scenario.seaweed)
     if leaves > MAX_SEAWEED:
         raise UserError(f"{path}: `seaweed` has {leaves} leaves, expected at most {MAX_SEAWEED}")

@@ -2,10 +2,11 @@
 
 import re
 
+import numpy as np
 import pytest
 
 from subsea.errors import UserError
-from subsea.frame import pack
+from subsea.frame import make_scene, pack
 from subsea.habitat.solids import clearances
 from subsea.kinematics.heightfield import height_at
 from subsea.ocean import create_world, step
@@ -226,11 +227,29 @@ def test_a_pillar_stays_below_the_surface(tmp_path):
     create_world(load_scenario(str(written(tmp_path, BARE + pillar.format(most[1]))))[0])
 
 
-@pytest.mark.parametrize("solid", STANDS)
-def test_what_stands_in_the_sea_stands_within_its_radius(tmp_path, solid):
-    message = fault_of(tmp_path, BARE + STANDS[solid].format("[1000.0, 1000.0]"))
-    assert f": `{solid}.position_cm` (1000.0, 1000.0) lies outside the sea" in message
+VENT = "\n[[vent]]\nposition_cm = {}\n"
+
+
+@pytest.mark.parametrize(("stands", "table"), [*STANDS.items(), ("vent[0]", VENT)])
+def test_what_stands_in_the_sea_stands_within_its_radius(tmp_path, stands, table):
+    message = fault_of(tmp_path, BARE + table.format("[1000.0, 1000.0]"))
+    assert f": `{stands}.position_cm` (1000.0, 1000.0) lies outside the sea" in message
     assert message.endswith("expected at most 1300 cm from the middle")
+
+
+@pytest.mark.parametrize(
+    ("key", "value"), [("rate_per_s", 0.0), ("rate_per_s", 1e4), ("size_cm", 30.0), ("depth", 1)]
+)
+def test_a_vent_says_what_it_cannot_do(tmp_path, key, value):
+    message = fault_of(tmp_path, BARE + VENT.format("[0.0, 0.0]") + f"{key} = {value}\n")
+    assert key in message
+    assert "vent[" in message
+
+
+def test_vents_are_told_to_the_renderer(tmp_path):
+    text = BARE + VENT.format("[30.0, -40.0]") + "rate_per_s = 3.0\n"
+    world = create_world(load_scenario(str(written(tmp_path, text)))[0])
+    np.testing.assert_array_equal(make_scene(world).vents, [[30.0, -40.0, 3.0, 1.2]])
 
 
 def test_fishes_that_the_dice_put_into_a_rock_are_moved_out_of_it(tmp_path):

@@ -13,8 +13,8 @@ from subsea.view.camera import View
 SNOW = max(preset.snow for preset in PRESETS.values())  # specks in the box about the eye
 SNOW_BOX_CM = 520.0
 SNOW_SINKS_CM_S = 1.5
-SNOW_LOOK = {"u_diameter": 0.28, "u_colour": (0.55, 0.62, 0.62), "u_reach": 250.0}
-PLANKTON_LOOK = {"u_diameter": 0.75, "u_colour": (0.85, 0.88, 0.80), "u_reach": 1400.0}
+SNOW_LOOK = {"u_diameter": 0.55, "u_colour": (0.55, 0.62, 0.62), "u_reach": 250.0}
+PLANKTON_LOOK = {"u_diameter": 1.0, "u_colour": (0.85, 0.88, 0.80), "u_reach": 1400.0}
 
 
 class Particles:
@@ -47,7 +47,10 @@ class Particles:
 
     def draw(self, packet: Packet, view: View, uniforms: dict[str, Any]) -> int:
         """Draw over what is there, blended; points count as no triangles."""
-        set_uniforms(self._program, **uniforms, **SNOW_LOOK, u_box=SNOW_BOX_CM, u_drift=self._drift)
+        set_uniforms(
+            self._program, **uniforms, **SNOW_LOOK,
+            u_box=SNOW_BOX_CM, u_drift=self._drift, u_passing=packet.passing_cm_s,
+        )  # fmt: skip
         self._snow_array.render(moderngl.POINTS, vertices=self._specks)
         set_uniforms(self._program, **PLANKTON_LOOK, u_box=0.0)
         if self._count:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from subsea.errors import UserError
 from subsea.frame import Packet, Scene
+from subsea.render.bubbles import Bubbles
 from subsea.render.fishes import Fishes
 from subsea.render.hook import Hook
 from subsea.render.particles import Particles
@@ -66,6 +67,7 @@ class Renderer:
         self._seaweed = Seaweed(context)
         self._fishes = Fishes(context, scene)
         self._hook = Hook(context)
+        self._bubbles = Bubbles(context, scene)
         self._particles = Particles(context, scene)
         self._resolve = Resolve(context, LAYOUTS[display].weaves)
         self._make_target(size)
@@ -123,6 +125,7 @@ class Renderer:
             self.triangles += self._fishes.draw(packet, view, uniforms)
             self.triangles += self._hook.draw(packet, view, uniforms)
             self._target.framebuffer.depth_mask = False
+            self.triangles += self._bubbles.draw(packet, view, uniforms)
             self.triangles += self._particles.draw(packet, view, uniforms)
             self._target.framebuffer.depth_mask = True
         context.scissor = None
@@ -144,8 +147,8 @@ class Renderer:
         """Free every OpenGL object."""
         self._release_target()
         for part in (
-            self._resolve, self._particles, self._hook, self._fishes, self._seaweed, self._solids,
-            self._seabed, self._water, self._shafts, self._noise, self._caustics,
+            self._resolve, self._particles, self._bubbles, self._hook, self._fishes, self._seaweed,
+            self._solids, self._seabed, self._water, self._shafts, self._noise, self._caustics,
         ):  # fmt: skip
             part.release()
 
