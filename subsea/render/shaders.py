@@ -47,8 +47,8 @@ def _lines(name: str, seen: dict[str, int]) -> list[str]:
 def set_uniforms(target: Any, **values: Any) -> None:
     """Set those uniforms that the compiler has kept."""
     for name, value in values.items():
-        if name in target:
-            uniform = target[name]
+        uniform = target.get(name, None)
+        if uniform is not None:
             if isinstance(value, bytes):
                 uniform.write(value)
             else:
