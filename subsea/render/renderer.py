@@ -101,7 +101,7 @@ class Renderer:
         self._fishes.upload(packet)
         self._seaweed.upload(packet)
         self._particles.upload(packet)
-        self._solids.choose(packet)
+        self._solids.choose(packet, self.quality.detail)
         self.upload_s = time.perf_counter() - start
         self._caustics.use(1)
         self._noise.use(2)
