@@ -73,6 +73,11 @@ class Renderer:
         self._make_target(size)
         self.adapt(quality)
 
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height of the picture in pixels."""
+        return self._size
+
     def resize(self, size: tuple[int, int]) -> None:
         """Change the size of the picture, in pixels (width, height)."""
         if size != self._size:

@@ -1,0 +1,118 @@
+"""A long dive leaves no error and no object behind, at OpenGL 3.3 too."""
+
+import ctypes
+import ctypes.util
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from subsea.app.start import start_world
+from subsea.app.tour import Tour
+from subsea.frame import make_scene, pack
+from subsea.ocean import step
+from subsea.render import Renderer
+from subsea.render.quality import LADDER, PRESETS
+from subsea.view.rigs import cockpit, views_for
+
+KINDS = (
+    "Buffer", "Framebuffer", "Program", "Query", "Renderbuffer", "Sampler", "Shader", "Texture",
+    "VertexArray",
+)  # fmt: skip
+NAMES = 3000  # drivers hand names out from 1 and use freed ones again
+SIZES = ((96, 54), (64, 64), (120, 40))
+
+
+@pytest.fixture(scope="module")
+def world():
+    return start_world("peaceful", fish=40)
+
+
+@pytest.fixture(scope="module")
+def living(context):
+    """Counts the OpenGL objects of each kind that exist, by asking for every name."""
+    library = ctypes.CDLL(ctypes.util.find_library("EGL"))
+    library.eglGetProcAddress.restype = ctypes.c_void_p
+
+    def function(name, result):
+        address = library.eglGetProcAddress(name.encode())
+        return ctypes.CFUNCTYPE(result, ctypes.c_uint)(address)
+
+    questions = {name: function(f"glIs{name}", ctypes.c_ubyte) for name in KINDS}
+    use_program = function("glUseProgram", None)
+
+    def count():
+        use_program(0)  # one in use outlives its release
+        return {name: sum(map(asked, range(1, NAMES))) for name, asked in questions.items()}
+
+    return count
+
+
+def test_the_count_sees_what_is_made_and_freed(context, living):
+    before = living()
+    texture, buffer = context.texture((2, 2), 4), context.buffer(reserve=4)
+    array = context.vertex_array(
+        context.program(vertex_shader="#version 330\nvoid main() { gl_Position = vec4(0.0); }"), []
+    )
+    made = {name: number - before[name] for name, number in living().items() if number}
+    assert made["Texture"] == made["Buffer"] == made["VertexArray"] == made["Program"] == 1
+    for held in (texture, buffer, array.program, array):
+        held.release()
+    assert living() == before
+
+
+def test_500_frames_three_sizes_and_all_qualities_leak_nothing(context, living, world):
+    before, tour = living(), Tour()
+    renderer = Renderer(context, make_scene(world), SIZES[0], PRESETS["low"])
+    settled = None
+    for k in range(500):
+        if k % 5 == 0:
+            step(world, tour.helm(world))
+        if k % 125 == 124:
+            renderer.resize(SIZES[k // 125 % len(SIZES)])
+        if k % 25 == 0:
+            renderer.adapt(LADDER[k // 25 % len(LADDER)])
+        renderer.draw(pack(world, sight(world, renderer), k % 5 / 5.0))
+        if k % 100 == 99:
+            assert context.error == "GL_NO_ERROR"
+        if k == 325:  # all rungs were drawn: what is made at need exists by now
+            renderer.adapt(PRESETS["low"])
+            settled = living()
+    renderer.adapt(PRESETS["low"])
+    assert living() == settled
+    renderer.release()
+    assert living() == before
+    assert context.error == "GL_NO_ERROR"
+
+
+def sight(world, renderer):
+    return views_for("mono", renderer.size, cockpit(world.state.submarine, 1.0))
+
+
+def test_the_pictures_are_the_same_at_opengl_3_3():
+    """All stored pictures once more, by a driver that accepts nothing newer."""
+    older = {"MESA_GL_VERSION_OVERRIDE": "3.3", "MESA_GLSL_VERSION_OVERRIDE": "330"}
+    pictures = [Path(__file__).with_name(name) for name in ("test_pictures.py", "test_scene.py")]
+    done = subprocess.run(
+        [
+            sys.executable,
+            "-m",
+            "pytest",
+            "-q",
+            "-p",
+            "no:cacheprovider",
+            "-k",
+            "not calls",
+            *pictures,
+        ],
+        env=os.environ | older,
+        capture_output=True,
+        text=True,
+        timeout=250,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout[-3000:]
+    assert "passed" in done.stdout
+    assert "skipped" not in done.stdout
