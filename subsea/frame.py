@@ -13,7 +13,7 @@ from subsea.body.pose import pose_at
 from subsea.kinematics.coupling import Coupling, place
 from subsea.scenario import Water
 from subsea.species import Species
-from subsea.state import HANGING, HOOKED, LANDED, SINKING, STOWED, Fishes, Sea
+from subsea.state import HANGING, HOOKED, LANDED, SINKING, STOWED, Fishes, Reef, Sea, empty_reef
 from subsea.view.camera import View
 from subsea.view.culling import HIDDEN, IN_SIGHT, classify, pixels_per_radian
 from subsea.world import TICK_S, World
@@ -58,6 +58,7 @@ class Scene:
     rocks: Array = field(default_factory=lambda: np.zeros((0, 7)))  # (k, 7) likewise
     # (k, 4): x and y in cm, bubbles a second, the largest one's diameter in cm
     vents: Array = field(default_factory=lambda: np.zeros((0, 4)))
+    reef: Reef = field(default_factory=empty_reef)
 
 
 @dataclass(frozen=True)
@@ -105,6 +106,7 @@ def make_scene(world: World) -> Scene:
         vents=np.array(
             [(*v.position_cm, v.rate_per_s, v.size_cm) for v in world.scenario.vent]
         ).reshape(-1, 4),
+        reef=world.state.reef,
     )
 
 

@@ -81,7 +81,7 @@ def step(world: World, helm: Helm) -> None:
         flap(fishes, TICK_S)
     step_hull(
         state.submarine, helm, TICK_S,
-        lambda x, y: height_at(sea.heights, sea.half_width, x, y), world.scenario.bounds,
+        lambda x, y: height_at(sea.floor, sea.half_width, x, y), world.scenario.bounds,
         sea.pillars, sea.rocks,
     )  # fmt: skip
     state.tick += 1

@@ -16,6 +16,7 @@ MAX_SIMULATED = 4000
 MAX_SOLIDS = 200  # pillars, and as many rocks
 MAX_CLUSTERS, MAX_LEAVES = 500, 40  # of seaweed in a group, of leaves in a cluster
 MAX_VENTS = 50
+MAX_GROWTHS = 2000  # in all reefs
 MAX_SEAWEED = 8000  # leaves in all: their nodes must fit into a texture
 Positive = Annotated[float, msgspec.Meta(gt=0, le=1e5)]
 Coordinate = Annotated[float, msgspec.Meta(ge=-1e5, le=1e5)]
@@ -26,6 +27,11 @@ Flow = Annotated[float, msgspec.Meta(ge=-200, le=200)]
 Celsius = Annotated[float, msgspec.Meta(ge=-2, le=40)]
 Share = Annotated[float, msgspec.Meta(ge=0, le=1)]
 Colour = tuple[Share, Share, Share]
+Weight = Annotated[float, msgspec.Meta(ge=0, le=1000)]
+GrowthKind = Literal[
+    "staghorn", "bush", "table", "brain", "lettuce", "finger", "leather", "soft", "fan", "pipes",
+    "barrel", "anemone", "rubble",
+]  # fmt: skip
 
 
 class Bounds(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -154,6 +160,18 @@ class Vent(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True
     size_cm: Annotated[float, msgspec.Meta(ge=0.05, le=10)] = 1.2  # across, the largest
 
 
+class ReefTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Corals, sponges and anemones on the sand and on what stands there."""
+
+    position_cm: tuple[Coordinate, Coordinate] | None = None  # none: all over the sea
+    spread_cm: Positive = 200.0  # how far they grow from it
+    number: Annotated[int, msgspec.Meta(ge=0, le=MAX_GROWTHS)] = 100  # at most: as many as fit
+    kinds: dict[GrowthKind, Weight] = {}  # weights; none: all kinds, as they suit the ground
+    size: Annotated[float, msgspec.Meta(ge=0.3, le=3)] = 1.0  # factor on the usual sizes
+    rock: Share = 0.65  # share of the places that are on rocks and pillars, where there are any
+    seed: Seed = 0
+
+
 class Start(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """Where the submarine begins."""
 
@@ -203,6 +221,7 @@ class Scenario(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     hook: Hook | None = None
     seaweed: list[Seaweed] = []
     vent: Annotated[list[Vent], msgspec.Meta(max_length=MAX_VENTS)] = []
+    reef: list[ReefTable] = []
     nature: Temper = Temper()
     # So many of the nearest fishes are simulated instead of played back.
     simulated: Annotated[int, msgspec.Meta(ge=0, le=MAX_SIMULATED)] = 0
@@ -240,6 +259,12 @@ def load_scenario(name: str) -> tuple[Scenario, Path]:
     leaves = sum(group.clusters * group.leaves for group in scenario.seaweed)
     if leaves > MAX_SEAWEED:
         raise UserError(f"{path}: `seaweed` has {leaves} leaves, expected at most {MAX_SEAWEED}")
+    growths = sum(table.number for table in scenario.reef)
+    if growths > MAX_GROWTHS:
+        raise UserError(f"{path}: `reef` has {growths} growths, expected at most {MAX_GROWTHS}")
+    for k, table in enumerate(scenario.reef):
+        if table.position_cm is not None:
+            _inside(path, f"reef[{k}].position_cm", table.position_cm, scenario.bounds)
     for k, group in enumerate(scenario.seaweed):
         if group.position_cm is not None:
             _inside(path, f"seaweed[{k}].position_cm", group.position_cm, scenario.bounds)

@@ -191,6 +191,7 @@ class Sea(NamedTuple):
 
     # Constant.
     heights: Array  # (m, m) float32, cm, of the seabed: row i along y, column j along x
+    floor: Array  # (m, m) float32, cm, kept clear of: the seabed and all that grows on it
     half_width: float  # cm, the height field spans [-w, w] in x and y
     radius: float  # cm, of the cylinder that bounds the sea
     pillars: Array  # (k, 4) float64: x, y, radius, height of the top, cm; from the seabed up
@@ -239,6 +240,23 @@ class Seaweed(NamedTuple):
     node: Array  # (l, m, 3) float32, cm, world
     previous: Array  # (l, m, 3) float32, one tick ago
     velocity: Array  # (l, m, 3) float32, cm/s
+
+
+class Reef(NamedTuple):
+    """Corals, sponges and anemones: k growths, biggest first. Constant."""
+
+    kind: Ints  # (k,) uint8, index into `habitat.reef.KINDS`
+    place: Array  # (k, 3) float32, cm, of the foot, a little in the ground
+    axis: Array  # (k, 3) float32, unit vector along which it grows
+    turn: Array  # (k,) float32, rad, about that
+    radius: Array  # (k,) float32, cm
+    own: Array  # (k,) float32 in [0, 1), its own number
+    hue: Array  # (k,) float32 in [0, 1), of which colour it is: much as its neighbours of its kind
+    on_rock: NDArray[np.bool_]  # (k,), else it stands on the sand
+
+    def taken(self, chosen: Any) -> "Reef":
+        """Some of them, or one."""
+        return Reef(*(part[chosen] for part in self))
 
 
 class Nature(NamedTuple):
@@ -311,8 +329,18 @@ class State:
     minds: Minds
     sea: Sea
     seaweed: Seaweed
+    reef: Reef
     submarine: Submarine
     live: Live
+
+
+def empty_reef() -> Reef:
+    """Of no growths."""
+    zeros, f = np.zeros, np.float32
+    return Reef(
+        kind=zeros(0, np.uint8), place=zeros((0, 3), f), axis=zeros((0, 3), f), turn=zeros(0, f),
+        radius=zeros(0, f), own=zeros(0, f), hue=zeros(0, f), on_rock=zeros(0, np.bool_),
+    )  # fmt: skip
 
 
 def empty_fishes(n: int) -> Fishes:

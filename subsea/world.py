@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from subsea.behavior.mental import DIGESTION, DREAD_CM, LIBIDO_RATE
 from subsea.behavior.table import BEHAVIORS, DESIRES
 from subsea.errors import UserError
+from subsea.habitat.reef import grow
 from subsea.habitat.rocks import rock_rows
 from subsea.habitat.sea import make_sea
 from subsea.habitat.seaweed import plant
@@ -96,6 +97,8 @@ def create_world(
     progress("shaping the seabed")
     rng = np.random.default_rng([seed, 0x5EA])
     sea = make_sea(scenario, rng)
+    progress("growing the reef")
+    sea, reef = grow(scenario, sea)
     _refuse_misplaced(scenario, sea, source)
     sea, seaweed = plant(scenario, sea, seed)
     progress("letting the fishes in")
@@ -111,6 +114,7 @@ def create_world(
         minds=minds,
         sea=sea,
         seaweed=seaweed,
+        reef=reef,
         submarine=submarine,
         live=empty_live(
             library.rotation[recorded:], library.translation[recorded:], library.nodes[recorded:]
@@ -139,7 +143,7 @@ def _coupling(species: Species, repertoire: Repertoire) -> Coupling:
 
 
 def _refuse_misplaced(scenario: Scenario, sea: Sea, source: str) -> None:
-    """A UserError for what a scenario puts inside the seabed, a rock or a pillar.
+    """A UserError for what a scenario puts inside the seabed, the reef, a rock or a pillar.
 
     So it is for a pillar that is higher than the sea is deep.
     """
@@ -167,13 +171,14 @@ def _refuse_misplaced(scenario: Scenario, sea: Sea, source: str) -> None:
     for key, place, room in places:
         floor = height_at(sea.heights, sea.half_width, place[0], place[1])
         gaps = {"the seabed": place[2] - floor}
+        gaps["the reef"] = place[2] - height_at(sea.floor, sea.half_width, place[0], place[1])
         gaps |= {f"`pillar[{k}]`": from_pillar(row, place)[1] for k, row in enumerate(sea.pillars)}
         for name, row in zip(rocks, sea.rocks, strict=True):
             gaps[name] = min(from_rock(row, place)[1], gaps.get(name, np.inf))
         for name, gap in gaps.items():
             if gap < room:
                 inside, outside = "inside", "outside"
-                if name == "the seabed":
+                if name in ("the seabed", "the reef"):
                     inside, outside = "below", "above"
                 where = f"lies {inside} {name}" if gap < 0.0 else f"is {gap:.0f} cm from {name}"
                 expected = f"at least {room:g} cm off it" if room else f"{outside} it"

@@ -173,7 +173,7 @@ def make_tank(
     minds.pause[:] = TICK_S
     minds.dread[:] = 200.0
     sea = Sea(
-        heights=SEABED, half_width=1.6 * SEA_RADIUS, radius=SEA_RADIUS,
+        heights=SEABED, floor=SEABED, half_width=1.6 * SEA_RADIUS, radius=SEA_RADIUS,
         pillars=np.array(pillars, np.float64).reshape(-1, 4),
         rocks=np.array(rocks, np.float64).reshape(-1, 7),
         climate=np.array([27.0, 21.0, SEA_DEPTH, 700.0]),

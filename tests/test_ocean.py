@@ -66,7 +66,7 @@ def test_nobody_leaves_the_sea(minute):
     assert path[..., 2].max() < 0
     sea = world.state.sea
     depth = [
-        p[2] - height_at(sea.heights, sea.half_width, p[0], p[1]) for p in path[::10].reshape(-1, 3)
+        p[2] - height_at(sea.floor, sea.half_width, p[0], p[1]) for p in path[::10].reshape(-1, 3)
     ]
     assert min(depth) > 3.0
 

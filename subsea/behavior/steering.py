@@ -50,7 +50,7 @@ def keep_clear(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> None:
 
 @njit(cache=True, error_model="numpy")
 def _inside(fishes: Fishes, i: int, sea: Sea, urge: Vector) -> Vector:
-    """The wish constrained by wall, surface and seabed."""
+    """The wish constrained by wall, surface and floor."""
     p = vector(fishes.position[i])
     reach = BODY_BL * fishes.length[i] + CLEARANCE_CM
     room = ROOM_BL * fishes.length[i]
@@ -59,10 +59,10 @@ def _inside(fishes: Fishes, i: int, sea: Sea, urge: Vector) -> Vector:
         inward = (-p[0] / away, -p[1] / away, 0.0)
         urge = constrained(urge, inward, sea.radius - away - reach, room)
     urge = constrained(urge, (0.0, 0.0, -1.0), -p[2] - reach, room)
-    floor = height_at(sea.heights, sea.half_width, p[0], p[1])
+    floor = height_at(sea.floor, sea.half_width, p[0], p[1])
     if p[2] - floor < 1.5 * (reach + room):
-        east = height_at(sea.heights, sea.half_width, p[0] + SLOPE_CM, p[1])
-        north = height_at(sea.heights, sea.half_width, p[0], p[1] + SLOPE_CM)
+        east = height_at(sea.floor, sea.half_width, p[0] + SLOPE_CM, p[1])
+        north = height_at(sea.floor, sea.half_width, p[0], p[1] + SLOPE_CM)
         normal = unit(((floor - east) / SLOPE_CM, (floor - north) / SLOPE_CM, 1.0))
         urge = constrained(urge, normal, (p[2] - floor) * normal[2] - reach, room)
     return urge

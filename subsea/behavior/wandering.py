@@ -19,7 +19,7 @@ ROAM = 0.8  # share of the sea's radius in which waypoints lie
 SLOPE = 0.3  # of the way to a waypoint
 ARRIVED_BL = 3.0  # a waypoint counts as reached within this many body lengths
 PATIENCE_S = (9.0, 24.0)  # how long a fish keeps a waypoint that it doesn't reach
-FLOOR_CM = 75.0  # waypoints lie so far above the seabed ...
+FLOOR_CM = 75.0  # waypoints lie so far above the floor ...
 SURFACE_CM = 80.0  # ... and below the surface, ...
 FREE_CM = 40.0  # ... and at least so far from pillars and rocks, ...
 ATTEMPTS = 6  # ... if so many throws of the dice find such a place
@@ -71,7 +71,7 @@ def _draw(minds: Minds, i: int, here: Vector, sea: Sea, clock: Clock) -> None:
         angle = 2.0 * np.pi * uniform(clock.seed, i, tick, ANGLE_PURPOSE)
         reach = ROAM * sea.radius * np.sqrt(uniform(clock.seed, i, tick, RADIUS_PURPOSE))
         x, y = reach * np.cos(angle), reach * np.sin(angle)
-        floor = height_at(sea.heights, sea.half_width, x, y) + FLOOR_CM
+        floor = height_at(sea.floor, sea.half_width, x, y) + FLOOR_CM
         # Most of a reef's life is in the lower half of the water.
         depth = uniform(clock.seed, i, tick, DEPTH_PURPOSE) ** 1.6
         rise = SLOPE * np.sqrt((x - here[0]) ** 2 + (y - here[1]) ** 2)

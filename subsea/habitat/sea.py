@@ -22,6 +22,7 @@ def make_sea(scenario: Scenario, rng: np.random.Generator) -> Sea:
     surface_c, depth_c = water.temperature_c
     return Sea(
         heights=heights,
+        floor=heights,
         half_width=width,
         radius=radius,
         pillars=pillars,

@@ -55,7 +55,7 @@ def is_free(pillars: Array, rocks: Array, p: Vector) -> bool:
 def out_of_solids(sea: Sea, p: Vector, room: float, above: float, below: float) -> Vector:
     """The place, near p, that is `room` cm off every solid.
 
-    It is `above` cm over the seabed at least, and `below` cm under the surface. Where solids
+    It is `above` cm over the floor at least, and `below` cm under the surface. Where solids
     stand too close for that, the last place tried.
     """
     for _ in range(PASSES):
@@ -76,7 +76,7 @@ def out_of_solids(sea: Sea, p: Vector, room: float, above: float, below: float) 
                     level = (way[0], way[1], 0.0)
                     way = times(1.0 / max(norm(level), 1e-3), level)
                 p, moved = plus(p, times(room - gap + 0.1, way)), True
-        floor = height_at(sea.heights, sea.half_width, p[0], p[1])
+        floor = height_at(sea.floor, sea.half_width, p[0], p[1])
         p = (p[0], p[1], min(max(p[2], floor + above), -below))
         if not moved:
             break

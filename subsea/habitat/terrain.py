@@ -53,3 +53,14 @@ def crest(heights: Array, half_width: float, radius: float) -> float:
     # A sample beyond the radius still shapes what is inside of it, a cell away.
     inside = np.hypot(x, y) <= radius + 2.0 * (axis[1] - axis[0])
     return float(heights[inside].max())
+
+
+def heights_at(heights: Array, half_width: float, places: Array) -> Array:
+    """Heights (n,) at places (n, 2), bilinear as `kinematics.heightfield.height_at`."""
+    last = len(heights) - 1
+    at = np.clip((places + half_width) / (2 * half_width) * last, 0, last)
+    (j, i) = cell = np.minimum(at.astype(int), last - 1).T
+    u, v = at.T - cell
+    south = (1 - u) * heights[i, j] + u * heights[i, j + 1]
+    north = (1 - u) * heights[i + 1, j] + u * heights[i + 1, j + 1]
+    return np.asarray((1 - v) * south + v * north, np.float64)

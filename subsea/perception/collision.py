@@ -256,7 +256,7 @@ def met_first(bodies: Bodies, i: int, scene: Scene, antenna: float) -> int:
         t = _leaves_circle(eye, tip, edge)
         if t < nearest:
             found, nearest = WALL, t
-    t = ray_meets_seabed(scene.heights, scene.half_width, berth, eye, tip)
+    t = ray_meets_seabed(scene.floor, scene.half_width, berth, eye, tip)
     if t < nearest and (t > 0.0 or ahead[2] < 0.0):
         found = SEABED
     return found

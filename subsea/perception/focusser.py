@@ -274,7 +274,7 @@ def warn_of_solids(
             note(q, times(-1.0, normal), -1.0, sums, counts)
     if -eye[2] < reach:
         note(q, (0.0, 0.0, 1.0), -1.0, sums, counts)
-    if eye[2] - height_at(scene.heights, scene.half_width, eye[0], eye[1]) < reach:
+    if eye[2] - height_at(scene.floor, scene.half_width, eye[0], eye[1]) < reach:
         note(q, (0.0, 0.0, -1.0), -1.0, sums, counts)
     if scene.radius - norm((eye[0], eye[1], 0.0)) < reach:
         note(q, (eye[0], eye[1], 0.0), -1.0, sums, counts)

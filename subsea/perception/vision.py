@@ -43,6 +43,7 @@ class Scene(NamedTuple):
     pillars: Array
     rocks: Array
     heights: Array
+    floor: Array
     half_width: float
     radius: float
     crest: float

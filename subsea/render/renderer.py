@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import moderngl
@@ -12,11 +13,12 @@ from numpy.typing import NDArray
 from subsea.errors import UserError
 from subsea.frame import Packet, Scene
 from subsea.render.bubbles import Bubbles
+from subsea.render.coral import Coral
 from subsea.render.fishes import Fishes
 from subsea.render.hook import Hook
 from subsea.render.particles import Particles
 from subsea.render.quality import PRESETS, Quality
-from subsea.render.seabed import Seabed
+from subsea.render.seabed import Seabed, drawn_height, thinned
 from subsea.render.seaweed import Seaweed
 from subsea.render.shafts import UNIT as SHAFTS_UNIT
 from subsea.render.shafts import Shafts
@@ -25,6 +27,7 @@ from subsea.render.target import Resolve, Target
 from subsea.render.textures import caustics, tileable_noise, upload
 from subsea.render.water import Water
 from subsea.view.camera import View
+from subsea.view.culling import IN_SIGHT
 from subsea.view.stereo import LAYOUTS, canvas_size
 from subsea.view.surround import ALL_ROUND, Surround
 
@@ -64,6 +67,11 @@ class Renderer:
         self._water = Water(context, scene)
         self._seabed = Seabed(context, scene)
         self._solids = Solids(context, scene)
+        sand = thinned(scene.terrain, scene.terrain_half_width_cm)
+        self._coral = Coral(
+            context, scene.reef, IN_SIGHT * scene.water.visibility_cm,
+            partial(drawn_height, sand, scene.terrain_half_width_cm),
+        )  # fmt: skip
         self._seaweed = Seaweed(context)
         self._fishes = Fishes(context, scene)
         self._hook = Hook(context)
@@ -107,6 +115,7 @@ class Renderer:
         self._seaweed.upload(packet)
         self._particles.upload(packet)
         self._solids.choose(packet, self.quality.detail)
+        self._coral.choose(packet.views, self.quality.detail, self.quality.growth)
         self.upload_s = time.perf_counter() - start
         self._caustics.use(1)
         self._noise.use(2)
@@ -123,8 +132,17 @@ class Renderer:
             context.disable(context.BLEND)
             context.enable(context.DEPTH_TEST)
             self.triangles += self._solids.draw(uniforms)
+            context.enable(context.CULL_FACE)
+            self.triangles += self._coral.draw(uniforms)
+            context.disable(context.CULL_FACE)
             self.triangles += self._seaweed.draw(packet, view, uniforms)
             self.triangles += self._seabed.draw(packet, view, uniforms)
+            if self.quality.shadows:
+                context.enable(context.BLEND)
+                self._target.framebuffer.depth_mask = False  # shadows may lie on one another
+                self.triangles += self._coral.draw_shadows(uniforms)
+                self._target.framebuffer.depth_mask = True
+                context.disable(context.BLEND)
             self.triangles += self._water.draw(packet, view, uniforms)
             context.enable(context.BLEND)
             self.triangles += self._fishes.draw(packet, view, uniforms)
@@ -153,7 +171,8 @@ class Renderer:
         self._release_target()
         for part in (
             self._resolve, self._particles, self._bubbles, self._hook, self._fishes, self._seaweed,
-            self._solids, self._seabed, self._water, self._shafts, self._noise, self._caustics,
+            self._coral, self._solids, self._seabed, self._water, self._shafts, self._noise,
+            self._caustics,
         ):  # fmt: skip
             part.release()
 

@@ -16,6 +16,7 @@ def make_sea():
         specks = np.array(plankton, np.float32).reshape(-1, 3)
         return Sea(
             heights=np.full((5, 5), -DEPTH, np.float32),
+            floor=np.full((5, 5), -DEPTH, np.float32),
             half_width=WIDTH,
             radius=radius,
             pillars=np.array(pillars, np.float64).reshape(-1, 4),

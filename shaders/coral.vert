@@ -1,0 +1,40 @@
+// Corals, sponges and anemones. What is soft sways with the water.
+#include "optics.glsl"
+
+in vec3 a_position;
+in vec4 a_normal;  // and sway
+in vec4 a_colour;  // its root, and what shines through
+in vec4 a_grain;   // ridges, polyps, pores, and light
+in vec2 a_along;   // place on the grain
+
+uniform mat4 u_view_projection;
+
+out vec3 v_world;
+out vec3 v_normal;
+out vec4 v_colour;
+out vec4 v_grain;
+out vec2 v_along;
+out vec3 v_clear;  // haze changes so slowly that the vertices suffice
+out vec3 v_veil;
+
+const float MOST_SWAY_CM = 10.0;
+
+void main() {
+    vec3 place = a_position;
+    // A slow swell that all feel, and flutter of each tip's own.
+    float swell = dot(place, vec3(0.011, 0.017, 0.006)) - 1.1 * u_time;
+    float flutter = dot(place, vec3(0.31, 0.23, 0.17)) - 2.3 * u_time;
+    vec3 way = vec3(sin(swell), 0.6 * sin(0.83 * swell + 1.0), 0.0);
+    way += 0.35 * vec3(sin(flutter), cos(0.9 * flutter + 1.0), 0.4 * sin(1.3 * flutter));
+    place += MOST_SWAY_CM * a_normal.w * way;
+    v_world = place;
+    v_normal = 2.0 * a_normal.xyz - 1.0;
+    v_colour = vec4(a_colour.rgb * a_colour.rgb, a_colour.a);
+    v_grain = a_grain;
+    v_along = a_along;
+    vec3 ray = place - u_eye;
+    float distance = length(ray);
+    v_clear = clearness(distance);
+    v_veil = open_water(ray / distance) * (1.0 - v_clear);
+    gl_Position = u_view_projection * vec4(place, 1.0);
+}

@@ -1,0 +1,272 @@
+"""Reefs: where corals, sponges and anemones stand, and the floor that fishes keep clear of."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.habitat.formations import samples
+from subsea.habitat.solids import clearances
+from subsea.habitat.terrain import heights_at
+from subsea.scenario import ReefTable, Scenario
+from subsea.state import Reef, Sea
+
+Array = NDArray[np.floating[Any]]
+Bools = NDArray[np.bool_]
+
+
+class Kind(NamedTuple):
+    """What grows alike. Lengths are shares of the radius of a growth, or cm."""
+
+    height: float  # over its radius
+    radius_cm: tuple[float, float]  # of the smallest and the largest
+    slope: float  # upward part of the normal of the ground that it likes best, ...
+    picky: float  # ... and by how much else it bears
+    sand: float  # how readily it grows on sand, ...
+    rock: float  # ... and on rock
+    lean: float  # 0 grows straight up to 1 along the normal of the ground
+
+
+KINDS = {
+    "staghorn": Kind(1.0, (12.0, 46.0), 0.9, 0.4, 1.4, 1.0, 0.3),
+    "bush": Kind(0.8, (6.0, 20.0), 0.7, 0.6, 0.6, 3.0, 0.8),
+    "table": Kind(0.65, (22.0, 65.0), 0.8, 0.4, 0.6, 1.2, 0.1),
+    "brain": Kind(0.75, (10.0, 42.0), 0.8, 0.5, 1.2, 1.0, 0.7),
+    "lettuce": Kind(0.75, (10.0, 34.0), 0.5, 0.6, 0.5, 1.1, 0.5),
+    "finger": Kind(0.9, (8.0, 24.0), 0.8, 0.4, 0.6, 0.8, 0.5),
+    "leather": Kind(0.75, (7.0, 22.0), 0.8, 0.4, 0.4, 0.6, 0.4),
+    "soft": Kind(1.4, (6.0, 19.0), 0.3, 0.5, 0.15, 1.6, 0.6),
+    "fan": Kind(1.6, (16.0, 48.0), 0.2, 0.6, 0.12, 1.0, 0.35),
+    "pipes": Kind(2.4, (5.0, 15.0), 0.6, 0.6, 0.3, 0.8, 0.3),
+    "barrel": Kind(1.6, (12.0, 30.0), 0.9, 0.4, 0.1, 0.1, 0.3),
+    "anemone": Kind(0.7, (9.0, 20.0), 0.9, 0.4, 0.5, 0.9, 0.5),
+    "rubble": Kind(0.2, (14.0, 34.0), 1.0, 0.3, 2.2, 0.0, 1.0),
+}
+
+PACKED = 0.72  # two growths stand at least this share of the sum of their radii apart
+TRIES = 10  # places that are looked at for each
+ROOM_CM = 40.0  # of water over a growth
+FOOT_CM = 4.0  # growths on rock stand so far above the sand at least
+SUNK = 0.06  # of its radius a growth stands in the ground
+PATCH_CM = 150.0  # neighbours within about this are of few kinds
+FALL_CM = 55.0  # beside a growth the floor comes down over so many cm
+SPOTS_M2 = 60.0  # of stone are looked at
+STEEPEST = -0.35  # upward part of the normal of an overhang on which something grows
+HEAP = 16  # growths in a heap, where a reef has no middle
+LOW_CM = 7.0  # what is lower does not matter to fishes
+
+
+def grow(scenario: Scenario, sea: Sea) -> tuple[Sea, Reef]:
+    """All reefs of a scenario, and the sea whose floor lies over them."""
+    rows: list[Array] = [np.zeros((0, COLUMNS))]
+    for number, table in enumerate(scenario.reef):
+        dice = np.random.default_rng([table.seed, number, 0x4EEF])
+        rows.append(_settle(table, sea, np.concatenate(rows), dice, scenario))
+    reef = _reef(np.concatenate(rows))
+    return sea._replace(floor=floor_over(sea, reef)), reef
+
+
+# Columns of a growth while a reef is laid out.
+KIND, RADIUS, TURN, OWN = 0, 1, 2, 3
+PLACE, NORMAL, AXIS, BARE, HUE = slice(4, 7), slice(7, 10), slice(10, 13), 13, 14
+COLUMNS = 15
+
+
+def _settle(
+    table: ReefTable, sea: Sea, before: Array, dice: np.random.Generator, scenario: Scenario
+) -> Array:
+    """Growths (k, COLUMNS) of one table, biggest first, where none of `before` stands."""
+    names = list(KINDS)
+    traits = np.array([KINDS[name][:1] + KINDS[name][1] + KINDS[name][2:] for name in names])
+    height, least, most, slope, picky, sand, rock, lean = traits.T
+    weights = {str(name): share for name, share in table.kinds.items()}
+    weights = weights or dict.fromkeys(names, 1.0)
+    share = np.array([weights.get(name, 0.0) for name in names])
+    number = table.number * TRIES
+    place, normal, on_rock, limit = _ground(table, sea, number, dice)
+    # How well each kind does at each place, patch by patch.
+    suits = np.exp(-(((normal[:, 2:] - slope) / picky) ** 2)) * np.where(
+        on_rock[:, None], rock, sand
+    )
+    suits = suits * share * np.exp(2.0 * _patches(place, len(names), dice)) + 1e-12 * share
+    cut = np.cumsum(suits, axis=1)
+    kind = (dice.uniform(0, 1, (number, 1)) * cut[:, -1:] > cut).sum(axis=1)
+    kind = np.minimum(kind, len(names) - 1)
+    # One vigour for all places that a growth may take: the biggest choose first.
+    vigour = np.repeat(np.sort(dice.uniform(0, 1, table.number))[::-1] ** 2.4, TRIES)
+    radius = table.size * (least[kind] + vigour * (most - least)[kind])
+    tall = height[kind]
+    radius = np.minimum(radius, np.maximum(limit, 0.8 * least[kind]))
+    radius = np.minimum(radius, (-ROOM_CM - place[:, 2]) / tall)
+    tilt = lean[kind, None]
+    axis = tilt * normal + (1.0 - tilt) * np.array([0.0, 0.0, 1.0])
+    axis += dice.normal(0.0, 0.07, axis.shape)
+    axis /= np.linalg.norm(axis, axis=1, keepdims=True)
+    turn = dice.uniform(0, 2 * np.pi, number)
+    across = (
+        np.arctan2(*scenario.water.current_cm_s[::-1]) + np.pi / 2 + dice.normal(0, 0.5, number)
+    )
+    turn = np.where(kind == names.index("fan"), across, turn)
+    hue = 0.9 * _patches(place, len(names), dice)[np.arange(number), kind]
+    hue = (hue + dice.normal(0.0, 0.06, number)) % 1.0
+    rows = np.column_stack(
+        [kind, radius, turn, dice.uniform(0, 1, number), place, normal, axis, on_rock, hue]
+    )
+    fits = (radius > 0.6 * least[kind] * min(table.size, 1.0)) & np.isfinite(place).all(axis=1)
+    return _apart(rows.reshape(table.number, TRIES, COLUMNS), fits.reshape(-1, TRIES), before)
+
+
+def _apart(offers: Array, fits: Bools, before: Array) -> Array:
+    """Of the places (k, tries, COLUMNS) that each growth is offered, the first that is free."""
+    taken = np.zeros((len(before) + len(offers), 4))
+    count = len(before)
+    taken[:count, :3], taken[:count, 3] = before[:, PLACE], before[:, RADIUS]
+    found = []
+    for own, fit in zip(offers, fits, strict=True):
+        away = own[:, None, PLACE] - taken[None, :count, :3]
+        room = PACKED * (own[:, None, RADIUS] + taken[None, :count, 3])
+        free = fit & ((away * away).sum(axis=2) >= room * room).all(axis=1)
+        if free.any():
+            first = own[int(free.argmax())]
+            taken[count, :3], taken[count, 3] = first[PLACE], first[RADIUS]
+            found.append(first)
+            count += 1
+    return np.array(found).reshape(-1, COLUMNS)
+
+
+def _ground(
+    table: ReefTable, sea: Sea, number: int, dice: np.random.Generator
+) -> tuple[Array, Array, Bools, Array]:
+    """Places (n, 3) with the ground's normals, whether that is rock, and the radii that fit there.
+
+    Places that are not free are NaN.
+    """
+    here = np.array(table.position_cm or (0.0, 0.0))
+    spread = table.spread_cm
+    if table.position_cm is None:
+        # In heaps all over the sea: nothing grows evenly spread.
+        heaps = max(table.number // HEAP, 1)
+        turn, out = dice.uniform(0, 2 * np.pi, heaps), np.sqrt(dice.uniform(0, 1, heaps))
+        middle = 0.92 * sea.radius * out[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+        wide = spread * dice.uniform(0.15, 0.6, (heaps, 1))
+        pick = dice.integers(0, heaps, number)
+        flat = middle[pick] + wide[pick] * dice.normal(size=(number, 2))
+    else:
+        flat = here + 0.5 * spread * dice.normal(size=(number, 2))
+    place = np.column_stack([flat, heights_at(sea.heights, sea.half_width, flat)])
+    step = np.array([15.0, 0.0])
+    slopes = [
+        (heights_at(sea.heights, sea.half_width, flat + s) - place[:, 2]) / 15.0
+        for s in (step, step[::-1])
+    ]
+    normal = np.column_stack([-slopes[0], -slopes[1], np.ones(number)])
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    limit = np.full(number, np.inf)
+    on_rock = np.zeros(number, np.bool_)
+    spots = rock_spots(sea, dice)
+    if len(spots[0]):
+        near = np.ones(len(spots[0]))
+        if table.position_cm is not None:
+            near = np.exp(-2.0 * ((spots[0][:, :2] - here) ** 2).sum(axis=1) / spread**2)
+        if near.sum() > 1e-3:
+            pick = dice.choice(len(near), number, p=near / near.sum())
+            on_rock = dice.uniform(0, 1, number) < table.rock
+            place = np.where(on_rock[:, None], spots[0][pick], place)
+            normal = np.where(on_rock[:, None], spots[1][pick], normal)
+            limit = np.where(on_rock, spots[2][pick], limit)
+    inside = np.hypot(place[:, 0], place[:, 1]) < 0.95 * sea.radius
+    free = on_rock | (clearances(sea.pillars, sea.rocks, place) > 0.0)
+    place[~(inside & free)] = np.nan
+    return place, normal, on_rock, limit
+
+
+def rock_spots(sea: Sea, dice: np.random.Generator) -> tuple[Array, Array, Array]:
+    """Places (n, 3) on the stone that is drawn, the normals there, and the radii that fit (n,)."""
+    found = samples(sea.pillars, sea.rocks, SPOTS_M2, dice)
+    place, normal = found.place, found.normal
+    fit = (normal[:, 2] > STEEPEST) & (place[:, 2] < -ROOM_CM) & (found.open > 0.08)
+    fit &= place[:, 2] > heights_at(sea.heights, sea.half_width, place[:, :2]) + FOOT_CM
+    place, normal = place[fit], normal[fit]
+    # Small stones bear small growths.
+    sizes = np.concatenate([sea.pillars[:, 2], sea.rocks[:, 3:6].min(axis=1)])
+    nearest, limit = np.full(len(place), np.inf), np.zeros(len(place))
+    for k, size in enumerate(sizes):
+        p = len(sea.pillars)
+        gap = clearances(
+            sea.pillars[k : k + 1], sea.rocks[max(k - p, 0) : max(k - p + 1, 0)], place
+        )
+        limit = np.where(gap < nearest, 0.5 * size + 5.0, limit)
+        nearest = np.minimum(nearest, gap)
+    return place, normal, limit
+
+
+def _patches(place: Array, kinds: int, dice: np.random.Generator) -> Array:
+    """Smooth noise (n, kinds) about 0: where a kind thrives."""
+    at = np.nan_to_num(place)
+    out = np.zeros((len(place), kinds))
+    for _ in range(4):
+        wave = dice.normal(0.0, 2 * np.pi / PATCH_CM / 1.7, (3, kinds))
+        out += 0.5 * np.sin(at @ wave + dice.uniform(0, 2 * np.pi, kinds))
+    return out
+
+
+def _reef(rows: Array) -> Reef:
+    rows = rows[np.argsort(-rows[:, RADIUS], kind="stable")]
+    f = np.float32
+    place = rows[:, PLACE] - SUNK * rows[:, RADIUS, None] * rows[:, NORMAL]
+    return Reef(
+        kind=rows[:, KIND].astype(np.uint8), place=place.astype(f), axis=rows[:, AXIS].astype(f),
+        turn=rows[:, TURN].astype(f), radius=rows[:, RADIUS].astype(f), own=rows[:, OWN].astype(f),
+        hue=np.minimum(rows[:, HUE], 0.999).astype(f), on_rock=rows[:, BARE] > 0.5,
+    )  # fmt: skip
+
+
+def tops(reef: Reef) -> Array:
+    """Height (k,) of the highest point that each growth may reach, cm."""
+    tall = np.array([kind.height for kind in KINDS.values()])[reef.kind]
+    up = reef.axis[:, 2]
+    aside = np.sqrt(np.maximum(1.0 - up * up, 0.0))
+    return np.asarray(reef.place[:, 2] + reef.radius * (tall * np.maximum(up, 0.0) + 0.6 * aside))
+
+
+def floor_over(sea: Sea, reef: Reef) -> Array:
+    """Heights (n, n) float32, cm: the seabed, and smoothly over whatever stands on it.
+
+    What grows on a rock counts if there is nothing but rock below it: no arch is filled.
+    """
+    floor = sea.heights.astype(np.float64)
+    n, w = len(floor), sea.half_width
+    cell = 2 * w / (n - 1)
+    axis = np.linspace(-w, w, n)
+    top = tops(reef)
+    solid = ~reef.on_rock | _grounded(sea, reef)
+    for k in np.flatnonzero(solid):
+        x, y, _ = reef.place[k]
+        tall = KINDS[list(KINDS)[reef.kind[k]]].height * reef.radius[k]
+        if tall < LOW_CM:
+            continue
+        # It leans: its crown is not above its foot.
+        x, y = x + 0.5 * tall * reef.axis[k, 0], y + 0.5 * tall * reef.axis[k, 1]
+        inner = reef.radius[k] + 0.72 * cell
+        reach = inner + FALL_CM
+        i0, i1 = np.searchsorted(axis, (y - reach, y + reach))
+        j0, j1 = np.searchsorted(axis, (x - reach, x + reach))
+        far = np.hypot(axis[i0:i1, None] - y, axis[None, j0:j1] - x)
+        share = np.clip((far - inner) / FALL_CM, 0.0, 1.0)
+        share = 0.5 + 0.5 * np.cos(np.pi * share)
+        sand = sea.heights[i0:i1, j0:j1]
+        part = floor[i0:i1, j0:j1]
+        np.maximum(part, sand + share * np.maximum(top[k] - sand, 0.0), out=part)
+    return floor.astype(np.float32)
+
+
+def _grounded(sea: Sea, reef: Reef) -> Bools:
+    """Whether only rock lies between each growth (k,) and the sand below it."""
+    place = reef.place.astype(np.float64)
+    sand = heights_at(sea.heights, sea.half_width, place[:, :2])
+    solid = np.ones(len(place), np.bool_)
+    for share in np.arange(1, 9) / 9.0:
+        at = place.copy()
+        at[:, 2] += share * (sand - place[:, 2])
+        solid &= clearances(sea.pillars, sea.rocks, at) < 3.0
+    return solid

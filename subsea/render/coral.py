@@ -1,0 +1,258 @@
+"""Corals, sponges and anemones: every growth of a reef in its own place, size and colours."""
+
+from collections.abc import Callable, Sequence
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.habitat.reef import KINDS
+from subsea.render.coral_mesh import Mesh, unit
+from subsea.render.coral_shapes import LEVELS, VARIANTS, shape
+from subsea.render.shaders import program
+from subsea.render.standing import Shape, Standing
+from subsea.render.textures import nearest_of_cells, tileable_noise, upload
+from subsea.state import Reef
+from subsea.view.camera import View
+
+Array = NDArray[np.floating[Any]]
+
+GRAIN_UNIT = 6  # texture unit
+TILE_CM = 32.0  # of the grain
+MOST_SWAY_CM = 10.0  # as `coral.vert`
+SATURATION = 1.3
+SHADE = 0.8  # of the light is missing under a growth
+SHADE_PX = 8.0  # that a shadow covers at least
+FOOT = {"rubble": 0.5, "fan": 0.3, "table": 0.9}  # of the radius: how wide the shadow is
+
+Ground = Callable[[Array, Array], Array]  # x and y in cm -> height of the sand in cm
+THRESHOLDS_PX = (300.0, 120.0, 50.0, 18.0)  # that a growth covers at each level but the last
+# Place, then four bytes a word: normal and sway; colour (its root) and what shines through; how
+# strongly the three grains show and light; own number. Last the place on the grain, in half floats.
+LAYOUT = "3f4 4f1 4f1 4f1 2f2"
+ATTRIBUTES = "a_position a_normal a_colour a_grain a_along"
+COLUMNS = 7
+
+
+class Look(NamedTuple):
+    """How a kind looks: linear colours of body and tips, and what its surface is like."""
+
+    colours: tuple[tuple[tuple[float, float, float], tuple[float, float, float]], ...]
+    grain: tuple[float, float, float]  # ridges that wind, polyps, pores
+    through: float  # how much light shines through thin parts
+    sway_cm: float  # at the tips of a growth of 30 cm
+
+
+OLIVE, TAN, CREAM = (0.20, 0.17, 0.055), (0.36, 0.22, 0.09), (0.78, 0.66, 0.44)
+PINK, ROSE, MAGENTA = (0.72, 0.24, 0.34), (0.85, 0.38, 0.42), (0.62, 0.06, 0.28)
+VIOLET, LILAC, BLUE = (0.28, 0.12, 0.50), (0.56, 0.40, 0.80), (0.12, 0.22, 0.62)
+ORANGE, RED, YELLOW = (0.82, 0.27, 0.035), (0.55, 0.045, 0.035), (0.84, 0.58, 0.06)
+LIME, GREEN, MINT = (0.42, 0.47, 0.11), (0.14, 0.32, 0.10), (0.48, 0.74, 0.50)
+WHITE, BROWN, SKY = (0.88, 0.84, 0.76), (0.25, 0.13, 0.065), (0.42, 0.62, 0.88)
+
+LOOKS = {
+    "staghorn": Look(
+        ((TAN, CREAM), ((0.42, 0.28, 0.10), YELLOW), ((0.20, 0.16, 0.42), SKY), (OLIVE, MINT)),
+        (0.0, 0.5, 0.5), 0.1, 0.0,
+    ),
+    "bush": Look(
+        ((PINK, ROSE), ((0.42, 0.14, 0.46), LILAC), (LIME, (0.8, 0.85, 0.4)), (TAN, CREAM),
+         ((0.70, 0.20, 0.20), (0.95, 0.62, 0.5))),
+        (0.0, 0.8, 0.2), 0.1, 0.0,
+    ),
+    "table": Look(
+        ((BROWN, CREAM), (OLIVE, (0.62, 0.60, 0.26)), ((0.30, 0.16, 0.24), (0.66, 0.50, 0.66)),
+         ((0.34, 0.20, 0.07), (0.80, 0.60, 0.25))),
+        (0.0, 0.7, 0.4), 0.1, 0.0,
+    ),
+    "brain": Look(
+        ((OLIVE, LIME), (TAN, (0.70, 0.46, 0.14)), (GREEN, MINT),
+         ((0.50, 0.20, 0.17), (0.72, 0.36, 0.30))),
+        (0.8, 0.0, 0.15), 0.0, 0.0,
+    ),
+    "lettuce": Look(
+        (((0.42, 0.20, 0.30), ROSE), (LIME, (0.76, 0.72, 0.36)), (TAN, CREAM),
+         ((0.34, 0.18, 0.08), (0.80, 0.52, 0.30))),
+        (0.15, 0.4, 0.5), 0.35, 0.0,
+    ),
+    "finger": Look(
+        ((TAN, (0.80, 0.58, 0.28)), (LIME, (0.8, 0.8, 0.36)),
+         ((0.45, 0.28, 0.28), (0.78, 0.52, 0.46))),
+        (0.0, 0.7, 0.2), 0.35, 2.5,
+    ),
+    "leather": Look(
+        (((0.5, 0.32, 0.14), (0.80, 0.58, 0.30)), ((0.42, 0.40, 0.13), (0.80, 0.78, 0.40)),
+         ((0.5, 0.26, 0.28), ROSE)),
+        (0.0, 1.0, 0.1), 0.3, 2.0,
+    ),
+    "soft": Look(
+        (((0.80, 0.42, 0.42), MAGENTA), ((0.85, 0.55, 0.36), RED), ((0.84, 0.60, 0.40), ORANGE),
+         ((0.62, 0.42, 0.72), (0.42, 0.06, 0.52)), ((0.85, 0.75, 0.55), YELLOW)),
+        (0.0, 0.4, 0.1), 0.7, 4.0,
+    ),
+    "fan": Look(
+        ((MAGENTA, (0.75, 0.16, 0.30)), (VIOLET, LILAC), (ORANGE, (0.90, 0.50, 0.10)),
+         ((0.60, 0.44, 0.06), YELLOW), (RED, (0.78, 0.13, 0.06))),
+        (0.0, 0.4, 0.2), 0.5, 5.0,
+    ),
+    "pipes": Look(
+        ((YELLOW, (0.95, 0.80, 0.25)), (VIOLET, LILAC), ((0.58, 0.16, 0.09), ORANGE),
+         ((0.50, 0.17, 0.30), PINK), ((0.16, 0.28, 0.46), SKY)),
+        (0.0, 0.0, 1.0), 0.25, 0.0,
+    ),
+    "barrel": Look(
+        (((0.58, 0.20, 0.13), (0.80, 0.42, 0.30)), ((0.48, 0.20, 0.34), (0.78, 0.42, 0.52)),
+         ((0.55, 0.34, 0.15), (0.80, 0.60, 0.34))),
+        (0.2, 0.0, 1.0), 0.0, 0.0,
+    ),
+    "anemone": Look(
+        (((0.46, 0.34, 0.12), (0.86, 0.80, 0.52)), ((0.34, 0.36, 0.16), (0.62, 0.86, 0.56)),
+         ((0.50, 0.26, 0.30), (0.92, 0.55, 0.66)), ((0.40, 0.30, 0.48), (0.80, 0.70, 0.95))),
+        (0.0, 0.1, 0.1), 0.6, 4.5,
+    ),
+    "rubble": Look(
+        (((0.36, 0.32, 0.25), (0.52, 0.48, 0.40)), ((0.33, 0.21, 0.21), (0.50, 0.40, 0.36))),
+        (0.0, 0.3, 0.8), 0.0, 0.0,
+    ),
+}  # fmt: skip
+
+
+class Coral:
+    """Holds all growths of a reef; one call draws those in sight."""
+
+    def __init__(self, context: Any, reef: Reef, reach_cm: float, sand: Ground) -> None:
+        """Shape them once; `reach_cm` is how far one sees, `sand` is the ground as it is drawn."""
+        self._own = reef.own
+        self._program = program(context, "coral")
+        self._grain = upload(context, grain(6))
+        self._standing = Standing(
+            context, self._program, LAYOUT, ATTRIBUTES, bake(reef), reach_cm, THRESHOLDS_PX
+        )
+        self._shade = program(context, "shadow")
+        shaded = np.flatnonzero(~reef.on_rock)
+        self._shaded = reef.own[shaded]
+        self._shadows = Standing(
+            context, self._shade, "3f4 1f4", "a_position a_dark",
+            [[shadow(reef.taken(k), sand)] for k in shaded],
+            reach_cm, (SHADE_PX,),
+        )  # fmt: skip
+
+    def choose(self, views: Sequence[View], detail: float = 1.0, growth: float = 1.0) -> None:
+        """Decide for a frame what is drawn, and how finely; `growth` is the share of all."""
+        self._standing.choose(views, detail, self._own <= growth)
+        self._shadows.choose(views, detail, self._shaded <= growth)
+
+    def draw(self, uniforms: dict[str, Any]) -> int:
+        """Draw what was chosen; the number of triangles."""
+        self._grain.use(GRAIN_UNIT)
+        return self._standing.draw(uniforms | {"u_grain": GRAIN_UNIT})
+
+    def draw_shadows(self, uniforms: dict[str, Any]) -> int:
+        """Darken the sand that has been drawn, blended; the number of triangles."""
+        return self._shadows.draw(uniforms)
+
+    def release(self) -> None:
+        """Free every OpenGL object."""
+        for held in (self._standing, self._shadows, self._grain, self._program, self._shade):
+            held.release()
+
+
+def bake(reef: Reef) -> list[list[Shape]]:
+    """The shapes of all growths, level by level; growths of one form are made together."""
+    shapes: list[list[Shape]] = [[] for _ in reef.kind]
+    variant = (reef.own * 7919.0 % VARIANTS).astype(int)
+    for kind, name in enumerate(KINDS):
+        for number in range(VARIANTS):
+            chosen = np.flatnonzero((reef.kind == kind) & (variant == number))
+            if not len(chosen):
+                continue
+            for level in range(LEVELS):
+                mesh = _shape(name, number, level)
+                vertices = _placed(mesh, LOOKS[name], reef.taken(chosen))
+                for k, own in zip(chosen, vertices, strict=True):
+                    shapes[k].append(Shape(own, mesh.triangles))
+    return shapes
+
+
+_shape = cache(shape)  # the same in every dive
+
+
+def _placed(mesh: Mesh, look: Look, reef: Reef) -> Array:
+    """Vertices (k, n, COLUMNS) of k growths of one form, each in its own place and colours."""
+    k, n = len(reef.radius), len(mesh.place)
+    up = reef.axis.astype(np.float64)
+    cos, sin = np.cos(reef.turn), np.sin(reef.turn)
+    flat = np.stack([cos, sin, 0.0 * cos], axis=1)
+    east = unit(flat - (flat * up).sum(axis=1, keepdims=True) * up)
+    axes = np.stack([east, np.cross(up, east), up], axis=1)
+    # No two of one form are alike: each is stretched its own way.
+    dice = np.random.default_rng([len(mesh.place), 0xB4])
+    stretch = dice.uniform(0.84, 1.0, (k, 3))
+    place = np.einsum("ni,kij->knj", mesh.place, stretch[:, :, None] * axes)
+    normal = unit(np.einsum("ni,kij->knj", mesh.normal, axes / stretch[:, :, None]))
+    own = reef.own.astype(np.float64)
+    body, tips = _tints(look, own, reef.hue.astype(np.float64))
+    colour = body[:, None] + mesh.tip[None, :, None] * (tips - body)[:, None]
+    size = reef.radius.astype(np.float64)[:, None]
+    sway = np.broadcast_to(mesh.sway * look.sway_cm * size / 30.0 / MOST_SWAY_CM, (k, n))
+    out = np.empty((k, n, COLUMNS), np.float32)
+    out[..., :3] = reef.place[:, None] + size[..., None] * place
+    words = np.empty((k, n, 3, 4), np.uint8)
+    words[:, :, 0, :3] = np.rint(127.5 + 127.5 * normal)
+    words[:, :, 0, 3] = np.rint(255 * np.clip(sway, 0.0, 1.0))
+    words[:, :, 1, :3] = np.rint(255 * np.sqrt(np.clip(colour, 0.0, 1.0)))
+    words[:, :, 1, 3] = np.rint(255 * look.through * (0.35 + 0.65 * mesh.tip))
+    words[:, :, 2, :3] = np.rint(255 * np.array(look.grain))
+    words[:, :, 2, 3] = np.rint(255 * np.clip(mesh.light, 0.0, 1.0))
+    out[..., 3:6] = words.reshape(k, n, 12).view(np.float32)
+    along = (mesh.along[None] * size[..., None] / TILE_CM + own[:, None, None]).astype(np.float16)
+    out[..., 6:7] = along.view(np.float32)
+    return out
+
+
+def shadow(growth: Reef, sand: Ground) -> Shape:
+    """The sand at the foot of one growth: places and the share of light that is missing there."""
+    kind = list(KINDS)[int(growth.kind)]
+    tall = KINDS[kind].height
+    out = np.array([0.0, 0.5, 0.85, 1.15, 1.5])[:, None] * FOOT.get(kind, 0.8)
+    dark = np.array([1.0, 0.95, 0.55, 0.2, 0.0])[:, None] * SHADE
+    turn = np.linspace(0.0, 2 * np.pi, 10)
+    # The sun stands in the south-east: what is tall throws its shadow aside.
+    x, y = (
+        growth.place[axis] + growth.radius * (out * np.array([np.cos, np.sin][axis](turn)) - slant)
+        for axis, slant in ((0, 0.12 * tall), (1, 0.07 * tall))
+    )
+    vertices = np.stack([x, y, sand(x, y), dark + 0.0 * x], axis=-1).reshape(-1, 4)
+    a = (np.arange(4)[:, None] * 10 + np.arange(9)).ravel()
+    cells = [np.stack([a, a + 11, a + 1], 1), np.stack([a, a + 10, a + 11], 1)]
+    return Shape(vertices.astype(np.float32), np.concatenate(cells))
+
+
+def _tints(look: Look, own: Array, hue: Array) -> tuple[Array, Array]:
+    """Colours (k, 3) of body and tips: one of the kind's pairs, a little off it."""
+    pairs = np.array(look.colours)
+    pick = pairs[(hue * len(pairs)).astype(int)]
+    off = np.stack([np.sin(own * f) for f in (911.0, 1327.0, 1741.0)], axis=1)
+    bright = 1.0 + 0.16 * np.sin(own * 613.0)
+    # Water takes the strength of a colour; they have some to spare.
+    grey = pick.mean(axis=2, keepdims=True)
+    pick = np.maximum(grey + SATURATION * (pick - grey), 0.015)
+    pick = pick * (bright[:, None] * (1.0 + 0.12 * off))[:, None]
+    return pick[:, 0], pick[:, 1]
+
+
+def grain(seed: int, size: int = 256) -> list[Array]:
+    """What the surface is like, three tileable layers (size, size): ridges, polyps, pores."""
+    k = np.fft.fftfreq(size) * size
+    wave = np.hypot(k[:, None], k[None, :])
+    rng = np.random.default_rng([seed, 0x9A])
+    band = np.exp(-(((wave - 8.0) / 1.6) ** 2)) * np.exp(2j * np.pi * rng.uniform(size=wave.shape))
+    winding = np.fft.ifft2(band).real
+    ridges = np.abs(winding / winding.std())
+    polyps = np.clip(1.0 - 1.5 * nearest_of_cells(seed, size, 26), 0.0, 1.0) ** 0.8
+    pores = tileable_noise(seed + 1, size, 1.0) - 1.3 * np.clip(
+        1.0 - 2.2 * nearest_of_cells(seed + 2, size, 40), 0.0, 1.0
+    )
+    layers = [np.clip(ridges, 0.0, 1.2) - 0.7, polyps - polyps.mean(), 0.4 * pores]
+    return [layer - layer.mean() for layer in layers] + [np.zeros((size, size))]
