@@ -18,7 +18,7 @@ from subsea.view.camera import View
 
 Array = NDArray[np.floating[Any]]
 
-GRAIN_UNIT = 6  # texture unit
+GRAIN_UNIT = 8  # texture unit
 TILE_CM = 32.0  # of the grain
 MOST_SWAY_CM = 10.0  # as `coral.vert`
 SATURATION = 1.3
