@@ -175,10 +175,12 @@ def _paint_flank(picture: Array, species: Species, s: Array, y: Array) -> None:
     for patch in skin.patches:
         if not patch.over_fins:
             _lay_patch(picture, patch, s, y, uneven)
-    _lay_tail(picture, skin, surface, s, np.where(y > 0, back, -belly), y)
+    begin = surface.tail.begin
+    _lay(picture, skin.tail.colour, _step(s, begin - 0.05, begin + 0.02) * np.ones_like(level))
     for patch in skin.patches:
         if patch.over_fins:
             _lay_patch(picture, patch, s, y, uneven)
+    _draw_tail(picture, skin, surface, s, np.where(y > 0, back, -belly), y)
     _colour_unevenly(picture, skin.blotches)
     if skin.gills == 1 and skin.scales:
         _draw_lateral_line(picture, surface, s, y, level)
@@ -283,12 +285,11 @@ def _lay_ringed(picture: Array, plan: Patch, depth: Array) -> None:
     _lay(picture, plan.colour, _step(depth, -half, half))
 
 
-def _lay_tail(
+def _draw_tail(
     picture: Array, skin: SkinPlan, surface: SurfacePlan, s: Array, reach: Array, y: Array
 ) -> None:
     """`reach` is how far the fin extends from the axis, up where y > 0, else down."""
     begin, fin = surface.tail.begin, skin.tail
-    _lay(picture, fin.colour, _step(s, begin - 0.05, begin + 0.02) * np.ones_like(reach))
     rear = slice(int(np.searchsorted(s, begin)), None)
     share = y / reach[:, rear]
     edge = surface.tail.edge_at(share.clip(-1.0, 1.0))
@@ -351,13 +352,6 @@ def _paint_fin(
     if fin.striped and skin.stripes:
         stripes = _stripes(skin.stripes, s, y + uneven)
         _lay(picture, skin.stripes.colour, stripes * _step(out, 0.97, 0.85))
-    rays, between = _rays(share, out, fin.spines, fin.soft_rays)
-    spiny = share * (fin.spines + fin.soft_rays) < fin.spines
-    end = 1.0 - between * np.where(spiny, CUT_SPINES, CUT_RAYS)
-    to_edge = (end - out) * np.maximum(rise[-1], 0.004)
-    if not fin.spines + fin.soft_rays:
-        to_edge = to_edge + 0.01
-    _lay_membrane(picture, fin, skin.rays, out, rays, to_edge)
     for patch in skin.patches:
         if patch.over_fins:
             coarse = _fin_places(
@@ -365,6 +359,13 @@ def _paint_fin(
             )
             depth = _between(_between(_depth_at(patch.outline, *coarse).T, width).T, height)
             _lay_ringed(picture, patch, depth + uneven)
+    rays, between = _rays(share, out, fin.spines, fin.soft_rays)
+    spiny = share * (fin.spines + fin.soft_rays) < fin.spines
+    end = 1.0 - between * np.where(spiny, CUT_SPINES, CUT_RAYS)
+    to_edge = (end - out) * np.maximum(rise[-1], 0.004)
+    if not fin.spines + fin.soft_rays:
+        to_edge = to_edge + 0.01
+    _lay_membrane(picture, fin, skin.rays, out, rays, to_edge)
     _colour_unevenly(picture, skin.blotches)
 
 
@@ -593,7 +594,7 @@ def _cloud() -> Array:
 @cache
 def _grain() -> Array:
     """Another one, finer."""
-    return _tile(lambda k: np.exp(-((k / 0.012) ** 2)) + 0.12 * np.exp(-((k / 0.08) ** 2)))
+    return _tile(lambda k: np.exp(-((k / 0.012) ** 2)) + 0.15 * np.exp(-((k / 0.1) ** 2)))
 
 
 def _tile(share: Callable[[Array], Array]) -> Array:
