@@ -6,20 +6,20 @@ uniform sampler2D u_skins;  // painted, side by side; alpha is the opacity
 
 centroid in vec3 v_world;
 centroid in vec3 v_normal;
-centroid in vec3 v_rest;  // distance behind the snout, height, side
-centroid in vec3 v_part;  // part, u, v
+centroid in vec2 v_rest;  // distance behind the snout, height
+centroid in vec2 v_part;  // u, v
 centroid in vec2 v_skin;  // place on the atlas of skins
-in float v_identity;
-flat in vec4 v_tone;   // tint and saturation of this individual
-flat in vec3 v_ahead;  // axes of the body in the world
-flat in vec3 v_up;
 in vec3 v_clear;
 in vec3 v_veil;
-flat in vec4 v_wear;   // a colour that gives way to another, and how far from it a colour may be
-flat in vec3 v_shift;  // by how much it does
-flat in float v_nick;  // where along the fin its edge is torn, far outside if nowhere
-flat in int v_kind;
+// What a triangle's corners share. Each four numbers more cost a triangle's set-up time.
+flat in vec3 v_ahead;    // the way the fish is heading
+flat in float v_side;    // -1 on the left half of the body, 1 on the right, 0 on thin fins
+flat in vec4 v_tone;     // tint and saturation of this individual
+flat in vec3 v_shift;    // by how much its mating colours differ
+flat in float v_nick;    // where along the fin its edge is torn, far outside if nowhere
+flat in float v_identity;
 flat in float v_fade;
+flat in int v_kind;
 
 out vec4 f_colour;
 
@@ -28,28 +28,29 @@ const float SHARPEN = -0.6;  // mipmaps alone blur stripes that can still be tol
 void main() {
     vec3 view = normalize(u_eye - v_world);
     vec3 normal = normalize(v_normal);
-    bool thin = v_part.x > 0.5;
+    bool thin = v_side == 0.0;
     if (thin && dot(normal, view) < 0.0) normal = -normal;
-    vec2 place = v_rest.xy;
 
     vec4 eye_spot = looks[v_kind].eye, coat = looks[v_kind].coat;
     float tail = looks[v_kind].build.y;
     vec4 skin = texture(u_skins, v_skin, SHARPEN);
-    skin.a *= 1.0 - smoothstep(-0.05, 0.05, v_part.y - 0.5 - 9.0 * abs(v_part.z - v_nick));
-    vec3 off = skin.rgb - v_wear.rgb;
-    skin.rgb += v_shift * smoothstep(1.0, 0.0, dot(off, off) * v_wear.w);
+    skin.a *= 1.0 - smoothstep(-0.05, 0.05, v_part.x - 0.5 - 9.0 * abs(v_part.y - v_nick));
+    vec4 wear = looks[v_kind].wear;
+    vec3 off = skin.rgb - wear.rgb;
+    skin.rgb += v_shift * smoothstep(1.0, 0.0, dot(off, off) * wear.w);
     skin.rgb = toned(skin.rgb, v_tone);
 
     // How far a place is a web of skin between rays, and not body.
-    float web = thin ? 1.0 : smoothstep(tail, tail + 0.06, place.x);
-    float face = 1.0 - smoothstep(eye_spot.x + 0.02, eye_spot.x + 0.12, place.x);
+    float web = thin ? 1.0 : smoothstep(tail, tail + 0.06, v_rest.x);
+    float face = 1.0 - smoothstep(eye_spot.x + 0.02, eye_spot.x + 0.12, v_rest.x);
     float seen;
-    vec3 relief = scales(place, v_part.y, v_identity, coat.y * (1.0 - web) * (1.0 - face), seen);
+    vec3 relief = scales(v_rest, v_part.x, v_identity, coat.y * (1.0 - web) * (1.0 - face), seen);
     skin.rgb *= relief.z;
-    vec2 from_eye = (place - eye_spot.xy) / eye_spot.z;
+    vec2 from_eye = (v_rest - eye_spot.xy) / eye_spot.z;
     float eye = thin ? 0.0 : 1.0 - smoothstep(0.75, 1.1, dot(from_eye, from_eye));
     vec2 slope = relief.xy + eye * from_eye * vec2(0.9, 0.9);
-    normal = normalize(normal - slope.x * v_ahead + slope.y * v_up);
+    vec3 up = v_side * cross(normal, v_ahead);
+    normal = normalize(normal - slope.x * v_ahead + slope.y * up);
 
     // What is bright and without colour is silver.
     float silver = coat.z * (1.0 - web) * smoothstep(0.05, 0.5, min(skin.r, min(skin.g, skin.b)));

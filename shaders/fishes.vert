@@ -25,20 +25,19 @@ in vec3 i_show;      // species, cross-fade, mating colours
 // Centroid: at an edge multisampling would else ask for values outside the triangle.
 centroid out vec3 v_world;
 centroid out vec3 v_normal;
-centroid out vec3 v_rest;
-centroid out vec3 v_part;
+centroid out vec2 v_rest;
+centroid out vec2 v_part;
 centroid out vec2 v_skin;
-out float v_identity;
-flat out vec4 v_tone;
-flat out vec3 v_ahead;
-flat out vec3 v_up;
 out vec3 v_clear;  // haze changes so slowly that the vertices suffice
 out vec3 v_veil;
-flat out vec4 v_wear;
+flat out vec3 v_ahead;
+flat out float v_side;
+flat out vec4 v_tone;
 flat out vec3 v_shift;
 flat out float v_nick;
-flat out int v_kind;
+flat out float v_identity;
 flat out float v_fade;
+flat out int v_kind;
 
 const float WING_SPREAD = 0.95, WING_BEAT = 0.2;  // rad that a wing stands out; its share of the beat
 const float LEAN = 0.35;  // of a paddle's plane, outwards
@@ -64,8 +63,8 @@ void main() {
     vec3 place = vec3(0.0), along_u = vec3(0.0), along_v = vec3(0.0), root = vec3(0.0);
     int base = int(own.z), row = int(a_part.w);
     float side = a_part.z;
-    v_part = vec3(a_part.xy, own.w);
-    v_rest = vec3(own.xy, side);
+    v_part = vec2(a_part.y, own.w);
+    v_rest = own.xy;
     if (a_part.x < 1.5) {
         for (int i = 0; i < 3; ++i) {
             if (a_u[i] == 0.0 && a_du[i] == 0.0) continue;
@@ -116,17 +115,16 @@ void main() {
     v_normal = turned(normal);
     v_world = i_place.xyz + turned(i_place.w * place);
     v_identity = i_pose.w;
-    v_tone = tone(i_pose.w, v_kind, i_show.z);
-    v_nick = a_part.x == 1.0 && side > 0.0 ? nick(i_pose.w, v_kind) : 9.0;
-    v_wear = looks[v_kind].wear;
-    v_shift = i_show.z * looks[v_kind].show.rgb;
-    vec2 skin = v_rest.xy + displaced(v_rest.xy, v_part.y, i_pose.w, v_kind);
-    if (a_part.x < 0.5) skin = on_body(skin, v_kind);
-    else if (a_part.x < 1.5) skin = on_fin(v_part.zy, side > 0.0 ? 0 : 1);
-    else skin = on_fin(v_part.yz, a_part.x < 2.5 ? 2 : 3);
-    v_skin = looks[v_kind].cell.xy + looks[v_kind].cell.zw * skin;
     v_ahead = turned(vec3(1.0, 0.0, 0.0));
-    v_up = turned(vec3(0.0, 1.0, 0.0));
+    v_side = a_part.x < 0.5 ? side : 0.0;
+    v_tone = tone(v_identity, v_kind, i_show.z);
+    v_shift = i_show.z * looks[v_kind].show.rgb;
+    v_nick = a_part.x == 1.0 && side > 0.0 ? nick(v_identity, v_kind) : 9.0;
+    vec2 skin = v_rest + displaced(v_rest, v_part.x, v_identity, v_kind);
+    if (a_part.x < 0.5) skin = on_body(skin, v_kind);
+    else if (a_part.x < 1.5) skin = on_fin(v_part.yx, side > 0.0 ? 0 : 1);
+    else skin = on_fin(v_part, a_part.x < 2.5 ? 2 : 3);
+    v_skin = looks[v_kind].cell.xy + looks[v_kind].cell.zw * skin;
     vec3 ray = v_world - u_eye;
     float distance = length(ray);
     v_clear = clearness(distance);
