@@ -1,4 +1,10 @@
+// Sand: ripple marks in two directions, grain, litter, and rubble about what stands on it.
 #include "optics.glsl"
+
+uniform sampler2D u_ground;   // share of the sun, of the sky, of rubble
+uniform sampler2D u_ripples;  // slopes, height, grain
+uniform sampler2D u_litter;   // slopes, tone, how common
+uniform vec4 u_map;           // corner and size of the ground's map, cm
 
 in vec3 v_world;
 in vec2 v_slope;
@@ -6,26 +12,40 @@ in vec3 v_clear;
 in vec3 v_veil;
 out vec4 f_colour;
 
-const vec3 PALE = vec3(0.72, 0.58, 0.38);
-const vec3 DARK = vec3(0.44, 0.34, 0.22);
-const float RIPPLE_CM = 13.0;
+const vec3 PALE = vec3(0.62, 0.475, 0.30);
+const vec3 TAN = vec3(0.33, 0.215, 0.11);
+const vec3 FILM = vec3(0.17, 0.135, 0.06);  // algae
+const vec3 ASH = vec3(0.17, 0.135, 0.11);    // old rubble
+const vec3 SHELL = vec3(0.80, 0.73, 0.64);
+const vec3 PINK = vec3(0.46, 0.20, 0.22);
+const mat2 TURNED = mat2(0.80, 0.60, -0.60, 0.80);
 
 void main() {
     vec2 p = v_world.xy;
-    float broad = texture(u_noise, p / 610.0).r;
-    float middle = texture(u_noise, p.yx / 173.0).r;
-    float fine = texture(u_noise, p / 37.0).r;
-    // Ripples lie across the current and wander; they fade before they alias.
-    vec2 across = vec2(0.93, 0.37);
-    float phase = 6.2832 / RIPPLE_CM * dot(p, across) + 2.4 * broad + 1.1 * middle;
-    float resolved = 1.0 - smoothstep(0.6, 2.4, fwidth(phase));
-    float height = 0.55 + 0.45 * clamp(0.8 + 0.5 * middle, 0.0, 1.0);
-    float ripple = sin(phase) + 0.28 * sin(2.0 * phase + 1.0);
-    vec2 slope = v_slope + across * (0.24 * height * resolved * (cos(phase) + 0.5 * cos(2.0 * phase + 1.0)));
-    slope += 0.05 * vec2(fine, middle);
+    vec4 ground = texture(u_ground, (p - u_map.xy) / u_map.zw);
+    float broad = texture(u_noise, p / 870.0).r;
+    vec4 one = 6.0 * texture(u_ripples, p / 173.0) - 3.0;
+    vec4 other = 6.0 * texture(u_ripples, TURNED * p / 271.0 + 0.37) - 3.0;
+    vec4 bits = texture(u_litter, TURNED * p / 67.0);
+
+    // Where one set of ripples is strong the other is weak.
+    float share = smoothstep(-0.7, 0.9, broad + 0.25 * other.z);
+    float rubble = ground.z;
+    vec2 marks = mix(one.xy, other.xy * TURNED, share) * (1.0 - 0.6 * rubble);
+    float height = mix(one.z, other.z, share) * (1.0 - 0.6 * rubble);
+    float grain = one.w + other.w;
+    vec3 sand = mix(TAN, PALE, clamp(0.60 + 0.13 * broad + 0.20 * height + 0.045 * grain, 0.0, 1.0));
+    sand = mix(sand, FILM, clamp(0.30 * smoothstep(0.2, 1.6, -broad) + 0.9 * rubble, 0.0, 0.85));
+
+    // Bits are rare on open sand and crowded about stones.
+    float lies = smoothstep(0.0, 0.12, bits.w - 0.93 + 0.93 * rubble);
+    vec3 piece = bits.z < 0.55 ? ASH * (0.6 + 1.3 * bits.z) : mix(PINK, SHELL, 2.2 * bits.z - 1.2);
+    sand = mix(sand, piece, 0.85 * lies);
+
+    vec2 slope = v_slope + 0.46 * marks + (7.0 * bits.xy - 3.5) * (0.22 * lies);
     vec3 normal = normalize(vec3(-slope, 1.0));
-    vec3 sand = mix(DARK, PALE, clamp(0.62 + 0.14 * broad + 0.10 * middle + 0.07 * fine, 0.0, 1.0));
-    sand *= 1.0 + 0.10 * resolved * ripple;
-    vec3 light = light_on(v_world, normal, 0.0);
+    vec3 sun = sunlight_at(v_world.z) * caustics_at(v_world) * ground.x;
+    vec3 shade = light_from(vec3(0.0), v_world.z, normal, 0.0);
+    vec3 light = light_from(sun, v_world.z, normal, 0.0) - shade * (1.0 - ground.y);
     f_colour = vec4(EXPOSURE * sand * light * v_clear + v_veil, 1.0);
 }

@@ -11,7 +11,7 @@ in vec3 v_clear;
 in vec3 v_veil;
 out vec4 f_colour;
 
-const vec3 DARK = vec3(0.11, 0.085, 0.075);
+const vec3 DARK = vec3(0.16, 0.125, 0.10);
 const vec3 OCHRE = vec3(0.56, 0.40, 0.22);
 const vec3 CREAM = vec3(0.70, 0.60, 0.45);
 const vec3 TURF = vec3(0.20, 0.21, 0.05);
@@ -56,9 +56,9 @@ void main() {
     stone = mix(stone, living * (0.55 + 0.8 * specks), orange);
 
     float open = clamp(0.85 + 0.4 * height, 0.3, 1.2) * (1.0 - 0.4 * hollow);
-    open *= mix(0.5, 1.0, smoothstep(-4.0, 40.0, v_light.w));
+    open *= mix(0.6, 1.0, smoothstep(-4.0, 30.0, v_light.w));
     vec3 sun = sunlight_at(v_world.z) * caustics_at(v_world) * v_light.y;
     vec3 shade = light_from(vec3(0.0), v_world.z, normal, 0.0);
-    vec3 light = (light_from(sun, v_world.z, normal, 0.1) - shade) + shade * v_light.x;
+    vec3 light = (light_from(sun, v_world.z, normal, 0.1) - shade) + shade * (0.4 + 1.1 * v_light.x);
     f_colour = vec4(EXPOSURE * stone * light * open * v_clear + v_veil, 1.0);
 }

@@ -25,6 +25,8 @@ Ints = NDArray[np.integer[Any]]
 SHELL_CM, SHELL = 9.0, 0.13  # room for growth, at most, and as a share of a solid's least half axis
 RELIEF_CM, RELIEF = 28.0, 0.32  # depth of the deepest hollow, likewise
 BLEND = 0.10  # of the mean least half axis: how smoothly one block goes over into the next
+FAR_CM = 35.0  # a block that is farther than another by so much doesn't change its surface
+NEAR_CM = FAR_CM + 25.0  # blocks nearer than that shape what is near
 PROBE_CM = 1.5  # over which slopes are taken
 SUN = (0.28, 0.17, 0.945)  # toward it, below the surface, as in `optics.glsl`
 # Directions of the upper half of the sky, even in the light that they give to level ground.
@@ -109,7 +111,8 @@ def _strewn(blocks: Array, number: int, per_m2: float, rng: np.random.Generator)
     place, normal, error = on_the_surface(blocks, np.concatenate(places), 4)
     kept = error < 2.0
     place, normal = place[kept], normal[kept]
-    return Samples(place, normal, openness(blocks, place, normal), np.full(len(place), number))
+    light = openness(shade_of(blocks), place, normal)
+    return Samples(place, normal, light, np.full(len(place), number))
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -117,15 +120,19 @@ def on_the_surface(blocks: Array, places: Array, steps: int) -> tuple[Array, Arr
     """Places (n, 3) moved onto the drawn stone along its slope, normals, what is left (n,), cm."""
     place, normal, error = places.copy(), np.empty_like(places), np.empty(len(places))
     for i in range(len(places)):
+        few = blocks_near(blocks, vector(place[i]), NEAR_CM)
+        if len(few) == 0:
+            error[i] = np.inf
+            continue
         for _ in range(steps):
             p = vector(place[i])
-            way, steep = outward(blocks, p)
-            step = drawn_distance(blocks, p) / max(steep, 0.5)
+            way, steep = outward(few, p)
+            step = drawn_distance(few, p) / max(steep, 0.5)
             for axis in range(3):
                 place[i, axis] -= 0.9 * step * way[axis]
         p = vector(place[i])
-        normal[i, 0], normal[i, 1], normal[i, 2] = outward(blocks, p)[0]
-        error[i] = abs(drawn_distance(blocks, p))
+        normal[i, 0], normal[i, 1], normal[i, 2] = outward(few, p)[0]
+        error[i] = abs(drawn_distance(few, p))
     return place, normal, error
 
 
@@ -154,7 +161,7 @@ def plain_distance(blocks: Array, p: Vector) -> tuple[float, float]:
     weight, deep, softness = 0.0, 0.0, blocks[0, 10]
     for k in range(len(blocks)):
         block = blocks[k]
-        if _at_least(block, p) > nearest + 40.0:
+        if _at_least(block, p) > nearest + FAR_CM:
             continue  # too far to have a share
         outer = _from_block(block, p)
         d = outer + block[8]
@@ -170,13 +177,25 @@ def plain_distance(blocks: Array, p: Vector) -> tuple[float, float]:
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _rough_distance(blocks: Array, p: Vector) -> float:
+def rough_distance(blocks: Array, p: Vector) -> float:
     """As `plain_distance`, without what happens where blocks meet: enough for shade."""
     nearest = np.inf
     for k in range(len(blocks)):
         if _at_least(blocks[k], p) < nearest:
             nearest = min(nearest, _from_block(blocks[k], p) + blocks[k, 8])
     return nearest
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def blocks_near(blocks: Array, p: Vector, reach: float) -> Array:
+    """Those of the blocks (m, 11) that may lie within `reach` of p."""
+    out = np.empty_like(blocks)
+    number = 0
+    for k in range(len(blocks)):
+        if _at_least(blocks[k], p) < reach:
+            out[number] = blocks[k]
+            number += 1
+    return out[:number]
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -247,9 +266,71 @@ def outward(blocks: Array, p: Vector) -> tuple[Vector, float]:
     return (x / size, y / size, z / size), size / (4.0 * PROBE_CM)
 
 
+class Shade(NamedTuple):
+    """Distances from a formation on a grid about it: looked up where light is followed."""
+
+    field: Array  # (a, b, c) cm
+    corner: Array  # (3,) cm
+    cell: float  # cm
+
+
+def box_of(blocks: Array) -> tuple[Array, Array]:
+    """Lowest and highest corner (3,) of what is avoided; a pillar has no lower end."""
+    long = np.maximum(blocks[:, 3], blocks[:, 4])
+    reach = np.stack([long, long, blocks[:, 5]], axis=1)
+    rise = np.where(np.isinf(reach), 0.0, reach)
+    return (blocks[:, :3] - reach).min(axis=0), (blocks[:, :3] + rise).max(axis=0)
+
+
+def shade_of(blocks: Array) -> Shade:
+    """The grid of a formation."""
+    low, high = box_of(blocks)
+    low[2] = max(low[2], high[2] - 1200.0)
+    cell = float(np.clip((high - low).max() / 44.0, 8.0, 26.0))
+    low, high = low - 2.0 * cell, high + 2.0 * cell
+    number = np.ceil((high - low) / cell).astype(int) + 1
+    return Shade(_rough_grid(blocks, low, cell, *number), low, cell)
+
+
 @njit(cache=True, error_model="numpy", nogil=True)
-def openness(blocks: Array, places: Array, normals: Array) -> Array:
-    """The share (n,) of the sky's light that stone lets through to places on it, 0 to 1."""
+def _rough_grid(blocks: Array, corner: Array, cell: float, nx: int, ny: int, nz: int) -> Array:
+    out = np.empty((nx, ny, nz))
+    for i in range(nx):
+        for j in range(ny):
+            for k in range(nz):
+                p = (corner[0] + cell * i, corner[1] + cell * j, corner[2] + cell * k)
+                out[i, j, k] = rough_distance(blocks, p)
+    return out
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def shade_distance(shade: Shade, p: Vector) -> float:
+    """About how far p is from the formation, cm; inside of it negative."""
+    nx, ny, nz = shade.field.shape
+    x = (p[0] - shade.corner[0]) / shade.cell
+    y = (p[1] - shade.corner[1]) / shade.cell
+    z = (p[2] - shade.corner[2]) / shade.cell
+    u, v, w = (
+        min(max(x, 0.0), nx - 1.001),
+        min(max(y, 0.0), ny - 1.001),
+        min(max(z, 0.0), nz - 1.001),
+    )
+    i, j, k = int(u), int(v), int(w)
+    outside = math.sqrt((x - u) ** 2 + (y - v) ** 2 + (z - w) ** 2) * shade.cell
+    u, v, w = u - i, v - j, w - k
+    f = shade.field
+    low = (1.0 - v) * ((1.0 - u) * f[i, j, k] + u * f[i + 1, j, k]) + v * (
+        (1.0 - u) * f[i, j + 1, k] + u * f[i + 1, j + 1, k]
+    )
+    high = (1.0 - v) * ((1.0 - u) * f[i, j, k + 1] + u * f[i + 1, j, k + 1]) + v * (
+        (1.0 - u) * f[i, j + 1, k + 1] + u * f[i + 1, j + 1, k + 1]
+    )
+    return outside + (1.0 - w) * low + w * high
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def openness(shade: Shade, places: Array, normals: Array) -> Array:
+    """The share (n,) of the sky's light that a formation lets through to places, 0 to 1."""
     out = np.empty(len(places))
     for i in range(len(places)):
         n = vector(normals[i])
@@ -257,22 +338,22 @@ def openness(blocks: Array, places: Array, normals: Array) -> Array:
         light = 0.0
         for k in range(len(SKY)):
             facing = 0.5 + 0.5 * (n[0] * SKY[k, 0] + n[1] * SKY[k, 1] + n[2] * SKY[k, 2])
-            light += min(2.0 * facing, 1.0) * passes(blocks, p, vector(SKY[k]), 0.5)
+            light += min(2.0 * facing, 1.0) * passes(shade, p, vector(SKY[k]), 0.5)
         out[i] = light / len(SKY)
     return out
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def passes(blocks: Array, p: Vector, way: Vector, wide: float) -> float:
+def passes(shade: Shade, p: Vector, way: Vector, wide: float) -> float:
     """The share of a cone of light, as wide as `wide` times its length, that reaches p."""
     left, along = 1.0, 7.0
-    for _ in range(6):
+    for _ in range(7):
         at = (p[0] + along * way[0], p[1] + along * way[1], p[2] + along * way[2])
-        gap = _rough_distance(blocks, at) + 6.0
+        gap = shade_distance(shade, at) + 6.0
         left = min(left, 0.2 + gap / (wide * along + 3.0))
         if left <= 0.0:
             return 0.0
-        along = along * 1.3 + max(gap, 0.0) + 4.0
+        along = along * 1.2 + max(gap, 0.0) + 4.0
     return min(left, 1.0)
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.frame import Packet, Scene
-from subsea.render.seabed import drawn_height, thinned
+from subsea.render.seabed import drawn_height
 from subsea.render.shaders import program, set_uniforms
 from subsea.view.camera import View
 from subsea.view.culling import IN_SIGHT, frustum_planes
@@ -23,9 +23,8 @@ class Bubbles:
 
     def __init__(self, context: Any, scene: Scene) -> None:
         """Of the scene's vents, which stand on the drawn sand."""
-        width = scene.terrain_half_width_cm
-        heights = thinned(scene.terrain, width)
-        feet = drawn_height(heights, width, scene.vents[:, 0], scene.vents[:, 1])
+        x, y = scene.vents[:, 0], scene.vents[:, 1]
+        feet = drawn_height(scene.terrain, scene.terrain_half_width_cm, x, y)
         self._current = scene.water.current_cm_s
         self._reach = IN_SIGHT * scene.water.visibility_cm
         self._slots = [

@@ -18,7 +18,7 @@ from subsea.render.fishes import Fishes
 from subsea.render.hook import Hook
 from subsea.render.particles import Particles
 from subsea.render.quality import PRESETS, Quality
-from subsea.render.seabed import Seabed, drawn_height, thinned
+from subsea.render.seabed import Seabed, drawn_height
 from subsea.render.seaweed import Seaweed
 from subsea.render.shafts import UNIT as SHAFTS_UNIT
 from subsea.render.shafts import Shafts
@@ -67,10 +67,9 @@ class Renderer:
         self._water = Water(context, scene)
         self._seabed = Seabed(context, scene)
         self._solids = Solids(context, scene)
-        sand = thinned(scene.terrain, scene.terrain_half_width_cm)
         self._coral = Coral(
             context, scene.reef, IN_SIGHT * scene.water.visibility_cm,
-            partial(drawn_height, sand, scene.terrain_half_width_cm),
+            partial(drawn_height, scene.terrain, scene.terrain_half_width_cm),
         )  # fmt: skip
         self._seaweed = Seaweed(context)
         self._fishes = Fishes(context, scene)
@@ -116,6 +115,7 @@ class Renderer:
         self._particles.upload(packet)
         self._solids.choose(packet, self.quality.detail)
         self._coral.choose(packet.views, self.quality.detail, self.quality.growth)
+        self._seabed.choose(packet, self.quality.detail)
         self.upload_s = time.perf_counter() - start
         self._caustics.use(1)
         self._noise.use(2)
@@ -136,7 +136,7 @@ class Renderer:
             self.triangles += self._coral.draw(uniforms)
             context.disable(context.CULL_FACE)
             self.triangles += self._seaweed.draw(packet, view, uniforms)
-            self.triangles += self._seabed.draw(packet, view, uniforms)
+            self.triangles += self._seabed.draw(uniforms)
             if self.quality.shadows:
                 context.enable(context.BLEND)
                 self._target.framebuffer.depth_mask = False  # shadows may lie on one another

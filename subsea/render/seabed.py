@@ -1,74 +1,78 @@
-"""The seabed: the height field in square tiles, of which a view draws those that it can see."""
+"""The seabed: the height field in square tiles, in three levels of detail, and what lies on it."""
 
-from itertools import pairwise
 from typing import Any
 
-import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
 from subsea.frame import Packet, Scene
+from subsea.habitat.formations import formations
+from subsea.render import ground, sand
 from subsea.render.shaders import program, set_uniforms
-from subsea.view.camera import View
-from subsea.view.culling import IN_SIGHT, frustum_planes
+from subsea.render.standing import Shape, Standing
+from subsea.view.culling import IN_SIGHT
 
 Array = NDArray[np.floating[Any]]
+Ints = NDArray[np.integer[Any]]
 
-TILES = 16  # per side
-APRON_CM = 90.0 * np.arange(1, 17)  # the edge's height goes on outward, into the fog
-FINEST_CELL_CM = 40.0  # smaller cells cost triangles that the smooth dunes do not need
+CELLS = 12  # of a tile, along each side; every second and every fourth on coarser levels
+LEVELS_PX = (640.0, 210.0)  # a level is used while its tile's diameter covers so many pixels
+APRON_CM = 120.0  # the edge's height goes on outward in cells so wide, into the fog
+SKIRT_CM = 9.0  # hangs from a tile's rim, where it meets one of another level
+GROUND_UNIT, RIPPLES_UNIT, LITTER_UNIT = 8, 9, 10  # texture units
 
 
 class Seabed:
-    """Holds the vertices and the triangles, sorted by tile."""
+    """Holds the tiles and the textures of the sand."""
 
     def __init__(self, context: Any, scene: Scene) -> None:
-        """Lay the triangles out; `scene.terrain` as SMC §6.2 has it."""
+        """Lay the tiles; `scene.terrain` as SMC §6.2 has it."""
         width = scene.terrain_half_width_cm
-        positions, slopes = surface(thinned(scene.terrain, width), width)
-        triangles, self._first = tiles(len(positions))
-        corners = positions.reshape(-1, 3)[triangles]
-        self._centre, self._radius = _spheres(corners, self._first)
-        self._reach = IN_SIGHT * scene.water.visibility_cm
         self._program = program(context, "seabed")
-        vertices = np.concatenate([positions, slopes], axis=2).astype("f4")
-        self._vertices = context.buffer(vertices.tobytes())
-        self._triangles = context.buffer(triangles.astype("i4").tobytes())
-        self._array = context.vertex_array(
+        self._standing = Standing(
+            context,
             self._program,
-            [(self._vertices, "3f4 2f4", "a_position", "a_slope")],
-            self._triangles,
+            "3f4 2f4",
+            "a_position a_slope",
+            tiles(*surface(scene.terrain, width)),
+            IN_SIGHT * scene.water.visibility_cm,
+            LEVELS_PX,
         )
 
-    def draw(self, packet: Packet, view: View, uniforms: dict[str, Any]) -> int:
-        """Draw the tiles in sight; the number of triangles."""
-        set_uniforms(self._program, **uniforms)
-        planes = frustum_planes(view)
-        above = self._centre @ planes[:, :3].T + planes[:, 3] > -self._radius[:, None]
-        near = np.linalg.norm(self._centre - view.eye, axis=1) - self._radius < self._reach
-        total = 0
-        for tile in np.flatnonzero(above.all(axis=1) & near):
-            first, count = self._first[tile], self._first[tile + 1] - self._first[tile]
-            self._array.render(moderngl.TRIANGLES, vertices=3 * int(count), first=3 * int(first))
-            total += int(count)
-        return total
+        def floor(x: Array, y: Array) -> Array:
+            return drawn_height(scene.terrain, width, x, y)
+
+        made = ground.ground_map(formations(scene.pillars, scene.rocks), floor)
+        self._map = (*made.corner, *made.size)
+        self._textures = [
+            ground.upload(context, made),
+            sand.upload(context, sand.ripples(3), -sand.SPAN, sand.SPAN),
+            sand.upload(context, sand.litter(4), sand.LITTER_LOW, sand.LITTER_HIGH),
+        ]
+
+    def choose(self, packet: Packet, detail: float = 1.0) -> None:
+        """Decide once for all views of a packet what is drawn."""
+        self._standing.choose(packet.views, detail)
+
+    def draw(self, uniforms: dict[str, Any]) -> int:
+        """Draw the tiles that were chosen; the number of triangles."""
+        units = (GROUND_UNIT, RIPPLES_UNIT, LITTER_UNIT)
+        for texture, unit in zip(self._textures, units, strict=True):
+            texture.use(unit)
+        set_uniforms(
+            self._program,
+            u_ground=GROUND_UNIT, u_ripples=RIPPLES_UNIT, u_litter=LITTER_UNIT, u_map=self._map,
+        )  # fmt: skip
+        return self._standing.draw(uniforms)
 
     def release(self) -> None:
         """Free every OpenGL object."""
-        for held in (self._array, self._vertices, self._triangles, self._program):
+        for held in (self._standing, *self._textures, self._program):
             held.release()
 
 
-def thinned(heights: Array, half_width: float) -> Array:
-    """Every second height, as often as the cells are smaller than need be."""
-    cells = len(heights) - 1
-    while cells % 2 == 0 and 2 * half_width / cells < FINEST_CELL_CM:
-        heights, cells = heights[::2, ::2], cells // 2
-    return heights
-
-
 def drawn_height(heights: Array, half_width: float, x: Array, y: Array) -> Array:
-    """Height of the drawn triangles at places of any shape, cm; `heights` are thinned."""
+    """Height of the drawn triangles at places of any shape, cm, at the finest level."""
     last = len(heights) - 1
     u = np.clip((x + half_width) / (2 * half_width) * last, 0, last)
     v = np.clip((y + half_width) / (2 * half_width) * last, 0, last)
@@ -82,35 +86,52 @@ def drawn_height(heights: Array, half_width: float, x: Array, y: Array) -> Array
 
 
 def surface(heights: Array, half_width: float) -> tuple[Array, Array]:
-    """Positions (m, m, 3) in cm and slopes (m, m, 2) along x and y, with the apron around."""
-    apron = half_width + APRON_CM
-    axis = np.concatenate([-apron[::-1], np.linspace(-half_width, half_width, len(heights)), apron])
-    z = np.pad(heights.astype(np.float64), len(APRON_CM), mode="edge")
+    """Positions (m, m, 3) in cm and slopes (m, m, 2) along x and y, with the apron around.
+
+    The apron makes the number of cells on a side a multiple of CELLS.
+    """
+    before = CELLS
+    after = CELLS + (1 - len(heights)) % CELLS
+    axis = np.concatenate(
+        [
+            -half_width - APRON_CM * np.arange(before, 0, -1),
+            np.linspace(-half_width, half_width, len(heights)),
+            half_width + APRON_CM * np.arange(1, after + 1),
+        ]
+    )
+    z = np.pad(heights.astype(np.float64), (before, after), mode="edge")
     x, y = np.meshgrid(axis, axis)
     slope_y, slope_x = np.gradient(z, axis, axis)
     return np.stack([x, y, z], axis=2), np.stack([slope_x, slope_y], axis=2)
 
 
-def tiles(side: int) -> tuple[NDArray[np.integer[Any]], NDArray[np.integer[Any]]]:
-    """Triangles (n, 3) over side² vertices, counter-clockwise from above, sorted by tile.
+def tiles(positions: Array, slopes: Array) -> list[list[Shape]]:
+    """Of each tile the levels, finest first, as `Standing` takes them: vertices (n, 5)."""
+    vertices = np.concatenate([positions, slopes], axis=2).astype(np.float32)
+    meshes = [_mesh(CELLS // step) for step in (1, 2, 4)]
+    found = []
+    for i in range(0, len(vertices) - 1, CELLS):
+        for j in range(0, len(vertices) - 1, CELLS):
+            tile = vertices[i : i + CELLS + 1, j : j + CELLS + 1]
+            levels = []
+            for step, (rim, triangles) in zip((1, 2, 4), meshes, strict=True):
+                top = tile[::step, ::step].reshape(-1, 5)
+                skirt = top[rim]
+                skirt[:, 2] -= SKIRT_CM
+                levels.append(Shape(np.concatenate([top, skirt]), triangles))
+            found.append(levels)
+    return found
 
-    Also the first triangle of each tile, with the end of the last.
-    """
-    i, j = np.meshgrid(range(side - 1), range(side - 1), indexing="ij")
-    tile = (i * TILES // (side - 1) * TILES + j * TILES // (side - 1)).ravel()
-    order = np.argsort(tile, kind="stable")
-    a = (i * side + j).ravel()[order]
-    triangles = np.stack([a, a + 1, a + side, a + side, a + 1, a + side + 1], axis=1)
-    counts = np.bincount(tile, minlength=TILES * TILES)
-    return triangles.reshape(-1, 3), np.concatenate([[0], 2 * np.cumsum(counts)])
 
-
-def _spheres(corners: Array, first: NDArray[np.integer[Any]]) -> tuple[Array, Array]:
-    """Centres (t, 3) and radii (t,) of the tiles' bounding spheres."""
-    centres, radii = [], []
-    for start, end in pairwise(first):
-        points = corners[start:end].reshape(-1, 3)
-        centre = (points.min(axis=0) + points.max(axis=0)) / 2
-        centres.append(centre)
-        radii.append(np.linalg.norm(points - centre, axis=1).max())
-    return np.array(centres), np.array(radii)
+def _mesh(cells: int) -> tuple[Ints, Ints]:
+    """The rim (r,) of a tile of cells², and triangles (m, 3) of the tile and of its skirt."""
+    side = cells + 1
+    i, j = (k.ravel() for k in np.meshgrid(range(cells), range(cells), indexing="ij"))
+    a = i * side + j
+    inner = np.stack([a, a + 1, a + side, a + side, a + 1, a + side + 1], axis=1).reshape(-1, 3)
+    grid = np.arange(side * side).reshape(side, side)
+    rim = np.concatenate([grid[0, :-1], grid[:-1, -1], grid[-1, :0:-1], grid[:0:-1, 0]])
+    below = side * side + np.arange(len(rim))
+    there, deep = np.roll(rim, -1), np.roll(below, -1)
+    skirt = np.stack([rim, below, there, there, below, deep], axis=1).reshape(-1, 3)
+    return rim, np.concatenate([inner, skirt]).astype(np.int32)

@@ -7,7 +7,7 @@ import moderngl
 from subsea.render.quality import Quality
 from subsea.render.shaders import program, set_uniforms
 
-UNIT = 6  # texture unit
+UNIT = 15  # texture unit: all shaders read it, so nothing else may use it
 SIZE = (320, 24)  # turns about the sun, cosines of the angle from it
 
 

@@ -15,7 +15,10 @@ from subsea.habitat.formations import (
     outward,
     passes,
     plain_distance,
+    rough_distance,
     samples,
+    shade_distance,
+    shade_of,
     stone_above,
 )
 from subsea.habitat.solids import clearances
@@ -100,11 +103,12 @@ def test_samples_are_even():
 def test_a_roof_takes_the_light():
     roof = np.concatenate([rock(z=-300.0, a=200.0, b=200.0, c=30.0), rock(z=-500.0)])
     blocks = blocks_of(NO_PILLARS, roof)
+    alone, under = shade_of(blocks[1:]), shade_of(blocks)
     up = np.array([[0.0, 0.0, 1.0]])
     top = np.array([[0.0, 0.0, -445.0]])
-    assert openness(blocks[1:], top, up)[0] == pytest.approx(1.0)
-    assert openness(blocks, top, up)[0] < 0.5
-    assert passes(blocks, (0.0, 0.0, -445.0), (0.0, 0.0, 1.0), 0.2) < 0.15
+    assert openness(alone, top, up)[0] == pytest.approx(1.0)
+    assert openness(under, top, up)[0] < 0.5
+    assert passes(under, (0.0, 0.0, -445.0), (0.0, 0.0, 1.0), 0.2) < 0.15
 
 
 def test_who_rises_inside_comes_out_on_the_surface():
@@ -113,3 +117,14 @@ def test_who_rises_inside_comes_out_on_the_surface():
     assert abs(drawn_distance(blocks, (10.0, 5.0, z))) < 1.5
     assert outward(blocks, (10.0, 5.0, z))[0][2] > 0.0
     assert stone_above(blocks, 300.0, 0.0, -500.0) == -500.0
+
+
+def test_the_grid_for_light_has_the_distances():
+    (blocks,) = formations(PILLAR, np.concatenate([rock(), rock(x=90.0, z=-470.0)]))
+    shade = shade_of(blocks)
+    for p in np.random.default_rng(4).uniform((-90, -90, -560), (180, 90, -230), (300, 3)):
+        exact = rough_distance(blocks, tuple(p))
+        if exact > -10.0:  # deep inside it has creases, and nobody asks
+            assert shade_distance(shade, tuple(p)) == pytest.approx(exact, abs=6.0)
+    # Beyond the grid it grows with the distance from it.
+    assert shade_distance(shade, (2000.0, 0.0, -450.0)) > 1500.0
