@@ -28,7 +28,7 @@ from subsea.view.camera import View
 
 Array = NDArray[np.floating[Any]]
 
-SKINS_UNIT, VERTICES_UNIT = 3, 6  # of textures
+SKINS_UNIT, VERTICES_UNIT = 3, 9  # of textures
 LOOKS_BINDING = 0  # of the block of uniforms
 SRGB8_ALPHA8 = 0x8C43  # OpenGL's name for the texels of the skins
 
