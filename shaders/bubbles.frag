@@ -27,6 +27,7 @@ void main() {
     light += 1.5 * sun * pow(max(dot(mirrored, SUN), 0.0), 60.0);
     // What the sun sends through it lights its lower edge.
     light += 0.35 * sun * pow(max(dot(normal, -SUN), 0.0), 6.0) * square;
+    light = mix(light, 1.3 * water_radiance(ray) + 0.26 * sun, v_small);
     float rim = mix(smoothstep(0.30, 0.62, square), 0.55, v_small);
     float alpha = mix(0.30, 0.95, rim);
     vec3 colour = mix(0.45 * light, light, rim);

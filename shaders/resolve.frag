@@ -1,6 +1,7 @@
 // From linear light to the screen: filmic curve, then sRGB. Where both eyes are on the canvas,
 // the left one's picture above the right one's, they are woven together (view/stereo.py). WEAVE is
 // defined when this is compiled: a software renderer would walk every branch for every pixel.
+// SMOOTH, 0 or 1: whether edges of a plain picture are smoothed.
 uniform sampler2D u_picture;
 uniform vec2 u_size;    // pixels of the picture
 uniform vec2 u_wide;    // angle of a panorama, tilt of a dome, rad
@@ -97,9 +98,37 @@ vec3 all_round(vec3 d) {
     return filmic(texture(u_picture, (corner + inside) / vec2(3.0, 2.0)).rgb);
 }
 
+const float HALF = 0.35;  // light that is half as bright as can be, about as the curve has it
+
+// Light as shares of what can be seen, so that a glint weighs no more than its surroundings; and
+// about how bright it looks.
+vec4 tap(vec2 place) {
+    vec3 x = texture(u_picture, place).rgb;
+    x /= HALF + max(x.r, max(x.g, x.b));
+    return vec4(x, sqrt(dot(x, vec3(0.30, 0.59, 0.11))));
+}
+
+// Blends along an edge that its contrast shows (Lottes, "FXAA", 2009, the short form).
+vec3 smoothed(vec2 place) {
+    vec2 pixel = 1.0 / vec2(textureSize(u_picture, 0));
+    vec4 middle = tap(place);
+    float a = tap(place + pixel * vec2(-1.0, 1.0)).a, b = tap(place + pixel).a;
+    float c = tap(place - pixel).a, d = tap(place + pixel * vec2(1.0, -1.0)).a;
+    float least = min(middle.a, min(min(a, b), min(c, d)));
+    float most = max(middle.a, max(max(a, b), max(c, d)));
+    vec2 along = vec2(c + d - a - b, a + c - b - d);
+    float steep = min(abs(along.x), abs(along.y)) + max((a + b + c + d) / 32.0, 1.0 / 128.0);
+    along = clamp(along / steep, -8.0, 8.0) * pixel;
+    vec4 near = 0.5 * (tap(place - along / 6.0) + tap(place + along / 6.0));
+    vec4 far = 0.5 * near + 0.25 * (tap(place - 0.5 * along) + tap(place + 0.5 * along));
+    vec3 x = (far.a < least || far.a > most ? near : far).rgb;
+    x = most - least < max(0.03, 0.12 * most) ? middle.rgb : x;
+    return HALF * x / max(1.0 - max(x.r, max(x.g, x.b)), 1e-3);
+}
+
 vec3 light() {
     if (WEAVE == PLAIN)
-        return filmic(texture(u_picture, v_place).rgb);
+        return filmic(SMOOTH == 1 ? smoothed(v_place) : texture(u_picture, v_place).rgb);
     if (WEAVE < EQUIRECTANGULAR)
         return woven();
     vec3 d = direction();

@@ -31,18 +31,14 @@ class Quality:
     growth: float = 1.0
     # Specks of marine snow in the box about the eye. `particles.py`.
     snow: int = 1400
-    # Samples along a ray of sight for the shafts of light; 0 none. `water.py`.
+    # Places where light enters that each shaft is made of; 0 no shafts. `shafts.py`.
     shafts: int = 8
-    # Layers of caustics on sand, stone and fishes; 0 none. Shaders that include `optics.glsl`.
-    caustics: int = 2
     # Whether what stands and swims darkens the sand beneath it. `solids.py`, `fishes.py`.
     shadows: bool = True
 
 
 PRESETS = {
-    "low": Quality(
-        smooth=False, detail=0.7, growth=0.6, snow=700, shafts=0, caustics=1, shadows=True
-    ),
+    "low": Quality(smooth=False, detail=0.7, growth=0.6, snow=700, shafts=4, shadows=True),
     "medium": Quality(),
     "high": Quality(samples=4, detail=1.6, snow=2400, shafts=16),
 }

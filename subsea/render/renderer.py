@@ -76,7 +76,7 @@ class Renderer:
         self._hook = Hook(context)
         self._bubbles = Bubbles(context, scene)
         self._particles = Particles(context, scene)
-        self._resolve = Resolve(context, LAYOUTS[display].weaves)
+        self._resolve = Resolve(context, LAYOUTS[display].weaves, quality.smooth)
         self._make_target(size)
         self.adapt(quality)
 
@@ -99,6 +99,7 @@ class Renderer:
             self._make_target(self._size)
         self._particles.adapt(quality)
         self._shafts.adapt(quality)
+        self._resolve.adapt(quality)
 
     def draw(self, packet: Packet, into: Any = None) -> None:
         """Draw every view of a packet and show the result in `into`, a framebuffer.

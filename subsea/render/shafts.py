@@ -8,7 +8,7 @@ from subsea.render.quality import Quality
 from subsea.render.shaders import program, set_uniforms
 
 UNIT = 15  # texture unit: all shaders read it, so nothing else may use it
-SIZE = (320, 24)  # turns about the sun, cosines of the angle from it
+SIZE = (320, 16)  # turns about the sun, cosines of the angle from it
 
 
 class Shafts:
@@ -23,10 +23,11 @@ class Shafts:
         self._program: Any = None
         self._array: Any = None
         self._samples = 0
+        self._picture.clear()
         self.adapt(quality)
 
     def adapt(self, quality: Quality) -> None:
-        """Take so many samples along each ray from now on; 0 leaves the water without shafts."""
+        """Add up so many places of entry from now on; 0 leaves the water without shafts."""
         if quality.shafts == self._samples:
             return
         self._release_program()

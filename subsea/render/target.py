@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+from subsea.render.quality import Quality
 from subsea.render.shaders import program, set_uniforms
 from subsea.view.stereo import Weave
 from subsea.view.surround import ALL_ROUND, ROWS, Surround, half_tangent
@@ -16,6 +17,7 @@ class Target:
         self.size = size
         self._context = context
         self._picture = context.texture(size, 4, dtype="f2")
+        self._picture.repeat_x = self._picture.repeat_y = False  # its neighbours at the edge
         self._flat = context.framebuffer([self._picture])
         self._held = [self._flat, self._picture]
         if samples:
@@ -44,12 +46,32 @@ class Target:
 class Resolve:
     """Tone mapping and sRGB, and both eyes woven together: from a linear canvas to eight bits."""
 
-    def __init__(self, context: Any, weaves: Sequence[Weave]) -> None:
-        """For a display that takes its picture, or pictures, from the canvas in these ways."""
+    def __init__(self, context: Any, weaves: Sequence[Weave], smooth: bool = False) -> None:
+        """For a display that takes its picture, or pictures, from the canvas in these ways.
+
+        With `smooth` edges are smoothed where a picture is taken as it is.
+        """
         self._context = context
-        self._programs = {weave: program(context, "resolve", WEAVE=weave) for weave in weaves}
+        self._weaves = weaves
+        self._smooth = smooth
+        self._compile()
+
+    def adapt(self, quality: Quality) -> None:
+        """Smooth edges, or not, from now on."""
+        if quality.smooth != self._smooth:
+            self._smooth = quality.smooth
+            self.release()
+            self._compile()
+
+    def _compile(self) -> None:
+        smooth = int(self._smooth)
+        self._programs = {
+            weave: program(self._context, "resolve", WEAVE=weave, SMOOTH=smooth)
+            for weave in self._weaves
+        }
         self._arrays = {
-            weave: context.vertex_array(compiled, []) for weave, compiled in self._programs.items()
+            weave: self._context.vertex_array(compiled, [])
+            for weave, compiled in self._programs.items()
         }
 
     def draw(

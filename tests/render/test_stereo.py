@@ -7,14 +7,16 @@ import pytest
 
 from subsea.errors import UserError
 from subsea.render import Renderer
+from subsea.render.quality import PRESETS
 from subsea.view.stereo import DISPLAYS, canvas_size
 
 SIZE = (96, 64)
+EXACT = replace(PRESETS["medium"], smooth=False)  # what is woven is not smoothed
 TALL = ["anaglyph", "anaglyph-comfort", "checkerboard"]
 
 
 def rendered(context, scene, packet, display, size=SIZE):
-    renderer = Renderer(context, scene, size, display=display)
+    renderer = Renderer(context, scene, size, EXACT, display)
     renderer.draw(packet)
     picture = renderer.read_pixels().astype(int)
     renderer.release()
@@ -99,7 +101,7 @@ def test_shutter_glasses_get_one_full_picture_each(context, scene, make, eyes):
         if number:  # the right eye's turn: what is there is the left one's
             kept.append(renderer.read_pixels().astype(int))
 
-    renderer = Renderer(context, scene, SIZE, display="stereo", page=page)
+    renderer = Renderer(context, scene, SIZE, EXACT, "stereo", page=page)
     renderer.draw(make("stereo"))
     kept.append(renderer.read_pixels().astype(int))
     renderer.release()
