@@ -1,7 +1,7 @@
 """Make the pictures of the documentation: `python docs/make_pictures.py [FOLDER]`.
 
-species.png: every species, by name, from its left flank and three-quarter, at rest; those that
-their spine moves from above and three-quarter, swimming.
+species.png: every species, by name, from its left flank and three-quarter, swimming slowly, in one
+picture of the sea; below them six individuals of one species and a courting male.
 """
 
 import sys
@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from subsea.frame import INSTANCE_COLUMNS, Batch, Packet, Scene
+from subsea.kinematics.coupling import couple, place
+from subsea.kinematics.rotation import multiply
 from subsea.kinematics.surface import rest_control_points
 from subsea.render import Renderer, headless_context
 from subsea.render.quality import PRESETS
@@ -25,57 +27,60 @@ from subsea.view.camera import NEAR_CM, View, look, off_axis
 
 Array = NDArray[np.floating[Any]]
 
-CELL = (320, 240)  # pixels of one look
+CELL = (400, 232)  # pixels
+CELL_CM = 18.0  # its width
 BESIDE = 2  # species in a row
-DEPTH_CM = 120.0
-APART_CM = 300.0
-DRAWN_CM = 24.0  # every fish as long as the others
-SEABED_CM = -420.0
-HALF_FIELD = 0.18  # tangent of half the horizontal angle of view
-LOOKS = (  # from where, in lengths of the fish that heads along x, and what is up
-    ((0.0, 3.4, 0.15), (0.0, 0.0, 1.0)),
-    ((2.5, 2.2, 0.55), (0.0, 0.0, 1.0)),
-)
-LOOKS_DOWN = (((0.0, 0.0, 3.4), (0.0, -1.0, 0.0)), ((2.0, 1.8, 1.7), (0.0, 0.0, 1.0)))
+ROOM = (0.84, 0.86)  # shares of a cell that a fish takes at most
+DEPTH_CM = 130.0  # of the upper edge of the picture
+SAND_CM = 30.0  # below its lower edge
+HALF_FIELD = 0.22  # tangent of half the horizontal angle of view
+TURNED, TILTED = np.radians(48.0), np.radians(58.0)  # toward the eye; of those flat or thin
+VARIED = "moon_wrasse"  # whose individuals are shown
+IDENTITIES = (0.07, 0.21, 0.38, 0.55, 0.69, 0.93, 0.45)  # the last one courts
 
 
-def species_plate(names: Sequence[str]) -> Image.Image:
-    """The species, some beside each other, each from every look."""
+def species_plate(names: Sequence[str], varied: str | None = None) -> Image.Image:
+    """The species, some beside each other, each from two sides; below, individuals of `varied`."""
     species = tuple(load_species(name) for name in names)
     points = [_pose(name, one) for name, one in zip(names, species, strict=True)]
+    beside = min(BESIDE, len(species))
+    columns, rows = 2 * beside, -(-len(species) // beside) + bool(varied)
+    size = (CELL[0] * columns, CELL[1] * rows)
+    cm = CELL_CM / CELL[0]  # a pixel's width
     scene = Scene(
         species=species,
         control_points=np.array(points, np.float32),
         recorded_length_cm=tuple(one.length_cm for one in species),
-        terrain=np.full((81, 81), SEABED_CM, np.float32),
-        terrain_half_width_cm=2000.0,
-        water=Water(fog=(0.012, 0.115, 0.20), visibility_cm=1500.0),
+        terrain=np.full((81, 81), -DEPTH_CM - size[1] * cm - SAND_CM, np.float32),
+        terrain_half_width_cm=3000.0,
+        water=Water(fog=(0.012, 0.115, 0.20), visibility_cm=2000.0),
     )
-    beside = min(BESIDE, len(species))
-    rows = -(-len(species) // beside)
-    size = (CELL[0] * len(LOOKS) * beside, CELL[1] * rows)
-    records = np.zeros((len(species), INSTANCE_COLUMNS), np.float32)
-    views = []
-    for k in range(rows * beside):  # behind the last species the water is empty
-        place = np.array([APART_CM * (k - rows * beside / 2), 0.0, -DEPTH_CM])
+    records = []
+    for k, one in enumerate(species):
         row, block = divmod(k, beside)
-        flat = k < len(species) and not species[k].muscles
-        for column, (away, up) in enumerate(LOOKS_DOWN if flat else LOOKS):
-            eye = place + DRAWN_CM * np.array(away)
-            corner = (block * len(LOOKS) + column, rows - 1 - row)
-            viewport = (corner[0] * CELL[0], corner[1] * CELL[1], *CELL)
-            half = NEAR_CM * HALF_FIELD * np.array([1.0, CELL[1] / CELL[0]])
-            projection = off_axis(-half[0], half[0], -half[1], half[1])
-            views.append(View(viewport, look(eye, place - eye, np.array(up)), projection, eye))
-        if k == len(species):
-            break
-        scale = DRAWN_CM / species[k].length_cm
-        middle = place - [scale * (points[k][:, 0].min() + points[k][:, 0].max()) / 2, 0.0, 0.0]
-        # Body x, y, z to world: a quarter turn about x sets the fish upright, heading along x.
-        records[k, :8] = (*middle, scale, np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0)
-        records[k, 8:] = (k, k, 0.0, 0.5, 0.6, 0.6, 0.0, 0.0, 0.0, 1.0, 0.0, k, 0.0, 0.0)
-    batches = (Batch(0, 0, len(species)),)
-    packet = Packet(1.0, tuple(views), records, batches, np.zeros((0, 3), np.float32), 0)
+        for side in range(2):
+            cell = (block * 2 + side + 0.5, row + 0.5)
+            records.append(_record(k, one, points[k], side, cell, columns, 1.0))
+    if varied:
+        k = list(names).index(varied)
+        for number, identity in enumerate(IDENTITIES):
+            share = columns / len(IDENTITIES)
+            cell = ((number + 0.5) * share, rows - 0.5)
+            record = _record(k, species[k], points[k], 0, cell, columns, share)
+            record[11], record[21] = identity, number == len(IDENTITIES) - 1
+            records.append(record)
+    away = columns * CELL_CM / 2 / HALF_FIELD
+    eye = np.array([0.0, away, -DEPTH_CM - size[1] * cm / 2])
+    half = NEAR_CM * HALF_FIELD * np.array([1.0, size[1] / size[0]])
+    view = View(
+        (0, 0, *size),
+        look(eye, np.array([0.0, -1.0, 0.0]), np.array([0.0, 0.0, 1.0])),
+        off_axis(-half[0], half[0], -half[1], half[1]),
+        eye,
+    )
+    instances = np.array(records, np.float32)
+    batches = (Batch(0, 0, len(instances)),)
+    packet = Packet(1.0, (view,), instances, batches, np.zeros((0, 3), np.float32), 0)
     with headless_context() as context:
         renderer = Renderer(context, scene, size, PRESETS["high"])
         renderer.draw(packet)
@@ -84,17 +89,61 @@ def species_plate(names: Sequence[str]) -> Image.Image:
     return picture
 
 
+def _record(
+    kind: int,
+    species: Species,
+    points: Array,
+    side: int,
+    cell: tuple[float, float],
+    columns: int,
+    share: float,
+) -> Array:
+    """The record of a fish in the middle of a cell (column, row from the top), heading left."""
+    # Body x, y, z to world: a quarter turn about x sets the fish upright, heading along x.
+    turn = np.array([np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0])
+    if side:
+        turn = multiply(np.array([np.cos(TURNED / 2), 0.0, 0.0, np.sin(TURNED / 2)]), turn)
+    if not species.muscles:  # its back toward the eye
+        turn = multiply(turn, np.array([np.cos(TILTED / 2), -np.sin(TILTED / 2), 0.0, 0.0]))
+    seen = np.array([_turned(turn, point) for point in points])
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    room = share * CELL_CM * ROOM[0], min(1.0, 1.3 * share) * CELL_CM * CELL[1] / CELL[0] * ROOM[1]
+    scale = min(room[0] / (high[0] - low[0]), room[1] / (high[2] - low[2]))
+    record = np.zeros(INSTANCE_COLUMNS)
+    middle = (
+        (columns / 2 - cell[0]) * CELL_CM,
+        0.0,
+        -DEPTH_CM - cell[1] * CELL_CM * CELL[1] / CELL[0],
+    )
+    record[:3] = middle - scale * (low + high) / 2
+    record[3], record[4:8] = scale, turn
+    record[8:19] = (kind, kind, 0.0, 0.5, 0.55, 0.55, 0.0, 0.0, 0.0, 1.0, 0.0)
+    record[19] = kind
+    return record
+
+
+def _turned(q: Array, v: Array) -> Array:
+    t = 2.0 * np.cross(q[1:], v)
+    return np.asarray(v + q[0] * t + np.cross(q[1:], t))
+
+
 def _pose(name: str, species: Species) -> Array:
-    """Control points (426, 3) in body axes, cm: at rest, but a rope has no shape at rest."""
-    if species.muscles:
+    """Control points (426, 3) in body axes, cm, of a fish that swims slowly; at rest, if new."""
+    path = resource_path("repertoires") / f"{name}.h5"
+    if not path.exists():
         return rest_control_points(species.surface, species.length_cm, 0.0)
-    repertoire = read_repertoire(resource_path("repertoires") / f"{name}.h5")
-    swimming = repertoire.segments["swim_medium"].control_points
-    assert swimming is not None  # what its spine moves has them recorded
-    return np.asarray(swimming[0])
+    repertoire = read_repertoire(path)
+    segment = repertoire.segments["swim_slow" if species.muscles else "swim_medium"]
+    if segment.control_points is not None:
+        return np.asarray(segment.control_points[0])
+    nodes = repertoire.rest_nodes
+    rest = rest_control_points(species.surface, repertoire.body_length_cm, nodes[0, 0])
+    return np.asarray(place(couple(species.surface.coupling, nodes, rest), segment.nodes[:1])[0])
 
 
 if __name__ == "__main__":
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent / "pictures"
     folder.mkdir(exist_ok=True)
-    species_plate(species_names()).save(folder / "species.png")
+    names = species_names()
+    names.sort(key=lambda name: not load_species(name).muscles)
+    species_plate(names, VARIED).save(folder / "species.png")
