@@ -4,7 +4,7 @@ import numpy as np
 
 from subsea.habitat import hook, plankton
 from subsea.habitat.rocks import rock_rows
-from subsea.habitat.terrain import crest, half_width, make_terrain
+from subsea.habitat.terrain import crest, drifted, half_width, make_terrain
 from subsea.kinematics.heightfield import height_at
 from subsea.scenario import Scenario
 from subsea.state import NOBODY, STOWED, Sea
@@ -19,6 +19,7 @@ def make_sea(scenario: Scenario, rng: np.random.Generator) -> Sea:
         x, y = pillar.position_cm
         pillars[k] = x, y, pillar.radius_cm, height_at(heights, width, x, y) + pillar.height_cm
     rocks, _ = rock_rows(scenario, lambda x, y: height_at(heights, width, x, y))
+    heights = drifted(heights, width, pillars, rocks, water.current_cm_s)
     surface_c, depth_c = water.temperature_c
     return Sea(
         heights=heights,

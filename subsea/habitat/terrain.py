@@ -1,10 +1,11 @@
-"""The seabed: a height field of dunes from a seed (SMC §6.2)."""
+"""The seabed: a height field of dunes from a seed (SMC §6.2), and how it lies about solids."""
 
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.habitat.solids import clearances
 from subsea.scenario import Scenario
 
 Array = NDArray[np.floating[Any]]
@@ -13,6 +14,11 @@ SAMPLES = 193  # per side
 MARGIN = 1.6  # the grid reaches beyond the world's radius, into the fog
 WAVES = 28
 RIM_CM = 120.0  # the seabed rises toward the rim, as in a bay
+STEEP = 0.5  # rad by which the lee of a dune comes sooner than that of a sine
+# Small dunes, where the grid is fine enough: their length and height, and of how many samples.
+SMALL_CM, SMALL_HIGH_CM, SAMPLED = 140.0, 7.0, 4.5
+# About a solid the current digs a moat and heaps up what it took, most of it in the lee.
+MOAT_CM, MOAT_WIDE_CM, MOUND_CM, MOUND_FAR_CM, MOUND_WIDE_CM = 6.0, 24.0, 11.0, 75.0, 50.0
 
 
 def half_width(scenario: Scenario) -> float:
@@ -23,8 +29,9 @@ def half_width(scenario: Scenario) -> float:
 def make_terrain(scenario: Scenario) -> Array:
     """Heights (n, n) float32, cm, row along y and column along x; mean near -depth_cm.
 
-    A sum of sines of random directions whose amplitude falls with the wave number, bent by
-    a slower one: long dunes with small ones on them. No part is higher than half the depth.
+    A sum of waves of random directions whose amplitude falls with the wave number, bent by
+    a slower one: long dunes, steep in their lee, with small ones on them. No part is higher than
+    half the depth.
     """
     rng = np.random.default_rng([scenario.terrain.seed, 0x7E44A1])
     w = half_width(scenario)
@@ -38,12 +45,44 @@ def make_terrain(scenario: Scenario) -> Array:
         angle = rng.normal(0.5, 0.7)
         phase = rng.uniform(0, 2 * np.pi)
         along = (x + bend) * np.cos(angle) + y * np.sin(angle)
-        heights += 2.0 ** (-1.7 * octave) * np.sin(wave * along + phase)
+        heights += 2.0 ** (-1.7 * octave) * _dune(wave * along + phase)
     # From crest to trough a sine of this deviation is as high as asked.
     heights *= scenario.terrain.dune_height_cm / (8**0.5 * max(float(heights.std()), 1e-9))
+    if SAMPLED * (axis[1] - axis[0]) < SMALL_CM and scenario.terrain.dune_height_cm > 0.0:
+        patch = np.clip(0.5 + np.sin(0.61 * base * x + 2.0) * np.sin(0.83 * base * y), 0.0, 1.0)
+        along = 0.9 * x + 0.45 * y + 0.4 * bend + 25.0 * np.sin(x / 171.0 - y / 233.0)
+        heights += 0.5 * SMALL_HIGH_CM * patch * _dune(2 * np.pi / SMALL_CM * along)
     rim = np.clip(np.hypot(x, y) / scenario.bounds.radius_cm - 0.75, 0.0, 1.0)
     heights = heights + RIM_CM * rim**2 - scenario.bounds.depth_cm
     return np.minimum(heights, -0.5 * scenario.bounds.depth_cm).astype(np.float32)
+
+
+def _dune(phase: Array) -> Array:
+    """A wave of height 2 whose lee is steep."""
+    return np.asarray(np.sin(phase + STEEP * np.cos(phase)))
+
+
+def drifted(
+    heights: Array, half_width: float, pillars: Array, rocks: Array, current: tuple[float, float]
+) -> Array:
+    """The heights with a moat about the foot of each solid, and a mound behind that."""
+    axis = np.linspace(-half_width, half_width, len(heights))
+    x, y = np.meshgrid(axis, axis)
+    reach = MOUND_FAR_CM + 2.5 * MOUND_WIDE_CM
+    near = np.zeros(heights.shape, np.bool_)
+    for rows, wide in ((pillars, pillars[:, 2]), (rocks, rocks[:, 3:5].max(axis=1, initial=0.0))):
+        for (cx, cy), size in zip(rows[:, :2], wide, strict=True):
+            near |= (np.abs(x - cx) < size + reach) & (np.abs(y - cy) < size + reach)
+    if not near.any():
+        return heights
+    gap = np.full(heights.shape, 3.0 * reach)
+    gap[near] = clearances(pillars, rocks, np.stack([x, y, heights], axis=2)[near].astype(float))
+    slope_y, slope_x = np.gradient(np.minimum(gap, reach), axis, axis)
+    way = np.array(current) / max(float(np.hypot(*current)), 1e-9)
+    lee = np.clip(slope_x * way[0] + slope_y * way[1], -1.0, 1.0)
+    moat = np.exp(-((np.maximum(gap - 10.0, 0.0) / MOAT_WIDE_CM) ** 2))
+    mound = np.exp(-(((gap - MOUND_FAR_CM) / MOUND_WIDE_CM) ** 2)) * (0.55 + 0.45 * lee)
+    return np.asarray(heights - MOAT_CM * moat + MOUND_CM * mound, np.float32)
 
 
 def crest(heights: Array, half_width: float, radius: float) -> float:

@@ -4,7 +4,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from subsea.habitat.terrain import crest, half_width, make_terrain
+from subsea.habitat.terrain import MOAT_CM, MOUND_CM, crest, drifted, half_width, make_terrain
 from subsea.kinematics.heightfield import height_at
 from subsea.scenario import load_scenario
 
@@ -49,3 +49,29 @@ def test_no_part_of_the_sea_is_above_the_crest(scenario):
         for a, b in zip(away, angle, strict=True)
     ]
     assert top - 30.0 < max(inside) <= top
+
+
+def test_dunes_are_steep_in_their_lee(scenario):
+    """Along the wind that made them the slopes down are steeper than those up."""
+    heights = make_terrain(scenario)
+    slope = np.diff(heights[60:-60, 60:-60], axis=1).ravel()
+    assert abs((slope**3).mean()) > 0.1 * slope.std() ** 3
+
+
+def test_the_current_digs_about_a_rock_and_heaps_up_behind_it():
+    flat = np.full((161, 161), -300.0, np.float32)
+    rocks = np.array([[0.0, 0.0, -290.0, 60.0, 60.0, 50.0, 0.0]])
+    made = drifted(flat, 800.0, np.zeros((0, 4)), rocks, (5.0, 0.0))
+    beside, lee, luff, far = (height_at(made, 800.0, x, 0.0) for x in (68, 135, -135, 400))
+    assert beside == pytest.approx(-300.0 - MOAT_CM, abs=2.0)
+    assert lee == pytest.approx(-300.0 + MOUND_CM, abs=2.5)
+    assert -299.5 < luff < lee - 4.0
+    assert far == -300.0
+    np.testing.assert_array_equal(drifted(flat, 800.0, np.zeros((0, 4)), rocks[:0], (5, 0)), flat)
+
+
+def test_what_hangs_high_above_digs_nothing():
+    flat = np.full((161, 161), -300.0, np.float32)
+    bow = np.array([[0.0, 0.0, 100.0, 60.0, 60.0, 50.0, 0.0]])
+    made = drifted(flat, 800.0, np.zeros((0, 4)), bow, (5.0, 0.0))
+    np.testing.assert_allclose(made, flat, atol=0.1)
