@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from subsea.errors import UserError
 from subsea.frame import Packet, Scene
+from subsea.render.blobs import Blobs
 from subsea.render.bubbles import Bubbles
 from subsea.render.coral import Coral
 from subsea.render.fishes import Fishes
@@ -67,6 +68,7 @@ class Renderer:
         self._water = Water(context, scene)
         self._seabed = Seabed(context, scene)
         self._solids = Solids(context, scene)
+        self._blobs = Blobs(context, scene)
         self._coral = Coral(
             context, scene.reef, IN_SIGHT * scene.water.visibility_cm,
             partial(drawn_height, scene.terrain, scene.terrain_half_width_cm),
@@ -117,6 +119,8 @@ class Renderer:
         self._solids.choose(packet, self.quality.detail)
         self._coral.choose(packet.views, self.quality.detail, self.quality.growth)
         self._seabed.choose(packet, self.quality.detail)
+        if self.quality.shadows:
+            self._blobs.upload(packet)
         self.upload_s = time.perf_counter() - start
         self._caustics.use(1)
         self._noise.use(2)
@@ -142,6 +146,7 @@ class Renderer:
                 context.enable(context.BLEND)
                 self._target.framebuffer.depth_mask = False  # shadows may lie on one another
                 self.triangles += self._coral.draw_shadows(uniforms)
+                self.triangles += self._blobs.draw(uniforms)
                 self._target.framebuffer.depth_mask = True
                 context.disable(context.BLEND)
             self.triangles += self._water.draw(packet, view, uniforms)
@@ -172,8 +177,8 @@ class Renderer:
         self._release_target()
         for part in (
             self._resolve, self._particles, self._bubbles, self._hook, self._fishes, self._seaweed,
-            self._coral, self._solids, self._seabed, self._water, self._shafts, self._noise,
-            self._caustics,
+            self._coral, self._blobs, self._solids, self._seabed, self._water, self._shafts,
+            self._noise, self._caustics,
         ):  # fmt: skip
             part.release()
 
