@@ -1,6 +1,9 @@
 #include "optics.glsl"
 #include "fishes.glsl"
 #include "skin.glsl"
+#ifdef FADING
+#include "fades.glsl"
+#endif
 
 uniform sampler2D u_skins;  // painted, side by side; alpha is the opacity
 
@@ -26,6 +29,9 @@ out vec4 f_colour;
 const float SHARPEN = -0.6;  // mipmaps alone blur stripes that can still be told apart
 
 void main() {
+#ifdef FADING
+    if (faded(v_fade)) discard;
+#endif
     vec3 view = normalize(u_eye - v_world);
     vec3 normal = normalize(v_normal);
     bool thin = v_side == 0.0;

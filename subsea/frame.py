@@ -15,13 +15,12 @@ from subsea.scenario import Water
 from subsea.species import Species
 from subsea.state import HANGING, HOOKED, LANDED, SINKING, STOWED, Fishes, Reef, Sea, empty_reef
 from subsea.view.camera import View
-from subsea.view.culling import HIDDEN, IN_SIGHT, classify, pixels_per_radian
+from subsea.view.culling import IN_SIGHT, OUT_OF_SIGHT, covered
+from subsea.view.levels import LEVELS, THRESHOLDS_PX, Memory, arranged, choose, nothing_drawn
 from subsea.world import TICK_S, World
 
 Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
-
-LEVELS = ("tessellated", "control mesh", "far")
 
 # Columns of an instance record: 22 float32, 88 bytes, six attributes in the shader.
 POSITION = slice(0, 3)  # cm, world, interpolated between the last two ticks
@@ -31,8 +30,8 @@ ROW_A, ROW_B, WEIGHT = 8, 9, 10  # a pose mixes two rows of the control-point ta
 IDENTITY = 11  # constant per fish, in [0, 1): individual variation
 FINS = slice(12, 19)  # as `state.Fishes.fins`: sweeps, lifts, mouth, dorsal fin, tail
 KIND = 19  # which species of the scene it is
-# Share of the pixels of a pattern that are drawn while two levels cross-fade, 0: all. Below zero
-# those that its other self, with the opposite sum, leaves out.
+# Of the pixels, in an even pattern, the share that is drawn while two levels cross-fade; 0: all.
+# A share f > 0 takes the first f of the pattern, f < 0 the last -f.
 FADE = 20
 DISPLAY = 21  # how much it wears its mating colours, 0 to 1
 INSTANCE_COLUMNS = 22
@@ -42,6 +41,10 @@ LEAF_NODES = 8
 LEAF_TEXELS = LEAF_NODES + 2  # width, facing, twist, own number; colour, length
 LEAF_NEAR_PX = 260.0  # a leaf that covers fewer pixels is drawn coarsely ...
 LEAF_LEAST_PX = 7.0  # ... and not at all if it covers fewer
+
+# A fish's sphere holds its nodes; its surface, with a tail that spreads, reaches a little farther.
+ENLARGED = 1.1
+NEVER_COARSE = np.zeros(len(LEVELS) - 1)  # thresholds of those who want no levels
 
 
 @dataclass(frozen=True)
@@ -63,11 +66,12 @@ class Scene:
 
 @dataclass(frozen=True)
 class Batch:
-    """Consecutive instances that share a level of detail."""
+    """Consecutive instances that share a level of detail, the farthest first."""
 
     level: int
     first: int
     count: int
+    fading: bool = False  # each is there twice, at two levels; specks that fade are not apart
 
 
 @dataclass(frozen=True)
@@ -77,7 +81,7 @@ class Packet:
     time_s: float  # world time, interpolated
     views: tuple[View, ...]
     instances: Array  # (m, 22) float32, sorted by batch
-    batches: tuple[Batch, ...]
+    batches: tuple[Batch, ...]  # those at rest, coarsest first, then those that fade
     plankton: Array  # (p, 3) float32 cm
     hidden: int  # fishes culled away
     # Control points (r, 426, 3) float32 cm that replace rows of the scene's from `live_row` on:
@@ -117,43 +121,56 @@ def pack(
     *,
     culling: bool = True,
     lod: bool = True,
+    detail: float = 1.0,
+    memory: Memory | None = None,
 ) -> Packet:
     """The frame that lies `alpha` (0 to 1) of the way from the last tick to the present one.
 
-    The times of the stages "cull" and "pose" are added to `world.stages_s`.
+    `detail` is a factor on the pixels that a fish or a leaf is taken to cover when its level is
+    chosen. `memory` is that of the frame before, and becomes that of this one; without it no fish
+    fades from one level to another. The times of the stages "cull" and "pose" are added to
+    `world.stages_s`.
     """
     fishes, library = world.state.fishes, world.library
     start = time.perf_counter()
     centres = fishes.previous_position + np.float32(alpha) * (
         fishes.position - fishes.previous_position
     )
-    radii = library.bounding_radius[fishes.species] * fishes.length
-    level = classify(centres, radii, fishes.length, views, culling, lod)
+    time_s = (world.state.tick - 1 + alpha) * TICK_S
+    radii = ENLARGED * library.bounding_radius[fishes.species] * fishes.length
+    reach = IN_SIGHT * world.scenario.water.visibility_cm
+    pixels, distance = covered(centres, radii, fishes.length, views, reach, culling)
+    pixels[~fishes.alive] = OUT_OF_SIGHT
     # Where a whole wave runs along a body coarse levels would cut its crests, of body and fins at
     # different places: it is drawn one level finer.
     wavy = np.array([one.spine is not None for one in world.species])[fishes.species]
-    level[wavy & (level != HIDDEN) & (level > 0)] -= 1
-    level[~fishes.alive] = HIDDEN
-    order, starts = _sort(level, len(LEVELS))
+    memory = nothing_drawn(len(pixels)) if memory is None else memory
+    choose(pixels, wavy, THRESHOLDS_PX / detail if lod else NEVER_COARSE, time_s, memory)
+    order, share, starts = arranged(distance, time_s, len(LEVELS), memory)
     culled = time.perf_counter()
-    fine, coarse = _leaves_in_sight(world, views, culling, lod)
+    fine, coarse = _leaves_in_sight(world, views, culling, lod, detail)
     instances = np.empty((len(order), INSTANCE_COLUMNS), np.float32)
-    _write_instances(fishes, centres, order, alpha, instances)
+    _write_instances(fishes, centres, order, share, alpha, instances)
     live_points = _skin_live(world, order)
     world.stages_s["cull"] = culled - start
     world.stages_s["pose"] = time.perf_counter() - culled
     batches = tuple(
-        Batch(k, int(starts[k]), int(starts[k + 1] - starts[k]))
-        for k in range(len(LEVELS))
+        Batch(
+            len(LEVELS) - 1 - k % len(LEVELS),
+            int(starts[k]),
+            int(starts[k + 1] - starts[k]),
+            k >= len(LEVELS),
+        )
+        for k in range(2 * len(LEVELS))
         if starts[k + 1] > starts[k]
     )
     return Packet(
-        time_s=(world.state.tick - 1 + alpha) * TICK_S,
+        time_s=time_s,
         views=tuple(views),
         instances=instances,
         batches=batches,
         plankton=world.state.sea.plankton[world.state.sea.absent == 0.0],
-        hidden=len(level) - len(order),
+        hidden=int((pixels < 0.0).sum()),
         live_points=live_points,
         live_row=len(library.entry),
         passing_cm_s=_velocity(world),
@@ -181,21 +198,18 @@ def _hook(sea: Sea, alpha: float) -> Array | None:
 
 
 def _leaves_in_sight(
-    world: World, views: Sequence[View], culling: bool, lod: bool
+    world: World, views: Sequence[View], culling: bool, lod: bool, detail: float
 ) -> tuple[Ints, Ints]:
     """Leaves near and far of those clusters whose centroid is in some view, or nearly."""
     box, seaweed = world.state.sea.seaweed, world.state.seaweed
     centres, size = (box[:, :3] + box[:, 3:]) / 2, box[:, 3:] - box[:, :3]
     # A leaf is wider than its chain, and between two ticks outside of its box.
     radii = np.linalg.norm(size, axis=1) / 2 + 10.0
-    level = classify(centres, radii, radii, views, culling, False)
-    away = np.array([np.linalg.norm(centres - view.eye, axis=1) for view in views])
-    scale = np.array([pixels_per_radian(view) for view in views])
-    pixels = (2 * radii * scale[:, None] / np.maximum(away, 1.0)).max(axis=0)
-    seen = (level != HIDDEN) & (away.min(axis=0) < IN_SIGHT * world.scenario.water.visibility_cm)
-    near = pixels > LEAF_NEAR_PX if lod else np.ones(len(box), np.bool_)
+    reach = IN_SIGHT * world.scenario.water.visibility_cm
+    pixels = detail * covered(centres, radii, 2 * radii, views, reach, culling)[0]
+    near = pixels > LEAF_NEAR_PX if lod else pixels >= 0.0
     leaves = np.diff(seaweed.first)
-    fine, coarse = seen & near, seen & ~near & (pixels > LEAF_LEAST_PX)
+    fine, coarse = near, ~near & (pixels > LEAF_LEAST_PX)
     return np.flatnonzero(np.repeat(fine, leaves)), np.flatnonzero(np.repeat(coarse, leaves))
 
 
@@ -232,24 +246,9 @@ def _skin_live(world: World, order: Ints) -> Array:
 
 
 @njit(cache=True)
-def _sort(level: Ints, levels: int) -> tuple[Ints, Ints]:
-    """Visible fishes by level, in index order within each; and where each level starts."""
-    starts = np.zeros(levels + 1, np.int64)
-    for i in range(len(level)):
-        if level[i] != HIDDEN:
-            starts[level[i] + 1] += 1
-    starts = np.cumsum(starts)
-    order = np.empty(starts[-1], np.int64)
-    place = starts.copy()
-    for i in range(len(level)):
-        if level[i] != HIDDEN:
-            order[place[level[i]]] = i
-            place[level[i]] += 1
-    return order, starts
-
-
-@njit(cache=True)
-def _write_instances(fishes: Fishes, centres: Array, order: Ints, alpha: float, out: Array) -> None:
+def _write_instances(
+    fishes: Fishes, centres: Array, order: Ints, share: Array, alpha: float, out: Array
+) -> None:
     for k in range(len(order)):
         i = order[k]
         out[k, POSITION] = centres[i]
@@ -268,5 +267,5 @@ def _write_instances(fishes: Fishes, centres: Array, order: Ints, alpha: float, 
         before, after = fishes.previous_fins[i], fishes.fins[i]
         out[k, FINS] = (1.0 - alpha) * before + alpha * after
         out[k, KIND] = fishes.species[i]
-        out[k, FADE] = 0.0
+        out[k, FADE] = share[k]
         out[k, DISPLAY] = fishes.display[i]

@@ -9,6 +9,7 @@ from subsea.ocean import TICK_S, create_world, step
 from subsea.scenario import Seaweed, load_scenario
 from subsea.state import HANGING, HOOKED, LANDED, NOBODY, SINKING, STOWED
 from subsea.submarine.helm import HANDS_OFF, Helm
+from subsea.view.levels import nothing_drawn
 from subsea.view.rigs import cockpit, pose, views_for
 
 
@@ -48,7 +49,8 @@ def test_batches_cover_the_instances_in_order(world):
         ends.append(batch.first + batch.count)
     assert ends[-1] == len(packet.instances)
     levels = [batch.level for batch in packet.batches]
-    assert levels == sorted(set(levels))
+    assert levels == sorted(set(levels), reverse=True)
+    assert len(levels) > 1
     rows, kinds = packet.instances[:, [frame.ROW_A, frame.KIND]].astype(int).T
     first = world.library.first[kinds, 0]
     assert ((rows >= first) & (rows < first + world.library.length[kinds].sum(axis=1))).all()
@@ -56,6 +58,31 @@ def test_batches_cover_the_instances_in_order(world):
 
 def test_without_lod_all_are_tessellated(world):
     assert {batch.level for batch in _pack(world, lod=False).batches} == {0}
+
+
+def test_detail_is_a_factor_on_the_pixels(world):
+    def mean(packet):
+        return sum(b.level * b.count for b in packet.batches) / len(packet.instances)
+
+    assert mean(_pack(world, detail=3.0)) < mean(_pack(world)) < mean(_pack(world, detail=0.3))
+
+
+def test_with_a_memory_levels_fade_and_without_they_do_not(world):
+    """While the camera comes nearer: records double, and their shares are each other's rest."""
+    memory = nothing_drawn(len(world.state.fishes.species))
+    first = _pack(world, memory=memory, detail=0.5)
+    assert not any(batch.fading for batch in first.batches)
+    alone = _pack(world, detail=1.5)
+    assert not any(batch.fading for batch in alone.batches)
+    second = _pack(world, memory=memory, detail=1.5)
+    assert len(second.instances) > len(alone.instances) == len(first.instances)
+    assert second.hidden == alone.hidden
+    for value in np.unique(second.instances[:, frame.IDENTITY]):
+        mine = second.instances[second.instances[:, frame.IDENTITY] == value]
+        if len(mine) == 2:
+            shares = np.sort(mine[:, frame.FADE])
+            assert shares[1] - shares[0] == pytest.approx(1.0)
+            np.testing.assert_array_equal(*np.delete(mine, frame.FADE, axis=1))
 
 
 @pytest.mark.parametrize(("alpha", "prefix"), [(0.0, "previous_"), (1.0, "")])

@@ -14,11 +14,12 @@ from subsea.app import pacing
 from subsea.app.start import headless, picture_maker, start_world
 from subsea.app.timing import summary
 from subsea.app.tour import Tour
-from subsea.frame import LEVELS, Packet, pack
+from subsea.frame import Packet, pack
 from subsea.ocean import step
 from subsea.places import check_file, replacing
 from subsea.render.quality import AUTO, LADDER, PRESETS, first_rung, name_of
 from subsea.scenario import load_scenario
+from subsea.view.levels import LEVELS, nothing_drawn
 from subsea.view.rigs import cockpit, views_for
 from subsea.world import World
 
@@ -112,13 +113,17 @@ def measure(
         if world.state.fishes.live[able].all():
             break
         step(world, tour.helm(world))
+    memory = nothing_drawn(len(world.state.fishes.species))
     triangles = visible = calls = 0
     pace = pacing.start(LADDER.index(renderer.quality)) if hold_ms else None
     for k in tqdm(range(-WARM_UP_FRAMES, frames), unit="frame", disable=None, leave=False):
         start = time.perf_counter()
         step(world, tour.helm(world))
         views = views_for(display, size, cockpit(world.state.submarine, 1.0))
-        packet = pack(world, views, 1.0, culling="culling" not in without, lod="lod" not in without)
+        packet = pack(
+            world, views, 1.0, culling="culling" not in without, lod="lod" not in without,
+            detail=renderer.quality.detail, memory=memory,
+        )  # fmt: skip
         packed = time.perf_counter()
         drawing, host_s = _draw(renderer, context, packet)
         end = time.perf_counter()
@@ -135,7 +140,7 @@ def measure(
         for batch in packet.batches:
             levels[batch.level] += batch.count
         simulated += int(world.state.fishes.live.sum())
-        visible += len(packet.instances)
+        visible += len(world.state.fishes.species) - packet.hidden
         triangles += renderer.triangles
         calls = max(calls, renderer.draw_calls)
     frame_ms = summary(durations)

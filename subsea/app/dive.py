@@ -15,6 +15,7 @@ from subsea.ocean import step
 from subsea.render import Renderer, page_switch, window_context
 from subsea.render.quality import AUTO, CHOICES, LADDER, PRESETS, Quality, first_rung, name_of
 from subsea.scenario import load_scenario
+from subsea.view.levels import nothing_drawn
 from subsea.view.rigs import cockpit, views_for
 from subsea.view.stereo import EYES, PAGED, Stereo
 from subsea.view.surround import ALL_ROUND, Surround
@@ -93,6 +94,7 @@ class Dive:
                 surround=surround,
                 page=page,
             )
+            self._memory = nothing_drawn(len(self.world.state.fishes.species))
             self._panes = panes(display, page)
             undo.callback(self._renderer.release)
             self._undo = undo.pop_all()
@@ -117,7 +119,9 @@ class Dive:
         submarine, alpha = self.world.state.submarine, self._clock.alpha
         observer = cockpit(submarine, alpha)
         views = views_for(self.display, self._size, observer, self._stereo, self._surround)
-        self._renderer.draw(pack(self.world, views, alpha), into=self._context.screen)
+        detail = self._renderer.quality.detail
+        packet = pack(self.world, views, alpha, detail=detail, memory=self._memory)
+        self._renderer.draw(packet, into=self._context.screen)
         throttle, stopping = self.pilot.throttle, self.pilot.stopping
         scale = self.window.text_scale
         self.overlay.draw(

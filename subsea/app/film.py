@@ -15,6 +15,7 @@ from subsea.frame import pack
 from subsea.ocean import step
 from subsea.render.quality import PRESETS
 from subsea.scenario import load_scenario
+from subsea.view.levels import nothing_drawn
 from subsea.view.rigs import cockpit, views_for
 from subsea.view.stereo import Stereo
 from subsea.view.surround import Surround
@@ -59,6 +60,7 @@ def film(
                 open_reel(out, size, fps) as write,
             ):
                 say(f"filming to {out}")
+                memory = nothing_drawn(len(world.state.fishes.species))
                 for instant in tqdm(instants, unit="frame", disable=None):
                     start = time.perf_counter()
                     ticks, alpha = divmod(instant / TICK_S, 1.0)
@@ -68,7 +70,10 @@ def film(
                         step(world, tour.helm(world))
                     observer = cockpit(world.state.submarine, alpha)
                     views = views_for(display, size, observer, stereo, surround)
-                    renderer.draw(pack(world, views, alpha))
+                    packet = pack(
+                        world, views, alpha, detail=renderer.quality.detail, memory=memory
+                    )
+                    renderer.draw(packet)
                     picture = renderer.read_pixels()
                     drawn = time.perf_counter()
                     write(picture)

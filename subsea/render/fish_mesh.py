@@ -43,14 +43,14 @@ class Detail(NamedTuple):
     body: int  # how often its samples were thinned out: `kept`
     fins: int
     paddles: tuple[int, int]  # samples along and across a paired fin
-    apart: bool  # whether the fins are drawn on their own, after all bodies
 
 
-# As `frame.LEVELS` has them.
+# As `view.levels.LEVELS` has them, but specks, which are none of this surface (`fish_speck.py`).
 DETAILS = (
-    Detail(0, 0, (7, 6), True),
-    Detail(1, 1, (4, 3), True),
-    Detail(2, 2, (2, 2), False),
+    Detail(0, 0, (7, 6)),
+    Detail(1, 0, (7, 6)),
+    Detail(1, 1, (4, 3)),
+    Detail(2, 2, (2, 2)),
 )
 
 
@@ -61,8 +61,9 @@ class Mesh(NamedTuple):
     base: Ints  # (n,) the first control point that has a part
     v: Array  # (n,) place along the patch; of a paired fin across it
     upper: NDArray[np.bool_]  # (n,) whether it belongs to the upper side of a half of the body
-    triangles: Ints  # (m, 3) int32, those of the closed body first
-    solid: int  # how many are drawn with their backs culled: those, or all, if fins have two sides
+    triangles: Ints  # (m, 3) int32: of the closed body, of the fins, and of their other sides
+    body: int  # how many the first are ...
+    fins: int  # ... and the second, as many as the last
 
 
 def finest(controls: int) -> Table:
@@ -112,16 +113,15 @@ def fish_mesh(detail: Detail) -> Mesh:
     snout = np.flatnonzero((vertices[:left, 12] == BODY) & (v[:left] == 0.0))
     bodies = [_lips(snout, left), *(triangles for triangles, body in placed if body)]
     fins = [triangles for triangles, body in placed if not body]
-    if not detail.apart:
-        bodies += [*fins, *(triangles[:, ::-1] for triangles in fins)]
-        fins = []
+    backs = [triangles[:, ::-1] for triangles in fins]
     return Mesh(
         vertices.astype("f4"),
         base,
         v,
         upper,
-        np.concatenate([*bodies, *fins]).astype("i4"),
+        np.concatenate([*bodies, *fins, *backs]).astype("i4"),
         sum(map(len, bodies)),
+        sum(map(len, fins)),
     )
 
 
@@ -207,7 +207,7 @@ def _paddle(samples: tuple[int, int], part: int, side: float) -> Mesh:
 
 
 def _bare(vertices: Array, base: Ints, v: Array, triangles: Ints) -> Mesh:
-    return Mesh(vertices, base, v, np.zeros(len(v), bool), triangles, 0)
+    return Mesh(vertices, base, v, np.zeros(len(v), bool), triangles, 0, 0)
 
 
 def _outline(plan: PaddlePlan, along: Array, across: Array) -> Array:

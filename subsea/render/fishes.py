@@ -11,9 +11,9 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.frame import INSTANCE_COLUMNS, Packet, Scene
+from subsea.frame import INSTANCE_COLUMNS, Batch, Packet, Scene
 from subsea.kinematics.surface import PaddlePlan
-from subsea.render import paint
+from subsea.render import fish_speck, paint
 from subsea.render.fish_mesh import (
     DETAILS,
     VERTEX_ATTRIBUTES,
@@ -22,23 +22,26 @@ from subsea.render.fish_mesh import (
     fish_mesh,
     outfit,
 )
+from subsea.render.fish_speck import COARSEST, Speck, places, speck
 from subsea.render.shaders import program, set_uniforms
 from subsea.species import Display, Species
 from subsea.view.camera import View
 
 Array = NDArray[np.floating[Any]]
 
-SKINS_UNIT, VERTICES_UNIT = 3, 9  # of textures
+SKINS_UNIT, VERTICES_UNIT, PLACES_UNIT = 3, 9, 10  # of textures
+FINE = 2  # levels whose fins are drawn after all bodies
 LOOKS_BINDING = 0  # of the block of uniforms
 SRGB8_ALPHA8 = 0x8C43  # OpenGL's name for the texels of the skins
 
-COARSEST = 5  # mipmap of the skins; coarser ones would mix neighbours on the atlas
-GUTTER = 2**COARSEST  # texels around each skin that repeat its border: one at the coarsest
+# Texels around each skin that repeat its border: one at the coarsest mipmap, so that none mixes
+# neighbours on the atlas.
+GUTTER = 2**COARSEST
 CELL = paint.SIZE[0] + 2 * GUTTER, paint.SIZE[1] + 2 * GUTTER
 
 JAWS_AHEAD = 0.02  # body lengths from the snout to the tip of a mouth that it ends in
 
-INSTANCE_FORMAT = "4f4 4f4 4f4 4f4 3f4 3f4/i"
+INSTANCE_FORMAT = "4f4 4f4 4f4 4f4 3f4 3f4"
 INSTANCE_ATTRIBUTES = ("i_place", "i_turn", "i_pose", "i_pectoral", "i_fins", "i_show")
 
 
@@ -47,7 +50,11 @@ class Fishes:
 
     def __init__(self, context: Any, scene: Scene) -> None:
         self._context = context
-        self._program = program(context, "fishes", SPECIES=len(scene.species))
+        kinds = len(scene.species)
+        self._plain = program(context, "fishes", SPECIES=kinds)
+        # To discard pixels costs time, so only what fades is drawn by the program that can.
+        self._fading = program(context, "fishes", SPECIES=kinds, FADING=1)
+        self._speck = program(context, "fish_speck", SPECIES=kinds, COARSEST=COARSEST)
         rows, points = scene.control_points.shape[:2]
         table = np.zeros((rows, points, 4), "f4")
         table[..., :3] = scene.control_points
@@ -60,19 +67,31 @@ class Fishes:
             for row in look(*one, cell(k, len(scene.species)))
         ]
         self._looks = context.buffer(np.array([*looks, *frames()], "f4").tobytes())
-        self._program["Looks"].binding = LOOKS_BINDING
         self._meshes = [fish_mesh(detail) for detail in DETAILS]
         vertices, triangles, self._first = joined(self._meshes)
         self._vertices = _table(context, outfits(scene.species, self._meshes))
-        self._buffers = [context.buffer(part.tobytes()) for part in (vertices, triangles)]
-        self._array = context.vertex_array(
-            self._program,
-            [
-                (self._buffers[0], VERTEX_FORMAT, *VERTEX_ATTRIBUTES),
-                (self._instances, INSTANCE_FORMAT, *INSTANCE_ATTRIBUTES),
-            ],
-            self._buffers[1],
+        shape = speck()
+        self._places = _table(context, speck_places(scene.species, shape))
+        buffers = [context.buffer(part.tobytes()) for part in (vertices, triangles)]
+        self._arrays = {}
+        for compiled in (self._plain, self._fading, self._speck):
+            compiled["Looks"].binding = LOOKS_BINDING
+        for compiled in (self._plain, self._fading):
+            self._arrays[compiled] = context.vertex_array(
+                compiled, [(buffers[0], VERTEX_FORMAT, *VERTEX_ATTRIBUTES)], buffers[1]
+            )
+        self._speck_triangles = len(shape.triangles)
+        speck_buffers = [
+            context.buffer(part.tobytes()) for part in (shape.vertices, shape.triangles)
+        ]
+        layout = fish_speck.VERTEX_FORMAT, *fish_speck.VERTEX_ATTRIBUTES
+        self._arrays[self._speck] = context.vertex_array(
+            self._speck, [(speck_buffers[0], *layout)], speck_buffers[1]
         )
+        self._held = [
+            *self._arrays.values(), *buffers, *speck_buffers, self._instances, self._looks,
+            self._table, self._vertices, self._places, self._skins, *self._arrays,
+        ]  # fmt: skip
 
     def upload(self, packet: Packet) -> None:
         """Send instance records, and the control points of fishes that are simulated.
@@ -90,55 +109,71 @@ class Fishes:
             self._table.write(texels.tobytes(), viewport=(0, packet.live_row, points, rows))
 
     def draw(self, packet: Packet, view: View, uniforms: dict[str, Any]) -> int:
-        """Draw all bodies, then all fins, into the bound framebuffer; the number of triangles.
+        """Draw all fishes into the bound framebuffer; the number of triangles.
 
-        Coarse levels, which are mostly far away, come first. Fins are translucent and write depth:
-        drawn last, they let every body behind them show. Those of coarse levels are drawn with
-        the bodies.
+        Coarse levels, which are mostly far away, come first, each in one call: fins have triangles
+        on both sides there. Of fine levels all bodies come before all fins, which are translucent
+        but write depth: so every body behind a fin shows.
         """
         self._table.use(0)
         self._skins.use(SKINS_UNIT)
         self._vertices.use(VERTICES_UNIT)
+        self._places.use(PLACES_UNIT)
         self._looks.bind_to_uniform_block(LOOKS_BINDING)
-        units = {"u_table": 0, "u_skins": SKINS_UNIT, "u_vertices": VERTICES_UNIT}
-        set_uniforms(self._program, **units, **uniforms)
-        batches = packet.batches[::-1]
-        self._context.enable(moderngl.CULL_FACE)
-        for batch in batches:
-            mesh = self._meshes[batch.level]
-            self._render(self._first[batch.level], mesh.solid, batch.first, batch.count)
-        self._context.disable(moderngl.CULL_FACE)
+        units = {
+            "u_table": 0,
+            "u_skins": SKINS_UNIT,
+            "u_vertices": VERTICES_UNIT,
+            "u_places": PLACES_UNIT,
+        }
+        for compiled in {self._program(batch) for batch in packet.batches}:
+            set_uniforms(compiled, **units, **uniforms)
         total = 0
-        for batch in batches:
-            mesh = self._meshes[batch.level]
-            fins = len(mesh.triangles) - mesh.solid
-            if fins:
-                first = self._first[batch.level] + mesh.solid
-                self._render(first, fins, batch.first, batch.count)
-            total += len(mesh.triangles) * batch.count
+        fine = []
+        self._context.enable(moderngl.CULL_FACE)
+        for batch in packet.batches:
+            if batch.level == len(DETAILS):
+                first, triangles = 0, self._speck_triangles
+            else:
+                mesh, first = self._meshes[batch.level], self._first[batch.level]
+                triangles = len(mesh.triangles)
+                if batch.level < FINE and not batch.fading:
+                    triangles = mesh.body
+                    fine.append(batch)
+            self._render(self._program(batch), first, triangles, batch.first, batch.count)
+            total += triangles * batch.count
+        self._context.disable(moderngl.CULL_FACE)
+        if fine:  # which follow each other, and have the same fins
+            mesh, first = self._meshes[0], self._first[0] + self._meshes[0].body
+            count = sum(batch.count for batch in fine)
+            self._render(self._plain, first, mesh.fins, min(b.first for b in fine), count)
+            total += mesh.fins * count
         return total
 
-    def _render(self, first: int, triangles: int, record: int, count: int) -> None:
+    def _program(self, batch: Batch) -> Any:
+        if batch.level == len(DETAILS):
+            return self._speck
+        return self._fading if batch.fading else self._plain
+
+    def _render(self, compiled: Any, first: int, triangles: int, record: int, count: int) -> None:
         """Draw `triangles` from the `first` on, for `count` instances from `record` on.
 
-        3.3 core has no base instance: the attributes are told where to begin.
+        3.3 core has no base instance: the attributes are told where to begin, those that the
+        program has.
         """
+        array = self._arrays[compiled]
         stride = INSTANCE_COLUMNS * 4
         offset = record * stride
-        formats = INSTANCE_FORMAT.removesuffix("/i").split()
+        formats = INSTANCE_FORMAT.split()
         for name, kind in zip(INSTANCE_ATTRIBUTES, formats, strict=True):
-            if name in self._program:
-                location = self._program[name].location
-                self._array.bind(location, "f", self._instances, kind, offset, stride, 1)
+            if name in compiled:
+                array.bind(compiled[name].location, "f", self._instances, kind, offset, stride, 1)
             offset += 4 * int(kind[0])
-        self._array.render(vertices=3 * triangles, first=3 * first, instances=count)
+        array.render(vertices=3 * triangles, first=3 * first, instances=count)
 
     def release(self) -> None:
         """Free every OpenGL object."""
-        for held in (
-            self._array, *self._buffers, self._instances, self._looks, self._table,
-            self._vertices, self._skins, self._program,
-        ):  # fmt: skip
+        for held in self._held:
             held.release()
 
 
@@ -165,6 +200,16 @@ def outfits(species: tuple[Species, ...], meshes: list[Mesh]) -> Array:
         ],
         "f4",
     )
+
+
+def speck_places(species: tuple[Species, ...], shape: Speck) -> Array:
+    """Of the vertices of specks, (species, n, 4) float32: place on the atlas, ABSENT or 0."""
+    out = np.zeros((len(species), len(shape.points), 4), "f4")
+    for k, one in enumerate(species):
+        left, bottom, width, height = cell(k, len(species))
+        out[k, :, :3] = places(one.surface, shape)
+        out[k, :, :2] = (left, bottom) + out[k, :, :2] * (width, height)
+    return out
 
 
 def cell(kind: int, kinds: int) -> tuple[float, float, float, float]:

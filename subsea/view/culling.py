@@ -1,4 +1,4 @@
-"""Which fishes are seen, and in what detail (SMC §7.1, §7.3)."""
+"""What is in sight, and how large it looks (SMC §7.1)."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -10,13 +10,9 @@ from numpy.typing import NDArray
 from subsea.view.camera import View
 
 Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
 
-HIDDEN = 255
+OUT_OF_SIGHT = -1.0  # in place of the pixels that something covers
 IN_SIGHT = 1.3  # visibilities; beyond, the fog hides all
-# A level is used as long as the fish's length covers at least so many pixels.
-TESSELLATED_PX = 190.0
-CONTROL_MESH_PX = 60.0
 
 
 def frustum_planes(view: View) -> Array:
@@ -31,52 +27,56 @@ def pixels_per_radian(view: View) -> float:
     return float(view.projection[1, 1]) * view.viewport[3] / 2
 
 
-def classify(
-    centres: Array, radii: Array, lengths: Array, views: Sequence[View], culling: bool, lod: bool
-) -> Ints:
-    """The level of detail (n,) uint8 of every fish, HIDDEN if no view sees it.
+def covered(
+    centres: Array,
+    radii: Array,
+    lengths: Array,
+    views: Sequence[View],
+    reach_cm: float = np.inf,
+    culling: bool = True,
+) -> tuple[Array, Array]:
+    """Pixels (n,) that each of n things covers where it covers most, and how far (n,) it is, cm.
 
-    `centres` (n, 3), `radii` (n,) of the bounding spheres and `lengths` (n,) in cm. Culling
-    takes the centroid against each frustum enlarged by the radius; a fish gets the finest level
-    that any view asks for. Without `culling` none is hidden, without `lod` all are at level 0.
+    `centres` (n, 3), `radii` (n,) of the bounding spheres and `lengths` (n,) in cm. What no view
+    sees is OUT_OF_SIGHT: views are taken together, a centre is compared with each frustum enlarged
+    by the radius, and nothing is seen beyond `reach_cm`. Without `culling` all is in sight.
     """
     planes = np.stack([frustum_planes(view) for view in views])
     eyes = np.stack([np.asarray(view.eye, np.float64) for view in views])
     scales = np.array([pixels_per_radian(view) for view in views])
-    return np.asarray(_classify(centres, radii, lengths, planes, eyes, scales, culling, lod))
+    pixels, distance = np.empty(len(centres), np.float32), np.empty(len(centres), np.float32)
+    _cover(centres, radii, lengths, planes, eyes, scales, reach_cm, culling, pixels, distance)
+    return pixels, distance
 
 
 @njit(cache=True)
-def _classify(
+def _cover(
     centres: Array,
     radii: Array,
     lengths: Array,
     planes: Array,
     eyes: Array,
     scales: Array,
+    reach: float,
     culling: bool,
-    lod: bool,
-) -> Ints:
-    level = np.full(len(centres), HIDDEN, np.uint8)
+    pixels: Array,
+    distance: Array,
+) -> None:
     for i in range(len(centres)):
         x, y, z = centres[i, 0], centres[i, 1], centres[i, 2]
+        most, nearest = OUT_OF_SIGHT, np.inf
         for v in range(len(planes)):
-            inside = True
+            d = np.sqrt((x - eyes[v, 0]) ** 2 + (y - eyes[v, 1]) ** 2 + (z - eyes[v, 2]) ** 2)
+            nearest = min(nearest, d)
             if culling:
+                inside = d - radii[i] < reach
                 for p in range(6):
-                    plane = planes[v, p]
-                    if plane[0] * x + plane[1] * y + plane[2] * z + plane[3] < -radii[i]:
-                        inside = False
+                    if not inside:
                         break
-            if not inside:
-                continue
-            fine = 0
-            if lod:
-                d = np.sqrt((x - eyes[v, 0]) ** 2 + (y - eyes[v, 1]) ** 2 + (z - eyes[v, 2]) ** 2)
-                pixels = lengths[i] / max(d, 1.0) * scales[v]
-                if pixels < CONTROL_MESH_PX:
-                    fine = 2
-                elif pixels < TESSELLATED_PX:
-                    fine = 1
-            level[i] = min(level[i], fine)
-    return level
+                    plane = planes[v, p]
+                    away = plane[0] * x + plane[1] * y + plane[2] * z + plane[3]
+                    inside = away >= -radii[i]
+                if not inside:
+                    continue
+            most = max(most, lengths[i] / max(d, 1.0) * scales[v])
+        pixels[i], distance[i] = most, nearest

@@ -14,6 +14,7 @@ from subsea.kinematics.surface import rest_control_points
 from subsea.render import headless_context
 from subsea.scenario import Water
 from subsea.species import load_species
+from subsea.view.levels import LEVELS
 from subsea.view.rigs import pose, views_for
 
 PICTURES = Path(__file__).parent / "pictures"
@@ -84,10 +85,11 @@ def make_packet():
     def make(fishes, eye=(0.0, 0.0, -200.0), heading=np.pi / 2, pitch=0.0, **options):
         size = options.pop("size", SIZE)
         display = options.pop("display", "mono")
-        fishes = sorted(fishes, key=lambda fish: fish.level)
-        levels = [fish.level for fish in fishes]
+        fishes = sorted(fishes, key=_group)
+        groups = [_group(fish) for fish in fishes]
         batches = [
-            Batch(k, first=levels.index(k), count=levels.count(k)) for k in sorted({*levels})
+            Batch(-group[1], groups.index(group), groups.count(group), group[0])
+            for group in sorted({*groups})
         ]
         records = np.array([record(fish) for fish in fishes], np.float32)
         return Packet(
@@ -100,6 +102,11 @@ def make_packet():
         )
 
     return make
+
+
+def _group(fish):
+    """Whether it is drawn as one that fades, and its level, coarsest first."""
+    return fish.fade != 0.0 and fish.level < len(LEVELS) - 1, -fish.level
 
 
 def record(fish):

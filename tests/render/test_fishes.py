@@ -9,6 +9,7 @@ from msgspec import structs
 from scipy.interpolate import BSpline
 
 from subsea.kinematics.rotation import matrix
+from subsea.kinematics.spline import greville
 from subsea.kinematics.surface import (
     DORSAL,
     FIN_U,
@@ -30,11 +31,15 @@ from subsea.render.fish_mesh import (
     PELVIC,
     VERTEX_ATTRIBUTES,
     VERTEX_FORMAT,
+    finest,
     fish_mesh,
+    kept,
     outfit,
     surface_points,
 )
+from subsea.render.fish_speck import speck
 from subsea.render.fishes import INSTANCE_ATTRIBUTES, INSTANCE_FORMAT, frames, look
+from subsea.render.quality import PRESETS
 from subsea.render.shaders import set_uniforms, source
 from subsea.repertoire import read_repertoire
 from subsea.resources import resource_path
@@ -91,7 +96,7 @@ def shaded(context, program, scene, level, packet, stiff=None):
         program,
         [
             (vertices, VERTEX_FORMAT, *VERTEX_ATTRIBUTES),
-            (instances, INSTANCE_FORMAT, *INSTANCE_ATTRIBUTES),
+            (instances, f"{INSTANCE_FORMAT}/i", *INSTANCE_ATTRIBUTES),
         ],
         skip_errors=True,
     )
@@ -152,10 +157,10 @@ def test_positions_and_normals_are_those_of_the_spline(
         np.testing.assert_allclose(position[mine], expected, atol=2e-4)
         size = np.linalg.norm(across, axis=1, keepdims=True)
         across = across / np.maximum(size, 1e-12) @ R.T * (-side if part == BODY else 1)
-        solid = size[:, 0] > 0.5
+        solid = size[:, 0] > 0.02
         np.testing.assert_allclose(normal[mine][solid], across[solid], atol=2e-3)
         checked += mine.sum()
-    assert checked > 0.8 * len(mesh.vertices)
+    assert checked == (mesh.vertices[:, PART] <= FIN).sum()
 
 
 def test_normals_of_the_body_point_outward(context, program, scene, make_packet, fish):
@@ -212,20 +217,111 @@ def test_fins_that_a_species_lacks_are_drawn_nowhere(level):
 
 @pytest.mark.parametrize("species", [0, 1])
 def test_levels_agree_in_silhouette(context, scene, make_packet, fish, species):
+    """All but specks at the size of a near fish, specks where a fish is as small as they are."""
     size = (240, 160)
     renderer = Renderer(context, scene, size)
     renderer.draw(make_packet([], size=size))
     empty = renderer.read_pixels().astype(int)
     shapes = []
-    for level in range(3):
+    for level in range(4):
         one = fish(species, (0, 24, -200), heading=2.8, level=level)
         renderer.draw(make_packet([one], size=size))
         shapes.append(np.abs(renderer.read_pixels() - empty).max(axis=2) > 2)
     renderer.release()
     assert shapes[0].mean() > 0.08
-    for coarser, least in ((1, 0.97), (2, 0.93)):
+    for coarser, least in ((1, 0.97), (2, 0.97), (3, 0.93)):
         both, either = shapes[0] & shapes[coarser], shapes[0] | shapes[coarser]
         assert both.sum() / either.sum() > least
+
+
+@pytest.mark.parametrize("species", [0, 1])
+def test_a_speck_looks_like_the_level_before_it(context, scene, make_packet, fish, species):
+    """About as large and as bright, where one gives way to the other: 24 pixels long."""
+    size = (60, 40)
+    renderer = Renderer(context, scene, size, PRESETS["low"])
+    silhouettes, sums = [], []
+    for level in (3, 4):
+        shape, colour = np.zeros(size[::-1]), np.zeros(3)
+        for k, heading in enumerate(np.linspace(0.0, 6.0, 12)):
+            one = fish(species, (0, 32, -200), heading=heading, level=level)
+            pair = []
+            for shown in ([one], []):
+                renderer.draw(make_packet(shown, size=size, time_s=3.0 * k))
+                pair.append(renderer.read_pixels().astype(float))
+            change = pair[0] - pair[1]
+            shape += np.abs(change).max(axis=2) > 4
+            colour += change.sum(axis=(0, 1))
+        silhouettes.append(shape.sum() / 12)
+        sums.append(colour / 12)
+    renderer.release()
+    assert silhouettes[0] > 40
+    assert silhouettes[1] == pytest.approx(silhouettes[0], rel=0.1)
+    assert (np.abs(sums[1] - sums[0]) / silhouettes[0] < 12).all()  # grey levels a pixel
+
+
+def test_a_speck_is_closed_and_a_handful_of_triangles():
+    shape = speck()
+    assert len(shape.triangles) <= 40
+    body = shape.triangles[~shape.thin[shape.triangles].any(axis=1)]
+    edges = np.concatenate([body[:, [0, 1]], body[:, [1, 2]], body[:, [2, 0]]])
+    forward, backward = ({tuple(e) for e in way} for way in (edges, edges[:, ::-1]))
+    assert forward == backward
+    assert len(forward) == len(edges)
+    place = rest_control_points(load_species("fusilier").surface, 1.0, 0.0)[shape.points]
+    a, b, c = (place[body[:, k]] for k in range(3))
+    assert (a * np.cross(b, c)).sum() > 0  # its volume: triangles turn outward
+
+
+@pytest.mark.parametrize("level", range(5))
+@pytest.mark.parametrize("share", [0.2, 0.5, 0.9])
+def test_of_a_fade_each_pixel_is_drawn_exactly_once(
+    context, scene, make_packet, fish, level, share
+):
+    """Both selves at one level make the whole fish again; one alone makes its share of it.
+
+    Were a pixel drawn twice its fins would be denser, were it left out the water would show.
+    """
+    size = (120, 80)
+    renderer = Renderer(context, scene, size, PRESETS["low"])
+
+    def drawn(*fades):
+        selves = [fish(1, (0, 24, -200), heading=2.8, level=level, fade=fade) for fade in fades]
+        renderer.draw(make_packet(selves, size=size))
+        return renderer.read_pixels().astype(int)
+
+    empty, whole, both = drawn(), drawn(0.0), drawn(share, share - 1.0)
+    one, other = drawn(share), drawn(share - 1.0)
+    renderer.release()
+    mine = np.abs(whole - empty).max(axis=2) > 2
+    assert mine.sum() > 500
+    firsts, seconds = ((np.abs(x - empty).max(axis=2) > 2) & mine for x in (one, other))
+    assert not (firsts & seconds).any()
+    assert firsts.sum() / mine.sum() == pytest.approx(share, abs=0.04)
+    if level < 2:  # of whom, whole, all bodies come before all fins: so those hide no fin behind
+        assert (np.abs(whole - both).max(axis=2) > 1).mean() < 0.01
+    else:
+        np.testing.assert_array_equal(whole, both)
+
+
+def test_coarser_levels_are_decimations_of_the_finest():
+    """Whatever they weigh control points with is in the finest table, number for number."""
+    for controls in (U, V, FIN_V):
+        samples = [set(kept(controls, thinned).tolist()) for thinned in range(3)]
+        assert samples[2] < samples[1] < samples[0]
+        np.testing.assert_allclose(
+            kept(controls, 1) / (len(finest(controls).first) - 1), greville(controls), atol=1e-12
+        )
+    columns = slice(0, PART + 1)
+    known = {
+        (base, v, *row)
+        for base, v, row in zip(
+            MESHES[0].base, MESHES[0].v, MESHES[0].vertices[:, columns].tolist(), strict=True
+        )
+        if row[PART] <= FIN
+    }
+    for mesh in MESHES[1:]:
+        for base, v, row in zip(mesh.base, mesh.v, mesh.vertices[:, columns].tolist(), strict=True):
+            assert row[PART] > FIN or (base, v, *row) in known
 
 
 def test_a_wing_has_a_level_base_and_a_pointed_end():
@@ -252,7 +348,7 @@ def test_the_body_is_closed(level, name):
     place = np.full((len(body), 3), np.nan)
     place[body] = np.round(surface_points(rest, mesh.vertices[body], mesh.base[body]), 6)
     _, same = np.unique(place, axis=0, return_inverse=True)
-    triangles = mesh.triangles[: mesh.solid]
+    triangles = mesh.triangles[: mesh.body]
     solid = same.reshape(-1)[triangles[body[triangles].all(axis=1)]]
     assert len(solid) > 100
     edges = np.concatenate([solid[:, [0, 1]], solid[:, [1, 2]], solid[:, [2, 0]]])
@@ -272,11 +368,11 @@ def test_a_far_fin_keeps_its_tip():
     edge = [(0.3, 0.11), (0.43, 0.13), tip, (0.47, 0.13), (0.6, 0.1), (0.74, 0.07)]
     plan = structs.replace(plan, dorsal=structs.replace(plan.dorsal, edge=edge))
     highest = []
-    for mesh, detail in zip(MESHES[1:], DETAILS[1:], strict=True):
+    for mesh, detail in zip(MESHES[2:], DETAILS[2:], strict=True):
         mine = (mesh.vertices[:, PART] == FIN) & (mesh.vertices[:, SIDE] > 0)
         highest.append(outfit(plan, mesh, detail)[mine, 1].max())
-    assert highest[-1] == pytest.approx(highest[0])
-    assert len(MESHES[-1].vertices) < len(MESHES[1].vertices) / 2
+    assert highest[1] == pytest.approx(highest[0])
+    assert len(MESHES[3].vertices) < len(MESHES[2].vertices) / 2
 
 
 def test_a_body_with_a_wave_keeps_its_fins():
@@ -318,7 +414,10 @@ def test_the_number_of_calls_does_not_depend_on_the_fishes(
     calls = []
     for number in (2, 40):
         made.clear()
-        few = [fish(k // 3 % 2, (0, 40, -200), level=k % 3) for k in range(3 * number)]
+        few = [
+            fish(k // 10 % 2, (0, 40, -200), level=k % 5, fade=0.5 * (k % 2))
+            for k in range(20 * number)
+        ]
         renderer.draw(make_packet(few, size=(64, 48)))
         calls.append(len(made))
     renderer.release()

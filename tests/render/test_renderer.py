@@ -65,14 +65,17 @@ def test_triangles_are_counted(renderer, make_packet, fish):
     renderer.draw(make_packet([], size=(160, 90)))
     without = renderer.triangles
     counts = []
-    for level in range(3):
+    for level in range(5):
         renderer.draw(make_packet([fish(0, (0, 40, -200), level=level)] * 7, size=(160, 90)))
         fishes, rest = divmod(renderer.triangles - without, 7)
         assert rest == 0
         counts.append(fishes)
     assert 2000 < counts[0] < 3000
-    assert 640 <= counts[1] < 800
-    assert 160 <= counts[2] < 230
+    # Then the body's control points alone, those of the fins too, and every second of these.
+    assert 900 < counts[1] < 1050
+    assert 700 < counts[2] < 850  # whose fins are counted on both sides
+    assert 160 <= counts[3] < 230
+    assert counts[4] == 40
 
 
 def test_release_frees_every_object(context, scene, make_packet, fish):

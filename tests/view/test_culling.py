@@ -1,11 +1,19 @@
-"""Culling and levels of detail."""
+"""Culling: what is in sight, and how large it looks."""
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from subsea.view.culling import HIDDEN, classify
+from subsea.frame import ENLARGED
+from subsea.kinematics.coupling import couple, place
+from subsea.kinematics.rotation import matrix
+from subsea.kinematics.surface import rest_control_points
+from subsea.render.fish_mesh import BODY, DETAILS, FIN, fish_mesh, outfit, surface_points
+from subsea.repertoire import read_repertoire
+from subsea.resources import resource_path
+from subsea.species import load_species
+from subsea.view.culling import OUT_OF_SIGHT, covered, pixels_per_radian
 from subsea.view.rigs import pose, views_for
 
 EYE = np.array([0.0, 0.0, -300.0])
@@ -15,54 +23,113 @@ def _views(heading=0.0, pitch=0.0, display="mono"):
     return views_for(display, (640, 360), pose(EYE, heading, pitch))
 
 
-def _levels(centres, views, *, radius=15.0, culling=True, lod=True):
+def _pixels(centres, views, *, radius=15.0, **options):
     centres = np.atleast_2d(np.asarray(centres, np.float32))
     n = len(centres)
     radii, lengths = np.full(n, radius, np.float32), np.full(n, 20.0, np.float32)
-    return classify(centres, radii, lengths, views, culling, lod)
+    return covered(centres, radii, lengths, views, **options)[0]
+
+
+def _inside(points, view):
+    """Which of the points (..., 3) are in a view."""
+    matrix = view.projection.astype(float) @ view.view.astype(float)
+    clip = np.concatenate([points, np.ones((*points.shape[:-1], 1))], axis=-1) @ matrix.T
+    return (np.abs(clip[..., :3]) < clip[..., 3:]).all(axis=-1)
 
 
 @given(
     seed=st.integers(0, 2**32 - 1), heading=st.floats(-3, 3), pitch=st.floats(-1, 1),
-    display=st.sampled_from(["mono", "side-by-side"]),
+    display=st.sampled_from(["mono", "side-by-side", "equirectangular"]),
 )  # fmt: skip
 @settings(max_examples=60)
 def test_whatever_could_show_is_kept(seed, heading, pitch, display):
-    """No fish of which a point on its sphere is in a view is culled."""
+    """Nothing of which a point on its sphere is in a view is culled."""
     rng = np.random.default_rng(seed)
     views = _views(heading, pitch, display)
     centres = EYE + rng.normal(0, 200, (200, 3))
-    levels = _levels(centres, views)
+    pixels = _pixels(centres, views)
     spots = rng.normal(size=(60, 3))
     spots *= 15.0 / np.linalg.norm(spots, axis=1, keepdims=True)
     for view in views:
-        matrix = view.projection.astype(float) @ view.view.astype(float)
-        points = (
-            np.concatenate([centres[:, None] + spots, np.ones((200, 60, 1))], axis=2) @ matrix.T
-        )
-        seen = (np.abs(points[..., :3]) < points[..., 3:]).all(axis=2).any(axis=1)
-        assert (levels[seen] != HIDDEN).all()
+        seen = _inside(centres[:, None] + spots, view).any(axis=1)
+        assert (pixels[seen] > 0).all()
+
+
+@pytest.fixture(scope="module")
+def drawn():
+    """Vertices of several poses of several species, body lengths about the origin, and radii."""
+    out = []
+    mesh = fish_mesh(DETAILS[0])
+    smooth = np.isin(mesh.vertices[:, 12], [BODY, FIN])
+    for name in ("fusilier", "emperor_angelfish", "blacktip_reef_shark", "spotted_eagle_ray"):
+        species = load_species(name)
+        repertoire = read_repertoire(resource_path(f"repertoires/{name}.h5"))
+        own = outfit(species.surface, mesh, DETAILS[0])
+        shown = smooth & (own[:, 2] >= 0)
+        radius = max(s.bounding_radius_bl for s in repertoire.segments.values())
+        for segment in repertoire.segments.values():
+            for points in _poses(species, repertoire, segment):
+                at = surface_points(points, mesh.vertices[shown], own[shown, 2].astype(int))
+                out.append((at / repertoire.body_length_cm, radius))
+    return out
+
+
+def _poses(species, repertoire, segment):
+    """Control points (426, 3) of two moments of a segment."""
+    moments = [0, len(segment.nodes) // 2]
+    if segment.control_points is not None:
+        return segment.control_points[moments]
+    rest = rest_control_points(
+        species.surface, repertoire.body_length_cm, repertoire.rest_nodes[0, 0]
+    )
+    return place(couple("sections", repertoire.rest_nodes, rest), segment.nodes[moments])
+
+
+@given(
+    which=st.integers(0, 10**6), turn=st.tuples(*[st.floats(-1, 1)] * 4),
+    at=st.tuples(st.floats(-1.2, 1.2), st.floats(-1.2, 1.2), st.floats(8, 900)),
+    length=st.floats(8, 150), display=st.sampled_from(["mono", "side-by-side"]),
+)  # fmt: skip
+@settings(max_examples=200)
+def test_no_fish_is_culled_of_which_a_drawn_vertex_is_in_sight(
+    drawn, which, turn, at, length, display
+):
+    """So nothing pops at the edges of a picture, of whatever species and pose."""
+    places, radius = drawn[which % len(drawn)]
+    quaternion = np.array(turn) + [1.5, 0, 0, 0]
+    R = matrix(quaternion / np.linalg.norm(quaternion))
+    views = _views(display=display)
+    ahead, aside, up = at[2], at[0] * at[2], at[1] * at[2]  # many are about the edges
+    centre = EYE + [ahead, aside, 0.6 * up]
+    vertices = centre + length * places @ R.T
+    radii = np.array([ENLARGED * radius * length], np.float32)
+    pixels, _ = covered(centre[None].astype("f4"), radii, np.array([length]), views)
+    if any(_inside(vertices, view).any() for view in views):
+        assert pixels[0] > 0
 
 
 def test_most_of_what_cannot_show_is_culled():
     rng = np.random.default_rng(1)
-    levels = _levels(EYE + rng.normal(0, 500, (5000, 3)), _views())
-    assert (levels == HIDDEN).mean() > 0.8  # the frustum is about a ninth of all directions
+    pixels = _pixels(EYE + rng.normal(0, 500, (5000, 3)), _views())
+    assert (pixels == OUT_OF_SIGHT).mean() > 0.8  # the frustum is about a ninth of all directions
 
 
-def test_nearer_is_finer():
-    distances = np.array([30, 100, 200, 400, 800, 1600])
-    levels = _levels([EYE + [d, 0, 0] for d in distances], _views())
-    assert levels[0] == 0
-    assert levels[-1] == 2
-    assert (np.diff(levels.astype(int)) >= 0).all()
+def test_what_the_fog_hides_is_left_out():
+    places = [EYE + [d, 0, 0] for d in (100, 980, 1020, 2000)]
+    np.testing.assert_array_equal(_pixels(places, _views(), reach_cm=990.0) > 0, [1, 1, 0, 0])
 
 
-def test_switches_turn_it_off():
-    behind, far = EYE - [100, 0, 0], EYE + [1600, 0, 0]
-    assert _levels(behind, _views())[0] == HIDDEN
-    assert _levels(behind, _views(), culling=False)[0] != HIDDEN
-    assert _levels(far, _views(), lod=False)[0] == 0
+def test_pixels_are_those_of_the_view_that_shows_most():
+    views = _views(display="side-by-side")
+    place = EYE + [200, 0, 0]
+    expected = [20 * pixels_per_radian(v) / np.linalg.norm(place - v.eye) for v in views]
+    assert _pixels(place, views)[0] == pytest.approx(max(expected), rel=1e-5)
+
+
+def test_without_culling_all_is_in_sight():
+    behind = EYE - [100, 0, 0]
+    assert _pixels(behind, _views())[0] == OUT_OF_SIGHT
+    assert _pixels(behind, _views(), culling=False, reach_cm=1.0)[0] > 0
 
 
 @pytest.mark.parametrize("display", ["side-by-side", "top-bottom"])
@@ -70,6 +137,6 @@ def test_several_views_cull_once_against_their_union(display):
     left, right = _views(display=display)
     rng = np.random.default_rng(2)
     centres = EYE + rng.normal(0, 150, (2000, 3))
-    union = _levels(centres, (left, right)) != HIDDEN
-    either = (_levels(centres, (left,)) != HIDDEN) | (_levels(centres, (right,)) != HIDDEN)
+    union = _pixels(centres, (left, right)) > 0
+    either = (_pixels(centres, (left,)) > 0) | (_pixels(centres, (right,)) > 0)
     np.testing.assert_array_equal(union, either)

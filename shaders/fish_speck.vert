@@ -1,0 +1,70 @@
+// A fish of a few pixels: a control point a vertex, lit here.
+#include "optics.glsl"
+#include "fishes.glsl"
+#include "individual.glsl"
+
+uniform mat4 u_view;
+uniform mat4 u_projection;
+uniform sampler2D u_table;   // control points: column by point, row by recorded frame
+uniform sampler2D u_places;  // column by vertex, row by species: place on the atlas of skins,
+                             // third -1 if there is no such fin
+
+in vec3 a_normal;
+in vec3 a_part;  // control point, that at its root, 1 if it belongs to a thin fin
+
+in vec4 i_place;  // cm, scale
+in vec4 i_turn;   // quaternion w, x, y, z
+in vec4 i_pose;   // row a, row b, weight of b, identity
+in vec3 i_fins;   // mouth, dorsal and ventral fin, tail
+in vec3 i_show;   // species, cross-fade, mating colours
+
+out vec3 v_sky;        // light from all around
+out float v_facing;    // how far it faces the sun, below 0 away from it
+flat out vec3 v_sun;
+out vec3 v_around;     // what silver mirrors
+flat out float v_silver;
+out vec3 v_veil;
+out vec2 v_skin;
+flat out vec4 v_tone;
+flat out float v_fade;
+
+const float WRAP = 0.25;
+
+vec3 control(float point) {
+    vec3 a = texelFetch(u_table, ivec2(int(point), int(i_pose.x)), 0).xyz;
+    vec3 b = texelFetch(u_table, ivec2(int(point), int(i_pose.y)), 0).xyz;
+    return mix(a, b, i_pose.z);
+}
+
+vec3 turned(vec3 v) {
+    vec3 t = 2.0 * cross(i_turn.yzw, v);
+    return v + i_turn.x * t + cross(i_turn.yzw, t);
+}
+
+void main() {
+    int kind = int(i_show.x);
+    vec4 own = texelFetch(u_places, ivec2(gl_VertexID, kind), 0), coat = looks[kind].coat;
+    // A folded fin lies closer to its root.
+    vec3 place = mix(control(a_part.y), control(a_part.x), mix(i_fins.y, 1.0, coat.w));
+    vec3 world = i_place.xyz + turned(i_place.w * place);
+    vec3 ray = world - u_eye;
+    float distance = length(ray);
+    ray /= distance;
+    vec3 normal = turned(a_normal);
+    bool thin = a_part.z > 0.5;
+    if (thin && dot(normal, ray) > 0.0) normal = -normal;
+    vec3 sun = sunlight_at(world.z), sky = light_from(vec3(0.0), world.z, normal, WRAP);
+    if (thin) sky += 0.6 * sun * max(dot(-normal, SUN), 0.2);
+    vec3 through = clearness(distance);
+    v_sky = EXPOSURE * sky * through;
+    v_sun = EXPOSURE * sun * through;
+    v_facing = (dot(normal, SUN) + WRAP) / (1.0 + WRAP);
+    v_around = water_radiance(reflect(ray, normal)) * through;
+    v_silver = thin ? 0.0 : coat.z;
+    v_veil = water_radiance(ray) * (1.0 - through);
+    v_tone = tone(i_pose.w, kind, i_show.z);
+    v_skin = own.xy;
+    v_fade = i_show.y;
+    gl_Position = u_projection * u_view * vec4(world, 1.0);
+    if (own.z < 0.0) gl_Position = vec4(0.0, 0.0, 2.0, 1.0);  // outside
+}

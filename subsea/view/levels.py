@@ -1,0 +1,121 @@
+"""In what detail each fish is drawn (SMC §7.3): by projected size, and without a visible switch.
+
+A level is kept until its threshold is overstepped by HYSTERESIS, and changes within FADE_S, in
+which a fish is drawn at both levels, each in the pixels that the other leaves out. What this has to
+remember is `Memory`: it belongs to whoever draws, not to the world.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+Array = NDArray[np.floating[Any]]
+Ints = NDArray[np.integer[Any]]
+
+# Finest first; the second and the third are those of SMC table 2.
+LEVELS = ("tessellated", "close", "distant", "far", "speck")
+# A level is used as long as the fish's length covers at least so many pixels.
+THRESHOLDS_PX = np.array([190.0, 110.0, 60.0, 24.0])
+HYSTERESIS = 0.12
+FADE_S = 0.3
+HIDDEN = 255  # in place of a level
+
+
+class Memory(NamedTuple):
+    """How n fishes were drawn last."""
+
+    level: Ints  # (n,) uint8, or HIDDEN
+    former: Ints  # (n,) uint8, the level before that
+    since: Array  # (n,) float64 s, when it changed
+
+
+def nothing_drawn(n: int) -> Memory:
+    """The memory of whoever has drawn none of n fishes yet."""
+    return Memory(np.full(n, HIDDEN, np.uint8), np.full(n, HIDDEN, np.uint8), np.full(n, -np.inf))
+
+
+@njit(cache=True)
+def choose(
+    pixels: Array, finer: NDArray[np.bool_], thresholds: Array, time_s: float, memory: Memory
+) -> None:
+    """Set the levels of the fishes whose length covers `pixels` (n,), below 0 out of sight.
+
+    `finer` are to be drawn one level finer than others. A fish that comes into sight has its level
+    at once, and while one change is under way no other begins.
+    """
+    level, former, since = memory
+    for i in range(len(pixels)):
+        if pixels[i] < 0.0:
+            level[i] = HIDDEN
+            continue
+        plain, fine, coarse = 0, 0, 0
+        for threshold in thresholds:
+            plain += pixels[i] < threshold
+            fine += pixels[i] * (1.0 + HYSTERESIS) < threshold
+            coarse += pixels[i] < threshold * (1.0 + HYSTERESIS)
+        if finer[i]:
+            plain, fine, coarse = max(plain - 1, 0), max(fine - 1, 0), max(coarse - 1, 0)
+        if level[i] == HIDDEN:
+            level[i], since[i] = plain, -np.inf
+            continue
+        kept = min(max(level[i], fine), coarse)
+        if kept != level[i] and not _under_way(since[i], time_s):
+            former[i], level[i], since[i] = level[i], kept, time_s
+
+
+@njit(cache=True)
+def arranged(
+    distance: Array, time_s: float, levels: int, memory: Memory
+) -> tuple[Ints, Array, Ints]:
+    """What is drawn: fishes, their share of a cross-fade, and where each group of them begins.
+
+    One group for each level, coarsest first, of the fishes at rest; then one for each of those that
+    fade, which are drawn at both levels. Specks that fade are among those at rest. Within a group
+    those at the greatest `distance` (n,) come first. Returns the fishes (m,), the shares (m,) as
+    `frame.FADE` has them, and the beginnings (2 levels + 1,), with the end.
+    """
+    level, former, since = memory
+    starts = np.zeros(2 * levels + 1, np.int64)
+    for i in range(len(level)):
+        if level[i] == HIDDEN:
+            continue
+        fading = _under_way(since[i], time_s)
+        starts[_group(level[i], fading, levels) + 1] += 1
+        if fading:
+            starts[_group(former[i], fading, levels) + 1] += 1
+    starts = np.cumsum(starts)
+    fish = np.empty(starts[-1], np.int64)
+    share = np.empty(starts[-1], np.float32)
+    end = starts.copy()
+    for i in range(len(level)):
+        if level[i] == HIDDEN:
+            continue
+        fading = _under_way(since[i], time_s)
+        k = _group(level[i], fading, levels)
+        fish[end[k]], share[end[k]] = i, 0.0
+        end[k] += 1
+        if fading:
+            done = min(max((time_s - since[i]) / FADE_S, 0.01), 0.99)
+            share[end[k] - 1] = done
+            k = _group(former[i], fading, levels)
+            fish[end[k]], share[end[k]] = i, done - 1.0
+            end[k] += 1
+    for k in range(2 * levels):
+        first, last = starts[k], starts[k + 1]
+        if last - first > 1:
+            order = np.argsort(-distance[fish[first:last]])
+            fish[first:last] = fish[first:last][order]
+            share[first:last] = share[first:last][order]
+    return fish, share, starts
+
+
+@njit(cache=True)
+def _under_way(since: float, time_s: float) -> bool:
+    return 0.0 <= time_s - since < FADE_S
+
+
+@njit(cache=True)
+def _group(level: int, fading: bool, levels: int) -> int:
+    return levels - 1 - level + (levels if fading and level < levels - 1 else 0)

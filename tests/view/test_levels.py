@@ -1,0 +1,144 @@
+"""Levels of detail: monotone, with hysteresis, and cross-fades that share every pixel."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from subsea.view.levels import (
+    FADE_S,
+    HIDDEN,
+    HYSTERESIS,
+    LEVELS,
+    THRESHOLDS_PX,
+    arranged,
+    choose,
+    nothing_drawn,
+)
+
+SIZES = st.floats(1.0, 1000.0)
+
+
+def _level(pixels, memory, time_s=0.0, finer=False):
+    pixels = np.atleast_1d(np.asarray(pixels, np.float32))
+    choose(pixels, np.full(len(pixels), finer), THRESHOLDS_PX, time_s, memory)
+    return memory.level.copy()
+
+
+@given(st.lists(SIZES, min_size=2, max_size=20))
+def test_nearer_is_never_coarser(sizes):
+    """Of fishes that come into sight: the level is monotone in the projected size."""
+    sizes = np.sort(sizes)[::-1]
+    levels = _level(sizes, nothing_drawn(len(sizes))).astype(int)
+    assert (np.diff(levels) >= 0).all()
+
+
+def test_every_level_has_its_sizes():
+    sizes = np.concatenate([[2 * THRESHOLDS_PX[0]], 0.99 * THRESHOLDS_PX])
+    np.testing.assert_array_equal(_level(sizes, nothing_drawn(5)), range(len(LEVELS)))
+    finer = _level(sizes, nothing_drawn(5), finer=True)
+    np.testing.assert_array_equal(finer, [0, 0, 1, 2, 3])
+
+
+@pytest.mark.parametrize("threshold", THRESHOLDS_PX)
+def test_a_level_changes_once_on_an_approach_and_a_retreat(threshold):
+    """At HYSTERESIS beyond the threshold either way; sizes within that never change it."""
+    span = 1.0 + HYSTERESIS
+    sizes = threshold * np.linspace(0.8, 1.25, 200)
+    memory = nothing_drawn(1)
+    up = [int(_level(size, memory, 10.0 * k)[0]) for k, size in enumerate(sizes)]
+    down = [int(_level(size, memory, 1e4 + 10.0 * k)[0]) for k, size in enumerate(sizes[::-1])]
+    assert up[0] - up[-1] == 1
+    assert down[-1] - down[0] == 1
+    assert sizes[np.argmax(np.diff(up) != 0)] == pytest.approx(threshold * span, rel=0.01)
+    assert sizes[::-1][np.argmax(np.diff(down) != 0)] == pytest.approx(threshold / span, rel=0.01)
+
+
+@given(st.lists(st.floats(0.95, 1.05), min_size=3, max_size=30))
+def test_a_fish_that_hovers_about_a_threshold_keeps_its_level(shares):
+    memory = nothing_drawn(1)
+    seen = {int(_level(60.0 * share, memory, 5.0 * k)[0]) for k, share in enumerate(shares)}
+    assert len(seen) == 1
+
+
+def _drawn(memory, time_s, distance=None):
+    n = len(memory.level)
+    distance = np.ones(n, np.float32) if distance is None else distance
+    return arranged(distance, time_s, len(LEVELS), memory)
+
+
+def test_a_fade_shares_the_pixels_between_both_levels():
+    memory = nothing_drawn(1)
+    _level(100.0, memory, 0.0)
+    shares = []
+    for k in range(7):
+        time_s = 1.0 + 0.07 * k
+        _level(100.0 if k == 0 else 40.0, memory, time_s)
+        fish, share, starts = _drawn(memory, time_s)
+        groups = np.repeat(np.arange(10), np.diff(starts))
+        if len(fish) == 2:
+            assert share.max() - share.min() == pytest.approx(1.0)  # f and f - 1
+            # The coarse level, to which it goes, comes first.
+            np.testing.assert_array_equal(groups, [5 + 4 - 3, 5 + 4 - 2])
+            assert share[0] > 0 > share[1]
+            shares.append(share[0])
+        else:
+            assert share[0] == 0
+    assert len(shares) == 5
+    assert (np.diff(shares) > 0).all()
+    assert shares[-1] == pytest.approx(4 * 0.07 / FADE_S, abs=1e-5)
+
+
+def test_no_change_begins_while_one_is_under_way():
+    memory = nothing_drawn(1)
+    _level(30.0, memory, 0.0)
+    assert _level(70.0, memory, 1.0)[0] == 2
+    assert _level(300.0, memory, 1.0 + 0.5 * FADE_S)[0] == 2
+    assert _level(300.0, memory, 1.0 + 1.1 * FADE_S)[0] == 0
+    assert memory.former[0] == 2
+
+
+def test_what_comes_into_sight_is_there_at_once():
+    memory = nothing_drawn(2)
+    _level([100.0, -1.0], memory, 0.0)
+    np.testing.assert_array_equal(memory.level, [2, HIDDEN])
+    _level([-1.0, 30.0], memory, 1.0)
+    np.testing.assert_array_equal(memory.level, [HIDDEN, 3])
+    _level([300.0, 30.0], memory, 1.1)
+    fish, share, _ = _drawn(memory, 1.1)
+    np.testing.assert_array_equal(np.sort(fish), [0, 1])
+    np.testing.assert_array_equal(share, 0)
+
+
+@given(
+    sizes=st.lists(st.floats(-50.0, 400.0), min_size=1, max_size=40), seed=st.integers(0, 99),
+)  # fmt: skip
+def test_groups_hold_their_levels_the_farthest_first(sizes, seed):
+    rng = np.random.default_rng(seed)
+    n = len(sizes)
+    memory = nothing_drawn(n)
+    _level(rng.uniform(5, 400, n), memory, 0.0)
+    _level(sizes, memory, 1.0)
+    distance = rng.uniform(10, 1000, n).astype(np.float32)
+    fish, share, starts = _drawn(memory, 1.1, distance)
+    assert starts[-1] == len(fish)
+    for k in range(len(starts) - 1):
+        group = fish[starts[k] : starts[k + 1]]
+        assert (np.diff(distance[group]) <= 0).all()
+        level = len(LEVELS) - 1 - k % len(LEVELS)
+        fading = k >= len(LEVELS)
+        assert level == len(LEVELS) - 1 or ((share[starts[k] : starts[k + 1]] != 0) == fading).all()
+        mine = np.where(
+            share[starts[k] : starts[k + 1]] < 0, memory.former[group], memory.level[group]
+        )
+        assert (mine == level).all()
+    visible = np.flatnonzero(memory.level != HIDDEN)
+    np.testing.assert_array_equal(np.unique(fish), visible)
+
+
+def test_time_that_runs_back_ends_a_fade():
+    memory = nothing_drawn(1)
+    _level(100.0, memory, 5.0)
+    _level(40.0, memory, 5.1)
+    assert len(_drawn(memory, 5.2)[0]) == 2
+    assert len(_drawn(memory, 0.0)[0]) == 1
