@@ -1,54 +1,130 @@
-// A leaf of seaweed: a ribbon along a smooth curve through the nodes of its chain.
+// Seaweed: fronds along the smooth curve through the nodes of a chain, or that grow from it.
 #include "optics.glsl"
 
 uniform mat4 u_view_projection;
-uniform sampler2D u_leaves;  // row by leaf: eight nodes, then its look
-uniform int u_first;         // row of the first leaf
+uniform sampler2D u_leaves;  // row by leaf: eight nodes, of which the first tells the kind; its look
 
 in vec2 a_place;  // share of its length, -1 to 1 across
+in vec2 a_frond;  // row of its leaf, its number among the fronds of that
 
 out vec3 v_world;
 out vec3 v_normal;
-out vec3 v_place;  // along, across, own number of the leaf
+out vec4 v_place;  // along, across, own number of the frond, how high on its plant
 flat out vec3 v_colour;
+flat out float v_rib;  // how much of a midrib it has
 out vec3 v_clear;  // haze changes so slowly that the vertices suffice
 out vec3 v_veil;
 
 const int LAST = 7;
+const int RIBBON = 0, KELP = 1, GRASS = 2, RED = 3;
+const float FLOAT = 0.14;    // share of a blade of kelp that is its float
+const float BLADES = 24.0, BRANCHES = 11.0;
+const vec3 UP = vec3(0.0, 0.0, 1.0);
 
-vec3 node(int k) {
-    return texelFetch(u_leaves, ivec2(clamp(k, 0, LAST), u_first + gl_InstanceID), 0).xyz;
+vec4 texel(int k) {
+    return texelFetch(u_leaves, ivec2(k, int(a_frond.x)), 0);
 }
 
-void main() {
-    vec4 look = texelFetch(u_leaves, ivec2(LAST + 1, u_first + gl_InstanceID), 0);
-    vec4 body = texelFetch(u_leaves, ivec2(LAST + 2, u_first + gl_InstanceID), 0);
-    float t = a_place.x, own = look.w;
-    // Catmull and Rom's curve.
+vec3 node(int k) {
+    return texel(clamp(k, 0, LAST)).xyz;
+}
+
+// Catmull and Rom's curve.
+vec3 curve(float t, out vec3 along) {
     float s = t * float(LAST);
-    int k = min(int(s), LAST - 1);
+    int k = clamp(int(s), 0, LAST - 1);
     s -= float(k);
     vec3 a = node(k - 1), b = node(k), c = node(k + 1), d = node(k + 2);
     vec3 p1 = 0.5 * (c - a), p2 = a - 2.5 * b + 2.0 * c - 0.5 * d, p3 = 0.5 * (d - a) + 1.5 * (b - c);
-    vec3 place = b + s * (p1 + s * (p2 + s * p3));
-    vec3 along = normalize(p1 + s * (2.0 * p2 + 3.0 * s * p3));
-    float facing = look.y + look.z * t;
+    along = normalize(p1 + s * (2.0 * p2 + 3.0 * s * p3));
+    return b + s * (p1 + s * (p2 + s * p3));
+}
+
+void main() {
+    int kind = int(texel(0).w + 0.5);
+    vec4 look = texel(LAST + 1), body = texel(LAST + 2);
+    float t = a_place.x, k = a_frond.y;
+    float own = fract(look.w + 0.618 * k), azimuth = 6.2832 * look.w + 2.4 * k;
+    vec3 out_way = vec3(cos(azimuth), sin(azimuth), 0.0);
+    bool branch = k > 0.5 && (kind == KELP || kind == RED);
+    // Where on the chain it is, or grows from.
+    float at = t;
+    if (branch) at = kind == KELP ? 0.1 + 0.9 * (k - 0.3 * own) / BLADES : 0.08 + 0.75 * k / BRANCHES;
+    if (kind == GRASS) at = t * mix(0.5, 1.0, own);
+    vec3 along;
+    vec3 place = curve(at, along);
+    float facing = look.y + look.z * t, length_cm = body.w;
+    // Narrow at the root, widest below the middle, pointed; its edges are frilled.
+    float width = look.x * (0.22 + 1.05 * sqrt(t)) * sqrt(max(1.0 - t, 0.0)) * (1.0 - 0.25 * t);
+    float frilled = 1.0, rib = 1.0, high = t;
+    vec3 colour = body.rgb;
+    vec3 eyeward = normalize(u_eye - place);
     vec3 side = vec3(cos(facing), sin(facing), 0.0);
+
+    if (kind == GRASS) {
+        place += out_way * look.x * (1.0 + 7.0 * own) * (0.5 + 0.6 * t * t);
+        along = normalize(along + 0.25 * t * out_way);
+        width = 0.35 * look.x * (1.0 - t * t);
+        side = vec3(-out_way.y, out_way.x, 0.0);
+        frilled = 0.0;
+        colour *= 0.75 + 0.5 * own;
+    } else if (kind == KELP && !branch) {
+        width = 0.16 * look.x * (1.0 - 0.6 * t);
+        side = cross(along, eyeward);  // round: it turns with the eye
+        frilled = rib = 0.0;
+    } else if (branch) {
+        // Away from the stem, then down and along with the water.
+        bool kelp = kind == KELP;
+        length_cm = kelp ? look.x * (6.0 + 3.0 * own) : body.w * (0.62 - 0.55 * at) * (0.7 + 0.5 * own);
+        float s = t;
+        if (kelp) s = t < 0.25 ? FLOAT * t / 0.25 : FLOAT + (1.0 - FLOAT) * (t - 0.25) / 0.75;
+        if (!kelp) out_way = (mod(k, 2.0) < 0.5 ? 1.0 : -1.0) * side + 0.35 * out_way;
+        vec3 rise = along;
+        vec3 way = normalize(0.9 * out_way + (kelp ? 0.7 + 0.5 * own : 0.8) * rise);
+        vec3 bend = kelp ? vec3(0.6 * rise.xy, -0.35 - 0.3 * own) : 0.4 * rise;
+        float flap = 2.1 * u_time - 5.0 * s + 6.2832 * own;
+        vec3 wave = vec3(sin(flap), cos(0.8 * flap), 0.5 * sin(1.3 * flap)) * (kelp ? 0.06 : 0.03);
+        place += length_cm * (s * way + s * s * (bend + wave));
+        along = normalize(way + 2.0 * s * (bend + wave));
+        high = at;
+        if (kelp) {
+            float blade = max(s - FLOAT, 0.0) / (1.0 - FLOAT);
+            float ball = sin(3.1416 * min(s / FLOAT, 1.0));
+            width = look.x * (1.9 * sqrt(blade) * sqrt(1.0 - blade) * (1.0 - 0.35 * blade));
+            if (t < 0.25) {
+                width = 0.08 * look.x + 0.3 * look.x * ball;
+                side = cross(along, eyeward);
+                colour = mix(colour, vec3(0.26, 0.22, 0.06), 0.6);
+                frilled = rib = 0.0;
+            } else {
+                side = cross(along, normalize(vec3(out_way.yx * vec2(-0.5, 0.5), 1.0)));
+                frilled = 1.4;
+                rib = 0.25;
+            }
+            t = s;
+        } else {
+            width = look.x * (0.35 + 0.5 * sin(3.0 * t)) * (1.0 - 0.6 * t);
+            side = cross(along, vec3(-out_way.y, out_way.x, 0.3));
+        }
+    } else if (kind == RED) {
+        width = look.x * (0.45 + 0.3 * sin(3.0 * t)) * (1.0 - 0.5 * t);
+    }
     side -= along * dot(side, along);
     side = normalize(side + 1e-4 * vec3(along.y, -along.x, 0.3));
     vec3 normal = cross(along, side);
-    // Narrow at the root, widest below the middle, pointed; its edges are frilled.
-    float width = look.x * (0.22 + 1.05 * sqrt(t)) * sqrt(max(1.0 - t, 0.0)) * (1.0 - 0.25 * t);
-    float frill = 6.2832 * (t * body.w / (5.0 + 1.6 * look.x) + own);
-    float edge = a_place.y * smoothstep(0.05, 0.3, t);
+    float frill = 6.2832 * (t * length_cm / (5.0 + 1.6 * look.x) + own);
+    float edge = a_place.y * smoothstep(0.05, 0.3, t) * frilled;
     float wave = a_place.y > 0.0 ? sin(frill) : sin(1.13 * frill + 2.0);
-    place += width * (0.5 * a_place.y * side + abs(edge) * (0.20 * wave + 0.12) * normal);
-    // The surface leans with its frill, and is folded a little along the midrib.
-    normal = normalize(normal - side * edge * (0.8 * wave + 0.45));
+    // Ragged: no two waves of its edge are as wide.
+    float ragged = 1.0 + 0.13 * min(frilled, 1.0) * sin(2.7 * frill + 5.0 * a_place.y) * t;
+    place += width * (0.5 * ragged * a_place.y * side + abs(edge) * (0.20 * wave + 0.12) * normal);
+    // The surface leans with its frill, and is folded a little along the midrib; what is round bulges.
+    normal = normalize(normal - side * edge * (0.8 * wave + 0.45) + (1.0 - min(frilled, 1.0)) * a_place.y * side);
     v_world = place;
     v_normal = normal;
-    v_place = vec3(t, a_place.y, own);
-    v_colour = body.rgb;
+    v_place = vec4(t, a_place.y, own, high);
+    v_colour = colour;
+    v_rib = rib;
     vec3 ray = v_world - u_eye;
     float distance = length(ray);
     v_clear = clearness(distance);

@@ -10,6 +10,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from subsea.body.pose import pose_at
+from subsea.habitat.seaweed import KINDS as SEAWEED_KINDS
 from subsea.kinematics.coupling import Coupling, place
 from subsea.scenario import Water
 from subsea.species import Species
@@ -41,6 +42,9 @@ LEAF_NODES = 8
 LEAF_TEXELS = LEAF_NODES + 2  # width, facing, twist, own number; colour, length
 LEAF_NEAR_PX = 260.0  # a leaf that covers fewer pixels is drawn coarsely ...
 LEAF_LEAST_PX = 7.0  # ... and not at all if it covers fewer
+LEAF_MOST_CM = 150.0  # of a cluster count
+BLADE = 9.0  # length of the longest blade of kelp over its width, as in `seaweed.vert`
+KELP = SEAWEED_KINDS.index("kelp")
 
 # A fish's sphere holds its nodes; its surface, with a tail that spreads, reaches a little farther.
 ENLARGED = 1.1
@@ -203,10 +207,15 @@ def _leaves_in_sight(
     """Leaves near and far of those clusters whose centroid is in some view, or nearly."""
     box, seaweed = world.state.sea.seaweed, world.state.seaweed
     centres, size = (box[:, :3] + box[:, 3:]) / 2, box[:, 3:] - box[:, :3]
-    # A leaf is wider than its chain, and between two ticks outside of its box.
-    radii = np.linalg.norm(size, axis=1) / 2 + 10.0
+    # A leaf is wider than its chain, and between two ticks outside of its box; blades of kelp
+    # stand off from it.
+    blades = np.where(seaweed.kind == KELP, BLADE * seaweed.look[:, 0], 0.0)
+    blades = np.maximum.reduceat(blades, seaweed.first[:-1]) if len(box) else np.zeros(0)
+    radii = np.linalg.norm(size, axis=1) / 2 + 10.0 + blades
     reach = IN_SIGHT * world.scenario.water.visibility_cm
-    pixels = detail * covered(centres, radii, 2 * radii, views, reach, culling)[0]
+    # However tall a plant is: it is made of parts.
+    covers = np.minimum(2 * radii, LEAF_MOST_CM)
+    pixels = detail * covered(centres, radii, covers, views, reach, culling)[0]
     near = pixels > LEAF_NEAR_PX if lod else pixels >= 0.0
     leaves = np.diff(seaweed.first)
     fine, coarse = near, ~near & (pixels > LEAF_LEAST_PX)
@@ -219,6 +228,7 @@ def _leaves(world: World, order: Ints, alpha: float) -> Array:
     out = np.zeros((len(order), LEAF_TEXELS, 4), np.float32)
     before, after = seaweed.previous[order], seaweed.node[order]
     out[:, :LEAF_NODES, :3] = before + np.float32(alpha) * (after - before)
+    out[:, 0, 3] = seaweed.kind[order]
     out[:, LEAF_NODES:] = seaweed.look[order].reshape(-1, 2, 4)
     return out
 

@@ -143,13 +143,15 @@ class Hook(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True
 class Seaweed(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """Clusters of leaves that are rooted in the seabed, or on a solid that stands there."""
 
+    # Broad leaves, tall stipes with blades, short tufts, branched red algae: each along a chain.
+    kind: Literal["ribbon", "kelp", "grass", "red"] = "ribbon"
     position_cm: tuple[Coordinate, Coordinate] | None = None  # none: scattered over the sea
     spread_cm: Positive = 120.0  # how far the clusters stand from it
     clusters: Annotated[int, msgspec.Meta(ge=0, le=MAX_CLUSTERS)] = 1
     leaves: Annotated[int, msgspec.Meta(ge=1, le=MAX_LEAVES)] = 6  # of each cluster
     height_cm: Annotated[float, msgspec.Meta(ge=5, le=1000)] = 90.0
-    width_cm: Annotated[float, msgspec.Meta(gt=0, le=100)] | None = None  # none: by the height
-    colour: Colour = (0.14, 0.155, 0.03)  # linear RGB
+    width_cm: Annotated[float, msgspec.Meta(gt=0, le=100)] | None = None  # none: by kind and height
+    colour: Colour | None = None  # linear RGB; none: as the kind is
 
 
 class Vent(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):

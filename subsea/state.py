@@ -232,6 +232,7 @@ class Seaweed(NamedTuple):
     look: (
         Array  # (l, 8) float32: width, cm; how it faces and twists, rad; own number; colour; length
     )
+    kind: Ints  # (l,) uint8, index into `habitat.seaweed.KINDS`
     cell_cm: float  # side of square cells over the sea, row by row from its south-west corner
     cell_first: Ints  # (g² + 1,) int32, where in `cell_cluster` each cell's list begins
     cell_cluster: Ints  # int32, clusters that a fish in a cell may touch

@@ -18,6 +18,7 @@ from subsea.state import HULL_CM, Clock, Fishes, Sea, Seaweed
 Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
 
+KINDS = ("ribbon", "kelp", "grass", "red")  # as `seaweed.vert`
 NODES = 8
 SUBSTEPS = 4
 # All per mass of the node at the root; springs and viscosity are the same for all nodes.
@@ -38,7 +39,12 @@ MARGIN_CM = 40.0  # from a cluster to the middle of a fish that pushes it
 CELL_CM = 100.0
 SETTLING = 240  # ticks in still water before the first
 
-WIDTH = 0.075  # of a leaf, over its length
+WIDTH = 0.075  # of a broad leaf, over its length
+WIDTH_CM = {"kelp": 8.0, "grass": 2.6, "red": 2.4}  # of a blade; grass and branches are narrower
+COLOURS = {  # linear RGB
+    "ribbon": (0.14, 0.155, 0.03), "kelp": (0.125, 0.105, 0.022), "grass": (0.10, 0.17, 0.035),
+    "red": (0.22, 0.035, 0.045),
+}  # fmt: skip
 TUFT_CM = 9.0  # how far the roots of a cluster stand apart
 LEAN = 1.0  # how far leaves bend out of their cluster, at the root
 BURIED_CM = 4.0  # the root's node lies so deep
@@ -63,12 +69,13 @@ def plant(scenario: Scenario, sea: Sea, seed: int) -> tuple[Sea, Seaweed]:
                 ground = _ground(sea, *here)
                 height = group.height_cm * vigour * rng.uniform(0.6, 1.0)
                 height = min(height, max(-ROOM_CM - ground, 5.0))
-                width = WIDTH * height if group.width_cm is None else group.width_cm
-                colour = np.array(group.colour) * rng.uniform(0.75, 1.25)
+                width = group.width_cm or WIDTH_CM.get(group.kind, WIDTH * height)
+                colour = np.array(group.colour or COLOURS[group.kind]) * rng.uniform(0.75, 1.25)
                 width *= rng.uniform(0.8, 1.2)
-                rows.append([*here, ground - BURIED_CM, outward, height, width, *colour])
+                kind = KINDS.index(group.kind)
+                rows.append([*here, ground - BURIED_CM, outward, height, width, *colour, kind])
             first.append(len(rows))
-    table = np.array(rows).reshape(-1, 9)
+    table = np.array(rows).reshape(-1, 10)
     n = len(table)
     facing, length = table[:, 3], table[:, 4]
     along = np.linspace(0.0, 1.0, NODES)
@@ -91,7 +98,8 @@ def plant(scenario: Scenario, sea: Sea, seed: int) -> tuple[Sea, Seaweed]:
     f = np.float32
     seaweed = Seaweed(
         first=starts, rest=rest.astype(f), lean=lean.astype(f), look=look.astype(f),
-        cell_cm=CELL_CM, cell_first=cell_first, cell_cluster=cell_cluster,
+        kind=table[:, 9].astype(np.uint8), cell_cm=CELL_CM, cell_first=cell_first,
+        cell_cluster=cell_cluster,
         node=node.astype(f), previous=node.astype(f), velocity=np.zeros((n, NODES, 3), f),
     )  # fmt: skip
     sea = sea._replace(seaweed=np.zeros((len(starts) - 1, 6), f))

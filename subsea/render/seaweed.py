@@ -6,7 +6,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.frame import LEAF_TEXELS, Packet
+from subsea.frame import LEAF_NODES, LEAF_TEXELS, Packet
 from subsea.render.shaders import program, set_uniforms
 from subsea.view.camera import View
 
@@ -16,8 +16,17 @@ LEAVES_UNIT = 5  # texture unit
 FINE, COARSE = (13, 3), (7, 2)  # samples along a leaf and across it
 
 
+# Numbers of the fronds that are drawn along and on the chain of each kind, near and far.
+FRONDS = {
+    "ribbon": ([0], [0]),
+    "kelp": ([*range(25)], [0, *range(1, 25, 2)]),
+    "grass": ([*range(7)], [0, 2, 4]),
+    "red": ([*range(12)], [0, *range(1, 12, 2)]),
+}
+
+
 class Seaweed:
-    """Holds two ribbons, and the texture of the leaves in sight: one row each."""
+    """Holds two ribbons, the texture of the leaves in sight, a row each, and what grows on them."""
 
     def __init__(self, context: Any) -> None:
         """Make the ribbons; the leaves come with each packet."""
@@ -28,10 +37,12 @@ class Seaweed:
         for size in (FINE, COARSE):
             places, triangles = ribbon(*size)
             buffers = [context.buffer(part.tobytes()) for part in (places, triangles)]
-            layout = [(buffers[0], "2f4", "a_place")]
+            fronds = context.buffer(reserve=8, dynamic=True)
+            layout = [(buffers[0], "2f4", "a_place"), (fronds, "2f4/i", "a_frond")]
             array = context.vertex_array(self._program, layout, buffers[1])
-            self._ribbons.append((array, len(triangles)))
-            self._held += [array, *buffers]
+            self._ribbons.append((array, len(triangles), fronds))
+            self._held += [array, *buffers, fronds]
+        self._counts = [0, 0]
         self._rows = 0
         self._leaves = self._texture(64)
 
@@ -41,8 +52,8 @@ class Seaweed:
         self._rows = rows
         return texture
 
-    def upload(self, packet: Packet) -> None:
-        """Send the leaves in sight."""
+    def upload(self, packet: Packet, growth: float = 1.0) -> None:
+        """Send the leaves in sight, and `growth` of all fronds on them."""
         number = len(packet.leaves)
         if number > self._rows:
             self._leaves.release()
@@ -51,18 +62,23 @@ class Seaweed:
             self._leaves.write(
                 np.ascontiguousarray(packet.leaves, "f4"), viewport=(0, 0, LEAF_TEXELS, number)
             )
+        ends = (0, packet.fine_leaves), (packet.fine_leaves, number)
+        for level, (first, end) in enumerate(ends):
+            fronds = fronds_of(packet.leaves[first:end], level, growth)
+            fronds[:, 0] += first
+            self._counts[level] = len(fronds)
+            if len(fronds):
+                buffer = self._ribbons[level][2]
+                buffer.orphan(fronds.nbytes)
+                buffer.write(fronds.tobytes())
 
     def draw(self, packet: Packet, view: View, uniforms: dict[str, Any]) -> int:
-        """Draw all leaves, the near ones finely; the number of triangles."""
+        """Draw all fronds, the near ones finely; the number of triangles."""
         set_uniforms(self._program, u_leaves=LEAVES_UNIT, **uniforms)
         self._leaves.use(LEAVES_UNIT)
-        fine, number = packet.fine_leaves, len(packet.leaves)
         total = 0
-        for (array, triangles), first, count in zip(
-            self._ribbons, (0, fine), (fine, number - fine), strict=True
-        ):
+        for (array, triangles, _), count in zip(self._ribbons, self._counts, strict=True):
             if count:
-                set_uniforms(self._program, u_first=first)
                 array.render(moderngl.TRIANGLES, instances=count)
                 total += triangles * count
         return total
@@ -71,6 +87,21 @@ class Seaweed:
         """Free every OpenGL object."""
         for held in (*self._held, self._leaves):
             held.release()
+
+
+def fronds_of(leaves: Array, level: int, growth: float = 1.0) -> Array:
+    """Row and number (m, 2) float32 of the fronds on leaves (k, LEAF_TEXELS, 4).
+
+    Of a cluster that is thinned out some leaves stay as they are, and others go.
+    """
+    kind = leaves[:, 0, 3].astype(int)
+    kind[leaves[:, LEAF_NODES, 3] > growth] = -1
+    parts = [np.zeros((0, 2), np.float32)]
+    for number, fronds in enumerate(FRONDS.values()):
+        rows = np.flatnonzero(kind == number)
+        own = fronds[level]
+        parts.append(np.stack([np.repeat(rows, len(own)), np.tile(own, len(rows))], axis=1))
+    return np.concatenate(parts).astype(np.float32)
 
 
 def ribbon(along: int, across: int) -> tuple[Array, NDArray[np.integer[Any]]]:

@@ -207,6 +207,18 @@ def test_equal_seeds_grow_and_sway_equally(make_bed):
     assert ends[0] == ends[1] != ends[2]
 
 
+@pytest.mark.parametrize("kind", module.KINDS)
+def test_all_kinds_are_chains_with_a_look_of_their_own(make_bed, kind):
+    group = {"clusters": 3, "leaves": 2, "height_cm": 200.0}
+    _, weed = make_bed(group | {"kind": kind})
+    assert (weed.kind == module.KINDS.index(kind)).all()
+    _, other = make_bed(group)
+    np.testing.assert_array_equal(weed.rest, other.rest)
+    if kind != "ribbon":
+        assert not np.allclose(weed.look[:, 4:7], other.look[:, 4:7])
+        assert weed.look[:, 0].max() < other.look[:, 0].max()
+
+
 def test_a_sea_without_seaweed(make_bed):
     bed = sea, weed = make_bed()
     _pass(bed, empty_fishes(3), ticks=2)

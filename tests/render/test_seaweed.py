@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from subsea.frame import LEAF_NODES, LEAF_TEXELS
+from subsea.habitat.seaweed import KINDS
 from subsea.render import Renderer
-from subsea.render.seaweed import COARSE, FINE, ribbon
+from subsea.render.seaweed import COARSE, FINE, FRONDS, fronds_of, ribbon
 
 SIZE = (320, 180)
 FINE_TRIANGLES, COARSE_TRIANGLES = (2 * (a - 1) * (b - 1) for a, b in (FINE, COARSE))
@@ -102,6 +103,43 @@ def test_more_leaves_than_before_fit(draw, bed, make_packet):
     one, _ = draw(replace(packet, leaves=bed, fine_leaves=len(bed)))
     again, _ = draw(replace(packet, leaves=many, fine_leaves=len(many)))
     np.testing.assert_array_equal(one, again)
+
+
+def _of_kind(bed, kind):
+    changed = bed.copy()
+    changed[:, 0, 3] = KINDS.index(kind)
+    return changed
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_kind_has_its_fronds_near_and_far(draw, bed, make_packet, kind):
+    packet = make_packet([], eye=(0, 0, -235))
+    leaves = _of_kind(bed, kind)
+    bare, triangles = draw(packet)
+    for level, (fine, each) in enumerate(((len(bed), FINE_TRIANGLES), (0, COARSE_TRIANGLES))):
+        picture, number = draw(replace(packet, leaves=leaves, fine_leaves=fine))
+        assert number - triangles == each * len(bed) * len(FRONDS[kind][level])
+        assert (np.abs(picture.astype(int) - bare).max(axis=2) > 20).mean() > 0.01
+
+
+def test_kinds_differ(draw, bed, make_packet):
+    packet = make_packet([], eye=(0, 0, -235))
+    seen = [
+        draw(replace(packet, leaves=_of_kind(bed, kind), fine_leaves=len(bed)))[0] for kind in KINDS
+    ]
+    for k, one in enumerate(seen):
+        for other in seen[:k]:
+            assert (np.abs(one.astype(int) - other).max(axis=2) > 25).mean() > 0.01
+
+
+def test_thinning_leaves_whole_plants_out(bed):
+    leaves = _of_kind(bed, "kelp")
+    full, half = fronds_of(leaves, 0), fronds_of(leaves, 0, 0.5)
+    assert len(full) == len(bed) * len(FRONDS["kelp"][0])
+    kept = np.unique(half[:, 0])
+    assert 0 < len(kept) < len(bed)
+    assert len(half) == len(kept) * len(FRONDS["kelp"][0])
+    assert len(fronds_of(leaves, 1, -0.1)) == 0
 
 
 def test_a_ribbon_covers_its_rectangle_once():
