@@ -33,12 +33,13 @@ def viewpoints(world: World) -> Iterator[tuple[str, Pose]]:
     sub, sea = world.state.submarine, world.state.sea
     start = np.asarray(sub.position, np.float64)
     yield "start", pose(start, float(sub.angles[0]), 0.0)
-    centre = np.zeros(3)
+    fishes = world.state.fishes
+    centre = np.asarray(np.median(fishes.position, axis=0), np.float64)
+    centre[2] = height_at(sea.heights, sea.half_width, centre[0], centre[1])
     if len(sea.rocks):
         near = np.linalg.norm(sea.rocks[:, :2] - start[:2], axis=1)
         centre = np.asarray(sea.rocks[near.argmin(), :3], np.float64)
     yield "reef", _looking_at(world, centre + (-190.0, -110.0, 60.0), centre + (0.0, 0.0, 25.0))
-    fishes = world.state.fishes
     numbers = np.bincount(fishes.species[fishes.alive])
     places = fishes.position[fishes.alive & (fishes.species == numbers.argmax())]
     middle = places[np.linalg.norm(places - np.median(places, axis=0), axis=1).argmin()]
