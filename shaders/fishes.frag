@@ -63,7 +63,7 @@ void main() {
     vec3 sun = sunlight_at(v_world.z) * caustics_at(v_world);
     vec3 light = light_from(sun, v_world.z, normal, 0.25);
     // What is thin glows with the light that falls on its other side.
-    float clear = max(web * (1.1 - 0.6 * skin.a), 2.0 * (1.0 - skin.a));
+    float clear = max(web * (0.8 - 0.4 * skin.a), 2.0 * (1.0 - skin.a));
     light += clear * sun * max(dot(-normal, SUN), 0.2);
     vec3 colour = EXPOSURE * skin.rgb * light * (1.0 - 0.6 * silver);
 
@@ -79,7 +79,7 @@ void main() {
     // Wet skin mirrors the water around it at grazing angles, silver at all.
     float rim = 1.0 - facing;
     rim *= rim;
-    float share = 0.35 * rim * rim + (0.10 + 0.1 * rim) * eye;
+    float share = 0.22 * rim * rim + (0.10 + 0.1 * rim) * eye;
     vec3 around = water_radiance(reflect(-view, normal));
     colour += (share + silver * sheen * (0.4 + skin.rgb)) * around;
     f_colour = vec4(colour * v_clear + v_veil, skin.a);

@@ -146,8 +146,8 @@ def test_two_movers_or_none_are_one_line(tmp_path, head):
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (("radius = [0.0018, 0.0058]", "radius = [0.0058, 0.0018]"), "radius"),
-        (("radius = [0.0018, 0.0058]", "radius = [0.0018, 0.02]"), "half the spacing"),
+        (("radius = [0.0024, 0.0062]", "radius = [0.0062, 0.0024]"), "radius"),
+        (("radius = [0.0024, 0.0062]", "radius = [0.0024, 0.02]"), "half the spacing"),
         (("chord = [0.07, 0.3]", "chord = [0.3, 0.07]"), "chord"),
         (("chord_lag = 0.22", "chord_lag = 0.0"), "chord_lag"),
         (("[skin.dorsal]", "[skin.ventral]"), "skin.dorsal"),

@@ -55,6 +55,7 @@ SLENDER = 0.1  # depth in body lengths below which the head is short too
 DARK = (0.012, 0.012, 0.016)  # the pupil and the rim of the eye
 FLANK = 0.45  # how wide what lies on the flank of a flat head looks from above
 EDGE_SHADE = 0.02  # width of the band along the edge of a wing, body lengths
+SPOT_SOFT = 0.0013  # half the width of a spot's border, body lengths
 GILLS_APART = 0.016  # body lengths
 PORES = 0.0115  # from one scale of the lateral line to the next, body lengths
 CUT_SPINES, CUT_RAYS = 0.15, 0.05  # how far the membrane is cut in between them, share of the fin
@@ -168,7 +169,7 @@ def _paint_flank(picture: Array, species: Species, s: Array, y: Array) -> None:
         behind_eye = _step(s, surface.eye.at + 0.05, surface.eye.at + 0.2)
         picture[3] -= skin.clear_back * _step(level, 0.0, 0.5) * behind_eye
     if skin.stripes:
-        _lay(picture, skin.stripes.colour, _stripes(skin.stripes, s, y + uneven))
+        _lay(picture, skin.stripes.colour, _stripes(skin.stripes, s, y, uneven))
     if skin.cape:
         line = _single(along(skin.cape.line, s))
         _lay(picture, skin.cape.colour, _step(shade - line, -skin.cape.soft, skin.cape.soft))
@@ -244,27 +245,32 @@ def _strew(picture: Array, plan: Spots, s: Array, right: Array, where: Array) ->
             radius = plan.radius[0] + (plan.radius[1] - plan.radius[0]) * size
             columns = slice(*np.searchsorted(s, place[0] + radius * np.array([-1.5, 1.5])))
             near = np.flatnonzero(np.abs(right[:, 0] - place[1]) < 1.5 * radius)
-            far = np.hypot(s[columns] - place[0], right[near] - place[1]) / radius
-            spot = _step(far, 1.25, 0.8)
+            far = np.hypot(s[columns] - place[0], right[near] - place[1]) - radius
+            spot = _step(far, SPOT_SOFT, -SPOT_SOFT)
             if kind < plan.rings and size > 0.35:  # a small one would close
-                spot *= _step(far, 0.3, 0.75)
+                spot *= _step(far + 0.5 * radius, -SPOT_SOFT, SPOT_SOFT)
             share[near, columns] = np.maximum(share[near, columns], spot)
     _lay(picture, plan.colour, share * where)
 
 
-def _stripes(plan: Stripes, s: Array, y: Array) -> Array:
+def _stripes(plan: Stripes, s: Array, y: Array, uneven: Array) -> Array:
     """Where the stripes are, 0 to 1: they waver a little, and taper at both ends."""
-    waver = 0.09 * np.sin(19.0 * s + 23.0 * y) + 0.05 * np.sin(43.0 * s - 31.0 * y)
+    waver = 0.09 * _sine(19.0 * s, 23.0 * y) + 0.05 * _sine(43.0 * s, -31.0 * y)
     if plan.upright:
-        phase = (s - plan.rise * y) / plan.spacing + waver
+        phase = (s - plan.rise * y + uneven) / plan.spacing + waver
     else:
-        phase = (y - plan.rise * (s - 0.5) + 0.12 * (s - 0.55) ** 2) / plan.spacing + waver
+        phase = (y - plan.rise * (s - 0.5) + 0.12 * (s - 0.55) ** 2 + uneven) / plan.spacing + waver
     wave = np.abs((phase % 1.0) - 0.5) * 2.0  # 0 in the middle of a stripe, 1 between two
     soft = SOFT / plan.spacing
     taper = _step(s, plan.begin - 0.005, plan.begin + 0.05)
     taper = taper * _step(s, plan.end + 0.005, plan.end - 0.05)
     share = plan.share * np.sqrt(taper)
     return _smooth((share + soft - wave) / (2.0 * soft)) * (taper > 0.0)
+
+
+def _sine(a: Array, b: Array) -> Array:
+    """Sine of a + b, quickly where one runs along the columns and one along the rows."""
+    return np.asarray(np.sin(a) * np.cos(b) + np.cos(a) * np.sin(b))
 
 
 def _lay_patch(picture: Array, plan: Patch, s: Array, y: Array, uneven: Array | float) -> None:
@@ -344,19 +350,18 @@ def _paint_fin(
     up = _single((np.arange(height)[:, None] + 0.5) / height)
     s, y = _fin_places(plan, ridge, share, up)
     # From where it leaves the body, 0, to its edge, 1.
-    rise = np.abs(y) - np.abs(along(ridge, s))
+    skirt = _single(np.interp(s, body.s, along(ridge, body.s)))
+    rise = np.abs(y) - np.abs(skirt)
     out = (rise / np.maximum(rise[-1], 0.004)).clip(0.0, 1.0)
-    picture[:3], picture[3] = body.colours(s, np.clip(y, *_sorted(0.9 * along(ridge, s)))), 1.0
-    _lay(picture, fin.colour, _step(out, 0.0, 0.3))
+    picture[:3], picture[3] = body.colours(s, np.where(rise > 0.0, 0.9 * skirt, y)), 1.0
+    _lay(picture, fin.colour, _step(out, 0.0, 0.2))
     uneven = _single(UNEVEN * _over(_cloud(), out.shape))
     if fin.striped and skin.stripes:
-        stripes = _stripes(skin.stripes, s, y + uneven)
+        stripes = _stripes(skin.stripes, s, y, uneven)
         _lay(picture, skin.stripes.colour, stripes * _step(out, 0.97, 0.85))
+    coarse = _fin_places(plan, ridge, _every_fourth(share), _every_fourth(up[:, 0])[:, None])
     for patch in skin.patches:
-        if patch.over_fins:
-            coarse = _fin_places(
-                plan, ridge, _every_fourth(share), _every_fourth(up[:, 0])[:, None]
-            )
+        if patch.over_fins and _near(patch.outline, *coarse):
             depth = _between(_between(_depth_at(patch.outline, *coarse).T, width).T, height)
             _lay_ringed(picture, patch, depth + uneven)
     rays, between = _rays(share, out, fin.spines, fin.soft_rays)
@@ -376,11 +381,6 @@ def _fin_places(plan: FinPlan, ridge: Curve, share: Array, up: Array) -> tuple[A
     edge = travelled(plan.edge, share)
     root = SUNK * along(ridge, base)
     return _single(base + up * (edge[:, 0] - base)), _single(root + up * (edge[:, 1] - root))
-
-
-def _sorted(values: Array) -> tuple[Array, Array]:
-    """The range from the axis to `values`."""
-    return np.minimum(values, 0.0), np.maximum(values, 0.0)
 
 
 def _paint_paddle(
@@ -492,6 +492,8 @@ def _draw_gill_cover(picture: Array, at: Array, level: Array) -> None:
 def _draw_mouth(picture: Array, skin: SkinPlan, s: Array, y: Array, large: float) -> None:
     """A dark line between two lips that end in a fold at its corner."""
     (tip, height), (corner, low) = skin.mouth
+    rows, columns = _around([(tip, height), (corner, low)], 0.02 * large + 0.006, s, y)
+    picture, s, y = picture[:, rows, columns], s[columns], y[rows]
     t = (s - tip) / (corner - tip)
     line = height + (low - height) * t + 0.0035 * large * np.sin(np.pi * t.clip(0.0, 1.0))
     off = (y - line) / large
@@ -537,6 +539,12 @@ def _around(outline: Curve, reach: float, s: Array, y: Array) -> tuple[slice, sl
         np.searchsorted(s, (low[0], high[0])),
     )
     return slice(*rows), slice(*columns)
+
+
+def _near(outline: Curve, s: Array, y: Array) -> bool:
+    """Whether the box around an outline has a share in that around some places."""
+    low, high = np.min(outline, axis=0) - 0.02, np.max(outline, axis=0) + 0.02
+    return bool(s.max() > low[0] and s.min() < high[0] and y.max() > low[1] and y.min() < high[1])
 
 
 def _depth_inside(outline: Curve, s: Array, y: Array) -> Array:
