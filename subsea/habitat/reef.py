@@ -50,18 +50,27 @@ FOOT_CM = 4.0  # growths on rock stand so far above the sand at least
 SUNK = 0.06  # of its radius a growth stands in the ground
 PATCH_CM = 150.0  # neighbours within about this are of few kinds
 FALL_CM = 55.0  # beside a growth the floor comes down over so many cm
-SPOTS_M2 = 60.0  # of stone are looked at
+SPOTS_M2 = 50.0  # of stone are looked at
 STEEPEST = -0.35  # upward part of the normal of an overhang on which something grows
 HEAP = 16  # growths in a heap, where a reef has no middle
 LOW_CM = 7.0  # what is lower does not matter to fishes
 
 
+class Spots(NamedTuple):
+    """Where something may grow on stone."""
+
+    place: Array  # (n, 3) cm, on the stone that is drawn
+    normal: Array  # (n, 3)
+    limit: Array  # (n,) cm, the largest radius that fits
+
+
 def grow(scenario: Scenario, sea: Sea) -> tuple[Sea, Reef]:
     """All reefs of a scenario, and the sea whose floor lies over them."""
     rows: list[Array] = [np.zeros((0, COLUMNS))]
+    spots = rock_spots(sea, np.random.default_rng(0x5707)) if scenario.reef else None
     for number, table in enumerate(scenario.reef):
         dice = np.random.default_rng([table.seed, number, 0x4EEF])
-        rows.append(_settle(table, sea, np.concatenate(rows), dice, scenario))
+        rows.append(_settle(table, sea, spots, np.concatenate(rows), dice, scenario))
     reef = _reef(np.concatenate(rows))
     return sea._replace(floor=floor_over(sea, reef)), reef
 
@@ -73,7 +82,12 @@ COLUMNS = 15
 
 
 def _settle(
-    table: ReefTable, sea: Sea, before: Array, dice: np.random.Generator, scenario: Scenario
+    table: ReefTable,
+    sea: Sea,
+    spots: Spots | None,
+    before: Array,
+    dice: np.random.Generator,
+    scenario: Scenario,
 ) -> Array:
     """Growths (k, COLUMNS) of one table, biggest first, where none of `before` stands."""
     names = list(KINDS)
@@ -83,7 +97,7 @@ def _settle(
     weights = weights or dict.fromkeys(names, 1.0)
     share = np.array([weights.get(name, 0.0) for name in names])
     number = table.number * TRIES
-    place, normal, on_rock, limit = _ground(table, sea, number, dice)
+    place, normal, on_rock, limit = _ground(table, sea, spots, number, dice)
     # How well each kind does at each place, patch by patch.
     suits = np.exp(-(((normal[:, 2:] - slope) / picky) ** 2)) * np.where(
         on_rock[:, None], rock, sand
@@ -135,7 +149,7 @@ def _apart(offers: Array, fits: Bools, before: Array) -> Array:
 
 
 def _ground(
-    table: ReefTable, sea: Sea, number: int, dice: np.random.Generator
+    table: ReefTable, sea: Sea, spots: Spots | None, number: int, dice: np.random.Generator
 ) -> tuple[Array, Array, Bools, Array]:
     """Places (n, 3) with the ground's normals, whether that is rock, and the radii that fit there.
 
@@ -163,25 +177,24 @@ def _ground(
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     limit = np.full(number, np.inf)
     on_rock = np.zeros(number, np.bool_)
-    spots = rock_spots(sea, dice)
-    if len(spots[0]):
-        near = np.ones(len(spots[0]))
+    if spots is not None and len(spots.place):
+        near = np.ones(len(spots.place))
         if table.position_cm is not None:
-            near = np.exp(-2.0 * ((spots[0][:, :2] - here) ** 2).sum(axis=1) / spread**2)
+            near = np.exp(-2.0 * ((spots.place[:, :2] - here) ** 2).sum(axis=1) / spread**2)
         if near.sum() > 1e-3:
             pick = dice.choice(len(near), number, p=near / near.sum())
             on_rock = dice.uniform(0, 1, number) < table.rock
-            place = np.where(on_rock[:, None], spots[0][pick], place)
-            normal = np.where(on_rock[:, None], spots[1][pick], normal)
-            limit = np.where(on_rock, spots[2][pick], limit)
+            place = np.where(on_rock[:, None], spots.place[pick], place)
+            normal = np.where(on_rock[:, None], spots.normal[pick], normal)
+            limit = np.where(on_rock, spots.limit[pick], limit)
     inside = np.hypot(place[:, 0], place[:, 1]) < 0.95 * sea.radius
     free = on_rock | (clearances(sea.pillars, sea.rocks, place) > 0.0)
     place[~(inside & free)] = np.nan
     return place, normal, on_rock, limit
 
 
-def rock_spots(sea: Sea, dice: np.random.Generator) -> tuple[Array, Array, Array]:
-    """Places (n, 3) on the stone that is drawn, the normals there, and the radii that fit (n,)."""
+def rock_spots(sea: Sea, dice: np.random.Generator) -> Spots:
+    """Spots all over rocks and pillars."""
     found = samples(sea.pillars, sea.rocks, SPOTS_M2, dice)
     place, normal = found.place, found.normal
     fit = (normal[:, 2] > STEEPEST) & (place[:, 2] < -ROOM_CM) & (found.open > 0.08)
@@ -197,7 +210,7 @@ def rock_spots(sea: Sea, dice: np.random.Generator) -> tuple[Array, Array, Array
         )
         limit = np.where(gap < nearest, 0.5 * size + 5.0, limit)
         nearest = np.minimum(nearest, gap)
-    return place, normal, limit
+    return Spots(place, normal, limit)
 
 
 def _patches(place: Array, kinds: int, dice: np.random.Generator) -> Array:

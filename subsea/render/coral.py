@@ -1,6 +1,7 @@
 """Corals, sponges and anemones: every growth of a reef in its own place, size and colours."""
 
 from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -21,15 +22,16 @@ Array = NDArray[np.floating[Any]]
 GRAIN_UNIT = 8  # texture unit
 TILE_CM = 32.0  # of the grain
 MOST_SWAY_CM = 10.0  # as `coral.vert`
+FINEST_CM = 15.0  # smaller growths do without the finest level
 SATURATION = 1.3
 SHADE = 0.8  # of the light is missing under a growth
 SHADE_PX = 8.0  # that a shadow covers at least
 FOOT = {"rubble": 0.5, "fan": 0.3, "table": 0.9}  # of the radius: how wide the shadow is
 
 Ground = Callable[[Array, Array], Array]  # x and y in cm -> height of the sand in cm
-THRESHOLDS_PX = (300.0, 120.0, 50.0, 18.0)  # that a growth covers at each level but the last
+THRESHOLDS_PX = (300.0, 120.0, 50.0, 16.0)  # that a growth covers at each level but the last
 # Place, then four bytes a word: normal and sway; colour (its root) and what shines through; how
-# strongly the three grains show and light; own number. Last the place on the grain, in half floats.
+# strongly the three grains show, and light. Last the place on the grain, in half floats.
 LAYOUT = "3f4 4f1 4f1 4f1 2f2"
 ATTRIBUTES = "a_position a_normal a_colour a_grain a_along"
 COLUMNS = 7
@@ -162,53 +164,68 @@ def bake(reef: Reef) -> list[list[Shape]]:
     """The shapes of all growths, level by level; growths of one form are made together."""
     shapes: list[list[Shape]] = [[] for _ in reef.kind]
     variant = (reef.own * 7919.0 % VARIANTS).astype(int)
-    for kind, name in enumerate(KINDS):
-        for number in range(VARIANTS):
-            chosen = np.flatnonzero((reef.kind == kind) & (variant == number))
-            if not len(chosen):
-                continue
-            for level in range(LEVELS):
-                mesh = _shape(name, number, level)
-                vertices = _placed(mesh, LOOKS[name], reef.taken(chosen))
-                for k, own in zip(chosen, vertices, strict=True):
-                    shapes[k].append(Shape(own, mesh.triangles))
-    return shapes
+    groups = np.unique(np.stack([reef.kind, variant], axis=1), axis=0)
+
+    def make(group: Array) -> None:
+        chosen = np.flatnonzero((reef.kind == group[0]) & (variant == group[1]))
+        placed = _Placed(list(KINDS)[group[0]], reef.taken(chosen))
+        for level in range(LEVELS):
+            mesh = _shape(list(KINDS)[group[0]], int(group[1]), level)
+            # No eye comes so near to a small one that it would need the finest level.
+            small = reef.radius[chosen] < FINEST_CM if level == 0 else np.zeros(len(chosen), bool)
+            for k, vertices in zip(chosen[~small], placed.vertices(mesh, ~small), strict=True):
+                shapes[k].append(Shape(vertices, mesh.triangles))
+
+    # numpy leaves the interpreter to others while it computes.
+    with ThreadPoolExecutor() as pool:
+        list(pool.map(make, groups))
+    return [own if len(own) == LEVELS else [own[0], *own] for own in shapes]
 
 
 _shape = cache(shape)  # the same in every dive
 
 
-def _placed(mesh: Mesh, look: Look, reef: Reef) -> Array:
-    """Vertices (k, n, COLUMNS) of k growths of one form, each in its own place and colours."""
-    k, n = len(reef.radius), len(mesh.place)
-    up = reef.axis.astype(np.float64)
-    cos, sin = np.cos(reef.turn), np.sin(reef.turn)
-    flat = np.stack([cos, sin, 0.0 * cos], axis=1)
-    east = unit(flat - (flat * up).sum(axis=1, keepdims=True) * up)
-    axes = np.stack([east, np.cross(up, east), up], axis=1)
-    # No two of one form are alike: each is stretched its own way.
-    dice = np.random.default_rng([len(mesh.place), 0xB4])
-    stretch = dice.uniform(0.84, 1.0, (k, 3))
-    place = np.einsum("ni,kij->knj", mesh.place, stretch[:, :, None] * axes)
-    normal = unit(np.einsum("ni,kij->knj", mesh.normal, axes / stretch[:, :, None]))
-    own = reef.own.astype(np.float64)
-    body, tips = _tints(look, own, reef.hue.astype(np.float64))
-    colour = body[:, None] + mesh.tip[None, :, None] * (tips - body)[:, None]
-    size = reef.radius.astype(np.float64)[:, None]
-    sway = np.broadcast_to(mesh.sway * look.sway_cm * size / 30.0 / MOST_SWAY_CM, (k, n))
-    out = np.empty((k, n, COLUMNS), np.float32)
-    out[..., :3] = reef.place[:, None] + size[..., None] * place
-    words = np.empty((k, n, 3, 4), np.uint8)
-    words[:, :, 0, :3] = np.rint(127.5 + 127.5 * normal)
-    words[:, :, 0, 3] = np.rint(255 * np.clip(sway, 0.0, 1.0))
-    words[:, :, 1, :3] = np.rint(255 * np.sqrt(np.clip(colour, 0.0, 1.0)))
-    words[:, :, 1, 3] = np.rint(255 * look.through * (0.35 + 0.65 * mesh.tip))
-    words[:, :, 2, :3] = np.rint(255 * np.array(look.grain))
-    words[:, :, 2, 3] = np.rint(255 * np.clip(mesh.light, 0.0, 1.0))
-    out[..., 3:6] = words.reshape(k, n, 12).view(np.float32)
-    along = (mesh.along[None] * size[..., None] / TILE_CM + own[:, None, None]).astype(np.float16)
-    out[..., 6:7] = along.view(np.float32)
-    return out
+class _Placed:
+    """k growths of one kind and variant: their axes, sizes and colours."""
+
+    def __init__(self, kind: str, reef: Reef) -> None:
+        self.look = LOOKS[kind]
+        up = reef.axis.astype(np.float64)
+        cos, sin = np.cos(reef.turn), np.sin(reef.turn)
+        flat = np.stack([cos, sin, 0.0 * cos], axis=1)
+        east = unit(flat - (flat * up).sum(axis=1, keepdims=True) * up)
+        axes = np.stack([east, np.cross(up, east), up], axis=1)
+        # No two of one form are alike: each is stretched its own way.
+        stretch = 0.92 + 0.08 * np.sin(np.outer(reef.own, (731.0, 1153.0, 1597.0)))[:, :, None]
+        self.axes = (reef.radius[:, None, None] * stretch * axes).astype(np.float32)
+        self.slants = (axes / stretch).astype(np.float32)
+        tints = _tints(self.look, reef.own.astype(np.float64), reef.hue.astype(np.float64))
+        # As the bytes of a vertex hold them.
+        self.body, self.tips = (np.sqrt(np.clip(tint, 0, 1)).astype(np.float32) for tint in tints)
+        self.place, self.radius, self.own = reef.place, reef.radius, reef.own
+
+    def vertices(self, mesh: Mesh, chosen: NDArray[np.bool_]) -> Array:
+        """Vertices (k, n, COLUMNS) of those `chosen`, each in its own place and colours."""
+        tip, sway, light = (x.astype(np.float32) for x in (mesh.tip, mesh.sway, mesh.light))
+        size, look = self.radius[chosen, None], self.look
+        normal = mesh.normal.astype(np.float32) @ self.slants[chosen]
+        normal *= (127.5 / np.sqrt(np.einsum("kni,kni->kn", normal, normal)))[..., None]
+        body, tips = self.body[chosen, None], self.tips[chosen, None]
+        out = np.empty((len(size), len(tip), COLUMNS), np.float32)
+        np.matmul(mesh.place.astype(np.float32), self.axes[chosen], out=out[..., :3])
+        out[..., :3] += self.place[chosen, None]
+        words = out.view(np.uint8)
+        words[..., 12:15] = normal + 128.0
+        most = 255.0 * look.sway_cm / 30.0 / MOST_SWAY_CM
+        words[..., 15] = np.minimum(most * size * sway + 0.5, 255.0)
+        words[..., 16:19] = 255.0 * (body + tip[:, None] * (tips - body)) + 0.5
+        words[..., 19] = 255.0 * look.through * (0.35 + 0.65 * tip) + 0.5
+        words[..., 20:23] = np.rint(255.0 * np.array(look.grain))
+        words[..., 23] = 255.0 * np.minimum(light, 1.0) + 0.5
+        tiles = mesh.along.astype(np.float32) * (size / TILE_CM)[..., None]
+        tiles += self.own[chosen, None, None]
+        out.view(np.float16)[..., 12:14] = tiles
+        return out
 
 
 def shadow(growth: Reef, sand: Ground) -> Shape:

@@ -44,12 +44,12 @@ def skin(
     onward = np.empty_like(place)
     onward[:, 1:-1] = place[:, 2:] - place[:, :-2]
     onward[:, 0], onward[:, -1] = place[:, 1] - place[:, 0], place[:, -1] - place[:, -2]
-    normal = np.cross(around, onward)
+    normal = cross(around, onward)
     # A point has no girth: there the surface faces as the fan about it does on the whole.
     shrunk = (around * around).sum(axis=(2, 3)) < 1e-12
     for ring, beside, sign in ((0, 1, -1.0), (-1, -2, 1.0)):
         spoke = place[:, beside] - place[:, ring]
-        whole = sign * np.cross(spoke[:, :-1], spoke[:, 1:]).sum(axis=1, keepdims=True)
+        whole = sign * cross(spoke[:, :-1], spoke[:, 1:]).sum(axis=1, keepdims=True)
         normal[:, ring] = np.where(shrunk[:, ring, None, None], whole, normal[:, ring])
     normal = unit(normal)
     if along is None:
@@ -65,7 +65,7 @@ def skin(
     triangles = (np.arange(b)[:, None, None] * (r * c) + cell).reshape(-1, 3)
     flat = place.reshape(-1, 3)
     corner = flat[triangles]
-    area = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    area = cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     triangles = triangles[(area * area).sum(axis=1) > 1e-16]
     tip, light, sway = (np.broadcast_to(x, (b, r, c)).ravel() for x in (tip, light, sway))
     return Mesh(flat, normal.reshape(-1, 3), along.reshape(-1, 2), tip, light, sway, triangles)
@@ -92,8 +92,8 @@ def tubes(
     # A reference that no part of the path comes near to.
     aside = np.where(np.abs(whole[:, 1:2]) < 0.8 * np.linalg.norm(whole, axis=1)[:, None], 1.0, 0.0)
     aside = np.concatenate([1.0 - aside, aside, 0.0 * aside], axis=1)
-    side = unit(np.cross(way, aside[:, None, :]))
-    other = np.cross(way, side)
+    side = unit(cross(way, aside[:, None, :]))
+    other = cross(way, side)
     turn = np.linspace(0.0, 2 * np.pi, sides + 1)
     ring = np.cos(turn)[:, None] * side[:, :, None] + np.sin(turn)[:, None] * other[:, :, None]
     ring = radius[:, :, None, None] * ring
@@ -175,3 +175,12 @@ def bumps(rng: np.random.Generator, places: Array, wave: float, octaves: int = 2
 def unit(rows: Array) -> Array:
     """Rows (..., 3) of length 1."""
     return np.asarray(rows / np.maximum(np.sqrt((rows * rows).sum(axis=-1, keepdims=True)), 1e-12))
+
+
+def cross(a: Array, b: Array) -> Array:
+    """The cross products of rows (..., 3); numpy's own takes thrice as long."""
+    out = np.empty(np.broadcast_shapes(a.shape, b.shape))
+    for k, i, j in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        np.multiply(a[..., i], b[..., j], out=out[..., k])
+        out[..., k] -= a[..., j] * b[..., i]
+    return out

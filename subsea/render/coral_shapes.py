@@ -15,6 +15,7 @@ from subsea.render.coral_mesh import (
     Mesh,
     bumps,
     capped,
+    cross,
     fitted,
     joined,
     plates,
@@ -109,7 +110,7 @@ def _offshoots(
     share[:, -1] = 1.0
     start = parents.at(share).reshape(n, 3)
     along = unit(parents.way[:, None] + 2 * share[..., None] * parents.bend[:, None]).reshape(n, 3)
-    aside = unit(np.cross(along, dice.normal(size=(n, 3))))
+    aside = unit(cross(along, dice.normal(size=(n, 3))))
     way = unit(along + spread * dice.uniform(0.6, 1.4, (n, 1)) * aside + rise * UP)
     radius = parents.radius[:, None, :1] + share[..., None] * np.diff(parents.radius)[:, None]
     radius = 0.88 * radius.reshape(n, 1) * np.array([1.0, shrink])
@@ -351,7 +352,7 @@ def soft(dice: Dice, level: int) -> Mesh:
             if level == 0
             else wood.tubes(2, 4, False, sway=0.7, pale=1.5)
         )
-        heads, size = (heads, size) if level == 0 else (heads[::4], 1.9 * size[::4])
+        heads, size = (heads, size) if level == 0 else (heads[::2], 1.4 * size[::2])
     else:
         stem = _together(trunk, boughs.taken(np.arange(0, 11, level - 1))).tubes(
             2, 3, False, sway=0.7, pale=1.5
@@ -584,13 +585,15 @@ def lump(kind: str, mesh: Mesh) -> Mesh:
     """A few triangles in place of a mesh, as wide at each height as that is, and as ragged."""
     x, y, z = mesh.place.T
     flat, top = (0.1 if kind == "fan" else 1.0), z.max()
-    columns = 6 if kind in SMOOTH else 8
-    ragged = np.tile([1.0, 1.0 if kind in SMOOTH else 0.5], columns // 2 + 1)[: columns + 1]
+    columns = 7
+    ragged = np.random.default_rng(len(mesh.place)).uniform(0.6, 1.0, columns + 1)
+    ragged = 0.5 + 0.5 * ragged if kind in SMOOTH else ragged
+    ragged[-1] = ragged[0]
     height = top * np.array([0.0, 0.55, 1.0])
     wide = [np.hypot(x, y)[np.abs(z - h) < 0.3 * top].max(initial=0.1) for h in height[:2]]
     reach = np.array([*wide, 0.0])[:, None] * ragged
     rise = height[:, None] * (1.0 + 0.25 * (ragged - 1.0))
-    rise[1] += 0.3 * top * (ragged - 0.75)
+    rise[1] += 0.4 * top * (ragged[::-1] - 0.8)
     light = np.array([0.35, 0.85, 0.8])[:, None] + 0.0 * reach
     tip = np.array([0.1, 0.6, 0.5])[:, None] * ragged
     out = turned(reach, np.maximum(rise, 0.0), tip=tip, light=light)
