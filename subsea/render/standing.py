@@ -78,7 +78,8 @@ class Standing:
     ) -> None:
         """Decide once for all views what is drawn, and how finely.
 
-        `detail` is a factor on the pixels that a shape covers; `shown` (k,) leaves items out.
+        `detail` is a factor on the pixels that a shape covers, infinite: all are drawn in full,
+        in sight or not; `shown` (k,) leaves items out.
         """
         if not self._held:
             return
@@ -126,6 +127,8 @@ def levels_in_sight(
     A level follows from the pixels that the diameter covers where it covers most. One `before`
     is kept until a threshold is overstepped by HYSTERESIS.
     """
+    if np.isinf(detail):
+        return np.zeros(len(centres), np.int64)
     pixels = np.zeros(len(centres))
     for view in views:
         planes = frustum_planes(view)

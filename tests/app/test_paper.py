@@ -6,6 +6,7 @@ import pytest
 from subsea.app import paper
 from subsea.app.start import start_world
 from subsea.body.pose import nodes_world
+from subsea.frame import pack
 
 
 def test_playback_is_timed_on_the_real_nodes():
@@ -17,15 +18,18 @@ def test_playback_is_timed_on_the_real_nodes():
         assert nodes[i] == pytest.approx(nodes_world(fishes, library, i), abs=1e-3)
 
 
-def test_the_time_to_draw_counts_the_upload():
-    stages = {"cull": 64.0, "upload": 2.0, "draw": 8.0, "present": 32.0}
-    assert paper.draw_ms({"stages_ms": stages}) == 10.0
+def test_a_view_of_about_so_many_fishes_is_found():
+    world = start_world("peaceful")
+    found = [len(pack(world, paper.view_of(world, n), 1.0).instances) for n in (0, 10, 60)]
+    assert found[0] <= found[1] <= found[2]
+    assert abs(found[1] - 10) <= 6
 
 
 def test_the_tables_print_both_machines(capsys, monkeypatch):
-    for name, small in (("SIMULATED_TICKS", 4), ("PLAYED_TICKS", 3), ("RENDERED_FRAMES", 2)):
+    for name, small in (("SIMULATED_TICKS", 4), ("PLAYED_TICKS", 3), ("REDUCED_PICTURES", 1)):
         monkeypatch.setattr(paper, name, small)
     monkeypatch.setattr(paper, "SIZE", (160, 120))
+    monkeypatch.setattr(paper, "RENDERED", ("peaceful",))
     assert paper.paper_tables() == 0
     out = capsys.readouterr().out
     for figure in ("40", "0.01", "4000", "2340", "85", "27.53"):
