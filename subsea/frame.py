@@ -45,6 +45,7 @@ LEAF_LEAST_PX = 7.0  # ... and not at all if it covers fewer
 LEAF_MOST_CM = 150.0  # of a cluster count
 BLADE = 9.0  # length of the longest blade of kelp over its width, as in `seaweed.vert`
 KELP = SEAWEED_KINDS.index("kelp")
+GOLDEN = 0.6180339887  # multiples of it fill [0, 1) evenly
 
 # A fish's sphere holds its nodes; its surface, with a tail that spreads, reaches a little farther.
 ENLARGED = 1.1
@@ -126,14 +127,15 @@ def pack(
     culling: bool = True,
     lod: bool = True,
     detail: float = 1.0,
+    growth: float = 1.0,
     memory: Memory | None = None,
 ) -> Packet:
     """The frame that lies `alpha` (0 to 1) of the way from the last tick to the present one.
 
     `detail` is a factor on the pixels that a fish or a leaf is taken to cover when its level is
-    chosen. `memory` is that of the frame before, and becomes that of this one; without it no fish
-    fades from one level to another. The times of the stages "cull" and "pose" are added to
-    `world.stages_s`.
+    chosen, `growth` the share of the clusters of seaweed that is drawn. `memory` is that of the
+    frame before, and becomes that of this one; without it no fish fades from one level to another.
+    The times of the stages "cull" and "pose" are added to `world.stages_s`.
     """
     fishes, library = world.state.fishes, world.library
     start = time.perf_counter()
@@ -152,7 +154,7 @@ def pack(
     choose(pixels, wavy, THRESHOLDS_PX / detail if lod else NEVER_COARSE, time_s, memory)
     order, share, starts = arranged(distance, time_s, len(LEVELS), memory)
     culled = time.perf_counter()
-    fine, coarse = _leaves_in_sight(world, views, culling, lod, detail)
+    fine, coarse = _leaves_in_sight(world, views, culling, lod, detail, growth)
     instances = np.empty((len(order), INSTANCE_COLUMNS), np.float32)
     _write_instances(fishes, centres, order, share, alpha, instances)
     live_points = _skin_live(world, order)
@@ -202,7 +204,7 @@ def _hook(sea: Sea, alpha: float) -> Array | None:
 
 
 def _leaves_in_sight(
-    world: World, views: Sequence[View], culling: bool, lod: bool, detail: float
+    world: World, views: Sequence[View], culling: bool, lod: bool, detail: float, growth: float
 ) -> tuple[Ints, Ints]:
     """Leaves near and far of those clusters whose centroid is in some view, or nearly."""
     box, seaweed = world.state.sea.seaweed, world.state.seaweed
@@ -217,8 +219,9 @@ def _leaves_in_sight(
     covers = np.minimum(2 * radii, LEAF_MOST_CM)
     pixels = detail * covered(centres, radii, covers, views, reach, culling)[0]
     near = pixels > LEAF_NEAR_PX if lod else pixels >= 0.0
+    shown = np.arange(len(box)) * GOLDEN % 1.0 < growth
     leaves = np.diff(seaweed.first)
-    fine, coarse = near, ~near & (pixels > LEAF_LEAST_PX)
+    fine, coarse = shown & near, shown & ~near & (pixels > LEAF_LEAST_PX)
     return np.flatnonzero(np.repeat(fine, leaves)), np.flatnonzero(np.repeat(coarse, leaves))
 
 

@@ -218,3 +218,15 @@ def test_seaweed_out_of_sight_is_left_out_and_what_is_far_is_coarse(overgrown):
     far = _leaves_of(overgrown, 0.0)
     overgrown.state.submarine.position[:] = submarine
     assert far.fine_leaves == 0
+
+
+def test_growth_is_the_share_of_the_clusters_and_less_is_a_part_of_more(overgrown):
+    def roots(growth):
+        packet = _leaves_of(overgrown, 0.0, culling=False, lod=False, growth=growth)
+        return {tuple(root) for root in packet.leaves[:, 0, :3].round(3)}
+
+    none, some, more, everything = (roots(growth) for growth in (0.0, 0.4, 0.7, 1.0))
+    assert not none
+    assert some < more < everything
+    assert len(everything) == 48
+    assert abs(len(some) - 0.4 * 48) <= 8  # whole clusters of four

@@ -122,7 +122,7 @@ def measure(
         views = views_for(display, size, cockpit(world.state.submarine, 1.0))
         packet = pack(
             world, views, 1.0, culling="culling" not in without, lod="lod" not in without,
-            detail=renderer.quality.detail, memory=memory,
+            detail=renderer.quality.detail, growth=renderer.quality.growth, memory=memory,
         )  # fmt: skip
         packed = time.perf_counter()
         drawing, host_s = _draw(renderer, context, packet)

@@ -119,8 +119,11 @@ class Dive:
         submarine, alpha = self.world.state.submarine, self._clock.alpha
         observer = cockpit(submarine, alpha)
         views = views_for(self.display, self._size, observer, self._stereo, self._surround)
-        detail = self._renderer.quality.detail
-        packet = pack(self.world, views, alpha, detail=detail, memory=self._memory)
+        quality = self._renderer.quality
+        packet = pack(
+            self.world, views, alpha, detail=quality.detail, growth=quality.growth,
+            memory=self._memory,
+        )  # fmt: skip
         self._renderer.draw(packet, into=self._context.screen)
         throttle, stopping = self.pilot.throttle, self.pilot.stopping
         scale = self.window.text_scale

@@ -71,8 +71,9 @@ def film(
                     observer = cockpit(world.state.submarine, alpha)
                     views = views_for(display, size, observer, stereo, surround)
                     packet = pack(
-                        world, views, alpha, detail=renderer.quality.detail, memory=memory
-                    )
+                        world, views, alpha, detail=PRESETS[quality].detail,
+                        growth=PRESETS[quality].growth, memory=memory,
+                    )  # fmt: skip
                     renderer.draw(packet)
                     picture = renderer.read_pixels()
                     drawn = time.perf_counter()

@@ -152,7 +152,7 @@ def rendering_ms(scenario: str) -> tuple[Drawn, str]:
         views = view_of(world, IN_SIGHT_1999)
         quality = PRESETS["low"]
         with picture_maker(context, world, SIZE, quality) as renderer:
-            packet = pack(world, views, 1.0, detail=quality.detail)
+            packet = pack(world, views, 1.0, detail=quality.detail, growth=quality.growth)
             reduced = drawing_ms(renderer, context, packet, REDUCED_PICTURES)
             renderer.adapt(replace(quality, detail=np.inf))  # for what stands still
             everything = pack(world, views, 1.0, culling=False, lod=False)

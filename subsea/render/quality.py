@@ -27,7 +27,7 @@ class Quality:
     # Factor on the pixels that anything is taken to cover when its level of detail is chosen:
     # larger is finer. `frame.pack` for fishes and seaweed, `standing.py` for what stands still.
     detail: float = 1.0
-    # Share of corals and leaves of seaweed that is drawn, in [0, 1]. `frame.pack`, `coral.py`.
+    # Share of corals and of clusters of seaweed that is drawn, in [0, 1]. `coral.py`, `frame.pack`.
     growth: float = 1.0
     # Specks of marine snow in the box about the eye. `particles.py`.
     snow: int = 1400

@@ -1,16 +1,24 @@
-"""Whole scenarios as they begin: against stored pictures."""
+"""Whole scenarios as they begin: against stored pictures, and in few drawing calls."""
 
 import os
 
+import msgspec
 import pytest
 
 from subsea.app.start import start_world
-from subsea.frame import make_scene, pack
+from subsea.app.tour import Tour
+from subsea.frame import KIND, make_scene, pack
+from subsea.ocean import step
 from subsea.render import Renderer
 from subsea.render.quality import PRESETS
+from subsea.scenario import Shoal
+from subsea.species import species_names
+from subsea.submarine.helm import HANDS_OFF
 from subsea.view.rigs import cockpit, views_for
+from subsea.world import create_world
 
 SIZE = (320, 180)
+MOST_CALLS = 40
 
 
 def sights(world, display="mono", size=SIZE):
@@ -28,6 +36,18 @@ def test_the_context_is_as_old_as_asked(context):
     assert asked is None or context.version_code == round(100 * float(asked))
 
 
+@pytest.fixture(scope="module")
+def crowd(bay):
+    """A thousand fishes of every species in the same bay."""
+    kinds = species_names()
+    assert len(kinds) >= 10
+    shoals = [Shoal(species=name, number=1000 // len(kinds)) for name in kinds]
+    world = create_world(msgspec.structs.replace(bay.scenario, fish=shoals))
+    assert len(world.state.fishes.species) == 1000
+    step(world, HANDS_OFF)
+    return world
+
+
 def test_the_peaceful_bay(context, bay, same_picture):
     packet = pack(bay, sights(bay), 1.0)
     renderer = Renderer(context, make_scene(bay), SIZE)
@@ -37,3 +57,21 @@ def test_the_peaceful_bay(context, bay, same_picture):
         same_picture(f"peaceful-{quality}", renderer.read_pixels())
     assert context.error == "GL_NO_ERROR"
     renderer.release()
+
+
+@pytest.mark.parametrize(("sea", "species"), [("bay", 5), ("crowd", 10)])
+def test_a_frame_takes_few_drawing_calls(context, request, sea, species):
+    world, tour = request.getfixturevalue(sea), Tour()
+    renderer = Renderer(context, make_scene(world), (96, 54))
+    kinds, most = set(), 0
+    for k in range(30):
+        step(world, tour.helm(world))
+        if k % 5 == 0:
+            renderer.adapt(list(PRESETS.values())[k // 5 % 3])
+            packet = pack(world, sights(world, size=(96, 54)), 1.0)
+            renderer.draw(packet)
+            most = max(most, renderer.draw_calls)
+            kinds |= set(packet.instances[:, KIND])
+    renderer.release()
+    assert len(kinds) >= species  # many were in sight
+    assert 8 < most <= MOST_CALLS

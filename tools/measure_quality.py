@@ -1,0 +1,121 @@
+"""What each preset of quality costs, each of its fields, and each stage of drawing.
+
+.venv/bin/python tools/measure_quality.py [SCENARIO] [--size WxH]
+
+Times are those of all processors together, so that other work on the machine counts for little;
+on a software rasteriser that is the cost of a picture, on a GPU only what the driver does. Every
+figure is the least of several, for three moments of the tour.
+"""
+
+import argparse
+import time
+from collections.abc import Callable
+from dataclasses import asdict, replace
+from typing import Any
+
+from subsea.app.start import headless, start_world
+from subsea.app.tour import Tour
+from subsea.frame import Packet, make_scene, pack
+from subsea.ocean import step
+from subsea.render import Renderer
+from subsea.render.quality import LADDER, PRESETS, Quality
+from subsea.view.rigs import cockpit, views_for
+
+AT_TICKS = (30, 60, 90)
+REPEATS = 5
+
+
+def variants() -> dict[str, Quality]:
+    """The presets, and low with one field at a time as high has it, or on a smaller canvas."""
+    low, high = PRESETS["low"], asdict(PRESETS["high"])
+    named = dict(PRESETS)
+    for field, value in asdict(low).items():
+        if high[field] != value:
+            named[f"{field} {value:g} to {high[field]:g}"] = replace(low, **{field: high[field]})
+    for scale in (0.75, LADDER[0].scale):
+        named[f"scale 1 to {scale:g}"] = replace(low, scale=scale)
+    return named
+
+
+def packets(
+    scenario: str, size: tuple[int, int], qualities: dict[str, Quality]
+) -> tuple[Any, dict[str, list[Packet]]]:
+    """The scene, and for each quality what is to be drawn at three moments."""
+    world, tour = start_world(scenario), Tour()
+    found: dict[str, list[Packet]] = {name: [] for name in qualities}
+    for tick in range(1, AT_TICKS[-1] + 1):
+        step(world, tour.helm(world))
+        if tick in AT_TICKS:
+            views = views_for("mono", size, cockpit(world.state.submarine, 1.0))
+            for name, quality in qualities.items():
+                found[name].append(
+                    pack(world, views, 1.0, detail=quality.detail, growth=quality.growth)
+                )
+    return make_scene(world), found
+
+
+def least_ms(clock: Callable[[], float], draw: Callable[[], object]) -> float:
+    """The shortest of several runs, in milliseconds; the first one compiles."""
+    draw()
+    durations = []
+    for _ in range(REPEATS):
+        start = clock()
+        draw()
+        durations.append(clock() - start)
+    return 1000.0 * min(durations)
+
+
+def main() -> None:
+    """Print the tables."""
+    parser = argparse.ArgumentParser(description=__doc__, add_help=True)
+    parser.add_argument("scenario", nargs="?", default="peaceful")
+    parser.add_argument("--size", default="1280x720")
+    options = parser.parse_args()
+    width, height = map(int, options.size.split("x"))
+    qualities = variants()
+    scene, found = packets(options.scenario, (width, height), qualities)
+    with headless() as context:
+        renderer = Renderer(context, scene, (width, height), PRESETS["low"])
+
+        def cost(name: str, clock: Callable[[], float] = time.process_time) -> float:
+            def draw() -> None:
+                for packet in found[name]:
+                    renderer.draw(packet)
+                    context.finish()
+
+            return least_ms(clock, draw) / len(AT_TICKS)
+
+        print(f"{context.info['GL_RENDERER']}, {options.scenario}, {options.size}: ms a picture")
+        low = cost("low")
+        for name, quality in qualities.items():
+            renderer.adapt(quality)
+            ms = cost(name)
+            triangles = f"{renderer.triangles:9d} triangles" if name in PRESETS else ""
+            print(f"{name:24s}{ms:8.1f}{ms - low:+8.1f}{ms / low:7.2f} ×{triangles}")
+        renderer.adapt(PRESETS["low"])
+        stages(context, renderer, low, cost)
+        renderer.release()
+
+
+def stages(context: Any, renderer: Renderer, whole: float, cost: Callable[[str], float]) -> None:
+    """What of a picture at low are vertices, triangles and fragments.
+
+    Vertices: with everything thrown away before it becomes pixels. Triangles: what is added by a
+    canvas of a few pixels. The rest is filling pixels.
+    """
+    context.enable(context.RASTERIZER_DISCARD)
+    vertices = cost("low")
+    context.disable(context.RASTERIZER_DISCARD)
+    renderer.adapt(replace(PRESETS["low"], scale=0.02))
+    triangles = cost("low")
+    renderer.adapt(PRESETS["low"])
+    for name, ms in (
+        ("vertices", vertices),
+        ("triangles", triangles - vertices),
+        ("fragments", whole - triangles),
+    ):
+        print(f"{name:24s}{ms:8.1f}{ms / whole:15.0%}")
+
+
+if __name__ == "__main__":
+    main()
