@@ -284,9 +284,9 @@ def look(
 def frames() -> list[tuple[float, ...]]:
     """Left, bottom, width and height of the parts of a skin, shares of it, for `fishes.glsl`.
 
-    Those of the fins are a texel smaller on all sides: so none takes on a neighbour's colour.
+    Those of the fins are a little smaller on all sides: so none takes on a neighbour's colour.
     """
-    inset = 1.0 / np.array(paint.SIZE)
+    inset = np.array([4.0, 1.0]) / paint.SIZE
     parts = np.array([paint.DORSAL, paint.VENTRAL, paint.PECTORAL, paint.PELVIC, paint.BODY])
     low, high = parts[:, :2], parts[:, 2:]
     low[:4], high[:4] = low[:4] + inset, high[:4] - inset

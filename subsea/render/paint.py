@@ -395,7 +395,7 @@ def _paint_paddle(
     root = body.colours(np.array([[plan.at]]), np.array([[plan.height]]))
     picture[:3], picture[3] = root, 1.0
     if plan.wing:
-        _lay(picture, fin.colour, _step(out, 0.0, 0.3))
+        picture[:3] = np.array(fin.colour, np.float32)[:, None, None]
         if fin.rim:
             _lay(picture, fin.rim, _step((1.0 - out) / fin.rim_width, 1.0, 0.7))
     else:
