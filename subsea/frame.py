@@ -262,23 +262,28 @@ def _skin_live(world: World, order: Ints) -> Array:
 def _write_instances(
     fishes: Fishes, centres: Array, order: Ints, share: Array, alpha: float, out: Array
 ) -> None:
+    # Number by number: results of whole rows would be allocated, which costs more than all else.
     for k in range(len(order)):
-        i = order[k]
-        out[k, POSITION] = centres[i]
-        out[k, SCALE] = fishes.scale[i]
+        i, row = order[k], out[k]
+        row[POSITION] = centres[i]
+        row[SCALE] = fishes.scale[i]
         before, after = fishes.previous_orientation[i], fishes.orientation[i]
-        sign = 1.0
-        if (before * after).sum() < 0.0:
-            sign = -1.0
-        q = (1.0 - alpha) * sign * before + alpha * after
-        out[k, ORIENTATION] = q / np.sqrt((q * q).sum())
+        turn, fins = row[ORIENTATION], row[FINS]
+        dot, size = 0.0, 0.0
+        for axis in range(4):
+            dot += before[axis] * after[axis]
+        old = 1.0 - alpha if dot >= 0.0 else alpha - 1.0
+        for axis in range(4):
+            turn[axis] = old * before[axis] + alpha * after[axis]
+            size += turn[axis] ** 2
+        for axis in range(4):
+            turn[axis] /= np.sqrt(size)
         a, b, weight = pose_at(fishes, i, alpha)
-        out[k, ROW_A] = a
-        out[k, ROW_B] = b
-        out[k, WEIGHT] = weight
-        out[k, IDENTITY] = fishes.identity[i]
+        row[ROW_A], row[ROW_B], row[WEIGHT] = a, b, weight
+        row[IDENTITY] = fishes.identity[i]
         before, after = fishes.previous_fins[i], fishes.fins[i]
-        out[k, FINS] = (1.0 - alpha) * before + alpha * after
-        out[k, KIND] = fishes.species[i]
-        out[k, FADE] = share[k]
-        out[k, DISPLAY] = fishes.display[i]
+        for fin in range(len(fins)):
+            fins[fin] = (1.0 - alpha) * before[fin] + alpha * after[fin]
+        row[KIND] = fishes.species[i]
+        row[FADE] = share[k]
+        row[DISPLAY] = fishes.display[i]

@@ -32,6 +32,8 @@ VERTEX_ATTRIBUTES = ("a_normal", "a_part")
 
 RINGS = 3, 6, 9  # columns of the body of which four points are taken; the last runs to a wing's tip
 ROOT, EDGE = V - TAIL_COLUMNS - 1, V - 1  # columns where the tail fin begins and ends
+# Length of the normals on back and belly: flanks are flat, and bend only near these.
+RIDGE = 0.6
 COARSEST = 5  # mipmap of the skins: the last there is, and what specks wear
 FIN_COLUMNS = 3, 8  # of the free edge of a dorsal or ventral fin
 
@@ -59,9 +61,9 @@ def speck() -> Speck:
     points, normals = [flank], [ahead]
     for column in RINGS:
         points += [back + column, RIGHT.start + flank + column, belly + column, flank + column]
-        normals += [up, right, -up, -right]
+        normals += [RIDGE * up, right, -RIDGE * up, -right]
     points += [back + ROOT, belly + ROOT]
-    normals += [up, -up]
+    normals += [RIDGE * up, -RIDGE * up]
     body = len(points)
     points += [row + ROOT for row in (back, belly)] + [row + EDGE for row in (back, flank, belly)]
     for fin in (DORSAL, VENTRAL):
