@@ -9,19 +9,31 @@ uniform mat4 u_view_projection;
 
 out vec3 v_world;
 out vec3 v_normal;
-out vec4 v_light;
+out vec3 v_light;  // of the sky, of the sun, hollow
 out vec3 v_cover;
-out vec3 v_clear;  // haze changes so slowly that the vertices suffice
+out vec3 v_clear;  // daylight and haze change so slowly that the vertices suffice
 out vec3 v_veil;
+
+// As `caustics_at`, blurred: a vertex stands for all that lies about it.
+float dapple_at(vec3 p) {
+    vec2 ground = p.xy - SUN.xy / SUN.z * p.z;
+    ground += 16.0 * wave(ground.yx * vec2(0.00148, 0.00113) + u_time * vec2(0.065, 0.052));
+    vec2 a = textureLod(u_caustics, mat2(0.0029, 0.0009, -0.0009, 0.0029) * ground + u_time * vec2(0.034, 0.019), 3.0).rg;
+    vec2 b = textureLod(u_caustics, mat2(-0.0010, 0.0035, -0.0035, -0.0010) * ground - u_time * vec2(0.027, 0.037), 3.0).rg;
+    return 0.35 + 1.2 * min(a.x, b.x);
+}
 
 void main() {
     v_world = a_position;
     v_normal = a_normal;
-    v_light = a_light;
+    // Near the sand much of the sky is hidden by what lies about. Between vertices caustics are soft.
+    float open = mix(0.6, 1.0, smoothstep(-4.0, 30.0, a_light.w)) * (1.0 - 0.4 * a_light.z);
+    v_light = vec3(open * (0.4 + 1.1 * a_light.x), open * a_light.y * dapple_at(a_position), a_light.z);
     v_cover = a_cover;
     vec3 ray = v_world - u_eye;
     float distance = length(ray);
     v_clear = clearness(distance);
     v_veil = open_water(ray / distance) * (1.0 - v_clear);
+    v_clear *= EXPOSURE * daylight(v_world.z);
     gl_Position = u_view_projection * vec4(a_position, 1.0);
 }

@@ -2,7 +2,6 @@
 
 from typing import Any
 
-import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
@@ -58,16 +57,6 @@ def litter(seed: int, size: int = FINE_SIZE) -> list[Array]:
     inside = np.clip((0.16 + 0.32 * wide**1.5 - away) / 0.05, 0.0, 1.0)
     bulge = inside * (1.0 + 1.2 * (tone - 0.5) * (u + v))
     return [*_slopes(bulge), tone, common * inside]
-
-
-def upload(context: Any, layers: list[Array], low: Array, high: Array) -> Any:
-    """A repeating, mipmapped texture of bytes that stand for `low` to `high` of each layer."""
-    data = np.stack(layers, axis=-1)
-    data = np.clip((data - low) / (np.asarray(high) - low), 0.0, 1.0)
-    texture = context.texture(data.shape[1::-1], 4, (255.0 * data + 0.5).astype("u1").tobytes())
-    texture.build_mipmaps()
-    texture.filter = moderngl.LINEAR_MIPMAP_NEAREST, moderngl.LINEAR
-    return texture
 
 
 def _slopes(height: Array) -> tuple[Array, Array]:

@@ -10,6 +10,7 @@ from subsea.habitat.formations import formations
 from subsea.render import ground, sand
 from subsea.render.shaders import program, set_uniforms
 from subsea.render.standing import Shape, Standing
+from subsea.render.textures import upload_bytes
 from subsea.view.culling import IN_SIGHT
 
 Array = NDArray[np.floating[Any]]
@@ -46,8 +47,8 @@ class Seabed:
         self._map = (*made.corner, *made.size)
         self._textures = [
             ground.upload(context, made),
-            sand.upload(context, sand.ripples(3), -sand.SPAN, sand.SPAN),
-            sand.upload(context, sand.litter(4), sand.LITTER_LOW, sand.LITTER_HIGH),
+            upload_bytes(context, sand.ripples(3), -sand.SPAN, sand.SPAN),
+            upload_bytes(context, sand.litter(4), sand.LITTER_LOW, sand.LITTER_HIGH),
         ]
 
     def choose(self, packet: Packet, detail: float = 1.0) -> None:

@@ -11,15 +11,16 @@ from subsea.habitat.formations import formations
 from subsea.render.seabed import drawn_height
 from subsea.render.shaders import program, set_uniforms
 from subsea.render.standing import Standing
-from subsea.render.stone import shapes
-from subsea.render.textures import relief, upload
+from subsea.render.stone import cut, shapes
+from subsea.render.textures import relief, upload_bytes
 from subsea.view.culling import IN_SIGHT
 
 Array = NDArray[np.floating[Any]]
 
 RELIEF_UNIT = 4  # texture unit
-# A formation is used in the finest detail while its diameter covers so many pixels, and so on.
-LEVELS_PX = (620.0, 190.0)
+RELIEF_SPAN = np.array([1.6, 32.0, 32.0, 1.0])  # of its layers, to both sides of 0
+# A piece is drawn in the finest detail while its diameter covers so many pixels, and so on.
+LEVELS_PX = (900.0, 230.0)
 
 
 class Solids:
@@ -38,13 +39,13 @@ class Solids:
             return drawn_height(scene.terrain, scene.terrain_half_width_cm, x, y)
 
         self._program = program(context, "solid")
-        self._relief = upload(context, relief(5))
+        self._relief = upload_bytes(context, relief(5), -RELIEF_SPAN, RELIEF_SPAN)
         self._standing = Standing(
             context,
             self._program,
             "3f4 3f4 4f4 3f4",
             "a_position a_normal a_light a_cover",
-            shapes(found, floor),
+            [piece for levels in shapes(found, floor) for piece in cut(levels)],
             IN_SIGHT * scene.water.visibility_cm,
             LEVELS_PX,
         )

@@ -40,6 +40,7 @@ COARSE = 2 ** (LEVELS - 1)  # cells of the finest level along one of the coarses
 BURIED_CM = 20.0  # a shape goes on so far below the sand
 CELLS = 46.0  # along the longest side of a formation, at the finest level, but ...
 FINEST_CM, COARSEST_CM = 4.5, 10.0  # ... no smaller and no larger than that
+PIECE_CM = 220.0  # formations are cut into boxes so wide, so that far parts are drawn coarsely
 NEAR_CM = 260.0  # solids so near shade one another
 SUN_WIDE = 0.16  # of the cone of light that counts as the sun: how soft shadows are
 
@@ -59,6 +60,38 @@ def shapes(formations: list[Array], floor: Floor) -> list[list[Shape]]:
             return _levels(formations[number], near, floor)
 
         return list(pool.map(levels, range(len(formations))))
+
+
+def cut(levels: list[Shape]) -> list[list[Shape]]:
+    """The levels of a formation in pieces of which each has a level of its own.
+
+    Beyond its box each piece has triangles as far as its level's are long: neighbours of different
+    levels overlap, on the same surface, and nothing gapes.
+    """
+    low = levels[0].vertices[:, :3].min(axis=0)
+    number = np.ceil(np.ptp(levels[0].vertices[:, :3], axis=0) / PIECE_CM).astype(int)
+    pieces: list[list[Shape]] = []
+    middles = [shape.vertices[:, :3][shape.triangles].mean(axis=1) for shape in levels]
+    for i, j, k in np.ndindex(*np.maximum(number, 1)):
+        box = low + PIECE_CM * np.array([i, j, k])
+        own = []
+        for shape, middle in zip(levels, middles, strict=True):
+            beyond = np.maximum(box - middle, middle - box - PIECE_CM).max(axis=1)
+            if shape is levels[0] and not (beyond <= 0.0).any():
+                break
+            used, triangles = np.unique(
+                shape.triangles[beyond <= _long(shape)], return_inverse=True
+            )
+            own.append(Shape(shape.vertices[used], triangles.reshape(-1, 3).astype(np.int32)))
+        else:
+            pieces.append(own)
+    return pieces
+
+
+def _long(shape: Shape) -> float:
+    """How long the edges of a shape's triangles are, on average."""
+    corners = shape.vertices[:, :3][shape.triangles]
+    return float(np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1).mean())
 
 
 def _neighbours(formations: list[Array], number: int) -> list[int]:

@@ -143,3 +143,16 @@ def upload(context: Any, layers: list[Array]) -> Any:
     # Reading two mipmaps for every sample would show little and take a sixth of a picture.
     texture.filter = moderngl.LINEAR_MIPMAP_NEAREST, moderngl.LINEAR
     return texture
+
+
+def upload_bytes(context: Any, layers: list[Array], low: Array, high: Array) -> Any:
+    """A repeating, mipmapped texture of four layers of bytes: of each `low` to `high`.
+
+    The software rasteriser reads bytes faster than floats.
+    """
+    data = np.stack(layers, axis=-1)
+    data = np.clip((data - low) / (np.asarray(high) - low), 0.0, 1.0)
+    texture = context.texture(data.shape[1::-1], 4, (255.0 * data + 0.5).astype("u1").tobytes())
+    texture.build_mipmaps()
+    texture.filter = moderngl.LINEAR_MIPMAP_NEAREST, moderngl.LINEAR
+    return texture

@@ -14,8 +14,10 @@ from subsea.render.stone import (
     COARSEST_CM,
     COLUMNS,
     LEVELS,
+    PIECE_CM,
     SKY,
     SUNNY,
+    cut,
     shapes,
 )
 from subsea.scenario import Arch
@@ -96,3 +98,22 @@ def test_formations_shade_each_other():
 def test_one_stone_stays_as_it_is():
     one, again = (shapes(formations(NO_PILLARS, ROCKS), floor)[0][0].vertices for _ in range(2))
     np.testing.assert_array_equal(one, again)
+
+
+def test_pieces_cover_the_formation_at_every_level_and_overlap():
+    (levels,) = shapes(formations(NO_PILLARS, ARCH), floor)
+    pieces = cut(levels)
+    assert len(pieces) > 4
+    for k, whole in enumerate(levels):
+        corners = whole.vertices[:, :3][whole.triangles].reshape(-1, 9)
+        found = [piece[k].vertices[:, :3][piece[k].triangles].reshape(-1, 9) for piece in pieces]
+        assert {*map(bytes, corners)} == {*map(bytes, np.concatenate(found))}
+        assert len(corners) < sum(map(len, found)) < 2.5 * len(corners)
+    wide = [np.ptp(piece[0].vertices[:, :3], axis=0).max() for piece in pieces]
+    assert max(wide) < PIECE_CM + 5 * COARSEST_CM
+
+
+def test_a_small_stone_is_one_piece():
+    (levels,) = shapes(formations(NO_PILLARS, ROCKS[:1]), floor)
+    (piece,) = cut(levels)
+    assert [len(shape.triangles) for shape in piece] == [len(shape.triangles) for shape in levels]
