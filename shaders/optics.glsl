@@ -8,18 +8,20 @@ uniform sampler2D u_noise;
 uniform sampler2D u_shafts;  // about the sun: turn by cosine; see shafts.frag
 
 const vec3 SUN = vec3(0.28, 0.17, 0.945);  // toward the sun, below the surface
-const vec3 SUNLIGHT = vec3(4.3, 3.7, 3.0);
-const vec3 SKYLIGHT = vec3(0.42, 0.66, 0.82);
+const vec3 SUNLIGHT = vec3(5.3, 4.2, 3.6);
+const vec3 SKYLIGHT = vec3(0.50, 0.76, 0.95);
 // What the sand sends back up.
 const vec3 SANDLIGHT = vec3(0.20, 0.22, 0.20);
 // Water takes red light first: 1/cm along the light's way down (Jerlov's clear coastal water) and
 // shares of u_extinction along the view.
 const vec3 ABSORPTION = vec3(0.0020, 0.00080, 0.00042);
-const vec3 HAZE = vec3(1.45, 1.0, 0.82);
-// An eye takes the light about it for white, the less for green and blue the deeper it gets.
-const vec3 ADAPTED = vec3(0.90, 0.50, 0.35);
+const vec3 HAZE = vec3(1.25, 1.0, 0.84);
+// An eye takes the light about it for white, but ever less so the deeper it is.
+const vec3 ADAPTED = vec3(1.10, 0.60, 0.45);
+const float ADAPTS_TO = 1000.0;  // cm, half of what is lost there is made up for
 const float EXPOSURE = 0.62;  // of everything that is lit
-const float LEVEL_DEPTH = -350.0;  // cm, where the scenario's fog is seen level
+// Depth less what the eye makes up for, cm, where the scenario's fog is seen level: at 3.5 m.
+const vec3 LEVEL = vec3(65.0, 195.0, 233.0);
 
 // Axes across the sun's rays.
 const vec3 ACROSS = vec3(0.9588, 0.0, -0.2841);
@@ -27,24 +29,23 @@ const vec3 ASIDE = vec3(-0.0483, 0.9856, -0.1630);
 
 // Daylight at a depth (z ≤ 0), as shares of that at the surface, to an eye at its own depth.
 vec3 daylight(float z) {
-    return exp(ABSORPTION * (z - ADAPTED * u_eye.z));
+    return exp(ABSORPTION * (z - ADAPTED * u_eye.z / (1.0 - u_eye.z / ADAPTS_TO)));
 }
 
 // Radiance of endless water in a direction: bright above, dark and blue below, and light that is
 // scattered forward about the sun.
 vec3 water_radiance(vec3 direction) {
     float up = max(direction.z, 0.0), down = max(-direction.z, 0.0);
-    float level = (1.0 + up * (1.2 + 1.3 * up)) / (1.0 + down * (1.5 + 3.0 * down));
+    float level = (1.0 + up * (1.3 + 0.5 * up)) / (1.0 + down * (1.5 + 3.0 * down));
     level *= 1.0 + 0.9 * dot(direction.xy, SUN.xy);
-    vec3 tint = mix(vec3(1.0), vec3(2.2, 1.25, 1.0), up * up) * mix(vec3(1.0), vec3(0.55, 0.72, 1.0), down);
+    vec3 tint = mix(vec3(1.0), vec3(1.7, 1.2, 1.0), up * up) * mix(vec3(1.0), vec3(0.55, 0.72, 1.0), down);
     float glow = max(dot(direction, SUN), 0.0);
     glow *= glow;
     float narrow = glow * glow;
     narrow *= narrow;
     narrow *= narrow;
     vec3 about_sun = vec3(0.02, 0.08, 0.11) * glow * glow + vec3(0.22, 0.45, 0.50) * narrow;
-    vec3 depth = exp(ABSORPTION * (1.0 - ADAPTED) * (u_eye.z - LEVEL_DEPTH));
-    return (0.75 * u_fog * level * tint + about_sun) * depth;
+    return (0.75 * u_fog * level * tint + about_sun) * daylight(u_eye.z) * exp(ABSORPTION * LEVEL);
 }
 
 // Shafts of light beside the view, mean about 0, from the map of this view.

@@ -20,7 +20,7 @@ void main() {
     float light = 0.0, total = 1e-6, distance = NEAREST / aside;
     for (int k = 0; k < SAMPLES; ++k) {
         vec2 entry = (u_eye.xy - SUN.xy / SUN.z * u_eye.z + distance * aside * way) / TILE;
-        float blur = max(log2(0.02 * distance * aside / TEXEL), 0.0);
+        float blur = max(log2(0.035 * distance * aside / TEXEL), 0.0);
         float a = textureLod(u_caustics, entry + u_time * vec2(0.011, 0.006), blur).r;
         float b = textureLod(u_caustics, 0.71 * entry.yx - u_time * vec2(0.007, 0.012), blur).r;
         float below = clamp(-(u_eye.z + direction.z * distance) / 80.0, 0.0, 1.0);

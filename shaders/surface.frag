@@ -6,7 +6,6 @@ uniform sampler2D u_ripples;  // slopes along x and y, their mean square
 uniform float u_floor;
 
 in vec3 v_world;
-in vec3 v_clear;
 in float v_share;
 flat in vec3 v_level;
 flat in vec3 v_deep;
@@ -17,7 +16,7 @@ out vec4 f_colour;
 const float WATER_INDEX = 1.33;
 const float CRITICAL = 0.6593;  // cosine of the steepest angle at which all light is mirrored
 const vec3 SUN_IN_AIR = normalize(vec3(1.33 * SUN.xy, 0.9));
-const vec3 ZENITH = vec3(0.30, 0.75, 1.15), HORIZON = vec3(0.85, 1.2, 1.35);
+const vec3 ZENITH = vec3(0.16, 0.48, 0.90), HORIZON = vec3(0.80, 1.15, 1.30);
 
 // Adds waves of some deviation of slope; the third component gathers the variance not resolved.
 void add(inout vec3 waves, vec2 at, float deviation, mat2 turn) {
@@ -39,12 +38,13 @@ void main() {
     vec3 below = reflect(direction, normal);
     float down = max(-below.z, 0.02);
     vec3 mirrored = mix(v_level, v_deep, sqrt(down));
-    mirrored = mix(mirrored, v_sand, exp(u_extinction * u_floor / down * HAZE));
+    mirrored = mix(mirrored, v_sand, exp(u_extinction * u_floor / down));
 
     float level = 1.0 - WATER_INDEX * WATER_INDEX * (1.0 - facing * facing);
     vec3 beyond = WATER_INDEX * direction + (WATER_INDEX * facing - sqrt(max(level, 0.0))) * normal;
     float high = clamp(beyond.z, 0.0, 1.0);
-    vec3 sky = mix(HORIZON, ZENITH, high);
+    // Each crest is a lens: one slope of a ripple gathers more of the sky than the other.
+    vec3 sky = mix(HORIZON, ZENITH, high) * (1.0 + 2.2 * dot(waves.xy, vec2(0.83, 0.56)));
     float width = 0.0006 + 0.25 * waves.z;
     float off = max(1.0 - dot(beyond, SUN_IN_AIR), 0.0);
     sky += vec3(1.0, 0.94, 0.82) * (120.0 * 0.0006 / width * exp(-off / width) + 2.2 * exp(-off * 45.0));
@@ -52,5 +52,5 @@ void main() {
     float within = smoothstep(CRITICAL - 0.01 - 1.5 * spread, CRITICAL + 0.07 + 1.5 * spread, facing);
     vec3 colour = mix(mirrored, sky * v_sun, within);
     // What the water before it adds is there already, with its shafts.
-    f_colour = vec4(colour * v_clear / v_clear.g, v_share * v_clear.g);
+    f_colour = vec4(colour, v_share);
 }

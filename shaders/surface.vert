@@ -6,25 +6,23 @@ uniform mat4 u_view_projection;
 uniform float u_floor;  // cm, mean height of the seabed
 
 out vec3 v_world;
-out vec3 v_clear;
 out float v_share;
 flat out vec3 v_level;  // of the water that the surface mirrors
 flat out vec3 v_deep;
 flat out vec3 v_sand;
-flat out vec3 v_sun;
+flat out vec3 v_sun;  // what has come down to the eye of it, but for what is scattered aside
 
 const vec3 SAND = vec3(0.58, 0.47, 0.31);
 
-// The water's surface as far as it can be seen: less than 2% of contrast is left at its edge.
+// The water's surface as far as it can be seen: hardly any contrast is left at its edge.
 void main() {
-    float reach = max(4.2 / u_extinction, -3.5 * u_eye.z);
+    float reach = max(3.4 / u_extinction, -3.0 * u_eye.z);
     v_world = vec3(u_eye.xy + reach * a_place, 0.0);
     float distance = length(v_world - u_eye);
-    v_clear = clearness(distance);
-    v_share = 1.0 - smoothstep(0.55, 0.95, length(a_place));
+    v_share = clearness(distance).g * (1.0 - smoothstep(0.55, 0.95, length(a_place)));
     v_level = water_radiance(vec3(1.0, 0.0, 0.0));
     v_deep = water_radiance(vec3(0.0, 0.0, -1.0));
-    v_sand = EXPOSURE * SAND * SUN.z * sunlight_at(u_floor);
-    v_sun = daylight(0.0);
+    v_sand = EXPOSURE * SAND * SUN.z * sunlight_at(u_floor) * exp(u_extinction * (u_floor + u_eye.z) * (HAZE - 1.0));
+    v_sun = daylight(u_eye.z);
     gl_Position = u_view_projection * vec4(v_world, 1.0);
 }

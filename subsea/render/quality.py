@@ -38,7 +38,7 @@ class Quality:
 
 
 PRESETS = {
-    "low": Quality(smooth=False, detail=0.7, growth=0.6, snow=700, shafts=4, shadows=True),
+    "low": Quality(smooth=False, detail=0.7, growth=0.6, snow=700, shafts=6, shadows=True),
     "medium": Quality(),
     "high": Quality(samples=4, detail=1.6, snow=2400, shafts=16),
 }

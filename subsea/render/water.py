@@ -11,7 +11,7 @@ from subsea.render.shaders import program, set_uniforms
 from subsea.render.textures import ripples, upload
 from subsea.view.camera import View
 
-ACROSS, DOWN = 112, 63  # cells of the background's grid
+ACROSS, DOWN = 96, 54  # cells of the background's grid
 RINGS, SECTORS = 16, 48  # of the disc that is the surface
 RIPPLES_UNIT = 7  # texture unit
 
