@@ -101,6 +101,7 @@ class Renderer:
             self._make_target(self._size)
         self._particles.adapt(quality)
         self._shafts.adapt(quality)
+        self._water.adapt(quality)
         self._resolve.adapt(quality)
 
     def draw(self, packet: Packet, into: Any = None) -> None:

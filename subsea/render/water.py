@@ -1,5 +1,6 @@
 """The open water behind everything, and its surface seen from below."""
 
+from itertools import chain
 from typing import Any
 
 import moderngl
@@ -7,11 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.frame import Packet, Scene
+from subsea.render.quality import Quality
 from subsea.render.shaders import program, set_uniforms
 from subsea.render.textures import ripples, upload
 from subsea.view.camera import View
 
-ACROSS, DOWN = 96, 54  # cells of the background's grid
+COARSE, FINE = (96, 54), (160, 90)  # cells of the background's grid
+FINE_FROM = 8  # samples of a shaft: these are worth a fine grid
 RINGS, SECTORS = 16, 48  # of the disc that is the surface
 RIPPLES_UNIT = 7  # texture unit
 
@@ -22,9 +25,12 @@ class Water:
     def __init__(self, context: Any, scene: Scene) -> None:
         """Compile the shaders; of `scene` the surface mirrors the sand."""
         self._context = context
-        self._background = program(context, "water", ACROSS_CELLS=ACROSS, DOWN_CELLS=DOWN)
-        self._cells = context.buffer(grid(ACROSS, DOWN).tobytes())
-        self._grid = context.vertex_array(self._background, [], self._cells)
+        self._background = program(context, "water")
+        self._grids = {}
+        for cells in (COARSE, FINE):
+            triangles = context.buffer(grid(*cells).tobytes())
+            self._grids[cells] = context.vertex_array(self._background, [], triangles), triangles
+        self._cells = COARSE
         self._surface = program(context, "surface")
         self._floor = float(np.mean(scene.terrain))
         self._ripples = upload_ripples(context)
@@ -32,21 +38,26 @@ class Water:
         self._places = context.buffer(places.tobytes())
         self._disc = context.vertex_array(self._surface, [(self._places, "2f4", "a_place")])
 
+    def adapt(self, quality: Quality) -> None:
+        """Draw shafts as finely as they are computed from now on."""
+        self._cells = FINE if quality.shafts >= FINE_FROM else COARSE
+
     def draw(self, packet: Packet, view: View, uniforms: dict[str, Any]) -> int:
         """Fill what nothing covers; the number of triangles."""
-        set_uniforms(self._background, **uniforms)
-        self._grid.render(moderngl.TRIANGLES)
+        set_uniforms(self._background, **uniforms, u_cells=self._cells)
+        background, _ = self._grids[self._cells]
+        background.render(moderngl.TRIANGLES)
         self._context.enable(moderngl.BLEND)
         self._ripples.use(RIPPLES_UNIT)
         set_uniforms(self._surface, **uniforms, u_ripples=RIPPLES_UNIT, u_floor=self._floor)
         self._disc.render(moderngl.TRIANGLES)
-        return (self._grid.vertices + self._disc.vertices) // 3
+        return (background.vertices + self._disc.vertices) // 3
 
     def release(self) -> None:
         """Free every OpenGL object."""
         for held in (
-            self._grid, self._cells, self._background, self._disc, self._places, self._surface,
-            self._ripples,
+            *chain(*self._grids.values()), self._background,
+            self._disc, self._places, self._surface, self._ripples,
         ):  # fmt: skip
             held.release()
 
