@@ -53,7 +53,7 @@ class Patch(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     rim: Colour | None = None
     rim_width: Width = 0.008
     soft: Width = 0.004  # width of the border
-    over_fins: bool = False  # else the fins are painted over it
+    over_fins: bool = False  # it goes on over the fins, under their rays
 
 
 class Spots(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):

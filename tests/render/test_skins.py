@@ -1,4 +1,4 @@
-"""Fishes of one species differ, and males that court grow colourful."""
+"""Skins in the light: individuals differ, courting males grow colourful, silver mirrors."""
 
 from dataclasses import replace
 
@@ -106,3 +106,22 @@ def test_a_clear_fin_lets_more_of_the_water_show_than_a_dense_one(drawn, scene):
     assert fins.mean() > 0.01
     dense, clear = (np.abs(p - water).max(axis=2)[fins].mean() for p in pictures)
     assert clear < 0.9 * dense
+
+
+def test_silver_mirrors_the_water_and_only_what_is_pale(drawn):
+    dull, silvery = (drawn(variation=ALIKE, silver=silver)() for silver in (0.0, 1.0))
+    pale = (dull.min(axis=2) > 110) & (np.ptp(dull, axis=2) < 70)
+    pale &= np.abs(silvery - dull).max(axis=2) > 0  # not the sand
+    assert pale.mean() > 0.01
+    bluer = (silvery[..., 2] - silvery[..., 0]) - (dull[..., 2] - dull[..., 0])
+    assert bluer[pale].mean() > 8
+    golden = (dull[..., 0] > 1.8 * dull[..., 2]) & (dull[..., 0] > 120)
+    assert np.abs(silvery - dull).max(axis=2)[golden].mean() < 4
+
+
+def test_scales_differ_from_place_to_place_and_fish_to_fish(drawn):
+    smooth = drawn(variation=ALIKE, scales=0.0)
+    scaly = drawn(variation=ALIKE, scales=1.0)
+    relief = [np.abs(scaly(identity=i) - smooth(identity=i)).max(axis=2) for i in (0.1, 0.55)]
+    assert relief[0].max() > 8
+    assert (relief[0] != relief[1]).mean() > 0.005
