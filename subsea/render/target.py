@@ -4,10 +4,15 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+import moderngl
+
 from subsea.render.quality import Quality
 from subsea.render.shaders import program, set_uniforms
 from subsea.view.stereo import Weave
 from subsea.view.surround import ALL_ROUND, ROWS, Surround, half_tangent
+
+LINEAR = moderngl.LINEAR, moderngl.LINEAR
+NEAREST = moderngl.NEAREST, moderngl.NEAREST  # quicker, where each pixel has its own
 
 
 class Target:
@@ -89,6 +94,8 @@ class Resolve:
         margin = half_tangent(picture.height // ROWS) if weave >= Weave.EQUIRECTANGULAR else 1.0
         set_uniforms(self._programs[weave], u_size=size, u_wide=wide, u_margin=margin)
         self._context.disable(self._context.DEPTH_TEST | self._context.BLEND)
+        exact = weave == Weave.PLAIN and picture.size == size and not self._smooth
+        picture.filter = NEAREST if exact else LINEAR
         picture.use(0)
         self._arrays[weave].render(vertices=3)
 
