@@ -171,7 +171,9 @@ def _refuse_misplaced(scenario: Scenario, sea: Sea, source: str) -> None:
     for key, place, room in places:
         floor = height_at(sea.heights, sea.half_width, place[0], place[1])
         gaps = {"the seabed": place[2] - floor}
-        gaps["the reef"] = place[2] - height_at(sea.floor, sea.half_width, place[0], place[1])
+        if room:  # fishes are moved out of it
+            over = height_at(sea.floor, sea.half_width, place[0], place[1])
+            gaps["the reef"] = place[2] - over
         gaps |= {f"`pillar[{k}]`": from_pillar(row, place)[1] for k, row in enumerate(sea.pillars)}
         for name, row in zip(rocks, sea.rocks, strict=True):
             gaps[name] = min(from_rock(row, place)[1], gaps.get(name, np.inf))

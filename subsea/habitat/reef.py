@@ -41,9 +41,12 @@ KINDS = {
     "barrel": Kind(1.6, (12.0, 30.0), 0.9, 0.4, 0.1, 0.1, 0.3),
     "anemone": Kind(0.7, (9.0, 20.0), 0.9, 0.4, 0.5, 0.9, 0.5),
     "rubble": Kind(0.2, (14.0, 34.0), 1.0, 0.3, 2.2, 0.0, 1.0),
+    # Dead reef that others grow on; the dice never choose it.
+    "mound": Kind(0.45, (26.0, 68.0), 1.0, 0.3, 0.0, 0.0, 0.0),
 }
+MOUND = list(KINDS).index("mound")
 
-PACKED = 0.72  # two growths stand at least this share of the sum of their radii apart
+PACKED = 0.62  # two growths stand at least this share of the sum of their radii apart
 TRIES = 10  # places that are looked at for each
 ROOM_CM = 40.0  # of water over a growth
 FOOT_CM = 4.0  # growths on rock stand so far above the sand at least
@@ -52,7 +55,8 @@ PATCH_CM = 150.0  # neighbours within about this are of few kinds
 FALL_CM = 55.0  # beside a growth the floor comes down over so many cm
 SPOTS_M2 = 50.0  # of stone are looked at
 STEEPEST = -0.35  # upward part of the normal of an overhang on which something grows
-HEAP = 16  # growths in a heap, where a reef has no middle
+HEAP = 15  # growths on the sand for each mound
+ON_MOUND = 0.75  # share of them that stand on it
 LOW_CM = 7.0  # what is lower does not matter to fishes
 
 
@@ -97,11 +101,11 @@ def _settle(
     weights = weights or dict.fromkeys(names, 1.0)
     share = np.array([weights.get(name, 0.0) for name in names])
     number = table.number * TRIES
-    place, normal, on_rock, limit = _ground(table, sea, spots, number, dice)
+    mounds = _mounds(table, sea, spots, dice)
+    place, normal, on_rock, limit = _ground(table, sea, spots, mounds, number, dice)
+    stony = on_rock | np.isfinite(limit)
     # How well each kind does at each place, patch by patch.
-    suits = np.exp(-(((normal[:, 2:] - slope) / picky) ** 2)) * np.where(
-        on_rock[:, None], rock, sand
-    )
+    suits = np.exp(-(((normal[:, 2:] - slope) / picky) ** 2)) * np.where(stony[:, None], rock, sand)
     suits = suits * share * np.exp(2.0 * _patches(place, len(names), dice)) + 1e-12 * share
     cut = np.cumsum(suits, axis=1)
     kind = (dice.uniform(0, 1, (number, 1)) * cut[:, -1:] > cut).sum(axis=1)
@@ -127,7 +131,32 @@ def _settle(
         [kind, radius, turn, dice.uniform(0, 1, number), place, normal, axis, on_rock, hue]
     )
     fits = (radius > 0.6 * least[kind] * min(table.size, 1.0)) & np.isfinite(place).all(axis=1)
-    return _apart(rows.reshape(table.number, TRIES, COLUMNS), fits.reshape(-1, TRIES), before)
+    before = before[before[:, KIND] != MOUND]
+    grown = _apart(rows.reshape(table.number, TRIES, COLUMNS), fits.reshape(-1, TRIES), before)
+    return np.concatenate([mounds, grown])
+
+
+def _mounds(table: ReefTable, sea: Sea, spots: Spots | None, dice: np.random.Generator) -> Array:
+    """Rows (m, COLUMNS) of the mounds on the sand about which a table's growths stand."""
+    bare = 1.0 if spots is None or not len(spots.place) else 1.0 - table.rock
+    m = int(np.ceil(bare * table.number / HEAP))
+    if table.position_cm is None:
+        turn, out = (
+            dice.uniform(0, 2 * np.pi, m),
+            0.92 * sea.radius * np.sqrt(dice.uniform(0, 1, m)),
+        )
+        flat = np.stack([out * np.cos(turn), out * np.sin(turn)], axis=1)
+    else:
+        flat = np.array(table.position_cm) + 0.45 * table.spread_cm * dice.normal(size=(m, 2))
+    rows = np.zeros((m, COLUMNS))
+    least, most = KINDS["mound"].radius_cm
+    rows[:, KIND], rows[:, HUE] = MOUND, dice.uniform(0, 1, m)
+    rows[:, RADIUS] = table.size * (least + (most - least) * dice.uniform(0, 1, m) ** 1.5)
+    rows[:, TURN], rows[:, OWN] = dice.uniform(0, 2 * np.pi, m), dice.uniform(0, 1, m)
+    rows[:, PLACE] = np.column_stack([flat, heights_at(sea.heights, sea.half_width, flat)])
+    rows[:, NORMAL] = rows[:, AXIS] = 0.0, 0.0, 1.0
+    free = clearances(sea.pillars, sea.rocks, rows[:, PLACE]) > 0.0
+    return rows[free & (np.hypot(*flat.T) < 0.9 * sea.radius)]
 
 
 def _apart(offers: Array, fits: Bools, before: Array) -> Array:
@@ -149,24 +178,28 @@ def _apart(offers: Array, fits: Bools, before: Array) -> Array:
 
 
 def _ground(
-    table: ReefTable, sea: Sea, spots: Spots | None, number: int, dice: np.random.Generator
+    table: ReefTable,
+    sea: Sea,
+    spots: Spots | None,
+    mounds: Array,
+    number: int,
+    dice: np.random.Generator,
 ) -> tuple[Array, Array, Bools, Array]:
     """Places (n, 3) with the ground's normals, whether that is rock, and the radii that fit there.
 
-    Places that are not free are NaN.
+    The radius is infinite on the sand. Places that are not free are NaN.
     """
     here = np.array(table.position_cm or (0.0, 0.0))
     spread = table.spread_cm
-    if table.position_cm is None:
-        # In heaps all over the sea: nothing grows evenly spread.
-        heaps = max(table.number // HEAP, 1)
-        turn, out = dice.uniform(0, 2 * np.pi, heaps), np.sqrt(dice.uniform(0, 1, heaps))
-        middle = 0.92 * sea.radius * out[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1)
-        wide = spread * dice.uniform(0.15, 0.6, (heaps, 1))
-        pick = dice.integers(0, heaps, number)
-        flat = middle[pick] + wide[pick] * dice.normal(size=(number, 2))
-    else:
-        flat = here + 0.5 * spread * dice.normal(size=(number, 2))
+    # In heaps on and about the mounds: nothing grows evenly spread.
+    flat = here + 0.5 * spread * dice.normal(size=(number, 2))
+    if len(mounds):
+        heap = mounds[dice.integers(0, len(mounds), number)]
+        on, away = dice.uniform(0, 1, number) < ON_MOUND, np.abs(dice.normal(size=number))
+        out = np.where(on, np.sqrt(dice.uniform(0, 0.9, number)), 1.05 + 0.6 * away)
+        turn = dice.uniform(0, 2 * np.pi, number)
+        off = (heap[:, RADIUS] * out)[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+        flat = heap[:, PLACE][:, :2] + off
     place = np.column_stack([flat, heights_at(sea.heights, sea.half_width, flat)])
     step = np.array([15.0, 0.0])
     slopes = [
@@ -176,6 +209,17 @@ def _ground(
     normal = np.column_stack([-slopes[0], -slopes[1], np.ones(number)])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     limit = np.full(number, np.inf)
+    if len(mounds):
+        # An ellipsoid, of which the upper half is above the sand.
+        wide, high = heap[:, RADIUS], KINDS["mound"].height * heap[:, RADIUS]
+        rise = high * np.sqrt(np.maximum(1.0 - np.minimum(out, 1.0) ** 2, 0.0))
+        top = heap[:, PLACE][:, 2] + (1.0 - SUNK) * rise
+        up = on & (top > place[:, 2])
+        steep = np.column_stack([off / wide[:, None] ** 2, rise / high**2])
+        steep /= np.linalg.norm(steep, axis=1, keepdims=True)
+        place[:, 2] = np.where(up, top, place[:, 2])
+        normal = np.where(up[:, None], steep, normal)
+        limit = np.where(up, 0.75 * wide, limit)
     on_rock = np.zeros(number, np.bool_)
     if spots is not None and len(spots.place):
         near = np.ones(len(spots.place))

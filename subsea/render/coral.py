@@ -23,10 +23,15 @@ GRAIN_UNIT = 8  # texture unit
 TILE_CM = 32.0  # of the grain
 MOST_SWAY_CM = 10.0  # as `coral.vert`
 FINEST_CM = 15.0  # smaller growths do without the finest level
-SATURATION = 1.3
+SATURATION = 1.15
 SHADE = 0.8  # of the light is missing under a growth
 SHADE_PX = 8.0  # that a shadow covers at least
-FOOT = {"rubble": 0.5, "fan": 0.3, "table": 0.9}  # of the radius: how wide the shadow is
+FOOT = {
+    "rubble": 0.5,
+    "mound": 1.05,
+    "fan": 0.3,
+    "table": 0.9,
+}  # of the radius: how wide the shadow is
 
 Ground = Callable[[Array, Array], Array]  # x and y in cm -> height of the sand in cm
 THRESHOLDS_PX = (300.0, 120.0, 50.0, 16.0)  # that a growth covers at each level but the last
@@ -55,7 +60,8 @@ WHITE, BROWN, SKY = (0.88, 0.84, 0.76), (0.25, 0.13, 0.065), (0.42, 0.62, 0.88)
 
 LOOKS = {
     "staghorn": Look(
-        ((TAN, CREAM), ((0.42, 0.28, 0.10), YELLOW), ((0.20, 0.16, 0.42), SKY), (OLIVE, MINT)),
+        ((TAN, CREAM), ((0.42, 0.28, 0.10), YELLOW), (OLIVE, MINT),
+         ((0.26, 0.20, 0.36), (0.52, 0.56, 0.74))),
         (0.0, 0.5, 0.5), 0.1, 0.0,
     ),
     "bush": Look(
@@ -116,6 +122,11 @@ LOOKS = {
     "rubble": Look(
         (((0.36, 0.32, 0.25), (0.52, 0.48, 0.40)), ((0.33, 0.21, 0.21), (0.50, 0.40, 0.36))),
         (0.0, 0.3, 0.8), 0.0, 0.0,
+    ),
+    "mound": Look(
+        (((0.13, 0.10, 0.07), (0.34, 0.18, 0.19)), ((0.13, 0.11, 0.06), (0.34, 0.24, 0.10)),
+         ((0.14, 0.09, 0.10), (0.34, 0.16, 0.34))),
+        (0.25, 0.5, 1.0), 0.0, 0.0,
     ),
 }  # fmt: skip
 

@@ -359,12 +359,11 @@ def soft(dice: Dice, level: int) -> Mesh:
         )
         step = 9 if level == 2 else 25
         heads, size = heads[::step], (2.7 if level == 2 else 4.2) * size[::step]
-    up = np.array([-1.0, 0.1, 1.0])[None, :, None] * UP * 1.0
-    out = unit(heads - np.array([0.0, 0.0, 0.6]))[:, None]
-    path = heads[:, None] + size[:, None, None] * (
-        np.array([-1.0, 0.15, 1.0])[None, :, None] * unit(out + 0.001 * up)
-    )
-    radius = size[:, None] * np.array([0.0, 1.0, 0.0])
+    # Spindles that stand out from their bunch.
+    out = unit(unit(heads - np.array([0.0, 0.0, 0.6])) + 0.5 * dice.normal(size=heads.shape))
+    along = size[:, None] * np.array([-0.9, 0.25, 1.5])
+    path = heads[:, None] + along[..., None] * out[:, None]
+    radius = size[:, None] * np.array([0.0, 0.75, 0.0])
     tip = np.broadcast_to(np.array([0.8, 0.9, 1.0]), radius.shape)
     bulbs = tubes(
         path,
@@ -573,11 +572,30 @@ def rubble(dice: Dice, level: int) -> Mesh:
     )
 
 
-SMOOTH = ("brain", "barrel", "leather", "table", "lettuce")
+def mound(dice: Dice, level: int) -> Mesh:
+    """Dead reef: a worn dome, crusted with pale and pink."""
+    columns, rings = ((30, 12), (18, 8), (11, 5), (7, 3))[level]
+    down = np.linspace(np.radians(118.0), 0.0, rings)[:, None]
+    turn = np.linspace(0.0, 2 * np.pi, columns + 1)
+    down = down + 0 * turn
+    way = np.stack(
+        [np.sin(down) * np.cos(turn), np.sin(down) * np.sin(turn), np.cos(down)], axis=-1
+    )
+    rough = bumps(dice, way, 0.9, 3)
+    swell = 1.0 + 0.07 * rough
+    light = np.clip(0.75 + 0.3 * rough + 0.5 * np.cos(down), 0.25, 1.0)
+    crust = np.clip(0.4 + 0.9 * bumps(dice, way, 0.7, 2), 0.0, 1.0)
+    mesh = turned(swell * np.sin(down), swell * np.cos(down) * 0.45, light=light, tip=crust)
+    flat = np.stack([down * np.cos(turn), down * np.sin(turn)], axis=-1)
+    return mesh._replace(along=flat.reshape(-1, 2))
+
+
+SMOOTH = ("mound", "brain", "barrel", "leather", "table", "lettuce")
 SHAPES: dict[str, Callable[[Dice, int], Mesh]] = {
     "staghorn": staghorn, "bush": bush, "table": table, "brain": brain, "lettuce": lettuce,
     "finger": finger, "leather": leather, "soft": soft, "fan": fan, "pipes": pipes,
     "barrel": barrel, "anemone": anemone, "rubble": rubble,
+    "mound": mound,
 }  # fmt: skip
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from subsea.errors import UserError
 from subsea.habitat.formations import drawn_distance, formations
-from subsea.habitat.reef import KINDS, PACKED, SUNK, floor_over, grow, tops
+from subsea.habitat.reef import KINDS, MOUND, PACKED, SUNK, floor_over, grow, tops
 from subsea.habitat.sea import make_sea
 from subsea.habitat.terrain import heights_at
 from subsea.kinematics.vector import vector
@@ -37,7 +37,7 @@ def feet(reef):
 
 
 def test_scenarios_know_all_kinds():
-    assert set(KINDS) == set(GrowthKind.__args__)
+    assert set(KINDS) - {"mound"} == set(GrowthKind.__args__)
 
 
 def test_it_is_the_same_again_and_another_with_another_seed(bay, grown):
@@ -52,20 +52,26 @@ def test_it_is_the_same_again_and_another_with_another_seed(bay, grown):
 
 def test_most_find_room_and_all_sizes_and_kinds_occur(grown):
     reef = grown[1]
-    assert 0.7 * 260 < len(reef.kind) <= 260
+    assert 0.7 * 260 < (reef.kind != MOUND).sum() <= 260
+    assert (reef.kind == MOUND).sum() > 2
     assert len(np.unique(reef.kind)) > 9
     assert (np.diff(reef.radius) <= 0).all()
     assert reef.radius.max() > 3 * np.median(reef.radius) > 0
 
 
 def test_they_stand_on_the_ground(bay, grown):
-    """On the sand, or on the stone that is drawn."""
+    """On the sand, on a mound that stands there, or on the stone that is drawn."""
     sea, reef = bay[1], grown[1]
     place, sunk = feet(reef)
     assert 0.3 < reef.on_rock.mean() < 0.9
-    sand = ~reef.on_rock
-    gap = place[sand, 2] - heights_at(sea.heights, sea.half_width, place[sand, :2])
-    assert (np.abs(gap + sunk[sand]) < 1.0).all()
+    gap = place[:, 2] - heights_at(sea.heights, sea.half_width, place[:, :2])
+    on_sand = np.abs(gap + sunk) < 1.0
+    assert on_sand[reef.kind == MOUND].all()
+    mounds = reef.taken(reef.kind == MOUND)
+    size = mounds.radius[:, None] * np.array([1.0, 1.0, KINDS["mound"].height])
+    for k in np.flatnonzero(~reef.on_rock & ~on_sand):
+        out = np.linalg.norm((place[k] - mounds.place) / size, axis=1)
+        assert (np.abs(out - 1.0) < 0.2 + sunk[k] / size[:, 2]).any()
     blocks = formations(sea.pillars, sea.rocks)
     for p, deep in zip(place[reef.on_rock], sunk[reef.on_rock], strict=True):
         gaps = [drawn_distance(one, vector(p)) for one in blocks]
@@ -73,7 +79,7 @@ def test_they_stand_on_the_ground(bay, grown):
 
 
 def test_they_stand_apart(grown):
-    reef = grown[1]
+    reef = grown[1].taken(grown[1].kind != MOUND)
     # The ground that they are sunk into slopes differently under each.
     foot = reef.place.astype(np.float64)
     away = np.linalg.norm(foot[:, None] - foot[None], axis=2)
@@ -100,7 +106,7 @@ def test_a_table_may_name_its_kinds(bay):
     scenario, sea = bay
     tables = [ReefTable(position_cm=(0.0, 200.0), number=40, kinds={"fan": 1.0, "brain": 2.0})]
     reef = grow(msgspec.structs.replace(scenario, reef=tables), sea)[1]
-    assert {list(KINDS)[k] for k in reef.kind} == {"fan", "brain"}
+    assert {list(KINDS)[k] for k in reef.kind} == {"fan", "brain", "mound"}
 
 
 def test_the_floor_lies_over_what_grows_and_is_the_sand_elsewhere(bay, grown):
@@ -151,7 +157,7 @@ def test_without_reefs_the_floor_is_the_sand(bay):
     ],
 )  # fmt: skip
 def test_what_is_wrong_is_one_line(tmp_path, text, said):
-    _, path = load_scenario("mating")
+    _, path = load_scenario("schooling")
     bare = path.read_text()
     (tmp_path / "own.toml").write_text(f"{bare}\n[[reef]]\n{text}\n")
     with pytest.raises(UserError, match=said):
