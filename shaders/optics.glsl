@@ -11,7 +11,7 @@ const vec3 SUN = vec3(0.28, 0.17, 0.945);  // toward the sun, below the surface
 const vec3 SUNLIGHT = vec3(5.3, 4.2, 3.6);
 const vec3 SKYLIGHT = vec3(0.50, 0.76, 0.95);
 // What the sand sends back up.
-const vec3 SANDLIGHT = vec3(0.20, 0.22, 0.20);
+const vec3 SANDLIGHT = vec3(0.32, 0.36, 0.36);
 // Water takes red light first: 1/cm along the light's way down (Jerlov's clear coastal water) and
 // shares of u_extinction along the view.
 const vec3 ABSORPTION = vec3(0.0020, 0.00080, 0.00042);

@@ -7,6 +7,8 @@ import pytest
 
 from subsea.render import Renderer
 from subsea.render.quality import PRESETS
+from subsea.render.shaders import set_uniforms, source
+from subsea.render.textures import caustics, upload
 from subsea.render.water import disc, grid
 
 PLAIN = replace(PRESETS["medium"], smooth=False, snow=0)
@@ -81,3 +83,104 @@ def test_no_edge_of_the_surface_is_seen(look):
     for z in (-300.0, -2000.0):
         rows = look(replace(PLAIN, shafts=0), eye=(0, 0, z), pitch=0.15)[:, 60:100].mean(axis=1)
         assert np.abs(np.diff(rows[30:65], axis=0)).max() < 6.0
+
+
+@pytest.fixture(scope="module")
+def optics(context):
+    """A GLSL expression of `vec3 p`, and places (n, 3) -> its values (n, 3), by `optics.glsl`."""
+    near_and_far = [caustics(1), caustics(1, waves=(4.0, 14.0), reach=0.040, penumbra=0.010)]
+    light = upload(context, near_and_far)
+    target = context.simple_framebuffer((4, 4))
+
+    def optics(expression, places, **uniforms):
+        main = f"in vec3 p; out vec3 v; void main() {{ v = vec3({expression}); }}\n"
+        compiled = context.program(vertex_shader=source("optics.glsl") + main, varyings=["v"])
+        given = context.buffer(np.asarray(places, "f4").tobytes())
+        out = context.buffer(reserve=12 * len(places))
+        array = context.vertex_array(compiled, [(given, "3f4", "p")])
+        target.use()
+        light.use(1)
+        sea = {
+            "u_eye": (0.0, 0.0, -300.0),
+            "u_fog": (0.01, 0.1, 0.2),
+            "u_extinction": 0.0026,
+            "u_caustics": 1,
+            "u_time": 3.0,
+        }
+        set_uniforms(compiled, **(sea | uniforms))
+        array.transform(out, vertices=len(places))
+        values = np.frombuffer(out.read(), np.float32).reshape(-1, 3).astype(float)
+        for held in (array, out, given, compiled):
+            held.release()
+        return values
+
+    yield optics
+    light.release()
+    target.release()
+
+
+def bottom(z, number=20_000, seed=1):
+    """Places (n, 3) all over a bay at a depth."""
+    across = np.random.default_rng(seed).uniform(-1500.0, 1500.0, (number, 2))
+    return np.column_stack([across, np.full(number, z)])
+
+
+def test_caustics_spread_the_light_but_add_none_and_are_softer_with_depth(optics):
+    light = {z: optics("caustics_at(p)", bottom(z))[:, 0] for z in (-150.0, -600.0, -2000.0)}
+    for values in light.values():
+        assert values.mean() == pytest.approx(1.0, abs=0.1)
+        assert values.min() > 0.0
+    spread = [values.std() for values in light.values()]
+    assert spread[0] > 1.2 * spread[1] > 1.2 * 1.2 * spread[2] > 0.1
+    # At the surface itself there is nothing yet that could be gathered.
+    np.testing.assert_allclose(optics("caustics_at(p)", bottom(0.0)), 1.0, atol=1e-6)
+
+
+def test_no_tile_of_caustics_repeats(optics):
+    """However far one goes along either texture's axes there is another pattern."""
+    places = bottom(-400.0)
+    light = optics("caustics_at(p)", places)[:, 0]
+    for turn in ([[0.0029, -0.0009], [0.0009, 0.0029]], [[-0.0010, -0.0035], [0.0035, -0.0010]]):
+        for step in ([1, 0], [0, 1], [2, 1]):
+            along = np.linalg.solve(turn, step)
+            there = optics("caustics_at(p)", places + [*along, 0.0])[:, 0]
+            assert np.corrcoef(light, there)[0, 1] < 0.7
+
+
+def test_caustics_move(optics):
+    places = bottom(-400.0)
+    now, soon, later = (optics("caustics_at(p)", places, u_time=t)[:, 0] for t in (3.0, 3.03, 5.0))
+    assert np.corrcoef(now, soon)[0, 1] > 0.9
+    assert np.corrcoef(now, later)[0, 1] < 0.5
+
+
+def test_colours_near_the_eye_are_true_on_a_reef_and_blue_in_the_deep(optics):
+    """What is left of white light, of which the eye takes some away again."""
+    for depth, most in ((100.0, 0.12), (350.0, 0.25)):
+        eye = (0.0, 0.0, -depth)
+        red, _, blue = optics("daylight(p.z)", [eye], u_eye=eye)[0]
+        assert abs(red - blue) < most
+    deep = (0.0, 0.0, -2500.0)
+    red, green, blue = optics("daylight(p.z)", [deep], u_eye=deep)[0]
+    assert red < 0.3 * green < 0.3 * blue
+    # And from anywhere what is deeper is darker, in red most.
+    shares = optics("daylight(p.z - 300.0) / daylight(p.z)", [deep], u_eye=deep)[0]
+    np.testing.assert_allclose(shares, np.exp([-0.6, -0.24, -0.126]), rtol=1e-5)
+
+
+def test_reds_are_kept_near_and_the_visibility_is_where_two_percent_of_contrast_is_left(optics):
+    near, far = optics("clearness(p.x)", [(250.0, 0, 0), (1500.0, 0, 0)], u_extinction=0.002608)
+    assert near[0] > 0.4
+    assert near[0] / near[2] > 0.7
+    assert far[1] == pytest.approx(0.02, abs=0.001)
+    assert far[0] < 0.5 * far[2]
+
+
+def test_the_water_is_brightest_about_the_sun_and_darkest_below(optics):
+    sun = np.array([0.28, 0.17, 0.945])
+    toward, level, away, down = optics(
+        "water_radiance(normalize(p))", [sun, (0.8, 0.5, 0.0), (-0.8, -0.5, 0.0), (0.0, 0.0, -1.0)]
+    ).sum(axis=1)
+    assert toward > 2.0 * level
+    assert level > 1.3 * away
+    assert away > 1.5 * down
