@@ -14,7 +14,7 @@ Array = NDArray[np.floating[Any]]
 
 PERIOD_S = 14.0
 SOURCE_CM = 40.0  # so near to a solid its source is as strong as the current: none flows in
-SPAN = 10.0  # so many times as far away a source has 1% of its strength, and is left out
+SPAN = 5.0  # so many times as far away a source has 4% of its strength, and is left out
 
 
 def flow_at(current_cm_s: tuple[float, float], time_s: float) -> Array:
@@ -29,12 +29,14 @@ def flow_near(pillars: Array, rocks: Array, flow: Vector, p: Vector) -> Vector:
 
     Tu's source, v^s = a/(d - r)² outward from the axis of a pillar and below its top, is given
     the present strength of the uniform flow for a, distances in units of SOURCE_CM, and no more
-    than that strength. Of a rock the distance is that from its surface. All flow is level.
+    than that strength. Of a rock the distance is that from its surface. All flow is level. Of
+    rocks each counts by its share of their strength: those of one stone send out what one does.
     """
     strength = np.sqrt(flow[0] * flow[0] + flow[1] * flow[1])
     if strength == 0.0:
         return flow
     reach = SPAN * SOURCE_CM
+    sent, total = (0.0, 0.0, 0.0), 0.0
     for k in range(len(pillars)):
         x, y, radius, top = pillars[k]
         far = radius + reach
@@ -42,11 +44,12 @@ def flow_near(pillars: Array, rocks: Array, flow: Vector, p: Vector) -> Vector:
             way, gap = from_pillar((x, y, radius, np.inf), p)
             flow = plus(flow, times(_source(strength, gap), way))
     for k in range(len(rocks)):
-        far = max(rocks[k, 3], rocks[k, 4]) + reach
+        far = max(rocks[k, 3], rocks[k, 4]) + 1.5 * reach  # far off `from_rock` is too short
         if abs(p[0] - rocks[k, 0]) < far and abs(p[1] - rocks[k, 1]) < far:
             way, gap = from_rock(rocks[k], p)
-            flow = plus(flow, times(_source(strength, gap), (way[0], way[1], 0.0)))
-    return flow
+            speed = _source(strength, gap)
+            sent, total = plus(sent, times(speed * speed, (way[0], way[1], 0.0))), total + speed
+    return plus(flow, times(1.0 / total, sent)) if total > 0.0 else flow
 
 
 @njit(cache=True, error_model="numpy")

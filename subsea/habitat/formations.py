@@ -211,11 +211,16 @@ def _at_least(block: Array, p: Vector) -> float:
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def _from_block(block: Array, p: Vector) -> float:
-    """Distance from one block, as `solids.from_rock`; a pillar's edge is worn round, inside it."""
+    """Distance from one block, as `solids.from_rock`; a pillar's outline is worn, inside it."""
     dx, dy, dz = p[0] - block[0], p[1] - block[1], p[2] - block[2]
     if block[5] == np.inf:
-        worn = 0.45 * block[3]
-        side, above = math.sqrt(dx * dx + dy * dy) - block[3] + worn, dz + worn
+        # A stack: narrow at the top, waisted, in no place quite round.
+        size = block[3]
+        worn = 0.45 * size
+        waist = noise(block[0], block[1] + 1.3 * dx / size, dz / (2.1 * size))
+        waist += 0.6 * noise(1.1 * dx / size, 1.1 * dy / size + block[1], dz / (1.1 * size))
+        lost = size * (0.26 * math.exp(min(dz, 0.0) / (2.2 * size)) + 0.30 * max(waist + 0.1, 0.0))
+        side, above = math.sqrt(dx * dx + dy * dy) - size + lost + worn, dz + worn
         if side <= 0.0 or above <= 0.0:
             return max(side, above) - worn
         return math.sqrt(side * side + above * above) - worn

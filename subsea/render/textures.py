@@ -106,7 +106,7 @@ def relief(seed: int, size: int = SIZE, cells: int = 24) -> list[Array]:
     polyps = np.clip(1.0 - 1.4 * nearest_of_cells(seed, size, cells), 0.0, 1.0)
     rough = tileable_noise(seed + 1, size, 1.9)
     cracks = np.minimum(np.abs(tileable_noise(seed + 2, size, 2.2)), 0.45)
-    grown = np.clip(0.5 + tileable_noise(seed + 3, size, 2.6), 0.0, 1.0)  # where polyps are
+    grown = np.clip(0.9 * tileable_noise(seed + 3, size, 2.2) - 0.1, 0.0, 1.0)  # where polyps are
     height = 0.45 * rough + 1.1 * cracks + 0.45 * grown * polyps**0.7
     height -= height.mean()
     slope_x, slope_y = (

@@ -98,3 +98,11 @@ def test_a_dense_crowd_is_carried_past_without_meeting_the_pillar(make_sea):
     passed = np.abs(y) > 25.0
     assert here[passed, 0].min() > 60.0
     assert (np.sign(here[passed, 1]) == np.sign(y[passed])).all()
+
+
+def test_rocks_that_overlap_send_out_no_more_than_one():
+    place = (95.0, 20.0, -250.0)
+    one = np.array(flow_near(NONE, ROCK, (3.0, 0.0, 0.0), place))
+    five = np.array(flow_near(NONE, np.repeat(ROCK, 5, axis=0), (3.0, 0.0, 0.0), place))
+    np.testing.assert_allclose(five, one)
+    assert one[0] > 4.0

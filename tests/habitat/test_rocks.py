@@ -9,9 +9,19 @@ from hypothesis import strategies as st
 from subsea.habitat.formations import formations
 from subsea.habitat.rocks import arch, outcrop, rock_rows, single
 from subsea.habitat.solids import clearances
-from subsea.scenario import Arch, Outcrop, Rock, load_scenario
+from subsea.ocean import create_world, step
+from subsea.scenario import (
+    Arch,
+    Outcrop,
+    Rock,
+    Scenario,
+    Shoal,
+    Start,
+    Terrain,
+    load_scenario,
+)
 from subsea.state import HULL_CM, Submarine
-from subsea.submarine.helm import Helm
+from subsea.submarine.helm import HANDS_OFF, Helm
 from subsea.submarine.hull import step_hull
 
 NO_PILLARS = np.zeros((0, 4))
@@ -80,6 +90,32 @@ def test_the_hull_passes_through_the_least_arch_and_through_no_stone(seed):
     assert nearest > 0.4 * HULL_CM
     place, nearest = steer(160.0)  # into a leg
     assert nearest > 0.4 * HULL_CM
+
+
+def test_a_school_swims_through_and_into_no_stone():
+    base = load_scenario("peaceful")[0]
+    school = Shoal(
+        species="fusilier", number=12, position_cm=(-330, 0, -500), spread_cm=60, heading_deg=0,
+        toward_cm=(600, 0, -500), hunger=0.0, digestion=1e-4,
+    )  # fmt: skip
+    scenario = Scenario(
+        title="An arch", seed=1, bounds=base.bounds, fish=[school],
+        water=msgspec.structs.replace(base.water, plankton=0),
+        terrain=Terrain(dune_height_cm=20, dune_length_cm=900, seed=3),
+        submarine=Start(position_cm=(-900, 0, -300)),
+        arch=[Arch(position_cm=(0, 0), span_cm=350, height_cm=250, yaw_deg=90, seed=1)],
+    )  # fmt: skip
+    world = create_world(scenario)
+    sea, fishes = world.state.sea, world.state.fishes
+    through, nearest = np.zeros(12, np.bool_), np.inf
+    for _ in range(800):
+        before = fishes.position[:, 0].copy()
+        step(world, HANDS_OFF)
+        places = fishes.position.astype(np.float64)
+        nearest = min(nearest, clearances(sea.pillars, sea.rocks, places).min())
+        through |= (before < 0.0) & (places[:, 0] >= 0.0) & (np.abs(places[:, 1]) < 175.0)
+    assert through.sum() >= 10
+    assert nearest > 10.0
 
 
 def test_a_rock_may_lie_above_the_sand():
