@@ -44,7 +44,9 @@ void main() {
 
     vec2 slope = v_slope + 0.46 * marks + (7.0 * bits.xy - 3.5) * (0.22 * lies);
     vec3 normal = normalize(vec3(-slope, 1.0));
-    vec3 sun = sunlight_at(v_world.z) * caustics_at(v_world) * ground.x;
+    // Water scatters so much light forward that no shadow is black.
+    float lit = caustics_at(v_world) * ground.x + 0.27 * (1.0 - ground.x);
+    vec3 sun = sunlight_at(v_world.z) * lit;
     vec3 shade = light_from(vec3(0.0), v_world.z, normal, 0.0);
     vec3 light = light_from(sun, v_world.z, normal, 0.0) - shade * (1.0 - ground.y);
     f_colour = vec4(EXPOSURE * sand * light * v_clear + v_veil, 1.0);

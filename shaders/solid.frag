@@ -12,12 +12,12 @@ in vec3 v_veil;
 out vec4 f_colour;
 
 const vec4 RELIEF_SPAN = vec4(3.2, 3.2, 3.2, 2.0);  // of the texture's bytes, about 0
-const vec3 DARK = vec3(0.16, 0.125, 0.10);
+const vec3 DARK = vec3(0.23, 0.17, 0.13);
 const vec3 OCHRE = vec3(0.56, 0.40, 0.22);
 const vec3 CREAM = vec3(0.70, 0.60, 0.45);
 const vec3 TURF = vec3(0.20, 0.21, 0.05);
-const vec3 CORALLINE = vec3(0.62, 0.22, 0.36);
-const vec3 VIOLET = vec3(0.36, 0.18, 0.46);
+const vec3 CORALLINE = vec3(0.70, 0.30, 0.40);
+const vec3 VIOLET = vec3(0.42, 0.24, 0.44);
 const vec3 SPONGE = vec3(0.86, 0.33, 0.06);
 const vec3 LEMON = vec3(0.78, 0.62, 0.12);
 
@@ -46,7 +46,7 @@ void main() {
     vec3 stone = mix(DARK, mix(OCHRE, CREAM, clamp(0.5 + 1.2 * algae, 0.0, 1.0)),
                      clamp(0.62 + 0.5 * height - 0.35 * hollow, 0.0, 1.0));
     // Pink crusts where light is weak, violet ones deeper in; turf where it is strong.
-    float pink = smoothstep(-0.05, 0.20, algae + 0.25 * height - 0.15 * up + 0.10);
+    float pink = smoothstep(-0.02, 0.25, algae + 0.25 * height - 0.15 * up + 0.04);
     vec3 crust = mix(CORALLINE, VIOLET, smoothstep(-0.1, 0.5, turf + 0.4 * hollow - 0.3 * up));
     stone = mix(stone, crust * (0.8 + 0.5 * height), 0.8 * pink);
     float green = smoothstep(0.0, 0.32, 0.75 * turf + 0.55 * up + 0.2 * height - 0.34);
@@ -56,7 +56,7 @@ void main() {
     stone = mix(stone, living * (0.55 + 0.8 * polyps), orange);
 
     stone *= clamp(0.85 + 0.5 * height, 0.3, 1.2);
-    vec3 light = SUNLIGHT * (max(dot(normal, SUN) + 0.1, 0.0) * v_light.y / 1.1);
+    vec3 light = SUNLIGHT * (max(dot(normal, SUN) + 0.25, 0.0) * v_light.y / 1.25);
     light += mix(SANDLIGHT, SKYLIGHT, 0.5 + 0.5 * normal.z) * v_light.x;
     f_colour = vec4(stone * light * v_clear + v_veil, 1.0);
 }

@@ -27,8 +27,10 @@ void main() {
     v_world = a_position;
     v_normal = a_normal;
     // Near the sand much of the sky is hidden by what lies about. Between vertices caustics are soft.
-    float open = mix(0.6, 1.0, smoothstep(-4.0, 30.0, a_light.w)) * (1.0 - 0.4 * a_light.z);
-    v_light = vec3(open * (0.4 + 1.1 * a_light.x), open * a_light.y * dapple_at(a_position), a_light.z);
+    // Water scatters so much light forward that no shadow is black.
+    float open = mix(0.6, 1.0, smoothstep(-4.0, 25.0, a_light.w)) * (1.0 - 0.35 * a_light.z);
+    float sun = a_light.y * dapple_at(a_position) + 0.16 * (1.0 - a_light.y);
+    v_light = vec3(open * (0.65 + 1.1 * a_light.x), open * sun, a_light.z);
     v_cover = a_cover;
     vec3 ray = v_world - u_eye;
     float distance = length(ray);
