@@ -1,7 +1,9 @@
 // Shafts of light in every direction from the eye: a map about the sun, turn by cosine. What enters
 // the water at one place goes on along the sun's rays, and is seen at one turn: so the map's
-// columns are shafts, and fan out from the sun in perspective. SAMPLES places of entry count.
+// columns are shafts, and fan out from the sun in perspective. u_samples places of entry count.
 #include "optics.glsl"
+
+uniform int u_samples;
 
 in vec2 v_place;
 out float f_light;
@@ -16,9 +18,9 @@ void main() {
     vec3 across = ACROSS * cos(turn) + ASIDE * sin(turn);
     vec3 direction = SUN * toward + aside * across;
     vec2 way = across.xy - SUN.xy / SUN.z * across.z;  // of the place of entry, as one looks aside
-    float ratio = pow(3.0 / (u_extinction * NEAREST), 1.0 / float(SAMPLES));
+    float ratio = pow(3.0 / (u_extinction * NEAREST), 1.0 / float(u_samples));
     float light = 0.0, total = 1e-6, distance = NEAREST / aside;
-    for (int k = 0; k < SAMPLES; ++k) {
+    for (int k = 0; k < u_samples; ++k) {
         vec2 entry = (u_eye.xy - SUN.xy / SUN.z * u_eye.z + distance * aside * way) / TILE;
         float blur = max(log2(0.035 * distance * aside / TEXEL), 0.0);
         float a = textureLod(u_caustics, entry + u_time * vec2(0.011, 0.006), blur).r;

@@ -20,22 +20,14 @@ class Shafts:
         self._map = context.texture(SIZE, 1, dtype="f2")
         self._map.repeat_y = False
         self._picture = context.framebuffer([self._map])
-        self._program: Any = None
-        self._array: Any = None
-        self._samples = 0
-        self._picture.clear()
+        self._program = program(context, "shafts")
+        self._array = context.vertex_array(self._program, [])
         self.adapt(quality)
 
     def adapt(self, quality: Quality) -> None:
         """Add up so many places of entry from now on; 0 leaves the water without shafts."""
-        if quality.shafts == self._samples:
-            return
-        self._release_program()
         self._samples = quality.shafts
-        if self._samples:
-            self._program = program(self._context, "shafts", SAMPLES=self._samples)
-            self._array = self._context.vertex_array(self._program, [])
-        else:
+        if not self._samples:
             self._picture.clear()
 
     def cast(self, uniforms: dict[str, Any]) -> None:
@@ -44,18 +36,11 @@ class Shafts:
             self._picture.use()
             self._context.viewport, self._context.scissor = (0, 0, *SIZE), None
             self._context.disable(moderngl.BLEND | moderngl.DEPTH_TEST)
-            set_uniforms(self._program, **uniforms)
+            set_uniforms(self._program, **uniforms, u_samples=self._samples)
             self._array.render(vertices=3)
         self._map.use(UNIT)
 
     def release(self) -> None:
         """Free every OpenGL object."""
-        self._release_program()
-        self._picture.release()
-        self._map.release()
-
-    def _release_program(self) -> None:
-        for held in (self._array, self._program):
-            if held is not None:
-                held.release()
-        self._array = self._program = None
+        for held in (self._array, self._program, self._picture, self._map):
+            held.release()

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from itertools import chain
 from typing import Any
 
 import moderngl
@@ -57,27 +58,22 @@ class Resolve:
         With `smooth` edges are smoothed where a picture is taken as it is.
         """
         self._context = context
-        self._weaves = weaves
+        self._made: dict[tuple[Weave, bool], tuple[Any, Any]] = {}
         self._smooth = smooth
-        self._compile()
+        for weave in weaves:
+            self._program(weave)
 
     def adapt(self, quality: Quality) -> None:
         """Smooth edges, or not, from now on."""
-        if quality.smooth != self._smooth:
-            self._smooth = quality.smooth
-            self.release()
-            self._compile()
+        self._smooth = quality.smooth
 
-    def _compile(self) -> None:
-        smooth = int(self._smooth)
-        self._programs = {
-            weave: program(self._context, "resolve", WEAVE=weave, SMOOTH=smooth)
-            for weave in self._weaves
-        }
-        self._arrays = {
-            weave: self._context.vertex_array(compiled, [])
-            for weave, compiled in self._programs.items()
-        }
+    def _program(self, weave: Weave) -> tuple[Any, Any]:
+        """The program of a weave, and an array without vertices: compiled once."""
+        key = weave, self._smooth and weave == Weave.PLAIN
+        if key not in self._made:
+            compiled = program(self._context, "resolve", WEAVE=weave, SMOOTH=int(key[1]))
+            self._made[key] = compiled, self._context.vertex_array(compiled, [])
+        return self._made[key]
 
     def draw(
         self,
@@ -92,14 +88,15 @@ class Resolve:
         self._context.viewport = (0, 0, *size)
         wide = math.radians(surround.angle_deg), math.radians(surround.tilt_deg)
         margin = half_tangent(picture.height // ROWS) if weave >= Weave.EQUIRECTANGULAR else 1.0
-        set_uniforms(self._programs[weave], u_size=size, u_wide=wide, u_margin=margin)
+        compiled, array = self._program(weave)
+        set_uniforms(compiled, u_size=size, u_wide=wide, u_margin=margin)
         self._context.disable(self._context.DEPTH_TEST | self._context.BLEND)
         exact = weave == Weave.PLAIN and picture.size == size and not self._smooth
         picture.filter = NEAREST if exact else LINEAR
         picture.use(0)
-        self._arrays[weave].render(vertices=3)
+        array.render(vertices=3)
 
     def release(self) -> None:
         """Free every OpenGL object."""
-        for held in (*self._arrays.values(), *self._programs.values()):
+        for held in chain.from_iterable(self._made.values()):
             held.release()
