@@ -26,6 +26,7 @@ SHELL_CM, SHELL = 9.0, 0.13  # room for growth, at most, and as a share of a sol
 RELIEF_CM, RELIEF = 28.0, 0.32  # depth of the deepest hollow, likewise
 BLEND = 0.10  # of the mean least half axis: how smoothly one block goes over into the next
 FAR_CM = 35.0  # a block that is farther than another by so much doesn't change its surface
+STEM_CM = 700.0  # so far below its top a pillar is strewn with samples
 NEAR_CM = FAR_CM + 25.0  # blocks nearer than that shape what is near
 PROBE_CM = 1.5  # over which slopes are taken
 SUN = (0.28, 0.17, 0.945)  # toward it, below the surface, as in `optics.glsl`
@@ -88,31 +89,40 @@ def samples(pillars: Array, rocks: Array, per_m2: float, rng: np.random.Generato
 
 
 def _strewn(blocks: Array, number: int, per_m2: float, rng: np.random.Generator) -> Samples:
-    places = []
-    for x, y, z, a, b, c, cosine, sine, shell, relief, _ in blocks:
-        deep = shell + 0.4 * relief
-        if math.isinf(c):
-            a, b, c, z = a - deep, b - deep, 0.5 * abs(z), z - 0.5 * abs(z)  # down to the middle
-        half = np.array([a, b, c]) - (deep if not math.isinf(c) else 0.0)
-        # A sphere that is stretched has its points crowded where it is stretched least.
-        number_of = per_m2 / 1e4 * 4 * np.pi * half.prod() / half.min()
-        unit = _unit(rng.normal(size=(int(np.ceil(number_of)), 3)))
-        kept = rng.uniform(size=len(unit)) < np.linalg.norm(unit / half, axis=1) * half.min()
-        spread = unit[kept] * half
-        turned = np.stack(
-            [
-                cosine * spread[:, 0] - sine * spread[:, 1],
-                sine * spread[:, 0] + cosine * spread[:, 1],
-                spread[:, 2],
-            ],
-            axis=1,
-        )
-        places.append(turned + (x, y, z))
+    places = [
+        _on_pillar(block, per_m2, rng) if np.isinf(block[5]) else _on_rock(block, per_m2, rng)
+        for block in blocks
+    ]
     place, normal, error = on_the_surface(blocks, np.concatenate(places), 4)
     kept = error < 2.0
     place, normal = place[kept], normal[kept]
     light = openness(shade_of(blocks), place, normal)
     return Samples(place, normal, light, np.full(len(place), number))
+
+
+def _on_rock(block: Array, per_m2: float, rng: np.random.Generator) -> Array:
+    """Places (n, 3), even over an ellipsoid somewhat smaller than the rock."""
+    half = block[3:6] - block[8] - 0.4 * block[9]
+    # A sphere that is stretched has its points crowded where it is stretched least.
+    number = per_m2 / 1e4 * 4 * np.pi * half.prod() / half.min()
+    unit = _unit(rng.normal(size=(int(np.ceil(number)), 3)))
+    kept = rng.uniform(size=len(unit)) < np.linalg.norm(unit / half, axis=1) * half.min()
+    x, y, z = (unit[kept] * half).T
+    c, s = block[6:8]
+    return np.asarray(block[:3] + np.stack([c * x - s * y, s * x + c * y, z], axis=1))
+
+
+def _on_pillar(block: Array, per_m2: float, rng: np.random.Generator) -> Array:
+    """Places (n, 3), even over the top and the upper part of a cylinder in the pillar."""
+    radius = block[3] - block[8] - 0.6 * block[9]
+    number = per_m2 / 1e4 * np.pi * radius * (radius + 2.0 * STEM_CM)
+    turn, low = rng.uniform((0.0, -0.5 * radius), (2 * np.pi, STEM_CM), (int(number) + 1, 2)).T
+    # What would lie above the top lies on it.
+    away = np.where(low < 0.0, radius * np.sqrt(np.maximum(-2.0 * low / radius, 0.0)), radius)
+    return np.asarray(
+        block[:3]
+        + np.stack([away * np.cos(turn), away * np.sin(turn), -np.maximum(low, 0.0)], axis=1)
+    )
 
 
 @njit(cache=True, error_model="numpy", nogil=True)

@@ -128,3 +128,11 @@ def test_the_grid_for_light_has_the_distances():
             assert shade_distance(shade, tuple(p)) == pytest.approx(exact, abs=6.0)
     # Beyond the grid it grows with the distance from it.
     assert shade_distance(shade, (2000.0, 0.0, -450.0)) > 1500.0
+
+
+def test_samples_of_a_pillar_are_all_over_its_stem():
+    found = samples(PILLAR, NO_ROCKS, 20.0, np.random.default_rng(5))
+    depth = PILLAR[0, 3] - found.place[:, 2]
+    counts, _ = np.histogram(depth, np.linspace(60.0, 660.0, 7))
+    assert counts.min() > 0.6 * counts.mean()
+    assert (found.normal[depth < 45.0, 2] > 0.3).any()
