@@ -25,7 +25,8 @@ MOST_SWAY_CM = 10.0  # as `coral.vert`
 FINEST_CM = 15.0  # smaller growths do without the finest level
 SATURATION = 1.15
 SHADE = 0.8  # of the light is missing under a growth
-SHADE_PX = 8.0  # that a shadow covers at least
+SHADE_PX = 16.0  # that a shadow covers at least
+SECTORS = 8  # of a shadow
 FOOT = {
     "rubble": 0.5,
     "mound": 1.05,
@@ -33,6 +34,7 @@ FOOT = {
     "table": 0.9,
 }  # of the radius: how wide the shadow is
 
+NOTHING = Shape(np.zeros((0, 4), np.float32), np.zeros((0, 3), np.int32))
 Ground = Callable[[Array, Array], Array]  # x and y in cm -> height of the sand in cm
 THRESHOLDS_PX = (300.0, 120.0, 50.0, 16.0)  # that a growth covers at each level but the last
 # Place, then four bytes a word: normal and sway; colour (its root) and what shines through; how
@@ -143,11 +145,13 @@ class Coral:
             context, self._program, LAYOUT, ATTRIBUTES, bake(reef), reach_cm, THRESHOLDS_PX
         )
         self._shade = program(context, "shadow")
-        shaded = np.flatnonzero(~reef.on_rock)
+        # What stands on a mound darkens no sand.
+        gap = reef.place[:, 2] - sand(reef.place[:, 0], reef.place[:, 1])
+        shaded = np.flatnonzero(~reef.on_rock & (gap < 3.0))
         self._shaded = reef.own[shaded]
         self._shadows = Standing(
             context, self._shade, "3f4 1f4", "a_position a_dark",
-            [[shadow(reef.taken(k), sand)] for k in shaded],
+            [[shadow(reef.taken(k), sand), NOTHING] for k in shaded],
             reach_cm, (SHADE_PX,),
         )  # fmt: skip
 
@@ -243,17 +247,21 @@ def shadow(growth: Reef, sand: Ground) -> Shape:
     """The sand at the foot of one growth: places and the share of light that is missing there."""
     kind = list(KINDS)[int(growth.kind)]
     tall = KINDS[kind].height
-    out = np.array([0.0, 0.5, 0.85, 1.15, 1.5])[:, None] * FOOT.get(kind, 0.8)
-    dark = np.array([1.0, 0.95, 0.55, 0.2, 0.0])[:, None] * SHADE
-    turn = np.linspace(0.0, 2 * np.pi, 10)
+    out = np.array([0.6, 0.95, 1.5])[:, None] * FOOT.get(kind, 0.8)
+    dark = np.array([0.95, 0.5, 0.0])[:, None] * SHADE
+    turn = np.linspace(0.0, 2 * np.pi, SECTORS + 1)
     # The sun stands in the south-east: what is tall throws its shadow aside.
     x, y = (
         growth.place[axis] + growth.radius * (out * np.array([np.cos, np.sin][axis](turn)) - slant)
         for axis, slant in ((0, 0.12 * tall), (1, 0.07 * tall))
     )
     vertices = np.stack([x, y, sand(x, y), dark + 0.0 * x], axis=-1).reshape(-1, 4)
-    a = (np.arange(4)[:, None] * 10 + np.arange(9)).ravel()
-    cells = [np.stack([a, a + 11, a + 1], 1), np.stack([a, a + 10, a + 11], 1)]
+    c = SECTORS + 1
+    a = (np.arange(2)[:, None] * c + np.arange(SECTORS)).ravel()
+    cells = [np.stack([a, a + c + 1, a + 1], 1), np.stack([a, a + c, a + c + 1], 1)]
+    cells.append(
+        np.stack([0 * a[1 : SECTORS - 1], a[1 : SECTORS - 1], a[2:SECTORS]], 1)
+    )  # the middle
     return Shape(vertices.astype(np.float32), np.concatenate(cells))
 
 

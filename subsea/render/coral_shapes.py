@@ -175,8 +175,8 @@ def bush(dice: Dice, level: int) -> Mesh:
         return fingers.tubes(2, 6, True, pale=0.3, dark=0.12)
     if level == 1:
         return fingers.tubes(2, 4, False, 1.1, pale=0.3, dark=0.12)
-    few = fingers.taken(np.arange(0, number, 2 if level == 2 else 4))
-    return few.tubes(2, 3, False, 1.5 if level == 2 else 2.1, pale=0.25, dark=0.15)
+    few = fingers.taken(np.arange(0, number, 2 if level == 2 else 6))
+    return few.tubes(2, 3, False, 1.5 if level == 2 else 2.5, pale=0.25, dark=0.15)
 
 
 def table(dice: Dice, level: int) -> Mesh:
@@ -418,10 +418,10 @@ def fan(dice: Dice, level: int) -> Mesh:
         angle = 0.93 * angle
         number, length = len(angle), 0.86 * length if order < 3 else 0.93 * length
     rows = np.concatenate(found)
-    orders = (9, 8, 6, 5)[level]
+    orders = (9, 7, 5, 4)[level]
     rows = rows[rows[:, 6] < orders]
     if level:  # what is left out still catches the eye
-        rows[:, 4:6] *= (1.0, 1.25, 2.0, 2.8)[level]
+        rows[:, 4:6] *= (1.0, 1.4, 2.4, 3.4)[level]
     sides, rings = 3, 2
     share = np.linspace(0.0, 1.0, rings)[None, :, None]
     flat = rows[:, None, 0:2] + share * (rows[:, None, 2:4] - rows[:, None, 0:2])
