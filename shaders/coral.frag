@@ -7,6 +7,7 @@ in vec3 v_normal;
 in vec4 v_colour;
 in vec4 v_grain;
 in vec2 v_along;
+in vec3 v_sun;
 in vec3 v_clear;
 in vec3 v_veil;
 out vec4 f_colour;
@@ -22,11 +23,10 @@ void main() {
 
     vec3 colour = v_colour.rgb * clamp(1.0 + 0.75 * height, 0.25, 1.7);
     float open = v_grain.a * clamp(1.0 + 0.5 * height, 0.4, 1.2);
-    vec3 sun = sunlight_at(v_world.z) * caustics_at(v_world);
-    vec3 light = light_from(sun * clamp(1.0 - 1.6 * rise, 0.2, 2.0), v_world.z, normal, 0.25) * open;
+    vec3 light = light_from(v_sun * clamp(1.0 - 1.6 * rise, 0.2, 2.0), v_world.z, normal, 0.25) * open;
     // Thin parts and tips glow with the light from behind.
     vec3 view = normalize(v_world - u_eye);
     float behind = max(dot(view, SUN), 0.0);
-    light += v_colour.a * (0.16 + 0.5 * behind * behind) * open * sun;
+    light += v_colour.a * (0.16 + 0.5 * behind * behind) * open * v_sun;
     f_colour = vec4(EXPOSURE * colour * light * v_clear + v_veil, 1.0);
 }

@@ -14,6 +14,7 @@ out vec3 v_normal;
 out vec4 v_colour;
 out vec4 v_grain;
 out vec2 v_along;
+out vec3 v_sun;    // vertices are closer together than the caustics' lines
 out vec3 v_clear;  // haze changes so slowly that the vertices suffice
 out vec3 v_veil;
 
@@ -32,6 +33,7 @@ void main() {
     v_colour = vec4(a_colour.rgb * a_colour.rgb, a_colour.a);
     v_grain = a_grain;
     v_along = a_along;
+    v_sun = sunlight_at(place.z) * caustics_at(place);
     vec3 ray = place - u_eye;
     float distance = length(ray);
     v_clear = clearness(distance);

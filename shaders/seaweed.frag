@@ -6,6 +6,7 @@ in vec3 v_normal;
 in vec4 v_place;
 flat in vec3 v_colour;
 flat in float v_rib;
+in vec3 v_sun;
 in vec3 v_clear;
 in vec3 v_veil;
 out vec4 f_colour;
@@ -26,14 +27,13 @@ void main() {
     leaf *= 1.0 + 0.45 * rib * (1.0 - t) - 0.16 * smoothstep(0.55, 1.0, u) + 0.1 * seen * sin(vein);
     leaf = mix(leaf, vec3(0.24, 0.20, 0.13), 0.5 * smoothstep(1.3, 2.0, speck));
 
-    vec3 sun = sunlight_at(v_world.z) * caustics_at(v_world);
-    vec3 light = light_from(sun, v_world.z, normal, 0.3);
+    vec3 light = light_from(v_sun, v_world.z, normal, 0.3);
     // What comes through from the other side is yellower.
     vec3 through = vec3(1.25, 1.1, 0.35) * (1.0 - 0.6 * rib);
     float glow = max(dot(-view, SUN), 0.0);
     glow *= glow;
     float behind = max(dot(-normal, SUN), 0.0) + 0.25 + 0.6 * glow * glow;
-    light += 0.75 * through * behind * sun;
+    light += 0.75 * through * behind * v_sun;
     light *= mix(0.35, 1.0, smoothstep(0.0, 0.35, v_place.w));  // shaded by its cluster at the foot
     f_colour = vec4(EXPOSURE * leaf * light * v_clear + v_veil, 1.0);
 }

@@ -12,6 +12,7 @@ out vec3 v_normal;
 out vec4 v_place;  // along, across, own number of the frond, how high on its plant
 flat out vec3 v_colour;
 flat out float v_rib;  // how much of a midrib it has
+out vec3 v_sun;
 out vec3 v_clear;  // haze changes so slowly that the vertices suffice
 out vec3 v_veil;
 
@@ -125,6 +126,7 @@ void main() {
     v_place = vec4(t, a_place.y, own, high);
     v_colour = colour;
     v_rib = rib;
+    v_sun = sunlight_at(place.z) * caustics_at(place);
     vec3 ray = v_world - u_eye;
     float distance = length(ray);
     v_clear = clearness(distance);
