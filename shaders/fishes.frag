@@ -37,26 +37,34 @@ void main() {
     bool thin = v_side == 0.0;
     if (thin && dot(normal, view) < 0.0) normal = -normal;
 
-    vec4 eye_spot = looks[v_kind].eye, coat = looks[v_kind].coat;
-    float tail = looks[v_kind].build.y;
+    vec4 coat = looks[v_kind].coat;
     vec4 skin = texture(u_skins, v_skin, SHARPEN);
-    skin.a *= 1.0 - smoothstep(-0.05, 0.05, v_part.x - 0.5 - 9.0 * abs(v_part.y - v_nick));
     vec4 wear = looks[v_kind].wear;
     vec3 off = skin.rgb - wear.rgb;
     skin.rgb += v_shift * smoothstep(1.0, 0.0, dot(off, off) * wear.w);
     skin.rgb = toned(skin.rgb, v_tone);
 
     // How far a place is a web of skin between rays, and not body.
-    float web = thin ? 1.0 : smoothstep(tail, tail + 0.06, v_rest.x);
+    float web = thin ? 1.0 : 0.0;
+#ifdef DISTANT
+    // Scales, eyes and torn edges are too small to be seen.
+    const float seen = 0.0, eye = 0.0;
+    const vec3 relief = vec3(0.0, 0.0, 1.0);
+#else
+    vec4 eye_spot = looks[v_kind].eye;
+    float tail = looks[v_kind].build.y;
+    skin.a *= 1.0 - smoothstep(-0.05, 0.05, v_part.x - 0.5 - 9.0 * abs(v_part.y - v_nick));
+    web = max(web, smoothstep(tail, tail + 0.06, v_rest.x));
     float face = 1.0 - smoothstep(eye_spot.x + 0.02, eye_spot.x + 0.12, v_rest.x);
     float seen;
     vec3 relief = scales(v_rest, v_part.x, v_identity, coat.y * (1.0 - web) * (1.0 - face), seen);
     skin.rgb *= relief.z;
     vec2 from_eye = (v_rest - eye_spot.xy) / eye_spot.z;
     float eye = thin ? 0.0 : 1.0 - smoothstep(0.75, 1.1, dot(from_eye, from_eye));
-    vec2 slope = relief.xy + eye * from_eye * vec2(0.9, 0.9);
+    vec2 slope = relief.xy + 0.9 * eye * from_eye;
     vec3 up = v_side * cross(normal, v_ahead);
     normal = normalize(normal - slope.x * v_ahead + slope.y * up);
+#endif
 
     // What is bright and without colour is silver.
     float silver = coat.z * (1.0 - web) * smoothstep(0.05, 0.5, min(skin.r, min(skin.g, skin.b)));

@@ -51,9 +51,11 @@ class Fishes:
     def __init__(self, context: Any, scene: Scene) -> None:
         self._context = context
         kinds = len(scene.species)
-        self._plain = program(context, "fishes", SPECIES=kinds)
-        # To discard pixels costs time, so only what fades is drawn by the program that can.
-        self._fading = program(context, "fishes", SPECIES=kinds, FADING=1)
+        # By whether what they draw is distant, and whether it fades: to discard pixels costs time.
+        self._programs: dict[tuple[str, ...], Any] = {
+            wants: program(context, "fishes", SPECIES=kinds, **dict.fromkeys(wants, 1))
+            for wants in ((), ("DISTANT",), ("FADING",), ("DISTANT", "FADING"))
+        }
         self._speck = program(context, "fish_speck", SPECIES=kinds, COARSEST=COARSEST)
         rows, points = scene.control_points.shape[:2]
         table = np.zeros((rows, points, 4), "f4")
@@ -74,9 +76,9 @@ class Fishes:
         self._places = _table(context, speck_places(scene.species, shape))
         buffers = [context.buffer(part.tobytes()) for part in (vertices, triangles)]
         self._arrays = {}
-        for compiled in (self._plain, self._fading, self._speck):
+        for compiled in (*self._programs.values(), self._speck):
             compiled["Looks"].binding = LOOKS_BINDING
-        for compiled in (self._plain, self._fading):
+        for compiled in self._programs.values():
             self._arrays[compiled] = context.vertex_array(
                 compiled, [(buffers[0], VERTEX_FORMAT, *VERTEX_ATTRIBUTES)], buffers[1]
             )
@@ -146,14 +148,15 @@ class Fishes:
         if fine:  # which follow each other, and have the same fins
             mesh, first = self._meshes[0], self._first[0] + self._meshes[0].body
             count = sum(batch.count for batch in fine)
-            self._render(self._plain, first, mesh.fins, min(b.first for b in fine), count)
+            self._render(self._programs[()], first, mesh.fins, min(b.first for b in fine), count)
             total += mesh.fins * count
         return total
 
     def _program(self, batch: Batch) -> Any:
         if batch.level == len(DETAILS):
             return self._speck
-        return self._fading if batch.fading else self._plain
+        wants = ("DISTANT",) * (batch.level >= FINE) + ("FADING",) * batch.fading
+        return self._programs[wants]
 
     def _render(self, compiled: Any, first: int, triangles: int, record: int, count: int) -> None:
         """Draw `triangles` from the `first` on, for `count` instances from `record` on.
