@@ -8,6 +8,7 @@ uniform vec4 u_map;           // corner and size of the ground's map, cm
 
 in vec3 v_world;
 in vec2 v_slope;
+in float v_broad;
 in vec3 v_clear;
 in vec3 v_veil;
 out vec4 f_colour;
@@ -23,19 +24,18 @@ const mat2 TURNED = mat2(0.80, 0.60, -0.60, 0.80);
 void main() {
     vec2 p = v_world.xy;
     vec4 ground = texture(u_ground, (p - u_map.xy) / u_map.zw);
-    float broad = texture(u_noise, p / 870.0).r;
     vec4 one = 6.0 * texture(u_ripples, p / 173.0) - 3.0;
     vec4 other = 6.0 * texture(u_ripples, TURNED * p / 271.0 + 0.37) - 3.0;
     vec4 bits = texture(u_litter, TURNED * p / 67.0);
 
     // Where one set of ripples is strong the other is weak.
-    float share = smoothstep(-0.7, 0.9, broad + 0.25 * other.z);
+    float share = smoothstep(-0.7, 0.9, v_broad + 0.25 * other.z);
     float rubble = ground.z;
     vec2 marks = mix(one.xy, other.xy * TURNED, share) * (1.0 - 0.6 * rubble);
     float height = mix(one.z, other.z, share) * (1.0 - 0.6 * rubble);
     float grain = one.w + other.w;
-    vec3 sand = mix(TAN, PALE, clamp(0.60 + 0.13 * broad + 0.20 * height + 0.045 * grain, 0.0, 1.0));
-    sand = mix(sand, FILM, clamp(0.30 * smoothstep(0.2, 1.6, -broad) + 0.9 * rubble, 0.0, 0.85));
+    vec3 sand = mix(TAN, PALE, clamp(0.60 + 0.13 * v_broad + 0.20 * height + 0.045 * grain, 0.0, 1.0));
+    sand = mix(sand, FILM, clamp(0.30 * smoothstep(0.2, 1.6, -v_broad) + 0.9 * rubble, 0.0, 0.85));
 
     // Bits are rare on open sand and crowded about stones.
     float lies = smoothstep(0.0, 0.12, bits.w - 0.93 + 0.93 * rubble);
@@ -46,8 +46,7 @@ void main() {
     vec3 normal = normalize(vec3(-slope, 1.0));
     // Water scatters so much light forward that no shadow is black.
     float lit = caustics_at(v_world) * ground.x + 0.27 * (1.0 - ground.x);
-    vec3 sun = sunlight_at(v_world.z) * lit;
-    vec3 shade = light_from(vec3(0.0), v_world.z, normal, 0.0);
-    vec3 light = light_from(sun, v_world.z, normal, 0.0) - shade * (1.0 - ground.y);
-    f_colour = vec4(EXPOSURE * sand * light * v_clear + v_veil, 1.0);
+    vec3 light = SUNLIGHT * (lit * max(dot(normal, SUN), 0.0));
+    light += mix(SANDLIGHT, SKYLIGHT, 0.5 + 0.5 * normal.z) * ground.y;
+    f_colour = vec4(sand * light * v_clear + v_veil, 1.0);
 }
