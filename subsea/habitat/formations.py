@@ -287,6 +287,7 @@ class Shade(NamedTuple):
     field: Array  # (a, b, c) cm
     corner: Array  # (3,) cm
     cell: float  # cm
+    reach: float  # cm, from which it takes little of the sky's light
 
 
 def box_of(blocks: Array) -> tuple[Array, Array]:
@@ -304,7 +305,8 @@ def shade_of(blocks: Array) -> Shade:
     cell = float(np.clip((high - low).max() / 44.0, 8.0, 26.0))
     low, high = low - 2.0 * cell, high + 2.0 * cell
     number = np.ceil((high - low) / cell).astype(int) + 1
-    return Shade(_rough_grid(blocks, low, cell, *number), low, cell)
+    reach = max(0.4 * float((high - low).max()), 100.0)
+    return Shade(_rough_grid(blocks, low, cell, *number), low, cell, reach)
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -350,6 +352,9 @@ def openness(shade: Shade, places: Array, normals: Array) -> Array:
     for i in range(len(places)):
         n = vector(normals[i])
         p = (places[i, 0] + 2.0 * n[0], places[i, 1] + 2.0 * n[1], places[i, 2] + 2.0 * n[2])
+        if shade_distance(shade, p) > shade.reach:
+            out[i] = 1.0
+            continue
         light = 0.0
         for k in range(len(SKY)):
             facing = 0.5 + 0.5 * (n[0] * SKY[k, 0] + n[1] * SKY[k, 1] + n[2] * SKY[k, 2])

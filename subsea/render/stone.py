@@ -41,7 +41,7 @@ BURIED_CM = 20.0  # a shape goes on so far below the sand
 CELLS = 46.0  # along the longest side of a formation, at the finest level, but ...
 FINEST_CM, COARSEST_CM = 4.5, 10.0  # ... no smaller and no larger than that
 PIECE_CM = 220.0  # formations are cut into boxes so wide, so that far parts are drawn coarsely
-NEAR_CM = 260.0  # solids so near shade one another
+NEAR_CM = 200.0  # solids so near shade one another
 SUN_WIDE = 0.16  # of the cone of light that counts as the sun: how soft shadows are
 
 # Columns of a vertex: place, normal, then how it is lit and what grows there.
@@ -72,16 +72,15 @@ def cut(levels: list[Shape]) -> list[list[Shape]]:
     number = np.ceil(np.ptp(levels[0].vertices[:, :3], axis=0) / PIECE_CM).astype(int)
     pieces: list[list[Shape]] = []
     middles = [shape.vertices[:, :3][shape.triangles].mean(axis=1) for shape in levels]
+    longs = [_long(shape) for shape in levels]
     for i, j, k in np.ndindex(*np.maximum(number, 1)):
         box = low + PIECE_CM * np.array([i, j, k])
         own = []
-        for shape, middle in zip(levels, middles, strict=True):
+        for shape, middle, long in zip(levels, middles, longs, strict=True):
             beyond = np.maximum(box - middle, middle - box - PIECE_CM).max(axis=1)
             if shape is levels[0] and not (beyond <= 0.0).any():
                 break
-            used, triangles = np.unique(
-                shape.triangles[beyond <= _long(shape)], return_inverse=True
-            )
+            used, triangles = np.unique(shape.triangles[beyond <= long], return_inverse=True)
             own.append(Shape(shape.vertices[used], triangles.reshape(-1, 3).astype(np.int32)))
         else:
             pieces.append(own)
