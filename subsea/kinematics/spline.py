@@ -6,6 +6,7 @@ level differs less from a finer one; and a vertex needs 9 control points instead
 linear across and quadratic along.
 """
 
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -78,8 +79,14 @@ def greville(controls: int, degree: int = DEGREE) -> Array:
 def through(points: Array, degree: int = DEGREE) -> Array:
     """The control points (n, …) of the spline that meets `points` (n, …) at `greville`."""
     points = np.asarray(points, np.float64)
-    matrix = dense(basis_at(len(points), greville(len(points), degree), degree), len(points))
+    matrix = _at_greville(len(points), degree)
     return np.linalg.solve(matrix, points.reshape(len(points), -1)).reshape(points.shape)
+
+
+@cache
+def _at_greville(controls: int, degree: int) -> Array:
+    """The points at `greville` as a matrix (controls, controls) over the control points."""
+    return dense(basis_at(controls, greville(controls, degree), degree), controls)
 
 
 def _knots(controls: int, degree: int) -> Array:

@@ -5,6 +5,7 @@ them with is alike, and only where it lies on the skin differs (`outfit`). A fin
 lacks has vertices too; they are told to hide.
 """
 
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -66,6 +67,7 @@ class Mesh(NamedTuple):
     fins: int  # ... and the second, as many as the last
 
 
+@cache
 def finest(controls: int) -> Table:
     """The one basis that is evaluated: at the ends, at the knots and halfway between two knots.
 

@@ -31,6 +31,7 @@ Array = NDArray[np.floating[Any]]
 
 SKINS_UNIT, VERTICES_UNIT, PLACES_UNIT = 3, 9, 10  # of textures
 FINE = 2  # levels whose fins are drawn after all bodies
+NO_TRIANGLE = np.zeros((1, 3), np.int32)
 LOOKS_BINDING = 0  # of the block of uniforms
 SRGB8_ALPHA8 = 0x8C43  # OpenGL's name for the texels of the skins
 
@@ -83,13 +84,15 @@ class Fishes:
                 compiled, [(buffers[0], VERTEX_FORMAT, *VERTEX_ATTRIBUTES)], buffers[1]
             )
         self._speck_triangles = len(shape.triangles)
-        speck_buffers = [
-            context.buffer(part.tobytes()) for part in (shape.vertices, shape.triangles)
-        ]
+        listed = np.concatenate([shape.triangles, NO_TRIANGLE]).astype("i4")
+        speck_buffers = [context.buffer(part.tobytes()) for part in (shape.vertices, listed)]
         layout = fish_speck.VERTEX_FORMAT, *fish_speck.VERTEX_ATTRIBUTES
         self._arrays[self._speck] = context.vertex_array(
             self._speck, [(speck_buffers[0], *layout)], speck_buffers[1]
         )
+        # For drivers that build a program when it first draws: the last triangle has no area.
+        self._cold = dict.fromkeys(self._programs.values(), len(triangles) - 1)
+        self._cold[self._speck] = self._speck_triangles
         self._held = [
             *self._arrays.values(), *buffers, *speck_buffers, self._instances, self._looks,
             self._table, self._vertices, self._places, self._skins, *self._arrays,
@@ -128,8 +131,11 @@ class Fishes:
             "u_vertices": VERTICES_UNIT,
             "u_places": PLACES_UNIT,
         }
-        for compiled in {self._program(batch) for batch in packet.batches}:
+        for compiled in {*self._cold, *(self._program(batch) for batch in packet.batches)}:
             set_uniforms(compiled, **units, **uniforms)
+        while self._cold:  # so that no picture later on waits for what it is the first to need
+            compiled, nothing = self._cold.popitem()
+            self._render(compiled, nothing, 1, 0, 1)
         total = 0
         fine = []
         self._context.enable(moderngl.CULL_FACE)
@@ -181,13 +187,16 @@ class Fishes:
 
 
 def joined(meshes: list[Mesh]) -> tuple[Array, NDArray[np.int32], list[int]]:
-    """All vertices and triangles of all levels, and the first triangle of each."""
+    """All vertices and triangles of all levels, and the first triangle of each.
+
+    The last triangle is none: its corners are one.
+    """
     starts = np.cumsum([0] + [len(mesh.vertices) for mesh in meshes])
     triangles = [mesh.triangles + start for mesh, start in zip(meshes, starts, strict=False)]
     first = np.cumsum([0] + [len(those) for those in triangles])[:-1]
     return (
         np.concatenate([mesh.vertices for mesh in meshes]),
-        np.concatenate(triangles).astype("i4"),
+        np.concatenate([*triangles, NO_TRIANGLE]).astype("i4"),
         first.tolist(),
     )
 

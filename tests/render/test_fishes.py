@@ -1,5 +1,6 @@
 """The vertex shader against numpy, and the levels of detail against each other."""
 
+import dataclasses
 from itertools import pairwise
 
 import moderngl
@@ -173,6 +174,29 @@ def test_normals_of_the_body_point_outward(context, program, scene, make_packet,
     # Heading along x: the right side lies at negative y.
     assert (np.sign(normal[flank, 1]) == -mesh.vertices[flank, SIDE]).all()
     assert (np.sign(position[flank, 1]) == -mesh.vertices[flank, SIDE]).mean() > 0.9
+
+
+@pytest.mark.parametrize("level", range(len(DETAILS)))
+def test_both_halves_meet_without_a_crease(context, program, scene, make_packet, fish, level):
+    """At the ridges of a straight body their normals are one; at the snout they point ahead."""
+    straight = scene.control_points.copy()
+    rest = rest_control_points(scene.species[0].surface, scene.recorded_length_cm[0], 6.0)
+    straight[:2] = rest
+    packet = make_packet([fish(0, (0.0, 0.0, 0.0), heading=0.0)])
+    mesh, own = dressed(scene, 0, level)
+    still = dataclasses.replace(scene, control_points=straight)
+    _, normal = shaded(context, program, still, level, packet)
+    body = mesh.vertices[:, PART] == BODY
+    trunk = body & (own[:, 3] > 0.05) & (own[:, 3] < 0.6)
+    for ridge, up in ((0.0, 1.0), (1.0, -1.0)):
+        mine = trunk & (mesh.vertices[:, ALONG] == ridge)
+        left, right = (normal[mine & (mesh.vertices[:, SIDE] == side)] for side in (-1, 1))
+        assert len(left) == len(right) > 4
+        np.testing.assert_allclose(left, right, atol=0.03)
+        assert (up * left[:, 2] > 0.7).all()
+    snout = body & (own[:, 3] == 0.0)
+    assert (normal[snout, 0] > 0.3).all()
+    np.testing.assert_allclose(np.linalg.norm(normal, axis=1), 1.0, atol=1e-4)
 
 
 def test_pectoral_fins_sweep_outward(context, program, scene, make_packet, fish):
@@ -412,6 +436,7 @@ def test_the_number_of_calls_does_not_depend_on_the_fishes(
     monkeypatch.setattr(fishes.Fishes, "_render", lambda *a: (made.append(a), render(*a)))
     renderer = Renderer(context, scene, (64, 48))
     calls = []
+    renderer.draw(make_packet([], size=(64, 48)))  # the very first picture has a few more
     for number in (2, 40):
         made.clear()
         few = [
@@ -422,3 +447,20 @@ def test_the_number_of_calls_does_not_depend_on_the_fishes(
         calls.append(len(made))
     renderer.release()
     assert 0 < calls[0] == calls[1] <= 10
+
+
+def test_a_fin_hides_no_fin_behind_it(context, scene, make_packet, fish):
+    """`frame.pack` puts the farther fish first: its fin shows through the nearer one's."""
+    size = (240, 160)
+    renderer = Renderer(context, scene, size, PRESETS["low"])
+    # The tip of the dorsal fin before the other's flank is hidden by its body: only fins overlap.
+    near, far = fish(1, (0, 24, -200), heading=2.8), fish(1, (0, 30, -197), heading=2.8)
+    pictures = []
+    for shown in ([far, near], [near, far], [near]):
+        renderer.draw(make_packet(shown, size=size))
+        pictures.append(renderer.read_pixels().astype(int))
+    renderer.release()
+    right, wrong, alone = pictures
+    # Where the far fish shows at all through or beside the near one, it shows at least as much.
+    with_, without = ((np.abs(x - alone).max(axis=2) > 3).sum() for x in (right, wrong))
+    assert with_ > without > 0

@@ -75,7 +75,7 @@ def test_triangles_are_counted(renderer, make_packet, fish):
     assert 900 < counts[1] < 1050
     assert 700 < counts[2] < 850  # whose fins are counted on both sides
     assert 160 <= counts[3] < 230
-    assert counts[4] == 40
+    assert 40 <= counts[4] < 50
 
 
 def test_release_frees_every_object(context, scene, make_packet, fish):
