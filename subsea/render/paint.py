@@ -298,7 +298,8 @@ def _draw_tail(
     begin, fin = surface.tail.begin, skin.tail
     rear = slice(int(np.searchsorted(s, begin)), None)
     share = y / reach[:, rear]
-    edge = surface.tail.edge_at(share.clip(-1.0, 1.0))
+    shares = np.linspace(-1.0, 1.0, 257)
+    edge = _single(np.interp(share, shares, surface.tail.edge_at(shares)))
     out = _single(((s[rear] - begin) / (edge - begin)).clip(0.0, 1.2))
     rays, between = _rays(0.5 + 0.5 * share, out, 0, fin.soft_rays)  # they fan out from the root
     end = 1.0 - between * CUT_RAYS
@@ -657,6 +658,7 @@ def _bytes(picture: Array) -> NDArray[np.uint8]:
     table = np.round(255.0 * encoded).astype(np.uint8)
     texels = np.empty((*picture.shape[1:], 4), np.uint8)
     for k in range(3):
-        texels[..., k] = table[(4096.0 * picture[k].clip(0.0, 1.0) + 0.5).astype(np.int16)]
+        steps = (np.float32(4096.0) * picture[k] + np.float32(0.5)).astype(np.int16)
+        texels[..., k] = table.take(steps, mode="clip")
     texels[..., 3] = np.round(255.0 * picture[3].clip(0.0, 1.0))
     return texels
