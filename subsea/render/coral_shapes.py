@@ -340,11 +340,11 @@ def soft(dice: Dice, level: int) -> Mesh:
     ends = twigs.at(np.ones((bunches, 1)))
     heads = (
         ends
-        + 0.1
+        + 0.13
         * unit(dice.normal(size=(bunches, per, 3)))
         * dice.uniform(0.5, 1.2, (bunches, per, 1))
     ).reshape(-1, 3)
-    size = dice.uniform(0.032, 0.06, len(heads))
+    size = dice.uniform(0.042, 0.075, len(heads))
     wood = _together(trunk, boughs, twigs) if level == 0 else _together(trunk, boughs)
     if level < 2:
         stem = (
@@ -510,7 +510,7 @@ def anemone(dice: Dice, level: int) -> Mesh:
     fine = np.random.default_rng(int(dice.integers(2**31)))
     k = np.arange(96) + 0.5
     out, turn = np.sqrt(k / 96), k * 2.39996
-    length = (0.75 - 0.25 * (1.0 - out)) * fine.uniform(0.75, 1.15, 96)
+    length = (0.62 - 0.12 * (1.0 - out)) * fine.uniform(0.75, 1.15, 96)
     ways, sags = fine.normal(0.0, 0.3, (96, 3)), fine.uniform(0.15, 0.75, 96)
     pick = np.arange(number) * 96 // number
     out, turn, length, ways, sags = out[pick], turn[pick], length[pick], ways[pick], sags[pick]
@@ -529,7 +529,7 @@ def anemone(dice: Dice, level: int) -> Mesh:
     path = root[:, None] + length[:, None, None] * (
         s * way[:, None] + s**2 * (sags[:, None] * (0.8 * flat - 0.45 * UP))[:, None]
     )
-    radius = (0.04, 0.05, 0.07, 0.1)[level] * (
+    radius = (0.05, 0.06, 0.085, 0.12)[level] * (
         1.0 - 0.35 * np.sin(np.pi * s[..., 0] ** 1.3) + 0.25 * s[..., 0] ** 6
     ) + 0 * path[..., 0]
     path, radius = capped(path, radius) if level == 0 else _pointed(path, radius)

@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 
 import moderngl
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from subsea.render.shaders import set_uniforms
@@ -129,22 +130,51 @@ def levels_in_sight(
     """
     if np.isinf(detail):
         return np.zeros(len(centres), np.int64)
-    pixels = np.zeros(len(centres))
-    for view in views:
-        planes = frustum_planes(view)
-        inside = (centres @ planes[:, :3].T + planes[:, 3] > -radii[:, None]).all(axis=1)
-        distance = np.linalg.norm(centres - view.eye, axis=1)
-        seen = inside & (distance - radii < reach_cm)
-        covers = 2 * radii * pixels_per_radian(view) / np.maximum(distance - radii, 1.0)
-        pixels = np.maximum(pixels, np.where(seen, covers, 0.0))
-    pixels *= detail
-    finest = (pixels[:, None] * (1 + HYSTERESIS) < thresholds_px).sum(axis=1)
-    coarsest = (pixels[:, None] / (1 + HYSTERESIS) < thresholds_px).sum(axis=1)
-    plain = (pixels[:, None] < thresholds_px).sum(axis=1)
-    new = before == OUT_OF_SIGHT
-    level = np.where(new, plain, np.clip(before, finest, coarsest))
-    least = np.where(new, LEAST_PX, LEAST_PX / (1 + HYSTERESIS))
-    return np.asarray(np.where(pixels < least, OUT_OF_SIGHT, level))
+    planes = np.stack([frustum_planes(view) for view in views])
+    eyes = np.stack([np.asarray(view.eye, np.float64) for view in views])
+    scales = detail * np.array([pixels_per_radian(view) for view in views])
+    return np.asarray(
+        _levels(centres, radii, planes, eyes, scales, reach_cm, thresholds_px, before)
+    )
+
+
+@njit(cache=True)
+def _levels(
+    centres: Array,
+    radii: Array,
+    planes: Array,
+    eyes: Array,
+    scales: Array,
+    reach: float,
+    thresholds: Array,
+    before: Ints,
+) -> Ints:
+    level = np.empty(len(centres), np.int64)
+    for i in range(len(centres)):
+        x, y, z = centres[i, 0], centres[i, 1], centres[i, 2]
+        pixels = 0.0
+        for v in range(len(planes)):
+            d = np.sqrt((x - eyes[v, 0]) ** 2 + (y - eyes[v, 1]) ** 2 + (z - eyes[v, 2]) ** 2)
+            inside = d - radii[i] < reach
+            for p in range(6):
+                if not inside:
+                    break
+                plane = planes[v, p]
+                away = plane[0] * x + plane[1] * y + plane[2] * z + plane[3]
+                inside = away > -radii[i]
+            if inside:
+                pixels = max(pixels, 2.0 * radii[i] * scales[v] / max(d - radii[i], 1.0))
+        new = before[i] == OUT_OF_SIGHT
+        if pixels < (LEAST_PX if new else LEAST_PX / (1.0 + HYSTERESIS)):
+            level[i] = OUT_OF_SIGHT
+            continue
+        finest, plain, coarsest = 0, 0, 0
+        for threshold in thresholds:
+            finest += pixels * (1.0 + HYSTERESIS) < threshold
+            plain += pixels < threshold
+            coarsest += pixels / (1.0 + HYSTERESIS) < threshold
+        level[i] = plain if new else min(max(before[i], finest), coarsest)
+    return level
 
 
 def bounding_sphere(places: Array) -> tuple[Array, float]:

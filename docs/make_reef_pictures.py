@@ -1,0 +1,83 @@
+"""Make the plate of corals in the documentation: `python docs/make_reef_pictures.py [FOLDER]`.
+
+corals.png: every kind of `habitat.reef.KINDS`, by name, on level sand.
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+from PIL import Image, ImageDraw
+
+from subsea.frame import INSTANCE_COLUMNS, Packet, Scene
+from subsea.habitat.reef import KINDS
+from subsea.kinematics.surface import rest_control_points
+from subsea.render import Renderer, headless_context
+from subsea.render.quality import PRESETS
+from subsea.scenario import Water
+from subsea.species import load_species
+from subsea.state import Reef
+from subsea.view.rigs import pose, views_for
+
+SIZE = (1280, 600)
+DEPTH_CM = 300.0
+ROWS_CM = (110.0, 200.0)  # how far away each row of growths is
+APART_CM = (33.0, 50.0)
+HIGH_CM, WIDE_CM = 40.0, 20.0  # the largest height and radius that a growth has
+TINTS = (0.1, 0.45, 0.1, 0.35, 0.1, 0.45, 0.8, 0.1, 0.1, 0.3, 0.1, 0.6, 0.1, 0.1)
+
+
+def plate() -> Image.Image:
+    """All kinds, the lower ones in front."""
+    order = sorted(range(len(KINDS)), key=lambda k: [*KINDS.values()][k].height)
+    rows = order[: len(order) // 2], order[len(order) // 2 :]
+    places = [
+        (away, apart * ((len(row) - 1) / 2 - k), -DEPTH_CM)
+        for row, away, apart in zip(rows, ROWS_CM, APART_CM, strict=True)
+        for k in range(len(row))
+    ]
+    kinds = np.array([k for row in rows for k in row])
+    height = np.array([kind.height for kind in KINDS.values()])[kinds]
+    n = len(kinds)
+    reef = Reef(
+        kind=kinds.astype(np.uint8),
+        place=np.array(places, np.float32),
+        axis=np.tile(np.float32([0.0, 0.0, 1.0]), (n, 1)),
+        turn=np.full(n, np.pi / 2, np.float32),  # fans face the eye
+        radius=np.minimum(WIDE_CM, HIGH_CM / height).astype(np.float32),
+        own=np.linspace(0.02, 0.97, n, dtype=np.float32),
+        hue=np.array(TINTS, np.float32)[kinds],
+        on_rock=np.zeros(n, np.bool_),
+    )
+    species = load_species("fusilier")
+    scene = Scene(
+        species=(species,),
+        control_points=rest_control_points(species.surface, 20.0, 0.0)[None].astype(np.float32),
+        recorded_length_cm=(20.0,),
+        terrain=np.full((81, 81), -DEPTH_CM, np.float32),
+        terrain_half_width_cm=3000.0,
+        water=Water(fog=(0.012, 0.115, 0.20), visibility_cm=2000.0),
+        reef=reef,
+    )
+    (view,) = views_for("mono", SIZE, pose(np.array([0.0, 0.0, -DEPTH_CM + 72.0]), 0.0, -0.42))
+    packet = Packet(
+        2.0, (view,), np.zeros((0, INSTANCE_COLUMNS), np.float32), (), np.zeros((0, 3)), 0
+    )
+    with headless_context() as context:
+        renderer = Renderer(context, scene, SIZE, PRESETS["high"])
+        renderer.draw(packet)
+        picture = Image.fromarray(renderer.read_pixels())
+        renderer.release()
+    draw = ImageDraw.Draw(picture)
+    matrix = view.projection.astype(float) @ view.view.astype(float)
+    for kind, place in zip(kinds, places, strict=True):
+        x, y, _, w = matrix @ (*np.subtract(place, (19.0, 0.0, 4.0)), 1.0)
+        at = SIZE[0] * (0.5 + 0.5 * x / w), SIZE[1] * (0.5 - 0.5 * y / w)
+        draw.text(at, [*KINDS][kind], fill=(20, 24, 28), anchor="ma", font_size=17)
+    return picture
+
+
+if __name__ == "__main__":
+    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent / "pictures"
+    folder.mkdir(exist_ok=True)
+    plate().save(folder / "corals.png")
