@@ -200,7 +200,9 @@ def _plate(dice: Dice, level: int, columns: int, wide: float, off: Array, z: flo
     jag = np.random.default_rng(seed).uniform(0.0, 1.0, columns + 1)
     jag[-1] = jag[0]
     jag = (
-        1.0 + (0.1 if level < 2 else 0.0) * (np.arange(columns + 1) % 2 - 0.5) + 0.07 * (jag - 0.5)
+        1.0
+        + (0.09, 0.03, 0.0, 0.0)[level] * (np.arange(columns + 1) % 2 - 0.5)
+        + 0.07 * (jag - 0.5)
     )
     # Stem up, under the plate outward, round the rim, and inward on the top.
     r = np.array([0.2, 0.13, 0.2, 0.55, 0.96, 1.0, 0.9, 0.5, 0.0])
