@@ -34,7 +34,7 @@ void main() {
     vec2 marks = mix(one.xy, other.xy * TURNED, share) * (1.0 - 0.6 * rubble);
     float height = mix(one.z, other.z, share) * (1.0 - 0.6 * rubble);
     float grain = one.w + other.w;
-    vec3 sand = mix(TAN, PALE, clamp(0.60 + 0.13 * v_broad + 0.20 * height + 0.045 * grain, 0.0, 1.0));
+    vec3 sand = mix(TAN, PALE, clamp(0.60 + 0.13 * v_broad + 0.20 * height + 0.075 * grain, 0.0, 1.0));
     sand = mix(sand, FILM, clamp(0.30 * smoothstep(0.2, 1.6, -v_broad) + 0.9 * rubble, 0.0, 0.85));
 
     // Bits are rare on open sand and crowded about stones.
