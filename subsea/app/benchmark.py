@@ -19,7 +19,7 @@ from subsea.ocean import step
 from subsea.places import check_file, replacing
 from subsea.render.quality import AUTO, LADDER, PRESETS, first_rung, name_of
 from subsea.scenario import load_scenario
-from subsea.view.levels import LEVELS, nothing_drawn
+from subsea.view.levels import HIDDEN, LEVELS, nothing_drawn
 from subsea.view.rigs import cockpit, views_for
 from subsea.world import World
 
@@ -137,8 +137,7 @@ def measure(
         host.append(packed - start + host_s)
         for name, seconds in (world.stages_s | drawing).items():
             stages[name].append(seconds)
-        for batch in packet.batches:
-            levels[batch.level] += batch.count
+        levels += np.bincount(memory.level[memory.level != HIDDEN], minlength=len(LEVELS))
         simulated += int(world.state.fishes.live.sum())
         visible += len(world.state.fishes.species) - packet.hidden
         triangles += renderer.triangles
