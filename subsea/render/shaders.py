@@ -45,10 +45,14 @@ def _lines(name: str, seen: dict[str, int]) -> list[str]:
 
 
 def set_uniforms(target: Any, **values: Any) -> None:
-    """Set those uniforms that the compiler has kept."""
+    """Set those uniforms that the compiler has kept and that have another value.
+
+    Nothing else sets any: the last value is kept as moderngl's `extra`.
+    """
     for name, value in values.items():
         uniform = target.get(name, None)
-        if uniform is not None:
+        if uniform is not None and uniform.extra != value:
+            uniform.extra = value
             if isinstance(value, bytes):
                 uniform.write(value)
             else:

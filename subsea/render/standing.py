@@ -93,13 +93,11 @@ class Standing:
             return
         self._level = level
         drawn = np.flatnonzero(level != OUT_OF_SIGHT)
-        ranges = self._first[drawn, level[drawn]]
-        parts = [self._triangles[first:end] for first, end in ranges]
-        self._count = int((ranges[:, 1] - ranges[:, 0]).sum())
+        data = _gathered(self._triangles, self._first[drawn, level[drawn]])
+        self._count = len(data)
         if self._count:
-            data = np.concatenate(parts)
             self._indices.orphan(data.nbytes)
-            self._indices.write(data.tobytes())
+            self._indices.write(data)
 
     def draw(self, uniforms: dict[str, Any]) -> int:
         """Draw in one call what was chosen; the number of triangles."""
@@ -175,6 +173,19 @@ def _levels(
             coarsest += pixels / (1.0 + HYSTERESIS) < threshold
         level[i] = plain if new else min(max(before[i], finest), coarsest)
     return level
+
+
+@njit(cache=True)
+def _gathered(triangles: Ints, ranges: Ints) -> Ints:
+    """The triangles (m, 3) of all `ranges` (k, 2), one after another."""
+    out = np.empty(((ranges[:, 1] - ranges[:, 0]).sum(), 3), np.int32)
+    place = 0
+    for k in range(len(ranges)):
+        for i in range(ranges[k, 0], ranges[k, 1]):
+            for corner in range(3):
+                out[place, corner] = triangles[i, corner]
+            place += 1
+    return out
 
 
 def bounding_sphere(places: Array) -> tuple[Array, float]:
