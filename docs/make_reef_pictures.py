@@ -46,6 +46,7 @@ def plate() -> Image.Image:
         turn=np.full(n, np.pi / 2, np.float32),  # fans face the eye
         radius=np.minimum(WIDE_CM, HIGH_CM / height).astype(np.float32),
         own=np.linspace(0.02, 0.97, n, dtype=np.float32),
+        light=np.ones(n, np.float32),
         hue=np.array(TINTS, np.float32)[kinds],
         on_rock=np.zeros(n, np.bool_),
     )

@@ -252,6 +252,7 @@ class Reef(NamedTuple):
     turn: Array  # (k,) float32, rad, about that
     radius: Array  # (k,) float32, cm
     own: Array  # (k,) float32 in [0, 1), its own number
+    light: Array  # (k,) float32, share of the sky's light that stone lets through
     hue: Array  # (k,) float32 in [0, 1), of which colour it is: much as its neighbours of its kind
     on_rock: NDArray[np.bool_]  # (k,), else it stands on the sand
 
@@ -340,7 +341,8 @@ def empty_reef() -> Reef:
     zeros, f = np.zeros, np.float32
     return Reef(
         kind=zeros(0, np.uint8), place=zeros((0, 3), f), axis=zeros((0, 3), f), turn=zeros(0, f),
-        radius=zeros(0, f), own=zeros(0, f), hue=zeros(0, f), on_rock=zeros(0, np.bool_),
+        radius=zeros(0, f), own=zeros(0, f), light=zeros(0, f), hue=zeros(0, f),
+        on_rock=zeros(0, np.bool_),
     )  # fmt: skip
 
 

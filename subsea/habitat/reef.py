@@ -66,6 +66,7 @@ class Spots(NamedTuple):
     place: Array  # (n, 3) cm, on the stone that is drawn
     normal: Array  # (n, 3)
     limit: Array  # (n,) cm, the largest radius that fits
+    light: Array  # (n,) share of the sky's light
 
 
 def grow(scenario: Scenario, sea: Sea) -> tuple[Sea, Reef]:
@@ -81,8 +82,8 @@ def grow(scenario: Scenario, sea: Sea) -> tuple[Sea, Reef]:
 
 # Columns of a growth while a reef is laid out.
 KIND, RADIUS, TURN, OWN = 0, 1, 2, 3
-PLACE, NORMAL, AXIS, BARE, HUE = slice(4, 7), slice(7, 10), slice(10, 13), 13, 14
-COLUMNS = 15
+PLACE, NORMAL, AXIS, BARE, HUE, LIGHT = slice(4, 7), slice(7, 10), slice(10, 13), 13, 14, 15
+COLUMNS = 16
 
 
 def _settle(
@@ -102,7 +103,7 @@ def _settle(
     share = np.array([weights.get(name, 0.0) for name in names])
     number = table.number * TRIES
     mounds = _mounds(table, sea, spots, dice)
-    place, normal, on_rock, limit = _ground(table, sea, spots, mounds, number, dice)
+    place, normal, on_rock, limit, light = _ground(table, sea, spots, mounds, number, dice)
     stony = on_rock | np.isfinite(limit)
     # How well each kind does at each place, patch by patch.
     suits = np.exp(-(((normal[:, 2:] - slope) / picky) ** 2)) * np.where(stony[:, None], rock, sand)
@@ -128,7 +129,7 @@ def _settle(
     hue = 0.9 * _patches(place, len(names), dice)[np.arange(number), kind]
     hue = (hue + dice.normal(0.0, 0.06, number)) % 1.0
     rows = np.column_stack(
-        [kind, radius, turn, dice.uniform(0, 1, number), place, normal, axis, on_rock, hue]
+        [kind, radius, turn, dice.uniform(0, 1, number), place, normal, axis, on_rock, hue, light]
     )
     fits = (radius > 0.6 * least[kind] * min(table.size, 1.0)) & np.isfinite(place).all(axis=1)
     before = before[before[:, KIND] != MOUND]
@@ -155,6 +156,7 @@ def _mounds(table: ReefTable, sea: Sea, spots: Spots | None, dice: np.random.Gen
     rows[:, TURN], rows[:, OWN] = dice.uniform(0, 2 * np.pi, m), dice.uniform(0, 1, m)
     rows[:, PLACE] = np.column_stack([flat, heights_at(sea.heights, sea.half_width, flat)])
     rows[:, NORMAL] = rows[:, AXIS] = 0.0, 0.0, 1.0
+    rows[:, LIGHT] = 1.0
     free = clearances(sea.pillars, sea.rocks, rows[:, PLACE]) > 0.0
     return rows[free & (np.hypot(*flat.T) < 0.9 * sea.radius)]
 
@@ -184,8 +186,8 @@ def _ground(
     mounds: Array,
     number: int,
     dice: np.random.Generator,
-) -> tuple[Array, Array, Bools, Array]:
-    """Places (n, 3) with the ground's normals, whether that is rock, and the radii that fit there.
+) -> tuple[Array, Array, Bools, Array, Array]:
+    """Places (n, 3) with the ground's normals, whether that is rock, radii that fit, and light.
 
     The radius is infinite on the sand. Places that are not free are NaN.
     """
@@ -220,7 +222,7 @@ def _ground(
         place[:, 2] = np.where(up, top, place[:, 2])
         normal = np.where(up[:, None], steep, normal)
         limit = np.where(up, 0.75 * wide, limit)
-    on_rock = np.zeros(number, np.bool_)
+    on_rock, light = np.zeros(number, np.bool_), np.ones(number)
     if spots is not None and len(spots.place):
         near = np.ones(len(spots.place))
         if table.position_cm is not None:
@@ -231,10 +233,11 @@ def _ground(
             place = np.where(on_rock[:, None], spots.place[pick], place)
             normal = np.where(on_rock[:, None], spots.normal[pick], normal)
             limit = np.where(on_rock, spots.limit[pick], limit)
+            light = np.where(on_rock, spots.light[pick], light)
     inside = np.hypot(place[:, 0], place[:, 1]) < 0.95 * sea.radius
     free = on_rock | (clearances(sea.pillars, sea.rocks, place) > 0.0)
     place[~(inside & free)] = np.nan
-    return place, normal, on_rock, limit
+    return place, normal, on_rock, limit, light
 
 
 def rock_spots(sea: Sea, dice: np.random.Generator) -> Spots:
@@ -243,7 +246,7 @@ def rock_spots(sea: Sea, dice: np.random.Generator) -> Spots:
     place, normal = found.place, found.normal
     fit = (normal[:, 2] > STEEPEST) & (place[:, 2] < -ROOM_CM) & (found.open > 0.08)
     fit &= place[:, 2] > heights_at(sea.heights, sea.half_width, place[:, :2]) + FOOT_CM
-    place, normal = place[fit], normal[fit]
+    place, normal, light = place[fit], normal[fit], found.open[fit]
     # Small stones bear small growths.
     sizes = np.concatenate([sea.pillars[:, 2], sea.rocks[:, 3:6].min(axis=1)])
     nearest, limit = np.full(len(place), np.inf), np.zeros(len(place))
@@ -254,7 +257,7 @@ def rock_spots(sea: Sea, dice: np.random.Generator) -> Spots:
         )
         limit = np.where(gap < nearest, 0.5 * size + 5.0, limit)
         nearest = np.minimum(nearest, gap)
-    return Spots(place, normal, limit)
+    return Spots(place, normal, limit, light)
 
 
 def _patches(place: Array, kinds: int, dice: np.random.Generator) -> Array:
@@ -274,7 +277,8 @@ def _reef(rows: Array) -> Reef:
     return Reef(
         kind=rows[:, KIND].astype(np.uint8), place=place.astype(f), axis=rows[:, AXIS].astype(f),
         turn=rows[:, TURN].astype(f), radius=rows[:, RADIUS].astype(f), own=rows[:, OWN].astype(f),
-        hue=np.minimum(rows[:, HUE], 0.999).astype(f), on_rock=rows[:, BARE] > 0.5,
+        light=rows[:, LIGHT].astype(f), hue=np.minimum(rows[:, HUE], 0.999).astype(f),
+        on_rock=rows[:, BARE] > 0.5,
     )  # fmt: skip
 
 

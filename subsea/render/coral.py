@@ -25,6 +25,7 @@ MOST_SWAY_CM = 10.0  # as `coral.vert`
 FINEST_CM = 15.0  # smaller growths do without the finest level
 SATURATION = 1.15
 SHADE = 0.8  # of the light is missing under a growth
+SHADED = 0.4  # of the light is left where stone hides the whole sky
 SHADE_PX = 16.0  # that a shadow covers at least
 SECTORS = 8  # of a shadow
 FOOT = {
@@ -54,7 +55,7 @@ class Look(NamedTuple):
 
 
 OLIVE, TAN, CREAM = (0.20, 0.17, 0.055), (0.36, 0.22, 0.09), (0.78, 0.66, 0.44)
-PINK, ROSE, MAGENTA = (0.72, 0.24, 0.34), (0.85, 0.38, 0.42), (0.62, 0.06, 0.28)
+PINK, ROSE, MAGENTA = (0.72, 0.24, 0.34), (0.85, 0.38, 0.42), (0.55, 0.09, 0.26)
 VIOLET, LILAC, BLUE = (0.28, 0.12, 0.50), (0.56, 0.40, 0.80), (0.12, 0.22, 0.62)
 ORANGE, RED, YELLOW = (0.82, 0.27, 0.035), (0.55, 0.045, 0.035), (0.84, 0.58, 0.06)
 LIME, GREEN, MINT = (0.42, 0.47, 0.11), (0.14, 0.32, 0.10), (0.48, 0.74, 0.50)
@@ -98,7 +99,7 @@ LOOKS = {
     ),
     "soft": Look(
         (((0.80, 0.42, 0.42), MAGENTA), ((0.85, 0.55, 0.36), RED), ((0.84, 0.60, 0.40), ORANGE),
-         ((0.62, 0.42, 0.72), (0.42, 0.06, 0.52)), ((0.85, 0.75, 0.55), YELLOW)),
+         ((0.62, 0.42, 0.72), (0.36, 0.12, 0.42)), ((0.85, 0.75, 0.55), YELLOW)),
         (0.0, 0.4, 0.1), 0.7, 4.0,
     ),
     "fan": Look(
@@ -127,7 +128,7 @@ LOOKS = {
     ),
     "mound": Look(
         (((0.13, 0.10, 0.07), (0.34, 0.18, 0.19)), ((0.13, 0.11, 0.06), (0.34, 0.24, 0.10)),
-         ((0.14, 0.09, 0.10), (0.34, 0.16, 0.34))),
+         ((0.14, 0.09, 0.10), (0.27, 0.18, 0.22))),
         (0.25, 0.5, 1.0), 0.0, 0.0,
     ),
 }  # fmt: skip
@@ -218,6 +219,7 @@ class _Placed:
         # As the bytes of a vertex hold them.
         self.body, self.tips = (np.sqrt(np.clip(tint, 0, 1)).astype(np.float32) for tint in tints)
         self.place, self.radius, self.own = reef.place, reef.radius, reef.own
+        self.light = SHADED + (1.0 - SHADED) * reef.light
 
     def vertices(self, mesh: Mesh, chosen: NDArray[np.bool_]) -> Array:
         """Vertices (k, n, COLUMNS) of those `chosen`, each in its own place and colours."""
@@ -236,7 +238,7 @@ class _Placed:
         words[..., 16:19] = 255.0 * (body + tip[:, None] * (tips - body)) + 0.5
         words[..., 19] = 255.0 * look.through * (0.35 + 0.65 * tip) + 0.5
         words[..., 20:23] = np.rint(255.0 * np.array(look.grain))
-        words[..., 23] = 255.0 * np.minimum(light, 1.0) + 0.5
+        words[..., 23] = 255.0 * self.light[chosen, None] * np.minimum(light, 1.0) + 0.5
         tiles = mesh.along.astype(np.float32) * (size / TILE_CM)[..., None]
         tiles += self.own[chosen, None, None]
         out.view(np.float16)[..., 12:14] = tiles

@@ -162,3 +162,10 @@ def test_what_is_wrong_is_one_line(tmp_path, text, said):
     (tmp_path / "own.toml").write_text(f"{bare}\n[[reef]]\n{text}\n")
     with pytest.raises(UserError, match=said):
         load_scenario(str(tmp_path / "own.toml"))
+
+
+def test_stone_takes_light_from_what_grows_under_it(grown):
+    reef = grown[1]
+    assert (reef.light[~reef.on_rock] == 1.0).all()
+    assert ((reef.light >= 0.0) & (reef.light <= 1.0)).all()
+    assert reef.light[reef.on_rock].min() < 0.5 < reef.light[reef.on_rock].max()

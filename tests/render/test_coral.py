@@ -27,6 +27,7 @@ def reef_of(*growths, on_rock=False):
         turn=np.linspace(0.3, 2.0, k, dtype=np.float32),
         radius=np.array([radius for _, _, radius in growths], np.float32),
         own=np.linspace(0.05, 0.95, k, dtype=np.float32),
+        light=np.ones(k, np.float32),
         hue=np.linspace(0.95, 0.05, k, dtype=np.float32),
         on_rock=np.full(k, on_rock),
     )
