@@ -36,18 +36,27 @@ def viewpoints(world: World) -> Iterator[tuple[str, Pose]]:
     fishes = world.state.fishes
     centre = np.asarray(np.median(fishes.position, axis=0), np.float64)
     centre[2] = height_at(sea.heights, sea.half_width, centre[0], centre[1])
+    aside = 60.0  # cm, so that no viewpoint lies in the rock
     if len(sea.rocks):
         near = np.linalg.norm(sea.rocks[:, :2] - start[:2], axis=1)
         centre = np.asarray(sea.rocks[near.argmin(), :3], np.float64)
-    yield "reef", _looking_at(world, centre + (-190.0, -110.0, 60.0), centre + (0.0, 0.0, 25.0))
+        aside = max(aside, float(sea.rocks[near.argmin(), 3:6].max()))
+    yield (
+        "reef",
+        _looking_at(
+            world,
+            centre + (-110.0 - 1.4 * aside, -30.0 - 1.4 * aside, 60.0),
+            centre + (0.0, 0.0, 25.0),
+        ),
+    )
     numbers = np.bincount(fishes.species[fishes.alive])
     places = fishes.position[fishes.alive & (fishes.species == numbers.argmax())]
     middle = places[np.linalg.norm(places - np.median(places, axis=0), axis=1).argmin()]
     middle = np.asarray(middle, np.float64)
     yield "school", _looking_at(world, middle + (-150.0, -120.0, -10.0), middle)
-    below = centre + (-260.0, 60.0, 0.0)
+    below = centre + (-200.0 - aside, 60.0, 0.0)
     yield "up", _looking_at(world, below, below + (200.0, 60.0, 160.0))
-    yield "above", _looking_at(world, centre + (-480.0, -320.0, 380.0), centre)
+    yield "above", _looking_at(world, centre + (-8.0 * aside, -5.3 * aside, 6.3 * aside), centre)
 
 
 def _looking_at(world: World, eye: Array, target: Array) -> Pose:
