@@ -54,6 +54,7 @@ SUNK = 0.06  # of its radius a growth stands in the ground
 PATCH_CM = 150.0  # neighbours within about this are of few kinds
 FALL_CM = 55.0  # beside a growth the floor comes down over so many cm
 SPOTS_M2 = 50.0  # of stone are looked at
+PROBE_CM = 15.0  # over which the slope of the sand is taken
 STEEPEST = -0.35  # upward part of the normal of an overhang on which something grows
 HEAP = 15  # growths on the sand for each mound
 ON_MOUND = 0.75  # share of them that stand on it
@@ -61,12 +62,13 @@ LOW_CM = 7.0  # what is lower does not matter to fishes
 
 
 class Spots(NamedTuple):
-    """Where something may grow on stone."""
+    """Where something may grow."""
 
-    place: Array  # (n, 3) cm, on the stone that is drawn
-    normal: Array  # (n, 3)
-    limit: Array  # (n,) cm, the largest radius that fits
-    light: Array  # (n,) share of the sky's light
+    place: Array  # (n, 3) cm, on the sand, a mound or the stone that is drawn; NaN: not free
+    normal: Array  # (n, 3) of the ground
+    limit: Array  # (n,) cm, the largest radius that fits, infinite on sand
+    light: Array  # (n,) share of the sky's light that stone lets through
+    on_rock: Bools  # (n,)
 
 
 def grow(scenario: Scenario, sea: Sea) -> tuple[Sea, Reef]:
@@ -103,8 +105,8 @@ def _settle(
     share = np.array([weights.get(name, 0.0) for name in names])
     number = table.number * TRIES
     mounds = _mounds(table, sea, spots, dice)
-    place, normal, on_rock, limit, light = _ground(table, sea, spots, mounds, number, dice)
-    stony = on_rock | np.isfinite(limit)
+    place, normal, limit, light, on_rock = _offered(table, sea, spots, mounds, number, dice)
+    stony = np.isfinite(limit)
     # How well each kind does at each place, patch by patch.
     suits = np.exp(-(((normal[:, 2:] - slope) / picky) ** 2)) * np.where(stony[:, None], rock, sand)
     suits = suits * share * np.exp(2.0 * _patches(place, len(names), dice)) + 1e-12 * share
@@ -142,11 +144,8 @@ def _mounds(table: ReefTable, sea: Sea, spots: Spots | None, dice: np.random.Gen
     bare = 1.0 if spots is None or not len(spots.place) else 1.0 - table.rock
     m = int(np.ceil(bare * table.number / HEAP))
     if table.position_cm is None:
-        turn, out = (
-            dice.uniform(0, 2 * np.pi, m),
-            0.92 * sea.radius * np.sqrt(dice.uniform(0, 1, m)),
-        )
-        flat = np.stack([out * np.cos(turn), out * np.sin(turn)], axis=1)
+        turn, out = dice.uniform(0, 2 * np.pi, m), np.sqrt(dice.uniform(0, 1, m))
+        flat = 0.92 * sea.radius * out[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1)
     else:
         flat = np.array(table.position_cm) + 0.45 * table.spread_cm * dice.normal(size=(m, 2))
     rows = np.zeros((m, COLUMNS))
@@ -179,21 +178,37 @@ def _apart(offers: Array, fits: Bools, before: Array) -> Array:
     return np.array(found).reshape(-1, COLUMNS)
 
 
-def _ground(
+def _offered(
     table: ReefTable,
     sea: Sea,
     spots: Spots | None,
     mounds: Array,
     number: int,
     dice: np.random.Generator,
-) -> tuple[Array, Array, Bools, Array, Array]:
-    """Places (n, 3) with the ground's normals, whether that is rock, radii that fit, and light.
+) -> Spots:
+    """Places for a table's growths: on and about its mounds, and on the rocks that are near."""
+    sand = _about(table, sea, mounds, number, dice)
+    if spots is not None and len(spots.place):
+        near = np.ones(len(spots.place))
+        if table.position_cm is not None:
+            away = ((spots.place[:, :2] - table.position_cm) ** 2).sum(axis=1)
+            near = np.exp(-2.0 * away / table.spread_cm**2)
+        if near.sum() > 1e-3:
+            pick = dice.choice(len(near), number, p=near / near.sum())
+            rock = dice.uniform(0, 1, number) < table.rock
+            for mine, theirs in zip(sand, spots, strict=True):
+                mine[rock] = theirs[pick[rock]]
+    inside = np.hypot(sand.place[:, 0], sand.place[:, 1]) < 0.95 * sea.radius
+    free = sand.on_rock | (clearances(sea.pillars, sea.rocks, sand.place) > 0.0)
+    sand.place[~(inside & free)] = np.nan
+    return sand
 
-    The radius is infinite on the sand. Places that are not free are NaN.
-    """
-    here = np.array(table.position_cm or (0.0, 0.0))
-    spread = table.spread_cm
-    # In heaps on and about the mounds: nothing grows evenly spread.
+
+def _about(
+    table: ReefTable, sea: Sea, mounds: Array, number: int, dice: np.random.Generator
+) -> Spots:
+    """Places on and about mounds: nothing grows evenly spread. Without any, on the sand."""
+    here, spread = np.array(table.position_cm or (0.0, 0.0)), table.spread_cm
     flat = here + 0.5 * spread * dice.normal(size=(number, 2))
     if len(mounds):
         heap = mounds[dice.integers(0, len(mounds), number)]
@@ -202,13 +217,13 @@ def _ground(
         turn = dice.uniform(0, 2 * np.pi, number)
         off = (heap[:, RADIUS] * out)[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1)
         flat = heap[:, PLACE][:, :2] + off
-    place = np.column_stack([flat, heights_at(sea.heights, sea.half_width, flat)])
-    step = np.array([15.0, 0.0])
-    slopes = [
-        (heights_at(sea.heights, sea.half_width, flat + s) - place[:, 2]) / 15.0
-        for s in (step, step[::-1])
-    ]
-    normal = np.column_stack([-slopes[0], -slopes[1], np.ones(number)])
+    height = heights_at(sea.heights, sea.half_width, flat)
+    probe = np.array([PROBE_CM, 0.0])
+    east, north = (
+        heights_at(sea.heights, sea.half_width, flat + step) for step in (probe, probe[::-1])
+    )
+    slope = np.stack([(height - east) / PROBE_CM, (height - north) / PROBE_CM], axis=1)
+    normal = np.column_stack([slope, np.ones(number)])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     limit = np.full(number, np.inf)
     if len(mounds):
@@ -216,28 +231,14 @@ def _ground(
         wide, high = heap[:, RADIUS], KINDS["mound"].height * heap[:, RADIUS]
         rise = high * np.sqrt(np.maximum(1.0 - np.minimum(out, 1.0) ** 2, 0.0))
         top = heap[:, PLACE][:, 2] + (1.0 - SUNK) * rise
-        up = on & (top > place[:, 2])
+        up = on & (top > height)
         steep = np.column_stack([off / wide[:, None] ** 2, rise / high**2])
         steep /= np.linalg.norm(steep, axis=1, keepdims=True)
-        place[:, 2] = np.where(up, top, place[:, 2])
+        height = np.where(up, top, height)
         normal = np.where(up[:, None], steep, normal)
         limit = np.where(up, 0.75 * wide, limit)
-    on_rock, light = np.zeros(number, np.bool_), np.ones(number)
-    if spots is not None and len(spots.place):
-        near = np.ones(len(spots.place))
-        if table.position_cm is not None:
-            near = np.exp(-2.0 * ((spots.place[:, :2] - here) ** 2).sum(axis=1) / spread**2)
-        if near.sum() > 1e-3:
-            pick = dice.choice(len(near), number, p=near / near.sum())
-            on_rock = dice.uniform(0, 1, number) < table.rock
-            place = np.where(on_rock[:, None], spots.place[pick], place)
-            normal = np.where(on_rock[:, None], spots.normal[pick], normal)
-            limit = np.where(on_rock, spots.limit[pick], limit)
-            light = np.where(on_rock, spots.light[pick], light)
-    inside = np.hypot(place[:, 0], place[:, 1]) < 0.95 * sea.radius
-    free = on_rock | (clearances(sea.pillars, sea.rocks, place) > 0.0)
-    place[~(inside & free)] = np.nan
-    return place, normal, on_rock, limit, light
+    place = np.column_stack([flat, height])
+    return Spots(place, normal, limit, np.ones(number), np.zeros(number, np.bool_))
 
 
 def rock_spots(sea: Sea, dice: np.random.Generator) -> Spots:
@@ -257,7 +258,7 @@ def rock_spots(sea: Sea, dice: np.random.Generator) -> Spots:
         )
         limit = np.where(gap < nearest, 0.5 * size + 5.0, limit)
         nearest = np.minimum(nearest, gap)
-    return Spots(place, normal, limit, light)
+    return Spots(place, normal, limit, light, np.ones(len(place), np.bool_))
 
 
 def _patches(place: Array, kinds: int, dice: np.random.Generator) -> Array:

@@ -141,8 +141,9 @@ def test_no_arch_is_filled(bay, grown):
 
 def test_without_reefs_the_floor_is_the_sand(bay):
     scenario, sea = bay
-    bare, reef = grow(msgspec.structs.replace(scenario, reef=[]), sea)
-    assert len(reef.kind) == 0
+    for tables in ([], [ReefTable(number=0)]):
+        bare, reef = grow(msgspec.structs.replace(scenario, reef=tables), sea)
+        assert len(reef.kind) == 0
     np.testing.assert_array_equal(bare.floor, sea.heights)
     np.testing.assert_array_equal(floor_over(sea, reef), sea.heights)
 
