@@ -57,16 +57,17 @@ def plant(scenario: Scenario, sea: Sea, seed: int) -> tuple[Sea, Seaweed]:
     rng = np.random.default_rng([seed, 0x5EAEED])
     first: list[int] = [0]
     rows: list[list[float]] = []
+    stones = formations(sea.pillars, sea.rocks)
     for group in scenario.seaweed:
         for _ in range(group.clusters):
-            x, y = _middle(group.position_cm, group.spread_cm, sea, rng)
+            x, y = _middle(group.position_cm, group.spread_cm, sea, stones, rng)
             vigour = rng.uniform(0.7, 1.1)
             for k in range(group.leaves):
                 # The leaves of a cluster turn outward, each its own way.
                 outward = 2 * np.pi * (k + rng.uniform(-0.3, 0.3)) / group.leaves
                 away = TUFT_CM * rng.uniform(0.2, 1.0)
                 here = (x + away * float(np.cos(outward)), y + away * float(np.sin(outward)))
-                ground = _ground(sea, *here)
+                ground = _ground(sea, stones, *here)
                 height = group.height_cm * vigour * rng.uniform(0.6, 1.0)
                 height = min(height, max(-ROOM_CM - ground, 5.0))
                 width = group.width_cm or WIDTH_CM.get(group.kind, WIDTH * height)
@@ -108,7 +109,11 @@ def plant(scenario: Scenario, sea: Sea, seed: int) -> tuple[Sea, Seaweed]:
 
 
 def _middle(
-    middle: tuple[float, float] | None, spread: float, sea: Sea, rng: np.random.Generator
+    middle: tuple[float, float] | None,
+    spread: float,
+    sea: Sea,
+    stones: list[Array],
+    rng: np.random.Generator,
 ) -> tuple[float, float]:
     """Where a cluster grows: within the sea, with water over it."""
     x, y = middle or (0.0, 0.0)
@@ -118,17 +123,17 @@ def _middle(
             x, y = float(away * np.cos(angle)), float(away * np.sin(angle))
         else:
             x, y = (float(m + spread * rng.normal(0, 0.5)) for m in middle)
-        if _ground(sea, x, y) < -2.0 * ROOM_CM and np.hypot(x, y) < 0.97 * sea.radius:
+        if _ground(sea, stones, x, y) < -2.0 * ROOM_CM and np.hypot(x, y) < 0.97 * sea.radius:
             break
     return x, y
 
 
-def _ground(sea: Sea, x: float, y: float) -> float:
-    """Height of the seabed at (x, y), or of the top of what stands there; cm."""
+def _ground(sea: Sea, stones: list[Array], x: float, y: float) -> float:
+    """Height of the seabed at (x, y), or of the top of the stone that stands there; cm."""
     z = height_at(sea.heights, sea.half_width, x, y)
     if clearance(sea.pillars, sea.rocks, (x, y, z)) > 0.0:
         return z
-    for blocks in formations(sea.pillars, sea.rocks):
+    for blocks in stones:
         z = max(z, stone_above(blocks, x, y, z))
     return z
 

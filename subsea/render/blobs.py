@@ -7,7 +7,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from subsea.frame import KIND, ORIENTATION, POSITION, SCALE, Packet, Scene
+from subsea.frame import FADE, KIND, ORIENTATION, POSITION, SCALE, Packet, Scene
 from subsea.habitat.formations import SUN
 from subsea.kinematics.heightfield import height_at
 from subsea.render.shaders import program, set_uniforms
@@ -16,7 +16,8 @@ from subsea.state import HULL_CM
 Array = NDArray[np.floating[Any]]
 
 HIGHEST_CM = 200.0  # who swims higher over the sand casts none
-FARTHEST_CM = 700.0  # nor who is farther from the eye
+FARTHEST_CM = 700.0  # nor who is farther from the eye,
+FADING_CM = 200.0  # and over the last of these the shadow fades away
 MOST = 600  # shadows
 DARK = 0.62  # share of the light that is missing under a fish that lies on the sand
 LONG, WIDE = 0.46, 0.13  # half the shadow's length and width over the fish's length
@@ -70,19 +71,24 @@ def cast(
     """Write the records of shadows into `out` (m, COLUMNS) and return how many there are.
 
     `instances` are those of a packet, `lengths` (s,) the recorded lengths of the species, cm. The
-    first one is that of the vessel, if it is low enough.
+    first one is that of the vessel, if it is low enough; the others follow from the last instance
+    to the first, so that what is left out when `out` is full is drawn coarsely and far away.
     """
     number = _lay(
-        eye[0], eye[1], eye[2], 1.0, 0.0, 0.8 * HULL_CM, 0.6 * HULL_CM, heights, half_width, out, 0
-    )
-    for k in range(len(instances)):
+        eye[0], eye[1], eye[2], 1.0, 0.0, 0.8 * HULL_CM, 0.6 * HULL_CM, 1.0, heights, half_width,
+        out, 0,
+    )  # fmt: skip
+    for k in range(len(instances) - 1, -1, -1):
         if number == len(out):
             break
         one = instances[k]
-        x, y, z = one[POSITION]
-        far = (x - eye[0]) ** 2 + (y - eye[1]) ** 2 + (z - eye[2]) ** 2
-        if far > FARTHEST_CM * FARTHEST_CM:
+        if one[FADE] < 0.0:  # who goes from one level to another is there twice
             continue
+        x, y, z = one[POSITION]
+        far = np.sqrt((x - eye[0]) ** 2 + (y - eye[1]) ** 2 + (z - eye[2]) ** 2)
+        if far >= FARTHEST_CM:
+            continue
+        share = min((FARTHEST_CM - far) / FADING_CM, 1.0)
         a, b, c, d = one[ORIENTATION]
         # Where its snout points, seen from above.
         ax, ay = 1.0 - 2.0 * (c * c + d * d), 2.0 * (b * c + a * d)
@@ -90,16 +96,20 @@ def cast(
         flat = np.sqrt(ax * ax + ay * ay)
         ax, ay = (ax / flat, ay / flat) if flat > 1e-3 else (1.0, 0.0)
         long = max(LONG * flat, WIDE) * length
-        number = _lay(x, y, z, ax, ay, long, WIDE * length, heights, half_width, out, number)
+        wide = WIDE * length
+        number = _lay(x, y, z, ax, ay, long, wide, share, heights, half_width, out, number)
     return number
 
 
 @njit(cache=True, error_model="numpy")
 def _lay(
     x: float, y: float, z: float, ax: float, ay: float, long: float, wide: float,
-    heights: Array, half_width: float, out: Array, number: int,
+    share: float, heights: Array, half_width: float, out: Array, number: int,
 ) -> int:  # fmt: skip
-    """One shadow, where the sun's ray through (x, y, z) meets the sand; the number of all."""
+    """One shadow, where the sun's ray through (x, y, z) meets the sand; the number of all.
+
+    `share` of its darkness is left at its distance from the eye.
+    """
     high = z - height_at(heights, half_width, x, y)
     if high > HIGHEST_CM:
         return number
@@ -124,5 +134,5 @@ def _lay(
     out[number, 5], out[number, 6] = ax, ay
     out[number, 7], out[number, 8] = 1.35 * long + soft, 1.35 * wide + soft
     # The wider it gets the less light is missing in its middle.
-    out[number, 9] = DARK * near * min(1.0, 1.6 * wide / (wide + soft))
+    out[number, 9] = share * DARK * near * min(1.0, 1.6 * wide / (wide + soft))
     return number + 1

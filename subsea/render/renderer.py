@@ -115,7 +115,7 @@ class Renderer:
         self._target.framebuffer.clear()
         start = time.perf_counter()
         self._fishes.upload(packet)
-        self._seaweed.upload(packet, self.quality.growth)
+        self._seaweed.upload(packet)
         self._particles.upload(packet)
         self._solids.choose(packet, self.quality.detail)
         self._coral.choose(packet.views, self.quality.detail, self.quality.growth)

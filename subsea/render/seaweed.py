@@ -6,7 +6,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.frame import LEAF_NODES, LEAF_TEXELS, Packet
+from subsea.frame import LEAF_TEXELS, Packet
 from subsea.render.shaders import program, set_uniforms
 from subsea.view.camera import View
 
@@ -52,8 +52,8 @@ class Seaweed:
         self._rows = rows
         return texture
 
-    def upload(self, packet: Packet, growth: float = 1.0) -> None:
-        """Send the leaves in sight, and `growth` of all fronds on them."""
+    def upload(self, packet: Packet) -> None:
+        """Send the leaves in sight, and the fronds on them."""
         number = len(packet.leaves)
         if number > self._rows:
             self._leaves.release()
@@ -64,7 +64,7 @@ class Seaweed:
             )
         ends = (0, packet.fine_leaves), (packet.fine_leaves, number)
         for level, (first, end) in enumerate(ends):
-            fronds = fronds_of(packet.leaves[first:end], level, growth)
+            fronds = fronds_of(packet.leaves[first:end], level)
             fronds[:, 0] += first
             self._counts[level] = len(fronds)
             if len(fronds):
@@ -89,13 +89,9 @@ class Seaweed:
             held.release()
 
 
-def fronds_of(leaves: Array, level: int, growth: float = 1.0) -> Array:
-    """Row and number (m, 2) float32 of the fronds on leaves (k, LEAF_TEXELS, 4).
-
-    Of a cluster that is thinned out some leaves stay as they are, and others go.
-    """
+def fronds_of(leaves: Array, level: int) -> Array:
+    """Row and number (m, 2) float32 of the fronds on leaves (k, LEAF_TEXELS, 4)."""
     kind = leaves[:, 0, 3].astype(int)
-    kind[leaves[:, LEAF_NODES, 3] > growth] = -1
     parts = [np.zeros((0, 2), np.float32)]
     for number, fronds in enumerate(FRONDS.values()):
         rows = np.flatnonzero(kind == number)

@@ -3,20 +3,22 @@
 import numpy as np
 import pytest
 
+from subsea.frame import FADE
 from subsea.habitat.formations import SUN
-from subsea.render.blobs import COLUMNS, FARTHEST_CM, HIGHEST_CM, MOST, cast
+from subsea.render.blobs import COLUMNS, FADING_CM, FARTHEST_CM, HIGHEST_CM, MOST, cast
 
 WIDTH, SAND = 900.0, -300.0
 HEIGHTS = np.full((31, 31), SAND, np.float32)
 FAR = np.array([0.0, 0.0, 500.0])  # an eye that casts none
 
 
-def shadows(fishes, eye=(0.0, 0.0, -90.0), heights=HEIGHTS):
-    """Of fishes (x, y, z, heading), 20 cm long; the vessel's left out."""
+def shadows(fishes, eye=(0.0, 0.0, -90.0), heights=HEIGHTS, fades=0.0):
+    """Of fishes (x, y, z, heading), 20 cm long, the last one first; the vessel's left out."""
     records = np.zeros((len(fishes), 22), np.float32)
     for record, (x, y, z, heading) in zip(records, fishes, strict=True):
         record[:4] = x, y, z, 1.0
         record[4:8] = np.cos(heading / 2), 0.0, 0.0, np.sin(heading / 2)
+    records[:, FADE] = fades
     out = np.zeros((MOST, COLUMNS), np.float32)
     number = cast(records, np.array([20.0]), heights, WIDTH, np.array(eye, float), out)
     return out[:number].astype(float)
@@ -30,7 +32,7 @@ def test_a_shadow_lies_where_the_ray_of_the_sun_meets_the_sand():
 
 
 def test_it_is_softer_and_paler_with_height():
-    low, high = shadows([(0, 0, SAND + 5, 0), (0, 100, SAND + 120, 0)])
+    high, low = shadows([(0, 0, SAND + 5, 0), (0, 100, SAND + 120, 0)])
     assert high[9] < 0.5 * low[9]
     assert (high[7:9] > low[7:9] + 10.0).all()
     assert low[7] > 2.0 * low[8]
@@ -59,9 +61,29 @@ def test_on_a_slope_it_lies_along_it():
     assert one[2] == pytest.approx(SAND + 0.2 * one[0], abs=0.01)
 
 
-def test_there_are_never_more_than_fit():
-    many = [(k % 40, k // 40, SAND + 10, 0.0) for k in range(MOST + 50)]
-    assert len(shadows(many)) == MOST
+def test_there_are_never_more_than_fit_and_the_first_listed_go_without():
+    """These are the coarsest and farthest of a packet."""
+    many = [(0.5 * (k - 325), 0.0, SAND + 10, 0.0) for k in range(MOST + 50)]
+    found = shadows(many)
+    assert len(found) == MOST
+    everyone = np.concatenate([shadows(many[:50]), shadows(many[50:])])
+    np.testing.assert_array_equal(found, everyone[50:])
+
+
+def test_who_goes_from_one_level_to_another_casts_one():
+    twice = [(30.0, 0.0, SAND + 10, 0.4)] * 2
+    np.testing.assert_array_equal(shadows(twice, fades=[0.3, -0.7]), shadows(twice[:1]))
+
+
+def test_a_shadow_fades_before_it_is_too_far():
+    eye = (0.0, 0.0, SAND + 2.0)
+    near, begins, middle, ends = (
+        shadows([(x, 0, SAND + 2, 0)], eye)[-1, 9]
+        for x in FARTHEST_CM - FADING_CM * np.array([1.5, 1.0, 0.5, 0.01])
+    )
+    assert near == pytest.approx(begins) and near > 0.4
+    assert middle == pytest.approx(0.5 * near, rel=1e-3)
+    assert 0.0 < ends < 0.02 * near
 
 
 def test_the_sand_is_darker_there(context, scene, make_packet, fish):

@@ -8,7 +8,7 @@ import pytest
 from subsea.frame import LEAF_NODES, LEAF_TEXELS
 from subsea.habitat.seaweed import KINDS
 from subsea.render import Renderer
-from subsea.render.seaweed import COARSE, FINE, FRONDS, fronds_of, ribbon
+from subsea.render.seaweed import COARSE, FINE, FRONDS, ribbon
 
 SIZE = (320, 180)
 FINE_TRIANGLES, COARSE_TRIANGLES = (2 * (a - 1) * (b - 1) for a, b in (FINE, COARSE))
@@ -130,16 +130,6 @@ def test_kinds_differ(draw, bed, make_packet):
     for k, one in enumerate(seen):
         for other in seen[:k]:
             assert (np.abs(one.astype(int) - other).max(axis=2) > 25).mean() > 0.01
-
-
-def test_thinning_leaves_whole_plants_out(bed):
-    leaves = _of_kind(bed, "kelp")
-    full, half = fronds_of(leaves, 0), fronds_of(leaves, 0, 0.5)
-    assert len(full) == len(bed) * len(FRONDS["kelp"][0])
-    kept = np.unique(half[:, 0])
-    assert 0 < len(kept) < len(bed)
-    assert len(half) == len(kept) * len(FRONDS["kelp"][0])
-    assert len(fronds_of(leaves, 1, -0.1)) == 0
 
 
 def test_a_ribbon_covers_its_rectangle_once():
