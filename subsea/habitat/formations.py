@@ -10,6 +10,7 @@ infinite.
 """
 
 import math
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -80,20 +81,30 @@ def samples(pillars: Array, rocks: Array, per_m2: float, rng: np.random.Generato
     They lie on the surface that is drawn to about 1 cm, on undersides and in the ground too:
     leave out what is lower than `height_at` and what faces the wrong way.
     """
-    found = [_strewn(blocks, k, per_m2, rng) for k, blocks in enumerate(formations(pillars, rocks))]
+    found = formations(pillars, rocks)
     if not found:
         return Samples(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0), np.zeros(0, np.int64))
-    all_of = [np.concatenate(part) for part in zip(*found, strict=True)]
-    order = rng.permutation(len(all_of[0]))
-    return Samples(*(part[order] for part in all_of))
+    strewn = [_strewn(blocks, per_m2, rng) for blocks in found]
+    with ThreadPoolExecutor() as pool:  # compiled kernels leave the interpreter to others
+        all_of = list(pool.map(_settled, found, strewn, range(len(found))))
+    joined = [np.concatenate(part) for part in zip(*all_of, strict=True)]
+    order = rng.permutation(len(joined[0]))
+    return Samples(*(part[order] for part in joined))
 
 
-def _strewn(blocks: Array, number: int, per_m2: float, rng: np.random.Generator) -> Samples:
-    places = [
-        _on_pillar(block, per_m2, rng) if np.isinf(block[5]) else _on_rock(block, per_m2, rng)
-        for block in blocks
-    ]
-    place, normal, error = on_the_surface(blocks, np.concatenate(places), 4)
+def _strewn(blocks: Array, per_m2: float, rng: np.random.Generator) -> Array:
+    """Places (n, 3) near the surface of a formation."""
+    return np.concatenate(
+        [
+            _on_pillar(block, per_m2, rng) if np.isinf(block[5]) else _on_rock(block, per_m2, rng)
+            for block in blocks
+        ]
+    )
+
+
+def _settled(blocks: Array, places: Array, number: int) -> Samples:
+    """Those places on the surface of a formation of this number that others are moved to."""
+    place, normal, error = on_the_surface(blocks, places, 4)
     kept = error < 2.0
     place, normal = place[kept], normal[kept]
     light = openness(shade_of(blocks), place, normal)

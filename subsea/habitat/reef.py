@@ -3,6 +3,7 @@
 from typing import Any, NamedTuple
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from subsea.habitat.formations import samples
@@ -12,6 +13,7 @@ from subsea.scenario import ReefTable, Scenario
 from subsea.state import Reef, Sea
 
 Array = NDArray[np.floating[Any]]
+Ints = NDArray[np.integer[Any]]
 Bools = NDArray[np.bool_]
 
 
@@ -162,20 +164,37 @@ def _mounds(table: ReefTable, sea: Sea, spots: Spots | None, dice: np.random.Gen
 
 def _apart(offers: Array, fits: Bools, before: Array) -> Array:
     """Of the places (k, tries, COLUMNS) that each growth is offered, the first that is free."""
-    taken = np.zeros((len(before) + len(offers), 4))
+    room = np.column_stack([before[:, PLACE], before[:, RADIUS]])
+    choice = _first_free(offers[..., PLACE], offers[..., RADIUS], fits, room)
+    grown = np.flatnonzero(choice >= 0)
+    return np.asarray(offers[grown, choice[grown]])
+
+
+@njit(cache=True, error_model="numpy")
+def _first_free(place: Array, radius: Array, fits: Bools, before: Array) -> Ints:
+    """Which try (k,) of places (k, tries, 3) keeps off `before` (m, 4) and those chosen; or -1."""
+    taken = np.zeros((len(before) + len(place), 4))
+    taken[: len(before)] = before
     count = len(before)
-    taken[:count, :3], taken[:count, 3] = before[:, PLACE], before[:, RADIUS]
-    found = []
-    for own, fit in zip(offers, fits, strict=True):
-        away = own[:, None, PLACE] - taken[None, :count, :3]
-        room = PACKED * (own[:, None, RADIUS] + taken[None, :count, 3])
-        free = fit & ((away * away).sum(axis=2) >= room * room).all(axis=1)
-        if free.any():
-            first = own[int(free.argmax())]
-            taken[count, :3], taken[count, 3] = first[PLACE], first[RADIUS]
-            found.append(first)
-            count += 1
-    return np.array(found).reshape(-1, COLUMNS)
+    choice = np.full(len(place), -1)
+    for k in range(len(place)):
+        for i in range(place.shape[1]):
+            free = fits[k, i]
+            for j in range(count):
+                if not free:
+                    break
+                x, y, z = (
+                    place[k, i, 0] - taken[j, 0], place[k, i, 1] - taken[j, 1],
+                    place[k, i, 2] - taken[j, 2],
+                )  # fmt: skip
+                room = PACKED * (radius[k, i] + taken[j, 3])
+                free = x * x + y * y + z * z >= room * room
+            if free:
+                choice[k] = i
+                taken[count, :3], taken[count, 3] = place[k, i], radius[k, i]
+                count += 1
+                break
+    return choice
 
 
 def _offered(

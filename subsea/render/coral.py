@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -186,7 +185,7 @@ def bake(reef: Reef) -> list[list[Shape]]:
         chosen = np.flatnonzero((reef.kind == group[0]) & (variant == group[1]))
         placed = _Placed(list(KINDS)[group[0]], reef.taken(chosen))
         for level in range(LEVELS):
-            mesh = _shape(list(KINDS)[group[0]], int(group[1]), level)
+            mesh = shape(list(KINDS)[group[0]], int(group[1]), level)
             # No eye comes so near to a small one that it would need the finest level.
             small = reef.radius[chosen] < FINEST_CM if level == 0 else np.zeros(len(chosen), bool)
             for k, vertices in zip(chosen[~small], placed.vertices(mesh, ~small), strict=True):
@@ -196,9 +195,6 @@ def bake(reef: Reef) -> list[list[Shape]]:
     with ThreadPoolExecutor() as pool:
         list(pool.map(make, groups))
     return [own if len(own) == LEVELS else [own[0], *own] for own in shapes]
-
-
-_shape = cache(shape)  # the same in every dive
 
 
 class _Placed:

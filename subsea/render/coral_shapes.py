@@ -5,6 +5,7 @@ ones leave small parts out, and make the others thicker.
 """
 
 from collections.abc import Callable
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -620,6 +621,7 @@ def lump(kind: str, mesh: Mesh) -> Mesh:
     return out._replace(place=out.place * (1.0, flat, 1.0))
 
 
+@cache
 def shape(kind: str, variant: int, level: int) -> Mesh:
     """One variant of a kind at one level, as wide and high as `habitat.reef.KINDS` says."""
     if level == LEVELS - 1:

@@ -51,23 +51,26 @@ class Standing:
         self._program = compiled
         self._reach = reach_cm
         self._thresholds = np.asarray(thresholds_px, np.float64)
-        self._first = _first_triangles(shapes, len(thresholds_px) + 1)
-        flat = [shape for levels in shapes for shape in levels]
-        starts = np.cumsum([0] + [len(shape.vertices) for shape in flat])
-        self._triangles = np.concatenate(
-            [np.zeros((0, 3), np.int32)]
-            + [shape.triangles + start for shape, start in zip(flat, starts, strict=False)]
-        ).astype(np.int32)
-        spheres = [bounding_sphere(levels[0].vertices[:, :3]) for levels in shapes]
-        self._centres = np.array([centre for centre, _ in spheres]).reshape(-1, 3)
-        self._radii = np.array([radius for _, radius in spheres])
+        # What stands for two levels is held once; shapes that differ in their vertices alone have
+        # their triangles in common.
+        flat = list({id(shape): shape for levels in shapes for shape in levels}.values())
+        meshes = list({id(shape.triangles): shape.triangles for shape in flat}.values())
+        self._triangles = np.concatenate([np.zeros((0, 3), np.int32), *meshes]).astype("i4")
+        self._ranges = _ranges(shapes, len(thresholds_px) + 1, flat, meshes)
+        self._centres, self._radii = np.zeros((len(shapes), 3)), np.zeros(len(shapes))
+        for k, levels in enumerate(shapes):
+            self._centres[k], self._radii[k] = bounding_sphere(levels[0].vertices)
         self._level = np.full(len(shapes), OUT_OF_SIGHT)
         self._count = 0
         self._held: list[Any] = []
         if not flat:
             return
-        vertices = np.concatenate([shape.vertices for shape in flat]).astype("f4")
-        self._vertices = context.buffer(vertices.tobytes())
+        self._vertices = context.buffer(reserve=sum(4 * shape.vertices.size for shape in flat))
+        place = 0
+        for shape in flat:
+            vertices = np.ascontiguousarray(shape.vertices, "f4")
+            self._vertices.write(vertices, place)
+            place += vertices.nbytes
         self._indices = context.buffer(reserve=12)
         self._array = context.vertex_array(
             compiled, [(self._vertices, layout, *attributes.split())], self._indices
@@ -93,7 +96,7 @@ class Standing:
             return
         self._level = level
         drawn = np.flatnonzero(level != OUT_OF_SIGHT)
-        data = _gathered(self._triangles, self._first[drawn, level[drawn]])
+        data = _gathered(self._triangles, self._ranges[drawn, level[drawn]])
         self._count = len(data)
         if self._count:
             self._indices.orphan(data.nbytes)
@@ -177,29 +180,49 @@ def _levels(
 
 @njit(cache=True)
 def _gathered(triangles: Ints, ranges: Ints) -> Ints:
-    """The triangles (m, 3) of all `ranges` (k, 2), one after another."""
+    """The triangles (m, 3) of all `ranges` (k, 3), one after another."""
     out = np.empty(((ranges[:, 1] - ranges[:, 0]).sum(), 3), np.int32)
     place = 0
     for k in range(len(ranges)):
         for i in range(ranges[k, 0], ranges[k, 1]):
             for corner in range(3):
-                out[place, corner] = triangles[i, corner]
+                out[place, corner] = triangles[i, corner] + ranges[k, 2]
             place += 1
     return out
 
 
-def bounding_sphere(places: Array) -> tuple[Array, float]:
-    """Centre (3,) and radius of a sphere about places (n, 3), from their bounding box."""
-    centre = (places.min(axis=0) + places.max(axis=0)) / 2
-    return centre, float(np.linalg.norm(places - centre, axis=1).max())
+@njit(cache=True, nogil=True)
+def bounding_sphere(vertices: Array) -> tuple[Array, float]:
+    """Centre (3,) and radius of a sphere about vertices (n, 3 or more), from their bounding box."""
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    for i in range(len(vertices)):
+        for axis in range(3):
+            low[axis] = min(low[axis], vertices[i, axis])
+            high[axis] = max(high[axis], vertices[i, axis])
+    centre = 0.5 * (low + high)
+    square = 0.0
+    for i in range(len(vertices)):
+        x, y, z = (
+            vertices[i, 0] - centre[0], vertices[i, 1] - centre[1], vertices[i, 2] - centre[2],
+        )  # fmt: skip
+        square = max(square, x * x + y * y + z * z)
+    return centre, np.sqrt(square)
 
 
-def _first_triangles(shapes: Sequence[Sequence[Shape]], levels: int) -> Ints:
-    """First triangle and end (k, levels, 2) of every item at every level."""
-    ranges = np.zeros((len(shapes), levels, 2), np.int64)
-    end = 0
+def _ranges(
+    shapes: Sequence[Sequence[Shape]], levels: int, flat: list[Shape], meshes: list[Ints]
+) -> Ints:
+    """First triangle, end and first vertex (k, levels, 3) of every item at every level.
+
+    `flat` are all shapes and `meshes` all triangles, each once, in the order in which they lie.
+    """
+    vertices = np.cumsum([0] + [len(shape.vertices) for shape in flat])
+    triangles = np.cumsum([0] + [len(mesh) for mesh in meshes])
+    vertex = dict(zip(map(id, flat), vertices, strict=False))
+    first = dict(zip(map(id, meshes), triangles, strict=False))
+    ranges = np.zeros((len(shapes), levels, 3), np.int64)
     for item, own in enumerate(shapes):
         for level, shape in enumerate(own):
-            ranges[item, level:] = end, end + len(shape.triangles)
-            end += len(shape.triangles)
+            start = first[id(shape.triangles)]
+            ranges[item, level:] = start, start + len(shape.triangles), vertex[id(shape)]
     return ranges
