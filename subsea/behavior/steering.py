@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from subsea.kinematics.heightfield import height_at
 from subsea.kinematics.rotation import rotate
-from subsea.kinematics.solids import from_pillar, from_rock
+from subsea.kinematics.solids import far_from_rock, from_pillar, from_rock
 from subsea.kinematics.vector import Vector, dot, minus, norm, plus, times, unit, vector
 from subsea.state import HULL_CM, LEFT, RIGHT, Clock, Fishes, Minds, Sea
 
@@ -79,6 +79,8 @@ def _around(fishes: Fishes, i: int, sea: Sea, urge: Vector) -> Vector:
         if distance < reach + room:
             urge = constrained(urge, normal, distance - reach, room)
     for k in range(len(sea.rocks)):
+        if far_from_rock(sea.rocks[k], p, reach + room):
+            continue
         normal, distance = from_rock(sea.rocks[k], p)
         if distance < reach + room:
             urge = constrained(urge, normal, distance - reach, room)

@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from subsea.kinematics.solids import from_pillar, from_rock
+from subsea.kinematics.solids import far_from_rock, from_pillar, from_rock
 from subsea.kinematics.vector import Vector, plus, times, vector
 from subsea.state import Fishes, Sea
 
@@ -46,6 +46,8 @@ def flow_near(pillars: Array, rocks: Array, flow: Vector, p: Vector) -> Vector:
     for k in range(len(rocks)):
         far = max(rocks[k, 3], rocks[k, 4]) + 1.5 * reach  # far off `from_rock` is too short
         if abs(p[0] - rocks[k, 0]) < far and abs(p[1] - rocks[k, 1]) < far:
+            if far_from_rock(rocks[k], p, reach):
+                continue
             way, gap = from_rock(rocks[k], p)
             speed = _source(strength, gap)
             sent, total = plus(sent, times(speed * speed, (way[0], way[1], 0.0))), total + speed

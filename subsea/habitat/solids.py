@@ -46,6 +46,7 @@ def is_free(pillars: Array, rocks: Array, p: Vector) -> bool:
     for k in range(len(rocks)):
         reach = max(rocks[k, 3], rocks[k, 4])
         near = abs(p[0] - rocks[k, 0]) < reach and abs(p[1] - rocks[k, 1]) < reach
+        near = near and abs(p[2] - rocks[k, 2]) < rocks[k, 5]
         if near and from_rock(rocks[k], p)[1] < 0.0:
             return False
     return True

@@ -18,6 +18,7 @@ from subsea.kinematics.vector import Vector
 Array = NDArray[np.floating[Any]]
 
 NEVER = math.inf  # where a ray meets what it doesn't meet
+NEARLY_CM = 0.01  # more than rounding errors come to
 
 
 @njit(cache=True, error_model="numpy")
@@ -55,6 +56,21 @@ def from_rock(rock: Array, p: Vector) -> tuple[Vector, float]:
 
 
 @njit(cache=True, error_model="numpy")
+def far_from_rock(rock: Array, p: Vector, gap: float) -> bool:
+    """Whether p is so far from a rock that `from_rock` tells more than `gap` (≥ 0) cm.
+
+    Without the turn of the rock, so of some that are it says that they are not.
+    """
+    x, y, z = p[0] - rock[0], p[1] - rock[1], p[2] - rock[2]
+    wide = max(rock[3], rock[4])
+    # With s the size of p in half axes, of which m is the shortest, the gap is ≥ m (s - 1).
+    size = 1.0 + gap / min(rock[3], rock[4], rock[5])
+    tall = rock[5] * rock[5]
+    wide *= wide
+    return (x * x + y * y) * tall + z * z * wide > 1.000001 * size * size * wide * tall
+
+
+@njit(cache=True, error_model="numpy")
 def ray_meets_pillar(pillar: Array, margin: float, a: Vector, b: Vector) -> float:
     """Where the ray from a to b enters a pillar that is `margin` cm larger: t of a + t (b - a).
 
@@ -82,6 +98,11 @@ def ray_meets_rock(rock: Array, margin: float, a: Vector, b: Vector) -> float:
 
     t of a + t (b - a): 0 if a lies inside, NEVER if no part of the ray does.
     """
+    # Most rocks are nowhere near: a box about rock and ray tells, before the rock's turn is asked.
+    reach = max(rock[3], rock[4], rock[5]) + margin + NEARLY_CM
+    for axis in range(3):
+        if min(a[axis], b[axis]) - rock[axis] > reach or rock[axis] - max(a[axis], b[axis]) > reach:
+            return NEVER
     c, s = math.cos(rock[6]), math.sin(rock[6])
     wx, wy, wz = rock[3] + margin, rock[4] + margin, rock[5] + margin
     px, py, pz = a[0] - rock[0], a[1] - rock[1], a[2] - rock[2]

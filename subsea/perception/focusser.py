@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from subsea.kinematics.heightfield import height_at
 from subsea.kinematics.rotation import rotate
-from subsea.kinematics.solids import from_pillar, from_rock
+from subsea.kinematics.solids import far_from_rock, from_pillar, from_rock
 from subsea.kinematics.vector import Vector, dot, minus, norm, times, vector
 from subsea.perception.collision import ANTENNA_BL, ENLARGED
 from subsea.perception.foraging import cost_of, is_in_school, perceives
@@ -269,6 +269,8 @@ def warn_of_solids(
         if distance < reach:
             note(q, times(-1.0, normal), -1.0, sums, counts)
     for k in range(len(scene.rocks)):
+        if far_from_rock(scene.rocks[k], eye, reach):
+            continue
         normal, distance = from_rock(scene.rocks[k], eye)
         if distance < reach:
             note(q, times(-1.0, normal), -1.0, sums, counts)

@@ -10,7 +10,7 @@ from subsea.frame import Packet, Scene
 from subsea.render.seabed import drawn_height
 from subsea.render.shaders import program, set_uniforms
 from subsea.view.camera import View
-from subsea.view.culling import IN_SIGHT, frustum_planes
+from subsea.view.culling import IN_SIGHT
 
 Array = NDArray[np.floating[Any]]
 
@@ -41,11 +41,10 @@ class Bubbles:
 
     def draw(self, packet: Packet, view: View, uniforms: dict[str, Any]) -> int:
         """Draw the vents in sight, blended; the number of triangles."""
-        planes = frustum_planes(view)
         seen = [
             slot
             for slot, ends in zip(self._slots, self._streams, strict=True)
-            if in_sight(ends, planes, view.eye, self._reach)
+            if in_sight(ends, view.planes, view.eye, self._reach)
         ]
         if not seen:
             return 0

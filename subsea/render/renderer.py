@@ -215,6 +215,8 @@ class Renderer:
     def _on_canvas(self, view: View) -> View:
         """The view in its place on the canvas."""
         x, y, width, height = view.viewport
+        if self._scaled((width, height)) == (width, height):
+            return view  # which knows its planes already
         return replace(view, viewport=(x, y, *self._scaled((width, height))))
 
     def _release_target(self) -> None:

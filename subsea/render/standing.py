@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from subsea.render.shaders import set_uniforms
 from subsea.view.camera import View
-from subsea.view.culling import frustum_planes, pixels_per_radian
+from subsea.view.culling import pixels_per_radian
 
 Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
@@ -131,7 +131,7 @@ def levels_in_sight(
     """
     if np.isinf(detail):
         return np.zeros(len(centres), np.int64)
-    planes = np.stack([frustum_planes(view) for view in views])
+    planes = np.stack([view.planes for view in views])
     eyes = np.stack([np.asarray(view.eye, np.float64) for view in views])
     scales = detail * np.array([pixels_per_radian(view) for view in views])
     return np.asarray(

@@ -6,6 +6,7 @@ keeps rows, so its matrices are transposed here and nowhere else.
 
 import warnings
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -29,6 +30,13 @@ class View:
     view: Array  # (4, 4) world to eye, looking along -z
     projection: Array  # (4, 4) eye to clip
     eye: Array  # (3,) cm, world
+
+    @cached_property
+    def planes(self) -> Array:
+        """The six planes (6, 4) of the frustum: a·x + b·y + c·z + d ≥ 0 inside, unit normals."""
+        m = self.projection.astype(np.float64) @ self.view.astype(np.float64)
+        planes = np.concatenate([m[3] + m[:3], m[3] - m[:3]])
+        return np.asarray(planes / np.linalg.norm(planes[:, :3], axis=1, keepdims=True))
 
 
 def look(eye: Array, forward: Array, up: Array) -> Array:

@@ -15,13 +15,6 @@ OUT_OF_SIGHT = -1.0  # in place of the pixels that something covers
 IN_SIGHT = 1.3  # visibilities; beyond, the fog hides all
 
 
-def frustum_planes(view: View) -> Array:
-    """The six planes (6, 4) of a view's frustum; a·x + b·y + c·z + d ≥ 0 inside, unit normals."""
-    m = view.projection.astype(np.float64) @ view.view.astype(np.float64)
-    planes = np.concatenate([m[3] + m[:3], m[3] - m[:3]])
-    return np.asarray(planes / np.linalg.norm(planes[:, :3], axis=1, keepdims=True))
-
-
 def pixels_per_radian(view: View) -> float:
     """Pixels that an object of 1 cm at a distance of 1 cm would cover, near the axis."""
     return float(view.projection[1, 1]) * view.viewport[3] / 2
@@ -41,7 +34,7 @@ def covered(
     sees is OUT_OF_SIGHT: views are taken together, a centre is compared with each frustum enlarged
     by the radius, and nothing is seen beyond `reach_cm`. Without `culling` all is in sight.
     """
-    planes = np.stack([frustum_planes(view) for view in views])
+    planes = np.stack([view.planes for view in views])
     eyes = np.stack([np.asarray(view.eye, np.float64) for view in views])
     scales = np.array([pixels_per_radian(view) for view in views])
     pixels, distance = np.empty(len(centres), np.float32), np.empty(len(centres), np.float32)

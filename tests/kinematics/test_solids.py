@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from subsea.kinematics.heightfield import height_at
 from subsea.kinematics.solids import (
     NEVER,
+    far_from_rock,
     from_pillar,
     from_rock,
     ray_meets_pillar,
@@ -146,3 +147,24 @@ def test_beside_a_rock_the_distance_is_that_along_the_normal(seed):
     assert from_rock(ROCK, tuple(surface + gap * np.array(normal)))[1] == pytest.approx(
         gap, abs=0.05
     )
+
+
+def test_what_is_far_from_a_rock_is_farther_than_the_gap():
+    """And most of what is farther is found to be."""
+    found = near = 0
+    for p in np.random.default_rng(2).uniform(-80.0, 80.0, (2000, 3)):
+        for gap in (0.0, 3.0, 20.0):
+            farther = from_rock(ROCK, tuple(p))[1] > gap
+            far = far_from_rock(ROCK, tuple(p), gap)
+            assert farther or not far
+            found, near = found + far, near + farther
+    assert found > 0.6 * near
+
+
+def test_a_ray_beside_a_long_rock_meets_it_at_its_ends():
+    """Where the box that is asked about first is as long as the rock."""
+    long = np.array([0.0, 0.0, 0.0, 40.0, 2.0, 2.0, 0.0])
+    over = ray_meets_rock(long, 0.0, (39.9, 0.0, 10.0), (39.9, 0.0, -10.0))
+    assert over == pytest.approx(0.5, abs=0.01)
+    assert ray_meets_rock(long, 0.0, (40.1, 0.0, 10.0), (40.1, 0.0, -10.0)) == NEVER
+    assert np.isfinite(ray_meets_rock(long, 0.2, (40.1, 0.0, 10.0), (40.1, 0.0, -10.0)))

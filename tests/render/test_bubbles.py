@@ -11,7 +11,6 @@ from subsea.render import Renderer
 from subsea.render.bubbles import STREAM_CM, in_sight, slots, stream, terminal_speed
 from subsea.render.quality import PRESETS
 from subsea.render.shaders import set_uniforms, source
-from subsea.view.culling import frustum_planes
 from subsea.view.rigs import pose, views_for
 
 FOOT = (10.0, -20.0, -500.0)
@@ -113,9 +112,9 @@ def test_a_stream_is_drawn_where_some_of_it_may_be_seen(places):
     eye = np.array([-300.0, -20.0, -250.0])
     for heading, seen in ((0.0, True), (np.pi, False), (1.0, False)):
         (view,) = views_for("mono", (320, 180), pose(eye, heading, 0.0))
-        assert in_sight(ends, frustum_planes(view), eye, 900.0) == seen
+        assert in_sight(ends, view.planes, eye, 900.0) == seen
     (view,) = views_for("mono", (320, 180), pose(eye, 0.0, 0.0))
-    assert not in_sight(ends, frustum_planes(view), eye, 200.0)
+    assert not in_sight(ends, view.planes, eye, 200.0)
 
 
 def test_only_vents_in_sight_are_drawn(context, scene, make_packet):
