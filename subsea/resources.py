@@ -56,12 +56,16 @@ def load_toml(path: Path, kind: type[T]) -> T:
     except tomllib.TOMLDecodeError as fault:
         raise UserError(f"{path}: not valid TOML ({fault})") from fault
     except msgspec.ValidationError as fault:
-        message, _, place = str(fault).partition(" - at `$")
+        message, _, place = (
+            str(fault).replace(" - at `key` in `$", " - at `$").partition(" - at `$")
+        )
         place = place.removeprefix(".").removesuffix("`")
         here = _type_at(kind, place)
         hint = ""
         if key := re.search(r"unknown field `([^`]*)`", message):
             hint = nearest(key[1], sorted(one.encode_name for one in getattr(here, "fields", ())))
+        elif isinstance(here, inspect.DictType) and isinstance(here.key_type, inspect.LiteralType):
+            hint = f"; its keys are: {', '.join(map(repr, here.key_type.values))}"
         elif isinstance(here, inspect.LiteralType):
             hint = f"; there are: {', '.join(map(repr, here.values))}"
         message = message.replace("Object contains unknown field", "unknown key")

@@ -173,6 +173,11 @@ class ReefTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
     rock: Share = 0.65  # share of the places that are on rocks and pillars, where there are any
     seed: Seed = 0
 
+    def __post_init__(self) -> None:
+        """Refuse a table of which nothing may grow."""
+        if self.kinds and not any(self.kinds.values()):
+            raise ValueError("`kinds` must give a weight above 0 to one of them")
+
 
 class Start(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """Where the submarine begins."""
@@ -218,8 +223,8 @@ class Scenario(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     fish: Annotated[list[Shoal], msgspec.Meta(min_length=1)]
     pillar: Annotated[list[Pillar], msgspec.Meta(max_length=MAX_SOLIDS)] = []
     rock: Annotated[list[Rock], msgspec.Meta(max_length=MAX_SOLIDS)] = []
-    outcrop: list[Outcrop] = []
-    arch: list[Arch] = []
+    outcrop: Annotated[list[Outcrop], msgspec.Meta(max_length=MAX_SOLIDS)] = []
+    arch: Annotated[list[Arch], msgspec.Meta(max_length=MAX_SOLIDS)] = []
     hook: Hook | None = None
     seaweed: list[Seaweed] = []
     vent: Annotated[list[Vent], msgspec.Meta(max_length=MAX_VENTS)] = []

@@ -94,9 +94,11 @@ def create_world(
     library = pack(repertoires, [_coupling(species[r.species], r) for r in repertoires], live)
     dynamics = make_dynamics([*species.values()], repertoires, library, live_reach_cm)
     recorded = len(library.entry)
+    _refuse_crowded(scenario, source)
     progress("shaping the seabed")
     rng = np.random.default_rng([seed, 0x5EA])
     sea = make_sea(scenario, rng)
+    _refuse_too_high(scenario, sea, source)
     progress("growing the reef")
     sea, reef = grow(scenario, sea)
     _refuse_misplaced(scenario, sea, source)
@@ -142,11 +144,18 @@ def _coupling(species: Species, repertoire: Repertoire) -> Coupling:
     return couple(species.surface.coupling, nodes, rest)
 
 
-def _refuse_misplaced(scenario: Scenario, sea: Sea, source: str) -> None:
-    """A UserError for what a scenario puts inside the seabed, the reef, a rock or a pillar.
+def _refuse_crowded(scenario: Scenario, source: str) -> None:
+    """A UserError for more rocks than a sea may have."""
+    number = len(rock_rows(scenario, lambda x, y: 0.0)[0])
+    if number > MAX_SOLIDS:
+        raise UserError(
+            f"{source}: {number} rocks in all, those of outcrops and arches counted, "
+            f"expected at most {MAX_SOLIDS}"
+        )
 
-    So it is for a pillar that is higher than the sea is deep.
-    """
+
+def _refuse_too_high(scenario: Scenario, sea: Sea, source: str) -> None:
+    """A UserError for a pillar that is higher than the sea is deep there."""
     for k, top in enumerate(sea.pillars[:, 3]):
         if top > 0.0:
             given = scenario.pillar[k].height_cm
@@ -154,12 +163,11 @@ def _refuse_misplaced(scenario: Scenario, sea: Sea, source: str) -> None:
                 f"{source}: `pillar[{k}].height_cm` {given:g} reaches above the surface, "
                 f"expected at most {np.floor(given - top):g} there"
             )
+
+
+def _refuse_misplaced(scenario: Scenario, sea: Sea, source: str) -> None:
+    """A UserError for what a scenario puts inside the seabed, the reef, a rock or a pillar."""
     _, rocks = rock_rows(scenario, lambda x, y: 0.0)
-    if len(rocks) > MAX_SOLIDS:
-        raise UserError(
-            f"{source}: {len(rocks)} rocks in all, those of outcrops and arches counted, "
-            f"expected at most {MAX_SOLIDS}"
-        )
     places = [("submarine.position_cm", scenario.submarine.position_cm, HULL_CM)]
     for k, shoal in enumerate(scenario.fish):
         if shoal.position_cm is not None:

@@ -227,6 +227,21 @@ def test_a_pillar_stays_below_the_surface(tmp_path):
     create_world(load_scenario(str(written(tmp_path, BARE + pillar.format(most[1]))))[0])
 
 
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        ("[[reef]]\nkinds = { fan = 0 }", "`kinds` must give a weight above 0 to one of them"),
+        ("[[reef]]\nkinds = { fern = 1 }", "kinds`; its keys are: "),
+        ("[[outcrop]]\nposition_cm = [0.0, 0.0]\nsize_cm = [50.0, 50.0, 50.0]\nrocks = 200\n" * 2,
+         "rocks in all, those of outcrops"),
+        ("[[arch]]\nposition_cm = [0.0, 0.0]\nspan_cm = 100.0\nheight_cm = 200.0",
+         ".span_cm`"),
+    ],
+)  # fmt: skip
+def test_what_grows_and_stands_says_what_it_cannot_be(tmp_path, table, words):
+    assert words in fault_of(tmp_path, BARE + "\n" + table + "\n")
+
+
 VENT = "\n[[vent]]\nposition_cm = {}\n"
 
 

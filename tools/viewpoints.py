@@ -21,7 +21,7 @@ from subsea.render.quality import PRESETS
 from subsea.resources import resource_names
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.rigs import Pose, pose, views_for
-from subsea.world import World
+from subsea.world import TICK_S, World
 
 Array = NDArray[np.float64]
 
@@ -80,18 +80,21 @@ def main() -> None:
     size = tuple(int(side) for side in arguments.size.split("x"))
     check_folder(arguments.out)
     arguments.out.mkdir(parents=True, exist_ok=True)
+    quality = PRESETS[arguments.quality]
     names = arguments.scenarios or resource_names("assets/scenarios", ".toml")
     with headless() as context:
         for name in names:
             world = start_world(name)
-            for _ in range(round(arguments.seconds * 30.3)):
+            for _ in range(round(arguments.seconds / TICK_S)):
                 step(world, HANDS_OFF)
             pictures = []
-            with picture_maker(context, world, size, PRESETS[arguments.quality]) as renderer:
+            with picture_maker(context, world, size, quality) as renderer:
                 for title, eye in viewpoints(world):
                     if arguments.only not in (None, title):
                         continue
-                    renderer.draw(pack(world, views_for("mono", size, eye), 1.0))
+                    views = views_for("mono", size, eye)
+                    fine = {"detail": quality.detail, "growth": quality.growth}
+                    renderer.draw(pack(world, views, 1.0, **fine))
                     pictures.append(Image.fromarray(renderer.read_pixels()))
                     pictures[-1].save(arguments.out / f"{name}-{title}.png")
             sheet = Image.new("RGB", (2 * size[0], -(-len(pictures) // 2) * size[1]))

@@ -155,7 +155,7 @@ def rendering_ms(scenario: str) -> tuple[Drawn, str]:
             packet = pack(world, views, 1.0, detail=quality.detail, growth=quality.growth)
             reduced = drawing_ms(renderer, context, packet, REDUCED_PICTURES)
             renderer.adapt(replace(quality, detail=np.inf))  # for what stands still
-            everything = pack(world, views, 1.0, culling=False, lod=False)
+            everything = pack(world, views, 1.0, culling=False, lod=False, growth=quality.growth)
             full = drawing_ms(renderer, context, everything, FULL_PICTURES)
         title, name = world.scenario.title, context.info["GL_RENDERER"]
     fishes = len(world.state.fishes.species)

@@ -86,7 +86,7 @@ def grow(scenario: Scenario, sea: Sea) -> tuple[Sea, Reef]:
 
 # Columns of a growth while a reef is laid out.
 KIND, RADIUS, TURN, OWN = 0, 1, 2, 3
-PLACE, NORMAL, AXIS, BARE, HUE, LIGHT = slice(4, 7), slice(7, 10), slice(10, 13), 13, 14, 15
+PLACE, NORMAL, AXIS, ON_ROCK, HUE, LIGHT = slice(4, 7), slice(7, 10), slice(10, 13), 13, 14, 15
 COLUMNS = 16
 
 
@@ -298,7 +298,7 @@ def _reef(rows: Array) -> Reef:
         kind=rows[:, KIND].astype(np.uint8), place=place.astype(f), axis=rows[:, AXIS].astype(f),
         turn=rows[:, TURN].astype(f), radius=rows[:, RADIUS].astype(f), own=rows[:, OWN].astype(f),
         light=rows[:, LIGHT].astype(f), hue=np.minimum(rows[:, HUE], 0.999).astype(f),
-        on_rock=rows[:, BARE] > 0.5,
+        on_rock=rows[:, ON_ROCK] > 0.5,
     )  # fmt: skip
 
 

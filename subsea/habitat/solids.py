@@ -71,9 +71,9 @@ def out_of_solids(sea: Sea, p: Vector, room: float, above: float, below: float) 
         for k in range(len(sea.rocks)):
             way, gap = from_rock(sea.rocks[k], p)
             if gap < room:
-                floor = height_at(sea.heights, sea.half_width, p[0], p[1])
+                ground = height_at(sea.heights, sea.half_width, p[0], p[1])
                 roof = sea.rocks[k, 2] - sea.rocks[k, 5]
-                if way[2] < 0.0 and roof < floor + above + room:  # aside, not into the ground
+                if way[2] < 0.0 and roof < ground + above + room:  # aside, not into the ground
                     level = (way[0], way[1], 0.0)
                     way = times(1.0 / max(norm(level), 1e-3), level)
                 p, moved = plus(p, times(room - gap + 0.1, way)), True
