@@ -121,7 +121,7 @@ PROGRAM = """
 from subsea.motor.balance import roll_of
 from subsea.ocean import create_world, step
 from subsea.scenario import load_scenario
-from subsea.state import LOOPING, digest
+from subsea.state import digest
 from subsea.submarine.helm import Helm
 world = create_world(load_scenario("peaceful")[0], seed=3, fish=60)
 for _ in range(200):

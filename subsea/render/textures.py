@@ -133,10 +133,7 @@ def nearest_of_cells(seed: int, size: int, cells: int) -> Array:
 
 
 def upload(context: Any, layers: list[Array]) -> Any:
-    """A repeating, mipmapped texture of one to four layers (n, n).
-
-    Of half floats: a software rasteriser reads these faster than bytes.
-    """
+    """A repeating, mipmapped texture of half floats, of one to four layers (n, n)."""
     data = np.stack(layers, axis=-1).astype("f2")
     texture = context.texture(data.shape[1::-1], data.shape[2], data.tobytes(), dtype="f2")
     texture.build_mipmaps()
@@ -146,10 +143,7 @@ def upload(context: Any, layers: list[Array]) -> Any:
 
 
 def upload_bytes(context: Any, layers: list[Array], low: Array, high: Array) -> Any:
-    """A repeating, mipmapped texture of four layers of bytes: of each `low` to `high`.
-
-    The software rasteriser reads bytes faster than floats.
-    """
+    """A repeating, mipmapped texture of four layers, as bytes from `low` to `high`."""
     data = np.stack(layers, axis=-1)
     data = np.clip((data - low) / (np.asarray(high) - low), 0.0, 1.0)
     texture = context.texture(data.shape[1::-1], 4, (255.0 * data + 0.5).astype("u1").tobytes())
