@@ -40,6 +40,7 @@ COARSE = 2 ** (LEVELS - 1)  # cells of the finest level along one of the coarses
 BURIED_CM = 20.0  # a shape goes on so far below the sand
 CELLS = 46.0  # along the longest side of a formation, at the finest level, but ...
 FINEST_CM, COARSEST_CM = 4.5, 10.0  # ... no smaller and no larger than that
+ACROSS = 4.0  # cells at least, where a formation is thinnest
 PIECE_CM = 220.0  # formations are cut into boxes so wide, so that far parts are drawn coarsely
 NEAR_CM = 200.0  # solids so near shade one another
 SUN_WIDE = 0.16  # of the cone of light that counts as the sun: how soft shadows are
@@ -59,7 +60,9 @@ def shapes(formations: list[Array], floor: Floor) -> list[list[Shape]]:
             near = [shades[k] for k in _neighbours(formations, number)]
             return _levels(formations[number], near, floor)
 
-        return list(pool.map(levels, range(len(formations))))
+        shaped = list(pool.map(levels, range(len(formations))))
+    # Of a pebble that lies deep in the sand nothing is there to be drawn.
+    return [own for own in shaped if len(own[0].triangles)]
 
 
 def cut(levels: list[Shape]) -> list[list[Shape]]:
@@ -108,10 +111,12 @@ def _neighbours(formations: list[Array], number: int) -> list[int]:
 def _levels(blocks: Array, near: list[Shade], floor: Floor) -> list[Shape]:
     """One field, of whose samples ever fewer are taken."""
     field, corner, cell = sampled(blocks, floor)
-    return [
-        _shape(field[:: 2**k, :: 2**k, :: 2**k], corner, cell * 2**k, blocks, near, floor)
-        for k in range(LEVELS)
-    ]
+    levels: list[Shape] = []
+    for k in range(LEVELS):
+        shape = _shape(field[:: 2**k, :: 2**k, :: 2**k], corner, cell * 2**k, blocks, near, floor)
+        # A thin stone may slip between coarse samples.
+        levels.append(levels[-1] if levels and not len(shape.triangles) else shape)
+    return levels
 
 
 def sampled(blocks: Array, floor: Floor) -> tuple[Array, Array, float]:
@@ -120,10 +125,12 @@ def sampled(blocks: Array, floor: Floor) -> tuple[Array, Array, float]:
     Far from the surface they are only of the right sign.
     """
     low, high = box_of(blocks)
+    thin = (high - low).min()
     axis_x, axis_y = (np.linspace(low[k], high[k], 9) for k in (0, 1))
     ground = floor(*np.meshgrid(axis_x, axis_y)).min()
     low[2] = max(low[2], min(float(ground), high[2] - 1.0) - BURIED_CM)
     cell = float(np.clip((high - low).max() / CELLS, FINEST_CM, COARSEST_CM))
+    cell = min(cell, thin / ACROSS)
     # One cell of every level is free all round; the lowest ones are cut by the grid's end.
     coarse = cell * COARSE
     corner = low - (coarse, coarse, 0.0)

@@ -51,15 +51,15 @@ def test_they_are_where_the_fishes_think_they_are(render, scene, stony, make_pac
     row = np.flatnonzero(np.abs(bare - full).max(axis=2)[80] > 12)
     scale = 90.0 / np.tan(np.radians(27.5))
     left, right = (160 + scale * x / 190.0 for x in (-45.0 - 38.0, -45.0 + 38.0))
-    # The drawn stone lies a little inside what they avoid.
-    assert left - 2 <= row.min() < left + 14
-    assert right - 14 < row.max() <= right + 2
+    # The drawn stack is worn: nowhere outside of what they avoid, in places half as wide.
+    assert left - 2 <= row.min() < left + 20
+    assert right - 20 < row.max() <= right + 2
 
 
 def test_what_is_out_of_sight_costs_nothing(render, scene, stony, make_packet):
     ahead, behind = (make_packet([], eye=(0, 0, -215), heading=h) for h in (1.57, -1.57))
     added = [render(stony, p)[1] - render(scene, p)[1] for p in (ahead, behind)]
-    assert added[0] > 1000
+    assert added[0] > 500
     assert added[1] == 0
 
 

@@ -117,3 +117,16 @@ def test_a_small_stone_is_one_piece():
     (levels,) = shapes(formations(NO_PILLARS, ROCKS[:1]), floor)
     (piece,) = cut(levels)
     assert [len(shape.triangles) for shape in piece] == [len(shape.triangles) for shape in levels]
+
+
+@pytest.mark.parametrize("axes", [(2, 2, 2), (6, 6, 6), (10, 10, 10), (100, 100, 5)])
+def test_a_stone_however_thin_is_there_at_every_level(axes):
+    rows = np.array([[0.0, 0.0, floor(0, 0) + 0.5 * axes[2], *axes, 0.3]])
+    (levels,) = shapes(formations(NO_PILLARS, rows), floor)
+    assert all(len(shape.triangles) for shape in levels)
+    assert all(len(shape.triangles) for piece in cut(levels) for shape in piece)
+
+
+def test_a_stone_under_the_sand_is_not_drawn():
+    rows = np.array([[0.0, 0.0, floor(0, 0) - 200.0, 20.0, 20.0, 20.0, 0.0]])
+    assert shapes(formations(NO_PILLARS, rows), floor) == []
