@@ -136,13 +136,23 @@ LOOKS = {
 class Coral:
     """Holds all growths of a reef; one call draws those in sight."""
 
-    def __init__(self, context: Any, reef: Reef, reach_cm: float, sand: Ground) -> None:
-        """Shape them once; `reach_cm` is how far one sees, `sand` is the ground as it is drawn."""
+    def __init__(
+        self,
+        context: Any,
+        reef: Reef,
+        growths: list[list[Shape]],
+        reach_cm: float,
+        sand: Ground,
+    ) -> None:
+        """Upload the `growths` that `bake` made of a reef.
+
+        `reach_cm` is how far one sees, `sand` is the ground as it is drawn.
+        """
         self._own = reef.own
         self._program = program(context, "coral")
         self._grain = upload(context, grain(6))
         self._standing = Standing(
-            context, self._program, LAYOUT, ATTRIBUTES, bake(reef), reach_cm, THRESHOLDS_PX
+            context, self._program, LAYOUT, ATTRIBUTES, growths, reach_cm, THRESHOLDS_PX
         )
         self._shade = program(context, "shadow")
         # What stands on a mound darkens no sand.

@@ -49,7 +49,8 @@ INSTANCE_ATTRIBUTES = ("i_place", "i_turn", "i_pose", "i_pectoral", "i_fins", "i
 class Fishes:
     """Holds the table of control points, a mesh per level, the skins, and the instances."""
 
-    def __init__(self, context: Any, scene: Scene) -> None:
+    def __init__(self, context: Any, scene: Scene, skins: list[NDArray[np.uint8]]) -> None:
+        """Make every object; `skins` are those of the scene's species, as `paint` makes them."""
         self._context = context
         kinds = len(scene.species)
         # By whether what they draw is distant, and whether it fades: to discard pixels costs time.
@@ -63,7 +64,7 @@ class Fishes:
         table[..., :3] = scene.control_points
         self._table = _table(context, table)
         self._instances = context.buffer(reserve=INSTANCE_COLUMNS * 4)
-        self._skins = _atlas(context, paint.paint_all(scene.species))
+        self._skins = _atlas(context, skins)
         looks = [
             row
             for k, one in enumerate(zip(scene.species, scene.recorded_length_cm, strict=True))

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -14,16 +15,17 @@ from subsea.errors import UserError
 from subsea.frame import Packet, Scene
 from subsea.render.blobs import Blobs
 from subsea.render.bubbles import Bubbles
-from subsea.render.coral import Coral
+from subsea.render.coral import Coral, bake
 from subsea.render.fishes import Fishes
 from subsea.render.hook import Hook
+from subsea.render.paint import paint_all
 from subsea.render.particles import Particles
 from subsea.render.quality import PRESETS, Quality
-from subsea.render.seabed import Seabed, drawn_height
+from subsea.render.seabed import Seabed, drawn_height, surroundings
 from subsea.render.seaweed import Seaweed
 from subsea.render.shafts import UNIT as SHAFTS_UNIT
 from subsea.render.shafts import Shafts
-from subsea.render.solids import Solids
+from subsea.render.solids import Solids, pieces
 from subsea.render.target import Resolve, Target
 from subsea.render.textures import caustics, tileable_noise, upload
 from subsea.render.water import Water
@@ -61,20 +63,27 @@ class Renderer:
         self.draw_calls = 0  # of the last picture
         self.draw_s = 0.0  # of the last picture: until its drawing calls returned
         self.upload_s = 0.0  # of the last picture: copying the packet to the GPU
-        near_and_far = [caustics(1), caustics(1, waves=(4.0, 14.0), reach=0.040, penumbra=0.010)]
-        self._caustics = upload(context, near_and_far)
-        self._noise = upload(context, [tileable_noise(2)])
-        self._shafts = Shafts(context, quality)
-        self._water = Water(context, scene)
-        self._seabed = Seabed(context, scene)
-        self._solids = Solids(context, scene)
-        self._blobs = Blobs(context, scene)
-        self._coral = Coral(
-            context, scene.reef, IN_SIGHT * scene.water.visibility_cm,
-            partial(drawn_height, scene.terrain, scene.terrain_half_width_cm),
-        )  # fmt: skip
-        self._seaweed = Seaweed(context)
-        self._fishes = Fishes(context, scene)
+        # numpy and compiled kernels leave the interpreter to others, among them OpenGL's thread.
+        with ThreadPoolExecutor() as pool:
+            stone, growths = pool.submit(pieces, scene), pool.submit(bake, scene.reef)
+            ground, skins = pool.submit(surroundings, scene), pool.submit(paint_all, scene.species)
+            near_and_far = [
+                caustics(1),
+                caustics(1, waves=(4.0, 14.0), reach=0.040, penumbra=0.010),
+            ]
+            self._caustics = upload(context, near_and_far)
+            self._noise = upload(context, [tileable_noise(2)])
+            self._shafts = Shafts(context, quality)
+            self._water = Water(context, scene)
+            self._seabed = Seabed(context, scene, ground.result())
+            self._solids = Solids(context, scene, stone.result())
+            self._blobs = Blobs(context, scene)
+            self._coral = Coral(
+                context, scene.reef, growths.result(), IN_SIGHT * scene.water.visibility_cm,
+                partial(drawn_height, scene.terrain, scene.terrain_half_width_cm),
+            )  # fmt: skip
+            self._seaweed = Seaweed(context)
+            self._fishes = Fishes(context, scene, skins.result())
         self._hook = Hook(context)
         self._bubbles = Bubbles(context, scene)
         self._particles = Particles(context, scene)

@@ -1,5 +1,6 @@
 """The seabed: the height field in square tiles, in three levels of detail, and what lies on it."""
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -26,8 +27,8 @@ GROUND_UNIT, RIPPLES_UNIT, LITTER_UNIT = 8, 9, 10  # texture units
 class Seabed:
     """Holds the tiles and the textures of the sand."""
 
-    def __init__(self, context: Any, scene: Scene) -> None:
-        """Lay the tiles; `scene.terrain` as SMC §6.2 has it."""
+    def __init__(self, context: Any, scene: Scene, about: ground.GroundMap) -> None:
+        """Lay the tiles; `scene.terrain` as SMC §6.2 has it, `about` are its `surroundings`."""
         width = scene.terrain_half_width_cm
         self._program = program(context, "seabed")
         self._standing = Standing(
@@ -39,14 +40,9 @@ class Seabed:
             IN_SIGHT * scene.water.visibility_cm,
             LEVELS_PX,
         )
-
-        def floor(x: Array, y: Array) -> Array:
-            return drawn_height(scene.terrain, width, x, y)
-
-        made = ground.ground_map(formations(scene.pillars, scene.rocks), floor)
-        self._map = (*made.corner, *made.size)
+        self._map = (*about.corner, *about.size)
         self._textures = [
-            ground.upload(context, made),
+            ground.upload(context, about),
             upload_bytes(context, sand.ripples(3), -sand.SPAN, sand.SPAN),
             upload_bytes(context, sand.litter(4), sand.LITTER_LOW, sand.LITTER_HIGH),
         ]
@@ -70,6 +66,12 @@ class Seabed:
         """Free every OpenGL object."""
         for held in (self._standing, *self._textures, self._program):
             held.release()
+
+
+def surroundings(scene: Scene) -> ground.GroundMap:
+    """What stone does to the sand about it."""
+    floor = partial(drawn_height, scene.terrain, scene.terrain_half_width_cm)
+    return ground.ground_map(formations(scene.pillars, scene.rocks), floor)
 
 
 def drawn_height(heights: Array, half_width: float, x: Array, y: Array) -> Array:

@@ -1,5 +1,6 @@
 """Pillars and rocks: weathered formations that stand in the sea."""
 
+from functools import partial
 from typing import Any
 
 import moderngl
@@ -10,7 +11,7 @@ from subsea.frame import Packet, Scene
 from subsea.habitat.formations import formations
 from subsea.render.seabed import drawn_height
 from subsea.render.shaders import program, set_uniforms
-from subsea.render.standing import Standing
+from subsea.render.standing import Shape, Standing
 from subsea.render.stone import cut, shapes
 from subsea.render.textures import relief, upload_bytes
 from subsea.view.culling import IN_SIGHT
@@ -23,21 +24,23 @@ RELIEF_SPAN = np.array([1.6, 32.0, 32.0, 1.0])  # of its layers, to both sides o
 LEVELS_PX = (900.0, 230.0)
 
 
+def pieces(scene: Scene) -> list[list[Shape]]:
+    """All formations of a scene, shaped and cut: of each piece the levels, finest first."""
+    floor = partial(drawn_height, scene.terrain, scene.terrain_half_width_cm)
+    found = formations(scene.pillars, scene.rocks)
+    return [piece for levels in shapes(found, floor) for piece in cut(levels)]
+
+
 class Solids:
     """Holds the shapes of all formations."""
 
-    def __init__(self, context: Any, scene: Scene) -> None:
-        """Shape them once; `scene` says where they stand."""
+    def __init__(self, context: Any, scene: Scene, stone: list[list[Shape]]) -> None:
+        """Upload the `pieces` of a scene's formations."""
         self._context = context
         self._held: list[Any] = []
         self._standing: Standing | None = None
-        found = formations(scene.pillars, scene.rocks)
-        if not found:
+        if not stone:
             return
-
-        def floor(x: Array, y: Array) -> Array:
-            return drawn_height(scene.terrain, scene.terrain_half_width_cm, x, y)
-
         self._program = program(context, "solid")
         self._relief = upload_bytes(context, relief(5), -RELIEF_SPAN, RELIEF_SPAN)
         self._standing = Standing(
@@ -45,7 +48,7 @@ class Solids:
             self._program,
             "3f4 3f4 4f4 3f4",
             "a_position a_normal a_light a_cover",
-            [piece for levels in shapes(found, floor) for piece in cut(levels)],
+            stone,
             IN_SIGHT * scene.water.visibility_cm,
             LEVELS_PX,
         )
