@@ -375,6 +375,13 @@ def _preset(text: str) -> str:
     return text
 
 
+def _check_target(quality: str, target_ms: float | None) -> None:
+    from subsea.render.quality import AUTO
+
+    if target_ms is not None and quality != AUTO:
+        raise UserError(f"--target-ms is what --quality auto holds, and this is {quality}")
+
+
 def _motor(text: str) -> str:
     if text not in MOTORS:
         raise unknown("motor", text, list(MOTORS))
@@ -396,6 +403,7 @@ def _left_out(text: str) -> frozenset[str]:
 def _dive(**options: Any) -> int:
     from subsea.app.dive import dive
 
+    _check_target(options["quality"], options["target_ms"])
     return dive(**_with_optics(options))
 
 
@@ -456,6 +464,7 @@ def _benchmark(paper: bool, **options: Any) -> int:
     from subsea.app.benchmark import benchmark
 
     _no_pages(options["display"])
+    _check_target(options["quality"], options["target_ms"])
     return benchmark(**options)
 
 

@@ -109,6 +109,7 @@ class Dive:
         if self.window.quality_wanted != self._quality_wanted:
             self._quality_wanted = self.window.quality_wanted
             self._quality = CHOICES[(CHOICES.index(self._quality) + 1) % len(CHOICES)]
+            self._pace = pacing.resumed(self._pace)
             self._renderer.adapt(self._chosen())
             self.overlay.show_quality()
         for _ in range(self._clock.advance(elapsed_s)):

@@ -48,15 +48,14 @@ def film(
     if kind == "picture":
         instants = [seconds]
     load_scenario(scenario)
+    preset = PRESETS[quality]
     durations: list[float] = []
     try:
         with headless() as context:
             world, tour = start_world(scenario, seed), Tour()
             with (
                 interrupts.deferred() as check,
-                picture_maker(
-                    context, world, size, PRESETS[quality], display, surround
-                ) as renderer,
+                picture_maker(context, world, size, preset, display, surround) as renderer,
                 open_reel(out, size, fps) as write,
             ):
                 say(f"filming to {out}")
@@ -71,8 +70,8 @@ def film(
                     observer = cockpit(world.state.submarine, alpha)
                     views = views_for(display, size, observer, stereo, surround)
                     packet = pack(
-                        world, views, alpha, detail=PRESETS[quality].detail,
-                        growth=PRESETS[quality].growth, memory=memory,
+                        world, views, alpha, detail=preset.detail, growth=preset.growth,
+                        memory=memory,
                     )  # fmt: skip
                     renderer.draw(packet)
                     picture = renderer.read_pixels()

@@ -65,11 +65,18 @@ def paced(pace: Pace, frame_ms: float, target_ms: float) -> Pace:
             longer = min(2 * pace.patience[rung - 1], MOST_PATIENT)
             pace = pace._replace(patience=_with(pace.patience, rung - 1, longer))
         return pace._replace(rung=rung - 1, since=0, times=(), rose_from_ms=0.0)
+    if len(pace.times) == LONG:  # it held: what happens later is not for the step up
+        pace = pace._replace(rose_from_ms=0.0)
     if len(pace.times) == LONG and rung < len(pace.ratios) and pace.since >= pace.patience[rung]:
         lasting = median(pace.times)
         if pace.ratios[rung] * lasting < QUICK * target_ms:
             return pace._replace(rung=rung + 1, since=0, times=(), rose_from_ms=lasting)
     return pace
+
+
+def resumed(pace: Pace) -> Pace:
+    """The pace when quality chooses itself again: what was drawn meanwhile tells nothing."""
+    return pace._replace(since=0, times=(), rose_from_ms=0.0)
 
 
 def target_for(renderer: str) -> float:

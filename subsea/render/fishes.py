@@ -32,6 +32,7 @@ Array = NDArray[np.floating[Any]]
 SKINS_UNIT, VERTICES_UNIT, PLACES_UNIT = 3, 9, 10  # of textures
 FINE = 2  # levels whose fins are drawn after all bodies
 NO_TRIANGLE = np.zeros((1, 3), np.int32)
+NOBODY = np.zeros((1, INSTANCE_COLUMNS), np.float32)
 LOOKS_BINDING = 0  # of the block of uniforms
 SRGB8_ALPHA8 = 0x8C43  # OpenGL's name for the texels of the skins
 
@@ -104,10 +105,10 @@ class Fishes:
 
         The old instances are orphaned, never waited for.
         """
-        size = max(packet.instances.nbytes, INSTANCE_COLUMNS * 4)
-        self._instances.orphan(size)
-        if len(packet.instances):
-            self._instances.write(packet.instances.tobytes())
+        # An empty packet too leaves a record behind, which the first calls of a program read.
+        records = packet.instances if len(packet.instances) else NOBODY
+        self._instances.orphan(records.nbytes)
+        self._instances.write(records.tobytes())
         rows, points = packet.live_points.shape[:2]
         if rows:
             texels = np.zeros((rows, points, 4), "f4")

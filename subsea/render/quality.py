@@ -33,12 +33,12 @@ class Quality:
     snow: int = 1400
     # Places where light enters that each shaft is made of; 0 no shafts. `shafts.py`.
     shafts: int = 8
-    # Whether what stands and swims darkens the sand beneath it. `solids.py`, `fishes.py`.
+    # Whether corals, fishes and the submarine darken the sand beneath. `coral.py`, `blobs.py`.
     shadows: bool = True
 
 
 PRESETS = {
-    "low": Quality(smooth=False, detail=0.7, growth=0.6, snow=700, shafts=6, shadows=True),
+    "low": Quality(smooth=False, detail=0.7, growth=0.6, snow=700, shafts=6),
     "medium": Quality(),
     "high": Quality(samples=4, detail=1.6, snow=2400, shafts=16),
 }

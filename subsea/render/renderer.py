@@ -88,7 +88,8 @@ class Renderer:
         self._bubbles = Bubbles(context, scene)
         self._particles = Particles(context, scene)
         self._resolve = Resolve(context, LAYOUTS[display].weaves, quality.smooth)
-        self._make_target(size)
+        self._held_for_size: list[Any] = []
+        self._make_target(size, quality)
         self.adapt(quality)
 
     @property
@@ -97,17 +98,22 @@ class Renderer:
         return self._size
 
     def resize(self, size: tuple[int, int]) -> None:
-        """Change the size of the picture, in pixels (width, height)."""
+        """Change the size of the picture, in pixels (width, height).
+
+        A UserError if the GPU cannot hold it: then it stays as it is.
+        """
         if size != self._size:
-            self._release_target()
-            self._make_target(size)
+            self._make_target(size, self.quality)
 
     def adapt(self, quality: Quality) -> None:
-        """Draw in this quality from the next picture on."""
-        before, self.quality = self.quality, quality
+        """Draw in this quality from the next picture on.
+
+        A UserError if the GPU cannot hold it: then it stays as it is.
+        """
+        before = self.quality
         if (before.scale, before.samples) != (quality.scale, quality.samples):
-            self._release_target()
-            self._make_target(self._size)
+            self._make_target(self._size, quality)
+        self.quality = quality
         self._particles.adapt(quality)
         self._shafts.adapt(quality)
         self._water.adapt(quality)
@@ -192,9 +198,9 @@ class Renderer:
         ):  # fmt: skip
             part.release()
 
-    def _make_target(self, size: tuple[int, int]) -> None:
-        self._size = size
-        canvas = self._scaled(canvas_size(self._display, size, self._surround))
+    def _make_target(self, size: tuple[int, int], quality: Quality) -> None:
+        """Canvas and picture of another size or quality instead of those that there are."""
+        canvas = self._scaled(canvas_size(self._display, size, self._surround), quality)
         limit = self._context.info["GL_MAX_TEXTURE_SIZE"]
         if max(canvas) > limit:
             raise UserError(
@@ -202,38 +208,41 @@ class Renderer:
                 f"{canvas[0]}x{canvas[1]} pixels, this GPU holds at most {limit} a side"
             )
         try:
-            samples = min(self.quality.samples, self._context.max_samples)
-            self._target = Target(self._context, canvas, samples)
+            samples = min(quality.samples, self._context.max_samples)
+            target = Target(self._context, canvas, samples)
         except moderngl.Error as fault:
             raise UserError(
                 f"a {self._display} picture of {size[0]}x{size[1]} is more than this GPU can hold; "
                 "take a smaller --size"
             ) from fault
-        self._screen = self._context.renderbuffer(size, 4)
-        self._own = self._context.framebuffer([self._screen])
+        screen = self._context.renderbuffer(size, 4)
+        own = self._context.framebuffer([screen])
+        self._release_target()
+        self._size, self._target, self._own = size, target, own
+        self._held_for_size = [target, own, screen]
 
-    def _scaled(self, size: tuple[int, int]) -> tuple[int, int]:
+    def _scaled(self, size: tuple[int, int], quality: Quality) -> tuple[int, int]:
         """Width and height on the canvas for those that a display asks for.
 
         Only where one eye sees the whole canvas: two are woven from exact rows and pixels, and
         the faces of a cube have margins in pixels.
         """
-        scale = self.quality.scale if LAYOUTS[self._display].eyes == "one" else 1.0
+        scale = quality.scale if LAYOUTS[self._display].eyes == "one" else 1.0
         return max(round(scale * size[0]), 1), max(round(scale * size[1]), 1)
 
     def _on_canvas(self, view: View) -> View:
         """The view in its place on the canvas."""
         x, y, width, height = view.viewport
-        if self._scaled((width, height)) == (width, height):
+        scaled = self._scaled((width, height), self.quality)
+        if scaled == (width, height):
             return view  # which knows its planes already
-        return replace(view, viewport=(x, y, *self._scaled((width, height))))
+        return replace(view, viewport=(x, y, *scaled))
 
     def _release_target(self) -> None:
         # moderngl binds the last framebuffer again when it makes one; it must not be a freed one.
         self._context.detect_framebuffer(0).use()
-        self._target.release()
-        self._own.release()
-        self._screen.release()
+        for held in self._held_for_size:
+            held.release()
 
     def _uniforms(self, packet: Packet, view: View) -> dict[str, Any]:
         """What every shader may ask for."""

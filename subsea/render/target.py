@@ -20,22 +20,27 @@ class Target:
     """A half-float picture with depth, smoothed by multisampling if asked for."""
 
     def __init__(self, context: Any, size: tuple[int, int], samples: int) -> None:
+        """Whatever of it cannot be made, nothing of it is left behind."""
         self.size = size
         self._context = context
-        self._picture = context.texture(size, 4, dtype="f2")
-        self._picture.repeat_x = self._picture.repeat_y = False  # its neighbours at the edge
-        self._flat = context.framebuffer([self._picture])
-        self._held = [self._flat, self._picture]
-        if samples:
-            colour = context.renderbuffer(size, 4, samples=samples, dtype="f2")
-            depth = context.depth_renderbuffer(size, samples=samples)
-            self.framebuffer = context.framebuffer([colour], depth)
-            self._held = [self.framebuffer, colour, depth, *self._held]
-        else:
-            depth = context.depth_renderbuffer(size)
-            self.framebuffer = context.framebuffer([self._picture], depth)
-            self._held = [self.framebuffer, depth, *self._held]
         self._samples = samples
+        self._held: list[Any] = []
+        try:
+            self._picture = self._keep(context.texture(size, 4, dtype="f2"))
+            self._picture.repeat_x = self._picture.repeat_y = False  # its neighbours at the edge
+            self._flat = self._keep(context.framebuffer([self._picture]))
+            colour = self._picture
+            if samples:
+                colour = self._keep(context.renderbuffer(size, 4, samples=samples, dtype="f2"))
+            depth = self._keep(context.depth_renderbuffer(size, samples=samples))
+            self.framebuffer = self._keep(context.framebuffer([colour], depth))
+        except moderngl.Error:
+            self.release()
+            raise
+
+    def _keep(self, made: Any) -> Any:
+        self._held.insert(0, made)
+        return made
 
     def picture(self) -> Any:
         """The finished picture as a texture."""

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from subsea.app.pacing import BRIEF, LONG, QUICK, TOO_SLOW, paced, start, target_for
+from subsea.app.pacing import BRIEF, LONG, QUICK, TOO_SLOW, paced, resumed, start, target_for
 from subsea.render.quality import LADDER, PRESETS
 
 TARGET_MS = 20.0
@@ -70,8 +70,36 @@ def test_it_recovers_when_the_load_is_gone(cost, seed):
     assert loaded.rung <= before.rung
     after, rungs = run(loaded, cost, 6000, seed + 2)
     assert turns(rungs) <= 3
-    if after.rung < before.rung:  # where the next rung would leave no room
-        assert cost[after.rung + 1] > (QUICK - 0.06) * TARGET_MS
+    # Unless the next rung would leave no room.
+    assert after.rung >= before.rung or cost[after.rung + 1] > (QUICK - 0.06) * TARGET_MS
+
+
+def test_it_goes_all_the_way_back_where_there_is_room():
+    cost = costs(9.0, 0.3, 1.4, 1.5)
+    before, _ = run(start(LOW), cost, 2000, 1)
+    loaded, _ = run(before, 4.0 * cost, 1500, 2)
+    after, _ = run(loaded, cost, 6000, 3)
+    assert (before.rung, after.rung) == (LOW + 1, LOW + 1)
+    assert loaded.rung < LOW
+
+
+def test_a_rung_that_held_is_not_blamed_for_what_comes_later():
+    """It is tried again as soon as before, since it was not too slow of itself."""
+    cost = costs(9.0, 0.3, 1.4, 1.5)
+    risen, rungs = run(start(LOW), cost, 2000, 1, noise=0.0, spikes=0.0)
+    assert rungs[-1] == LOW + 1
+    loaded, _ = run(risen, 2.5 * cost, 60, 2, noise=0.0, spikes=0.0)
+    assert loaded.rung < risen.rung
+    assert loaded.patience == risen.patience
+
+
+def test_when_it_chooses_again_what_was_drawn_meanwhile_tells_nothing():
+    pace, _ = run(start(LOW), costs(9.0, 0.3, 1.4, 1.5), 50, 1)
+    again = resumed(pace)
+    assert (again.rung, again.ratios, again.patience) == (pace.rung, pace.ratios, pace.patience)
+    for _ in range(BRIEF):  # that settle, and are too few for a median
+        again = paced(again, 5 * TARGET_MS, TARGET_MS)
+    assert again.rung == pace.rung
 
 
 def test_a_swinging_load_is_followed_ever_more_seldom():

@@ -15,6 +15,7 @@ from subsea.frame import make_scene, pack
 from subsea.ocean import step
 from subsea.render import Renderer
 from subsea.render.quality import LADDER, PRESETS
+from subsea.view.levels import nothing_drawn
 from subsea.view.rigs import cockpit, views_for
 
 KINDS = (
@@ -66,7 +67,7 @@ def test_the_count_sees_what_is_made_and_freed(context, living):
 def test_500_frames_three_sizes_and_all_qualities_leak_nothing(context, living, world):
     before, tour = living(), Tour()
     renderer = Renderer(context, make_scene(world), SIZES[0], PRESETS["low"])
-    settled = None
+    memory, settled = nothing_drawn(len(world.state.fishes.species)), None
     for k in range(500):
         if k % 5 == 0:
             step(world, tour.helm(world))
@@ -74,7 +75,13 @@ def test_500_frames_three_sizes_and_all_qualities_leak_nothing(context, living, 
             renderer.resize(SIZES[k // 125 % len(SIZES)])
         if k % 25 == 0:
             renderer.adapt(LADDER[k // 25 % len(LADDER)])
-        renderer.draw(pack(world, sight(world, renderer), k % 5 / 5.0))
+        quality = renderer.quality
+        renderer.draw(
+            pack(
+                world, sight(world, renderer), k % 5 / 5.0, detail=quality.detail,
+                growth=quality.growth, memory=memory,
+            )
+        )  # fmt: skip
         if k % 100 == 99:
             assert context.error == "GL_NO_ERROR"
         if k == 325:  # all rungs were drawn: what is made at need exists by now

@@ -86,6 +86,24 @@ def test_where_eyes_are_woven_the_canvas_stays_exact(context, scene, make_packet
     renderer.release()
 
 
+def test_without_shadows_the_sand_beneath_a_fish_is_as_bright_as_elsewhere(
+    context, scene, make_packet, fish
+):
+    ground = float(scene.terrain[len(scene.terrain) // 2, len(scene.terrain) // 2])
+    one = make_packet(
+        [fish(0, (0.0, 0.0, ground + 12.0))], (0.0, -70.0, ground + 90.0), pitch=-0.9, size=SIZE
+    )
+    renderer = Renderer(context, scene, SIZE)
+    with_one = drawn(renderer, one)
+    triangles = renderer.triangles
+    renderer.adapt(Quality(shadows=False))
+    without = drawn(renderer, one)
+    assert renderer.triangles < triangles
+    assert (without - with_one).mean(axis=2).max() > 8
+    assert (without - with_one).min() >= -1
+    renderer.release()
+
+
 def test_every_preset_draws_and_the_first_comes_back_unchanged(context, scene, school):
     renderer = Renderer(context, scene, SIZE, PRESETS["low"])
     first = drawn(renderer, school)

@@ -2,10 +2,13 @@
 
 import gc
 
+import moderngl
 import numpy as np
 import pytest
 
+from subsea.errors import UserError
 from subsea.render import Renderer
+from subsea.render.fish_speck import speck
 from subsea.render.quality import PRESETS, Quality
 
 
@@ -40,6 +43,24 @@ def test_a_new_size(renderer, make_packet, fish):
         assert renderer.read_pixels().shape == (size[1], size[0], 3)
 
 
+def test_what_the_gpu_cannot_hold_changes_nothing(renderer, make_packet, fish, monkeypatch):
+    packet = make_packet([fish(1, (0, 40, -200))], size=(160, 90))
+    renderer.draw(packet)
+    before, quality = renderer.read_pixels().copy(), renderer.quality
+
+    def refuse(*_):
+        raise moderngl.Error("out of memory")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("subsea.render.renderer.Target", refuse)
+        for change in (lambda: renderer.adapt(Quality(samples=4)), lambda: renderer.resize((9, 9))):
+            with pytest.raises(UserError, match="more than this GPU can hold"):
+                change()
+    assert (renderer.quality, renderer.size) == (quality, (160, 90))
+    renderer.draw(packet)
+    np.testing.assert_array_equal(renderer.read_pixels(), before)
+
+
 def test_drawing_is_repeatable(renderer, make_packet, fish):
     packet = make_packet([fish(1, (0, 40, -200)), fish(0, (9, 50, -200), level=2)], size=(160, 90))
     renderer.draw(packet)
@@ -62,6 +83,7 @@ def test_multisampling_changes_edges_only(context, scene, make_packet, fish):
 
 
 def test_triangles_are_counted(renderer, make_packet, fish):
+    renderer.adapt(Quality(shadows=False))  # of which each fish here would cast one
     renderer.draw(make_packet([], size=(160, 90)))
     without = renderer.triangles
     counts = []
@@ -75,7 +97,7 @@ def test_triangles_are_counted(renderer, make_packet, fish):
     assert 900 < counts[1] < 1050
     assert 700 < counts[2] < 850  # whose fins are counted on both sides
     assert 160 <= counts[3] < 230
-    assert 40 <= counts[4] < 50
+    assert counts[4] == len(speck().triangles) == 40
 
 
 def test_release_frees_every_object(context, scene, make_packet, fish):

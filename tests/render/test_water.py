@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from subsea.habitat.formations import SUN
 from subsea.render import Renderer
 from subsea.render.quality import PRESETS
 from subsea.render.shaders import set_uniforms, source
@@ -60,11 +61,28 @@ def test_it_gets_darker_and_bluer_with_depth(look):
     assert deep[2] / deep[1] > shallow[2] / shallow[1]
 
 
-def test_snells_window_has_the_size_that_refraction_gives_it(look):
-    """Straight up the sky; beyond 48.6° of the vertical hardly any of it, whatever the depth."""
-    for z in (-30.0, -150.0):
-        straight, flat = (look(eye=(0, 0, z), pitch=pitch) for pitch in (np.pi / 2, 0.3))
-        assert straight[40:50, 75:85].mean() > 1.4 * flat[:45].mean()
+@pytest.mark.parametrize("depth", [30.0, 150.0])
+def test_snells_window_has_the_size_that_refraction_gives_it(look, depth):
+    """The bright edge lies 48.6° from the vertical, whatever the depth.
+
+    Where the light has come half down from the sky to what is mirrored; waves of many places and
+    moments are averaged, at three headings off the sun.
+    """
+    pitch, away = np.radians(48.0), np.arctan2(SUN[1], SUN[0]) + np.pi
+    rows = [
+        look(
+            eye=(x, 0, -depth), pitch=pitch, heading=away + turn, time_s=2.0 + 0.05 * x
+        )[:, 70:90].mean(axis=1)
+        for turn in (-np.pi / 2, 0.0, np.pi / 2)
+        for x in range(0, 1200, 100)
+    ]  # fmt: skip
+    light = ((np.mean(rows, axis=0) / 255.0) ** 2.2).sum(axis=1)
+    slope = (44.5 - np.arange(90)) / 45.0 * np.tan(np.radians(27.5))
+    zenith = 90.0 - np.degrees(pitch + np.arctan(slope))
+    bright, dark = light[zenith < 38.0].mean(), light[zenith > 64.0].mean()
+    assert bright > 2.0 * dark
+    edge = np.interp(-0.5 * (bright + dark), -light[zenith > 38.0], zenith[zenith > 38.0])
+    assert edge == pytest.approx(np.degrees(np.arcsin(1.0 / 1.33)), abs=3.0)
 
 
 def test_shafts_move_in_the_light_and_are_gone_where_none_are_asked_for(look):
@@ -177,7 +195,7 @@ def test_reds_are_kept_near_and_the_visibility_is_where_two_percent_of_contrast_
 
 
 def test_the_water_is_brightest_about_the_sun_and_darkest_below(optics):
-    sun = np.array([0.28, 0.17, 0.945])
+    sun = np.array(SUN)
     toward, level, away, down = optics(
         "water_radiance(normalize(p))", [sun, (0.8, 0.5, 0.0), (-0.8, -0.5, 0.0), (0.0, 0.0, -1.0)]
     ).sum(axis=1)
