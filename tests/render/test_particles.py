@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
+from subsea.habitat.formations import SUN
 from subsea.render.particles import SNOW_BOX_CM, SNOW_LOOK
 from subsea.render.shaders import set_uniforms, source
 from subsea.view.rigs import pose, views_for
 
 NUMBER = 3000
-SUN = np.array([0.28, 0.17, 0.945])
 
 
 @pytest.fixture(scope="module")

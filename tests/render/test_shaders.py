@@ -2,9 +2,13 @@
 
 import re
 
+import numpy as np
 import pytest
 
-from subsea.render import shaders
+from subsea import frame, scenario
+from subsea.habitat import formations, seaweed
+from subsea.render import bubbles, coral, sand, shaders, solids
+from subsea.render.seaweed import FRONDS
 from subsea.resources import resource_names
 
 
@@ -41,3 +45,57 @@ def test_every_uniform_is_read_somewhere():
             text = shaders.resource_path(f"shaders/{name}{suffix}").read_text(encoding="utf-8")
             for uniform in re.findall(r"^uniform \w+ (\w+);", text, re.MULTILINE):
                 assert len(re.findall(rf"\b{uniform}\b", text)) > 1, f"{name}{suffix}: {uniform}"
+
+
+def numbers(name, pattern):
+    """The numbers in each place of a shader that matches, one row a place; there is one at least.
+
+    In a pattern # stands for a number, and blanks for any that there are.
+    """
+    text = shaders.resource_path(f"shaders/{name}").read_text(encoding="utf-8")
+    found = re.findall(pattern.replace(" ", r"\s*").replace("#", r"(-?\d+\.?\d*)"), text)
+    assert found, f"{name}: {pattern}"
+    return np.array(found, float).reshape(len(found), -1)
+
+
+def test_shaders_and_python_mean_the_same_sun():
+    (sun,) = numbers("optics.glsl", r"SUN = vec3\( # , # , # \)")
+    np.testing.assert_array_equal(sun, formations.SUN)
+
+
+def test_corals_sway_as_far_as_their_vertices_are_told():
+    np.testing.assert_array_equal(
+        numbers("coral.vert", "MOST_SWAY_CM = # ;"), [[coral.MOST_SWAY_CM]]
+    )
+
+
+def test_textures_are_read_with_the_spans_with_which_they_were_written():
+    (relief,) = numbers("solid.frag", r"RELIEF_SPAN = vec4\( # , # , # , # \)")
+    # Slopes are written by the tile and read for the depth that the relief is drawn with.
+    np.testing.assert_allclose(relief, 2.0 * solids.RELIEF_SPAN * (1.0, 0.05, 0.05, 1.0))
+    for scale, low in numbers("seabed.frag", r"# \* texture\(u_ripples, .*\) - # ;"):
+        assert scale == 2.0 * low
+        np.testing.assert_array_equal(sand.SPAN[:3], low)  # grain is drawn paler than it is
+    (litter,) = numbers("seabed.frag", r"# \* bits\.xy - #")
+    low, high = sand.LITTER_LOW[:2], sand.LITTER_HIGH[:2]
+    np.testing.assert_array_equal([high - low, -low], np.repeat(litter[:, None], 2, axis=1))
+
+
+def test_bubbles_are_no_slower_than_their_slots_expect():
+    ((least, more),) = numbers("bubbles.vert", r"a_vent\.w \* \( # \+ # \* chance")
+    assert (least, least + more) == (bubbles.SLOWEST, 1.0)
+
+
+def test_seaweed_has_the_same_kinds_nodes_and_fronds_everywhere():
+    kinds = numbers("seaweed.vert", "const int RIBBON = # , KELP = # , GRASS = # , RED = # ;")
+    names = scenario.Seaweed.__annotations__["kind"].__args__
+    assert seaweed.KINDS == names == tuple(FRONDS) == ("ribbon", "kelp", "grass", "red")
+    np.testing.assert_array_equal(kinds, [range(len(names))])
+    assert numbers("seaweed.vert", "LAST = # ;") == frame.LEAF_NODES - 1 == seaweed.NODES - 1
+    ((blades, branches),) = numbers("seaweed.vert", "BLADES = # , BRANCHES = # ;")
+    # Besides the stem, which is number 0.
+    assert (blades, branches) == (max(FRONDS["kelp"][0]), max(FRONDS["red"][0]))
+    ((short, more),) = numbers(
+        "seaweed.vert", r"length_cm = kelp \? look\.x \* \( # \+ # \* own \)"
+    )
+    assert short + more == frame.BLADE
