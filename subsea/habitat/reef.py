@@ -7,6 +7,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from subsea.habitat.formations import samples
+from subsea.habitat.mounds import HEIGHT, dome, variant_of
 from subsea.habitat.solids import clearances
 from subsea.habitat.terrain import heights_at
 from subsea.scenario import ReefTable, Scenario
@@ -27,24 +28,25 @@ class Kind(NamedTuple):
     sand: float  # how readily it grows on sand, ...
     rock: float  # ... and on rock
     lean: float  # 0 grows straight up to 1 along the normal of the ground
+    foot: float  # how far out it stands on the ground
 
 
 KINDS = {
-    "staghorn": Kind(1.0, (12.0, 46.0), 0.9, 0.4, 1.4, 1.0, 0.3),
-    "bush": Kind(0.8, (6.0, 20.0), 0.7, 0.6, 0.6, 3.0, 0.8),
-    "table": Kind(0.65, (22.0, 65.0), 0.8, 0.4, 0.6, 1.2, 0.1),
-    "brain": Kind(0.75, (10.0, 42.0), 0.8, 0.5, 1.2, 1.0, 0.7),
-    "lettuce": Kind(0.75, (10.0, 34.0), 0.5, 0.6, 0.5, 1.1, 0.5),
-    "finger": Kind(0.9, (8.0, 24.0), 0.8, 0.4, 0.6, 0.8, 0.5),
-    "leather": Kind(0.75, (7.0, 22.0), 0.8, 0.4, 0.4, 0.6, 0.4),
-    "soft": Kind(1.4, (6.0, 19.0), 0.3, 0.5, 0.15, 1.6, 0.6),
-    "fan": Kind(1.6, (16.0, 48.0), 0.2, 0.6, 0.12, 1.0, 0.35),
-    "pipes": Kind(2.4, (5.0, 15.0), 0.6, 0.6, 0.3, 0.8, 0.3),
-    "barrel": Kind(1.6, (12.0, 30.0), 0.9, 0.4, 0.1, 0.1, 0.3),
-    "anemone": Kind(0.7, (9.0, 20.0), 0.9, 0.4, 0.5, 0.9, 0.5),
-    "rubble": Kind(0.2, (14.0, 34.0), 1.0, 0.3, 2.2, 0.0, 1.0),
+    "staghorn": Kind(1.0, (12.0, 46.0), 0.9, 0.4, 1.4, 1.0, 0.3, 0.25),
+    "bush": Kind(0.8, (6.0, 20.0), 0.7, 0.6, 0.6, 3.0, 0.8, 0.7),
+    "table": Kind(0.65, (22.0, 65.0), 0.8, 0.4, 0.6, 1.2, 0.1, 0.15),
+    "brain": Kind(0.75, (10.0, 42.0), 0.8, 0.5, 1.2, 1.0, 0.7, 0.9),
+    "lettuce": Kind(0.75, (10.0, 34.0), 0.5, 0.6, 0.5, 1.1, 0.5, 0.5),
+    "finger": Kind(0.9, (8.0, 24.0), 0.8, 0.4, 0.6, 0.8, 0.5, 0.35),
+    "leather": Kind(0.75, (7.0, 22.0), 0.8, 0.4, 0.4, 0.6, 0.4, 0.35),
+    "soft": Kind(1.4, (6.0, 19.0), 0.3, 0.5, 0.15, 1.6, 0.6, 0.12),
+    "fan": Kind(1.6, (16.0, 48.0), 0.2, 0.6, 0.12, 1.0, 0.35, 0.1),
+    "pipes": Kind(2.4, (5.0, 15.0), 0.6, 0.6, 0.3, 0.8, 0.3, 0.5),
+    "barrel": Kind(1.6, (12.0, 30.0), 0.9, 0.4, 0.1, 0.1, 0.3, 0.6),
+    "anemone": Kind(0.7, (9.0, 20.0), 0.9, 0.4, 0.5, 0.9, 0.5, 0.85),
+    "rubble": Kind(0.2, (14.0, 34.0), 1.0, 0.3, 2.2, 0.0, 1.0, 0.8),
     # Dead reef that others grow on; the dice never choose it.
-    "mound": Kind(0.45, (26.0, 68.0), 1.0, 0.3, 0.0, 0.0, 0.0),
+    "mound": Kind(HEIGHT, (26.0, 68.0), 1.0, 0.3, 0.0, 0.0, 0.0, 0.95),
 }
 MOUND = list(KINDS).index("mound")
 
@@ -56,10 +58,14 @@ SUNK = 0.06  # of its radius a growth stands in the ground
 PATCH_CM = 150.0  # neighbours within about this are of few kinds
 FALL_CM = 55.0  # beside a growth the floor comes down over so many cm
 SPOTS_M2 = 50.0  # of stone are looked at
-PROBE_CM = 15.0  # over which the slope of the sand is taken
+PROBE_CM = 15.0  # over which the slope of the ground is taken
 STEEPEST = -0.35  # upward part of the normal of an overhang on which something grows
 HEAP = 15  # growths on the sand for each mound
-ON_MOUND = 0.75  # share of them that stand on it
+ON_MOUND = 0.75  # share of them that stand on it, ...
+STEEP = 0.75  # ... within this share of its radius: beyond it is too steep
+SKIRT = 0.15  # of its radius a mound goes on below its edge
+DEEPEST = 0.4  # of its height a growth may be sunk on a slope
+RIM = 8  # places about a foot that are looked at
 LOW_CM = 7.0  # what is lower does not matter to fishes
 
 
@@ -101,7 +107,7 @@ def _settle(
     """Growths (k, COLUMNS) of one table, biggest first, where none of `before` stands."""
     names = list(KINDS)
     traits = np.array([KINDS[name][:1] + KINDS[name][1] + KINDS[name][2:] for name in names])
-    height, least, most, slope, picky, sand, rock, lean = traits.T
+    height, least, most, slope, picky, sand, rock, lean, foot = traits.T
     weights = {str(name): share for name, share in table.kinds.items()}
     weights = weights or dict.fromkeys(names, 1.0)
     share = np.array([weights.get(name, 0.0) for name in names])
@@ -125,6 +131,9 @@ def _settle(
     axis = tilt * normal + (1.0 - tilt) * np.array([0.0, 0.0, 1.0])
     axis += dice.normal(0.0, 0.07, axis.shape)
     axis /= np.linalg.norm(axis, axis=1, keepdims=True)
+    reach = foot[kind] * radius
+    sunk = np.minimum(_hollow(sea, mounds, place, axis, reach), DEEPEST * tall * radius)
+    place[:, 2] -= np.where(on_rock, 0.0, sunk)
     turn = dice.uniform(0, 2 * np.pi, number)
     across = (
         np.arctan2(*scenario.water.current_cm_s[::-1]) + np.pi / 2 + dice.normal(0, 0.5, number)
@@ -157,6 +166,9 @@ def _mounds(table: ReefTable, sea: Sea, spots: Spots | None, dice: np.random.Gen
     rows[:, TURN], rows[:, OWN] = dice.uniform(0, 2 * np.pi, m), dice.uniform(0, 1, m)
     rows[:, PLACE] = np.column_stack([flat, heights_at(sea.heights, sea.half_width, flat)])
     rows[:, NORMAL] = rows[:, AXIS] = 0.0, 0.0, 1.0
+    wide = rows[:, RADIUS]
+    hollow = _hollow(sea, rows[:0], rows[:, PLACE], rows[:, AXIS], KINDS["mound"].foot * wide)
+    rows[:, PLACE.start + 2] -= np.maximum(hollow - SKIRT * wide, 0.0)
     rows[:, LIGHT] = 1.0
     free = clearances(sea.pillars, sea.rocks, rows[:, PLACE]) > 0.0
     return rows[free & (np.hypot(*flat.T) < 0.9 * sea.radius)]
@@ -232,32 +244,49 @@ def _about(
     if len(mounds):
         heap = mounds[dice.integers(0, len(mounds), number)]
         on, away = dice.uniform(0, 1, number) < ON_MOUND, np.abs(dice.normal(size=number))
-        out = np.where(on, np.sqrt(dice.uniform(0, 0.9, number)), 1.05 + 0.6 * away)
+        out = np.where(on, STEEP * np.sqrt(dice.uniform(0, 1, number)), 1.05 + 0.6 * away)
         turn = dice.uniform(0, 2 * np.pi, number)
         off = (heap[:, RADIUS] * out)[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1)
         flat = heap[:, PLACE][:, :2] + off
-    height = heights_at(sea.heights, sea.half_width, flat)
-    probe = np.array([PROBE_CM, 0.0])
-    east, north = (
-        heights_at(sea.heights, sea.half_width, flat + step) for step in (probe, probe[::-1])
-    )
-    slope = np.stack([(height - east) / PROBE_CM, (height - north) / PROBE_CM], axis=1)
-    normal = np.column_stack([slope, np.ones(number)])
+    height, under = _ground(sea, mounds, flat)
+    step = 0.5 * PROBE_CM * np.array([[1.0, 0.0], [0.0, 1.0]])
+    fall = [_ground(sea, mounds, flat - s)[0] - _ground(sea, mounds, flat + s)[0] for s in step]
+    normal = np.column_stack([*fall, np.full(number, PROBE_CM)])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     limit = np.full(number, np.inf)
-    if len(mounds):
-        # An ellipsoid, of which the upper half is above the sand.
-        wide, high = heap[:, RADIUS], KINDS["mound"].height * heap[:, RADIUS]
-        rise = high * np.sqrt(np.maximum(1.0 - np.minimum(out, 1.0) ** 2, 0.0))
-        top = heap[:, PLACE][:, 2] + (1.0 - SUNK) * rise
-        up = on & (top > height)
-        steep = np.column_stack([off / wide[:, None] ** 2, rise / high**2])
-        steep /= np.linalg.norm(steep, axis=1, keepdims=True)
-        height = np.where(up, top, height)
-        normal = np.where(up[:, None], steep, normal)
-        limit = np.where(up, 0.75 * wide, limit)
+    limit[under >= 0] = 0.75 * mounds[under[under >= 0], RADIUS]
     place = np.column_stack([flat, height])
     return Spots(place, normal, limit, np.ones(number), np.zeros(number, np.bool_))
+
+
+def _ground(sea: Sea, mounds: Array, flat: Array) -> tuple[Array, Ints]:
+    """Height (n,) of the sand or the mounds on it at places (n, 2); which mound, or -1."""
+    flat = np.nan_to_num(flat)
+    height = heights_at(sea.heights, sea.half_width, flat)
+    under = np.full(len(flat), -1)
+    for k, form in enumerate(variant_of(mounds[:, OWN])):
+        radius, turn, middle = mounds[k, RADIUS], mounds[k, TURN], mounds[k, PLACE]
+        off = (flat - middle[:2]) / radius
+        near = np.flatnonzero((off * off).sum(axis=1) < 1.0)
+        cos, sin = np.cos(turn), np.sin(turn)
+        rise = dome(int(form), off[near] @ np.array([[cos, -sin], [sin, cos]]))
+        top = middle[2] + radius * (rise - SUNK)
+        over = (rise > 0.0) & (top > height[near])
+        height[near[over]], under[near[over]] = top[over], k
+    return height, under
+
+
+def _hollow(sea: Sea, mounds: Array, place: Array, axis: Array, reach: Array) -> Array:
+    """How far (n,), at most, the ground is below the rims of feet that are so wide, cm."""
+    east = np.cross([0.0, 1.0, 0.0], axis)
+    east /= np.linalg.norm(east, axis=1, keepdims=True)
+    north = np.cross(axis, east)
+    deepest = np.zeros(len(place))
+    for turn in np.arange(RIM) * 2 * np.pi / RIM:
+        rim = place + reach[:, None] * (np.cos(turn) * east + np.sin(turn) * north)
+        gap = rim[:, 2] - _ground(sea, mounds, rim[:, :2])[0]
+        np.maximum(deepest, gap, out=deepest, where=gap > 0.0)
+    return deepest
 
 
 def rock_spots(sea: Sea, dice: np.random.Generator) -> Spots:

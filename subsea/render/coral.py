@@ -7,9 +7,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.habitat.reef import KINDS
+from subsea.habitat.formations import SUN
+from subsea.habitat.mounds import variant_of
+from subsea.habitat.reef import KINDS, MOUND
 from subsea.render.coral_mesh import Mesh, unit
-from subsea.render.coral_shapes import LEVELS, VARIANTS, shape
+from subsea.render.coral_shapes import LEVELS, shape
 from subsea.render.shaders import program
 from subsea.render.standing import Shape, Standing
 from subsea.render.textures import nearest_of_cells, tileable_noise, upload
@@ -27,6 +29,9 @@ SHADE = 0.8  # of the light is missing under a growth
 SHADED = 0.4  # of the light is left where stone hides the whole sky
 SHADE_PX = 16.0  # that a shadow covers at least
 SECTORS = 8  # of a shadow
+SLANT = (
+    0.4 * np.array(SUN[:2]) / SUN[2]
+)  # from the foot to the middle of the shadow, over the height
 FOOT = {
     "rubble": 0.5,
     "mound": 1.05,
@@ -55,10 +60,10 @@ class Look(NamedTuple):
 
 OLIVE, TAN, CREAM = (0.20, 0.17, 0.055), (0.36, 0.22, 0.09), (0.78, 0.66, 0.44)
 PINK, ROSE, MAGENTA = (0.72, 0.24, 0.34), (0.85, 0.38, 0.42), (0.55, 0.09, 0.26)
-VIOLET, LILAC, BLUE = (0.28, 0.12, 0.50), (0.56, 0.40, 0.80), (0.12, 0.22, 0.62)
+VIOLET, LILAC = (0.28, 0.12, 0.50), (0.56, 0.40, 0.80)
 ORANGE, RED, YELLOW = (0.82, 0.27, 0.035), (0.55, 0.045, 0.035), (0.84, 0.58, 0.06)
 LIME, GREEN, MINT = (0.42, 0.47, 0.11), (0.14, 0.32, 0.10), (0.48, 0.74, 0.50)
-WHITE, BROWN, SKY = (0.88, 0.84, 0.76), (0.25, 0.13, 0.065), (0.42, 0.62, 0.88)
+BROWN, SKY = (0.25, 0.13, 0.065), (0.42, 0.62, 0.88)
 
 LOOKS = {
     "staghorn": Look(
@@ -148,7 +153,8 @@ class Coral:
 
         `reach_cm` is how far one sees, `sand` is the ground as it is drawn.
         """
-        self._own = reef.own
+        # Others stand on mounds: none is left out.
+        self._own = np.where(reef.kind == MOUND, 0.0, reef.own)
         self._program = program(context, "coral")
         self._grain = upload(context, grain(6))
         self._standing = Standing(
@@ -158,7 +164,7 @@ class Coral:
         # What stands on a mound darkens no sand.
         gap = reef.place[:, 2] - sand(reef.place[:, 0], reef.place[:, 1])
         shaded = np.flatnonzero(~reef.on_rock & (gap < 3.0))
-        self._shaded = reef.own[shaded]
+        self._shaded = self._own[shaded]
         self._shadows = Standing(
             context, self._shade, "3f4 1f4", "a_position a_dark",
             [[shadow(reef.taken(k), sand), NOTHING] for k in shaded],
@@ -188,7 +194,7 @@ class Coral:
 def bake(reef: Reef) -> list[list[Shape]]:
     """The shapes of all growths, level by level; growths of one form are made together."""
     shapes: list[list[Shape]] = [[] for _ in reef.kind]
-    variant = (reef.own * 7919.0 % VARIANTS).astype(int)
+    variant = variant_of(reef.own)
     groups = np.unique(np.stack([reef.kind, variant], axis=1), axis=0)
 
     def make(group: Array) -> None:
@@ -217,8 +223,11 @@ class _Placed:
         flat = np.stack([cos, sin, 0.0 * cos], axis=1)
         east = unit(flat - (flat * up).sum(axis=1, keepdims=True) * up)
         axes = np.stack([east, np.cross(up, east), up], axis=1)
-        # No two of one form are alike: each is stretched its own way.
-        stretch = 0.92 + 0.08 * np.sin(np.outer(reef.own, (731.0, 1153.0, 1597.0)))[:, :, None]
+        # No two of one form are alike: each is stretched its own way. Others stand on mounds.
+        uneven = 0.0 if kind == "mound" else 0.08
+        stretch = (
+            1.0 - uneven + uneven * np.sin(np.outer(reef.own, (731.0, 1153.0, 1597.0)))[:, :, None]
+        )
         self.axes = (reef.radius[:, None, None] * stretch * axes).astype(np.float32)
         self.slants = (axes / stretch).astype(np.float32)
         tints = _tints(self.look, reef.own.astype(np.float64), reef.hue.astype(np.float64))
@@ -258,10 +267,10 @@ def shadow(growth: Reef, sand: Ground) -> Shape:
     out = np.array([0.6, 0.95, 1.5])[:, None] * FOOT.get(kind, 0.8)
     dark = np.array([0.95, 0.5, 0.0])[:, None] * SHADE
     turn = np.linspace(0.0, 2 * np.pi, SECTORS + 1)
-    # The sun stands in the south-east: what is tall throws its shadow aside.
+    # What is tall throws its shadow aside, away from the sun.
     x, y = (
         growth.place[axis] + growth.radius * (out * np.array([np.cos, np.sin][axis](turn)) - slant)
-        for axis, slant in ((0, 0.12 * tall), (1, 0.07 * tall))
+        for axis, slant in enumerate(SLANT * tall)
     )
     vertices = np.stack([x, y, sand(x, y), dark + 0.0 * x], axis=-1).reshape(-1, 4)
     c = SECTORS + 1

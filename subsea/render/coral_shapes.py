@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.habitat.mounds import HEIGHT, dome, outline
 from subsea.habitat.reef import KINDS
 from subsea.render.coral_mesh import (
     Mesh,
@@ -29,7 +30,6 @@ Array = NDArray[np.floating[Any]]
 Dice = np.random.Generator
 
 LEVELS = 5  # the last is a mere lump
-VARIANTS = 3  # of each kind
 UP = np.array([0.0, 0.0, 1.0])
 
 
@@ -575,20 +575,18 @@ def rubble(dice: Dice, level: int) -> Mesh:
     )
 
 
-def mound(dice: Dice, level: int) -> Mesh:
-    """Dead reef: a worn dome, crusted with pale and pink."""
-    columns, rings = ((30, 12), (18, 8), (11, 5), (7, 3))[level]
-    down = np.linspace(np.radians(118.0), 0.0, rings)[:, None]
+def mound(dice: Dice, level: int, variant: int = 0) -> Mesh:
+    """Dead reef: a worn dome, crusted with pale and pink, as `habitat.mounds` has it."""
+    columns, rings = ((30, 12), (18, 8), (11, 5), (7, 4))[level]
     turn = np.linspace(0.0, 2 * np.pi, columns + 1)
-    down = down + 0 * turn
-    way = np.stack(
-        [np.sin(down) * np.cos(turn), np.sin(down) * np.sin(turn), np.cos(down)], axis=-1
-    )
-    rough = bumps(dice, way, 0.9, 3)
-    swell = 1.0 + 0.07 * rough
-    light = np.clip(0.75 + 0.3 * rough + 0.5 * np.cos(down), 0.25, 1.0)
+    down = np.linspace(np.radians(118.0), 0.0, rings)[:, None] + 0 * turn
+    out = outline(variant, turn) * np.sin(down)
+    flat = np.stack([out * np.cos(turn), out * np.sin(turn)], axis=-1)
+    height = np.where(down < 0.5 * np.pi, dome(variant, flat), HEIGHT * np.cos(down))
+    way = np.concatenate([flat, np.cos(down)[..., None]], axis=-1)
+    light = np.clip(0.75 + 0.3 * bumps(dice, way, 0.9, 3) + 0.5 * np.cos(down), 0.25, 1.0)
     crust = np.clip(0.4 + 0.9 * bumps(dice, way, 0.7, 2), 0.0, 1.0)
-    mesh = turned(swell * np.sin(down), swell * np.cos(down) * 0.45, light=light, tip=crust)
+    mesh = turned(out, height, light=light, tip=crust)
     flat = np.stack([down * np.cos(turn), down * np.sin(turn)], axis=-1)
     return mesh._replace(along=flat.reshape(-1, 2))
 
@@ -627,4 +625,6 @@ def shape(kind: str, variant: int, level: int) -> Mesh:
     if level == LEVELS - 1:
         return fitted(lump(kind, shape(kind, variant, level - 1)), KINDS[kind].height)
     dice = np.random.default_rng([variant, 0xC0, list(SHAPES).index(kind)])
+    if kind == "mound":  # others stand on this very surface
+        return mound(dice, level, variant)
     return fitted(SHAPES[kind](dice, level), KINDS[kind].height)

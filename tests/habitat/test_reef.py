@@ -6,7 +6,8 @@ import pytest
 
 from subsea.errors import UserError
 from subsea.habitat.formations import drawn_distance, formations
-from subsea.habitat.reef import KINDS, MOUND, PACKED, SUNK, floor_over, grow, tops
+from subsea.habitat.mounds import dome, variant_of
+from subsea.habitat.reef import DEEPEST, KINDS, MOUND, PACKED, SUNK, floor_over, grow, tops
 from subsea.habitat.sea import make_sea
 from subsea.habitat.terrain import heights_at
 from subsea.kinematics.vector import vector
@@ -64,14 +65,28 @@ def test_they_stand_on_the_ground(bay, grown):
     sea, reef = bay[1], grown[1]
     place, sunk = feet(reef)
     assert 0.3 < reef.on_rock.mean() < 0.9
-    gap = place[:, 2] - heights_at(sea.heights, sea.half_width, place[:, :2])
-    on_sand = np.abs(gap + sunk) < 1.0
-    assert on_sand[reef.kind == MOUND].all()
-    mounds = reef.taken(reef.kind == MOUND)
-    size = mounds.radius[:, None] * np.array([1.0, 1.0, KINDS["mound"].height])
-    for k in np.flatnonzero(~reef.on_rock & ~on_sand):
-        out = np.linalg.norm((place[k] - mounds.place) / size, axis=1)
-        assert (np.abs(out - 1.0) < 0.2 + sunk[k] / size[:, 2]).any()
+    gap = place[:, 2] - heights_at(sea.heights, sea.half_width, place[:, :2]) + sunk
+    mound = reef.kind == MOUND
+    assert (gap[mound] < 1.0).all()
+    assert (gap[mound] > -0.8 * reef.radius[mound]).all()
+    # On a slope they stand so deep that their lower side touches it.
+    tall = np.array([kind.height for kind in KINDS.values()])[reef.kind] * reef.radius
+    mounds = reef.taken(mound)
+    forms = variant_of(mounds.own)
+    stand = 0
+    for k in np.flatnonzero(~reef.on_rock & ~mound):
+        off = (place[k] - mounds.place) / mounds.radius[:, None]
+        near = np.flatnonzero(np.hypot(*off[:, :2].T) < 1.0)
+        above = [gap[k]]
+        for m in near:
+            cos, sin = np.cos(mounds.turn[m]), np.sin(mounds.turn[m])
+            east, north, up = off[m]
+            flat = np.array([east * cos + north * sin, north * cos - east * sin])
+            above.append(float(mounds.radius[m] * (up - dome(forms[m], flat)) + sunk[k]))
+        assert min(above) < 1.0
+        assert max(above) > -DEEPEST * tall[k] - 1.0
+        stand += min(above) < gap[k] - 2.0
+    assert stand > 15
     blocks = formations(sea.pillars, sea.rocks)
     for p, deep in zip(place[reef.on_rock], sunk[reef.on_rock], strict=True):
         gaps = [drawn_distance(one, vector(p)) for one in blocks]

@@ -1,0 +1,47 @@
+"""Mounds of dead reef: one surface for what grows on them and for what is drawn.
+
+At size 1: no point farther than 1 from the axis, the summit on it at `HEIGHT`.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.floating[Any]]
+Ints = NDArray[np.integer[Any]]
+
+HEIGHT = 0.45
+VARIANTS = 3  # forms of each kind of growth
+ROUGH = 0.22  # its relief is less than half of its height, so that no knob is above the summit
+LOBES = 0.12
+
+_WAVES, _SHIFTS, _BENDS = [], [], []
+for _dice in (np.random.default_rng([variant, 0x30D]) for variant in range(VARIANTS)):
+    _turn = _dice.uniform(0.0, 2 * np.pi, 10)
+    _number = 2 * np.pi / np.repeat([0.9, 0.6], 5)
+    _WAVES.append(_number * np.stack([np.cos(_turn), np.sin(_turn)]))
+    _SHIFTS.append(_dice.uniform(0.0, 2 * np.pi, 10))
+    _BENDS.append(_dice.uniform(0.0, 2 * np.pi, 2))
+_STRENGTH = np.repeat([1.0, 0.5], 5) / 3.2
+
+
+def variant_of(own: Array) -> Ints:
+    """Form (k,) of growths by what is their own."""
+    return np.asarray(own.astype(np.float32) * np.float32(7919.0) % VARIANTS).astype(np.int64)
+
+
+def outline(variant: int, turn: Array) -> Array:
+    """How far out the edge is (...), in each direction from the axis."""
+    two, three = _BENDS[variant]
+    bend = np.sin(2 * turn + two) + np.sin(3 * turn + three)
+    return np.asarray(1.0 - 0.25 * LOBES * (2.0 - bend))
+
+
+def dome(variant: int, flat: Array) -> Array:
+    """Height (...) over places (..., 2); 0 beyond the edge."""
+    out = np.hypot(flat[..., 0], flat[..., 1])
+    out = out / outline(variant, np.arctan2(flat[..., 1], flat[..., 0]))
+    rough = np.sin(flat @ _WAVES[variant] + _SHIFTS[variant]) @ _STRENGTH
+    even = np.sqrt(np.maximum(1.0 - out * out, 0.0))
+    return np.asarray(HEIGHT * even * (1.0 + ROUGH * out * out * rough))
