@@ -24,15 +24,21 @@ const mat2 TURNED = mat2(0.80, 0.60, -0.60, 0.80);
 void main() {
     vec2 p = v_world.xy;
     vec4 ground = texture(u_ground, (p - u_map.xy) / u_map.zw);
-    vec4 one = 6.0 * texture(u_ripples, p / 173.0) - 3.0;
-    vec4 other = 6.0 * texture(u_ripples, TURNED * p / 271.0 + 0.37) - 3.0;
+    // Crests wind, and lie down in places.
+    vec2 wound = p + v_broad * vec2(20.0, 26.0);
+    vec4 one = 6.0 * texture(u_ripples, wound / 173.0) - 3.0;
+    vec4 other = 6.0 * texture(u_ripples, TURNED * wound / 271.0 + 0.37) - 3.0;
     vec4 bits = texture(u_litter, TURNED * p / 67.0);
 
     // Where one set of ripples is strong the other is weak.
     float share = smoothstep(-0.7, 0.9, v_broad + 0.25 * other.z);
     float rubble = ground.z;
-    vec2 marks = mix(one.xy, other.xy * TURNED, share) * (1.0 - 0.6 * rubble);
-    float height = mix(one.z, other.z, share) * (1.0 - 0.6 * rubble);
+    // From afar light that water has scattered softens them more than their haze tells.
+    float strong = 0.5 + 0.5 * smoothstep(0.0, 0.3, v_clear.g);
+    strong *= 0.75 + 0.25 * wave(vec2(0.62 * v_broad)).x;
+    strong *= 1.0 - 0.6 * rubble;
+    vec2 marks = mix(one.xy, other.xy * TURNED, share) * strong;
+    float height = mix(one.z, other.z, share) * strong;
     float grain = one.w + other.w;
     vec3 sand = mix(TAN, PALE, clamp(0.60 + 0.13 * v_broad + 0.20 * height + 0.075 * grain, 0.0, 1.0));
     sand = mix(sand, FILM, clamp(0.30 * smoothstep(0.2, 1.6, -v_broad) + 0.9 * rubble, 0.0, 0.85));

@@ -95,6 +95,8 @@ def fronds_of(leaves: Array, level: int) -> Array:
     parts = [np.zeros((0, 2), np.float32)]
     for number, fronds in enumerate(FRONDS.values()):
         rows = np.flatnonzero(kind == number)
+        if not len(rows):
+            continue
         own = fronds[level]
         parts.append(np.stack([np.repeat(rows, len(own)), np.tile(own, len(rows))], axis=1))
     return np.concatenate(parts).astype(np.float32)

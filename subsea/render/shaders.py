@@ -47,10 +47,13 @@ def _lines(name: str, seen: dict[str, int]) -> list[str]:
 def set_uniforms(target: Any, **values: Any) -> None:
     """Set those uniforms that the compiler has kept and that have another value.
 
-    Nothing else sets any: the last value is kept as moderngl's `extra`.
+    Nothing else sets any: the last value is kept as moderngl's `extra`, as are the program's own.
     """
+    if target.extra is None:
+        target.extra = {name: target[name] for name in target}
+    known = target.extra
     for name, value in values.items():
-        uniform = target.get(name, None)
+        uniform = known.get(name)
         if uniform is not None and uniform.extra != value:
             uniform.extra = value
             if isinstance(value, bytes):

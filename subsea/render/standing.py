@@ -96,6 +96,9 @@ class Standing:
             return
         self._level = level
         drawn = np.flatnonzero(level != OUT_OF_SIGHT)
+        # The near first: what they cover need not be lit. As near as when the choice last changed.
+        away = np.linalg.norm(self._centres[drawn] - views[0].eye, axis=1) - self._radii[drawn]
+        drawn = drawn[np.argsort(away)]
         data = _gathered(self._triangles, self._ranges[drawn, level[drawn]])
         self._count = len(data)
         if self._count:

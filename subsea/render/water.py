@@ -13,7 +13,7 @@ from subsea.render.shaders import program, set_uniforms
 from subsea.render.textures import ripples, upload
 from subsea.view.camera import View
 
-COARSE, FINE = (96, 54), (160, 90)  # cells of the background's grid
+COARSE, FINE = (64, 36), (160, 90)  # cells of the background's grid
 FINE_FROM = 8  # samples of a shaft: these are worth a fine grid
 RINGS, SECTORS = 16, 48  # of the disc that is the surface
 RIPPLES_UNIT = 7  # texture unit
