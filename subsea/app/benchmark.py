@@ -115,7 +115,7 @@ def measure(
         step(world, tour.helm(world))
     memory = nothing_drawn(len(world.state.fishes.species))
     triangles = visible = calls = 0
-    pace = pacing.start(LADDER.index(renderer.quality)) if hold_ms else None
+    pace = pacing.start(LADDER.index(renderer.quality), display) if hold_ms else None
     for k in tqdm(range(-WARM_UP_FRAMES, frames), unit="frame", disable=None, leave=False):
         helm = tour.helm(world)  # a visitor's hands would take no time of the program's
         start = time.perf_counter()

@@ -83,7 +83,7 @@ class Dive:
             self._size = self.window.size
             renderer = self._context.info["GL_RENDERER"]
             self._target_ms = target_ms or pacing.target_for(renderer)
-            self._pace = pacing.start(first_rung(renderer))
+            self._pace = pacing.start(first_rung(renderer), display)
             page = page_switch(self.window.get_proc_address) if display == PAGED else one_page
             self._renderer = Renderer(
                 self._context,

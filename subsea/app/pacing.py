@@ -9,7 +9,8 @@ from itertools import pairwise
 from statistics import median
 from typing import NamedTuple, TypeVar
 
-from subsea.render.quality import LADDER, on_software
+from subsea.render.quality import LADDER, PRESETS, on_software
+from subsea.view.stereo import LAYOUTS
 
 GPU_TARGET_MS = 1000.0 / 60.0
 SOFTWARE_TARGET_MS = 1000.0 / 20.0  # smooth enough to steer; a finer picture is worth more
@@ -33,16 +34,21 @@ class Pace(NamedTuple):
     ratios: tuple[float, ...]  # time of a frame at rung k + 1 over that at rung k
     patience: tuple[int, ...]  # frames at rung k before k + 1 is tried
     rose_from_ms: float  # median frame at the rung below if the last step led up, else 0
+    lowest: int = 0  # the rung below which it does not go
 
 
-def start(rung: int) -> Pace:
-    """A pace that begins on this rung and knows nothing yet."""
+def start(rung: int, display: str = "mono") -> Pace:
+    """A pace that begins on this rung of the LADDER and knows nothing yet.
+
+    A display whose canvas is always exact has no use for the rungs of smaller ones.
+    """
     ratios, patience = [], []
     for a, b in pairwise(LADDER):
         finer = a.scale != b.scale
         ratios.append((b.scale / a.scale) ** 2 if finer else PRESET_RATIO)
         patience.append(LONG if finer else PATIENT)
-    return Pace(rung, 0, (), tuple(ratios), tuple(patience), 0.0)
+    lowest = 0 if LAYOUTS[display].eyes == "one" else LADDER.index(PRESETS["low"])
+    return Pace(rung, 0, (), tuple(ratios), tuple(patience), 0.0, lowest)
 
 
 def paced(pace: Pace, frame_ms: float, target_ms: float) -> Pace:
@@ -60,7 +66,7 @@ def paced(pace: Pace, frame_ms: float, target_ms: float) -> Pace:
     brief, rung = median(pace.times[-BRIEF:]), pace.rung
     if len(pace.times) == BRIEF and pace.rose_from_ms:
         pace = pace._replace(ratios=_with(pace.ratios, rung - 1, _ratio(pace, brief)))
-    if brief > TOO_SLOW * target_ms and rung > 0:
+    if brief > TOO_SLOW * target_ms and rung > pace.lowest:
         if pace.rose_from_ms:
             longer = min(2 * pace.patience[rung - 1], MOST_PATIENT)
             pace = pace._replace(patience=_with(pace.patience, rung - 1, longer))

@@ -132,3 +132,15 @@ def test_frames_that_are_too_long_lead_down_within_a_second_and_not_below_the_lo
 def test_the_target_follows_the_renderer():
     assert target_for("llvmpipe (LLVM 15.0.6, 256 bits)") == 50.0
     assert target_for("AMD Radeon RX 6600") == pytest.approx(1000 / 60)
+
+
+@pytest.mark.parametrize("display", ["side-by-side", "panorama"])
+def test_where_the_canvas_is_exact_only_presets_are_chosen(display):
+    pace = start(LOW, display)
+    for _ in range(400):
+        pace = paced(pace, 900.0, 50.0)
+    assert pace.rung == LOW
+    pace = start(LOW)
+    for _ in range(400):
+        pace = paced(pace, 900.0, 50.0)
+    assert pace.rung < LOW
