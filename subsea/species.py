@@ -14,6 +14,7 @@ from subsea.resources import load_toml, resource_names, resource_path
 Positive = Annotated[float, msgspec.Meta(gt=0)]
 Count = Annotated[int, msgspec.Meta(ge=0, le=60)]
 Width = Annotated[float, msgspec.Meta(gt=0, le=1)]
+Around = Annotated[float, msgspec.Meta(ge=-3, le=3)]  # body lengths, on the body or beside it
 Colour = tuple[Share, Share, Share]  # linear RGB
 BodyLength = Annotated[float, msgspec.Meta(ge=2, le=300)]  # cm
 Place = tuple[Share, Extent]  # (distance from the snout, height above the axis), body lengths
@@ -48,7 +49,7 @@ class Stripes(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
 class Patch(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """A spot with a smooth outline: points (distance from the snout, height), body lengths."""
 
-    outline: Annotated[list[tuple[float, float]], msgspec.Meta(min_length=3)]
+    outline: Annotated[list[tuple[Around, Around]], msgspec.Meta(min_length=3)]
     colour: Colour
     rim: Colour | None = None
     rim_width: Width = 0.008
@@ -98,7 +99,9 @@ class Display(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
 
     of: Colour
     to: Colour
-    reach: Positive = 0.35  # how far a colour may be from `of`, in linear RGB
+    reach: Annotated[float, msgspec.Meta(gt=0, le=2)] = (
+        0.35  # how far a colour may be from `of`, in linear RGB
+    )
     saturation: Annotated[float, msgspec.Meta(ge=0, le=3)] = 1.0  # of all colours, times as much
     brightness: Annotated[float, msgspec.Meta(ge=0, le=3)] = 1.0
 
