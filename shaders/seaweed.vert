@@ -2,6 +2,8 @@
 #include "optics.glsl"
 
 uniform mat4 u_view_projection;
+uniform mat4 u_projection;
+uniform vec2 u_size;  // pixels of the viewport
 uniform sampler2D u_leaves;  // row by leaf: eight nodes, of which the first tells the kind; its look
 
 in vec2 a_place;  // share of its length, -1 to 1 across
@@ -110,6 +112,13 @@ void main() {
     } else if (kind == RED) {
         width = look.x * (0.45 + 0.3 * sin(3.0 * t)) * (1.0 - 0.5 * t);
     }
+    // No narrower than a pixel, or it would break into dots: what is narrower fades instead.
+    float strength = 1.0;
+    if (kind == GRASS || (kind == KELP && !branch)) {
+        float pixel = max((u_view_projection * vec4(place, 1.0)).w, 1.0) * 2.0 / (u_projection[1][1] * u_size.y);
+        strength = clamp(width / pixel, 0.4, 1.0);
+        width = max(width, pixel);
+    }
     side -= along * dot(side, along);
     side = normalize(side + 1e-4 * vec3(along.y, -along.x, 0.3));
     vec3 normal = cross(along, side);
@@ -129,7 +138,7 @@ void main() {
     v_sun = sunlight_at(place.z) * caustics_at(place);
     vec3 ray = v_world - u_eye;
     float distance = length(ray);
-    v_clear = clearness(distance);
+    v_clear = strength * clearness(distance);
     v_veil = water_radiance(ray / distance) * (1.0 - v_clear);
     gl_Position = u_view_projection * vec4(place, 1.0);
 }

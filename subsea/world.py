@@ -102,7 +102,7 @@ def create_world(
     progress("growing the reef")
     sea, reef = grow(scenario, sea)
     _refuse_misplaced(scenario, sea, source)
-    sea, seaweed = plant(scenario, sea, seed)
+    sea, seaweed = plant(scenario, sea, reef, seed)
     progress("letting the fishes in")
     submarine = Submarine(position=np.array(scenario.submarine.position_cm, np.float64))
     submarine.angles[0] = np.radians(scenario.submarine.heading_deg)

@@ -48,7 +48,7 @@ KINDS = {
     # Dead reef that others grow on; the dice never choose it.
     "mound": Kind(HEIGHT, (26.0, 68.0), 1.0, 0.3, 0.0, 0.0, 0.0, 0.95),
 }
-MOUND = list(KINDS).index("mound")
+MOUND, RUBBLE = (list(KINDS).index(name) for name in ("mound", "rubble"))
 
 PACKED = 0.62  # two growths stand at least this share of the sum of their radii apart
 TRIES = 10  # places that are looked at for each

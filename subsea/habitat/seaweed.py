@@ -9,11 +9,12 @@ from numpy.typing import NDArray
 from subsea.habitat.bow_wave import bow_wave
 from subsea.habitat.current import flow_near
 from subsea.habitat.formations import formations, stone_above
+from subsea.habitat.reef import MOUND, RUBBLE
 from subsea.habitat.solids import clearance
 from subsea.kinematics.heightfield import height_at
 from subsea.kinematics.vector import Vector, minus, norm, plus, times, vector
 from subsea.scenario import Scenario
-from subsea.state import HULL_CM, Clock, Fishes, Sea, Seaweed
+from subsea.state import HULL_CM, Clock, Fishes, Reef, Sea, Seaweed
 
 Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
@@ -49,18 +50,20 @@ TUFT_CM = 9.0  # how far the roots of a cluster stand apart
 LEAN = 1.0  # how far leaves bend out of their cluster, at the root
 BURIED_CM = 4.0  # the root's node lies so deep
 ROOM_CM = 30.0  # of free water under the surface
+BESIDE_CM = 30.0  # growths that are so much higher or lower are not in its way
 TRIES = 30
 
 
-def plant(scenario: Scenario, sea: Sea, seed: int) -> tuple[Sea, Seaweed]:
+def plant(scenario: Scenario, sea: Sea, reef: Reef, seed: int) -> tuple[Sea, Seaweed]:
     """All seaweed of a scenario, come to rest in still water, and the sea with its boxes."""
     rng = np.random.default_rng([seed, 0x5EAEED])
     first: list[int] = [0]
     rows: list[list[float]] = []
     stones = formations(sea.pillars, sea.rocks)
+    reef = reef.taken((reef.kind != MOUND) & (reef.kind != RUBBLE))
     for group in scenario.seaweed:
         for _ in range(group.clusters):
-            x, y = _middle(group.position_cm, group.spread_cm, sea, stones, rng)
+            x, y = _middle(group.position_cm, group.spread_cm, sea, stones, reef, rng)
             vigour = rng.uniform(0.7, 1.1)
             for k in range(group.leaves):
                 # The leaves of a cluster turn outward, each its own way.
@@ -113,9 +116,10 @@ def _middle(
     spread: float,
     sea: Sea,
     stones: list[Array],
+    reef: Reef,
     rng: np.random.Generator,
 ) -> tuple[float, float]:
-    """Where a cluster grows: within the sea, with water over it."""
+    """Where a cluster grows: within the sea, with water over it, and beside what grows there."""
     x, y = middle or (0.0, 0.0)
     for _ in range(TRIES):
         if middle is None:
@@ -123,7 +127,11 @@ def _middle(
             x, y = float(away * np.cos(angle)), float(away * np.sin(angle))
         else:
             x, y = (float(m + spread * rng.normal(0, 0.5)) for m in middle)
-        if _ground(sea, stones, x, y) < -2.0 * ROOM_CM and np.hypot(x, y) < 0.97 * sea.radius:
+        ground = _ground(sea, stones, x, y)
+        away = np.hypot(reef.place[:, 0] - x, reef.place[:, 1] - y)
+        level = np.abs(reef.place[:, 2] - ground) < reef.radius + BESIDE_CM
+        beside = not (level & (away < reef.radius + 0.5 * TUFT_CM)).any()
+        if beside and ground < -2.0 * ROOM_CM and np.hypot(x, y) < 0.97 * sea.radius:
             break
     return x, y
 

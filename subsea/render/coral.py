@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from subsea.habitat.formations import SUN
 from subsea.habitat.mounds import variant_of
-from subsea.habitat.reef import KINDS, MOUND
+from subsea.habitat.reef import KINDS, MOUND, RUBBLE
 from subsea.render.coral_mesh import Mesh, unit
 from subsea.render.coral_shapes import LEVELS, shape
 from subsea.render.shaders import program
@@ -33,7 +33,6 @@ SLANT = (
     0.4 * np.array(SUN[:2]) / SUN[2]
 )  # from the foot to the middle of the shadow, over the height
 FOOT = {
-    "rubble": 0.5,
     "mound": 1.05,
     "fan": 0.3,
     "table": 0.9,
@@ -161,9 +160,9 @@ class Coral:
             context, self._program, LAYOUT, ATTRIBUTES, growths, reach_cm, THRESHOLDS_PX
         )
         self._shade = program(context, "shadow")
-        # What stands on a mound darkens no sand.
+        # What stands on a mound darkens no sand, and a few sticks none to speak of.
         gap = reef.place[:, 2] - sand(reef.place[:, 0], reef.place[:, 1])
-        shaded = np.flatnonzero(~reef.on_rock & (gap < 3.0))
+        shaded = np.flatnonzero(~reef.on_rock & (gap < 3.0) & (reef.kind != RUBBLE))
         self._shaded = self._own[shaded]
         self._shadows = Standing(
             context, self._shade, "3f4 1f4", "a_position a_dark",

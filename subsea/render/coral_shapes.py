@@ -213,6 +213,7 @@ def _plate(dice: Dice, level: int, columns: int, wide: float, off: Array, z: flo
     if level >= 2:
         keep = [0, 1, 3, 5, 6, 8] if level == 2 else [1, 5, 6, 8]
         r, h, light, pale = r[keep], h[keep], light[keep], pale[keep]
+        light = 0.5 + 0.5 * light  # a dark underside would draw a line about the plate
     outer = (r > 0.3)[:, None]
     reach = wide * r[:, None] * np.where(outer, lobes * np.where((r > 0.9)[:, None], jag, 1.0), 1.0)
     tilt = dice.normal(0.0, 0.07, 2)
@@ -253,7 +254,7 @@ def _plate(dice: Dice, level: int, columns: int, wide: float, off: Array, z: flo
 
 def brain(dice: Dice, level: int) -> Mesh:
     """A lumpy dome that overhangs its foot a little; its ridges are texture."""
-    columns, rings = ((26, 13), (16, 8), (10, 5), (7, 3))[level]
+    columns, rings = ((26, 13), (16, 8), (10, 5), (7, 4))[level]
     down = np.linspace(np.radians(112.0), 0.0, rings)[:, None]
     turn = np.linspace(0.0, 2 * np.pi, columns + 1)
     down = down + 0 * turn
@@ -608,13 +609,17 @@ def lump(kind: str, mesh: Mesh) -> Mesh:
     ragged = np.random.default_rng(len(mesh.place)).uniform(0.6, 1.0, columns + 1)
     ragged = 0.5 + 0.5 * ragged if kind in SMOOTH else ragged
     ragged[-1] = ragged[0]
-    height = top * np.array([0.0, 0.55, 1.0])
+    share = np.array([0.0, 0.5, 0.85, 1.0] if kind in SMOOTH else [0.0, 0.55, 1.0])
+    height = top * share
     wide = [np.hypot(x, y)[np.abs(z - h) < 0.3 * top].max(initial=0.1) for h in height[:2]]
+    if kind in SMOOTH:
+        wide.append(0.6 * wide[1])
     reach = np.array([*wide, 0.0])[:, None] * ragged
     rise = height[:, None] * (1.0 + 0.25 * (ragged - 1.0))
     rise[1] += 0.4 * top * (ragged[::-1] - 0.8)
-    light = np.array([0.35, 0.85, 0.8])[:, None] + 0.0 * reach
-    tip = np.array([0.1, 0.6, 0.5])[:, None] * ragged
+    dark = 0.7 if kind == "table" else 0.35
+    light = np.interp(share, [0.0, 0.55, 1.0], [dark, 0.85, 0.8])[:, None] + 0.0 * reach
+    tip = np.interp(share, [0.0, 0.55, 1.0], [0.1, 0.6, 0.5])[:, None] * ragged
     out = turned(reach, np.maximum(rise, 0.0), tip=tip, light=light)
     return out._replace(place=out.place * (1.0, flat, 1.0))
 
@@ -623,7 +628,9 @@ def lump(kind: str, mesh: Mesh) -> Mesh:
 def shape(kind: str, variant: int, level: int) -> Mesh:
     """One variant of a kind at one level, as wide and high as `habitat.reef.KINDS` says."""
     if level == LEVELS - 1:
-        return fitted(lump(kind, shape(kind, variant, level - 1)), KINDS[kind].height)
+        before = shape(kind, variant, level - 1)
+        last = fitted(lump(kind, before), KINDS[kind].height)
+        return last if len(last.triangles) < len(before.triangles) else before
     dice = np.random.default_rng([variant, 0xC0, list(SHAPES).index(kind)])
     if kind == "mound":  # others stand on this very surface
         return mound(dice, level, variant)

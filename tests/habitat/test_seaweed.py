@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from subsea.habitat import seaweed as module
 from subsea.habitat.formations import drawn_distance, formations
+from subsea.habitat.reef import KINDS, RUBBLE
 from subsea.habitat.seaweed import (
     BODY_BL,
     BUOYANCY_CM_S2,
@@ -16,15 +17,17 @@ from subsea.habitat.seaweed import (
     MASS,
     NODES,
     SPRING,
+    TUFT_CM,
     VISCOSITY,
     plant,
     sway,
 )
 from subsea.scenario import Seaweed, load_scenario
-from subsea.state import HULL_CM, Clock, empty_fishes
+from subsea.state import HULL_CM, Clock, Reef, empty_fishes, empty_reef
 
 DT = 0.033
 STILL = np.zeros(3)
+NO_REEF = empty_reef()
 ROCK = (150.0, 0.0, -290.0, 60.0, 50.0, 45.0, 0.3)
 
 
@@ -33,9 +36,9 @@ def make_bed(make_sea):
     """Groups of seaweed -> the sea they grow in, and they."""
     scenario = load_scenario("peaceful")[0]
 
-    def make(*groups, seed=3, **sea):
+    def make(*groups, seed=3, reef=NO_REEF, **sea):
         grown = msgspec.structs.replace(scenario, seaweed=[Seaweed(**group) for group in groups])
-        return plant(grown, make_sea(**sea), seed)
+        return plant(grown, make_sea(**sea), reef, seed)
 
     return make
 
@@ -226,3 +229,24 @@ def test_a_sea_without_seaweed(make_bed):
     bed = sea, weed = make_bed()
     _pass(bed, empty_fishes(3), ticks=2)
     assert len(weed.node) == len(sea.seaweed) == 0
+
+
+def test_it_grows_beside_corals(make_bed):
+    """Not through them; rubble and mounds are no hindrance."""
+    group = {"clusters": 40, "leaves": 1, "height_cm": 60.0, "position_cm": (0.0, 0.0)}
+    group["spread_cm"] = 150.0
+    bare = make_bed(group)[1]
+    roots = bare.node[:, 0].astype(np.float64)
+    near = roots[np.hypot(*roots[:, :2].T).argmin()]
+    reef = Reef(
+        kind=np.array([list(KINDS).index("brain")], np.uint8),
+        place=near[None].astype(np.float32), axis=np.float32([[0.0, 0.0, 1.0]]),
+        turn=np.zeros(1, np.float32), radius=np.array([40.0], np.float32),
+        own=np.zeros(1, np.float32), light=np.ones(1, np.float32), hue=np.zeros(1, np.float32),
+        on_rock=np.zeros(1, np.bool_),
+    )  # fmt: skip
+    kept = make_bed(group, reef=reef)[1]
+    away = np.hypot(*(kept.node[:, 0, :2] - near[:2]).T)
+    assert away.min() > 40.0 - 0.5 * TUFT_CM - 1.0
+    rubble = reef._replace(kind=np.array([RUBBLE], np.uint8))
+    np.testing.assert_array_equal(make_bed(group, reef=rubble)[1].node, bare.node)

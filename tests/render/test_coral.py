@@ -75,6 +75,13 @@ def test_meshes_are_sound(kind, variant):
             assert part.max() <= 1.0 + 1e-9
 
 
+@pytest.mark.parametrize(("kind", "variant"), FORMS)
+def test_coarser_levels_have_no_more_triangles(kind, variant):
+    counts = [len(shape(kind, variant, level).triangles) for level in range(LEVELS)]
+    assert (np.diff(counts) <= 0).all()
+    assert counts[-1] < 0.3 * counts[0]
+
+
 @pytest.mark.parametrize("kind", SHAPES)
 def test_skins_have_no_holes(kind):
     """Every edge between two triangles; open ones lie at the foot or inside other parts."""
