@@ -112,11 +112,12 @@ void main() {
     } else if (kind == RED) {
         width = look.x * (0.45 + 0.3 * sin(3.0 * t)) * (1.0 - 0.5 * t);
     }
-    // No narrower than a pixel, or it would break into dots: what is narrower fades instead.
+    // No narrower than a pixel, or it would break into dots. Kelp, which stands before open water,
+    // fades instead.
     float strength = 1.0;
     if (kind == GRASS || (kind == KELP && !branch)) {
         float pixel = max((u_view_projection * vec4(place, 1.0)).w, 1.0) * 2.0 / (u_projection[1][1] * u_size.y);
-        strength = clamp(width / pixel, 0.4, 1.0);
+        if (kind == KELP) strength = clamp(width / pixel, 0.4, 1.0);
         width = max(width, pixel);
     }
     side -= along * dot(side, along);
