@@ -68,7 +68,7 @@ def drift(sea: Sea, flow: Array, clock: Clock) -> None:
                 angle = np.arctan2(-flow[1], -flow[0])
                 angle += 2.0 * uniform(clock.seed, k, clock.tick, RETURN_PURPOSE) - 1.0
                 x, y = 0.97 * sea.radius * np.cos(angle), 0.97 * sea.radius * np.sin(angle)
-                floor = height_at(sea.heights, sea.half_width, x, y) + CLEARANCE_CM
+                floor = height_at(sea.floor, sea.half_width, x, y) + CLEARANCE_CM
                 share = uniform(clock.seed, k, clock.tick, RETURN_PURPOSE + 1)
                 entry = (x, y, floor + share * (-CLEARANCE_CM - floor))
                 if is_free(sea.pillars, sea.rocks, entry):
@@ -87,7 +87,7 @@ def drift(sea: Sea, flow: Array, clock: Clock) -> None:
         x, y, z = plus(here, times(clock.dt, velocity))
         if x * x + y * y > sea.radius * sea.radius:
             x, y = -0.98 * x, -0.98 * y
-        floor = height_at(sea.heights, sea.half_width, x, y) + CLEARANCE_CM
+        floor = height_at(sea.floor, sea.half_width, x, y) + CLEARANCE_CM
         there = (x, y, min(max(z, floor), -CLEARANCE_CM))
         # One that a mouth has drawn into a solid must get out again.
         if is_free(sea.pillars, sea.rocks, there) or not is_free(sea.pillars, sea.rocks, here):

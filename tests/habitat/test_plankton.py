@@ -99,3 +99,10 @@ def test_one_that_was_drawn_into_a_rock_gets_out_again(make_sea):
     sea = make_sea([ROCKS[0, :3]], rocks=ROCKS)
     _pass(sea, (40.0, 0.0, 0.0), 200)
     assert clearance(PILLARS[:0], ROCKS, vector(sea.plankton[0])) > 0.0
+
+
+def test_it_drifts_over_what_grows(make_sea):
+    sea = make_sea(_scattered(200))
+    grown = sea._replace(floor=sea.heights + np.float32(90.0))
+    _pass(grown, (5.0, 0.0, 0.0), 30)
+    assert grown.plankton[:, 2].min() >= sea.heights.max() + 90.0 + CLEARANCE_CM - 1e-3
