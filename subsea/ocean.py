@@ -13,7 +13,7 @@ from subsea.behavior.table import BEHAVIOR_OF_DESIRE, LEVEL_OF_DESIRE, TIRES, ac
 from subsea.habitat import hook, plankton
 from subsea.habitat.bow_wave import push
 from subsea.habitat.current import carry, flow_at
-from subsea.habitat.cushion import part
+from subsea.habitat.cushion import keep_off, part
 from subsea.habitat.seaweed import sway
 from subsea.kinematics.heightfield import height_at
 from subsea.motor.controller import command
@@ -48,6 +48,7 @@ def step(world: World, helm: Helm) -> None:
         carry(fishes, sea, flow)
         push(fishes, sea)
         part(fishes, minds)
+        keep_off(fishes, sea)
         hook.lower(sea, clock)
         sway(state.seaweed, fishes, sea, flow, world.scenario.water.visibility_cm, clock)
     with _stage(world, "perception"):

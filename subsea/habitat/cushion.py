@@ -1,4 +1,4 @@
-"""The water between two bodies that come close: it gives way slowly, and so do they."""
+"""The water between two bodies, or a body and stone, that come close: it gives way slowly."""
 
 from typing import Any
 
@@ -7,13 +7,15 @@ from numba import njit
 from numpy.typing import NDArray
 
 from subsea.kinematics.rotation import rotate
+from subsea.kinematics.solids import far_from_rock, from_pillar, from_rock
 from subsea.kinematics.vector import Vector, dot, minus, norm, plus, times, vector
-from subsea.state import APPROACHING, NOBODY, PREDATOR, Fishes, Minds
+from subsea.state import APPROACHING, NOBODY, PREDATOR, Fishes, Minds, Sea
 
 Array = NDArray[np.floating[Any]]
 
 GAP_BL = 0.12  # the cushion begins where skins are so far apart, of the longer body
 FULL_CM_S = 6.0  # how fast two that touch are pushed apart
+STONE_CM, STONE_PER_S = 4.0, 10.0  # so near, and so much faster outward for each cm nearer
 CLOSEST = 2  # so many neighbours are felt, and the fish that threatens
 
 
@@ -42,6 +44,31 @@ def part(fishes: Fishes, minds: Minds) -> None:
                 speed = FULL_CM_S * min(close, 1.0) / distance
                 for axis in range(3):
                     fishes.drift[i, axis] += np.float32(speed * away[axis])
+
+
+@njit(cache=True, error_model="numpy")
+def keep_off(fishes: Fishes, sea: Sea) -> None:
+    """Add to `fishes.drift` what keeps bodies off pillars and rocks.
+
+    Between two stones a fish may turn from one into the other: the water in the cleft holds it.
+    """
+    for i in range(len(fishes.length)):
+        p = vector(fishes.position[i])
+        for k in range(len(sea.pillars)):
+            _give_way(fishes.drift[i], from_pillar(sea.pillars[k], p))
+        for k in range(len(sea.rocks)):
+            if not far_from_rock(sea.rocks[k], p, STONE_CM):
+                _give_way(fishes.drift[i], from_rock(sea.rocks[k], p))
+
+
+@njit(cache=True, error_model="numpy")
+def _give_way(drift: Array, stone: tuple[Vector, float]) -> None:
+    """Add the water's velocity beside a solid, given the way from it and how far it is."""
+    way, gap = stone
+    if gap < STONE_CM:
+        speed = STONE_PER_S * (STONE_CM - gap)
+        for axis in range(3):
+            drift[axis] += np.float32(speed * way[axis])
 
 
 @njit(cache=True, error_model="numpy")

@@ -5,7 +5,9 @@ import itertools
 import numpy as np
 import pytest
 
-from subsea.habitat.cushion import FULL_CM_S, part
+from subsea.habitat.cushion import FULL_CM_S, STONE_CM, keep_off, part
+from subsea.habitat.solids import clearance
+from subsea.kinematics.vector import vector
 from subsea.state import CIRCLING, PREDATOR
 
 
@@ -58,3 +60,29 @@ def test_no_prey_is_pushed_out_of_a_hunters_mouth(tank):
     t.minds.kind[0] = PREDATOR
     part(t.fishes, t.minds)
     assert not t.fishes.drift.any()
+
+
+ROCKS = np.array([[0.0, 60, -300, 70, 50, 80, 0.3], [0.0, -60, -300, 70, 50, 80, -0.3]])
+PILLARS = np.array([[300.0, 0.0, 50.0, -100.0]])
+
+
+@pytest.mark.parametrize("way", [(-1.0, 0.0, 0.0), (-0.8, 0.6, 0.0), (-0.6, 0.0, -0.8)])
+def test_nobody_swims_into_stone_not_even_into_a_cleft(tank, way):
+    t = tank(1)
+    sea = t.sea._replace(rocks=ROCKS, pillars=PILLARS)
+    t.fishes.position[0] = np.array([10.0, 0.0, -300.0]) - 90.0 * np.array(way)
+    for _ in range(400):
+        t.fishes.drift[:] = 0.0
+        keep_off(t.fishes, sea)
+        t.fishes.position[0] += 0.033 * (t.fishes.drift[0] + 25.0 * np.array(way, np.float32))
+        assert clearance(PILLARS, ROCKS, vector(t.fishes.position[0])) > 0.0
+
+
+def test_stone_is_felt_only_near_by(tank):
+    t = tank(1)
+    sea = t.sea._replace(rocks=ROCKS[:0], pillars=PILLARS)
+    for gap, felt in ((STONE_CM + 0.5, False), (STONE_CM - 0.5, True)):
+        t.fishes.position[0] = 300.0 - 50.0 - gap, 0.0, -300.0
+        t.fishes.drift[:] = 0.0
+        keep_off(t.fishes, sea)
+        assert (t.fishes.drift[0, 0] < 0.0) == felt
