@@ -53,12 +53,19 @@ def keep_off(fishes: Fishes, sea: Sea) -> None:
     Between two stones a fish may turn from one into the other: the water in the cleft holds it.
     """
     for i in range(len(fishes.length)):
-        p = vector(fishes.position[i])
+        middle, length = vector(fishes.position[i]), float(fishes.length[i])
+        ahead = rotate(fishes.orientation[i], (1.0, 0.0, 0.0))
+        snout = float(fishes.snout[i])
         for k in range(len(sea.pillars)):
-            _give_way(fishes.drift[i], from_pillar(sea.pillars[k], p))
+            if from_pillar(sea.pillars[k], middle)[1] < STONE_CM + length:
+                for half in range(3):  # snout, middle and tail
+                    place = plus(middle, times(snout - 0.5 * half * length, ahead))
+                    _give_way(fishes.drift[i], from_pillar(sea.pillars[k], place))
         for k in range(len(sea.rocks)):
-            if not far_from_rock(sea.rocks[k], p, STONE_CM):
-                _give_way(fishes.drift[i], from_rock(sea.rocks[k], p))
+            if not far_from_rock(sea.rocks[k], middle, STONE_CM + length):
+                for half in range(3):  # snout, middle and tail
+                    place = plus(middle, times(snout - 0.5 * half * length, ahead))
+                    _give_way(fishes.drift[i], from_rock(sea.rocks[k], place))
 
 
 @njit(cache=True, error_model="numpy")

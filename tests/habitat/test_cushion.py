@@ -82,7 +82,7 @@ def test_stone_is_felt_only_near_by(tank):
     t = tank(1)
     sea = t.sea._replace(rocks=ROCKS[:0], pillars=PILLARS)
     for gap, felt in ((STONE_CM + 0.5, False), (STONE_CM - 0.5, True)):
-        t.fishes.position[0] = 300.0 - 50.0 - gap, 0.0, -300.0
+        t.fishes.position[0] = 250.0 - gap - t.fishes.snout[0], 0.0, -300.0
         t.fishes.drift[:] = 0.0
         keep_off(t.fishes, sea)
         assert (t.fishes.drift[0, 0] < 0.0) == felt
