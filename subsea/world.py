@@ -155,13 +155,7 @@ def _refuse_crowded(scenario: Scenario, source: str) -> None:
 
 
 def _refuse_too_high(scenario: Scenario, sea: Sea, source: str) -> None:
-    """A UserError for a pillar or a rock that is higher than the sea is deep there."""
-    names = rock_rows(scenario, lambda x, y: 0.0)[1]
-    for name, row in zip(names, sea.rocks, strict=True):
-        if (over := row[2] + row[5]) > 0.0:
-            raise UserError(
-                f"{source}: {name} reaches {over:.0f} cm above the surface, expected less"
-            )
+    """A UserError for a pillar that is higher than the sea is deep there."""
     for k, top in enumerate(sea.pillars[:, 3]):
         if top > 0.0:
             given = scenario.pillar[k].height_cm

@@ -230,8 +230,6 @@ def test_a_pillar_stays_below_the_surface(tmp_path):
 @pytest.mark.parametrize(
     ("table", "words"),
     [
-        ("[[rock]]\nposition_cm = [700.0, 0.0]\nsize_cm = [50.0, 50.0, 50.0]\nheight_cm = 900.0",
-         "above the surface, expected less"),
         ("[[reef]]\nkinds = { fan = 0 }", "`kinds` must give a weight above 0 to one of them"),
         ("[[reef]]\nkinds = { fern = 1 }", "kinds`; its keys are: "),
         ("[[outcrop]]\nposition_cm = [0.0, 0.0]\nsize_cm = [50.0, 50.0, 50.0]\nrocks = 200\n" * 2,

@@ -15,7 +15,7 @@ Array = NDArray[np.floating[Any]]
 
 GAP_BL = 0.12  # the cushion begins where skins are so far apart, of the longer body
 FULL_CM_S = 6.0  # how fast two that touch are pushed apart
-STONE_CM, STONE_PER_S = 4.0, 10.0  # so near, and so much faster outward for each cm nearer
+STONE_CM, STONE_PER_S = 4.0, 6.0  # so near, and so much faster outward for each cm nearer
 CLOSEST = 2  # so many neighbours are felt, and the fish that threatens
 
 
@@ -57,21 +57,28 @@ def keep_off(fishes: Fishes, sea: Sea) -> None:
         ahead = rotate(fishes.orientation[i], (1.0, 0.0, 0.0))
         snout = float(fishes.snout[i])
         for k in range(len(sea.pillars)):
-            if from_pillar(sea.pillars[k], middle)[1] < STONE_CM + length:
+            way, gap = from_pillar(sea.pillars[k], middle)
+            if gap < STONE_CM + length:
                 for half in range(3):  # snout, middle and tail
                     place = plus(middle, times(snout - 0.5 * half * length, ahead))
-                    _give_way(fishes.drift[i], from_pillar(sea.pillars[k], place))
+                    other, near = from_pillar(sea.pillars[k], place)
+                    if near < gap:
+                        way, gap = other, near
+                _give_way(fishes.drift[i], way, gap)
         for k in range(len(sea.rocks)):
             if not far_from_rock(sea.rocks[k], middle, STONE_CM + length):
+                way, gap = from_rock(sea.rocks[k], middle)
                 for half in range(3):  # snout, middle and tail
                     place = plus(middle, times(snout - 0.5 * half * length, ahead))
-                    _give_way(fishes.drift[i], from_rock(sea.rocks[k], place))
+                    other, near = from_rock(sea.rocks[k], place)
+                    if near < gap:
+                        way, gap = other, near
+                _give_way(fishes.drift[i], way, gap)
 
 
 @njit(cache=True, error_model="numpy")
-def _give_way(drift: Array, stone: tuple[Vector, float]) -> None:
+def _give_way(drift: Array, way: Vector, gap: float) -> None:
     """Add the water's velocity beside a solid, given the way from it and how far it is."""
-    way, gap = stone
     if gap < STONE_CM:
         speed = STONE_PER_S * (STONE_CM - gap)
         for axis in range(3):

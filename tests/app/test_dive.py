@@ -144,7 +144,7 @@ def test_the_help_fades_under_way_and_comes_back(boat):
 
 
 def test_a_key_goes_through_the_qualities(boat):
-    assert boat.quality.startswith("picture auto: low")  # there is no GPU here
+    assert boat.quality.startswith("picture auto: ")
     for name in ("low", "medium", "high"):
         hands("key", "p")
         until(boat, lambda name=name: boat.quality == f"picture {name}")

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from subsea.render import Renderer
+from subsea.view.levels import LEVELS
 
 SIZE = (320, 180)
 
@@ -20,7 +21,7 @@ def picture(renderer, packet):
     return renderer.read_pixels()
 
 
-@pytest.mark.parametrize("level", [0, 1, 2])
+@pytest.mark.parametrize("level", range(len(LEVELS)))
 def test_both_species_at_every_level(renderer, make_packet, fish, same_picture, level):
     fishes = [
         fish(0, (-12, 40, -193), level=level),
