@@ -1,0 +1,1 @@
+"""Theatres: screens of any shape, the projectors that light them, and how their pictures meet."""
