@@ -5,6 +5,7 @@
 
 uniform mat4 u_view;
 uniform mat4 u_projection;
+uniform float u_without;     // number of the fish through whose eyes this is, below 0 nobody's
 uniform sampler2D u_table;   // control points: column by point, row by recorded frame
 uniform sampler2D u_places;  // column by vertex, row by species: place on the atlas of skins,
                              // third -1 if there is no such fin
@@ -16,7 +17,7 @@ in vec4 i_place;  // cm, scale
 in vec4 i_turn;   // quaternion w, x, y, z
 in vec4 i_pose;   // row a, row b, weight of b, identity
 in vec3 i_fins;   // mouth, dorsal and ventral fin, tail
-in vec3 i_show;   // species, cross-fade, mating colours
+in vec4 i_show;   // species, cross-fade, mating colours, number of the fish
 
 out vec3 v_sky;        // light from all around
 out float v_facing;    // how far it faces the sun, below 0 away from it
@@ -66,5 +67,6 @@ void main() {
     v_skin = own.xy;
     v_fade = i_show.y;
     gl_Position = u_projection * u_view * vec4(world, 1.0);
-    if (own.z < 0.0) gl_Position = vec4(0.0, 0.0, 2.0, 1.0);  // outside
+    // Outside: this species has no such fin, or it is the onlooker's own body.
+    if (own.z < 0.0 || i_show.w == u_without) gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
 }

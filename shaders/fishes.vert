@@ -5,6 +5,7 @@
 
 uniform mat4 u_view;
 uniform mat4 u_projection;
+uniform float u_without;     // number of the fish through whose eyes this is, below 0 nobody's
 uniform sampler2D u_table;     // control points: column by point, row by recorded frame
 uniform sampler2D u_vertices;  // column by vertex, row by species: place on the skin, first
                                // control point of the 3×3 or -1 for none, place along the patch
@@ -20,7 +21,7 @@ in vec4 i_turn;      // quaternion w, x, y, z
 in vec4 i_pose;      // row a, row b, weight of b, identity
 in vec4 i_pectoral;  // left and right sweep, left and right lift
 in vec3 i_fins;      // mouth, dorsal and ventral fin, tail
-in vec3 i_show;      // species, cross-fade, mating colours
+in vec4 i_show;      // species, cross-fade, mating colours, number of the fish
 
 // Centroid: at an edge multisampling would else ask for values outside the triangle.
 centroid out vec3 v_world;
@@ -130,5 +131,6 @@ void main() {
     v_clear = clearness(distance);
     v_veil = water_radiance(ray / distance) * (1.0 - v_clear);
     gl_Position = u_projection * u_view * vec4(v_world, 1.0);
-    if (base < 0) gl_Position = vec4(0.0, 0.0, 2.0, 1.0);  // outside: this species has no such fin
+    // Outside: this species has no such fin, or it is the onlooker's own body.
+    if (base < 0 || i_show.w == u_without) gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
 }

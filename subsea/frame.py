@@ -23,7 +23,7 @@ from subsea.world import TICK_S, World
 Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
 
-# Columns of an instance record: 22 float32, 88 bytes, six attributes in the shader.
+# Columns of an instance record: 23 float32, 92 bytes, six attributes in the shader.
 POSITION = slice(0, 3)  # cm, world, interpolated between the last two ticks
 SCALE = 3  # length of the fish over length of the recorded one (α of SMC eq. 12)
 ORIENTATION = slice(4, 8)  # w, x, y, z, body to world
@@ -35,7 +35,8 @@ KIND = 19  # which species of the scene it is
 # A share f > 0 takes the first f of the pattern, f < 0 the last -f.
 FADE = 20
 DISPLAY = 21  # how much it wears its mating colours, 0 to 1
-INSTANCE_COLUMNS = 22
+FISH = 22  # which fish of the world it is
+INSTANCE_COLUMNS = 23
 
 # Texels of a leaf of seaweed: its nodes from the root to the tip, then what it looks like.
 LEAF_NODES = 8
@@ -85,7 +86,7 @@ class Packet:
 
     time_s: float  # world time, interpolated
     views: tuple[View, ...]
-    instances: Array  # (m, 22) float32, sorted by batch
+    instances: Array  # (m, 23) float32, sorted by batch
     batches: tuple[Batch, ...]  # those at rest, coarsest first, then those that fade
     plankton: Array  # (p, 3) float32 cm
     hidden: int  # fishes culled away
@@ -287,3 +288,4 @@ def _write_instances(
         row[KIND] = fishes.species[i]
         row[FADE] = share[k]
         row[DISPLAY] = fishes.display[i]
+        row[FISH] = i

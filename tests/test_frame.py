@@ -35,6 +35,15 @@ def test_without_culling_every_fish_is_there_once(world):
     )
 
 
+def test_a_record_names_its_fish(world):
+    packet = _pack(world)
+    number = packet.instances[:, frame.FISH].astype(int)
+    np.testing.assert_array_equal(
+        packet.instances[:, frame.IDENTITY], world.state.fishes.identity[number]
+    )
+    assert len(set(number)) == len(number)
+
+
 def test_culling_hides_some_and_keeps_the_rest(world):
     packet, everybody = _pack(world), _pack(world, culling=False)
     assert packet.hidden + len(packet.instances) == len(everybody.instances)

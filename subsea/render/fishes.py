@@ -43,7 +43,7 @@ CELL = paint.SIZE[0] + 2 * GUTTER, paint.SIZE[1] + 2 * GUTTER
 
 JAWS_AHEAD = 0.02  # body lengths from the snout to the tip of a mouth that it ends in
 
-INSTANCE_FORMAT = "4f4 4f4 4f4 4f4 3f4 3f4"
+INSTANCE_FORMAT = "4f4 4f4 4f4 4f4 3f4 4f4"
 INSTANCE_ATTRIBUTES = ("i_place", "i_turn", "i_pose", "i_pectoral", "i_fins", "i_show")
 
 

@@ -255,6 +255,7 @@ class Renderer:
             "u_inverse": _columns(np.linalg.inv(both)),
             "u_eye": tuple(float(x) for x in view.eye),
             "u_size": (float(view.viewport[2]), float(view.viewport[3])),
+            "u_without": float(view.without),
             "u_time": packet.time_s,
             "u_fog": water.fog,
             "u_extinction": -np.log(CONTRAST_LEFT) / water.visibility_cm,

@@ -30,6 +30,7 @@ class View:
     view: Array  # (4, 4) world to eye, looking along -z
     projection: Array  # (4, 4) eye to clip
     eye: Array  # (3,) cm, world
+    without: int = -1  # the fish whose own eye it is: it does not see itself
 
     @cached_property
     def planes(self) -> Array:

@@ -42,6 +42,7 @@ class Fish(NamedTuple):
     scale: float = 1.0
     fade: float = 0.0
     display: float = 0.0
+    number: int = 0
 
 
 @pytest.fixture(scope="module")
@@ -110,7 +111,7 @@ def _group(fish):
 
 
 def record(fish):
-    """The instance record (22,) of an upright fish; its species has rows 2s and 2s + 1."""
+    """The instance record (23,) of an upright fish; its species has rows 2s and 2s + 1."""
     c, s = np.cos(fish.heading), np.sin(fish.heading)
     axes = np.array([[c, 0.0, s], [s, 0.0, -c], [0.0, 1.0, 0.0]])
     rows = (2 * fish.species, 2 * fish.species + 1)
@@ -132,6 +133,7 @@ def record(fish):
             fish.species,
             fish.fade,
             fish.display,
+            fish.number,
         ]
     )
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.frame import FADE
+from subsea.frame import FADE, INSTANCE_COLUMNS
 from subsea.habitat.formations import SUN
 from subsea.render.blobs import COLUMNS, FADING_CM, FARTHEST_CM, HIGHEST_CM, MOST, cast
 
@@ -14,7 +14,7 @@ FAR = np.array([0.0, 0.0, 500.0])  # an eye that casts none
 
 def shadows(fishes, eye=(0.0, 0.0, -90.0), heights=HEIGHTS, fades=0.0):
     """Of fishes (x, y, z, heading), 20 cm long, the last one first; the vessel's left out."""
-    records = np.zeros((len(fishes), 22), np.float32)
+    records = np.zeros((len(fishes), INSTANCE_COLUMNS), np.float32)
     for record, (x, y, z, heading) in zip(records, fishes, strict=True):
         record[:4] = x, y, z, 1.0
         record[4:8] = np.cos(heading / 2), 0.0, 0.0, np.sin(heading / 2)

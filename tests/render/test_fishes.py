@@ -327,6 +327,25 @@ def test_of_a_fade_each_pixel_is_drawn_exactly_once(
         np.testing.assert_array_equal(whole, both)
 
 
+@pytest.mark.parametrize("level", range(5))
+def test_nobody_sees_its_own_body(context, scene, make_packet, fish, level):
+    size = (120, 80)
+    renderer = Renderer(context, scene, size, PRESETS["low"])
+
+    def drawn(fishes, without=-1):
+        packet = make_packet(fishes, size=size)
+        views = tuple(dataclasses.replace(view, without=without) for view in packet.views)
+        renderer.draw(dataclasses.replace(packet, views=views))
+        return renderer.read_pixels().astype(int)
+
+    own = fish(1, (0, 24, -200), level=level, number=7)
+    other = fish(0, (4, 60, -200), level=level, number=8)
+    both, alone, inside = drawn([own, other]), drawn([other]), drawn([own, other], without=7)
+    renderer.release()
+    assert (np.abs(both - alone).max(axis=2) > 2).sum() > 100
+    np.testing.assert_array_equal(inside, alone)
+
+
 def test_coarser_levels_are_decimations_of_the_finest():
     """Whatever they weigh control points with is in the finest table, number for number."""
     for controls in (U, V, FIN_V):
