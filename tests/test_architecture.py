@@ -26,6 +26,7 @@ def test_imports_only_go_up_the_list_of_folders():
         ("Only render imports moderngl", "subsea.render"),
         ("Only app imports glfw and the panel library", "subsea.app"),
         ("Only one module opens HDF5 files", "subsea.hdf5"),
+        ("Only one package speaks to other computers", "subsea.cluster"),
     ],
 )
 def test_a_library_that_one_module_owns_is_forbidden_to_all_others(contract, owner):
