@@ -27,6 +27,7 @@ from subsea.scenario import load_scenario
 from subsea.state import ASCENDING, CIRCLING, COURTSHIP, LOOPING, NO_COURTSHIP, NUZZLING
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.camera import NEAR_CM, View, look, off_axis
+from subsea.view.rigs import display_rig
 from subsea.world import TICK_S, World
 
 Array = NDArray[np.floating[Any]]
@@ -55,7 +56,10 @@ def courtship_plate() -> Image.Image:
     rows = -(-len(moments) // BESIDE)
     plate = Image.new("RGB", (CELL[0] * BESIDE, CELL[1] * rows))
     pictures: dict[str, Image.Image] = {}
-    with headless() as context, picture_maker(context, world, CELL, PRESETS["high"]) as renderer:
+    with (
+        headless() as context,
+        picture_maker(context, world, display_rig("mono", CELL), PRESETS["high"]) as renderer,
+    ):
         for _ in range(int(LIMIT_S / TICK_S)):
             step(world, HANDS_OFF)
             for title, who, comes, *look_from in moments:

@@ -24,7 +24,8 @@ from subsea.render.quality import PRESETS
 from subsea.scenario import load_scenario
 from subsea.state import ESCAPE, HOOKED, PREDATOR, PREY
 from subsea.submarine.helm import HANDS_OFF
-from subsea.view.rigs import Pose, views_for
+from subsea.view.rig import Pose
+from subsea.view.rigs import display_rig, views_for
 from subsea.world import TICK_S, World, create_world
 
 Array = NDArray[np.floating[Any]]
@@ -63,7 +64,9 @@ def strip(
     with headless_context() as context:
         renderer = None
         for world in run(scenario, seed):
-            renderer = renderer or Renderer(context, make_scene(world), CELL, PRESETS["high"])
+            renderer = renderer or Renderer(
+                context, make_scene(world), display_rig("mono", CELL), PRESETS["high"]
+            )
             if world.state.tick in moments:
                 pictures.append(shot(renderer, world, *moments[world.state.tick](world)))
             if world.state.tick >= max(moments):

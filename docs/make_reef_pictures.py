@@ -17,7 +17,8 @@ from subsea.render.quality import PRESETS
 from subsea.scenario import Water
 from subsea.species import load_species
 from subsea.state import Reef
-from subsea.view.rigs import pose, views_for
+from subsea.view.rig import pose
+from subsea.view.rigs import display_rig, views_for
 
 SIZE = (1280, 600)
 DEPTH_CM = 300.0
@@ -65,7 +66,7 @@ def plate() -> Image.Image:
         2.0, (view,), np.zeros((0, INSTANCE_COLUMNS), np.float32), (), np.zeros((0, 3)), 0
     )
     with headless_context() as context:
-        renderer = Renderer(context, scene, SIZE, PRESETS["high"])
+        renderer = Renderer(context, scene, display_rig("mono", SIZE), PRESETS["high"])
         renderer.draw(packet)
         picture = Image.fromarray(renderer.read_pixels())
         renderer.release()

@@ -23,6 +23,7 @@ from subsea.resources import resource_path
 from subsea.scenario import Water
 from subsea.species import load_species, species_names
 from subsea.view.camera import NEAR_CM, View, look, off_axis
+from subsea.view.rigs import display_rig
 
 SPECIES = "ribbon_eel"
 MOMENTS = 9
@@ -82,7 +83,7 @@ def beats() -> Image.Image:
     batches = (Batch(0, 0, len(records)),)
     packet = Packet(1.0, tuple(views), records, batches, np.zeros((0, 3), np.float32), 0)
     with headless_context() as context:
-        renderer = Renderer(context, scene, size, PRESETS["high"])
+        renderer = Renderer(context, scene, display_rig("mono", size), PRESETS["high"])
         renderer.draw(packet)
         picture = Image.fromarray(renderer.read_pixels())
         renderer.release()

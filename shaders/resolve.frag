@@ -1,14 +1,21 @@
-// From linear light to the screen: filmic curve, then sRGB. Where both eyes are on the canvas,
-// the left one's picture above the right one's, they are woven together (view/stereo.py). WEAVE is
-// defined when this is compiled: a software renderer would walk every branch for every pixel.
-// SMOOTH, 0 or 1: whether edges of a plain picture are smoothed.
+// From linear light to the screen: filmic curve, then sRGB. A patch of the canvas comes to its place
+// in the picture (view/rig.py): as it is, through a mesh, or out of the faces of a cube; where two
+// eyes share its pixels, they are woven together. Defined when this is compiled, as a software
+// renderer would walk every branch for every pixel:
+//   WEAVE   how two eyes share pixels        SMOOTH  1: edges of a plain picture are smoothed
+//   SHAPE   what a pixel shows               MASKED  1: blended with its neighbours
+//   LINEAR  1: the canvas holds light; 0: it holds what is to be shown, as a test pattern does
 uniform sampler2D u_picture;
-uniform vec2 u_size;    // pixels of the picture
+uniform sampler2D u_mask;
+uniform vec2 u_size;    // pixels of the output
+uniform vec4 u_place;   // of the patch: x, y, width, height in pixels of the output
+uniform vec4 u_left;    // the same on the canvas, of the left eye ...
+uniform vec4 u_right;   // ... and of the right one
 uniform vec2 u_wide;    // angle of a panorama, tilt of a dome, rad
 uniform float u_margin; // tangent of half a cube face's angle of view
 
-const int PLAIN = 0, LEFT = 1, RIGHT = 2, ROWS = 3, CHECKERS = 4, RED_CYAN = 5, DUBOIS = 6,
-    EQUIRECTANGULAR = 7, DOME = 8, PANORAMA = 9;
+const int PLAIN = 0, ROWS = 1, CHECKERS = 2, RED_CYAN = 3, DUBOIS = 4;
+const int FLAT = 0, WARPED = 1, EQUIRECTANGULAR = 2, DOME = 3, PANORAMA = 4;
 const float PI = 3.14159265358979;
 
 // Dubois, "A projection method to generate anaglyph stereo images" (2001), for red-cyan glasses.
@@ -19,7 +26,8 @@ const mat3 DUBOIS_RIGHT = mat3(
     -0.0434706, 0.378476, -0.0721527, -0.0879388, 0.73364, -0.112961, -0.00155529, -0.0184503,
     1.2264);
 
-in vec2 v_place;
+in vec2 v_place;  // share of the place
+in vec4 v_seen;   // WARPED: shares of the left eye's and the right eye's source
 out vec4 f_colour;
 
 // Narkowicz' fit of the ACES curve, on each channel and on the strongest. Curving each channel
@@ -38,24 +46,36 @@ vec3 to_srgb(vec3 x) {
     return mix(12.92 * x, bright, step(0.0031308, x));
 }
 
-// The pixel of an eye, 0 left or 1 right, at (x, row) from its upper left corner.
-vec3 eye(int which, ivec2 place) {
-    ivec2 canvas = textureSize(u_picture, 0);
-    int top = which == 0 ? canvas.y : canvas.y / 2;
-    return filmic(texelFetch(u_picture, ivec2(place.x, top - 1 - place.y), 0).rgb);
+vec3 curved(vec3 light) {
+    return LINEAR == 1 ? filmic(light) : light;
+}
+
+// What the canvas holds at a place in its own pixels, not mixed with what lies beside the source.
+vec3 held(vec4 source, vec2 inside) {
+    vec2 place = source.xy + clamp(inside, vec2(0.5), source.zw - 0.5);
+    return texture(u_picture, place / vec2(textureSize(u_picture, 0))).rgb;
+}
+
+// The pixel of an eye for this one of the picture, exactly, counted from the upper left corner.
+vec3 pixel(vec4 source) {
+    vec2 size = floor(vec2(v_place.x, 1.0 - v_place.y) * source.zw);
+    ivec2 place = ivec2(source.x + size.x, source.y + source.w - 1.0 - size.y);
+    return texelFetch(u_picture, place, 0).rgb;
+}
+
+vec3 eye(vec4 source, vec2 seen) {
+    return curved(SHAPE == WARPED ? held(source, seen * source.zw) : pixel(source));
 }
 
 vec3 woven() {
-    ivec2 canvas = textureSize(u_picture, 0);
-    int height = WEAVE == ROWS ? canvas.y : canvas.y / 2;
-    ivec2 place = ivec2(int(gl_FragCoord.x), height - 1 - int(gl_FragCoord.y));
-    if (WEAVE == ROWS)
-        return eye(place.y % 2, ivec2(place.x, place.y / 2));
-    if (WEAVE == CHECKERS)
-        return eye((place.x + place.y) % 2, place);
-    if (WEAVE == LEFT || WEAVE == RIGHT)
-        return eye(WEAVE - LEFT, place);
-    vec3 left = eye(0, place), right = eye(1, place);
+    if (WEAVE == ROWS || WEAVE == CHECKERS) {
+        int turn = int(u_size.y) - 1 - int(gl_FragCoord.y);
+        if (WEAVE == CHECKERS)
+            turn += int(gl_FragCoord.x);
+        bool right = turn % 2 == 1;
+        return eye(right ? u_right : u_left, right ? v_seen.zw : v_seen.xy);
+    }
+    vec3 left = eye(u_left, v_seen.xy), right = eye(u_right, v_seen.zw);
     if (WEAVE == RED_CYAN)
         return vec3(left.r, right.gb);
     return clamp(DUBOIS_LEFT * left + DUBOIS_RIGHT * right, 0.0, 1.0);
@@ -63,16 +83,16 @@ vec3 woven() {
 
 // Where a pixel looks: right, up, ahead (view/surround.py). Zero outside a dome.
 vec3 direction() {
-    vec2 place = gl_FragCoord.xy / u_size - 0.5;
-    if (WEAVE == EQUIRECTANGULAR) {
+    vec2 place = v_place - 0.5;
+    if (SHAPE == EQUIRECTANGULAR) {
         float longitude = 2.0 * PI * place.x, latitude = PI * place.y;
         return vec3(sin(longitude) * cos(latitude), sin(latitude), cos(longitude) * cos(latitude));
     }
-    if (WEAVE == PANORAMA) {
+    if (SHAPE == PANORAMA) {
         float longitude = u_wide.x * place.x;
-        return vec3(sin(longitude), u_wide.x * place.y * u_size.y / u_size.x, cos(longitude));
+        return vec3(sin(longitude), u_wide.x * place.y * u_place.w / u_place.z, cos(longitude));
     }
-    vec2 p = place * u_size * 2.0 / min(u_size.x, u_size.y);
+    vec2 p = place * u_place.zw * 2.0 / min(u_place.z, u_place.w);
     float r = length(p);
     if (r > 1.0)
         return vec3(0.0);
@@ -98,7 +118,7 @@ vec3 all_round(vec3 d) {
     }
     vec2 inside = 0.5 + 0.5 * q.xy / (q.z * u_margin);
     vec2 corner = vec2(mod(cell, 3.0), floor(cell / 3.0));
-    return filmic(texture(u_picture, (corner + inside) / vec2(3.0, 2.0)).rgb);
+    return curved(held(u_left, (corner + inside) / vec2(3.0, 2.0) * u_left.zw));
 }
 
 const float HALF = 0.35;  // light that is half as bright as can be, about as the curve has it
@@ -106,22 +126,21 @@ const float HALF = 0.35;  // light that is half as bright as can be, about as th
 // Light as shares of what can be seen, so that a glint weighs no more than its surroundings; and
 // about how bright it looks.
 vec4 tap(vec2 place) {
-    vec3 x = texture(u_picture, place).rgb;
+    vec3 x = held(u_left, place);
     x /= HALF + max(x.r, max(x.g, x.b));
     return vec4(x, sqrt(dot(x, vec3(0.30, 0.59, 0.11))));
 }
 
 // Blends along an edge that its contrast shows (Lottes, "FXAA", 2009, the short form).
 vec3 smoothed(vec2 place) {
-    vec2 pixel = 1.0 / vec2(textureSize(u_picture, 0));
     vec4 middle = tap(place);
-    float a = tap(place + pixel * vec2(-1.0, 1.0)).a, b = tap(place + pixel).a;
-    float c = tap(place - pixel).a, d = tap(place + pixel * vec2(1.0, -1.0)).a;
+    float a = tap(place + vec2(-1.0, 1.0)).a, b = tap(place + 1.0).a;
+    float c = tap(place - 1.0).a, d = tap(place + vec2(1.0, -1.0)).a;
     float least = min(middle.a, min(min(a, b), min(c, d)));
     float most = max(middle.a, max(max(a, b), max(c, d)));
     vec2 along = vec2(c + d - a - b, a + c - b - d);
     float steep = min(abs(along.x), abs(along.y)) + max((a + b + c + d) / 32.0, 1.0 / 128.0);
-    along = clamp(along / steep, -8.0, 8.0) * pixel;
+    along = clamp(along / steep, -8.0, 8.0);
     vec4 near = 0.5 * (tap(place - along / 6.0) + tap(place + along / 6.0));
     vec4 far = 0.5 * near + 0.25 * (tap(place - 0.5 * along) + tap(place + 0.5 * along));
     vec3 x = (far.a < least || far.a > most ? near : far).rgb;
@@ -130,16 +149,22 @@ vec3 smoothed(vec2 place) {
 }
 
 vec3 light() {
-    if (WEAVE == PLAIN)
-        return filmic(SMOOTH == 1 ? smoothed(v_place) : texture(u_picture, v_place).rgb);
-    if (WEAVE < EQUIRECTANGULAR)
+    if (SHAPE >= EQUIRECTANGULAR) {
+        vec3 d = direction();
+        return d == vec3(0.0) ? vec3(0.0) : all_round(d);
+    }
+    if (WEAVE != PLAIN)
         return woven();
-    vec3 d = direction();
-    return d == vec3(0.0) ? vec3(0.0) : all_round(d);
+    vec2 inside = (SHAPE == WARPED ? v_seen.xy : v_place) * u_left.zw;
+    return curved(SMOOTH == 1 ? smoothed(inside) : held(u_left, inside));
 }
 
 void main() {
-    vec3 colour = to_srgb(light());
+    vec3 colour = LINEAR == 1 ? to_srgb(light()) : light();
+    if (MASKED == 1) {
+        vec4 mask = texture(u_mask, v_place);
+        colour = colour * mask.rgb + mask.a;
+    }
     // Half a grey level of fixed noise keeps the water's soft gradients from banding.
     float grain = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
     f_colour = vec4(colour + (grain - 0.5) / 255.0, 1.0);

@@ -1,7 +1,18 @@
-// One triangle that covers the picture.
+// A patch: one triangle that covers it, or a mesh that lies over it (SHAPE, view/rig.py).
+#if SHAPE == 1
+in vec2 in_place;
+in vec4 in_seen;
+#endif
 out vec2 v_place;
+out vec4 v_seen;
 
 void main() {
+#if SHAPE == 1
+    v_place = in_place;
+    v_seen = in_seen;
+#else
     v_place = vec2(gl_VertexID == 1 ? 2.0 : 0.0, gl_VertexID == 2 ? 2.0 : 0.0);
+    v_seen = vec4(0.0);
+#endif
     gl_Position = vec4(2.0 * v_place - 1.0, 0.0, 1.0);
 }

@@ -10,7 +10,8 @@ from subsea.scenario import Seaweed, load_scenario
 from subsea.state import HANGING, HOOKED, LANDED, NOBODY, SINKING, STOWED
 from subsea.submarine.helm import HANDS_OFF, Helm
 from subsea.view.levels import nothing_drawn
-from subsea.view.rigs import cockpit, pose, views_for
+from subsea.view.rig import pose
+from subsea.view.rigs import cockpit, views_for
 
 
 @pytest.fixture(scope="module")

@@ -19,7 +19,7 @@ from subsea.render import Renderer, headless_context
 from subsea.render.quality import PRESETS
 from subsea.scenario import load_scenario
 from subsea.view.levels import LEVELS, nothing_drawn
-from subsea.view.rigs import cockpit, views_for
+from subsea.view.rigs import cockpit, display_rig, views_for
 from subsea.world import World, create_world
 
 SIZE = (1280, 720)
@@ -69,7 +69,7 @@ def each_level(world: World) -> None:
     packet = packed(world)
     count = len(packet.instances)
     with headless_context() as context:
-        renderer = Renderer(context, make_scene(world), SIZE, QUALITY)
+        renderer = Renderer(context, make_scene(world), display_rig("mono", SIZE), QUALITY)
         for level, name in enumerate(LEVELS):
             drawn = replace(packet, batches=(Batch(level, 0, count),))
             cost = drawing_ms(context, renderer, drawn)
@@ -84,7 +84,7 @@ def with_and_without(world: World, number: int) -> None:
     tour = Tour()
     both, neither = packed(world), packed(world, culling=False, lod=False)
     with headless_context() as context:
-        renderer = Renderer(context, make_scene(world), SIZE, QUALITY)
+        renderer = Renderer(context, make_scene(world), display_rig("mono", SIZE), QUALITY)
         costs = [drawing_ms(context, renderer, packet) for packet in (both, neither)]
         renderer.release()
     print(f"{number} fishes, {len(both.instances)} in sight: {costs[0]:.1f} ms")

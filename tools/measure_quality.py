@@ -19,7 +19,7 @@ from subsea.frame import Packet, make_scene, pack
 from subsea.ocean import step
 from subsea.render import Renderer
 from subsea.render.quality import LADDER, PRESETS, Quality
-from subsea.view.rigs import cockpit, views_for
+from subsea.view.rigs import cockpit, display_rig, views_for
 
 AT_TICKS = (30, 60, 90)
 REPEATS = 5
@@ -75,7 +75,7 @@ def main() -> None:
     qualities = variants()
     scene, found = packets(options.scenario, (width, height), qualities)
     with headless() as context:
-        renderer = Renderer(context, scene, (width, height), PRESETS["low"])
+        renderer = Renderer(context, scene, display_rig("mono", (width, height)), PRESETS["low"])
 
         def cost(name: str, clock: Callable[[], float] = time.process_time) -> float:
             def draw() -> None:

@@ -20,7 +20,8 @@ from subsea.places import check_folder
 from subsea.render.quality import PRESETS
 from subsea.resources import resource_names
 from subsea.submarine.helm import HANDS_OFF
-from subsea.view.rigs import Pose, pose, views_for
+from subsea.view.rig import Pose, pose
+from subsea.view.rigs import display_rig, views_for
 from subsea.world import TICK_S, World
 
 Array = NDArray[np.float64]
@@ -88,7 +89,7 @@ def main() -> None:
             for _ in range(round(arguments.seconds / TICK_S)):
                 step(world, HANDS_OFF)
             pictures = []
-            with picture_maker(context, world, size, quality) as renderer:
+            with picture_maker(context, world, display_rig("mono", size), quality) as renderer:
                 for title, eye in viewpoints(world):
                     if arguments.only not in (None, title):
                         continue

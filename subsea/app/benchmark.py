@@ -20,7 +20,8 @@ from subsea.places import check_file, replacing
 from subsea.render.quality import AUTO, LADDER, PRESETS, first_rung, name_of
 from subsea.scenario import load_scenario
 from subsea.view.levels import HIDDEN, LEVELS, nothing_drawn
-from subsea.view.rigs import cockpit, views_for
+from subsea.view.rig import Rig, views
+from subsea.view.rigs import cockpit, display_rig
 from subsea.world import World
 
 if TYPE_CHECKING:
@@ -64,8 +65,9 @@ def benchmark(
         if quality == AUTO:
             hold_ms = target_ms or pacing.target_for(gpu)
         begin = LADDER[first_rung(gpu)] if quality == AUTO else PRESETS[quality]
-        with picture_maker(context, world, size, begin, display) as renderer:
-            measured = measure(world, renderer, context, display, size, frames, without, hold_ms)
+        rig = display_rig(display, size)
+        with picture_maker(context, world, rig, begin) as renderer:
+            measured = measure(world, renderer, context, rig, frames, without, hold_ms)
             drawn = name_of(renderer.quality)
         report = {
             "renderer": gpu,
@@ -92,8 +94,7 @@ def measure(
     world: World,
     renderer: "Renderer",
     context: Any,
-    display: str,
-    size: tuple[int, int],
+    rig: Rig,
     frames: int,
     without: frozenset[str] = frozenset(),
     hold_ms: float | None = None,
@@ -115,14 +116,14 @@ def measure(
         step(world, tour.helm(world))
     memory = nothing_drawn(len(world.state.fishes.species))
     triangles = visible = calls = 0
-    pace = pacing.start(LADDER.index(renderer.quality), display) if hold_ms else None
+    pace = pacing.start(LADDER.index(renderer.quality), rig.exact) if hold_ms else None
     for k in tqdm(range(-WARM_UP_FRAMES, frames), unit="frame", disable=None, leave=False):
         helm = tour.helm(world)  # a visitor's hands would take no time of the program's
         start = time.perf_counter()
         step(world, helm)
-        views = views_for(display, size, cockpit(world.state.submarine, 1.0))
         packet = pack(
-            world, views, 1.0, culling="culling" not in without, lod="lod" not in without,
+            world, views(rig, cockpit(world.state.submarine, 1.0)), 1.0,
+            culling="culling" not in without, lod="lod" not in without,
             detail=renderer.quality.detail, growth=renderer.quality.growth, memory=memory,
         )  # fmt: skip
         packed = time.perf_counter()

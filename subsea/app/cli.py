@@ -276,6 +276,13 @@ def _add_stereo(parser: argparse.ArgumentParser) -> None:
         help="of the real screen: on a wide one the eyes come nearer together, so that nobody's "
         "have to turn outwards",
     )
+    parser.add_argument(
+        "--comfort",
+        type=number(float, 0.1, 10.0),
+        metavar="DEG",
+        help="most that eyes turn between the screen and infinity: 1 tires few people; the eyes "
+        "come nearer together for it (default: no limit)",
+    )
 
 
 def _add_surround(parser: argparse.ArgumentParser) -> None:
@@ -354,11 +361,9 @@ def _size(text: str) -> tuple[int, int]:
 
 
 def _display(text: str) -> str:
-    from subsea.view.stereo import DISPLAYS
+    from subsea.view.rigs import check_display
 
-    if text not in DISPLAYS:
-        raise unknown("display", text, list(DISPLAYS))
-    return text
+    return check_display(text)
 
 
 def _quality(text: str) -> str:
@@ -424,6 +429,7 @@ def _with_optics(options: dict[str, Any]) -> dict[str, Any]:
         "screen_cm": options.pop("screen_distance"),
         "screen_width_cm": options.pop("screen_width"),
         "swapped": options.pop("swap_eyes"),
+        "comfort_deg": options.pop("comfort"),
     }
     stereo = Stereo(**{name: value for name, value in given.items() if value is not None})
     wide = {

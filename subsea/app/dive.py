@@ -16,7 +16,8 @@ from subsea.render import Renderer, page_switch, window_context
 from subsea.render.quality import AUTO, CHOICES, LADDER, PRESETS, Quality, first_rung, name_of
 from subsea.scenario import load_scenario
 from subsea.view.levels import nothing_drawn
-from subsea.view.rigs import cockpit, views_for
+from subsea.view.rig import Rig, views
+from subsea.view.rigs import cockpit, display_rig
 from subsea.view.stereo import EYES, PAGED, Stereo
 from subsea.view.surround import ALL_ROUND, Surround
 from subsea.world import TICK_S
@@ -83,19 +84,17 @@ class Dive:
             self._size = self.window.size
             renderer = self._context.info["GL_RENDERER"]
             self._target_ms = target_ms or pacing.target_for(renderer)
-            self._pace = pacing.start(first_rung(renderer), display)
-            page = page_switch(self.window.get_proc_address) if display == PAGED else one_page
+            self._rig = self._make_rig()
+            self._pace = pacing.start(first_rung(renderer), self._rig.exact)
+            self._page = page_switch(self.window.get_proc_address) if display == PAGED else one_page
             self._renderer = Renderer(
                 self._context,
                 make_scene(self.world),
-                self._size,
+                self._rig,
                 self._chosen(),
-                display=display,
-                surround=surround,
-                page=page,
+                self._page,
             )
             self._memory = nothing_drawn(len(self.world.state.fishes.species))
-            self._panes = panes(display, page)
             undo.callback(self._renderer.release)
             self._undo = undo.pop_all()
 
@@ -116,20 +115,26 @@ class Dive:
             step(self.world, self.pilot.helm(TICK_S))
         if self.window.size != self._size:
             self._size = self.window.size
-            self._renderer.resize(self._size)
+            self._rig = self._make_rig()
+            self._renderer.arrange(self._rig)
         submarine, alpha = self.world.state.submarine, self._clock.alpha
         observer = cockpit(submarine, alpha)
-        views = views_for(self.display, self._size, observer, self._stereo, self._surround)
         quality = self._renderer.quality
         packet = pack(
-            self.world, views, alpha, detail=quality.detail, growth=quality.growth,
-            memory=self._memory,
+            self.world, views(self._rig, observer), alpha,
+            detail=quality.detail, growth=quality.growth, memory=self._memory,
         )  # fmt: skip
         self._renderer.draw(packet, into=self._context.screen)
         throttle, stopping = self.pilot.throttle, self.pilot.stopping
         scale = self.window.text_scale
         self.overlay.draw(
-            submarine, throttle, stopping, elapsed_s, scale, self._panes, self.quality
+            submarine,
+            throttle,
+            stopping,
+            elapsed_s,
+            scale,
+            panes(self._rig, self._page),
+            self.quality,
         )
         if self._quality == AUTO:
             self._context.finish()  # the time of the picture, without waiting for the display
@@ -145,6 +150,9 @@ class Dive:
         """How the picture is drawn, in words."""
         name = name_of(self._renderer.quality)
         return f"picture {name}" if self._quality != AUTO else f"picture auto: {name}"
+
+    def _make_rig(self) -> Rig:
+        return display_rig(self.display, self._size, self._stereo, self._surround)
 
     def _chosen(self) -> Quality:
         return LADDER[self._pace.rung] if self._quality == AUTO else PRESETS[self._quality]

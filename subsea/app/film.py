@@ -16,7 +16,8 @@ from subsea.ocean import step
 from subsea.render.quality import PRESETS
 from subsea.scenario import load_scenario
 from subsea.view.levels import nothing_drawn
-from subsea.view.rigs import cockpit, views_for
+from subsea.view.rig import views
+from subsea.view.rigs import cockpit, display_rig
 from subsea.view.stereo import Stereo
 from subsea.view.surround import Surround
 from subsea.world import TICK_S
@@ -48,14 +49,14 @@ def film(
     if kind == "picture":
         instants = [seconds]
     load_scenario(scenario)
-    preset = PRESETS[quality]
+    preset, rig = PRESETS[quality], display_rig(display, size, stereo, surround)
     durations: list[float] = []
     try:
         with headless() as context:
             world, tour = start_world(scenario, seed), Tour()
             with (
                 interrupts.deferred() as check,
-                picture_maker(context, world, size, preset, display, surround) as renderer,
+                picture_maker(context, world, rig, preset) as renderer,
                 open_reel(out, size, fps) as write,
             ):
                 say(f"filming to {out}")
@@ -68,10 +69,9 @@ def film(
                         check()
                         step(world, tour.helm(world))
                     observer = cockpit(world.state.submarine, alpha)
-                    views = views_for(display, size, observer, stereo, surround)
                     packet = pack(
-                        world, views, alpha, detail=preset.detail, growth=preset.growth,
-                        memory=memory,
+                        world, views(rig, observer), alpha,
+                        detail=preset.detail, growth=preset.growth, memory=memory,
                     )  # fmt: skip
                     renderer.draw(packet)
                     picture = renderer.read_pixels()

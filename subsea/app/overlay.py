@@ -10,7 +10,7 @@ import imgui_bundle
 from imgui_bundle import imgui
 
 from subsea.state import Submarine
-from subsea.view.stereo import LAYOUTS, Weave
+from subsea.view.rig import Rig
 
 # Ten manoeuvres and five more keys, in the words of a sign beside the exhibit.
 HELP = (
@@ -52,16 +52,16 @@ class Pane(NamedTuple):
 WHOLE = Pane()
 
 
-def panes(display: str, page: Callable[[int], None]) -> tuple[Pane, ...]:
-    """Where the text of a display mode goes: once, or once for each eye that has its own part."""
-    layout = LAYOUTS[display]
-    if len(layout.weaves) == 2:
-        return Pane(number=0, page=page), Pane(number=1, page=page)
-    if layout.weaves == (Weave.PLAIN,) and layout.eyes == "beside":
-        return Pane(width=0.5), Pane(x=0.5, width=0.5)
-    if layout.weaves == (Weave.PLAIN,) and layout.eyes == "above":
-        return Pane(height=0.5), Pane(y=0.5, height=0.5)
-    return (WHOLE,)
+def panes(rig: Rig, page: Callable[[int], None]) -> tuple[Pane, ...]:
+    """Where text goes in the first output: in each patch, as each eye may have its own part."""
+    width, height = rig.outputs[0]
+    found = []
+    for patch in rig.patches:
+        if patch.output == 0:
+            x, y, across, up = patch.place
+            share = across / width, up / height
+            found.append(Pane(x / width, 1.0 - y / height - share[1], *share, patch.page, page))
+    return tuple(found)
 
 
 class Overlay:

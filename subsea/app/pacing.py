@@ -10,7 +10,6 @@ from statistics import median
 from typing import NamedTuple, TypeVar
 
 from subsea.render.quality import LADDER, PRESETS, on_software
-from subsea.view.stereo import LAYOUTS
 
 GPU_TARGET_MS = 1000.0 / 60.0
 SOFTWARE_TARGET_MS = 1000.0 / 20.0  # smooth enough to steer; a finer picture is worth more
@@ -37,17 +36,17 @@ class Pace(NamedTuple):
     lowest: int = 0  # the rung below which it does not go
 
 
-def start(rung: int, display: str = "mono") -> Pace:
+def start(rung: int, exact: bool = False) -> Pace:
     """A pace that begins on this rung of the LADDER and knows nothing yet.
 
-    A display whose canvas is always exact has no use for the rungs of smaller ones.
+    A rig whose canvas is `exact` has no use for the rungs of smaller ones.
     """
     ratios, patience = [], []
     for a, b in pairwise(LADDER):
         finer = a.scale != b.scale
         ratios.append((b.scale / a.scale) ** 2 if finer else PRESET_RATIO)
         patience.append(LONG if finer else PATIENT)
-    lowest = 0 if LAYOUTS[display].eyes == "one" else LADDER.index(PRESETS["low"])
+    lowest = LADDER.index(PRESETS["low"]) if exact else 0
     return Pace(rung, 0, (), tuple(ratios), tuple(patience), 0.0, lowest)
 
 

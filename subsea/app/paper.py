@@ -22,7 +22,8 @@ from subsea.species import load_species
 from subsea.state import Array, Fishes
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.camera import View
-from subsea.view.rigs import cockpit, pose, views_for
+from subsea.view.rig import pose
+from subsea.view.rigs import cockpit, display_rig, views_for
 from subsea.world import World
 
 if TYPE_CHECKING:
@@ -151,7 +152,7 @@ def rendering_ms(scenario: str) -> tuple[Drawn, str]:
             step(world, HANDS_OFF)
         views = view_of(world, IN_SIGHT_1999)
         quality = PRESETS["low"]
-        with picture_maker(context, world, SIZE, quality) as renderer:
+        with picture_maker(context, world, display_rig("mono", SIZE), quality) as renderer:
             packet = pack(world, views, 1.0, detail=quality.detail, growth=quality.growth)
             reduced = drawing_ms(renderer, context, packet, REDUCED_PICTURES)
             renderer.adapt(replace(quality, detail=np.inf))  # for what stands still

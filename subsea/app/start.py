@@ -11,8 +11,8 @@ from subsea.frame import make_scene, pack
 from subsea.ocean import step
 from subsea.scenario import load_scenario
 from subsea.submarine.helm import HANDS_OFF
+from subsea.view.rig import Rig
 from subsea.view.rigs import cockpit, views_for
-from subsea.view.surround import ALL_ROUND, Surround
 from subsea.world import World, create_world
 
 if TYPE_CHECKING:
@@ -67,15 +67,13 @@ def headless() -> Iterator[Any]:
 def picture_maker(
     context: Any,
     world: World,
-    size: tuple[int, int],
+    rig: Rig,
     quality: "Quality",
-    display: str = "mono",
-    surround: Surround = ALL_ROUND,
 ) -> Iterator["Renderer"]:
-    """A renderer for pictures of `size`, released in the end."""
+    """A renderer for the pictures of a rig, released in the end."""
     from subsea.render import Renderer
 
-    renderer = Renderer(context, make_scene(world), size, quality, display, surround)
+    renderer = Renderer(context, make_scene(world), rig, quality)
     try:
         yield renderer
     finally:

@@ -26,13 +26,12 @@ from subsea.render.seaweed import Seaweed
 from subsea.render.shafts import UNIT as SHAFTS_UNIT
 from subsea.render.shafts import Shafts
 from subsea.render.solids import Solids, pieces
-from subsea.render.target import Resolve, Target
+from subsea.render.target import Resolve, Target, scaled
 from subsea.render.textures import caustics, tileable_noise, upload
 from subsea.render.water import Water
 from subsea.view.camera import View
 from subsea.view.culling import IN_SIGHT
-from subsea.view.stereo import LAYOUTS, canvas_size
-from subsea.view.surround import ALL_ROUND, Surround
+from subsea.view.rig import Rig, Shape
 
 CONTRAST_LEFT = 0.02  # at the distance that a scenario calls its visibility
 
@@ -44,19 +43,17 @@ class Renderer:
         self,
         context: Any,
         scene: Scene,
-        size: tuple[int, int],
+        rig: Rig,
         quality: Quality = PRESETS["medium"],
-        display: str = "mono",
-        surround: Surround = ALL_ROUND,
         page: Callable[[int], object] = lambda number: None,
     ) -> None:
-        """Make every object for pictures of `size` (width, height) pixels in this `quality`.
+        """Make every object for the pictures of a `rig` in this `quality`.
 
-        `display` is one of `view.stereo.DISPLAYS`, from whose rig the packets' views must come.
-        `page(0)`, `page(1)` choose the left or right buffer of a window that has two.
+        The packets' views must be the rig's. `page(0)`, `page(1)` choose the left or right buffer
+        of a window that has two.
         """
         self._context = context
-        self._display, self._surround, self._page = display, surround, page
+        self._page = page
         self._scene = scene
         self.quality = quality
         self.triangles = 0  # of the last picture
@@ -87,23 +84,24 @@ class Renderer:
         self._hook = Hook(context)
         self._bubbles = Bubbles(context, scene)
         self._particles = Particles(context, scene)
-        self._resolve = Resolve(context, LAYOUTS[display].weaves, quality.smooth)
+        self._resolve = Resolve(context, rig.patches, quality.smooth)
         self._held_for_size: list[Any] = []
-        self._make_target(size, quality)
+        self._make_target(rig, quality)
         self.adapt(quality)
 
     @property
     def size(self) -> tuple[int, int]:
-        """Width and height of the picture in pixels."""
-        return self._size
+        """Width and height of the first picture in pixels."""
+        return self.rig.outputs[0]
 
-    def resize(self, size: tuple[int, int]) -> None:
-        """Change the size of the picture, in pixels (width, height).
+    def arrange(self, rig: Rig) -> None:
+        """Draw for another rig from the next packet on: another size, or another display.
 
         A UserError if the GPU cannot hold it: then it stays as it is.
         """
-        if size != self._size:
-            self._make_target(size, self.quality)
+        if rig is not self.rig:
+            self._make_target(rig, self.quality)
+            self._resolve.arrange(rig.patches)
 
     def adapt(self, quality: Quality) -> None:
         """Draw in this quality from the next picture on.
@@ -112,7 +110,7 @@ class Renderer:
         """
         before = self.quality
         if (before.scale, before.samples) != (quality.scale, quality.samples):
-            self._make_target(self._size, quality)
+            self._make_target(self.rig, quality)
         self.quality = quality
         self._particles.adapt(quality)
         self._shafts.adapt(quality)
@@ -120,9 +118,10 @@ class Renderer:
         self._resolve.adapt(quality)
 
     def draw(self, packet: Packet, into: Any = None) -> None:
-        """Draw every view of a packet and show the result in `into`, a framebuffer.
+        """Draw every view of a packet and show the result.
 
-        None draws into the renderer's own picture, which `read_pixels` returns.
+        `into` is a framebuffer for a rig with a single output. With None the outputs are the
+        renderer's own `pictures`, which `read_pixels` returns.
         """
         context = self._context
         calls, seconds = context.extra.calls, context.extra.seconds
@@ -174,18 +173,28 @@ class Renderer:
             self.triangles += self._particles.draw(packet, view, uniforms)
             self._target.framebuffer.depth_mask = True
         context.scissor = None
-        canvas, into = self._target.picture(), self._own if into is None else into
-        for number, weave in enumerate(LAYOUTS[self._display].weaves):
-            into.use()  # a buffer is chosen of the framebuffer in use
-            self._page(number)
-            self._resolve.draw(canvas, into, self._size, weave, self._surround)
+        self._show(self._target.picture(), into, self._scale(self.rig, self.quality), True)
         self.draw_calls = context.extra.calls - calls
         self.draw_s = context.extra.seconds - seconds
 
-    def read_pixels(self) -> NDArray[np.uint8]:
-        """The last picture drawn into the renderer's own framebuffer: (h, w, 3), top row first."""
-        width, height = self._size
-        data = self._own.read(components=3, alignment=1)
+    def show(self, canvas: NDArray[np.uint8], into: Any = None) -> None:
+        """Show a picture (h, w, 3), top row first, instead of what would be on the canvas.
+
+        As it is, but warped and blended: a test pattern. Its size is that of the rig's canvas.
+        """
+        height, width = canvas.shape[:2]
+        data = np.ascontiguousarray(canvas[::-1]).tobytes()
+        texture = self._context.texture((width, height), 3, data, alignment=1)
+        texture.repeat_x = texture.repeat_y = False
+        try:
+            self._show(texture, into, 1.0, False)
+        finally:
+            texture.release()
+
+    def read_pixels(self, output: int = 0, page: int = 0) -> NDArray[np.uint8]:
+        """The last picture drawn into one of the renderer's own: (h, w, 3), top row first."""
+        width, height = self.rig.outputs[output]
+        data = self._own[output, page].read(components=3, alignment=1)
         return np.frombuffer(data, np.uint8).reshape(height, width, 3)[::-1]
 
     def release(self) -> None:
@@ -198,45 +207,59 @@ class Renderer:
         ):  # fmt: skip
             part.release()
 
-    def _make_target(self, size: tuple[int, int], quality: Quality) -> None:
-        """Canvas and picture of another size or quality instead of those that there are."""
-        canvas = self._scaled(canvas_size(self._display, size, self._surround), quality)
+    def _show(self, canvas: Any, into: Any, scale: float, linear: bool) -> None:
+        """Take every patch of the rig from the canvas to its output."""
+        begun = set()
+        for number, patch in enumerate(self.rig.patches):
+            output = patch.output, patch.page
+            size = self.rig.outputs[patch.output]
+            target = self._own[output] if into is None else into
+            target.use()
+            if into is not None:
+                self._page(patch.page)  # a buffer is chosen of the framebuffer in use
+            if output not in begun and (patch.place[2:] != size or patch.shape == Shape.WARPED):
+                self._context.viewport = (0, 0, *size)
+                target.clear()  # where no patch lies it is dark
+            begun.add(output)
+            self._resolve.draw(canvas, target, size, number, scale, linear)
+
+    def _make_target(self, rig: Rig, quality: Quality) -> None:
+        """Canvas and pictures of another rig or quality instead of those that there are."""
+        canvas = scaled((0, 0, *rig.canvas), self._scale(rig, quality))[2:]
         limit = self._context.info["GL_MAX_TEXTURE_SIZE"]
+        what = " and ".join(f"{width}x{height}" for width, height in rig.outputs)
         if max(canvas) > limit:
             raise UserError(
-                f"a {self._display} picture of {size[0]}x{size[1]} needs a canvas of "
-                f"{canvas[0]}x{canvas[1]} pixels, this GPU holds at most {limit} a side"
+                f"pictures of {what} need a canvas of {canvas[0]}x{canvas[1]} pixels, "
+                f"this GPU holds at most {limit} a side"
             )
         try:
             samples = min(quality.samples, self._context.max_samples)
             target = Target(self._context, canvas, samples)
         except moderngl.Error as fault:
             raise UserError(
-                f"a {self._display} picture of {size[0]}x{size[1]} is more than this GPU can hold; "
-                "take a smaller --size"
+                f"pictures of {what} are more than this GPU can hold; take a smaller --size"
             ) from fault
-        screen = self._context.renderbuffer(size, 4)
-        own = self._context.framebuffer([screen])
+        own, held = {}, [target]
+        self.pictures: dict[tuple[int, int], Any] = {}  # textures by output and page
+        for output, size in enumerate(rig.outputs):
+            for page in range(rig.pages):
+                picture = self._context.texture(size, 4)
+                own[output, page] = self._context.framebuffer([picture])
+                self.pictures[output, page] = picture
+                held += [own[output, page], picture]
         self._release_target()
-        self._size, self._target, self._own = size, target, own
-        self._held_for_size = [target, own, screen]
+        self.rig, self._target, self._own, self._held_for_size = rig, target, own, held
 
-    def _scaled(self, size: tuple[int, int], quality: Quality) -> tuple[int, int]:
-        """Width and height on the canvas for those that a display asks for.
-
-        Only where one eye sees the whole canvas: two are woven from exact rows and pixels, and
-        the faces of a cube have margins in pixels.
-        """
-        scale = quality.scale if LAYOUTS[self._display].eyes == "one" else 1.0
-        return max(round(scale * size[0]), 1), max(round(scale * size[1]), 1)
+    def _scale(self, rig: Rig, quality: Quality) -> float:
+        """How much larger than the rig's the canvas is."""
+        return 1.0 if rig.exact else quality.scale
 
     def _on_canvas(self, view: View) -> View:
         """The view in its place on the canvas."""
-        x, y, width, height = view.viewport
-        scaled = self._scaled((width, height), self.quality)
-        if scaled == (width, height):
-            return view  # which knows its planes already
-        return replace(view, viewport=(x, y, *scaled))
+        scale = self._scale(self.rig, self.quality)
+        # Its planes are known already if it stays the same.
+        return view if scale == 1.0 else replace(view, viewport=scaled(view.viewport, scale))
 
     def _release_target(self) -> None:
         # moderngl binds the last framebuffer again when it makes one; it must not be a freed one.

@@ -1,16 +1,19 @@
 """The picture in linear light, and its way to the screen."""
 
-import math
 from collections.abc import Sequence
 from itertools import chain
 from typing import Any
 
 import moderngl
+import numpy as np
+from numpy.typing import NDArray
 
 from subsea.render.quality import Quality
 from subsea.render.shaders import program, set_uniforms
-from subsea.view.stereo import Weave
-from subsea.view.surround import ALL_ROUND, ROWS, Surround, half_tangent
+from subsea.view.rig import CUBES, Patch, Rect, Shape, Warp, Weave
+from subsea.view.surround import ROWS, half_tangent
+
+MASK_UNIT = 1  # nothing of the scene is drawn any more
 
 LINEAR = moderngl.LINEAR, moderngl.LINEAR
 NEAREST = moderngl.NEAREST, moderngl.NEAREST  # quicker, where each pixel has its own
@@ -55,53 +58,124 @@ class Target:
 
 
 class Resolve:
-    """Tone mapping and sRGB, and both eyes woven together: from a linear canvas to eight bits."""
+    """The patches of a rig: from a linear canvas to eight bits, each at its place."""
 
-    def __init__(self, context: Any, weaves: Sequence[Weave], smooth: bool = False) -> None:
-        """For a display that takes its picture, or pictures, from the canvas in these ways.
-
-        With `smooth` edges are smoothed where a picture is taken as it is.
-        """
+    def __init__(self, context: Any, patches: Sequence[Patch], smooth: bool = False) -> None:
+        """For these patches; with `smooth` edges are smoothed where a patch shows one eye."""
         self._context = context
-        self._made: dict[tuple[Weave, bool], tuple[Any, Any]] = {}
+        self._made: dict[tuple[int, ...], Any] = {}
+        self._plain: dict[tuple[int, ...], Any] = {}  # arrays without vertices
+        self._meshes: list[Any] = []  # (vertices, triangles, arrays by program) of warped patches
+        self._masks: list[Any] = []
         self._smooth = smooth
-        for weave in weaves:
-            self._program(weave)
+        self.arrange(patches)
 
     def adapt(self, quality: Quality) -> None:
         """Smooth edges, or not, from now on."""
         self._smooth = quality.smooth
 
-    def _program(self, weave: Weave) -> tuple[Any, Any]:
-        """The program of a weave, and an array without vertices: compiled once."""
-        key = weave, self._smooth and weave == Weave.PLAIN
-        if key not in self._made:
-            compiled = program(self._context, "resolve", WEAVE=weave, SMOOTH=int(key[1]))
-            self._made[key] = compiled, self._context.vertex_array(compiled, [])
-        return self._made[key]
+    def arrange(self, patches: Sequence[Patch]) -> None:
+        """Other patches from now on."""
+        self._release_patches()
+        self.patches = tuple(patches)
+        for patch in self.patches:
+            self._meshes.append(None if patch.warp is None else self._mesh(patch.warp))
+            self._masks.append(None if patch.mask is None else self._mask(patch.mask))
+        for number in range(len(self.patches)):
+            self._array(number, True)
 
     def draw(
         self,
-        picture: Any,
+        canvas: Any,
         into: Any,
         size: tuple[int, int],
-        weave: Weave,
-        surround: Surround = ALL_ROUND,
+        number: int,
+        scale: float = 1.0,
+        linear: bool = True,
     ) -> None:
-        """Fill the framebuffer `into`, of `size` pixels, from the canvas `picture`."""
+        """Show the patch of this `number` in `into`, a framebuffer of `size` pixels.
+
+        The canvas is as large as the rig's times `scale`. It holds light, or, if not `linear`,
+        what is to be shown as it is.
+        """
+        context, patch = self._context, self.patches[number]
         into.use()
-        self._context.viewport = (0, 0, *size)
-        wide = math.radians(surround.angle_deg), math.radians(surround.tilt_deg)
-        margin = half_tangent(picture.height // ROWS) if weave >= Weave.EQUIRECTANGULAR else 1.0
-        compiled, array = self._program(weave)
-        set_uniforms(compiled, u_size=size, u_wide=wide, u_margin=margin)
-        self._context.disable(self._context.DEPTH_TEST | self._context.BLEND)
-        exact = weave == Weave.PLAIN and picture.size == size and not self._smooth
-        picture.filter = NEAREST if exact else LINEAR
-        picture.use(0)
-        array.render(vertices=3)
+        context.viewport = patch.place
+        context.disable(context.DEPTH_TEST | context.BLEND)
+        compiled, array = self._array(number, linear)
+        left, right = scaled(patch.left, scale), scaled(patch.right, scale)
+        set_uniforms(
+            compiled,
+            u_size=size,
+            u_place=patch.place,
+            u_left=left,
+            u_right=right,
+            u_wide=patch.wide,
+            u_margin=half_tangent(left[3] // ROWS) if patch.shape in CUBES else 1.0,
+            u_mask=MASK_UNIT,
+        )
+        smooth = self._smooth and linear
+        exact = patch.shape == Shape.FLAT and left[2:] == patch.place[2:] and not smooth
+        canvas.filter = NEAREST if exact else LINEAR
+        canvas.use(0)
+        if self._masks[number] is not None:
+            self._masks[number].use(MASK_UNIT)
+        if patch.warp is None:
+            array.render(vertices=3)
+        else:
+            array.render()
 
     def release(self) -> None:
         """Free every OpenGL object."""
-        for held in chain.from_iterable(self._made.values()):
+        self._release_patches()
+        for held in chain(self._plain.values(), self._made.values()):
             held.release()
+
+    def _array(self, number: int, linear: bool) -> tuple[Any, Any]:
+        """The program of a patch, compiled once, and its vertices."""
+        patch = self.patches[number]
+        smooth = self._smooth and linear and patch.weave == Weave.PLAIN and patch.shape not in CUBES
+        masked = patch.mask is not None
+        key = int(patch.weave), int(patch.shape), int(smooth), int(masked), int(linear)
+        if key not in self._made:
+            names = "WEAVE", "SHAPE", "SMOOTH", "MASKED", "LINEAR"
+            constants = dict(zip(names, key, strict=True))
+            self._made[key] = program(self._context, "resolve", **constants)
+            if patch.warp is None:
+                self._plain[key] = self._context.vertex_array(self._made[key], [])
+        if self._meshes[number] is None:
+            return self._made[key], self._plain[key]
+        vertices, triangles, arrays = self._meshes[number]
+        if key not in arrays:
+            arrays[key] = self._context.vertex_array(
+                self._made[key], [(vertices, "2f 4f", "in_place", "in_seen")], triangles
+            )
+        return self._made[key], arrays[key]
+
+    def _mesh(self, warp: Warp) -> tuple[Any, Any, dict[tuple[int, ...], Any]]:
+        vertices = self._context.buffer(np.ascontiguousarray(warp.vertices, "f4").tobytes())
+        triangles = self._context.buffer(np.ascontiguousarray(warp.triangles, "i4").tobytes())
+        return vertices, triangles, {}
+
+    def _mask(self, mask: NDArray[np.floating[Any]]) -> Any:
+        height, width = mask.shape[:2]
+        data = np.ascontiguousarray(mask[::-1], "f2").tobytes()
+        texture = self._context.texture((width, height), 4, data, dtype="f2")
+        texture.repeat_x = texture.repeat_y = False
+        return texture
+
+    def _release_patches(self) -> None:
+        for vertices, triangles, arrays in filter(None, self._meshes):
+            for held in (*arrays.values(), triangles, vertices):
+                held.release()
+        for mask in filter(None, self._masks):
+            mask.release()
+        self._meshes, self._masks = [], []
+
+
+def scaled(rect: Rect, scale: float) -> Rect:
+    """A rectangle on a canvas that is `scale` times as large; neighbours still meet."""
+    x, y, width, height = rect
+    left, bottom = round(scale * x), round(scale * y)
+    right, top = round(scale * (x + width)), round(scale * (y + height))
+    return left, bottom, max(right - left, 1), max(top - bottom, 1)

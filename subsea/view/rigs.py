@@ -1,39 +1,47 @@
-"""Rigs: from where the submarine is to the list of views that a display needs."""
+"""Rigs of the display modes: one eye, two eyes, or all round."""
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.errors import unknown
 from subsea.state import Submarine
-from subsea.view.camera import NEAR_CM, View, look, off_axis
-from subsea.view.stereo import EYES, LAYOUTS, Stereo, canvas_size
-from subsea.view.surround import ALL_ROUND, COLUMNS, FACES, Surround, half_tangent
+from subsea.view.camera import NEAR_CM, View, off_axis
+from subsea.view.rig import Eye, Patch, Pose, Rect, Rig, Shape, pose, views
+from subsea.view.stereo import EYES, LAYOUTS, Stereo, canvas_of, halves, patches_of
+from subsea.view.surround import (
+    ALL_ROUND,
+    COLUMNS,
+    FACES,
+    MARGIN_PX,
+    ROWS,
+    Surround,
+    face_size,
+    half_tangent,
+    looked_at,
+)
 
 Array = NDArray[np.floating[Any]]
 
+SURROUNDS = {
+    "panorama": Shape.PANORAMA,
+    "dome": Shape.DOME,
+    "equirectangular": Shape.EQUIRECTANGULAR,
+}
 LEVEL = ("equirectangular", "dome")  # displays whose horizon stays level
+DISPLAYS = ("mono", *LAYOUTS, *SURROUNDS)
 
+AHEAD = np.eye(3)  # axes of an eye that looks where the observer does
 VERTICAL_FOV = np.radians(55.0)
 WINDOW_AHEAD_CM = 20.0  # the eye sits this far before the hull's centre
 
 
-class Pose(NamedTuple):
-    """Where an observer is and how it looks."""
-
-    eye: Array  # (3,) cm
-    forward: Array  # (3,) unit
-    up: Array  # (3,) unit
-
-
-def pose(eye: Array, heading: float, pitch: float) -> Pose:
-    """A pose from the angles in radians: heading left positive from +x, pitch up positive."""
-    ch, sh, cp, sp = np.cos(heading), np.sin(heading), np.cos(pitch), np.sin(pitch)
-    return Pose(
-        np.asarray(eye, np.float64),
-        np.array([ch * cp, sh * cp, sp]),
-        np.array([-ch * sp, -sh * sp, cp]),
-    )
+def check_display(name: str) -> str:
+    """The name of a display mode; another one is a UserError."""
+    if name not in DISPLAYS:
+        raise unknown("display", name, list(DISPLAYS))
+    return name
 
 
 def cockpit(submarine: Submarine, alpha: float) -> Pose:
@@ -48,6 +56,48 @@ def cockpit(submarine: Submarine, alpha: float) -> Pose:
     return looking._replace(eye=position + WINDOW_AHEAD_CM * looking.forward)
 
 
+def display_rig(
+    display: str,
+    size: tuple[int, int],
+    stereo: Stereo = EYES,
+    surround: Surround = ALL_ROUND,
+) -> Rig:
+    """The rig of a display mode for one picture of `size` pixels (width, height).
+
+    The left eye comes first. A picture of all directions keeps its horizon level.
+    """
+    place: Rect = (0, 0, *size)
+    if display in SURROUNDS:
+        face = face_size(display, size, surround)
+        canvas = COLUMNS * face, ROWS * face
+        patch = Patch(
+            place,
+            (0, 0, *canvas),
+            (0, 0, *canvas),
+            shape=SURROUNDS[display],
+            wide=(float(np.radians(surround.angle_deg)), float(np.radians(surround.tilt_deg))),
+        )
+        eyes = cube((0, 0), face, looked_at(display, size, surround))
+        return Rig(canvas, (size,), eyes, (patch,), level=display in LEVEL)
+    # Where both eyes share the picture each is stretched over it, so the picture's aspect counts.
+    aspect = size[0] / size[1]
+    if display == "mono":
+        eye = _eye(place, aspect, 0.0, stereo)
+        return Rig(size, (size,), (eye,), (Patch(place, place, place),))
+    layout = LAYOUTS[display]
+    canvas = canvas_of(layout, size)
+    whole: Rect = (0, 0, *canvas)
+    window = 2.0 * stereo.screen_cm * aspect * np.tan(VERTICAL_FOV / 2)
+    half = stereo.eyes(float(window)) / 2 * (-1 if stereo.swapped else 1)
+    left, right = halves(whole, layout.beside)
+    return Rig(
+        canvas,
+        (size,),
+        (_eye(left, aspect, -half, stereo), _eye(right, aspect, half, stereo)),
+        patches_of(layout, place, whole, Patch(place, whole, whole)),
+    )
+
+
 def views_for(
     display: str,
     size: tuple[int, int],
@@ -55,64 +105,43 @@ def views_for(
     stereo: Stereo = EYES,
     surround: Surround = ALL_ROUND,
 ) -> tuple[View, ...]:
-    """The views of a display mode for a picture of `size` pixels (width, height).
+    """The views of a display mode's rig, see `display_rig`, from where the observer is."""
+    return views(display_rig(display, size, stereo, surround), observer)
 
-    Their viewports lie on the mode's canvas (`stereo.canvas_size`), the left eye's comes first.
-    A picture of all directions keeps its horizon level, whatever the submarine's pitch.
+
+def cube(
+    corner: tuple[int, int], face: int, shown: list[Array | None], offset: Array | None = None
+) -> tuple[Eye, ...]:
+    """Eyes through the faces of a cube of `face` pixels, whose canvas begins at `corner`.
+
+    Of each face only the part that is `shown` (`surround.looked_at`) is drawn, and a margin.
     """
-    width, height = canvas_size(display, size, surround)
-    if LAYOUTS[display].eyes == "cube":
-        return _cube(width // COLUMNS, levelled(observer) if display in LEVEL else observer)
-    # Where both eyes share the picture each is stretched over it, so the picture's aspect counts.
-    aspect = size[0] / size[1]
-    eyes = LAYOUTS[display].eyes
-    if eyes == "one":
-        return (_eye_view((0, 0, width, height), aspect, observer, 0.0, stereo),)
-    if eyes == "beside":
-        left, right = (0, 0, width // 2, height), (width // 2, 0, width - width // 2, height)
-    else:
-        left, right = (0, height // 2, width, height - height // 2), (0, 0, width, height // 2)
-    window = 2.0 * stereo.screen_cm * aspect * np.tan(VERTICAL_FOV / 2)
-    half = stereo.eyes(float(window)) / 2 * (-1 if stereo.swapped else 1)
-    return (
-        _eye_view(left, aspect, observer, -half, stereo),
-        _eye_view(right, aspect, observer, half, stereo),
-    )
-
-
-def levelled(observer: Pose) -> Pose:
-    """The same observer with the head upright, looking level."""
-    heading = float(np.arctan2(observer.forward[1], observer.forward[0]))
-    return pose(observer.eye, heading, 0.0)
-
-
-def _cube(face: int, observer: Pose) -> tuple[View, ...]:
-    """A view through each face of a cube about the observer."""
-    axes = np.stack([np.cross(observer.forward, observer.up), observer.up, observer.forward])
-    edge = NEAR_CM * half_tangent(face)
-    projection = off_axis(-edge, edge, -edge, edge)
-    return tuple(
-        View(
-            (number % COLUMNS * face, number // COLUMNS * face, face, face),
-            look(observer.eye, np.array(forward) @ axes, np.array(up) @ axes),
-            projection,
-            observer.eye,
+    eyes, half = [], half_tangent(face)
+    for number, (part, (forward, up)) in enumerate(zip(shown, FACES, strict=True)):
+        if part is None:
+            continue
+        pixels = face / 2 * (1.0 + part / half)  # from the face's lower left corner
+        low, high = np.floor(pixels[::2]) - MARGIN_PX, np.ceil(pixels[1::2]) + MARGIN_PX
+        low, high = np.maximum(low, 0).astype(int), np.minimum(high, face).astype(int)
+        left, bottom = NEAR_CM * half * (2.0 * low / face - 1.0)
+        right, top = NEAR_CM * half * (2.0 * high / face - 1.0)
+        x = corner[0] + number % COLUMNS * face + int(low[0])
+        y = corner[1] + number // COLUMNS * face + int(low[1])
+        axes = np.array([np.cross(up, forward), up, forward])
+        eyes.append(
+            Eye(
+                (x, y, int(high[0] - low[0]), int(high[1] - low[1])),
+                np.zeros(3) if offset is None else offset,
+                axes,
+                off_axis(float(left), float(right), float(bottom), float(top)),
+            )
         )
-        for number, (forward, up) in enumerate(FACES)
-    )
+    return tuple(eyes)
 
 
-def _eye_view(
-    viewport: tuple[int, int, int, int],
-    aspect: float,
-    observer: Pose,
-    offset: float,
-    stereo: Stereo,
-) -> View:
+def _eye(viewport: Rect, aspect: float, offset: float, stereo: Stereo) -> Eye:
     """An eye `offset` cm right of the observer; its frustum leans back to the common screen."""
-    side = np.cross(observer.forward, observer.up)
-    eye = observer.eye + offset * side
     top = NEAR_CM * np.tan(VERTICAL_FOV / 2)
     lean = -offset * NEAR_CM / stereo.screen_cm
     projection = off_axis(lean - aspect * top, lean + aspect * top, -top, top)
-    return View(viewport, look(eye, observer.forward, observer.up), projection, eye)
+    return Eye(viewport, np.array([offset, 0.0, 0.0]), AHEAD, projection)

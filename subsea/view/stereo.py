@@ -1,13 +1,10 @@
-"""Displays: what a mode draws, and how it becomes the picture, for two eyes or all round.
+"""Two eyes: how far apart they are, and which parts of canvas and picture are theirs."""
 
-Where a display shows both pictures at once, in colours, rows or pixels, the renderer draws one
-above the other on a *canvas* and weaves them into the picture in the end.
-"""
-
-from enum import IntEnum
 from typing import NamedTuple
 
-from subsea.view.surround import ALL_ROUND, COLUMNS, ROWS, Surround, face_size
+import numpy as np
+
+from subsea.view.rig import Patch, Rect, Weave
 
 EYE_SEPARATION_CM = 6.4
 SCREEN_DISTANCE_CM = 120.0
@@ -20,6 +17,7 @@ class Stereo(NamedTuple):
     screen_cm: float = SCREEN_DISTANCE_CM  # where both eyes' pictures coincide
     screen_width_cm: float | None = None  # of the real screen, in real centimetres
     swapped: bool = False  # the left eye gets the right one's picture
+    comfort_deg: float | None = None  # most that eyes turn between screen and infinity
 
     def eyes(self, window_cm: float) -> float:
         """How far apart the eyes are, if the screen shows `window_cm` of the sea at its distance.
@@ -27,61 +25,71 @@ class Stereo(NamedTuple):
         What is infinitely far lies on the screen as far apart for the two eyes as they are
         themselves. On a screen so wide that this is more than a person's eyes are apart, they
         would have to turn outwards, which they cannot: then they are brought nearer together.
+
+        Between the screen and infinity the eyes turn by separation over distance, and by as much
+        again to what is at half the screen's distance, while they keep focusing on the screen:
+        what tires. `comfort_deg` limits that angle.
         """
-        if self.screen_width_cm is None:
-            return self.separation_cm
-        return min(self.separation_cm, EYE_SEPARATION_CM * window_cm / self.screen_width_cm)
+        apart = self.separation_cm
+        if self.screen_width_cm is not None:
+            apart = min(apart, EYE_SEPARATION_CM * window_cm / self.screen_width_cm)
+        if self.comfort_deg is not None:
+            apart = min(apart, float(np.radians(self.comfort_deg)) * self.screen_cm)
+        return apart
 
 
 EYES = Stereo()
 
 
-class Weave(IntEnum):
-    """How a pixel comes from the canvas; the numbers are those of `shaders/resolve.frag`."""
-
-    PLAIN = 0
-    LEFT = 1  # the upper half alone ...
-    RIGHT = 2  # ... and the lower
-    ROWS = 3  # left and right in turn, the topmost row is left
-    CHECKERS = 4  # the same within each row, the upper left pixel is left
-    RED_CYAN = 5  # red from the left eye, green and blue from the right
-    DUBOIS = 6  # the same with colours mixed so that both eyes see about the same brightness
-    EQUIRECTANGULAR = 7  # from the faces of a cube, as the next two
-    DOME = 8
-    PANORAMA = 9
-
-
 class Layout(NamedTuple):
-    """What a display mode draws, and how that becomes the picture."""
+    """How a stereo mode divides the canvas and the picture between the eyes."""
 
-    eyes: str  # "one", "beside" (left eye left), "above" (left eye above), or "cube"
-    tall: bool  # the canvas is twice as high as the picture: each eye in full
-    weaves: tuple[Weave, ...]  # one for each buffer of the window
+    beside: bool = False  # each eye has half of the canvas' width, else half of its height
+    tall: bool = False  # the canvas is twice as high as the picture: each eye in full
+    weave: Weave = Weave.PLAIN
+    paged: bool = False  # each eye has a buffer of its own
 
 
 LAYOUTS = {
-    "mono": Layout("one", False, (Weave.PLAIN,)),
-    "stereo": Layout("above", True, (Weave.LEFT, Weave.RIGHT)),
-    "side-by-side": Layout("beside", False, (Weave.PLAIN,)),
-    "top-bottom": Layout("above", False, (Weave.PLAIN,)),
-    "anaglyph": Layout("above", True, (Weave.RED_CYAN,)),
-    "anaglyph-comfort": Layout("above", True, (Weave.DUBOIS,)),
-    "interlaced": Layout("above", False, (Weave.ROWS,)),
-    "checkerboard": Layout("above", True, (Weave.CHECKERS,)),
-    "panorama": Layout("cube", False, (Weave.PANORAMA,)),
-    "dome": Layout("cube", False, (Weave.DOME,)),
-    "equirectangular": Layout("cube", False, (Weave.EQUIRECTANGULAR,)),
+    "stereo": Layout(tall=True, paged=True),
+    "side-by-side": Layout(beside=True),
+    "top-bottom": Layout(),
+    "anaglyph": Layout(tall=True, weave=Weave.RED_CYAN),
+    "anaglyph-comfort": Layout(tall=True, weave=Weave.DUBOIS),
+    "interlaced": Layout(weave=Weave.ROWS),
+    "checkerboard": Layout(tall=True, weave=Weave.CHECKERS),
 }
-DISPLAYS = tuple(LAYOUTS)
 PAGED = "stereo"  # needs a window with a buffer for each eye
 OTHER_STEREO = "side-by-side, top-bottom, anaglyph, interlaced or checkerboard"
 
 
-def canvas_size(
-    display: str, size: tuple[int, int], surround: Surround = ALL_ROUND
-) -> tuple[int, int]:
-    """Pixels of the canvas for a picture of `size` (width, height)."""
-    if LAYOUTS[display].eyes == "cube":
-        face = face_size(display, size, surround)
-        return COLUMNS * face, ROWS * face
-    return size[0], 2 * size[1] if LAYOUTS[display].tall else size[1]
+def halves(rect: Rect, beside: bool) -> tuple[Rect, Rect]:
+    """The left eye's and the right eye's part of a rectangle: left and right, or upper and lower.
+
+    Of an odd number of rows the upper half has one more, of an odd number of columns the right.
+    """
+    x, y, width, height = rect
+    if beside:
+        return (x, y, width // 2, height), (x + width // 2, y, width - width // 2, height)
+    return (x, y + height // 2, width, height - height // 2), (x, y, width, height // 2)
+
+
+def canvas_of(layout: Layout, size: tuple[int, int]) -> tuple[int, int]:
+    """Pixels of the canvas that two eyes need for a picture of `size`."""
+    return size[0], 2 * size[1] if layout.tall else size[1]
+
+
+def patches_of(layout: Layout, place: Rect, canvas: Rect, like: Patch) -> tuple[Patch, ...]:
+    """How both eyes, whose pictures fill `canvas`, come to `place`; all else as in `like`."""
+    left, right = halves(canvas, layout.beside)
+    if layout.paged:
+        return tuple(
+            like._replace(place=place, left=eye, right=eye, page=page)
+            for page, eye in enumerate((left, right))
+        )
+    if layout.weave != Weave.PLAIN:
+        return (like._replace(place=place, left=left, right=right, weave=layout.weave),)
+    return tuple(
+        like._replace(place=part, left=eye, right=eye)
+        for part, eye in zip(halves(place, layout.beside), (left, right), strict=True)
+    )

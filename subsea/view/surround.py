@@ -24,6 +24,8 @@ FACES = (
 )
 COLUMNS, ROWS = 3, 2
 MARGIN_PX = 12  # by which a face is wider than a right angle: half the largest speck of plankton
+STEPS = 256  # places a side of a picture at which is looked what it shows of each face
+UNSURE = 16.0 / STEPS  # of half a face: no two of those places are farther apart on it
 LARGEST_FACE = 2560  # pixels: three of them side by side are a texture that GPUs of today hold
 
 
@@ -46,6 +48,34 @@ def face_size(display: str, size: tuple[int, int], surround: Surround) -> int:
         "panorama": width / np.radians(surround.angle_deg),
     }[display]
     return int(np.clip(np.ceil(2 * per_radian), 16, LARGEST_FACE)) + 2 * MARGIN_PX
+
+
+def on_faces(d: Array) -> tuple[NDArray[np.int_], Array]:
+    """On which face directions (n, 3) lie, (n,), and where there, (n, 2) in [-1, 1]."""
+    axes = np.array([[np.cross(up, ahead), up, ahead] for ahead, up in FACES])
+    number = np.argmax(axes[:, 2] @ d.T, axis=0)
+    own = np.einsum("nij,nj->ni", axes[number], d)
+    return number, own[:, :2] / own[:, 2:]
+
+
+def looked_at(display: str, size: tuple[int, int], surround: Surround) -> list[Array | None]:
+    """Of each face the part that the picture shows, (4,): left, right, bottom, top in [-1, 1].
+
+    None where it shows nothing of a face: then that view need not be drawn.
+    """
+    x, y = (np.linspace(0.0, pixels, STEPS + 1) for pixels in size)
+    pixels = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+    d = directions(display, size, surround, pixels)
+    number, place = on_faces(d[~np.isnan(d[:, 0])])
+    found: list[Array | None] = []
+    for face in range(len(FACES)):
+        own = place[number == face]
+        if not len(own):
+            found.append(None)
+            continue
+        low, high = own.min(axis=0) - UNSURE, own.max(axis=0) + UNSURE
+        found.append(np.clip([low[0], high[0], low[1], high[1]], -1.0, 1.0))
+    return found
 
 
 def half_tangent(face: int) -> float:

@@ -10,7 +10,8 @@ from PIL import ImageGrab
 
 from subsea.app.dive import Dive
 from subsea.resources import resource_path
-from subsea.view.stereo import DISPLAYS, PAGED
+from subsea.view.rigs import DISPLAYS
+from subsea.view.stereo import PAGED
 
 SIZE = (320, 200)
 SHOWN = [name for name in DISPLAYS if name not in ("mono", PAGED)]

@@ -15,7 +15,8 @@ from subsea.render import headless_context
 from subsea.scenario import Water
 from subsea.species import load_species
 from subsea.view.levels import LEVELS
-from subsea.view.rigs import pose, views_for
+from subsea.view.rig import pose
+from subsea.view.rigs import views_for
 
 PICTURES = Path(__file__).parent / "pictures"
 SIZE = (320, 180)

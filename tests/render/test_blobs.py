@@ -6,6 +6,7 @@ import pytest
 from subsea.frame import FADE, INSTANCE_COLUMNS
 from subsea.habitat.formations import SUN
 from subsea.render.blobs import COLUMNS, FADING_CM, FARTHEST_CM, HIGHEST_CM, MOST, cast
+from subsea.view.rigs import display_rig
 
 WIDTH, SAND = 900.0, -300.0
 HEIGHTS = np.full((31, 31), SAND, np.float32)
@@ -91,7 +92,7 @@ def test_the_sand_is_darker_there(context, scene, make_packet, fish):
 
     sand = scene.terrain[len(scene.terrain) // 2, len(scene.terrain) // 2]
     eye = (0.0, -70.0, float(sand) + 90.0)
-    renderer = Renderer(context, scene, (160, 90))
+    renderer = Renderer(context, scene, display_rig("mono", (160, 90)))
     pictures = []
     for z in (sand + 12.0, sand + 1000.0):
         # The fish that is seen is elsewhere; the sun comes from ahead and aside.

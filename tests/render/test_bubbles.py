@@ -11,7 +11,8 @@ from subsea.render import Renderer
 from subsea.render.bubbles import STREAM_CM, in_sight, slots, stream, terminal_speed
 from subsea.render.quality import PRESETS
 from subsea.render.shaders import set_uniforms, source
-from subsea.view.rigs import pose, views_for
+from subsea.view.rig import pose
+from subsea.view.rigs import display_rig, views_for
 
 FOOT = (10.0, -20.0, -500.0)
 SIZE_CM = 1.5
@@ -128,7 +129,9 @@ def test_only_vents_in_sight_are_drawn(context, scene, make_packet):
     low = replace(PRESETS["low"], snow=0)
     pictures, triangles = [], []
     for kept in (vents[:0], vents[:1], vents[1:], vents):
-        renderer = Renderer(context, replace(scene, vents=kept), (160, 90), low)
+        renderer = Renderer(
+            context, replace(scene, vents=kept), display_rig("mono", (160, 90)), low
+        )
         renderer.draw(make_packet([], size=(160, 90), time_s=60.0))
         pictures.append(renderer.read_pixels().astype(int))
         triangles.append(renderer.triangles)

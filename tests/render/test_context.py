@@ -10,6 +10,7 @@ import pytest
 
 from subsea.errors import UserError
 from subsea.render import Renderer, headless_context, window_context
+from subsea.view.rigs import display_rig
 
 DRAW = """
 import numpy as np
@@ -17,7 +18,8 @@ from subsea.frame import Packet, Scene
 from subsea.render import Renderer, headless_context
 from subsea.scenario import Water
 from subsea.species import load_species
-from subsea.view.rigs import pose, views_for
+from subsea.view.rig import pose
+from subsea.view.rigs import display_rig, views_for
 
 context = headless_context()
 scene = Scene(
@@ -26,7 +28,7 @@ scene = Scene(
     terrain_half_width_cm=500.0,
     water=Water(fog=(0.0, 0.1, 0.2), visibility_cm=900.0),
 )
-renderer = Renderer(context, scene, (64, 36))
+renderer = Renderer(context, scene, display_rig("mono", (64, 36)))
 views = views_for("mono", (64, 36), pose(np.array([0.0, 0.0, -200.0]), 0.0, 0.0))
 empty = np.zeros((0, 16), np.float32)
 renderer.draw(Packet(0.0, views, empty, (), np.zeros((0, 3), np.float32), 0))
@@ -69,7 +71,7 @@ def test_no_opengl_at_all_says_what_to_install(monkeypatch, make):
 
 
 def test_drawing_calls_are_counted_and_timed(context, scene, make_packet, fish):
-    renderer = Renderer(context, scene, (64, 36))
+    renderer = Renderer(context, scene, display_rig("mono", (64, 36)))
     for _ in range(2):  # the first picture also makes what is made once
         renderer.draw(make_packet([], size=(64, 36)))
     without = renderer.draw_calls

@@ -16,6 +16,7 @@ from subsea.render.quality import PRESETS
 from subsea.render.seabed import drawn_height
 from subsea.scenario import load_scenario
 from subsea.state import Reef
+from subsea.view.rigs import display_rig
 
 MOST = (5000, 2100, 800, 480, 60)  # triangles at each level
 FORMS = [(kind, variant) for kind in SHAPES for variant in range(VARIANTS)]
@@ -203,7 +204,12 @@ def garden(scene):
 
 
 def drawn(context, scene, packet, **quality):
-    renderer = Renderer(context, scene, (320, 180), quality=replace(PRESETS["medium"], **quality))
+    renderer = Renderer(
+        context,
+        scene,
+        display_rig("mono", (320, 180)),
+        quality=replace(PRESETS["medium"], **quality),
+    )
     renderer.draw(packet)
     out = renderer.read_pixels().astype(int), renderer.triangles
     renderer.release()

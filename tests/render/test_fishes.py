@@ -45,6 +45,7 @@ from subsea.render.shaders import set_uniforms, source
 from subsea.repertoire import read_repertoire
 from subsea.resources import resource_path
 from subsea.species import load_species
+from subsea.view.rigs import display_rig
 
 PART, ALONG, SIDE = 12, 13, 14  # columns of a vertex
 MESHES = [fish_mesh(detail) for detail in DETAILS]
@@ -243,7 +244,7 @@ def test_fins_that_a_species_lacks_are_drawn_nowhere(level):
 def test_levels_agree_in_silhouette(context, scene, make_packet, fish, species):
     """All but specks at the size of a near fish, specks where a fish is as small as they are."""
     size = (240, 160)
-    renderer = Renderer(context, scene, size)
+    renderer = Renderer(context, scene, display_rig("mono", size))
     renderer.draw(make_packet([], size=size))
     empty = renderer.read_pixels().astype(int)
     shapes = []
@@ -262,7 +263,7 @@ def test_levels_agree_in_silhouette(context, scene, make_packet, fish, species):
 def test_a_speck_looks_like_the_level_before_it(context, scene, make_packet, fish, species):
     """About as large and as bright, where one gives way to the other: 24 pixels long."""
     size = (60, 40)
-    renderer = Renderer(context, scene, size, PRESETS["low"])
+    renderer = Renderer(context, scene, display_rig("mono", size), PRESETS["low"])
     silhouettes, sums = [], []
     for level in (3, 4):
         shape, colour = np.zeros(size[::-1]), np.zeros(3)
@@ -306,7 +307,7 @@ def test_of_a_fade_each_pixel_is_drawn_exactly_once(
     Were a pixel drawn twice its fins would be denser, were it left out the water would show.
     """
     size = (120, 80)
-    renderer = Renderer(context, scene, size, PRESETS["low"])
+    renderer = Renderer(context, scene, display_rig("mono", size), PRESETS["low"])
 
     def drawn(*fades):
         selves = [fish(1, (0, 24, -200), heading=2.8, level=level, fade=fade) for fade in fades]
@@ -453,7 +454,7 @@ def test_the_number_of_calls_does_not_depend_on_the_fishes(
     made = []
     render = fishes.Fishes._render
     monkeypatch.setattr(fishes.Fishes, "_render", lambda *a: (made.append(a), render(*a)))
-    renderer = Renderer(context, scene, (64, 48))
+    renderer = Renderer(context, scene, display_rig("mono", (64, 48)))
     calls = []
     renderer.draw(make_packet([], size=(64, 48)))  # the very first picture has a few more
     for number in (2, 40):
@@ -471,7 +472,7 @@ def test_the_number_of_calls_does_not_depend_on_the_fishes(
 def test_a_fin_hides_no_fin_behind_it(context, scene, make_packet, fish):
     """`frame.pack` puts the farther fish first: its fin shows through the nearer one's."""
     size = (240, 160)
-    renderer = Renderer(context, scene, size, PRESETS["low"])
+    renderer = Renderer(context, scene, display_rig("mono", size), PRESETS["low"])
     # The tip of the dorsal fin before the other's flank is hidden by its body: only fins overlap.
     near, far = fish(1, (0, 24, -200), heading=2.8), fish(1, (0, 30, -197), heading=2.8)
     pictures = []

@@ -16,7 +16,7 @@ from subsea.ocean import step
 from subsea.render import Renderer
 from subsea.render.quality import LADDER, PRESETS
 from subsea.view.levels import nothing_drawn
-from subsea.view.rigs import cockpit, views_for
+from subsea.view.rigs import cockpit, display_rig, views_for
 
 KINDS = (
     "Buffer", "Framebuffer", "Program", "Query", "Renderbuffer", "Sampler", "Shader", "Texture",
@@ -66,13 +66,13 @@ def test_the_count_sees_what_is_made_and_freed(context, living):
 
 def test_500_frames_three_sizes_and_all_qualities_leak_nothing(context, living, world):
     before, tour = living(), Tour()
-    renderer = Renderer(context, make_scene(world), SIZES[0], PRESETS["low"])
+    renderer = Renderer(context, make_scene(world), display_rig("mono", SIZES[0]), PRESETS["low"])
     memory, settled = nothing_drawn(len(world.state.fishes.species)), None
     for k in range(500):
         if k % 5 == 0:
             step(world, tour.helm(world))
         if k % 125 == 124:
-            renderer.resize(SIZES[k // 125 % len(SIZES)])
+            renderer.arrange(display_rig("mono", SIZES[k // 125 % len(SIZES)]))
         if k % 25 == 0:
             renderer.adapt(LADDER[k // 25 % len(LADDER)])
         quality = renderer.quality

@@ -7,6 +7,7 @@ import pytest
 
 from subsea.render import Renderer
 from subsea.render.hook import BAIT, BEND_CM, LINE, METAL, SHANK_CM, WIRE_CM, shape
+from subsea.view.rigs import display_rig
 
 SIZE = (320, 180)
 
@@ -36,7 +37,7 @@ def test_triangles_of_one_tube_keep_to_it():
 @pytest.fixture
 def picture(context, scene, make_packet):
     """A picture of a hook before the eye, or of none."""
-    renderer = Renderer(context, scene, SIZE)
+    renderer = Renderer(context, scene, display_rig("mono", SIZE))
 
     def draw(hook, bait=True):
         packet = make_packet([], size=SIZE)

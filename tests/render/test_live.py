@@ -11,7 +11,8 @@ from subsea.ocean import create_world, step
 from subsea.render import Renderer
 from subsea.scenario import load_scenario
 from subsea.submarine.helm import HANDS_OFF
-from subsea.view.rigs import pose, views_for
+from subsea.view.rig import pose
+from subsea.view.rigs import display_rig, views_for
 
 SIZE = (240, 160)
 
@@ -44,7 +45,9 @@ def test_the_picture_is_that_of_rows_that_were_there_from_the_start(context, wor
     nothing = np.zeros((0, 426, 3), np.float32)
     pictures = []
     for points, sent in ((blank, packet), (full, replace(packet, live_points=nothing))):
-        renderer = Renderer(context, replace(scene, control_points=points), SIZE)
+        renderer = Renderer(
+            context, replace(scene, control_points=points), display_rig("mono", SIZE)
+        )
         renderer.draw(sent)
         pictures.append(renderer.read_pixels().copy())
         renderer.release()
@@ -59,7 +62,7 @@ def test_the_silhouette_is_where_the_oracle_has_the_control_points(context, worl
     records[:, frame.FINS] = 0.0  # the paired fins, which are no control points, lie at the body
     mine = np.flatnonzero(np.abs(records[:, frame.POSITION] - fishes.position[0]).max(1) < 1e-3)
     assert len(mine) == 1
-    renderer = Renderer(context, frame.make_scene(world), SIZE)
+    renderer = Renderer(context, frame.make_scene(world), display_rig("mono", SIZE))
     shapes = []
     for fade in (0.0, 1.0):
         faded = records.copy()

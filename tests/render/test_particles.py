@@ -6,7 +6,8 @@ import pytest
 from subsea.habitat.formations import SUN
 from subsea.render.particles import SNOW_BOX_CM, SNOW_LOOK
 from subsea.render.shaders import set_uniforms, source
-from subsea.view.rigs import pose, views_for
+from subsea.view.rig import pose
+from subsea.view.rigs import views_for
 
 NUMBER = 3000
 

@@ -5,13 +5,14 @@ import pytest
 
 from subsea.render import Renderer
 from subsea.view.levels import LEVELS
+from subsea.view.rigs import display_rig
 
 SIZE = (320, 180)
 
 
 @pytest.fixture(scope="module")
 def renderer(context, scene):
-    renderer = Renderer(context, scene, SIZE)
+    renderer = Renderer(context, scene, display_rig("mono", SIZE))
     yield renderer
     renderer.release()
 

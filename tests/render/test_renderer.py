@@ -10,11 +10,12 @@ from subsea.errors import UserError
 from subsea.render import Renderer
 from subsea.render.fish_speck import speck
 from subsea.render.quality import PRESETS, Quality
+from subsea.view.rigs import display_rig
 
 
 @pytest.fixture
 def renderer(context, scene):
-    renderer = Renderer(context, scene, (160, 90))
+    renderer = Renderer(context, scene, display_rig("mono", (160, 90)))
     yield renderer
     renderer.release()
 
@@ -38,7 +39,7 @@ def test_the_top_row_comes_first(renderer, make_packet):
 
 def test_a_new_size(renderer, make_packet, fish):
     for size in [(64, 48), (160, 90), (1, 1)]:
-        renderer.resize(size)
+        renderer.arrange(display_rig("mono", size))
         renderer.draw(make_packet([fish(1, (0, 40, -200))], size=size))
         assert renderer.read_pixels().shape == (size[1], size[0], 3)
 
@@ -53,7 +54,10 @@ def test_what_the_gpu_cannot_hold_changes_nothing(renderer, make_packet, fish, m
 
     with monkeypatch.context() as patch:
         patch.setattr("subsea.render.renderer.Target", refuse)
-        for change in (lambda: renderer.adapt(Quality(samples=4)), lambda: renderer.resize((9, 9))):
+        for change in (
+            lambda: renderer.adapt(Quality(samples=4)),
+            lambda: renderer.arrange(display_rig("mono", (9, 9))),
+        ):
             with pytest.raises(UserError, match="more than this GPU can hold"):
                 change()
     assert (renderer.quality, renderer.size) == (quality, (160, 90))
@@ -74,7 +78,9 @@ def test_multisampling_changes_edges_only(context, scene, make_packet, fish):
     packet = make_packet([fish(1, (0, 60, -200))], size=(160, 90))
     pictures = []
     for samples in (0, 4):
-        renderer = Renderer(context, scene, (160, 90), Quality(samples=samples))
+        renderer = Renderer(
+            context, scene, display_rig("mono", (160, 90)), Quality(samples=samples)
+        )
         renderer.draw(packet)
         pictures.append(renderer.read_pixels().astype(int))
         renderer.release()
@@ -105,9 +111,9 @@ def test_release_frees_every_object(context, scene, make_packet, fish):
     gc.collect()
     usual, context.gc_mode = context.gc_mode, "context_gc"
     try:
-        renderer = Renderer(context, scene, (64, 48), PRESETS["high"])
+        renderer = Renderer(context, scene, display_rig("mono", (64, 48)), PRESETS["high"])
         for size in [(64, 48), (32, 32)]:
-            renderer.resize(size)
+            renderer.arrange(display_rig("mono", size))
             renderer.draw(make_packet([fish(0, (0, 40, -200))], size=size))
         renderer.release()
         del renderer
@@ -121,5 +127,5 @@ def test_release_frees_every_object(context, scene, make_packet, fish):
 
 def test_no_error_is_left_behind(renderer, context, make_packet, fish):
     renderer.draw(make_packet([fish(0, (0, 40, -200))], size=(160, 90)))
-    renderer.resize((64, 64))
+    renderer.arrange(display_rig("mono", (64, 64)))
     assert context.error == "GL_NO_ERROR"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from subsea.render.target import Resolve
-from subsea.view.stereo import Weave
+from subsea.view.rigs import display_rig
 
 SIZE = (48, 48)
 
@@ -20,8 +20,8 @@ def resolved(context):
                                   alignment=1)  # fmt: skip
         picture.repeat_x = picture.repeat_y = False
         target = context.simple_framebuffer((width, height))
-        resolve = Resolve(context, [Weave.PLAIN], smooth)
-        resolve.draw(picture, target, (width, height), Weave.PLAIN)
+        resolve = Resolve(context, display_rig("mono", (width, height)).patches, smooth)
+        resolve.draw(picture, target, (width, height), 0)
         held.extend((picture, target, resolve))
         data = np.frombuffer(target.read(alignment=1), np.uint8)
         return data.reshape(height, width, 3).astype(float)

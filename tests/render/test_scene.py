@@ -14,7 +14,7 @@ from subsea.render.quality import PRESETS
 from subsea.scenario import Shoal
 from subsea.species import species_names
 from subsea.submarine.helm import HANDS_OFF
-from subsea.view.rigs import cockpit, views_for
+from subsea.view.rigs import cockpit, display_rig, views_for
 from subsea.world import create_world
 
 SIZE = (320, 180)
@@ -50,7 +50,7 @@ def crowd(bay):
 
 def test_the_peaceful_bay(context, bay, same_picture):
     packet = pack(bay, sights(bay), 1.0)
-    renderer = Renderer(context, make_scene(bay), SIZE)
+    renderer = Renderer(context, make_scene(bay), display_rig("mono", SIZE))
     for quality in ("low", "high"):
         renderer.adapt(PRESETS[quality])
         renderer.draw(packet)
@@ -62,7 +62,7 @@ def test_the_peaceful_bay(context, bay, same_picture):
 @pytest.mark.parametrize(("sea", "species"), [("bay", 5), ("crowd", 10)])
 def test_a_frame_takes_few_drawing_calls(context, request, sea, species):
     world, tour = request.getfixturevalue(sea), Tour()
-    renderer = Renderer(context, make_scene(world), (96, 54))
+    renderer = Renderer(context, make_scene(world), display_rig("mono", (96, 54)))
     kinds, most = set(), 0
     for k in range(30):
         step(world, tour.helm(world))

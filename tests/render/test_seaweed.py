@@ -9,6 +9,7 @@ from subsea.frame import LEAF_NODES, LEAF_TEXELS
 from subsea.habitat.seaweed import KINDS
 from subsea.render import Renderer
 from subsea.render.seaweed import COARSE, FINE, FRONDS, ribbon
+from subsea.view.rigs import display_rig
 
 SIZE = (320, 180)
 FINE_TRIANGLES, COARSE_TRIANGLES = (2 * (a - 1) * (b - 1) for a, b in (FINE, COARSE))
@@ -42,7 +43,7 @@ def draw(context, scene):
 
     def draw(packet, display="mono"):
         if display not in renderers:
-            renderers[display] = Renderer(context, scene, SIZE, display=display)
+            renderers[display] = Renderer(context, scene, display_rig(display, SIZE))
         renderers[display].draw(packet)
         return renderers[display].read_pixels(), renderers[display].triangles
 

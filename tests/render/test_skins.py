@@ -8,6 +8,7 @@ from msgspec import structs
 
 from subsea.render import Renderer
 from subsea.species import Display, Variation
+from subsea.view.rigs import display_rig
 
 SIZE = (320, 200)
 ALIKE = Variation(hue=0.0, saturation=0.0, brightness=0.0, pattern=0.0, torn=0.0)
@@ -22,7 +23,7 @@ def drawn(context, scene, make_packet, fish):
         angelfish = scene.species[1]
         changed = structs.replace(angelfish, skin=structs.replace(angelfish.skin, **skin))
         theirs = replace(scene, species=(scene.species[0], changed))
-        renderer = Renderer(context, theirs, SIZE)
+        renderer = Renderer(context, theirs, display_rig("mono", SIZE))
         renderers.append(renderer)
 
         def draw(**record):

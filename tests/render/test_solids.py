@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from subsea.render import Renderer
+from subsea.view.rigs import display_rig
 
 PILLARS = np.array([(-45.0, 190.0, 38.0, -150.0)])
 ROCKS = np.array([(60.0, 150.0, -285.0, 40.0, 30.0, 28.0, 0.5), (20.0, 200, -290, 26, 32, 20, 2)])
@@ -19,7 +20,7 @@ def stony(scene):
 @pytest.fixture
 def render(context):
     def render(scene, packet, size=(320, 180), display="mono"):
-        renderer = Renderer(context, scene, size, display=display)
+        renderer = Renderer(context, scene, display_rig(display, size))
         renderer.draw(packet)
         picture, triangles = renderer.read_pixels(), renderer.triangles
         renderer.release()

@@ -13,7 +13,8 @@ from subsea.render.standing import (
     bounding_sphere,
     levels_in_sight,
 )
-from subsea.view.rigs import pose, views_for
+from subsea.view.rig import pose
+from subsea.view.rigs import views_for
 
 SIZE = (64, 64)
 THRESHOLDS = np.array([300.0, 90.0])

@@ -8,7 +8,7 @@ import pytest
 from subsea.errors import UserError
 from subsea.render import Renderer
 from subsea.render.quality import PRESETS
-from subsea.view.stereo import DISPLAYS, canvas_size
+from subsea.view.rigs import DISPLAYS, display_rig
 
 SIZE = (96, 64)
 EXACT = replace(PRESETS["medium"], smooth=False)  # what is woven is not smoothed
@@ -16,7 +16,7 @@ TALL = ["anaglyph", "anaglyph-comfort", "checkerboard"]
 
 
 def rendered(context, scene, packet, display, size=SIZE):
-    renderer = Renderer(context, scene, size, EXACT, display)
+    renderer = Renderer(context, scene, display_rig(display, size), EXACT)
     renderer.draw(packet)
     picture = renderer.read_pixels().astype(int)
     renderer.release()
@@ -95,25 +95,34 @@ def test_comfortable_colours_are_dubois_mixture(context, scene, make, eyes):
 
 def test_shutter_glasses_get_one_full_picture_each(context, scene, make, eyes):
     """Each buffer of the window is chosen before the eye's picture is drawn into it."""
-    kept = []
+    kept, window = [], context.simple_framebuffer(SIZE)
+
+    def shown():
+        data = np.frombuffer(window.read(alignment=1), np.uint8)
+        kept.append(data.reshape(SIZE[1], SIZE[0], 3)[::-1].astype(int))
 
     def page(number):
         if number:  # the right eye's turn: what is there is the left one's
-            kept.append(renderer.read_pixels().astype(int))
+            shown()
 
-    renderer = Renderer(context, scene, SIZE, EXACT, "stereo", page=page)
-    renderer.draw(make("stereo"))
-    kept.append(renderer.read_pixels().astype(int))
-    renderer.release()
+    renderer = Renderer(context, scene, display_rig("stereo", SIZE), EXACT, page)
+    renderer.draw(make("stereo"), window)
+    shown()
     for seen, expected in zip(kept, eyes, strict=True):
         np.testing.assert_allclose(seen, expected, atol=1)
+    # Without a window both are kept.
+    renderer.draw(make("stereo"))
+    for number, expected in enumerate(eyes):
+        np.testing.assert_allclose(renderer.read_pixels(page=number), expected, atol=1)
+    renderer.release()
+    window.release()
 
 
 @pytest.mark.parametrize("display", DISPLAYS)
 def test_the_picture_follows_its_size_in_every_mode(context, scene, make, display):
-    renderer = Renderer(context, scene, (40, 30), display=display)
+    renderer = Renderer(context, scene, display_rig(display, (40, 30)))
     for size in ((64, 48), (33, 21), (64, 9), (64, 4), (1, 1)):
-        renderer.resize(size)
+        renderer.arrange(display_rig(display, size))
         renderer.draw(make(display, size))
         assert renderer.read_pixels().shape == (size[1], size[0], 3)
         assert renderer.read_pixels().mean() > 5
@@ -125,12 +134,12 @@ def test_a_canvas_too_large_for_the_gpu_is_one_line(context, scene, monkeypatch)
     held = dict(context.info, GL_MAX_TEXTURE_SIZE=100)
     monkeypatch.setattr(type(context), "info", held)
     with pytest.raises(UserError, match="96x128 pixels, this GPU holds at most 100"):
-        Renderer(context, scene, SIZE, display="anaglyph")
+        Renderer(context, scene, display_rig("anaglyph", SIZE))
 
 
 @pytest.mark.parametrize("display", DISPLAYS)
 def test_a_canvas_is_as_large_as_the_views_of_the_mode(make, display):
-    width, height = canvas_size(display, SIZE)
+    width, height = display_rig(display, SIZE).canvas
     right = max(x + w for x, _, w, _ in (v.viewport for v in make(display).views))
     top = max(y + h for _, y, _, h in (v.viewport for v in make(display).views))
     assert (right, top) == (width, height)

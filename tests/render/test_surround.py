@@ -5,8 +5,8 @@ import pytest
 
 from subsea.render import Renderer
 from subsea.render.target import Resolve
-from subsea.view.rigs import pose, views_for
-from subsea.view.stereo import LAYOUTS, canvas_size
+from subsea.view.rig import pose, views
+from subsea.view.rigs import display_rig
 from subsea.view.surround import ALL_ROUND, Surround, directions
 
 SIZES = {"equirectangular": (160, 80), "dome": (120, 100), "panorama": (160, 40)}
@@ -24,10 +24,11 @@ def shown(light):
 
 def coloured_canvas(display, size, observer, surround):
     """Every pixel of the canvas in the colour of the direction that its view sees there."""
-    width, height = canvas_size(display, size, surround)
+    rig = display_rig(display, size, surround=surround)
+    width, height = rig.canvas
     canvas = np.zeros((height, width, 3))
     axes = np.stack([np.cross(observer.forward, observer.up), observer.up, observer.forward])
-    for view in views_for(display, size, observer, surround=surround):
+    for view in views(rig, observer):
         x, y, w, h = view.viewport
         row, column = np.mgrid[:h, :w]
         ndc = np.stack([2 * (column + 0.5) / w - 1, 2 * (row + 0.5) / h - 1], axis=-1)
@@ -49,8 +50,8 @@ def test_every_pixel_shows_what_lies_in_its_direction(context, display, surround
     picture = context.texture((canvas.shape[1], canvas.shape[0]), 3, canvas.astype("f2").tobytes(),
                               dtype="f2", alignment=1)  # fmt: skip
     target = context.simple_framebuffer(size)
-    resolve = Resolve(context, LAYOUTS[display].weaves)
-    resolve.draw(picture, target, size, LAYOUTS[display].weaves[0], surround)
+    resolve = Resolve(context, display_rig(display, size, surround=surround).patches)
+    resolve.draw(picture, target, size, 0)
     found = np.frombuffer(target.read(alignment=1), np.uint8).reshape(size[1], size[0], 3)
     row, column = np.mgrid[: size[1], : size[0]]
     d = directions(display, size, surround, np.stack([column + 0.5, row + 0.5], -1).reshape(-1, 2))
@@ -65,7 +66,7 @@ def test_every_pixel_shows_what_lies_in_its_direction(context, display, surround
 def test_wide_pictures(context, scene, make_packet, fish, same_picture, display):
     fishes = [fish(1, (0, 45, -200)), fish(0, (45, 2, -205)), fish(0, (-30, -32, -190))]
     packet = make_packet(fishes, display=display, size=SIZES[display])
-    renderer = Renderer(context, scene, SIZES[display], display=display)
+    renderer = Renderer(context, scene, display_rig(display, SIZES[display]))
     renderer.draw(packet)
     same_picture(display, renderer.read_pixels())
     renderer.release()

@@ -11,6 +11,7 @@ from subsea.render.quality import PRESETS
 from subsea.render.shaders import set_uniforms, source
 from subsea.render.textures import caustics, upload
 from subsea.render.water import disc, grid
+from subsea.view.rigs import display_rig
 
 PLAIN = replace(PRESETS["medium"], smooth=False, snow=0)
 
@@ -19,7 +20,7 @@ PLAIN = replace(PRESETS["medium"], smooth=False, snow=0)
 def look(context, scene, make_packet):
     """Quality, eye and options of `make_packet` -> the picture of an empty sea, in grey levels."""
     bottomless = replace(scene, terrain=scene.terrain - np.float32(5000.0))
-    renderer = Renderer(context, bottomless, (160, 90), PLAIN)
+    renderer = Renderer(context, bottomless, display_rig("mono", (160, 90)), PLAIN)
 
     def look(quality=PLAIN, **options):
         renderer.adapt(quality)

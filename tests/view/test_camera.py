@@ -6,14 +6,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.state import Submarine
-from subsea.view.rigs import VERTICAL_FOV, cockpit, pose, views_for
+from subsea.view.rig import pose
+from subsea.view.rigs import DISPLAYS, SURROUNDS, VERTICAL_FOV, cockpit, display_rig, views_for
 from subsea.view.stereo import (
-    DISPLAYS,
     EYE_SEPARATION_CM,
     LAYOUTS,
     SCREEN_DISTANCE_CM,
     Stereo,
-    canvas_size,
 )
 
 EYE = np.array([10.0, 20.0, -300.0])
@@ -68,9 +67,7 @@ def test_the_eyes_agree_at_the_screen_and_differ_elsewhere(display):
     point=st.tuples(st.floats(-200, 200), st.floats(-100, 100), st.floats(30, 3000)),
     separation=st.floats(0.5, 20),
     screen=st.floats(40, 2000),
-    display=st.sampled_from(
-        [name for name in DISPLAYS if LAYOUTS[name].eyes in ("beside", "above")]
-    ),
+    display=st.sampled_from(list(LAYOUTS)),
 )
 def test_a_point_lands_where_the_ray_to_each_eye_meets_the_screen(
     point, separation, screen, display
@@ -116,11 +113,23 @@ def test_on_no_screen_do_the_eyes_have_to_turn_outwards(width, separation):
     assert apart == pytest.approx(min(EYE_SEPARATION_CM, separation * width / window), rel=0.01)
 
 
-@pytest.mark.parametrize("display", DISPLAYS)
+@given(comfort=st.floats(0.2, 5), separation=st.floats(1, 20), screen=st.floats(40, 500))
+def test_comfort_limits_how_far_eyes_turn_from_the_screen(comfort, separation, screen):
+    """Between the screen and infinity, and between half its distance and itself."""
+    stereo = Stereo(separation_cm=separation, screen_cm=screen, comfort_deg=comfort)
+    apart = stereo.eyes(300.0)
+    for near, far in ((screen, np.inf), (screen / 2, screen)):
+        turned = np.degrees(apart / near - apart / far)
+        assert turned <= comfort * (1 + 1e-9)
+    unlimited = np.degrees(separation / screen)
+    assert apart == pytest.approx(separation * min(1, comfort / unlimited))
+
+
+@pytest.mark.parametrize("display", [name for name in DISPLAYS if name not in SURROUNDS])
 @pytest.mark.parametrize("size", [(640, 360), (641, 361)])
 def test_viewports_tile_the_canvas(display, size):
     views = views_for(display, size, pose(EYE, 0.0, 0.0))
-    covered = np.zeros(canvas_size(display, size), int)
+    covered = np.zeros(display_rig(display, size).canvas, int)
     for x, y, w, h in (v.viewport for v in views):
         covered[x : x + w, y : y + h] += 1
     assert (covered == 1).all()

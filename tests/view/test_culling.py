@@ -14,7 +14,8 @@ from subsea.repertoire import read_repertoire
 from subsea.resources import resource_path
 from subsea.species import load_species
 from subsea.view.culling import OUT_OF_SIGHT, covered, pixels_per_radian
-from subsea.view.rigs import pose, views_for
+from subsea.view.rig import pose
+from subsea.view.rigs import views_for
 
 EYE = np.array([0.0, 0.0, -300.0])
 

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from subsea.view.rigs import pose, views_for
-from subsea.view.stereo import canvas_size
+from subsea.view.rig import pose, views
+from subsea.view.rigs import display_rig, views_for
 from subsea.view.surround import ALL_ROUND, MARGIN_PX, Surround, directions, face_size
 
 SIZES = {"equirectangular": (400, 200), "dome": (300, 300), "panorama": (400, 100)}
@@ -58,25 +58,42 @@ def test_a_panorama_spans_its_angle_and_has_square_pixels_at_the_horizon(angle):
 
 
 @pytest.mark.parametrize("display", SIZES)
-def test_faces_tile_the_canvas_and_overlap_by_their_margin_alone(display):
-    observer = pose(EYE, 0.7, 0.0)
-    views = views_for(display, SIZES[display], observer)
-    face = face_size(display, SIZES[display], ALL_ROUND)
-    covered = np.zeros(canvas_size(display, SIZES[display]), int)
-    for x, y, w, h in (view.viewport for view in views):
-        assert w == h == face
+@pytest.mark.parametrize("surround", [ALL_ROUND, Surround(angle_deg=60.0, tilt_deg=0.0)])
+def test_faces_lie_apart_and_hold_all_that_the_picture_shows(display, surround):
+    """A direction is inside one face, or near the edge of two or three."""
+    size, observer = SIZES[display], pose(EYE, 0.7, 0.0)
+    rig = display_rig(display, size, surround=surround)
+    face = face_size(display, size, surround)
+    covered = np.zeros(rig.canvas, int)
+    for x, y, w, h in (eye.viewport for eye in rig.eyes):
+        assert x // face == (x + w - 1) // face
+        assert y // face == (y + h - 1) // face
         covered[x : x + w, y : y + h] += 1
-    assert (covered == 1).all()
-    # A direction is inside one face, or near the edge of two or three.
-    rng = np.random.default_rng(2)
-    d = rng.normal(size=(2000, 3))
+    assert covered.max() == 1
+    pixels = np.random.default_rng(2).uniform(0, 1, (2000, 2)) * size
+    d = directions(display, size, surround, pixels)
+    d = d[~np.isnan(d[:, 0])]
+    axes = np.stack([np.cross(observer.forward, observer.up), observer.up, observer.forward])
     seen = np.zeros(len(d), int)
-    for view in views:
-        clip = np.column_stack([EYE + d, np.ones(len(d))]) @ (view.projection @ view.view).T
+    for view in views(rig, observer):
+        points = np.column_stack([EYE + 100.0 * d @ axes, np.ones(len(d))])
+        clip = points @ (view.projection @ view.view).T
         inside = (clip[:, 3] > 0) & (np.abs(clip[:, :2]) <= clip[:, 3:]).all(axis=1)
         seen += inside
     assert seen.min() == 1
     assert (seen > 1).mean() < 12 * MARGIN_PX / face
+
+
+def test_what_a_picture_does_not_show_is_not_drawn():
+    drawn = {
+        display: sum(eye.viewport[2] * eye.viewport[3] for eye in rig.eyes) / np.prod(rig.canvas)
+        for display, rig in ((name, display_rig(name, (800, 200))) for name in SIZES)
+    }
+    assert drawn["equirectangular"] == 1.0
+    assert drawn["dome"] < 0.75  # half of all directions, the margins, and corners of faces
+    assert drawn["panorama"] < 0.3
+    astern = [eye for eye in display_rig("panorama", (800, 200)).eyes if eye.axes[2, 2] < -0.5]
+    assert not astern
 
 
 @pytest.mark.parametrize(("display", "level"), [("equirectangular", True), ("panorama", False)])

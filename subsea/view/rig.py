@@ -1,0 +1,136 @@
+"""What a rig is: the eyes that a display or a theatre needs, and how their pictures are shown.
+
+Every eye draws its view into its part of one *canvas*. *Patches* take parts of the canvas to the
+pictures that are shown, the outputs: one for each window or projector. A rig is constant for a
+display at a size; only the observer from whom its eyes hang moves.
+"""
+
+from enum import IntEnum
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.view.camera import View, look
+
+Array = NDArray[np.floating[Any]]
+Ints = NDArray[np.integer[Any]]
+Rect = tuple[int, int, int, int]  # x, y, width, height in pixels, origin lower left
+
+
+class Pose(NamedTuple):
+    """Where an observer is and how it looks."""
+
+    eye: Array  # (3,) cm
+    forward: Array  # (3,) unit
+    up: Array  # (3,) unit
+
+
+class Eye(NamedTuple):
+    """A view as it hangs on the observer, whose axes are right, up, ahead."""
+
+    viewport: Rect  # on the canvas
+    offset: Array  # (3,) cm
+    axes: Array  # (3, 3) rows: the view's own right, up, ahead
+    projection: Array  # (4, 4)
+
+
+class Weave(IntEnum):
+    """How two eyes share the pixels of a patch; the numbers are those of `shaders/resolve.frag`."""
+
+    PLAIN = 0  # the left one has them all
+    ROWS = 1  # left and right in turn, the topmost row of the output is left
+    CHECKERS = 2  # the same within each row, the upper left pixel is left
+    RED_CYAN = 3  # red from the left eye, green and blue from the right
+    DUBOIS = 4  # the same with colours mixed so that both eyes see about the same brightness
+
+
+class Shape(IntEnum):
+    """What a pixel of a patch shows; the numbers are those of `shaders/resolve.frag`."""
+
+    FLAT = 0  # the same place of the source
+    WARPED = 1  # what a mesh says
+    EQUIRECTANGULAR = 2  # a direction, from the faces of a cube, as the next two
+    DOME = 3
+    PANORAMA = 4
+
+
+CUBES = (Shape.EQUIRECTANGULAR, Shape.DOME, Shape.PANORAMA)
+
+
+class Warp(NamedTuple):
+    """A mesh that lies over a patch and says where on the canvas each of its points is seen."""
+
+    # (n, 6): x, y in shares of the place from its lower left corner; u, v in shares of the left
+    # eye's source, u, v in shares of the right one's
+    vertices: Array
+    triangles: Ints  # (m, 3)
+
+
+class Patch(NamedTuple):
+    """A part of an output, and how it is taken from the canvas."""
+
+    place: Rect  # on the output
+    left: Rect  # on the canvas: what the left eye, or the only one, drew; of a cube all its faces
+    right: Rect  # the same for the right eye
+    weave: Weave = Weave.PLAIN
+    shape: Shape = Shape.FLAT
+    wide: tuple[float, float] = (0.0, 0.0)  # rad: angle of a panorama, tilt of a dome
+    output: int = 0
+    page: int = 0  # 1: the right buffer of an output that has two
+    warp: Warp | None = None  # of Shape.WARPED
+    # (h, w, 4), stretched over the place, top row first: factors of red, green and blue, and what
+    # is added then, on the values that go to the projector; None: left as they are.
+    mask: Array | None = None
+
+
+class Rig(NamedTuple):
+    """What is drawn, and what is shown of it."""
+
+    canvas: tuple[int, int]  # width, height in pixels
+    outputs: tuple[tuple[int, int], ...]
+    eyes: tuple[Eye, ...]
+    patches: tuple[Patch, ...]
+    level: bool = False  # the horizon stays level, whatever the submarine's pitch
+
+    @property
+    def exact(self) -> bool:
+        """Whether pixels of the canvas and of outputs must meet one by one."""
+        return any(
+            patch.weave in (Weave.ROWS, Weave.CHECKERS) or patch.shape in CUBES
+            for patch in self.patches
+        )
+
+    @property
+    def pages(self) -> int:
+        """How many buffers an output has."""
+        return 1 + max(patch.page for patch in self.patches)
+
+
+def pose(eye: Array, heading: float, pitch: float) -> Pose:
+    """A pose from the angles in radians: heading left positive from +x, pitch up positive."""
+    ch, sh, cp, sp = np.cos(heading), np.sin(heading), np.cos(pitch), np.sin(pitch)
+    return Pose(
+        np.asarray(eye, np.float64),
+        np.array([ch * cp, sh * cp, sp]),
+        np.array([-ch * sp, -sh * sp, cp]),
+    )
+
+
+def levelled(observer: Pose) -> Pose:
+    """The same observer with the head upright, looking level."""
+    heading = float(np.arctan2(observer.forward[1], observer.forward[0]))
+    return pose(observer.eye, heading, 0.0)
+
+
+def views(rig: Rig, observer: Pose) -> tuple[View, ...]:
+    """The views of a rig's eyes from where the observer is now, in their order."""
+    if rig.level:
+        observer = levelled(observer)
+    axes = np.stack([np.cross(observer.forward, observer.up), observer.up, observer.forward])
+    found = []
+    for eye in rig.eyes:
+        place = observer.eye + eye.offset @ axes
+        forward, up = eye.axes[2] @ axes, eye.axes[1] @ axes
+        found.append(View(eye.viewport, look(place, forward, up), eye.projection, place))
+    return tuple(found)
