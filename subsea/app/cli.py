@@ -94,7 +94,7 @@ def _add_film(commands: Any) -> None:
         "film",
         "film a tour, without a window",
         "OUT decides what is made: a film (.mp4), one picture (.png), or a folder of numbered\n"
-        "pictures. Needs OpenGL, but no display.",
+        "pictures, which goes on where an interrupted one ended. Needs OpenGL, but no display.",
         [
             "subsea film dive.mp4",
             "subsea film reef.png --size 1920x1080 --seconds 8",
@@ -111,7 +111,14 @@ def _add_film(commands: Any) -> None:
         type=number(float, 0.05, 3600),
         default=10.0,
         metavar="S",
-        help="length of the tour; a single picture is taken at its end (default 10)",
+        help="length of the film; a single picture is taken at its end (default 10)",
+    )
+    film.add_argument(
+        "--start",
+        type=number(float, 0.0, 86400.0),
+        default=0.0,
+        metavar="S",
+        help="seconds of the dive that pass before the film begins (default 0)",
     )
     film.add_argument(
         "--fps",

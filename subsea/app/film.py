@@ -1,14 +1,15 @@
 """`subsea film`: a tour without a window."""
 
 import time
+from contextlib import ExitStack
 from pathlib import Path
 
-from tqdm import tqdm
-
 from subsea import interrupts
-from subsea.app.console import say
-from subsea.app.reels import check_reel, open_reel
+from subsea.app.console import counted, say
+from subsea.app.progress import progress
+from subsea.app.reels import check_reel, fitting, frame_rate, open_reels
 from subsea.app.start import headless, picture_maker, start_world
+from subsea.app.takes import begin, description, missing_frames
 from subsea.app.timing import sentence
 from subsea.app.tour import Tour
 from subsea.frame import pack
@@ -22,6 +23,8 @@ from subsea.view.stereo import Stereo
 from subsea.view.surround import Surround
 from subsea.world import TICK_S
 
+WINDOW = ""  # the only one of a display
+
 
 def film(
     out: Path,
@@ -34,55 +37,85 @@ def film(
     size: tuple[int, int],
     quality: str,
     seed: int | None,
+    start: float = 0.0,
 ) -> int:
-    """Film `seconds` of the tour at `fps` into `out`; a single picture is taken at its end.
+    """Film `seconds` of the tour from `start` at `fps` into `out`; one picture shows its end.
 
-    `quality` is the name of a preset.
+    `quality` is the name of a preset. A folder that holds a part of the film already gets what it
+    lacks: the world is stepped through all frames, and all are packed, lest those that are drawn
+    differ from what they would be in one go.
 
     Returns the exit code. Ctrl-C keeps what was filmed so far. Prints the frame times: ticks
     of the world, packing, drawing and reading back, without the encoding of the film.
     """
     kind = check_reel(out)
-    if kind == "film":
-        size = size[0] - size[0] % 2, size[1] - size[1] % 2  # yuv420p halves both sides
-    instants = [k / fps for k in range(max(round(seconds * fps), 1))]
+    size = fitting(kind, size)
+    rate = frame_rate(fps)
+    instants = [start + float(k / rate) for k in range(max(round(seconds * rate), 1))]
     if kind == "picture":
-        instants = [seconds]
-    load_scenario(scenario)
+        instants = [start + seconds]
+    _, source = load_scenario(scenario)
+    missing = list(range(len(instants)))
+    if kind == "folder":
+        take = description(
+            source, seed=seed, start=start, seconds=seconds, fps=fps, size=size, quality=quality,
+            display=display, **stereo._asdict(), **surround._asdict(),
+        )  # fmt: skip
+        missing = missing_frames(out, take, [WINDOW], len(instants))
+        if not missing:
+            print(f"{out}: complete, {counted(len(instants), 'frame', 'frames')}")
+            return 0
     preset, rig = PRESETS[quality], display_rig(display, size, stereo, surround)
     durations: list[float] = []
     try:
-        with headless() as context:
+        with ExitStack() as stack:
+            context = stack.enter_context(headless())
             world, tour = start_world(scenario, seed), Tour()
-            with (
-                interrupts.deferred() as check,
-                picture_maker(context, world, rig, preset) as renderer,
-                open_reel(out, size, fps) as write,
-            ):
-                say(f"filming to {out}")
-                memory = nothing_drawn(len(world.state.fishes.species))
-                for instant in tqdm(instants, unit="frame", disable=None):
-                    start = time.perf_counter()
-                    ticks, alpha = divmod(instant / TICK_S, 1.0)
+            check = stack.enter_context(interrupts.deferred())
+            renderer = stack.enter_context(picture_maker(context, world, rig, preset))
+            if kind == "folder":
+                begin(out, take)
+            write = stack.enter_context(open_reels(out, {WINDOW: size}, rate))
+            say(_intent(out, len(instants), missing))
+            done = stack.enter_context(
+                progress(len(instants), "frame", len(instants) - len(missing))
+            )
+            memory = nothing_drawn(len(world.state.fishes.species))
+            wanted = set(missing)
+            for k, instant in enumerate(instants[: missing[-1] + 1]):
+                begun = time.perf_counter()
+                ticks, alpha = divmod(instant / TICK_S, 1.0)
+                check()
+                while world.state.tick < ticks + 1:  # the first is the start of the film
                     check()
-                    while world.state.tick < ticks + 1:  # the first is the start of the film
-                        check()
-                        step(world, tour.helm(world))
-                    observer = cockpit(world.state.submarine, alpha)
-                    packet = pack(
-                        world, views(rig, observer), alpha,
-                        detail=preset.detail, growth=preset.growth, memory=memory,
-                    )  # fmt: skip
-                    renderer.draw(packet)
-                    picture = renderer.read_pixels()
-                    drawn = time.perf_counter()
-                    write(picture)
-                    durations.append(drawn - start)
+                    step(world, tour.helm(world))
+                observer = cockpit(world.state.submarine, alpha)
+                packet = pack(
+                    world, views(rig, observer), alpha,
+                    detail=preset.detail, growth=preset.growth, memory=memory,
+                )  # fmt: skip
+                if k not in wanted:
+                    renderer.choose(packet)
+                    continue
+                renderer.draw(packet)
+                picture = renderer.read_pixels()
+                drawn = time.perf_counter()
+                write(k, {WINDOW: picture})
+                durations.append(drawn - begun)
+                done()
     except KeyboardInterrupt:
         _report(out, kind, durations)
         raise
     _report(out, kind, durations)
     return 0
+
+
+def _intent(out: Path, frames: int, missing: list[int]) -> str:
+    """What is going to be done, in words."""
+    if len(missing) == frames:
+        return f"filming to {out}"
+    lacking = counted(len(missing), "frame", "frames")
+    return f"filming to {out}: {lacking} of {frames} missing, from {missing[0]} on"
 
 
 def _report(out: Path, kind: str, durations: list[float]) -> None:

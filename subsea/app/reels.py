@@ -1,7 +1,10 @@
-"""Where pictures go: a film, one picture, or a folder of them. Whole files, or none."""
+"""Where pictures go: a film, one picture, or a folder of them. Whole files, or none.
 
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+A theatre has several windows, each with a reel of its own beside the others.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -13,9 +16,11 @@ from subsea.errors import UserError
 from subsea.places import check_file, check_folder, is_folder, replacing
 
 Picture = NDArray[np.uint8]  # (height, width, 3), top row first
-Write = Callable[[Picture], None]
+Write = Callable[[int, Picture], None]  # the number of the frame, and what it shows
+WriteAll = Callable[[int, Mapping[str, Picture]], None]  # by the names of the windows
 
 QUALITY = "19"  # x264's constant rate factor: near-transparent, small enough to mail
+TELEVISION = (24, 30, 48, 60, 120)  # rates that are often meant to be 0.1% less
 KINDS = "FILE.mp4, FILE.png or a folder's name without a suffix"
 
 
@@ -29,29 +34,68 @@ def kind_of(out: Path) -> str:
 
 
 def check_reel(out: Path) -> str:
-    """The kind of `out`; a place that cannot be written to, or that is taken, is a UserError."""
+    """The kind of `out`; a place that cannot be written to is a UserError."""
     kind = kind_of(out)
-    if kind != "folder":
-        check_file(out)
-        return kind
-    check_folder(out)
-    if any(out.glob("frame_*.png")):
-        raise UserError(f"{out}: holds numbered pictures already, name another folder")
+    (check_folder if kind == "folder" else check_file)(out)
     return kind
 
 
-def open_reel(out: Path, size: tuple[int, int], fps: float) -> AbstractContextManager[Write]:
-    """The writer that fits the name `out`, see `check_reel`."""
+def frame_rate(fps: float) -> Fraction:
+    """The exact rate that is meant: 29.97 is 30000/1001, as television has it."""
+    for whole in TELEVISION:
+        if abs(fps - whole / 1.001) < 0.005:
+            return Fraction(1000 * whole, 1001)
+    return Fraction(fps).limit_denominator(1001)
+
+
+def fitting(kind: str, size: tuple[int, int]) -> tuple[int, int]:
+    """The largest size within `size` that such a reel can hold."""
+    even = kind == "film"  # yuv420p halves both sides
+    return (size[0] - size[0] % 2, size[1] - size[1] % 2) if even else size
+
+
+def place_of(out: Path, window: str) -> Path:
+    """Where the pictures of a window go: `out`/left or out-left.mp4; of one without name `out`."""
+    if not window:
+        return out
+    return out / window if kind_of(out) == "folder" else out.with_stem(f"{out.stem}-{window}")
+
+
+def frame_file(folder: Path, number: int) -> Path:
+    """The file of a frame in a folder of numbered pictures."""
+    return folder / f"frame_{number:05d}.png"
+
+
+@contextmanager
+def open_reels(
+    out: Path, sizes: Mapping[str, tuple[int, int]], rate: Fraction
+) -> Iterator[WriteAll]:
+    """The writer of pictures of those `sizes`, by the names of windows; see `place_of`."""
+    with ExitStack() as stack:
+        writers = {
+            name: stack.enter_context(_open_reel(place_of(out, name), size, rate))
+            for name, size in sizes.items()
+        }
+
+        def write(number: int, pictures: Mapping[str, Picture]) -> None:
+            for name, picture in pictures.items():
+                writers[name](number, picture)
+
+        yield write
+
+
+def _open_reel(out: Path, size: tuple[int, int], rate: Fraction) -> AbstractContextManager[Write]:
+    """The writer that fits the name `out`."""
     kind = check_reel(out)
     if kind == "film":
-        return film_reel(out, size, fps)
+        return film_reel(out, size, rate)
     if kind == "picture":
         return picture_reel(out)
     return folder_reel(out)
 
 
 @contextmanager
-def film_reel(out: Path, size: tuple[int, int], fps: float) -> Iterator[Write]:
+def film_reel(out: Path, size: tuple[int, int], rate: Fraction) -> Iterator[Write]:
     """An H.264 film that plays everywhere: yuv420p, index first. The size must be even.
 
     An interruption closes the film after the pictures so far; a fault leaves nothing.
@@ -65,14 +109,12 @@ def film_reel(out: Path, size: tuple[int, int], fps: float) -> Iterator[Write]:
         av.open(str(temporary), "w", format="mp4", options={"movflags": "+faststart"}) as container,
     ):
         stream: Any = container.add_stream(
-            "libx264",
-            rate=Fraction(fps).limit_denominator(1001),
-            options={"crf": QUALITY, "preset": "veryfast"},
+            "libx264", rate=rate, options={"crf": QUALITY, "preset": "veryfast"}
         )
         stream.width, stream.height = size
         stream.pix_fmt = "yuv420p"
 
-        def write(picture: Picture) -> None:
+        def write(number: int, picture: Picture) -> None:
             nonlocal frames
             container.mux(stream.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
             frames += 1
@@ -91,20 +133,13 @@ def film_reel(out: Path, size: tuple[int, int], fps: float) -> Iterator[Write]:
 @contextmanager
 def picture_reel(out: Path) -> Iterator[Write]:
     """One PNG."""
-    yield lambda picture: _write_png(out, picture)
+    yield lambda number, picture: _write_png(out, picture)
 
 
 @contextmanager
 def folder_reel(out: Path) -> Iterator[Write]:
     """PNGs named frame_00000.png and on."""
-    count = 0
-
-    def write(picture: Picture) -> None:
-        nonlocal count
-        _write_png(out / f"frame_{count:05d}.png", picture)
-        count += 1
-
-    yield write
+    yield lambda number, picture: _write_png(frame_file(out, number), picture)
 
 
 def _write_png(path: Path, picture: Picture) -> None:

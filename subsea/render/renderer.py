@@ -117,6 +117,15 @@ class Renderer:
         self._water.adapt(quality)
         self._resolve.adapt(quality)
 
+    def choose(self, packet: Packet) -> None:
+        """Choose how finely everything that stands is drawn; this depends on earlier packets.
+
+        For those who leave packets out but want what follows to be as if all had been drawn.
+        """
+        self._solids.choose(packet, self.quality.detail)
+        self._coral.choose(packet.views, self.quality.detail, self.quality.growth)
+        self._seabed.choose(packet, self.quality.detail)
+
     def draw(self, packet: Packet, into: Any = None) -> None:
         """Draw every view of a packet and show the result.
 
@@ -131,9 +140,7 @@ class Renderer:
         self._fishes.upload(packet)
         self._seaweed.upload(packet)
         self._particles.upload(packet)
-        self._solids.choose(packet, self.quality.detail)
-        self._coral.choose(packet.views, self.quality.detail, self.quality.growth)
-        self._seabed.choose(packet, self.quality.detail)
+        self.choose(packet)
         if self.quality.shadows:
             self._blobs.upload(packet)
         self.upload_s = time.perf_counter() - start

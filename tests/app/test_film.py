@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from fractions import Fraction
 
 import av
 import numpy as np
@@ -42,11 +43,10 @@ def test_a_folder_gets_numbered_pictures_and_the_film_moves(tmp_path):
     out = tmp_path / "frames"
     assert main(["film", str(out), *SMALL]) == 0
     names = sorted(path.name for path in out.iterdir())
-    assert names == [f"frame_{k:05d}.png" for k in range(4)]
-    first, last = (np.asarray(Image.open(out / names[k])).astype(int) for k in (0, 3))
+    assert names == ["film.json", *(f"frame_{k:05d}.png" for k in range(4))]
+    first, last = (np.asarray(Image.open(out / names[k])).astype(int) for k in (1, 4))
     assert first.shape == (120, 161, 3)
     assert np.abs(first - last).max() > 8
-    assert main(["film", str(out), *SMALL]) == 2  # another film is not mixed into it
 
 
 def test_a_picture_is_the_same_each_time(tmp_path):
@@ -129,15 +129,19 @@ def test_an_interrupted_film_tells_the_frames_it_has(tmp_path, capsys, monkeypat
     assert len(decode(out)) == 2
 
 
+def open_one(out):
+    return reels.open_reels(out, {"": (64, 48)}, Fraction(20))
+
+
 def grey(level):
     return np.full((48, 64, 3), level, np.uint8)
 
 
 def test_an_interruption_leaves_a_valid_shorter_film(tmp_path):
     out = tmp_path / "dive.mp4"
-    with pytest.raises(KeyboardInterrupt), reels.open_reel(out, (64, 48), 20.0) as write:
-        for level in range(0, 100, 20):
-            write(grey(level))
+    with pytest.raises(KeyboardInterrupt), open_one(out) as write:
+        for k, level in enumerate(range(0, 100, 20)):
+            write(k, {"": grey(level)})
         raise KeyboardInterrupt
     assert len(decode(out)) == 5
     assert [path.name for path in tmp_path.iterdir()] == ["dive.mp4"]
@@ -145,7 +149,7 @@ def test_an_interruption_leaves_a_valid_shorter_film(tmp_path):
 
 @pytest.mark.parametrize("fault", [RuntimeError, KeyboardInterrupt])
 def test_a_fault_or_an_interruption_before_the_first_picture_leaves_nothing(tmp_path, fault):
-    with pytest.raises(fault), reels.open_reel(tmp_path / "dive.mp4", (64, 48), 20.0):
+    with pytest.raises(fault), open_one(tmp_path / "dive.mp4"):
         raise fault
     assert not list(tmp_path.iterdir())
 
@@ -158,4 +162,54 @@ def test_the_name_decides(tmp_path):
         reels.kind_of(tmp_path / "a.gif")
     (tmp_path / "file").write_text("")
     with pytest.raises(UserError, match="cannot write there"):
-        reels.open_reel(tmp_path / "file" / "a.mp4", (64, 48), 20.0)
+        reels.check_reel(tmp_path / "file" / "a.mp4")
+
+
+@pytest.mark.parametrize("name", ["dive.mp4", "dive"])
+def test_each_window_of_a_theatre_has_a_reel_of_its_own(tmp_path, name):
+    out = tmp_path / name
+    sizes = {"left": (64, 48), "right": (32, 48)}
+    with reels.open_reels(out, sizes, Fraction(20)) as write:
+        for k in range(3):
+            write(k, {"left": grey(20 * k), "right": grey(100)[:, :32]})
+    if name == "dive":
+        shapes = {p: np.asarray(Image.open(out / p / "frame_00002.png")).shape for p in sizes}
+    else:
+        shapes = {p: decode(tmp_path / f"dive-{p}.mp4")[2].shape for p in sizes}
+    assert shapes == {"left": (48, 64, 3), "right": (48, 32, 3)}
+
+
+def test_television_rates_are_exact(tmp_path):
+    rates = {fps: reels.frame_rate(fps) for fps in (1.0, 24.0, 25.0, 23.976, 29.97, 50.0, 59.94)}
+    assert rates == {
+        1.0: 1, 24.0: 24, 25.0: 25, 23.976: Fraction(24000, 1001), 29.97: Fraction(30000, 1001),
+        50.0: 50, 59.94: Fraction(60000, 1001),
+    }  # fmt: skip
+    assert reels.frame_rate(12.5) == Fraction(25, 2)
+
+
+@pytest.mark.parametrize(
+    ("display", "fps"), [("mono", 29.97), ("side-by-side", 24), ("checkerboard", 25), ("dome", 50)]
+)
+def test_the_same_command_gives_the_same_film(tmp_path, display, fps):
+    arguments = ["--display", display, "--size", "64x64", "--seconds", "0.2", "--seed", "1"]
+    films = []
+    for name in ("one.mp4", "two.mp4"):
+        assert main(["film", str(tmp_path / name), *arguments, "--fps", str(fps)]) == 0
+        with av.open(str(tmp_path / name)) as container:
+            assert container.streams.video[0].average_rate == reels.frame_rate(fps)
+            films.append([frame.to_ndarray(format="rgb24") for frame in container.decode(video=0)])
+    np.testing.assert_array_equal(*films)
+    assert len(films[0]) == round(0.2 * fps)
+    assert (films[0][0] != films[0][-1]).any()
+
+
+def test_a_film_may_begin_later(tmp_path):
+    arguments = ["--size", "64x64", "--fps", "5", "--seed", "1"]
+    assert main(["film", str(tmp_path / "all"), "--seconds", "1", *arguments]) == 0
+    late = [str(tmp_path / "late"), "--start", "0.6", "--seconds", "0.4"]
+    assert main(["film", *late, *arguments]) == 0
+    for k in range(2):
+        one = np.asarray(Image.open(tmp_path / "all" / f"frame_{k + 3:05d}.png")).astype(int)
+        two = np.asarray(Image.open(tmp_path / "late" / f"frame_{k:05d}.png")).astype(int)
+        assert np.abs(one - two).mean() < 0.2  # but for fishes that change their level of detail

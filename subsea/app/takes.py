@@ -1,0 +1,76 @@
+"""A folder of numbered pictures that is filmed in several goes.
+
+`film.json` beside the pictures says which film they are of. Who films the same again goes on where
+the last go ended, however it ended: a picture is there as a whole or not at all.
+"""
+
+import json
+from collections.abc import Mapping, Sequence
+from hashlib import sha256
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from subsea.app.reels import frame_file, place_of
+from subsea.errors import UserError
+from subsea.places import check_folder, replacing
+
+NAME = "film.json"
+
+
+def description(scenario: Path, **options: Any) -> dict[str, Any]:
+    """All that decides what a film shows, as JSON has it: the options, scenario and version."""
+    told = {
+        "version": version("subsea"),
+        "scenario": scenario.name,
+        "sha256": sha256(scenario.read_bytes()).hexdigest(),
+    }
+    described: dict[str, Any] = json.loads(json.dumps(told | options))
+    return described
+
+
+def missing_frames(
+    out: Path, wanted: Mapping[str, Any], windows: Sequence[str], frames: int
+) -> list[int]:
+    """Which frames of the film `wanted` the folder `out` lacks, of any of its windows.
+
+    A folder with pictures of another film, or of none that is known, is a UserError.
+    """
+    check_folder(out)
+    if any(any(place_of(out, window).glob("frame_*.png")) for window in windows):
+        _refuse_another(out, wanted)
+    return [
+        k
+        for k in range(frames)
+        if not all(frame_file(place_of(out, window), k).exists() for window in windows)
+    ]
+
+
+def begin(out: Path, wanted: Mapping[str, Any]) -> None:
+    """Write down which film the pictures in `out` are going to be of."""
+    with replacing(out / NAME) as temporary:
+        temporary.write_text(json.dumps(wanted, indent=2) + "\n", encoding="utf-8")
+
+
+def _refuse_another(out: Path, wanted: Mapping[str, Any]) -> None:
+    """A UserError unless the pictures in `out` are of the film `wanted`."""
+    path = out / NAME
+    if not path.exists():
+        raise UserError(f"{out}: holds numbered pictures of unknown origin, name another folder")
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as fault:
+        raise UserError(
+            f"{path}: cannot read what the pictures are of, name another folder"
+        ) from fault
+    if not isinstance(found, dict):
+        raise UserError(f"{path}: expected a description of a film, name another folder")
+    for key in [*wanted, *(key for key in found if key not in wanted)]:
+        there, here = found.get(key), wanted.get(key)
+        if there != here:
+            if key == "sha256":
+                raise UserError(f"{out}: the scenario has changed since, name another folder")
+            raise UserError(
+                f"{out}: holds another film: `{key}` is {json.dumps(there)} there and "
+                f"{json.dumps(here)} here, name another folder"
+            )

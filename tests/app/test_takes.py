@@ -1,0 +1,123 @@
+"""A folder of pictures that is filmed in several goes holds what one go would have made."""
+
+import json
+import subprocess
+import sys
+import time
+
+import pytest
+
+from subsea.app.cli import main
+from subsea.frame import FADE
+from subsea.render import Renderer
+
+FILM = ["--size", "320x240", "--start", "2.6", "--seconds", "1.2", "--fps", "10", "--seed", "1"]
+
+
+def pictures(folder):
+    return {path.name: path.read_bytes() for path in sorted(folder.glob("*.png"))}
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """The pictures of a film that was made in one go, and how many showed a fish that fades."""
+    out = tmp_path_factory.mktemp("whole") / "frames"
+    draw, fading = Renderer.draw, []
+
+    def watched(self, packet, *rest, **more):
+        fading.append(bool((packet.instances[:, FADE] != 0.0).any()))
+        return draw(self, packet, *rest, **more)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Renderer, "draw", watched)
+        assert main(["film", str(out), *FILM]) == 0
+    assert sum(fading[3:]) > 1  # what was drawn before counts, or this would prove little
+    return pictures(out)
+
+
+def test_a_film_that_was_killed_goes_on_with_the_same_pictures(tmp_path, whole, capsys):
+    out = tmp_path / "frames"
+    going = subprocess.Popen(
+        [sys.executable, "-m", "subsea", "film", str(out), *FILM],
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+    until = time.monotonic() + 200.0
+    while not (out / "frame_00002.png").exists():
+        assert going.poll() is None
+        assert time.monotonic() < until
+        time.sleep(0.01)
+    going.kill()
+    going.wait()
+    there = pictures(out)
+    assert 3 <= len(there) < len(whole)
+    assert main(["film", str(out), *FILM]) == 0
+    assert f"{len(whole) - len(there)} frames" in capsys.readouterr().out
+    assert pictures(out) == whole
+    assert main(["film", str(out), *FILM]) == 0
+    assert "complete, 12 frames" in capsys.readouterr().out
+
+
+def test_pictures_that_were_lost_are_made_again(tmp_path, whole):
+    out = tmp_path / "frames"
+    out.mkdir()
+    assert main(["film", str(out), *FILM, "--seconds", "0.1"]) == 0
+    (out / "film.json").write_text(
+        (out / "film.json").read_text().replace('"seconds": 0.1', '"seconds": 1.2')
+    )
+    for name, data in whole.items():
+        (out / name).write_bytes(data)
+    lost = [out / f"frame_{k:05d}.png" for k in (4, 9)]
+    for path in lost:
+        path.unlink()
+    assert main(["film", str(out), *FILM]) == 0
+    assert pictures(out) == whole
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (["--fps", "12"], "`fps` is 10.0 there and 12.0 here"),
+        (["--seed", "2"], "`seed` is 1 there and 2 here"),
+        (["--size", "320x180"], "`size` is [320, 240] there and [320, 180] here"),
+        (["--eye-distance", "7"], "`separation_cm` is 6.4 there and 7.0 here"),
+        (["--scenario", "visitors"], '`scenario` is "peaceful.toml" there'),
+    ],
+)
+def test_another_film_is_not_mixed_into_it(tmp_path, whole, capsys, change, told):
+    out = tmp_path / "frames"
+    out.mkdir()
+    for name, data in whole.items():
+        (out / name).write_bytes(data)
+    assert main(["film", str(out), *FILM]) == 2
+    assert "unknown origin" in capsys.readouterr().err
+    description = {**_description(), "fps": 10.0}
+    (out / "film.json").write_text(json.dumps(description))
+    assert main(["film", str(out), *FILM, *change]) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert told in error
+    assert pictures(out) == whole
+
+
+def _description():
+    from subsea.app.takes import description
+    from subsea.scenario import load_scenario
+    from subsea.view.stereo import EYES
+    from subsea.view.surround import ALL_ROUND
+
+    return description(
+        load_scenario("peaceful")[1], seed=1, start=2.6, seconds=1.2, fps=10.0, size=(320, 240),
+        quality="high", display="mono", **EYES._asdict(), **ALL_ROUND._asdict(),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]"])
+def test_a_damaged_description_is_one_line(tmp_path, capsys, text):
+    out = tmp_path / "frames"
+    out.mkdir()
+    (out / "frame_00000.png").write_bytes(b"")
+    (out / "film.json").write_text(text)
+    assert main(["film", str(out), *FILM]) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert "film.json" in error
