@@ -1,6 +1,7 @@
 // Air in water: past the critical angle its skin mirrors everything, a silvery rim about a centre
 // that shows the water behind it, darker.
 #include "optics.glsl"
+#include "show.glsl"
 
 uniform mat4 u_view;
 
@@ -10,7 +11,6 @@ in vec3 v_veil;
 in vec3 v_clear;
 in float v_strength;
 in float v_small;
-out vec4 f_colour;
 
 void main() {
     float square = dot(v_corner, v_corner);
@@ -31,5 +31,5 @@ void main() {
     float rim = mix(smoothstep(0.30, 0.62, square), 0.55, v_small);
     float alpha = mix(0.30, 0.95, rim);
     vec3 colour = mix(0.45 * light, light, rim);
-    f_colour = vec4(colour * v_clear + v_veil, alpha * inside * v_strength);
+    show(vec4(colour * v_clear + v_veil, alpha * inside * v_strength));
 }

@@ -1,4 +1,5 @@
 #include "optics.glsl"
+#include "show.glsl"
 
 uniform sampler2D u_grain;  // ridges, polyps, pores
 
@@ -10,7 +11,6 @@ in vec2 v_along;
 in vec3 v_sun;
 in vec3 v_clear;
 in vec3 v_veil;
-out vec4 f_colour;
 
 void main() {
     float height = dot(v_grain.xyz, texture(u_grain, v_along).rgb);
@@ -28,5 +28,5 @@ void main() {
     vec3 view = normalize(v_world - u_eye);
     float behind = max(dot(view, SUN), 0.0);
     light += v_colour.a * (0.16 + 0.5 * behind * behind) * open * v_sun;
-    f_colour = vec4(EXPOSURE * colour * light * v_clear + v_veil, 1.0);
+    show(vec4(EXPOSURE * colour * light * v_clear + v_veil, 1.0));
 }

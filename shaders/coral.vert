@@ -17,6 +17,10 @@ out vec2 v_along;
 out vec3 v_sun;    // vertices are closer together than the caustics' lines
 out vec3 v_clear;  // haze changes so slowly that the vertices suffice
 out vec3 v_veil;
+#ifdef MARKS
+in float a_mark;
+flat out float v_mark;
+#endif
 
 const float MOST_SWAY_CM = 10.0;
 
@@ -38,5 +42,8 @@ void main() {
     float distance = length(ray);
     v_clear = clearness(distance);
     v_veil = open_water(ray / distance) * (1.0 - v_clear);
+#ifdef MARKS
+    v_mark = a_mark;
+#endif
     gl_Position = u_view_projection * vec4(place, 1.0);
 }

@@ -1,6 +1,7 @@
 // As `fishes.frag` shades, without what is too small to see.
 #include "fades.glsl"
 #include "skin.glsl"
+#include "show.glsl"
 
 uniform sampler2D u_skins;
 
@@ -14,13 +15,11 @@ in vec2 v_skin;
 flat in vec4 v_tone;
 flat in float v_fade;
 
-out vec4 f_colour;
-
 void main() {
     if (faded(v_fade)) discard;
     vec4 skin = textureLod(u_skins, v_skin, float(COARSEST));
     vec3 colour = toned(skin.rgb, v_tone);
     float silver = v_silver * smoothstep(0.05, 0.5, min(colour.r, min(colour.g, colour.b)));
     vec3 light = (v_sky + v_sun * max(v_facing, 0.0)) * (1.0 - 0.6 * silver);
-    f_colour = vec4(colour * light + silver * (0.4 + colour) * v_around + v_veil, skin.a);
+    show(vec4(colour * light + silver * (0.4 + colour) * v_around + v_veil, skin.a));
 }

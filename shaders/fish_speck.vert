@@ -28,6 +28,10 @@ out vec3 v_veil;
 out vec2 v_skin;
 flat out vec4 v_tone;
 flat out float v_fade;
+#ifdef MARKS
+uniform float u_mark;  // of fish 0
+flat out float v_mark;
+#endif
 
 const float WRAP = 0.25;
 
@@ -66,6 +70,9 @@ void main() {
     v_tone = tone(i_pose.w, kind, i_show.z);
     v_skin = own.xy;
     v_fade = i_show.y;
+#ifdef MARKS
+    v_mark = u_mark + i_show.w;
+#endif
     gl_Position = u_projection * u_view * vec4(world, 1.0);
     // Outside: this species has no such fin, or it is the onlooker's own body.
     if (own.z < 0.0 || i_show.w == u_without) gl_Position = vec4(0.0, 0.0, 2.0, 1.0);

@@ -1,6 +1,7 @@
 #include "optics.glsl"
 #include "fishes.glsl"
 #include "skin.glsl"
+#include "show.glsl"
 #ifdef FADING
 #include "fades.glsl"
 #endif
@@ -23,8 +24,6 @@ flat in float v_nick;    // where along the fin its edge is torn, far outside if
 flat in float v_identity;
 flat in float v_fade;
 flat in int v_kind;
-
-out vec4 f_colour;
 
 const float SHARPEN = -0.6;  // mipmaps alone blur stripes that can still be told apart
 
@@ -90,5 +89,5 @@ void main() {
     float share = 0.22 * rim * rim + (0.10 + 0.1 * rim) * eye;
     vec3 around = water_radiance(reflect(-view, normal));
     colour += (share + silver * sheen * (0.4 + skin.rgb)) * around;
-    f_colour = vec4(colour * v_clear + v_veil, skin.a);
+    show(vec4(colour * v_clear + v_veil, skin.a));
 }

@@ -39,6 +39,10 @@ flat out float v_nick;
 flat out float v_identity;
 flat out float v_fade;
 flat out int v_kind;
+#ifdef MARKS
+uniform float u_mark;  // of fish 0
+flat out float v_mark;
+#endif
 
 const float WING_SPREAD = 0.95, WING_BEAT = 0.2;  // rad that a wing stands out; its share of the beat
 const float LEAN = 0.35;  // of a paddle's plane, outwards
@@ -130,6 +134,9 @@ void main() {
     float distance = length(ray);
     v_clear = clearness(distance);
     v_veil = water_radiance(ray / distance) * (1.0 - v_clear);
+#ifdef MARKS
+    v_mark = u_mark + i_show.w;
+#endif
     gl_Position = u_projection * u_view * vec4(v_world, 1.0);
     // Outside: this species has no such fin, or it is the onlooker's own body.
     if (base < 0 || i_show.w == u_without) gl_Position = vec4(0.0, 0.0, 2.0, 1.0);

@@ -1,11 +1,11 @@
 // A steel hook, a worm and a nylon line.
 #include "optics.glsl"
+#include "show.glsl"
 
 in vec3 v_world;
 in vec3 v_normal;
 flat in float v_kind;
 in float v_strength;
-out vec4 f_colour;
 
 const vec3 STEEL = vec3(0.46, 0.47, 0.48);
 const vec3 WORM = vec3(0.78, 0.27, 0.22);
@@ -26,5 +26,5 @@ void main() {
     }
     vec3 clear = clearness(distance);
     colour = EXPOSURE * colour * clear + open_water(look) * (1.0 - clear);
-    f_colour = vec4(colour, v_strength * step(v_world.z, 0.0));
+    show(vec4(colour, v_strength * step(v_world.z, 0.0)));
 }

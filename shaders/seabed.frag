@@ -1,5 +1,6 @@
 // Sand: ripple marks in two directions, grain, litter, and rubble about what stands on it.
 #include "optics.glsl"
+#include "show.glsl"
 
 uniform sampler2D u_ground;   // share of the sun, of the sky, of rubble
 uniform sampler2D u_ripples;  // slopes, height, grain
@@ -11,7 +12,6 @@ in vec2 v_slope;
 in float v_broad;
 in vec3 v_clear;
 in vec3 v_veil;
-out vec4 f_colour;
 
 const vec3 PALE = vec3(0.62, 0.475, 0.30);
 const vec3 TAN = vec3(0.33, 0.215, 0.11);
@@ -54,5 +54,5 @@ void main() {
     float lit = caustics_at(v_world) * ground.x + 0.27 * (1.0 - ground.x);
     vec3 light = SUNLIGHT * (lit * max(dot(normal, SUN), 0.0));
     light += mix(SANDLIGHT, SKYLIGHT, 0.5 + 0.5 * normal.z) * ground.y;
-    f_colour = vec4(sand * light * v_clear + v_veil, 1.0);
+    show(vec4(sand * light * v_clear + v_veil, 1.0));
 }

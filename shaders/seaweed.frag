@@ -1,5 +1,6 @@
 // A leaf of seaweed lets light through, so both its sides are bright.
 #include "optics.glsl"
+#include "show.glsl"
 
 in vec3 v_world;
 in vec3 v_normal;
@@ -9,7 +10,6 @@ flat in float v_rib;
 in vec3 v_sun;
 in vec3 v_clear;
 in vec3 v_veil;
-out vec4 f_colour;
 
 void main() {
     vec3 view = normalize(u_eye - v_world);
@@ -35,5 +35,5 @@ void main() {
     float behind = max(dot(-normal, SUN), 0.0) + 0.25 + 0.6 * glow * glow;
     light += 0.75 * through * behind * v_sun;
     light *= mix(0.35, 1.0, smoothstep(0.0, 0.35, v_place.w));  // shaded by its cluster at the foot
-    f_colour = vec4(EXPOSURE * leaf * light * v_clear + v_veil, 1.0);
+    show(vec4(EXPOSURE * leaf * light * v_clear + v_veil, 1.0));
 }

@@ -1,5 +1,6 @@
 // Stone under water: little of it is bare, most is a crust of what grows on it.
 #include "optics.glsl"
+#include "show.glsl"
 
 uniform sampler2D u_relief;  // height, its slopes, polyps
 
@@ -9,7 +10,6 @@ in vec3 v_light;
 in vec3 v_cover;
 in vec3 v_clear;
 in vec3 v_veil;
-out vec4 f_colour;
 
 const vec4 RELIEF_SPAN = vec4(3.2, 3.2, 3.2, 2.0);  // of the texture's bytes, about 0
 const vec3 DARK = vec3(0.23, 0.17, 0.13);
@@ -58,5 +58,5 @@ void main() {
     stone *= clamp(0.85 + 0.5 * height, 0.3, 1.2);
     vec3 light = SUNLIGHT * (max(dot(normal, SUN) + 0.25, 0.0) * v_light.y / 1.25);
     light += mix(SANDLIGHT, SKYLIGHT, 0.5 + 0.5 * normal.z) * v_light.x;
-    f_colour = vec4(stone * light * v_clear + v_veil, 1.0);
+    show(vec4(stone * light * v_clear + v_veil, 1.0));
 }

@@ -13,6 +13,10 @@ out vec3 v_light;  // of the sky, of the sun, hollow
 out vec3 v_cover;
 out vec3 v_clear;  // daylight and haze change so slowly that the vertices suffice
 out vec3 v_veil;
+#ifdef MARKS
+in float a_mark;
+flat out float v_mark;
+#endif
 
 // As `caustics_at`, blurred: a vertex stands for all that lies about it.
 float dapple_at(vec3 p) {
@@ -37,5 +41,8 @@ void main() {
     v_clear = clearness(distance);
     v_veil = open_water(ray / distance) * (1.0 - v_clear);
     v_clear *= EXPOSURE * daylight(v_world.z);
+#ifdef MARKS
+    v_mark = a_mark;
+#endif
     gl_Position = u_view_projection * vec4(a_position, 1.0);
 }

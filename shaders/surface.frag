@@ -1,6 +1,7 @@
 // The surface from below: the sky within Snell's window, the deep and the lit sand mirrored about
 // it. Ripples that are too small to be seen widen the edge of the window and the sun's glitter.
 #include "optics.glsl"
+#include "show.glsl"
 
 uniform sampler2D u_ripples;  // slopes along x and y, their mean square
 uniform float u_floor;
@@ -11,7 +12,6 @@ flat in vec3 v_level;
 flat in vec3 v_deep;
 flat in vec3 v_sand;
 flat in vec3 v_sun;
-out vec4 f_colour;
 
 const float WATER_INDEX = 1.33;
 const float CRITICAL = 0.6593;  // cosine of the steepest angle at which all light is mirrored
@@ -52,5 +52,5 @@ void main() {
     float within = smoothstep(CRITICAL - 0.01 - 1.5 * spread, CRITICAL + 0.07 + 1.5 * spread, facing);
     vec3 colour = mix(mirrored, sky * v_sun, within);
     // What the water before it adds is there already, with its shafts.
-    f_colour = vec4(colour, v_share);
+    show(vec4(colour, v_share));
 }

@@ -66,6 +66,13 @@ def formations(pillars: Array, rocks: Array) -> list[Array]:
     return found
 
 
+def first_of_formation(pillars: Array, rocks: Array) -> Ints:
+    """For each solid (k + m,), pillars before rocks, the first one of the formation it is in."""
+    group = _groups(blocks_of(pillars, rocks), _even(48))
+    _, first, which = np.unique(group, return_index=True, return_inverse=True)
+    return np.asarray(first[which])
+
+
 class Samples(NamedTuple):
     """Places on stone that is drawn."""
 

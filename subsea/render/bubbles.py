@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.frame import Packet, Scene
+from subsea.render.marks import BUBBLES, Twin
 from subsea.render.seabed import drawn_height
-from subsea.render.shaders import program, set_uniforms
 from subsea.view.camera import View
 from subsea.view.culling import IN_SIGHT
 
@@ -32,15 +32,15 @@ class Bubbles:
             for number, ((x, y, rate, size), z) in enumerate(zip(scene.vents, feet, strict=True))
         ]
         self._streams = [stream(slot, self._current) for slot in self._slots]
-        self._program = program(context, "bubbles")
+        self._drawn = Twin(context, "bubbles", BUBBLES)
         total = sum(len(slot) for slot in self._slots)
         self._buffer = context.buffer(reserve=max(32 * total, 32))
-        self._array = context.vertex_array(
-            self._program, [(self._buffer, "4f4 4f4 /i", "a_vent", "a_slot")]
-        )
+        self._array = self._drawn.array([(self._buffer, "4f4 4f4 /i", "a_vent", "a_slot")])
 
-    def draw(self, packet: Packet, view: View, uniforms: dict[str, Any]) -> int:
-        """Draw the vents in sight, blended; the number of triangles."""
+    def draw(
+        self, packet: Packet, view: View, uniforms: dict[str, Any], marked: bool = False
+    ) -> int:
+        """Draw the vents in sight, blended, or their marks; the number of triangles."""
         seen = [
             slot
             for slot, ends in zip(self._slots, self._streams, strict=True)
@@ -51,13 +51,13 @@ class Bubbles:
         records = np.concatenate(seen)
         self._buffer.orphan()
         self._buffer.write(records.tobytes())
-        set_uniforms(self._program, **uniforms, u_current=self._current)
-        self._array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=len(records))
+        array = self._drawn.ready(self._array, marked, **uniforms, u_current=self._current)
+        array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=len(records))
         return 2 * len(records)
 
     def release(self) -> None:
         """Free every OpenGL object."""
-        for held in (self._array, self._buffer, self._program):
+        for held in (self._drawn, self._buffer):
             held.release()
 
 

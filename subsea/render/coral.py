@@ -12,6 +12,7 @@ from subsea.habitat.mounds import variant_of
 from subsea.habitat.reef import KINDS, MOUND, RUBBLE
 from subsea.render.coral_mesh import Mesh, unit
 from subsea.render.coral_shapes import LEVELS, shape
+from subsea.render.marks import CORAL, mark
 from subsea.render.shaders import program
 from subsea.render.standing import Shape, Standing
 from subsea.render.textures import nearest_of_cells, tileable_noise, upload
@@ -154,7 +155,9 @@ class Coral:
         """
         # Others stand on mounds: none is left out.
         self._own = np.where(reef.kind == MOUND, 0.0, reef.own)
+        self._context = context
         self._program = program(context, "coral")
+        self._marking: Any = None  # made when it is first asked for
         self._grain = upload(context, grain(6))
         self._standing = Standing(
             context, self._program, LAYOUT, ATTRIBUTES, growths, reach_cm, THRESHOLDS_PX
@@ -175,10 +178,13 @@ class Coral:
         self._standing.choose(views, detail, self._own <= growth)
         self._shadows.choose(views, detail, self._shaded <= growth)
 
-    def draw(self, uniforms: dict[str, Any]) -> int:
-        """Draw what was chosen; the number of triangles."""
+    def draw(self, uniforms: dict[str, Any], marked: bool = False) -> int:
+        """Draw what was chosen, or marks of it; the number of triangles."""
+        if marked and self._marking is None:
+            self._marking = program(self._context, "coral", MARKS=1, OWN_MARKS=1)
+            self._standing.mark_by(self._marking, mark(CORAL, self._standing.owners))
         self._grain.use(GRAIN_UNIT)
-        return self._standing.draw(uniforms | {"u_grain": GRAIN_UNIT})
+        return self._standing.draw(uniforms | {"u_grain": GRAIN_UNIT}, marked)
 
     def draw_shadows(self, uniforms: dict[str, Any]) -> int:
         """Darken the sand that has been drawn, blended; the number of triangles."""
@@ -186,8 +192,11 @@ class Coral:
 
     def release(self) -> None:
         """Free every OpenGL object."""
-        for held in (self._standing, self._shadows, self._grain, self._program, self._shade):
-            held.release()
+        for held in (
+            self._standing, self._shadows, self._grain, self._program, self._shade, self._marking,
+        ):  # fmt: skip
+            if held:
+                held.release()
 
 
 def bake(reef: Reef) -> list[list[Shape]]:

@@ -23,6 +23,7 @@ from subsea.render.fish_mesh import (
     outfit,
 )
 from subsea.render.fish_speck import COARSEST, Speck, places, speck
+from subsea.render.marks import FISH, double, mark
 from subsea.render.shaders import program, set_uniforms
 from subsea.species import Display, Species
 from subsea.view.camera import View
@@ -31,6 +32,8 @@ Array = NDArray[np.floating[Any]]
 
 SKINS_UNIT, VERTICES_UNIT, PLACES_UNIT = 3, 9, 10  # of textures
 FINE = 2  # levels whose fins are drawn after all bodies
+# What a program is wanted for; see `shaders/fishes.frag` and `shaders/show.glsl`.
+SPECK, MARKS = ("SPECK",), ("MARKS", "OWN_MARKS")
 NO_TRIANGLE = np.zeros((1, 3), np.int32)
 NOBODY = np.zeros((1, INSTANCE_COLUMNS), np.float32)
 LOOKS_BINDING = 0  # of the block of uniforms
@@ -55,11 +58,10 @@ class Fishes:
         self._context = context
         kinds = len(scene.species)
         # By whether what they draw is distant, and whether it fades: to discard pixels costs time.
-        self._programs: dict[tuple[str, ...], Any] = {
-            wants: program(context, "fishes", SPECIES=kinds, **dict.fromkeys(wants, 1))
-            for wants in ((), ("DISTANT",), ("FADING",), ("DISTANT", "FADING"))
-        }
-        self._speck = program(context, "fish_speck", SPECIES=kinds, COARSEST=COARSEST)
+        # Those that write marks are made when they are first asked for.
+        self._kinds = kinds
+        self._programs: dict[tuple[str, ...], Any] = {}
+        self._content: dict[bool, tuple[Any, ...]] = {}  # of arrays: of specks, and of others
         rows, points = scene.control_points.shape[:2]
         table = np.zeros((rows, points, 4), "f4")
         table[..., :3] = scene.control_points
@@ -78,27 +80,21 @@ class Fishes:
         shape = speck()
         self._places = _table(context, speck_places(scene.species, shape))
         buffers = [context.buffer(part.tobytes()) for part in (vertices, triangles)]
-        self._arrays = {}
-        for compiled in (*self._programs.values(), self._speck):
-            compiled["Looks"].binding = LOOKS_BINDING
-        for compiled in self._programs.values():
-            self._arrays[compiled] = context.vertex_array(
-                compiled, [(buffers[0], VERTEX_FORMAT, *VERTEX_ATTRIBUTES)], buffers[1]
-            )
+        self._content[False] = [(buffers[0], VERTEX_FORMAT, *VERTEX_ATTRIBUTES)], buffers[1]
         self._speck_triangles = len(shape.triangles)
         listed = np.concatenate([shape.triangles, NO_TRIANGLE]).astype("i4")
         speck_buffers = [context.buffer(part.tobytes()) for part in (shape.vertices, listed)]
         layout = fish_speck.VERTEX_FORMAT, *fish_speck.VERTEX_ATTRIBUTES
-        self._arrays[self._speck] = context.vertex_array(
-            self._speck, [(speck_buffers[0], *layout)], speck_buffers[1]
-        )
-        # For drivers that build a program when it first draws: the last triangle has no area.
-        self._cold = dict.fromkeys(self._programs.values(), len(triangles) - 1)
-        self._cold[self._speck] = self._speck_triangles
+        self._content[True] = [(speck_buffers[0], *layout)], speck_buffers[1]
         self._held = [
-            *self._arrays.values(), *buffers, *speck_buffers, self._instances, self._looks,
-            self._table, self._vertices, self._places, self._skins, *self._arrays,
+            *buffers, *speck_buffers, self._instances, self._looks,
+            self._table, self._vertices, self._places, self._skins,
         ]  # fmt: skip
+        self._arrays: dict[Any, Any] = {}
+        # For drivers that build a program when it first draws: the last triangle has no area.
+        plain = (), ("DISTANT",), ("FADING",), ("DISTANT", "FADING")
+        self._cold = {self._made(wants): len(triangles) - 1 for wants in plain}
+        self._cold[self._made(SPECK)] = self._speck_triangles
 
     def upload(self, packet: Packet) -> None:
         """Send instance records, and the control points of fishes that are simulated.
@@ -115,8 +111,10 @@ class Fishes:
             texels[..., :3] = packet.live_points
             self._table.write(texels.tobytes(), viewport=(0, packet.live_row, points, rows))
 
-    def draw(self, packet: Packet, view: View, uniforms: dict[str, Any]) -> int:
-        """Draw all fishes into the bound framebuffer; the number of triangles.
+    def draw(
+        self, packet: Packet, view: View, uniforms: dict[str, Any], marked: bool = False
+    ) -> int:
+        """Draw all fishes, or their marks, into the bound framebuffer; the number of triangles.
 
         Coarse levels, which are mostly far away, come first, each in one call: fins have triangles
         on both sides there. Of fine levels all bodies come before all fins, which are translucent
@@ -133,8 +131,8 @@ class Fishes:
             "u_vertices": VERTICES_UNIT,
             "u_places": PLACES_UNIT,
         }
-        for compiled in {*self._cold, *(self._program(batch) for batch in packet.batches)}:
-            set_uniforms(compiled, **units, **uniforms)
+        for compiled in {*self._cold, *(self._program(batch, marked) for batch in packet.batches)}:
+            set_uniforms(compiled, **units, **uniforms, u_mark=mark(FISH))
         while self._cold:  # so that no picture later on waits for what it is the first to need
             compiled, nothing = self._cold.popitem()
             self._render(compiled, nothing, 1, 0, 1)
@@ -150,20 +148,35 @@ class Fishes:
                 if batch.level < FINE and not batch.fading:
                     triangles = mesh.body
                     fine.append(batch)
-            self._render(self._program(batch), first, triangles, batch.first, batch.count)
+            self._render(self._program(batch, marked), first, triangles, batch.first, batch.count)
             total += triangles * batch.count
         self._context.disable(moderngl.CULL_FACE)
         if fine:  # which follow each other, and have the same fins
             mesh, first = self._meshes[0], self._first[0] + self._meshes[0].body
             count = sum(batch.count for batch in fine)
-            self._render(self._programs[()], first, mesh.fins, min(b.first for b in fine), count)
+            self._render(
+                self._made(MARKS * marked), first, mesh.fins, min(b.first for b in fine), count
+            )
             total += mesh.fins * count
         return total
 
-    def _program(self, batch: Batch) -> Any:
-        if batch.level == len(DETAILS):
-            return self._speck
+    def _program(self, batch: Batch, marked: bool) -> Any:
         wants = ("DISTANT",) * (batch.level >= FINE) + ("FADING",) * batch.fading
+        if batch.level == len(DETAILS):
+            wants = SPECK
+        return self._made(wants + MARKS * marked)
+
+    def _made(self, wants: tuple[str, ...]) -> Any:
+        """The program with these definitions, which has an array from now on."""
+        if wants not in self._programs:
+            name = "fish_speck" if SPECK[0] in wants else "fishes"
+            defined = dict.fromkeys(wants, 1) | {"SPECIES": self._kinds, "COARSEST": COARSEST}
+            compiled = program(self._context, name, **defined)
+            compiled["Looks"].binding = LOOKS_BINDING
+            self._programs[wants] = compiled
+            self._arrays[compiled] = double(
+                self._context, compiled, *self._content[SPECK[0] in wants]
+            )
         return self._programs[wants]
 
     def _render(self, compiled: Any, first: int, triangles: int, record: int, count: int) -> None:
@@ -184,7 +197,7 @@ class Fishes:
 
     def release(self) -> None:
         """Free every OpenGL object."""
-        for held in self._held:
+        for held in (*self._arrays.values(), *self._arrays, *self._held):
             held.release()
 
 

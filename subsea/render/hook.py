@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.frame import Packet
-from subsea.render.shaders import program, set_uniforms
+from subsea.render.marks import HOOK, Twin
 from subsea.view.camera import View
 
 Array = NDArray[np.floating[Any]]
@@ -28,27 +28,28 @@ class Hook:
         """Bend the wire."""
         vertices, triangles = shape()
         self._count = triangles.size
-        self._program = program(context, "hook")
+        self._drawn = Twin(context, "hook", HOOK)
         self._vertices = context.buffer(vertices.astype("f4").tobytes())
         self._triangles = context.buffer(triangles.astype("i4").tobytes())
-        self._array = context.vertex_array(
-            self._program,
+        self._array = self._drawn.array(
             [(self._vertices, "3f4 3f4 1f4 1f4", "a_middle", "a_normal", "a_radius", "a_kind")],
             self._triangles,
         )
 
-    def draw(self, packet: Packet, view: View, uniforms: dict[str, Any]) -> int:
-        """Draw it where it is in the water; the number of triangles."""
+    def draw(
+        self, packet: Packet, view: View, uniforms: dict[str, Any], marked: bool = False
+    ) -> int:
+        """Draw it, or its mark, where it is in the water; the number of triangles."""
         if packet.hook is None:
             return 0
         place = tuple(float(x) for x in packet.hook)
-        set_uniforms(self._program, **uniforms, u_hook=place, u_top=TOP_CM, u_bait=packet.bait)
-        self._array.render(moderngl.TRIANGLES)
+        own = {"u_hook": place, "u_top": TOP_CM, "u_bait": packet.bait}
+        self._drawn.ready(self._array, marked, **uniforms, **own).render(moderngl.TRIANGLES)
         return self._count // 3
 
     def release(self) -> None:
         """Free every OpenGL object."""
-        for held in (self._array, self._vertices, self._triangles, self._program):
+        for held in (self._drawn, self._vertices, self._triangles):
             held.release()
 
 

@@ -18,6 +18,7 @@ from subsea.render.bubbles import Bubbles
 from subsea.render.coral import Coral, bake
 from subsea.render.fishes import Fishes
 from subsea.render.hook import Hook
+from subsea.render.marks import Marks, Seen
 from subsea.render.paint import paint_all
 from subsea.render.particles import Particles
 from subsea.render.quality import PRESETS, Quality
@@ -86,6 +87,7 @@ class Renderer:
         self._particles = Particles(context, scene)
         self._resolve = Resolve(context, rig.patches, quality.smooth)
         self._held_for_size: list[Any] = []
+        self._marks: Marks | None = None  # made when it is first asked for
         self._make_target(rig, quality)
         self.adapt(quality)
 
@@ -198,6 +200,37 @@ class Renderer:
         finally:
             texture.release()
 
+    def look_up(self, packet: Packet) -> Seen:
+        """What each pixel of the canvas shows of the packet that was drawn last, and how far away.
+
+        Of views that leave room between them what lies there is water.
+        """
+        context, size = self._context, self._target.size
+        if self._marks is None or self._marks.size != size:
+            if self._marks:
+                self._marks.release()
+            self._marks = Marks(context, size)
+        self._marks.framebuffer.use()
+        self._marks.framebuffer.clear()
+        self._noise.use(2)
+        context.enable(context.PROGRAM_POINT_SIZE | context.DEPTH_TEST)
+        context.disable(context.BLEND)
+        context.depth_func = "<="
+        for view in packet.views:
+            view = self._on_canvas(view)
+            uniforms = self._uniforms(packet, view)
+            context.viewport = context.scissor = view.viewport
+            self._solids.draw(uniforms, marked=True)
+            context.enable(context.CULL_FACE)
+            self._coral.draw(uniforms, marked=True)
+            context.disable(context.CULL_FACE)
+            self._seabed.draw(uniforms, marked=True)
+            self._water.draw_surface(uniforms, marked=True)
+            for part in (self._seaweed, self._fishes, self._hook, self._bubbles):
+                part.draw(packet, view, uniforms, marked=True)
+        context.scissor = None
+        return self._marks.read()
+
     def read_pixels(self, output: int = 0, page: int = 0) -> NDArray[np.uint8]:
         """The last picture drawn into one of the renderer's own: (h, w, 3), top row first."""
         width, height = self.rig.outputs[output]
@@ -207,6 +240,8 @@ class Renderer:
     def release(self) -> None:
         """Free every OpenGL object."""
         self._release_target()
+        if self._marks:
+            self._marks.release()
         for part in (
             self._resolve, self._particles, self._bubbles, self._hook, self._fishes, self._seaweed,
             self._coral, self._blobs, self._solids, self._seabed, self._water, self._shafts,

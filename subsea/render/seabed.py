@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from subsea.frame import Packet, Scene
 from subsea.habitat.formations import formations
 from subsea.render import ground, sand
+from subsea.render.marks import SEABED, mark
 from subsea.render.shaders import program, set_uniforms
 from subsea.render.standing import Shape, Standing
 from subsea.render.textures import upload_bytes
@@ -30,6 +31,8 @@ class Seabed:
     def __init__(self, context: Any, scene: Scene, about: ground.GroundMap) -> None:
         """Lay the tiles; `scene.terrain` as SMC §6.2 has it, `about` are its `surroundings`."""
         width = scene.terrain_half_width_cm
+        self._context = context
+        self._marking: Any = None  # made when it is first asked for
         self._program = program(context, "seabed")
         self._standing = Standing(
             context,
@@ -51,8 +54,11 @@ class Seabed:
         """Decide once for all views of a packet what is drawn."""
         self._standing.choose(packet.views, detail)
 
-    def draw(self, uniforms: dict[str, Any]) -> int:
-        """Draw the tiles that were chosen; the number of triangles."""
+    def draw(self, uniforms: dict[str, Any], marked: bool = False) -> int:
+        """Draw the tiles that were chosen, or their marks; the number of triangles."""
+        if marked and self._marking is None:
+            self._marking = program(self._context, "seabed", MARKS=1)
+            self._standing.mark_by(self._marking)
         units = (GROUND_UNIT, RIPPLES_UNIT, LITTER_UNIT)
         for texture, unit in zip(self._textures, units, strict=True):
             texture.use(unit)
@@ -60,12 +66,13 @@ class Seabed:
             self._program,
             u_ground=GROUND_UNIT, u_ripples=RIPPLES_UNIT, u_litter=LITTER_UNIT, u_map=self._map,
         )  # fmt: skip
-        return self._standing.draw(uniforms)
+        return self._standing.draw(uniforms | {"u_mark": mark(SEABED)}, marked)
 
     def release(self) -> None:
         """Free every OpenGL object."""
-        for held in (self._standing, *self._textures, self._program):
-            held.release()
+        for held in (self._standing, *self._textures, self._program, self._marking):
+            if held:
+                held.release()
 
 
 def surroundings(scene: Scene) -> ground.GroundMap:

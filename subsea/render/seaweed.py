@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.frame import LEAF_TEXELS, Packet
-from subsea.render.shaders import program, set_uniforms
+from subsea.render.marks import SEAWEED, Twin
 from subsea.view.camera import View
 
 Array = NDArray[np.floating[Any]]
@@ -31,17 +31,17 @@ class Seaweed:
     def __init__(self, context: Any) -> None:
         """Make the ribbons; the leaves come with each packet."""
         self._context = context
-        self._program = program(context, "seaweed")
-        self._held = [self._program]
+        self._drawn = Twin(context, "seaweed", SEAWEED)
+        self._held: list[Any] = [self._drawn]
         self._ribbons = []
         for size in (FINE, COARSE):
             places, triangles = ribbon(*size)
             buffers = [context.buffer(part.tobytes()) for part in (places, triangles)]
             fronds = context.buffer(reserve=8, dynamic=True)
             layout = [(buffers[0], "2f4", "a_place"), (fronds, "2f4/i", "a_frond")]
-            array = context.vertex_array(self._program, layout, buffers[1])
+            array = self._drawn.array(layout, buffers[1])
             self._ribbons.append((array, len(triangles), fronds))
-            self._held += [array, *buffers, fronds]
+            self._held += [*buffers, fronds]
         self._counts = [0, 0]
         self._rows = 0
         self._leaves = self._texture(64)
@@ -72,13 +72,15 @@ class Seaweed:
                 buffer.orphan(fronds.nbytes)
                 buffer.write(fronds.tobytes())
 
-    def draw(self, packet: Packet, view: View, uniforms: dict[str, Any]) -> int:
-        """Draw all fronds, the near ones finely; the number of triangles."""
-        set_uniforms(self._program, u_leaves=LEAVES_UNIT, **uniforms)
+    def draw(
+        self, packet: Packet, view: View, uniforms: dict[str, Any], marked: bool = False
+    ) -> int:
+        """Draw all fronds, the near ones finely, or their marks; the number of triangles."""
         self._leaves.use(LEAVES_UNIT)
         total = 0
         for (array, triangles, _), count in zip(self._ribbons, self._counts, strict=True):
             if count:
+                array = self._drawn.ready(array, marked, u_leaves=LEAVES_UNIT, **uniforms)
                 array.render(moderngl.TRIANGLES, instances=count)
                 total += triangles * count
         return total

@@ -5,10 +5,14 @@ from typing import Any
 
 import moderngl
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from subsea.frame import Packet, Scene
-from subsea.habitat.formations import formations
+from subsea.habitat.formations import first_of_formation, formations
+from subsea.kinematics.solids import from_pillar, from_rock
+from subsea.kinematics.vector import vector
+from subsea.render.marks import PILLAR, ROCK, mark
 from subsea.render.seabed import drawn_height
 from subsea.render.shaders import program, set_uniforms
 from subsea.render.standing import Shape, Standing
@@ -17,6 +21,7 @@ from subsea.render.textures import relief, upload_bytes
 from subsea.view.culling import IN_SIGHT
 
 Array = NDArray[np.floating[Any]]
+Ints = NDArray[np.integer[Any]]
 
 RELIEF_UNIT = 4  # texture unit
 RELIEF_SPAN = np.array([1.6, 32.0, 32.0, 1.0])  # of its layers, to both sides of 0
@@ -31,6 +36,27 @@ def pieces(scene: Scene) -> list[list[Shape]]:
     return [piece for levels in shapes(found, floor) for piece in cut(levels)]
 
 
+def solid_marks(pillars: Array, rocks: Array, places: Array) -> Array:
+    """The marks (n,) of places (n, 3) on stone: solids that overlap are one, the first of them."""
+    solid = first_of_formation(pillars, rocks)[_nearest(pillars, rocks, places)]
+    number = solid - len(pillars)
+    return np.asarray(np.where(number < 0, mark(PILLAR, solid), mark(ROCK, number)))
+
+
+@njit(cache=True, error_model="numpy")
+def _nearest(pillars: Array, rocks: Array, places: Array) -> Ints:
+    """Which solid, pillars before rocks, is nearest to places (n, 3)."""
+    out = np.zeros(len(places), np.int64)
+    for i in range(len(places)):
+        p, least = vector(places[i]), np.inf
+        for k in range(len(pillars) + len(rocks)):
+            rock = k - len(pillars)
+            gap = from_pillar(pillars[k], p)[1] if rock < 0 else from_rock(rocks[rock], p)[1]
+            if gap < least:
+                least, out[i] = gap, k
+    return out
+
+
 class Solids:
     """Holds the shapes of all formations."""
 
@@ -39,6 +65,8 @@ class Solids:
         self._context = context
         self._held: list[Any] = []
         self._standing: Standing | None = None
+        self._marking: Any = None  # made when it is first asked for
+        self._scene, self._stone = scene, stone
         if not stone:
             return
         self._program = program(context, "solid")
@@ -59,14 +87,22 @@ class Solids:
         if self._standing:
             self._standing.choose(packet.views, detail)
 
-    def draw(self, uniforms: dict[str, Any]) -> int:
-        """Draw what was chosen; the number of triangles."""
+    def draw(self, uniforms: dict[str, Any], marked: bool = False) -> int:
+        """Draw what was chosen, or marks of it; the number of triangles."""
         if self._standing is None:
             return 0
+        if marked and self._marking is None:
+            self._marking = program(self._context, "solid", MARKS=1, OWN_MARKS=1)
+            places = [shape.vertices[:, :3] for levels in self._stone for shape in levels]
+            marks = solid_marks(
+                self._scene.pillars, self._scene.rocks, np.concatenate(places).astype(np.float64)
+            )
+            self._standing.mark_by(self._marking, marks)
+            self._held.append(self._marking)
         self._relief.use(RELIEF_UNIT)
         set_uniforms(self._program, u_relief=RELIEF_UNIT)
         self._context.enable(moderngl.CULL_FACE)
-        total = self._standing.draw(uniforms)
+        total = self._standing.draw(uniforms, marked)
         self._context.disable(moderngl.CULL_FACE)
         return total
 

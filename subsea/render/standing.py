@@ -8,6 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from subsea.render.marks import double
 from subsea.render.shaders import set_uniforms
 from subsea.view.camera import View
 from subsea.view.culling import pixels_per_radian
@@ -63,8 +64,13 @@ class Standing:
         self._level = np.full(len(shapes), OUT_OF_SIGHT)
         self._count = 0
         self._held: list[Any] = []
+        self._marking: tuple[Any, Any] = None, None
+        # Of each shape which item it is, and how many vertices it has.
+        item = {id(shape): k for k, levels in enumerate(shapes) for shape in levels}
+        self._owners = [item[id(shape)] for shape in flat], [len(shape.vertices) for shape in flat]
         if not flat:
             return
+        self._context = context
         self._vertices = context.buffer(reserve=sum(4 * shape.vertices.size for shape in flat))
         place = 0
         for shape in flat:
@@ -72,9 +78,8 @@ class Standing:
             self._vertices.write(vertices, place)
             place += vertices.nbytes
         self._indices = context.buffer(reserve=12)
-        self._array = context.vertex_array(
-            compiled, [(self._vertices, layout, *attributes.split())], self._indices
-        )
+        self._content = [(self._vertices, layout, *attributes.split())]
+        self._array = context.vertex_array(compiled, self._content, self._indices)
         self._held = [self._array, self._vertices, self._indices]
 
     def choose(
@@ -105,11 +110,30 @@ class Standing:
             self._indices.orphan(data.nbytes)
             self._indices.write(data)
 
-    def draw(self, uniforms: dict[str, Any]) -> int:
-        """Draw in one call what was chosen; the number of triangles."""
+    @property
+    def owners(self) -> Ints:
+        """Which item each vertex (n,) belongs to."""
+        return np.repeat(*self._owners)
+
+    def mark_by(self, compiled: Any, marks: Array | None = None) -> None:
+        """Draw marks by another program from now on, `marks` (n,) are its vertices' `a_mark`."""
+        if not self._held:
+            return
+        content = list(self._content)
+        if marks is not None:
+            buffer = self._context.buffer(marks.astype("f4"))
+            content.append((buffer, "1f4", "a_mark"))
+            self._held.append(buffer)
+        array = double(self._context, compiled, content, self._indices)
+        self._marking = array, compiled
+        self._held.append(array)
+
+    def draw(self, uniforms: dict[str, Any], marked: bool = False) -> int:
+        """Draw in one call what was chosen, or its marks; the number of triangles."""
         if self._count:
-            set_uniforms(self._program, **uniforms)
-            self._array.render(moderngl.TRIANGLES, vertices=3 * self._count)
+            array, compiled = self._marking if marked else (self._array, self._program)
+            set_uniforms(compiled, **uniforms)
+            array.render(moderngl.TRIANGLES, vertices=3 * self._count)
         return self._count
 
     def release(self) -> None:

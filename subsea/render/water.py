@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.frame import Packet, Scene
+from subsea.render.marks import SURFACE, Twin
 from subsea.render.quality import Quality
 from subsea.render.shaders import program, set_uniforms
 from subsea.render.textures import ripples, upload
@@ -31,12 +32,12 @@ class Water:
             triangles = context.buffer(grid(*cells).tobytes())
             self._grids[cells] = context.vertex_array(self._background, [], triangles), triangles
         self._cells = COARSE
-        self._surface = program(context, "surface")
+        self._surface = Twin(context, "surface", SURFACE)
         self._floor = float(np.mean(scene.terrain))
         self._ripples = upload_ripples(context)
         places = disc(RINGS, SECTORS)
         self._places = context.buffer(places.tobytes())
-        self._disc = context.vertex_array(self._surface, [(self._places, "2f4", "a_place")])
+        self._disc = self._surface.array([(self._places, "2f4", "a_place")])
 
     def adapt(self, quality: Quality) -> None:
         """Draw shafts as finely as they are computed from now on."""
@@ -48,16 +49,20 @@ class Water:
         background, _ = self._grids[self._cells]
         background.render(moderngl.TRIANGLES)
         self._context.enable(moderngl.BLEND)
+        return background.vertices // 3 + self.draw_surface(uniforms)
+
+    def draw_surface(self, uniforms: dict[str, Any], marked: bool = False) -> int:
+        """The surface alone, or its mark; the number of triangles."""
         self._ripples.use(RIPPLES_UNIT)
-        set_uniforms(self._surface, **uniforms, u_ripples=RIPPLES_UNIT, u_floor=self._floor)
-        self._disc.render(moderngl.TRIANGLES)
-        return (background.vertices + self._disc.vertices) // 3
+        own = {"u_ripples": RIPPLES_UNIT, "u_floor": self._floor}
+        self._surface.ready(self._disc, marked, **uniforms, **own).render(moderngl.TRIANGLES)
+        return int(self._disc.vertices) // 3
 
     def release(self) -> None:
         """Free every OpenGL object."""
         for held in (
             *chain(*self._grids.values()), self._background,
-            self._disc, self._places, self._surface, self._ripples,
+            self._surface, self._places, self._ripples,
         ):  # fmt: skip
             held.release()
 

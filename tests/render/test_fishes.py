@@ -331,7 +331,7 @@ def test_of_a_fade_each_pixel_is_drawn_exactly_once(
 @pytest.mark.parametrize("level", range(5))
 def test_nobody_sees_its_own_body(context, scene, make_packet, fish, level):
     size = (120, 80)
-    renderer = Renderer(context, scene, size, PRESETS["low"])
+    renderer = Renderer(context, scene, display_rig("mono", size), PRESETS["low"])
 
     def drawn(fishes, without=-1):
         packet = make_packet(fishes, size=size)
