@@ -59,7 +59,15 @@ def _parsers() -> tuple[argparse.ArgumentParser, Any]:
         help="show the version and exit",
     )
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
-    for add in (_add_dive, _add_film, _add_simulate, _add_study, _add_benchmark, _add_doctor):
+    for add in (
+        _add_dive,
+        _add_film,
+        _add_simulate,
+        _add_study,
+        _add_benchmark,
+        _add_doctor,
+        _add_keys,
+    ):
         add(commands)
     return parser, commands
 
@@ -239,6 +247,20 @@ def _add_doctor(commands: Any) -> None:
         ["subsea doctor"],
     )
     doctor.set_defaults(run=_doctor)
+
+
+def _add_keys(commands: Any) -> None:
+    keys = command(
+        commands,
+        "keys",
+        "make keys by which the computers of a theatre know each other",
+        "Writes NAME.key, for everybody, and NAME.key_secret, for that computer alone, into a\n"
+        "folder. The names are those of the theatre's nodes; docs/cluster.md says the rest.",
+        ["subsea keys keys/ middle left right"],
+    )
+    keys.add_argument("folder", metavar="DIR", type=Path, help="where they go")
+    keys.add_argument("names", metavar="NAME", nargs="+", help="a node of the theatre")
+    keys.set_defaults(run=_keys)
 
 
 def _add_scenario(parser: argparse.ArgumentParser) -> None:
@@ -485,3 +507,11 @@ def _doctor() -> int:
     from subsea.app.doctor import doctor
 
     return doctor()
+
+
+def _keys(folder: Path, names: list[str]) -> int:
+    from subsea.cluster.keys import write_keys
+
+    for path in write_keys(folder, names):
+        print(path)
+    return 0

@@ -10,7 +10,7 @@ import pytest
 from subsea.app.cli import main
 from subsea.resources import resource_path
 
-COMMANDS = ("dive", "film", "simulate", "study", "benchmark", "doctor")
+COMMANDS = ("dive", "film", "simulate", "study", "benchmark", "doctor", "keys")
 DOOR = Path(__file__).parents[2] / "run_submarine.py"
 
 
@@ -77,6 +77,8 @@ def test_every_command_has_help_with_examples(capsys, command):
         (["benchmark", "--json", "a" * 300 + "/report.json"], "too long"),
         (["benchmark", "--json", "/proc/none/a.json"], "/proc/none"),
         (["doctor", "--quick"], "--quick"),
+        (["keys", "here"], "NAME"),
+        (["keys", "here", "../left"], "expected a name"),
     ],
 )
 def test_every_fault_is_one_line_with_a_hint(capsys, arguments, hint):

@@ -1,0 +1,57 @@
+"""What two computers must have in common for their worlds to stay equal."""
+
+import hashlib
+from importlib.metadata import version
+
+import msgspec
+
+from subsea import snapshot
+from subsea.cluster.messages import Identity
+from subsea.world import World
+
+
+def identity_of(world: World) -> Identity:
+    """What this world was made of, and what it became."""
+    library, recorded = world.library, len(world.library.entry)
+    tables = {
+        name: value[:recorded]
+        for name, value in library._asdict().items()
+        if name in ("rotation", "translation", "nodes", "entry", "glide", "leave")
+    }
+    tables |= {name: getattr(library, name) for name in ("first", "length", "cyclic", "speed")}
+    return Identity(
+        version=version("subsea"),
+        title=world.scenario.title[:200],
+        scenario=_hash(msgspec.json.encode(world.scenario)),
+        seed=world.state.seed,
+        species=_hash(msgspec.json.encode(world.species)),
+        repertoires=snapshot.checksum_of(tables),
+        sea=snapshot.checksum_of(snapshot.constant(world)),
+    )
+
+
+def difference(theirs: Identity, ours: Identity) -> str:
+    """What another has that we have not, in words; nothing if worlds stay equal."""
+    if theirs.version != ours.version:
+        return f"has subsea {theirs.version}, expected {ours.version}"
+    what = ""
+    if theirs.scenario != ours.scenario:
+        what = f"another scenario {theirs.title!r}"
+        if theirs.title != ours.title:
+            what = f"the scenario {theirs.title!r}, expected {ours.title!r}"
+    elif theirs.seed != ours.seed:
+        what = f"seed {theirs.seed}, expected {ours.seed}"
+    elif theirs.species != ours.species:
+        what = "other species of fishes (assets/species)"
+    elif theirs.repertoires != ours.repertoires:
+        what = "other repertoires (repertoires/*.h5)"
+    elif theirs.sea != ours.sea:
+        what = (
+            "another sea, made of the same scenario: other fishes in number, other code, or a "
+            "processor that rounds otherwise"
+        )
+    return f"has subsea {theirs.version} with {what}" if what else ""
+
+
+def _hash(data: bytes) -> str:
+    return hashlib.blake2b(data, digest_size=16).hexdigest()

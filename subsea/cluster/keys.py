@@ -1,0 +1,103 @@
+"""Key pairs by which master and nodes know each other (CURVE, as ZeroMQ has it).
+
+A folder holds NAME.key, which everybody may see, and NAME.key_secret, which only the computer
+NAME may have. Files are ZeroMQ's certificates.
+"""
+
+import os
+import re
+import stat
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import zmq
+import zmq.auth
+
+from subsea.errors import UserError
+from subsea.places import check_folder, replacing
+
+PUBLIC, SECRET = ".key", ".key_secret"
+NAMES = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}")
+HEADER = "# subsea: {what} of {name}\nmetadata\ncurve\n"
+
+
+class Keys(NamedTuple):
+    """What one computer needs."""
+
+    public: bytes  # Z85, 40 bytes, as all of them
+    secret: bytes
+    others: dict[str, bytes]  # public keys of those that it is to know, by name
+
+
+def write_keys(folder: Path, names: Sequence[str]) -> list[Path]:
+    """A new key pair for each computer; the files, public and secret in turn.
+
+    Secret files can be read by nobody but their owner. A name that cannot be a file's, or one
+    that has keys already, is a UserError, and nothing is written.
+    """
+    _check_curve()
+    for name in names:
+        if not NAMES.fullmatch(name):
+            raise UserError(f"{name!r}: expected a name of letters, digits, - and _")
+        for suffix in (PUBLIC, SECRET):
+            if (folder / f"{name}{suffix}").exists():
+                raise UserError(
+                    f"{folder / name}{suffix}: is there already; remove it on every computer "
+                    "before making another"
+                )
+    for name in names:
+        if names.count(name) > 1:
+            raise UserError(f"{name!r} was given twice")
+    check_folder(folder)
+    written = []
+    for name in names:
+        public, secret = (key.decode() for key in zmq.curve_keypair())
+        for suffix, what, mode in (
+            (PUBLIC, "public key", 0o644),
+            (SECRET, "SECRET key, for nobody but that computer,", 0o600),
+        ):
+            text = HEADER.format(what=what, name=name) + f'    public-key = "{public}"\n'
+            if suffix == SECRET:
+                text += f'    secret-key = "{secret}"\n'
+            with replacing(folder / f"{name}{suffix}") as path:
+                # Made with its mode, so that no moment is left in which others may read it.
+                path.touch(mode, exist_ok=False)
+                path.write_text(text)
+            written.append(folder / f"{name}{suffix}")
+    return written
+
+
+def read_keys(folder: Path, name: str, others: Sequence[str]) -> Keys:
+    """The pair of `name` and the public keys of `others`; what is missing is a UserError."""
+    _check_curve()
+    path = folder / f"{name}{SECRET}"
+    public, secret = _read(path)
+    if secret is None:
+        raise UserError(f"{path}: holds no secret key")
+    mode = stat.S_IMODE(path.stat().st_mode)
+    if os.name == "posix" and mode & 0o077:
+        raise UserError(f"{path}: others may read it (mode {mode:o}); `chmod 600 {path}`")
+    return Keys(public, secret, {other: _read(folder / f"{other}{PUBLIC}")[0] for other in others})
+
+
+def _read(path: Path) -> tuple[bytes, bytes | None]:
+    try:
+        public, secret = zmq.auth.load_certificate(path)
+    except OSError as fault:
+        raise UserError(
+            f"{path}: cannot read (no such key); `subsea keys {path.parent} NAME...` makes them"
+            if not path.exists()
+            else f"{path}: cannot read ({fault.strerror})"
+        ) from fault
+    except ValueError as fault:
+        raise UserError(f"{path}: holds no key") from fault
+    for key in (public, secret):
+        if key is not None and not re.fullmatch(rb"[!-~]{40}", key):
+            raise UserError(f"{path}: holds no key of 40 letters")
+    return public, secret
+
+
+def _check_curve() -> None:
+    if not zmq.has("curve"):
+        raise UserError("this ZeroMQ was built without CURVE; `pip install pyzmq` brings one")

@@ -1,0 +1,131 @@
+"""Three processes, one dive: one node is killed and comes back, then the master is and does."""
+
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+TRIAL = Path(__file__).with_name("trial.py")
+TICKS = 1000
+
+
+class Process:
+    """A node in a process of its own; its lines, as far as they were written."""
+
+    def __init__(self, folder, call, *arguments):
+        self._out, self._err = folder / f"{call}.out", folder / f"{call}.err"
+        with self._out.open("w") as out, self._err.open("w") as err:
+            self.process = subprocess.Popen(
+                [sys.executable, str(TRIAL), *map(str, arguments)], stdout=out, stderr=err
+            )
+
+    @property
+    def told(self):
+        return self._err.read_text()
+
+    @property
+    def seen(self):
+        """Ticks and checksums of its pictures; the line that was cut by a kill is left out."""
+        whole = self._out.read_text().rpartition("\n")[0].splitlines()
+        return [(int(tick), checksum) for tick, checksum in map(str.split, whole)]
+
+    def until(self, true, seconds=90.0):
+        end = time.monotonic() + seconds
+        while not true(self):
+            assert time.monotonic() < end, self.told
+            time.sleep(0.05)
+
+    def kill(self):
+        self.process.kill()
+        self.process.wait()
+
+    def end(self):
+        self.process.terminate()
+        return self.process.wait(20.0)
+
+
+@pytest.fixture(scope="module")
+def dive(tmp_path_factory, make_address):
+    folder, address = tmp_path_factory.mktemp("dive"), make_address()
+    crew = {}
+
+    def start(call, role, pictures=0):
+        crew[call] = Process(folder, call, role, address, "schooling", pictures, "left,right")
+        return crew[call]
+
+    try:
+        start("left", "left")
+        right, master = start("right", "right"), start("master", "master", -1)
+        right.until(lambda node: len(node.seen) > 100)
+        right.kill()
+        there = len(master.seen)
+        master.until(lambda node: len(node.seen) > there + 100)
+        again = start("right again", "right")
+        again.until(lambda node: len(node.seen) > 100)
+        master.until(lambda node: node.seen[-1][0] > TICKS + 10)
+        master.kill()
+        for node in (crew["left"], again):
+            node.until(lambda node: node.told.count("waiting for the master") == 2)
+        second = start("second master", "master", 60)
+        assert second.process.wait(90.0) == 0
+        assert (crew["left"].end(), again.end()) == (130, 130)
+        yield crew
+    finally:
+        for process in crew.values():
+            process.kill()
+
+
+def dives(process):
+    """Its ticks and checksums, one mapping for each dive that it took part in."""
+    parts = [{}]
+    before = 0
+    for tick, checksum in process.seen:
+        if tick < before:
+            parts.append({})
+        before = tick
+        parts[-1][tick] = checksum
+    return parts
+
+
+def common(one, other):
+    """How many ticks both have seen; they saw the same."""
+    both = sorted(one.keys() & other.keys())
+    assert [one[tick] for tick in both] == [other[tick] for tick in both]
+    return len(both)
+
+
+def test_a_node_that_stays_sees_a_thousand_ticks_as_the_master_does(dive):
+    master, left = dives(dive["master"])[0], dives(dive["left"])[0]
+    # Some pictures have no tick, some have three: what is between was seen by nobody.
+    assert max(master) - min(master) >= TICKS
+    assert common(master, left) >= len(master) - 1
+    assert len(set(master.values())) == len(master)
+
+
+def test_a_node_that_was_killed_sees_the_same_before_and_after(dive):
+    master = dives(dive["master"])[0]
+    before, after = dives(dive["right"])[0], dives(dive["right again"])[0]
+    assert common(master, before) > 50
+    assert common(master, after) > 50
+    assert min(after) > max(before) + 50  # the others went on without it
+
+
+def test_what_happened_is_told_in_words(dive):
+    told = dive["master"].told
+    assert "node right: is gone; going on without it" in told
+    assert "node right: is in step again" in told
+    assert "took the state of the dive at tick" in dive["right again"].told
+    assert "differs" not in "".join(process.told for process in dive.values())
+
+
+def test_a_master_that_comes_back_is_followed(dive):
+    second = dives(dive["second master"])[0]
+    for name in ("left", "right again"):
+        assert len(dives(dive[name])) == 2
+        assert common(second, dives(dive[name])[1]) >= len(second) - 1
+    told = dive["second master"].told
+    for name in ("left", "right"):
+        assert f"node {name}: " in told
+    assert "ms on average, p95" in told
