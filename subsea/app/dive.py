@@ -1,4 +1,4 @@
-"""`subsea dive`: the submarine in a window."""
+"""`subsea dive`: the submarine in a window, or in several."""
 
 import time
 from contextlib import ExitStack, closing
@@ -6,17 +6,20 @@ from contextlib import ExitStack, closing
 from subsea.app import pacing
 from subsea.app.clock import Clock
 from subsea.app.console import say
-from subsea.app.overlay import Overlay, one_page, panes
+from subsea.app.overlay import Overlay, panes
 from subsea.app.pilot import Pilot
+from subsea.app.screens import Installation, Screen, on_display, placed
 from subsea.app.start import start_world
-from subsea.app.window import Window
+from subsea.app.wall import Wall
+from subsea.app.window import Window, Wish
 from subsea.frame import make_scene, pack
 from subsea.ocean import step
-from subsea.render import Renderer, page_switch, window_context
+from subsea.render import Renderer
 from subsea.render.quality import AUTO, CHOICES, LADDER, PRESETS, Quality, first_rung, name_of
 from subsea.scenario import load_scenario
+from subsea.theatre.lineup import lineup
 from subsea.view.levels import nothing_drawn
-from subsea.view.rig import Rig, views
+from subsea.view.rig import Rig, front, part_of, views
 from subsea.view.rigs import cockpit, display_rig
 from subsea.view.stereo import EYES, PAGED, Stereo
 from subsea.view.surround import ALL_ROUND, Surround
@@ -48,7 +51,7 @@ def dive(
 
 
 class Dive:
-    """A window, its pilot, and the world that they are in."""
+    """The windows, the pilot, and the world that they are in."""
 
     def __init__(
         self,
@@ -61,89 +64,133 @@ class Dive:
         surround: Surround = ALL_ROUND,
         quality: str = AUTO,
         target_ms: float | None = None,
+        installation: Installation | None = None,
     ) -> None:
-        """Open the window, then the world: the visitor sees at once that something happens.
+        """Open the windows, then the world: the visitor sees at once that something happens.
 
-        `quality` is one of `render.quality.CHOICES`; "auto" holds `target_ms`, None: what the
-        renderer suggests. Whatever fails, all that was opened is closed again.
+        The rig and the windows are those of the `installation`, else one window and the rig of
+        `display` at its size. `quality` is one of `render.quality.CHOICES`; "auto" holds
+        `target_ms`, None: what the renderer suggests. Whatever fails, all that was opened is
+        closed again.
         """
         load_scenario(scenario)  # a misspelt name is told before a window flashes up
         self.display, self._stereo, self._surround = display, stereo, surround
         self.pilot = Pilot()
         self._clock = Clock(TICK_S)
-        self._help_wanted = self._quality_wanted = 0
         self._quality = quality
+        self._pattern = False
         with ExitStack() as undo:
-            self.window = Window("subsea", size, fullscreen, self.pilot, paged=display == PAGED)
-            undo.callback(self.window.close)
+            there = undo.enter_context(on_display()).monitors
+            self._fixed: Rig | None = None  # stays, whatever the size of windows
+            if installation is None:
+                self.wall = Wall([(Screen("subsea", size), None)], self.pilot, display == PAGED)
+            else:
+                rig, screens, source = installation
+                shown = placed(screens, there, source, say)
+                self._fixed = rig = part_of(rig, [number for number, _ in shown])
+                self.wall = Wall(
+                    [(screens[number], monitor) for number, monitor in shown],
+                    self.pilot,
+                    rig.pages > 1,
+                    front(rig).output,
+                )
+            undo.callback(self.wall.close)
+            if fullscreen and installation is None:
+                self.window.toggle_fullscreen()
             self.overlay = Overlay(self.window.handle)
             undo.callback(self.overlay.close)
             self.world = start_world(scenario, seed, tell=self._tell)
             self._tell("starting OpenGL")
-            self._context = window_context(self.window.get_proc_address)
-            self._size = self.window.size
+            self._context = self.wall.context
             renderer = self._context.info["GL_RENDERER"]
             self._target_ms = target_ms or pacing.target_for(renderer)
             self._rig = self._make_rig()
             self._pace = pacing.start(first_rung(renderer), self._rig.exact)
-            self._page = page_switch(self.window.get_proc_address) if display == PAGED else one_page
             self._renderer = Renderer(
                 self._context,
                 make_scene(self.world),
                 self._rig,
                 self._chosen(),
-                self._page,
+                self.wall.page,
             )
             self._memory = nothing_drawn(len(self.world.state.fishes.species))
             undo.callback(self._renderer.release)
             self._undo = undo.pop_all()
 
+    @property
+    def window(self) -> Window:
+        """The pilot's window."""
+        return self.wall.front
+
     def frame(self, elapsed_s: float) -> None:
         """One picture, `elapsed_s` after the last: events, due ticks, drawing, presenting."""
         start = time.perf_counter()
-        self.window.poll()
-        if self.window.help_wanted != self._help_wanted:
-            self._help_wanted = self.window.help_wanted
-            self.overlay.toggle_help()
-        if self.window.quality_wanted != self._quality_wanted:
-            self._quality_wanted = self.window.quality_wanted
-            self._quality = CHOICES[(CHOICES.index(self._quality) + 1) % len(CHOICES)]
-            self._pace = pacing.resumed(self._pace)
-            self._renderer.adapt(self._chosen())
-            self.overlay.show_quality()
+        for wish in self.wall.poll():
+            self._grant(wish)
         for _ in range(self._clock.advance(elapsed_s)):
             step(self.world, self.pilot.helm(TICK_S))
-        if self.window.size != self._size:
-            self._size = self.window.size
+        if self._fixed is None and self.window.size != self._rig.outputs[0]:
             self._rig = self._make_rig()
             self._renderer.arrange(self._rig)
-        submarine, alpha = self.world.state.submarine, self._clock.alpha
-        observer = cockpit(submarine, alpha)
-        quality = self._renderer.quality
-        packet = pack(
-            self.world, views(self._rig, observer), alpha,
-            detail=quality.detail, growth=quality.growth, memory=self._memory,
-        )  # fmt: skip
-        self._renderer.draw(packet, into=self._context.screen)
-        throttle, stopping = self.pilot.throttle, self.pilot.stopping
-        scale = self.window.text_scale
+            self._draw_pattern()
+        if not self._pattern:
+            self._draw()
+        if self._pattern or not self._direct:
+            self.wall.show(self._renderer.pictures)
+        submarine = self.world.state.submarine
         self.overlay.draw(
             submarine,
-            throttle,
-            stopping,
+            self.pilot.throttle,
+            self.pilot.stopping,
             elapsed_s,
-            scale,
-            panes(self._rig, self._page),
+            self.window.text_scale,
+            panes(self._rig, self.wall.page),
             self.quality,
         )
-        if self._quality == AUTO:
+        if self._quality == AUTO and not self._pattern:
             self._context.finish()  # the time of the picture, without waiting for the display
             self._pace = pacing.paced(
                 self._pace, 1000.0 * (time.perf_counter() - start), self._target_ms
             )
             if self._chosen() != self._renderer.quality:
                 self._renderer.adapt(self._chosen())
-        self.window.present()
+        self.wall.present()
+
+    @property
+    def _direct(self) -> bool:
+        """Whether the one window there is has the size of the picture: no need to copy it."""
+        return self._rig.outputs == (self.window.size,)
+
+    def _draw(self) -> None:
+        """The sea, into the window or into the renderer's own pictures."""
+        alpha = self._clock.alpha
+        observer = cockpit(self.world.state.submarine, alpha)
+        quality = self._renderer.quality
+        packet = pack(
+            self.world, views(self._rig, observer), alpha,
+            detail=quality.detail, growth=quality.growth, memory=self._memory,
+        )  # fmt: skip
+        self._renderer.draw(packet, into=self._context.screen if self._direct else None)
+
+    def _draw_pattern(self) -> None:
+        """The test pattern, if it is shown, into the renderer's own pictures: once is enough."""
+        if self._pattern:
+            self._renderer.show(lineup(self._rig))
+
+    def _grant(self, wish: Wish) -> None:
+        """Do what the visitor asked for by a key."""
+        if wish == "help":
+            self.overlay.toggle_help()
+        elif wish == "pattern":
+            self._pattern = not self._pattern
+            self._pace = pacing.resumed(self._pace)
+            self._draw_pattern()
+        elif wish == "quality":
+            self._quality = CHOICES[(CHOICES.index(self._quality) + 1) % len(CHOICES)]
+            self._pace = pacing.resumed(self._pace)
+            self._renderer.adapt(self._chosen())
+            self._draw_pattern()
+            self.overlay.show_quality()
 
     @property
     def quality(self) -> str:
@@ -152,7 +199,9 @@ class Dive:
         return f"picture {name}" if self._quality != AUTO else f"picture auto: {name}"
 
     def _make_rig(self) -> Rig:
-        return display_rig(self.display, self._size, self._stereo, self._surround)
+        if self._fixed is not None:
+            return self._fixed
+        return display_rig(self.display, self.window.size, self._stereo, self._surround)
 
     def _chosen(self) -> Quality:
         return LADDER[self._pace.rung] if self._quality == AUTO else PRESETS[self._quality]
@@ -164,6 +213,6 @@ class Dive:
     def _tell(self, message: str) -> None:
         """Say it on the terminal and in the window."""
         say(message)
-        self.window.poll()
+        self.wall.poll()
         self.overlay.message(message, self.window.text_scale)
-        self.window.present()
+        self.wall.present()

@@ -7,11 +7,14 @@ import tempfile
 from collections.abc import Callable
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from subsea.app.install import INSTALL
 from subsea.errors import UserError
 from subsea.view.stereo import OTHER_STEREO
+
+if TYPE_CHECKING:
+    from subsea.app.screens import Monitor
 
 PACKAGES = (
     "numpy", "numba", "h5py", "moderngl", "glfw", "pyrr", "imgui-bundle", "msgspec", "pillow",
@@ -131,10 +134,19 @@ def _quality(renderer: str) -> Finding:
     return Finding("quality", True, f"{text}; holds {target_for(renderer):.3g} ms", needed=False)
 
 
+def _monitor(monitor: "Monitor") -> Finding:
+    """What a theatre file may call it, and what it may say instead."""
+    left, top = monitor.position
+    rate = f" at {monitor.rate} Hz" if monitor.rate else ""
+    text = f"{monitor!s}{rate}, position {left}, {top}"
+    return Finding("monitor", True, text, needed=False)
+
+
 def _display() -> list[Finding]:
     """Display, monitors, and the OpenGL of hidden windows."""
     try:
-        from subsea.app.window import hidden_window, on_display
+        from subsea.app.screens import on_display
+        from subsea.app.window import hidden_window
         from subsea.render import window_context
     except ImportError as fault:
         return [Finding("display", False, f"{fault}; try: {INSTALL}")]
@@ -142,7 +154,7 @@ def _display() -> list[Finding]:
         with on_display() as display:
             findings = [
                 Finding("display", True, display.platform),
-                Finding("monitors", True, ", ".join(display.monitors) or "none", needed=False),
+                *(_monitor(monitor) for monitor in display.monitors),
             ]
             with hidden_window() as loader:
                 if loader is None:

@@ -10,9 +10,9 @@ import imgui_bundle
 from imgui_bundle import imgui
 
 from subsea.state import Submarine
-from subsea.view.rig import Rig
+from subsea.view.rig import Rig, front
 
-# Ten manoeuvres and five more keys, in the words of a sign beside the exhibit.
+# What hands can do, in the words of a sign beside the exhibit.
 HELP = (
     ("Look and turn", "move the mouse", "arrows, A D"),
     ("Ahead", "left button", "W"),
@@ -22,6 +22,7 @@ HELP = (
     ("Full stop", "press the wheel", "space"),
     ("This help", "", "H"),
     ("Quality of the picture", "", "P"),
+    ("Test pattern", "", "T"),
     ("Full screen", "", "F"),
     ("Leave", "", "Esc"),
 )
@@ -53,11 +54,12 @@ WHOLE = Pane()
 
 
 def panes(rig: Rig, page: Callable[[int], None]) -> tuple[Pane, ...]:
-    """Where text goes in the first output: in each patch, as each eye may have its own part."""
-    width, height = rig.outputs[0]
+    """Where text goes: in the pilot's window, on the screen ahead, in the part of each eye."""
+    ahead = front(rig)
+    width, height = rig.outputs[ahead.output]
     found = []
     for patch in rig.patches:
-        if patch.output == 0:
+        if (patch.output, patch.channel) == (ahead.output, ahead.channel):
             x, y, across, up = patch.place
             share = across / width, up / height
             found.append(Pane(x / width, 1.0 - y / height - share[1], *share, patch.page, page))

@@ -1,14 +1,15 @@
-"""The window: made, resized and closed here; what hands do in it goes to the pilot."""
+"""A window: made, resized and closed here; what hands do in it goes to the pilot."""
 
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
-from typing import Any, NamedTuple
+from contextlib import contextmanager
+from typing import Any, Literal, NamedTuple
 
 import glfw
 import imgui_bundle  # noqa: F401  # before glfw: it brings the one libglfw that both share
 
 from subsea.app.install import INSTALL
 from subsea.app.pilot import Action, Button, Pilot
+from subsea.app.screens import Monitor, Screen, reason
 from subsea.errors import UserError
 from subsea.view.stereo import OTHER_STEREO
 
@@ -27,53 +28,35 @@ KEYS: dict[int, Action] = {
     glfw.KEY_PAGE_DOWN: "dive",
     glfw.KEY_SPACE: "full stop",
 }
-HELP_KEYS = (glfw.KEY_H, glfw.KEY_F1)
-QUALITY_KEYS = (glfw.KEY_P,)
+Wish = Literal["help", "quality", "pattern"]
+WISHES: dict[int, Wish] = {
+    glfw.KEY_H: "help",
+    glfw.KEY_F1: "help",
+    glfw.KEY_P: "quality",
+    glfw.KEY_T: "pattern",
+}
 FULLSCREEN_KEYS = (glfw.KEY_F, glfw.KEY_F11)
 BUTTONS: dict[int, Button] = {
     glfw.MOUSE_BUTTON_LEFT: "left",
     glfw.MOUSE_BUTTON_RIGHT: "right",
     glfw.MOUSE_BUTTON_MIDDLE: "middle",
 }
-PLATFORMS = {
-    glfw.PLATFORM_X11: "X11",
-    glfw.PLATFORM_WAYLAND: "Wayland",
-    glfw.PLATFORM_COCOA: "macOS",
-    glfw.PLATFORM_WIN32: "Windows",
-}
 
 
-class Display(NamedTuple):
-    """Where windows open."""
+class Reach(NamedTuple):
+    """Where the pointer may go, in its units from the upper left corner of a window."""
 
-    platform: str  # "X11", "Wayland", …
-    monitors: list[str]  # name, pixels and rate of each
+    corner: tuple[float, float]  # the upper left
+    middle: tuple[float, float]  # straight ahead
+    end: tuple[float, float]  # the lower right corner
 
-
-@contextmanager
-def on_display() -> Iterator[Display]:
-    """Start the window library, and stop it in the end. No display is a UserError."""
-    glfw.ERROR_REPORTING = "exception"
-    try:
-        if not glfw.init():
-            raise glfw.GLFWError("the window library cannot start")
-    except glfw.GLFWError as fault:
-        raise UserError(
-            f"no display to open a window on ({_reason(fault)}); "
-            "without one, `subsea film dive.mp4` makes a film"
-        ) from fault
-    try:
-        monitors = []
-        for monitor in glfw.get_monitors():
-            mode = glfw.get_video_mode(monitor)
-            width, height = mode.size
-            name: Any = glfw.get_monitor_name(monitor)
-            name = name.decode("utf-8", "replace") if isinstance(name, bytes) else name
-            rate = f" at {mode.refresh_rate} Hz" if mode.refresh_rate else ""
-            monitors.append(f"{name} {width}x{height}{rate}")
-        yield Display(PLATFORMS.get(glfw.get_platform(), "unknown"), monitors)
-    finally:
-        glfw.terminate()
+    def share(self, x: float, y: float) -> tuple[float, float]:
+        """The place in [-1, 1] from the middle, right and up; each edge is at 1 or -1."""
+        across, down = (
+            (at - middle) / (end - middle if at > middle else middle - low)
+            for at, low, middle, end in zip((x, y), *self, strict=True)
+        )
+        return across, -down
 
 
 @contextmanager
@@ -97,59 +80,69 @@ def hidden_window(stereo: bool = False) -> Iterator[Callable[[str], Any] | None]
 
 
 class Window:
-    """One window with an OpenGL 3.3 context, current in this thread.
+    """One window with an OpenGL 3.3 context, current in this thread when it is made.
 
-    `help_wanted` and `quality_wanted` count how often the visitor asked for the help, and for
-    another quality of the picture.
+    What the visitor asks for by a key is added to the list `wishes`.
     """
 
     def __init__(
         self,
-        title: str,
-        size: tuple[int, int],
-        fullscreen: bool,
+        screen: Screen,
         pilot: Pilot,
+        wishes: list[Wish],
+        monitor: Monitor | None = None,
         paged: bool = False,
+        share: "Window | None" = None,
     ) -> None:
-        """Open it. No display or no OpenGL is a UserError that says what to do.
+        """Open it where `screen` says, or filling a monitor.
 
-        `paged` asks for a buffer for each eye.
+        `paged` asks for a buffer for each eye; with `share` it has textures in common with another
+        window. No OpenGL is a UserError that says what to do.
         """
-        with ExitStack() as undo:
-            undo.enter_context(on_display())
-            _context_hints()
-            glfw.window_hint(glfw.STEREO, paged)
-            try:
-                self.handle = glfw.create_window(*size, title, None, None)
-                if not self.handle:
-                    raise glfw.GLFWError("no window was made")
-            except glfw.GLFWError as fault:
-                if paged:
-                    raise UserError(
-                        "the graphics driver offers no window with a buffer for each eye "
-                        f"(quad-buffered stereo: {_reason(fault)}); try --display {OTHER_STEREO}"
-                    ) from fault
+        _context_hints()
+        glfw.window_hint(glfw.STEREO, paged)
+        size = screen.size if monitor is None else monitor.size
+        if screen.fixed:
+            glfw.window_hint(glfw.DECORATED, False)
+            glfw.window_hint(glfw.AUTO_ICONIFY, False)  # other windows have the keyboard too
+            glfw.window_hint(glfw.SCALE_TO_MONITOR, False)
+            glfw.window_hint(glfw.REFRESH_RATE, monitor.rate if monitor else glfw.DONT_CARE)
+        if screen.position is not None:
+            glfw.window_hint(glfw.POSITION_X, screen.position[0])
+            glfw.window_hint(glfw.POSITION_Y, screen.position[1])
+        self.handle: Any
+        try:
+            self.handle = glfw.create_window(
+                *size,
+                screen.name,
+                None if monitor is None else monitor.handle,
+                None if share is None else share.handle,
+            )
+            if not self.handle:
+                raise glfw.GLFWError("no window was made")
+        except glfw.GLFWError as fault:
+            if paged:
                 raise UserError(
-                    f"no window with OpenGL 3.3 ({_reason(fault)}); try: {INSTALL}"
+                    "the graphics driver offers no window with a buffer for each eye "
+                    f"(quad-buffered stereo: {reason(fault)}); try --display {OTHER_STEREO}"
                 ) from fault
-            undo.callback(glfw.destroy_window, self.handle)
-            self._undo = undo.pop_all()
+            raise UserError(
+                f"no window with OpenGL 3.3 ({reason(fault)}); try: {INSTALL}"
+            ) from fault
         self.pilot = pilot
-        self.help_wanted = 0
-        self.quality_wanted = 0
+        self.inside = False  # whether the pointer is in it
+        self.focused = bool(glfw.get_window_attrib(self.handle, glfw.FOCUSED))
+        self.reach: Reach | None = None  # of the pointer, if that is more than the window
+        self._wishes = wishes
+        self._fixed = screen.fixed
         self._windowed = (0, 0, *size)
-        # From here on a hiccup of the desktop must not end the dive.
-        glfw.ERROR_REPORTING = "ignore"
-        glfw.make_context_current(self.handle)
-        glfw.swap_interval(1)
+        self.make_current()
         glfw.set_key_callback(self.handle, self._on_key)
         glfw.set_mouse_button_callback(self.handle, self._on_button)
         glfw.set_cursor_pos_callback(self.handle, self._on_pointer)
         glfw.set_cursor_enter_callback(self.handle, self._on_enter)
         glfw.set_scroll_callback(self.handle, self._on_scroll)
         glfw.set_window_focus_callback(self.handle, self._on_focus)
-        if fullscreen:
-            self.toggle_fullscreen()
 
     @property
     def size(self) -> tuple[int, int]:
@@ -179,17 +172,27 @@ class Window:
         """Whether nobody has asked to close it."""
         return not glfw.window_should_close(self.handle)
 
-    def poll(self) -> None:
-        """Hand all events since the last call to the pilot."""
-        glfw.poll_events()
+    @property
+    def position(self) -> tuple[int, int]:
+        """The upper left corner on the desktop, in the units of the pointer."""
+        left, top = glfw.get_window_pos(self.handle)
+        return left, top
+
+    def make_current(self) -> None:
+        """OpenGL works for this window from now on."""
+        glfw.make_context_current(self.handle)
+
+    def ask_to_close(self) -> None:
+        """It is no longer `open`."""
+        glfw.set_window_should_close(self.handle, True)
 
     def present(self) -> None:
         """Show what was drawn."""
         glfw.swap_buffers(self.handle)
 
     def close(self) -> None:
-        """Destroy the window and leave the display."""
-        self._undo.close()
+        """Destroy the window."""
+        glfw.destroy_window(self.handle)
 
     def toggle_fullscreen(self) -> None:
         """Fill the screen that the window is on, or go back to the former place and size."""
@@ -220,12 +223,10 @@ class Window:
         if key in KEYS and action != glfw.REPEAT:
             self.pilot.key(KEYS[key], down)
         elif down and key == glfw.KEY_ESCAPE:
-            glfw.set_window_should_close(self.handle, True)
-        elif down and key in HELP_KEYS:
-            self.help_wanted += 1
-        elif down and key in QUALITY_KEYS:
-            self.quality_wanted += 1
-        elif down and key in FULLSCREEN_KEYS:
+            self.ask_to_close()
+        elif down and key in WISHES:
+            self._wishes.append(WISHES[key])
+        elif down and key in FULLSCREEN_KEYS and not self._fixed:
             self.toggle_fullscreen()
 
     def _on_button(self, handle: object, button: int, action: int, mods: int) -> None:
@@ -234,18 +235,18 @@ class Window:
 
     def _on_pointer(self, handle: object, x: float, y: float) -> None:
         width, height = self.points
-        self.pilot.point(2.0 * x / width - 1.0, 1.0 - 2.0 * y / height)
+        reach = self.reach or Reach((0.0, 0.0), (width / 2, height / 2), (width, height))
+        self.inside = True
+        self.pilot.point(*reach.share(x, y))
 
     def _on_enter(self, handle: object, entered: int) -> None:
-        if not entered:
-            self.pilot.leave()
+        self.inside = bool(entered)
 
     def _on_scroll(self, handle: object, dx: float, dy: float) -> None:
         self.pilot.wheel(dy)
 
     def _on_focus(self, handle: object, focused: int) -> None:
-        if not focused:
-            self.pilot.let_go()
+        self.focused = bool(focused)
 
 
 def _context_hints() -> None:
@@ -258,10 +259,3 @@ def _context_hints() -> None:
         (glfw.SCALE_TO_MONITOR, True),
     ):
         glfw.window_hint(hint, value)
-
-
-def _reason(fault: Exception) -> str:
-    """The window library's own words, without its error number, quotes and final stop."""
-    text = str(fault)
-    words = text.partition(") ")[2] or text
-    return words.removeprefix("b").strip("'\"").rstrip(".")

@@ -5,6 +5,7 @@ pictures that are shown, the outputs: one for each window or projector. A rig is
 display at a size; only the observer from whom its eyes hang moves.
 """
 
+from collections.abc import Sequence
 from enum import IntEnum
 from typing import Any, NamedTuple
 
@@ -82,6 +83,7 @@ class Patch(NamedTuple):
     # (h, w, 4), stretched over the place, top row first: factors of red, green and blue, and what
     # is added then, on the values that go to the projector; None: left as they are.
     mask: Array | None = None
+    channel: int = 0  # the projector, or screen: both eyes' patches of one have the same
 
 
 class Rig(NamedTuple):
@@ -105,6 +107,33 @@ class Rig(NamedTuple):
     def pages(self) -> int:
         """How many buffers an output has."""
         return 1 + max(patch.page for patch in self.patches)
+
+
+def front(rig: Rig) -> Patch:
+    """The patch whose middle is most straight ahead; of several the first."""
+    return max(rig.patches, key=lambda patch: max(map(_ahead, seen_by(rig, patch)), default=-1.0))
+
+
+def seen_by(rig: Rig, patch: Patch) -> list[Eye]:
+    """The eyes that draw what a patch shows, of a stereo one those of the left eye first."""
+    return [
+        eye for part in (patch.left, patch.right) for eye in rig.eyes if _meet(eye.viewport, part)
+    ]
+
+
+def part_of(rig: Rig, outputs: Sequence[int]) -> Rig:
+    """The same rig with only these outputs, in this order, and the eyes that they need."""
+    patches = tuple(
+        patch._replace(output=outputs.index(patch.output))
+        for patch in rig.patches
+        if patch.output in outputs
+    )
+    needed = {id(eye) for patch in patches for eye in seen_by(rig, patch)}
+    return rig._replace(
+        outputs=tuple(rig.outputs[number] for number in outputs),
+        eyes=tuple(eye for eye in rig.eyes if id(eye) in needed),
+        patches=patches,
+    )
 
 
 def pose(eye: Array, heading: float, pitch: float) -> Pose:
@@ -134,3 +163,18 @@ def views(rig: Rig, observer: Pose) -> tuple[View, ...]:
         forward, up = eye.axes[2] @ axes, eye.axes[1] @ axes
         found.append(View(eye.viewport, look(place, forward, up), eye.projection, place))
     return tuple(found)
+
+
+def _ahead(eye: Eye) -> float:
+    """Cosine of the angle between the middle of an eye's picture and straight ahead."""
+    p = eye.projection
+    middle = np.array([p[0, 2] / p[0, 0], p[1, 2] / p[1, 1], 1.0]) @ eye.axes
+    return float(middle[2] / np.linalg.norm(middle))
+
+
+def _meet(a: Rect, b: Rect) -> bool:
+    """Whether two rectangles have pixels in common."""
+    return all(
+        low < other + long and other < low + size
+        for low, size, other, long in zip(a[:2], a[2:], b[:2], b[2:], strict=True)
+    )

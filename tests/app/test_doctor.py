@@ -24,7 +24,7 @@ def test_with_a_display_a_dive_is_possible(display):
     code, lines = doctor(DISPLAY=display)
     assert code == 0, lines
     assert lines[-1] == "a dive is possible"
-    for name in ("Python", "packages", "fish fusilier", "OpenGL, window", "monitors", "display"):
+    for name in ("Python", "packages", "fish fusilier", "OpenGL, window", "monitor", "display"):
         assert any(line.startswith("ok") and name in line for line in lines), name
 
 
