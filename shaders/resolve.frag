@@ -8,10 +8,11 @@
 uniform sampler2D u_picture;
 uniform sampler2D u_mask;
 uniform vec2 u_size;    // pixels of the output
-uniform vec4 u_place;   // of the patch: x, y, width, height in pixels of the output
 uniform vec4 u_left;    // the same on the canvas, of the left eye ...
 uniform vec4 u_right;   // ... and of the right one
+uniform vec2 u_shown;   // pixels of the place, were it not squeezed
 uniform vec2 u_wide;    // angle of a panorama, tilt of a dome, rad
+uniform float u_apart;  // of a cube: half the eyes' separation over the distance of the screen
 uniform float u_margin; // tangent of half a cube face's angle of view
 
 const int PLAIN = 0, ROWS = 1, CHECKERS = 2, RED_CYAN = 3, DUBOIS = 4;
@@ -58,27 +59,9 @@ vec3 held(vec4 source, vec2 inside) {
 
 // The pixel of an eye for this one of the picture, exactly, counted from the upper left corner.
 vec3 pixel(vec4 source) {
-    vec2 size = floor(vec2(v_place.x, 1.0 - v_place.y) * source.zw);
-    ivec2 place = ivec2(source.x + size.x, source.y + source.w - 1.0 - size.y);
-    return texelFetch(u_picture, place, 0).rgb;
-}
-
-vec3 eye(vec4 source, vec2 seen) {
-    return curved(SHAPE == WARPED ? held(source, seen * source.zw) : pixel(source));
-}
-
-vec3 woven() {
-    if (WEAVE == ROWS || WEAVE == CHECKERS) {
-        int turn = int(u_size.y) - 1 - int(gl_FragCoord.y);
-        if (WEAVE == CHECKERS)
-            turn += int(gl_FragCoord.x);
-        bool right = turn % 2 == 1;
-        return eye(right ? u_right : u_left, right ? v_seen.zw : v_seen.xy);
-    }
-    vec3 left = eye(u_left, v_seen.xy), right = eye(u_right, v_seen.zw);
-    if (WEAVE == RED_CYAN)
-        return vec3(left.r, right.gb);
-    return clamp(DUBOIS_LEFT * left + DUBOIS_RIGHT * right, 0.0, 1.0);
+    vec2 place = floor(vec2(v_place.x, 1.0 - v_place.y) * source.zw);
+    place = source.xy + vec2(place.x, source.w - 1.0 - place.y);
+    return texelFetch(u_picture, ivec2(place), 0).rgb;
 }
 
 // Where a pixel looks: right, up, ahead (view/surround.py). Zero outside a dome.
@@ -90,9 +73,9 @@ vec3 direction() {
     }
     if (SHAPE == PANORAMA) {
         float longitude = u_wide.x * place.x;
-        return vec3(sin(longitude), u_wide.x * place.y * u_place.w / u_place.z, cos(longitude));
+        return vec3(sin(longitude), u_wide.x * place.y * u_shown.y / u_shown.x, cos(longitude));
     }
-    vec2 p = place * u_place.zw * 2.0 / min(u_place.z, u_place.w);
+    vec2 p = place * u_shown * 2.0 / min(u_shown.x, u_shown.y);
     float r = length(p);
     if (r > 1.0)
         return vec3(0.0);
@@ -102,7 +85,7 @@ vec3 direction() {
 }
 
 // The cube's faces: left, ahead, right in the lower row, below, astern, above in the upper.
-vec3 all_round(vec3 d) {
+vec3 all_round(vec3 d, vec4 source) {
     vec3 far = abs(d);
     float cell;
     vec3 q;  // along the face's own right and up, and its distance
@@ -118,7 +101,30 @@ vec3 all_round(vec3 d) {
     }
     vec2 inside = 0.5 + 0.5 * q.xy / (q.z * u_margin);
     vec2 corner = vec2(mod(cell, 3.0), floor(cell / 3.0));
-    return curved(held(u_left, (corner + inside) / vec2(3.0, 2.0) * u_left.zw));
+    return curved(held(source, (corner + inside) / vec2(3.0, 2.0) * source.zw));
+}
+
+// What an eye, -1 left or 1 right, sees where this pixel lies on the screen.
+vec3 eye(vec4 source, vec2 seen, float side) {
+    if (SHAPE >= EQUIRECTANGULAR) {
+        vec3 d = direction();
+        return d == vec3(0.0) ? vec3(0.0) : all_round(d - vec3(side * u_apart, 0.0, 0.0), source);
+    }
+    return curved(SHAPE == WARPED ? held(source, seen * source.zw) : pixel(source));
+}
+
+vec3 woven() {
+    if (WEAVE == ROWS || WEAVE == CHECKERS) {
+        int turn = int(u_size.y) - 1 - int(gl_FragCoord.y);
+        if (WEAVE == CHECKERS)
+            turn += int(gl_FragCoord.x);
+        bool right = turn % 2 == 1;
+        return eye(right ? u_right : u_left, right ? v_seen.zw : v_seen.xy, right ? 1.0 : -1.0);
+    }
+    vec3 left = eye(u_left, v_seen.xy, -1.0), right = eye(u_right, v_seen.zw, 1.0);
+    if (WEAVE == RED_CYAN)
+        return vec3(left.r, right.gb);
+    return clamp(DUBOIS_LEFT * left + DUBOIS_RIGHT * right, 0.0, 1.0);
 }
 
 const float HALF = 0.35;  // light that is half as bright as can be, about as the curve has it
@@ -149,14 +155,12 @@ vec3 smoothed(vec2 place) {
 }
 
 vec3 light() {
-    if (SHAPE >= EQUIRECTANGULAR) {
-        vec3 d = direction();
-        return d == vec3(0.0) ? vec3(0.0) : all_round(d);
-    }
     if (WEAVE != PLAIN)
         return woven();
+    if (SHAPE >= EQUIRECTANGULAR)
+        return eye(u_left, v_seen.xy, -1.0);
     vec2 inside = (SHAPE == WARPED ? v_seen.xy : v_place) * u_left.zw;
-    return curved(SMOOTH == 1 ? smoothed(inside) : held(u_left, inside));
+    return SMOOTH == 1 ? curved(smoothed(inside)) : curved(held(u_left, inside));
 }
 
 void main() {

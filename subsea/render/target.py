@@ -107,10 +107,14 @@ class Resolve:
         set_uniforms(
             compiled,
             u_size=size,
-            u_place=patch.place,
             u_left=left,
             u_right=right,
             u_wide=patch.wide,
+            u_apart=patch.apart,
+            u_shown=(
+                patch.place[2] * patch.squeezed[0],
+                patch.place[3] * patch.squeezed[1],
+            ),
             u_margin=half_tangent(left[3] // ROWS) if patch.shape in CUBES else 1.0,
             u_mask=MASK_UNIT,
         )

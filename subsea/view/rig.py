@@ -77,6 +77,8 @@ class Patch(NamedTuple):
     weave: Weave = Weave.PLAIN
     shape: Shape = Shape.FLAT
     wide: tuple[float, float] = (0.0, 0.0)  # rad: angle of a panorama, tilt of a dome
+    squeezed: tuple[float, float] = (1.0, 1.0)  # how many times narrower and lower it is shown
+    apart: float = 0.0  # of cubes: half the eyes' separation over the distance of the screen
     output: int = 0
     page: int = 0  # 1: the right buffer of an output that has two
     warp: Warp | None = None  # of Shape.WARPED

@@ -75,7 +75,7 @@ def display_rig(
             (0, 0, *canvas),
             (0, 0, *canvas),
             shape=SURROUNDS[display],
-            wide=(float(np.radians(surround.angle_deg)), float(np.radians(surround.tilt_deg))),
+            wide=surround.wide,
         )
         eyes = cube((0, 0), face, looked_at(display, size, surround))
         return Rig(canvas, (size,), eyes, (patch,), level=display in LEVEL)
@@ -94,7 +94,7 @@ def display_rig(
         canvas,
         (size,),
         (_eye(left, aspect, -half, stereo), _eye(right, aspect, half, stereo)),
-        patches_of(layout, place, whole, Patch(place, whole, whole)),
+        patches_of(layout, Patch(place, left, right)),
     )
 
 

@@ -79,17 +79,21 @@ def canvas_of(layout: Layout, size: tuple[int, int]) -> tuple[int, int]:
     return size[0], 2 * size[1] if layout.tall else size[1]
 
 
-def patches_of(layout: Layout, place: Rect, canvas: Rect, like: Patch) -> tuple[Patch, ...]:
-    """How both eyes, whose pictures fill `canvas`, come to `place`; all else as in `like`."""
-    left, right = halves(canvas, layout.beside)
-    if layout.paged:
-        return tuple(
-            like._replace(place=place, left=eye, right=eye, page=page)
-            for page, eye in enumerate((left, right))
-        )
+def patches_of(layout: Layout, both: Patch) -> tuple[Patch, ...]:
+    """How two eyes come to their place in the way of a mode: one patch for both, or one each."""
     if layout.weave != Weave.PLAIN:
-        return (like._replace(place=place, left=left, right=right, weave=layout.weave),)
-    return tuple(
-        like._replace(place=part, left=eye, right=eye)
-        for part, eye in zip(halves(place, layout.beside), (left, right), strict=True)
+        return (both._replace(weave=layout.weave),)
+    one = both._replace(right=both.left)
+    other = both._replace(left=both.right, apart=-both.apart)
+    if both.warp is not None:  # of which each shows its own eye's columns
+        vertices = both.warp.vertices
+        one = one._replace(warp=both.warp._replace(vertices=vertices[:, [0, 1, 2, 3, 2, 3]]))
+        other = other._replace(warp=both.warp._replace(vertices=vertices[:, [0, 1, 4, 5, 4, 5]]))
+    if layout.paged:
+        return one, other._replace(page=1)
+    here, there = halves(both.place, layout.beside)
+    squeezed = (2.0, 1.0) if layout.beside else (1.0, 2.0)
+    return (
+        one._replace(place=here, squeezed=squeezed),
+        other._replace(place=there, squeezed=squeezed),
     )

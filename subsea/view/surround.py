@@ -35,6 +35,11 @@ class Surround(NamedTuple):
     angle_deg: float = 160.0  # of a panorama, from left to right
     tilt_deg: float = 30.0  # of a dome toward the front: 0 has the zenith in its middle
 
+    @property
+    def wide(self) -> tuple[float, float]:
+        """Both in radians, as `rig.Patch` has them."""
+        return float(np.radians(self.angle_deg)), float(np.radians(self.tilt_deg))
+
 
 ALL_ROUND = Surround()
 

@@ -115,6 +115,7 @@ def test_shutter_glasses_get_one_full_picture_each(context, scene, make, eyes):
     for number, expected in enumerate(eyes):
         np.testing.assert_allclose(renderer.read_pixels(page=number), expected, atol=1)
     renderer.release()
+    context.detect_framebuffer(0).use()  # the next one must not follow a freed one
     window.release()
 
 

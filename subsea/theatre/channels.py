@@ -1,0 +1,205 @@
+"""Channels: what a theatre file says of each projector, checked, with its mesh and its mask."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.errors import UserError, unknown
+from subsea.theatre.blend import Projector, mask_of
+from subsea.theatre.files import SCREENS, Archive, Channel, Lit, Theatre, Window, viewport
+from subsea.theatre.meshes import read_warp
+from subsea.theatre.mpcdi import mask as calibrated_mask
+from subsea.theatre.mpcdi import read_mpcdi
+from subsea.theatre.screens import (
+    Flat,
+    Screen,
+    distance_to,
+    frustum_of,
+    part_of,
+    points_on,
+    screen_of,
+)
+from subsea.theatre.warp import painted
+from subsea.view.rig import Rect, Shape, Warp
+from subsea.view.surround import ALL_ROUND, Surround
+
+Array = NDArray[np.floating[Any]]
+Ints = NDArray[np.integer[Any]]
+
+COARSER = 4  # pixels of a projector a side for one of its blending mask
+PIECE = math.radians(1.0)  # of a curved screen: seen straight between its edges ...
+TALL = 8  # ... in so many pieces upwards
+
+
+@dataclass(frozen=True)
+class Lighted:
+    """A projector that can be used: lengths in centimetres of the sea."""
+
+    name: str
+    window: int  # number of its window in the theatre
+    place: Rect  # in its window, origin lower left
+    distance_cm: float  # of its screen from the eyes
+    gamma: float
+    black: float
+    screen: Screen | None = None  # None: of those that show all round
+    shape: Shape = Shape.FLAT
+    surround: Surround = ALL_ROUND  # angle of a panorama, tilt of a dome
+    warp: Warp | None = None  # what of the screen each point of the picture shows
+    mask: Array | None = None  # (h, w, 4) as `rig.Patch` has it
+    blend: bool = False
+
+
+def channels(theatre: Theatre, path: Path) -> tuple[tuple[Lighted, ...], tuple[str, ...]]:
+    """The channels that work, and a line for each thing that does not.
+
+    A theatre of which nothing works is a UserError.
+    """
+    found: list[Lighted] = []
+    faults: list[str] = []
+    for channel in theatre.channel:
+        try:
+            found.append(_of_channel(theatre, channel, path.parent))
+        except UserError as fault:
+            faults.append(f"{path}: channel {channel.name!r}: {fault}")
+    for archive in theatre.mpcdi:
+        try:
+            read = read_mpcdi(path.parent / archive.file)
+        except UserError as fault:
+            faults.append(f"{path}: {fault}")
+            continue
+        faults += [f"{path}: {fault}" for fault in read.faults]
+        for region in read.regions:
+            if archive.buffer not in (None, region.buffer):
+                continue
+            try:
+                found.append(_of_region(theatre, archive, region))
+            except UserError as fault:
+                faults.append(f"{path}: {archive.file}: region {region.name!r}: {fault}")
+    if not found:
+        raise UserError(faults[0] if faults else f"{path}: no channel is left")
+    return tuple(_blended(found)), tuple(faults)
+
+
+def mesh_of(lighted: Lighted) -> tuple[Array, Ints]:
+    """Places (n, 2) and what of the screen they show (n, 2), as columns (n, 4), and triangles."""
+    if lighted.warp is not None:
+        return lighted.warp.vertices[:, :4].astype(np.float64), lighted.warp.triangles
+    assert lighted.screen is not None  # what shows all round has no mesh
+    grid = grid_of(lighted.screen)
+    up, across = grid.shape[0] - 1, grid.shape[1] - 1
+    k = (np.arange(up)[:, None] * (across + 1) + np.arange(across)).ravel()
+    low = np.stack([k, k + 1, k + across + 2], axis=1)
+    high = np.stack([k, k + across + 2, k + across + 1], axis=1)
+    places = grid.reshape(-1, 2)
+    return np.hstack([places, places]), np.concatenate([low, high]).astype(np.int32)
+
+
+def grid_of(screen: Screen) -> Array:
+    """Places (rows, columns, 2) on a screen, so near that it is as good as flat between them."""
+    across, up = 1, 1
+    if not isinstance(screen, Flat):
+        across, up = math.ceil((screen.right - screen.left) / PIECE), TALL
+    x, y = np.meshgrid(np.linspace(0, 1, across + 1), np.linspace(0, 1, up + 1))
+    return np.stack([x, y], axis=-1)
+
+
+def _of_channel(theatre: Theatre, channel: Channel, folder: Path) -> Lighted:
+    names = [window.name for window in theatre.window]
+    number = names.index(channel.window)
+    window = theatre.window[number]
+    x, y, width, height = viewport(channel, window)
+    lighted = _lit(theatre, channel, channel.name, number, (x, y, width, height), None)
+    if channel.warp is None:
+        return lighted
+    if lighted.screen is None:
+        raise UserError("`warp` bends pictures of a `plane`, `cylinder` or `angles` only")
+    warp, mask = read_warp(folder / channel.warp, (width, height))
+    return replace(lighted, warp=warp, mask=mask)
+
+
+def _of_region(theatre: Theatre, archive: Archive, region: Any) -> Lighted:
+    """A region of an archive: the part of the screen that is its place in the buffer."""
+    shown = region.name if archive.windows is None else archive.windows.get(region.name)
+    names = [window.name for window in theatre.window]
+    if shown is None:
+        raise UserError("`windows` gives it none, so it is left out")
+    if shown not in names:
+        raise unknown("window", shown, names)
+    number = names.index(shown)
+    place = 0, 0, *theatre.window[number].size
+    lighted = _lit(theatre, archive, region.name, number, place, region.place)
+    if lighted.screen is None:
+        raise UserError("calibrated regions need a `plane`, `cylinder` or `angles`")
+    mask = calibrated_mask(region, archive.gamma)
+    return replace(lighted, warp=region.warp, mask=mask, blend=False)
+
+
+def _lit(
+    theatre: Theatre,
+    lit: Lit,
+    name: str,
+    number: int,
+    place: tuple[int, int, int, int],
+    part: tuple[float, float, float, float] | None,
+) -> Lighted:
+    """What a channel or a region lights: `place` from the window's upper left corner."""
+    x, y, width, height = place
+    window: Window = theatre.window[number]
+    common = Lighted(
+        name, number, (x, window.size[1] - y - height, width, height), 1.0, lit.gamma, lit.black
+    )
+    kind = next(kind for kind in SCREENS if getattr(lit, kind) is not None)
+    for table, shape in (
+        (lit.panorama, Shape.PANORAMA),
+        (lit.dome, Shape.DOME),
+        (lit.equirectangular, Shape.EQUIRECTANGULAR),
+    ):
+        if table is not None:
+            if lit.blend:
+                raise UserError(f"`blend` is of a `plane`, `cylinder` or `angles`, not of a {kind}")
+            far = theatre.scale * table.distance_cm
+            surround = Surround(
+                getattr(table, "angle_deg", ALL_ROUND.angle_deg),
+                getattr(table, "tilt_deg", ALL_ROUND.tilt_deg),
+            )
+            return replace(common, distance_cm=far, shape=shape, surround=surround)
+    flat = lit.plane or lit.cylinder or lit.angles
+    assert flat is not None  # one of six, as `Lit` has checked
+    screen = screen_of(flat, np.array(theatre.eye_cm), theatre.scale)
+    screen = screen if part is None else part_of(screen, part)
+    frustum_of(screen, np.zeros(3), points_on(screen, grid_of(screen).reshape(-1, 2)))  # whether
+    return replace(common, screen=screen, distance_cm=distance_to(screen), blend=lit.blend)
+
+
+def _blended(found: list[Lighted]) -> Iterator[Lighted]:
+    """The channels with their masks, where they ask for one and another lights the same place."""
+    together = [one for one in found if one.blend and one.screen is not None]
+    lamps = [Projector(one.screen, one.gamma, one.black) for one in together if one.screen]
+    for one in found:
+        if not one.blend or one.screen is None or len(together) < 2:
+            yield one
+            continue
+        size = max(one.place[2] // COARSER, 1), max(one.place[3] // COARSER, 1)
+        x, y = (np.arange(n) + 0.5 for n in size)
+        places = np.stack(np.meshgrid(x / size[0], 1.0 - y / size[1]), axis=-1).reshape(-1, 2)
+        if one.warp is not None:
+            shown = one.warp.vertices[:, 2:4].T.astype(np.float64)
+            places = np.stack([painted(one.warp, values, size).ravel() for values in shown], axis=1)
+        mask = mask_of(lamps, together.index(one), places).reshape(size[1], size[0], 4)
+        if one.mask is not None:  # the mesh's own brightness
+            mask = mask * _resized(one.mask, size)
+        yield replace(one, mask=mask.astype(np.float32))
+
+
+def _resized(mask: Array, size: tuple[int, int]) -> Array:
+    """The nearest of a mask's values for another size; what is added is taken from the other."""
+    rows = (np.arange(size[1]) * mask.shape[0]) // size[1]
+    columns = (np.arange(size[0]) * mask.shape[1]) // size[0]
+    found = mask[rows][:, columns].copy()
+    found[..., 3] = 1.0
+    return found

@@ -1,0 +1,150 @@
+"""The rig of a theatre: one view, or two, for each channel, and how they come to its windows."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.errors import UserError, unknown
+from subsea.theatre.channels import Lighted, grid_of, mesh_of
+from subsea.theatre.files import Theatre
+from subsea.theatre.screens import Flat, Frustum, frustum_of, points_on, seen_at
+from subsea.view.rig import CUBES, Eye, Patch, Rect, Rig, Shape, Warp
+from subsea.view.rigs import SURROUNDS, cube
+from subsea.view.stereo import LAYOUTS, Stereo, canvas_of, halves, patches_of
+from subsea.view.surround import COLUMNS, ROWS, face_size, looked_at
+
+Array = NDArray[np.floating[Any]]
+
+FINEST = 1.5  # most pixels a side that a curved screen's view may have for one of the projector's
+WIDEST = 8192  # pixels of a row of pictures on the canvas, unless one alone is wider
+MODES = ("mono", *LAYOUTS)
+
+
+def theatre_rig(
+    theatre: Theatre,
+    channels: Sequence[Lighted],
+    windows: Sequence[int],
+    display: str = "mono",
+    stereo: Stereo | None = None,
+) -> Rig:
+    """The rig of those of the `channels` that the windows of these numbers show.
+
+    Its outputs are the windows, in their order. `display` says how two eyes share each channel's
+    pixels; `stereo` replaces the theatre's own distance between the eyes.
+    """
+    if display not in MODES:
+        raise unknown("display for a theatre", display, list(MODES))
+    shown = [one for one in channels if one.window in windows]
+    if not shown:
+        raise UserError("no channel of this theatre is left to show")
+    half = 0.0 if display == "mono" else _half_separation(theatre, shown, stereo)
+    offsets = [np.array([x, 0.0, 0.0]) for x in ((0.0,) if display == "mono" else (-half, half))]
+    sizes = [_canvas(one, display) for one in shown]
+    corners, canvas = shelves(sizes)
+    eyes: list[Eye] = []
+    patches: list[Patch] = []
+    for one, corner, size in zip(shown, corners, sizes, strict=True):
+        drawn: Rect = (*corner, *size)
+        # The faces of a cube are never squeezed: each eye has all of them, one cube on the other.
+        beside = display != "mono" and LAYOUTS[display].beside and one.shape not in CUBES
+        rects = (drawn,) if display == "mono" else halves(drawn, beside)
+        patch = Patch(
+            one.place, rects[0], rects[-1], shape=one.shape, wide=one.surround.wide, mask=one.mask,
+            output=windows.index(one.window),
+        )  # fmt: skip
+        if one.shape in CUBES:
+            for rect, offset in zip(rects, offsets, strict=True):
+                eyes += _round(one, rect, offset)
+            patch = patch._replace(apart=half / one.distance_cm)
+        else:
+            frusta = [_frustum(one, offset) for offset in offsets]
+            for rect, offset, frustum in zip(rects, offsets, frusta, strict=True):
+                eyes.append(Eye(rect, offset, frustum.axes, frustum.projection))
+            if not isinstance(one.screen, Flat) or one.warp is not None:
+                patch = patch._replace(shape=Shape.WARPED, warp=_warp(one, offsets, frusta))
+        patches += (patch,) if display == "mono" else patches_of(LAYOUTS[display], patch)
+    outputs = tuple(theatre.window[number].size for number in windows)
+    return Rig(canvas, outputs, tuple(eyes), tuple(patches), theatre.level)
+
+
+def shelves(sizes: Sequence[tuple[int, int]]) -> tuple[list[tuple[int, int]], tuple[int, int]]:
+    """Corners for pictures of these sizes on a canvas, in rows from below, and its size."""
+    widest = max(WIDEST, *(width for width, _ in sizes))
+    corners: list[tuple[int, int]] = []
+    x = y = row = right = 0
+    for width, height in sizes:
+        if x + width > widest:
+            x, y, row = 0, y + row, 0
+        corners.append((x, y))
+        x, row = x + width, max(row, height)
+        right = max(right, x)
+    return corners, (right, y + row)
+
+
+def _half_separation(theatre: Theatre, shown: Sequence[Lighted], stereo: Stereo | None) -> float:
+    """Half the distance between the eyes in the sea, right eye positive."""
+    nearest = min(one.distance_cm for one in shown)
+    own = Stereo(separation_cm=theatre.scale * theatre.eye_distance_cm)
+    eyes = (stereo or own)._replace(screen_cm=nearest, screen_width_cm=None)
+    return eyes.eyes(1.0) / 2.0 * (-1 if eyes.swapped else 1)
+
+
+def _canvas(one: Lighted, display: str) -> tuple[int, int]:
+    """Pixels of the canvas for a channel's picture, or both."""
+    width, height = one.place[2:]
+    if one.shape in CUBES:
+        face = _face(one)
+        return COLUMNS * face, ROWS * face * (1 if display == "mono" else 2)
+    if one.screen is not None and not isinstance(one.screen, Flat):
+        across, up = _finer(one)
+        width, height = round(across * width), round(up * height)
+    return (width, height) if display == "mono" else canvas_of(LAYOUTS[display], (width, height))
+
+
+def _finer(one: Lighted) -> tuple[float, float]:
+    """How many more pixels a curved screen's planar view needs to be nowhere coarser."""
+    assert one.screen is not None
+    places, middle = grid_of(one.screen), np.zeros(3)
+    points = points_on(one.screen, places.reshape(-1, 2))
+    seen = seen_at(_frustum(one, middle), middle, points).reshape(places.shape)
+    found = []
+    for axis, column in ((1, 0), (0, 1)):
+        ratio = np.diff(places, axis=axis)[..., column] / np.diff(seen, axis=axis)[..., column]
+        found.append(float(np.clip(ratio.max(), 1.0, FINEST)))
+    return found[0], found[1]
+
+
+def _frustum(one: Lighted, offset: Array) -> Frustum:
+    """The frustum of an eye that takes in a channel's screen."""
+    assert one.screen is not None
+    points = points_on(one.screen, grid_of(one.screen).reshape(-1, 2))
+    try:
+        return frustum_of(one.screen, offset, points)
+    except UserError as fault:
+        raise UserError(f"channel {one.name!r}: {fault}") from fault
+
+
+def _warp(one: Lighted, offsets: Sequence[Array], frusta: Sequence[Frustum]) -> Warp:
+    """The mesh of a channel, and where each eye's picture has what it shows."""
+    assert one.screen is not None
+    columns, triangles = mesh_of(one)
+    points = points_on(one.screen, columns[:, 2:])
+    seen = [seen_at(f, offset, points) for f, offset in zip(frusta, offsets, strict=True)]
+    return Warp(np.hstack([columns[:, :2], seen[0], seen[-1]]).astype(np.float32), triangles)
+
+
+def _face(one: Lighted) -> int:
+    return face_size(_display(one), one.place[2:], one.surround)
+
+
+def _round(one: Lighted, rect: Rect, offset: Array) -> tuple[Eye, ...]:
+    """The eyes of a channel that shows all round."""
+    shown = looked_at(_display(one), one.place[2:], one.surround)
+    return cube(rect[:2], _face(one), shown, offset)
+
+
+def _display(one: Lighted) -> str:
+    """The display mode that shows alike."""
+    return next(name for name, shape in SURROUNDS.items() if shape == one.shape)

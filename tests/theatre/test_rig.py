@@ -1,0 +1,160 @@
+"""Rigs of theatres: every eye, mesh and patch puts a point of the sea where the screen has it."""
+
+import numpy as np
+import pytest
+
+from subsea.errors import UserError
+from subsea.resources import resource_names
+from subsea.theatre.channels import channels
+from subsea.theatre.files import FOLDER, load_theatre
+from subsea.theatre.rig import MODES, shelves, theatre_rig
+from subsea.theatre.screens import points_on
+from subsea.theatre.warp import sources_at
+from subsea.view.rig import CUBES, Shape, pose, views
+from subsea.view.stereo import Stereo
+
+EYE = np.array([10.0, 20.0, -300.0])
+OBSERVER = pose(EYE, 0.7, -0.2)
+AXES = np.stack([np.cross(OBSERVER.forward, OBSERVER.up), OBSERVER.up, OBSERVER.forward])
+NAMES = resource_names(FOLDER, ".toml")
+WALLS = ["three-projectors", "cave"]
+
+
+def opened(name):
+    theatre, path = load_theatre(name)
+    return theatre, channels(theatre, path)[0]
+
+
+def rig_of(name, display="mono", stereo=None):
+    theatre, found = opened(name)
+    return theatre_rig(theatre, found, range(len(theatre.window)), display, stereo)
+
+
+@pytest.mark.parametrize("display", MODES)
+@pytest.mark.parametrize("name", NAMES)
+def test_pictures_lie_apart_on_the_canvas_and_patches_in_their_windows(name, display):
+    rig = rig_of(name, display)
+    covered = np.zeros(rig.canvas, int)
+    for x, y, w, h in (eye.viewport for eye in rig.eyes):
+        assert w > 0
+        assert h > 0
+        covered[x : x + w, y : y + h] += 1
+    assert covered.max() == 1
+    lit = {}
+    for patch in rig.patches:
+        x, y, w, h = patch.place
+        width, height = rig.outputs[patch.output]
+        picture = lit.setdefault((patch.output, patch.page), np.zeros((width, height), int))
+        picture[x : x + w, y : y + h] += 1
+        for u, v, across, up in (patch.left, patch.right):
+            assert u + across <= rig.canvas[0]
+            assert v + up <= rig.canvas[1]
+    assert len(lit) == len(rig.outputs) * rig.pages
+    assert all((picture == 1).all() for picture in lit.values())
+
+
+@pytest.mark.parametrize("display", ["mono", "anaglyph", "side-by-side"])
+@pytest.mark.parametrize("name", WALLS)
+def test_a_point_of_the_sea_lands_where_its_ray_meets_the_screen(name, display):
+    """For both eyes of every channel: canvas, mesh and place against the screen's geometry."""
+    theatre, found = opened(name)
+    rig = theatre_rig(theatre, found, range(len(theatre.window)), display)
+    seen = dict(zip([eye.viewport for eye in rig.eyes], views(rig, OBSERVER), strict=True))
+    rng = np.random.default_rng(4)
+    tried = 0
+    for patch in rig.patches:
+        one = next(c for c in found if c.window == patch.output)
+        for side, rect in ((0, patch.left), (1, patch.right)):
+            view = seen[rect]
+            offset = AXES @ (view.eye - EYE)
+            places = rng.uniform(0.05, 0.95, (40, 2))
+            on_screen = points_on(one.screen, places)
+            away = rng.uniform(0.5, 8.0, (40, 1))
+            points = EYE + (offset + away * (on_screen - offset)) @ AXES
+            clip = np.column_stack([points, np.ones(40)]) @ (view.projection @ view.view).T
+            uv = 0.5 + 0.5 * clip[:, :2] / clip[:, 3:]
+            expected = places if patch.warp is None else sources_at(patch.warp, places, side)
+            # A fiftieth of a pixel for the matrices' rounding, a third for the mesh's pieces.
+            limit = 0.02 if patch.warp is None else 0.34
+            assert np.abs((uv - expected) * patch.place[2:]).max() < limit
+            tried += 1
+    assert tried == len(found) * (4 if display == "side-by-side" else 2)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_swapped_eyes_and_their_distance(name):
+    eyes = {
+        swapped: rig_of(name, "anaglyph", Stereo(separation_cm=10.0, swapped=swapped)).eyes
+        for swapped in (False, True)
+    }
+    offsets = {swapped: [eye.offset[0] for eye in found] for swapped, found in eyes.items()}
+    assert set(offsets[False]) == {-5.0, 5.0}
+    assert offsets[True] == [-x for x in offsets[False]]
+    limited = rig_of(name, "anaglyph", Stereo(separation_cm=10.0, comfort_deg=0.5)).eyes
+    assert 0 < limited[0].offset[0] * -1 < 5.0
+
+
+def test_a_theatre_of_half_the_scale_has_half_the_distance_between_the_eyes():
+    theatre, found = opened("cave")
+    import msgspec
+
+    small = msgspec.structs.replace(theatre, scale=0.5)
+    path = load_theatre("cave")[1]
+    rig = theatre_rig(small, channels(small, path)[0], [0, 1, 2], "anaglyph")
+    whole = theatre_rig(theatre, found, [0, 1, 2], "anaglyph")
+    assert rig.eyes[0].offset[0] == pytest.approx(0.5 * whole.eyes[0].offset[0])
+    for one, other in zip(rig.eyes, whole.eyes, strict=True):
+        np.testing.assert_allclose(one.projection, other.projection, atol=1e-6)
+
+
+def test_a_node_shows_its_own_windows_with_the_masks_of_all():
+    theatre, found = opened("three-computers")
+    alone = theatre_rig(theatre, found, [1])
+    assert alone.outputs == (theatre.window[1].size,)
+    assert {patch.output for patch in alone.patches} == {0}
+    together = theatre_rig(theatre, found, [0, 1, 2])
+    np.testing.assert_array_equal(alone.patches[0].mask, together.patches[1].mask)
+    assert alone.patches[0].mask.min() < 0.1
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if name not in WALLS])
+def test_what_shows_all_round_is_taken_from_a_cube_for_each_eye(name):
+    if name == "three-computers":
+        name = "dome"
+    mono, stereo = rig_of(name), rig_of(name, "side-by-side")
+    assert mono.patches[0].shape in CUBES
+    assert len(stereo.eyes) == 2 * len(mono.eyes)
+    left, right = stereo.patches
+    assert left.apart == -right.apart > 0
+    assert left.left[2:] == mono.patches[0].left[2:]
+    assert left.left != right.left
+
+
+def test_a_curved_screen_is_nowhere_coarser_than_its_projector():
+    rig = rig_of("three-projectors")
+    for patch in rig.patches:
+        assert patch.shape == Shape.WARPED
+        grid = patch.warp.vertices.reshape(9, -1, 6)
+        across = np.diff(grid[..., 0], axis=1) * patch.place[2]
+        drawn = np.diff(grid[..., 2], axis=1) * patch.left[2]
+        assert (drawn / across).min() > 0.995
+        assert (drawn / across).max() < 1.3
+
+
+def test_shelves_hold_everything_once_and_are_no_wider_than_they_must():
+    corners, size = shelves([(5000, 100), (4000, 300), (4000, 50), (9000, 10)])
+    assert corners == [(0, 0), (0, 100), (4000, 100), (0, 400)] or size[0] <= 9000
+    covered = np.zeros((size[0] // 10, size[1] // 10), int)
+    for (x, y), (w, h) in zip(
+        corners, [(5000, 100), (4000, 300), (4000, 50), (9000, 10)], strict=True
+    ):
+        covered[x // 10 : (x + w) // 10, y // 10 : (y + h) // 10] += 1
+    assert covered.max() == 1
+
+
+def test_displays_all_round_are_not_for_theatres():
+    theatre, found = opened("cave")
+    with pytest.raises(UserError, match="unknown display for a theatre 'dome'"):
+        theatre_rig(theatre, found, [0], "dome")
+    with pytest.raises(UserError, match="no channel of this theatre is left"):
+        theatre_rig(theatre, [], [0])
