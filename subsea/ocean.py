@@ -26,13 +26,16 @@ from subsea.perception.turns import whose_turn
 from subsea.state import Clock
 from subsea.submarine.helm import Helm
 from subsea.submarine.hull import hull_axes, step_hull
+from subsea.submarine.rail import Rail, ride
 from subsea.world import TICK_S, World, create_world
 
 __all__ = ["TICK_S", "World", "create_world", "step"]
 
 
-def step(world: World, helm: Helm) -> None:
+def step(world: World, helm: Helm | Rail) -> None:
     """Advance the world by one tick: flow, perceive, want, focus, act, move, steer.
+
+    The submarine answers to a helm, or is carried on a rail.
 
     Fishes take turns to think: those far from the submarine do it less often.
     """
@@ -80,11 +83,14 @@ def step(world: World, helm: Helm) -> None:
         )  # fmt: skip
         play(fishes, world.library, TICK_S)
         flap(fishes, TICK_S)
-    step_hull(
-        state.submarine, helm, TICK_S,
-        lambda x, y: height_at(sea.floor, sea.half_width, x, y), world.scenario.bounds,
-        sea.pillars, sea.rocks,
-    )  # fmt: skip
+    if isinstance(helm, Rail):
+        ride(state.submarine, helm, TICK_S)
+    else:
+        step_hull(
+            state.submarine, helm, TICK_S,
+            lambda x, y: height_at(sea.floor, sea.half_width, x, y), world.scenario.bounds,
+            sea.pillars, sea.rocks,
+        )  # fmt: skip
     state.tick += 1
 
 

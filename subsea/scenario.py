@@ -18,6 +18,8 @@ MAX_CLUSTERS, MAX_LEAVES = 500, 40  # of seaweed in a group, of leaves in a clus
 MAX_VENTS = 50
 MAX_GROWTHS = 2000  # in all reefs
 MAX_SEAWEED = 8000  # leaves in all: their nodes must fit into a texture
+AUTOPILOT = "auto"  # no tour of a scenario may have this name
+MAX_WAYPOINTS = 200  # of a tour
 Positive = Annotated[float, msgspec.Meta(gt=0, le=1e5)]
 Coordinate = Annotated[float, msgspec.Meta(ge=-1e5, le=1e5)]
 Seed = Annotated[int, msgspec.Meta(ge=0, le=2**32 - 1)]
@@ -186,6 +188,34 @@ class Start(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     heading_deg: Coordinate = 0.0
 
 
+class Waypoint(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A place on a tour, and what is looked at from there; nothing: as before and after it."""
+
+    time_s: Annotated[float, msgspec.Meta(ge=0, le=3600)]
+    position_cm: tuple[Coordinate, Coordinate, Coordinate]
+    look_at_cm: tuple[Coordinate, Coordinate, Coordinate] | None = None
+    follow: str | None = None  # a species
+    ahead: bool = False  # along the path
+
+    def __post_init__(self) -> None:
+        """Refuse to look at two things at once."""
+        if (self.look_at_cm is not None) + (self.follow is not None) + self.ahead > 1:
+            raise ValueError("only one of `look_at_cm`, `follow` and `ahead` can be looked at")
+
+    @property
+    def looks(self) -> bool:
+        """Whether it says what to look at."""
+        return self.ahead or self.look_at_cm is not None or self.follow is not None
+
+
+class TourTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A path on which the submarine is carried for films."""
+
+    name: Annotated[str, msgspec.Meta(min_length=1)]
+    waypoint: Annotated[list[Waypoint], msgspec.Meta(min_length=2, max_length=MAX_WAYPOINTS)]
+    loop: bool = False  # the last waypoint is the first again, and it goes on
+
+
 class Temper(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """Constants of perception and behavior, as `state.Nature` explains them."""
 
@@ -229,6 +259,7 @@ class Scenario(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     seaweed: list[Seaweed] = []
     vent: Annotated[list[Vent], msgspec.Meta(max_length=MAX_VENTS)] = []
     reef: list[ReefTable] = []
+    tour: list[TourTable] = []
     nature: Temper = Temper()
     # So many of the nearest fishes are simulated instead of played back.
     simulated: Annotated[int, msgspec.Meta(ge=0, le=MAX_SIMULATED)] = 0
@@ -275,10 +306,42 @@ def load_scenario(name: str) -> tuple[Scenario, Path]:
     for k, group in enumerate(scenario.seaweed):
         if group.position_cm is not None:
             _inside(path, f"seaweed[{k}].position_cm", group.position_cm, scenario.bounds)
+    _check_tours(path, scenario)
     number = sum(shoal.number for shoal in scenario.fish)
     if number > MAX_FISHES:
         raise UserError(f"{path}: {number} fishes in all, expected at most {MAX_FISHES}")
     return scenario, path
+
+
+def _check_tours(path: Path, scenario: Scenario) -> None:
+    """A UserError for a tour that cannot be followed, whatever the sea is like."""
+    living = sorted({shoal.species for shoal in scenario.fish})
+    for k, tour in enumerate(scenario.tour):
+        here = f"{path}: `tour[{k}]`"
+        if tour.name in (AUTOPILOT, *(other.name for other in scenario.tour[:k])):
+            raise UserError(f"{here}: the name {tour.name!r} is taken, expected another")
+        before = None
+        for i, point in enumerate(tour.waypoint):
+            key = f"tour[{k}].waypoint[{i}]"
+            _inside(path, f"{key}.position_cm", point.position_cm, scenario.bounds)
+            if before is None and point.time_s != 0.0:
+                raise UserError(f"{path}: `{key}.time_s` {point.time_s:g}: expected 0 at the first")
+            if before is not None and point.time_s <= before:
+                raise UserError(
+                    f"{path}: `{key}.time_s` {point.time_s:g}: expected more than {before:g}, "
+                    "that of the one before"
+                )
+            before = point.time_s
+            if point.look_at_cm is not None:
+                _inside(path, f"{key}.look_at_cm", point.look_at_cm, scenario.bounds)
+            if point.follow is not None and point.follow not in living:
+                raise UserError(f"{path}: `{key}.follow`: {unknown('fish', point.follow, living)}")
+        first, last = tour.waypoint[0].position_cm, tour.waypoint[-1].position_cm
+        if tour.loop and (first != last or len(tour.waypoint) < 4):
+            raise UserError(
+                f"{here} is a loop: expected four waypoints or more, the last where the first is, "
+                f"at {first}"
+            )
 
 
 def _inside(path: Path, key: str, place: tuple[float, ...], bounds: Bounds) -> None:

@@ -41,6 +41,7 @@ from subsea.state import (
     empty_live,
     empty_minds,
 )
+from subsea.submarine.course import check_tours
 
 Array = NDArray[np.floating[Any]]
 
@@ -102,6 +103,7 @@ def create_world(
     progress("growing the reef")
     sea, reef = grow(scenario, sea)
     _refuse_misplaced(scenario, sea, source)
+    check_tours(scenario, sea, rock_rows(scenario, lambda x, y: 0.0)[1], source)
     sea, seaweed = plant(scenario, sea, reef, seed)
     progress("letting the fishes in")
     submarine = Submarine(position=np.array(scenario.submarine.position_cm, np.float64))

@@ -117,9 +117,16 @@ def _add_film(commands: Any) -> None:
     film.add_argument(
         "--seconds",
         type=number(float, 0.05, 3600),
-        default=10.0,
         metavar="S",
-        help="length of the film; a single picture is taken at its end (default 10)",
+        help="length of the film, a single picture is taken at its end (default 10, or to the end "
+        "of a tour by name)",
+    )
+    film.add_argument(
+        "--tour",
+        default="auto",
+        metavar="NAME",
+        help="one of the scenario's tours, or auto, which goes where something happens (default "
+        "auto)",
     )
     film.add_argument(
         "--start",

@@ -11,11 +11,12 @@ from subsea.app.reels import check_reel, fitting, frame_rate, open_reels
 from subsea.app.start import headless, picture_maker, start_world
 from subsea.app.takes import begin, description, missing_frames
 from subsea.app.timing import sentence
-from subsea.app.tour import Tour
+from subsea.app.tour import guide
 from subsea.frame import pack
 from subsea.ocean import step
 from subsea.render.quality import PRESETS
-from subsea.scenario import load_scenario
+from subsea.scenario import AUTOPILOT, load_scenario
+from subsea.submarine.course import course_of
 from subsea.view.levels import nothing_drawn
 from subsea.view.rig import views
 from subsea.view.rigs import cockpit, display_rig
@@ -23,6 +24,7 @@ from subsea.view.stereo import Stereo
 from subsea.view.surround import Surround
 from subsea.world import TICK_S
 
+UNTOLD_S = 10.0  # how long a film is if nobody says
 WINDOW = ""  # the only one of a display
 
 
@@ -32,34 +34,39 @@ def film(
     display: str,
     stereo: Stereo,
     surround: Surround,
-    seconds: float,
+    seconds: float | None,
     fps: float,
     size: tuple[int, int],
     quality: str,
     seed: int | None,
     start: float = 0.0,
+    tour: str = AUTOPILOT,
 ) -> int:
     """Film `seconds` of the tour from `start` at `fps` into `out`; one picture shows its end.
 
-    `quality` is the name of a preset. A folder that holds a part of the film already gets what it
-    lacks: the world is stepped through all frames, and all are packed, lest those that are drawn
-    differ from what they would be in one go.
+    `tour` is one of the scenario's, which is filmed to its end if there are no `seconds`, or
+    "auto". `quality` is the name of a preset. A folder that holds a part of the film already gets
+    what it lacks: the world is stepped through all frames, and all are packed, lest those that are
+    drawn differ from what they would be in one go.
 
     Returns the exit code. Ctrl-C keeps what was filmed so far. Prints the frame times: ticks
     of the world, packing, drawing and reading back, without the encoding of the film.
     """
+    chosen, source = load_scenario(scenario)
+    course = None if tour == AUTOPILOT else course_of(chosen, tour)
+    if seconds is None:
+        seconds = UNTOLD_S if course is None else max(course.seconds - start, 0.0)
     kind = check_reel(out)
     size = fitting(kind, size)
     rate = frame_rate(fps)
     instants = [start + float(k / rate) for k in range(max(round(seconds * rate), 1))]
     if kind == "picture":
         instants = [start + seconds]
-    _, source = load_scenario(scenario)
     missing = list(range(len(instants)))
     if kind == "folder":
         take = description(
-            source, seed=seed, start=start, seconds=seconds, fps=fps, size=size, quality=quality,
-            display=display, **stereo._asdict(), **surround._asdict(),
+            source, tour=tour, seed=seed, start=start, seconds=seconds, fps=fps, size=size,
+            quality=quality, display=display, **stereo._asdict(), **surround._asdict(),
         )  # fmt: skip
         missing = missing_frames(out, take, [WINDOW], len(instants))
         if not missing:
@@ -70,7 +77,8 @@ def film(
     try:
         with ExitStack() as stack:
             context = stack.enter_context(headless())
-            world, tour = start_world(scenario, seed), Tour()
+            world = start_world(scenario, seed)
+            steer = guide(world, course)
             check = stack.enter_context(interrupts.deferred())
             renderer = stack.enter_context(picture_maker(context, world, rig, preset))
             if kind == "folder":
@@ -88,7 +96,7 @@ def film(
                 check()
                 while world.state.tick < ticks + 1:  # the first is the start of the film
                     check()
-                    step(world, tour.helm(world))
+                    step(world, steer(world))
                 observer = cockpit(world.state.submarine, alpha)
                 packet = pack(
                     world, views(rig, observer), alpha,

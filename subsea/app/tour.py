@@ -1,6 +1,8 @@
-"""The autopilot of films and benchmarks: go where something happens, keep a polite distance."""
+"""Who steers in films and benchmarks: a tour of the scenario, or an autopilot that goes where
+something happens and keeps a polite distance."""
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -19,8 +21,10 @@ from subsea.state import (
     PREDATOR,
     SINKING,
 )
+from subsea.submarine.course import Course, rail_at
 from subsea.submarine.helm import Helm
 from subsea.submarine.hull import MAX_PITCH, hull_axes
+from subsea.submarine.rail import Rail, board
 from subsea.world import TICK_S, World
 
 Array = NDArray[np.float64]
@@ -44,6 +48,22 @@ LOOKAHEAD_S = 1.5  # the hull slips so long: begin to brake before it is there
 MARGIN_CM = 10.0  # what passes a pillar or rock so closely is hidden by it
 DETOURS = np.radians([20.0, 35.0, 50.0, 65.0, 80.0])  # tried in turn to come round what hides
 DETOUR_CM, DETOUR_SURGE = 300.0, 0.3
+
+
+Steer = Callable[[World], Helm | Rail]  # what to ask of the submarine; to be called once a tick
+
+
+def guide(world: World, course: Course | None) -> Steer:
+    """Who takes the submarine along a course, on which it is put at once; None: the autopilot."""
+    if course is None:
+        return Tour().helm
+    tick = world.state.tick
+    board(
+        world.state.submarine,
+        rail_at(course, world.state, max(tick - 1, 0) * TICK_S),
+        rail_at(course, world.state, tick * TICK_S),
+    )
+    return lambda world: rail_at(course, world.state, (world.state.tick + 1) * TICK_S)
 
 
 class Subject(NamedTuple):

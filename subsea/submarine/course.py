@@ -1,0 +1,156 @@
+"""The tours of a scenario: a path through waypoints, and what it looks at on the way."""
+
+import math
+from typing import Any, NamedTuple
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.errors import UserError, unknown
+from subsea.kinematics.curve import Curve, curve_at, curve_through
+from subsea.kinematics.heightfield import height_at
+from subsea.kinematics.solids import from_pillar, from_rock
+from subsea.kinematics.vector import vector
+from subsea.scenario import AUTOPILOT, Bounds, Scenario, TourTable, Waypoint
+from subsea.state import HULL_CM, Fishes, Sea, State
+from subsea.submarine.hull import AHEAD_CM_S
+from subsea.submarine.rail import Rail
+
+Array = NDArray[np.floating[Any]]
+
+AHEAD_S = 2.0  # who looks ahead looks to where the path is so much later
+NEAR_CM = 250.0  # of the fishes that are followed those count most that are not much farther off
+PROBE_S = 0.1  # between the places of a path that are looked at before anybody goes there
+
+
+class Course(NamedTuple):
+    """A tour that is ready to be followed."""
+
+    curve: Curve
+    gaze_s: Array  # (g,) when it looks ...
+    gazes: tuple[Waypoint, ...]  # ... at what these waypoints say
+    species: tuple[str, ...]  # those of the sea, in the order of `Fishes.species`
+
+    @property
+    def seconds(self) -> float:
+        """How long the tour, or one round of it, takes."""
+        return float(self.curve.times[-1])
+
+
+def course_of(scenario: Scenario, name: str) -> Course:
+    """The tour called `name` of a scenario; a name that it does not have is a UserError."""
+    tours = {tour.name: tour for tour in scenario.tour}
+    if name not in tours:
+        raise unknown("tour", name, [AUTOPILOT, *tours])
+    return _course(tours[name], scenario)
+
+
+def rail_at(course: Course, state: State, t: float) -> Rail:
+    """Where the hull is `t` seconds after the start, and where it looks in the sea as it is."""
+    place, velocity = curve_at(course.curve, t)
+    if course.curve.loop:
+        t %= course.seconds
+    k = int(np.searchsorted(course.gaze_s, t, side="right"))
+    before, after = max(k - 1, 0), min(k, len(course.gazes) - 1)
+    heading, pitch = _toward(course, course.gazes[before], state, place, t)
+    if course.gaze_s[after] > course.gaze_s[before]:
+        share = (t - course.gaze_s[before]) / (course.gaze_s[after] - course.gaze_s[before])
+        share = _eased(min(max(share, 0.0), 1.0))
+        other, steep = _toward(course, course.gazes[after], state, place, t)
+        heading += share * math.remainder(other - heading, math.tau)
+        pitch += share * (steep - pitch)
+    return Rail(place, velocity, (heading, pitch))
+
+
+def check_tours(scenario: Scenario, sea: Sea, rocks: list[str], source: str) -> None:
+    """A UserError for a tour that leaves the sea, comes too near to what is in it, or races.
+
+    `rocks` are the names of the sea's, `source` is the scenario's file.
+    """
+    for k, tour in enumerate(scenario.tour):
+        curve = _course(tour, scenario).curve
+        for t in np.arange(0.0, curve.times[-1], PROBE_S):
+            place, velocity = curve_at(curve, float(t))
+            fault = _fault(place, velocity, sea, scenario.bounds, rocks)
+            if fault:
+                leg = int(np.searchsorted(curve.times, t, side="right")) - 1
+                raise UserError(
+                    f"{source}: `tour[{k}]` {tour.name!r} {fault}, {t:.1f} s after its start, "
+                    f"between `waypoint[{leg}]` and `waypoint[{leg + 1}]`"
+                )
+
+
+def _course(tour: TourTable, scenario: Scenario) -> Course:
+    times = np.array([point.time_s for point in tour.waypoint])
+    places = np.array([point.position_cm for point in tour.waypoint])
+    looking = [point for point in tour.waypoint if point.looks]
+    looking = looking or [msgspec.structs.replace(tour.waypoint[0], ahead=True)]
+    if tour.loop:  # what it looks at in the end is what it began with
+        first, last = looking[0], looking[-1]
+        period = float(times[-1])
+        looking = [_later(last, -period), *looking, _later(first, period)]
+    species = tuple(sorted({shoal.species for shoal in scenario.fish}))
+    return Course(
+        curve_through(times, places, tour.loop),
+        np.array([point.time_s for point in looking]),
+        tuple(looking),
+        species,
+    )
+
+
+def _later(point: Waypoint, seconds: float) -> Waypoint:
+    return msgspec.structs.replace(point, time_s=point.time_s + seconds)
+
+
+def _toward(
+    course: Course, gaze: Waypoint, state: State, place: Array, t: float
+) -> tuple[float, float]:
+    """Heading and pitch (rad) of what a waypoint says to look at; as it looks now if it is gone."""
+    if gaze.look_at_cm:
+        way = np.array(gaze.look_at_cm) - place
+    elif gaze.follow:
+        way = _middle(state.fishes, course.species.index(gaze.follow), place) - place
+    else:
+        start = t if course.curve.loop else min(t, course.seconds - AHEAD_S)
+        way = curve_at(course.curve, start + AHEAD_S)[0] - curve_at(course.curve, start)[0]
+    level = math.hypot(way[0], way[1])
+    if level + abs(way[2]) < 1.0:
+        heading, pitch = state.submarine.angles
+        return float(heading), float(pitch)
+    return math.atan2(way[1], way[0]), math.atan2(way[2], level)
+
+
+def _middle(fishes: Fishes, species: int, place: Array) -> Array:
+    """The middle (3,) of the living fishes of a species, rather of those near `place`; or that."""
+    there = fishes.position[(fishes.species == species) & fishes.alive].astype(np.float64)
+    if not len(there):
+        return place
+    weight = 1.0 / (1.0 + ((there - place) ** 2).sum(axis=1) / NEAR_CM**2) ** 2
+    return np.asarray(weight @ there / weight.sum())
+
+
+def _eased(share: float) -> float:
+    """From 0 to 1 with a level start and end."""
+    return share * share * (3.0 - 2.0 * share)
+
+
+def _fault(place: Array, velocity: Array, sea: Sea, bounds: Bounds, rocks: list[str]) -> str | None:
+    """What is wrong with a hull at `place` that moves so, in words; None: nothing."""
+    speed = float(np.linalg.norm(velocity))
+    if speed > AHEAD_CM_S:
+        return f"moves at {speed:.0f} cm/s, expected at most {AHEAD_CM_S:g}"
+    x, y, z = here = vector(place)
+    gaps = {
+        "the rim of the sea": bounds.radius_cm - math.hypot(x, y),
+        "the surface": -z,
+        "the seabed": z - height_at(sea.heights, sea.half_width, x, y),
+        "the reef": z - height_at(sea.floor, sea.half_width, x, y),
+    }
+    gaps |= {f"`pillar[{k}]`": from_pillar(row, here)[1] for k, row in enumerate(sea.pillars)}
+    for name, row in zip(rocks, sea.rocks, strict=True):
+        gaps[name] = min(from_rock(row, here)[1], gaps.get(name, math.inf))
+    nearest = min(gaps, key=lambda name: gaps[name])
+    if gaps[nearest] >= HULL_CM:
+        return None
+    return f"is {gaps[nearest]:.0f} cm from {nearest}, expected at least {HULL_CM:g}"
