@@ -1,11 +1,12 @@
 """`subsea dive`: the submarine in a window, or in several."""
 
 import time
+from collections.abc import Callable
 from contextlib import ExitStack, closing
 
 from subsea.app import pacing
-from subsea.app.clock import Clock
 from subsea.app.console import say
+from subsea.app.crew import Alone, Crew
 from subsea.app.overlay import Overlay, panes
 from subsea.app.pilot import Pilot
 from subsea.app.screens import Installation, Screen, on_display, placed
@@ -13,7 +14,6 @@ from subsea.app.start import start_world
 from subsea.app.wall import Wall
 from subsea.app.window import Window, Wish
 from subsea.frame import make_scene, pack
-from subsea.ocean import step
 from subsea.render import Renderer
 from subsea.render.quality import AUTO, CHOICES, LADDER, PRESETS, Quality, first_rung, name_of
 from subsea.scenario import load_scenario
@@ -23,7 +23,7 @@ from subsea.view.rig import Rig, front, part_of, views
 from subsea.view.rigs import cockpit, display_rig
 from subsea.view.stereo import EYES, PAGED, Stereo
 from subsea.view.surround import ALL_ROUND, Surround
-from subsea.world import TICK_S
+from subsea.world import World
 
 
 def dive(
@@ -65,18 +65,19 @@ class Dive:
         quality: str = AUTO,
         target_ms: float | None = None,
         installation: Installation | None = None,
+        muster: Callable[[World, Pilot], Crew] = Alone,
     ) -> None:
         """Open the windows, then the world: the visitor sees at once that something happens.
 
         The rig and the windows are those of the `installation`, else one window and the rig of
         `display` at its size. `quality` is one of `render.quality.CHOICES`; "auto" holds
-        `target_ms`, None: what the renderer suggests. Whatever fails, all that was opened is
-        closed again.
+        `target_ms`, None: what the renderer suggests. `muster` says who makes the ticks. Whatever
+        fails, all that was opened is closed again.
         """
         load_scenario(scenario)  # a misspelt name is told before a window flashes up
         self.display, self._stereo, self._surround = display, stereo, surround
         self.pilot = Pilot()
-        self._clock = Clock(TICK_S)
+        self._alpha = 1.0
         self._quality = quality
         self._pattern = False
         with ExitStack() as undo:
@@ -115,6 +116,8 @@ class Dive:
             )
             self._memory = nothing_drawn(len(self.world.state.fishes.species))
             undo.callback(self._renderer.release)
+            self._crew = muster(self.world, self.pilot)
+            undo.callback(self._disband)
             self._undo = undo.pop_all()
 
     @property
@@ -127,8 +130,11 @@ class Dive:
         start = time.perf_counter()
         for wish in self.wall.poll():
             self._grant(wish)
-        for _ in range(self._clock.advance(elapsed_s)):
-            step(self.world, self.pilot.helm(TICK_S))
+        alpha = self._crew.picture(elapsed_s)
+        if alpha is None and not self._crew.waiting:
+            return  # what is shown stays, until there is something else
+        start += self._crew.idle_s
+        self._alpha = self._alpha if alpha is None else alpha
         if self._fixed is None and self.window.size != self._rig.outputs[0]:
             self._rig = self._make_rig()
             self._renderer.arrange(self._rig)
@@ -137,16 +143,7 @@ class Dive:
             self._draw()
         if self._pattern or not self._direct:
             self.wall.show(self._renderer.pictures)
-        submarine = self.world.state.submarine
-        self.overlay.draw(
-            submarine,
-            self.pilot.throttle,
-            self.pilot.stopping,
-            elapsed_s,
-            self.window.text_scale,
-            panes(self._rig, self.wall.page),
-            self.quality,
-        )
+        self._write(elapsed_s)
         if self._quality == AUTO and not self._pattern:
             self._context.finish()  # the time of the picture, without waiting for the display
             self._pace = pacing.paced(
@@ -154,6 +151,8 @@ class Dive:
             )
             if self._chosen() != self._renderer.quality:
                 self._renderer.adapt(self._chosen())
+        if alpha is not None:
+            self._crew.swap(self._context.finish)
         self.wall.present()
 
     @property
@@ -163,7 +162,7 @@ class Dive:
 
     def _draw(self) -> None:
         """The sea, into the window or into the renderer's own pictures."""
-        alpha = self._clock.alpha
+        alpha = self._alpha
         observer = cockpit(self.world.state.submarine, alpha)
         quality = self._renderer.quality
         packet = pack(
@@ -171,6 +170,17 @@ class Dive:
             detail=quality.detail, growth=quality.growth, memory=self._memory,
         )  # fmt: skip
         self._renderer.draw(packet, into=self._context.screen if self._direct else None)
+
+    def _write(self, elapsed_s: float) -> None:
+        """What is to be read over the picture: instruments and help, or what is waited for."""
+        scale, where = self.window.text_scale, panes(self._rig, self.wall.page)
+        if not self._crew.hands:
+            self.overlay.caption(self._crew.waiting, scale, where)
+            return
+        throttle, stopping = self.pilot.throttle, self.pilot.stopping
+        self.overlay.draw(
+            self.world.state.submarine, throttle, stopping, elapsed_s, scale, where, self.quality
+        )
 
     def _draw_pattern(self) -> None:
         """The test pattern, if it is shown, into the renderer's own pictures: once is enough."""
@@ -205,6 +215,10 @@ class Dive:
 
     def _chosen(self) -> Quality:
         return LADDER[self._pace.rung] if self._quality == AUTO else PRESETS[self._quality]
+
+    def _disband(self) -> None:
+        for line in self._crew.close():
+            say(line)
 
     def close(self) -> None:
         """Close everything in the reverse order of its opening."""

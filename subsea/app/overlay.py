@@ -142,6 +142,13 @@ class Overlay:
             self._help_panel(size)
         self._end(panes)
 
+    def caption(self, text: str, scale: float, panes: Sequence[Pane] = (WHOLE,)) -> None:
+        """Draw one line at the foot of the present picture, in each of the `panes`."""
+        self._begin(scale)
+        if text:
+            self._line(text, imgui.get_io().display_size)
+        self._end(panes)
+
     def close(self) -> None:
         """Release what it holds; the window's context must still be current."""
         imgui.backends.opengl3_shutdown()
@@ -182,7 +189,9 @@ class Overlay:
     def _instruments(
         self, submarine: Submarine, throttle: float, stopping: bool, size: Any, note: str
     ) -> None:
-        text = "   ".join(filter(None, (readout(submarine, throttle, stopping), note)))
+        self._line("   ".join(filter(None, (readout(submarine, throttle, stopping), note))), size)
+
+    def _line(self, text: str, size: Any) -> None:
         line = imgui.get_font_size()
         x, y = 1.2 * line, size.y - 2.2 * line
         canvas = imgui.get_background_draw_list()

@@ -27,6 +27,7 @@ from subsea.cluster.messages import (
     Swap,
     encode,
     from_node,
+    helms_of,
 )
 from subsea.cluster.waits import Waits
 from subsea.errors import UserError
@@ -105,12 +106,11 @@ class Master:
         if state.tick - self._checked >= CHECK_TICKS:
             check, self._checked = snapshot.checksum(self.world), state.tick
         self._number += 1
-        message = encode(
-            Picture(self._number, state.tick, float(alpha), [_row(helm) for helm in helms], check)
-        )
+        picture = Picture(self._number, state.tick, float(alpha), [_row(h) for h in helms], check)
+        message = encode(picture)
         for node in self._present():
             self._send(node, message)
-        for helm in helms:
+        for helm in helms_of(picture):
             step(self.world, helm)
 
     def swap(self) -> None:

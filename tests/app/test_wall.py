@@ -110,7 +110,7 @@ def shown(running):
 
 def in_one(running):
     """The same moment drawn as one wide picture by the same renderer."""
-    renderer, alpha = running._renderer, running._clock.alpha
+    renderer, alpha = running._renderer, running._alpha
     renderer.arrange(ONE)
     quality = renderer.quality
     packet = pack(

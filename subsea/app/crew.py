@@ -1,0 +1,117 @@
+"""Whose clock and hands make the ticks of a dive: this computer's, or the master's of several."""
+
+import time
+from collections.abc import Callable
+from typing import Protocol
+
+from subsea.app.clock import Clock
+from subsea.app.pilot import Pilot
+from subsea.cluster.follower import Follower
+from subsea.cluster.master import Master
+from subsea.ocean import step
+from subsea.world import TICK_S, World
+
+PATIENCE_S = 0.02  # for so long a node looks for the next picture before it looks at its window
+HOLD_S = 0.25  # the same while the master is silent: the picture that is held is drawn so often
+
+
+class Crew(Protocol):
+    """Makes the ticks of each picture, and has it shown at the right moment."""
+
+    hands: bool  # whether the pilot is here
+    waiting: str  # what the dive waits for, in words; nothing while it goes on
+    idle_s: float  # of the last call of `picture`, in which nothing was to be done
+
+    def picture(self, elapsed_s: float) -> float | None:
+        """Make the ticks that are due; the point between the last two at which to draw.
+
+        `elapsed_s` is the time since the last picture. None if there is nothing new to draw.
+        """
+
+    def swap(self, drawn: Callable[[], None]) -> None:
+        """Return when the picture is to be shown; `drawn` returns when it is drawn."""
+
+    def close(self) -> list[str]:
+        """End the dive; what is to be told of it."""
+
+
+class Alone:
+    """This computer's clock and hands."""
+
+    hands, waiting, idle_s = True, "", 0.0
+
+    def __init__(self, world: World, pilot: Pilot) -> None:
+        self._world, self._pilot = world, pilot
+        self._clock = Clock(TICK_S)
+
+    def picture(self, elapsed_s: float) -> float:
+        """As many ticks as have become due."""
+        for _ in range(self._clock.advance(elapsed_s)):
+            step(self._world, self._pilot.helm(TICK_S))
+        return self._clock.alpha
+
+    def swap(self, drawn: Callable[[], None]) -> None:
+        """At once: nobody is waited for."""
+
+    def close(self) -> list[str]:
+        """Nothing to tell."""
+        return []
+
+
+class Leading:
+    """This computer's clock and hands, which others follow."""
+
+    hands, waiting, idle_s = True, "", 0.0
+
+    def __init__(self, master: Master, pilot: Pilot) -> None:
+        self._master, self._pilot = master, pilot
+        self._clock = Clock(TICK_S)
+
+    def picture(self, elapsed_s: float) -> float:
+        """As many ticks as have become due, here and on all nodes."""
+        helms = [self._pilot.helm(TICK_S) for _ in range(self._clock.advance(elapsed_s))]
+        self._master.picture(helms, self._clock.alpha)
+        return self._clock.alpha
+
+    def swap(self, drawn: Callable[[], None]) -> None:
+        """When all nodes have drawn theirs."""
+        drawn()
+        self._master.swap()
+
+    def close(self) -> list[str]:
+        """How long each node was waited for."""
+        report = self._master.report()
+        self._master.close()
+        return report
+
+
+class Following:
+    """The clock and hands of the master."""
+
+    hands = False
+
+    def __init__(self, node: Follower) -> None:
+        self._node = node
+        self.idle_s = 0.0
+
+    @property
+    def waiting(self) -> str:
+        """What the node waits for."""
+        return self._node.waiting
+
+    def picture(self, elapsed_s: float) -> float | None:
+        """The master's next ticks; its time counts, not `elapsed_s`."""
+        start = time.perf_counter()
+        alpha = self._node.picture(HOLD_S if self._node.waiting else PATIENCE_S)
+        self.idle_s = time.perf_counter() - start
+        return alpha
+
+    def swap(self, drawn: Callable[[], None]) -> None:
+        """When the master and all other nodes have drawn theirs."""
+        drawn()
+        self._node.swap()
+
+    def close(self) -> list[str]:
+        """Nothing to tell: the master does."""
+        self._node.close()
+        return []

@@ -1,0 +1,85 @@
+"""Whose clock and hands make the ticks of a dive."""
+
+import socket
+import threading
+import time
+
+import numpy as np
+import pytest
+
+from subsea import snapshot
+from subsea.app.crew import Alone, Following, Leading
+from subsea.app.pilot import Pilot
+from subsea.cluster.follower import Follower
+from subsea.cluster.master import Master
+from subsea.ocean import create_world, step
+from subsea.scenario import load_scenario
+from subsea.submarine.helm import HANDS_OFF
+from subsea.world import TICK_S
+
+
+@pytest.fixture(scope="module")
+def worlds():
+    made = [create_world(load_scenario("schooling")[0], fish=3) for _ in range(2)]
+    for world in made:
+        step(world, HANDS_OFF)
+    return made
+
+
+def pressed(action):
+    pilot = Pilot()
+    pilot.key(action, True)
+    return pilot
+
+
+def test_alone_the_clock_makes_the_ticks_and_the_hands_steer(worlds):
+    world = worlds[0]
+    crew, tick = Alone(world, pressed("ahead")), world.state.tick
+    assert crew.picture(2.5 * TICK_S) == pytest.approx(0.5)
+    assert world.state.tick == tick + 2
+    assert crew.picture(0.25 * TICK_S) == pytest.approx(0.75)
+    assert world.state.tick == tick + 2
+    crew.swap(None)
+    crew.picture(4 * TICK_S)
+    assert np.linalg.norm(world.state.submarine.velocity) > 1.0
+    assert (crew.waiting, crew.idle_s, crew.close()) == ("", 0.0, [])
+
+
+def test_one_leads_and_another_follows(worlds):
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        address = f"127.0.0.1:{taken.getsockname()[1]}"
+    lead = Leading(Master(worlds[0], ["left"], address, timeout_s=5.0), pressed("left"))
+    follow = Following(Follower(worlds[1], "left", "middle", address, timeout_s=0.5))
+    shown, drawn, ended = [], [], threading.Event()
+
+    def node():
+        while not ended.is_set():
+            alpha = follow.picture(100.0)  # its own time does not count
+            if alpha is not None:
+                shown.append((alpha, worlds[1].state.tick, snapshot.checksum(worlds[1])))
+                follow.swap(lambda: drawn.append("node"))
+
+    assert follow.picture(1.0) is None
+    assert follow.waiting == f"waiting for the master at {address}"
+    thread = threading.Thread(target=node)
+    thread.start()
+    try:
+        led, end = [], time.monotonic() + 20.0
+        while len(shown) < 30 and time.monotonic() < end:
+            alpha = lead.picture(0.7 * TICK_S)
+            led.append((alpha, worlds[0].state.tick, snapshot.checksum(worlds[0])))
+            lead.swap(lambda: drawn.append("master"))
+            time.sleep(0.001)
+    finally:
+        ended.set()
+        thread.join(10.0)
+    assert len(shown) >= 30
+    assert (drawn.count("node"), drawn.count("master")) == (len(shown), len(led))
+    assert set(shown) <= set(led)  # all that the node showed, pictures between ticks too
+    assert shown[-20:] == led[led.index(shown[-20]) :][:20]  # and none was left out in the end
+    assert follow.waiting == ""
+    assert follow.idle_s > 0.0
+    assert follow.close() == []
+    [line] = lead.close()
+    assert line.startswith("node left: ")
