@@ -105,16 +105,18 @@ def mask(region: Region, gamma: float) -> NDArray[np.float32]:
     if not maps:
         return np.array([[[1.0, 1.0, 1.0, 0.0]]], np.float32)
     height, width, _ = max((one.shape for one in maps), key=lambda shape: shape[0] * shape[1])
-    a: Array = np.ones((height, width, 3))
-    b: Array = np.zeros((height, width, 3))
+    found = np.zeros((height, width, 4), np.float32)
+    alpha, beta = np.ones((1, 1, 3), np.float32), np.zeros((1, 1, 3), np.float32)
     if region.alpha is not None:
-        a = stretched(region.alpha, width, height).astype(np.float64) ** region.alpha_gamma
+        alpha = stretched(region.alpha, width, height)
     if region.beta is not None:
-        b = stretched(region.beta, width, height).astype(np.float64) ** region.beta_gamma
-    black = (b ** (1 / gamma)).mean(axis=2, keepdims=True)
-    white = (a * (1 - b) + b) ** (1 / gamma)
-    found = np.concatenate([np.maximum(white - black, 0.0), black], axis=2)
-    return np.asarray(found, np.float32)
+        beta = stretched(region.beta, width, height)
+    for k in range(3):  # one after the other: pictures of projectors are large
+        a, b = alpha[..., k] ** region.alpha_gamma, beta[..., k] ** region.beta_gamma
+        found[..., k] = (a * (1 - b) + b) ** (1 / gamma)
+        found[..., 3] += b ** (1 / gamma) / 3
+    found[..., :3] = np.maximum(found[..., :3] - found[..., 3:], 0.0)
+    return found
 
 
 def frustum_axes(frustum: Frustum) -> Array:

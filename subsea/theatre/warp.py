@@ -100,6 +100,25 @@ def checked(warp: Warp, where: str) -> Warp:
     return Warp(vertices, triangles)
 
 
+def divided(warp: Warp, across: int, up: int) -> Warp:
+    """The same warp with its triangles cut along equal columns and rows of the left eye's source.
+
+    What a mesh shows is linear in each triangle. A large one may not stand for a part of a curved
+    screen; one that lies within a column of a few degrees may.
+    """
+    vertices, triangles = warp
+    for column, pieces in ((2, across), (3, up)):
+        for k in range(1, pieces):
+            halves = []
+            for side in (1.0, -1.0):
+                depth = side * (vertices[:, column] - k / pieces)
+                vertices, half = _cut(vertices, triangles, depth)
+                halves.append(half[np.abs(_areas(vertices[:, :2], half)) > _AREA])
+            triangles = np.concatenate(halves)
+    used, numbers = np.unique(triangles, return_inverse=True)
+    return Warp(vertices[used], numbers.reshape(-1, 3).astype(np.int32))
+
+
 def sources_at(warp: Warp, places: Array, eye: int = 0) -> Array:
     """What places (k, 2) show, (k, 2), to the left eye or to the right; NaN where dark."""
     shown = warp.vertices[:, 2 + 2 * eye : 4 + 2 * eye]

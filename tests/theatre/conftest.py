@@ -129,7 +129,8 @@ def zipped(files):
     whole = io.BytesIO()
     with zipfile.ZipFile(whole, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, data in files.items():
-            archive.writestr(name, data)
+            one = zipfile.ZipInfo(name)  # of no date: the same files give the same bytes
+            archive.writestr(one, data, zipfile.ZIP_DEFLATED)
     return whole.getvalue()
 
 

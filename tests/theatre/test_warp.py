@@ -9,6 +9,7 @@ from subsea.errors import UserError
 from subsea.theatre.warp import (
     checked,
     describe_warp,
+    divided,
     from_grid,
     is_mirrored,
     mesh,
@@ -116,6 +117,22 @@ def test_a_mesh_is_cut_where_it_leaves_the_picture():
     assert outside.sum() > 50
     np.testing.assert_allclose(found[inside], wanted[inside], atol=1e-5)
     assert np.isnan(found[outside]).all()
+
+
+@given(st.integers(1, 9), st.integers(1, 5), st.floats(-0.3, 0.3))
+def test_a_divided_mesh_shows_the_same_with_smaller_triangles(across, up, bend):
+    points = np.random.default_rng(6).uniform(0.01, 0.99, (40, 2))
+    for warp in (checked(mesh(SQUARE, SQUARE, TWO), "x"), woven(bend, 5, 4)):
+        fine = divided(warp, across, up)
+        np.testing.assert_allclose(sources_at(fine, points), sources_at(warp, points), atol=1e-5)
+        spans = np.ptp(fine.vertices[fine.triangles][..., 2:4], axis=1)
+        assert (spans <= [1 / across + 1e-6, 1 / up + 1e-6]).all()
+
+
+def test_a_mesh_divided_by_1_is_the_same():
+    warp = woven(0.1)
+    for one, other in zip(divided(warp, 1, 1), warp, strict=True):
+        np.testing.assert_array_equal(one, other)
 
 
 def test_rounding_beyond_the_picture_is_moved_in():
