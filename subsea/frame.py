@@ -18,6 +18,7 @@ from subsea.state import HANGING, HOOKED, LANDED, SINKING, STOWED, Fishes, Reef,
 from subsea.view.camera import View
 from subsea.view.culling import IN_SIGHT, OUT_OF_SIGHT, covered
 from subsea.view.levels import LEVELS, THRESHOLDS_PX, Memory, arranged, choose, nothing_drawn
+from subsea.view.rigs import cockpit
 from subsea.world import TICK_S, World
 
 Array = NDArray[np.floating[Any]]
@@ -95,6 +96,7 @@ class Packet:
     live_points: Array = field(default_factory=lambda: np.zeros((0, 426, 3), np.float32))
     live_row: int = 0
     passing_cm_s: tuple[float, float, float] = (0.0, 0.0, 0.0)  # velocity of the submarine
+    vessel: Array | None = None  # (3,) cm, where the submarine is; None: where the views' eyes are
     hook: Array | None = None  # (3,) cm, of the bend; None: no hook is in the water
     bait: bool = False  # whether it is still on the hook
     # Leaves of seaweed in sight, those to be drawn finely first, and how many these are.
@@ -181,6 +183,7 @@ def pack(
         live_points=live_points,
         live_row=len(library.entry),
         passing_cm_s=_velocity(world),
+        vessel=cockpit(world.state.submarine, alpha).eye,
         hook=_hook(world.state.sea, alpha),
         bait=bool(world.state.sea.catch[0] in (SINKING, HANGING)),
         leaves=_leaves(world, np.concatenate([fine, coarse]), alpha),

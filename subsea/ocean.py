@@ -57,6 +57,8 @@ def step(world: World, helm: Helm | Rail) -> None:
     with _stage(world, "perception"):
         who = whose_turn(fishes, minds, sea, world.scenario.water.visibility_cm, clock)
         sense(who, fishes, minds, sea, nature, clock)
+        for fish, light in world.seen_light.items():
+            minds.light[fish] = light
     with _stage(world, "behavior"):
         schooling.join(who, fishes.alive, minds)
         feel(who, fishes, minds, nature, clock)

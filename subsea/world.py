@@ -65,6 +65,8 @@ class World:
     nature: Nature
     state: State
     stages_s: dict[str, float] = field(default_factory=dict)  # seconds of the last tick
+    # Of fishes that go by what their eyes see: how bright that is, instead of the sea about them.
+    seen_light: dict[int, float] = field(default_factory=dict)
 
 
 def create_world(

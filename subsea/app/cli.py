@@ -107,6 +107,7 @@ def _add_film(commands: Any) -> None:
             "subsea film dive.mp4",
             "subsea film reef.png --size 1920x1080 --seconds 8",
             "subsea film frames/ --seconds 2 --fps 30",
+            "subsea film seen/ --eyes clownfish --size 320x240 --seconds 4",
         ],
     )
     film.add_argument("out", metavar="OUT", type=Path, help="FILE.mp4, FILE.png or a folder")
@@ -145,6 +146,7 @@ def _add_film(commands: Any) -> None:
     _add_size(film, (1280, 720))
     _add_quality(film, "high")
     _add_seed(film)
+    _add_eyes(film)
     film.set_defaults(run=_film)
 
 
@@ -346,6 +348,39 @@ def _add_size(parser: argparse.ArgumentParser, default: tuple[int, int]) -> None
     )
 
 
+def _add_eyes(parser: argparse.ArgumentParser) -> None:
+    fish = parser.add_argument_group(
+        "what a fish sees",
+        "labelled frames in the folder OUT; docs/fish-view.md tells how to use them",
+    )
+    fish.add_argument(
+        "--eyes",
+        metavar="FISH",
+        help="its number, its species, or SPECIES:NUMBER counted from 0: both its eyes' pictures, "
+        "identity and depth maps, and camera.json",
+    )
+    fish.add_argument(
+        "--gaze",
+        type=_gaze,
+        default=None,
+        metavar="PAN,TILT",
+        help="degrees that both eyes look to the right and up from straight ahead (default 0,0; "
+        "write --gaze=-30,10)",
+    )
+    fish.add_argument(
+        "--field",
+        type=number(float, 20.0, 150.0),
+        default=None,
+        metavar="DEG",
+        help="what a retina shows from left to right (default 90)",
+    )
+    fish.add_argument(
+        "--see-brightness",
+        action="store_true",
+        help="the fish goes by the mean brightness of what it sees instead of the sea's",
+    )
+
+
 def _add_quality(parser: argparse.ArgumentParser, default: str) -> None:
     auto = "" if parser.prog.endswith("film") else ", or auto, which holds --target-ms"
     parser.add_argument(
@@ -394,6 +429,18 @@ def _size(text: str) -> tuple[int, int]:
             f"{text!r} is out of range, expected {MIN_SIZE} to {MAX_SIZE} pixels a side"
         )
     return size
+
+
+def _gaze(text: str) -> tuple[float, float]:
+    try:
+        pan, tilt = (float(part) for part in text.split(","))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a gaze such as 30,-10") from None
+    if not (abs(pan) <= 180.0 and abs(tilt) <= 90.0):
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is out of range, expected -180 to 180 and -90 to 90 degrees"
+        )
+    return pan, tilt
 
 
 def _display(text: str) -> str:
@@ -449,10 +496,34 @@ def _dive(**options: Any) -> int:
 
 
 def _film(**options: Any) -> int:
+    own = {key: options.pop(key) for key in ("eyes", "gaze", "field", "see_brightness")}
+    if own["eyes"] is not None:
+        return _film_eyes(own, options)
+    for key, value in own.items():
+        if value:
+            raise UserError(f"film: --{key.replace('_', '-')} needs --eyes FISH")
     from subsea.app.film import film
 
     _no_pages(options["display"])
     return film(**_with_optics(options))
+
+
+def _film_eyes(own: dict[str, Any], options: dict[str, Any]) -> int:
+    from subsea.app.eyes import film_eyes
+    from subsea.view.retina import FIELD_DEG, Gaze
+
+    used = ("out", "scenario", "seconds", "start", "fps", "size", "quality", "seed")
+    if options["display"] != "mono":
+        raise UserError(
+            f"film: --eyes has a picture for each eye, not --display {options['display']}"
+        )
+    return film_eyes(
+        eyes=own["eyes"],
+        gaze=Gaze(*(own["gaze"] or ())),
+        field_deg=own["field"] or FIELD_DEG,
+        see_brightness=own["see_brightness"],
+        **{key: options[key] for key in used},
+    )
 
 
 def _with_optics(options: dict[str, Any]) -> dict[str, Any]:

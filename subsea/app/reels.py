@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from subsea.errors import UserError
 from subsea.places import check_file, check_folder, is_folder, replacing
 
-Picture = NDArray[np.uint8]  # (height, width, 3), top row first
+# (height, width, 3) of 8 bits, top row first; in folders also (height, width) of 16 bits
+Picture = NDArray[np.uint8] | NDArray[np.uint16]
 Write = Callable[[int, Picture], None]  # the number of the frame, and what it shows
 WriteAll = Callable[[int, Mapping[str, Picture]], None]  # by the names of the windows
 

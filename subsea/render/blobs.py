@@ -44,8 +44,9 @@ class Blobs:
     def upload(self, packet: Packet) -> None:
         """Find the shadows of a packet."""
         eye = np.mean([view.eye for view in packet.views], axis=0).astype(np.float64)
+        vessel = eye if packet.vessel is None else np.asarray(packet.vessel, np.float64)
         self._number = cast(
-            packet.instances, self._lengths, self._heights, self._width, eye, self._records
+            packet.instances, self._lengths, self._heights, self._width, eye, vessel, self._records
         )
         if self._number:
             self._buffer.orphan()
@@ -66,7 +67,13 @@ class Blobs:
 
 @njit(cache=True, error_model="numpy")
 def cast(
-    instances: Array, lengths: Array, heights: Array, half_width: float, eye: Array, out: Array
+    instances: Array,
+    lengths: Array,
+    heights: Array,
+    half_width: float,
+    eye: Array,
+    vessel: Array,
+    out: Array,
 ) -> int:
     """Write the records of shadows into `out` (m, COLUMNS) and return how many there are.
 
@@ -75,8 +82,8 @@ def cast(
     to the first, so that what is left out when `out` is full is drawn coarsely and far away.
     """
     number = _lay(
-        eye[0], eye[1], eye[2], 1.0, 0.0, 0.8 * HULL_CM, 0.6 * HULL_CM, 1.0, heights, half_width,
-        out, 0,
+        vessel[0], vessel[1], vessel[2], 1.0, 0.0, 0.8 * HULL_CM, 0.6 * HULL_CM, 1.0, heights,
+        half_width, out, 0,
     )  # fmt: skip
     for k in range(len(instances) - 1, -1, -1):
         if number == len(out):

@@ -13,7 +13,7 @@ HEIGHTS = np.full((31, 31), SAND, np.float32)
 FAR = np.array([0.0, 0.0, 500.0])  # an eye that casts none
 
 
-def shadows(fishes, eye=(0.0, 0.0, -90.0), heights=HEIGHTS, fades=0.0):
+def shadows(fishes, eye=(0.0, 0.0, -90.0), heights=HEIGHTS, fades=0.0, vessel=None):
     """Of fishes (x, y, z, heading), 20 cm long, the last one first; the vessel's left out."""
     records = np.zeros((len(fishes), INSTANCE_COLUMNS), np.float32)
     for record, (x, y, z, heading) in zip(records, fishes, strict=True):
@@ -21,7 +21,8 @@ def shadows(fishes, eye=(0.0, 0.0, -90.0), heights=HEIGHTS, fades=0.0):
         record[4:8] = np.cos(heading / 2), 0.0, 0.0, np.sin(heading / 2)
     records[:, FADE] = fades
     out = np.zeros((MOST, COLUMNS), np.float32)
-    number = cast(records, np.array([20.0]), heights, WIDTH, np.array(eye, float), out)
+    places = (np.array(place, float) for place in (eye, vessel or eye))
+    number = cast(records, np.array([20.0]), heights, WIDTH, *places, out)
     return out[:number].astype(float)
 
 
@@ -52,6 +53,9 @@ def test_the_vessel_casts_one_when_low():
     (one,) = shadows([], eye=(10.0, 0.0, SAND + 60.0))
     assert one[7] > 30.0
     assert 0.0 < one[9] < 1.0
+    # Who looks from elsewhere sees it where it is.
+    (other,) = shadows([], eye=(300.0, 0.0, -90.0), vessel=(10.0, 0.0, SAND + 60.0))
+    np.testing.assert_array_equal(one, other)
 
 
 def test_on_a_slope_it_lies_along_it():

@@ -1,0 +1,43 @@
+"""docs/pictures/retina.png: what a fish sees, what it is, and how far away (as Tu fig. 6.9).
+
+Run from the root of a checkout: python docs/make_retina_picture.py [FISH SECONDS]
+"""
+
+import json
+import sys
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+from PIL import Image
+
+from subsea.app.eyes import SIDES, film_eyes
+from subsea.view.retina import Gaze
+
+SIZE, GAP = (480, 360), 6
+FISH, SECONDS = "9", 7.425
+GREY_CM = 260.0  # over which what is farther gets darker by a factor e
+
+out = Path(__file__).parent / "pictures" / "retina.png"
+fish, seconds = sys.argv[1:3] if len(sys.argv) > 2 else (FISH, SECONDS)
+with TemporaryDirectory() as name:
+    folder = Path(name) / "seen"
+    film_eyes(
+        folder, str(fish), Gaze(), 90.0, False, "peaceful", 1 / 30, float(seconds), 30.0, SIZE,
+        "high", None,
+    )  # fmt: skip
+
+    def read(part: str) -> np.ndarray:
+        """Both eyes' beside each other."""
+        found = [np.asarray(Image.open(folder / part / side / "frame_00000.png")) for side in SIDES]
+        found = [np.repeat(one[..., None], 3, 2) if one.ndim == 2 else one for one in found]
+        return np.concatenate([found[0], np.full((SIZE[1], GAP, 3), 255), found[1]], axis=1)
+
+    depth_cm = read("depth") / 10.0
+    grey = np.where(depth_cm > 0.0, 255.0 * np.exp(-depth_cm / GREY_CM), 0.0)
+    rows = [read(""), read("coded"), grey]
+    between = np.full((GAP, rows[0].shape[1], 3), 255)
+    sheet = np.concatenate([rows[0], between, rows[1], between, rows[2]])
+    Image.fromarray(sheet.astype(np.uint8)).save(out, optimize=True)
+    about = json.loads((folder / "camera.json").read_text(encoding="utf-8"))
+    print(out, about["fish"], about["frames"][0]["fish"]["intention"])

@@ -1,0 +1,342 @@
+"""`subsea film --eyes`: what a fish sees, as labelled frames for research on vision (Tu §6.7).
+
+A folder gets for each frame and each eye the picture, an identity map, the same in colours to look
+at, and a depth map; `camera.json` tells how to read them. docs/fish-view.md describes all of it.
+"""
+
+import json
+import time
+from collections.abc import Sequence
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea import interrupts
+from subsea.app.console import counted, say
+from subsea.app.progress import progress
+from subsea.app.reels import frame_rate, kind_of, open_reels
+from subsea.app.start import headless, picture_maker, start_world
+from subsea.app.takes import begin, description, missing_frames
+from subsea.app.timing import sentence
+from subsea.app.tour import Tour
+from subsea.behavior.table import BEHAVIORS
+from subsea.errors import UserError, unknown
+from subsea.frame import pack
+from subsea.habitat.reef import KINDS as REEF_KINDS
+from subsea.ocean import step
+from subsea.places import replacing
+from subsea.render import Renderer
+from subsea.render.marks import CORAL, FISH, KINDS, PILLAR, ROCK, Seen
+from subsea.render.quality import PRESETS
+from subsea.scenario import Scenario, load_scenario
+from subsea.state import MENTAL_STATES
+from subsea.view.camera import View
+from subsea.view.levels import nothing_drawn
+from subsea.view.retina import Gaze, Rider, body_at, retina_rig, retinal_views, rider
+from subsea.view.rig import Rig
+from subsea.world import TICK_S, World
+
+Array = NDArray[np.floating[Any]]
+Ints = NDArray[np.integer[Any]]
+
+SIDES = "left", "right"
+PARTS = "", "identity", "coded", "depth"  # folders of the pictures, and of the maps
+CAMERA = "camera.json"
+# Values of identity maps: of the first of each kind; what has no number has one value.
+VALUES = {
+    "water": 0, "surface": 1, "seabed": 2, "seaweed": 3, "bubbles": 4, "hook": 5,
+    "pillar": 100, "rock": 300, "coral": 1000, "fish": 10000,
+}  # fmt: skip
+FIRST = np.array([VALUES[kind] for kind in KINDS], np.int32)
+MOST_FISHES = 2**16 - VALUES["fish"]  # that a map of 16 bits can tell apart
+MM = 10.0  # per cm
+PLAIN = {
+    "surface": (0.20, 0.24, 0.24), "seabed": (0.42, 0.38, 0.26), "seaweed": (0.16, 0.46, 0.14),
+    "bubbles": (0.90, 0.90, 0.90), "hook": (0.95, 0.90, 0.20),
+}  # fmt: skip
+OPENCV = np.diag([1.0, -1.0, -1.0, 1.0])  # from OpenGL's axes of an eye: y up, z backward
+SEEN_SIZE = 48, 48  # pixels of the retinae whose brightness a fish goes by
+CONVENTION = (
+    "pinhole, square pixels, origin in the middle of the upper left pixel; x right, y down, "
+    "z ahead; `left` and `right` of a frame are 4x4 matrices from the world (cm, z up) to the eye: "
+    "pixel = (fx x/z + cx, fy y/z + cy)"
+)
+
+
+def film_eyes(
+    out: Path,
+    eyes: str,
+    gaze: Gaze,
+    field_deg: float,
+    see_brightness: bool,
+    scenario: str,
+    seconds: float,
+    start: float,
+    fps: float,
+    size: tuple[int, int],
+    quality: str,
+    seed: int | None,
+) -> int:
+    """Film `seconds` of what the fish called `eyes` sees into the folder `out`; the exit code.
+
+    The dive is that which `subsea film` shows with the same scenario, seed and start. A folder
+    that holds a part of the film gets what it lacks. With `see_brightness` the fish goes by the
+    light in its eyes, see `seen_brightness`.
+    """
+    if kind_of(out) != "folder":
+        raise UserError(f"{out}: labelled frames need the name of a folder")
+    chosen, source = load_scenario(scenario)
+    check_fish(eyes, chosen)
+    rate = frame_rate(fps)
+    instants = [start + float(k / rate) for k in range(max(round(seconds * rate), 1))]
+    take = description(
+        source, seed=seed, start=start, seconds=seconds, fps=fps, size=size, quality=quality,
+        eyes=eyes, gaze=gaze, field_deg=field_deg, see_brightness=see_brightness,
+    )  # fmt: skip
+    windows = [f"{part}/{side}" if part else side for part in PARTS for side in SIDES]
+    missing = missing_frames(out, take, windows, len(instants))
+    if not missing and _told_of(out / CAMERA) == len(instants):
+        print(f"{out}: complete, {counted(len(instants), 'frame', 'frames')}")
+        return 0
+    durations: list[float] = []
+    frames: list[dict[str, Any]] = []
+    with ExitStack() as stack:
+        context = stack.enter_context(headless())
+        world, tour = start_world(scenario, seed), Tour()
+        fish = find_fish(eyes, world)
+        by = rider(world, fish)
+        rig = retina_rig(size, by.half_cm, gaze, field_deg)
+        check = stack.enter_context(interrupts.deferred())
+        renderer = stack.enter_context(picture_maker(context, world, rig, PRESETS[quality]))
+        begin(out, take)
+        stack.callback(_report, out, durations)
+        about = described(world, take, by, rig, gaze, field_deg)
+        stack.callback(_write_json, out / CAMERA, about | {"frames": frames})
+        write = stack.enter_context(open_reels(out, dict.fromkeys(windows, size), rate))
+        say(f"filming what fish {fish} sees, {_species(world, fish)}, to {out}")
+        done = stack.enter_context(progress(len(instants), "frame", len(instants) - len(missing)))
+        memory = nothing_drawn(len(world.state.fishes.species))
+        preset, wanted = PRESETS[quality], set(missing)
+        for k, instant in enumerate(instants):
+            begun = time.perf_counter()
+            ticks, alpha = divmod(instant / TICK_S, 1.0)
+            check()
+            while world.state.tick < ticks + 1:
+                check()
+                if see_brightness:
+                    world.seen_light[fish] = seen_brightness(renderer, world, by)
+                step(world, tour.helm(world))
+            views = retinal_views(world, by, rig, alpha)
+            packet = pack(
+                world, views, alpha, detail=preset.detail, growth=preset.growth, memory=memory
+            )
+            packet = replace(packet, passing_cm_s=_velocity(world, fish))
+            if k in wanted:
+                renderer.draw(packet)
+                pictures = [renderer.read_pixels(side) for side in range(len(SIDES))]
+                write(k, labelled(pictures, renderer.look_up(packet)))
+                durations.append(time.perf_counter() - begun)
+                done()
+            else:
+                renderer.choose(packet)
+            frames.append(told(world, by, views, k, instant, alpha))
+    return 0
+
+
+def check_fish(name: str, scenario: Scenario) -> None:
+    """Whether a fish may be called so: by its number, its species, or species:number."""
+    species, colon, number = name.partition(":")
+    known = _kinds(scenario)
+    if name.isdecimal() or (species in known and (not colon or number.isdecimal())):
+        return
+    if not colon or species not in known:
+        raise unknown("fish", species, known)
+    raise UserError(f"fish {name!r}: expected a number, a species or SPECIES:NUMBER")
+
+
+def find_fish(name: str, world: World) -> int:
+    """The number of the fish called so; another one is a UserError.
+
+    Those of a species are counted from 0, in the order of their numbers.
+    """
+    kinds = world.state.fishes.species
+    if name.isdecimal():
+        found: Ints = np.arange(len(kinds))
+        number, of = int(name), ""
+    else:
+        species, _, count = name.partition(":")
+        names = _kinds(world.scenario)
+        found = np.flatnonzero(kinds == names.index(species)) if species in names else kinds[:0]
+        number, of = int(count or 0), f" of {species}"
+    if number >= len(found):
+        last = f"0 to {len(found) - 1}" if len(found) else "none, there is no such fish"
+        raise UserError(f"no fish {number}{of}: expected {last}")
+    return int(found[number])
+
+
+def seen_brightness(renderer: Renderer, world: World, by: Rider) -> float:
+    """Mean brightness, 0 to 1, of what a fish sees at the present tick, looking ahead (Tu §6.2).
+
+    The mean value of the two pictures as a screen would show them; it depends on nothing but the
+    world and the quality of the renderer, whose rig is as before in the end.
+    """
+    before, rig = renderer.rig, retina_rig(SEEN_SIZE, by.half_cm)
+    renderer.arrange(rig)
+    renderer.draw(pack(world, retinal_views(world, by, rig, 1.0), 1.0))
+    mean = np.mean([renderer.read_pixels(side) for side in range(len(SIDES))]) / 255.0
+    renderer.arrange(before)
+    return float(mean)
+
+
+def labelled(pictures: Sequence[NDArray[np.uint8]], seen: Seen) -> dict[str, Any]:
+    """What is written of a frame, by the names of its folders; `seen` is of both eyes."""
+    value = FIRST[seen.kind] + seen.number
+    depth = np.where(np.isfinite(seen.depth), np.rint(MM * seen.depth), 0.0)
+    maps: dict[str, NDArray[Any]] = {
+        "identity": value.astype(np.uint16),
+        "coded": coded(value),
+        "depth": np.minimum(depth, 2**16 - 1).astype(np.uint16),
+    }
+    out: dict[str, Any] = dict(zip(SIDES, pictures, strict=True))
+    for name, both in maps.items():
+        halves = np.split(both, len(SIDES), axis=1)
+        out |= {f"{name}/{side}": half for side, half in zip(SIDES, halves, strict=True)}
+    return out
+
+
+def coded(value: Ints) -> NDArray[np.uint8]:
+    """Colours (h, w, 3) of identities (h, w): fishes in reds, what stands in blues (Tu §6.7)."""
+    # Neighbours in number are far apart in shade.
+    shade = 0.35 + 0.65 * (value * 0.6180339887 % 1.0)
+    tint = value * 0.7548776662 % 1.0
+    red = np.stack([shade, 0.45 * tint * shade, 0.25 * shade], axis=-1)
+    blue = np.stack([0.25 * tint * shade, 0.45 * tint * shade, shade], axis=-1)
+    violet = np.stack([0.45 * shade, 0.75 * tint * shade, shade], axis=-1)
+    rgb = np.zeros((*value.shape, 3))
+    for name, colour in PLAIN.items():
+        rgb[value == VALUES[name]] = colour
+    for name, colours in (("pillar", blue), ("coral", violet), ("fish", red)):
+        rgb = np.where((value >= VALUES[name])[..., None], colours, rgb)
+    return np.asarray(np.rint(255.0 * rgb), np.uint8)
+
+
+def described(
+    world: World, take: dict[str, Any], by: Rider, rig: Rig, gaze: Gaze, field_deg: float
+) -> dict[str, Any]:
+    """All of the camera file but its frames."""
+    width, height = rig.outputs[0]
+    p = rig.eyes[0].projection.astype(float)
+    if len(world.state.fishes.species) > MOST_FISHES:
+        raise UserError(f"an identity map tells at most {MOST_FISHES} fishes apart")
+    return {
+        "film": take,
+        "seed": world.state.seed,
+        "fish": {"number": by.fish, "species": _species(world, by.fish)},
+        "camera": {
+            "width": width,
+            "height": height,
+            "fx": p[0, 0] * width / 2,
+            "fy": p[1, 1] * height / 2,
+            "cx": (width - 1) / 2,
+            "cy": (height - 1) / 2,
+            "field_deg": field_deg,
+            "gaze_deg": gaze._asdict(),
+            "baseline_cm": 2 * by.half_cm,
+            "convention": CONVENTION,
+        },
+        "depth": {"unit": "mm", "of": "z, along the optical axis", "nothing": 0},
+        "identities": identities(world),
+    }
+
+
+def identities(world: World) -> list[dict[str, Any]]:
+    """What each value of an identity map stands for."""
+    fishes, sea, reef = world.state.fishes, world.state.sea, world.state.reef
+    out: list[dict[str, Any]] = [
+        {"value": VALUES[kind], "kind": kind}
+        for number, kind in enumerate(KINDS)
+        if number not in (PILLAR, ROCK, CORAL, FISH)
+    ]
+    for kind, places in (("pillar", sea.pillars), ("rock", sea.rocks)):
+        for k, row in enumerate(places):
+            out.append(_numbered(kind, k) | {"x_cm": float(row[0]), "y_cm": float(row[1])})
+    growths = list(REEF_KINDS)
+    out += [_numbered("coral", k) | {"form": growths[kind]} for k, kind in enumerate(reef.kind)]
+    for k, length in enumerate(fishes.length):
+        out.append(
+            _numbered("fish", k) | {"species": _species(world, k), "length_cm": float(length)}
+        )
+    return out
+
+
+def told(
+    world: World, by: Rider, views: Sequence[View], frame: int, instant: float, alpha: float
+) -> dict[str, Any]:
+    """What the camera file says of a frame; states of mind are those of the present tick."""
+    fishes, minds, i = world.state.fishes, world.state.minds, by.fish
+    place, turn = body_at(world, i, alpha)
+    return {
+        "frame": frame,
+        "time_s": instant,
+        "tick": world.state.tick,
+        **{
+            side: (OPENCV @ view.view.astype(np.float64)).tolist()
+            for side, view in zip(SIDES, views, strict=True)
+        },
+        "fish": {
+            "alive": bool(fishes.alive[i]),
+            "position_cm": place.tolist(),
+            "orientation_wxyz": turn.tolist(),
+            "velocity_cm_s": fishes.velocity[i].tolist(),
+            "intention": BEHAVIORS[minds.intention[i]].name,
+            **dict(zip(MENTAL_STATES, minds.mental[i].tolist(), strict=True)),
+            "light": float(minds.light[i]),
+        },
+    }
+
+
+def _numbered(kind: str, number: int) -> dict[str, Any]:
+    return {"value": VALUES[kind] + number, "kind": kind, "number": number}
+
+
+def _species(world: World, fish: int) -> str:
+    return _kinds(world.scenario)[world.state.fishes.species[fish]]
+
+
+def _kinds(scenario: Scenario) -> list[str]:
+    """The species of a scenario, as they are numbered in its world."""
+    return sorted({shoal.species for shoal in scenario.fish})
+
+
+def _velocity(world: World, fish: int) -> tuple[float, float, float]:
+    x, y, z = world.state.fishes.velocity[fish].tolist()
+    return x, y, z
+
+
+def _write_json(path: Path, content: dict[str, Any]) -> None:
+    """Each entry of a list on a line of its own."""
+    parts = []
+    for key, value in content.items():
+        text = json.dumps(value)
+        if isinstance(value, list) and value:
+            text = "[\n  " + ",\n  ".join(json.dumps(entry) for entry in value) + "\n ]"
+        parts.append(f" {json.dumps(key)}: {text}")
+    with replacing(path) as temporary:
+        temporary.write_text("{\n" + ",\n".join(parts) + "\n}\n", encoding="utf-8")
+
+
+def _told_of(path: Path) -> int:
+    """Of how many frames a camera file tells; 0 where there is none."""
+    try:
+        return len(json.loads(path.read_text(encoding="utf-8"))["frames"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return 0
+
+
+def _report(out: Path, durations: list[float]) -> None:
+    if durations:
+        print(f"{out}: {sentence(durations)}")

@@ -1,0 +1,139 @@
+"""Through the eyes of a fish: where they are, and the rig that hangs on them (Tu §6.7, §9.3).
+
+Both eyes lie on the skin as it is drawn, where `render/paint.py` paints them, and look where the
+fish is heading: along the x axis of its body frame, with its back up, however it rolls. They turn
+together (pan, tilt). A retina is a perspective picture, flat, as wide as it is high or not.
+
+Nobody sees its own body: an eye looks along its own cheek, and the inside of the head that the
+other half of the picture would show is nothing to be seen. Views name the fish (`View.without`).
+"""
+
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.body.pose import pose_at
+from subsea.kinematics.coupling import Coupling, place
+from subsea.kinematics.rotation import matrix
+from subsea.kinematics.spline import basis_at, dense
+from subsea.kinematics.surface import LEFT, RIGHT, SurfacePlan, U, V, rest_control_points
+from subsea.view.camera import View, off_axis
+from subsea.view.rig import Eye, Patch, Pose, Rect, Rig, views
+from subsea.world import World
+
+Array = NDArray[np.floating[Any]]
+
+FIELD_DEG = 90.0  # from left to right
+NEAR_CM = 0.5  # other fishes may come close
+SAMPLES = 161  # along and across a flank, among which the eye is looked for
+
+
+class Gaze(NamedTuple):
+    """Where both eyes look, from the way in which the fish is heading (Tu §9.3)."""
+
+    pan_deg: float = 0.0  # to its right
+    tilt_deg: float = 0.0  # toward its back
+
+
+AHEAD = Gaze()
+
+
+class Rider(NamedTuple):
+    """Whose eyes are looked through, and what is constant about them."""
+
+    fish: int  # its number in the world
+    weights: Array  # (189,) see `eye_weights`
+    half_cm: float  # from the middle between its eyes to each of them, when it is at rest
+
+
+def rider(world: World, fish: int) -> Rider:
+    """Who looks through the eyes of this fish."""
+    plan = world.species[world.state.fishes.species[fish]].surface
+    weights = eye_weights(plan)
+    rest = rest_control_points(plan, float(world.state.fishes.length[fish]), 0.0)
+    return Rider(fish, weights, float((weights @ rest[RIGHT])[2]))
+
+
+def ridden(world: World, by: Rider, alpha: float) -> Pose:
+    """Between the eyes of a fish, `alpha` of the way from the last tick to the present one.
+
+    It looks along the x axis of the fish's body, whose y axis is up.
+    """
+    origin, turn = body_at(world, by.fish, alpha)
+    axes = matrix(turn)
+    control = _control_points(world, by.fish, alpha)
+    scale = float(world.state.fishes.scale[by.fish])
+    middle = scale * by.weights @ (control[LEFT] + control[RIGHT]) / 2
+    return Pose(origin + axes @ middle, axes[:, 0], axes[:, 1])
+
+
+def body_at(world: World, fish: int, alpha: float) -> tuple[Array, Array]:
+    """Origin (3,), cm, and orientation (4,) of a fish's body frame, as `frame.pack` has them."""
+    fishes = world.state.fishes
+    before = fishes.previous_orientation[fish].astype(np.float64)
+    after = fishes.orientation[fish].astype(np.float64)
+    before = -before if before @ after < 0.0 else before
+    turn = (1.0 - alpha) * before + alpha * after
+    place = fishes.previous_position[fish].astype(np.float64)
+    return place + alpha * (fishes.position[fish] - place), turn / np.linalg.norm(turn)
+
+
+def eye_weights(plan: SurfacePlan) -> Array:
+    """What the control points (189,) of a flank add to the middle of the eye on it."""
+    t = np.linspace(0.0, 1.0, SAMPLES)
+    across, along = dense(basis_at(U, t), U), dense(basis_at(V, t), V)
+    half = rest_control_points(plan, 1.0, 0.0)[RIGHT].reshape(U, V, 3)
+    surface = np.einsum("au,bv,uvx->abx", across, along, half)
+    behind, up, aside = -surface[..., 0], surface[..., 1], surface[..., 2]
+    # Of a body with wings the eye's height is how far it is from the spine, on the upper side.
+    off = np.where(up > 0.0, aside - plan.eye.height, np.inf) if plan.wing else up - plan.eye.height
+    a, b = np.unravel_index(np.argmin((behind - plan.eye.at) ** 2 + off**2), behind.shape)
+    return np.outer(across[a], along[b]).ravel()
+
+
+def retina_rig(
+    size: tuple[int, int], half_cm: float, gaze: Gaze = AHEAD, field_deg: float = FIELD_DEG
+) -> Rig:
+    """Two pictures of `size` (width, height), of the left eye and of the right one.
+
+    The eyes are `half_cm` left and right of the observer and see `field_deg` from left to right.
+    """
+    width, height = size
+    edge = NEAR_CM * np.tan(np.radians(field_deg) / 2)
+    top = edge * height / width
+    projection = off_axis(-edge, edge, -top, top, NEAR_CM)
+    axes = turned(gaze)
+    eyes, patches = [], []
+    for output, side in enumerate((-half_cm, half_cm)):
+        viewport: Rect = (output * width, 0, width, height)
+        eyes.append(Eye(viewport, np.array([side, 0.0, 0.0]), axes, projection))
+        patches.append(Patch((0, 0, width, height), viewport, viewport, output=output))
+    return Rig((2 * width, height), (size, size), tuple(eyes), tuple(patches))
+
+
+def turned(gaze: Gaze) -> Array:
+    """The axes (3, 3) of eyes that look there, rows right, up, ahead in those of the observer."""
+    pan, tilt = np.radians(gaze)
+    cp, sp, ct, st = np.cos(pan), np.sin(pan), np.cos(tilt), np.sin(tilt)
+    return np.array([[cp, 0.0, -sp], [-sp * st, ct, -cp * st], [sp * ct, st, cp * ct]])
+
+
+def retinal_views(world: World, by: Rider, rig: Rig, alpha: float) -> tuple[View, ...]:
+    """What both eyes of a fish see: its rig's views, without itself."""
+    return tuple(replace(view, without=by.fish) for view in views(rig, ridden(world, by, alpha)))
+
+
+def _control_points(world: World, fish: int, alpha: float) -> Array:
+    """The control points (426, 3) of a fish's pose, body axes, of the recorded size."""
+    a, b, weight = pose_at(world.state.fishes, fish, alpha)
+    library = world.library
+    # Simulated fishes are skinned where they are in sight; this one need not be in its own.
+    if max(a, b) >= len(library.entry):
+        kind = world.state.fishes.species[fish]
+        coupling = Coupling(*(part[kind] for part in library.coupling))
+        return place(coupling, (1.0 - weight) * library.nodes[a] + weight * library.nodes[b])
+    return np.asarray(
+        (1.0 - weight) * library.control_points[a] + weight * library.control_points[b]
+    )
