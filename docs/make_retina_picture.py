@@ -24,7 +24,7 @@ with TemporaryDirectory() as name:
     folder = Path(name) / "seen"
     film_eyes(
         folder, str(fish), Gaze(), 90.0, False, "peaceful", 1 / 30, float(seconds), 30.0, SIZE,
-        "high", None,
+        "high", None, "auto",
     )  # fmt: skip
 
     def read(part: str) -> np.ndarray:

@@ -512,7 +512,7 @@ def _film_eyes(own: dict[str, Any], options: dict[str, Any]) -> int:
     from subsea.app.eyes import film_eyes
     from subsea.view.retina import FIELD_DEG, Gaze
 
-    used = ("out", "scenario", "seconds", "start", "fps", "size", "quality", "seed")
+    used = ("out", "scenario", "seconds", "start", "fps", "size", "quality", "seed", "tour")
     if options["display"] != "mono":
         raise UserError(
             f"film: --eyes has a picture for each eye, not --display {options['display']}"

@@ -17,12 +17,13 @@ from numpy.typing import NDArray
 
 from subsea import interrupts
 from subsea.app.console import counted, say
+from subsea.app.film import UNTOLD_S
 from subsea.app.progress import progress
 from subsea.app.reels import frame_rate, kind_of, open_reels
 from subsea.app.start import headless, picture_maker, start_world
 from subsea.app.takes import begin, description, missing_frames
 from subsea.app.timing import sentence
-from subsea.app.tour import Tour
+from subsea.app.tour import guide
 from subsea.behavior.table import BEHAVIORS
 from subsea.errors import UserError, unknown
 from subsea.frame import pack
@@ -32,8 +33,9 @@ from subsea.places import replacing
 from subsea.render import Renderer
 from subsea.render.marks import CORAL, FISH, KINDS, PILLAR, ROCK, Seen
 from subsea.render.quality import PRESETS
-from subsea.scenario import Scenario, load_scenario
+from subsea.scenario import AUTOPILOT, Scenario, load_scenario
 from subsea.state import MENTAL_STATES
+from subsea.submarine.course import course_of
 from subsea.view.camera import View
 from subsea.view.levels import nothing_drawn
 from subsea.view.retina import Gaze, Rider, body_at, retina_rig, retinal_views, rider
@@ -74,16 +76,17 @@ def film_eyes(
     field_deg: float,
     see_brightness: bool,
     scenario: str,
-    seconds: float,
+    seconds: float | None,
     start: float,
     fps: float,
     size: tuple[int, int],
     quality: str,
     seed: int | None,
+    tour: str,
 ) -> int:
     """Film `seconds` of what the fish called `eyes` sees into the folder `out`; the exit code.
 
-    The dive is that which `subsea film` shows with the same scenario, seed and start. A folder
+    The dive is that which `subsea film` shows with the same scenario, seed, tour and start. A folder
     that holds a part of the film gets what it lacks. With `see_brightness` the fish goes by the
     light in its eyes, see `seen_brightness`.
     """
@@ -91,10 +94,13 @@ def film_eyes(
         raise UserError(f"{out}: labelled frames need the name of a folder")
     chosen, source = load_scenario(scenario)
     check_fish(eyes, chosen)
+    course = None if tour == AUTOPILOT else course_of(chosen, tour)
+    if seconds is None:
+        seconds = UNTOLD_S if course is None else max(course.seconds - start, 0.0)
     rate = frame_rate(fps)
     instants = [start + float(k / rate) for k in range(max(round(seconds * rate), 1))]
     take = description(
-        source, seed=seed, start=start, seconds=seconds, fps=fps, size=size, quality=quality,
+        source, tour=tour, seed=seed, start=start, seconds=seconds, fps=fps, size=size, quality=quality,
         eyes=eyes, gaze=gaze, field_deg=field_deg, see_brightness=see_brightness,
     )  # fmt: skip
     windows = [f"{part}/{side}" if part else side for part in PARTS for side in SIDES]
@@ -106,7 +112,8 @@ def film_eyes(
     frames: list[dict[str, Any]] = []
     with ExitStack() as stack:
         context = stack.enter_context(headless())
-        world, tour = start_world(scenario, seed), Tour()
+        world = start_world(scenario, seed)
+        steer = guide(world, course)
         fish = find_fish(eyes, world)
         by = rider(world, fish)
         rig = retina_rig(size, by.half_cm, gaze, field_deg)
@@ -129,7 +136,7 @@ def film_eyes(
                 check()
                 if see_brightness:
                     world.seen_light[fish] = seen_brightness(renderer, world, by)
-                step(world, tour.helm(world))
+                step(world, steer(world))
             views = retinal_views(world, by, rig, alpha)
             packet = pack(
                 world, views, alpha, detail=preset.detail, growth=preset.growth, memory=memory
