@@ -86,9 +86,9 @@ def film_eyes(
 ) -> int:
     """Film `seconds` of what the fish called `eyes` sees into the folder `out`; the exit code.
 
-    The dive is that which `subsea film` shows with the same scenario, seed, tour and start. A folder
-    that holds a part of the film gets what it lacks. With `see_brightness` the fish goes by the
-    light in its eyes, see `seen_brightness`.
+    The dive is that which `subsea film` shows with the same scenario, seed, tour and start.
+    A folder that holds a part of the film gets what it lacks. With `see_brightness` the fish goes
+    by the light in its eyes, see `seen_brightness`.
     """
     if kind_of(out) != "folder":
         raise UserError(f"{out}: labelled frames need the name of a folder")
@@ -100,8 +100,8 @@ def film_eyes(
     rate = frame_rate(fps)
     instants = [start + float(k / rate) for k in range(max(round(seconds * rate), 1))]
     take = description(
-        source, tour=tour, seed=seed, start=start, seconds=seconds, fps=fps, size=size, quality=quality,
-        eyes=eyes, gaze=gaze, field_deg=field_deg, see_brightness=see_brightness,
+        source, tour=tour, seed=seed, start=start, seconds=seconds, fps=fps, size=size,
+        quality=quality, eyes=eyes, gaze=gaze, field_deg=field_deg, see_brightness=see_brightness,
     )  # fmt: skip
     windows = [f"{part}/{side}" if part else side for part in PARTS for side in SIDES]
     missing = missing_frames(out, take, windows, len(instants))
