@@ -11,6 +11,7 @@ import numpy as np
 from tqdm import tqdm
 
 from subsea.app import pacing
+from subsea.app.house import chosen_rig
 from subsea.app.start import headless, picture_maker, start_world
 from subsea.app.timing import summary
 from subsea.app.tour import Tour
@@ -21,7 +22,7 @@ from subsea.render.quality import AUTO, LADDER, PRESETS, first_rung, name_of
 from subsea.scenario import load_scenario
 from subsea.view.levels import HIDDEN, LEVELS, nothing_drawn
 from subsea.view.rig import Rig, views
-from subsea.view.rigs import cockpit, display_rig
+from subsea.view.rigs import cockpit
 from subsea.world import World
 
 if TYPE_CHECKING:
@@ -54,10 +55,16 @@ def benchmark(
     motor: str = "playback",
     quality: str = "low",
     target_ms: float | None = None,
+    theatre: str | None = None,
+    shrink: int = 1,
 ) -> int:
-    """Measure, print the report as a table, and write it as JSON to `out` if that is named."""
+    """Measure, print the report as a table, and write it as JSON to `out` if that is named.
+
+    A `theatre` is shown instead of one picture of `size`, `shrink` times smaller.
+    """
     if out is not None:
         check_file(out)
+    rig = chosen_rig(display, size, theatre=theatre, shrink=shrink)
     load_scenario(scenario)
     with headless() as context:
         world = start_world(scenario, seed, fish, motor=motor)
@@ -65,13 +72,13 @@ def benchmark(
         if quality == AUTO:
             hold_ms = target_ms or pacing.target_for(gpu)
         begin = LADDER[first_rung(gpu)] if quality == AUTO else PRESETS[quality]
-        rig = display_rig(display, size)
         with picture_maker(context, world, rig, begin) as renderer:
             measured = measure(world, renderer, context, rig, frames, without, hold_ms)
             drawn = name_of(renderer.quality)
         report = {
             "renderer": gpu,
-            "size": list(size),
+            "size": [list(output) for output in rig.outputs] if theatre else list(size),
+            "theatre": theatre,
             "display": display,
             "quality": quality,
             "quality_drawn": drawn,
@@ -181,8 +188,9 @@ def _draw(renderer: "Renderer", context: Any, packet: Packet) -> tuple[dict[str,
 
 def _print(report: dict[str, Any]) -> None:
     """The report for people: one figure a line."""
-    width, height = report["size"]
-    print(f"{report['fish']} fishes, {report['visible_mean']:.1f} visible, {width}x{height}")
+    sizes = report["size"] if report["theatre"] else [report["size"]]
+    pixels = " + ".join(f"{width}x{height}" for width, height in sizes)
+    print(f"{report['fish']} fishes, {report['visible_mean']:.1f} visible, {pixels}")
     print(f"motor {report['motor']}, {report['simulated_mean']:.1f} simulated")
     print(f"{report['renderer']}, quality {report['quality']} ({report['quality_drawn']})")
     for title in ("frame_ms", "stages_ms", "lod"):

@@ -62,6 +62,7 @@ def _parsers() -> tuple[argparse.ArgumentParser, Any]:
     for add in (
         _add_dive,
         _add_film,
+        _add_theatre_command,
         _add_simulate,
         _add_study,
         _add_benchmark,
@@ -79,10 +80,16 @@ def _add_dive(commands: Any) -> None:
         "pilot the submarine in a window",
         "Point where you want to look, hold the left button to go there, press the wheel or\n"
         "the space bar to stop. H shows every control, Esc ends the dive.",
-        ["subsea dive", "subsea dive --fullscreen --seed 3", "subsea dive --seconds 60"],
+        [
+            "subsea dive",
+            "subsea dive --fullscreen --seed 3",
+            "subsea dive --display side-by-side --screen-width 120 --comfort 1",
+            "subsea dive --theatre three-projectors --shrink 4",
+        ],
     )
     _add_scenario(dive)
     _add_display(dive)
+    _add_theatre(dive)
     _add_stereo(dive)
     _add_surround(dive)
     _add_size(dive, (1280, 720))
@@ -148,6 +155,19 @@ def _add_film(commands: Any) -> None:
     _add_seed(film)
     _add_eyes(film)
     film.set_defaults(run=_film)
+
+
+def _add_theatre_command(commands: Any) -> None:
+    theatre = command(
+        commands,
+        "theatre",
+        "tell what a theatre file has, and what of it does not work",
+        "Windows, channels, screens, meshes and masks, without opening a window. Exit code 1 if\n"
+        "a channel does not work. docs/theatre.md says how to write one.",
+        ["subsea theatre three-projectors", "subsea theatre my/theatre.toml"],
+    )
+    theatre.add_argument("name", metavar="NAME|FILE")
+    theatre.set_defaults(run=_theatre)
 
 
 def _add_simulate(commands: Any) -> None:
@@ -219,6 +239,7 @@ def _add_benchmark(commands: Any) -> None:
         metavar="N",
         help="frames that count, after the warm-up (default 120)",
     )
+    _add_theatre(benchmark)
     _add_size(benchmark, (1280, 720))
     _add_quality(benchmark, "low")
     _add_target(benchmark)
@@ -290,6 +311,22 @@ def _add_display(parser: argparse.ArgumentParser) -> None:
         help="mono, or one of the stereo modes: stereo (shutter glasses, in a window), "
         "side-by-side, top-bottom, anaglyph, anaglyph-comfort, interlaced, checkerboard; or "
         "all round: panorama, dome, equirectangular (default mono)",
+    )
+
+
+def _add_theatre(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--theatre",
+        metavar="NAME|FILE",
+        help="the windows, screens and projectors of a theatre, by name or a .toml file, instead "
+        "of one window; --display says how two eyes share each of them",
+    )
+    parser.add_argument(
+        "--shrink",
+        type=number(int, 1, 64),
+        default=1,
+        metavar="N",
+        help="show the theatre with N times fewer pixels a side, to try it out",
     )
 
 
@@ -579,6 +616,12 @@ def _benchmark(paper: bool, **options: Any) -> int:
     _no_pages(options["display"])
     _check_target(options["quality"], options["target_ms"])
     return benchmark(**options)
+
+
+def _theatre(name: str) -> int:
+    from subsea.app.house import describe
+
+    return describe(name)
 
 
 def _doctor() -> int:

@@ -7,12 +7,14 @@ from contextlib import ExitStack, closing
 from subsea.app import pacing
 from subsea.app.console import say
 from subsea.app.crew import Alone, Crew
+from subsea.app.house import NOT_SHRUNK, House, open_house
 from subsea.app.overlay import Overlay, panes
 from subsea.app.pilot import Pilot
 from subsea.app.screens import Installation, Screen, on_display, placed
 from subsea.app.start import start_world
 from subsea.app.wall import Wall
 from subsea.app.window import Window, Wish
+from subsea.errors import UserError
 from subsea.frame import make_scene, pack
 from subsea.render import Renderer
 from subsea.render.quality import AUTO, CHOICES, LADDER, PRESETS, Quality, first_rung, name_of
@@ -37,17 +39,38 @@ def dive(
     seconds: float | None,
     quality: str,
     target_ms: float | None,
+    theatre: str | None = None,
+    shrink: int = 1,
 ) -> int:
-    """Dive until the window is closed, Esc is pressed, or `seconds` have passed; exit code 0."""
-    with closing(
-        Dive(scenario, display, size, fullscreen, seed, stereo, surround, quality, target_ms)
-    ) as running:
+    """Dive until the window is closed, Esc is pressed, or `seconds` have passed; exit code 0.
+
+    In the windows of a `theatre`, `shrink` times smaller, if one is named.
+    """
+    installation = None
+    if theatre is not None:
+        installation = installed(open_house(theatre, display, stereo, shrink=shrink))
+    elif shrink != 1:
+        raise UserError(NOT_SHRUNK)
+    running = Dive(
+        scenario, display, size, fullscreen, seed, stereo, surround, quality, target_ms,
+        installation,
+    )  # fmt: skip
+    with closing(running):
         start = last = time.perf_counter()
         while running.window.open and (seconds is None or last - start < seconds):
             now = time.perf_counter()
             running.frame(now - last)
             last = now
     return 0
+
+
+def installed(house: House) -> Installation:
+    """A theatre's rig, and the windows that it asks for."""
+    screens = [
+        Screen(window.name, window.size, window.position, window.monitor)
+        for window in house.windows
+    ]
+    return Installation(house.rig, screens, str(house.path))
 
 
 class Dive:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from subsea.errors import UserError, unknown
 from subsea.theatre.blend import Projector, mask_of
-from subsea.theatre.files import SCREENS, Archive, Channel, Lit, Theatre, Window, viewport
+from subsea.theatre.files import SCREENS, Angles, Archive, Channel, Lit, Theatre, Window, viewport
 from subsea.theatre.meshes import read_warp
 from subsea.theatre.mpcdi import mask as calibrated_mask
 from subsea.theatre.mpcdi import read_mpcdi
@@ -132,7 +132,18 @@ def _of_region(theatre: Theatre, archive: Archive, region: Any) -> Lighted:
         raise unknown("window", shown, names)
     number = names.index(shown)
     place = 0, 0, *theatre.window[number].size
-    lighted = _lit(theatre, archive, region.name, number, place, region.place)
+    if region.frustum is not None:
+        turn, edges = region.frustum[:3], region.frustum[3:]
+        own = Angles(
+            heading_deg=turn[0], pitch_deg=turn[1], roll_deg=turn[2],
+            left_deg=edges[0], right_deg=edges[1], down_deg=edges[2], up_deg=edges[3],
+        )  # fmt: skip
+        lit = Lit(angles=own, gamma=archive.gamma, black=archive.black)
+        lighted = _lit(theatre, lit, region.name, number, place, None)
+    elif not any(getattr(archive, kind) for kind in SCREENS):
+        raise UserError(f"has no frustum of its own, expected one of {', '.join(SCREENS[:3])}")
+    else:
+        lighted = _lit(theatre, archive, region.name, number, place, region.place)
     if lighted.screen is None:
         raise UserError("calibrated regions need a `plane`, `cylinder` or `angles`")
     mask = calibrated_mask(region, archive.gamma)

@@ -6,7 +6,7 @@ Lengths are real centimetres in the axes of somebody who looks ahead: x right, y
 import ipaddress
 from itertools import combinations
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import msgspec
 
@@ -101,10 +101,12 @@ class Lit(_Table, frozen=True, kw_only=True):
     # The share of its white that the projector shines when it should be dark.
     black: Annotated[float, msgspec.Meta(ge=0, le=0.05)] = 0.0
 
+    _needs_screen: ClassVar[bool] = True
+
     def __post_init__(self) -> None:
         """Refuse none and two screens."""
         given = [name for name in SCREENS if getattr(self, name) is not None]
-        if len(given) != 1:
+        if len(given) > 1 or (not given and self._needs_screen):
             what = " and ".join(f"`{name}`" for name in given) or "none"
             raise ValueError(f"expected one of {', '.join(SCREENS)}, got {what}")
 
@@ -131,7 +133,12 @@ class Channel(Lit, frozen=True, kw_only=True):
 
 
 class Archive(Lit, frozen=True, kw_only=True):
-    """Channels from a calibration tool's MPCDI archive. The screen is that of a whole buffer."""
+    """Channels from a calibration tool's MPCDI archive.
+
+    The screen is that of a whole buffer; regions that have a frustum of their own need none.
+    """
+
+    _needs_screen: ClassVar[bool] = False
 
     file: str
     # Which window shows which region; None: each the window of its own name.

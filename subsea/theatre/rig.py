@@ -12,7 +12,7 @@ from subsea.theatre.files import Theatre
 from subsea.theatre.screens import Flat, Frustum, frustum_of, points_on, seen_at
 from subsea.view.rig import CUBES, Eye, Patch, Rect, Rig, Shape, Warp
 from subsea.view.rigs import SURROUNDS, cube
-from subsea.view.stereo import LAYOUTS, Stereo, canvas_of, halves, patches_of
+from subsea.view.stereo import EYES, LAYOUTS, Stereo, canvas_of, halves, patches_of
 from subsea.view.surround import COLUMNS, ROWS, face_size, looked_at
 
 Array = NDArray[np.floating[Any]]
@@ -27,12 +27,12 @@ def theatre_rig(
     channels: Sequence[Lighted],
     windows: Sequence[int],
     display: str = "mono",
-    stereo: Stereo | None = None,
+    stereo: Stereo = EYES,
 ) -> Rig:
     """The rig of those of the `channels` that the windows of these numbers show.
 
     Its outputs are the windows, in their order. `display` says how two eyes share each channel's
-    pixels; `stereo` replaces the theatre's own distance between the eyes.
+    pixels; what `stereo` says of them replaces the theatre's own.
     """
     if display not in MODES:
         raise unknown("display for a theatre", display, list(MODES))
@@ -45,14 +45,14 @@ def theatre_rig(
     corners, canvas = shelves(sizes)
     eyes: list[Eye] = []
     patches: list[Patch] = []
-    for one, corner, size in zip(shown, corners, sizes, strict=True):
+    for number, (one, corner, size) in enumerate(zip(shown, corners, sizes, strict=True)):
         drawn: Rect = (*corner, *size)
         # The faces of a cube are never squeezed: each eye has all of them, one cube on the other.
         beside = display != "mono" and LAYOUTS[display].beside and one.shape not in CUBES
         rects = (drawn,) if display == "mono" else halves(drawn, beside)
         patch = Patch(
             one.place, rects[0], rects[-1], shape=one.shape, wide=one.surround.wide, mask=one.mask,
-            output=windows.index(one.window),
+            output=windows.index(one.window), channel=number,
         )  # fmt: skip
         if one.shape in CUBES:
             for rect, offset in zip(rects, offsets, strict=True):
@@ -83,12 +83,14 @@ def shelves(sizes: Sequence[tuple[int, int]]) -> tuple[list[tuple[int, int]], tu
     return corners, (right, y + row)
 
 
-def _half_separation(theatre: Theatre, shown: Sequence[Lighted], stereo: Stereo | None) -> float:
+def _half_separation(theatre: Theatre, shown: Sequence[Lighted], stereo: Stereo) -> float:
     """Half the distance between the eyes in the sea, right eye positive."""
+    real = stereo.separation_cm
+    apart = theatre.scale * (theatre.eye_distance_cm if real is None else real)
     nearest = min(one.distance_cm for one in shown)
-    own = Stereo(separation_cm=theatre.scale * theatre.eye_distance_cm)
-    eyes = (stereo or own)._replace(screen_cm=nearest, screen_width_cm=None)
-    return eyes.eyes(1.0) / 2.0 * (-1 if eyes.swapped else 1)
+    # The screens are where they are: nothing lies farther apart on them than the eyes do.
+    eyes = stereo._replace(separation_cm=apart, screen_cm=nearest, screen_width_cm=None)
+    return eyes.eyes(1.0) / 2.0 * (-1 if stereo.swapped else 1)
 
 
 def _canvas(one: Lighted, display: str) -> tuple[int, int]:

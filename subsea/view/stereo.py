@@ -13,7 +13,7 @@ SCREEN_DISTANCE_CM = 120.0
 class Stereo(NamedTuple):
     """The eyes of a stereo display, in cm of the sea unless said otherwise."""
 
-    separation_cm: float = EYE_SEPARATION_CM
+    separation_cm: float | None = None  # None: a person's, or what the theatre says
     screen_cm: float = SCREEN_DISTANCE_CM  # where both eyes' pictures coincide
     screen_width_cm: float | None = None  # of the real screen, in real centimetres
     swapped: bool = False  # the left eye gets the right one's picture
@@ -30,7 +30,7 @@ class Stereo(NamedTuple):
         again to what is at half the screen's distance, while they keep focusing on the screen:
         what tires. `comfort_deg` limits that angle.
         """
-        apart = self.separation_cm
+        apart = EYE_SEPARATION_CM if self.separation_cm is None else self.separation_cm
         if self.screen_width_cm is not None:
             apart = min(apart, EYE_SEPARATION_CM * window_cm / self.screen_width_cm)
         if self.comfort_deg is not None:

@@ -1,0 +1,153 @@
+"""A theatre as a command finds it: which channels work, on which windows, with which rig."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import msgspec
+
+from subsea.app.console import say
+from subsea.errors import UserError, unknown
+from subsea.theatre.channels import Lighted, channels
+from subsea.theatre.files import Channel, Theatre, Window, load_theatre
+from subsea.theatre.rig import theatre_rig
+from subsea.view.rig import Rig
+from subsea.view.rigs import display_rig
+from subsea.view.stereo import EYES, Stereo
+from subsea.view.surround import ALL_ROUND, Surround
+
+NOT_SHRUNK = "--shrink is of a --theatre; take a smaller --size"
+LEAST = 16  # pixels a side of what is left of a window
+
+
+class House(NamedTuple):
+    """What is to be shown of a theatre."""
+
+    theatre: Theatre
+    path: Path
+    windows: tuple[Window, ...]  # one for each output of the rig
+    rig: Rig
+
+
+def open_house(
+    name: str,
+    display: str = "mono",
+    stereo: Stereo = EYES,
+    node: str | None = None,
+    shrink: int = 1,
+) -> House:
+    """The theatre called `name`, with what does not work told and left out.
+
+    `node` asks for the windows of one computer, None for all; `shrink` for so many times fewer
+    pixels a side. A theatre of which nothing can be shown is a UserError.
+    """
+    theatre, path = load_theatre(name)
+    if node is not None and node not in theatre.nodes:
+        raise UserError(f"{path}: {unknown('node', node, list(theatre.nodes))}")
+    theatre = shrunk(theatre, shrink)
+    found, faults = channels(theatre, path)
+    for fault in faults:
+        say(f"{fault}; left out")
+    numbers = shown_windows(theatre, found, node)
+    if not numbers:
+        raise UserError(f"{path}: node {node!r} has no window with a channel that works")
+    rig = theatre_rig(theatre, found, numbers, display, stereo)
+    return House(theatre, path, tuple(theatre.window[number] for number in numbers), rig)
+
+
+def chosen_rig(
+    display: str,
+    size: tuple[int, int],
+    stereo: Stereo = EYES,
+    surround: Surround = ALL_ROUND,
+    theatre: str | None = None,
+    shrink: int = 1,
+) -> Rig:
+    """The rig of a theatre, or of a display mode for one picture of `size` if none is named."""
+    if theatre is not None:
+        return open_house(theatre, display, stereo, shrink=shrink).rig
+    if shrink != 1:
+        raise UserError(NOT_SHRUNK)
+    return display_rig(display, size, stereo, surround)
+
+
+def shown_windows(theatre: Theatre, found: Sequence[Lighted], node: str | None) -> list[int]:
+    """The numbers of a computer's windows, None: of all, in which there is something to see."""
+    return [
+        number
+        for number, window in enumerate(theatre.window)
+        if node in (None, window.node) and any(one.window == number for one in found)
+    ]
+
+
+def shrunk(theatre: Theatre, times: int) -> Theatre:
+    """The same theatre with so many times fewer pixels a side."""
+    if times == 1:
+        return theatre
+
+    def less(window: Window) -> Window:
+        size = tuple(max(pixels // times, LEAST) for pixels in window.size)
+        place = None if window.position is None else tuple(x // times for x in window.position)
+        return msgspec.structs.replace(window, size=size, position=place)
+
+    def smaller(channel: Channel) -> Channel:
+        if channel.viewport is None:
+            return channel
+        place = tuple(pixels // times for pixels in channel.viewport)
+        return msgspec.structs.replace(channel, viewport=place)
+
+    return msgspec.structs.replace(
+        theatre,
+        window=[less(window) for window in theatre.window],
+        channel=[smaller(channel) for channel in theatre.channel],
+    )
+
+
+def describe(name: str) -> int:
+    """Print what a theatre has and what of it does not work: exit code 0 if all works, else 1."""
+    theatre, path = load_theatre(name)
+    print(f"{path}: {theatre.title or 'a theatre'}")
+    found: Sequence[Lighted]
+    try:
+        found, faults = channels(theatre, path)
+    except UserError as fault:
+        found, faults = (), (str(fault),)
+    for number, window in enumerate(theatre.window):
+        where = "where the desktop puts it"
+        if window.monitor is not None:
+            where = f"on monitor {window.monitor!r}"
+        elif window.position is not None:
+            where = f"at {window.position[0]}, {window.position[1]}"
+        if len(theatre.nodes) > 1:
+            where += f" of {window.node}"
+        print(f"window {window.name}: {window.size[0]}x{window.size[1]} pixels {where}")
+        for one in found:
+            if one.window == number:
+                print(f"  channel {one.name}: {_words(one)}")
+    if found:
+        rig = theatre_rig(theatre, found, shown_windows(theatre, found, None))
+        drawn = sum(eye.viewport[2] * eye.viewport[3] for eye in rig.eyes)
+        shown = sum(width * height for width, height in rig.outputs)
+        print(
+            f"{len(rig.eyes)} views, {drawn / 1e6:.1f} million pixels drawn for "
+            f"{shown / 1e6:.1f} million shown, on a canvas of {rig.canvas[0]}x{rig.canvas[1]}"
+        )
+    if theatre.cluster is not None:
+        others = [node for node in theatre.nodes if node != theatre.cluster.master]
+        print(f"master {theatre.cluster.master} at {theatre.cluster.address}, with {others}")
+    for line in faults:
+        print(f"does not work: {line}")
+    return 1 if faults else 0
+
+
+def _words(one: Lighted) -> str:
+    """What a channel is, in a few words."""
+    parts = [f"{one.place[2]}x{one.place[3]} pixels, {type(one.screen).__name__.lower()}"]
+    if one.screen is None:
+        parts = [f"{one.place[2]}x{one.place[3]} pixels, {one.shape.name.lower()}"]
+    parts.append(f"{one.distance_cm:.0f} cm away")
+    if one.warp is not None:
+        parts.append(f"warped by {len(one.warp.triangles)} triangles")
+    if one.mask is not None:
+        parts.append("blended")
+    return ", ".join(parts)
