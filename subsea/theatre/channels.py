@@ -13,8 +13,8 @@ from subsea.errors import UserError, unknown
 from subsea.theatre.blend import Projector, mask_of
 from subsea.theatre.files import SCREENS, Angles, Archive, Channel, Lit, Theatre, Window, viewport
 from subsea.theatre.meshes import read_warp
+from subsea.theatre.mpcdi import Region, read_mpcdi
 from subsea.theatre.mpcdi import mask as calibrated_mask
-from subsea.theatre.mpcdi import read_mpcdi
 from subsea.theatre.screens import (
     Flat,
     Screen,
@@ -24,7 +24,7 @@ from subsea.theatre.screens import (
     points_on,
     screen_of,
 )
-from subsea.theatre.warp import painted
+from subsea.theatre.warp import divided, painted
 from subsea.view.rig import Rect, Shape, Warp
 from subsea.view.surround import ALL_ROUND, Surround
 
@@ -87,11 +87,12 @@ def channels(theatre: Theatre, path: Path) -> tuple[tuple[Lighted, ...], tuple[s
 
 def mesh_of(lighted: Lighted) -> tuple[Array, Ints]:
     """Places (n, 2) and what of the screen they show (n, 2), as columns (n, 4), and triangles."""
-    if lighted.warp is not None:
-        return lighted.warp.vertices[:, :4].astype(np.float64), lighted.warp.triangles
     assert lighted.screen is not None  # what shows all round has no mesh
     grid = grid_of(lighted.screen)
     up, across = grid.shape[0] - 1, grid.shape[1] - 1
+    if lighted.warp is not None:
+        warp = divided(lighted.warp, across, up)
+        return warp.vertices[:, :4].astype(np.float64), warp.triangles
     k = (np.arange(up)[:, None] * (across + 1) + np.arange(across)).ravel()
     low = np.stack([k, k + 1, k + across + 2], axis=1)
     high = np.stack([k, k + across + 2, k + across + 1], axis=1)
@@ -122,8 +123,11 @@ def _of_channel(theatre: Theatre, channel: Channel, folder: Path) -> Lighted:
     return replace(lighted, warp=warp, mask=mask)
 
 
-def _of_region(theatre: Theatre, archive: Archive, region: Any) -> Lighted:
-    """A region of an archive: the part of the screen that is its place in the buffer."""
+def _of_region(theatre: Theatre, archive: Archive, region: Region) -> Lighted:
+    """A region of an archive: the part of the screen that is its place in the buffer.
+
+    One with a frustum shows that instead, at the distance of the screen.
+    """
     shown = region.name if archive.windows is None else archive.windows.get(region.name)
     names = [window.name for window in theatre.window]
     if shown is None:
@@ -146,6 +150,13 @@ def _of_region(theatre: Theatre, archive: Archive, region: Any) -> Lighted:
         lighted = _lit(theatre, archive, region.name, number, place, region.place)
     if lighted.screen is None:
         raise UserError("calibrated regions need a `plane`, `cylinder` or `angles`")
+    if region.frustum is not None:
+        angles = Angles(
+            heading_deg=region.frustum.yaw_deg,
+            distance_cm=lighted.distance_cm,
+            **{key: value for key, value in region.frustum._asdict().items() if key != "yaw_deg"},
+        )
+        lighted = replace(lighted, screen=screen_of(angles, np.zeros(3), 1.0))
     mask = calibrated_mask(region, archive.gamma)
     return replace(lighted, warp=region.warp, mask=mask, blend=False)
 

@@ -119,16 +119,6 @@ def mask(region: Region, gamma: float) -> NDArray[np.float32]:
     return found
 
 
-def frustum_axes(frustum: Frustum) -> Array:
-    """Rows right, up and ahead (3, 3) of a view, in those of the observer (right, up, ahead)."""
-    yaw, pitch, roll = np.radians(frustum[:3])
-    ahead = np.array([np.sin(yaw) * np.cos(pitch), np.sin(pitch), np.cos(yaw) * np.cos(pitch)])
-    level = np.array([np.cos(yaw), 0.0, -np.sin(yaw)])
-    top = np.array([-np.sin(yaw) * np.sin(pitch), np.cos(pitch), -np.cos(yaw) * np.sin(pitch)])
-    right = np.cos(roll) * level - np.sin(roll) * top
-    return np.stack([right, np.sin(roll) * level + np.cos(roll) * top, ahead])
-
-
 def describe_region(region: Region) -> str:
     """What a projector has, in one line."""
     left, low, right, high = (f"{100 * share:.0f}%" for share in _edges(region.place))

@@ -40,7 +40,6 @@ def grid_of(size):
 def cylinder(size=(160, 120)):
     """Three projectors side by side: warp, alpha and beta of each, for one picture."""
     x, y = grid_of(size)
-    rim = np.minimum(np.minimum(x, 1 - x) / 0.2, 1.0)
     yaws = np.radians([-38.0, 0.0, 38.0])
     projectors = []
     for name, yaw in zip(("left", "middle", "right"), yaws, strict=True):
@@ -55,7 +54,7 @@ def cylinder(size=(160, 120)):
                 place=(*low, *(high - low)),
                 shares=shares,
                 sources=(shares - low) / (high - low),
-                rim=rim,
+                frustum="",
             )
         )
     for one in projectors:  # of the light at a point each gives its part
@@ -90,14 +89,19 @@ def png(values, bits=8):
     return file.getvalue()
 
 
-def parts(projectors, profile="2d", bits=8, frustum=None):
+def pfm(sources):
+    """The bytes of a PFM grid of sources (h, w, 2)."""
+    return compose_pfm(np.concatenate([sources, np.zeros((*sources.shape[:2], 1))], axis=2))
+
+
+def parts(projectors, profile="2d", bits=8):
     """The files of an archive, by name."""
     regions, filesets, files = [], [], {}
     for one in projectors:
         x, y, width, height = one.place
         regions.append(
             f'<region id="{one.name}" Xresolution="{one.size[0]}" Yresolution="{one.size[1]}" '
-            f'x="{x}" y="{y}" xsize="{width}" ysize="{height}">{frustum or ""}</region>'
+            f'x="{x}" y="{y}" xsize="{width}" ysize="{height}">{one.frustum}</region>'
         )
         filesets.append(f"""
     <fileset region="{one.name}">
@@ -108,8 +112,7 @@ def parts(projectors, profile="2d", bits=8, frustum=None):
       <betaMap><path>maps/{one.name}-beta.png</path><componentDepth>1</componentDepth>
         <bitDepth>8</bitDepth></betaMap>
     </fileset>""")
-        depth = np.zeros((*one.sources.shape[:2], 1))
-        files[f"{one.name}.pfm"] = compose_pfm(np.concatenate([one.sources, depth], axis=2))
+        files[f"{one.name}.pfm"] = pfm(one.sources)
         files[f"maps/{one.name}-alpha.png"] = png(one.alpha, bits)
         files[f"maps/{one.name}-beta.png"] = png(one.beta)
     xml = f"""<?xml version="1.0" encoding="utf-8"?>
@@ -134,7 +137,7 @@ def zipped(files):
     return whole.getvalue()
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture
 def projectors():
     return cylinder()
 
@@ -143,5 +146,11 @@ def projectors():
 def making():
     """The functions of this file, for tests that write archives of their own."""
     return SimpleNamespace(
-        cylinder=cylinder, parts=parts, zipped=zipped, png=png, grid_of=grid_of, gamma=GAMMA
+        cylinder=cylinder,
+        parts=parts,
+        zipped=zipped,
+        png=png,
+        pfm=pfm,
+        grid_of=grid_of,
+        gamma=GAMMA,
     )

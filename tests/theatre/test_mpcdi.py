@@ -15,11 +15,9 @@ from subsea.theatre.mpcdi import (
     Frustum,
     Region,
     describe_region,
-    frustum_axes,
     mask,
     read_mpcdi,
 )
-from subsea.theatre.pfm import compose_pfm
 from subsea.theatre.warp import places_of, sources_at
 
 FRUSTUM = """<frustum><yaw>38</yaw><pitch>-10</pitch><roll>0</roll><rightAngle>25</rightAngle>
@@ -27,8 +25,8 @@ FRUSTUM = """<frustum><yaw>38</yaw><pitch>-10</pitch><roll>0</roll><rightAngle>2
 
 
 @pytest.fixture(scope="module")
-def files(projectors, making):
-    return making.parts(projectors)
+def files(making):
+    return making.parts(making.cylinder())
 
 
 @pytest.fixture
@@ -67,9 +65,7 @@ def test_each_pixel_shows_what_was_measured_there(read, files, projectors, makin
 
 def test_shares_of_the_whole_buffer_are_known_and_mean_the_same(read, projectors, making):
     files = making.parts(projectors)
-    for one in projectors:
-        whole = np.concatenate([one.shares, one.shares[..., :1] * 0], axis=2)
-        files[f"{one.name}.pfm"] = compose_pfm(whole)
+    files |= {f"{one.name}.pfm": making.pfm(one.shares) for one in projectors}
     points = np.random.default_rng(4).uniform(0.3, 0.6, (40, 2))
     for region, one in zip(
         read(files).regions, read(making.parts(projectors)).regions, strict=True
@@ -163,32 +159,11 @@ def test_capitals_and_slashes_may_differ(read, files):
 
 
 def test_the_3d_profile_has_frusta(read, projectors, making):
-    regions = read(making.parts(projectors, "3d", frustum=FRUSTUM)).regions
+    for one in projectors:
+        one.frustum = FRUSTUM
+    regions = read(making.parts(projectors, "3d")).regions
     assert regions[0].frustum == Frustum(38, -10, 0, -26, 25, -21, 20)
     assert "looks 38° right, -10° up" in describe_region(regions[0])
-
-
-@given(st.floats(-180, 180), st.floats(-80, 80), st.floats(-180, 180))
-def test_axes_of_a_frustum_turn_then_tilt_then_roll(yaw, pitch, roll):
-    axes = frustum_axes(Frustum(yaw, pitch, roll, -1, 1, -1, 1))
-    np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-12)
-    np.testing.assert_allclose(np.cross(axes[0], axes[1]), axes[2], atol=1e-12)
-    np.testing.assert_allclose(axes[2, 1], np.sin(np.radians(pitch)), atol=1e-12)
-
-
-def test_positive_angles_turn_right_tilt_up_and_raise_the_left_side():
-    np.testing.assert_allclose(
-        frustum_axes(Frustum(90, 0, 0, -1, 1, -1, 1)),
-        [[0, 0, -1], [0, 1, 0], [1, 0, 0]],
-        atol=1e-12,
-    )
-    np.testing.assert_allclose(
-        frustum_axes(Frustum(0, 90, 0, -1, 1, -1, 1)),
-        [[1, 0, 0], [0, 0, -1], [0, 1, 0]],
-        atol=1e-12,
-    )
-    right, _, _ = frustum_axes(Frustum(0, 0, 90, -1, 1, -1, 1))
-    np.testing.assert_allclose(right, [0, -1, 0], atol=1e-12)  # so the left side is up
 
 
 def test_a_line_for_each_projector(read, files):
