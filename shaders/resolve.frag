@@ -4,6 +4,7 @@
 // renderer would walk every branch for every pixel:
 //   WEAVE   how two eyes share pixels        SMOOTH  1: edges of a plain picture are smoothed
 //   SHAPE   what a pixel shows               MASKED  1: blended with its neighbours
+//   MESH    1: a mesh says of which place
 //   LINEAR  1: the canvas holds light; 0: it holds what is to be shown, as a test pattern does
 uniform sampler2D u_picture;
 uniform sampler2D u_mask;
@@ -28,7 +29,7 @@ const mat3 DUBOIS_RIGHT = mat3(
     1.2264);
 
 in vec2 v_place;  // share of the place
-in vec4 v_seen;   // WARPED: shares of the left eye's and the right eye's source
+in vec4 v_seen;   // of a mesh: shares of the left eye's and the right eye's source
 out vec4 f_colour;
 
 // Narkowicz' fit of the ACES curve, on each channel and on the strongest. Curving each channel
@@ -66,7 +67,7 @@ vec3 pixel(vec4 source) {
 
 // Where a pixel looks: right, up, ahead (view/surround.py). Zero outside a dome.
 vec3 direction() {
-    vec2 place = v_place - 0.5;
+    vec2 place = (MESH == 1 ? v_seen.xy : v_place) - 0.5;
     if (SHAPE == EQUIRECTANGULAR) {
         float longitude = 2.0 * PI * place.x, latitude = PI * place.y;
         return vec3(sin(longitude) * cos(latitude), sin(latitude), cos(longitude) * cos(latitude));

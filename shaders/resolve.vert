@@ -1,5 +1,5 @@
-// A patch: one triangle that covers it, or a mesh that lies over it (SHAPE, view/rig.py).
-#if SHAPE == 1
+// A patch: one triangle that covers it, or a mesh that lies over it (MESH, view/rig.py).
+#if MESH == 1
 in vec2 in_place;
 in vec4 in_seen;
 #endif
@@ -7,7 +7,7 @@ out vec2 v_place;
 out vec4 v_seen;
 
 void main() {
-#if SHAPE == 1
+#if MESH == 1
     v_place = in_place;
     v_seen = in_seen;
 #else

@@ -111,10 +111,7 @@ class Resolve:
             u_right=right,
             u_wide=patch.wide,
             u_apart=patch.apart,
-            u_shown=(
-                patch.place[2] * patch.squeezed[0],
-                patch.place[3] * patch.squeezed[1],
-            ),
+            u_shown=_shown(patch),
             u_margin=half_tangent(left[3] // ROWS) if patch.shape in CUBES else 1.0,
             u_mask=MASK_UNIT,
         )
@@ -140,12 +137,13 @@ class Resolve:
         patch = self.patches[number]
         smooth = self._smooth and linear and patch.weave == Weave.PLAIN and patch.shape not in CUBES
         masked = patch.mask is not None
-        key = int(patch.weave), int(patch.shape), int(smooth), int(masked), int(linear)
+        mesh = patch.warp is not None
+        key = tuple(map(int, (patch.weave, patch.shape, mesh, smooth, masked, linear)))
         if key not in self._made:
-            names = "WEAVE", "SHAPE", "SMOOTH", "MASKED", "LINEAR"
+            names = "WEAVE", "SHAPE", "MESH", "SMOOTH", "MASKED", "LINEAR"
             constants = dict(zip(names, key, strict=True))
             self._made[key] = program(self._context, "resolve", **constants)
-            if patch.warp is None:
+            if not mesh:
                 self._plain[key] = self._context.vertex_array(self._made[key], [])
         if self._meshes[number] is None:
             return self._made[key], self._plain[key]
@@ -175,6 +173,13 @@ class Resolve:
         for mask in filter(None, self._masks):
             mask.release()
         self._meshes, self._masks = [], []
+
+
+def _shown(patch: Patch) -> tuple[float, float]:
+    """Sides of what a patch shows, were it not squeezed; a dome that a mesh bends is a square."""
+    if patch.warp is not None and patch.shape == Shape.DOME:
+        return 1.0, 1.0
+    return patch.place[2] * patch.squeezed[0], patch.place[3] * patch.squeezed[1]
 
 
 def scaled(rect: Rect, scale: float) -> Rect:

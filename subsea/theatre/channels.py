@@ -24,7 +24,7 @@ from subsea.theatre.screens import (
     points_on,
     screen_of,
 )
-from subsea.theatre.warp import divided, painted
+from subsea.theatre.warp import divided, painted, straight, within
 from subsea.view.rig import Rect, Shape, Warp
 from subsea.view.surround import ALL_ROUND, Surround
 
@@ -117,8 +117,6 @@ def _of_channel(theatre: Theatre, channel: Channel, folder: Path) -> Lighted:
     lighted = _lit(theatre, channel, channel.name, number, (x, y, width, height), None)
     if channel.warp is None:
         return lighted
-    if lighted.screen is None:
-        raise UserError("`warp` bends pictures of a `plane`, `cylinder` or `angles` only")
     warp, mask = read_warp(folder / channel.warp, (width, height))
     return replace(lighted, warp=warp, mask=mask)
 
@@ -148,17 +146,20 @@ def _of_region(theatre: Theatre, archive: Archive, region: Region) -> Lighted:
         raise UserError(f"has no frustum of its own, expected one of {', '.join(SCREENS[:3])}")
     else:
         lighted = _lit(theatre, archive, region.name, number, place, region.place)
-    if lighted.screen is None:
-        raise UserError("calibrated regions need a `plane`, `cylinder` or `angles`")
+    warp = region.warp
     if region.frustum is not None:
         angles = Angles(
             heading_deg=region.frustum.yaw_deg,
             distance_cm=lighted.distance_cm,
             **{key: value for key, value in region.frustum._asdict().items() if key != "yaw_deg"},
         )
-        lighted = replace(lighted, screen=screen_of(angles, np.zeros(3), 1.0))
+        lighted = replace(lighted, shape=Shape.FLAT, screen=screen_of(angles, np.zeros(3), 1.0))
+    elif lighted.shape == Shape.PANORAMA:
+        raise UserError("`panorama` is for uncalibrated screens, expected a `cylinder`")
+    elif lighted.screen is None:
+        warp = within(warp or straight(), region.place)
     mask = calibrated_mask(region, archive.gamma)
-    return replace(lighted, warp=region.warp, mask=mask, blend=False)
+    return replace(lighted, warp=warp, mask=mask, blend=False)
 
 
 def _lit(

@@ -57,7 +57,7 @@ def theatre_rig(
         if one.shape in CUBES:
             for rect, offset in zip(rects, offsets, strict=True):
                 eyes += _round(one, rect, offset)
-            patch = patch._replace(apart=half / one.distance_cm)
+            patch = patch._replace(apart=half / one.distance_cm, warp=one.warp)
         else:
             frusta = [_frustum(one, offset) for offset in offsets]
             for rect, offset, frustum in zip(rects, offsets, frusta, strict=True):

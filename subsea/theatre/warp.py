@@ -52,6 +52,20 @@ def from_grid(sources: Array, size: tuple[int, int]) -> Warp:
     return mesh(places, grid.reshape(-1, 2)[used], triangles)
 
 
+def straight() -> Warp:
+    """The warp that shows a picture as it is."""
+    corners = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    return mesh(corners, corners, np.array([[0, 1, 2], [0, 2, 3]]))
+
+
+def within(warp: Warp, part: tuple[float, float, float, float]) -> Warp:
+    """The warp of a whole picture of which one shows a part: x, y, width, height in shares."""
+    x, y, width, height = part
+    vertices = warp.vertices.copy()
+    vertices[:, 2:] = vertices[:, 2:] * ([width, height] * 2) + ([x, y] * 2)
+    return warp._replace(vertices=vertices)
+
+
 def only_points(sources: Array) -> Array:
     """A grid (h, w, 2) of sources with NaN for those that say that there is none.
 

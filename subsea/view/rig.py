@@ -81,7 +81,9 @@ class Patch(NamedTuple):
     apart: float = 0.0  # of cubes: half the eyes' separation over the distance of the screen
     output: int = 0
     page: int = 0  # 1: the right buffer of an output that has two
-    warp: Warp | None = None  # of Shape.WARPED
+    # Of Shape.WARPED; or of those that show all round: u, v are shares of the wide picture then,
+    # of a dome of its square.
+    warp: Warp | None = None
     # (h, w, 4), stretched over the place, top row first: factors of red, green and blue, and what
     # is added then, on the values that go to the projector; None: left as they are.
     mask: Array | None = None

@@ -5,6 +5,7 @@ import pytest
 
 from subsea.render import Renderer
 from subsea.render.target import Resolve
+from subsea.theatre.warp import mesh, sources_at
 from subsea.view.rig import pose, views
 from subsea.view.rigs import display_rig
 from subsea.view.surround import ALL_ROUND, Surround, directions
@@ -70,3 +71,30 @@ def test_wide_pictures(context, scene, make_packet, fish, same_picture, display)
     renderer.draw(packet)
     same_picture(display, renderer.read_pixels())
     renderer.release()
+
+
+@pytest.mark.parametrize("display", SIZES)
+def test_a_mesh_bends_a_wide_picture(context, display):
+    """As a projector through a mirror shows a dome; the mesh of a dome has shares of a square."""
+    size = SIZES[display]
+    canvas = coloured_canvas(display, size, pose(np.zeros(3), 0.0, 0.0), ALL_ROUND)
+    picture = context.texture((canvas.shape[1], canvas.shape[0]), 3, canvas.astype("f2").tobytes(),
+                              dtype="f2", alignment=1)  # fmt: skip
+    target = context.simple_framebuffer(size)
+    target.clear()
+    corners = np.array([[0.25, 0.0], [1.0, 0.0], [1.0, 1.0], [0.25, 1.0]])
+    turned = np.array([[0.8, 0.2], [0.8, 0.9], [0.1, 0.9], [0.1, 0.2]])  # a quarter turn
+    warp = mesh(corners, turned, np.array([[0, 1, 2], [0, 2, 3]]))
+    rig = display_rig(display, size, surround=ALL_ROUND)
+    resolve = Resolve(context, [rig.patches[0]._replace(warp=warp)])
+    resolve.draw(picture, target, size, 0)
+    found = np.frombuffer(target.read(alignment=1), np.uint8).reshape(size[1], size[0], 3)
+    row, column = np.mgrid[: size[1], : size[0]]
+    places = np.stack([(column + 0.5) / size[0], (row + 0.5) / size[1]], -1).reshape(-1, 2)
+    shares = sources_at(warp, places)
+    square = (size[1], size[1]) if display == "dome" else size
+    d = directions(display, square, ALL_ROUND, np.nan_to_num(shares) * square)
+    light = np.nan_to_num(shown(0.5 + 0.5 * d))
+    light[np.isnan(shares[:, 0])] = 0.0
+    assert (found[:, : size[0] // 4] == 0).all()
+    np.testing.assert_allclose(found, light.reshape(found.shape), atol=2.5)

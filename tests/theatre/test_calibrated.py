@@ -9,6 +9,7 @@ from subsea.theatre.files import load_theatre
 from subsea.theatre.rig import theatre_rig
 from subsea.theatre.screens import points_on
 from subsea.theatre.warp import sources_at
+from subsea.view.rig import Shape
 
 NAMES = ("left", "middle", "right")
 WHOLE = (
@@ -118,3 +119,58 @@ def test_an_archive_of_nothing_usable_is_one_line(theatre, projectors, making):
     with pytest.raises(UserError, match=r"all\.mpcdi: no 'mpcdi.xml' in it") as caught:
         theatre({"readme.txt": b"hello"})
     assert "\n" not in str(caught.value)
+
+
+def test_calibrated_projectors_of_a_dome_show_their_parts_of_its_picture(
+    theatre, projectors, making
+):
+    read, found, faults = theatre(making.parts(projectors), "dome = {}")
+    assert faults == ()
+    rig = theatre_rig(read, found, range(3))
+    for patch, one in zip(rig.patches, projectors, strict=True):
+        assert patch.shape == Shape.DOME
+        places = np.stack(making.grid_of(one.size), axis=-1).reshape(-1, 2)[::5]
+        away = sources_at(patch.warp, places) - one.shares.reshape(-1, 2)[::5]
+        assert np.isfinite(away).mean() > 0.55
+        assert np.nanmax(np.abs(away * one.size)) < 0.25
+
+
+def test_a_region_without_a_warp_shows_its_part_of_a_dome(theatre, projectors, making):
+    files = making.parts(projectors)
+    files["mpcdi.xml"] = files["mpcdi.xml"].split(b"<files>")[0] + b"</MPCDI>"
+    read, found, _ = theatre(files, "dome = {}")
+    patch = theatre_rig(read, found, range(3)).patches[1]
+    x, y, width, height = projectors[1].place
+    corners = np.array([[0.0, 0.0], [1.0, 1.0]])
+    np.testing.assert_allclose(
+        sources_at(patch.warp, corners), [[x, y], [x + width, y + height]], atol=1e-6
+    )
+
+
+def test_of_a_panorama_that_no_projector_bends_regions_are_refused(theatre, projectors, making):
+    with pytest.raises(UserError, match="`panorama` is for uncalibrated screens") as caught:
+        theatre(making.parts(projectors), "panorama = {}")
+    assert "\n" not in str(caught.value)
+
+
+def test_a_mirror_lights_a_dome(tmp_path):
+    nodes = [
+        f"{4 / 3 * (2 * u - 1)} {2 * v - 1} {u} {v} {0.5 + 0.5 * v}"
+        for v in (0.0, 0.5, 1.0)
+        for u in (0.0, 0.5, 1.0)
+    ]
+    (tmp_path / "mirror.data").write_text("\n".join(["2", "3 3", *nodes]))
+    (tmp_path / "a.toml").write_text(
+        '[[window]]\nname = "a"\nsize = [400, 300]\n'
+        '[[channel]]\nname = "a"\nwindow = "a"\ndome = {}\nwarp = "mirror.data"\n'
+    )
+    read, path = load_theatre(str(tmp_path / "a.toml"))
+    found, faults = channels(read, path)
+    assert faults == ()
+    for display, count in (("mono", 1), ("side-by-side", 2)):
+        patches = theatre_rig(read, found, [0], display).patches
+        assert len(patches) == count
+        for patch in patches:
+            assert patch.shape == Shape.DOME
+            np.testing.assert_allclose(sources_at(patch.warp, [[0.3, 0.6]]), [[0.3, 0.6]])
+            assert patch.mask[0, 0, 0] > 0.99 > 0.51 > patch.mask[-1, 0, 0]

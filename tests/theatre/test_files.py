@@ -115,7 +115,7 @@ CYLINDER = (
         (CYLINDER.format(9, -100, 100, ""), "half a turn or more, expected several channels"),
         (CYLINDER.format(9, -10, 10, ", axis_cm = [0, 9.5]"), "the eye is outside of it"),
         (PLANE + 'warp = "nowhere.obj"\n', "nowhere.obj"),
-        ('dome = {}\nwarp = "a.obj"\n', "`warp` bends pictures of a `plane`"),
+        ('dome = {}\nwarp = "a.obj"\n', "a.obj"),
         ("dome = {}\nblend = true\n", "`blend` is of a `plane`"),
         (
             "angles = { left_deg = 5, right_deg = -5, down_deg = -5, up_deg = 5 }\n",
