@@ -36,7 +36,6 @@ def pattern(size: tuple[int, int], number: int, word: str = "") -> NDArray[np.ui
     _arrows(draw, size, colour, unit)
     _write(draw, str(number), (middle[0], middle[1] - 4 * unit), 34 * unit, colour)
     _write(draw, word, (middle[0], middle[1] + 19 * unit), 8 * unit, WHITE)
-    _write(draw, f"{width} x {height}", (middle[0], height * 0.86 + 5 * unit), 5 * unit, WHITE)
     _ramp(draw, size)
     draw.rectangle([0, 0, width - 1, height - 1], outline=WHITE)
     return np.asarray(picture)
