@@ -27,6 +27,7 @@ HELP = (
     ("Leave", "", "Esc"),
 )
 TEXT_PT = 18.0
+SQUEEZED = 1.2  # how much larger, and bold, text is whose strokes would be lost
 FADE_S = 1.5
 NOTE_S = 4.0
 MOVED_CM = 60.0  # how far the visitor must have gone by herself before the help fades
@@ -40,14 +41,24 @@ def one_page(number: int) -> None:
 
 
 class Pane(NamedTuple):
-    """A part of the window that shows everything, in shares of it from the upper left corner."""
+    """A part of the window that shows everything, in shares of it from the upper left corner.
+
+    Where two eyes share a screen each has a pane, into which all is squeezed that would fill the
+    screen: `screen` is its width and height, in the same shares.
+    """
 
     x: float = 0.0
     y: float = 0.0
     width: float = 1.0
     height: float = 1.0
+    screen: tuple[float, float] = (1.0, 1.0)
     number: int = 0
     page: Callable[[int], None] = one_page
+
+    @property
+    def squeezed(self) -> bool:
+        """Whether thin strokes would be lost."""
+        return self.screen[0] > 1.4 * self.width or self.screen[1] > 1.4 * self.height
 
 
 WHOLE = Pane()
@@ -57,12 +68,22 @@ def panes(rig: Rig, page: Callable[[int], None]) -> tuple[Pane, ...]:
     """Where text goes: in the pilot's window, on the screen ahead, in the part of each eye."""
     ahead = front(rig)
     width, height = rig.outputs[ahead.output]
+    parts = [
+        patch
+        for patch in rig.patches
+        if (patch.output, patch.channel) == (ahead.output, ahead.channel)
+    ]
+    low, high = (
+        [choose(p.place[axis] + far * p.place[axis + 2] for p in parts) for axis in (0, 1)]
+        for choose, far in ((min, 0), (max, 1))
+    )
+    screen = (high[0] - low[0]) / width, (high[1] - low[1]) / height
     found = []
-    for patch in rig.patches:
-        if (patch.output, patch.channel) == (ahead.output, ahead.channel):
-            x, y, across, up = patch.place
-            share = across / width, up / height
-            found.append(Pane(x / width, 1.0 - y / height - share[1], *share, patch.page, page))
+    for patch in parts:
+        x, y, across, up = patch.place
+        top = height - y - up
+        share = x / width, top / height, across / width, up / height
+        found.append(Pane(*share, screen, patch.page, page))
     return tuple(found)
 
 
@@ -80,7 +101,10 @@ class Overlay:
         io.set_ini_filename(None)
         io.config_flags |= imgui.ConfigFlags_.no_mouse_cursor_change.value
         fonts = Path(imgui_bundle.__file__).parent / "assets" / "fonts" / "Roboto"
-        io.fonts.add_font_from_file_ttf(str(fonts / "Roboto-Regular.ttf"), TEXT_PT)
+        self._plain, self._bold = (
+            io.fonts.add_font_from_file_ttf(str(fonts / f"Roboto-{weight}.ttf"), TEXT_PT)
+            for weight in ("Regular", "Bold")
+        )
         # The overlay takes no input, so the pilot keeps all callbacks of the window.
         address = ctypes.cast(window_handle, ctypes.c_void_p).value or 0
         imgui.backends.glfw_init_for_opengl(address, False)
@@ -134,12 +158,12 @@ class Overlay:
         They are drawn in each of the `panes`, in the same place for both eyes: at the screen.
         """
         self._fade(submarine, dt)
-        self._begin(scale)
+        self._begin(scale, panes[0])
         size = imgui.get_io().display_size
         note = quality if self._help > 0.0 or self._note_s > 0.0 else ""
         self._instruments(submarine, throttle, stopping, size, note)
         if self._help > 0.0:
-            self._help_panel(size)
+            self._help_panel(size, 3.2 if panes[0].squeezed else 1.2)
         self._end(panes)
 
     def caption(self, text: str, scale: float, panes: Sequence[Pane] = (WHOLE,)) -> None:
@@ -163,27 +187,34 @@ class Overlay:
         step = dt / FADE_S if self._shown else -dt / FADE_S
         self._help = min(max(self._help + step, 0.0), 1.0)
 
-    def _begin(self, scale: float) -> None:
+    def _begin(self, scale: float, pane: Pane = WHOLE) -> None:
         imgui.backends.opengl3_new_frame()
         imgui.backends.glfw_new_frame()
+        io = imgui.get_io()
+        self._window = io.display_size.x, io.display_size.y
+        io.display_size = imgui.ImVec2(
+            *(share * size for share, size in zip(pane.screen, self._window, strict=True))
+        )
         imgui.new_frame()
-        imgui.push_font(None, TEXT_PT * scale)
+        if pane.squeezed:
+            imgui.push_font(self._bold, SQUEEZED * TEXT_PT * scale)
+        else:
+            imgui.push_font(self._plain, TEXT_PT * scale)
 
     def _end(self, panes: Sequence[Pane] = (WHOLE,)) -> None:
         imgui.pop_font()
         imgui.render()
         data = imgui.get_draw_data()
-        size, scale = data.display_size, data.framebuffer_scale
-        width, height = size.x, size.y
+        scale = data.framebuffer_scale
         across, down = scale.x, scale.y
         for pane in panes:
             pane.page(pane.number)
-            # What would fill the window is drawn as the pane's part of a larger one.
-            data.display_pos = imgui.ImVec2(
-                -pane.x * width / pane.width, -pane.y * height / pane.height
-            )
-            data.display_size = imgui.ImVec2(width / pane.width, height / pane.height)
-            data.framebuffer_scale = imgui.ImVec2(across * pane.width, down * pane.height)
+            # What would fill the screen is drawn as the pane's part of a larger window.
+            wider, higher = pane.screen[0] / pane.width, pane.screen[1] / pane.height
+            width, height = wider * self._window[0], higher * self._window[1]
+            data.display_pos = imgui.ImVec2(-pane.x * width, -pane.y * height)
+            data.display_size = imgui.ImVec2(width, height)
+            data.framebuffer_scale = imgui.ImVec2(across / wider, down / higher)
             imgui.backends.opengl3_render_draw_data(data)
 
     def _instruments(
@@ -198,10 +229,11 @@ class Overlay:
         canvas.add_text((x + 1.0, y + 1.0), _colour((0.0, 0.05, 0.08), 0.6), text)
         canvas.add_text((x, y), _colour(INK, 0.85), text)
 
-    def _help_panel(self, size: Any) -> None:
+    def _help_panel(self, size: Any, lines_below: float) -> None:
         line = imgui.get_font_size()
         flags = imgui.WindowFlags_
-        imgui.set_next_window_pos((size.x - 1.2 * line, size.y - 1.2 * line), 0, (1.0, 1.0))
+        corner = size.x - 1.2 * line, size.y - lines_below * line
+        imgui.set_next_window_pos(corner, 0, (1.0, 1.0))
         imgui.set_next_window_bg_alpha(0.55)
         imgui.push_style_var(imgui.StyleVar_.alpha.value, self._help)
         imgui.push_style_var(imgui.StyleVar_.window_rounding.value, 0.6 * line)

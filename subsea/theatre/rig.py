@@ -36,7 +36,11 @@ def theatre_rig(
     """
     if display not in MODES:
         raise unknown("display for a theatre", display, list(MODES))
-    shown = [one for one in channels if one.window in windows]
+    numbers, shown = [], []
+    for number, one in enumerate(channels):
+        if one.window in windows:
+            numbers.append(number)
+            shown.append(one)
     if not shown:
         raise UserError("no channel of this theatre is left to show")
     half = 0.0 if display == "mono" else _half_separation(theatre, shown, stereo)
@@ -45,7 +49,7 @@ def theatre_rig(
     corners, canvas = shelves(sizes)
     eyes: list[Eye] = []
     patches: list[Patch] = []
-    for number, (one, corner, size) in enumerate(zip(shown, corners, sizes, strict=True)):
+    for number, one, corner, size in zip(numbers, shown, corners, sizes, strict=True):
         drawn: Rect = (*corner, *size)
         # The faces of a cube are never squeezed: each eye has all of them, one cube on the other.
         beside = display != "mono" and LAYOUTS[display].beside and one.shape not in CUBES

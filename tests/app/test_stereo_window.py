@@ -3,12 +3,14 @@
 import os
 import re
 from contextlib import closing
+from functools import partial
 
 import numpy as np
 import pytest
 from PIL import ImageGrab
 
 from subsea.app.dive import Dive
+from subsea.app.overlay import Pane
 from subsea.resources import resource_path
 from subsea.view.rigs import DISPLAYS
 from subsea.view.stereo import PAGED
@@ -24,6 +26,16 @@ def empty_sea(tmp_path_factory):
     path = tmp_path_factory.mktemp("sea") / "empty.toml"
     path.write_text(re.sub(r"^number = \d+", "number = 1", text, flags=re.MULTILINE))
     return path
+
+
+class Bold(Pane):
+    """A whole window with the text that is otherwise squeezed."""
+
+    squeezed = True
+
+
+def in_bold(draw, *arguments):
+    draw(*arguments[:5], [Bold()], *arguments[6:])
 
 
 def shown(running):
@@ -45,16 +57,29 @@ def windows(display, empty_sea):
             running.frame(0.1)
             running.frame(0.0)
             with_text = shown(running)
+            if mode == "mono":
+                draw = running.overlay.draw
+                running.overlay.draw = partial(in_bold, draw)
+                running.frame(0.0)
+                running.frame(0.0)
+                bold = shown(running)
             running.overlay.draw = lambda *rest: None
             running.frame(0.0)
             running.frame(0.0)
             pictures[mode] = with_text, shown(running)
+            if mode == "mono":
+                pictures["bold"] = bold, pictures["mono"][1]
     return pictures
 
 
 def text_in(pair):
     """Where letters are: bright with the panels, and not without."""
     return (pair[0].min(axis=2) > 130) & (pair[1].min(axis=2) < 110)
+
+
+def light_in(pair):
+    """How much brighter the panels make a pixel."""
+    return (pair[0] - pair[1]).mean(axis=2).clip(0)
 
 
 @pytest.mark.parametrize("mode", ["anaglyph", "anaglyph-comfort", "interlaced", "checkerboard"])
@@ -71,10 +96,20 @@ def test_each_half_has_the_whole_text_squeezed(windows, mode, axis):
     one, other = np.split(text_in(windows[mode]), 2, axis=axis)
     assert one.sum() > 250
     assert (one == other).mean() > 0.98
-    # The mono text, squeezed by leaving out every second line, is about there.
-    plain = text_in(windows["mono"])
-    squeezed = plain[:, ::2] if axis else plain[::2]
-    assert (one == squeezed).mean() > 0.9
+
+
+@pytest.mark.parametrize(("mode", "axis"), [("side-by-side", 1), ("top-bottom", 0)])
+def test_no_stroke_is_lost_where_text_is_squeezed(windows, mode, axis):
+    """Every letter is about as bright as its pixels in full are on average."""
+    half = np.split(light_in(windows[mode]), 2, axis=axis)[0]
+    height, width = half.shape
+    whole = light_in(windows["bold"])
+    even = whole.reshape(height, 1, width, 2) if axis else whole.reshape(height, 2, width, 1)
+    averages = even.mean(axis=(1, 3))
+    letters = averages > 60
+    assert letters.sum() > 400
+    assert np.corrcoef(half[letters], averages[letters])[0, 1] > 0.86
+    assert (half[letters] > 20).mean() > 0.85
 
 
 @pytest.mark.parametrize("mode", SHOWN)
