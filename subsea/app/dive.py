@@ -57,7 +57,7 @@ def dive(
     )  # fmt: skip
     with closing(running):
         start = last = time.perf_counter()
-        while running.window.open and (seconds is None or last - start < seconds):
+        while running.wall.open and (seconds is None or last - start < seconds):
             now = time.perf_counter()
             running.frame(now - last)
             last = now

@@ -168,7 +168,7 @@ class Overlay:
 
     def caption(self, text: str, scale: float, panes: Sequence[Pane] = (WHOLE,)) -> None:
         """Draw one line at the foot of the present picture, in each of the `panes`."""
-        self._begin(scale)
+        self._begin(scale, panes[0])
         if text:
             self._line(text, imgui.get_io().display_size)
         self._end(panes)
