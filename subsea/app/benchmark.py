@@ -64,7 +64,7 @@ def benchmark(
     """
     if out is not None:
         check_file(out)
-    rig = chosen_rig(display, size, theatre=theatre, shrink=shrink)
+    rig, _ = chosen_rig(display, size, theatre=theatre, shrink=shrink)
     load_scenario(scenario)
     with headless() as context:
         world = start_world(scenario, seed, fish, motor=motor)

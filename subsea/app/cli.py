@@ -114,6 +114,7 @@ def _add_film(commands: Any) -> None:
             "subsea film dive.mp4",
             "subsea film reef.png --size 1920x1080 --seconds 8",
             "subsea film frames/ --seconds 2 --fps 30",
+            "subsea film theatre.mp4 --theatre three-projectors",
             "subsea film seen/ --eyes clownfish --size 320x240 --seconds 4",
         ],
     )
@@ -154,6 +155,7 @@ def _add_film(commands: Any) -> None:
     _add_quality(film, "high")
     _add_seed(film)
     _add_eyes(film)
+    _add_theatre(film)
     film.set_defaults(run=_film)
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from subsea import interrupts
 from subsea.app.console import counted, say
+from subsea.app.house import chosen_rig, told
 from subsea.app.progress import progress
 from subsea.app.reels import check_reel, fitting, frame_rate, open_reels
 from subsea.app.start import headless, picture_maker, start_world
@@ -19,13 +20,12 @@ from subsea.scenario import AUTOPILOT, load_scenario
 from subsea.submarine.course import course_of
 from subsea.view.levels import nothing_drawn
 from subsea.view.rig import views
-from subsea.view.rigs import cockpit, display_rig
+from subsea.view.rigs import cockpit
 from subsea.view.stereo import Stereo
 from subsea.view.surround import Surround
 from subsea.world import TICK_S
 
 UNTOLD_S = 10.0  # how long a film is if nobody says
-WINDOW = ""  # the only one of a display
 
 
 def film(
@@ -41,6 +41,8 @@ def film(
     seed: int | None,
     start: float = 0.0,
     tour: str = AUTOPILOT,
+    theatre: str | None = None,
+    shrink: int = 1,
 ) -> int:
     """Film `seconds` of the tour from `start` at `fps` into `out`; one picture shows its end.
 
@@ -48,6 +50,9 @@ def film(
     "auto". `quality` is the name of a preset. A folder that holds a part of the film already gets
     what it lacks: the world is stepped through all frames, and all are packed, lest those that are
     drawn differ from what they would be in one go.
+
+    A `theatre` is filmed instead of one picture of `size`: a reel for each of its windows, of
+    `shrink` times fewer pixels a side.
 
     Returns the exit code. Ctrl-C keeps what was filmed so far. Prints the frame times: ticks
     of the world, packing, drawing and reading back, without the encoding of the film.
@@ -58,6 +63,8 @@ def film(
         seconds = UNTOLD_S if course is None else max(course.seconds - start, 0.0)
     kind = check_reel(out)
     size = fitting(kind, size)
+    rig, windows = chosen_rig(display, size, stereo, surround, theatre, shrink)
+    sizes = {name: fitting(kind, shown) for name, shown in zip(windows, rig.outputs, strict=True)}
     rate = frame_rate(fps)
     instants = [start + float(k / rate) for k in range(max(round(seconds * rate), 1))]
     if kind == "picture":
@@ -66,13 +73,14 @@ def film(
     if kind == "folder":
         take = description(
             source, tour=tour, seed=seed, start=start, seconds=seconds, fps=fps, size=size,
-            quality=quality, display=display, **stereo._asdict(), **surround._asdict(),
+            quality=quality, display=display, theatre=told(theatre), shrink=shrink,
+            **stereo._asdict(), **surround._asdict(),
         )  # fmt: skip
-        missing = missing_frames(out, take, [WINDOW], len(instants))
+        missing = missing_frames(out, take, windows, len(instants))
         if not missing:
             print(f"{out}: complete, {counted(len(instants), 'frame', 'frames')}")
             return 0
-    preset, rig = PRESETS[quality], display_rig(display, size, stereo, surround)
+    preset = PRESETS[quality]
     durations: list[float] = []
     try:
         with ExitStack() as stack:
@@ -83,7 +91,7 @@ def film(
             renderer = stack.enter_context(picture_maker(context, world, rig, preset))
             if kind == "folder":
                 begin(out, take)
-            write = stack.enter_context(open_reels(out, {WINDOW: size}, rate))
+            write = stack.enter_context(open_reels(out, sizes, rate))
             say(_intent(out, len(instants), missing))
             done = stack.enter_context(
                 progress(len(instants), "frame", len(instants) - len(missing))
@@ -106,9 +114,12 @@ def film(
                     renderer.choose(packet)
                     continue
                 renderer.draw(packet)
-                picture = renderer.read_pixels()
+                pictures = {
+                    name: renderer.read_pixels(number)[:height, :width]
+                    for number, (name, (width, height)) in enumerate(sizes.items())
+                }
                 drawn = time.perf_counter()
-                write(k, {WINDOW: picture})
+                write(k, pictures)
                 durations.append(drawn - begun)
                 done()
     except KeyboardInterrupt:

@@ -1,6 +1,7 @@
 """A theatre as a command finds it: which channels work, on which windows, with which rig."""
 
 from collections.abc import Sequence
+from hashlib import sha256
 from pathlib import Path
 from typing import NamedTuple
 
@@ -62,13 +63,26 @@ def chosen_rig(
     surround: Surround = ALL_ROUND,
     theatre: str | None = None,
     shrink: int = 1,
-) -> Rig:
-    """The rig of a theatre, or of a display mode for one picture of `size` if none is named."""
+) -> tuple[Rig, tuple[str, ...]]:
+    """The rig of a theatre, or of a display mode for one picture of `size` if none is named.
+
+    Also what its outputs are called: "" if there is only one.
+    """
     if theatre is not None:
-        return open_house(theatre, display, stereo, shrink=shrink).rig
+        house = open_house(theatre, display, stereo, shrink=shrink)
+        names = tuple(window.name for window in house.windows)
+        return house.rig, names if len(names) > 1 else ("",)
     if shrink != 1:
         raise UserError(NOT_SHRUNK)
-    return display_rig(display, size, stereo, surround)
+    return display_rig(display, size, stereo, surround), ("",)
+
+
+def told(name: str | None) -> str | None:
+    """What decides how a theatre looks: its whole file, without the meshes that it names."""
+    if name is None:
+        return None
+    _, path = load_theatre(name)
+    return sha256(path.read_bytes()).hexdigest()
 
 
 def shown_windows(theatre: Theatre, found: Sequence[Lighted], node: str | None) -> list[int]:

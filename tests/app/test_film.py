@@ -117,7 +117,7 @@ def test_only_what_was_written_is_told(tmp_path, capsys, monkeypatch, fault):
 def test_an_interrupted_film_tells_the_frames_it_has(tmp_path, capsys, monkeypatch):
     pictures = [np.full((120, 160, 3), level, np.uint8) for level in (0, 50)]
 
-    def two(self):
+    def two(self, output=0):
         if not pictures:
             raise KeyboardInterrupt
         return pictures.pop()
@@ -213,3 +213,25 @@ def test_a_film_may_begin_later(tmp_path):
         one = np.asarray(Image.open(tmp_path / "all" / f"frame_{k + 3:05d}.png")).astype(int)
         two = np.asarray(Image.open(tmp_path / "late" / f"frame_{k:05d}.png")).astype(int)
         assert np.abs(one - two).mean() < 0.2  # but for fishes that change their level of detail
+
+
+def test_a_theatre_is_filmed_into_a_reel_for_each_window(tmp_path, monkeypatch, capsys):
+    """The windows of a theatre together show what a single one would, each in its own file."""
+    out = tmp_path / "wall.png"
+    options = ["--seconds", "0.1", "--quality", "low", "--shrink", "16"]
+    assert main(["film", str(out), "--theatre", "cave", *options]) == 0
+    names = sorted(path.name for path in tmp_path.iterdir())
+    assert names == ["wall-front.png", "wall-left.png", "wall-right.png"]
+    pictures = {name: np.asarray(Image.open(tmp_path / name)) for name in names}
+    assert {picture.shape for picture in pictures.values()} == {(64, 64, 3)}
+    assert all(picture.std() > 5 for picture in pictures.values())
+    # The edge that two walls share looks alike on both.
+    left, front = pictures["wall-left.png"].astype(float), pictures["wall-front.png"].astype(float)
+    assert np.abs(left[:, -1] - front[:, 0]).mean() < 12
+    folder = tmp_path / "frames"
+    again = ["film", str(folder), "--theatre", "cave", "--fps", "20", *options]
+    assert main(again) == 0
+    assert (folder / "front" / "frame_00001.png").exists()
+    capsys.readouterr()
+    assert main(again) == 0
+    assert "complete, 2 frames" in capsys.readouterr().out

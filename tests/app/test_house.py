@@ -65,7 +65,7 @@ def test_shrinking_keeps_the_geometry():
     assert [w.position for w in small.windows] == [(0, 0), (360, 0), (720, 0)]
     for one, other in zip(whole.rig.eyes, small.rig.eyes, strict=True):
         np.testing.assert_allclose(one.projection, other.projection)
-    assert chosen_rig("mono", (64, 48)).outputs == ((64, 48),)
+    assert chosen_rig("mono", (64, 48))[0].outputs == ((64, 48),)
 
 
 @pytest.mark.parametrize(
