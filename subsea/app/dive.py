@@ -3,13 +3,26 @@
 import time
 from collections.abc import Callable
 from contextlib import ExitStack, closing
+from dataclasses import replace
 
 from subsea.app import pacing
 from subsea.app.console import say
 from subsea.app.crew import Alone, Crew
+from subsea.app.eyes import velocity_of
 from subsea.app.house import NOT_SHRUNK, House, open_house
 from subsea.app.overlay import Overlay, panes
 from subsea.app.pilot import Pilot
+from subsea.app.ride import (
+    LOOKS,
+    Look,
+    Ride,
+    front_view,
+    joined,
+    nearest_to_middle,
+    pasted,
+    pictured,
+    with_insets,
+)
 from subsea.app.screens import Installation, Screen, on_display, placed
 from subsea.app.start import start_world
 from subsea.app.wall import Wall
@@ -20,8 +33,9 @@ from subsea.render import Renderer
 from subsea.render.quality import AUTO, CHOICES, LADDER, PRESETS, Quality, first_rung, name_of
 from subsea.scenario import load_scenario
 from subsea.theatre.lineup import lineup
+from subsea.view.camera import View
 from subsea.view.levels import nothing_drawn
-from subsea.view.rig import Rig, front, part_of, views
+from subsea.view.rig import Rect, Rig, front, part_of, views
 from subsea.view.rigs import cockpit, display_rig
 from subsea.view.stereo import EYES, PAGED, Stereo
 from subsea.view.surround import ALL_ROUND, Surround
@@ -103,6 +117,9 @@ class Dive:
         self._alpha = 1.0
         self._quality = quality
         self._pattern = False
+        self._ride: Ride | None = None
+        self._look: Look = "colours"  # of the pictures of a fish's eyes
+        self._insets: tuple[Rect, ...] = ()  # where these are on the canvas
         with ExitStack() as undo:
             there = undo.enter_context(on_display()).monitors
             self._fixed: Rig | None = None  # stays, whatever the size of windows
@@ -160,8 +177,12 @@ class Dive:
         self._alpha = self._alpha if alpha is None else alpha
         if self._fixed is None and self.window.size != self._rig.outputs[0]:
             self._rig = self._make_rig()
-            self._renderer.arrange(self._rig)
+            self._arrange()
             self._draw_pattern()
+        if self._ride is not None:
+            self._ride.glance(*self.pilot.glance, elapsed_s)
+            if not self.world.state.fishes.alive[self._ride.by.fish]:
+                self._mount(None)
         if not self._pattern:
             self._draw()
         if self._pattern or not self._direct:
@@ -185,14 +206,44 @@ class Dive:
 
     def _draw(self) -> None:
         """The sea, into the window or into the renderer's own pictures."""
-        alpha = self._alpha
-        observer = cockpit(self.world.state.submarine, alpha)
-        quality = self._renderer.quality
+        alpha, quality = self._alpha, self._renderer.quality
+        seen = self._views()
         packet = pack(
-            self.world, views(self._rig, observer), alpha,
+            self.world, seen, alpha,
             detail=quality.detail, growth=quality.growth, memory=self._memory,
         )  # fmt: skip
-        self._renderer.draw(packet, into=self._context.screen if self._direct else None)
+        into = self._context.screen if self._direct else None
+        if self._ride is None:
+            self._renderer.draw(packet, into)
+            return
+        packet = replace(packet, passing_cm_s=velocity_of(self.world, self._ride.by.fish))
+        self._renderer.draw(packet, into)
+        if self._look != "colours":
+            numbers = range(len(seen) - len(self._insets), len(seen))
+            maps = self._renderer.look_up(packet, numbers, joined(self._insets))
+            picture = pictured(maps, self._look)
+            self._renderer.paste(picture, pasted(self._renderer.rig, self._rig, picture), into)
+
+    def _views(self) -> tuple[View, ...]:
+        """What is seen from the submarine, or from the fish that is ridden."""
+        if self._ride is None:
+            return views(self._rig, cockpit(self.world.state.submarine, self._alpha))
+        return self._ride.views(self.world, self._rig, self._insets, self._alpha)
+
+    def _mount(self, fish: int | None) -> None:
+        """Ride a fish of this number from now on, or come back to the submarine."""
+        self._ride = None if fish is None else Ride(self.world, fish)
+        self.pilot.ride(self._ride is not None)
+        self._memory = nothing_drawn(len(self.world.state.fishes.species))  # no fade at the jump
+        self._arrange()
+
+    def _arrange(self) -> None:
+        """Have the renderer draw what is to be seen: the rig, and what a fish's eyes see."""
+        rig, self._insets = self._rig, ()
+        if self._ride is not None:
+            where = panes(self._rig, self.wall.page)
+            rig, self._insets = with_insets(self._rig, where, front(self._rig).output)
+        self._renderer.arrange(rig)
 
     def _write(self, elapsed_s: float) -> None:
         """What is to be read over the picture: instruments and help, or what is waited for."""
@@ -201,9 +252,11 @@ class Dive:
             self.overlay.caption(self._crew.waiting, scale, where)
             return
         throttle, stopping = self.pilot.throttle, self.pilot.stopping
+        riding = "" if self._ride is None else self._ride.text(self.world, self._look)
         self.overlay.draw(
-            self.world.state.submarine, throttle, stopping, elapsed_s, scale, where, self.quality
-        )
+            self.world.state.submarine, throttle, stopping, elapsed_s, scale, where, self.quality,
+            riding,
+        )  # fmt: skip
 
     def _draw_pattern(self) -> None:
         """The test pattern, if it is shown, into the renderer's own pictures: once is enough."""
@@ -214,7 +267,16 @@ class Dive:
         """Do what the visitor asked for by a key."""
         if wish == "help":
             self.overlay.toggle_help()
+        elif wish == "ride" and not self._pattern:
+            fish = nearest_to_middle(self.world, self._views()[front_view(self._rig)])
+            if fish is not None:
+                self._mount(fish)
+        elif wish == "alight":
+            self._mount(None)
+        elif wish == "look":
+            self._look = LOOKS[(LOOKS.index(self._look) + 1) % len(LOOKS)]
         elif wish == "pattern":
+            self._mount(None)  # the pattern is of the rig alone
             self._pattern = not self._pattern
             self._pace = pacing.resumed(self._pace)
             self._draw_pattern()

@@ -141,7 +141,7 @@ def film_eyes(
             packet = pack(
                 world, views, alpha, detail=preset.detail, growth=preset.growth, memory=memory
             )
-            packet = replace(packet, passing_cm_s=_velocity(world, fish))
+            packet = replace(packet, passing_cm_s=velocity_of(world, fish))
             if k in wanted:
                 renderer.draw(packet)
                 pictures = [renderer.read_pixels(side) for side in range(len(SIDES))]
@@ -201,7 +201,7 @@ def seen_brightness(renderer: Renderer, world: World, by: Rider) -> float:
 
 def labelled(pictures: Sequence[NDArray[np.uint8]], seen: Seen) -> dict[str, Any]:
     """What is written of a frame, by the names of its folders; `seen` is of both eyes."""
-    value = FIRST[seen.kind] + seen.number
+    value = values_of(seen)
     depth = np.where(np.isfinite(seen.depth), np.rint(MM * seen.depth), 0.0)
     maps: dict[str, NDArray[Any]] = {
         "identity": value.astype(np.uint16),
@@ -213,6 +213,11 @@ def labelled(pictures: Sequence[NDArray[np.uint8]], seen: Seen) -> dict[str, Any
         halves = np.split(both, len(SIDES), axis=1)
         out |= {f"{name}/{side}": half for side, half in zip(SIDES, halves, strict=True)}
     return out
+
+
+def values_of(seen: Seen) -> Ints:
+    """The values (h, w) of an identity map."""
+    return np.asarray(FIRST[seen.kind] + seen.number)
 
 
 def coded(value: Ints) -> NDArray[np.uint8]:
@@ -319,7 +324,8 @@ def _kinds(scenario: Scenario) -> list[str]:
     return sorted({shoal.species for shoal in scenario.fish})
 
 
-def _velocity(world: World, fish: int) -> tuple[float, float, float]:
+def velocity_of(world: World, fish: int) -> tuple[float, float, float]:
+    """How fast a fish goes, cm/s, world."""
     x, y, z = world.state.fishes.velocity[fish].tolist()
     return x, y, z
 

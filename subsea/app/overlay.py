@@ -20,6 +20,8 @@ HELP = (
     ("Set a speed", "wheel", ""),
     ("Rise and dive", "both buttons, move", "E Q"),
     ("Full stop", "press the wheel", "space"),
+    ("Ride the fish ahead, or the next", "", "R"),
+    ("Turn its eyes, show maps", "", "arrows, I"),
     ("This help", "", "H"),
     ("Quality of the picture", "", "P"),
     ("Test pattern", "", "T"),
@@ -149,19 +151,25 @@ class Overlay:
         scale: float,
         panes: Sequence[Pane] = (WHOLE,),
         quality: str = "",
+        riding: str = "",
     ) -> None:
         """Draw help and instruments over the present picture; `dt` is the time since the last.
+
+        While somebody is `riding` that is what is told, instead of the submarine's instruments.
 
         What `quality` says is shown beside the help, and for a while after it has changed by
         `show_quality`.
 
         They are drawn in each of the `panes`, in the same place for both eyes: at the screen.
         """
+        if riding:
+            self._gone_cm = math.inf  # under way, if not by submarine
         self._fade(submarine, dt)
         self._begin(scale, panes[0])
         size = imgui.get_io().display_size
         note = quality if self._help > 0.0 or self._note_s > 0.0 else ""
-        self._instruments(submarine, throttle, stopping, size, note)
+        line = riding or readout(submarine, throttle, stopping)
+        self._line("   ".join(filter(None, (line, note))), size)
         if self._help > 0.0:
             self._help_panel(size, 3.2 if panes[0].squeezed else 1.2)
         self._end(panes)
@@ -216,11 +224,6 @@ class Overlay:
             data.display_size = imgui.ImVec2(width, height)
             data.framebuffer_scale = imgui.ImVec2(across / wider, down / higher)
             imgui.backends.opengl3_render_draw_data(data)
-
-    def _instruments(
-        self, submarine: Submarine, throttle: float, stopping: bool, size: Any, note: str
-    ) -> None:
-        self._line("   ".join(filter(None, (readout(submarine, throttle, stopping), note))), size)
 
     def _line(self, text: str, size: Any) -> None:
         line = imgui.get_font_size()

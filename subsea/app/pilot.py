@@ -40,6 +40,22 @@ class Pilot:
         self._stopping = False
         self._grip = 0.0
         self._smooth = Helm()
+        self._riding = False
+
+    @property
+    def riding(self) -> bool:
+        """Whether the submarine is left alone, and hands turn the gaze of a fish."""
+        return self._riding
+
+    def ride(self, riding: bool) -> None:
+        """Mount a fish, or come back: the submarine stops and waits."""
+        self._riding = riding
+        self.full_stop()
+
+    @property
+    def glance(self) -> tuple[float, float]:
+        """How fast the keys turn the gaze of who is ridden: right and up, in [-1, 1]."""
+        return self._axis("right", "left"), self._axis("up", "down")
 
     @property
     def throttle(self) -> float:
@@ -115,7 +131,7 @@ class Pilot:
 
     def helm(self, dt: float) -> Helm:
         """What the hands ask for over the next `dt` seconds."""
-        if self._stopping:
+        if self._stopping or self._riding:
             self._smooth = Helm(full_stop=True)
             return self._smooth
         steering = self._pointer is not None and self._rested is None

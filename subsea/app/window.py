@@ -28,12 +28,14 @@ KEYS: dict[int, Action] = {
     glfw.KEY_PAGE_DOWN: "dive",
     glfw.KEY_SPACE: "full stop",
 }
-Wish = Literal["help", "quality", "pattern"]
+Wish = Literal["help", "quality", "pattern", "ride", "look", "alight"]
 WISHES: dict[int, Wish] = {
     glfw.KEY_H: "help",
     glfw.KEY_F1: "help",
     glfw.KEY_P: "quality",
     glfw.KEY_T: "pattern",
+    glfw.KEY_R: "ride",
+    glfw.KEY_I: "look",
 }
 FULLSCREEN_KEYS = (glfw.KEY_F, glfw.KEY_F11)
 BUTTONS: dict[int, Button] = {
@@ -223,7 +225,10 @@ class Window:
         if key in KEYS and action != glfw.REPEAT:
             self.pilot.key(KEYS[key], down)
         elif down and key == glfw.KEY_ESCAPE:
-            self.ask_to_close()
+            if self.pilot.riding:
+                self._wishes.append("alight")
+            else:
+                self.ask_to_close()
         elif down and key in WISHES:
             self._wishes.append(WISHES[key])
         elif down and key in FULLSCREEN_KEYS and not self._fixed:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from subsea.errors import UserError
 from subsea.render.shaders import program, set_uniforms
+from subsea.view.rig import Rect
 
 Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
@@ -102,10 +103,11 @@ class Marks:
             ) from fault
         self.framebuffer = context.framebuffer([self._texture], self._depth)
 
-    def read(self) -> Seen:
-        """What was drawn."""
-        width, height = self.size
-        data = self.framebuffer.read(components=2, dtype="f4")
+    def read(self, part: Rect | None = None) -> Seen:
+        """What was drawn, in a part of the canvas or in all of it."""
+        part = part or (0, 0, *self.size)
+        width, height = part[2:]
+        data = self.framebuffer.read(part, components=2, dtype="f4")
         texels = np.frombuffer(data, np.float32).reshape(height, width, 2)[::-1]
         kind, number = np.divmod(texels[..., 0].astype(np.int32), NUMBERS)
         depth = np.where(kind == WATER, np.float32(np.inf), texels[..., 1])

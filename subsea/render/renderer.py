@@ -1,7 +1,7 @@
 """The order of a picture: solids, seabed, water behind it, fishes, particles, then tone mapping."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
@@ -32,7 +32,7 @@ from subsea.render.textures import caustics, tileable_noise, upload
 from subsea.render.water import Water
 from subsea.view.camera import View
 from subsea.view.culling import IN_SIGHT
-from subsea.view.rig import Rig, Shape
+from subsea.view.rig import Patch, Rect, Rig, Shape
 
 CONTRAST_LEFT = 0.02  # at the distance that a scenario calls its visibility
 
@@ -88,6 +88,7 @@ class Renderer:
         self._resolve = Resolve(context, rig.patches, quality.smooth)
         self._held_for_size: list[Any] = []
         self._marks: Marks | None = None  # made when it is first asked for
+        self._pasted: Resolve | None = None  # likewise
         self._make_target(rig, quality)
         self.adapt(quality)
 
@@ -191,19 +192,19 @@ class Renderer:
 
         As it is, but warped and blended: a test pattern. Its size is that of the rig's canvas.
         """
-        height, width = canvas.shape[:2]
-        data = np.ascontiguousarray(canvas[::-1]).tobytes()
-        texture = self._context.texture((width, height), 3, data, alignment=1)
-        texture.repeat_x = texture.repeat_y = False
+        texture = self._upload(canvas)
         try:
             self._show(texture, into, 1.0, False)
         finally:
             texture.release()
 
-    def look_up(self, packet: Packet) -> Seen:
+    def look_up(
+        self, packet: Packet, numbers: Sequence[int] | None = None, part: Rect | None = None
+    ) -> Seen:
         """What each pixel of the canvas shows of the packet that was drawn last, and how far away.
 
-        Of views that leave room between them what lies there is water.
+        Of the views with these `numbers` alone, and of a `part` of the canvas, if they are given.
+        Where no view is there is water.
         """
         context, size = self._context, self._target.size
         if self._marks is None or self._marks.size != size:
@@ -216,8 +217,9 @@ class Renderer:
         context.enable(context.PROGRAM_POINT_SIZE | context.DEPTH_TEST)
         context.disable(context.BLEND)
         context.depth_func = "<="
-        for view in packet.views:
-            view = self._on_canvas(view)
+        for number, view in enumerate(map(self._on_canvas, packet.views)):
+            if numbers is not None and number not in numbers:
+                continue
             uniforms = self._uniforms(packet, view)
             context.viewport = context.scissor = view.viewport
             self._solids.draw(uniforms, marked=True)
@@ -226,10 +228,40 @@ class Renderer:
             context.disable(context.CULL_FACE)
             self._seabed.draw(uniforms, marked=True)
             self._water.draw_surface(uniforms, marked=True)
-            for part in (self._seaweed, self._fishes, self._hook, self._bubbles):
-                part.draw(packet, view, uniforms, marked=True)
+            for moving in (self._seaweed, self._fishes, self._hook, self._bubbles):
+                moving.draw(packet, view, uniforms, marked=True)
         context.scissor = None
-        return self._marks.read()
+        scale = self._scale(self.rig, self.quality)
+        return self._marks.read(None if part is None else scaled(part, scale))
+
+    def paste(self, picture: NDArray[np.uint8], patches: Sequence[Patch], into: Any = None) -> None:
+        """Lay a picture (h, w, 3), top row first, over what is shown, as it is.
+
+        Of each of the `patches` the sources are parts of the picture; `into` is as for `draw`.
+        """
+        if self._pasted is None:
+            self._pasted = Resolve(self._context, patches)
+        elif self._pasted.patches != tuple(patches):
+            self._pasted.arrange(patches)
+        texture = self._upload(picture)
+        try:
+            for number, patch in enumerate(patches):
+                target = self._own[patch.output, patch.page] if into is None else into
+                target.use()
+                if into is not None:
+                    self._page(patch.page)
+                size = self.rig.outputs[patch.output]
+                self._pasted.draw(texture, target, size, number, 1.0, False)
+        finally:
+            texture.release()
+
+    def _upload(self, picture: NDArray[np.uint8]) -> Any:
+        """A picture (h, w, 3), top row first, as a texture; the caller releases it."""
+        height, width = picture.shape[:2]
+        data = np.ascontiguousarray(picture[::-1]).tobytes()
+        texture = self._context.texture((width, height), 3, data, alignment=1)
+        texture.repeat_x = texture.repeat_y = False
+        return texture
 
     def read_pixels(self, output: int = 0, page: int = 0) -> NDArray[np.uint8]:
         """The last picture drawn into one of the renderer's own: (h, w, 3), top row first."""
@@ -240,8 +272,9 @@ class Renderer:
     def release(self) -> None:
         """Free every OpenGL object."""
         self._release_target()
-        if self._marks:
-            self._marks.release()
+        for made in (self._marks, self._pasted):
+            if made:
+                made.release()
         for part in (
             self._resolve, self._particles, self._bubbles, self._hook, self._fishes, self._seaweed,
             self._coral, self._blobs, self._solids, self._seabed, self._water, self._shafts,

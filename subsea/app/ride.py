@@ -1,0 +1,168 @@
+"""A ride on a fish: the sea from between its eyes, and what both of them see (Tu §6.7, §9.3)."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.app.eyes import SIDES, coded, values_of
+from subsea.app.overlay import Pane
+from subsea.behavior.table import BEHAVIORS
+from subsea.render.marks import Seen
+from subsea.state import MENTAL_STATES
+from subsea.view.camera import View
+from subsea.view.retina import Gaze, body_at, retina_rig, ridden, rider
+from subsea.view.rig import Patch, Pose, Rect, Rig, front, seen_by, views
+from subsea.world import TICK_S, World
+
+Array = NDArray[np.floating[Any]]
+Look = Literal["colours", "identity", "range"]
+LOOKS: tuple[Look, ...] = ("colours", "identity", "range")
+
+WIDE, ASPECT, EDGE = 0.27, 4 / 3, 0.02  # of an inset: share of the pane; its shape; its margin
+STEADY_S, LEVEL_S = 0.35, 0.8  # in which the view follows the way the fish heads, and its roll
+GLANCE_DEG_S = 60.0
+MOST_PAN_DEG, MOST_TILT_DEG = 120.0, 70.0
+GREY_CM = 250.0  # over which what is farther gets darker by a factor e
+CODES = coded(np.arange(2**16))
+
+
+class Ride:
+    """Whom the visitor rides, where its eyes look, and how that is shown."""
+
+    def __init__(self, world: World, fish: int) -> None:
+        """On a fish of the world, looking straight ahead."""
+        self.by = rider(world, fish)
+        self.gaze = Gaze()
+        self._at_s = 0.0
+        self._axes: Array | None = None  # forward and up, as they are followed
+
+    def glance(self, right: float, up: float, dt: float) -> None:
+        """Turn the gaze, at shares of full speed in [-1, 1], for `dt` seconds."""
+        pan = self.gaze.pan_deg + right * GLANCE_DEG_S * dt
+        tilt = self.gaze.tilt_deg + up * GLANCE_DEG_S * dt
+        self.gaze = Gaze(
+            float(np.clip(pan, -MOST_PAN_DEG, MOST_PAN_DEG)),
+            float(np.clip(tilt, -MOST_TILT_DEG, MOST_TILT_DEG)),
+        )
+
+    def observer(self, world: World, alpha: float) -> Pose:
+        """Between the fish's eyes, as calm as a rider wants it: beat and roll are damped."""
+        now = (world.state.tick - 1 + alpha) * TICK_S
+        looking = ridden(world, self.by, alpha)
+        axes = np.stack([looking.forward, looking.up])
+        if self._axes is None or not 0.0 <= now - self._at_s < 1.0:
+            self._axes = axes
+        share = 1.0 - np.exp(-(now - self._at_s) / np.array([STEADY_S, LEVEL_S]))
+        self._axes = self._axes + share[:, None] * (axes - self._axes)
+        self._at_s = now
+        forward = self._axes[0] / np.linalg.norm(self._axes[0])
+        up = self._axes[1] - forward * (self._axes[1] @ forward)
+        if np.linalg.norm(up) < 1e-3:  # it went over head and heels
+            self._axes, forward, up = axes, looking.forward, looking.up
+        up = up / np.linalg.norm(up)
+        origin, _ = body_at(world, self.by.fish, alpha)
+        # The head swings about the body: on its mean way it is straight ahead.
+        return Pose(origin + ((looking.eye - origin) @ looking.forward) * forward, forward, up)
+
+    def views(
+        self, world: World, rig: Rig, insets: Sequence[Rect], alpha: float
+    ) -> tuple[View, ...]:
+        """Those of a rig that hangs on the fish, then those of its eyes in the `insets`."""
+        seen = list(views(rig, self.observer(world, alpha)))
+        width, height = insets[0][2:]
+        eyes = retina_rig((width, height), self.by.half_cm, self.gaze)
+        for view, inset in zip(views(eyes, ridden(world, self.by, alpha)), insets, strict=True):
+            seen.append(replace(view, viewport=inset))
+        return tuple(replace(view, without=self.by.fish) for view in seen)
+
+    def text(self, world: World, look: Look) -> str:
+        """Whom one rides and what it has in mind, in one line."""
+        fishes, minds, fish = world.state.fishes, world.state.minds, self.by.fish
+        name = world.species[fishes.species[fish]].name
+        state = [f"{one} {x:.0%}" for one, x in zip(MENTAL_STATES, minds.mental[fish], strict=True)]
+        parts = [f"{name} {fish}: {BEHAVIORS[minds.intention[fish]].name}", *state]
+        if self.gaze != Gaze():
+            parts.append(f"gaze {self.gaze.pan_deg:+.0f}° {self.gaze.tilt_deg:+.0f}°")
+        return "   ".join([*parts, f"its eyes: {look}"])
+
+
+def with_insets(rig: Rig, panes: Sequence[Pane], output: int) -> tuple[Rig, tuple[Rect, ...]]:
+    """A rig with a picture of each eye in the upper corners of `panes` of an output.
+
+    And where on its canvas both are to be drawn: above all else that is there.
+    """
+    width, height = rig.outputs[output]
+    across = max(int(WIDE * width * min(pane.width for pane in panes)), 16)
+    size = across, int(across / ASPECT)
+    bottom = rig.canvas[1]
+    insets = tuple((k * across, bottom, *size) for k in range(len(SIDES)))
+    patches = [
+        Patch(place, inset, inset, output=output, page=pane.number)
+        for pane in panes
+        for place, inset in zip(places(pane, (width, height), size), insets, strict=True)
+    ]
+    canvas = max(rig.canvas[0], len(SIDES) * across), bottom + size[1]
+    return rig._replace(canvas=canvas, patches=(*rig.patches, *patches)), insets
+
+
+def places(pane: Pane, output: tuple[int, int], size: tuple[int, int]) -> tuple[Rect, Rect]:
+    """Where the insets of `size` lie in a pane, the left eye's at the left."""
+    left, right = round(pane.x * output[0]), round((pane.x + pane.width) * output[0])
+    margin = round(EDGE * pane.width * output[0])
+    bottom = round((1.0 - pane.y) * output[1]) - margin - size[1]
+    return (left + margin, bottom, *size), (right - margin - size[0], bottom, *size)
+
+
+def joined(insets: Sequence[Rect]) -> Rect:
+    """The part of the canvas in which the insets lie beside each other."""
+    left, bottom, width, height = insets[0]
+    return left, bottom, len(insets) * width, height
+
+
+def pasted(drawn: Rig, rig: Rig, picture: NDArray[np.uint8]) -> tuple[Patch, ...]:
+    """The insets' patches, which `drawn` has more than `rig`, as taken from a picture of both."""
+    height, width = picture.shape[0], picture.shape[1] // len(SIDES)
+    patches = []
+    for k, patch in enumerate(drawn.patches[len(rig.patches) :]):
+        source: Rect = (k % len(SIDES) * width, 0, width, height)
+        patches.append(patch._replace(left=source, right=source))
+    return tuple(patches)
+
+
+def front_view(rig: Rig) -> int:
+    """The number of the view that a visitor looks at."""
+    return next(k for k, eye in enumerate(rig.eyes) if eye is seen_by(rig, front(rig))[0])
+
+
+def pictured(seen: Seen, look: Look) -> NDArray[np.uint8]:
+    """What a map shows, in colours (h, w, 3): identities, or ranges, the farther the darker."""
+    if look == "identity":
+        return np.asarray(CODES[values_of(seen)])
+    grey = np.rint(255.0 * np.exp(-seen.depth / GREY_CM)).astype(np.uint8)
+    return np.repeat(grey[..., None], 3, axis=2)
+
+
+def nearest_to_middle(world: World, view: View) -> int | None:
+    """The fish that a visitor means who looks at it: nearest to the middle of the picture.
+
+    Of those that the water does not hide; of all, if none of them is in sight. None: there is no
+    living fish but that whose view it is.
+    """
+    fishes = world.state.fishes
+    alive = fishes.alive.copy()
+    if view.without >= 0:
+        alive[view.without] = False
+    if not alive.any():
+        return None
+    way = fishes.position - np.asarray(view.eye, np.float64)
+    x, y, z = view.view[:3, :3].astype(np.float64) @ way.T
+    far = np.linalg.norm(way, axis=1)
+    off = np.hypot(x, y) / np.maximum(-z, 1e-6)
+    seen = alive & (z < 0.0) & (far < world.scenario.water.visibility_cm)
+    seen &= off < np.hypot(1.0 / view.projection[0, 0], 1.0 / view.projection[1, 1])
+    if seen.any():
+        return int(np.argmin(np.where(seen, off, np.inf)))
+    return int(np.argmin(np.where(alive, far, np.inf)))

@@ -1,0 +1,207 @@
+"""Riding a fish: whom the visitor means, a calm view, and both its eyes in the corners."""
+
+import os
+import re
+import subprocess
+import time
+from contextlib import closing
+
+import numpy as np
+import pytest
+from PIL import ImageGrab
+
+from subsea.app.dive import Dive
+from subsea.app.eyes import VALUES, coded
+from subsea.app.overlay import Pane
+from subsea.app.ride import MOST_PAN_DEG, Ride, nearest_to_middle, pictured, with_insets
+from subsea.ocean import create_world, step
+from subsea.render.marks import FISH, SEABED, WATER, Seen
+from subsea.resources import resource_path
+from subsea.scenario import load_scenario
+from subsea.submarine.helm import HANDS_OFF
+from subsea.view.retina import ridden
+from subsea.view.rig import pose, views
+from subsea.view.rigs import display_rig
+
+SIZE = (400, 300)
+WHOLE = (Pane(),)
+
+
+@pytest.fixture(scope="module")
+def world():
+    world = create_world(load_scenario("peaceful")[0], fish=60)
+    for _ in range(20):
+        step(world, HANDS_OFF)
+    return world
+
+
+def test_who_is_nearest_to_the_middle_is_meant(world):
+    fishes = world.state.fishes
+    rig = display_rig("mono", SIZE)
+    eye = np.array([0.0, 0.0, -200.0])
+    for chosen in (3, 11):
+        before = fishes.position[chosen].copy()
+        fishes.position[chosen] = eye + (5.0, 300.0, 4.0)
+        (view,) = views(rig, pose(eye, np.pi / 2, 0.0))
+        assert nearest_to_middle(world, view) == chosen
+        (other,) = Ride(world, chosen).views(world, rig, ((0, 0, 8, 6),) * 2, 1.0)[:1]
+        assert nearest_to_middle(world, other) != chosen  # the next one
+        fishes.alive[chosen] = False
+        assert nearest_to_middle(world, view) != chosen
+        fishes.alive[chosen], fishes.position[chosen] = True, before
+
+
+def test_where_no_fish_is_in_sight_the_nearest_is_meant_and_of_none_nobody(world):
+    fishes = world.state.fishes
+    (away,) = views(display_rig("mono", SIZE), pose(np.array([0.0, 0.0, 3000.0]), 0.0, 1.2))
+    distance = np.linalg.norm(fishes.position - away.eye, axis=1)
+    assert nearest_to_middle(world, away) == np.argmin(distance)
+    alive = fishes.alive.copy()
+    fishes.alive[:] = False
+    assert nearest_to_middle(world, away) is None
+    fishes.alive[:] = alive
+
+
+def test_the_view_of_a_rider_is_calmer_than_the_head(world):
+    world = create_world(load_scenario("peaceful")[0], fish=60)
+    rides = [Ride(world, fish) for fish in range(0, 60, 6)]
+    swung, followed, apart = [], [], []
+    for _ in range(90):
+        step(world, HANDS_OFF)
+        pair = [(ridden(world, r.by, 1.0), r.observer(world, 1.0)) for r in rides]
+        swung.append([raw.forward for raw, _ in pair])
+        followed.append([calm.forward for _, calm in pair])
+        apart.append([np.linalg.norm(raw.eye - calm.eye) for raw, calm in pair])
+        for _, calm in pair:
+            assert calm.forward @ calm.up == pytest.approx(0.0, abs=1e-9)
+            assert np.linalg.norm(calm.forward) == pytest.approx(1.0)
+    # How much the way one looks is shaken: its second differences.
+    shaken = [np.linalg.norm(np.diff(way, 2, axis=0), axis=2).mean() for way in (swung, followed)]
+    assert shaken[1] < 0.3 * shaken[0]
+    assert np.sum(np.array(swung) * followed, axis=2).min() > 0.5  # but it follows
+    assert np.mean(apart) < 3.0
+
+
+def test_the_gaze_turns_with_the_keys_and_has_an_end(world):
+    ride = Ride(world, 5)
+    ride.glance(1.0, -0.5, 0.5)
+    assert ride.gaze.pan_deg > 10.0 > 0.0 > ride.gaze.tilt_deg
+    ride.glance(1.0, 0.0, 60.0)
+    assert ride.gaze.pan_deg == MOST_PAN_DEG
+    assert "gaze +120°" in ride.text(world, "range")
+
+
+@pytest.mark.parametrize("panes", [WHOLE, (Pane(0, 0, 0.5, 1, 0), Pane(0.5, 0, 0.5, 1, 0))])
+def test_insets_lie_inside_of_their_panes_and_apart_on_the_canvas(panes):
+    rig = display_rig("mono", SIZE)
+    more, insets = with_insets(rig, panes, 0)
+    assert more.outputs == rig.outputs
+    assert more.eyes == rig.eyes
+    added = more.patches[1:]
+    assert len(added) == 2 * len(panes)
+    for k, patch in enumerate(added):
+        pane, inset = panes[k // 2], insets[k % 2]
+        assert patch.left == patch.right == inset
+        x, y, width, height = patch.place
+        assert (width, height) == inset[2:]
+        assert pane.x * SIZE[0] < x < x + width < (pane.x + pane.width) * SIZE[0]
+        assert 0.5 * SIZE[1] < y < y + height < SIZE[1]
+    assert insets[0][1] == insets[1][1] == rig.canvas[1]
+    assert insets[0][0] + insets[0][2] == insets[1][0]
+    assert more.canvas[1] == rig.canvas[1] + insets[0][3]
+
+
+def test_maps_are_shown_as_colours_and_greys():
+    seen = Seen(
+        np.array([[FISH, SEABED, WATER]], np.uint8), np.array([[7, 0, 0]], np.int32),
+        np.array([[50.0, 400.0, np.inf]], np.float32),
+    )  # fmt: skip
+    np.testing.assert_array_equal(
+        pictured(seen, "identity"), coded(np.array([[VALUES["fish"] + 7, VALUES["seabed"], 0]]))
+    )
+    grey = pictured(seen, "range")[0, :, 0]
+    assert grey[0] > grey[1] > grey[2] == 0
+
+
+@pytest.fixture(scope="module")
+def boat(display, tmp_path_factory):
+    text = (resource_path("assets/scenarios") / "peaceful.toml").read_text()
+    quiet = tmp_path_factory.mktemp("sea") / "quiet.toml"
+    quiet.write_text(re.sub(r"^number = \d+", "number = 3", text, flags=re.MULTILINE))
+    with closing(Dive(str(quiet), "mono", SIZE, seed=1, quality="low")) as running:
+        yield running
+
+
+def until(running, true):
+    """Frames until the display has brought what hands did."""
+    end = time.monotonic() + 20.0
+    while not true() and time.monotonic() < end:
+        running.frame(0.1)
+    assert true()
+
+
+def corner(running):
+    """What the left eye sees, as the display shows it."""
+    import glfw
+
+    running.frame(0.01)
+    time.sleep(0.2)
+    left, top = glfw.get_window_pos(running.window.handle)
+    picture = np.asarray(ImageGrab.grab(xdisplay=os.environ["DISPLAY"]))[top:, left:, :3]
+    return picture[12:80, 12:105].astype(int)
+
+
+def key(*names):
+    subprocess.run(["xdotool", "key", *names], check=True, timeout=20)
+
+
+def test_keys_mount_a_fish_turn_its_eyes_show_maps_and_come_back(boat):
+    key("r")
+    until(boat, lambda: boat.pilot.riding)
+    until(boat, lambda: boat.overlay.help_opacity == 0.0)  # who rides is under way
+    first = boat._ride.by.fish
+    colours = corner(boat)
+    beside = np.asarray(boat._renderer.rig.canvas) - boat._rig.canvas
+    assert beside[1] > 60
+    subprocess.run(["xdotool", "keydown", "Right"], check=True, timeout=20)
+    until(boat, lambda: boat._ride.gaze.pan_deg > 20.0)
+    subprocess.run(["xdotool", "keyup", "Right"], check=True, timeout=20)
+    key("i")
+    until(boat, lambda: boat._look == "identity")
+    codes = {tuple(code) for code in coded(np.arange(2**16)).tolist()}
+    found = corner(boat).reshape(-1, 3)
+    assert np.mean([tuple(pixel) in codes for pixel in found.tolist()]) > 0.99
+    key("i")
+    until(boat, lambda: boat._look == "range")
+    grey = corner(boat)
+    assert np.abs(grey - colours).mean() > 10.0
+    assert (np.ptp(grey, axis=2) <= 1).mean() > 0.99
+    key("r")
+    until(boat, lambda: boat._ride.by.fish != first)
+    key("Escape")
+    until(boat, lambda: not boat.pilot.riding)
+    assert boat.window.open
+    assert boat._renderer.rig is boat._rig
+
+
+def test_who_is_eaten_carries_nobody(boat):
+    key("r")
+    until(boat, lambda: boat.pilot.riding)
+    boat.world.state.fishes.alive[boat._ride.by.fish] = False
+    until(boat, lambda: not boat.pilot.riding)
+    assert boat._ride is None
+
+
+def test_the_window_may_change_its_size_during_a_ride(boat):
+    import glfw
+
+    key("r")
+    until(boat, lambda: boat.pilot.riding)
+    for size in ((240, 180), SIZE):
+        glfw.set_window_size(boat.window.handle, *size)
+        until(boat, lambda size=size: boat.window.size == size)
+        boat.frame(0.1)
+        assert boat._renderer.rig.outputs == (size,)
+        assert len(boat._renderer.rig.patches) == 3
+    key("Escape")
+    until(boat, lambda: not boat.pilot.riding)
