@@ -72,7 +72,8 @@ def only_points(sources: Array) -> Array:
     Programs write infinities for that, or numbers that are far from any picture, or more than one
     (0, 0).
     """
-    grid = np.array(sources, np.float64)
+    with np.errstate(invalid="ignore"):  # some NaN warn when they are made longer
+        grid = np.array(sources, np.float64)
     u, v = grid[..., 0], grid[..., 1]
     zero = (u == 0) & (v == 0)
     none = ~((u > -1) & (u < 2) & (v > -1) & (v < 2)) | (zero & (zero.sum() > 1))

@@ -99,6 +99,12 @@ def test_cells_that_touch_a_point_that_is_none_stay_dark(none):
     np.testing.assert_allclose(found[~np.isnan(found)], pixels(SIZE)[~np.isnan(found)], atol=1e-5)
 
 
+def test_a_signalling_nan_is_no_point_either():
+    grid = pixels(SIZE).astype(np.float32)
+    grid[3, 3].view(np.uint32)[:] = 0x7F800001
+    assert len(checked(from_grid(grid, SIZE), "x").triangles) > 2
+
+
 def test_a_grid_without_any_point_is_refused():
     with pytest.raises(UserError, match=r"^left\.pfm: an empty mesh"):
         checked(from_grid(np.full((4, 4, 2), np.nan), SIZE), "left.pfm")
