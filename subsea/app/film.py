@@ -10,6 +10,7 @@ from subsea.app.house import chosen_rig, told
 from subsea.app.progress import progress
 from subsea.app.reels import check_reel, fitting, frame_rate, open_reels
 from subsea.app.start import headless, picture_maker, start_world
+from subsea.app.tags import NO_TAGS, tags_for
 from subsea.app.takes import begin, description, missing_frames
 from subsea.app.timing import sentence
 from subsea.app.tour import guide
@@ -91,7 +92,9 @@ def film(
             renderer = stack.enter_context(picture_maker(context, world, rig, preset))
             if kind == "folder":
                 begin(out, take)
-            write = stack.enter_context(open_reels(out, sizes, rate))
+            # In a theatre every channel has two eyes, which no player knows.
+            tags = tags_for(display) if theatre is None else NO_TAGS
+            write = stack.enter_context(open_reels(out, sizes, rate, tags))
             say(_intent(out, len(instants), missing))
             done = stack.enter_context(
                 progress(len(instants), "frame", len(instants) - len(missing))

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.app.tags import NO_TAGS, Tags, insert
 from subsea.errors import UserError
 from subsea.places import check_file, check_folder, is_folder, replacing
 
@@ -69,12 +70,15 @@ def frame_file(folder: Path, number: int) -> Path:
 
 @contextmanager
 def open_reels(
-    out: Path, sizes: Mapping[str, tuple[int, int]], rate: Fraction
+    out: Path, sizes: Mapping[str, tuple[int, int]], rate: Fraction, tags: Tags = NO_TAGS
 ) -> Iterator[WriteAll]:
-    """The writer of pictures of those `sizes`, by the names of windows; see `place_of`."""
+    """The writer of pictures of those `sizes`, by the names of windows; see `place_of`.
+
+    Films have `tags` for their players.
+    """
     with ExitStack() as stack:
         writers = {
-            name: stack.enter_context(_open_reel(place_of(out, name), size, rate))
+            name: stack.enter_context(_open_reel(place_of(out, name), size, rate, tags))
             for name, size in sizes.items()
         }
 
@@ -85,18 +89,22 @@ def open_reels(
         yield write
 
 
-def _open_reel(out: Path, size: tuple[int, int], rate: Fraction) -> AbstractContextManager[Write]:
+def _open_reel(
+    out: Path, size: tuple[int, int], rate: Fraction, tags: Tags
+) -> AbstractContextManager[Write]:
     """The writer that fits the name `out`."""
     kind = check_reel(out)
     if kind == "film":
-        return film_reel(out, size, rate)
+        return film_reel(out, size, rate, tags)
     if kind == "picture":
         return picture_reel(out)
     return folder_reel(out)
 
 
 @contextmanager
-def film_reel(out: Path, size: tuple[int, int], rate: Fraction) -> Iterator[Write]:
+def film_reel(
+    out: Path, size: tuple[int, int], rate: Fraction, tags: Tags = NO_TAGS
+) -> Iterator[Write]:
     """An H.264 film that plays everywhere: yuv420p, index first. The size must be even.
 
     An interruption closes the film after the pictures so far; a fault leaves nothing.
@@ -104,29 +112,34 @@ def film_reel(out: Path, size: tuple[int, int], rate: Fraction) -> Iterator[Writ
     import av  # here: a simulation or a window has no need of it
 
     interrupted: KeyboardInterrupt | None = None
+    # With frames that refer to later ones, x264's macroblock tree reads memory that nothing has
+    # been written to: then hardly two films of the same pictures are the same.
+    options = {"crf": QUALITY, "preset": "veryfast", "bf": "0"}
+    if tags.packing is not None:
+        options["x264-params"] = f"frame-packing={tags.packing}"
     frames = 0
-    with (
-        replacing(out) as temporary,
-        av.open(str(temporary), "w", format="mp4", options={"movflags": "+faststart"}) as container,
-    ):
-        stream: Any = container.add_stream(
-            "libx264", rate=rate, options={"crf": QUALITY, "preset": "veryfast"}
-        )
-        stream.width, stream.height = size
-        stream.pix_fmt = "yuv420p"
+    with replacing(out) as temporary:
+        with av.open(
+            str(temporary), "w", format="mp4", options={"movflags": "+faststart"}
+        ) as container:
+            stream: Any = container.add_stream("libx264", rate=rate, options=options)
+            stream.width, stream.height = size
+            stream.pix_fmt = "yuv420p"
 
-        def write(number: int, picture: Picture) -> None:
-            nonlocal frames
-            container.mux(stream.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
-            frames += 1
+            def write(number: int, picture: Picture) -> None:
+                nonlocal frames
+                container.mux(stream.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
+                frames += 1
 
-        try:
-            yield write
-        except KeyboardInterrupt as interrupt:
-            if not frames:
-                raise
-            interrupted = interrupt
-        container.mux(stream.encode(None))
+            try:
+                yield write
+            except KeyboardInterrupt as interrupt:
+                if not frames:
+                    raise
+                interrupted = interrupt
+            container.mux(stream.encode(None))
+        if tags.boxes:
+            insert(temporary, tags.boxes)
     if interrupted:
         raise interrupted
 

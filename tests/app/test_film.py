@@ -13,6 +13,7 @@ from PIL import Image
 from subsea.app import reels
 from subsea.app.cli import main
 from subsea.errors import UserError
+from subsea.resources import resource_path
 
 SMALL = ["--size", "161x120", "--seconds", "0.2", "--fps", "20", "--seed", "1"]
 
@@ -154,6 +155,19 @@ def test_a_fault_or_an_interruption_before_the_first_picture_leaves_nothing(tmp_
     assert not list(tmp_path.iterdir())
 
 
+def test_the_same_pictures_make_the_same_film(tmp_path):
+    dice = np.random.default_rng(1)
+    pictures = [np.kron(dice.integers(0, 255, (15, 20, 3)), np.ones((8, 8, 1))) for _ in range(40)]
+    films = set()
+    for k in range(4):
+        out = tmp_path / f"{k}.mp4"
+        with reels.open_reels(out, {"": (160, 120)}, Fraction(20)) as write:
+            for number, picture in enumerate(pictures):
+                write(number, {"": picture.astype(np.uint8)})
+        films.add(out.read_bytes())
+    assert len(films) == 1
+
+
 def test_the_name_decides(tmp_path):
     assert reels.kind_of(tmp_path / "a.MP4") == "film"
     assert reels.kind_of(tmp_path / "a.png") == "picture"
@@ -202,6 +216,29 @@ def test_the_same_command_gives_the_same_film(tmp_path, display, fps):
     np.testing.assert_array_equal(*films)
     assert len(films[0]) == round(0.2 * fps)
     assert (films[0][0] != films[0][-1]).any()
+
+
+def test_a_tour_of_the_scenario_is_filmed_to_its_end(tmp_path, capsys):
+    place = [f"position_cm = [{x}, -60, -330]" for x in (-460, -430)]
+    file = tmp_path / "s.toml"
+    file.write_text(
+        resource_path("assets/scenarios/peaceful.toml").read_text()
+        + '[[tour]]\nname = "short"\nwaypoint = [{time_s = 0, look_at_cm = [-460, 800, -330], '
+        + f"{place[0]}}}, {{time_s = 0.6, {place[1]}}}]\n"
+    )
+    arguments = ["--scenario", str(file), "--size", "64x64", "--fps", "5", "--seed", "1"]
+    shown = {}
+    for tour in ("short", "auto"):
+        out = tmp_path / tour
+        rest = ["--tour", tour] if tour == "short" else ["--seconds", "0.6"]
+        assert main(["film", str(out), *arguments, *rest]) == 0
+        shown[tour] = [np.asarray(Image.open(path)) for path in sorted(out.glob("*.png"))]
+    assert len(shown["short"]) == 3
+    assert (shown["short"][0] != shown["auto"][0]).mean() > 0.5  # it begins elsewhere
+    assert (
+        main(["film", str(tmp_path / "auto"), *arguments, "--seconds", "0.6", "--tour", "sh"]) == 2
+    )
+    assert "did you mean 'short'" in capsys.readouterr().err
 
 
 def test_a_film_may_begin_later(tmp_path):

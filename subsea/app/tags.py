@@ -1,0 +1,108 @@
+"""What a film tells players about its picture: that it is of two eyes, or of all directions.
+
+Two eyes: the frame packing message of H.264, by which televisions change their mode, and the box
+`st3d`, which players on computers read. All directions: the box `sv3d` ("spherical video V2", as
+Google published it). ffmpeg's muxer writes the boxes only for what it was given by a demuxer, so
+they are put in when the film is complete.
+"""
+
+import shutil
+import struct
+from collections.abc import Iterator
+from importlib.metadata import version
+from pathlib import Path
+from typing import IO, NamedTuple
+
+import numpy as np
+
+
+class Tags(NamedTuple):
+    """What is told of a film."""
+
+    packing: int | None = None  # of Annex D of H.264; None: every frame is one picture
+    boxes: bytes = b""  # for the description of the track
+
+
+def box(kind: bytes, content: bytes) -> bytes:
+    """A box of an MP4 file: its length, four letters, and what is inside."""
+    return struct.pack(">I4s", 8 + len(content), kind) + content
+
+
+def _st3d(mode: int) -> bytes:
+    return box(b"st3d", bytes(4) + bytes([mode]))
+
+
+def _sv3d() -> bytes:
+    header = box(b"svhd", bytes(4) + f"subsea {version('subsea')}".encode() + b"\0")
+    pose = box(b"prhd", bytes(4) + struct.pack(">3i", 0, 0, 0))  # the front in the middle, level
+    whole = box(b"equi", bytes(4) + struct.pack(">4I", 0, 0, 0, 0))  # nothing is cut off
+    return box(b"sv3d", header + box(b"proj", pose + whole))
+
+
+NO_TAGS = Tags()
+
+
+def tags_for(display: str) -> Tags:
+    """What to tell of a film in a display mode."""
+    known = {
+        "checkerboard": Tags(packing=0),
+        "interlaced": Tags(packing=2),
+        "side-by-side": Tags(packing=3, boxes=_st3d(2)),
+        "top-bottom": Tags(packing=4, boxes=_st3d(1)),
+        "equirectangular": Tags(boxes=_st3d(0) + _sv3d()),
+    }
+    return known.get(display, NO_TAGS)
+
+
+# Where the boxes inside of a box begin.
+INSIDE = {b"moov": 8, b"trak": 8, b"mdia": 8, b"minf": 8, b"stbl": 8, b"stsd": 16}
+
+
+def insert(path: Path, boxes: bytes) -> None:
+    """Put boxes into the description of the video track of an MP4 file whose index is first.
+
+    The file has one track, of H.264. It is replaced as a whole.
+    """
+    new = path.with_name(f"{path.name}.tagged")
+    try:
+        with path.open("rb") as source, new.open("wb") as target:
+            target.write(_read(source))  # ftyp
+            target.write(_grown(_read(source), boxes, len(boxes)))  # moov
+            shutil.copyfileobj(source, target, 1 << 20)
+        new.replace(path)
+    finally:
+        new.unlink(missing_ok=True)
+
+
+def _read(source: IO[bytes]) -> bytes:
+    """The next box of a file."""
+    head = source.read(8)
+    return head + source.read(struct.unpack(">I", head[:4])[0] - 8)
+
+
+def _grown(whole: bytes, boxes: bytes, shift: int) -> bytes:
+    """A box with `boxes` at the end of the description of H.264 in it.
+
+    All places in the file that it tells are `shift` bytes later.
+    """
+    kind = whole[4:8]
+    if kind == b"avc1":
+        return box(kind, whole[8:] + boxes)
+    if kind in (b"stco", b"co64"):
+        number = ">u4" if kind == b"stco" else ">u8"
+        places = np.frombuffer(whole[16:], number).astype(np.uint64) + np.uint64(shift)
+        return whole[:16] + places.astype(number).tobytes()
+    if kind not in INSIDE:
+        return whole
+    start = INSIDE[kind]
+    return box(
+        kind, whole[8:start] + b"".join(_grown(b, boxes, shift) for b in _each(whole[start:]))
+    )
+
+
+def _each(data: bytes) -> Iterator[bytes]:
+    """The boxes that follow one another in `data`."""
+    while data:
+        (length,) = struct.unpack(">I", data[:4])
+        yield data[:length]
+        data = data[length:]
