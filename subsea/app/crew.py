@@ -2,13 +2,19 @@
 
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import Protocol
 
 from subsea.app.clock import Clock
+from subsea.app.console import say
 from subsea.app.pilot import Pilot
 from subsea.cluster.follower import Follower
+from subsea.cluster.keys import read_keys
+from subsea.cluster.link import endpoint
 from subsea.cluster.master import Master
+from subsea.errors import UserError, unknown
 from subsea.ocean import step
+from subsea.theatre.files import Theatre
 from subsea.world import TICK_S, World
 
 PATIENCE_S = 0.02  # for so long a node looks for the next picture before it looks at its window
@@ -115,3 +121,36 @@ class Following:
         """Nothing to tell: the master does."""
         self._node.close()
         return []
+
+
+def muster(
+    theatre: Theatre, path: Path, node: str | None
+) -> Callable[[World, Pilot], Alone | Leading | Following]:
+    """Who makes the ticks on the computer `node` of a theatre, from the file `path`.
+
+    A node that is none of the theatre's, keys that are missing or an address that needs some are
+    UserErrors, here rather than when the world is there.
+    """
+    cluster, others = theatre.cluster, [name for name in theatre.nodes if name != node]
+    if node is not None and node not in theatre.nodes:
+        raise UserError(f"{path}: {unknown('node', node, list(theatre.nodes))}")
+    if cluster is None:
+        return Alone
+    if node is None:
+        raise UserError(
+            f"{path}: this theatre has the nodes {', '.join(theatre.nodes)}; expected --node "
+            "with one of them"
+        )
+    address, timeout_s, master = cluster.address, cluster.timeout_s, cluster.master
+    leads = node == master
+    keys = None
+    if cluster.keys is not None:
+        keys = read_keys(path.parent / cluster.keys, node, others if leads else [master])
+    endpoint(address, keys)
+
+    def made(world: World, pilot: Pilot) -> Leading | Following:
+        if leads:
+            return Leading(Master(world, others, address, keys, timeout_s, say), pilot)
+        return Following(Follower(world, node, master, address, keys, timeout_s, say))
+
+    return made

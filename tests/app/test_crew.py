@@ -8,13 +8,16 @@ import numpy as np
 import pytest
 
 from subsea import snapshot
-from subsea.app.crew import Alone, Following, Leading
+from subsea.app.crew import Alone, Following, Leading, muster
 from subsea.app.pilot import Pilot
 from subsea.cluster.follower import Follower
+from subsea.cluster.keys import write_keys
 from subsea.cluster.master import Master
+from subsea.errors import UserError
 from subsea.ocean import create_world, step
 from subsea.scenario import load_scenario
 from subsea.submarine.helm import HANDS_OFF
+from subsea.theatre.files import load_theatre
 from subsea.world import TICK_S
 
 
@@ -83,3 +86,61 @@ def test_one_leads_and_another_follows(worlds):
     assert follow.close() == []
     [line] = lead.close()
     assert line.startswith("node left: ")
+
+
+THEATRE = """
+[[window]]
+name = "west"
+node = "left"
+size = [64, 48]
+
+[[window]]
+name = "east"
+node = "right"
+size = [64, 48]
+
+[[channel]]
+name = "west"
+window = "west"
+panorama = {}
+
+[cluster]
+master = "right"
+address = "ADDRESS"
+"""
+
+
+def theatre(folder, address, more=""):
+    path = folder / "hall.toml"
+    path.write_text(THEATRE.replace("ADDRESS", address) + more)
+    return load_theatre(str(path))
+
+
+def test_a_theatre_says_who_leads_and_who_follows(tmp_path, worlds):
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        found = theatre(tmp_path, f"127.0.0.1:{taken.getsockname()[1]}")
+    for node, kind, hands in (("right", Leading, True), ("left", Following, False)):
+        crew = muster(*found, node)(worlds[0], Pilot())
+        assert isinstance(crew, kind)
+        assert crew.hands == hands
+        crew.close()
+
+
+def test_faults_of_a_cluster_are_told_before_there_is_a_world(tmp_path):
+    found = theatre(tmp_path, "127.0.0.1:5560")
+    with pytest.raises(UserError, match=r"hall\.toml: unknown node 'lefty'; did you mean 'left'"):
+        muster(*found, "lefty")
+    with pytest.raises(UserError, match=r"has the nodes left, right; expected --node"):
+        muster(*found, None)
+    with pytest.raises(UserError, match=r"keys are needed"):
+        muster(*theatre(tmp_path, "192.0.2.7:5560"), "left")
+    found = theatre(tmp_path, "192.0.2.7:5560", 'keys = "ours"\n')
+    with pytest.raises(UserError, match=r"ours/right\.key_secret: cannot read"):
+        muster(*found, "right")
+    write_keys(tmp_path / "ours", ["left", "right"])
+    muster(*found, "right")
+    (tmp_path / "ours" / "left.key").unlink()
+    with pytest.raises(UserError, match=r"ours/left\.key: cannot read"):
+        muster(*found, "right")
+    muster(*found, "left")  # which needs the master's key, and its own
