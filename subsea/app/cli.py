@@ -90,6 +90,12 @@ def _add_dive(commands: Any) -> None:
     _add_scenario(dive)
     _add_display(dive)
     _add_theatre(dive)
+    dive.add_argument(
+        "--node",
+        metavar="NAME",
+        help="which of a theatre's computers this is, when each shows its own windows: "
+        "docs/cluster.md",
+    )
     _add_stereo(dive)
     _add_surround(dive)
     _add_size(dive, (1280, 720))

@@ -24,9 +24,21 @@ HOLD_S = 0.25  # the same while the master is silent: the picture that is held i
 class Crew(Protocol):
     """Makes the ticks of each picture, and has it shown at the right moment."""
 
-    hands: bool  # whether the pilot is here
-    waiting: str  # what the dive waits for, in words; nothing while it goes on
-    idle_s: float  # of the last call of `picture`, in which nothing was to be done
+    @property
+    def hands(self) -> bool:
+        """Whether the pilot is here."""
+
+    @property
+    def shared(self) -> bool:
+        """Whether other computers show the same dive, so that all look from the same place."""
+
+    @property
+    def waiting(self) -> str:
+        """What the dive waits for, in words; nothing while it goes on."""
+
+    @property
+    def idle_s(self) -> float:
+        """Time of the last call of `picture` in which there was nothing to do."""
 
     def picture(self, elapsed_s: float) -> float | None:
         """Make the ticks that are due; the point between the last two at which to draw.
@@ -44,7 +56,7 @@ class Crew(Protocol):
 class Alone:
     """This computer's clock and hands."""
 
-    hands, waiting, idle_s = True, "", 0.0
+    hands, shared, waiting, idle_s = True, False, "", 0.0
 
     def __init__(self, world: World, pilot: Pilot) -> None:
         self._world, self._pilot = world, pilot
@@ -67,7 +79,7 @@ class Alone:
 class Leading:
     """This computer's clock and hands, which others follow."""
 
-    hands, waiting, idle_s = True, "", 0.0
+    hands, shared, waiting, idle_s = True, True, "", 0.0
 
     def __init__(self, master: Master, pilot: Pilot) -> None:
         self._master, self._pilot = master, pilot
@@ -94,7 +106,7 @@ class Leading:
 class Following:
     """The clock and hands of the master."""
 
-    hands = False
+    hands, shared = False, True
 
     def __init__(self, node: Follower) -> None:
         self._node = node
@@ -123,24 +135,17 @@ class Following:
         return []
 
 
-def muster(
-    theatre: Theatre, path: Path, node: str | None
-) -> Callable[[World, Pilot], Alone | Leading | Following]:
+def muster(theatre: Theatre, path: Path, node: str | None) -> Callable[[World, Pilot], Crew]:
     """Who makes the ticks on the computer `node` of a theatre, from the file `path`.
 
-    A node that is none of the theatre's, keys that are missing or an address that needs some are
-    UserErrors, here rather than when the world is there.
+    None shows all of its windows on this computer, alone. Keys that are missing and an address that
+    needs some are UserErrors, here rather than when the world is there.
     """
     cluster, others = theatre.cluster, [name for name in theatre.nodes if name != node]
     if node is not None and node not in theatre.nodes:
         raise UserError(f"{path}: {unknown('node', node, list(theatre.nodes))}")
-    if cluster is None:
+    if node is None or cluster is None:
         return Alone
-    if node is None:
-        raise UserError(
-            f"{path}: this theatre has the nodes {', '.join(theatre.nodes)}; expected --node "
-            "with one of them"
-        )
     address, timeout_s, master = cluster.address, cluster.timeout_s, cluster.master
     leads = node == master
     keys = None
@@ -148,7 +153,7 @@ def muster(
         keys = read_keys(path.parent / cluster.keys, node, others if leads else [master])
     endpoint(address, keys)
 
-    def made(world: World, pilot: Pilot) -> Leading | Following:
+    def made(world: World, pilot: Pilot) -> Crew:
         if leads:
             return Leading(Master(world, others, address, keys, timeout_s, say), pilot)
         return Following(Follower(world, node, master, address, keys, timeout_s, say))

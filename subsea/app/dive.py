@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from subsea.app import pacing
 from subsea.app.console import say
-from subsea.app.crew import Alone, Crew
+from subsea.app.crew import Alone, Crew, muster
 from subsea.app.eyes import velocity_of
 from subsea.app.house import NOT_SHRUNK, House, open_house
 from subsea.app.overlay import Overlay, panes
@@ -55,19 +55,25 @@ def dive(
     target_ms: float | None,
     theatre: str | None = None,
     shrink: int = 1,
+    node: str | None = None,
 ) -> int:
     """Dive until the window is closed, Esc is pressed, or `seconds` have passed; exit code 0.
 
-    In the windows of a `theatre`, `shrink` times smaller, if one is named.
+    In the windows of a `theatre`, `shrink` times smaller, if one is named; as the computer `node`
+    of several in those that are its own.
     """
-    installation = None
+    installation: Installation | None = None
+    crew: Callable[[World, Pilot], Crew] = Alone
     if theatre is not None:
-        installation = installed(open_house(theatre, display, stereo, shrink=shrink))
+        house = open_house(theatre, display, stereo, node, shrink)
+        installation, crew = installed(house), muster(house.theatre, house.path, node)
     elif shrink != 1:
         raise UserError(NOT_SHRUNK)
+    elif node is not None:
+        raise UserError("--node is one of a theatre's computers, expected --theatre too")
     running = Dive(
         scenario, display, size, fullscreen, seed, stereo, surround, quality, target_ms,
-        installation,
+        installation, crew,
     )  # fmt: skip
     with closing(running):
         start = last = time.perf_counter()
@@ -102,13 +108,13 @@ class Dive:
         quality: str = AUTO,
         target_ms: float | None = None,
         installation: Installation | None = None,
-        muster: Callable[[World, Pilot], Crew] = Alone,
+        crew: Callable[[World, Pilot], Crew] = Alone,
     ) -> None:
         """Open the windows, then the world: the visitor sees at once that something happens.
 
         The rig and the windows are those of the `installation`, else one window and the rig of
         `display` at its size. `quality` is one of `render.quality.CHOICES`; "auto" holds
-        `target_ms`, None: what the renderer suggests. `muster` says who makes the ticks. Whatever
+        `target_ms`, None: what the renderer suggests. `crew` makes what makes the ticks. Whatever
         fails, all that was opened is closed again.
         """
         load_scenario(scenario)  # a misspelt name is told before a window flashes up
@@ -156,7 +162,7 @@ class Dive:
             )
             self._memory = nothing_drawn(len(self.world.state.fishes.species))
             undo.callback(self._renderer.release)
-            self._crew = muster(self.world, self.pilot)
+            self._crew = crew(self.world, self.pilot)
             undo.callback(self._disband)
             self._undo = undo.pop_all()
 
@@ -267,7 +273,7 @@ class Dive:
         """Do what the visitor asked for by a key."""
         if wish == "help":
             self.overlay.toggle_help()
-        elif wish == "ride" and not self._pattern:
+        elif wish == "ride" and not self._pattern and not self._crew.shared:
             fish = nearest_to_middle(self.world, self._views()[front_view(self._rig)])
             if fish is not None:
                 self._mount(fish)

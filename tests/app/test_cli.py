@@ -78,6 +78,7 @@ def test_every_command_has_help_with_examples(capsys, command):
         (["benchmark", "--json", "/proc/none/a.json"], "/proc/none"),
         (["doctor", "--quick"], "--quick"),
         (["keys", "here"], "NAME"),
+        (["dive", "--node", "left"], "expected --theatre too"),
         (["keys", "here", "../left"], "expected a name"),
     ],
 )

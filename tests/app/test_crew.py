@@ -45,7 +45,8 @@ def test_alone_the_clock_makes_the_ticks_and_the_hands_steer(worlds):
     crew.swap(None)
     crew.picture(4 * TICK_S)
     assert np.linalg.norm(world.state.submarine.velocity) > 1.0
-    assert (crew.waiting, crew.idle_s, crew.close()) == ("", 0.0, [])
+    assert (crew.hands, crew.shared, crew.waiting, crew.idle_s) == (True, False, "", 0.0)
+    assert crew.close() == []
 
 
 def test_one_leads_and_another_follows(worlds):
@@ -123,7 +124,7 @@ def test_a_theatre_says_who_leads_and_who_follows(tmp_path, worlds):
     for node, kind, hands in (("right", Leading, True), ("left", Following, False)):
         crew = muster(*found, node)(worlds[0], Pilot())
         assert isinstance(crew, kind)
-        assert crew.hands == hands
+        assert (crew.hands, crew.shared) == (hands, True)
         crew.close()
 
 
@@ -131,8 +132,7 @@ def test_faults_of_a_cluster_are_told_before_there_is_a_world(tmp_path):
     found = theatre(tmp_path, "127.0.0.1:5560")
     with pytest.raises(UserError, match=r"hall\.toml: unknown node 'lefty'; did you mean 'left'"):
         muster(*found, "lefty")
-    with pytest.raises(UserError, match=r"has the nodes left, right; expected --node"):
-        muster(*found, None)
+    assert muster(*found, None) is Alone
     with pytest.raises(UserError, match=r"keys are needed"):
         muster(*theatre(tmp_path, "192.0.2.7:5560"), "left")
     found = theatre(tmp_path, "192.0.2.7:5560", 'keys = "ours"\n')
