@@ -81,7 +81,7 @@ def species_plate(names: Sequence[str], varied: str | None = None) -> Image.Imag
     )
     instances = np.array(records, np.float32)
     batches = (Batch(0, 0, len(instances)),)
-    packet = Packet(1.0, (view,), instances, batches, np.zeros((0, 3), np.float32), 0)
+    packet = Packet(1.0, (view,), instances, (batches,), np.zeros((0, 3), np.float32), 0)
     with headless_context() as context:
         renderer = Renderer(context, scene, display_rig("mono", size), PRESETS["high"])
         renderer.draw(packet)

@@ -81,7 +81,8 @@ def beats() -> Image.Image:
         water=Water(fog=(0.012, 0.115, 0.20), visibility_cm=1500.0),
     )
     batches = (Batch(0, 0, len(records)),)
-    packet = Packet(1.0, tuple(views), records, batches, np.zeros((0, 3), np.float32), 0)
+    every = (batches,) * len(views)
+    packet = Packet(1.0, tuple(views), records, every, np.zeros((0, 3), np.float32), 0)
     with headless_context() as context:
         renderer = Renderer(context, scene, display_rig("mono", size), PRESETS["high"])
         renderer.draw(packet)

@@ -3,6 +3,7 @@
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -73,7 +74,7 @@ class Scene:
 
 @dataclass(frozen=True)
 class Batch:
-    """Consecutive instances that share a level of detail, the farthest first."""
+    """Consecutive instances of a view that share a level of detail, the farthest first."""
 
     level: int
     first: int
@@ -87,8 +88,10 @@ class Packet:
 
     time_s: float  # world time, interpolated
     views: tuple[View, ...]
-    instances: Array  # (m, 23) float32, sorted by batch
-    batches: tuple[Batch, ...]  # those at rest, coarsest first, then those that fade
+    # (m, 23) float32, sorted by batch; who is in sight of several views is there for each of them
+    instances: Array
+    # Of each view those at rest, coarsest first, then those that fade.
+    batches: tuple[tuple[Batch, ...], ...]
     plankton: Array  # (p, 3) float32 cm
     hidden: int  # fishes culled away
     # Control points (r, 426, 3) float32 cm that replace rows of the scene's from `live_row` on:
@@ -99,9 +102,11 @@ class Packet:
     vessel: Array | None = None  # (3,) cm, where the submarine is; None: where the views' eyes are
     hook: Array | None = None  # (3,) cm, of the bend; None: no hook is in the water
     bait: bool = False  # whether it is still on the hook
-    # Leaves of seaweed in sight, those to be drawn finely first, and how many these are.
+    # Leaves of seaweed in sight, those to be drawn finely first, how many these are, and which of
+    # all of them (v, k) each view sees; None: each sees all.
     leaves: Array = field(default_factory=lambda: np.zeros((0, LEAF_TEXELS, 4), np.float32))
     fine_leaves: int = 0
+    leaves_seen: NDArray[np.bool_] | None = None
 
 
 def make_scene(world: World) -> Scene:
@@ -157,21 +162,19 @@ def pack(
     choose(pixels, wavy, THRESHOLDS_PX / detail if lod else NEVER_COARSE, time_s, memory)
     order, share, starts = arranged(distance, time_s, len(LEVELS), memory)
     culled = time.perf_counter()
-    fine, coarse = _leaves_in_sight(world, views, culling, lod, detail, growth)
+    leaves, fine_leaves, leaves_seen = _leaves_in_sight(world, views, culling, lod, detail, growth)
     instances = np.empty((len(order), INSTANCE_COLUMNS), np.float32)
     _write_instances(fishes, centres, order, share, alpha, instances)
     live_points = _skin_live(world, order)
     world.stages_s["cull"] = culled - start
     world.stages_s["pose"] = time.perf_counter() - culled
     batches = tuple(
-        Batch(
-            len(LEVELS) - 1 - k % len(LEVELS),
-            int(starts[k]),
-            int(starts[k + 1] - starts[k]),
-            k >= len(LEVELS),
+        tuple(
+            Batch(len(LEVELS) - 1 - k % len(LEVELS), first, end - first, k >= len(LEVELS))
+            for k, (first, end) in enumerate(pairwise(own))
+            if end > first
         )
-        for k in range(2 * len(LEVELS))
-        if starts[k + 1] > starts[k]
+        for own in starts.tolist()
     )
     return Packet(
         time_s=time_s,
@@ -186,8 +189,9 @@ def pack(
         vessel=cockpit(world.state.submarine, alpha).eye,
         hook=_hook(world.state.sea, alpha),
         bait=bool(world.state.sea.catch[0] in (SINKING, HANGING)),
-        leaves=_leaves(world, np.concatenate([fine, coarse]), alpha),
-        fine_leaves=len(fine),
+        leaves=_leaves(world, leaves, alpha),
+        fine_leaves=fine_leaves,
+        leaves_seen=leaves_seen,
     )
 
 
@@ -209,8 +213,11 @@ def _hook(sea: Sea, alpha: float) -> Array | None:
 
 def _leaves_in_sight(
     world: World, views: Sequence[View], culling: bool, lod: bool, detail: float, growth: float
-) -> tuple[Ints, Ints]:
-    """Leaves near and far of those clusters whose centroid is in some view, or nearly."""
+) -> tuple[Ints, int, NDArray[np.bool_]]:
+    """Leaves (k,) of those clusters whose centroid is in some view, or nearly.
+
+    The near ones first, and how many these are; and which of them (v, k) each view sees.
+    """
     box, seaweed = world.state.sea.seaweed, world.state.seaweed
     centres, size = (box[:, :3] + box[:, 3:]) / 2, box[:, 3:] - box[:, :3]
     # A leaf is wider than its chain, and between two ticks outside of its box; blades of kelp
@@ -221,12 +228,15 @@ def _leaves_in_sight(
     reach = IN_SIGHT * world.scenario.water.visibility_cm
     # However tall a plant is: it is made of parts.
     covers = np.minimum(2 * radii, LEAF_MOST_CM)
-    pixels = detail * covered(centres, radii, covers, views, reach, culling)[0]
+    pixels, distance = covered(centres, radii, covers, views, reach, culling)
+    pixels *= np.float32(detail)
     near = pixels > LEAF_NEAR_PX if lod else pixels >= 0.0
     shown = np.arange(len(box)) * GOLDEN % 1.0 < growth
-    leaves = np.diff(seaweed.first)
+    cluster = np.repeat(np.arange(len(box)), np.diff(seaweed.first))
     fine, coarse = shown & near, shown & ~near & (pixels > LEAF_LEAST_PX)
-    return np.flatnonzero(np.repeat(fine, leaves)), np.flatnonzero(np.repeat(coarse, leaves))
+    fine_leaves = np.flatnonzero(fine[cluster])
+    leaves = np.concatenate([fine_leaves, np.flatnonzero(coarse[cluster])])
+    return leaves, len(fine_leaves), np.isfinite(distance)[:, cluster[leaves]]
 
 
 def _leaves(world: World, order: Ints, alpha: float) -> Array:

@@ -54,11 +54,11 @@ def test_culling_hides_some_and_keeps_the_rest(world):
 def test_batches_cover_the_instances_in_order(world):
     packet = _pack(world)
     ends = [0]
-    for batch in packet.batches:
+    for batch in packet.batches[0]:
         assert batch.first == ends[-1]
         ends.append(batch.first + batch.count)
     assert ends[-1] == len(packet.instances)
-    levels = [batch.level for batch in packet.batches]
+    levels = [batch.level for batch in packet.batches[0]]
     assert levels == sorted(set(levels), reverse=True)
     assert len(levels) > 1
     rows, kinds = packet.instances[:, [frame.ROW_A, frame.KIND]].astype(int).T
@@ -67,12 +67,12 @@ def test_batches_cover_the_instances_in_order(world):
 
 
 def test_without_lod_all_are_tessellated(world):
-    assert {batch.level for batch in _pack(world, lod=False).batches} == {0}
+    assert {batch.level for batch in _pack(world, lod=False).batches[0]} == {0}
 
 
 def test_detail_is_a_factor_on_the_pixels(world):
     def mean(packet):
-        return sum(b.level * b.count for b in packet.batches) / len(packet.instances)
+        return sum(b.level * b.count for b in packet.batches[0]) / len(packet.instances)
 
     assert mean(_pack(world, detail=3.0)) < mean(_pack(world)) < mean(_pack(world, detail=0.3))
 
@@ -81,9 +81,9 @@ def test_with_a_memory_levels_fade_and_without_they_do_not(world):
     """While the camera comes nearer: records double, and their shares are each other's rest."""
     memory = nothing_drawn(len(world.state.fishes.species))
     first = _pack(world, memory=memory, detail=0.5)
-    assert not any(batch.fading for batch in first.batches)
+    assert not any(batch.fading for batch in first.batches[0])
     alone = _pack(world, detail=1.5)
-    assert not any(batch.fading for batch in alone.batches)
+    assert not any(batch.fading for batch in alone.batches[0])
     second = _pack(world, memory=memory, detail=1.5)
     assert len(second.instances) > len(alone.instances) == len(first.instances)
     assert second.hidden == alone.hidden

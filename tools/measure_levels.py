@@ -46,7 +46,7 @@ def drawing_ms(context: object, renderer: Renderer, packet: Packet) -> float:
         renderer.draw(shown)
         renderer.read_pixels()
 
-    bare = replace(packet, instances=packet.instances[:0], batches=())
+    bare = replace(packet, instances=packet.instances[:0], batches=((),))
     return least_ms(lambda: draw(packet)) - least_ms(lambda: draw(bare))
 
 
@@ -71,7 +71,7 @@ def each_level(world: World) -> None:
     with headless_context() as context:
         renderer = Renderer(context, make_scene(world), display_rig("mono", SIZE), QUALITY)
         for level, name in enumerate(LEVELS):
-            drawn = replace(packet, batches=(Batch(level, 0, count),))
+            drawn = replace(packet, batches=((Batch(level, 0, count),),))
             cost = drawing_ms(context, renderer, drawn)
             print(f"{name:12s}{1000.0 * cost / count:8.1f} µs a fish ({count} of them)")
         renderer.release()
@@ -90,7 +90,7 @@ def with_and_without(world: World, number: int) -> None:
     print(f"{number} fishes, {len(both.instances)} in sight: {costs[0]:.1f} ms")
     print(f"without both {costs[1]:.0f} ms, {costs[1] / costs[0]:.0f} times as much")
     counts = np.zeros(len(LEVELS), int)
-    for batch in both.batches:
+    for batch in both.batches[0]:
         counts[batch.level] += batch.count
     print(dict(zip(LEVELS, counts.tolist(), strict=True)))
     packing = least_ms(lambda: pack(world, views, 1.0, detail=QUALITY.detail, memory=memory))

@@ -7,7 +7,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from subsea.frame import FADE, KIND, ORIENTATION, POSITION, SCALE, Packet, Scene
+from subsea.frame import FISH, KIND, ORIENTATION, POSITION, SCALE, Packet, Scene
 from subsea.habitat.formations import SUN
 from subsea.kinematics.heightfield import height_at
 from subsea.render.shaders import program, set_uniforms
@@ -79,18 +79,25 @@ def cast(
 
     `instances` are those of a packet, `lengths` (s,) the recorded lengths of the species, cm. The
     first one is that of the vessel, if it is low enough; the others follow from the last instance
-    to the first, so that what is left out when `out` is full is drawn coarsely and far away.
+    to the first, so that what is left out when `out` is full is drawn coarsely and far away. A fish
+    casts one however often it is there, for all views: who is beside one may darken its sand.
     """
     number = _lay(
         vessel[0], vessel[1], vessel[2], 1.0, 0.0, 0.8 * HULL_CM, 0.6 * HULL_CM, 1.0, heights,
         half_width, out, 0,
     )  # fmt: skip
+    most = 0.0
+    for k in range(len(instances)):
+        most = max(most, instances[k, FISH])
+    has_one = np.zeros(int(most) + 1, np.bool_)
     for k in range(len(instances) - 1, -1, -1):
         if number == len(out):
             break
         one = instances[k]
-        if one[FADE] < 0.0:  # who goes from one level to another is there twice
+        fish = int(one[FISH])
+        if has_one[fish]:
             continue
+        has_one[fish] = True
         x, y, z = one[POSITION]
         far = np.sqrt((x - eye[0]) ** 2 + (y - eye[1]) ** 2 + (z - eye[2]) ** 2)
         if far >= FARTHEST_CM:

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from subsea.frame import Packet, Scene
 from subsea.render.marks import BUBBLES, Twin
 from subsea.render.seabed import drawn_height
-from subsea.view.camera import View
 from subsea.view.culling import IN_SIGHT
 
 Array = NDArray[np.floating[Any]]
@@ -38,9 +37,10 @@ class Bubbles:
         self._array = self._drawn.array([(self._buffer, "4f4 4f4 /i", "a_vent", "a_slot")])
 
     def draw(
-        self, packet: Packet, view: View, uniforms: dict[str, Any], marked: bool = False
+        self, packet: Packet, number: int, uniforms: dict[str, Any], marked: bool = False
     ) -> int:
         """Draw the vents in sight, blended, or their marks; the number of triangles."""
+        view = packet.views[number]
         seen = [
             slot
             for slot, ends in zip(self._slots, self._streams, strict=True)

@@ -178,17 +178,17 @@ class Coral:
         self._standing.choose(views, detail, self._own <= growth)
         self._shadows.choose(views, detail, self._shaded <= growth)
 
-    def draw(self, uniforms: dict[str, Any], marked: bool = False) -> int:
+    def draw(self, number: int, uniforms: dict[str, Any], marked: bool = False) -> int:
         """Draw what was chosen, or marks of it; the number of triangles."""
         if marked and self._marking is None:
             self._marking = program(self._context, "coral", MARKS=1, OWN_MARKS=1)
             self._standing.mark_by(self._marking, mark(CORAL, self._standing.owners))
         self._grain.use(GRAIN_UNIT)
-        return self._standing.draw(uniforms | {"u_grain": GRAIN_UNIT}, marked)
+        return self._standing.draw(number, uniforms | {"u_grain": GRAIN_UNIT}, marked)
 
-    def draw_shadows(self, uniforms: dict[str, Any]) -> int:
+    def draw_shadows(self, number: int, uniforms: dict[str, Any]) -> int:
         """Darken the sand that has been drawn, blended; the number of triangles."""
-        return self._shadows.draw(uniforms)
+        return self._shadows.draw(number, uniforms)
 
     def release(self) -> None:
         """Free every OpenGL object."""

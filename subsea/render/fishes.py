@@ -26,7 +26,6 @@ from subsea.render.fish_speck import COARSEST, Speck, places, speck
 from subsea.render.marks import FISH, double, mark
 from subsea.render.shaders import program, set_uniforms
 from subsea.species import Display, Species
-from subsea.view.camera import View
 
 Array = NDArray[np.floating[Any]]
 
@@ -112,9 +111,9 @@ class Fishes:
             self._table.write(texels.tobytes(), viewport=(0, packet.live_row, points, rows))
 
     def draw(
-        self, packet: Packet, view: View, uniforms: dict[str, Any], marked: bool = False
+        self, packet: Packet, number: int, uniforms: dict[str, Any], marked: bool = False
     ) -> int:
-        """Draw all fishes, or their marks, into the bound framebuffer; the number of triangles.
+        """Draw the fishes of a view, or their marks; the number of triangles.
 
         Coarse levels, which are mostly far away, come first, each in one call: fins have triangles
         on both sides there. Of fine levels all bodies come before all fins, which are translucent
@@ -131,7 +130,8 @@ class Fishes:
             "u_vertices": VERTICES_UNIT,
             "u_places": PLACES_UNIT,
         }
-        for compiled in {*self._cold, *(self._program(batch, marked) for batch in packet.batches)}:
+        batches = packet.batches[number]
+        for compiled in {*self._cold, *(self._program(batch, marked) for batch in batches)}:
             set_uniforms(compiled, **units, **uniforms, u_mark=mark(FISH))
         while self._cold:  # so that no picture later on waits for what it is the first to need
             compiled, nothing = self._cold.popitem()
@@ -139,7 +139,7 @@ class Fishes:
         total = 0
         fine = []
         self._context.enable(moderngl.CULL_FACE)
-        for batch in packet.batches:
+        for batch in batches:
             if batch.level == len(DETAILS):
                 first, triangles = 0, self._speck_triangles
             else:

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 
 from subsea.frame import Packet
 from subsea.render.marks import HOOK, Twin
-from subsea.view.camera import View
 
 Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
@@ -37,7 +36,7 @@ class Hook:
         )
 
     def draw(
-        self, packet: Packet, view: View, uniforms: dict[str, Any], marked: bool = False
+        self, packet: Packet, number: int, uniforms: dict[str, Any], marked: bool = False
     ) -> int:
         """Draw it, or its mark, where it is in the water; the number of triangles."""
         if packet.hook is None:

@@ -8,7 +8,6 @@ import numpy as np
 from subsea.frame import Packet, Scene
 from subsea.render.quality import PRESETS, Quality
 from subsea.render.shaders import program, set_uniforms
-from subsea.view.camera import View
 
 SNOW = max(preset.snow for preset in PRESETS.values())  # specks in the box about the eye
 SNOW_BOX_CM = 520.0
@@ -45,7 +44,7 @@ class Particles:
         if self._count:
             self._plankton.write(np.ascontiguousarray(packet.plankton, "f4").tobytes())
 
-    def draw(self, packet: Packet, view: View, uniforms: dict[str, Any]) -> int:
+    def draw(self, packet: Packet, uniforms: dict[str, Any]) -> int:
         """Draw over what is there, blended; points count as no triangles."""
         set_uniforms(
             self._program, **uniforms, **SNOW_LOOK,

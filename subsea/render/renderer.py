@@ -153,34 +153,36 @@ class Renderer:
         context.enable(context.PROGRAM_POINT_SIZE)
         context.depth_func = "<="  # the water lies on the far plane
         context.blend_func = context.SRC_ALPHA, context.ONE_MINUS_SRC_ALPHA
-        for view in packet.views:
-            view = self._on_canvas(view)
+        eye = None
+        for number, view in enumerate(map(self._on_canvas, packet.views)):
             uniforms = self._uniforms(packet, view)
-            self._shafts.cast(uniforms)
+            if uniforms["u_eye"] != eye:  # views through one eye have their shafts in common
+                self._shafts.cast(uniforms)
+            eye = uniforms["u_eye"]
             self._target.framebuffer.use()
             context.viewport = context.scissor = view.viewport  # specks must not spill over
             context.disable(context.BLEND)
             context.enable(context.DEPTH_TEST)
-            self.triangles += self._solids.draw(uniforms)
+            self.triangles += self._solids.draw(number, uniforms)
             context.enable(context.CULL_FACE)
-            self.triangles += self._coral.draw(uniforms)
+            self.triangles += self._coral.draw(number, uniforms)
             context.disable(context.CULL_FACE)
-            self.triangles += self._seaweed.draw(packet, view, uniforms)
-            self.triangles += self._seabed.draw(uniforms)
+            self.triangles += self._seaweed.draw(packet, number, uniforms)
+            self.triangles += self._seabed.draw(number, uniforms)
             if self.quality.shadows:
                 context.enable(context.BLEND)
                 self._target.framebuffer.depth_mask = False  # shadows may lie on one another
-                self.triangles += self._coral.draw_shadows(uniforms)
+                self.triangles += self._coral.draw_shadows(number, uniforms)
                 self.triangles += self._blobs.draw(uniforms)
                 self._target.framebuffer.depth_mask = True
                 context.disable(context.BLEND)
-            self.triangles += self._water.draw(packet, view, uniforms)
+            self.triangles += self._water.draw(uniforms)
             context.enable(context.BLEND)
-            self.triangles += self._fishes.draw(packet, view, uniforms)
-            self.triangles += self._hook.draw(packet, view, uniforms)
+            self.triangles += self._fishes.draw(packet, number, uniforms)
+            self.triangles += self._hook.draw(packet, number, uniforms)
             self._target.framebuffer.depth_mask = False
-            self.triangles += self._bubbles.draw(packet, view, uniforms)
-            self.triangles += self._particles.draw(packet, view, uniforms)
+            self.triangles += self._bubbles.draw(packet, number, uniforms)
+            self.triangles += self._particles.draw(packet, uniforms)
             self._target.framebuffer.depth_mask = True
         context.scissor = None
         self._show(self._target.picture(), into, self._scale(self.rig, self.quality), True)
@@ -222,14 +224,14 @@ class Renderer:
                 continue
             uniforms = self._uniforms(packet, view)
             context.viewport = context.scissor = view.viewport
-            self._solids.draw(uniforms, marked=True)
+            self._solids.draw(number, uniforms, marked=True)
             context.enable(context.CULL_FACE)
-            self._coral.draw(uniforms, marked=True)
+            self._coral.draw(number, uniforms, marked=True)
             context.disable(context.CULL_FACE)
-            self._seabed.draw(uniforms, marked=True)
+            self._seabed.draw(number, uniforms, marked=True)
             self._water.draw_surface(uniforms, marked=True)
             for moving in (self._seaweed, self._fishes, self._hook, self._bubbles):
-                moving.draw(packet, view, uniforms, marked=True)
+                moving.draw(packet, number, uniforms, marked=True)
         context.scissor = None
         scale = self._scale(self.rig, self.quality)
         return self._marks.read(None if part is None else scaled(part, scale))

@@ -54,7 +54,7 @@ class Seabed:
         """Decide once for all views of a packet what is drawn."""
         self._standing.choose(packet.views, detail)
 
-    def draw(self, uniforms: dict[str, Any], marked: bool = False) -> int:
+    def draw(self, number: int, uniforms: dict[str, Any], marked: bool = False) -> int:
         """Draw the tiles that were chosen, or their marks; the number of triangles."""
         if marked and self._marking is None:
             self._marking = program(self._context, "seabed", MARKS=1)
@@ -66,7 +66,7 @@ class Seabed:
             self._program,
             u_ground=GROUND_UNIT, u_ripples=RIPPLES_UNIT, u_litter=LITTER_UNIT, u_map=self._map,
         )  # fmt: skip
-        return self._standing.draw(uniforms | {"u_mark": mark(SEABED)}, marked)
+        return self._standing.draw(number, uniforms | {"u_mark": mark(SEABED)}, marked)
 
     def release(self) -> None:
         """Free every OpenGL object."""

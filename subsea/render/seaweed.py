@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 
 from subsea.frame import LEAF_TEXELS, Packet
 from subsea.render.marks import SEAWEED, Twin
-from subsea.view.camera import View
 
 Array = NDArray[np.floating[Any]]
 
@@ -42,7 +41,7 @@ class Seaweed:
             array = self._drawn.array(layout, buffers[1])
             self._ribbons.append((array, len(triangles), fronds))
             self._held += [*buffers, fronds]
-        self._counts = [0, 0]
+        self._starts = [[0], [0]]  # of each view's fronds, with the end
         self._rows = 0
         self._leaves = self._texture(64)
 
@@ -66,23 +65,33 @@ class Seaweed:
         for level, (first, end) in enumerate(ends):
             fronds = fronds_of(packet.leaves[first:end], level)
             fronds[:, 0] += first
-            self._counts[level] = len(fronds)
+            if packet.leaves_seen is None:
+                fronds = np.tile(fronds, (len(packet.views), 1))
+                lengths = [len(fronds) // len(packet.views)] * len(packet.views)
+            else:
+                seen = packet.leaves_seen[:, fronds[:, 0].astype(int)]
+                lengths = seen.sum(axis=1)
+                fronds = fronds[np.nonzero(seen)[1]]
+            self._starts[level] = np.cumsum([0, *lengths]).tolist()
             if len(fronds):
                 buffer = self._ribbons[level][2]
                 buffer.orphan(fronds.nbytes)
                 buffer.write(fronds.tobytes())
 
     def draw(
-        self, packet: Packet, view: View, uniforms: dict[str, Any], marked: bool = False
+        self, packet: Packet, number: int, uniforms: dict[str, Any], marked: bool = False
     ) -> int:
-        """Draw all fronds, the near ones finely, or their marks; the number of triangles."""
+        """Draw a view's fronds, the near ones finely, or their marks; the number of triangles."""
         self._leaves.use(LEAVES_UNIT)
         total = 0
-        for (array, triangles, _), count in zip(self._ribbons, self._counts, strict=True):
-            if count:
+        for (array, triangles, fronds), starts in zip(self._ribbons, self._starts, strict=True):
+            first, end = starts[number : number + 2]
+            if end > first:
                 array = self._drawn.ready(array, marked, u_leaves=LEAVES_UNIT, **uniforms)
-                array.render(moderngl.TRIANGLES, instances=count)
-                total += triangles * count
+                at = array.program["a_frond"].location
+                array.bind(at, "f", fronds, "2f4", 8 * first, 8, 1)
+                array.render(moderngl.TRIANGLES, instances=end - first)
+                total += triangles * (end - first)
         return total
 
     def release(self) -> None:

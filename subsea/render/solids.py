@@ -87,7 +87,7 @@ class Solids:
         if self._standing:
             self._standing.choose(packet.views, detail)
 
-    def draw(self, uniforms: dict[str, Any], marked: bool = False) -> int:
+    def draw(self, number: int, uniforms: dict[str, Any], marked: bool = False) -> int:
         """Draw what was chosen, or marks of it; the number of triangles."""
         if self._standing is None:
             return 0
@@ -102,7 +102,7 @@ class Solids:
         self._relief.use(RELIEF_UNIT)
         set_uniforms(self._program, u_relief=RELIEF_UNIT)
         self._context.enable(moderngl.CULL_FACE)
-        total = self._standing.draw(uniforms, marked)
+        total = self._standing.draw(number, uniforms, marked)
         self._context.disable(moderngl.CULL_FACE)
         return total
 

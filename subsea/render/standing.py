@@ -1,4 +1,4 @@
-"""What stands still: all shapes in one buffer, of which a frame draws those in sight at once."""
+"""What stands still: all shapes in one buffer, of which a view draws those in sight at once."""
 
 from collections.abc import Sequence
 from typing import Any, NamedTuple
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from subsea.render.marks import double
 from subsea.render.shaders import set_uniforms
 from subsea.view.camera import View
-from subsea.view.culling import pixels_per_radian
+from subsea.view.culling import in_frustum, pixels_per_radian
 
 Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
@@ -62,7 +62,8 @@ class Standing:
         for k, levels in enumerate(shapes):
             self._centres[k], self._radii[k] = bounding_sphere(levels[0].vertices)
         self._level = np.full(len(shapes), OUT_OF_SIGHT)
-        self._count = 0
+        self._seen = np.zeros((0, len(shapes)), np.bool_)
+        self._starts = [0]  # of each view's triangles, with the end
         self._held: list[Any] = []
         self._marking: tuple[Any, Any] = None, None
         # Of each shape which item it is, and how many vertices it has.
@@ -85,28 +86,33 @@ class Standing:
     def choose(
         self, views: Sequence[View], detail: float = 1.0, shown: Bools | None = None
     ) -> None:
-        """Decide once for all views what is drawn, and how finely.
+        """Decide what each view draws, and once for all of them how finely.
 
         `detail` is a factor on the pixels that a shape covers, infinite: all are drawn in full,
         in sight or not; `shown` (k,) leaves items out.
         """
         if not self._held:
             return
-        level = levels_in_sight(
+        level, seen = levels_in_sight(
             self._centres, self._radii, views, self._reach, detail, self._thresholds, self._level
         )
         if shown is not None:
             level[~shown] = OUT_OF_SIGHT
-        if (level == self._level).all():
+        seen &= level != OUT_OF_SIGHT
+        if np.array_equal(level, self._level) and np.array_equal(seen, self._seen):
             return
-        self._level = level
-        drawn = np.flatnonzero(level != OUT_OF_SIGHT)
+        self._level, self._seen = level, seen
         # The near first: what they cover need not be lit. As near as when the choice last changed.
-        away = np.linalg.norm(self._centres[drawn] - views[0].eye, axis=1) - self._radii[drawn]
-        drawn = drawn[np.argsort(away)]
-        data = _gathered(self._triangles, self._ranges[drawn, level[drawn]])
-        self._count = len(data)
-        if self._count:
+        drawn = [
+            own[np.argsort(np.linalg.norm(self._centres[own] - eye, axis=1) - self._radii[own])]
+            for own, eye in (
+                (np.flatnonzero(row), view.eye) for row, view in zip(seen, views, strict=True)
+            )
+        ]
+        ranges = [self._ranges[own, level[own]] for own in drawn]
+        self._starts = np.cumsum([0, *((own[:, 1] - own[:, 0]).sum() for own in ranges)]).tolist()
+        if self._starts[-1]:
+            data = _gathered(self._triangles, np.concatenate(ranges))
             self._indices.orphan(data.nbytes)
             self._indices.write(data)
 
@@ -128,13 +134,16 @@ class Standing:
         self._marking = array, compiled
         self._held.append(array)
 
-    def draw(self, uniforms: dict[str, Any], marked: bool = False) -> int:
-        """Draw in one call what was chosen, or its marks; the number of triangles."""
-        if self._count:
+    def draw(self, number: int, uniforms: dict[str, Any], marked: bool = False) -> int:
+        """Draw in one call what view `number` sees, or its marks; the number of triangles."""
+        if not self._held:
+            return 0
+        first, end = self._starts[number : number + 2]
+        if end > first:
             array, compiled = self._marking if marked else (self._array, self._program)
             set_uniforms(compiled, **uniforms)
-            array.render(moderngl.TRIANGLES, vertices=3 * self._count)
-        return self._count
+            array.render(moderngl.TRIANGLES, vertices=3 * (end - first), first=3 * first)
+        return end - first
 
     def release(self) -> None:
         """Free the buffers."""
@@ -150,20 +159,21 @@ def levels_in_sight(
     detail: float,
     thresholds_px: Array,
     before: Ints,
-) -> Ints:
-    """Levels of detail (k,) of spheres, OUT_OF_SIGHT for those that no view sees.
+) -> tuple[Ints, Bools]:
+    """Levels of detail (k,) of spheres, and which of them (v, k) each view sees.
 
-    A level follows from the pixels that the diameter covers where it covers most. One `before`
-    is kept until a threshold is overstepped by HYSTERESIS.
+    A level follows from the pixels that the diameter covers where it covers most; OUT_OF_SIGHT is
+    what no view sees, or what is too small. One `before` is kept until a threshold is overstepped
+    by HYSTERESIS.
     """
+    seen = np.ones((len(views), len(centres)), np.bool_)
     if np.isinf(detail):
-        return np.zeros(len(centres), np.int64)
+        return np.zeros(len(centres), np.int64), seen
     planes = np.stack([view.planes for view in views])
     eyes = np.stack([np.asarray(view.eye, np.float64) for view in views])
     scales = detail * np.array([pixels_per_radian(view) for view in views])
-    return np.asarray(
-        _levels(centres, radii, planes, eyes, scales, reach_cm, thresholds_px, before)
-    )
+    level = _levels(centres, radii, planes, eyes, scales, reach_cm, thresholds_px, before, seen)
+    return np.asarray(level), seen
 
 
 @njit(cache=True)
@@ -176,6 +186,7 @@ def _levels(
     reach: float,
     thresholds: Array,
     before: Ints,
+    seen: Bools,
 ) -> Ints:
     level = np.empty(len(centres), np.int64)
     for i in range(len(centres)):
@@ -183,14 +194,8 @@ def _levels(
         pixels = 0.0
         for v in range(len(planes)):
             d = np.sqrt((x - eyes[v, 0]) ** 2 + (y - eyes[v, 1]) ** 2 + (z - eyes[v, 2]) ** 2)
-            inside = d - radii[i] < reach
-            for p in range(6):
-                if not inside:
-                    break
-                plane = planes[v, p]
-                away = plane[0] * x + plane[1] * y + plane[2] * z + plane[3]
-                inside = away > -radii[i]
-            if inside:
+            seen[v, i] = d - radii[i] < reach and in_frustum(planes[v], x, y, z, radii[i])
+            if seen[v, i]:
                 pixels = max(pixels, 2.0 * radii[i] * scales[v] / max(d - radii[i], 1.0))
         new = before[i] == OUT_OF_SIGHT
         if pixels < (LEAST_PX if new else LEAST_PX / (1.0 + HYSTERESIS)):

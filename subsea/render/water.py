@@ -7,12 +7,11 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.frame import Packet, Scene
+from subsea.frame import Scene
 from subsea.render.marks import SURFACE, Twin
 from subsea.render.quality import Quality
 from subsea.render.shaders import program, set_uniforms
 from subsea.render.textures import ripples, upload
-from subsea.view.camera import View
 
 COARSE, FINE = (64, 36), (160, 90)  # cells of the background's grid
 FINE_FROM = 8  # samples of a shaft: these are worth a fine grid
@@ -43,7 +42,7 @@ class Water:
         """Draw shafts as finely as they are computed from now on."""
         self._cells = FINE if quality.shafts >= FINE_FROM else COARSE
 
-    def draw(self, packet: Packet, view: View, uniforms: dict[str, Any]) -> int:
+    def draw(self, uniforms: dict[str, Any]) -> int:
         """Fill what nothing covers; the number of triangles."""
         set_uniforms(self._background, **uniforms, u_cells=self._cells)
         background, _ = self._grids[self._cells]

@@ -1,6 +1,7 @@
 """What is in sight, and how large it looks (SMC §7.1)."""
 
 from collections.abc import Sequence
+from math import sqrt
 from typing import Any
 
 import numpy as np
@@ -16,8 +17,13 @@ IN_SIGHT = 1.3  # visibilities; beyond, the fog hides all
 
 
 def pixels_per_radian(view: View) -> float:
-    """Pixels that an object of 1 cm at a distance of 1 cm would cover, near the axis."""
-    return float(view.projection[1, 1]) * view.viewport[3] / 2
+    """Pixels that an object of 1 cm at a distance of 1 cm would cover, near the axis.
+
+    Where a display stretches pixels, these are the mean of across and up, as its square counts.
+    """
+    across = float(view.projection[0, 0]) * view.viewport[2] / 2
+    up = float(view.projection[1, 1]) * view.viewport[3] / 2
+    return sqrt(across * up)
 
 
 def covered(
@@ -28,18 +34,30 @@ def covered(
     reach_cm: float = np.inf,
     culling: bool = True,
 ) -> tuple[Array, Array]:
-    """Pixels (n,) that each of n things covers where it covers most, and how far (n,) it is, cm.
+    """Pixels (n,) that each of n things covers where it covers most, and how far (v, n) it is, cm.
 
-    `centres` (n, 3), `radii` (n,) of the bounding spheres and `lengths` (n,) in cm. What no view
-    sees is OUT_OF_SIGHT: views are taken together, a centre is compared with each frustum enlarged
-    by the radius, and nothing is seen beyond `reach_cm`. Without `culling` all is in sight.
+    `centres` (n, 3), `radii` (n,) of the bounding spheres and `lengths` (n,) in cm. For each of the
+    v views a centre is compared with the frustum enlarged by the radius, and nothing is seen beyond
+    `reach_cm`. What a view does not see is infinitely far from its eye, what none sees covers
+    OUT_OF_SIGHT pixels. Without `culling` all is in sight.
     """
     planes = np.stack([view.planes for view in views])
     eyes = np.stack([np.asarray(view.eye, np.float64) for view in views])
     scales = np.array([pixels_per_radian(view) for view in views])
-    pixels, distance = np.empty(len(centres), np.float32), np.empty(len(centres), np.float32)
+    pixels = np.empty(len(centres), np.float32)
+    distance = np.empty((len(views), len(centres)), np.float32)
     _cover(centres, radii, lengths, planes, eyes, scales, reach_cm, culling, pixels, distance)
     return pixels, distance
+
+
+@njit(cache=True)
+def in_frustum(planes: Array, x: float, y: float, z: float, radius: float) -> bool:
+    """Whether anything of a sphere is on the inner side of all six `planes` (6, 4)."""
+    for p in range(6):
+        plane = planes[p]
+        if plane[0] * x + plane[1] * y + plane[2] * z + plane[3] < -radius:
+            return False
+    return True
 
 
 @njit(cache=True)
@@ -57,19 +75,11 @@ def _cover(
 ) -> None:
     for i in range(len(centres)):
         x, y, z = centres[i, 0], centres[i, 1], centres[i, 2]
-        most, nearest = OUT_OF_SIGHT, np.inf
+        pixels[i] = OUT_OF_SIGHT
         for v in range(len(planes)):
             d = np.sqrt((x - eyes[v, 0]) ** 2 + (y - eyes[v, 1]) ** 2 + (z - eyes[v, 2]) ** 2)
-            nearest = min(nearest, d)
-            if culling:
-                inside = d - radii[i] < reach
-                for p in range(6):
-                    if not inside:
-                        break
-                    plane = planes[v, p]
-                    away = plane[0] * x + plane[1] * y + plane[2] * z + plane[3]
-                    inside = away >= -radii[i]
-                if not inside:
-                    continue
-            most = max(most, lengths[i] / max(d, 1.0) * scales[v])
-        pixels[i], distance[i] = most, nearest
+            if culling and (d - radii[i] >= reach or not in_frustum(planes[v], x, y, z, radii[i])):
+                distance[v, i] = np.inf
+                continue
+            distance[v, i] = d
+            pixels[i] = max(pixels[i], lengths[i] / max(d, 1.0) * scales[v])

@@ -71,43 +71,51 @@ def arranged(
 ) -> tuple[Ints, Array, Ints]:
     """What is drawn: fishes, their share of a cross-fade, and where each group of them begins.
 
-    One group for each level, coarsest first, of the fishes at rest; then one for each of those that
-    fade, which are drawn at both levels. Specks that fade are among those at rest. Within a group
-    those at the greatest `distance` (n,) come first. Returns the fishes (m,), the shares (m,) as
-    `frame.FADE` has them, and the beginnings (2 levels + 1,), with the end.
+    For each view one group a level, coarsest first, of the fishes at rest; then one for each of
+    those that fade, which are drawn at both levels. Specks that fade are among those at rest. A
+    view's fishes are those at a finite `distance` (v, n); within a group those at the greatest come
+    first. Returns the fishes (m,), the shares (m,) as `frame.FADE` has them, and the beginnings
+    (v, 2 levels + 1,), each with the end.
     """
     level, former, since = memory
-    starts = np.zeros(2 * levels + 1, np.int64)
-    for i in range(len(level)):
-        if level[i] == HIDDEN:
-            continue
-        fading = _under_way(since[i], time_s)
-        starts[_group(level[i], fading, levels) + 1] += 1
-        if fading:
-            starts[_group(former[i], fading, levels) + 1] += 1
-    starts = np.cumsum(starts)
-    fish = np.empty(starts[-1], np.int64)
-    share = np.empty(starts[-1], np.float32)
-    end = starts.copy()
-    for i in range(len(level)):
-        if level[i] == HIDDEN:
-            continue
-        fading = _under_way(since[i], time_s)
-        k = _group(level[i], fading, levels)
-        fish[end[k]], share[end[k]] = i, 0.0
-        end[k] += 1
-        if fading:
-            done = min(max((time_s - since[i]) / FADE_S, 0.01), 0.99)
-            share[end[k] - 1] = done
-            k = _group(former[i], fading, levels)
-            fish[end[k]], share[end[k]] = i, done - 1.0
+    groups = 2 * levels
+    count = np.zeros(len(distance) * groups + 1, np.int64)
+    for v in range(len(distance)):
+        own = count[v * groups + 1 :]
+        for i in range(len(level)):
+            if level[i] == HIDDEN or distance[v, i] == np.inf:
+                continue
+            fading = _under_way(since[i], time_s)
+            own[_group(level[i], fading, levels)] += 1
+            if fading:
+                own[_group(former[i], fading, levels)] += 1
+    ends = np.cumsum(count)
+    fish = np.empty(ends[-1], np.int64)
+    share = np.empty(ends[-1], np.float32)
+    starts = np.empty((len(distance), groups + 1), np.int64)
+    for v in range(len(distance)):
+        starts[v] = ends[v * groups : (v + 1) * groups + 1]
+    for v in range(len(distance)):
+        end = ends[v * groups :]
+        for i in range(len(level)):
+            if level[i] == HIDDEN or distance[v, i] == np.inf:
+                continue
+            fading = _under_way(since[i], time_s)
+            k = _group(level[i], fading, levels)
+            fish[end[k]], share[end[k]] = i, 0.0
             end[k] += 1
-    for k in range(2 * levels):
-        first, last = starts[k], starts[k + 1]
-        if last - first > 1:
-            order = np.argsort(-distance[fish[first:last]])
-            fish[first:last] = fish[first:last][order]
-            share[first:last] = share[first:last][order]
+            if fading:
+                done = min(max((time_s - since[i]) / FADE_S, 0.01), 0.99)
+                share[end[k] - 1] = done
+                k = _group(former[i], fading, levels)
+                fish[end[k]], share[end[k]] = i, done - 1.0
+                end[k] += 1
+        for k in range(groups):
+            first, last = starts[v, k], starts[v, k + 1]
+            if last - first > 1:
+                order = np.argsort(-distance[v, fish[first:last]])
+                fish[first:last] = fish[first:last][order]
+                share[first:last] = share[first:last][order]
     return fish, share, starts
 
 

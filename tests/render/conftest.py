@@ -43,7 +43,7 @@ class Fish(NamedTuple):
     scale: float = 1.0
     fade: float = 0.0
     display: float = 0.0
-    number: int = 0
+    number: int | None = None  # which of the packet's it is, in the order of its levels
 
 
 @pytest.fixture(scope="module")
@@ -82,7 +82,7 @@ def scene(known_repertoire):
 
 @pytest.fixture(scope="session")
 def make_packet():
-    """Fishes, where the eye is and how it looks -> a packet."""
+    """Fishes, and where the eye is and how it looks, or else views -> a packet."""
 
     def make(fishes, eye=(0.0, 0.0, -200.0), heading=np.pi / 2, pitch=0.0, **options):
         size = options.pop("size", SIZE)
@@ -93,12 +93,21 @@ def make_packet():
             Batch(-group[1], groups.index(group), groups.count(group), group[0])
             for group in sorted({*groups})
         ]
-        records = np.array([record(fish) for fish in fishes], np.float32)
+        records = np.array(
+            [
+                record(fish._replace(number=k) if fish.number is None else fish)
+                for k, fish in enumerate(fishes)
+            ],
+            np.float32,
+        )
+        views = options.pop("views", None)
+        if views is None:
+            views = views_for(display, size, pose(np.array(eye), heading, pitch))
         return Packet(
             time_s=options.pop("time_s", 2.0),
-            views=views_for(display, size, pose(np.array(eye), heading, pitch)),
+            views=views,
             instances=records.reshape(-1, INSTANCE_COLUMNS),
-            batches=tuple(batches),
+            batches=(tuple(batches),) * len(views),
             plankton=options.pop("plankton", np.zeros((0, 3), np.float32)),
             hidden=0,
         )

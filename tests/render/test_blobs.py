@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.frame import FADE, INSTANCE_COLUMNS
+from subsea.frame import FADE, FISH, INSTANCE_COLUMNS
 from subsea.habitat.formations import SUN
 from subsea.render.blobs import COLUMNS, FADING_CM, FARTHEST_CM, HIGHEST_CM, MOST, cast
 from subsea.view.rigs import display_rig
@@ -13,13 +13,14 @@ HEIGHTS = np.full((31, 31), SAND, np.float32)
 FAR = np.array([0.0, 0.0, 500.0])  # an eye that casts none
 
 
-def shadows(fishes, eye=(0.0, 0.0, -90.0), heights=HEIGHTS, fades=0.0, vessel=None):
+def shadows(fishes, eye=(0.0, 0.0, -90.0), heights=HEIGHTS, fades=0.0, vessel=None, numbers=None):
     """Of fishes (x, y, z, heading), 20 cm long, the last one first; the vessel's left out."""
     records = np.zeros((len(fishes), INSTANCE_COLUMNS), np.float32)
     for record, (x, y, z, heading) in zip(records, fishes, strict=True):
         record[:4] = x, y, z, 1.0
         record[4:8] = np.cos(heading / 2), 0.0, 0.0, np.sin(heading / 2)
     records[:, FADE] = fades
+    records[:, FISH] = range(len(fishes)) if numbers is None else numbers
     out = np.zeros((MOST, COLUMNS), np.float32)
     places = (np.array(place, float) for place in (eye, vessel or eye))
     number = cast(records, np.array([20.0]), heights, WIDTH, *places, out)
@@ -77,7 +78,14 @@ def test_there_are_never_more_than_fit_and_the_first_listed_go_without():
 
 def test_who_goes_from_one_level_to_another_casts_one():
     twice = [(30.0, 0.0, SAND + 10, 0.4)] * 2
-    np.testing.assert_array_equal(shadows(twice, fades=[0.3, -0.7]), shadows(twice[:1]))
+    one = shadows(twice, fades=[0.3, -0.7], numbers=[5, 5])
+    np.testing.assert_array_equal(one, shadows(twice[:1]))
+
+
+def test_who_is_in_sight_of_several_views_casts_one():
+    a, b, c = ((30.0 * k, 0.0, SAND + 10, 0.4) for k in range(3))
+    seen = shadows([a, b, b, c, a], numbers=[0, 1, 1, 2, 0])
+    np.testing.assert_array_equal(seen, shadows([b, c, a]))
 
 
 def test_a_shadow_fades_before_it_is_too_far():

@@ -1,4 +1,4 @@
-"""What stands still: chosen once for all views, drawn in one call."""
+"""What stands still: chosen once for all views, drawn in one call a view."""
 
 import numpy as np
 import pytest
@@ -32,7 +32,7 @@ FRAGMENT = "out vec4 f_colour; void main() { f_colour = vec4(1.0); }"
 def levels(distances, before, views=AHEAD, detail=1.0, radius=10.0, reach=1e9):
     centres = np.array([[x, 0.0, 0.0] for x in distances])
     radii = np.full(len(centres), radius)
-    return levels_in_sight(centres, radii, views, reach, detail, THRESHOLDS, np.array(before))
+    return levels_in_sight(centres, radii, views, reach, detail, THRESHOLDS, np.array(before))[0]
 
 
 def quad(x, size, pieces):
@@ -81,7 +81,7 @@ def test_a_sphere_holds_all_places():
 
 @pytest.fixture
 def drawn(context):
-    """Draw shapes with some views chosen; white pixels and the number of triangles."""
+    """Draw shapes in the first of some views; white pixels and the number of triangles."""
     program = context.program(
         vertex_shader="#version 330\n" + VERTEX, fragment_shader="#version 330\n" + FRAGMENT
     )
@@ -93,7 +93,7 @@ def drawn(context):
         standing.choose(views, **options)
         view = views[0]
         both = (view.projection @ view.view).T.astype("f4")
-        triangles = standing.draw({"u_view_projection": np.ascontiguousarray(both).tobytes()})
+        triangles = standing.draw(0, {"u_view_projection": np.ascontiguousarray(both).tobytes()})
         pixels = np.frombuffer(target.read(components=1), np.uint8).reshape(SIZE)
         return int((pixels > 0).sum()), triangles
 
@@ -116,6 +116,20 @@ def test_one_call_draws_each_item_at_its_own_level(drawn):
     assert draw(standing, BACK)[1] == 2 * 8 * 8
     assert draw(standing, AHEAD)[1] == triangles
     assert draw(standing, AHEAD, shown=np.array([True, False, False, True]))[1] == 2 * 64
+    standing.release()
+
+
+def test_each_view_draws_what_it_sees_at_the_level_that_is_common_to_all(drawn):
+    make, draw = drawn
+    pieces = (8, 4, 1)
+    standing = make([[quad(x, 10.0, n) for n in pieces] for x in (30.0, 120.0, 500.0, -50.0)])
+    pixels, triangles = draw(standing, AHEAD)
+    coarse = views_for("mono", (128, 72), pose(np.zeros(3), 0.0, 0.0))
+    assert draw(standing, coarse)[1] < triangles
+    for views in ((*AHEAD, *BACK), (*AHEAD, *BACK, *coarse)):
+        assert draw(standing, views) == (pixels, triangles)
+        assert standing.draw(1, {}) == 2 * 8 * 8
+    assert standing.draw(2, {}) == triangles  # as fine as the other needs it
     standing.release()
 
 

@@ -1,7 +1,5 @@
 """Theatres as they are shown: seams, blending, both eyes, and every pixel in its direction."""
 
-from dataclasses import replace
-
 import msgspec
 import numpy as np
 import pytest
@@ -93,8 +91,8 @@ def test_in_the_overlap_neighbours_show_the_same(context, scene, make_packet, fi
     theatre, _, rig = opened(tmp_path, shrink=5)
     bare = rig._replace(patches=tuple(patch._replace(mask=None) for patch in rig.patches))
     renderer = Renderer(context, scene, bare, PRESETS["high"])
-    packet = make_packet([fish(0, (-70, 60, -200)), fish(1, (60, 60, -190))])
-    renderer.draw(replace(packet, views=views(bare, pose(EYE, np.pi / 2, 0.0))))
+    seen = views(bare, pose(EYE, np.pi / 2, 0.0))
+    renderer.draw(make_packet([fish(0, (-70, 60, -200)), fish(1, (60, 60, -190))], views=seen))
     left, middle = (renderer.read_pixels(k).astype(float) for k in (0, 1))
     renderer.release()
     width = theatre.window[0].size[0]
@@ -158,8 +156,7 @@ def test_theatres_as_they_are_shown(
     _, _, rig = opened(tmp_path, name, display)
     renderer = Renderer(context, scene, rig)
     fishes = [fish(1, (0, 45, -200)), fish(0, (-75, 22, -205)), fish(0, (60, 12, -190))]
-    packet = make_packet(fishes)
-    renderer.draw(replace(packet, views=views(rig, pose(EYE, np.pi / 2, 0.0))))
+    renderer.draw(make_packet(fishes, views=views(rig, pose(EYE, np.pi / 2, 0.0))))
     pictures = [renderer.read_pixels(k) for k in range(len(rig.outputs))]
     same_picture(f"theatre-{name}-{display}", np.hstack(pictures))
     assert context.error == "GL_NO_ERROR"

@@ -15,7 +15,7 @@ from subsea.resources import resource_path
 from subsea.species import load_species
 from subsea.view.culling import OUT_OF_SIGHT, covered, pixels_per_radian
 from subsea.view.rig import pose
-from subsea.view.rigs import views_for
+from subsea.view.rigs import DISPLAYS, views_for
 
 EYE = np.array([0.0, 0.0, -300.0])
 
@@ -25,10 +25,14 @@ def _views(heading=0.0, pitch=0.0, display="mono"):
 
 
 def _pixels(centres, views, *, radius=15.0, **options):
+    return _covered(centres, views, radius=radius, **options)[0]
+
+
+def _covered(centres, views, *, radius=15.0, **options):
     centres = np.atleast_2d(np.asarray(centres, np.float32))
     n = len(centres)
     radii, lengths = np.full(n, radius, np.float32), np.full(n, 20.0, np.float32)
-    return covered(centres, radii, lengths, views, **options)[0]
+    return covered(centres, radii, lengths, views, **options)
 
 
 def _inside(points, view):
@@ -40,20 +44,24 @@ def _inside(points, view):
 
 @given(
     seed=st.integers(0, 2**32 - 1), heading=st.floats(-3, 3), pitch=st.floats(-1, 1),
-    display=st.sampled_from(["mono", "side-by-side", "equirectangular"]),
+    display=st.sampled_from(DISPLAYS),
 )  # fmt: skip
 @settings(max_examples=60)
 def test_whatever_could_show_is_kept(seed, heading, pitch, display):
-    """Nothing of which a point on its sphere is in a view is culled."""
+    """Nothing of which a point on its sphere is in a view is culled from that view."""
     rng = np.random.default_rng(seed)
     views = _views(heading, pitch, display)
     centres = EYE + rng.normal(0, 200, (200, 3))
-    pixels = _pixels(centres, views)
+    pixels, distance = _covered(centres, views)
     spots = rng.normal(size=(60, 3))
     spots *= 15.0 / np.linalg.norm(spots, axis=1, keepdims=True)
-    for view in views:
+    for view, away in zip(views, distance, strict=True):
         seen = _inside(centres[:, None] + spots, view).any(axis=1)
         assert (pixels[seen] > 0).all()
+        np.testing.assert_allclose(
+            away[seen], np.linalg.norm(centres[seen] - view.eye, axis=1), rtol=1e-5
+        )
+    np.testing.assert_array_equal(pixels > 0, np.isfinite(distance).any(axis=0))
 
 
 @pytest.fixture(scope="module")
@@ -89,7 +97,7 @@ def _poses(species, repertoire, segment):
 @given(
     which=st.integers(0, 10**6), turn=st.tuples(*[st.floats(-1, 1)] * 4),
     at=st.tuples(st.floats(-1.2, 1.2), st.floats(-1.2, 1.2), st.floats(8, 900)),
-    length=st.floats(8, 150), display=st.sampled_from(["mono", "side-by-side"]),
+    length=st.floats(8, 150), display=st.sampled_from(["mono", "side-by-side", "dome"]),
 )  # fmt: skip
 @settings(max_examples=200)
 def test_no_fish_is_culled_of_which_a_drawn_vertex_is_in_sight(
@@ -104,9 +112,10 @@ def test_no_fish_is_culled_of_which_a_drawn_vertex_is_in_sight(
     centre = EYE + [ahead, aside, 0.6 * up]
     vertices = centre + length * places @ R.T
     radii = np.array([ENLARGED * radius * length], np.float32)
-    pixels, _ = covered(centre[None].astype("f4"), radii, np.array([length]), views)
-    if any(_inside(vertices, view).any() for view in views):
-        assert pixels[0] > 0
+    _, distance = covered(centre[None].astype("f4"), radii, np.array([length]), views)
+    for view, (away,) in zip(views, distance, strict=True):
+        if _inside(vertices, view).any():
+            assert np.isfinite(away)
 
 
 def test_most_of_what_cannot_show_is_culled():
@@ -133,11 +142,20 @@ def test_without_culling_all_is_in_sight():
     assert _pixels(behind, _views(), culling=False, reach_cm=1.0)[0] > 0
 
 
-@pytest.mark.parametrize("display", ["side-by-side", "top-bottom"])
-def test_several_views_cull_once_against_their_union(display):
-    left, right = _views(display=display)
+@pytest.mark.parametrize("display", ["side-by-side", "top-bottom", "dome"])
+def test_several_views_cull_each_as_if_it_was_alone(display):
+    views = _views(display=display)
     rng = np.random.default_rng(2)
     centres = EYE + rng.normal(0, 150, (2000, 3))
-    union = _pixels(centres, (left, right)) > 0
-    either = (_pixels(centres, (left,)) > 0) | (_pixels(centres, (right,)) > 0)
-    np.testing.assert_array_equal(union, either)
+    alone = [_covered(centres, (view,)) for view in views]
+    pixels, distance = _covered(centres, views)
+    np.testing.assert_array_equal(pixels, np.max([own for own, _ in alone], axis=0))
+    np.testing.assert_array_equal(distance, np.concatenate([away for _, away in alone]))
+
+
+def test_pixels_are_counted_by_the_surface_that_a_thing_covers():
+    """So the halves of a display that stretches them need less detail than all of it."""
+    (mono,) = _views()
+    for display in ("side-by-side", "top-bottom"):
+        for view in _views(display=display):
+            assert 2 * pixels_per_radian(view) ** 2 == pytest.approx(pixels_per_radian(mono) ** 2)

@@ -64,7 +64,8 @@ def test_a_fish_that_hovers_about_a_threshold_keeps_its_level(shares):
 def _drawn(memory, time_s, distance=None):
     n = len(memory.level)
     distance = np.ones(n, np.float32) if distance is None else distance
-    return arranged(distance, time_s, len(LEVELS), memory)
+    fish, share, (starts,) = arranged(distance[None], time_s, len(LEVELS), memory)
+    return fish, share, starts
 
 
 def test_a_fade_shares_the_pixels_between_both_levels():
@@ -134,6 +135,31 @@ def test_groups_hold_their_levels_the_farthest_first(sizes, seed):
         assert (mine == level).all()
     visible = np.flatnonzero(memory.level != HIDDEN)
     np.testing.assert_array_equal(np.unique(fish), visible)
+
+
+@given(
+    sizes=st.lists(st.floats(5.0, 400.0), min_size=1, max_size=30), seed=st.integers(0, 99),
+    views=st.integers(1, 4),
+)  # fmt: skip
+def test_each_view_has_its_own_fishes_at_the_level_that_is_common_to_all(sizes, seed, views):
+    """As if it was drawn alone, from a memory that has seen all views."""
+    rng = np.random.default_rng(seed)
+    n = len(sizes)
+    distance = rng.uniform(10, 1000, (views, n)).astype(np.float32)
+    distance[rng.uniform(size=distance.shape) < 0.5] = np.inf
+    memory = nothing_drawn(n)
+    for size in (rng.uniform(5, 400, n), np.asarray(sizes)):
+        seen = np.isfinite(distance).any(axis=0)
+        _level(np.where(seen, size, -1.0), memory, 1.0 if size is not sizes else 1.1)
+    fish, share, starts = arranged(distance, 1.1, len(LEVELS), memory)
+    assert starts.shape == (views, 2 * len(LEVELS) + 1)
+    assert starts[-1, -1] == len(fish) == len(share)
+    for own, row in zip(starts, distance, strict=True):
+        one_fish, one_share, (alone,) = arranged(row[None], 1.1, len(LEVELS), memory)
+        np.testing.assert_array_equal(own - own[0], alone)
+        np.testing.assert_array_equal(fish[own[0] : own[-1]], one_fish)
+        np.testing.assert_array_equal(share[own[0] : own[-1]], one_share)
+        np.testing.assert_array_equal(np.unique(one_fish), np.flatnonzero(np.isfinite(row)))
 
 
 def test_time_that_runs_back_ends_a_fade():
