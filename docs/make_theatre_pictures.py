@@ -1,0 +1,72 @@
+"""Make docs/pictures/theatre.png: what three projectors get, and what their screen shows.
+
+python docs/make_theatre_pictures.py
+"""
+
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from subsea.app.house import open_house
+from subsea.app.start import headless, picture_maker, start_world
+from subsea.app.tour import Tour
+from subsea.frame import pack
+from subsea.ocean import step
+from subsea.render.quality import PRESETS
+from subsea.theatre.lineup import lineup
+from subsea.view.rig import views
+from subsea.view.rigs import cockpit
+from subsea.world import TICK_S
+
+OUT = Path(__file__).parent / "pictures"
+SECONDS = 12.0
+SHRINK = 3
+GAP = 8
+GAMMA = 2.2
+OVERLAP = 160 / 1440  # of a projector's picture
+
+
+def main() -> None:
+    """Film for a while, then draw the sea and the test pattern."""
+    house = open_house("three-projectors", shrink=SHRINK)
+    quality = PRESETS["high"]
+    with headless() as context:
+        world, tour = start_world("peaceful"), Tour()
+        while world.state.tick * TICK_S < SECONDS:
+            step(world, tour.helm(world))
+        with picture_maker(context, world, house.rig, quality) as renderer:
+            observer = cockpit(world.state.submarine, 1.0)
+            numbers = range(len(house.windows))
+            renderer.draw(pack(world, views(house.rig, observer), 1.0, detail=quality.detail))
+            sea = [renderer.read_pixels(number) for number in numbers]
+            renderer.show(lineup(house.rig))
+            patterns = [renderer.read_pixels(number) for number in numbers]
+    rows = [_beside(sea), _lit(sea), _beside(patterns), _lit(patterns)]
+    width = max(row.shape[1] for row in rows)
+    sheet = Image.new("RGB", (width, sum(row.shape[0] + GAP for row in rows) - GAP), "white")
+    top = 0
+    for row in rows:
+        sheet.paste(Image.fromarray(row), ((width - row.shape[1]) // 2, top))
+        top += row.shape[0] + GAP
+    sheet.save(OUT / "theatre.png", optimize=True)
+
+
+def _beside(pictures: list[np.ndarray]) -> np.ndarray:
+    """What the projectors get, with gaps between."""
+    gap = np.full((pictures[0].shape[0], GAP, 3), 255, np.uint8)
+    return np.hstack([part for picture in pictures for part in (picture, gap)][:-1])
+
+
+def _lit(pictures: list[np.ndarray]) -> np.ndarray:
+    """What the screen shows: the light of all projectors, each where its picture falls."""
+    height, width, _ = pictures[0].shape
+    across = width - round(OVERLAP * width)
+    light = np.zeros((height, across * (len(pictures) - 1) + width, 3))
+    for number, picture in enumerate(pictures):
+        light[:, number * across : number * across + width] += (picture / 255.0) ** GAMMA
+    return (255.0 * np.clip(light, 0.0, 1.0) ** (1.0 / GAMMA)).astype(np.uint8)
+
+
+if __name__ == "__main__":
+    main()
