@@ -247,8 +247,7 @@ class Dive:
         """Have the renderer draw what is to be seen: the rig, and what a fish's eyes see."""
         rig, self._insets = self._rig, ()
         if self._ride is not None:
-            where = panes(self._rig, self.wall.page)
-            rig, self._insets = with_insets(self._rig, where, front(self._rig).output)
+            rig, self._insets = with_insets(self._rig)
         self._renderer.arrange(rig)
 
     def _write(self, elapsed_s: float) -> None:

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.app.eyes import SIDES, coded, values_of
-from subsea.app.overlay import Pane
 from subsea.behavior.table import BEHAVIORS
 from subsea.render.marks import Seen
 from subsea.state import MENTAL_STATES
@@ -21,7 +20,7 @@ Array = NDArray[np.floating[Any]]
 Look = Literal["colours", "identity", "range"]
 LOOKS: tuple[Look, ...] = ("colours", "identity", "range")
 
-WIDE, ASPECT, EDGE = 0.27, 4 / 3, 0.02  # of an inset: share of the pane; its shape; its margin
+WIDE, ASPECT, EDGE = 0.27, 4 / 3, 0.02  # of an inset: share of the screen; its shape; its margin
 STEADY_S, LEVEL_S = 0.35, 0.8  # in which the view follows the way the fish heads, and its roll
 GLANCE_DEG_S = 60.0
 MOST_PAN_DEG, MOST_TILT_DEG = 120.0, 70.0
@@ -89,31 +88,35 @@ class Ride:
         return "   ".join([*parts, f"its eyes: {look}"])
 
 
-def with_insets(rig: Rig, panes: Sequence[Pane], output: int) -> tuple[Rig, tuple[Rect, ...]]:
-    """A rig with a picture of each eye in the upper corners of `panes` of an output.
+def with_insets(rig: Rig) -> tuple[Rig, tuple[Rect, ...]]:
+    """A rig with a picture of each eye in the upper corners of the screen ahead, for each viewer.
 
     And where on its canvas both are to be drawn: above all else that is there.
     """
-    width, height = rig.outputs[output]
-    across = max(int(WIDE * width * min(pane.width for pane in panes)), 16)
-    size = across, int(across / ASPECT)
+    ahead = front(rig)
+    screen = ahead.output, ahead.channel
+    wide = ahead.place[2] * ahead.squeezed[0]
+    across, up = max(int(WIDE * wide), 16), max(int(WIDE * wide / ASPECT), 12)
     bottom = rig.canvas[1]
-    insets = tuple((k * across, bottom, *size) for k in range(len(SIDES)))
+    insets = tuple((k * across, bottom, across, up) for k in range(len(SIDES)))
     patches = [
-        Patch(place, inset, inset, output=output, page=pane.number)
-        for pane in panes
-        for place, inset in zip(places(pane, (width, height), size), insets, strict=True)
+        Patch(place, inset, inset, output=patch.output, page=patch.page)
+        for patch in rig.patches
+        if (patch.output, patch.channel) == screen
+        for place, inset in zip(places(patch, (across, up)), insets, strict=True)
     ]
-    canvas = max(rig.canvas[0], len(SIDES) * across), bottom + size[1]
+    canvas = max(rig.canvas[0], len(SIDES) * across), bottom + up
     return rig._replace(canvas=canvas, patches=(*rig.patches, *patches)), insets
 
 
-def places(pane: Pane, output: tuple[int, int], size: tuple[int, int]) -> tuple[Rect, Rect]:
-    """Where the insets of `size` lie in a pane, the left eye's at the left."""
-    left, right = round(pane.x * output[0]), round((pane.x + pane.width) * output[0])
-    margin = round(EDGE * pane.width * output[0])
-    bottom = round((1.0 - pane.y) * output[1]) - margin - size[1]
-    return (left + margin, bottom, *size), (right - margin - size[0], bottom, *size)
+def places(patch: Patch, size: tuple[int, int]) -> tuple[Rect, Rect]:
+    """Where insets of `size` lie over a patch, as squeezed as it is; left and right."""
+    x, y, across, up = patch.place
+    width, height = (round(a / b) for a, b in zip(size, patch.squeezed, strict=True))
+    aside = round(EDGE * across)
+    below = round(EDGE * across * patch.squeezed[0] / patch.squeezed[1])
+    bottom = y + up - below - height
+    return (x + aside, bottom, width, height), (x + across - aside - width, bottom, width, height)
 
 
 def joined(insets: Sequence[Rect]) -> Rect:

@@ -12,7 +12,6 @@ from PIL import ImageGrab
 
 from subsea.app.dive import Dive
 from subsea.app.eyes import VALUES, coded
-from subsea.app.overlay import Pane
 from subsea.app.ride import MOST_PAN_DEG, Ride, nearest_to_middle, pictured, with_insets
 from subsea.ocean import create_world, step
 from subsea.render.marks import FISH, SEABED, WATER, Seen
@@ -24,7 +23,6 @@ from subsea.view.rig import pose, views
 from subsea.view.rigs import display_rig
 
 SIZE = (400, 300)
-WHOLE = (Pane(),)
 
 
 @pytest.fixture(scope="module")
@@ -91,21 +89,23 @@ def test_the_gaze_turns_with_the_keys_and_has_an_end(world):
     assert "gaze +120°" in ride.text(world, "range")
 
 
-@pytest.mark.parametrize("panes", [WHOLE, (Pane(0, 0, 0.5, 1, 0), Pane(0.5, 0, 0.5, 1, 0))])
-def test_insets_lie_inside_of_their_panes_and_apart_on_the_canvas(panes):
-    rig = display_rig("mono", SIZE)
-    more, insets = with_insets(rig, panes, 0)
+@pytest.mark.parametrize("display", ["mono", "side-by-side", "top-bottom", "anaglyph", "dome"])
+def test_insets_lie_over_their_pictures_in_their_shape_and_apart_on_the_canvas(display):
+    rig = display_rig(display, SIZE)
+    more, insets = with_insets(rig)
     assert more.outputs == rig.outputs
     assert more.eyes == rig.eyes
-    added = more.patches[1:]
-    assert len(added) == 2 * len(panes)
+    added = more.patches[len(rig.patches) :]
+    assert len(added) == 2 * len(rig.patches)
     for k, patch in enumerate(added):
-        pane, inset = panes[k // 2], insets[k % 2]
-        assert patch.left == patch.right == inset
+        under = rig.patches[k // 2]
+        assert patch.left == patch.right == insets[k % 2]
         x, y, width, height = patch.place
-        assert (width, height) == inset[2:]
-        assert pane.x * SIZE[0] < x < x + width < (pane.x + pane.width) * SIZE[0]
-        assert 0.5 * SIZE[1] < y < y + height < SIZE[1]
+        left, bottom, across, up = under.place
+        assert left < x < x + width < left + across
+        assert bottom + 0.4 * up < y < y + height < bottom + up
+        shape = width * under.squeezed[0] / (height * under.squeezed[1])
+        assert shape == pytest.approx(4 / 3, rel=0.05)
     assert insets[0][1] == insets[1][1] == rig.canvas[1]
     assert insets[0][0] + insets[0][2] == insets[1][0]
     assert more.canvas[1] == rig.canvas[1] + insets[0][3]
