@@ -106,6 +106,7 @@ def _add_dive(commands: Any) -> None:
     dive.add_argument(
         "--seconds", type=number(float, 0.1, 86400), metavar="S", help="end by itself after S"
     )
+    _add_see_brightness(dive)
     dive.set_defaults(run=_dive)
 
 
@@ -419,10 +420,15 @@ def _add_eyes(parser: argparse.ArgumentParser) -> None:
         metavar="DEG",
         help="what a retina shows from left to right (default 90)",
     )
-    fish.add_argument(
+    _add_see_brightness(fish)
+
+
+def _add_see_brightness(parser: Any) -> None:
+    parser.add_argument(
         "--see-brightness",
         action="store_true",
-        help="the fish goes by the mean brightness of what it sees instead of the sea's",
+        help="the fish whose eyes are shown goes by the mean brightness of what it sees, instead "
+        "of the sea's",
     )
 
 
@@ -558,6 +564,8 @@ def _film_eyes(own: dict[str, Any], options: dict[str, Any]) -> int:
     from subsea.view.retina import FIELD_DEG, Gaze
 
     used = ("out", "scenario", "seconds", "start", "fps", "size", "quality", "seed", "tour")
+    if options["theatre"] is not None:
+        raise UserError("film: --eyes has a picture for each eye, not for a theatre")
     if options["display"] != "mono":
         raise UserError(
             f"film: --eyes has a picture for each eye, not --display {options['display']}"

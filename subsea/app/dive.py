@@ -16,6 +16,7 @@ from subsea.app.ride import (
     LOOKS,
     Look,
     Ride,
+    brightness,
     front_view,
     joined,
     nearest_to_middle,
@@ -56,12 +57,16 @@ def dive(
     theatre: str | None = None,
     shrink: int = 1,
     node: str | None = None,
+    see_brightness: bool = False,
 ) -> int:
     """Dive until the window is closed, Esc is pressed, or `seconds` have passed; exit code 0.
 
     In the windows of a `theatre`, `shrink` times smaller, if one is named; as the computer `node`
-    of several in those that are its own.
+    of several in those that are its own. With `see_brightness` the fish that is ridden goes by the
+    light in its eyes.
     """
+    if see_brightness and node is not None:
+        raise UserError("--see-brightness is for one computer: others would not see the same light")
     installation: Installation | None = None
     crew: Callable[[World, Pilot], Crew] = Alone
     if theatre is not None:
@@ -73,7 +78,7 @@ def dive(
         raise UserError("--node is one of a theatre's computers, expected --theatre too")
     running = Dive(
         scenario, display, size, fullscreen, seed, stereo, surround, quality, target_ms,
-        installation, crew,
+        installation, crew, see_brightness,
     )  # fmt: skip
     with closing(running):
         start = last = time.perf_counter()
@@ -109,6 +114,7 @@ class Dive:
         target_ms: float | None = None,
         installation: Installation | None = None,
         crew: Callable[[World, Pilot], Crew] = Alone,
+        see_brightness: bool = False,
     ) -> None:
         """Open the windows, then the world: the visitor sees at once that something happens.
 
@@ -124,6 +130,7 @@ class Dive:
         self._quality = quality
         self._pattern = False
         self._ride: Ride | None = None
+        self._see_brightness = see_brightness
         self._look: Look = "colours"  # of the pictures of a fish's eyes
         self._insets: tuple[Rect, ...] = ()  # where these are on the canvas
         with ExitStack() as undo:
@@ -207,7 +214,12 @@ class Dive:
 
     @property
     def _direct(self) -> bool:
-        """Whether the one window there is has the size of the picture: no need to copy it."""
+        """Whether the one window there is has the size of the picture: no need to copy it.
+
+        Unless the picture is to be read.
+        """
+        if self._see_brightness and self._ride is not None:
+            return False
         return self._rig.outputs == (self.window.size,)
 
     def _draw(self) -> None:
@@ -222,8 +234,13 @@ class Dive:
         if self._ride is None:
             self._renderer.draw(packet, into)
             return
-        packet = replace(packet, passing_cm_s=velocity_of(self.world, self._ride.by.fish))
+        fish = self._ride.by.fish
+        packet = replace(packet, passing_cm_s=velocity_of(self.world, fish))
         self._renderer.draw(packet, into)
+        if self._see_brightness:
+            added = self._renderer.rig.patches[len(self._rig.patches) :]
+            shown = self._renderer.read_pixels(added[0].output, added[0].page)
+            self.world.seen_light[fish] = brightness(shown, added[: len(self._insets)])
         if self._look != "colours":
             numbers = range(len(seen) - len(self._insets), len(seen))
             maps = self._renderer.look_up(packet, numbers, joined(self._insets))
@@ -239,6 +256,7 @@ class Dive:
     def _mount(self, fish: int | None) -> None:
         """Ride a fish of this number from now on, or come back to the submarine."""
         self._ride = None if fish is None else Ride(self.world, fish)
+        self.world.seen_light.clear()
         self.pilot.ride(self._ride is not None)
         self._memory = nothing_drawn(len(self.world.state.fishes.species))  # no fade at the jump
         self._arrange()

@@ -18,7 +18,7 @@ from subsea.render.marks import FISH, SEABED, WATER, Seen
 from subsea.resources import resource_path
 from subsea.scenario import load_scenario
 from subsea.submarine.helm import HANDS_OFF
-from subsea.view.retina import ridden
+from subsea.view.retina import Gaze, ridden
 from subsea.view.rig import pose, views
 from subsea.view.rigs import display_rig
 
@@ -182,6 +182,27 @@ def test_keys_mount_a_fish_turn_its_eyes_show_maps_and_come_back(boat):
     until(boat, lambda: not boat.pilot.riding)
     assert boat.window.open
     assert boat._renderer.rig is boat._rig
+
+
+def test_who_is_ridden_may_go_by_the_light_in_its_eyes(boat):
+    boat._see_brightness, boat._look = True, "colours"
+    key("r")
+    until(boat, lambda: boat.pilot.riding)
+    fish, minds = boat._ride.by.fish, boat.world.state.minds
+    found = []
+    for gaze in (Gaze(0.0, 60.0), Gaze(0.0, -60.0)):
+        boat._ride.gaze = gaze
+        boat.frame(0.1)
+        found.append(boat.world.seen_light[fish])
+        boat.frame(0.1)
+        assert minds.light[fish] == pytest.approx(found[-1])
+    assert found[0] != found[1]
+    seen = corner(boat).mean() / 255.0
+    assert boat.world.seen_light[fish] == pytest.approx(seen, abs=0.1)
+    key("Escape")
+    until(boat, lambda: not boat.pilot.riding)
+    assert not boat.world.seen_light
+    boat._see_brightness = False
 
 
 def test_who_is_eaten_carries_nobody(boat):
