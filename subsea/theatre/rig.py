@@ -10,10 +10,11 @@ from subsea.errors import UserError, unknown
 from subsea.theatre.channels import Lighted, grid_of, mesh_of
 from subsea.theatre.files import Theatre
 from subsea.theatre.screens import Flat, Frustum, frustum_of, points_on, seen_at
+from subsea.view.camera import NEAR_CM, off_axis
 from subsea.view.rig import CUBES, Eye, Patch, Rect, Rig, Shape, Warp
 from subsea.view.rigs import SURROUNDS, cube
-from subsea.view.stereo import EYES, LAYOUTS, Stereo, canvas_of, halves, patches_of
-from subsea.view.surround import COLUMNS, ROWS, face_size, looked_at
+from subsea.view.stereo import EYES, LAYOUTS, Stereo, halves, patches_of
+from subsea.view.surround import COLUMNS, MARGIN_PX, ROWS, face_size, looked_at
 
 Array = NDArray[np.floating[Any]]
 
@@ -45,29 +46,30 @@ def theatre_rig(
         raise UserError("no channel of this theatre is left to show")
     half = 0.0 if display == "mono" else _half_separation(theatre, shown, stereo)
     offsets = [np.array([x, 0.0, 0.0]) for x in ((0.0,) if display == "mono" else (-half, half))]
-    sizes = [_canvas(one, display) for one in shown]
+    sizes = [size for one in shown for size in _pictures(one, display)]
     corners, canvas = shelves(sizes)
+    drawn = iter([(*corner, *size) for corner, size in zip(corners, sizes, strict=True)])
     eyes: list[Eye] = []
     patches: list[Patch] = []
-    for number, one, corner, size in zip(numbers, shown, corners, sizes, strict=True):
-        drawn: Rect = (*corner, *size)
-        # The faces of a cube are never squeezed: each eye has all of them, one cube on the other.
-        beside = display != "mono" and LAYOUTS[display].beside and one.shape not in CUBES
-        rects = (drawn,) if display == "mono" else halves(drawn, beside)
+    for number, one in zip(numbers, shown, strict=True):
+        rects = [next(drawn) for _ in offsets]
+        if one.shape in CUBES:
+            for rect, offset in zip(rects, offsets, strict=True):
+                eyes += _round(one, rect, offset)
+        else:
+            frusta = [_frustum(one, offset) for offset in offsets]
+            for rect, offset, frustum in zip(rects, offsets, frusta, strict=True):
+                projection = _with_margin(frustum, rect)
+                eyes.append(Eye(rect, offset, frustum.axes, projection))
+            rects = [_inner(rect) for rect in rects]
         patch = Patch(
             one.place, rects[0], rects[-1], shape=one.shape, wide=one.surround.wide, mask=one.mask,
             output=windows.index(one.window), channel=number,
         )  # fmt: skip
         if one.shape in CUBES:
-            for rect, offset in zip(rects, offsets, strict=True):
-                eyes += _round(one, rect, offset)
             patch = patch._replace(apart=half / one.distance_cm, warp=one.warp)
-        else:
-            frusta = [_frustum(one, offset) for offset in offsets]
-            for rect, offset, frustum in zip(rects, offsets, frusta, strict=True):
-                eyes.append(Eye(rect, offset, frustum.axes, frustum.projection))
-            if not isinstance(one.screen, Flat) or one.warp is not None:
-                patch = patch._replace(shape=Shape.WARPED, warp=_warp(one, offsets, frusta))
+        elif not isinstance(one.screen, Flat) or one.warp is not None:
+            patch = patch._replace(shape=Shape.WARPED, warp=_warp(one, offsets, frusta))
         patches += (patch,) if display == "mono" else patches_of(LAYOUTS[display], patch)
     outputs = tuple(theatre.window[number].size for number in windows)
     return Rig(canvas, outputs, tuple(eyes), tuple(patches), theatre.level)
@@ -97,16 +99,38 @@ def _half_separation(theatre: Theatre, shown: Sequence[Lighted], stereo: Stereo)
     return eyes.eyes(1.0) / 2.0 * (-1 if stereo.swapped else 1)
 
 
-def _canvas(one: Lighted, display: str) -> tuple[int, int]:
-    """Pixels of the canvas for a channel's picture, or both."""
-    width, height = one.place[2:]
-    if one.shape in CUBES:
+def _pictures(one: Lighted, display: str) -> list[tuple[int, int]]:
+    """Pixels of a channel's pictures on the canvas, one for each eye, with their margins."""
+    layout = None if display == "mono" else LAYOUTS[display]
+    if one.shape in CUBES:  # whose faces are never squeezed
         face = _face(one)
-        return COLUMNS * face, ROWS * face * (1 if display == "mono" else 2)
+        return [(COLUMNS * face, ROWS * face)] * (1 if layout is None else 2)
+    width, height = one.place[2:]
     if one.screen is not None and not isinstance(one.screen, Flat):
         across, up = _finer(one)
         width, height = round(across * width), round(up * height)
-    return (width, height) if display == "mono" else canvas_of(LAYOUTS[display], (width, height))
+    whole: Rect = (0, 0, width, height)
+    parts = (whole,) if layout is None else halves(whole, layout.beside)
+    if layout is not None and layout.tall:
+        parts = whole, whole
+    return [(part[2] + 2 * MARGIN_PX, part[3] + 2 * MARGIN_PX) for part in parts]
+
+
+def _inner(rect: Rect) -> Rect:
+    """What is shown of a picture on the canvas."""
+    x, y, width, height = rect
+    return x + MARGIN_PX, y + MARGIN_PX, width - 2 * MARGIN_PX, height - 2 * MARGIN_PX
+
+
+def _with_margin(frustum: Frustum, rect: Rect) -> Array:
+    """The projection of a frustum for all of a picture.
+
+    Without a margin specks whose middle lies beyond the edge would end at the seam.
+    """
+    left, right, bottom, top = frustum.edges
+    _, _, width, height = _inner(rect)
+    x, y = (right - left) * MARGIN_PX / width, (top - bottom) * MARGIN_PX / height
+    return off_axis(*(NEAR_CM * edge for edge in (left - x, right + x, bottom - y, top + y)))
 
 
 def _finer(one: Lighted) -> tuple[float, float]:

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from subsea.errors import UserError
 from subsea.theatre.files import Angles, Cylinder, Plane
-from subsea.view.camera import NEAR_CM, off_axis
 
 Array = NDArray[np.floating[Any]]
 
@@ -46,7 +45,6 @@ class Frustum(NamedTuple):
     """A planar view that takes in a screen."""
 
     axes: Array  # (3, 3) rows: its own right, up, ahead
-    projection: Array  # (4, 4)
     edges: tuple[float, float, float, float]  # left, right, bottom, top at unit distance
 
 
@@ -201,9 +199,9 @@ def frustum_of(screen: Screen, eye: Array, points: Array) -> Frustum:
             "the screen is seen too much from the side for one view (more than 82 degrees from "
             "the middle); expected several channels"
         )
-    low, high = slopes.min(axis=0), slopes.max(axis=0)
-    edges = float(low[0]), float(high[0]), float(low[1]), float(high[1])
-    return Frustum(axes, off_axis(*(NEAR_CM * edge for edge in edges)), edges)
+    (left, bottom), (right, top) = slopes.min(axis=0), slopes.max(axis=0)
+    edges = float(left), float(right), float(bottom), float(top)
+    return Frustum(axes, edges)
 
 
 def seen_at(frustum: Frustum, eye: Array, points: Array) -> Array:

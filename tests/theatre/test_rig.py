@@ -12,6 +12,7 @@ from subsea.theatre.screens import points_on
 from subsea.theatre.warp import sources_at
 from subsea.view.rig import CUBES, Shape, pose, views
 from subsea.view.stereo import EYES, Stereo
+from subsea.view.surround import MARGIN_PX
 
 EYE = np.array([10.0, 20.0, -300.0])
 OBSERVER = pose(EYE, 0.7, -0.2)
@@ -65,14 +66,16 @@ def test_a_point_of_the_sea_lands_where_its_ray_meets_the_screen(name, display):
     for patch in rig.patches:
         one = found[patch.channel]
         for side, rect in ((0, patch.left), (1, patch.right)):
-            view = seen[rect]
+            x, y, w, h = rect
+            view = seen[x - MARGIN_PX, y - MARGIN_PX, w + 2 * MARGIN_PX, h + 2 * MARGIN_PX]
             offset = AXES @ (view.eye - EYE)
             places = rng.uniform(0.05, 0.95, (40, 2))
             on_screen = points_on(one.screen, places)
             away = rng.uniform(0.5, 8.0, (40, 1))
             points = EYE + (offset + away * (on_screen - offset)) @ AXES
             clip = np.column_stack([points, np.ones(40)]) @ (view.projection @ view.view).T
-            uv = 0.5 + 0.5 * clip[:, :2] / clip[:, 3:]
+            pixels = (0.5 + 0.5 * clip[:, :2] / clip[:, 3:]) * view.viewport[2:]
+            uv = (pixels - MARGIN_PX) / [w, h]
             expected = places if patch.warp is None else sources_at(patch.warp, places, side)
             # A fiftieth of a pixel for the matrices' rounding, a third for the mesh's pieces.
             limit = 0.02 if patch.warp is None else 0.34

@@ -16,6 +16,7 @@ from subsea.theatre.screens import (
     screen_of,
     seen_at,
 )
+from subsea.view.camera import NEAR_CM, off_axis
 
 WALL = Plane(lower_left=(-150, -100, 200), lower_right=(150, -100, 260), upper_left=(-150, 90, 200))
 ROUND = Cylinder(radius_cm=275, left_deg=-30, right_deg=25, bottom_cm=-120, top_cm=110,
@@ -50,7 +51,8 @@ def test_a_point_lands_where_the_ray_to_the_eye_meets_the_screen(kind, s, t, awa
     on_screen = points_on(screen, np.array([[s, t]]))
     point = eye + away * (on_screen - eye)  # anywhere on the ray
     seen = (point - eye) @ frustum.axes.T
-    clip = frustum.projection.astype(float) @ [*(seen[0] * [1, 1, -1]), 1.0]
+    projection = off_axis(*(NEAR_CM * edge for edge in frustum.edges))
+    clip = projection.astype(float) @ [*(seen[0] * [1, 1, -1]), 1.0]
     ndc = clip[:2] / clip[3]
     expected = seen_at(frustum, eye, on_screen)[0]
     np.testing.assert_allclose(0.5 + 0.5 * ndc, expected, atol=2e-5)
