@@ -102,6 +102,11 @@ def _add_dive(commands: Any) -> None:
     _add_quality(dive, "auto")
     _add_target(dive)
     dive.add_argument("--fullscreen", action="store_true", help="fill the screen (F11 toggles)")
+    dive.add_argument(
+        "--tour",
+        metavar="NAME",
+        help="one of the scenario's tours, or auto, takes the submarine along until a hand moves",
+    )
     _add_seed(dive)
     dive.add_argument(
         "--seconds", type=number(float, 0.1, 86400), metavar="S", help="end by itself after S"

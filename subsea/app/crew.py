@@ -8,12 +8,14 @@ from typing import Protocol
 from subsea.app.clock import Clock
 from subsea.app.console import say
 from subsea.app.pilot import Pilot
+from subsea.app.tour import Steer
 from subsea.cluster.follower import Follower
 from subsea.cluster.keys import read_keys
 from subsea.cluster.link import endpoint
 from subsea.cluster.master import Master
 from subsea.errors import UserError, unknown
 from subsea.ocean import step
+from subsea.submarine.helm import HANDS_OFF
 from subsea.theatre.files import Theatre
 from subsea.world import TICK_S, World
 
@@ -54,18 +56,21 @@ class Crew(Protocol):
 
 
 class Alone:
-    """This computer's clock and hands."""
+    """This computer's clock and hands; a tour until these move, if there is one."""
 
     hands, shared, waiting, idle_s = True, False, "", 0.0
 
-    def __init__(self, world: World, pilot: Pilot) -> None:
-        self._world, self._pilot = world, pilot
+    def __init__(self, world: World, pilot: Pilot, tour: Steer | None = None) -> None:
+        self._world, self._pilot, self._tour = world, pilot, tour
         self._clock = Clock(TICK_S)
 
     def picture(self, elapsed_s: float) -> float:
         """As many ticks as have become due."""
         for _ in range(self._clock.advance(elapsed_s)):
-            step(self._world, self._pilot.helm(TICK_S))
+            helm = self._pilot.helm(TICK_S)
+            if helm != HANDS_OFF:
+                self._tour = None
+            step(self._world, self._tour(self._world) if self._tour else helm)
         return self._clock.alpha
 
     def swap(self, drawn: Callable[[], None]) -> None:

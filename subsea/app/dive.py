@@ -26,13 +26,15 @@ from subsea.app.ride import (
 )
 from subsea.app.screens import Installation, Screen, on_display, placed
 from subsea.app.start import start_world
+from subsea.app.tour import guide
 from subsea.app.wall import Wall
 from subsea.app.window import Window, Wish
 from subsea.errors import UserError
 from subsea.frame import make_scene, pack
 from subsea.render import Renderer
 from subsea.render.quality import AUTO, CHOICES, LADDER, PRESETS, Quality, first_rung, name_of
-from subsea.scenario import load_scenario
+from subsea.scenario import AUTOPILOT, load_scenario
+from subsea.submarine.course import course_of
 from subsea.theatre.lineup import lineup
 from subsea.view.camera import View
 from subsea.view.levels import nothing_drawn
@@ -58,8 +60,11 @@ def dive(
     shrink: int = 1,
     node: str | None = None,
     see_brightness: bool = False,
+    tour: str | None = None,
 ) -> int:
     """Dive until the window is closed, Esc is pressed, or `seconds` have passed; exit code 0.
+
+    The `tour` of that name takes the submarine along until a hand moves.
 
     In the windows of a `theatre`, `shrink` times smaller, if one is named; as the computer `node`
     of several in those that are its own. With `see_brightness` the fish that is ridden goes by the
@@ -76,6 +81,11 @@ def dive(
         raise UserError(NOT_SHRUNK)
     elif node is not None:
         raise UserError("--node is one of a theatre's computers, expected --theatre too")
+    if tour is not None:
+        if crew is not Alone:
+            raise UserError("--tour takes one computer along, not the several of --node")
+        course = None if tour == AUTOPILOT else course_of(load_scenario(scenario)[0], tour)
+        crew = lambda world, pilot: Alone(world, pilot, guide(world, course))  # noqa: E731
     running = Dive(
         scenario, display, size, fullscreen, seed, stereo, surround, quality, target_ms,
         installation, crew, see_brightness,

@@ -5,11 +5,25 @@ import math
 import numpy as np
 import pytest
 
+from subsea.app.crew import Alone
+from subsea.app.pilot import Pilot
 from subsea.app.start import start_world
-from subsea.app.tour import HOOK, HUNT, KEEP_S, NEAREST_CM, PAIR, SHOAL, TURN_S, Subject, Tour
+from subsea.app.tour import (
+    HOOK,
+    HUNT,
+    KEEP_S,
+    NEAREST_CM,
+    PAIR,
+    SHOAL,
+    TURN_S,
+    Subject,
+    Tour,
+    guide,
+)  # fmt: skip
 from subsea.ocean import create_world, step
 from subsea.scenario import load_scenario
 from subsea.state import CIRCLING, EAT, HANGING, HOOKED, LANDED, LOOPING, NOBODY, PREDATOR, digest
+from subsea.submarine.course import course_of, rail_at
 from subsea.world import TICK_S
 
 
@@ -158,3 +172,20 @@ def test_the_same_tour_each_time():
             step(world, tour.helm(world))
         digests.append(digest(world.state))
     assert digests[0] == digests[1]
+
+
+def test_a_visitor_is_taken_along_until_a_hand_moves():
+    world = create_world(load_scenario("peaceful")[0], seed=3, fish=12)
+    course, pilot = course_of(world.scenario, "reef"), Pilot()
+    boat, crew = world.state.submarine, Alone(world, pilot, guide(world, course))
+    for _ in range(5):
+        crew.picture(1.5 * TICK_S)
+    there = rail_at(course, world.state, world.state.tick * TICK_S).position
+    np.testing.assert_array_equal(boat.position, there)
+    pilot.key("ahead", True)
+    crew.picture(1.1 * TICK_S)
+    pilot.key("ahead", False)
+    crew.picture(5.1 * TICK_S)
+    taken = rail_at(course, world.state, world.state.tick * TICK_S)
+    assert np.linalg.norm(boat.position - taken.position) > 0.01
+    assert np.linalg.norm(boat.position - there) < 10.0  # it goes on from where it was
