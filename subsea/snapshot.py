@@ -54,6 +54,7 @@ class _Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 class _Header(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     tick: Annotated[int, msgspec.Meta(ge=0, le=2**48)]
     seed: Annotated[int, msgspec.Meta(ge=0, le=2**48)]
+    seen_light: dict[int, Annotated[float, msgspec.Meta(ge=0, le=1)]]  # see `World`
     checksum: Annotated[str, msgspec.Meta(max_length=64)]
     arrays: Annotated[list[_Entry], msgspec.Meta(max_length=500)]
 
@@ -79,13 +80,14 @@ def checksum_of(arrays: Arrays, *more: object) -> str:
 
 def checksum(world: World) -> str:
     """Of everything that changes: equal checksums are equal worlds."""
-    return checksum_of(changing(world), world.state.tick, world.state.seed)
+    return checksum_of(changing(world), world.state.tick, world.state.seed, _seen_light(world))
 
 
 def take(world: World) -> bytes:
     """Everything that changes in the world, as it is now."""
     arrays = changing(world)
-    header = _Header(world.state.tick, world.state.seed, checksum(world), _entries(arrays))
+    tick, seed = world.state.tick, world.state.seed
+    header = _Header(tick, seed, _seen_light(world), checksum(world), _entries(arrays))
     text = msgspec.json.encode(header)
     parts = [MAGIC, len(text).to_bytes(4, "little"), text]
     return b"".join(parts + [np.ascontiguousarray(array).tobytes() for array in arrays.values()])
@@ -118,12 +120,20 @@ def restore(world: World, data: bytes) -> None:
         name: np.frombuffer(content, array.dtype, array.size, entry.offset).reshape(array.shape)
         for (name, array), entry in zip(arrays.items(), expected, strict=True)
     }
-    if checksum_of(given, header.tick, header.seed) != header.checksum:
+    if checksum_of(given, header.tick, header.seed, header.seen_light) != header.checksum:
         raise _fault("the checksum is not that of its arrays")
     _refuse_impossible(world, given)
+    if not all(0 <= fish < len(state.fishes.species) for fish in header.seen_light):
+        raise _fault("the light that is seen by a fish that is none")
     for name, array in arrays.items():
         array[...] = given[name]
     state.tick = header.tick
+    world.seen_light.clear()
+    world.seen_light.update(header.seen_light)
+
+
+def _seen_light(world: World) -> dict[int, float]:
+    return {int(fish): float(light) for fish, light in sorted(world.seen_light.items())}
 
 
 def _arrays(world: World) -> Iterator[tuple[str, NDArray[Any], bool]]:

@@ -146,6 +146,22 @@ def test_truth_is_true_or_false(small):
     snapshot.restore(world, whole)
 
 
+def test_the_light_that_a_fish_was_told_to_see_goes_along(small):
+    world, other, whole = small
+    before = snapshot.checksum(world)
+    world.seen_light[1] = np.float32(0.3)
+    assert snapshot.checksum(world) != before
+    seen = snapshot.take(world)
+    snapshot.restore(other, seen)
+    assert other.seen_light == {1: float(np.float32(0.3))}
+    assert snapshot.checksum(other) == snapshot.checksum(world)
+    world.seen_light[3] = 0.5
+    refused(other, snapshot.take(world), "a fish that is none")
+    for one in (world, other):
+        snapshot.restore(one, whole)
+        assert not one.seen_light
+
+
 def test_no_snapshot_is_larger_than_its_limit(small):
     world, _, whole = small
     assert len(whole) <= snapshot.size_limit(world)
