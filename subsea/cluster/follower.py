@@ -33,6 +33,7 @@ from subsea.ocean import step
 from subsea.world import World
 
 CALL_S = 1.0  # so often a node that hears nothing calls the master
+SILENT_S = 1.0  # a master that draws slowly is not yet a silent one
 HURRY_S = 0.25  # for so long ticks are made without a picture by a node that is behind
 
 
@@ -150,7 +151,7 @@ class Follower:
     def _call(self) -> None:
         """Call the master, if it is silent or if its state is needed."""
         now = time.monotonic()
-        silent = now - self._heard_s > self._timeout_s
+        silent = now - self._heard_s > max(self._timeout_s, SILENT_S)
         if silent:
             self._wait_for(f"waiting for the master at {self._address}")
         if (silent or not self._dive) and now - self._called_s > CALL_S:
