@@ -205,7 +205,7 @@ def labelled(pictures: Sequence[NDArray[np.uint8]], seen: Seen) -> dict[str, Any
     depth = np.where(np.isfinite(seen.depth), np.rint(MM * seen.depth), 0.0)
     maps: dict[str, NDArray[Any]] = {
         "identity": value.astype(np.uint16),
-        "coded": coded(value),
+        "coded": CODES[value],
         "depth": np.minimum(depth, 2**16 - 1).astype(np.uint16),
     }
     out: dict[str, Any] = dict(zip(SIDES, pictures, strict=True))
@@ -234,6 +234,9 @@ def coded(value: Ints) -> NDArray[np.uint8]:
     for name, colours in (("pillar", blue), ("coral", violet), ("fish", red)):
         rgb = np.where((value >= VALUES[name])[..., None], colours, rgb)
     return np.asarray(np.rint(255.0 * rgb), np.uint8)
+
+
+CODES = coded(np.arange(2**16))  # of every value
 
 
 def described(

@@ -7,7 +7,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.app.eyes import SIDES, coded, values_of
+from subsea.app.eyes import CODES, SIDES, values_of
 from subsea.behavior.table import BEHAVIORS
 from subsea.render.marks import Seen
 from subsea.state import MENTAL_STATES
@@ -25,7 +25,6 @@ STEADY_S, LEVEL_S = 0.35, 0.8  # in which the view follows the way the fish head
 GLANCE_DEG_S = 60.0
 MOST_PAN_DEG, MOST_TILT_DEG = 120.0, 70.0
 GREY_CM = 250.0  # over which what is farther gets darker by a factor e
-CODES = coded(np.arange(2**16))
 
 
 class Ride:

@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.body.pose import control_points_world
+from subsea.frame import pack
 from subsea.kinematics.rotation import matrix
 from subsea.kinematics.surface import LEFT, RIGHT, rest_control_points
 from subsea.ocean import create_world, step
@@ -66,6 +67,22 @@ def test_each_eye_is_on_its_side_and_misses_its_own_body(world):
     for view, part in ((left, LEFT), (right, RIGHT)):
         # Where the skin bends with the beat they are a little off it.
         assert np.linalg.norm(by.weights @ points[part] - view.eye) < 0.25 * by.half_cm + 0.05
+
+
+def test_eyes_of_a_simulated_fish_lie_on_the_body_that_is_drawn():
+    world = create_world(load_scenario("peaceful")[0], fish=12, live=12, live_reach_cm=np.inf)
+    for _ in range(600):
+        step(world, HANDS_OFF)
+        if world.state.fishes.live.all():
+            break
+    assert world.state.fishes.live.all()
+    by = [rider(world, fish) for fish in range(12)]
+    # Nobody has skinned them yet: their rows of control points are what they were.
+    eyes = [ridden(world, one, 1.0).eye for one in by]
+    pack(world, retinal_views(world, by[0], retina_rig(SIZE, 1.0), 1.0), 1.0, culling=False)
+    for one, eye in zip(by, eyes, strict=True):
+        points = control_points_world(world.state.fishes, world.library, one.fish)
+        np.testing.assert_allclose(eye, one.weights @ (points[LEFT] + points[RIGHT]) / 2, atol=1e-3)
 
 
 def test_the_field_is_as_wide_as_asked():
