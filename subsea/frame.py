@@ -50,6 +50,9 @@ BLADE = 9.0  # length of the longest blade of kelp over its width, as in `seawee
 KELP = SEAWEED_KINDS.index("kelp")
 GOLDEN = 0.6180339887  # multiples of it fill [0, 1) evenly
 
+PLANKTON_REACH_CM = 1400.0  # a speck has faded there
+SPECK_CM = 4.0  # from its place, which it hops about, to the farthest that is drawn of its middle
+
 # A fish's sphere holds its nodes; its surface, with a tail that spreads, reaches a little farther.
 ENLARGED = 1.1
 NEVER_COARSE = np.zeros(len(LEVELS) - 1)  # thresholds of those who want no levels
@@ -92,7 +95,7 @@ class Packet:
     instances: Array
     # Of each view those at rest, coarsest first, then those that fade.
     batches: tuple[tuple[Batch, ...], ...]
-    plankton: Array  # (p, 3) float32 cm
+    plankton: Array  # (p, 3) float32 cm: all that there is
     hidden: int  # fishes culled away
     # Control points (r, 426, 3) float32 cm that replace rows of the scene's from `live_row` on:
     # those of fishes that are simulated.
@@ -107,6 +110,8 @@ class Packet:
     leaves: Array = field(default_factory=lambda: np.zeros((0, LEAF_TEXELS, 4), np.float32))
     fine_leaves: int = 0
     leaves_seen: NDArray[np.bool_] | None = None
+    # Of each view which specks of the plankton it sees; None: each sees all.
+    plankton_seen: tuple[Ints, ...] | None = None
 
 
 def make_scene(world: World) -> Scene:
@@ -181,7 +186,8 @@ def pack(
         views=tuple(views),
         instances=instances,
         batches=batches,
-        plankton=world.state.sea.plankton[world.state.sea.absent == 0.0],
+        plankton=world.state.sea.plankton.copy(),
+        plankton_seen=_plankton_in_sight(world.state.sea, views, culling),
         hidden=int((pixels < 0.0).sum()),
         live_points=live_points,
         live_row=len(library.entry),
@@ -209,6 +215,14 @@ def _hook(sea: Sea, alpha: float) -> Array | None:
         return None
     velocity = {SINKING: -sea.tackle[3], HOOKED: sea.tackle[3]}.get(int(state), 0.0)
     return np.asarray(sea.hook - (0.0, 0.0, (1.0 - alpha) * TICK_S * velocity))
+
+
+def _plankton_in_sight(sea: Sea, views: Sequence[View], culling: bool) -> tuple[Ints, ...]:
+    """Of each view the specks in sight. They keep their numbers: a speck looks as that tells."""
+    size = np.full(len(sea.plankton), SPECK_CM)
+    _, distance = covered(sea.plankton, size, size, views, PLANKTON_REACH_CM, culling)
+    present = sea.absent == 0.0
+    return tuple(np.flatnonzero(np.isfinite(own) & present).astype(np.int32) for own in distance)
 
 
 def _leaves_in_sight(

@@ -5,7 +5,7 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from subsea.frame import Packet, Scene
+from subsea.frame import PLANKTON_REACH_CM, Packet, Scene
 from subsea.render.quality import PRESETS, Quality
 from subsea.render.shaders import program, set_uniforms
 
@@ -13,7 +13,7 @@ SNOW = max(preset.snow for preset in PRESETS.values())  # specks in the box abou
 SNOW_BOX_CM = 520.0
 SNOW_SINKS_CM_S = 1.5
 SNOW_LOOK = {"u_diameter": 0.55, "u_colour": (0.55, 0.62, 0.62), "u_reach": 250.0}
-PLANKTON_LOOK = {"u_diameter": 1.0, "u_colour": (0.85, 0.88, 0.80), "u_reach": 1400.0}
+PLANKTON_LOOK = {"u_diameter": 1.0, "u_colour": (0.85, 0.88, 0.80), "u_reach": PLANKTON_REACH_CM}
 
 
 class Particles:
@@ -25,12 +25,13 @@ class Particles:
         places = np.random.default_rng(0x5A0).uniform(size=(SNOW, 3)).astype("f4")
         self._snow = context.buffer(places.tobytes())
         self._plankton = context.buffer(reserve=12)
+        self._seen = context.buffer(reserve=4)
         self._snow_array, self._plankton_array = (
-            context.vertex_array(self._program, [(buffer, "3f4", "a_position")])
-            for buffer in (self._snow, self._plankton)
+            context.vertex_array(self._program, [(buffer, "3f4", "a_position")], indices)
+            for buffer, indices in ((self._snow, None), (self._plankton, self._seen))
         )
         self._drift = (*scene.water.current_cm_s, -SNOW_SINKS_CM_S)
-        self._count = 0
+        self._starts = [0]  # of each view's specks, with the end
         self._specks = SNOW
 
     def adapt(self, quality: Quality) -> None:
@@ -39,26 +40,35 @@ class Particles:
 
     def upload(self, packet: Packet) -> None:
         """Send the plankton."""
-        self._count = len(packet.plankton)
-        self._plankton.orphan(max(packet.plankton.nbytes, 12))
-        if self._count:
-            self._plankton.write(np.ascontiguousarray(packet.plankton, "f4").tobytes())
+        seen = packet.plankton_seen
+        if seen is None:
+            seen = (np.arange(len(packet.plankton)),) * len(packet.views)
+        self._starts = np.cumsum([0, *map(len, seen)]).tolist()
+        if self._starts[-1]:
+            for buffer, data in (
+                (self._plankton, np.ascontiguousarray(packet.plankton, "f4")),
+                (self._seen, np.concatenate(seen).astype("i4")),
+            ):
+                buffer.orphan(data.nbytes)
+                buffer.write(data)
 
-    def draw(self, packet: Packet, uniforms: dict[str, Any]) -> int:
+    def draw(self, packet: Packet, number: int, uniforms: dict[str, Any]) -> int:
         """Draw over what is there, blended; points count as no triangles."""
         set_uniforms(
             self._program, **uniforms, **SNOW_LOOK,
             u_box=SNOW_BOX_CM, u_drift=self._drift, u_passing=packet.passing_cm_s,
         )  # fmt: skip
         self._snow_array.render(moderngl.POINTS, vertices=self._specks)
-        set_uniforms(self._program, **PLANKTON_LOOK, u_box=0.0)
-        if self._count:
-            self._plankton_array.render(moderngl.POINTS, vertices=self._count)
+        first, end = self._starts[number : number + 2]
+        if end > first:
+            set_uniforms(self._program, **PLANKTON_LOOK, u_box=0.0)
+            self._plankton_array.render(moderngl.POINTS, vertices=end - first, first=first)
         return 0
 
     def release(self) -> None:
         """Free every OpenGL object."""
         for held in (
-            self._snow_array, self._plankton_array, self._snow, self._plankton, self._program
+            self._snow_array, self._plankton_array, self._snow, self._plankton, self._seen,
+            self._program,
         ):  # fmt: skip
             held.release()

@@ -176,13 +176,13 @@ class Renderer:
                 self.triangles += self._blobs.draw(uniforms)
                 self._target.framebuffer.depth_mask = True
                 context.disable(context.BLEND)
-            self.triangles += self._water.draw(uniforms)
+            self.triangles += self._water.draw(view, uniforms)
             context.enable(context.BLEND)
             self.triangles += self._fishes.draw(packet, number, uniforms)
             self.triangles += self._hook.draw(packet, number, uniforms)
             self._target.framebuffer.depth_mask = False
             self.triangles += self._bubbles.draw(packet, number, uniforms)
-            self.triangles += self._particles.draw(packet, uniforms)
+            self.triangles += self._particles.draw(packet, number, uniforms)
             self._target.framebuffer.depth_mask = True
         context.scissor = None
         self._show(self._target.picture(), into, self._scale(self.rig, self.quality), True)
@@ -229,7 +229,7 @@ class Renderer:
             self._coral.draw(number, uniforms, marked=True)
             context.disable(context.CULL_FACE)
             self._seabed.draw(number, uniforms, marked=True)
-            self._water.draw_surface(uniforms, marked=True)
+            self._water.draw_surface(view, uniforms, marked=True)
             for moving in (self._seaweed, self._fishes, self._hook, self._bubbles):
                 moving.draw(packet, number, uniforms, marked=True)
         context.scissor = None

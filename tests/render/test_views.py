@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from subsea.frame import make_scene, pack
 from subsea.ocean import create_world, step
-from subsea.render import Renderer
+from subsea.render import Renderer, water
 from subsea.render.quality import PRESETS
 from subsea.scenario import load_scenario
 from subsea.submarine.helm import Helm
@@ -43,10 +43,15 @@ class Sea:
 
     def draw(self, seen, memory, lod=True):
         """The picture of some views, its triangles and its drawing calls."""
-        packet = pack(
+        return self.drawn(self.pack(seen, memory, lod))
+
+    def pack(self, seen, memory, lod=True):
+        return pack(
             self.world, seen, 1.0, lod=lod,
             detail=QUALITY.detail, growth=QUALITY.growth, memory=memory,
         )  # fmt: skip
+
+    def drawn(self, packet):
         self.renderer.draw(packet)
         picture = self.renderer.read_pixels().astype(int)
         return picture, self.renderer.triangles, self.renderer.draw_calls
@@ -104,6 +109,39 @@ def test_a_view_shows_and_costs_what_it_does_alone(sea, display, heading, pitch)
         assert alone[part].std() > 5.0
     assert every == sum(triangles)
     assert all_calls <= sum(calls) <= len(seen) * max(calls)
+
+
+@pytest.mark.parametrize("display", ["mono", "dome"])
+def test_specks_and_surface_that_a_view_does_not_see_leave_no_gap(sea, display, monkeypatch):
+    """Nobody sees that they were left out."""
+    rig = display_rig(display, (320, 180))
+    sea.renderer.arrange(rig)
+    every = np.flatnonzero(sea.world.state.sea.absent == 0.0)
+    assert len(every) > 1000
+    for pitch in (-0.9, -0.3, 0.4):
+        seen = views(rig, sea.observer(0.4, pitch))
+        packet = sea.pack(seen, sea.nothing())
+        assert 0 < len(packet.plankton_seen[0]) < 0.5 * len(every)
+        chosen, few, _ = sea.drawn(packet)
+        with monkeypatch.context() as patch:
+            patch.setattr(water, "highest", lambda view: 1.0)
+            full, many, _ = sea.drawn(replace(packet, plankton_seen=(every,) * len(seen)))
+        np.testing.assert_array_equal(chosen, full)
+        assert (few < many) == any(water.highest(view) < 0.0 for view in seen)
+    assert water.highest(views(display_rig("mono", SIZE), sea.observer(0.4, -0.9))[0]) < 0.0
+
+
+def test_a_view_that_shows_less_has_fewer_cells_of_water():
+    observer = pose(np.array([0.0, 0.0, -300.0]), 0.0, 0.0)
+    (plain,) = views(display_rig("mono", (1280, 720)), observer)
+    for cells in (water.COARSE, water.FINE):
+        assert water.cells_for(plain, cells) == cells
+        for view in views(channels((-0.8, 0.0, 0.8), np.tan(0.4), SIZE), observer):
+            across, down = water.cells_for(view, cells)
+            tangents = 1.0 / np.diag(view.projection)[:2]
+            whole = 1.0 / np.diag(plain.projection)[:2]
+            assert across / cells[0] == pytest.approx(tangents[0] / whole[0], abs=0.07)
+            assert down / cells[1] == pytest.approx(tangents[1] / whole[1], abs=0.06)
 
 
 def test_channels_side_by_side_cost_about_what_one_wide_view_does(sea):
