@@ -101,13 +101,20 @@ def film(
             )
             memory = nothing_drawn(len(world.state.fishes.species))
             wanted = set(missing)
-            for k, instant in enumerate(instants[: missing[-1] + 1]):
-                begun = time.perf_counter()
+
+            def reach(instant: float) -> float:
+                """Step the world until `instant` lies between its last two ticks; where."""
                 ticks, alpha = divmod(instant / TICK_S, 1.0)
                 check()
                 while world.state.tick < ticks + 1:  # the first is the start of the film
                     check()
                     step(world, steer(world))
+                return alpha
+
+            reach(instants[0])
+            for k, instant in enumerate(instants[: missing[-1] + 1]):
+                begun = time.perf_counter()
+                alpha = reach(instant)
                 observer = cockpit(world.state.submarine, alpha)
                 packet = pack(
                     world, views(rig, observer), alpha,

@@ -4,6 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from subsea.app.console import counted
+
 SUMMARY = ("mean", "p50", "p95", "p99", "max")
 
 
@@ -21,4 +23,4 @@ def sentence(durations_s: Sequence[float]) -> str:
     """The summary in one line, with the number of frames."""
     figures = summary(durations_s)
     named = ", ".join(f"{name} {figures[name]:.1f}" for name in ("mean", "p50", "p95", "max"))
-    return f"{len(durations_s)} frames; frame time in ms: {named}"
+    return f"{counted(len(durations_s), 'frame', 'frames')}; frame time in ms: {named}"
