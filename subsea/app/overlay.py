@@ -29,6 +29,8 @@ HELP = (
     ("Leave", "", "Esc"),
 )
 TEXT_PT = 18.0
+ROOM = 30.0, 20.0  # what the help needs of the screen at least, in heights of its letters
+BESIDE = 50.0  # with so much room it stands beside the instruments, else above them
 SQUEEZED = 1.2  # how much larger, and bold, text is whose strokes would be lost
 FADE_S = 1.5
 NOTE_S = 4.0
@@ -171,7 +173,7 @@ class Overlay:
         line = riding or readout(submarine, throttle, stopping)
         self._line("   ".join(filter(None, (line, note))), size)
         if self._help > 0.0:
-            self._help_panel(size, 3.2 if panes[0].squeezed else 1.2)
+            self._help_panel(size)
         self._end(panes)
 
     def caption(self, text: str, scale: float, panes: Sequence[Pane] = (WHOLE,)) -> None:
@@ -200,14 +202,17 @@ class Overlay:
         imgui.backends.glfw_new_frame()
         io = imgui.get_io()
         self._window = io.display_size.x, io.display_size.y
-        io.display_size = imgui.ImVec2(
-            *(share * size for share, size in zip(pane.screen, self._window, strict=True))
+        width, height = (
+            share * size for share, size in zip(pane.screen, self._window, strict=True)
         )
+        io.display_size = imgui.ImVec2(width, height)
         imgui.new_frame()
-        if pane.squeezed:
-            imgui.push_font(self._bold, SQUEEZED * TEXT_PT * scale)
-        else:
-            imgui.push_font(self._plain, TEXT_PT * scale)
+        tall = min(
+            TEXT_PT * scale * (SQUEEZED if pane.squeezed else 1.0),
+            width / ROOM[0],
+            height / ROOM[1],
+        )
+        imgui.push_font(self._bold if pane.squeezed else self._plain, tall)
 
     def _end(self, panes: Sequence[Pane] = (WHOLE,)) -> None:
         imgui.pop_font()
@@ -232,8 +237,9 @@ class Overlay:
         canvas.add_text((x + 1.0, y + 1.0), _colour((0.0, 0.05, 0.08), 0.6), text)
         canvas.add_text((x, y), _colour(INK, 0.85), text)
 
-    def _help_panel(self, size: Any, lines_below: float) -> None:
+    def _help_panel(self, size: Any) -> None:
         line = imgui.get_font_size()
+        lines_below = 1.2 if size.x > BESIDE * line else 3.2
         flags = imgui.WindowFlags_
         corner = size.x - 1.2 * line, size.y - lines_below * line
         imgui.set_next_window_pos(corner, 0, (1.0, 1.0))

@@ -15,7 +15,7 @@ from subsea.resources import resource_path
 from subsea.view.rigs import DISPLAYS
 from subsea.view.stereo import PAGED
 
-SIZE = (320, 200)
+SIZE = (640, 400)
 SHOWN = [name for name in DISPLAYS if name not in ("mono", PAGED)]
 
 

@@ -1,0 +1,124 @@
+"""Theatres on the monitors that there are: a window that fills one, and what is missing."""
+
+import os
+import re
+import subprocess
+import sys
+import time
+from contextlib import closing
+
+import numpy as np
+from PIL import ImageGrab
+
+from subsea.app.dive import Dive
+from subsea.app.screens import Installation, Screen
+from subsea.resources import resource_path
+from subsea.theatre.lineup import lineup
+from subsea.view.rigs import display_rig
+
+THEATRE = """
+[[window]]
+name = "left"
+size = [200, 150]
+monitor = {left}
+
+[[window]]
+name = "ahead"
+size = [200, 150]
+{ahead}
+
+[[channel]]
+name = "left"
+window = "left"
+angles = {{ left_deg = -30, right_deg = 30, down_deg = -20, up_deg = 20, heading_deg = -60 }}
+
+[[channel]]
+name = "ahead"
+window = "ahead"
+angles = {{ left_deg = -30, right_deg = 30, down_deg = -20, up_deg = 20 }}
+"""
+
+
+def xdotool(*words):
+    subprocess.run(["xdotool", *words], check=True, timeout=20)
+
+
+def dive(tmp_path, left, ahead, *options):
+    """A dive in a theatre of two windows: exit code, and what it says of the windows."""
+    path = tmp_path / "hall.toml"
+    path.write_text(THEATRE.format(left=left, ahead=ahead))
+    done = subprocess.run(
+        [sys.executable, "-m", "subsea", "dive", "--theatre", str(path), *options],
+        capture_output=True, text=True, timeout=120,
+    )  # fmt: skip
+    assert "Traceback" not in done.stderr
+    return done.returncode, [line for line in done.stderr.splitlines() if "hall.toml" in line]
+
+
+def test_a_dive_goes_on_without_the_window_whose_monitor_is_missing(display, tmp_path):
+    code, said = dive(tmp_path, '"DP-3"', "position = [10, 10]", "--seconds", "0.3")
+    assert code == 0
+    [line] = said
+    assert "window 'left': no monitor 'DP-3'; there are: 1 'screen' 800x600" in line
+
+
+def test_without_any_window_left_there_is_no_dive(display, tmp_path):
+    code, said = dive(tmp_path, 2, "monitor = 3")
+    assert code == 2
+    [line] = said
+    assert "window 'left': no monitor 2; there are: 1 'screen'" in line
+
+
+def test_windows_without_a_buffer_for_each_eye_are_refused_in_a_line(display, tmp_path):
+    path = tmp_path / "hall.toml"
+    path.write_text(THEATRE.format(left=1, ahead="position = [0, 0]"))
+    done = subprocess.run(
+        [sys.executable, "-m", "subsea", "dive", "--theatre", str(path), "--display", "stereo"],
+        capture_output=True, text=True, timeout=120,
+    )  # fmt: skip
+    assert done.returncode == 2
+    assert "quad-buffered" in done.stderr.splitlines()[-1]
+    assert "Traceback" not in done.stderr
+
+
+def test_a_window_fills_its_monitor_and_shows_its_picture_stretched(display, tmp_path):
+    text = (resource_path("assets/scenarios") / "peaceful.toml").read_text()
+    sea = tmp_path / "quiet.toml"
+    sea.write_text(re.sub(r"^number = \d+", "number = 2", text, flags=re.MULTILINE))
+    size = (400, 300)
+    installation = Installation(display_rig("mono", size), [Screen("all", size, monitor=1)])
+    with closing(Dive(str(sea), "mono", size, seed=1, installation=installation)) as running:
+        running._grant("pattern")
+        running.overlay.draw = lambda *rest: None
+        for _ in range(5):
+            running.frame(0.1)
+            time.sleep(0.05)
+        assert running.window.size == (800, 600)
+        assert running.window.position == (0, 0)
+        picture = np.asarray(ImageGrab.grab(xdisplay=os.environ["DISPLAY"]))[..., :3].astype(int)
+        means = picture.reshape(300, 2, 400, 2, 3).mean(axis=(1, 3))
+        assert np.abs(means - lineup(installation.rig)).mean() < 8.0
+
+
+def test_escape_ends_the_dive_in_the_three_windows_of_a_theatre(display):
+    command = [sys.executable, "-m", "subsea", "dive", "--theatre", "cave", "--shrink", "8"]
+    running = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    try:
+        windows = []
+        while len(windows) < 3 and running.poll() is None:
+            found = subprocess.run(
+                ["xdotool", "search", "--name", "^(left|front|right)$"],
+                capture_output=True, text=True, timeout=20,
+            )  # fmt: skip
+            windows = found.stdout.split()
+            time.sleep(0.2)
+        time.sleep(1.0)  # the pilot's window takes the keyboard at first
+        xdotool("windowfocus", windows[1])
+        while running.poll() is None:
+            xdotool("key", "Escape")
+            time.sleep(0.3)
+        assert running.returncode == 0
+    finally:
+        running.kill()
+        _, err = running.communicate()
+    assert "Traceback" not in err
