@@ -41,7 +41,7 @@ CHECK_TICKS = 30  # so often every node's world is compared with the master's: o
 NUDGE_S = 0.02  # so often a node that is waited for is asked whether it is still there
 NEAR = 30  # pictures that a node may be behind to be waited for again
 LONGEST_PROBATION_S = 60.0  # for so long at most, a node that was late is not waited for
-SOON_S = 60.0  # a node whose world differs twice within that is refused
+SOON_S = 60.0  # a node whose world differs twice within that is refused, and told so once in it
 AT_ONCE = 1000  # messages that are read at a time: a flood must not stop the dive
 
 
@@ -57,6 +57,8 @@ class _Node:
     not_before_s: float = 0.0  # until then it is not waited for
     diverged_s: float = -SOON_S
     came: bool = False  # whether it was in step before
+    refusal: str = ""  # why one that came with its name was refused ...
+    refused_s: float = 0.0  # ... and when that was told
     waits: Waits = field(default_factory=Waits)
 
 
@@ -203,7 +205,7 @@ class Master:
     def _welcome(self, route: bytes, hello: Hello, frame: Any) -> _Node | None:
         reason = self._objection(hello, frame)
         if reason:
-            self._tell(f"node {hello.node}: {reason}: refused")
+            self._refuse(hello.node, reason)
             self._say_to(route, Refused(f"the master refuses node {hello.node}: it {reason}"))
             return None
         node = self._nodes[hello.node]
@@ -215,6 +217,15 @@ class Master:
             self._drop(node, reason)
         node.route, node.in_step = route, False
         return node
+
+    def _refuse(self, name: str, reason: str) -> None:
+        """Tell it: of a node once in a while, as it may try again and again."""
+        now = time.monotonic()
+        if name not in self._nodes:
+            self._stranger(f"node {name}: {reason}")
+        elif (node := self._nodes[name]).refusal != reason or now - node.refused_s > SOON_S:
+            node.refusal, node.refused_s = reason, now
+            self._tell(f"node {name}: {reason}: refused")
 
     def _objection(self, hello: Hello, frame: Any) -> str:
         """Why a node may not take part, in words that follow its name; nothing if it may."""

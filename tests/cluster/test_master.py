@@ -169,6 +169,22 @@ def test_a_node_of_no_name_in_the_theatre_is_refused(bridge, seas):
     assert told(bridge, "node middle", "refused")
 
 
+def test_one_that_tries_again_and_again_does_not_fill_the_log(bridge, seas):
+    ours = identity.identity_of(seas[0])
+    other = msgspec.structs.replace(ours, seed=4)
+    with zmq.Context() as context:
+        stranger = context.socket(zmq.DEALER)
+        stranger.linger = 0
+        stranger.connect(f"tcp://{bridge.address}")
+        for k in range(30):
+            stranger.send(encode(Hello("left", other)))
+            stranger.send(encode(Hello(f"node{k}", ours)))
+        bridge.sail_until(lambda: bridge.master._strangers == 30)
+        stranger.close()
+    assert sum("seed 4, expected 3: refused" in line for line in bridge.told) == 1
+    assert sum("not among the nodes" in line for line in bridge.told) == 2
+
+
 def test_garbage_does_not_stop_the_dive(bridge, seas):
     left, right = both_in_step(bridge, seas)
     host, port = bridge.address.split(":")
