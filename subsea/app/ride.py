@@ -84,7 +84,7 @@ class Ride:
         parts = [f"{name} {fish}: {BEHAVIORS[minds.intention[fish]].name}", *state]
         if self.gaze != Gaze():
             parts.append(f"gaze {self.gaze.pan_deg:+.0f}° {self.gaze.tilt_deg:+.0f}°")
-        return "   ".join([*parts, f"its eyes: {look}"])
+        return "   ".join(parts if look == "colours" else [*parts, look])
 
 
 def with_insets(rig: Rig) -> tuple[Rig, tuple[Rect, ...]]:
