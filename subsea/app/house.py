@@ -12,6 +12,7 @@ from subsea.errors import UserError, unknown
 from subsea.theatre.channels import Lighted, channels
 from subsea.theatre.files import Channel, Theatre, Window, load_theatre
 from subsea.theatre.rig import theatre_rig
+from subsea.theatre.warp import describe_warp
 from subsea.view.rig import Rig
 from subsea.view.rigs import display_rig
 from subsea.view.stereo import EYES, Stereo
@@ -161,7 +162,7 @@ def _words(one: Lighted) -> str:
         parts = [f"{one.place[2]}x{one.place[3]} pixels, {one.shape.name.lower()}"]
     parts.append(f"{one.distance_cm:.0f} cm away")
     if one.warp is not None:
-        parts.append(f"warped by {len(one.warp.triangles)} triangles")
+        parts.append(f"warped by {describe_warp(one.warp)}")
     if one.mask is not None:
         parts.append("blended")
     return ", ".join(parts)
