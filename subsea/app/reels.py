@@ -112,11 +112,11 @@ def film_reel(
     import av  # here: a simulation or a window has no need of it
 
     interrupted: KeyboardInterrupt | None = None
-    # With frames that refer to later ones, x264's macroblock tree reads memory that nothing has
-    # been written to: then hardly two films of the same pictures are the same.
-    options = {"crf": QUALITY, "preset": "veryfast", "bf": "0"}
-    if tags.packing is not None:
-        options["x264-params"] = f"frame-packing={tags.packing}"
+    # x264's macroblock tree reads memory that nothing has been written to: with it hardly two films
+    # of the same pictures are the same. Without it they are 3% larger.
+    encoding = {"mbtree": 0} | ({} if tags.packing is None else {"frame-packing": tags.packing})
+    parameters = ":".join(f"{name}={value}" for name, value in encoding.items())
+    options = {"crf": QUALITY, "preset": "veryfast", "x264-params": parameters}
     frames = 0
     with replacing(out) as temporary:
         with av.open(
