@@ -10,6 +10,7 @@ from subsea.behavior.biting import approach, in_reach, is_offered
 from subsea.behavior.chasing import chase, mouth_of
 from subsea.behavior.hunting import EAGER, hunt
 from subsea.behavior.hunting import hunger as hunters_hunger
+from subsea.behavior.schooling import straggles
 from subsea.behavior.wandering import cruise, heading
 from subsea.kinematics.keyed import uniform
 from subsea.kinematics.rotation import rotate
@@ -35,7 +36,7 @@ def desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
     """Hunger, if there is more than `keen` of it and something to eat."""
-    bait = is_offered(sea)
+    bait, now = is_offered(sea), clock.tick * clock.dt
     for i in who:
         if minds.kind[i] == PREDATOR:
             out[i] = hunters_hunger(minds, i, nature)
@@ -45,14 +46,19 @@ def desire(
         least = nature.keen * (STILL_KEEN if eats else 1.0)
         near = minds.food[i] >= 0
         if near and minds.schools[i] and (minds.leader[i] >= 0 or minds.leads[i]):
-            near = _on_the_way(fishes, minds, i, sea, eats)
+            near = _on_the_way(fishes, minds, i, sea, eats, now)
         food = near or (bait and in_reach(fishes, minds, i, sea, nature))
         out[i] = max(hunger, EAGER * nature.keen) if hunger > least and food else 0.0
 
 
 @njit(cache=True, error_model="numpy")
-def _on_the_way(fishes: Fishes, minds: Minds, i: int, sea: Sea, eats: bool) -> bool:
-    """Whether the nearest speck is worth it for a fish in a school: near, and ahead."""
+def _on_the_way(fishes: Fishes, minds: Minds, i: int, sea: Sea, eats: bool, now: float) -> bool:
+    """Whether the nearest speck is worth it for a fish in a school: near, and ahead.
+
+    None is for a straggler, which catches up first.
+    """
+    if straggles(fishes, minds, i, now):
+        return False
     toward = minus(vector(sea.plankton[minds.food[i]]), vector(fishes.position[i]))
     distance = norm(toward)
     ahead = rotate(fishes.orientation[i], (1.0, 0.0, 0.0))

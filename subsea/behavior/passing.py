@@ -12,45 +12,86 @@ Array = NDArray[np.floating[Any]]
 
 LOOK_BL = 12.0  # so far ahead a fish sees that it has to pass something
 BERTH_BL = 1.2  # how far from it a fish means to pass
+AWAY = 4.0  # what an angle counts by which it would turn away from where it wants to go
+HEADROOM_BL = 0.6  # so much above or below something it swims over or under it
 
 
 @njit(cache=True, error_model="numpy")
 def past(
     wish: Vector, heading: Vector, here: Vector, length: float, pillars: Array, rocks: Array
 ) -> Vector:
-    """Level unit vector past the nearest pillar or rock that wish or heading lead into, or ZERO.
+    """Level unit vector past the pillars and rocks that wish or heading lead into, or ZERO.
 
-    It is the tangent on the side to which the fish, `length` cm long at `here`, is heading already,
-    so that it never changes its mind before the obstacle. Each fish decides for itself: a school
-    that meets an obstacle splits. A rock counts as round, as wide as it is long; under one that is
-    high enough above, as in an arch, fishes swim through.
+    Of the tangents to all that is near those count that lead into nothing else. A fish, `length`
+    cm long at `here`, takes the one for which it has to turn least, so that it doesn't change its
+    mind before the obstacle, and hardly one that leads back from where it wants to go, or it might
+    swim around for ever. Each fish decides for itself: a school that meets an obstacle splits. Who
+    means to turn back need not pass what it is heading for. A rock counts as round, as wide as it
+    is long, and as it is at the height of the fish.
     """
-    nearest, found = LOOK_BL * length, False
-    px, py, berth = 0.0, 0.0, 0.0
+    near = np.empty((len(pillars) + len(rocks), 3))  # x and y from here, and radius with the berth
+    count, nearest, found = 0, np.inf, -1
+    onward = wish[0] * heading[0] + wish[1] * heading[1] >= 0.0  # else it is about to turn back
     for k in range(len(pillars) + len(rocks)):
-        roof = -np.inf
         if k < len(pillars):
-            x, y, radius, top = pillars[k, 0], pillars[k, 1], pillars[k, 2], pillars[k, 3]
+            x, y, radius = pillars[k, 0], pillars[k, 1], pillars[k, 2]
+            share = 0.0 if here[2] <= pillars[k, 3] else 1.0
         else:
             rock = rocks[k - len(pillars)]
-            x, y, radius, top = rock[0], rock[1], max(rock[3], rock[4]), rock[2] + rock[5]
-            roof = rock[2] - rock[5] - BERTH_BL * length
+            x, y, radius = rock[0], rock[1], max(rock[3], rock[4])
+            share = max(abs(here[2] - rock[2]) - HEADROOM_BL * length, 0.0) / rock[5]
         dx, dy = x - here[0], y - here[1]
+        if share >= 1.0 or dx * dx + dy * dy > (radius + LOOK_BL * length) ** 2:
+            continue
+        radius *= np.sqrt(1.0 - share * share)
         gap = np.sqrt(dx * dx + dy * dy) - radius
-        if here[2] > top or here[2] < roof or gap > nearest:
+        if gap > LOOK_BL * length:
             continue
         around = radius + BERTH_BL * length
-        if _leads_into(heading, dx, dy, around) or _leads_into(wish, dx, dy, around):
-            nearest, px, py, berth, found = gap, dx, dy, around, True
-    if not found:
+        met = onward and _leads_into(heading, dx, dy, around)
+        if gap < nearest and (met or _leads_into(wish, dx, dy, around)):
+            nearest, found = gap, count
+        near[count, 0], near[count, 1], near[count, 2] = dx, dy, around
+        count += 1
+    if found < 0:
         return ZERO
-    away = max(np.sqrt(px * px + py * py), 1e-6)
-    ux, uy = px / away, py / away
-    sine = min(berth / away, 1.0)
+    best, least = ZERO, np.inf
+    for k in range(count):
+        for side in (1.0, -1.0):
+            way = _tangent(near[k], side)
+            cost = _turn(heading, way) + AWAY * max(_turn(wish, way) - 0.5 * np.pi, 0.0)
+            if cost >= least:
+                continue
+            free = True
+            for m in range(count):
+                if m != k and _leads_into(way, near[m, 0], near[m, 1], 0.999 * near[m, 2]):
+                    free = False
+                    break
+            if free:
+                best, least = way, cost
+    if least == np.inf:
+        # Shut in: about the nearest, on the side to which the fish is heading already.
+        side = 1.0 if near[found, 1] * heading[0] - near[found, 0] * heading[1] <= 0.0 else -1.0
+        best = _tangent(near[found], side)
+    return best
+
+
+@njit(cache=True, error_model="numpy")
+def _tangent(circle: Array, side: float) -> Vector:
+    """Unit vector past a circle (x, y, radius) on its left (1) or right (-1); abeam from inside."""
+    away = max(np.sqrt(circle[0] * circle[0] + circle[1] * circle[1]), 1e-6)
+    ux, uy = circle[0] / away, circle[1] / away
+    sine = min(circle[2] / away, 1.0)
     cosine = np.sqrt(1.0 - sine * sine)
-    if uy * heading[0] - ux * heading[1] > 0.0:
-        sine = -sine  # its middle is to the left of the heading: pass on the right
+    sine *= side
     return ux * cosine - uy * sine, uy * cosine + ux * sine, 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def _turn(way: Vector, other: Vector) -> float:
+    """Angle, rad, from a way to a level unit vector, seen from above."""
+    across = way[0] * other[1] - way[1] * other[0]
+    return float(abs(np.arctan2(across, way[0] * other[0] + way[1] * other[1])))
 
 
 @njit(cache=True, error_model="numpy")

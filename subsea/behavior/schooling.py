@@ -20,6 +20,11 @@ HURRY = 0.7  # ... and the share of the fastest speed at which it does so, to re
 CLOSED = 0.6  # of the usual spacing, in a school that is alarmed
 SIGHT_S = 1.0  # a leader seen within this time is followed by its heading too
 LOST_S = 25.0  # for so long a fish swims on to where it saw its leader last
+# A straggler is farther from its leader than that, with fewer companions beside it.
+STRAGGLING_BL, COMPANIONS = 10.0, 4
+# A school of n reaches so many lengths of its leader times n^(1/3) from it; the leader waits while
+# more than a share of them is farther off.
+REACH_BL, LEFT_BEHIND = 3.0, 0.1
 
 
 @njit(cache=True, error_model="numpy")
@@ -69,6 +74,8 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         urge = plus(plus(_pull(toward, length), ahead), company)
         way = past(urge, vector(fishes.velocity[i]), here, length, sea.pillars, sea.rocks)
         if norm(way) > 0.0:
+            # Meanwhile up or down to the leader, as under the bow of an arch.
+            way = (way[0], way[1], toward[2] / max(norm(toward), 1.0))
             urge = plus(times(OWN_WAY, way), (COMPANY * company[0], COMPANY * company[1], 0.0))
             pace = max(pace, HURRY)
         for axis in range(3):
@@ -110,10 +117,44 @@ def _company(
 
 @njit(cache=True, error_model="numpy")
 def _pace(toward: Vector, ahead: Vector, length: float, pace: float) -> float:
-    """Faster when behind the leader or far away, slower when ahead of it."""
-    behind = dot(toward, ahead) / (FOLLOW_BL * length)
+    """Faster when behind the leader or far away, slower when ahead of it, but never idle there."""
+    behind = max(dot(toward, ahead) / (FOLLOW_BL * length), -1.0)
     distance = norm(toward) / (FOLLOW_BL * length)
     return min(max(pace + 0.25 * behind + 0.5 * max(distance - 1.5, 0.0), 0.08), 1.0)
+
+
+@njit(cache=True, error_model="numpy")
+def straggles(fishes: Fishes, minds: Minds, i: int, now: float) -> bool:
+    """Whether fish i is far from where it knows its leader to be, and has little company."""
+    if minds.neighbour[i, COMPANIONS - 1] >= 0:
+        return False
+    if minds.leader[i] < 0 or now - minds.leader_seen[i] > LOST_S:
+        return False
+    toward = minus(vector(minds.leader_place[i]), vector(fishes.position[i]))
+    return norm(toward) > STRAGGLING_BL * fishes.length[i]
+
+
+@njit(cache=True, error_model="numpy")
+def leaves_behind(fishes: Fishes, minds: Minds, leader: int, now: float) -> bool:
+    """Whether more than a tenth of a school is farther from its leader than such a school reaches.
+
+    Who has long lost the leader doesn't count: a school does not wait for ever.
+    """
+    here, followers, behind = vector(fishes.position[leader]), 0, 0
+    for i in range(len(minds.leader)):
+        if _is_followed_by(fishes, minds, leader, i, now):
+            followers += 1
+    reach = REACH_BL * fishes.length[leader] * followers ** (1.0 / 3.0)
+    for i in range(len(minds.leader)):
+        if _is_followed_by(fishes, minds, leader, i, now):
+            behind += norm(minus(vector(fishes.position[i]), here)) > reach
+    return behind > LEFT_BEHIND * followers
+
+
+@njit(cache=True, error_model="numpy")
+def _is_followed_by(fishes: Fishes, minds: Minds, leader: int, i: int, now: float) -> bool:
+    """Whether fish i is alive, belongs to the school of a leader and knows where that is."""
+    return minds.leader[i] == leader and fishes.alive[i] and now - minds.leader_seen[i] < LOST_S
 
 
 @njit(cache=True, error_model="numpy")

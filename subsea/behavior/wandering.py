@@ -6,10 +6,11 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from subsea.behavior.schooling import leaves_behind
 from subsea.kinematics.heightfield import height_at
 from subsea.kinematics.keyed import uniform
-from subsea.kinematics.solids import from_pillar, from_rock
-from subsea.kinematics.vector import Vector, minus, norm, times, vector
+from subsea.kinematics.solids import from_pillar, from_rock, ray_meets_pillar, ray_meets_rock
+from subsea.kinematics.vector import Vector, dot, minus, norm, times, vector
 from subsea.state import Clock, Fishes, Minds, Nature, Sea
 
 Array = NDArray[np.floating[Any]]
@@ -23,9 +24,11 @@ FLOOR_CM = 75.0  # waypoints lie so far above the floor ...
 SURFACE_CM = 80.0  # ... and below the surface, ...
 FREE_CM = 40.0  # ... and at least so far from pillars and rocks, ...
 ATTEMPTS = 6  # ... if so many throws of the dice find such a place
+LEADERS_ATTEMPTS = 24  # who leads a school throws more often, for a way that is ...
+BROAD_CM = 100.0  # ... so far from pillars and rocks: a school that meets one splits
 CRUISE = (0.1, 0.62, 0.85)  # shares of the fastest speed: hovering, medium and brisk cruising
 LEADING = 0.45  # a leader keeps its school moving
-WAITING = 0.3  # and waits for it while no companion is near
+WAITING = 0.2  # and waits for it while no companion is near, or many are left behind
 ANGLE_PURPOSE, RADIUS_PURPOSE, DEPTH_PURPOSE, PATIENCE_PURPOSE = range(4)
 
 
@@ -46,7 +49,8 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         for axis in range(3):
             minds.urge[i, axis] = toward[axis]
         speed = cruise(fishes, minds, i)
-        if minds.leads[i] and minds.neighbour[i, 0] < 0:
+        alone = minds.neighbour[i, 0] < 0
+        if minds.leads[i] and (alone or leaves_behind(fishes, minds, i, clock.tick * clock.dt)):
             speed = min(speed, WAITING)
         fishes.goal_speed[i] = speed
 
@@ -66,7 +70,7 @@ def heading(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> Vec
 @njit(cache=True, error_model="numpy")
 def _draw(minds: Minds, i: int, here: Vector, sea: Sea, clock: Clock) -> None:
     """A new waypoint in free water, at most a gentle climb or dive away, and patience for it."""
-    for attempt in range(ATTEMPTS):
+    for attempt in range(LEADERS_ATTEMPTS if minds.leads[i] else ATTEMPTS):
         tick = clock.tick + (attempt << 40)
         angle = 2.0 * np.pi * uniform(clock.seed, i, tick, ANGLE_PURPOSE)
         reach = ROAM * sea.radius * np.sqrt(uniform(clock.seed, i, tick, RADIUS_PURPOSE))
@@ -79,7 +83,8 @@ def _draw(minds: Minds, i: int, here: Vector, sea: Sea, clock: Clock) -> None:
         minds.waypoint[i, 0] = x
         minds.waypoint[i, 1] = y
         minds.waypoint[i, 2] = max(z, floor)
-        if _is_free(sea, vector(minds.waypoint[i])):
+        there = vector(minds.waypoint[i])
+        if _is_free(sea, there) and (not minds.leads[i] or is_broad(sea, here, there)):
             break
     low, high = PATIENCE_S
     share = uniform(clock.seed, i, clock.tick, PATIENCE_PURPOSE)
@@ -95,6 +100,24 @@ def _is_free(sea: Sea, p: Vector) -> bool:
     for k in range(len(sea.rocks)):
         free = free and from_rock(sea.rocks[k], p)[1] >= FREE_CM
     return free
+
+
+@njit(cache=True, error_model="numpy")
+def is_broad(sea: Sea, here: Vector, there: Vector) -> bool:
+    """Whether the straight way comes no nearer than BROAD_CM to any pillar or rock.
+
+    What is nearer to begin with does not count, unless the way leads to it.
+    """
+    way = minus(there, here)
+    for k in range(len(sea.pillars)):
+        t = ray_meets_pillar(sea.pillars[k], BROAD_CM, here, there)
+        if t <= 1.0 and (t > 0.0 or dot(from_pillar(sea.pillars[k], here)[0], way) < 0.0):
+            return False
+    for k in range(len(sea.rocks)):
+        t = ray_meets_rock(sea.rocks[k], BROAD_CM, here, there)
+        if t <= 1.0 and (t > 0.0 or dot(from_rock(sea.rocks[k], here)[0], way) < 0.0):
+            return False
+    return True
 
 
 @njit(cache=True, error_model="numpy")

@@ -62,3 +62,16 @@ def test_a_shut_mouth_draws_nothing(tank):
     eating.ingest(t.fishes, t.minds, t.sea, t.clock)
     assert t.sea.absent[0] == 0
     np.testing.assert_allclose(t.sea.plankton[0], [9.5, 0.0, -300.0])
+
+
+def test_a_straggler_catches_up_before_it_eats(tank):
+    t = tank(2, specks=1)
+    t.sea.plankton[0] = 40.0, 0.0, -300.0
+    t.minds.mental[1, HUNGER], t.minds.food[1] = 0.9, 0
+    t.minds.schools[:], t.minds.leader[1], t.minds.leader_seen[1] = True, 0, 0.0
+    t.minds.leader_place[1] = 50.0, 0.0, -300.0
+    assert t.desire(eating.desire)[1] > 0.0
+    t.minds.leader_place[1] = 400.0, 0.0, -300.0
+    assert t.desire(eating.desire)[1] == 0.0
+    t.minds.neighbour[1] = 0  # in company
+    assert t.desire(eating.desire)[1] > 0.0

@@ -5,13 +5,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from subsea.behavior.passing import BERTH_BL, LOOK_BL, past
+from subsea.behavior.passing import AWAY, BERTH_BL, HEADROOM_BL, LOOK_BL, past
 from subsea.kinematics.vector import ZERO
 
 LENGTH = 20.0
 BERTH = BERTH_BL * LENGTH
 AHEAD = (1.0, 0.0, 0.0)
 NONE = np.zeros((0, 7))
+NO_PILLARS = np.zeros((0, 4))
 
 
 def way_past(pillar, heading=AHEAD, wish=AHEAD, here=(0.0, 0.0, -200.0)):
@@ -68,5 +69,79 @@ def test_the_nearest_of_several_counts_rocks_among_them():
     assert past(AHEAD, AHEAD, (0.0, 0.0, -200.0), LENGTH, pillars, NONE)[1] < 0.0
     assert past(AHEAD, AHEAD, (0.0, 0.0, -200.0), LENGTH, pillars, rock)[1] > 0.0
     over = rock.copy()
-    over[0, 2] = -240.0  # its top is below the fish
+    over[0, 2] = -260.0  # its top is below the fish
     assert past(AHEAD, AHEAD, (0.0, 0.0, -200.0), LENGTH, pillars, over)[1] < 0.0
+
+
+def test_who_means_to_turn_back_need_not_pass_what_it_heads_for():
+    pillar = (150.0, 0.0, 40.0, -50.0)
+    assert way_past(pillar, wish=(-1.0, 0.2, 0.0)) == ZERO
+    assert way_past(pillar, wish=(1.0, 5.0, 0.0)) != ZERO
+
+
+@given(
+    places=st.lists(
+        st.tuples(st.floats(40.0, 250.0), st.floats(-3.0, 3.0), st.floats(5.0, 40.0)),
+        min_size=1,
+        max_size=5,
+    ),
+    turn=st.floats(-1.5, 1.5),
+)
+def test_the_way_leads_into_nothing_else_and_no_such_way_is_nearer(places, turn):
+    """Against every tangent of every pillar, tried one by one."""
+    pillars = np.array([(d * np.cos(a), d * np.sin(a), r, 0.0) for d, a, r in places])
+    pillars = pillars[np.hypot(*pillars[:, :2].T) > pillars[:, 2] + BERTH + 1.0]
+    heading = np.array([np.cos(turn), np.sin(turn), 0.0])
+    way = past(AHEAD, tuple(heading), (0.0, 0.0, -200.0), LENGTH, pillars, NONE)
+    if way == ZERO:
+        return
+    bearing, reach = np.arctan2(pillars[:, 1], pillars[:, 0]), np.hypot(*pillars[:, :2].T)
+    half = np.arcsin((pillars[:, 2] + BERTH) / reach)
+    near = reach - pillars[:, 2] <= LOOK_BL * LENGTH
+
+    def apart(a, b):
+        return np.abs((a - b + np.pi) % (2.0 * np.pi) - np.pi)
+
+    def cost(way):
+        return apart(way, turn) + AWAY * np.maximum(apart(way, 0.0) - 0.5 * np.pi, 0.0)
+
+    ways = np.concatenate([bearing[near] - half[near], bearing[near] + half[near]])
+    free = [(apart(bearing[near], w) > half[near] - 2e-3).all() for w in ways]
+    if not any(free):
+        return
+    chosen = np.arctan2(way[1], way[0])
+    assert (apart(bearing[near], chosen) > half[near] - 0.02).all()
+    strictly = [(apart(bearing[near], w) > half[near] - 1e-9).all() for w in ways]
+    if any(strictly):
+        assert cost(chosen) <= cost(ways)[strictly].min() + 1e-6
+
+
+def test_a_rock_is_as_wide_as_it_is_at_the_height_of_the_fish():
+    """At half of its height, less the headroom, an ellipsoid has √3/2 of its width."""
+    here = (0.0, 0.0, -200.0)
+    high = 30.0
+    for side in (1.0, -1.0):
+        middle = -200.0 + side * (0.5 * high + HEADROOM_BL * LENGTH)
+        rock = np.array([[150.0, 0.0, middle, 40.0, 20.0, high, 0.3]])
+        way = past(AHEAD, AHEAD, here, LENGTH, NO_PILLARS, rock)
+        sine = (40.0 * np.sqrt(0.75) + BERTH) / 150.0
+        assert abs(way[1]) == pytest.approx(sine)
+    rock[0, 2] = -200.0 + high + HEADROOM_BL * LENGTH + 0.1
+    assert past(AHEAD, AHEAD, here, LENGTH, NO_PILLARS, rock) == ZERO
+
+
+def test_through_an_arch_it_swims_between_the_legs():
+    """Two legs with room between, and the leader beyond: not around the outside."""
+    legs = np.array([[120.0, 100.0, 50.0, 0.0], [120.0, -100.0, 50.0, 0.0]])
+    wish = (1.0, 0.6, 0.0)  # into the left leg
+    way = past(wish, AHEAD, (0.0, 0.0, -200.0), LENGTH, legs, NONE)
+    assert abs(np.arctan2(way[1], way[0])) < np.radians(15.0)
+
+
+def test_it_rather_turns_than_goes_round_the_far_side_of_a_long_wall():
+    """It heads along a row of pillars behind which it wants to go: back to the near end."""
+    row = np.array([(60.0, y, 30.0, 0.0) for y in np.arange(-40.0, 241.0, 40.0)])
+    wish, heading = (0.6, -0.8, 0.0), (0.05, 1.0, 0.0)
+    way = past(wish, heading, (0.0, -20.0, -200.0), LENGTH, row, NONE)
+    assert way[1] < 0.0
+    assert past((0.6, 0.8, 0.0), heading, (0.0, -20.0, -200.0), LENGTH, row, NONE)[1] > 0.0

@@ -106,3 +106,63 @@ def test_nobody_joins_the_dead(tank):
     t.fishes.alive[1] = False
     schooling.join(np.arange(2), t.fishes.alive, t.minds)
     assert t.minds.leader[0] == -1
+
+
+def test_a_leader_leaves_behind_who_is_farther_off_than_such_a_school_reaches(tank):
+    """Of eight followers, 20 cm long: two lengths of their leader times three."""
+    t = tank(10)
+    t.minds.leader[1:9] = 0
+    t.minds.leader_seen[:] = 0.0
+    assert not schooling.leaves_behind(t.fishes, t.minds, 0, 1.0)
+    t.fishes.position[1, 0] = 2.0 * schooling.REACH_BL * 20.0 - 1.0
+    assert not schooling.leaves_behind(t.fishes, t.minds, 0, 1.0)
+    t.fishes.position[1, 0] += 2.0
+    assert schooling.leaves_behind(t.fishes, t.minds, 0, 1.0)
+    assert not schooling.leaves_behind(t.fishes, t.minds, 0, schooling.LOST_S + 1.0)  # long lost
+    t.fishes.alive[1] = False
+    assert not schooling.leaves_behind(t.fishes, t.minds, 0, 1.0)
+
+
+def test_one_of_many_is_not_waited_for(tank):
+    t = tank(21)
+    t.minds.leader[1:] = 0
+    t.minds.leader_seen[:] = 0.0
+    t.fishes.position[1:3, 0] = 900.0
+    assert not schooling.leaves_behind(t.fishes, t.minds, 0, 1.0)
+    t.fishes.position[3, 0] = 900.0
+    assert schooling.leaves_behind(t.fishes, t.minds, 0, 1.0)
+
+
+def test_a_straggler_is_far_from_its_leader_and_from_companions(tank):
+    t = _school(tank, 6)
+    far = schooling.STRAGGLING_BL * 20.0
+    t.fishes.position[1:, 0] = -far - 1.0, -far + 1.0, -far - 1.0, -far - 1.0, -far - 1.0
+    t.minds.neighbour[3, : schooling.COMPANIONS] = 1, 2, 4, 5
+    t.minds.leader[4] = -1
+    t.minds.leader_seen[5] = -schooling.LOST_S
+    found = [schooling.straggles(t.fishes, t.minds, i, 1.0) for i in range(6)]
+    assert found == [False, True, False, False, False, False]
+
+
+def test_who_is_far_ahead_of_its_leader_comes_back(tank):
+    """It slows down for one that is behind it, but not to a halt where that is far away."""
+    t = _school(tank, 3)
+    t.fishes.goal_speed[0] = 0.1  # it waits, and heads for both
+    t.fishes.position[1] = 60.0, 0.0, -300.0
+    t.fishes.position[2] = 300.0, 0.0, -300.0
+    _see(t)
+    t.run(schooling.act, 1, 2)
+    assert t.fishes.goal_speed[1] < 0.15
+    assert t.fishes.goal_speed[2] > 0.5
+
+
+def test_around_an_obstacle_it_rises_or_sinks_to_its_leader(tank):
+    for height in (-250.0, -350.0):
+        t = tank(2, pillars=[(120.0, 0.0, 30.0, 0.0)])
+        t.minds.leader[1], t.minds.schools[:] = 0, True
+        t.fishes.position[0] = 240.0, 0.0, height
+        t.fishes.position[1] = 0.0, 0.0, -300.0
+        _see(t)
+        t.run(schooling.act, 1)
+        assert abs(t.minds.urge[1, 1]) > 0.3
+        assert t.minds.urge[1, 2] * (height + 300.0) > 0.0

@@ -57,3 +57,41 @@ def test_waypoints_lie_in_free_water(tank):
     places = t.minds.waypoint[:, None, :2] - np.array(pillars)[None, :, :2]
     gap = np.linalg.norm(places, axis=2).min(axis=1) - 110.0
     assert (gap > wandering.FREE_CM - 1).mean() > 0.95
+
+
+def test_a_leader_waits_for_those_whom_it_leaves_behind(tank):
+    speeds = []
+    for far in (50.0, 500.0):
+        t = tank(3)
+        t.minds.leads[0], t.minds.leader[1:], t.minds.leader_seen[:] = True, 0, 0.0
+        t.minds.neighbour[0, 0] = 1
+        t.fishes.position[2, 0] = far
+        t.run(wandering.act, 0)
+        speeds.append(t.fishes.goal_speed[0])
+    np.testing.assert_allclose(speeds, [0.5, wandering.WAITING])
+
+
+def test_the_ways_of_leaders_have_room_for_a_school(tank):
+    pillars = [(x, y, 40.0, 0.0) for x in (-400, 0, 400) for y in (-400, 0, 400) if x or y]
+    share = []
+    for leads in (False, True):
+        t = tank(200, pillars=pillars)
+        t.minds.patience[:], t.minds.leads[:] = 0.0, leads
+        t.run(wandering.act)
+        way = t.minds.waypoint[:, None, :2].astype(float)
+        along = (way * np.array(pillars)[None, :, :2]).sum(axis=2) / (way**2).sum(axis=2)
+        nearest = np.clip(along, 0.0, 1.0)[:, :, None] * way - np.array(pillars)[None, :, :2]
+        gap = np.linalg.norm(nearest, axis=2).min(axis=1) - 40.0
+        share.append((gap > wandering.BROAD_CM - 1.0).mean())
+    assert share[0] < 0.6
+    assert share[1] > 0.95
+
+
+def test_what_is_near_to_begin_with_bars_the_way_only_if_it_leads_there(tank):
+    sea = tank(
+        1, pillars=[(0.0, 0.0, 40.0, 0.0)], rocks=[(0.0, 300.0, -200.0, 40.0, 40.0, 40.0, 0)]
+    ).sea
+    for here in ((60.0, 0.0, -200.0), (60.0, 300.0, -200.0)):
+        assert wandering.is_broad(sea, here, (500.0, here[1], -200.0))
+        assert not wandering.is_broad(sea, here, (-500.0, here[1], -200.0))
+    assert not wandering.is_broad(sea, (-500.0, 130.0, -200.0), (500.0, 130.0, -200.0))
