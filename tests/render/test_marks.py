@@ -15,6 +15,7 @@ from subsea.render.marks import FISH, HOOK, PILLAR, ROCK, SEABED, SURFACE, WATER
 from subsea.render.quality import PRESETS
 from subsea.render.solids import solid_marks
 from subsea.view.camera import View, look
+from subsea.view.rig import Patch
 from subsea.view.rigs import display_rig
 
 SIZE = (320, 180)
@@ -210,6 +211,35 @@ def test_both_eyes_agree_on_what_is_where(maps, fish):
     ]
     one, other = maps(fishes, (left,)), maps(fishes, (right,))
     assert_agree(one, other, right)
+
+
+def test_a_part_is_cut_out_and_views_that_are_not_asked_for_are_left_out(
+    context, scene, make_packet, fish
+):
+    renderer = Renderer(context, scene, display_rig("mono", SIZE), EXACT)
+    packet = make_packet([fish(1, (-6, 50, -198), number=3)], size=SIZE)
+    renderer.draw(packet)
+    whole, part = renderer.look_up(packet), renderer.look_up(packet, part=(100, 40, 90, 60))
+    nothing = renderer.look_up(packet, numbers=())
+    renderer.release()
+    for all_of, cut in zip(whole, part, strict=True):
+        np.testing.assert_array_equal(cut, all_of[180 - 100 : 180 - 40, 100:190])
+    assert (part.kind == FISH).any()
+    assert (nothing.kind == WATER).all()
+
+
+def test_a_picture_is_pasted_as_it_is_where_patches_say(context, scene, make_packet):
+    renderer = Renderer(context, scene, display_rig("mono", SIZE), EXACT)
+    renderer.draw(make_packet([], size=SIZE))
+    before = renderer.read_pixels().copy()
+    picture = np.random.default_rng(1).integers(0, 256, (20, 60, 3)).astype(np.uint8)
+    right = Patch((200, 100, 30, 20), (30, 0, 30, 20), (30, 0, 30, 20))
+    renderer.paste(picture, (right,))
+    after = renderer.read_pixels()
+    renderer.release()
+    np.testing.assert_array_equal(after[60:80, 200:230], picture[:, 30:])
+    before[60:80, 200:230] = picture[:, 30:]
+    np.testing.assert_array_equal(after, before)
 
 
 def assert_agree(one, other, right):
