@@ -1,7 +1,7 @@
 """Whose clock and hands make the ticks of a dive: this computer's, or the master's of several."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Protocol
 
@@ -15,7 +15,8 @@ from subsea.cluster.link import endpoint
 from subsea.cluster.master import Master
 from subsea.errors import UserError, unknown
 from subsea.ocean import step
-from subsea.submarine.helm import HANDS_OFF
+from subsea.submarine.helm import HANDS_OFF, Helm
+from subsea.submarine.rail import Rail
 from subsea.theatre.files import Theatre
 from subsea.world import TICK_S, World
 
@@ -55,22 +56,35 @@ class Crew(Protocol):
         """End the dive; what is to be told of it."""
 
 
+class _Course:
+    """What the submarine does: a tour, if there is one, until a hand moves."""
+
+    def __init__(self, world: World, pilot: Pilot, tour: Steer | None) -> None:
+        self.tour = tour
+        self._world, self._pilot = world, pilot
+
+    def ticks(self, number: int) -> Iterator[Helm | Rail]:
+        """What to do in each of the next ticks; to be asked for when the tick before is made."""
+        for _ in range(number):
+            helm = self._pilot.helm(TICK_S)
+            if helm != HANDS_OFF:
+                self.tour = None
+            yield self.tour(self._world) if self.tour else helm
+
+
 class Alone:
     """This computer's clock and hands; a tour until these move, if there is one."""
 
     hands, shared, waiting, idle_s = True, False, "", 0.0
 
     def __init__(self, world: World, pilot: Pilot, tour: Steer | None = None) -> None:
-        self._world, self._pilot, self._tour = world, pilot, tour
-        self._clock = Clock(TICK_S)
+        self._world, self._clock = world, Clock(TICK_S)
+        self._course = _Course(world, pilot, tour)
 
     def picture(self, elapsed_s: float) -> float:
         """As many ticks as have become due."""
-        for _ in range(self._clock.advance(elapsed_s)):
-            helm = self._pilot.helm(TICK_S)
-            if helm != HANDS_OFF:
-                self._tour = None
-            step(self._world, self._tour(self._world) if self._tour else helm)
+        for one in self._course.ticks(self._clock.advance(elapsed_s)):
+            step(self._world, one)
         return self._clock.alpha
 
     def swap(self, drawn: Callable[[], None]) -> None:
@@ -82,18 +96,19 @@ class Alone:
 
 
 class Leading:
-    """This computer's clock and hands, which others follow."""
+    """This computer's clock and hands, or the tour until these move, which others follow."""
 
     hands, shared, waiting, idle_s = True, True, "", 0.0
 
-    def __init__(self, master: Master, pilot: Pilot) -> None:
-        self._master, self._pilot = master, pilot
-        self._clock = Clock(TICK_S)
+    def __init__(self, master: Master, pilot: Pilot, tour: Steer | None = None) -> None:
+        self._master, self._clock = master, Clock(TICK_S)
+        self._course = _Course(master.world, pilot, tour)
 
     def picture(self, elapsed_s: float) -> float:
         """As many ticks as have become due, here and on all nodes."""
-        helms = [self._pilot.helm(TICK_S) for _ in range(self._clock.advance(elapsed_s))]
-        self._master.picture(helms, self._clock.alpha)
+        ticks = self._course.ticks(self._clock.advance(elapsed_s))
+        # Hands do not look at the world: what they do can be told ahead.
+        self._master.picture(ticks if self._course.tour else list(ticks), self._clock.alpha)
         return self._clock.alpha
 
     def swap(self, drawn: Callable[[], None]) -> None:
@@ -140,17 +155,28 @@ class Following:
         return []
 
 
-def muster(theatre: Theatre, path: Path, node: str | None) -> Callable[[World, Pilot], Crew]:
+def alone(tour: Callable[[World], Steer] | None) -> Callable[[World, Pilot], Crew]:
+    """This computer makes the ticks, on the `tour` that is made of its world if there is one."""
+    return lambda world, pilot: Alone(world, pilot, tour(world) if tour else None)
+
+
+def muster(
+    theatre: Theatre,
+    path: Path,
+    node: str | None,
+    tour: Callable[[World], Steer] | None = None,
+) -> Callable[[World, Pilot], Crew]:
     """Who makes the ticks on the computer `node` of a theatre, from the file `path`.
 
-    None shows all of its windows on this computer, alone. Keys that are missing and an address that
-    needs some are UserErrors, here rather than when the world is there.
+    None shows all of its windows on this computer, alone. The master takes all along on the `tour`
+    that it makes of its world; nodes that follow need none. Keys that are missing and an address
+    that needs some are UserErrors, here rather than when the world is there.
     """
     cluster, others = theatre.cluster, [name for name in theatre.nodes if name != node]
     if node is not None and node not in theatre.nodes:
         raise UserError(f"{path}: {unknown('node', node, list(theatre.nodes))}")
     if node is None or cluster is None:
-        return Alone
+        return alone(tour)
     address, timeout_s, master = cluster.address, cluster.timeout_s, cluster.master
     leads = node == master
     keys = None
@@ -160,7 +186,8 @@ def muster(theatre: Theatre, path: Path, node: str | None) -> Callable[[World, P
 
     def made(world: World, pilot: Pilot) -> Crew:
         if leads:
-            return Leading(Master(world, others, address, keys, timeout_s, say), pilot)
+            carried = tour(world) if tour else None  # puts the submarine at the tour's beginning
+            return Leading(Master(world, others, address, keys, timeout_s, say), pilot, carried)
         return Following(Follower(world, node, master, address, keys, timeout_s, say))
 
     return made

@@ -4,10 +4,11 @@ import time
 from collections.abc import Callable
 from contextlib import ExitStack, closing
 from dataclasses import replace
+from functools import partial
 
 from subsea.app import pacing
 from subsea.app.console import say
-from subsea.app.crew import Alone, Crew, muster
+from subsea.app.crew import Alone, Crew, alone, muster
 from subsea.app.eyes import velocity_of
 from subsea.app.house import NOT_SHRUNK, House, open_house
 from subsea.app.overlay import Overlay, panes
@@ -72,20 +73,19 @@ def dive(
     """
     if see_brightness and node is not None:
         raise UserError("--see-brightness is for one computer: others would not see the same light")
+    carried = None
+    if tour is not None:
+        course = None if tour == AUTOPILOT else course_of(load_scenario(scenario)[0], tour)
+        carried = partial(guide, course=course)
     installation: Installation | None = None
-    crew: Callable[[World, Pilot], Crew] = Alone
+    crew = alone(carried)
     if theatre is not None:
         house = open_house(theatre, display, stereo, node, shrink)
-        installation, crew = installed(house), muster(house.theatre, house.path, node)
+        installation, crew = installed(house), muster(house.theatre, house.path, node, carried)
     elif shrink != 1:
         raise UserError(NOT_SHRUNK)
     elif node is not None:
         raise UserError("--node is one of a theatre's computers, expected --theatre too")
-    if tour is not None:
-        if crew is not Alone:
-            raise UserError("--tour takes one computer along, not the several of --node")
-        course = None if tour == AUTOPILOT else course_of(load_scenario(scenario)[0], tour)
-        crew = lambda world, pilot: Alone(world, pilot, guide(world, course))  # noqa: E731
     running = Dive(
         scenario, display, size, fullscreen, seed, stereo, surround, quality, target_ms,
         installation, crew, see_brightness,

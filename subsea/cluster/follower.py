@@ -26,7 +26,7 @@ from subsea.cluster.messages import (
     Swap,
     encode,
     from_master,
-    helms_of,
+    ticks_of,
 )
 from subsea.errors import UserError
 from subsea.ocean import step
@@ -135,8 +135,8 @@ class Follower:
             self._say(Diverged(picture.tick))
             self._dive, self._called_s = "", time.monotonic()
             return False
-        for helm in helms_of(picture):
-            step(self.world, helm)
+        for one in ticks_of(picture):
+            step(self.world, one)
         self._number, self._alpha = picture.number, picture.alpha
         return True
 

@@ -3,7 +3,7 @@
 import math
 import secrets
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
@@ -21,18 +21,19 @@ from subsea.cluster.messages import (
     FromMaster,
     FromNode,
     Hello,
-    Picture,
     Refused,
     State,
     Swap,
     encode,
     from_node,
-    helms_of,
+    picture_of,
+    ticks_of,
 )
 from subsea.cluster.waits import Waits
 from subsea.errors import UserError
 from subsea.ocean import step
 from subsea.submarine.helm import Helm
+from subsea.submarine.rail import Rail
 from subsea.world import World
 
 Say = Callable[[str], None]
@@ -100,20 +101,30 @@ class Master:
             raise
         self._failures = link.failures(self._socket)
 
-    def picture(self, helms: Sequence[Helm], alpha: float) -> None:
-        """Tell all nodes the next picture, and make its ticks here too."""
+    def picture(self, ticks: Iterable[Helm | Rail], alpha: float) -> None:
+        """Tell all nodes the next picture, and make its ticks here too.
+
+        A sequence is told before, so that all make the ticks at the same time. Of what else is
+        given, as a tour that looks at the world, each is asked for after the tick before it.
+        """
         self._hear(0.0)
         state = self.world.state
-        check = ""
-        if state.tick - self._checked >= CHECK_TICKS:
-            check, self._checked = snapshot.checksum(self.world), state.tick
+        tick, check = state.tick, ""
+        if tick - self._checked >= CHECK_TICKS:
+            check, self._checked = snapshot.checksum(self.world), tick
         self._number += 1
-        picture = Picture(self._number, state.tick, float(alpha), [_row(h) for h in helms], check)
-        message = encode(picture)
-        for node in self._present():
-            self._send(node, message)
-        for helm in helms_of(picture):
-            step(self.world, helm)
+        if isinstance(ticks, Sequence):
+            picture = picture_of(self._number, tick, alpha, ticks, check)
+            self._send_all(picture)
+            for one in ticks_of(picture):
+                step(self.world, one)
+            return
+        made = []
+        for one in ticks:
+            [exact] = ticks_of(picture_of(self._number, tick, alpha, [one], check))
+            step(self.world, exact)
+            made.append(exact)
+        self._send_all(picture_of(self._number, tick, alpha, made, check))
 
     def swap(self) -> None:
         """Wait until all nodes in step have drawn, or the time is up, and have them show it."""
@@ -269,6 +280,11 @@ class Master:
                 raise
             self._drop(node, "is gone")
 
+    def _send_all(self, message: FromMaster) -> None:
+        data = encode(message)
+        for node in self._present():
+            self._send(node, data)
+
     def _say_to(self, route: bytes | None, message: FromMaster) -> None:
         """Send it to whoever is there, if it is."""
         with suppress(zmq.ZMQError):
@@ -300,8 +316,3 @@ class _Known:
     def callback(self, domain: str, key: bytes) -> bool:
         """For the authenticator: of any domain, a key in Z85."""
         return key in self._public
-
-
-def _row(helm: Helm) -> tuple[float, float, float, float, bool]:
-    surge, yaw, pitch, heave = (min(max(float(share), -1.0), 1.0) for share in helm[:4])
-    return surge, yaw, pitch, heave, bool(helm.full_stop)

@@ -5,12 +5,15 @@ in words and anything else is known for garbage at once. The rest is MessagePack
 these structures and nothing else.
 """
 
+from collections.abc import Sequence
 from typing import Annotated, TypeVar
 
 import msgspec
+import numpy as np
 
 from subsea.errors import UserError
 from subsea.submarine.helm import Helm
+from subsea.submarine.rail import Rail
 
 PROTOCOL = 1
 MAGIC = b"subsea\x00" + PROTOCOL.to_bytes(1, "little")
@@ -24,6 +27,9 @@ Hash = Annotated[str, msgspec.Meta(max_length=64)]
 Count = Annotated[int, msgspec.Meta(ge=0, le=2**48)]
 Share = Annotated[float, msgspec.Meta(ge=0, le=1)]
 Command = Annotated[float, msgspec.Meta(ge=-1, le=1)]
+Amount = Annotated[float, msgspec.Meta(ge=-1e6, le=1e6)]  # cm, cm/s or rad
+HelmRow = tuple[Command, Command, Command, Command, bool]
+RailRow = tuple[Amount, Amount, Amount, Amount, Amount, Amount, Amount, Amount]
 
 
 class Message(msgspec.Struct, forbid_unknown_fields=True, tag=str.lower):
@@ -76,9 +82,9 @@ class Picture(Message):
     number: Count
     tick: Count  # before them
     alpha: Share  # the point between the last two ticks at which to draw
-    helms: Annotated[
-        list[tuple[Command, Command, Command, Command, bool]], msgspec.Meta(max_length=MAX_HELMS)
-    ]
+    helms: Annotated[list[HelmRow], msgspec.Meta(max_length=MAX_HELMS)]
+    # Of a tour: position, velocity, heading and pitch after each tick; these come first.
+    rails: Annotated[list[RailRow], msgspec.Meta(max_length=MAX_HELMS)] = []
     checksum: Hash = ""  # of the world before them, or nothing
 
 
@@ -116,9 +122,29 @@ def from_master(data: bytes) -> FromMaster:
     return _decode(data, _from_master)
 
 
-def helms_of(picture: Picture) -> list[Helm]:
-    """One for each tick."""
-    return [Helm(*row) for row in picture.helms]
+def ticks_of(picture: Picture) -> list[Helm | Rail]:
+    """What the submarine does in each tick."""
+    carried = [Rail(np.array(row[:3]), np.array(row[3:6]), row[6:]) for row in picture.rails]
+    return [*carried, *(Helm(*row) for row in picture.helms)]
+
+
+def picture_of(
+    number: int, tick: int, alpha: float, ticks: Sequence[Helm | Rail], checksum: str
+) -> Picture:
+    """The message that says so; rails after a helm are not foreseen."""
+    rails = [_rail_row(one) for one in ticks if isinstance(one, Rail)]
+    helms = [_helm_row(one) for one in ticks if isinstance(one, Helm)]
+    return Picture(number, tick, float(alpha), helms, rails, checksum)
+
+
+def _helm_row(helm: Helm) -> HelmRow:
+    surge, yaw, pitch, heave = (min(max(float(share), -1.0), 1.0) for share in helm[:4])
+    return surge, yaw, pitch, heave, bool(helm.full_stop)
+
+
+def _rail_row(rail: Rail) -> RailRow:
+    (x, y, z), (u, v, w) = map(float, rail.position), map(float, rail.velocity)
+    return x, y, z, u, v, w, float(rail.angles[0]), float(rail.angles[1])
 
 
 def _decode(data: bytes, decoder: msgspec.msgpack.Decoder[T]) -> T:

@@ -17,6 +17,7 @@ from subsea.errors import UserError
 from subsea.ocean import create_world, step
 from subsea.scenario import load_scenario
 from subsea.submarine.helm import HANDS_OFF
+from subsea.submarine.rail import Rail
 from subsea.theatre.files import load_theatre
 from subsea.world import TICK_S
 
@@ -49,11 +50,20 @@ def test_alone_the_clock_makes_the_ticks_and_the_hands_steer(worlds):
     assert crew.close() == []
 
 
-def test_one_leads_and_another_follows(worlds):
+def along(world):
+    """A tour that looks at the world: just over the first fish."""
+    x, y, z = world.state.fishes.position[0].astype(float)
+    return Rail(np.array([x, y, z + 100.0]), np.array([1.0, 0.0, 0.0]), (0.5, 0.0))
+
+
+@pytest.mark.parametrize("tour", [None, along])
+def test_one_leads_and_another_follows(worlds, tour):
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         address = f"127.0.0.1:{taken.getsockname()[1]}"
-    lead = Leading(Master(worlds[0], ["left"], address, timeout_s=5.0), pressed("left"))
+    pilot = Pilot() if tour else pressed("left")
+    lead = Leading(Master(worlds[0], ["left"], address, timeout_s=5.0), pilot, tour)
+    assert pilot.helm(TICK_S) == HANDS_OFF or not tour
     follow = Following(Follower(worlds[1], "left", "middle", address, timeout_s=0.5))
     shown, drawn, ended = [], [], threading.Event()
 
@@ -82,6 +92,9 @@ def test_one_leads_and_another_follows(worlds):
     assert (drawn.count("node"), drawn.count("master")) == (len(shown), len(led))
     assert set(shown) <= set(led)  # all that the node showed, pictures between ticks too
     assert shown[-20:] == led[led.index(shown[-20]) :][:20]  # and none was left out in the end
+    if tour:
+        over = worlds[0].state.submarine.position - worlds[0].state.fishes.position[0]
+        assert np.linalg.norm(over - (0.0, 0.0, 100.0)) < 30.0
     assert follow.waiting == ""
     assert follow.idle_s > 0.0
     assert follow.close() == []
@@ -132,7 +145,7 @@ def test_faults_of_a_cluster_are_told_before_there_is_a_world(tmp_path):
     found = theatre(tmp_path, "127.0.0.1:5560")
     with pytest.raises(UserError, match=r"hall\.toml: unknown node 'lefty'; did you mean 'left'"):
         muster(*found, "lefty")
-    assert muster(*found, None) is Alone
+    assert isinstance(muster(*found, None)(None, Pilot()), Alone)
     with pytest.raises(UserError, match=r"keys are needed"):
         muster(*theatre(tmp_path, "192.0.2.7:5560"), "left")
     found = theatre(tmp_path, "192.0.2.7:5560", 'keys = "ours"\n')

@@ -3,6 +3,7 @@
 import math
 
 import msgspec
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -21,7 +22,8 @@ from subsea.cluster.messages import (
     encode,
     from_master,
     from_node,
-    helms_of,
+    picture_of,
+    ticks_of,
 )
 from subsea.errors import UserError
 from subsea.submarine.helm import Helm
@@ -30,7 +32,7 @@ IDENTITY = Identity("0.1.0", "Peaceful bay", "ab", 7, "cd", "ef", "01")
 FROM_NODE = [Hello("left", IDENTITY, "dive"), Drawn(12), Diverged(900)]
 FROM_MASTER = [
     State("dive", 3, b"\x00bytes"),
-    Picture(4, 77, 0.5, [(0.1, -1.0, 1.0, 0.0, True)], "checksum"),
+    Picture(4, 77, 0.5, [(0.1, -1.0, 1.0, 0.0, True)], [(1.0,) * 8], "checksum"),
     Swap(4),
     Refused("because"),
 ]
@@ -51,7 +53,11 @@ def test_what_the_master_says_arrives(message):
 
 
 def test_a_picture_steers():
-    assert helms_of(FROM_MASTER[1]) == [Helm(0.1, -1.0, 1.0, 0.0, True)]
+    carried, steered = ticks_of(FROM_MASTER[1])
+    assert steered == Helm(0.1, -1.0, 1.0, 0.0, True)
+    assert [*carried.position, *carried.velocity, *carried.angles] == [1.0] * 8
+    rebuilt = picture_of(4, 77, np.float32(0.5), [carried, steered._replace(yaw=-7)], "checksum")
+    assert rebuilt == FROM_MASTER[1]
 
 
 @given(st.binary(max_size=300))
@@ -92,6 +98,9 @@ def test_another_protocol_is_told():
         ("picture", {"helms": [[0.0, 0.0, 0.0, 0.0]]}),
         ("picture", {"helms": [[0.0, 0.0, 0.0, 0.0, 1]]}),
         ("picture", {"helms": [[0.0, 0.0, 0.0, 0.0, False]] * (messages.MAX_HELMS + 1)}),
+        ("picture", {"rails": [[0.0] * 7]}),
+        ("picture", {"rails": [[0.0] * 7 + [math.inf]]}),
+        ("picture", {"rails": [[0.0] * 8] * (messages.MAX_HELMS + 1)}),
         ("picture", {"number": -1}),
         ("picture", {"number": True}),
         ("picture", {"tick": 2**60}),
