@@ -15,7 +15,7 @@ from subsea.ocean import create_world, step
 from subsea.scenario import load_scenario
 from subsea.submarine.helm import HANDS_OFF, Helm
 
-TIMEOUT_S = 0.4
+TIMEOUT_S = 5.0  # a busy machine is not to be told from a node that is late too soon
 
 
 def small_sea(fish=4, seed=None):
@@ -78,16 +78,16 @@ class Crew(threading.Thread):
 class Bridge:
     """A master whose dive is made picture by picture, and what it has told."""
 
-    def __init__(self, world, address, nodes=("left", "right"), keys=None):
-        self.told, self.seen = [], {}
+    def __init__(self, world, address, nodes=("left", "right"), keys=None, timeout_s=TIMEOUT_S):
+        self.told, self.seen, self._timeout_s = [], {}, timeout_s
         self.address, self._stack = address, ExitStack()
-        self.master = Master(world, nodes, address, keys, TIMEOUT_S, self.told.append)
+        self.master = Master(world, nodes, address, keys, timeout_s, self.told.append)
         self._stack.callback(self.master.close)
 
     def node(self, world, name, keys=None, told=None):
         """A new node at work."""
         tell = (lambda words: None) if told is None else told.append
-        node = Follower(world, name, "master", self.address, keys, TIMEOUT_S, tell)
+        node = Follower(world, name, "master", self.address, keys, self._timeout_s, tell)
         return self._stack.enter_context(closing(Crew(node)))
 
     def sail(self, pictures=1, ticks=1):

@@ -55,15 +55,16 @@ def test_a_picture_without_a_tick_is_one(bridge, seas):
     assert left.seen[bridge.master._number] == bridge.seen[bridge.master._number]
 
 
-def test_a_node_that_is_late_is_left_behind_and_comes_back(bridge, seas):
+def test_a_node_that_is_late_is_left_behind_and_comes_back(bridges, seas, address):
+    bridge = bridges(seas[0], address, timeout_s=1.0)
     left, right = both_in_step(bridge, seas)
     right.asleep = True
     start = time.monotonic()
     bridge.sail(2)
-    assert 0.3 < time.monotonic() - start < 1.5
+    assert time.monotonic() - start > 0.9
     start = time.monotonic()
     bridge.sail(20)
-    assert time.monotonic() - start < 0.4  # nobody waits for it any more
+    assert time.monotonic() - start < 5.0  # nobody waits for it any more: that would be 20 s
     assert bridge.master.in_step() == ["left"]
     assert told(bridge, "node right", "has not drawn", "going on")
     right.asleep = False
@@ -78,7 +79,7 @@ def test_a_node_that_hangs_up_is_not_waited_for(bridge, seas):
     right.close()
     start = time.monotonic()
     bridge.sail(10)
-    assert time.monotonic() - start < 0.35
+    assert time.monotonic() - start < 4.0
     assert bridge.master.in_step() == ["left"]
     assert told(bridge, "node right", "going on without it")
     sails_on(bridge, left)
@@ -234,12 +235,12 @@ def test_a_follower_takes_no_garbage_for_a_master(seas, address):
 
 def test_a_master_that_comes_back_begins_a_new_dive(bridges, seas, address):
     words = []
-    bridge = bridges(seas[0], address)
+    bridge = bridges(seas[0], address, timeout_s=1.0)
     left = bridge.node(seas[1], "left", told=words)
     sails_on(bridge, left)
     bridge.master.close()
     bridge._stack.pop_all()  # the crew stays
-    end = time.monotonic() + 5.0
+    end = time.monotonic() + 20.0
     while not left.node.waiting and time.monotonic() < end:
         time.sleep(0.01)
     assert left.node.waiting == f"waiting for the master at {address}"
@@ -263,7 +264,7 @@ def test_with_keys_only_those_who_are_known_take_part(bridges, seas, address, ke
     sails_on(bridge, left)
     thief = bridge.node(seas[2], "right", keys=read_keys(keyed, "thief", ["master"]))
     assert "does not know the key of node right" in refused(bridge, thief)
-    assert told(bridge, "refused: a connection without a key that is known")
+    bridge.sail_until(lambda: told(bridge, "refused: a connection without a key that is known"))
     swapped = bridge.node(seas[2], "right", keys=read_keys(keyed, "left", ["master"]))
     assert "it has the key of another node" in refused(bridge, swapped)
     keyless = bridge.node(seas[2], "right")
