@@ -7,6 +7,7 @@ import sys
 import time
 from contextlib import closing
 
+import glfw
 import numpy as np
 from PIL import ImageGrab
 
@@ -81,7 +82,7 @@ def test_windows_without_a_buffer_for_each_eye_are_refused_in_a_line(display, tm
     assert "Traceback" not in done.stderr
 
 
-def test_a_window_fills_its_monitor_and_shows_its_picture_stretched(display, tmp_path):
+def test_a_window_fills_its_monitor_and_stays_when_that_is_lost(display, tmp_path):
     text = (resource_path("assets/scenarios") / "peaceful.toml").read_text()
     sea = tmp_path / "quiet.toml"
     sea.write_text(re.sub(r"^number = \d+", "number = 2", text, flags=re.MULTILINE))
@@ -98,6 +99,17 @@ def test_a_window_fills_its_monitor_and_shows_its_picture_stretched(display, tmp
         picture = np.asarray(ImageGrab.grab(xdisplay=os.environ["DISPLAY"]))[..., :3].astype(int)
         means = picture.reshape(300, 2, 400, 2, 3).mean(axis=(1, 3))
         assert np.abs(means - lineup(installation.rig)).mean() < 8.0
+        # What the library does with the window when its monitor is unplugged:
+        windowed = None
+        glfw.set_window_monitor(running.window.handle, windowed, 20, 10, 200, 150, 0)
+        for _ in range(5):
+            running.frame(0.1)
+            time.sleep(0.05)
+        assert running.wall.open
+        assert running.window.size == (200, 150)
+        picture = np.asarray(ImageGrab.grab(xdisplay=os.environ["DISPLAY"]))[..., :3].astype(int)
+        small = lineup(installation.rig).reshape(150, 2, 200, 2, 3).mean(axis=(1, 3))
+        assert np.abs(picture[10:160, 20:220] - small).mean() < 3.0
 
 
 def test_escape_ends_the_dive_in_the_three_windows_of_a_theatre(display):
