@@ -29,32 +29,24 @@ def past(
     means to turn back need not pass what it is heading for. A rock counts as round, as wide as it
     is long, and as it is at the height of the fish.
     """
-    near = np.empty((len(pillars) + len(rocks), 3))  # x and y from here, and radius with the berth
-    count, nearest, found = 0, np.inf, -1
+    nearest, found = np.inf, -1
     onward = wish[0] * heading[0] + wish[1] * heading[1] >= 0.0  # else it is about to turn back
     for k in range(len(pillars) + len(rocks)):
-        if k < len(pillars):
-            x, y, radius = pillars[k, 0], pillars[k, 1], pillars[k, 2]
-            share = 0.0 if here[2] <= pillars[k, 3] else 1.0
-        else:
-            rock = rocks[k - len(pillars)]
-            x, y, radius = rock[0], rock[1], max(rock[3], rock[4])
-            share = max(abs(here[2] - rock[2]) - HEADROOM_BL * length, 0.0) / rock[5]
-        dx, dy = x - here[0], y - here[1]
-        if share >= 1.0 or dx * dx + dy * dy > (radius + LOOK_BL * length) ** 2:
-            continue
-        radius *= np.sqrt(1.0 - share * share)
-        gap = np.sqrt(dx * dx + dy * dy) - radius
-        if gap > LOOK_BL * length:
-            continue
-        around = radius + BERTH_BL * length
-        met = onward and _leads_into(heading, dx, dy, around)
-        if gap < nearest and (met or _leads_into(wish, dx, dy, around)):
-            nearest, found = gap, count
-        near[count, 0], near[count, 1], near[count, 2] = dx, dy, around
-        count += 1
+        dx, dy, around, gap = _circle(k, here, length, pillars, rocks)
+        if gap < nearest:
+            met = onward and _leads_into(heading, dx, dy, around)
+            if met or _leads_into(wish, dx, dy, around):
+                nearest, found = gap, k
     if found < 0:
         return ZERO
+    near, count = np.empty((len(pillars) + len(rocks), 3)), 0
+    for k in range(len(near)):
+        dx, dy, around, gap = _circle(k, here, length, pillars, rocks)
+        if gap < np.inf:
+            near[count, 0], near[count, 1], near[count, 2] = dx, dy, around
+            count += 1
+            if k == found:
+                found = count - 1
     best, least = ZERO, np.inf
     for k in range(count):
         for side in (1.0, -1.0):
@@ -74,6 +66,29 @@ def past(
         side = 1.0 if near[found, 1] * heading[0] - near[found, 0] * heading[1] <= 0.0 else -1.0
         best = _tangent(near[found], side)
     return best
+
+
+@njit(cache=True, error_model="numpy")
+def _circle(
+    k: int, here: Vector, length: float, pillars: Array, rocks: Array
+) -> tuple[float, float, float, float]:
+    """Where solid k is from here, seen from above, its radius with the berth, and the gap to it.
+
+    Rocks come after pillars. The gap is infinite if it isn't at that height, or too far off.
+    """
+    if k < len(pillars):
+        x, y, radius = pillars[k, 0], pillars[k, 1], pillars[k, 2]
+        share = 0.0 if here[2] <= pillars[k, 3] else 1.0
+    else:
+        rock = rocks[k - len(pillars)]
+        x, y, radius = rock[0], rock[1], max(rock[3], rock[4])
+        share = max(abs(here[2] - rock[2]) - HEADROOM_BL * length, 0.0) / rock[5]
+    dx, dy, look = x - here[0], y - here[1], LOOK_BL * length
+    if share >= 1.0 or dx * dx + dy * dy > (radius + look) ** 2:
+        return dx, dy, radius, np.inf
+    radius *= np.sqrt(1.0 - share * share)
+    gap = np.sqrt(dx * dx + dy * dy) - radius
+    return dx, dy, radius + BERTH_BL * length, gap if gap <= look else np.inf
 
 
 @njit(cache=True, error_model="numpy")
