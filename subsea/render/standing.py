@@ -194,7 +194,7 @@ def _levels(
         pixels = 0.0
         for v in range(len(planes)):
             d = np.sqrt((x - eyes[v, 0]) ** 2 + (y - eyes[v, 1]) ** 2 + (z - eyes[v, 2]) ** 2)
-            seen[v, i] = d - radii[i] < reach and in_frustum(planes[v], x, y, z, radii[i])
+            seen[v, i] = d - radii[i] < reach and in_frustum(planes, v, x, y, z, radii[i])
             if seen[v, i]:
                 pixels = max(pixels, 2.0 * radii[i] * scales[v] / max(d - radii[i], 1.0))
         new = before[i] == OUT_OF_SIGHT

@@ -51,11 +51,11 @@ def covered(
 
 
 @njit(cache=True)
-def in_frustum(planes: Array, x: float, y: float, z: float, radius: float) -> bool:
-    """Whether anything of a sphere is on the inner side of all six `planes` (6, 4)."""
-    for p in range(6):
-        plane = planes[p]
-        if plane[0] * x + plane[1] * y + plane[2] * z + plane[3] < -radius:
+def in_frustum(planes: Array, v: int, x: float, y: float, z: float, radius: float) -> bool:
+    """Whether anything of a sphere is on the inner side of all `planes` (v, 6, 4) of view `v`."""
+    for p in range(6):  # number by number: rows would be counted references
+        away = planes[v, p, 0] * x + planes[v, p, 1] * y + planes[v, p, 2] * z + planes[v, p, 3]
+        if away < -radius:
             return False
     return True
 
@@ -78,7 +78,7 @@ def _cover(
         pixels[i] = OUT_OF_SIGHT
         for v in range(len(planes)):
             d = np.sqrt((x - eyes[v, 0]) ** 2 + (y - eyes[v, 1]) ** 2 + (z - eyes[v, 2]) ** 2)
-            if culling and (d - radii[i] >= reach or not in_frustum(planes[v], x, y, z, radii[i])):
+            if culling and (d - radii[i] >= reach or not in_frustum(planes, v, x, y, z, radii[i])):
                 distance[v, i] = np.inf
                 continue
             distance[v, i] = d
