@@ -101,17 +101,22 @@ def placed(
 ) -> list[tuple[int, Monitor | None]]:
     """The screens that can be shown, by their numbers, and their monitors if they ask for one.
 
-    A screen whose monitor is missing is left out and told; if no other is left it is a UserError.
+    A screen whose monitor is missing, or another's, is left out and told; if no other is left it
+    is a UserError.
     """
     found: list[tuple[int, Monitor | None]] = []
     faults = []
+    taken: dict[int, str] = {}  # the windows that monitors have, by the monitors' numbers
     for number, screen in enumerate(screens):
         if screen.monitor is None:
             found.append((number, None))
             continue
         fits = [m for m in there if screen.monitor in (m.number, m.name)]
         window = f"{source}: window '{screen.name}'" if source else f"window '{screen.name}'"
-        if len(fits) == 1:
+        if len(fits) == 1 and fits[0].number in taken:
+            faults.append(f"{window}: monitor {fits[0]} has window '{taken[fits[0].number]}'")
+        elif len(fits) == 1:
+            taken[fits[0].number] = screen.name
             found.append((number, fits[0]))
             if fits[0].size != tuple(screen.size):
                 width, height = screen.size

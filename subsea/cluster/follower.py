@@ -26,6 +26,7 @@ from subsea.cluster.messages import (
     Swap,
     encode,
     from_master,
+    printable,
     ticks_of,
 )
 from subsea.errors import UserError
@@ -144,7 +145,8 @@ class Follower:
         try:
             snapshot.restore(self.world, state.snapshot)
         except UserError as fault:
-            raise UserError(f"the master at {self._address} sent what is {fault}") from fault
+            reason = printable(str(fault))
+            raise UserError(f"the master at {self._address} sent what is {reason}") from fault
         self._dive, self._number = state.dive, state.number
         self._tell(f"took the state of the dive at tick {self.world.state.tick}")
 
@@ -176,7 +178,7 @@ class Follower:
                 continue
             self._heard_s = time.monotonic()
             if isinstance(message, Refused):
-                raise UserError("".join(c if c.isprintable() else "?" for c in message.reason))
+                raise UserError(printable(message.reason))
             return message
         return None
 

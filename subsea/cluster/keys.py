@@ -7,12 +7,14 @@ NAME may have. Files are ZeroMQ's certificates.
 import os
 import re
 import stat
+import struct
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 import zmq
 import zmq.auth
+from zmq.utils import z85
 
 from subsea.errors import UserError
 from subsea.places import check_folder, replacing
@@ -90,12 +92,20 @@ def _read(path: Path) -> tuple[bytes, bytes | None]:
             if not path.exists()
             else f"{path}: cannot read ({fault.strerror})"
         ) from fault
-    except ValueError as fault:
+    except (ValueError, IndexError) as fault:  # no such line, or nothing in it
         raise UserError(f"{path}: holds no key") from fault
     for key in (public, secret):
-        if key is not None and not re.fullmatch(rb"[!-~]{40}", key):
-            raise UserError(f"{path}: holds no key of 40 letters")
+        if key is not None and not _is_key(key):
+            raise UserError(f"{path}: holds no key of 40 letters, as Z85 has them")
     return public, secret
+
+
+def _is_key(text: bytes) -> bool:
+    """Whether it is 32 bytes in Z85, which not all 40 letters are."""
+    try:
+        return len(z85.decode(text)) == 32
+    except (ValueError, KeyError, struct.error):
+        return False
 
 
 def _check_curve() -> None:

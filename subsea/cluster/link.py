@@ -1,6 +1,8 @@
 """Sockets of master and nodes: who may listen where, with which keys and which limits."""
 
 import ipaddress
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import zmq
@@ -31,7 +33,7 @@ def endpoint(address: str, keys: Keys | None) -> str:
         ip = ipaddress.ip_address(host.strip("[]").replace("localhost", "127.0.0.1"))
     except ValueError as fault:
         raise UserError(f"address {address!r}: {expected}") from fault
-    if not port.isdecimal() or not 1 <= int(port) <= 65535:
+    if not (port.isascii() and port.isdecimal()) or not 1 <= int(port) <= 65535:
         raise UserError(f"address {address!r}: {expected}")
     if ip.is_unspecified:
         raise UserError(f"address {address!r}: no node can call it; expected the master's own")
@@ -47,16 +49,13 @@ def listening(context: "zmq.Context[Any]", address: str, keys: Keys | None, limi
     """The master's socket; messages of more than `limit` bytes end a connection."""
     where = endpoint(address, keys)
     socket = _socket(context, zmq.ROUTER, limit)
-    # Sending to a node that is gone, or that takes nothing any more, is then told.
-    socket.router_mandatory = True
-    if keys:
-        socket.curve_server = True
-        socket.curve_publickey, socket.curve_secretkey = keys.public, keys.secret
-    try:
+    with _closed_if_not(socket, f"address {address}: cannot listen there"):
+        # Sending to a node that is gone, or that takes nothing any more, is then told.
+        socket.router_mandatory = True
+        if keys:
+            socket.curve_server = True
+            socket.curve_publickey, socket.curve_secretkey = keys.public, keys.secret
         socket.bind(where)
-    except zmq.ZMQError as fault:
-        socket.close(0)
-        raise UserError(f"address {address}: cannot listen there ({fault.strerror})") from fault
     return socket
 
 
@@ -66,12 +65,13 @@ def calling(
     """A node's socket, which calls until the master answers."""
     where = endpoint(address, keys)
     socket = _socket(context, zmq.DEALER, limit)
-    socket.immediate = True  # what is said while nobody listens is not kept
-    socket.reconnect_ivl, socket.reconnect_ivl_max = 100, 1000
-    if keys:
-        socket.curve_serverkey = keys.others[master]
-        socket.curve_publickey, socket.curve_secretkey = keys.public, keys.secret
-    socket.connect(where)
+    with _closed_if_not(socket, f"address {address}: cannot call there"):
+        socket.immediate = True  # what is said while nobody listens is not kept
+        socket.reconnect_ivl, socket.reconnect_ivl_max = 100, 1000
+        if keys:
+            socket.curve_serverkey = keys.others[master]
+            socket.curve_publickey, socket.curve_secretkey = keys.public, keys.secret
+        socket.connect(where)
     return socket
 
 
@@ -85,6 +85,16 @@ def failed(monitor: Any) -> int:
     if not monitor.poll(0):
         return 0
     return int(parse_monitor_message(monitor.recv_multipart())["event"])
+
+
+@contextmanager
+def _closed_if_not(socket: Any, fault: str) -> Iterator[None]:
+    """What ZeroMQ refuses is a UserError; the socket is closed, else its context waits for ever."""
+    try:
+        yield
+    except zmq.ZMQError as reason:
+        socket.close(0)
+        raise UserError(f"{fault} ({reason.strerror})") from reason
 
 
 def _socket(context: "zmq.Context[Any]", kind: int, limit: int) -> Any:

@@ -48,6 +48,15 @@ def test_two_monitors_of_one_name_need_a_number():
     assert placed([Screen("a", (800, 600), monitor=2)], TWINS) == [(0, TWINS[1])]
 
 
+def test_a_monitor_shows_one_window_whatever_it_is_called():
+    asked = [Screen("a", LEFT.size, monitor=1), Screen("b", LEFT.size, monitor="DP-1")]
+    said = []
+    assert placed(asked, [LEFT, RIGHT], "t.toml", said.append) == [(0, LEFT)]
+    assert said == [
+        "t.toml: window 'b': monitor 1 'DP-1' 1280x1024 has window 'a'; this window is left out"
+    ]
+
+
 def test_pixels_that_do_not_meet_those_of_the_monitor_are_told():
     said = []
     placed([Screen("a", (800, 600), monitor=1)], [LEFT], "t.toml", said.append)

@@ -64,12 +64,17 @@ def test_what_is_no_key_is_told(folder):
     with pytest.raises(UserError, match=r"wing\.key: cannot read"):
         read_keys(folder, "left", ["wing"])
     public = folder / "right.key"
-    public.write_text("nothing\n")
-    with pytest.raises(UserError, match="holds no key"):
-        read_keys(folder, "left", ["right"])
+    for nothing in ("nothing\n", "public-key\n"):
+        public.write_text(nothing)
+        with pytest.raises(UserError, match="holds no key"):
+            read_keys(folder, "left", ["right"])
     public.write_text('public-key = "short"\n')
     with pytest.raises(UserError, match="no key of 40"):
         read_keys(folder, "left", ["right"])
+    for no_z85 in ("," * 40, "#" * 40, "a" * 45):  # no letters of it, too large a number, too long
+        public.write_text(f"    public-key = '{no_z85}'\n")
+        with pytest.raises(UserError, match="no key of 40"):
+            read_keys(folder, "left", ["right"])
     secret = folder / "left.key_secret"
     secret.write_text((folder / "left.key").read_text())
     with pytest.raises(UserError, match="no secret key"):

@@ -10,9 +10,9 @@ import zmq
 from subsea import snapshot
 from subsea.cluster import identity
 from subsea.cluster.follower import Follower
-from subsea.cluster.keys import read_keys, write_keys
+from subsea.cluster.keys import Keys, read_keys, write_keys
 from subsea.cluster.master import Master
-from subsea.cluster.messages import MAGIC, SMALL, Hello, encode
+from subsea.cluster.messages import MAGIC, SMALL, Hello, State, encode
 from subsea.errors import UserError
 
 
@@ -233,6 +233,18 @@ def test_a_follower_takes_no_garbage_for_a_master(seas, address):
         other.close()
 
 
+def test_what_is_told_of_a_state_does_not_steer_the_terminal(seas, address):
+    header = (
+        b'{"tick": 0, "seed": 0, "seen_light": {}, "checksum": "", "arrays": [], "\\u001b[2J": 0}'
+    )
+    data = snapshot.MAGIC + len(header).to_bytes(4, "little") + header
+    node = Follower(seas[1], "left", "master", address)
+    with pytest.raises(UserError, match=r"sent what is not a snapshot .*\?\[2J") as caught:
+        node._take(State("dive", 1, data))
+    node.close()
+    assert str(caught.value).isprintable()
+
+
 def test_a_master_that_comes_back_begins_a_new_dive(bridges, seas, address):
     words = []
     bridge = bridges(seas[0], address, timeout_s=1.0)
@@ -296,6 +308,7 @@ def test_a_node_does_not_follow_a_master_with_another_key(bridges, seas, address
         ("127.0.0.1", "expected an IP address and a port"),
         ("127.0.0.1:0", "expected an IP address and a port"),
         ("127.0.0.1:99999", "expected an IP address and a port"),
+        ("127.0.0.1:٥٥٦٠", "expected an IP address and a port"),
     ],
 )
 def test_an_address_that_cannot_be_is_told(seas, address, words):
@@ -303,6 +316,16 @@ def test_an_address_that_cannot_be_is_told(seas, address, words):
         Master(seas[0], ["left"], address)
     with pytest.raises(UserError, match=words):
         Follower(seas[0], "left", "master", address)
+
+
+def test_keys_that_cannot_be_end_what_was_begun(seas, address):
+    """The context of a socket that was left open would wait for it for ever."""
+    none = b"," * 40
+    keys = Keys(none, none, {"left": none, "master": none})
+    with pytest.raises(UserError, match=r"cannot listen there \(Invalid argument\)"):
+        Master(seas[0], ["left"], address, keys)
+    with pytest.raises(UserError, match=r"cannot call there \(Invalid argument\)"):
+        Follower(seas[0], "left", "master", address, keys)
 
 
 def test_an_address_in_use_is_told(bridge, seas):

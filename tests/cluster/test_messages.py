@@ -82,6 +82,14 @@ def test_no_message_is_cut_or_goes_on(at, more):
                 read(wrong)
 
 
+def test_what_is_told_of_a_message_does_not_steer_the_terminal():
+    content = {"type": "drawn", "number": 1, "\x1b[2J": 1}
+    with pytest.raises(UserError, match="no message of subsea") as caught:
+        from_node(MAGIC + msgspec.msgpack.encode(content))
+    assert "?[2J" in str(caught.value)
+    assert str(caught.value).isprintable()
+
+
 def test_another_protocol_is_told():
     data = encode(Drawn(1))
     with pytest.raises(UserError, match=r"speaks protocol 9, expected 1"):
