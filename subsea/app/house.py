@@ -11,7 +11,7 @@ from subsea.app.console import say
 from subsea.errors import UserError, unknown
 from subsea.theatre.channels import Lighted, channels
 from subsea.theatre.files import Channel, Theatre, Window, load_theatre
-from subsea.theatre.rig import theatre_rig
+from subsea.theatre.rig import seen_channels, theatre_rig
 from subsea.theatre.warp import describe_warp
 from subsea.view.rig import Rig
 from subsea.view.rigs import display_rig
@@ -48,7 +48,11 @@ def open_house(
         raise UserError(f"{path}: {unknown('node', node, list(theatre.nodes))}")
     theatre = shrunk(theatre, shrink)
     found, faults = channels(theatre, path)
-    for fault in faults:
+    found, unseen = seen_channels(theatre, found, display, stereo)
+    unseen = tuple(f"{path}: {fault}" for fault in unseen)
+    if not found:
+        raise UserError(unseen[0])
+    for fault in (*faults, *unseen):
         say(f"{fault}; left out")
     numbers = shown_windows(theatre, found, node)
     if not numbers:

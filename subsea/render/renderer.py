@@ -32,7 +32,7 @@ from subsea.render.textures import caustics, tileable_noise, upload
 from subsea.render.water import Water
 from subsea.view.camera import View
 from subsea.view.culling import IN_SIGHT
-from subsea.view.rig import Patch, Rect, Rig, Shape
+from subsea.view.rig import Patch, Rect, Rig
 
 CONTRAST_LEFT = 0.02  # at the distance that a scenario calls its visibility
 
@@ -294,7 +294,7 @@ class Renderer:
             target.use()
             if into is not None:
                 self._page(patch.page)  # a buffer is chosen of the framebuffer in use
-            if output not in begun and (patch.place[2:] != size or patch.shape == Shape.WARPED):
+            if output not in begun and (patch.place[2:] != size or patch.warp is not None):
                 self._context.viewport = (0, 0, *size)
                 target.clear()  # where no patch lies it is dark
             begun.add(output)

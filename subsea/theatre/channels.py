@@ -1,17 +1,28 @@
 """Channels: what a theatre file says of each projector, checked, with its mesh and its mask."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from subsea.errors import UserError, unknown
 from subsea.theatre.blend import Projector, mask_of
-from subsea.theatre.files import SCREENS, Angles, Archive, Channel, Lit, Theatre, Window, viewport
+from subsea.theatre.files import (
+    SCREENS,
+    Angles,
+    Archive,
+    Channel,
+    Lit,
+    Theatre,
+    Window,
+    overlap,
+    viewport,
+)
 from subsea.theatre.meshes import read_warp
 from subsea.theatre.mpcdi import Region, read_mpcdi
 from subsea.theatre.mpcdi import mask as calibrated_mask
@@ -43,7 +54,7 @@ class Lighted:
     name: str
     window: int  # number of its window in the theatre
     place: Rect  # in its window, origin lower left
-    distance_cm: float  # of its screen from the eyes
+    distance_cm: float  # of its screen, or of the plane in which that lies, from the eyes
     gamma: float
     black: float
     screen: Screen | None = None  # None: of those that show all round
@@ -63,7 +74,7 @@ def channels(theatre: Theatre, path: Path) -> tuple[tuple[Lighted, ...], tuple[s
     faults: list[str] = []
     for channel in theatre.channel:
         try:
-            found.append(_of_channel(theatre, channel, path.parent))
+            found.append(_alone(_of_channel(theatre, channel, path.parent), found))
         except UserError as fault:
             faults.append(f"{path}: channel {channel.name!r}: {fault}")
     for archive in theatre.mpcdi:
@@ -77,7 +88,7 @@ def channels(theatre: Theatre, path: Path) -> tuple[tuple[Lighted, ...], tuple[s
             if archive.buffer not in (None, region.buffer):
                 continue
             try:
-                found.append(_of_region(theatre, archive, region))
+                found.append(_alone(_of_region(theatre, archive, region), found))
             except UserError as fault:
                 faults.append(f"{path}: {archive.file}: region {region.name!r}: {fault}")
     if not found:
@@ -109,12 +120,24 @@ def grid_of(screen: Screen) -> Array:
     return np.stack([x, y], axis=-1)
 
 
+def _alone(new: Lighted, found: Sequence[Lighted]) -> Lighted:
+    """The new one, if none of the others fills its place; else a UserError."""
+    for other in found:
+        if other.window == new.window and overlap(other.place, new.place):
+            raise UserError(f"lies on {other.name!r} in its window; expected places side by side")
+    return new
+
+
 def _of_channel(theatre: Theatre, channel: Channel, folder: Path) -> Lighted:
     names = [window.name for window in theatre.window]
     number = names.index(channel.window)
     window = theatre.window[number]
     x, y, width, height = viewport(channel, window)
     lighted = _lit(theatre, channel, channel.name, number, (x, y, width, height), None)
+    if channel.blend and lighted.screen is None:
+        kind = lighted.shape.name.lower()
+        raise UserError(f"`blend` is of a `plane`, `cylinder` or `angles`, not of a {kind}")
+    lighted = replace(lighted, blend=channel.blend)
     if channel.warp is None:
         return lighted
     warp, mask = read_warp(folder / channel.warp, (width, height))
@@ -140,6 +163,8 @@ def _of_region(theatre: Theatre, archive: Archive, region: Region) -> Lighted:
             heading_deg=turn[0], pitch_deg=turn[1], roll_deg=turn[2],
             left_deg=edges[0], right_deg=edges[1], down_deg=edges[2], up_deg=edges[3],
         )  # fmt: skip
+        if (far := _far(theatre, archive)) is not None:
+            own = msgspec.structs.replace(own, distance_cm=far)
         lit = Lit(angles=own, gamma=archive.gamma, black=archive.black)
         lighted = _lit(theatre, lit, region.name, number, place, None)
     elif not any(getattr(archive, kind) for kind in SCREENS):
@@ -147,19 +172,20 @@ def _of_region(theatre: Theatre, archive: Archive, region: Region) -> Lighted:
     else:
         lighted = _lit(theatre, archive, region.name, number, place, region.place)
     warp = region.warp
-    if region.frustum is not None:
-        angles = Angles(
-            heading_deg=region.frustum.yaw_deg,
-            distance_cm=lighted.distance_cm,
-            **{key: value for key, value in region.frustum._asdict().items() if key != "yaw_deg"},
-        )
-        lighted = replace(lighted, shape=Shape.FLAT, screen=screen_of(angles, np.zeros(3), 1.0))
-    elif lighted.shape == Shape.PANORAMA:
+    if lighted.shape == Shape.PANORAMA:
         raise UserError("`panorama` is for uncalibrated screens, expected a `cylinder`")
-    elif lighted.screen is None:
+    if lighted.screen is None:
         warp = within(warp or straight(), region.place)
-    mask = calibrated_mask(region, archive.gamma)
-    return replace(lighted, warp=warp, mask=mask, blend=False)
+    return replace(lighted, warp=warp, mask=calibrated_mask(region, archive.gamma))
+
+
+def _far(theatre: Theatre, archive: Archive) -> float | None:
+    """How far away an archive's screen is in real centimetres, None if it has none."""
+    wide = archive.panorama or archive.dome or archive.equirectangular
+    if wide is not None:
+        return wide.distance_cm
+    flat = archive.plane or archive.cylinder or archive.angles
+    return None if flat is None else distance_to(screen_of(flat, np.array(theatre.eye_cm), 1.0))
 
 
 def _lit(
@@ -176,15 +202,12 @@ def _lit(
     common = Lighted(
         name, number, (x, window.size[1] - y - height, width, height), 1.0, lit.gamma, lit.black
     )
-    kind = next(kind for kind in SCREENS if getattr(lit, kind) is not None)
     for table, shape in (
         (lit.panorama, Shape.PANORAMA),
         (lit.dome, Shape.DOME),
         (lit.equirectangular, Shape.EQUIRECTANGULAR),
     ):
         if table is not None:
-            if lit.blend:
-                raise UserError(f"`blend` is of a `plane`, `cylinder` or `angles`, not of a {kind}")
             far = theatre.scale * table.distance_cm
             surround = Surround(
                 getattr(table, "angle_deg", ALL_ROUND.angle_deg),
@@ -196,7 +219,7 @@ def _lit(
     screen = screen_of(flat, np.array(theatre.eye_cm), theatre.scale)
     screen = screen if part is None else part_of(screen, part)
     frustum_of(screen, np.zeros(3), points_on(screen, grid_of(screen).reshape(-1, 2)))  # whether
-    return replace(common, screen=screen, distance_cm=distance_to(screen), blend=lit.blend)
+    return replace(common, screen=screen, distance_cm=distance_to(screen))
 
 
 def _blended(found: list[Lighted]) -> Iterator[Lighted]:

@@ -20,6 +20,7 @@ MAIN = "main"  # the node of windows that name none
 Pixels = Annotated[int, msgspec.Meta(ge=16, le=16384)]
 Offset = Annotated[int, msgspec.Meta(ge=-100_000, le=100_000)]
 Positive = Annotated[float, msgspec.Meta(gt=0, le=1e5)]
+Away = Annotated[float, msgspec.Meta(ge=50, le=1e5)]  # of what is all round: both eyes are within
 Coordinate = Annotated[float, msgspec.Meta(ge=-1e5, le=1e5)]
 Point = tuple[Coordinate, Coordinate, Coordinate]
 Angle = Annotated[float, msgspec.Meta(ge=-360, le=360)]
@@ -67,27 +68,27 @@ class Panorama(_Table, frozen=True, kw_only=True):
     """A cylinder that no projector bends: every column of pixels is an equal angle."""
 
     angle_deg: Annotated[float, msgspec.Meta(ge=30, lt=360)] = 160.0
-    distance_cm: Positive = 300.0
+    distance_cm: Away = 300.0
 
 
 class Dome(_Table, frozen=True, kw_only=True):
     """An equidistant fisheye of 180 degrees, the front below."""
 
     tilt_deg: Annotated[float, msgspec.Meta(ge=0, le=90)] = 30.0  # toward the front
-    distance_cm: Positive = 500.0
+    distance_cm: Away = 500.0
 
 
 class Equirectangular(_Table, frozen=True, kw_only=True):
     """All directions, the front in the middle."""
 
-    distance_cm: Positive = 300.0
+    distance_cm: Away = 300.0
 
 
 SCREENS = ("plane", "cylinder", "angles", "panorama", "dome", "equirectangular")
 
 
 class Lit(_Table, frozen=True, kw_only=True):
-    """What is common to channels and archives: the screen, one of six kinds, and its blending."""
+    """What is common to channels and archives: the screen, one of six kinds, and its light."""
 
     plane: Plane | None = None
     cylinder: Cylinder | None = None
@@ -95,7 +96,6 @@ class Lit(_Table, frozen=True, kw_only=True):
     panorama: Panorama | None = None
     dome: Dome | None = None
     equirectangular: Equirectangular | None = None
-    blend: bool = False  # with all others that light the same part of the screen
     # Of the projector: light is the value that it gets to this power.
     gamma: Annotated[float, msgspec.Meta(ge=0.5, le=4)] = 2.2
     # The share of its white that the projector shines when it should be dark.
@@ -129,6 +129,7 @@ class Channel(Lit, frozen=True, kw_only=True):
     # x, y, width, height in pixels from the window's upper left corner; None: all of it
     viewport: tuple[Annotated[int, msgspec.Meta(ge=0)], Annotated[int, msgspec.Meta(ge=0)],
                     Pixels, Pixels] | None = None  # fmt: skip
+    blend: bool = False  # with all others that light the same part of the screen
     warp: str | None = None  # a mesh: .obj, .pfm or .data, beside the theatre file
 
 

@@ -44,8 +44,8 @@ def theatre_rig(
             shown.append(one)
     if not shown:
         raise UserError("no channel of this theatre is left to show")
-    half = 0.0 if display == "mono" else _half_separation(theatre, shown, stereo)
-    offsets = [np.array([x, 0.0, 0.0]) for x in ((0.0,) if display == "mono" else (-half, half))]
+    offsets = _offsets(theatre, channels, display, stereo)
+    half = float(offsets[-1][0])
     sizes = [size for one in shown for size in _pictures(one, display)]
     corners, canvas = shelves(sizes)
     drawn = iter([(*corner, *size) for corner, size in zip(corners, sizes, strict=True)])
@@ -75,6 +75,30 @@ def theatre_rig(
     return Rig(canvas, outputs, tuple(eyes), tuple(patches), theatre.level)
 
 
+def seen_channels(
+    theatre: Theatre, channels: Sequence[Lighted], display: str = "mono", stereo: Stereo = EYES
+) -> tuple[tuple[Lighted, ...], tuple[str, ...]]:
+    """The channels whose screens lie before all eyes, and a line for each of the others."""
+    kept: list[Lighted] = []
+    faults: list[str] = []
+    offsets = _offsets(theatre, channels, display, stereo)
+    for one in channels:
+        try:
+            for offset in offsets:
+                if one.shape not in CUBES:
+                    _frustum(one, offset)
+                elif np.linalg.norm(offset) >= one.distance_cm:
+                    raise UserError(f"channel {one.name!r}: the eye is outside of its screen")
+        except UserError as fault:
+            faults.append(str(fault))
+        else:
+            kept.append(one)
+    if faults and kept:  # the eyes may be farther apart for those that are left
+        found, more = seen_channels(theatre, kept, display, stereo)
+        return found, (*faults, *more)
+    return tuple(kept), tuple(faults)
+
+
 def shelves(sizes: Sequence[tuple[int, int]]) -> tuple[list[tuple[int, int]], tuple[int, int]]:
     """Corners for pictures of these sizes on a canvas, in rows from below, and its size."""
     widest = max(WIDEST, *(width for width, _ in sizes))
@@ -89,14 +113,22 @@ def shelves(sizes: Sequence[tuple[int, int]]) -> tuple[list[tuple[int, int]], tu
     return corners, (right, y + row)
 
 
-def _half_separation(theatre: Theatre, shown: Sequence[Lighted], stereo: Stereo) -> float:
-    """Half the distance between the eyes in the sea, right eye positive."""
+def _offsets(
+    theatre: Theatre, channels: Sequence[Lighted], display: str, stereo: Stereo
+) -> list[Array]:
+    """Where the only eye is, or the left one and the right one: (3,) cm of the sea each.
+
+    The same in all windows, and so on all computers: all channels of the theatre count.
+    """
+    if display == "mono":
+        return [np.zeros(3)]
     real = stereo.separation_cm
     apart = theatre.scale * (theatre.eye_distance_cm if real is None else real)
-    nearest = min(one.distance_cm for one in shown)
+    nearest = min(one.distance_cm for one in channels)
     # The screens are where they are: nothing lies farther apart on them than the eyes do.
     eyes = stereo._replace(separation_cm=apart, screen_cm=nearest, screen_width_cm=None)
-    return eyes.eyes(1.0) / 2.0 * (-1 if stereo.swapped else 1)
+    half = eyes.eyes(1.0) / 2.0 * (-1 if stereo.swapped else 1)
+    return [np.array([x, 0.0, 0.0]) for x in (-half, half)]
 
 
 def _pictures(one: Lighted, display: str) -> list[tuple[int, int]]:
@@ -171,7 +203,8 @@ def _face(one: Lighted) -> int:
 
 def _round(one: Lighted, rect: Rect, offset: Array) -> tuple[Eye, ...]:
     """The eyes of a channel that shows all round."""
-    shown = looked_at(_display(one), one.place[2:], one.surround)
+    aside = float(offset[0]) / one.distance_cm
+    shown = looked_at(_display(one), one.place[2:], one.surround, aside)
     return cube(rect[:2], _face(one), shown, offset)
 
 

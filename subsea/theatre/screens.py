@@ -171,7 +171,10 @@ def places_on(screen: Screen, rays: Array) -> Array:
 
 
 def distance_to(screen: Screen) -> float:
-    """How far away its middle is, in centimetres."""
+    """How far away a flat one's plane is, or the middle of a curved one, in centimetres."""
+    if isinstance(screen, Flat):
+        normal = np.cross(screen.along, screen.up)
+        return float(abs(screen.corner @ normal) / np.linalg.norm(normal))
     return float(np.linalg.norm(points_on(screen, np.array([[0.5, 0.5]]))[0]))
 
 

@@ -63,14 +63,17 @@ def on_faces(d: Array) -> tuple[NDArray[np.int_], Array]:
     return number, own[:, :2] / own[:, 2:]
 
 
-def looked_at(display: str, size: tuple[int, int], surround: Surround) -> list[Array | None]:
+def looked_at(
+    display: str, size: tuple[int, int], surround: Surround, aside: float = 0.0
+) -> list[Array | None]:
     """Of each face the part that the picture shows, (4,): left, right, bottom, top in [-1, 1].
 
-    None where it shows nothing of a face: then that view need not be drawn.
+    None where it shows nothing of a face: then that view need not be drawn. An eye may be `aside`
+    to the right of the middle, in shares of the distance of the screen.
     """
     x, y = (np.linspace(0.0, pixels, STEPS + 1) for pixels in size)
     pixels = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
-    d = directions(display, size, surround, pixels)
+    d = directions(display, size, surround, pixels) - [aside, 0.0, 0.0]
     number, place = on_faces(d[~np.isnan(d[:, 0])])
     found: list[Array | None] = []
     for face in range(len(FACES)):

@@ -11,6 +11,7 @@ from subsea.theatre.channels import channels
 from subsea.theatre.files import load_theatre
 from subsea.theatre.rig import theatre_rig
 from subsea.theatre.screens import points_on
+from subsea.theatre.warp import mesh
 from subsea.view.rig import CUBES, pose, views
 
 EYE = np.array([0.0, -120.0, -200.0])
@@ -144,6 +145,25 @@ def test_in_stereo_a_dome_shows_each_eye_the_ray_through_its_screen(context, tmp
         inside = lit[rows] & (np.abs(np.linalg.norm(2 * half - 1, axis=-1) - 1.0) < 0.2)
         error = np.abs(2 * half - 1 - expected)[inside]
         assert np.percentile(error, 95) < 0.03  # rows of the halves lie between those of the whole
+
+
+def test_what_a_mesh_leaves_of_a_dome_is_dark(context, scene, make_packet, tmp_path):
+    _, _, rig = opened(tmp_path, "dome", shrink=16)
+    triangle = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+    half = mesh(triangle, triangle, np.array([[0, 1, 2]]))
+    rig = rig._replace(patches=tuple(patch._replace(warp=half) for patch in rig.patches))
+    renderer = Renderer(context, scene, rig)
+    packet = make_packet([], views=views(rig, pose(EYE, 0.0, 0.0)))
+    for picture in renderer.pictures.values():  # as what was shown before has left it
+        picture.write(b"\xff" * 4 * picture.width * picture.height)
+    renderer.draw(packet)
+    shown = renderer.read_pixels()
+    renderer.release()
+    size = len(shown)
+    row, column = np.mgrid[:size, :size] + 0.5
+    assert (shown[column - row > 2] == 0).all()  # above the diagonal, which falls to the right
+    lit = np.hypot(column - size / 2, row - size / 2) < 0.45 * size
+    assert (shown[(column - row < -2) & lit].max(axis=1) > 0).mean() > 0.9
 
 
 @pytest.mark.parametrize(

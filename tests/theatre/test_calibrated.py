@@ -9,7 +9,8 @@ from subsea.theatre.files import load_theatre
 from subsea.theatre.rig import theatre_rig
 from subsea.theatre.screens import points_on
 from subsea.theatre.warp import sources_at
-from subsea.view.rig import Shape
+from subsea.view.rig import Shape, seen_by
+from subsea.view.surround import MARGIN_PX
 
 NAMES = ("left", "middle", "right")
 WHOLE = (
@@ -24,11 +25,11 @@ FRUSTUM = """<frustum><yaw>{yaw}</yaw><pitch>-10</pitch><roll>5</roll><rightAngl
 def theatre(tmp_path, making):
     """A function that writes a theatre of an archive, reads it, and gives channels and faults."""
 
-    def theatre(files, screen=WHOLE):
+    def theatre(files, screen=WHOLE, head=""):
         (tmp_path / "all.mpcdi").write_bytes(making.zipped(files))
         windows = [f'[[window]]\nname = "{name}"\nsize = [160, 120]\n' for name in NAMES]
         tail = f'[[mpcdi]]\nfile = "all.mpcdi"\n{screen}\n'
-        (tmp_path / "theatre.toml").write_text("".join([*windows, tail]))
+        (tmp_path / "theatre.toml").write_text("".join([head, *windows, tail]))
         read, path = load_theatre(str(tmp_path / "theatre.toml"))
         return read, *channels(read, path)
 
@@ -37,8 +38,9 @@ def theatre(tmp_path, making):
 
 def shown_at(rig, patch, places):
     """The directions (k, 3) in which the eye of a patch sees what is shown at places (k, 2)."""
-    eye = next(eye for eye in rig.eyes if eye.viewport == patch.left)
-    shares = sources_at(patch.warp, places)
+    (eye,) = {id(eye): eye for eye in seen_by(rig, patch)}.values()
+    pixels = patch.left[:2] + sources_at(patch.warp, places) * patch.left[2:]
+    shares = (pixels - eye.viewport[:2]) / eye.viewport[2:]
     clip = np.column_stack([2 * shares - 1, np.ones((len(shares), 2))])
     rays = clip @ np.linalg.inv(eye.projection).T  # of a camera that looks along -z
     rays = (rays[:, :3] / rays[:, 3:]) * [1, 1, -1] @ eye.axes
@@ -99,9 +101,51 @@ def test_a_region_with_a_frustum_looks_along_it(theatre, projectors, making):
         np.testing.assert_allclose(ahead, expected + [0, np.sin(np.radians(-10)), 0], atol=1e-9)
         assert right[1] == pytest.approx(-np.sin(np.radians(5)) * np.cos(np.radians(10)))
         assert up[1] > 0.9
-        upper_right = np.linalg.inv(eye.projection) @ [1, 1, 1, 1]
+        width, height = eye.viewport[2:]  # with a margin
+        edge = 1 - 2 * MARGIN_PX / width, 1 - 2 * MARGIN_PX / height
+        upper_right = np.linalg.inv(eye.projection) @ [*edge, 1, 1]
         slopes = upper_right[:2] / -upper_right[2]
         np.testing.assert_allclose(np.degrees(np.arctan(slopes)), [25, 20], atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("screen", "scale", "far"),
+    [
+        (FLAT.replace("left_deg = -40", "left_deg = 10"), 1.0, 200.0),
+        (WHOLE, 1.0, 275.0),
+        (WHOLE, 2.0, 550.0),
+        ("dome = { distance_cm = 400 }", 1.0, 400.0),
+        ("", 1.0, 300.0),
+    ],
+)
+def test_of_a_region_with_a_frustum_the_screen_is_as_far_as_the_archive_s(
+    theatre, projectors, making, screen, scale, far
+):
+    for one in projectors:
+        one.frustum = FRUSTUM.format(yaw=np.degrees(one.yaw))
+    _, found, faults = theatre(making.parts(projectors, "3d"), screen, f"scale = {scale}\n")
+    assert faults == ()
+    assert [one.distance_cm for one in found] == pytest.approx([far] * 3)
+    for one in found:
+        corners = points_on(one.screen, np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]))
+        away = np.cross(corners[1] - corners[0], corners[2] - corners[0])
+        assert corners @ away / np.linalg.norm(away) == pytest.approx([far] * 3)
+
+
+def test_two_regions_never_fill_one_window(theatre, projectors, making):
+    shown = f'{WHOLE}\nwindows = {{ left = "left", middle = "left", right = "right" }}'
+    _, found, faults = theatre(making.parts(projectors), shown)
+    assert [one.name for one in found] == ["left", "right"]
+    assert len(faults) == 1
+    assert "region 'middle': lies on 'left' in its window; expected places side by" in faults[0]
+
+
+def test_nor_do_a_channel_and_a_region(theatre, projectors, making):
+    more = f'{WHOLE}\n[[channel]]\nname = "own"\nwindow = "middle"\n{WHOLE}'
+    _, found, faults = theatre(making.parts(projectors), more)
+    assert [one.name for one in found] == ["own", "left", "right"]
+    assert len(faults) == 1
+    assert "region 'middle': lies on 'own' in its window" in faults[0]
 
 
 def test_the_projectors_that_work_go_on_without_the_one_that_does_not(theatre, projectors, making):

@@ -79,6 +79,8 @@ def test_a_screen_of_several_projectors_is_as_large_as_its_picture_is_seamless()
             "expected IP:PORT",
         ),
         (WINDOW + CHANNEL + PLANE + "gamma = 9", "at `channel"),
+        (WINDOW + CHANNEL + "dome = { distance_cm = 20 }", "distance_cm|>= 50"),
+        (WINDOW + '[[mpcdi]]\nfile = "a.mpcdi"\nblend = true', "unknown key `blend`"),
         ("[[window]", "not valid TOML"),
     ],
 )  # fmt: skip

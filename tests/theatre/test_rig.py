@@ -1,5 +1,6 @@
 """Rigs of theatres: every eye, mesh and patch puts a point of the sea where the screen has it."""
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -7,12 +8,12 @@ from subsea.errors import UserError
 from subsea.resources import resource_names
 from subsea.theatre.channels import channels
 from subsea.theatre.files import FOLDER, load_theatre
-from subsea.theatre.rig import MODES, shelves, theatre_rig
+from subsea.theatre.rig import MODES, seen_channels, shelves, theatre_rig
 from subsea.theatre.screens import points_on
 from subsea.theatre.warp import sources_at
 from subsea.view.rig import CUBES, Shape, pose, views
 from subsea.view.stereo import EYES, Stereo
-from subsea.view.surround import MARGIN_PX
+from subsea.view.surround import MARGIN_PX, directions
 
 EYE = np.array([10.0, 20.0, -300.0])
 OBSERVER = pose(EYE, 0.7, -0.2)
@@ -99,8 +100,6 @@ def test_swapped_eyes_and_their_distance(name):
 
 def test_a_theatre_of_half_the_scale_has_half_the_distance_between_the_eyes():
     theatre, found = opened("cave")
-    import msgspec
-
     small = msgspec.structs.replace(theatre, scale=0.5)
     path = load_theatre("cave")[1]
     rig = theatre_rig(small, channels(small, path)[0], [0, 1, 2], "anaglyph")
@@ -144,13 +143,75 @@ def test_a_curved_screen_is_nowhere_coarser_than_its_projector():
 
 def test_shelves_hold_everything_once_and_are_no_wider_than_they_must():
     corners, size = shelves([(5000, 100), (4000, 300), (4000, 50), (9000, 10)])
-    assert corners == [(0, 0), (0, 100), (4000, 100), (0, 400)] or size[0] <= 9000
+    assert corners == [(0, 0), (5000, 0), (0, 300), (0, 350)]
+    assert size == (9000, 360)
     covered = np.zeros((size[0] // 10, size[1] // 10), int)
     for (x, y), (w, h) in zip(
         corners, [(5000, 100), (4000, 300), (4000, 50), (9000, 10)], strict=True
     ):
         covered[x // 10 : (x + w) // 10, y // 10 : (y + h) // 10] += 1
     assert covered.max() == 1
+
+
+UNEQUAL = "".join(
+    f'[[window]]\nname = "{name}"\nsize = [64, 64]\n[[channel]]\nname = "{name}"\n'
+    f'window = "{name}"\nangles = {{ left_deg = -40, right_deg = 40, down_deg = -40, '
+    f"up_deg = 40, heading_deg = {heading}, distance_cm = {far} }}\n"
+    for name, heading, far in (("left", -80, 90), ("front", 0, 400), ("right", 80, 250))
+)
+
+
+def unequal(tmp_path):
+    (tmp_path / "unequal.toml").write_text(UNEQUAL)
+    return opened(str(tmp_path / "unequal.toml"))
+
+
+def test_all_computers_have_the_same_eyes_whatever_their_screens(tmp_path):
+    theatre, found = unequal(tmp_path)
+    limit = Stereo(comfort_deg=2.0)
+    offsets = {
+        eye.offset[0]
+        for windows in ([0], [1], [2], [0, 1, 2])
+        for eye in theatre_rig(theatre, found, windows, "anaglyph", limit).eyes
+    }
+    half = np.radians(2.0) * 90 / 2  # as the nearest of all screens bears it
+    assert sorted(offsets) == pytest.approx([-half, half])
+
+
+def test_a_screen_that_an_eye_is_behind_is_told_and_the_others_go_on(tmp_path):
+    theatre, found = unequal(tmp_path)
+    apart = Stereo(separation_cm=200.0)
+    with pytest.raises(UserError, match="channel 'left': the eye is behind"):
+        theatre_rig(theatre, found, [0, 1, 2], "anaglyph", apart)
+    kept, faults = seen_channels(theatre, found, "anaglyph", apart)
+    assert [one.name for one in kept] == ["front", "right"]
+    assert len(faults) == 1
+    assert "channel 'left': the eye is behind the screen" in faults[0]
+    assert len(theatre_rig(theatre, kept, [1, 2], "anaglyph", apart).eyes) == 4
+    assert seen_channels(theatre, found, "mono", apart) == (found, ())
+    dome, found = opened("dome")
+    kept, faults = seen_channels(dome, found, "anaglyph", Stereo(separation_cm=1100.0))
+    assert kept == ()
+    assert "the eye is outside of its screen" in faults[0]
+
+
+@pytest.mark.parametrize("name", ["dome", "equirectangular"])
+@pytest.mark.parametrize("far", [8.0, 20.0, 300.0])
+def test_all_that_an_eye_sees_in_what_is_all_round_is_drawn(name, far):
+    theatre, found = opened(name)
+    one = found[0].__class__(**{**vars(found[0]), "distance_cm": far})
+    rig = theatre_rig(theatre, [one], [0], "side-by-side")
+    pixels = np.random.default_rng(3).uniform(0, 1, (4000, 2)) * one.place[2:]
+    d = directions(name, one.place[2:], one.surround, pixels)
+    d = far * d[~np.isnan(d[:, 0])]
+    for side in (-1, 1):
+        drawn = np.zeros(len(d), bool)
+        for eye in rig.eyes:
+            if np.sign(eye.offset[0]) == side:
+                seen = (d - eye.offset) @ eye.axes.T * [1, 1, -1]
+                clip = np.column_stack([seen, np.ones(len(d))]) @ eye.projection.T
+                drawn |= (np.abs(clip[:, :2]) < clip[:, 3:]).all(axis=1)
+        assert drawn.all()
 
 
 def test_displays_all_round_are_not_for_theatres():
