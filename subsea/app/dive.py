@@ -9,7 +9,7 @@ from functools import partial
 from subsea.app import pacing
 from subsea.app.console import say
 from subsea.app.crew import Alone, Crew, alone, muster
-from subsea.app.eyes import velocity_of
+from subsea.app.eyes import seen_brightness, velocity_of
 from subsea.app.house import NOT_SHRUNK, House, open_house
 from subsea.app.overlay import Overlay, panes
 from subsea.app.pilot import Pilot
@@ -17,7 +17,6 @@ from subsea.app.ride import (
     LOOKS,
     Look,
     Ride,
-    brightness,
     front_view,
     joined,
     nearest_to_middle,
@@ -141,6 +140,7 @@ class Dive:
         self._pattern = False
         self._ride: Ride | None = None
         self._see_brightness = see_brightness
+        self._seen_tick = 0  # at which the fish that is ridden has seen the light last
         self._look: Look = "colours"  # of the pictures of a fish's eyes
         self._insets: tuple[Rect, ...] = ()  # where these are on the canvas
         with ExitStack() as undo:
@@ -193,6 +193,7 @@ class Dive:
         start = time.perf_counter()
         for wish in self.wall.poll():
             self._grant(wish)
+        self._see_light()
         alpha = self._crew.picture(elapsed_s)
         if alpha is None and not self._crew.waiting:
             return  # what is shown stays, until there is something else
@@ -224,12 +225,7 @@ class Dive:
 
     @property
     def _direct(self) -> bool:
-        """Whether the one window there is has the size of the picture: no need to copy it.
-
-        Unless the picture is to be read.
-        """
-        if self._see_brightness and self._ride is not None:
-            return False
+        """Whether the one window there is has the size of the picture: no need to copy it."""
         return self._rig.outputs == (self.window.size,)
 
     def _draw(self) -> None:
@@ -247,15 +243,26 @@ class Dive:
         fish = self._ride.by.fish
         packet = replace(packet, passing_cm_s=velocity_of(self.world, fish))
         self._renderer.draw(packet, into)
-        if self._see_brightness:
-            added = self._renderer.rig.patches[len(self._rig.patches) :]
-            shown = self._renderer.read_pixels(added[0].output, added[0].page)
-            self.world.seen_light[fish] = brightness(shown, added[: len(self._insets)])
         if self._look != "colours":
             numbers = range(len(seen) - len(self._insets), len(seen))
             maps = self._renderer.look_up(packet, numbers, joined(self._insets))
             picture = pictured(maps, self._look)
             self._renderer.paste(picture, pasted(self._renderer.rig, self._rig, picture), into)
+
+    def _see_light(self) -> None:
+        """Let the fish that is ridden go by what it sees now, in the ticks until the next picture.
+
+        Once a picture, however many ticks that has: seeing takes time too.
+        """
+        if (
+            self._ride is None
+            or not self._see_brightness
+            or self._seen_tick == self.world.state.tick
+        ):
+            return
+        self._seen_tick = self.world.state.tick
+        light = seen_brightness(self._renderer, self.world, self._ride.by)
+        self.world.seen_light[self._ride.by.fish] = light
 
     def _views(self) -> tuple[View, ...]:
         """What is seen from the submarine, or from the fish that is ridden."""
@@ -267,6 +274,7 @@ class Dive:
         """Ride a fish of this number from now on, or come back to the submarine."""
         self._ride = None if fish is None else Ride(self.world, fish)
         self.world.seen_light.clear()
+        self._seen_tick = 0
         self.pilot.ride(self._ride is not None)
         self._memory = nothing_drawn(len(self.world.state.fishes.species))  # no fade at the jump
         self._arrange()

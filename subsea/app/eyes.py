@@ -189,14 +189,12 @@ def seen_brightness(renderer: Renderer, world: World, by: Rider) -> float:
     """Mean brightness, 0 to 1, of what a fish sees at the present tick, looking ahead (Tu §6.2).
 
     The mean value of the two pictures as a screen would show them; it depends on nothing but the
-    world and the quality of the renderer, whose rig is as before in the end.
+    world and the quality of the renderer, and what that draws next does not depend on it.
     """
-    before, rig = renderer.rig, retina_rig(SEEN_SIZE, by.half_cm)
-    renderer.arrange(rig)
-    renderer.draw(pack(world, retinal_views(world, by, rig, 1.0), 1.0))
-    mean = np.mean([renderer.read_pixels(side) for side in range(len(SIDES))]) / 255.0
-    renderer.arrange(before)
-    return float(mean)
+    rig = retina_rig(SEEN_SIZE, by.half_cm)
+    with renderer.apart(rig):
+        renderer.draw(pack(world, retinal_views(world, by, rig, 1.0), 1.0))
+        return float(np.mean([renderer.read_pixels(side) for side in range(len(SIDES))]) / 255.0)
 
 
 def labelled(pictures: Sequence[NDArray[np.uint8]], seen: Seen) -> dict[str, Any]:

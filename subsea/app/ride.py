@@ -134,16 +134,6 @@ def pasted(drawn: Rig, rig: Rig, picture: NDArray[np.uint8]) -> tuple[Patch, ...
     return tuple(patches)
 
 
-def brightness(shown: NDArray[np.uint8], insets: Sequence[Patch]) -> float:
-    """The mean value, 0 to 1, of what lies under `insets` in a picture (h, w, 3), top row first."""
-    parts = []
-    for patch in insets:
-        x, y, width, height = patch.place
-        top = len(shown) - y - height
-        parts.append(shown[top : top + height, x : x + width].mean())
-    return float(np.mean(parts)) / 255.0
-
-
 def front_view(rig: Rig) -> int:
     """The number of the view that a visitor looks at."""
     return next(k for k, eye in enumerate(rig.eyes) if eye is seen_by(rig, front(rig))[0])

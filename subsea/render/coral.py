@@ -173,6 +173,11 @@ class Coral:
             reach_cm, (SHADE_PX,),
         )  # fmt: skip
 
+    @property
+    def standing(self) -> tuple[Standing, ...]:
+        """What depends on earlier packets."""
+        return self._standing, self._shadows
+
     def choose(self, views: Sequence[View], detail: float = 1.0, growth: float = 1.0) -> None:
         """Decide for a frame what is drawn, and how finely; `growth` is the share of all."""
         self._standing.choose(views, detail, self._own <= growth)

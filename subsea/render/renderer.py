@@ -1,8 +1,9 @@
 """The order of a picture: solids, seabed, water behind it, fishes, particles, then tone mapping."""
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -89,6 +90,7 @@ class Renderer:
         self._held_for_size: list[Any] = []
         self._marks: Marks | None = None  # made when it is first asked for
         self._pasted: Resolve | None = None  # likewise
+        self._apart: Resolve | None = None  # likewise
         self._make_target(rig, quality)
         self.adapt(quality)
 
@@ -119,6 +121,8 @@ class Renderer:
         self._shafts.adapt(quality)
         self._water.adapt(quality)
         self._resolve.adapt(quality)
+        if self._apart:
+            self._apart.adapt(quality)
 
     def choose(self, packet: Packet) -> None:
         """Choose how finely everything that stands is drawn; this depends on earlier packets.
@@ -128,6 +132,29 @@ class Renderer:
         self._solids.choose(packet, self.quality.detail)
         self._coral.choose(packet.views, self.quality.detail, self.quality.growth)
         self._seabed.choose(packet, self.quality.detail)
+
+    @contextmanager
+    def apart(self, rig: Rig) -> Iterator[None]:
+        """Draw for another rig in between: as if nothing had been drawn before.
+
+        And what is drawn afterwards is as if nothing had been drawn in between; but the `pictures`
+        are other ones, still empty.
+        """
+        before, standing = self.rig, [*self._solids.standing, *self._coral.standing]
+        standing += self._seabed.standing
+        self._make_target(rig, self.quality)
+        if self._apart is None:
+            self._apart = Resolve(self._context, rig.patches, self.quality.smooth)
+        self._apart.arrange(rig.patches)
+        levels = [one.recall() for one in standing]
+        self._resolve, self._apart = self._apart, self._resolve
+        try:
+            yield
+        finally:
+            self._resolve, self._apart = self._apart, self._resolve
+            for one, level in zip(standing, levels, strict=True):
+                one.recall(level)
+            self._make_target(before, self.quality)
 
     def draw(self, packet: Packet, into: Any = None) -> None:
         """Draw every view of a packet and show the result.
@@ -274,7 +301,7 @@ class Renderer:
     def release(self) -> None:
         """Free every OpenGL object."""
         self._release_target()
-        for made in (self._marks, self._pasted):
+        for made in (self._marks, self._pasted, self._apart):
             if made:
                 made.release()
         for part in (

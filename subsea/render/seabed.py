@@ -50,6 +50,11 @@ class Seabed:
             upload_bytes(context, sand.litter(4), sand.LITTER_LOW, sand.LITTER_HIGH),
         ]
 
+    @property
+    def standing(self) -> tuple[Standing, ...]:
+        """What depends on earlier packets."""
+        return (self._standing,)
+
     def choose(self, packet: Packet, detail: float = 1.0) -> None:
         """Decide once for all views of a packet what is drawn."""
         self._standing.choose(packet.views, detail)

@@ -82,6 +82,11 @@ class Solids:
         )
         self._held = [self._standing, self._relief, self._program]
 
+    @property
+    def standing(self) -> tuple[Standing, ...]:
+        """What depends on earlier packets."""
+        return (self._standing,) if self._standing else ()
+
     def choose(self, packet: Packet, detail: float = 1.0) -> None:
         """Decide once for all views of a packet what is drawn."""
         if self._standing:

@@ -116,6 +116,13 @@ class Standing:
             self._indices.orphan(data.nbytes)
             self._indices.write(data)
 
+    def recall(self, level: Ints | None = None) -> Ints:
+        """Choose next as if `level` (k,) had been chosen last, None: nothing; returns what was."""
+        before = self._level
+        self._level = np.full_like(before, OUT_OF_SIGHT) if level is None else level
+        self._seen = np.zeros((0, len(before)), np.bool_)  # the indices are to be written anew
+        return before
+
     @property
     def owners(self) -> Ints:
         """Which item each vertex (n,) belongs to."""

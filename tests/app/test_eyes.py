@@ -177,3 +177,16 @@ def test_a_film_tells_the_light_that_its_fish_sees(tmp_path, seen):
     assert lit != seen.about["frames"][-1]["fish"]["light"]
     ahead = np.mean([picture(seen, side, COUNT - 1) for side in ("left", "right")]) / 255.0
     assert lit == pytest.approx(ahead, abs=0.1)
+
+
+def test_the_light_depends_on_the_dive_alone_and_not_on_how_it_is_filmed(tmp_path):
+    """Levels of detail that a film of larger pictures has chosen, or a gaze elsewhere, leave it."""
+    lights = []
+    for k, how in enumerate((["--size", "64x64"], ["--size", "400x300", "--gaze=70,0"])):
+        out = tmp_path / f"lit{k}"
+        arguments = [*OPTIONS[:2], *OPTIONS[4:6], *how, "--fps", str(5 * (k + 1))]
+        assert main(["film", str(out), *arguments, "--seconds", "1", "--see-brightness"]) == 0
+        frames = json.loads((out / "camera.json").read_text())["frames"]
+        lights.append([one["fish"]["light"] for one in frames[:: k + 1]])
+    assert len(set(lights[0])) > 1
+    assert lights[0] == lights[1]

@@ -133,6 +133,26 @@ def test_each_view_draws_what_it_sees_at_the_level_that_is_common_to_all(drawn):
     standing.release()
 
 
+def test_a_choice_apart_knows_nothing_of_earlier_ones_and_leaves_nothing(drawn):
+    make, draw = drawn
+    standing, fresh = (make([[quad(100.0, 10.0, n) for n in (8, 4, 1)]]) for _ in range(2))
+    nearer = views_for("mono", WIDE, pose(np.array([40.0, 0.0, 0.0]), 0.0, 0.0))
+    for detail in np.geomspace(0.2, 5.0, 60):  # some of which lie between the two thresholds
+        draw(standing, nearer, detail=8.0)
+        kept = draw(standing, AHEAD, detail=detail)
+        before = standing.recall()
+        apart = draw(standing, AHEAD, detail=detail)
+        assert apart == draw(fresh, AHEAD, detail=detail)
+        standing.recall(before)
+        assert draw(standing, AHEAD, detail=detail) == kept
+        if apart != kept:
+            break
+        fresh.recall()
+    assert apart != kept
+    standing.release()
+    fresh.release()
+
+
 def test_nothing_may_stand(drawn):
     make, draw = drawn
     standing = make([])
