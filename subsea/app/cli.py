@@ -11,8 +11,13 @@ from subsea.errors import UserError, unknown
 
 MAX_SIZE = 8192  # pixels; what a GPU of today can hold, at least for one eye
 MIN_SIZE = 64
+SIZE = 1280, 720  # unless told otherwise
 MOTORS = ("playback", "dynamics")
 STAGES_TO_LEAVE_OUT = ("culling", "lod")
+STEREO = "swap_eyes", "eye_distance", "screen_distance", "screen_width", "comfort"
+SURROUND = "panorama_angle", "dome_tilt"
+# What a theatre's file says itself.
+OF_ONE_WINDOW = "size", "fullscreen", "screen_distance", "screen_width", *SURROUND
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -98,7 +103,7 @@ def _add_dive(commands: Any) -> None:
     )
     _add_stereo(dive)
     _add_surround(dive)
-    _add_size(dive, (1280, 720))
+    _add_size(dive)
     _add_quality(dive, "auto")
     _add_target(dive)
     dive.add_argument("--fullscreen", action="store_true", help="fill the screen (F11 toggles)")
@@ -163,7 +168,7 @@ def _add_film(commands: Any) -> None:
         metavar="F",
         help="pictures per second (default 30)",
     )
-    _add_size(film, (1280, 720))
+    _add_size(film)
     _add_quality(film, "high")
     _add_seed(film)
     _add_eyes(film)
@@ -254,7 +259,7 @@ def _add_benchmark(commands: Any) -> None:
         help="frames that count, after the warm-up (default 120)",
     )
     _add_theatre(benchmark)
-    _add_size(benchmark, (1280, 720))
+    _add_size(benchmark)
     _add_quality(benchmark, "low")
     _add_target(benchmark)
     _add_display(benchmark)
@@ -338,7 +343,6 @@ def _add_theatre(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--shrink",
         type=number(int, 1, 64),
-        default=1,
         metavar="N",
         help="show the theatre with N times fewer pixels a side, to try it out",
     )
@@ -389,13 +393,12 @@ def _add_surround(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def _add_size(parser: argparse.ArgumentParser, default: tuple[int, int]) -> None:
+def _add_size(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--size",
         type=_size,
-        default=default,
         metavar="WxH",
-        help=f"pixels (default {default[0]}x{default[1]})",
+        help=f"pixels (default {SIZE[0]}x{SIZE[1]})",
     )
 
 
@@ -548,7 +551,7 @@ def _dive(**options: Any) -> int:
     from subsea.app.dive import dive
 
     _check_target(options["quality"], options["target_ms"])
-    return dive(**_with_optics(options))
+    return dive(**_with_optics(_with_sizes("dive", options)))
 
 
 def _film(**options: Any) -> int:
@@ -561,7 +564,7 @@ def _film(**options: Any) -> int:
     from subsea.app.film import film
 
     _no_pages(options["display"])
-    return film(**_with_optics(options))
+    return film(**_with_optics(_with_sizes("film", options)))
 
 
 def _film_eyes(own: dict[str, Any], options: dict[str, Any]) -> int:
@@ -569,12 +572,13 @@ def _film_eyes(own: dict[str, Any], options: dict[str, Any]) -> int:
     from subsea.view.retina import FIELD_DEG, Gaze
 
     used = ("out", "scenario", "seconds", "start", "fps", "size", "quality", "seed", "tour")
-    if options["theatre"] is not None:
-        raise UserError("film: --eyes has a picture for each eye, not for a theatre")
+    other = ("theatre", "shrink", *STEREO, *SURROUND)
     if options["display"] != "mono":
         raise UserError(
             f"film: --eyes has a picture for each eye, not --display {options['display']}"
         )
+    _refuse(options, other, "film: --eyes has a picture for each eye, not {}")
+    options = _with_sizes("film", options)
     return film_eyes(
         eyes=own["eyes"],
         gaze=Gaze(*(own["gaze"] or ())),
@@ -582,6 +586,20 @@ def _film_eyes(own: dict[str, Any], options: dict[str, Any]) -> int:
         see_brightness=own["see_brightness"],
         **{key: options[key] for key in used},
     )
+
+
+def _refuse(options: dict[str, Any], names: Sequence[str], fault: str) -> None:
+    """A UserError if one of these options is given, which would have no effect; `{}` is which."""
+    for name in names:
+        if (value := options.get(name)) is not None and value is not False:
+            raise UserError(fault.format(f"--{name.replace('_', '-')}"))
+
+
+def _with_sizes(name: str, options: dict[str, Any]) -> dict[str, Any]:
+    """The options of the command `name` with its sizes, which are a theatre's own if it is one."""
+    if options["theatre"] is not None:
+        _refuse(options, OF_ONE_WINDOW, f"{name}: the --theatre file says itself what {{}} says")
+    return options | {"size": options["size"] or SIZE, "shrink": options["shrink"] or 1}
 
 
 def _with_optics(options: dict[str, Any]) -> dict[str, Any]:
@@ -636,7 +654,7 @@ def _benchmark(paper: bool, **options: Any) -> int:
 
     _no_pages(options["display"])
     _check_target(options["quality"], options["target_ms"])
-    return benchmark(**options)
+    return benchmark(**_with_sizes("benchmark", options))
 
 
 def _theatre(name: str) -> int:

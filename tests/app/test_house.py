@@ -78,6 +78,16 @@ def test_shrinking_keeps_the_geometry():
         (["benchmark", "--theatre", "cave", "--display", "dome"], "display for a theatre 'dome'"),
         (["benchmark", "--shrink", "2"], "--shrink is of a --theatre"),
         (["dive", "--shrink", "2"], "--shrink is of a --theatre"),
+        (
+            ["dive", "--theatre", "cave", "--fullscreen"],
+            "dive: the --theatre file says itself what --fullscreen says",
+        ),
+        (["dive", "--theatre", "cave", "--size", "1280x720"], "what --size says"),
+        (["benchmark", "--theatre", "cave", "--size", "640x360"], "benchmark: the --theatre file"),
+        (["film", "a.png", "--theatre", "cave", "--dome-tilt", "0"], "what --dome-tilt says"),
+        (["film", "a.png", "--theatre", "cave", "--panorama-angle", "90"], "--panorama-angle says"),
+        (["film", "a.png", "--theatre", "cave", "--screen-width", "90"], "--screen-width says"),
+        (["dive", "--theatre", "cave", "--screen-distance", "90"], "--screen-distance says"),
         (["dive", "--theatre", "cavern"], "unknown theatre 'cavern'; did you mean 'cave'?"),
     ],
 )
