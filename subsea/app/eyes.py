@@ -105,7 +105,7 @@ def film_eyes(
     )  # fmt: skip
     windows = [f"{part}/{side}" if part else side for part in PARTS for side in SIDES]
     missing = missing_frames(out, take, windows, len(instants))
-    if not missing and _told_of(out / CAMERA) == len(instants):
+    if not missing and _told_of(out / CAMERA, take) == len(instants):
         print(f"{out}: complete, {counted(len(instants), 'frame', 'frames')}")
         return 0
     durations: list[float] = []
@@ -122,7 +122,7 @@ def film_eyes(
         begin(out, take)
         stack.callback(_report, out, durations)
         about = described(world, take, by, rig, gaze, field_deg)
-        stack.callback(_write_json, out / CAMERA, about | {"frames": frames})
+        stack.callback(_tell_more, out / CAMERA, about | {"frames": frames})
         write = stack.enter_context(open_reels(out, dict.fromkeys(windows, size), rate))
         say(f"filming what fish {fish} sees, {_species(world, fish)}, to {out}")
         done = stack.enter_context(progress(len(instants), "frame", len(instants) - len(missing)))
@@ -234,7 +234,7 @@ def coded(value: Ints) -> NDArray[np.uint8]:
     return np.asarray(np.rint(255.0 * rgb), np.uint8)
 
 
-CODES = coded(np.arange(2**16))  # of every value
+CODES = coded(np.arange(2**16))  # of every value that a map of 16 bits has
 
 
 def described(
@@ -343,10 +343,17 @@ def _write_json(path: Path, content: dict[str, Any]) -> None:
         temporary.write_text("{\n" + ",\n".join(parts) + "\n}\n", encoding="utf-8")
 
 
-def _told_of(path: Path) -> int:
-    """Of how many frames a camera file tells; 0 where there is none."""
+def _tell_more(path: Path, about: dict[str, Any]) -> None:
+    """Write a camera file, unless the one that is there tells of more frames of the same film."""
+    if len(about["frames"]) >= _told_of(path, about["film"]):
+        _write_json(path, about)
+
+
+def _told_of(path: Path, take: dict[str, Any]) -> int:
+    """Of how many frames of a film a camera file tells; 0 where there is none."""
     try:
-        return len(json.loads(path.read_text(encoding="utf-8"))["frames"])
+        about = json.loads(path.read_text(encoding="utf-8"))
+        return len(about["frames"]) if about["film"] == take else 0
     except (OSError, ValueError, KeyError, TypeError):
         return 0
 

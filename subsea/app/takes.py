@@ -16,6 +16,7 @@ from subsea.errors import UserError
 from subsea.places import check_folder, replacing
 
 NAME = "film.json"
+PICTURES = "frame_*.png"
 
 
 def description(scenario: Path, **options: Any) -> dict[str, Any]:
@@ -37,7 +38,9 @@ def missing_frames(
     A folder with pictures of another film, or of none that is known, is a UserError.
     """
     check_folder(out)
-    if any(any(place_of(out, window).glob("frame_*.png")) for window in windows):
+    own = any(any(place_of(out, window).glob(PICTURES)) for window in windows)
+    # Another film may have other windows: its pictures lie in other folders beside the same file.
+    if own or ((out / NAME).exists() and any(out.rglob(PICTURES))):
         _refuse_another(out, wanted)
     return [
         k

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from subsea.app import eyes
 from subsea.app.cli import main
 from subsea.app.eyes import VALUES, coded, seen_brightness
 from subsea.app.start import headless, picture_maker
@@ -43,6 +44,12 @@ def picture(seen, name, frame=0):
 
 def files(out):
     return {str(path.relative_to(out)): path.read_bytes() for path in out.rglob("*.*")}
+
+
+def copied(seen, out):
+    for name, data in files(seen.out).items():
+        (out / name).parent.mkdir(parents=True, exist_ok=True)
+        (out / name).write_bytes(data)
 
 
 def test_every_frame_has_pictures_and_maps_of_both_eyes(seen):
@@ -100,9 +107,7 @@ def test_the_example_of_the_documentation_makes_the_cloud_that_it_says(seen, mon
 
 def test_what_was_interrupted_goes_on_with_the_same_pictures(seen, tmp_path, capsys):
     out = tmp_path / "seen"
-    for name, data in files(seen.out).items():
-        (out / name).parent.mkdir(parents=True, exist_ok=True)
-        (out / name).write_bytes(data)
+    copied(seen, out)
     for name in ("camera.json", "depth/right/frame_00001.png", "left/frame_00002.png"):
         (out / name).unlink()
     assert film(out) == 0
@@ -114,6 +119,40 @@ def test_what_was_interrupted_goes_on_with_the_same_pictures(seen, tmp_path, cap
     assert "`gaze`" in capsys.readouterr().err
 
 
+def test_a_second_go_that_is_interrupted_keeps_what_was_told(seen, tmp_path, monkeypatch):
+    out = tmp_path / "seen"
+    copied(seen, out)
+    (out / "left/frame_00001.png").unlink()
+
+    def interrupted(*given):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(eyes, "labelled", interrupted)
+        assert film(out) == 130
+    about = (out / "camera.json").read_text()
+    assert about == (seen.out / "camera.json").read_text()
+    # Nor is what tells of another film taken for it.
+    (out / "camera.json").write_text(about.replace('"fps": 5.0', '"fps": 7.0'))
+    assert film(out) == 0
+    assert files(out) == files(seen.out)
+
+
+def test_a_film_of_another_kind_is_not_mixed_into_it(seen, tmp_path, capsys):
+    out = tmp_path / "seen"
+    copied(seen, out)
+    assert main(["film", str(out), "--size", "96x72", "--seconds", "0.6"]) == 2
+    assert "holds another film" in capsys.readouterr().err
+    assert files(out) == files(seen.out)
+    plain = tmp_path / "plain"
+    plain.mkdir()
+    (plain / "frame_00000.png").write_bytes(b"")
+    (plain / "film.json").write_text('{"display": "mono"}')
+    assert film(plain) == 2
+    assert "holds another film" in capsys.readouterr().err
+    assert len(files(plain)) == 2
+
+
 @pytest.mark.parametrize(
     ("name", "arguments", "says"),
     [
@@ -123,6 +162,12 @@ def test_what_was_interrupted_goes_on_with_the_same_pictures(seen, tmp_path, cap
         ("out", ["--eyes", "clownfish:x"], "SPECIES:NUMBER"),
         ("out.mp4", ["--eyes", "0"], "folder"),
         ("out", ["--eyes", "0", "--display", "dome"], "dome"),
+        ("out", ["--eyes", "0", "--theatre", "cave"], "not --theatre"),
+        ("out", ["--eyes", "0", "--shrink", "2"], "not --shrink"),
+        ("out", ["--eyes", "0", "--swap-eyes"], "not --swap-eyes"),
+        ("out", ["--eyes", "0", "--eye-distance", "0"], "not --eye-distance"),
+        ("out", ["--eyes", "0", "--comfort", "1"], "not --comfort"),
+        ("out", ["--eyes", "0", "--dome-tilt", "0"], "not --dome-tilt"),
         ("out", ["--eyes", "0", "--gaze", "a,b"], "gaze"),
         ("out", ["--eyes", "0", "--gaze", "0,95"], "range"),
         ("out", ["--gaze", "0,5"], "--eyes"),

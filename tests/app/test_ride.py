@@ -11,7 +11,7 @@ import pytest
 from PIL import ImageGrab
 
 from subsea.app.dive import Dive
-from subsea.app.eyes import VALUES, coded, seen_brightness
+from subsea.app.eyes import MOST_FISHES, VALUES, coded, seen_brightness
 from subsea.app.ride import MOST_PAN_DEG, Ride, nearest_to_middle, pictured, with_insets
 from subsea.ocean import create_world, step
 from subsea.render.marks import FISH, SEABED, WATER, Seen
@@ -119,6 +119,8 @@ def test_maps_are_shown_as_colours_and_greys():
     np.testing.assert_array_equal(
         pictured(seen, "identity"), coded(np.array([[VALUES["fish"] + 7, VALUES["seabed"], 0]]))
     )
+    many = seen._replace(number=np.where(seen.kind == FISH, MOST_FISHES + 7, 0).astype(np.int32))
+    np.testing.assert_array_equal(pictured(many, "identity"), pictured(seen, "identity"))
     grey = pictured(seen, "range")[0, :, 0]
     assert grey[0] > grey[1] > grey[2] == 0
 
