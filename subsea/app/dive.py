@@ -11,7 +11,7 @@ from subsea.app.console import say
 from subsea.app.crew import Alone, Crew, alone, muster
 from subsea.app.eyes import seen_brightness, velocity_of
 from subsea.app.house import NOT_SHRUNK, House, open_house
-from subsea.app.overlay import Overlay, panes
+from subsea.app.overlay import Overlay, help_rows, panes
 from subsea.app.pilot import Pilot
 from subsea.app.ride import (
     LOOKS,
@@ -168,7 +168,7 @@ class Dive:
             self._context = self.wall.context
             renderer = self._context.info["GL_RENDERER"]
             self._target_ms = target_ms or pacing.target_for(renderer)
-            self._rig = self._make_rig()
+            self._take_rig()
             self._pace = pacing.start(first_rung(renderer), self._rig.exact)
             self._renderer = Renderer(
                 self._context,
@@ -181,6 +181,8 @@ class Dive:
             undo.callback(self._renderer.release)
             self._crew = crew(self.world, self.pilot)
             undo.callback(self._disband)
+            can_fill = any(not window.fixed for window in self.wall.windows)
+            self.overlay.rows = help_rows(not self._crew.shared, can_fill)
             self._undo = undo.pop_all()
 
     @property
@@ -200,7 +202,7 @@ class Dive:
         start += self._crew.idle_s
         self._alpha = self._alpha if alpha is None else alpha
         if self._fixed is None and self.window.size != self._rig.outputs[0]:
-            self._rig = self._make_rig()
+            self._take_rig()
             self._arrange()
             self._draw_pattern()
         if self._ride is not None:
@@ -288,7 +290,7 @@ class Dive:
 
     def _write(self, elapsed_s: float) -> None:
         """What is to be read over the picture: instruments and help, or what is waited for."""
-        scale, where = self.window.text_scale, panes(self._rig, self.wall.page)
+        scale, where = self.window.text_scale, self._panes
         if not self._crew.hands:
             self.overlay.caption(self._crew.waiting, scale, where)
             return
@@ -334,10 +336,12 @@ class Dive:
         name = name_of(self._renderer.quality)
         return f"picture {name}" if self._quality != AUTO else f"picture auto: {name}"
 
-    def _make_rig(self) -> Rig:
-        if self._fixed is not None:
-            return self._fixed
-        return display_rig(self.display, self.window.size, self._stereo, self._surround)
+    def _take_rig(self) -> None:
+        """The rig that is for the windows as they are now, and where text goes on it."""
+        self._rig = self._fixed or display_rig(
+            self.display, self.window.size, self._stereo, self._surround
+        )
+        self._panes = panes(self._rig, self.wall.page)
 
     def _chosen(self) -> Quality:
         return LADDER[self._pace.rung] if self._quality == AUTO else PRESETS[self._quality]

@@ -12,20 +12,26 @@ from imgui_bundle import imgui
 from subsea.state import Submarine
 from subsea.view.rig import Rig, front
 
+Row = tuple[str, str, str]  # what, by the mouse, by keys
+
 # What hands can do, in the words of a sign beside the exhibit.
-HELP = (
+RIDING: tuple[Row, ...] = (
+    ("Ride the fish ahead, or the next", "", "R"),
+    ("Turn its eyes, show maps", "", "arrows, I"),
+)
+FULL_SCREEN: Row = ("Full screen", "", "F")
+HELP: tuple[Row, ...] = (
     ("Look and turn", "move the mouse", "arrows, A D"),
     ("Ahead", "left button", "W"),
     ("Astern", "right button", "S"),
     ("Set a speed", "wheel", ""),
     ("Rise and dive", "both buttons, move", "E Q"),
     ("Full stop", "press the wheel", "space"),
-    ("Ride the fish ahead, or the next", "", "R"),
-    ("Turn its eyes, show maps", "", "arrows, I"),
+    *RIDING,
     ("This help", "", "H"),
     ("Quality of the picture", "", "P"),
     ("Test pattern", "", "T"),
-    ("Full screen", "", "F"),
+    FULL_SCREEN,
     ("Leave", "", "Esc"),
 )
 TEXT_PT = 18.0
@@ -113,6 +119,7 @@ class Overlay:
         address = ctypes.cast(window_handle, ctypes.c_void_p).value or 0
         imgui.backends.glfw_init_for_opengl(address, False)
         imgui.backends.opengl3_init("#version 330")
+        self.rows = HELP  # of the help
         self._help = 1.0  # opacity
         self._pinned = False
         self._shown = True
@@ -261,7 +268,7 @@ class Overlay:
         )
         columns = imgui.TableFlags_.sizing_fixed_fit.value | imgui.TableFlags_.pad_outer_x.value
         if imgui.begin_table("controls", 3, columns):
-            for what, mouse, keys in HELP:
+            for what, mouse, keys in self.rows:
                 for text, tint in ((what, INK), (mouse, QUIET), (keys, QUIET)):
                     imgui.table_next_column()
                     imgui.text_colored((*tint, 1.0), text)
@@ -269,6 +276,12 @@ class Overlay:
         imgui.end()
         imgui.pop_style_color()
         imgui.pop_style_var(5)
+
+
+def help_rows(rides: bool, full_screen: bool) -> tuple[Row, ...]:
+    """What the help has to tell where fishes can be ridden, and windows can fill the screen."""
+    missing = (() if rides else RIDING) + (() if full_screen else (FULL_SCREEN,))
+    return tuple(row for row in HELP if row not in missing)
 
 
 def readout(submarine: Submarine, throttle: float, stopping: bool) -> str:

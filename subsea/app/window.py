@@ -136,7 +136,7 @@ class Window:
         self.focused = bool(glfw.get_window_attrib(self.handle, glfw.FOCUSED))
         self.reach: Reach | None = None  # of the pointer, if that is more than the window
         self._wishes = wishes
-        self._fixed = screen.fixed
+        self.fixed = screen.fixed  # whether it stays as it is: no full screen
         self._windowed = (0, 0, *size)
         self.make_current()
         glfw.set_key_callback(self.handle, self._on_key)
@@ -231,7 +231,7 @@ class Window:
                 self.ask_to_close()
         elif down and key in WISHES:
             self._wishes.append(WISHES[key])
-        elif down and key in FULLSCREEN_KEYS and not self._fixed:
+        elif down and key in FULLSCREEN_KEYS and not self.fixed:
             self.toggle_fullscreen()
 
     def _on_button(self, handle: object, button: int, action: int, mods: int) -> None:

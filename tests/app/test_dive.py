@@ -12,7 +12,7 @@ import pytest
 from PIL import ImageGrab
 
 from subsea.app.dive import Dive
-from subsea.app.overlay import readout
+from subsea.app.overlay import HELP, readout
 from subsea.resources import resource_path
 from subsea.state import Submarine
 
@@ -136,6 +136,7 @@ def test_keys_steer_too(boat):
 
 def test_the_help_fades_under_way_and_comes_back(boat):
     stop(boat)
+    assert boat.overlay.rows == HELP
     assert boat.overlay.help_opacity == 0.0  # the tests before have sailed far
     hands("key", "h")
     until(boat, lambda: boat.overlay.help_opacity == 1.0)

@@ -11,7 +11,9 @@ import glfw
 import numpy as np
 from PIL import ImageGrab
 
+from subsea.app.crew import Alone
 from subsea.app.dive import Dive
+from subsea.app.overlay import help_rows
 from subsea.app.screens import Installation, Screen
 from subsea.resources import resource_path
 from subsea.theatre.lineup import lineup
@@ -82,13 +84,23 @@ def test_windows_without_a_buffer_for_each_eye_are_refused_in_a_line(display, tm
     assert "Traceback" not in done.stderr
 
 
+class Together(Alone):
+    """As if other computers showed the same dive."""
+
+    shared = True
+
+
 def test_a_window_fills_its_monitor_and_stays_when_that_is_lost(display, tmp_path):
     text = (resource_path("assets/scenarios") / "peaceful.toml").read_text()
     sea = tmp_path / "quiet.toml"
     sea.write_text(re.sub(r"^number = \d+", "number = 2", text, flags=re.MULTILINE))
     size = (400, 300)
     installation = Installation(display_rig("mono", size), [Screen("all", size, monitor=1)])
-    with closing(Dive(str(sea), "mono", size, seed=1, installation=installation)) as running:
+    with closing(
+        Dive(str(sea), "mono", size, seed=1, installation=installation, crew=Together)
+    ) as running:
+        # Neither can be asked for where others look from the same place, or on a fixed window.
+        assert running.overlay.rows == help_rows(rides=False, full_screen=False)
         running._grant("pattern")
         running.overlay.draw = lambda *rest: None
         for _ in range(5):
