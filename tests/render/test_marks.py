@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
+from subsea.app.ride import pictured
 from subsea.kinematics.rotation import matrix
 from subsea.kinematics.solids import ray_meets_seabed
 from subsea.render import Renderer
@@ -15,7 +16,8 @@ from subsea.render.marks import FISH, HOOK, PILLAR, ROCK, SEABED, SURFACE, WATER
 from subsea.render.quality import PRESETS
 from subsea.render.solids import solid_marks
 from subsea.view.camera import View, look
-from subsea.view.rig import Patch
+from subsea.view.retina import retina_rig
+from subsea.view.rig import Patch, pose, views
 from subsea.view.rigs import display_rig
 
 SIZE = (320, 180)
@@ -262,3 +264,25 @@ def assert_agree(one, other, right):
     assert (~same & ~hidden).mean() < 0.01
     near = other.depth[row, column][same & ~hidden] - expected[same & ~hidden]
     assert np.quantile(np.abs(near), 0.9) < 0.02 * expected.max()
+
+
+def test_what_both_eyes_of_a_fish_see(context, scene, make_packet, fish, same_picture):
+    """Picture, identities and ranges, as a film of labelled frames shows them."""
+    rig = retina_rig((160, 120), 1.2)
+    renderer = Renderer(context, scene, rig)
+    seen = views(rig, pose(np.array([0.0, 0.0, -230.0]), np.pi / 2, -0.25))
+    seen = tuple(replace(view, without=0) for view in seen)
+    fishes = [
+        fish(0, (0, 3, -230), number=0),  # whose eyes these are
+        fish(1, (-16, 45, -238), heading=2.6, number=1),
+        fish(0, (14, 60, -236), heading=0.4, number=2),
+        fish(0, (30, 110, -250), number=3),
+    ]
+    packet = make_packet(fishes, views=seen)
+    renderer.draw(packet)
+    same_picture("retina", np.hstack([renderer.read_pixels(side) for side in range(2)]))
+    maps = renderer.look_up(packet)
+    assert set(np.unique(maps.number[maps.kind == FISH])) == {1, 2, 3}
+    for name in ("identity", "range"):
+        same_picture(f"retina-{name}", pictured(maps, name))
+    renderer.release()

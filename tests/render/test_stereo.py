@@ -9,6 +9,7 @@ from subsea.errors import UserError
 from subsea.render import Renderer
 from subsea.render.quality import PRESETS
 from subsea.view.rigs import DISPLAYS, display_rig
+from subsea.view.stereo import LAYOUTS
 
 SIZE = (96, 64)
 EXACT = replace(PRESETS["medium"], smooth=False)  # what is woven is not smoothed
@@ -117,6 +118,16 @@ def test_shutter_glasses_get_one_full_picture_each(context, scene, make, eyes):
     renderer.release()
     context.detect_framebuffer(0).use()  # the next one must not follow a freed one
     window.release()
+
+
+@pytest.mark.parametrize("display", [name for name in LAYOUTS if name != "side-by-side"])
+def test_every_mode_as_it_is_shown(context, scene, make, same_picture, display):
+    rig = display_rig(display, SIZE)
+    renderer = Renderer(context, scene, rig)
+    renderer.draw(make(display))
+    pages = [renderer.read_pixels(page=page) for page in range(rig.pages)]
+    same_picture(display, np.hstack(pages))
+    renderer.release()
 
 
 @pytest.mark.parametrize("display", DISPLAYS)

@@ -9,6 +9,7 @@ from subsea.render.quality import PRESETS
 from subsea.render.target import Resolve
 from subsea.theatre.channels import channels
 from subsea.theatre.files import load_theatre
+from subsea.theatre.lineup import lineup
 from subsea.theatre.rig import theatre_rig
 from subsea.theatre.screens import points_on
 from subsea.theatre.warp import mesh
@@ -180,4 +181,12 @@ def test_theatres_as_they_are_shown(
     pictures = [renderer.read_pixels(k) for k in range(len(rig.outputs))]
     same_picture(f"theatre-{name}-{display}", np.hstack(pictures))
     assert context.error == "GL_NO_ERROR"
+    renderer.release()
+
+
+def test_the_pattern_that_lines_up_three_projectors(context, scene, same_picture, tmp_path):
+    _, _, rig = opened(tmp_path, shrink=6)
+    renderer = Renderer(context, scene, rig)
+    renderer.show(lineup(rig))
+    same_picture("pattern", np.hstack([renderer.read_pixels(k) for k in range(len(rig.outputs))]))
     renderer.release()
