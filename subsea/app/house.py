@@ -1,7 +1,7 @@
 """A theatre as a command finds it: which channels work, on which windows, with which rig."""
 
 from collections.abc import Sequence
-from hashlib import sha256
+from hashlib import file_digest, sha256
 from pathlib import Path
 from typing import NamedTuple
 
@@ -20,6 +20,7 @@ from subsea.view.surround import ALL_ROUND, Surround
 
 NOT_SHRUNK = "--shrink is of a --theatre; take a smaller --size"
 LEAST = 16  # pixels a side of what is left of a window
+FEWEST = 2  # pixels a side of what is left of a part of one: one for each eye
 
 
 class House(NamedTuple):
@@ -83,11 +84,20 @@ def chosen_rig(
 
 
 def told(name: str | None) -> str | None:
-    """What decides how a theatre looks: its whole file, without the meshes that it names."""
+    """What decides how a theatre looks: its whole file, and the calibration data that it names."""
     if name is None:
         return None
-    _, path = load_theatre(name)
-    return sha256(path.read_bytes()).hexdigest()
+    theatre, path = load_theatre(name)
+    named = [channel.warp for channel in theatre.channel if channel.warp is not None]
+    named += [archive.file for archive in theatre.mpcdi]
+    whole = sha256()
+    for file in (path, *(path.parent / one for one in named)):
+        try:
+            with file.open("rb") as data:
+                whole.update(file_digest(data, "sha256").digest())
+        except (OSError, ValueError):  # which is told where it is used
+            whole.update(b"none")
+    return whole.hexdigest()
 
 
 def shown_windows(theatre: Theatre, found: Sequence[Lighted], node: str | None) -> list[int]:
@@ -100,7 +110,10 @@ def shown_windows(theatre: Theatre, found: Sequence[Lighted], node: str | None) 
 
 
 def shrunk(theatre: Theatre, times: int) -> Theatre:
-    """The same theatre with so many times fewer pixels a side."""
+    """The same theatre with so many times fewer pixels a side.
+
+    A UserError if of a channel less than `FEWEST` would be left.
+    """
     if times == 1:
         return theatre
 
@@ -112,7 +125,13 @@ def shrunk(theatre: Theatre, times: int) -> Theatre:
     def smaller(channel: Channel) -> Channel:
         if channel.viewport is None:
             return channel
-        place = tuple(pixels // times for pixels in channel.viewport)
+        x, y, width, height = channel.viewport
+        left, top = x // times, y // times  # edges that meet go on to meet
+        place = left, top, (x + width) // times - left, (y + height) // times - top
+        if min(place[2:]) < FEWEST:
+            raise UserError(
+                f"--shrink {times} leaves {place[2]}x{place[3]} pixels of channel {channel.name!r}"
+            )
         return msgspec.structs.replace(channel, viewport=place)
 
     return msgspec.structs.replace(

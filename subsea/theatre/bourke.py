@@ -21,7 +21,7 @@ Array = NDArray[np.floating[Any]]
 
 MAX_BYTES = 32 * 2**20
 POLAR, RECTANGULAR = 1, 2
-MASK_WIDTH = 512  # pixels: brightness is smooth
+MASK_SIDE = 512  # pixels of the longer one: brightness is smooth
 
 
 def read_bourke(path: Path, size: tuple[int, int]) -> tuple[Warp, NDArray[np.float32]]:
@@ -51,6 +51,8 @@ def parse_bourke(
     nodes = np.empty((columns * rows, 5))
     for k, (number, words) in enumerate(lines[2:]):
         try:
+            if len(words) != 5:  # of a single one numpy would make five
+                raise ValueError
             nodes[k] = [float(word) for word in words]
         except ValueError as fault:
             raise UserError(f"{where}: line {number}: expected x y u v and brightness") from fault
@@ -68,7 +70,7 @@ def parse_bourke(
     triangles = triangles[used[triangles].all(axis=1)]
     whole_mesh = mesh(places, np.stack([u, v], axis=1), triangles)
     warp = checked(whole_mesh, where)
-    pixels = (MASK_WIDTH, max(round(MASK_WIDTH / aspect), 1))
-    mask = np.zeros((pixels[1], pixels[0], 4), np.float32)
-    mask[..., :3] = painted(whole_mesh, np.clip(brightness, 0.0, 1.0), pixels)[..., None]
+    wide, high = (max(round(MASK_SIDE * side / max(size)), 1) for side in size)
+    mask = np.zeros((high, wide, 4), np.float32)
+    mask[..., :3] = painted(whole_mesh, np.clip(brightness, 0.0, 1.0), (wide, high))[..., None]
     return warp, mask

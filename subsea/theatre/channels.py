@@ -176,7 +176,7 @@ def _of_region(theatre: Theatre, archive: Archive, region: Region) -> Lighted:
         raise UserError("`panorama` is for uncalibrated screens, expected a `cylinder`")
     if lighted.screen is None:
         warp = within(warp or straight(), region.place)
-    return replace(lighted, warp=warp, mask=calibrated_mask(region, archive.gamma))
+    return replace(lighted, warp=warp, mask=calibrated_mask(region, archive.gamma, place[2:]))
 
 
 def _far(theatre: Theatre, archive: Archive) -> float | None:

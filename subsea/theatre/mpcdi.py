@@ -36,7 +36,7 @@ from subsea.theatre.archives import MAX_XML, Fetch, opened, parsed_xml
 from subsea.theatre.meshes import sources_of
 from subsea.theatre.pfm import MAX_BYTES, parse_pfm
 from subsea.theatre.pictures import MAX_BYTES as MAX_PICTURE
-from subsea.theatre.pictures import parse_png, stretched
+from subsea.theatre.pictures import MAX_SIDE, parse_png, stretched
 from subsea.theatre.warp import checked, describe_warp, from_grid, only_points
 from subsea.view.rig import Warp
 
@@ -44,7 +44,7 @@ Array = NDArray[np.floating[Any]]
 Rect = tuple[float, float, float, float]
 
 MAX_REGIONS = 256
-MAX_SIDE = 2**14  # pixels of a projector
+MAX_POINTS = 2**27  # of the warps and maps of all regions together: eight projectors of 4K
 PROFILES = {"a3": "advanced 3-D", "sl": "shader lamps"}  # known, but not shown
 USED = ("geometrywarpfile", "alphamap", "betamap")
 AGREES = 0.02  # of a buffer: by which u and v that fill a region's place may miss its edges
@@ -94,9 +94,10 @@ def read_mpcdi(path: Path) -> Archive:
     raise UserError(f"{path}: no 'mpcdi.xml' in it, expected an MPCDI archive")
 
 
-def mask(region: Region, gamma: float) -> NDArray[np.float32]:
+def mask(region: Region, gamma: float, most: tuple[int, int]) -> NDArray[np.float32]:
     """Factors on red, green and blue code values, and a black level that is added: (h, w, 4).
 
+    It is as large as the larger map, but no wider and no higher than `most` pixels.
     Light is code^gamma. By the standard light L becomes A·L + B, with A = a (1 - b) and B = b. Here
     a code value c becomes f·c + k, with k = B^(1/γ) and f = (A + B)^(1/γ) - k: the same for black
     and for white, and for all between where there is no beta map. k is the mean of three colours.
@@ -105,6 +106,7 @@ def mask(region: Region, gamma: float) -> NDArray[np.float32]:
     if not maps:
         return np.array([[[1.0, 1.0, 1.0, 0.0]]], np.float32)
     height, width, _ = max((one.shape for one in maps), key=lambda shape: shape[0] * shape[1])
+    width, height = min(width, most[0]), min(height, most[1])
     found = np.zeros((height, width, 4), np.float32)
     alpha, beta = np.ones((1, 1, 3), np.float32), np.zeros((1, 1, 3), np.float32)
     if region.alpha is not None:
@@ -163,6 +165,7 @@ def _archive(root: Element, fetch: Fetch, where: str) -> Archive:
         )
     regions: dict[str, Region] = {}
     faults: list[str] = []
+    points = 0
     for buffer, element in found:
         name = element.get("id", "")
         at = f"{where}: region {name[:80]!r}"
@@ -170,6 +173,11 @@ def _archive(root: Element, fetch: Fetch, where: str) -> Archive:
         try:
             if name in regions:
                 raise UserError(f"{at}: is there twice, expected names that differ")
+            if points > MAX_POINTS:
+                raise UserError(
+                    f"{at}: warps and maps of those before it have {points} points, "
+                    f"expected {MAX_POINTS} in all"
+                )
             region = _region(element, buffer, profile, at)
             region = _with_warp(region, files, fetch, at)
         except UserError as fault:
@@ -183,12 +191,20 @@ def _archive(root: Element, fetch: Fetch, where: str) -> Archive:
         unused = [tag[:40] for tag, one in files.items() if tag not in USED and _path(one)]
         faults.extend(f"{at}: its {tag!r} is not used" for tag in unused)
         regions[name] = region
+        points += _points(region)
     if not regions:
         more = f" (and {len(faults) - 1} more faults)" if len(faults) > 1 else ""
         raise UserError(f"{faults[0]}{more}")
     lost = sorted(set(filesets) - {element.get("id", "") for _, element in found})
     faults.extend(f"{where}: files for region {name[:80]!r}, which is not there" for name in lost)
     return Archive(profile, tuple(regions.values()), tuple(faults))
+
+
+def _points(region: Region) -> int:
+    """How many points its warp and pixels its maps have: what it takes of the memory."""
+    maps = [one for one in (region.alpha, region.beta) if one is not None]
+    warped = 0 if region.warp is None else len(region.warp.vertices)
+    return warped + sum(one.shape[0] * one.shape[1] for one in maps)
 
 
 def _region(element: Element, buffer: str, profile: str, at: str) -> Region:

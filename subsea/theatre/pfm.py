@@ -20,7 +20,7 @@ from subsea.theatre.reading import whole
 
 Array = NDArray[np.floating[Any]]
 
-MAX_POINTS = 2**24  # a projector of 4096 by 4096 pixels, a point for each
+MAX_POINTS = 2**23  # a projector of 4096 by 2048 pixels, a point for each
 MAX_BYTES = 12 * MAX_POINTS + 256
 
 _HEADER = re.compile(rb"(P[Ff])\s+(\d{1,9})\s+(\d{1,9})\s+([-+.\deE]{1,40})(\s)")

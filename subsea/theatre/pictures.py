@@ -10,6 +10,7 @@ from PIL import Image
 from subsea.errors import UserError
 from subsea.theatre.archives import line
 
+MAX_SIDE = 2**14  # pixels
 MAX_PIXELS = 2**24  # 4096 by 4096
 MAX_BYTES = 8 * MAX_PIXELS
 
@@ -23,8 +24,11 @@ def parse_png(data: bytes, where: str) -> NDArray[np.float32]:
     if data[:8] != b"\x89PNG\r\n\x1a\n" or data[12:16] != b"IHDR" or len(data) < 24:
         raise UserError(f"{where}: not a PNG picture")
     width, height = struct.unpack_from(">II", data, 16)
-    if not 0 < width * height <= MAX_PIXELS:
-        raise UserError(f"{where}: {width}×{height} pixels, expected 1 to {MAX_PIXELS} of them")
+    if not 0 < width * height <= MAX_PIXELS or max(width, height) > MAX_SIDE:
+        raise UserError(
+            f"{where}: {width}×{height} pixels, expected 1 to {MAX_PIXELS} of them, "
+            f"{MAX_SIDE} a side at most"
+        )
     grey: NDArray[np.float32]
     try:
         with Image.open(io.BytesIO(data), formats=("PNG",)) as image:

@@ -2,12 +2,15 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from subsea.app import cli
-from subsea.app.house import chosen_rig, describe, open_house
+from subsea.app.house import chosen_rig, describe, open_house, shrunk, told
 from subsea.errors import UserError
 from subsea.resources import resource_names
-from subsea.theatre.files import FOLDER, load_theatre
+from subsea.theatre.files import FOLDER, Channel, Dome, Theatre, Window, load_theatre
+from subsea.view.stereo import Stereo
 
 BAD = """
 [[window]]
@@ -30,6 +33,11 @@ name = "behind"
 window = "b"
 plane = { lower_left = [1, 0, 1], lower_right = [0, 0, 1], upper_left = [1, 1, 1] }
 """
+
+NEAR = """
+plane = { lower_left = [-50, 0, 40], lower_right = [-50, 0, 140], upper_left = [-50, 9, 40] }
+"""
+OTHER = '[[channel]]\nname = "behind"\nwindow = "b"\n'
 
 
 @pytest.mark.parametrize("name", resource_names(FOLDER, ".toml"))
@@ -57,6 +65,76 @@ def test_what_does_not_work_is_told_and_the_rest_goes_on(tmp_path, capsys):
     assert said.rstrip().endswith("left out")
     assert [window.name for window in house.windows] == ["a"]
     assert house.rig.outputs == ((64, 48),)
+
+
+def test_a_screen_that_one_eye_cannot_see_is_left_out(tmp_path, capsys):
+    path = tmp_path / "near.toml"
+    path.write_text(BAD[: BAD.rindex("plane")] + NEAR)
+    assert len(open_house(str(path), "anaglyph").windows) == 2
+    assert capsys.readouterr().err == ""
+    house = open_house(str(path), "anaglyph", Stereo(separation_cm=110.0))
+    assert [window.name for window in house.windows] == ["a"]
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert f"{path}: channel 'behind': the eye is behind the screen" in said
+    path.write_text("".join(path.read_text().partition("[[channel]]")[0]) + OTHER + NEAR)
+    with pytest.raises(UserError, match=r"near\.toml: channel 'behind': the eye is behind"):
+        open_house(str(path), "anaglyph", Stereo(separation_cm=110.0))
+
+
+@pytest.mark.parametrize("change", ["theatre.toml", "left.obj", "all.mpcdi"])
+def test_new_calibration_data_make_another_theatre(tmp_path, change):
+    path = tmp_path / "theatre.toml"
+    path.write_text(BAD + 'warp = "left.obj"\n[[mpcdi]]\nfile = "all.mpcdi"\n')
+    (tmp_path / "left.obj").write_bytes(b"one")
+    before = told(str(path))
+    assert before != told("cave")
+    (tmp_path / "all.mpcdi").write_bytes(b"two")
+    both = told(str(path))
+    assert both not in (before, None)
+    assert both == told(str(path))
+    with (tmp_path / change).open("ab") as file:
+        file.write(b" ")
+    assert told(str(path)) != both
+    assert told(None) is None
+
+
+@given(
+    edge=st.integers(16, 284),
+    size=st.tuples(st.integers(300, 700), st.integers(16, 900)),
+    times=st.integers(1, 64),
+)
+def test_parts_of_a_window_meet_and_stay_within_it_when_shrunk(edge, size, times):
+    sides = ((0, 0, edge, size[1]), (edge, 0, size[0] - edge, size[1]))
+    theatre = Theatre(
+        window=[Window(name="a", size=size)],
+        channel=[
+            Channel(name=str(k), window="a", viewport=side, dome=Dome())
+            for k, side in enumerate(sides)
+        ],
+    )
+    try:
+        small = shrunk(theatre, times)
+    except UserError as fault:
+        assert f"--shrink {times} leaves" in str(fault)
+        assert min(edge, size[0] - edge, size[1]) < 3 * times
+        return
+    (x, y, wide, high), (right, _, rest, _) = (one.viewport for one in small.channel)
+    assert (x, y) == (0, 0)
+    assert right == wide
+    assert right + rest <= small.window[0].size[0]
+    assert high <= small.window[0].size[1]
+    assert min(wide, high, rest) >= 2
+    assert abs(wide - edge / times) < 1
+
+
+def test_a_part_of_which_nothing_is_left_is_one_line(tmp_path, capsys):
+    path = tmp_path / "a.toml"
+    path.write_text(BAD.replace('"good"', '"good"\nviewport = [0, 0, 30, 48]'))
+    assert cli.main(["film", "x.mp4", "--theatre", str(path), "--shrink", "20"]) == 2
+    told = capsys.readouterr().err
+    assert "--shrink 20 leaves 1x2 pixels of channel 'good'" in told
+    assert told.count("\n") == 1
 
 
 def test_shrinking_keeps_the_geometry():

@@ -109,6 +109,11 @@ def test_a_mesh_in_bourkes_format_with_its_brightness():
     np.testing.assert_allclose(mask[192, [140, 370, 20]], [[1, 1, 1, 0], [0.25] * 3 + [0], [0] * 4])
 
 
+def test_the_mask_of_a_narrow_picture_is_no_larger():
+    tall = parse_bourke(bourke(aspect=16 / 16384), (16, 16384), "x")[1]
+    assert tall.shape == (512, 1, 4)
+
+
 def test_nodes_of_negative_brightness_are_not_used():
     warp, _ = parse_bourke(bourke(dim=-1.0), SIZE, "x")
     assert np.nanmax(sources_at(warp, POINTS)[:, 0]) <= 0.5
@@ -135,6 +140,8 @@ def test_a_polar_mesh_closes_to_a_ring():
         (b"2\n1 1\n0 0 0 0 1\n", "expected a line '1' or '2'"),
         (b"2\n2 2\n0 0 0 0 1\n", "1 nodes, expected 2 times 2"),
         (b"2\n2 2\n" + b"0 0 0 0\n" * 4, "line 3: expected x y u v and brightness"),
+        (b"2\n2 2\n" + b"0.5\n" * 4, "line 3: expected x y u v and brightness"),
+        (b"2\n2 2\n" + b"0 0 0 0 1 1\n" * 4, "line 3: expected x y u v and brightness"),
         (b"2\n2 2\n" + b"0 0 0 0 -1\n" * 4, "an empty mesh"),
         (b"2\n2 2\n" + b"nan 0 0 0 1\n" * 4, "4 of 4 points"),
     ],

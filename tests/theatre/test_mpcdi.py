@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from subsea.errors import UserError
+from subsea.theatre import mpcdi
 from subsea.theatre.mpcdi import (
     Frustum,
     Region,
@@ -76,7 +77,7 @@ def test_shares_of_the_whole_buffer_are_known_and_mean_the_same(read, projectors
 
 def light_at(region, places, gamma):
     """What part of full light, and which black, a projector gives at places (k, 2)."""
-    factors = mask(region, gamma)
+    factors = mask(region, gamma, region.size)
     height, width = factors.shape[:2]
     column = np.clip((places[:, 0] * width).astype(int), 0, width - 1)
     row = np.clip(((1 - places[:, 1]) * height).astype(int), 0, height - 1)
@@ -123,7 +124,7 @@ def test_a_mask_is_the_standards_formula_for_black_and_white(beta):
     region = Region(
         "a", "b", (4, 3), (0, 0, 1, 1), None, None, alpha, 2.2, np.full((6, 8, 3), beta, "f4"), 2.2
     )
-    found = mask(region, 1.8)
+    found = mask(region, 1.8, (999, 999))
     assert (found.shape, found.dtype) == ((6, 8, 4), np.float32)
     a, b = Image.fromarray(alpha[..., 0]).resize((8, 6), Image.Resampling.BILINEAR), beta**2.2
     for initial in (0.0, 1.0):
@@ -139,7 +140,7 @@ def test_a_region_without_maps_is_shown_as_it_is(read, projectors, making):
     assert archive.faults == ()
     for region in archive.regions:
         assert (region.warp, region.alpha, region.beta) == (None, None, None)
-        np.testing.assert_array_equal(mask(region, 2.2), [[[1, 1, 1, 0]]])
+        np.testing.assert_array_equal(mask(region, 2.2, region.size), [[[1, 1, 1, 0]]])
 
 
 def test_maps_of_16_bits_and_of_colours_are_read(read, files, making):
@@ -278,15 +279,43 @@ def test_bombs_are_defused(read, files, making):
         read(files | {"mpcdi.xml": zeros})
     huge = io.BytesIO()
     Image.new("1", (9000, 9000)).save(huge, "PNG")
+    long = io.BytesIO()
+    Image.new("1", (20_000, 20)).save(long, "PNG")
     deep = b"PF\n90000 90000\n-1.0\n" + zeros
-    made = files | {"maps/left-alpha.png": huge.getvalue(), "right.pfm": deep}
+    made = files | {
+        "maps/left-alpha.png": huge.getvalue(),
+        "maps/left-beta.png": long.getvalue(),
+        "right.pfm": deep,
+    }
     tracemalloc.start()
     archive = read(made)
     assert tracemalloc.get_traced_memory()[1] < 60e6
     tracemalloc.stop()
     assert len(archive.regions) == 2
     assert any("9000×9000 pixels, expected 1 to 16777216" in line for line in archive.faults)
+    assert any("20000×20 pixels, expected" in line for line in archive.faults)
     assert any("90000×90000 points" in line for line in archive.faults)
+
+
+def test_many_maps_of_what_one_may_have_are_too_many(read, files, monkeypatch):
+    whole = sum(len(region.warp.vertices) + 2 * 160 * 120 for region in read(files).regions[:2])
+    for most, left in ((whole, 3), (whole - 1, 2)):
+        monkeypatch.setattr(mpcdi, "MAX_POINTS", most)
+        archive = read(files)
+        assert len(archive.regions) == left
+    assert (
+        f"region 'right': warps and maps of those before it have {whole} points"
+        in (archive.faults[0])
+    )
+
+
+def test_a_mask_is_no_finer_than_the_window(read, files):
+    region = read(files).regions[0]
+    assert mask(region, 2.2, (999, 999)).shape == (120, 160, 4)
+    small = mask(region, 2.2, (40, 999))
+    assert small.shape == (120, 40, 4)
+    wide = mask(region, 2.2, (999, 999)).reshape(120, 40, 4, 4).mean(axis=2)
+    assert np.abs(small - wide).mean() < 0.02
 
 
 @pytest.mark.parametrize(
@@ -337,7 +366,7 @@ def test_mangled_archives_are_regions_faults_or_one_line(read, small, name, kind
         assert archive.regions
         assert not any("\n" in line for line in archive.faults)
         for region in archive.regions:
-            assert np.isfinite(mask(region, 2.2)).all()
+            assert np.isfinite(mask(region, 2.2, region.size)).all()
     except UserError as fault:
         assert "\n" not in str(fault)
     finally:
