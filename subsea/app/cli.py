@@ -23,8 +23,8 @@ OF_ONE_WINDOW = "size", "fullscreen", "screen_distance", "screen_width", *SURROU
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run `subsea` with these arguments (default: the process's) and return its exit code.
 
-    0 done, 1 a negative finding of `doctor` or `theatre`, 2 something the user can mend (one line on
-    standard error), 130 interrupted.
+    0 done, 1 a negative finding of `doctor` or `theatre`, 2 something the user can mend (one line
+    on standard error), 130 interrupted.
     """
     return answer("subsea", lambda: _run(sys.argv[1:] if arguments is None else arguments))
 
