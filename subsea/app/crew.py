@@ -165,12 +165,14 @@ def muster(
     path: Path,
     node: str | None,
     tour: Callable[[World], Steer] | None = None,
+    view: str = "",
 ) -> Callable[[World, Pilot], Crew]:
     """Who makes the ticks on the computer `node` of a theatre, from the file `path`.
 
     None shows all of its windows on this computer, alone. The master takes all along on the `tour`
-    that it makes of its world; nodes that follow need none. Keys that are missing and an address
-    that needs some are UserErrors, here rather than when the world is there.
+    that it makes of its world; nodes that follow need none. All need the same `view`.
+    Keys that are missing and an address that needs some are UserErrors, here rather than when the
+    world is there.
     """
     cluster, others = theatre.cluster, [name for name in theatre.nodes if name != node]
     if node is not None and node not in theatre.nodes:
@@ -187,7 +189,8 @@ def muster(
     def made(world: World, pilot: Pilot) -> Crew:
         if leads:
             carried = tour(world) if tour else None  # puts the submarine at the tour's beginning
-            return Leading(Master(world, others, address, keys, timeout_s, say), pilot, carried)
-        return Following(Follower(world, node, master, address, keys, timeout_s, say))
+            led = Master(world, others, address, keys, timeout_s, say, view)
+            return Leading(led, pilot, carried)
+        return Following(Follower(world, node, master, address, keys, timeout_s, say, view))
 
     return made

@@ -10,7 +10,7 @@ from subsea.app import pacing
 from subsea.app.console import say
 from subsea.app.crew import Alone, Crew, alone, muster
 from subsea.app.eyes import seen_brightness, velocity_of
-from subsea.app.house import NOT_SHRUNK, House, open_house
+from subsea.app.house import NOT_SHRUNK, House, open_house, told
 from subsea.app.overlay import Overlay, help_rows, panes
 from subsea.app.pilot import Pilot
 from subsea.app.ride import (
@@ -80,7 +80,10 @@ def dive(
     crew = alone(carried)
     if theatre is not None:
         house = open_house(theatre, display, stereo, node, shrink)
-        installation, crew = installed(house), muster(house.theatre, house.path, node, carried)
+        # Pixels may differ from node to node, and so may glasses and plugs: which eye is which.
+        view = repr((told(theatre), display, stereo._replace(swapped=False)))
+        crew = muster(house.theatre, house.path, node, carried, view)
+        installation = installed(house)
     elif shrink != 1:
         raise UserError(NOT_SHRUNK)
     elif node is not None:

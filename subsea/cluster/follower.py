@@ -50,16 +50,18 @@ class Follower:
         keys: Keys | None = None,
         timeout_s: float = 2.0,
         tell: Say = lambda message: None,
+        view: str = "",
     ) -> None:
         """Call the node `master` at `address` as the node `name`.
 
         Whoever is not heard for `timeout_s` is waited for no more. With `keys` the master must
-        have the key that is known of it. What cannot be is a UserError.
+        have the key that is known of it. Its `view` must be the master's. What cannot be is a
+        UserError.
         """
         self.world = world
         self.waiting = ""  # what this node waits for, in words for its windows
         self._name, self._address, self._timeout_s, self._tell = name, address, timeout_s, tell
-        self._identity = identity_of(world)
+        self._identity = identity_of(world, view)
         self._dive = ""  # the dive that it takes part in
         self._number = 0  # of the last picture
         self._alpha = 1.0

@@ -1,4 +1,4 @@
-"""What two computers must have in common for their worlds to stay equal."""
+"""What two computers must have in common to show one dive: equal worlds, pictures that meet."""
 
 import hashlib
 from importlib.metadata import version
@@ -10,8 +10,8 @@ from subsea.cluster.messages import Identity
 from subsea.world import World
 
 
-def identity_of(world: World) -> Identity:
-    """What this world was made of, and what it became."""
+def identity_of(world: World, view: str = "") -> Identity:
+    """What this world was made of and what it became, and how all are to look at it: `view`."""
     library, recorded = world.library, len(world.library.entry)
     tables = {
         name: value[:recorded]
@@ -27,11 +27,12 @@ def identity_of(world: World) -> Identity:
         species=_hash(msgspec.json.encode(world.species)),
         repertoires=snapshot.checksum_of(tables),
         sea=snapshot.checksum_of(snapshot.constant(world)),
+        view=_hash(view.encode()),
     )
 
 
 def difference(theirs: Identity, ours: Identity) -> str:
-    """What another has that we have not, in words; nothing if worlds stay equal."""
+    """What another has that we have not, in words; nothing if they show one dive."""
     if theirs.version != ours.version:
         return f"has subsea {theirs.version}, expected {ours.version}"
     what = ""
@@ -50,6 +51,8 @@ def difference(theirs: Identity, ours: Identity) -> str:
             "another sea, made of the same scenario: other fishes in number, other code, or a "
             "processor that rounds otherwise"
         )
+    elif theirs.view != ours.view:
+        what = "another theatre file, --display, --eye-distance or --comfort"
     return f"has subsea {theirs.version} with {what}" if what else ""
 
 

@@ -74,15 +74,17 @@ class Master:
         keys: Keys | None = None,
         timeout_s: float = 2.0,
         tell: Say = lambda message: None,
+        view: str = "",
     ) -> None:
         """Listen at `address` for `nodes`, all but the master itself.
 
         A node is waited for up to `timeout_s`. With `keys` only those with known keys may
-        connect; without, only this computer. What cannot be is a UserError.
+        connect; without, only this computer. `view` tells all that decides how pictures of the
+        nodes meet: those with another are refused. What cannot be is a UserError.
         """
         self.world = world
         self._timeout_s, self._tell, self._keys = timeout_s, tell, keys
-        self._identity = identity_of(world)
+        self._identity = identity_of(world, view)
         self._nodes = {name: _Node(name) for name in nodes}
         self._dive = secrets.token_hex(8)
         self._number = 0

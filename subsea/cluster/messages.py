@@ -37,7 +37,7 @@ class Message(msgspec.Struct, forbid_unknown_fields=True, tag=str.lower):
 
 
 class Identity(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """What must be equal for two worlds to stay equal: see `cluster/identity.py`."""
+    """What must be equal for two computers to show one dive: see `cluster/identity.py`."""
 
     version: Name  # of subsea
     title: Annotated[str, msgspec.Meta(max_length=200)]  # of the scenario, to be told
@@ -46,6 +46,7 @@ class Identity(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     species: Hash
     repertoires: Hash
     sea: Hash  # of everything that was made of those
+    view: Hash  # of all that decides how pictures of it meet
 
 
 class Hello(Message):

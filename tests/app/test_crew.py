@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from subsea import snapshot
+from subsea.app import cli, dive
 from subsea.app.crew import Alone, Following, Leading, muster
 from subsea.app.pilot import Pilot
 from subsea.cluster.follower import Follower
@@ -139,6 +140,46 @@ def test_a_theatre_says_who_leads_and_who_follows(tmp_path, worlds):
         assert isinstance(crew, kind)
         assert (crew.hands, crew.shared) == (hands, True)
         crew.close()
+
+
+def test_a_node_that_would_look_otherwise_is_refused(tmp_path, worlds):
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        found = theatre(tmp_path, f"127.0.0.1:{taken.getsockname()[1]}")
+    lead = muster(*found, "right", view="mono")(worlds[0], Pilot())
+    follow = muster(*found, "left", view="anaglyph")(worlds[1], Pilot())
+    end = time.monotonic() + 20.0
+    try:
+        with pytest.raises(UserError, match=r"refuses node left: .* another theatre file, --displ"):
+            while time.monotonic() < end:
+                follow.picture(0.1)
+                lead.picture(0.0)
+                lead.swap(lambda: None)
+    finally:
+        follow.close()
+        lead.close()
+
+
+def test_what_decides_how_pictures_meet(tmp_path, monkeypatch):
+    def caught(found, path, node, tour, view):
+        raise UserError(view)
+
+    def view(*options):
+        with pytest.raises(UserError) as met:
+            cli._run(["dive", "--theatre", str(path), "--node", "left", *options])
+        return str(met.value)
+
+    monkeypatch.setattr(dive, "muster", caught)
+    _, path = theatre(tmp_path, "127.0.0.1:5560")
+    ours = view()
+    assert view("--swap-eyes", "--shrink", "2", "--quality", "low") == ours
+    others = [
+        view("--display", "anaglyph"),
+        view("--eye-distance", "7"),
+        view("--comfort", "1"),
+    ]
+    theatre(tmp_path, "127.0.0.1:5561")
+    assert len({ours, view(), *others}) == 5
 
 
 def test_faults_of_a_cluster_are_told_before_there_is_a_world(tmp_path):

@@ -28,7 +28,7 @@ from subsea.cluster.messages import (
 from subsea.errors import UserError
 from subsea.submarine.helm import Helm
 
-IDENTITY = Identity("0.1.0", "Peaceful bay", "ab", 7, "cd", "ef", "01")
+IDENTITY = Identity("0.1.0", "Peaceful bay", "ab", 7, "cd", "ef", "01", "23")
 FROM_NODE = [Hello("left", IDENTITY, "dive"), Drawn(12), Diverged(900)]
 FROM_MASTER = [
     State("dive", 3, b"\x00bytes"),
