@@ -34,7 +34,8 @@ class Waits:
         if self.frames:
             mean, late = self.total_s / self.frames, float(np.percentile(self.recent_s, 95))
         line = (
-            f"{self.frames} pictures, waited for {1e3 * mean:.1f} ms on average, "
+            f"{self.frames} picture{'s' * (self.frames != 1)}, "
+            f"waited for {1e3 * mean:.1f} ms on average, "
             f"p95 {1e3 * late:.1f} ms, at most {1e3 * self.longest_s:.1f} ms"
         )
         for count, what in (
@@ -43,5 +44,5 @@ class Waits:
             (self.rejoined, "rejoined"),
             (self.diverged, "diverged"),
         ):
-            line += f"; {count} times {what}" if count else ""
+            line += f"; {what} {'once' if count == 1 else f'{count} times'}" if count else ""
         return line

@@ -47,7 +47,7 @@ def parse_bourke(
             f"{where}: expected a line '1' or '2' and a line of columns and rows"
         ) from fault
     if len(lines) - 2 != columns * rows:
-        raise UserError(f"{where}: {len(lines) - 2} nodes, expected {columns} times {rows}")
+        raise UserError(f"{where}: expected {columns} times {rows} nodes, got {len(lines) - 2}")
     nodes = np.empty((columns * rows, 5))
     for k, (number, words) in enumerate(lines[2:]):
         try:

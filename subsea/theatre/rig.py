@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.errors import UserError, unknown
+from subsea.errors import UserError
 from subsea.theatre.channels import Lighted, grid_of, mesh_of
 from subsea.theatre.files import Theatre
 from subsea.theatre.screens import Flat, Frustum, frustum_of, points_on, seen_at
@@ -36,7 +36,7 @@ def theatre_rig(
     pixels; what `stereo` says of them replaces the theatre's own.
     """
     if display not in MODES:
-        raise unknown("display for a theatre", display, list(MODES))
+        raise UserError(f"--display {display}: the displays of a theatre are {', '.join(MODES)}")
     numbers, shown = [], []
     for number, one in enumerate(channels):
         if one.window in windows:

@@ -21,6 +21,7 @@ SLACK = 1e-3  # beyond 0 and 1, which is the rounding of other programs
 FOLDED = 1e-3  # share of a mesh that may be folded over: a wrinkle at the rim of a measurement
 FARTHEST = 1e6  # of any coordinate
 _AREA = 1e-12  # of a triangle that lights nothing
+_ONE_COLOUR = 1e-6  # share of a picture: a thousandth of its sides
 
 
 def mesh(places: Array, sources: Array, triangles: Ints) -> Warp:
@@ -86,6 +87,7 @@ def checked(warp: Warp, where: str) -> Warp:
 
     An error tells how many points or triangles are wrong: points outside of the picture where
     three quarters of the mesh are, triangles without area if most are, or triangles folded over.
+    A mesh that shows next to nothing of the picture is an error too.
     `where` names the file.
     """
     vertices, triangles = warp
@@ -107,8 +109,10 @@ def checked(warp: Warp, where: str) -> Warp:
     seen = ((on.max(axis=1) > 0) & (on.min(axis=1) < 1)).all(axis=1)
     if not seen.any():
         raise UserError(f"{where}: none of its {len(lit)} triangles lies on the projector")
-    places = _areas(vertices[:, :2], triangles)
-    turn = np.sign(places) * np.sign(_areas(vertices[:, 2:4], triangles))
+    places, sources = _areas(vertices[:, :2], triangles), _areas(vertices[:, 2:4], triangles)
+    if np.abs(sources).sum() < _ONE_COLOUR:
+        raise UserError(f"{where}: its u and v have no area, expected some of the picture")
+    turn = np.sign(places) * np.sign(sources)
     folded = turn * np.sign(np.sum(turn * np.abs(places))) < 0
     if np.abs(places[folded]).sum() > FOLDED * np.abs(places).sum():
         raise UserError(f"{where}: {folded.sum()} of {len(folded)} triangles are folded over")
@@ -157,7 +161,8 @@ def describe_warp(warp: Warp) -> str:
     """A few words: its size, how much of the projector it lights, and whether it mirrors."""
     lit = min(np.abs(_areas(warp.vertices[:, :2], warp.triangles)).sum(), 1.0)
     mirrored = ", mirrored" if is_mirrored(warp) else ""
-    return f"a mesh of {len(warp.triangles)} triangles, {100 * lit:.0f}% lit{mirrored}"
+    count = len(warp.triangles)
+    return f"a mesh of {count} triangle{'s' * (count != 1)}, {100 * lit:.0f}% lit{mirrored}"
 
 
 def painted(warp: Warp, values: Array, size: tuple[int, int]) -> Array:

@@ -153,7 +153,10 @@ def test_shrinking_keeps_the_geometry():
     [
         (["theatre", "domes"], "unknown theatre 'domes'; did you mean 'dome'?"),
         (["theatre", "no/such.toml"], "no/such.toml: cannot read"),
-        (["benchmark", "--theatre", "cave", "--display", "dome"], "display for a theatre 'dome'"),
+        (
+            ["benchmark", "--theatre", "cave", "--display", "dome"],
+            "--display dome: the displays of a theatre",
+        ),
         (["benchmark", "--shrink", "2"], "--shrink is of a --theatre"),
         (["dive", "--shrink", "2"], "--shrink is of a --theatre"),
         (

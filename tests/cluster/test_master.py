@@ -71,7 +71,7 @@ def test_a_node_that_is_late_is_left_behind_and_comes_back(bridges, seas, addres
     bridge.sail_until(lambda: len(bridge.master.in_step()) == 2)
     assert told(bridge, "node right", "in step again")
     sails_on(bridge, left, right)
-    assert any("1 times late; 1 times rejoined" in line for line in bridge.master.report())
+    assert any("late once; rejoined once" in line for line in bridge.master.report())
 
 
 def test_a_node_that_hangs_up_is_not_waited_for(bridge, seas):

@@ -77,6 +77,8 @@ def test_a_written_obj_shows_what_the_warp_did(seed):
         (b"vt 1\n", "line 1: expected the numbers u v"),
         (b"hello\n", "line 1: 'hello' is no word of an OBJ file"),
         (b"\xff\xfe\x00", "not text"),
+        (QUAD + b"f 1/1 2/1 3/1", "its u and v have no area"),
+        (QUAD + b"f 1/1 2/2 3/2", "its u and v have no area"),
         (QUAD + b"f 1 1 1", "1 of 1 triangles have no area"),
         (QUAD.replace(b"vt 1 1", b"vt 9 9") + b"f 1/3 2/3 3/3", "3 of 3 points have u or v out"),
     ],
@@ -138,11 +140,12 @@ def test_a_polar_mesh_closes_to_a_ring():
         (b"3\n2 2\n", "expected a line '1' or '2'"),
         (b"2\n2\n", "expected a line '1' or '2'"),
         (b"2\n1 1\n0 0 0 0 1\n", "expected a line '1' or '2'"),
-        (b"2\n2 2\n0 0 0 0 1\n", "1 nodes, expected 2 times 2"),
+        (b"2\n2 2\n0 0 0 0 1\n", "expected 2 times 2 nodes, got 1"),
         (b"2\n2 2\n" + b"0 0 0 0\n" * 4, "line 3: expected x y u v and brightness"),
         (b"2\n2 2\n" + b"0.5\n" * 4, "line 3: expected x y u v and brightness"),
         (b"2\n2 2\n" + b"0 0 0 0 1 1\n" * 4, "line 3: expected x y u v and brightness"),
         (b"2\n2 2\n" + b"0 0 0 0 -1\n" * 4, "an empty mesh"),
+        (b"2\n2 2\n0 0 .5 .5 1\n1 0 .5 .5 1\n0 1 .5 .5 1\n1 1 .5 .5 1\n", "u and v have no area"),
         (b"2\n2 2\n" + b"nan 0 0 0 1\n" * 4, "4 of 4 points"),
     ],
 )
@@ -190,6 +193,7 @@ def test_a_warp_file_is_known_by_its_suffix(tmp_path):
         ("a.pfm", b"Pf\n2 2\n-1.0\n" + bytes(16), "one number a point"),
         ("a.pfm", b"PF\n1 2\n-1.0\n" + bytes(24), "1×2 points, expected 2×2 or more"),
         ("a.pfm", b"PF\n2 2\n-1.0\n" + bytes(48), "an empty mesh"),
+        ("a.pfm", b"PF\n9 7\n-1.0\n" + np.full(189, "0.5", "<f4").tobytes(), "have no area"),
     ],
 )
 def test_a_warp_file_that_is_wrong_is_refused_by_name(tmp_path, name, data, said):

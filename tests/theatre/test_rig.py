@@ -216,7 +216,7 @@ def test_all_that_an_eye_sees_in_what_is_all_round_is_drawn(name, far):
 
 def test_displays_all_round_are_not_for_theatres():
     theatre, found = opened("cave")
-    with pytest.raises(UserError, match="unknown display for a theatre 'dome'"):
+    with pytest.raises(UserError, match="--display dome: the displays of a theatre are mono, "):
         theatre_rig(theatre, found, [0], "dome")
     with pytest.raises(UserError, match="no channel of this theatre is left"):
         theatre_rig(theatre, [], [0])
