@@ -264,6 +264,11 @@ class Scenario(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     # So many of the nearest fishes are simulated instead of played back.
     simulated: Annotated[int, msgspec.Meta(ge=0, le=MAX_SIMULATED)] = 0
 
+    @property
+    def species(self) -> list[str]:
+        """The species that live here, as they are numbered in its world."""
+        return sorted({shoal.species for shoal in self.fish})
+
 
 def load_scenario(name: str) -> tuple[Scenario, Path]:
     """The scenario called `name`, or the one in the file `name`, and the file it came from."""
@@ -315,7 +320,7 @@ def load_scenario(name: str) -> tuple[Scenario, Path]:
 
 def _check_tours(path: Path, scenario: Scenario) -> None:
     """A UserError for a tour that cannot be followed, whatever the sea is like."""
-    living = sorted({shoal.species for shoal in scenario.fish})
+    living = scenario.species
     for k, tour in enumerate(scenario.tour):
         here = f"{path}: `tour[{k}]`"
         if tour.name in (AUTOPILOT, *(other.name for other in scenario.tour[:k])):

@@ -91,7 +91,7 @@ def create_world(
         raise UserError(f"{live} fishes to simulate: expected at most {MAX_SIMULATED}")
     seed = scenario.seed if seed is None else seed
     progress("reading repertoires")
-    names = sorted({shoal.species for shoal in scenario.fish})
+    names = scenario.species
     species = {name: load_species(name) for name in names}
     repertoires = [_repertoire(name) for name in names]
     library = pack(repertoires, [_coupling(species[r.species], r) for r in repertoires], live)

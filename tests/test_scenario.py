@@ -119,6 +119,15 @@ def test_an_unknown_name_suggests_the_nearest():
         load_scenario("peacefull")
 
 
+def test_species_are_numbered_as_the_scenario_says():
+    scenario, _ = load_scenario("peaceful")
+    world = create_world(scenario, fish=60)
+    assert len(scenario.species) > 5
+    assert [load_species(name).name for name in scenario.species] == [
+        one.name for one in world.species
+    ]
+
+
 def test_a_shoal_without_sizes_has_those_of_its_species(tmp_path):
     file = tmp_path / "mine.toml"
     file.write_text(PEACEFUL.replace("size_cm = [22.0, 32.0]\n", ""))

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from subsea import interrupts
 from subsea.app.console import counted, say
-from subsea.app.film import UNTOLD_S
+from subsea.app.film import instants, length_s, reach
 from subsea.app.progress import progress
 from subsea.app.reels import frame_rate, kind_of, open_reels
 from subsea.app.start import headless, picture_maker, start_world
@@ -28,7 +28,6 @@ from subsea.behavior.table import BEHAVIORS
 from subsea.errors import UserError, unknown
 from subsea.frame import pack
 from subsea.habitat.reef import KINDS as REEF_KINDS
-from subsea.ocean import step
 from subsea.places import replacing
 from subsea.render import Renderer
 from subsea.render.marks import CORAL, FISH, KINDS, PILLAR, ROCK, Seen
@@ -40,7 +39,7 @@ from subsea.view.camera import View
 from subsea.view.levels import nothing_drawn
 from subsea.view.retina import Gaze, Rider, body_at, retina_rig, retinal_views, rider
 from subsea.view.rig import Rig
-from subsea.world import TICK_S, World
+from subsea.world import World
 
 Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
@@ -95,18 +94,17 @@ def film_eyes(
     chosen, source = load_scenario(scenario)
     check_fish(eyes, chosen)
     course = None if tour == AUTOPILOT else course_of(chosen, tour)
-    if seconds is None:
-        seconds = UNTOLD_S if course is None else max(course.seconds - start, 0.0)
+    seconds = length_s(seconds, start, course)
     rate = frame_rate(fps)
-    instants = [start + float(k / rate) for k in range(max(round(seconds * rate), 1))]
+    times = instants(start, seconds, rate)
     take = description(
         source, tour=tour, seed=seed, start=start, seconds=seconds, fps=fps, size=size,
         quality=quality, eyes=eyes, gaze=gaze, field_deg=field_deg, see_brightness=see_brightness,
     )  # fmt: skip
     windows = [f"{part}/{side}" if part else side for part in PARTS for side in SIDES]
-    missing = missing_frames(out, take, windows, len(instants))
-    if not missing and _told_of(out / CAMERA, take) == len(instants):
-        print(f"{out}: complete, {counted(len(instants), 'frame', 'frames')}")
+    missing = missing_frames(out, take, windows, len(times))
+    if not missing and _told_of(out / CAMERA, take) == len(times):
+        print(f"{out}: complete, {counted(len(times), 'frame', 'frames')}")
         return 0
     durations: list[float] = []
     frames: list[dict[str, Any]] = []
@@ -125,18 +123,18 @@ def film_eyes(
         stack.callback(_tell_more, out / CAMERA, about | {"frames": frames})
         write = stack.enter_context(open_reels(out, dict.fromkeys(windows, size), rate))
         say(f"filming what fish {fish} sees, {_species(world, fish)}, to {out}")
-        done = stack.enter_context(progress(len(instants), "frame", len(instants) - len(missing)))
+        done = stack.enter_context(progress(len(times), "frame", len(times) - len(missing)))
         memory = nothing_drawn(len(world.state.fishes.species))
         preset, wanted = PRESETS[quality], set(missing)
-        for k, instant in enumerate(instants):
+
+        def see() -> None:
+            if see_brightness:
+                world.seen_light[fish] = seen_brightness(renderer, world, by)
+
+        reach(world, times[0], steer, check, see)
+        for k, instant in enumerate(times):
             begun = time.perf_counter()
-            ticks, alpha = divmod(instant / TICK_S, 1.0)
-            check()
-            while world.state.tick < ticks + 1:
-                check()
-                if see_brightness:
-                    world.seen_light[fish] = seen_brightness(renderer, world, by)
-                step(world, steer(world))
+            alpha = reach(world, instant, steer, check, see)
             views = retinal_views(world, by, rig, alpha)
             packet = pack(
                 world, views, alpha, detail=preset.detail, growth=preset.growth, memory=memory
@@ -157,7 +155,7 @@ def film_eyes(
 def check_fish(name: str, scenario: Scenario) -> None:
     """Whether a fish may be called so: by its number, its species, or species:number."""
     species, colon, number = name.partition(":")
-    known = _kinds(scenario)
+    known = scenario.species
     if name.isdecimal() or (species in known and (not colon or number.isdecimal())):
         return
     if not colon or species not in known:
@@ -176,7 +174,7 @@ def find_fish(name: str, world: World) -> int:
         number, of = int(name), ""
     else:
         species, _, count = name.partition(":")
-        names = _kinds(world.scenario)
+        names = world.scenario.species
         found = np.flatnonzero(kinds == names.index(species)) if species in names else kinds[:0]
         number, of = int(count or 0), f" of {species}"
     if number >= len(found):
@@ -317,12 +315,7 @@ def _numbered(kind: str, number: int) -> dict[str, Any]:
 
 
 def _species(world: World, fish: int) -> str:
-    return _kinds(world.scenario)[world.state.fishes.species[fish]]
-
-
-def _kinds(scenario: Scenario) -> list[str]:
-    """The species of a scenario, as they are numbered in its world."""
-    return sorted({shoal.species for shoal in scenario.fish})
+    return world.scenario.species[world.state.fishes.species[fish]]
 
 
 def velocity_of(world: World, fish: int) -> tuple[float, float, float]:

@@ -1,7 +1,9 @@
 """`subsea film`: a tour without a window."""
 
 import time
+from collections.abc import Callable
 from contextlib import ExitStack
+from fractions import Fraction
 from pathlib import Path
 
 from subsea import interrupts
@@ -13,18 +15,20 @@ from subsea.app.start import headless, picture_maker, start_world
 from subsea.app.tags import NO_TAGS, tags_for
 from subsea.app.takes import begin, description, missing_frames
 from subsea.app.timing import sentence
-from subsea.app.tour import guide
+from subsea.app.tour import Steer, guide
 from subsea.frame import pack
 from subsea.ocean import step
 from subsea.render.quality import PRESETS
 from subsea.scenario import AUTOPILOT, load_scenario
-from subsea.submarine.course import course_of
+from subsea.submarine.course import Course, course_of
 from subsea.view.levels import nothing_drawn
 from subsea.view.rig import views
 from subsea.view.rigs import cockpit
 from subsea.view.stereo import Stereo
 from subsea.view.surround import Surround
-from subsea.world import TICK_S
+from subsea.world import TICK_S, World
+
+Check = Callable[[], None]
 
 UNTOLD_S = 10.0  # how long a film is if nobody says
 
@@ -60,26 +64,23 @@ def film(
     """
     chosen, source = load_scenario(scenario)
     course = None if tour == AUTOPILOT else course_of(chosen, tour)
-    if seconds is None:
-        seconds = UNTOLD_S if course is None else max(course.seconds - start, 0.0)
+    seconds = length_s(seconds, start, course)
     kind = check_reel(out)
     size = fitting(kind, size)
     rig, windows = chosen_rig(display, size, stereo, surround, theatre, shrink)
     sizes = {name: fitting(kind, shown) for name, shown in zip(windows, rig.outputs, strict=True)}
     rate = frame_rate(fps)
-    instants = [start + float(k / rate) for k in range(max(round(seconds * rate), 1))]
-    if kind == "picture":
-        instants = [start + seconds]
-    missing = list(range(len(instants)))
+    times = [start + seconds] if kind == "picture" else instants(start, seconds, rate)
+    missing = list(range(len(times)))
     if kind == "folder":
         take = description(
             source, tour=tour, seed=seed, start=start, seconds=seconds, fps=fps, size=size,
             quality=quality, display=display, theatre=told(theatre), shrink=shrink,
             **stereo._asdict(), **surround._asdict(),
         )  # fmt: skip
-        missing = missing_frames(out, take, windows, len(instants))
+        missing = missing_frames(out, take, windows, len(times))
         if not missing:
-            print(f"{out}: complete, {counted(len(instants), 'frame', 'frames')}")
+            print(f"{out}: complete, {counted(len(times), 'frame', 'frames')}")
             return 0
     preset = PRESETS[quality]
     durations: list[float] = []
@@ -95,26 +96,15 @@ def film(
             # In a theatre every channel has two eyes, which no player knows.
             tags = tags_for(display) if theatre is None else NO_TAGS
             write = stack.enter_context(open_reels(out, sizes, rate, tags))
-            say(_intent(out, len(instants), missing))
-            done = stack.enter_context(
-                progress(len(instants), "frame", len(instants) - len(missing))
-            )
+            say(_intent(out, len(times), missing))
+            done = stack.enter_context(progress(len(times), "frame", len(times) - len(missing)))
             memory = nothing_drawn(len(world.state.fishes.species))
             wanted = set(missing)
 
-            def reach(instant: float) -> float:
-                """Step the world until `instant` lies between its last two ticks; where."""
-                ticks, alpha = divmod(instant / TICK_S, 1.0)
-                check()
-                while world.state.tick < ticks + 1:  # the first is the start of the film
-                    check()
-                    step(world, steer(world))
-                return alpha
-
-            reach(instants[0])
-            for k, instant in enumerate(instants[: missing[-1] + 1]):
+            reach(world, times[0], steer, check)
+            for k, instant in enumerate(times[: missing[-1] + 1]):
                 begun = time.perf_counter()
-                alpha = reach(instant)
+                alpha = reach(world, instant, steer, check)
                 observer = cockpit(world.state.submarine, alpha)
                 packet = pack(
                     world, views(rig, observer), alpha,
@@ -137,6 +127,34 @@ def film(
         raise
     _report(out, kind, durations)
     return 0
+
+
+def length_s(seconds: float | None, start: float, course: Course | None) -> float:
+    """How long a film is: so long as one says, else to the end of its course if it has one."""
+    if seconds is not None:
+        return seconds
+    return UNTOLD_S if course is None else max(course.seconds - start, 0.0)
+
+
+def instants(start: float, seconds: float, rate: Fraction) -> list[float]:
+    """When the frames of a film are, in seconds since the dive began; one at least."""
+    return [start + float(k / rate) for k in range(max(round(seconds * rate), 1))]
+
+
+def reach(
+    world: World, instant: float, steer: Steer, check: Check, before: Check = lambda: None
+) -> float:
+    """Step the world until `instant` lies between its last two ticks; how far from the first.
+
+    `before` is called before every tick; `check` also once at the beginning: it may raise.
+    """
+    ticks, alpha = divmod(instant / TICK_S, 1.0)
+    check()
+    while world.state.tick < ticks + 1:  # the first is the start of the film
+        check()
+        before()
+        step(world, steer(world))
+    return alpha
 
 
 def _intent(out: Path, frames: int, missing: list[int]) -> str:

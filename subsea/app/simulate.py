@@ -133,7 +133,7 @@ def _attributes(world: World, scenario_text: str) -> dict[str, Any]:
     """The names behind every code, and all that is needed to run the same again."""
     bounds = world.scenario.bounds
     names = {
-        "species_keys": sorted({shoal.species for shoal in world.scenario.fish}),
+        "species_keys": world.scenario.species,
         "species_names": [species.name for species in world.species],
         "kind_names": KINDS,
         "intention_names": INTENTIONS,

@@ -90,12 +90,11 @@ def _course(tour: TourTable, scenario: Scenario) -> Course:
         first, last = looking[0], looking[-1]
         period = float(times[-1])
         looking = [_later(last, -period), *looking, _later(first, period)]
-    species = tuple(sorted({shoal.species for shoal in scenario.fish}))
     return Course(
         curve_through(times, places, tour.loop),
         np.array([point.time_s for point in looking]),
         tuple(looking),
-        species,
+        tuple(scenario.species),
     )
 
 

@@ -4,16 +4,19 @@ import os
 import subprocess
 import sys
 from fractions import Fraction
+from types import SimpleNamespace
 
 import av
 import numpy as np
 import pytest
 from PIL import Image
 
-from subsea.app import reels
+from subsea.app import eyes, film, reels
 from subsea.app.cli import main
 from subsea.errors import UserError
+from subsea.ocean import step
 from subsea.resources import resource_path
+from subsea.world import TICK_S
 
 SMALL = ["--size", "161x120", "--seconds", "0.2", "--fps", "20", "--seed", "1"]
 
@@ -250,6 +253,42 @@ def test_a_film_may_begin_later(tmp_path):
         one = np.asarray(Image.open(tmp_path / "all" / f"frame_{k + 3:05d}.png")).astype(int)
         two = np.asarray(Image.open(tmp_path / "late" / f"frame_{k:05d}.png")).astype(int)
         assert np.abs(one - two).mean() < 0.2  # but for fishes that change their level of detail
+
+
+@pytest.mark.parametrize(("module", "more"), [(film, []), (eyes, ["--eyes", "0"])])
+def test_what_passes_before_a_film_is_in_no_frame_time(tmp_path, monkeypatch, module, more):
+    made, told = [], []
+
+    def counted(*arguments):
+        made.append(1)
+        step(*arguments)
+
+    monkeypatch.setattr(film, "step", counted)
+    monkeypatch.setattr(module, "time", SimpleNamespace(perf_counter=lambda: len(made)))
+    monkeypatch.setattr(module, "sentence", lambda durations: told.extend(durations) or "")
+    arguments = [str(tmp_path / "later"), "--size", "64x64", "--quality", "low", "--fps", "10"]
+    assert main(["film", *arguments, "--start", "1.5", "--seconds", "0.5", *more]) == 0
+    assert len(made) > 45
+    assert told[0] == 0
+    assert set(told[1:]) <= {3, 4}
+
+
+def test_a_world_is_reached_when_the_instant_lies_between_its_last_two_ticks(monkeypatch):
+    state, told = SimpleNamespace(tick=1), []
+
+    def tick(world, helm):
+        assert told[-1] == helm == world.state.tick
+        world.state.tick += 1
+
+    monkeypatch.setattr(film, "step", tick)
+    for instant in (0.0, 0.02, 0.5, 0.5, 1.7):
+        alpha = film.reach(
+            SimpleNamespace(state=state), instant, lambda world: world.state.tick,
+            lambda: None, lambda: told.append(state.tick),
+        )  # fmt: skip
+        assert 0.0 <= alpha < 1.0
+        assert (state.tick - 1 + alpha) * TICK_S == pytest.approx(instant)
+    assert told == list(range(1, state.tick))
 
 
 def test_a_theatre_is_filmed_into_a_reel_for_each_window(tmp_path, monkeypatch, capsys):
