@@ -16,11 +16,11 @@ import zmq
 import zmq.auth
 from zmq.utils import z85
 
+from subsea.cluster.names import NAME
 from subsea.errors import UserError
 from subsea.places import check_folder, replacing
 
 PUBLIC, SECRET = ".key", ".key_secret"
-NAMES = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}")
 HEADER = "# subsea: {what} of {name}\nmetadata\ncurve\n"
 
 
@@ -40,8 +40,8 @@ def write_keys(folder: Path, names: Sequence[str]) -> list[Path]:
     """
     _check_curve()
     for name in names:
-        if not NAMES.fullmatch(name):
-            raise UserError(f"{name!r}: expected a name of letters, digits, - and _")
+        if not re.search(NAME, name):
+            raise UserError(f"{name!r}: expected a name of letters, digits, - and _, 64 at most")
         for suffix in (PUBLIC, SECRET):
             if (folder / f"{name}{suffix}").exists():
                 raise UserError(

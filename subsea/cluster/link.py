@@ -1,6 +1,5 @@
 """Sockets of master and nodes: who may listen where, with which keys and which limits."""
 
-import ipaddress
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -9,6 +8,7 @@ import zmq
 from zmq.utils.monitor import parse_monitor_message
 
 from subsea.cluster.keys import Keys
+from subsea.cluster.names import parse_address
 from subsea.errors import UserError
 
 HEARTBEAT_MS, HEARTBEAT_TIMEOUT_MS = 1000, 4000  # a cable that was pulled is noticed
@@ -27,14 +27,10 @@ def endpoint(address: str, keys: Keys | None) -> str:
     What is no IP address with a port is a UserError, and so is one beyond this computer without
     keys.
     """
-    host, _, port = address.rpartition(":")
-    expected = "expected an IP address and a port, such as 127.0.0.1:5560"
     try:
-        ip = ipaddress.ip_address(host.strip("[]").replace("localhost", "127.0.0.1"))
+        ip, port = parse_address(address)
     except ValueError as fault:
-        raise UserError(f"address {address!r}: {expected}") from fault
-    if not (port.isascii() and port.isdecimal()) or not 1 <= int(port) <= 65535:
-        raise UserError(f"address {address!r}: {expected}")
+        raise UserError(str(fault)) from fault
     if ip.is_unspecified:
         raise UserError(f"address {address!r}: no node can call it; expected the master's own")
     if not ip.is_loopback and keys is None:

@@ -3,15 +3,16 @@
 Lengths are real centimetres in the axes of somebody who looks ahead: x right, y up, z ahead.
 """
 
-import ipaddress
 from itertools import combinations
 from pathlib import Path
 from typing import Annotated, ClassVar
 
 import msgspec
 
+from subsea.cluster.names import NAME, parse_address
 from subsea.errors import UserError, unknown
 from subsea.resources import load_toml, named_or_file
+from subsea.view.surround import ALL_ROUND
 
 FOLDER = "assets/theatres"
 MOST_WINDOWS = 32
@@ -24,7 +25,7 @@ Away = Annotated[float, msgspec.Meta(ge=50, le=1e5)]  # of what is all round: bo
 Coordinate = Annotated[float, msgspec.Meta(ge=-1e5, le=1e5)]
 Point = tuple[Coordinate, Coordinate, Coordinate]
 Angle = Annotated[float, msgspec.Meta(ge=-360, le=360)]
-Name = Annotated[str, msgspec.Meta(pattern=r"^[\w-]+$", max_length=40)]
+Name = Annotated[str, msgspec.Meta(pattern=NAME)]
 Share = Annotated[float, msgspec.Meta(ge=0, le=1)]
 
 
@@ -67,14 +68,14 @@ class Angles(_Table, frozen=True, kw_only=True):
 class Panorama(_Table, frozen=True, kw_only=True):
     """A cylinder that no projector bends: every column of pixels is an equal angle."""
 
-    angle_deg: Annotated[float, msgspec.Meta(ge=30, lt=360)] = 160.0
+    angle_deg: Annotated[float, msgspec.Meta(ge=30, lt=360)] = ALL_ROUND.angle_deg
     distance_cm: Away = 300.0
 
 
 class Dome(_Table, frozen=True, kw_only=True):
-    """An equidistant fisheye of 180 degrees, the front below."""
+    """An equidistant fisheye of 180 degrees, tilted to the front, which is below."""
 
-    tilt_deg: Annotated[float, msgspec.Meta(ge=0, le=90)] = 30.0  # toward the front
+    tilt_deg: Annotated[float, msgspec.Meta(ge=0, le=90)] = ALL_ROUND.tilt_deg
     distance_cm: Away = 500.0
 
 
@@ -156,16 +157,8 @@ class Cluster(_Table, frozen=True, kw_only=True):
     keys: str | None = None  # a folder made by `subsea keys`
 
     def __post_init__(self) -> None:
-        """Refuse what is not HOST:PORT with numbers, as names are not to be looked up."""
-        host, _, port = self.address.rpartition(":")
-        try:
-            ipaddress.ip_address(host.strip("[]"))
-            if not 1 <= int(port) <= 65535:
-                raise ValueError
-        except ValueError:
-            raise ValueError(
-                f"`address` {self.address!r}: expected IP:PORT such as 192.168.1.10:5560"
-            ) from None
+        """Refuse what is no address."""
+        parse_address(self.address)
 
 
 class Theatre(_Table, frozen=True, kw_only=True):

@@ -5,9 +5,8 @@ from numpy.typing import NDArray
 
 from subsea.theatre.pattern import pattern
 from subsea.view.rig import CUBES, Rect, Rig
-from subsea.view.surround import COLUMNS, MARGIN_PX, ROWS
+from subsea.view.surround import COLUMNS, FACES, MARGIN_PX, ROWS
 
-FACES = ("left", "ahead", "right", "below", "astern", "above")  # as in view.surround
 Picture = NDArray[np.uint8]
 
 

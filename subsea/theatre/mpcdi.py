@@ -37,7 +37,7 @@ from subsea.theatre.meshes import sources_of
 from subsea.theatre.pfm import MAX_BYTES, parse_pfm
 from subsea.theatre.pictures import MAX_BYTES as MAX_PICTURE
 from subsea.theatre.pictures import MAX_SIDE, parse_png, stretched
-from subsea.theatre.warp import checked, describe_warp, from_grid, only_points
+from subsea.theatre.warp import checked, from_grid, only_points
 from subsea.view.rig import Warp
 
 Array = NDArray[np.floating[Any]]
@@ -119,22 +119,6 @@ def mask(region: Region, gamma: float, most: tuple[int, int]) -> NDArray[np.floa
         found[..., 3] += b ** (1 / gamma) / 3
     found[..., :3] = np.maximum(found[..., :3] - found[..., 3:], 0.0)
     return found
-
-
-def describe_region(region: Region) -> str:
-    """What a projector has, in one line."""
-    left, low, right, high = (f"{100 * share:.0f}%" for share in _edges(region.place))
-    parts = [
-        f"{region.name}: {region.size[0]}×{region.size[1]} pixels",
-        f"{left} to {right} across and {low} to {high} up {region.buffer or 'the picture'}",
-        describe_warp(region.warp) if region.warp else "no warp",
-    ]
-    if region.frustum:
-        parts.append(f"looks {region.frustum.yaw_deg:g}° right, {region.frustum.pitch_deg:g}° up")
-    for kind, picture in (("alpha", region.alpha), ("beta", region.beta)):
-        if picture is not None:
-            parts.append(f"{kind} map {picture.shape[1]}×{picture.shape[0]}")
-    return ", ".join(parts)
 
 
 def _edges(place: Rect) -> Rect:

@@ -61,14 +61,6 @@ def parse_obj(data: bytes, where: str) -> Warp:
     return checked(mesh(places, np.array(shown)[used[:, 1]], faces), where)
 
 
-def compose_obj(warp: Warp) -> bytes:
-    """The bytes of an OBJ file of a warp, what the left eye sees."""
-    lines = [f"v {2 * x - 1:.9g} {2 * y - 1:.9g} 0" for x, y in warp.vertices[:, :2].tolist()]
-    lines += [f"vt {u:.9g} {v:.9g}" for u, v in warp.vertices[:, 2:4].tolist()]
-    lines += ["f " + " ".join(f"{i}/{i}" for i in face) for face in (warp.triangles + 1).tolist()]
-    return ("\n".join(lines) + "\n").encode()
-
-
 def _numbers(words: list[str], names: tuple[str, ...], at: str) -> list[float]:
     """The first numbers of a line; the others, such as z or a colour, are of no account."""
     try:

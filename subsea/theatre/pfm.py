@@ -9,16 +9,12 @@ here.
 import math
 import re
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from subsea.errors import UserError
-from subsea.places import replacing
 from subsea.theatre.reading import whole
-
-Array = NDArray[np.floating[Any]]
 
 MAX_POINTS = 2**23  # a projector of 4096 by 2048 pixels, a point for each
 MAX_BYTES = 12 * MAX_POINTS + 256
@@ -54,17 +50,3 @@ def parse_pfm(data: bytes, where: str) -> NDArray[np.float32]:
     numbers = np.frombuffer(data, "<f4" if scale < 0 else ">f4", offset=begin)
     rows = numbers.reshape(height, width, channels)[::-1]
     return np.ascontiguousarray(rows, np.float32)
-
-
-def compose_pfm(numbers: Array, little_endian: bool = True) -> bytes:
-    """The bytes of a PFM file of numbers (height, width, 3 or 1), the upper row first."""
-    height, width, channels = numbers.shape
-    kind = {3: "PF", 1: "Pf"}[channels]
-    header = f"{kind}\n{width} {height}\n{-1.0 if little_endian else 1.0}\n".encode()
-    return header + numbers[::-1].astype("<f4" if little_endian else ">f4").tobytes()
-
-
-def write_pfm(path: Path, numbers: Array) -> None:
-    """Write numbers (height, width, 3 or 1), the upper row first, whole or not at all."""
-    with replacing(path) as temporary:
-        temporary.write_bytes(compose_pfm(numbers))

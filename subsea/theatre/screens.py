@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from subsea.errors import UserError
 from subsea.theatre.files import Angles, Cylinder, Plane
+from subsea.view.camera import axes_of
 
 Array = NDArray[np.floating[Any]]
 
@@ -91,13 +92,8 @@ def _under_angles(table: Angles, scale: float) -> Flat:
         raise UserError(
             "`angles`: expected `left_deg` less than `right_deg`, `down_deg` less than `up_deg`"
         )
-    heading, pitch, roll = np.radians([table.heading_deg, table.pitch_deg, table.roll_deg])
-    ahead = np.array([np.sin(heading) * np.cos(pitch), np.sin(pitch),
-                      np.cos(heading) * np.cos(pitch)])  # fmt: skip
-    level = np.array([np.cos(heading), 0.0, -np.sin(heading)])
-    above = np.cross(ahead, level)
-    right = np.cos(roll) * level - np.sin(roll) * above
-    up = np.sin(roll) * level + np.cos(roll) * above
+    turn = np.radians([table.heading_deg, table.pitch_deg, table.roll_deg])
+    right, up, ahead = axes_of(*turn)
     far = scale * table.distance_cm
     left_edge, right_edge, down, top = far * np.tan(
         np.radians([table.left_deg, table.right_deg, table.down_deg, table.up_deg])

@@ -144,12 +144,6 @@ def sources_at(warp: Warp, places: Array, eye: int = 0) -> Array:
     return _through(warp.vertices[:, :2], shown, warp.triangles, places)
 
 
-def places_of(warp: Warp, sources: Array, eye: int = 0) -> Array:
-    """Where sources (k, 2) are shown, (k, 2): the inverse of `sources_at`; NaN where nowhere."""
-    shown = warp.vertices[:, 2 + 2 * eye : 4 + 2 * eye]
-    return _through(shown, warp.vertices[:, :2], warp.triangles, sources)
-
-
 def is_mirrored(warp: Warp) -> bool:
     """Whether it shows the picture as in a mirror, as no projector on a stand or ceiling does."""
     places = _areas(warp.vertices[:, :2], warp.triangles)

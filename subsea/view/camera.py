@@ -49,6 +49,18 @@ def look(eye: Array, forward: Array, up: Array) -> Array:
     return np.asarray(matrix.T, dtype=np.float32)
 
 
+def axes_of(heading: float, pitch: float, roll: float = 0.0) -> Array:
+    """The axes (3, 3) of who is turned from an observer, rows right, up, ahead in those of that.
+
+    By angles in radians: first to the right, then up, then clockwise.
+    """
+    ch, sh, cp, sp = np.cos(heading), np.sin(heading), np.cos(pitch), np.sin(pitch)
+    level, above = np.array([ch, 0.0, -sh]), np.array([-sh * sp, cp, -ch * sp])
+    cr, sr = np.cos(roll), np.sin(roll)
+    ahead = np.array([sh * cp, sp, ch * cp])
+    return np.stack([cr * level - sr * above, sr * level + cr * above, ahead])
+
+
 def off_axis(
     left: float,
     right: float,

@@ -19,7 +19,7 @@ from subsea.kinematics.coupling import Coupling, place
 from subsea.kinematics.rotation import matrix
 from subsea.kinematics.spline import basis_at, dense
 from subsea.kinematics.surface import LEFT, RIGHT, SurfacePlan, U, V, rest_control_points
-from subsea.view.camera import View, off_axis
+from subsea.view.camera import View, axes_of, off_axis
 from subsea.view.rig import Eye, Patch, Pose, Rect, Rig, views
 from subsea.world import World
 
@@ -116,8 +116,7 @@ def retina_rig(
 def turned(gaze: Gaze) -> Array:
     """The axes (3, 3) of eyes that look there, rows right, up, ahead in those of the observer."""
     pan, tilt = np.radians(gaze)
-    cp, sp, ct, st = np.cos(pan), np.sin(pan), np.cos(tilt), np.sin(tilt)
-    return np.array([[cp, 0.0, -sp], [-sp * st, ct, -cp * st], [sp * ct, st, cp * ct]])
+    return axes_of(pan, tilt)
 
 
 def retinal_views(world: World, by: Rider, rig: Rig, alpha: float) -> tuple[View, ...]:

@@ -117,7 +117,7 @@ def cube(
     Of each face only the part that is `shown` (`surround.looked_at`) is drawn, and a margin.
     """
     eyes, half = [], half_tangent(face)
-    for number, (part, (forward, up)) in enumerate(zip(shown, FACES, strict=True)):
+    for number, (part, (forward, up)) in enumerate(zip(shown, FACES.values(), strict=True)):
         if part is None:
             continue
         pixels = face / 2 * (1.0 + part / half)  # from the face's lower left corner

@@ -10,18 +10,20 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.view.camera import axes_of
+
 Array = NDArray[np.floating[Any]]
 
 # Where a face looks and what is up there, in the order of its place on the canvas: the lower row
 # from the left, then the upper row. `shaders/resolve.frag` knows the same order.
-FACES = (
-    ((-1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),  # left
-    ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0)),  # ahead
-    ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),  # right
-    ((0.0, -1.0, 0.0), (0.0, 0.0, 1.0)),  # below
-    ((0.0, 0.0, -1.0), (0.0, 1.0, 0.0)),  # astern
-    ((0.0, 1.0, 0.0), (0.0, 0.0, -1.0)),  # above
-)
+FACES = {
+    "left": ((-1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
+    "ahead": ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0)),
+    "right": ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
+    "below": ((0.0, -1.0, 0.0), (0.0, 0.0, 1.0)),
+    "astern": ((0.0, 0.0, -1.0), (0.0, 1.0, 0.0)),
+    "above": ((0.0, 1.0, 0.0), (0.0, 0.0, -1.0)),
+}
 COLUMNS, ROWS = 3, 2
 MARGIN_PX = 12  # by which a face is wider than a right angle: half the largest speck of plankton
 STEPS = 256  # places a side of a picture at which is looked what it shows of each face
@@ -57,7 +59,7 @@ def face_size(display: str, size: tuple[int, int], surround: Surround) -> int:
 
 def on_faces(d: Array) -> tuple[NDArray[np.int_], Array]:
     """On which face directions (n, 3) lie, (n,), and where there, (n, 2) in [-1, 1]."""
-    axes = np.array([[np.cross(up, ahead), up, ahead] for ahead, up in FACES])
+    axes = np.array([[np.cross(up, ahead), up, ahead] for ahead, up in FACES.values()])
     number = np.argmax(axes[:, 2] @ d.T, axis=0)
     own = np.einsum("nij,nj->ni", axes[number], d)
     return number, own[:, :2] / own[:, 2:]
@@ -112,11 +114,10 @@ def directions(display: str, size: tuple[int, int], surround: Surround, pixels: 
     radius = min(width, height)
     p = (np.stack([x, y], axis=1) - 0.5) * [width, height] / (radius / 2)
     r = np.linalg.norm(p, axis=1)
-    away, tilt = r * np.pi / 2, np.radians(surround.tilt_deg)
-    middle = np.array([0.0, np.cos(tilt), np.sin(tilt)])
-    behind = np.array([0.0, np.sin(tilt), -np.cos(tilt)])
+    away = r * np.pi / 2
+    right, behind, middle = axes_of(0.0, np.pi / 2 - np.radians(surround.tilt_deg))
     aside = p / np.maximum(r, 1e-9)[:, None]
     found = np.cos(away)[:, None] * middle
-    found += np.sin(away)[:, None] * (aside[:, :1] * [1.0, 0.0, 0.0] + aside[:, 1:] * behind)
+    found += np.sin(away)[:, None] * (aside[:, :1] * right + aside[:, 1:] * behind)
     found[r > 1] = np.nan
     return found

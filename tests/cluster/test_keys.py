@@ -45,7 +45,7 @@ def test_keys_are_not_written_over(folder):
     assert not (folder / "right.key").exists()
 
 
-@pytest.mark.parametrize("name", ["", "../left", "a b", ".left", "-left", "ä", "x" * 65])
+@pytest.mark.parametrize("name", ["", "../left", "a b", ".left", "-left", "ä", "a\n", "x" * 65])
 def test_a_name_must_do_for_a_file(folder, name):
     with pytest.raises(UserError, match="expected a name"):
         write_keys(folder, ["left", name])

@@ -305,6 +305,7 @@ def test_a_node_does_not_follow_a_master_with_another_key(bridges, seas, address
         ("192.0.2.1:5560", "other computers reach it, so keys are needed"),
         ("[2001:db8::1]:5560", "so keys are needed"),
         ("0.0.0.0:5560", "no node can call it"),
+        ("localhost:5560", "expected an IP address and a port"),
         ("somewhere:5560", "expected an IP address and a port"),
         ("127.0.0.1", "expected an IP address and a port"),
         ("127.0.0.1:0", "expected an IP address and a port"),

@@ -1,9 +1,9 @@
 """Theatres as they are shown: seams, blending, both eyes, and every pixel in its direction."""
 
-import msgspec
 import numpy as np
 import pytest
 
+from subsea.app.house import shrunk
 from subsea.render import Renderer
 from subsea.render.quality import PRESETS
 from subsea.render.target import Resolve
@@ -20,17 +20,12 @@ GAMMA = 2.2
 SMALL = 10  # times fewer pixels than the theatres that are shipped
 
 
-def opened(tmp_path, name="three-projectors", display="mono", shrink=SMALL, **changes):
+def opened(tmp_path, name="three-projectors", display="mono", shrink=SMALL):
     """A theatre with a tenth of its pixels, its channels and its rig."""
-    theatre, _ = load_theatre(name)
-    windows = [
-        msgspec.structs.replace(window, size=tuple(n // shrink for n in window.size))
-        for window in theatre.window
-    ]
-    theatre = msgspec.structs.replace(theatre, window=windows, **changes)
+    theatre = shrunk(load_theatre(name)[0], shrink)
     found, faults = channels(theatre, tmp_path / "theatre.toml")
     assert not faults
-    return theatre, found, theatre_rig(theatre, found, range(len(windows)), display)
+    return theatre, found, theatre_rig(theatre, found, range(len(theatre.window)), display)
 
 
 def shown(context, rig, canvas):

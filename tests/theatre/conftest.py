@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from subsea.theatre.pfm import compose_pfm
+from subsea.theatre.warp import mesh, sources_at
 
 GAMMA = 2.2
 RADIUS_CM, HALF_WIDTH, HALF_HEIGHT_CM = 275.0, np.radians(60.0), 125.0
@@ -89,6 +89,28 @@ def png(values, bits=8):
     return file.getvalue()
 
 
+def compose_obj(warp):
+    """The bytes of an OBJ file of a warp, what the left eye sees."""
+    lines = [f"v {2 * x - 1:.9g} {2 * y - 1:.9g} 0" for x, y in warp.vertices[:, :2].tolist()]
+    lines += [f"vt {u:.9g} {v:.9g}" for u, v in warp.vertices[:, 2:4].tolist()]
+    lines += ["f " + " ".join(f"{i}/{i}" for i in face) for face in (warp.triangles + 1).tolist()]
+    return ("\n".join(lines) + "\n").encode()
+
+
+def compose_pfm(numbers, little_endian=True):
+    """The bytes of a PFM file of numbers (height, width, 3 or 1), the upper row first."""
+    height, width, count = numbers.shape
+    kind = {3: "PF", 1: "Pf"}[count]
+    header = f"{kind}\n{width} {height}\n{-1.0 if little_endian else 1.0}\n".encode()
+    return header + numbers[::-1].astype("<f4" if little_endian else ">f4").tobytes()
+
+
+def places_of(warp, sources, eye=0):
+    """Where sources (k, 2) are shown, (k, 2): the inverse of `sources_at`; NaN where nowhere."""
+    shown = warp.vertices[:, 2 + 2 * eye : 4 + 2 * eye]
+    return sources_at(mesh(shown, warp.vertices[:, :2], warp.triangles), sources)
+
+
 def pfm(sources):
     """The bytes of a PFM grid of sources (h, w, 2)."""
     return compose_pfm(np.concatenate([sources, np.zeros((*sources.shape[:2], 1))], axis=2))
@@ -151,6 +173,9 @@ def making():
         zipped=zipped,
         png=png,
         pfm=pfm,
+        compose_obj=compose_obj,
+        compose_pfm=compose_pfm,
+        places_of=places_of,
         grid_of=grid_of,
         gamma=GAMMA,
     )

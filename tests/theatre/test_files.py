@@ -76,7 +76,15 @@ def test_a_screen_of_several_projectors_is_as_large_as_its_picture_is_seamless()
         (WINDOW + CHANNEL + PLANE + '[cluster]\nmaster = "x"', "unknown node 'x'.* main"),
         (
             WINDOW + CHANNEL + PLANE + '[cluster]\nmaster = "main"\naddress = "stage:80"',
-            "expected IP:PORT",
+            "address 'stage:80': expected an IP address and a port",
+        ),
+        (
+            WINDOW + CHANNEL + PLANE + '[cluster]\nmaster = "main"\naddress = "localhost:5560"',
+            "address 'localhost:5560': expected an IP address and a port",
+        ),
+        *(
+            (WINDOW.replace('"a"', name) + CHANNEL + PLANE, "regex .* at `window")
+            for name in ('"a\\n"', '"-a"', '"ä"', '""', f'"{65 * "a"}"')
         ),
         (WINDOW + CHANNEL + PLANE + "gamma = 9", "at `channel"),
         (WINDOW + CHANNEL + "dome = { distance_cm = 20 }", "distance_cm|>= 50"),

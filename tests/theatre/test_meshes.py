@@ -8,9 +8,8 @@ from hypothesis import strategies as st
 from subsea.errors import UserError
 from subsea.theatre.bourke import parse_bourke
 from subsea.theatre.meshes import read_warp
-from subsea.theatre.obj import compose_obj, parse_obj
-from subsea.theatre.pfm import write_pfm
-from subsea.theatre.warp import checked, from_grid, places_of, sources_at
+from subsea.theatre.obj import parse_obj
+from subsea.theatre.warp import checked, from_grid, sources_at
 
 SIZE = (160, 120)
 QUAD = b"""# from a tool
@@ -53,11 +52,11 @@ def test_a_point_that_shows_two_sources_is_split():
 
 
 @given(st.integers(0, 2**32 - 1))
-def test_a_written_obj_shows_what_the_warp_did(seed):
+def test_a_written_obj_shows_what_the_warp_did(making, seed):
     x, y = np.meshgrid(np.linspace(0.1, 0.9, 12), np.linspace(0.9, 0.1, 9))
     wobble = np.random.default_rng(seed).uniform(-0.01, 0.01, (9, 12, 2))
     warp = checked(from_grid(np.stack([x, y], axis=-1) + wobble, SIZE), "x")
-    again = parse_obj(compose_obj(warp), "x")
+    again = parse_obj(making.compose_obj(warp), "x")
     np.testing.assert_allclose(sources_at(again, POINTS), sources_at(warp, POINTS), atol=1e-5)
 
 
@@ -174,15 +173,15 @@ def test_mangled_text_is_a_warp_or_one_line(kind, at, gone, junk):
         assert "\n" not in str(fault)
 
 
-def test_a_warp_file_is_known_by_its_suffix(tmp_path):
+def test_a_warp_file_is_known_by_its_suffix(tmp_path, making):
     x, y = np.meshgrid((np.arange(8) + 0.5) / 8, 1 - (np.arange(6) + 0.5) / 6)
-    write_pfm(tmp_path / "a.PFM", np.stack([x, y, x * 0], axis=-1))
+    (tmp_path / "a.PFM").write_bytes(making.pfm(np.stack([x, y], axis=-1)))
     (tmp_path / "a.obj").write_bytes(QUAD + b"f 1 2 3 4")
     (tmp_path / "a.data").write_bytes(bourke())
     for name in ("a.PFM", "a.obj"):
         warp, mask = read_warp(tmp_path / name, SIZE)
         assert mask is None
-        np.testing.assert_allclose(places_of(warp, POINTS), POINTS, atol=1e-5)
+        np.testing.assert_allclose(sources_at(warp, POINTS), POINTS, atol=1e-5)
     assert read_warp(tmp_path / "a.data", SIZE)[1] is not None
 
 

@@ -15,11 +15,10 @@ from subsea.theatre import mpcdi
 from subsea.theatre.mpcdi import (
     Frustum,
     Region,
-    describe_region,
     mask,
     read_mpcdi,
 )
-from subsea.theatre.warp import places_of, sources_at
+from subsea.theatre.warp import sources_at
 
 FRUSTUM = """<frustum><yaw>38</yaw><pitch>-10</pitch><roll>0</roll><rightAngle>25</rightAngle>
 <leftAngle>-26</leftAngle><upAngle>20</upAngle><downAngle>-21</downAngle></frustum>"""
@@ -95,7 +94,7 @@ def test_where_projectors_overlap_their_light_adds_up_to_one(read, projectors, m
     total, count = np.zeros(len(shares)), np.zeros(len(shares), int)
     for region in regions:
         x, y, width, height = region.place
-        places = places_of(region.warp, (shares - [x, y]) / [width, height])
+        places = making.places_of(region.warp, (shares - [x, y]) / [width, height])
         lit = ~np.isnan(places[:, 0])
         total[lit] += light_at(region, places[lit], gamma)[0]
         count += lit
@@ -112,7 +111,7 @@ def test_the_black_of_projectors_is_as_bright_everywhere(read, projectors, makin
     black = np.zeros(len(shares))
     for region in read(making.parts(projectors)).regions:
         x, y, width, height = region.place
-        places = places_of(region.warp, (shares - [x, y]) / [width, height])
+        places = making.places_of(region.warp, (shares - [x, y]) / [width, height])
         lit = ~np.isnan(places[:, 0])
         black[lit] += light_at(region, places[lit], 2.2)[1] + leak
     assert (np.abs(black / (2 * leak) - 1) < 0.05).mean() > 0.95
@@ -164,13 +163,6 @@ def test_the_3d_profile_has_frusta(read, projectors, making):
         one.frustum = FRUSTUM
     regions = read(making.parts(projectors, "3d")).regions
     assert regions[0].frustum == Frustum(38, -10, 0, -26, 25, -21, 20)
-    assert "looks 38° right, -10° up" in describe_region(regions[0])
-
-
-def test_a_line_for_each_projector(read, files):
-    line = describe_region(read(files).regions[1])
-    assert line.startswith("middle: 160×120 pixels, 23% to 77% across and 0% to 100% up cylinder")
-    assert line.endswith("alpha map 160×120, beta map 160×120")
 
 
 # What goes wrong: the others go on.

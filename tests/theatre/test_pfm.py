@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from subsea.errors import UserError
-from subsea.theatre.pfm import compose_pfm, parse_pfm, read_pfm, write_pfm
+from subsea.theatre.pfm import parse_pfm, read_pfm
 
 GRIDS = st.tuples(st.integers(1, 6), st.integers(1, 6), st.sampled_from([1, 3])).flatmap(
     lambda shape: arrays(np.float32, shape, elements=st.floats(width=32))
@@ -15,8 +15,8 @@ GRIDS = st.tuples(st.integers(1, 6), st.integers(1, 6), st.sampled_from([1, 3]))
 
 
 @given(GRIDS, st.booleans())
-def test_a_round_trip_keeps_every_bit_in_both_orders_of_bytes(numbers, little_endian):
-    found = parse_pfm(compose_pfm(numbers, little_endian), "x")
+def test_a_round_trip_keeps_every_bit_in_both_orders_of_bytes(making, numbers, little_endian):
+    found = parse_pfm(making.compose_pfm(numbers, little_endian), "x")
     np.testing.assert_array_equal(found, numbers)
 
 
@@ -25,16 +25,15 @@ def test_the_lowest_row_is_the_first_in_a_file():
     np.testing.assert_array_equal(parse_pfm(data, "x")[:, 0, 0], [2.0, 1.0])
 
 
-def test_a_file_is_written_and_read(tmp_path):
+def test_a_file_is_read(tmp_path, making):
     numbers = np.arange(24, dtype=np.float32).reshape(2, 4, 3)
-    write_pfm(tmp_path / "a.pfm", numbers)
+    (tmp_path / "a.pfm").write_bytes(making.compose_pfm(numbers))
     np.testing.assert_array_equal(read_pfm(tmp_path / "a.pfm"), numbers)
-    assert [path.name for path in tmp_path.iterdir()] == ["a.pfm"]
 
 
-def test_lines_may_end_as_on_windows():
+def test_lines_may_end_as_on_windows(making):
     numbers = np.ones((2, 2, 3), np.float32)
-    data = compose_pfm(numbers).replace(b"\n", b"\r\n", 3)
+    data = making.compose_pfm(numbers).replace(b"\n", b"\r\n", 3)
     np.testing.assert_array_equal(parse_pfm(data, "x"), numbers)
 
 
@@ -61,8 +60,8 @@ def test_what_is_wrong_is_said_in_one_line(data, said):
 
 
 @given(st.binary(max_size=80), st.integers(0, 60))
-def test_mangled_bytes_are_numbers_or_one_line(junk, at):
-    whole = compose_pfm(np.zeros((2, 2, 3), np.float32))
+def test_mangled_bytes_are_numbers_or_one_line(making, junk, at):
+    whole = making.compose_pfm(np.zeros((2, 2, 3), np.float32))
     for data in (junk, whole[:at], whole[:at] + junk + whole[at + len(junk) :]):
         try:
             assert parse_pfm(data, "x").ndim == 3

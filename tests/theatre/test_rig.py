@@ -1,16 +1,21 @@
 """Rigs of theatres: every eye, mesh and patch puts a point of the sea where the screen has it."""
 
+from pathlib import Path
+
 import msgspec
 import numpy as np
 import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
 
 from subsea.errors import UserError
 from subsea.resources import resource_names
 from subsea.theatre.channels import channels
-from subsea.theatre.files import FOLDER, load_theatre
+from subsea.theatre.files import FOLDER, Channel, Cylinder, Plane, Theatre, Window, load_theatre
 from subsea.theatre.rig import MODES, seen_channels, shelves, theatre_rig
 from subsea.theatre.screens import points_on
 from subsea.theatre.warp import sources_at
+from subsea.view.camera import axes_of
 from subsea.view.rig import CUBES, Shape, pose, views
 from subsea.view.stereo import EYES, Stereo
 from subsea.view.surround import MARGIN_PX, directions
@@ -55,34 +60,111 @@ def test_pictures_lie_apart_on_the_canvas_and_patches_in_their_windows(name, dis
     assert all((picture == 1).all() for picture in lit.values())
 
 
-@pytest.mark.parametrize("display", ["mono", "anaglyph", "side-by-side"])
-@pytest.mark.parametrize("name", WALLS)
-def test_a_point_of_the_sea_lands_where_its_ray_meets_the_screen(name, display):
-    """For both eyes of every channel: canvas, mesh and place against the screen's geometry."""
-    theatre, found = opened(name)
+def missed(theatre, found, display, places, away):
+    """By how many of its pixels each patch misses points behind places (k, 2) of its screen.
+
+    Those lie `away` (k,) as far as the screen. One number (2,) for both eyes of a patch: canvas,
+    mesh and place against the screen's geometry.
+    """
     rig = theatre_rig(theatre, found, range(len(theatre.window)), display)
     seen = dict(zip([eye.viewport for eye in rig.eyes], views(rig, OBSERVER), strict=True))
-    rng = np.random.default_rng(4)
-    tried = 0
     for patch in rig.patches:
-        one = found[patch.channel]
-        for side, rect in ((0, patch.left), (1, patch.right)):
-            x, y, w, h = rect
+        one, most = found[patch.channel], []
+        for side, (x, y, w, h) in enumerate((patch.left, patch.right)):
             view = seen[x - MARGIN_PX, y - MARGIN_PX, w + 2 * MARGIN_PX, h + 2 * MARGIN_PX]
             offset = AXES @ (view.eye - EYE)
-            places = rng.uniform(0.05, 0.95, (40, 2))
             on_screen = points_on(one.screen, places)
-            away = rng.uniform(0.5, 8.0, (40, 1))
-            points = EYE + (offset + away * (on_screen - offset)) @ AXES
-            clip = np.column_stack([points, np.ones(40)]) @ (view.projection @ view.view).T
+            points = EYE + (offset + away[:, None] * (on_screen - offset)) @ AXES
+            clip = np.column_stack([points, np.ones(len(points))]) @ (view.projection @ view.view).T
             pixels = (0.5 + 0.5 * clip[:, :2] / clip[:, 3:]) * view.viewport[2:]
             uv = (pixels - MARGIN_PX) / [w, h]
             expected = places if patch.warp is None else sources_at(patch.warp, places, side)
-            # A fiftieth of a pixel for the matrices' rounding, a third for the mesh's pieces.
-            limit = 0.02 if patch.warp is None else 0.34
-            assert np.abs((uv - expected) * patch.place[2:]).max() < limit
-            tried += 1
-    assert tried == len(found) * (4 if display == "side-by-side" else 2)
+            most.append(np.abs((uv - expected) * patch.place[2:]).max())
+        yield patch, most
+
+
+# A fiftieth of a pixel for the matrices' rounding, a third for the mesh's pieces.
+FLAT_PX, CURVED_PX = 0.02, 0.34
+
+
+@pytest.mark.parametrize("display", ["mono", "anaglyph", "side-by-side"])
+@pytest.mark.parametrize("name", WALLS)
+def test_a_point_of_the_sea_lands_where_its_ray_meets_the_screen(name, display):
+    theatre, found = opened(name)
+    rng = np.random.default_rng(4)
+    places, away = rng.uniform(0.05, 0.95, (40, 2)), rng.uniform(0.5, 8.0, 40)
+    tried = 0
+    for patch, most in missed(theatre, found, display, places, away):
+        assert max(most) < (FLAT_PX if patch.warp is None else CURVED_PX)
+        tried += 1
+    assert tried == len(found) * (2 if display == "side-by-side" else 1)
+
+
+def a_plane(heading, pitch, far, wide, high, aside, above):
+    """A rectangle in any direction, whose middle need not be ahead in it."""
+    right, up, ahead = axes_of(heading, pitch)
+    corner = far * ahead + (aside - wide / 2) * right + (above - high / 2) * up
+    corners = corner, corner + wide * right, corner + high * up
+    return Plane(
+        **dict(zip(("lower_left", "lower_right", "upper_left"), map(tuple, corners), strict=True))
+    )
+
+
+def a_cylinder(radius, left, turn, bottom, high, aside, ahead):
+    return Cylinder(
+        radius_cm=radius,
+        left_deg=left,
+        right_deg=left + turn,
+        bottom_cm=bottom,
+        top_cm=bottom + high,
+        axis_cm=(aside * radius, ahead * radius),
+    )
+
+
+def between(low, high):
+    return st.floats(low, high)
+
+
+PLANES = st.builds(
+    a_plane, between(-3, 3), between(-1.5, 1.5), between(80, 900), between(60, 400),
+    between(60, 300), between(-100, 100), between(-100, 100),
+)  # fmt: skip
+CYLINDERS = st.builds(
+    a_cylinder, between(150, 900), between(-170, 50), between(10, 100), between(-200, -20),
+    between(60, 300), between(-0.15, 0.15), between(-0.15, 0.15),
+)  # fmt: skip
+HERE = st.tuples(between(-15, 15), between(-15, 15), between(-15, 15))
+
+
+@settings(deadline=None)
+@given(
+    screens=st.lists(st.one_of(PLANES, CYLINDERS), min_size=1, max_size=3),
+    eye=HERE,
+    scale=between(0.2, 5.0),
+    display=st.sampled_from(["mono", "anaglyph", "side-by-side", "top-bottom"]),
+    places=st.lists(st.tuples(between(0.05, 0.95), between(0.05, 0.95)), min_size=1, max_size=9),
+    away=between(0.5, 8.0),
+)
+def test_so_it_does_on_any_screen_from_any_place(screens, eye, scale, display, places, away):
+    names = [str(k) for k in range(len(screens))]
+    theatre = Theatre(
+        eye_cm=eye,
+        scale=scale,
+        window=[Window(name=name, size=(640, 480)) for name in names],
+        channel=[
+            Channel(name=name, window=name, **{type(screen).__name__.lower(): screen})
+            for name, screen in zip(names, screens, strict=True)
+        ],
+    )
+    try:
+        found, _ = channels(theatre, Path("any.toml"))  # those too much from the side left out
+    except UserError:
+        found = ()
+    found, _ = seen_channels(theatre, found, display) if found else ((), ())
+    assume(found)
+    whole = np.array(places)
+    for patch, most in missed(theatre, found, display, whole, np.full(len(whole), away)):
+        assert max(most) < (FLAT_PX if patch.warp is None else CURVED_PX)
 
 
 @pytest.mark.parametrize("name", NAMES)

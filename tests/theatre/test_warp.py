@@ -14,7 +14,6 @@ from subsea.theatre.warp import (
     is_mirrored,
     mesh,
     painted,
-    places_of,
     sources_at,
 )
 
@@ -67,20 +66,22 @@ def woven(bend, columns=13, rows=9):
 
 
 @given(st.floats(-0.3, 0.3), st.integers(0, 2**32 - 1))
-def test_there_and_back_again(bend, seed):
+def test_there_and_back_again(making, bend, seed):
     warp = woven(bend)
     points = np.random.default_rng(seed).uniform(0.0, 1.0, (30, 2))
     for eye in (0, 1):
-        back = places_of(warp, sources_at(warp, points, eye), eye)
+        back = making.places_of(warp, sources_at(warp, points, eye), eye)
         np.testing.assert_allclose(back, points, atol=1e-4)
-    assert np.isnan(places_of(warp, np.array([[0.01, 0.01]]))).all()
+    assert np.isnan(making.places_of(warp, np.array([[0.01, 0.01]]))).all()
 
 
 @given(st.floats(-0.3, 0.3), st.integers(0, 2**32 - 1))
-def test_a_coarse_mesh_leads_there_and_back_within_its_tolerance(bend, seed):
+def test_a_coarse_mesh_leads_there_and_back_within_its_tolerance(making, bend, seed):
     warp = checked(from_grid(bent(pixels(SIZE), bend), SIZE), "x")
     points = np.random.default_rng(seed).uniform(0.01, 0.99, (30, 2))
-    away = np.linalg.norm((places_of(warp, sources_at(warp, points)) - points) * SIZE, axis=1)
+    away = np.linalg.norm(
+        (making.places_of(warp, sources_at(warp, points)) - points) * SIZE, axis=1
+    )
     assert np.nanmax(away) < 0.5
     assert np.isnan(away).sum() <= 1  # seams between fine and coarse blocks, in the picture
 

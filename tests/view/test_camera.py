@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.state import Submarine
+from subsea.view.camera import axes_of
 from subsea.view.rig import pose
 from subsea.view.rigs import DISPLAYS, SURROUNDS, VERTICAL_FOV, cockpit, display_rig, views_for
 from subsea.view.stereo import (
@@ -143,3 +144,16 @@ def test_the_cockpit_is_between_the_last_two_ticks_the_short_way_round():
     np.testing.assert_allclose(half.forward[:2] / np.cos(0.1), [-1.0, 0.0], atol=1e-6)
     np.testing.assert_allclose(half.forward[2], np.sin(0.1), atol=1e-9)
     np.testing.assert_allclose(half.eye - 20 * half.forward, [5.0, 0.0, -50.0], atol=1e-9)
+
+
+@given(heading=st.floats(-7, 7), pitch=st.floats(-7, 7), roll=st.floats(-7, 7))
+def test_axes_turn_to_the_right_then_up_then_clockwise(heading, pitch, roll):
+    right, up, ahead = axes = axes_of(heading, pitch, roll)
+    np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-12)
+    np.testing.assert_allclose(np.cross(ahead, right), up, atol=1e-12)
+    ch, sh, cp, sp = np.cos(heading), np.sin(heading), np.cos(pitch), np.sin(pitch)
+    cr, sr = np.cos(roll), np.sin(roll)
+    yaw = np.array([[ch, 0, sh], [0, 1, 0], [-sh, 0, ch]])  # ahead comes to the right
+    rise = np.array([[1, 0, 0], [0, cp, sp], [0, -sp, cp]])  # ahead comes up
+    clockwise = np.array([[cr, sr, 0], [-sr, cr, 0], [0, 0, 1]])  # up comes to the right
+    np.testing.assert_allclose(axes, (yaw @ rise @ clockwise).T, atol=1e-12)

@@ -1,0 +1,22 @@
+"""What computers may be called, and where they are called: the same in theatre files and keys."""
+
+import ipaddress
+
+# Of ASCII, as names become those of files; `\Z`, as `$` would let a line's end through.
+NAME = r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}\Z"
+
+
+def parse_address(address: str) -> tuple[ipaddress.IPv4Address | ipaddress.IPv6Address, int]:
+    """The IP address and the port of ``127.0.0.1:5560``; a ValueError says what was expected.
+
+    Names of hosts are not looked up, and so ``localhost`` is none.
+    """
+    host, _, port = address.rpartition(":")
+    try:
+        if not port.isascii() or not port.isdecimal() or not 1 <= int(port) <= 65535:
+            raise ValueError
+        return ipaddress.ip_address(host.strip("[]")), int(port)
+    except ValueError:
+        raise ValueError(
+            f"address {address!r}: expected an IP address and a port, such as 127.0.0.1:5560"
+        ) from None
