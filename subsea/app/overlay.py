@@ -10,7 +10,7 @@ import imgui_bundle
 from imgui_bundle import imgui
 
 from subsea.state import Submarine
-from subsea.view.rig import Rig, front
+from subsea.view.rig import Rig, front, seen_part
 
 Row = tuple[str, str, str]  # what, by the mouse, by keys
 
@@ -87,10 +87,15 @@ def panes(rig: Rig, page: Callable[[int], None]) -> tuple[Pane, ...]:
         [choose(p.place[axis] + far * p.place[axis + 2] for p in parts) for axis in (0, 1)]
         for choose, far in ((min, 0), (max, 1))
     )
-    screen = (high[0] - low[0]) / width, (high[1] - low[1]) / height
+    # As much of it as is seen of each part.
+    seen, place = seen_part(ahead), ahead.place
+    screen = (
+        (high[0] - low[0]) / width * seen[2] / place[2],
+        (high[1] - low[1]) / height * seen[3] / place[3],
+    )
     found = []
     for patch in parts:
-        x, y, across, up = patch.place
+        x, y, across, up = seen_part(patch)
         top = height - y - up
         share = x / width, top / height, across / width, up / height
         found.append(Pane(*share, screen, patch.page, page))

@@ -13,7 +13,7 @@ from subsea.render.marks import Seen
 from subsea.state import MENTAL_STATES
 from subsea.view.camera import View
 from subsea.view.retina import Gaze, body_at, retina_rig, ridden, rider
-from subsea.view.rig import Patch, Pose, Rect, Rig, front, seen_by, views
+from subsea.view.rig import Patch, Pose, Rect, Rig, front, seen_by, seen_part, views
 from subsea.world import TICK_S, World
 
 Array = NDArray[np.floating[Any]]
@@ -94,7 +94,7 @@ def with_insets(rig: Rig) -> tuple[Rig, tuple[Rect, ...]]:
     """
     ahead = front(rig)
     screen = ahead.output, ahead.channel
-    wide = ahead.place[2] * ahead.squeezed[0]
+    wide = seen_part(ahead)[2] * ahead.squeezed[0]
     across, up = max(int(WIDE * wide), 16), max(int(WIDE * wide / ASPECT), 12)
     bottom = rig.canvas[1]
     insets = tuple((k * across, bottom, across, up) for k in range(len(SIDES)))
@@ -110,7 +110,7 @@ def with_insets(rig: Rig) -> tuple[Rig, tuple[Rect, ...]]:
 
 def places(patch: Patch, size: tuple[int, int]) -> tuple[Rect, Rect]:
     """Where insets of `size` lie over a patch, as squeezed as it is; left and right."""
-    x, y, across, up = patch.place
+    x, y, across, up = seen_part(patch)
     width, height = (round(a / b) for a, b in zip(size, patch.squeezed, strict=True))
     aside = round(EDGE * across)
     below = round(EDGE * across * patch.squeezed[0] / patch.squeezed[1])

@@ -118,6 +118,20 @@ def front(rig: Rig) -> Patch:
     return max(rig.patches, key=lambda patch: max(map(_ahead, seen_by(rig, patch)), default=-1.0))
 
 
+def seen_part(patch: Patch) -> Rect:
+    """The largest rectangle of a patch's place in which all is seen: of a dome that of its circle.
+
+    In pixels of the output. What a mesh makes of a place is not known: then it is all of it.
+    """
+    x, y, width, height = patch.place
+    if patch.shape != Shape.DOME or patch.warp is not None:
+        return patch.place
+    sides = width * patch.squeezed[0], height * patch.squeezed[1]
+    square = min(sides) / np.sqrt(2.0)
+    across, up = (max(int(square / by), 1) for by in patch.squeezed)
+    return x + (width - across) // 2, y + (height - up) // 2, across, up
+
+
 def seen_by(rig: Rig, patch: Patch) -> list[Eye]:
     """The eyes that draw what a patch shows, of a stereo one those of the left eye first."""
     return [

@@ -19,7 +19,7 @@ from subsea.resources import resource_path
 from subsea.scenario import load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.retina import Gaze, ridden
-from subsea.view.rig import pose, views
+from subsea.view.rig import pose, seen_part, views
 from subsea.view.rigs import display_rig
 
 SIZE = (400, 300)
@@ -101,7 +101,7 @@ def test_insets_lie_over_their_pictures_in_their_shape_and_apart_on_the_canvas(d
         under = rig.patches[k // 2]
         assert patch.left == patch.right == insets[k % 2]
         x, y, width, height = patch.place
-        left, bottom, across, up = under.place
+        left, bottom, across, up = seen_part(under)
         assert left < x < x + width < left + across
         assert bottom + 0.4 * up < y < y + height < bottom + up
         shape = width * under.squeezed[0] / (height * under.squeezed[1])

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from subsea.view.camera import off_axis
-from subsea.view.rig import Eye, Patch, Rig, front, part_of, seen_by
+from subsea.view.rig import Eye, Patch, Rig, Shape, front, part_of, seen_by, seen_part
 from subsea.view.rigs import DISPLAYS, display_rig
+from subsea.view.surround import ALL_ROUND, directions
 
 
 def turned(degrees):
@@ -58,3 +59,18 @@ def test_a_part_has_its_outputs_and_only_the_eyes_that_they_need():
 def test_the_whole_is_a_part(display):
     rig = display_rig(display, (64, 48))
     assert part_of(rig, [0]) == rig
+
+
+@pytest.mark.parametrize("size", [(800, 600), (600, 800), (501, 499)])
+@pytest.mark.parametrize("squeezed", [(1.0, 1.0), (2.0, 1.0), (1.0, 2.0)])
+def test_of_a_dome_all_is_seen_in_the_square_within_its_circle(size, squeezed):
+    (patch,) = display_rig("dome", size).patches
+    assert seen_part(patch._replace(shape=Shape.PANORAMA)) == patch.place
+    across, up = (int(n / by) for n, by in zip(size, squeezed, strict=True))
+    x, y, width, height = seen_part(patch._replace(place=(7, 9, across, up), squeezed=squeezed))
+    corners = np.array([(a, b) for a in (x, x + width) for b in (y, y + height)], float)
+    off = (corners - [7, 9]) * squeezed - np.array(size) / 2  # from the middle, on the screen
+    radius = min(size) / 2
+    np.testing.assert_allclose(np.linalg.norm(off, axis=1), radius, atol=3.0)
+    shown = directions("dome", size, ALL_ROUND, np.array(size) / 2 + 0.98 * off)
+    assert not np.isnan(shown).any()
