@@ -52,7 +52,7 @@ def difference(theirs: Identity, ours: Identity) -> str:
             "processor that rounds otherwise"
         )
     elif theirs.view != ours.view:
-        what = "another theatre file, --display, --eye-distance or --comfort"
+        what = "another theatre file or calibration, --display, --eye-distance or --comfort"
     return f"has subsea {theirs.version} with {what}" if what else ""
 
 

@@ -150,7 +150,7 @@ def test_a_node_that_would_look_otherwise_is_refused(tmp_path, worlds):
     follow = muster(*found, "left", view="anaglyph")(worlds[1], Pilot())
     end = time.monotonic() + 20.0
     try:
-        with pytest.raises(UserError, match=r"refuses node left: .* another theatre file, --displ"):
+        with pytest.raises(UserError, match=r"refuses node left: .* another theatre file or calib"):
             while time.monotonic() < end:
                 follow.picture(0.1)
                 lead.picture(0.0)

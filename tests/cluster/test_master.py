@@ -156,7 +156,10 @@ def test_another_scenario_or_seed_is_refused_on_both_sides(bridge, seas, make_se
         ),
         ({"species": "0"}, "with other species"),
         ({"repertoires": "0"}, "with other repertoires"),
-        ({"view": "0"}, "with another theatre file, --display, --eye-distance or --comfort"),
+        (
+            {"view": "0"},
+            "with another theatre file or calibration, --display, --eye-distance or --comfort",
+        ),
     ],
 )
 def test_what_would_not_stay_equal_is_named(seas, changes, words):
