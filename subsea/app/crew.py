@@ -7,13 +7,11 @@ from typing import Protocol
 
 from subsea.app.clock import Clock
 from subsea.app.console import say
+from subsea.app.credentials import credentials
 from subsea.app.pilot import Pilot
 from subsea.app.tour import Steer
 from subsea.cluster.follower import Follower
-from subsea.cluster.keys import read_keys
-from subsea.cluster.link import endpoint
 from subsea.cluster.master import Master
-from subsea.errors import UserError, unknown
 from subsea.ocean import step
 from subsea.submarine.helm import HANDS_OFF, Helm
 from subsea.submarine.rail import Rail
@@ -174,20 +172,15 @@ def muster(
     Keys that are missing and an address that needs some are UserErrors, here rather than when the
     world is there.
     """
-    cluster, others = theatre.cluster, [name for name in theatre.nodes if name != node]
-    if node is not None and node not in theatre.nodes:
-        raise UserError(f"{path}: {unknown('node', node, list(theatre.nodes))}")
+    cluster = theatre.cluster
     if node is None or cluster is None:
         return alone(tour)
+    keys = credentials(cluster, theatre.nodes, node, path)
     address, timeout_s, master = cluster.address, cluster.timeout_s, cluster.master
-    leads = node == master
-    keys = None
-    if cluster.keys is not None:
-        keys = read_keys(path.parent / cluster.keys, node, others if leads else [master])
-    endpoint(address, keys)
+    others = [name for name in theatre.nodes if name != node]
 
     def made(world: World, pilot: Pilot) -> Crew:
-        if leads:
+        if node == master:
             carried = tour(world) if tour else None  # puts the submarine at the tour's beginning
             led = Master(world, others, address, keys, timeout_s, say, view)
             return Leading(led, pilot, carried)

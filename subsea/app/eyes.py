@@ -92,7 +92,7 @@ def film_eyes(
     if kind_of(out) != "folder":
         raise UserError(f"{out}: labelled frames need the name of a folder")
     chosen, source = load_scenario(scenario)
-    check_fish(eyes, chosen)
+    fish = find_fish(eyes, chosen)
     course = None if tour == AUTOPILOT else course_of(chosen, tour)
     seconds = length_s(seconds, start, course)
     rate = frame_rate(fps)
@@ -112,7 +112,6 @@ def film_eyes(
         context = stack.enter_context(headless())
         world = start_world(scenario, seed)
         steer = guide(world, course)
-        fish = find_fish(eyes, world)
         by = rider(world, fish)
         rig = retina_rig(size, by.half_cm, gaze, field_deg)
         check = stack.enter_context(interrupts.deferred())
@@ -152,31 +151,24 @@ def film_eyes(
     return 0
 
 
-def check_fish(name: str, scenario: Scenario) -> None:
-    """Whether a fish may be called so: by its number, its species, or species:number."""
-    species, colon, number = name.partition(":")
-    known = scenario.species
-    if name.isdecimal() or (species in known and (not colon or number.isdecimal())):
-        return
-    if not colon or species not in known:
-        raise unknown("fish", species, known)
-    raise UserError(f"fish {name!r}: expected a number, a species or SPECIES:NUMBER")
+def find_fish(name: str, scenario: Scenario) -> int:
+    """The number that a scenario's world gives the fish called so; another one is a UserError.
 
-
-def find_fish(name: str, world: World) -> int:
-    """The number of the fish called so; another one is a UserError.
-
-    Those of a species are counted from 0, in the order of their numbers.
+    A fish is called by its number, its species, or SPECIES:NUMBER. Those of a species are counted
+    from 0, in the order of their numbers.
     """
-    kinds = world.state.fishes.species
-    if name.isdecimal():
-        found: Ints = np.arange(len(kinds))
-        number, of = int(name), ""
-    else:
-        species, _, count = name.partition(":")
-        names = world.scenario.species
-        found = np.flatnonzero(kinds == names.index(species)) if species in names else kinds[:0]
-        number, of = int(count or 0), f" of {species}"
+    kinds = np.repeat(
+        [shoal.species for shoal in scenario.fish], [shoal.number for shoal in scenario.fish]
+    )
+    found, of, count = np.arange(len(kinds)), "", name
+    if not name.isdecimal():
+        species, colon, count = name.partition(":")
+        if species not in (known := scenario.species):
+            raise unknown("fish", species, known)
+        if colon and not count.isdecimal():
+            raise UserError(f"fish {name!r}: expected a number, a species or SPECIES:NUMBER")
+        found, of = np.flatnonzero(kinds == species), f" of {species}"
+    number = int(count or 0)
     if number >= len(found):
         last = f"0 to {len(found) - 1}" if len(found) else "none, there is no such fish"
         raise UserError(f"no fish {number}{of}: expected {last}")

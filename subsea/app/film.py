@@ -10,7 +10,7 @@ from subsea import interrupts
 from subsea.app.console import counted, say
 from subsea.app.house import chosen_rig, told
 from subsea.app.progress import progress
-from subsea.app.reels import check_reel, fitting, frame_rate, open_reels
+from subsea.app.reels import check_reel, fitting, frame_rate, open_reels, written_to
 from subsea.app.start import headless, picture_maker, start_world
 from subsea.app.tags import NO_TAGS, tags_for
 from subsea.app.takes import begin, description, missing_frames
@@ -69,6 +69,7 @@ def film(
     size = fitting(kind, size)
     rig, windows = chosen_rig(display, size, stereo, surround, theatre, shrink)
     sizes = {name: fitting(kind, shown) for name, shown in zip(windows, rig.outputs, strict=True)}
+    names = written_to(out, windows)
     rate = frame_rate(fps)
     times = [start + seconds] if kind == "picture" else instants(start, seconds, rate)
     missing = list(range(len(times)))
@@ -96,7 +97,7 @@ def film(
             # In a theatre every channel has two eyes, which no player knows.
             tags = tags_for(display) if theatre is None else NO_TAGS
             write = stack.enter_context(open_reels(out, sizes, rate, tags))
-            say(_intent(out, len(times), missing))
+            say(_intent(names, len(times), missing))
             done = stack.enter_context(progress(len(times), "frame", len(times) - len(missing)))
             memory = nothing_drawn(len(world.state.fishes.species))
             wanted = set(missing)
@@ -123,9 +124,9 @@ def film(
                 durations.append(drawn - begun)
                 done()
     except KeyboardInterrupt:
-        _report(out, kind, durations)
+        _report(names, kind, durations)
         raise
-    _report(out, kind, durations)
+    _report(names, kind, durations)
     return 0
 
 
@@ -157,15 +158,15 @@ def reach(
     return alpha
 
 
-def _intent(out: Path, frames: int, missing: list[int]) -> str:
+def _intent(names: str, frames: int, missing: list[int]) -> str:
     """What is going to be done, in words."""
     if len(missing) == frames:
-        return f"filming to {out}"
+        return f"filming to {names}"
     lacking = counted(len(missing), "frame", "frames")
-    return f"filming to {out}: {lacking} of {frames} missing, from {missing[0]} on"
+    return f"filming to {names}: {lacking} of {frames} missing, from {missing[0]} on"
 
 
-def _report(out: Path, kind: str, durations: list[float]) -> None:
-    """Tell what lies in `out` now; nothing where no picture was written."""
+def _report(names: str, kind: str, durations: list[float]) -> None:
+    """Tell what lies in the files of these names now; nothing where no picture was written."""
     if durations:
-        print(f"{out}: {'written' if kind == 'picture' else sentence(durations)}")
+        print(f"{names}: {'written' if kind == 'picture' else sentence(durations)}")

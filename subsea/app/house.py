@@ -7,10 +7,11 @@ from typing import NamedTuple
 
 import msgspec
 
-from subsea.app.console import say
+from subsea.app.console import counted, say
+from subsea.app.credentials import cluster_faults
 from subsea.errors import UserError, unknown
 from subsea.theatre.channels import Lighted, channels
-from subsea.theatre.files import Channel, Theatre, Window, load_theatre
+from subsea.theatre.files import FEWEST_PIXELS, Channel, Theatre, Window, load_theatre
 from subsea.theatre.rig import seen_channels, theatre_rig
 from subsea.theatre.warp import describe_warp
 from subsea.view.rig import Rig
@@ -19,8 +20,6 @@ from subsea.view.stereo import EYES, Stereo
 from subsea.view.surround import ALL_ROUND, Surround
 
 NOT_SHRUNK = "--shrink is of a --theatre; take a smaller --size"
-LEAST = 16  # pixels a side of what is left of a window
-FEWEST = 2  # pixels a side of what is left of a part of one: one for each eye
 
 
 class House(NamedTuple):
@@ -45,6 +44,8 @@ def open_house(
     pixels a side. A theatre of which nothing can be shown is a UserError.
     """
     theatre, path = load_theatre(name)
+    if node is not None and theatre.cluster is None:
+        raise UserError(f"{path}: has no [cluster]; drop --node")
     if node is not None and node not in theatre.nodes:
         raise UserError(f"{path}: {unknown('node', node, list(theatre.nodes))}")
     theatre = shrunk(theatre, shrink)
@@ -112,13 +113,14 @@ def shown_windows(theatre: Theatre, found: Sequence[Lighted], node: str | None) 
 def shrunk(theatre: Theatre, times: int) -> Theatre:
     """The same theatre with so many times fewer pixels a side.
 
-    A UserError if of a channel less than `FEWEST` would be left.
+    A UserError if of a window or a part of one less would be left than its file may say.
     """
     if times == 1:
         return theatre
 
     def less(window: Window) -> Window:
-        size = tuple(max(pixels // times, LEAST) for pixels in window.size)
+        size = window.size[0] // times, window.size[1] // times
+        _check_left(times, size, f"window {window.name!r}")
         place = None if window.position is None else tuple(x // times for x in window.position)
         return msgspec.structs.replace(window, size=size, position=place)
 
@@ -127,18 +129,23 @@ def shrunk(theatre: Theatre, times: int) -> Theatre:
             return channel
         x, y, width, height = channel.viewport
         left, top = x // times, y // times  # edges that meet go on to meet
-        place = left, top, (x + width) // times - left, (y + height) // times - top
-        if min(place[2:]) < FEWEST:
-            raise UserError(
-                f"--shrink {times} leaves {place[2]}x{place[3]} pixels of channel {channel.name!r}"
-            )
-        return msgspec.structs.replace(channel, viewport=place)
+        size = (x + width) // times - left, (y + height) // times - top
+        _check_left(times, size, f"channel {channel.name!r}")
+        return msgspec.structs.replace(channel, viewport=(left, top, *size))
 
     return msgspec.structs.replace(
         theatre,
         window=[less(window) for window in theatre.window],
         channel=[smaller(channel) for channel in theatre.channel],
     )
+
+
+def _check_left(times: int, size: tuple[int, int], what: str) -> None:
+    if min(size) < FEWEST_PIXELS:
+        raise UserError(
+            f"--shrink {times} leaves {size[0]}x{size[1]} pixels of {what}, expected "
+            f"{FEWEST_PIXELS} or more a side"
+        )
 
 
 def describe(name: str) -> int:
@@ -166,13 +173,16 @@ def describe(name: str) -> int:
         rig = theatre_rig(theatre, found, shown_windows(theatre, found, None))
         drawn = sum(eye.viewport[2] * eye.viewport[3] for eye in rig.eyes)
         shown = sum(width * height for width, height in rig.outputs)
+        views = counted(len(rig.eyes), "view", "views")
         print(
-            f"{len(rig.eyes)} views, {drawn / 1e6:.1f} million pixels drawn for "
+            f"{views}, {drawn / 1e6:.1f} million pixels drawn for "
             f"{shown / 1e6:.1f} million shown, on a canvas of {rig.canvas[0]}x{rig.canvas[1]}"
         )
     if theatre.cluster is not None:
-        others = [node for node in theatre.nodes if node != theatre.cluster.master]
-        print(f"master {theatre.cluster.master} at {theatre.cluster.address}, with {others}")
+        master, address = theatre.cluster.master, theatre.cluster.address
+        others = ", ".join(node for node in theatre.nodes if node != master) or "nobody else"
+        print(f"master {master} at {address}, with {others}")
+        faults = (*faults, *cluster_faults(theatre.cluster, theatre.nodes, path))
     for line in faults:
         print(f"does not work: {line}")
     return 1 if faults else 0

@@ -3,7 +3,7 @@
 A theatre has several windows, each with a reel of its own beside the others.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from fractions import Fraction
 from pathlib import Path
@@ -61,6 +61,13 @@ def place_of(out: Path, window: str) -> Path:
     if not window:
         return out
     return out / window if kind_of(out) == "folder" else out.with_stem(f"{out.stem}-{window}")
+
+
+def written_to(out: Path, windows: Iterable[str]) -> str:
+    """The files that hold the pictures of those windows, in words; of a folder its own name."""
+    if kind_of(out) == "folder":
+        return str(out)
+    return ", ".join(str(place_of(out, window)) for window in windows)
 
 
 def frame_file(folder: Path, number: int) -> Path:

@@ -60,20 +60,28 @@ def _refuse_another(out: Path, wanted: Mapping[str, Any]) -> None:
     path = out / NAME
     if not path.exists():
         raise UserError(f"{out}: holds numbered pictures of unknown origin, name another folder")
+    elsewhere = f"name another folder, or remove {out}"
     try:
         found = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as fault:
         raise UserError(
-            f"{path}: cannot read what the pictures are of, name another folder"
+            f"{path}: damaged, so that nobody knows what the pictures are of; {elsewhere}"
         ) from fault
     if not isinstance(found, dict):
-        raise UserError(f"{path}: expected a description of a film, name another folder")
+        raise UserError(f"{path}: damaged, expected a description of a film; {elsewhere}")
     for key in [*wanted, *(key for key in found if key not in wanted)]:
         there, here = found.get(key), wanted.get(key)
         if there != here:
             if key == "sha256":
                 raise UserError(f"{out}: the scenario has changed since, name another folder")
             raise UserError(
-                f"{out}: holds another film: `{key}` is {json.dumps(there)} there and "
-                f"{json.dumps(here)} here, name another folder"
+                f"{out}: holds another film: `{key}` is {_words(key, there)} there and "
+                f"{_words(key, here)} here, name another folder"
             )
+
+
+def _words(key: str, value: Any) -> str:
+    """An option as a person would say it."""
+    if value is not None:
+        return json.dumps(value)
+    return "the scenario's own" if key == "seed" else "not given"

@@ -18,7 +18,8 @@ FOLDER = "assets/theatres"
 MOST_WINDOWS = 32
 MAIN = "main"  # the node of windows that name none
 
-Pixels = Annotated[int, msgspec.Meta(ge=16, le=16384)]
+FEWEST_PIXELS = 16  # a side of a window or of a part of one
+Pixels = Annotated[int, msgspec.Meta(ge=FEWEST_PIXELS, le=16384)]
 Offset = Annotated[int, msgspec.Meta(ge=-100_000, le=100_000)]
 Positive = Annotated[float, msgspec.Meta(gt=0, le=1e5)]
 Away = Annotated[float, msgspec.Meta(ge=50, le=1e5)]  # of what is all round: both eyes are within

@@ -184,10 +184,8 @@ def test_what_decides_how_pictures_meet(tmp_path, monkeypatch):
 
 def test_faults_of_a_cluster_are_told_before_there_is_a_world(tmp_path):
     found = theatre(tmp_path, "127.0.0.1:5560")
-    with pytest.raises(UserError, match=r"hall\.toml: unknown node 'lefty'; did you mean 'left'"):
-        muster(*found, "lefty")
     assert isinstance(muster(*found, None)(None, Pilot()), Alone)
-    with pytest.raises(UserError, match=r"keys are needed"):
+    with pytest.raises(UserError, match=r"hall\.toml: \[cluster\]: address .* keys are needed"):
         muster(*theatre(tmp_path, "192.0.2.7:5560"), "left")
     found = theatre(tmp_path, "192.0.2.7:5560", 'keys = "ours"\n')
     with pytest.raises(UserError, match=r"ours/right\.key_secret: cannot read"):

@@ -11,8 +11,9 @@ from PIL import Image
 
 from subsea.app import eyes
 from subsea.app.cli import main
-from subsea.app.eyes import VALUES, coded, seen_brightness
+from subsea.app.eyes import VALUES, coded, find_fish, seen_brightness
 from subsea.app.start import headless, picture_maker
+from subsea.errors import UserError
 from subsea.kinematics.rotation import from_matrix
 from subsea.ocean import create_world, step
 from subsea.render.quality import PRESETS
@@ -151,6 +152,32 @@ def test_a_film_of_another_kind_is_not_mixed_into_it(seen, tmp_path, capsys):
     assert film(plain) == 2
     assert "holds another film" in capsys.readouterr().err
     assert len(files(plain)) == 2
+
+
+@pytest.mark.parametrize("name", ["9999", "clownfish:99", "clownfish:2"])
+def test_a_fish_that_is_not_there_is_refused_before_the_sea_is_made(
+    tmp_path, capsys, monkeypatch, name
+):
+    def made(*arguments):
+        raise AssertionError
+
+    monkeypatch.setattr("subsea.app.eyes.start_world", made)
+    monkeypatch.setattr("subsea.app.eyes.headless", made)
+    assert main(["film", str(tmp_path / "out"), "--eyes", name]) == 2
+    [line] = capsys.readouterr().err.splitlines()
+    assert "expected 0 to " in line
+
+
+def test_fishes_are_called_as_the_world_numbers_them(seen):
+    scenario, counts = load_scenario("peaceful")[0], {}
+    fishes = [one for one in seen.about["identities"] if one["kind"] == "fish"]
+    for one in fishes:
+        count = counts[one["species"]] = counts.get(one["species"], -1) + 1
+        assert find_fish(f"{one['species']}:{count}", scenario) == one["number"]
+        assert find_fish(str(one["number"]), scenario) == one["number"]
+    assert len(counts) > 2
+    with pytest.raises(UserError, match=f"expected 0 to {len(fishes) - 1}"):
+        find_fish(str(len(fishes)), scenario)
 
 
 @pytest.mark.parametrize(

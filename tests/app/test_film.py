@@ -298,6 +298,11 @@ def test_a_theatre_is_filmed_into_a_reel_for_each_window(tmp_path, monkeypatch, 
     assert main(["film", str(out), "--theatre", "cave", *options]) == 0
     names = sorted(path.name for path in tmp_path.iterdir())
     assert names == ["wall-front.png", "wall-left.png", "wall-right.png"]
+    told = capsys.readouterr()
+    [done] = [line for line in told.out.splitlines() if line.endswith(": written")]
+    [begun] = [line for line in told.err.splitlines() if "filming to" in line]
+    for line in (done.removesuffix(": written"), begun.partition("filming to ")[2]):
+        assert sorted(line.split(", ")) == [str(tmp_path / name) for name in names]
     pictures = {name: np.asarray(Image.open(tmp_path / name)) for name in names}
     assert {picture.shape for picture in pictures.values()} == {(64, 64, 3)}
     assert all(picture.std() > 5 for picture in pictures.values())

@@ -6,10 +6,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.app import cli
+from subsea.app.credentials import cluster_faults, credentials
 from subsea.app.house import chosen_rig, describe, open_house, shrunk, told
+from subsea.cluster.keys import write_keys
 from subsea.errors import UserError
 from subsea.resources import resource_names
-from subsea.theatre.files import FOLDER, Channel, Dome, Theatre, Window, load_theatre
+from subsea.theatre.files import FOLDER, Channel, Cluster, Dome, Theatre, Window, load_theatre
 from subsea.view.stereo import Stereo
 
 BAD = """
@@ -117,24 +119,28 @@ def test_parts_of_a_window_meet_and_stay_within_it_when_shrunk(edge, size, times
         small = shrunk(theatre, times)
     except UserError as fault:
         assert f"--shrink {times} leaves" in str(fault)
-        assert min(edge, size[0] - edge, size[1]) < 3 * times
+        assert min(edge, size[0] - edge, size[1]) < 17 * times
         return
     (x, y, wide, high), (right, _, rest, _) = (one.viewport for one in small.channel)
     assert (x, y) == (0, 0)
     assert right == wide
     assert right + rest <= small.window[0].size[0]
     assert high <= small.window[0].size[1]
-    assert min(wide, high, rest) >= 2
+    assert min(wide, high, rest) >= 16
     assert abs(wide - edge / times) < 1
 
 
 def test_a_part_of_which_nothing_is_left_is_one_line(tmp_path, capsys):
     path = tmp_path / "a.toml"
     path.write_text(BAD.replace('"good"', '"good"\nviewport = [0, 0, 30, 48]'))
-    assert cli.main(["film", "x.mp4", "--theatre", str(path), "--shrink", "20"]) == 2
-    told = capsys.readouterr().err
-    assert "--shrink 20 leaves 1x2 pixels of channel 'good'" in told
-    assert told.count("\n") == 1
+    for times, left in ((2, "15x24 pixels of channel 'good'"), (4, "16x12 pixels of window 'a'")):
+        assert cli.main(["film", "x.mp4", "--theatre", str(path), "--shrink", str(times)]) == 2
+        told = capsys.readouterr().err
+        assert f"--shrink {times} leaves {left}, expected 16 or more a side" in told
+        assert told.count("\n") == 1
+    assert open_house("three-projectors", shrink=62).rig.outputs[0] == (23, 16)
+    with pytest.raises(UserError, match=r"--shrink 64 leaves 22x15 pixels of window 'left'"):
+        open_house("three-projectors", shrink=64)
 
 
 def test_shrinking_keeps_the_geometry():
@@ -169,6 +175,7 @@ def test_shrinking_keeps_the_geometry():
         (["film", "a.png", "--theatre", "cave", "--panorama-angle", "90"], "--panorama-angle says"),
         (["film", "a.png", "--theatre", "cave", "--screen-width", "90"], "--screen-width says"),
         (["dive", "--theatre", "cave", "--screen-distance", "90"], "--screen-distance says"),
+        (["dive", "--theatre", "cave", "--node", "left"], "cave.toml: has no [cluster]; drop"),
         (["dive", "--theatre", "cavern"], "unknown theatre 'cavern'; did you mean 'cave'?"),
     ],
 )
@@ -183,3 +190,47 @@ def test_a_node_that_is_not_there():
     with pytest.raises(UserError, match=r"unknown node 'rigth'; did you mean 'right'\?"):
         open_house("three-computers", node="rigth")
     assert open_house("three-computers", node="left").windows[0].name == "left"
+
+
+CLUSTER = """
+[cluster]
+master = "main"
+address = "192.0.2.7:5560"
+"""
+
+
+def test_a_cluster_that_cannot_be_is_told(tmp_path, capsys):
+    def judged(more):
+        path.write_text(BAD.partition('\n[[channel]]\nname = "behind"')[0] + CLUSTER + more)
+        code = cli.main(["theatre", str(path)])
+        return code, capsys.readouterr().out.partition("does not work: ")[2].rstrip()
+
+    path = tmp_path / "hall.toml"
+    code, fault = judged("")
+    assert (code, fault.count("\n")) == (1, 0)
+    assert fault.startswith(f"{path}: [cluster]: address '192.0.2.7:5560': ")
+    code, fault = judged('keys = "ours"')
+    assert code == 1
+    assert f"{path}: [cluster]: {tmp_path / 'ours' / 'main.key_secret'}: cannot read" in fault
+    write_keys(tmp_path / "ours", ["main"])
+    assert judged('keys = "ours"') == (0, "")
+    (tmp_path / "ours" / "main.key_secret").chmod(0o644)
+    code, fault = judged('keys = "ours"')
+    assert code == 1
+    assert "others may read it" in fault
+
+
+def test_only_keys_that_are_here_are_judged(tmp_path):
+    cluster = Cluster(master="middle", address="192.0.2.7:5560", keys="ours")
+    nodes, path, ours = ("left", "middle", "right"), tmp_path / "hall.toml", tmp_path / "ours"
+    write_keys(ours, nodes)
+    assert cluster_faults(cluster, nodes, path) == ()
+    for node in ("middle", "right"):
+        (ours / f"{node}.key_secret").unlink()
+    (ours / "right.key").unlink()
+    assert cluster_faults(cluster, nodes, path) == ()  # left needs the master's and its own
+    (ours / "middle.key").unlink()
+    [fault] = cluster_faults(cluster, nodes, path)
+    assert "middle.key: cannot read" in fault
+    with pytest.raises(UserError, match=r"hall\.toml: \[cluster\]: .*middle\.key: cannot read"):
+        credentials(cluster, nodes, "left", path)
