@@ -54,12 +54,12 @@ def test_shipped_scenarios_are_valid(name):
         (("radius_cm = 1300.0", "radius_cm = nan"), ["bounds.radius_cm"]),
         (("-330.0]", "inf]"), ["position_cm"]),
         (("-330.0]", "5000.0]"), ["submarine.position_cm", "outside the sea"]),
-        (("[-60.0, 40.0, -340.0]", "[-60.0, 4000.0, -340.0]"), ["fish[0].position_cm"]),
+        (("[-130.0, 40.0, -340.0]", "[-130.0, 4000.0, -340.0]"), ["fish[0].position_cm"]),
         (
-            ("[-60.0, 40.0, -340.0]", "[-60.0, 40.0, -340.0]\ntoward_cm = [0.0, 0.0, 9.0]"),
+            ("[-130.0, 40.0, -340.0]", "[-130.0, 40.0, -340.0]\ntoward_cm = [0.0, 0.0, 9.0]"),
             ["fish[0].toward_cm", "outside the sea"],
         ),
-        (("[-60.0, 40.0, -340.0]", "[-60.0, 40.0, -340.0]\nleader_cm = 900.0"), ["leader_cm"]),
+        (("[-130.0, 40.0, -340.0]", "[-130.0, 40.0, -340.0]\nleader_cm = 900.0"), ["leader_cm"]),
         (("seed = 1", "seed = 99999999999999999999999"), ["seed"]),
         (("seed = 7", "seed = 4294967296"), ["terrain.seed"]),
         (("[16.0, 23.0]", "[0.001, 23.0]"), ["fish[0].size_cm"]),
@@ -194,7 +194,7 @@ STANDS = {
     ("place", "key", "expected"),
     [
         ("[-430.0, -150.0]", "submarine.position_cm", "expected at least 45 cm off it"),
-        ("[-60.0, 45.0]", "fish[0].position_cm", "expected outside it"),
+        ("[-130.0, 45.0]", "fish[0].position_cm", "expected outside it"),
         ("[300.0, 310.0]", "fish[0].toward_cm", "expected outside it"),
         ("[300.0, -310.0]", "hook", "expected outside it"),
     ],
@@ -211,7 +211,7 @@ def test_nothing_may_begin_inside_what_stands_there(tmp_path, solid, place, key,
     ("key", "given", "low"),
     [
         ("submarine.position_cm", "[-430.0, -60.0, -330.0]", "[{}, {}, {}]"),
-        ("fish[0].position_cm", "[-60.0, 40.0, -340.0]", "[{}, {}, {}]"),
+        ("fish[0].position_cm", "[-130.0, 40.0, -340.0]", "[{}, {}, {}]"),
         ("fish[0].toward_cm", "[300.0, 300.0, -340.0]", "[{}, {}, {}]"),
         ("hook", "[300.0, -300.0]\ndepth_cm = 340.0", "[{}, {}]\ndepth_cm = {}"),
     ],
@@ -292,14 +292,14 @@ def test_fishes_that_the_dice_put_into_a_rock_are_moved_out_of_it(tmp_path):
 
 def test_a_school_has_the_leader_and_the_aim_that_it_is_given(tmp_path):
     path = tmp_path / "led.toml"
-    place = "position_cm = [-60.0, 40.0, -340.0]"
+    place = "position_cm = [-130.0, 40.0, -340.0]"
     given = place + "\nleader_cm = 31.0\ntoward_cm = [500.0, 0.0, -300.0]"
     path.write_text(BARE.replace(place, given))
     world = create_world(load_scenario(str(path))[0])
     fishes, minds = world.state.fishes, world.state.minds
     assert fishes.length[0] == 31.0
     assert fishes.length[1:33].max() <= 23.0
-    assert fishes.position[0] == pytest.approx([-60.0, 40.0, -340.0])
+    assert fishes.position[0] == pytest.approx([-130.0, 40.0, -340.0])
     for _ in range(30):
         step(world, HANDS_OFF)
     assert minds.waypoint[0] == pytest.approx([500.0, 0.0, -300.0])
