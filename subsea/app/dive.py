@@ -207,11 +207,12 @@ class Dive:
         if self._fixed is None and self.window.size != self._rig.outputs[0]:
             self._take_rig()
             self._arrange()
-            self._draw_pattern()
         if self._ride is not None:
             self._ride.glance(*self.pilot.glance, elapsed_s)
             if not self.world.state.fishes.alive[self._ride.by.fish]:
                 self._mount(None)
+        if bool(self._insets) != self._with_insets:
+            self._arrange()
         if not self._pattern:
             self._draw()
         if self._pattern or not self._direct:
@@ -248,7 +249,7 @@ class Dive:
         fish = self._ride.by.fish
         packet = replace(packet, passing_cm_s=velocity_of(self.world, fish))
         self._renderer.draw(packet, into)
-        if self._look != "colours":
+        if self._insets and self._look != "colours":
             numbers = range(len(seen) - len(self._insets), len(seen))
             maps = self._renderer.look_up(packet, numbers, joined(self._insets))
             picture = pictured(maps, self._look)
@@ -268,6 +269,7 @@ class Dive:
         self._seen_tick = self.world.state.tick
         light = seen_brightness(self._renderer, self.world, self._ride.by)
         self.world.seen_light[self._ride.by.fish] = light
+        self._draw_pattern()  # seeing has emptied the renderer's own pictures
 
     def _views(self) -> tuple[View, ...]:
         """What is seen from the submarine, or from the fish that is ridden."""
@@ -284,15 +286,24 @@ class Dive:
         self._memory = nothing_drawn(len(self.world.state.fishes.species))  # no fade at the jump
         self._arrange()
 
+    @property
+    def _with_insets(self) -> bool:
+        """Whether there is room for what a fish's eyes see: beside the help there is not."""
+        return self._ride is not None and not self._pattern and self.overlay.help_opacity == 0.0
+
     def _arrange(self) -> None:
-        """Have the renderer draw what is to be seen: the rig, and what a fish's eyes see."""
-        rig, self._insets = self._rig, ()
-        if self._ride is not None:
-            rig, self._insets = with_insets(self._rig)
+        """Have the renderer draw what is to be seen: the rig, what a fish's eyes see, a pattern."""
+        rig, self._insets = with_insets(self._rig) if self._with_insets else (self._rig, ())
         self._renderer.arrange(rig)
+        self._draw_pattern()
 
     def _write(self, elapsed_s: float) -> None:
-        """What is to be read over the picture: instruments and help, or what is waited for."""
+        """What is to be read over the picture: instruments and help, or what is waited for.
+
+        Nothing over the test pattern, by which projectors are measured.
+        """
+        if self._pattern:
+            return
         scale, where = self.window.text_scale, self._panes
         if not self._crew.hands:
             self.overlay.caption(self._crew.waiting, scale, where)
@@ -311,7 +322,7 @@ class Dive:
 
     def _grant(self, wish: Wish) -> None:
         """Do what the visitor asked for by a key."""
-        if wish == "help":
+        if wish == "help" and not self._pattern:
             self.overlay.toggle_help()
         elif wish == "ride" and not self._pattern and not self._crew.shared:
             fish = nearest_to_middle(self.world, self._views()[front_view(self._rig)])
@@ -322,10 +333,9 @@ class Dive:
         elif wish == "look":
             self._look = LOOKS[(LOOKS.index(self._look) + 1) % len(LOOKS)]
         elif wish == "pattern":
-            self._mount(None)  # the pattern is of the rig alone
             self._pattern = not self._pattern
             self._pace = pacing.resumed(self._pace)
-            self._draw_pattern()
+            self._arrange()
         elif wish == "quality":
             self._quality = CHOICES[(CHOICES.index(self._quality) + 1) % len(CHOICES)]
             self._pace = pacing.resumed(self._pace)

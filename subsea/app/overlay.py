@@ -2,6 +2,7 @@
 
 import ctypes
 import math
+import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -35,7 +36,7 @@ HELP: tuple[Row, ...] = (
     ("Leave", "", "Esc"),
 )
 TEXT_PT = 18.0
-ROOM = 30.0, 20.0  # what the help needs of the screen at least, in heights of its letters
+ROOM = 34.0, 20.0  # what the help needs of the screen at least, in heights of its letters
 BESIDE = 50.0  # with so much room it stands beside the instruments, else above them
 SQUEEZED = 1.2  # how much larger, and bold, text is whose strokes would be lost
 FADE_S = 1.5
@@ -183,9 +184,10 @@ class Overlay:
         size = imgui.get_io().display_size
         note = quality if self._help > 0.0 or self._note_s > 0.0 else ""
         line = riding or readout(submarine, throttle, stopping)
-        self._line("   ".join(filter(None, (line, note))), size)
+        high = self._line(unbroken("   ".join(filter(None, (line, note)))), size)
         if self._help > 0.0:
-            self._help_panel(size)
+            beside = size.x > BESIDE * imgui.get_font_size() and not riding
+            self._help_panel(size, 0.0 if beside else high)
         self._end(panes)
 
     def caption(self, text: str, scale: float, panes: Sequence[Pane] = (WHOLE,)) -> None:
@@ -242,18 +244,21 @@ class Overlay:
             data.framebuffer_scale = imgui.ImVec2(across / wider, down / higher)
             imgui.backends.opengl3_render_draw_data(data)
 
-    def _line(self, text: str, size: Any) -> None:
-        line = imgui.get_font_size()
-        x, y = 1.2 * line, size.y - 2.2 * line
+    def _line(self, text: str, size: Any) -> float:
+        """Text at the foot, in as many lines as it needs; where it ends, from below."""
+        line, font = imgui.get_font_size(), imgui.get_font()
+        room = size.x - 2.4 * line
+        high = imgui.calc_text_size(text, wrap_width=room).y
+        x, y = 1.2 * line, size.y - 1.2 * line - high
         canvas = imgui.get_background_draw_list()
-        canvas.add_text((x + 1.0, y + 1.0), _colour((0.0, 0.05, 0.08), 0.6), text)
-        canvas.add_text((x, y), _colour(INK, 0.85), text)
+        for off, ink in ((1.0, _colour((0.0, 0.05, 0.08), 0.6)), (0.0, _colour(INK, 0.85))):
+            canvas.add_text(font, line, (x + off, y + off), ink, text, wrap_width=room)
+        return 1.2 * line + high
 
-    def _help_panel(self, size: Any) -> None:
+    def _help_panel(self, size: Any, above: float) -> None:
         line = imgui.get_font_size()
-        lines_below = 1.2 if size.x > BESIDE * line else 3.2
         flags = imgui.WindowFlags_
-        corner = size.x - 1.2 * line, size.y - lines_below * line
+        corner = size.x - 1.2 * line, size.y - (above + (1.0 if above else 1.2) * line)
         imgui.set_next_window_pos(corner, 0, (1.0, 1.0))
         imgui.set_next_window_bg_alpha(0.55)
         imgui.push_style_var(imgui.StyleVar_.alpha.value, self._help)
@@ -287,6 +292,11 @@ def help_rows(rides: bool, full_screen: bool) -> tuple[Row, ...]:
     """What the help has to tell where fishes can be ridden, and windows can fill the screen."""
     missing = (() if rides else RIDING) + (() if full_screen else (FULL_SCREEN,))
     return tuple(row for row in HELP if row not in missing)
+
+
+def unbroken(text: str) -> str:
+    """The same text, whose lines end between its parts only: three blanks are between them."""
+    return re.sub(r"(?<! ) (?! )", "\u00a0", text)
 
 
 def readout(submarine: Submarine, throttle: float, stopping: bool) -> str:

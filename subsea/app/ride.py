@@ -13,7 +13,17 @@ from subsea.render.marks import Seen
 from subsea.state import MENTAL_STATES
 from subsea.view.camera import View
 from subsea.view.retina import Gaze, body_at, retina_rig, ridden, rider
-from subsea.view.rig import Patch, Pose, Rect, Rig, front, seen_by, seen_part, views
+from subsea.view.rig import (
+    Patch,
+    Pose,
+    Rect,
+    Rig,
+    brought_together,
+    front,
+    seen_by,
+    seen_part,
+    views,
+)
 from subsea.world import TICK_S, World
 
 Array = NDArray[np.floating[Any]]
@@ -24,6 +34,7 @@ WIDE, ASPECT, EDGE = 0.27, 4 / 3, 0.02  # of an inset: share of the screen; its 
 STEADY_S, LEVEL_S = 0.35, 0.8  # in which the view follows the way the fish heads, and its roll
 GLANCE_DEG_S = 60.0
 MOST_PAN_DEG, MOST_TILT_DEG = 120.0, 70.0
+LINE = np.array([[[0.0, 0.0, 0.0, 0.75]]])  # the mask of the frame round an inset: all is light
 GREY_CM = 250.0  # over which what is farther gets darker by a factor e
 
 
@@ -68,12 +79,17 @@ class Ride:
     def views(
         self, world: World, rig: Rig, insets: Sequence[Rect], alpha: float
     ) -> tuple[View, ...]:
-        """Those of a rig that hangs on the fish, then those of its eyes in the `insets`."""
-        seen = list(views(rig, self.observer(world, alpha)))
-        width, height = insets[0][2:]
-        eyes = retina_rig((width, height), self.by.half_cm, self.gaze)
-        for view, inset in zip(views(eyes, ridden(world, self.by, alpha)), insets, strict=True):
-            seen.append(replace(view, viewport=inset))
+        """Those of a rig that hangs on the fish, then those of its eyes in the `insets`, if any.
+
+        Eyes of a rig are no farther apart than the fish's: two that are could not be brought to
+        bear on its neighbours.
+        """
+        near = brought_together(rig, self.by.half_cm)
+        seen = list(views(near, self.observer(world, alpha)))
+        if insets:
+            eyes = retina_rig(insets[0][2:], self.by.half_cm, self.gaze)
+            for view, inset in zip(views(eyes, ridden(world, self.by, alpha)), insets, strict=True):
+                seen.append(replace(view, viewport=inset))
         return tuple(replace(view, without=self.by.fish) for view in seen)
 
     def text(self, world: World, look: Look) -> str:
@@ -90,7 +106,8 @@ class Ride:
 def with_insets(rig: Rig) -> tuple[Rig, tuple[Rect, ...]]:
     """A rig with a picture of each eye in the upper corners of the screen ahead, for each viewer.
 
-    And where on its canvas both are to be drawn: above all else that is there.
+    And where on its canvas both are to be drawn: above all else that is there. Each picture lies
+    on a patch that is a little larger and all light: its frame.
     """
     ahead = front(rig)
     screen = ahead.output, ahead.channel
@@ -99,10 +116,11 @@ def with_insets(rig: Rig) -> tuple[Rig, tuple[Rect, ...]]:
     bottom = rig.canvas[1]
     insets = tuple((k * across, bottom, across, up) for k in range(len(SIDES)))
     patches = [
-        Patch(place, inset, inset, output=patch.output, page=patch.page)
+        Patch(part, inset, inset, output=patch.output, page=patch.page, mask=mask)
         for patch in rig.patches
         if (patch.output, patch.channel) == screen
         for place, inset in zip(places(patch, (across, up)), insets, strict=True)
+        for part, mask in ((framed(place), LINE), (place, None))
     ]
     canvas = max(rig.canvas[0], len(SIDES) * across), bottom + up
     return rig._replace(canvas=canvas, patches=(*rig.patches, *patches)), insets
@@ -118,6 +136,13 @@ def places(patch: Patch, size: tuple[int, int]) -> tuple[Rect, Rect]:
     return (x + aside, bottom, width, height), (x + across - aside - width, bottom, width, height)
 
 
+def framed(place: Rect) -> Rect:
+    """A place with the thin line round it."""
+    x, y, width, height = place
+    line = max(height // 150, 1)
+    return x - line, y - line, width + 2 * line, height + 2 * line
+
+
 def joined(insets: Sequence[Rect]) -> Rect:
     """The part of the canvas in which the insets lie beside each other."""
     left, bottom, width, height = insets[0]
@@ -128,7 +153,8 @@ def pasted(drawn: Rig, rig: Rig, picture: NDArray[np.uint8]) -> tuple[Patch, ...
     """The insets' patches, which `drawn` has more than `rig`, as taken from a picture of both."""
     height, width = picture.shape[0], picture.shape[1] // len(SIDES)
     patches = []
-    for k, patch in enumerate(drawn.patches[len(rig.patches) :]):
+    pictures = (patch for patch in drawn.patches[len(rig.patches) :] if patch.mask is None)
+    for k, patch in enumerate(pictures):
         source: Rect = (k % len(SIDES) * width, 0, width, height)
         patches.append(patch._replace(left=source, right=source))
     return tuple(patches)

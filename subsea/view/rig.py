@@ -18,6 +18,9 @@ Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
 Rect = tuple[int, int, int, int]  # x, y, width, height in pixels, origin lower left
 
+BRIGHT = 0.995  # of a mask's largest factor: less is where another projector shines too
+FINE = 100  # values a side of a mask that are asked at least, if there are so many
+
 
 class Pose(NamedTuple):
     """Where an observer is and how it looks."""
@@ -119,13 +122,14 @@ def front(rig: Rig) -> Patch:
 
 
 def seen_part(patch: Patch) -> Rect:
-    """The largest rectangle of a patch's place in which all is seen: of a dome that of its circle.
+    """The rectangle of a patch's place in which all is seen as it is, in pixels of the output.
 
-    In pixels of the output. What a mesh makes of a place is not known: then it is all of it.
+    Of a dome the largest within its circle, else what no other projector blends into. What a mesh
+    makes of a place is not known: that is left as it is.
     """
     x, y, width, height = patch.place
     if patch.shape != Shape.DOME or patch.warp is not None:
-        return patch.place
+        return patch.place if patch.mask is None else _unblended(patch, patch.mask)
     sides = width * patch.squeezed[0], height * patch.squeezed[1]
     square = min(sides) / np.sqrt(2.0)
     across, up = (max(int(square / by), 1) for by in patch.squeezed)
@@ -137,6 +141,19 @@ def seen_by(rig: Rig, patch: Patch) -> list[Eye]:
     return [
         eye for part in (patch.left, patch.right) for eye in rig.eyes if _meet(eye.viewport, part)
     ]
+
+
+def brought_together(rig: Rig, half_cm: float) -> Rig:
+    """The same rig with eyes at most `half_cm` from the observer, as if that had shrunk.
+
+    Its screens, which the projections know by their angles alone, have shrunk with it: what is a
+    tenth as far for eyes a tenth as far apart is seen as before.
+    """
+    widest = max(float(np.linalg.norm(eye.offset)) for eye in rig.eyes)
+    if widest <= half_cm:
+        return rig
+    share = half_cm / widest
+    return rig._replace(eyes=tuple(eye._replace(offset=share * eye.offset) for eye in rig.eyes))
 
 
 def part_of(rig: Rig, outputs: Sequence[int]) -> Rig:
@@ -181,6 +198,28 @@ def views(rig: Rig, observer: Pose) -> tuple[View, ...]:
         forward, up = eye.axes[2] @ axes, eye.axes[1] @ axes
         found.append(View(eye.viewport, look(place, forward, up), eye.projection, place))
     return tuple(found)
+
+
+def _unblended(patch: Patch, mask: Array) -> Rect:
+    """The part of a patch's place that it has to itself: nothing blends in there, or is masked.
+
+    Where that is less than a third a side no part is better than another: the whole place.
+    """
+    x, y, width, height = patch.place
+    factor = mask[..., :3].min(axis=2)
+    factor = factor[:: max(factor.shape[0] // FINE, 1), :: max(factor.shape[1] // FINE, 1)]
+    shared = factor < BRIGHT * factor.max()
+    rows, columns = shared.shape
+    top, bottom, left, right = 0, rows, 0, columns
+    while (rest := shared[top:bottom, left:right]).any():
+        worst = np.argmax([edge.mean() for edge in (rest[0], rest[-1], rest[:, 0], rest[:, -1])])
+        top, bottom = top + (worst == 0), bottom - (worst == 1)
+        left, right = left + (worst == 2), right - (worst == 3)
+    if right - left < columns / 3 or bottom - top < rows / 3:
+        return patch.place
+    near, far = -(-left * width // columns), right * width // columns
+    low, high = -(-(rows - bottom) * height // rows), (rows - top) * height // rows
+    return int(x + near), int(y + low), int(far - near), int(high - low)
 
 
 def _ahead(eye: Eye) -> float:

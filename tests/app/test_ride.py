@@ -12,6 +12,8 @@ from PIL import ImageGrab
 
 from subsea.app.dive import Dive
 from subsea.app.eyes import MOST_FISHES, VALUES, coded, seen_brightness
+from subsea.app.house import open_house
+from subsea.app.overlay import panes, unbroken
 from subsea.app.ride import MOST_PAN_DEG, Ride, nearest_to_middle, pictured, with_insets
 from subsea.ocean import create_world, step
 from subsea.render.marks import FISH, SEABED, WATER, Seen
@@ -19,7 +21,7 @@ from subsea.resources import resource_path
 from subsea.scenario import load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.retina import Gaze, ridden
-from subsea.view.rig import pose, seen_part, views
+from subsea.view.rig import front, pose, seen_part, views
 from subsea.view.rigs import display_rig
 
 SIZE = (400, 300)
@@ -96,8 +98,13 @@ def test_insets_lie_over_their_pictures_in_their_shape_and_apart_on_the_canvas(d
     assert more.outputs == rig.outputs
     assert more.eyes == rig.eyes
     added = more.patches[len(rig.patches) :]
-    assert len(added) == 2 * len(rig.patches)
-    for k, patch in enumerate(added):
+    frames, pictures = added[::2], added[1::2]
+    assert len(frames) == len(pictures) == 2 * len(rig.patches)
+    for frame, patch in zip(frames, pictures, strict=True):  # a line all round, and below it
+        assert frame.mask is not None
+        assert np.subtract(patch.place[:2], frame.place[:2]).tolist() == [1, 1]
+        assert np.subtract(frame.place[2:], patch.place[2:]).tolist() == [2, 2]
+    for k, patch in enumerate(pictures):
         under = rig.patches[k // 2]
         assert patch.left == patch.right == insets[k % 2]
         x, y, width, height = patch.place
@@ -109,6 +116,40 @@ def test_insets_lie_over_their_pictures_in_their_shape_and_apart_on_the_canvas(d
     assert insets[0][1] == insets[1][1] == rig.canvas[1]
     assert insets[0][0] + insets[0][2] == insets[1][0]
     assert more.canvas[1] == rig.canvas[1] + insets[0][3]
+
+
+def test_insets_lie_where_no_other_projector_shines():
+    rig = open_house("three-projectors", shrink=4).rig
+    more, _ = with_insets(rig)
+    ahead = front(rig)
+    x, _, width, _ = seen_part(ahead)
+    assert x >= 36  # 40 pixels overlap on either side; the last of these are next to nothing
+    assert 250 <= width <= ahead.place[2] - 36 - x
+    added = more.patches[len(rig.patches) :]
+    assert len(added) == 4
+    for patch in added:
+        assert patch.output == ahead.output
+        assert x < patch.place[0]
+        assert patch.place[0] + patch.place[2] < x + width
+    (pane,) = panes(rig, lambda page: None)
+    assert (pane.x, pane.width) == (x / 360, width / 360)
+    assert not pane.squeezed
+
+
+def test_on_a_fish_a_persons_eyes_are_as_near_each_other_as_its_own(world):
+    ride = Ride(world, 5)
+    one, other = ride.views(world, display_rig("side-by-side", SIZE), (), 1.0)
+    assert np.linalg.norm(one.eye - other.eye) == pytest.approx(2 * ride.by.half_cm, rel=1e-6)
+    assert 2 * ride.by.half_cm < 6.4
+
+
+def test_lines_of_instruments_end_between_their_parts():
+    assert unbroken("depth 2 m   full stop").split(" ") == [
+        "depth\u00a02\u00a0m",
+        "",
+        "",
+        "full\u00a0stop",
+    ]
 
 
 def test_maps_are_shown_as_colours_and_greys():
@@ -206,6 +247,76 @@ def test_who_is_ridden_may_go_by_the_light_ahead_of_it_wherever_it_gazes(boat):
     boat._see_brightness = False
 
 
+def words(running):
+    """Where text is over the picture: (h, w) of what it changes."""
+    with_text = whole(running)
+    draw, running.overlay.draw = running.overlay.draw, lambda *rest: None
+    without = whole(running)
+    running.overlay.draw = draw
+    return np.abs(with_text - without).max(axis=2) > 60
+
+
+def whole(running):
+    import glfw
+
+    for _ in range(2):
+        running.frame(0.0)
+    time.sleep(0.2)
+    left, top = glfw.get_window_pos(running.window.handle)
+    width, height = running.window.size
+    picture = np.asarray(ImageGrab.grab(xdisplay=os.environ["DISPLAY"]))
+    return picture[top : top + height, left : left + width, :3].astype(int)
+
+
+def test_the_help_stands_alone_and_so_does_the_pattern_after_which_the_ride_goes_on(boat):
+    key("r")
+    until(boat, lambda: boat.pilot.riding and boat._insets)
+    ride = boat._ride
+    key("h")
+    until(boat, lambda: boat.overlay.help_opacity == 1.0)
+    assert not boat._insets
+    assert boat._renderer.rig is boat._rig
+    key("t")
+    until(boat, lambda: boat._pattern)
+    assert not words(boat).any()
+    pattern = whole(boat)
+    key("h", "p")  # neither help nor instruments
+    until(boat, lambda: boat.quality == "picture medium")
+    np.testing.assert_array_equal(whole(boat), pattern)
+    key("t")
+    until(boat, lambda: not boat._pattern)
+    assert boat._ride is ride
+    key("h")
+    until(boat, lambda: boat.overlay.help_opacity == 0.0)
+    boat.frame(0.1)
+    assert boat._insets
+    key("p", "p", "p")
+    until(boat, lambda: boat.quality == "picture low")
+    key("Escape")
+    until(boat, lambda: not boat.pilot.riding)
+
+
+def test_a_line_that_is_too_long_is_several(boat):
+    import glfw
+
+    key("r")
+    until(boat, lambda: boat.pilot.riding)
+    for size, lines in (((240, 180), 2), ((1200, 300), 1)):
+        glfw.set_window_size(boat.window.handle, *size)
+        until(boat, lambda size=size: boat.window.size == size)
+        until(boat, lambda: boat.overlay.help_opacity == 0.0)
+        found = words(boat)
+        rows = found.any(axis=1).astype(int)
+        assert (np.diff(rows, prepend=0) == 1).sum() >= lines
+        columns = np.flatnonzero(found.any(axis=0))
+        assert columns[0] >= 8
+        assert columns[-1] < size[0] - 8
+    glfw.set_window_size(boat.window.handle, *SIZE)
+    until(boat, lambda: boat.window.size == SIZE)
+    key("Escape")
+    until(boat, lambda: not boat.pilot.riding)
+
+
 def test_who_is_eaten_carries_nobody(boat):
     key("r")
     until(boat, lambda: boat.pilot.riding)
@@ -224,6 +335,6 @@ def test_the_window_may_change_its_size_during_a_ride(boat):
         until(boat, lambda size=size: boat.window.size == size)
         boat.frame(0.1)
         assert boat._renderer.rig.outputs == (size,)
-        assert len(boat._renderer.rig.patches) == 3
+        assert len(boat._renderer.rig.patches) == 5  # the sea, two pictures and their frames
     key("Escape")
     until(boat, lambda: not boat.pilot.riding)

@@ -4,8 +4,21 @@ import numpy as np
 import pytest
 
 from subsea.view.camera import off_axis
-from subsea.view.rig import Eye, Patch, Rig, Shape, front, part_of, seen_by, seen_part
+from subsea.view.rig import (
+    Eye,
+    Patch,
+    Rig,
+    Shape,
+    brought_together,
+    front,
+    part_of,
+    pose,
+    seen_by,
+    seen_part,
+    views,
+)
 from subsea.view.rigs import DISPLAYS, display_rig
+from subsea.view.stereo import LAYOUTS
 from subsea.view.surround import ALL_ROUND, directions
 
 
@@ -74,3 +87,69 @@ def test_of_a_dome_all_is_seen_in_the_square_within_its_circle(size, squeezed):
     np.testing.assert_allclose(np.linalg.norm(off, axis=1), radius, atol=3.0)
     shown = directions("dome", size, ALL_ROUND, np.array(size) / 2 + 0.98 * off)
     assert not np.isnan(shown).any()
+
+
+def masked(factors, added=0.0, place=(10, 20, 400, 300)):
+    """A patch whose mask has these factors (h, w), top row first."""
+    mask = np.repeat(np.asarray(factors, np.float32)[..., None], 4, axis=2)
+    mask[..., 3] = added
+    return Patch(place, place, place, mask=mask)
+
+
+def test_a_patch_without_blending_is_clear():
+    assert seen_part(masked(np.ones((30, 40)))) == (10, 20, 400, 300)
+    assert seen_part(masked(np.full((30, 40), 0.5), 0.2)) == (10, 20, 400, 300)
+    assert seen_part(masked(np.ones((3, 4)))._replace(mask=None)) == (10, 20, 400, 300)
+
+
+def test_a_patch_is_clear_between_its_blends():
+    factors = np.ones((30, 40))
+    factors[:, :4] *= np.linspace(0.1, 0.9, 4)
+    factors[:, -8:] *= np.linspace(0.9, 0.1, 8)
+    factors[:6] *= 0.5  # the upper rows
+    assert seen_part(masked(factors)) == (10 + 40, 20, 280, 240)
+
+
+@pytest.mark.parametrize("size", [(7, 5), (90, 62), (1440, 1000)])
+def test_no_clear_pixel_is_blended(size):
+    s, t = (np.arange(n) / n for n in size)
+    hill = np.minimum.outer(1.0 - (2 * t - 1.1) ** 6, 1.0 - (2 * s - 0.9) ** 8)
+    place = (10, 20, 360, 250)
+    x, y, width, height = seen_part(masked(hill, place=place))
+    assert width > 120
+    assert height > 84
+    columns = (np.arange(x - 10, x - 10 + width) + 0.5) / 360 * size[0]
+    rows = (np.arange(270 - y - height, 270 - y) + 0.5) / 250 * size[1]
+    inside = hill[np.ix_(rows.astype(int), columns.astype(int))]
+    assert inside.min() > 0.94  # a step between two values that are asked
+
+
+def test_where_all_is_blended_no_part_is_better():
+    factors = np.full((30, 40), 0.6)
+    factors[12:15, 10:14] = 1.0
+    assert seen_part(masked(factors)) == (10, 20, 400, 300)
+
+
+def seen_apart(rig, distance):
+    """How far apart, in halves of the picture, both eyes see what is so far ahead."""
+    places = []
+    for view in views(rig, pose(np.zeros(3), 0.0, 0.0))[:2]:
+        x, _, _, w = view.projection @ view.view @ (distance, 0.0, 0.0, 1.0)
+        places.append(x / w)
+    return places[0] - places[1]
+
+
+@pytest.mark.parametrize("display", LAYOUTS)
+def test_eyes_of_a_fish_see_what_is_near_as_a_person_sees_what_is_far(display):
+    rig = display_rig(display, (64, 48))
+    near = brought_together(rig, 0.32)  # a tenth of a person's
+    assert np.linalg.norm(near.eyes[0].offset - near.eyes[1].offset) == pytest.approx(0.64)
+    for distance in (60.0, 120.0, 1000.0):
+        assert seen_apart(near, distance / 10) == pytest.approx(seen_apart(rig, distance), abs=1e-6)
+    assert abs(seen_apart(near, 12.0)) < 1e-6 < seen_apart(near, 6.0) < seen_apart(rig, 6.0) / 9
+
+
+def test_eyes_that_are_near_enough_stay():
+    for display in ("mono", "side-by-side"):
+        rig = display_rig(display, (64, 48))
+        assert brought_together(rig, 3.3) is rig
