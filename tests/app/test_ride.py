@@ -301,7 +301,8 @@ def test_a_line_that_is_too_long_is_several(boat):
 
     key("r")
     until(boat, lambda: boat.pilot.riding)
-    for size, lines in (((240, 180), 2), ((1200, 300), 1)):
+    boat._ride.gaze, boat._look = Gaze(30.0, 20.0), "identity"  # which is told too
+    for size, lines in (((240, 180), 2), ((700, 300), 1)):
         glfw.set_window_size(boat.window.handle, *size)
         until(boat, lambda size=size: boat.window.size == size)
         until(boat, lambda: boat.overlay.help_opacity == 0.0)
@@ -311,6 +312,7 @@ def test_a_line_that_is_too_long_is_several(boat):
         columns = np.flatnonzero(found.any(axis=0))
         assert columns[0] >= 8
         assert columns[-1] < size[0] - 8
+    boat._look = "colours"
     glfw.set_window_size(boat.window.handle, *SIZE)
     until(boat, lambda: boat.window.size == SIZE)
     key("Escape")
