@@ -55,6 +55,18 @@ def context():
     context.release()
 
 
+@pytest.fixture(autouse=True)
+def as_if_first(request):
+    """OpenGL keeps its first error, and a framebuffer that was freed while in use makes one.
+
+    So what a test leaves is not found by another.
+    """
+    if "context" in request.fixturenames:
+        context = request.getfixturevalue("context")
+        context.detect_framebuffer(0).use()
+        assert context.error is not None  # asked for, it is forgotten
+
+
 @pytest.fixture(scope="session")
 def scene(known_repertoire):
     """Two species, two bent poses each; dunes of one sine."""

@@ -31,7 +31,7 @@ scene = Scene(
 renderer = Renderer(context, scene, display_rig("mono", (64, 36)))
 views = views_for("mono", (64, 36), pose(np.array([0.0, 0.0, -200.0]), 0.0, 0.0))
 empty = np.zeros((0, 16), np.float32)
-renderer.draw(Packet(0.0, views, empty, (), np.zeros((0, 3), np.float32), 0))
+renderer.draw(Packet(0.0, views, empty, ((),), np.zeros((0, 3), np.float32), 0))
 print(context.version_code, renderer.read_pixels().max() > 50)
 """
 
