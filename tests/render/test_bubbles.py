@@ -27,7 +27,6 @@ def places(context):
     out = context.buffer(reserve=12 * len(records))
     array = context.vertex_array(compiled, [(given, "4f4 4f4 /v", "a_vent", "a_slot")])
     target = context.simple_framebuffer((4, 4))
-    target.use()
     unit = np.eye(4, dtype="f4").tobytes()
 
     def places(time_s, current=(0.0, 0.0)):
@@ -41,6 +40,7 @@ def places(context):
             u_view_projection=unit,
             u_size=(320.0, 180.0),
         )
+        target.use()
         array.transform(out, vertices=len(records))
         return np.frombuffer(out.read(), np.float32).reshape(-1, 3).copy()
 

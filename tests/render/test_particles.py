@@ -23,7 +23,6 @@ def specks(context):
     out = context.buffer(reserve=40 * NUMBER)
     array = context.vertex_array(compiled, [(given, "3f4", "a_position")])
     target = context.simple_framebuffer((4, 4))
-    target.use()
 
     def specks(eye=(0.0, 0.0, -600.0), **changed):
         (view,) = views_for("mono", (320, 180), pose(np.array(eye), 0.4, 0.2))
@@ -41,6 +40,7 @@ def specks(context):
             **SNOW_LOOK,
         }
         set_uniforms(compiled, **(values | changed))
+        target.use()
         array.transform(out, vertices=NUMBER)
         records = np.frombuffer(out.read(), np.float32).reshape(NUMBER, 10).astype(float)
         return records[:, :4], records[:, 4:6], records[:, 6:]
