@@ -134,7 +134,6 @@ def test_three_windows_show_one_sea_whoever_dies(hall):
     after = windows()
     for name in ("left", "right"):  # the picture is held, with a line of text over its foot
         assert np.abs(after[name][:100] - before[name][:100]).mean() < 3.0
-        assert (after[name][100:].max(axis=(1, 2)) > 200).any()
         assert np.abs(after[name][100:] - before[name][100:]).max() > 60.0
     assert (nodes["right"].end(), again.end()) == (130, 130)
     assert not any("differs" in node.told for node in nodes.values())
