@@ -25,6 +25,7 @@ SHRINK = 3
 GAP = 8
 GAMMA = 2.2
 OVERLAP = 160 / 1440  # of a projector's picture
+SCREEN_CM = 550, 250  # its pixels are higher than wide
 
 
 def main() -> None:
@@ -42,7 +43,7 @@ def main() -> None:
             sea = [renderer.read_pixels(number) for number in numbers]
             renderer.show(lineup(house.rig))
             patterns = [renderer.read_pixels(number) for number in numbers]
-    rows = [_beside(sea), _lit(sea), _beside(patterns), _lit(patterns)]
+    rows = [_beside(sea), _lit(sea), _beside(patterns)]
     width = max(row.shape[1] for row in rows)
     sheet = Image.new("RGB", (width, sum(row.shape[0] + GAP for row in rows) - GAP), "white")
     top = 0
@@ -65,7 +66,9 @@ def _lit(pictures: list[np.ndarray]) -> np.ndarray:
     light = np.zeros((height, across * (len(pictures) - 1) + width, 3))
     for number, picture in enumerate(pictures):
         light[:, number * across : number * across + width] += (picture / 255.0) ** GAMMA
-    return (255.0 * np.clip(light, 0.0, 1.0) ** (1.0 / GAMMA)).astype(np.uint8)
+    shown = (255.0 * np.clip(light, 0.0, 1.0) ** (1.0 / GAMMA)).astype(np.uint8)
+    size = shown.shape[1], round(shown.shape[1] * SCREEN_CM[1] / SCREEN_CM[0])
+    return np.asarray(Image.fromarray(shown).resize(size, Image.Resampling.LANCZOS))
 
 
 if __name__ == "__main__":
