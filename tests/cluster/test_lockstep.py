@@ -58,12 +58,13 @@ def dive(tmp_path_factory, make_address):
     try:
         start("left", "left")
         right, master = start("right", "right"), start("master", "master", -1)
-        right.until(lambda node: len(node.seen) > 100)
+        # Ticks, not pictures: while the master waits for all it shows one tick again and again.
+        right.until(lambda node: len(dict(node.seen)) > 100)
         right.kill()
-        there = len(master.seen)
-        master.until(lambda node: len(node.seen) > there + 100)
+        there = len(dict(master.seen))
+        master.until(lambda node: len(dict(node.seen)) > there + 100)
         again = start("right again", "right")
-        again.until(lambda node: len(node.seen) > 100)
+        again.until(lambda node: len(dict(node.seen)) > 100)
         master.until(lambda node: node.seen[-1][0] > TICKS + 10)
         master.kill()
         for node in (crew["left"], again):
