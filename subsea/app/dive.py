@@ -80,8 +80,9 @@ def dive(
     crew = alone(carried)
     if theatre is not None:
         house = open_house(theatre, display, stereo, node, shrink)
-        # Pixels may differ from node to node, and so may glasses and plugs: which eye is which.
-        view = repr((told(theatre), display, stereo._replace(swapped=False)))
+        view = ""
+        if node is not None:  # whose pixels may be its own, and its glasses: which eye is which
+            view = repr((told(theatre), display, stereo._replace(swapped=False)))
         crew = muster(house.theatre, house.path, node, carried, view)
         installation = installed(house)
     elif shrink != 1:

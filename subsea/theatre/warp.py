@@ -182,7 +182,7 @@ def _to_the_border(grid: Array, axis: int) -> tuple[Array, Array]:
 
 
 @njit(cache=True)
-def _blocks(grid, x, y, tolerance):  # type: ignore[no-untyped-def]
+def _blocks(grid: Array, x: Array, y: Array, tolerance: float) -> Ints:
     """Blocks (k, 4) of cells, left, top, right, bottom, that two triangles show well enough.
 
     Blocks are halved until they do. They lie side by side, with corners on each other's straight
@@ -210,7 +210,9 @@ def _blocks(grid, x, y, tolerance):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _is_flat(grid, x, y, left, top, right, bottom, tolerance):  # type: ignore[no-untyped-def]
+def _is_flat(
+    grid: Array, x: Array, y: Array, left: int, top: int, right: int, bottom: int, tolerance: float
+) -> bool:
     """Whether all points of a block exist and lie on its two triangles, up to a tolerance."""
     a, b = grid[top, left], grid[bottom, left]
     c, d = grid[bottom, right], grid[top, right]
@@ -231,7 +233,7 @@ def _is_flat(grid, x, y, left, top, right, bottom, tolerance):  # type: ignore[n
 
 
 @njit(cache=True)
-def _paint(places, triangles, values, picture):  # type: ignore[no-untyped-def]
+def _paint(places: Array, triangles: Ints, values: Array, picture: Array) -> None:
     """Interpolate values over the pixels (height, width), lower row first, by their middles."""
     height, width = picture.shape
     for k in range(len(triangles)):
