@@ -15,7 +15,7 @@ from subsea.render import headless_context
 from subsea.scenario import Water
 from subsea.species import load_species
 from subsea.view.levels import LEVELS
-from subsea.view.rig import pose
+from subsea.view.rig import pose, views
 from subsea.view.rigs import views_for
 
 PICTURES = Path(__file__).parent / "pictures"
@@ -65,6 +65,28 @@ def as_if_first(request):
         context = request.getfixturevalue("context")
         context.detect_framebuffer(0).use()
         assert context.error is not None  # asked for, it is forgotten
+
+
+@pytest.fixture(scope="session")
+def directions_on():
+    """(rig, observer) -> a canvas on which every pixel has the colour of where it looks."""
+
+    def canvas_of(rig, observer):
+        """(h, w, 3): directions in the observer's axes, as 0 to 1."""
+        canvas = np.zeros((rig.canvas[1], rig.canvas[0], 3))
+        axes = np.stack([np.cross(observer.forward, observer.up), observer.up, observer.forward])
+        for view in views(rig, observer):
+            x, y, w, h = view.viewport
+            row, column = np.mgrid[:h, :w]
+            ndc = np.stack([2 * (column + 0.5) / w - 1, 2 * (row + 0.5) / h - 1], axis=-1)
+            far = np.concatenate([ndc, np.ones((h, w, 2))], axis=-1)
+            matrix = view.projection.astype(float) @ view.view.astype(float)
+            place = far @ np.linalg.inv(matrix).T
+            d = (place[..., :3] / place[..., 3:] - view.eye) @ axes.T
+            canvas[y : y + h, x : x + w] = 0.5 + 0.5 * d / np.linalg.norm(d, axis=-1, keepdims=True)
+        return canvas
+
+    return canvas_of
 
 
 @pytest.fixture(scope="session")

@@ -6,7 +6,7 @@ import pytest
 from subsea.render import Renderer
 from subsea.render.target import Resolve
 from subsea.theatre.warp import mesh, sources_at
-from subsea.view.rig import pose, views
+from subsea.view.rig import pose
 from subsea.view.rigs import display_rig
 from subsea.view.surround import ALL_ROUND, Surround, directions
 
@@ -23,35 +23,17 @@ def shown(light):
     return 255 * np.where(x < 0.0031308, 12.92 * x, 1.055 * x ** (1 / 2.4) - 0.055)
 
 
-def coloured_canvas(display, size, observer, surround):
-    """Every pixel of the canvas in the colour of the direction that its view sees there."""
-    rig = display_rig(display, size, surround=surround)
-    width, height = rig.canvas
-    canvas = np.zeros((height, width, 3))
-    axes = np.stack([np.cross(observer.forward, observer.up), observer.up, observer.forward])
-    for view in views(rig, observer):
-        x, y, w, h = view.viewport
-        row, column = np.mgrid[:h, :w]
-        ndc = np.stack([2 * (column + 0.5) / w - 1, 2 * (row + 0.5) / h - 1], axis=-1)
-        far = np.concatenate([ndc, np.ones((h, w, 2))], axis=-1)
-        matrix = view.projection.astype(float) @ view.view.astype(float)
-        place = far @ np.linalg.inv(matrix).T
-        d = (place[..., :3] / place[..., 3:] - view.eye) @ axes.T
-        d /= np.linalg.norm(d, axis=-1, keepdims=True)
-        canvas[y : y + h, x : x + w] = 0.5 + 0.5 * d
-    return canvas
-
-
 @pytest.mark.parametrize("display", SIZES)
 @pytest.mark.parametrize("surround", [ALL_ROUND, Surround(angle_deg=300.0, tilt_deg=0.0)])
-def test_every_pixel_shows_what_lies_in_its_direction(context, display, surround):
+def test_every_pixel_shows_what_lies_in_its_direction(context, display, surround, directions_on):
     """Views and shader together against the plain form."""
     size = SIZES[display]
-    canvas = coloured_canvas(display, size, pose(np.zeros(3), 0.0, 0.0), surround)
+    rig = display_rig(display, size, surround=surround)
+    canvas = directions_on(rig, pose(np.zeros(3), 0.0, 0.0))
     picture = context.texture((canvas.shape[1], canvas.shape[0]), 3, canvas.astype("f2").tobytes(),
                               dtype="f2", alignment=1)  # fmt: skip
     target = context.simple_framebuffer(size)
-    resolve = Resolve(context, display_rig(display, size, surround=surround).patches)
+    resolve = Resolve(context, rig.patches)
     resolve.draw(picture, target, size, 0)
     found = np.frombuffer(target.read(alignment=1), np.uint8).reshape(size[1], size[0], 3)
     row, column = np.mgrid[: size[1], : size[0]]
@@ -74,10 +56,10 @@ def test_wide_pictures(context, scene, make_packet, fish, same_picture, display)
 
 
 @pytest.mark.parametrize("display", SIZES)
-def test_a_mesh_bends_a_wide_picture(context, display):
+def test_a_mesh_bends_a_wide_picture(context, display, directions_on):
     """As a projector through a mirror shows a dome; the mesh of a dome has shares of a square."""
     size = SIZES[display]
-    canvas = coloured_canvas(display, size, pose(np.zeros(3), 0.0, 0.0), ALL_ROUND)
+    canvas = directions_on(display_rig(display, size), pose(np.zeros(3), 0.0, 0.0))
     picture = context.texture((canvas.shape[1], canvas.shape[0]), 3, canvas.astype("f2").tobytes(),
                               dtype="f2", alignment=1)  # fmt: skip
     target = context.simple_framebuffer(size)

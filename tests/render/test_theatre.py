@@ -48,22 +48,6 @@ def shown(context, rig, canvas):
     return found
 
 
-def directions_on(rig, observer):
-    """The canvas (h, w, 3) with the direction of every pixel, in the observer's axes, as 0 to 1."""
-    canvas = np.zeros((rig.canvas[1], rig.canvas[0], 3))
-    axes = np.stack([np.cross(observer.forward, observer.up), observer.up, observer.forward])
-    for view in views(rig, observer):
-        x, y, w, h = view.viewport
-        row, column = np.mgrid[:h, :w]
-        ndc = np.stack([2 * (column + 0.5) / w - 1, 2 * (row + 0.5) / h - 1], axis=-1)
-        far = np.concatenate([ndc, np.ones((h, w, 2))], axis=-1)
-        matrix = view.projection.astype(float) @ view.view.astype(float)
-        place = far @ np.linalg.inv(matrix).T
-        d = (place[..., :3] / place[..., 3:] - view.eye) @ axes.T
-        canvas[y : y + h, x : x + w] = 0.5 + 0.5 * d / np.linalg.norm(d, axis=-1, keepdims=True)
-    return canvas
-
-
 def on_the_screen(one, size):
     """Where the pixels of a channel (h, w, 3) lie on its screen, upper row first."""
     x, y = (np.arange(n) + 0.5 for n in size)
@@ -72,7 +56,9 @@ def on_the_screen(one, size):
 
 
 @pytest.mark.parametrize("name", ["three-projectors", "cave"])
-def test_every_pixel_shows_what_lies_behind_its_place_on_the_screen(context, tmp_path, name):
+def test_every_pixel_shows_what_lies_behind_its_place_on_the_screen(
+    context, tmp_path, name, directions_on
+):
     """Frusta, mesh and shader together against the geometry: so neighbours agree as well."""
     theatre, found, rig = opened(tmp_path, name)
     bare = rig._replace(patches=tuple(patch._replace(mask=None) for patch in rig.patches))
@@ -121,7 +107,9 @@ def test_blended_luminance_is_constant_within_two_percent(context, tmp_path, lev
 
 
 @pytest.mark.parametrize("name", ["dome", "equirectangular"])
-def test_in_stereo_a_dome_shows_each_eye_the_ray_through_its_screen(context, tmp_path, name):
+def test_in_stereo_a_dome_shows_each_eye_the_ray_through_its_screen(
+    context, tmp_path, name, directions_on
+):
     """At the distance of the screen both eyes' pictures meet, in all directions."""
     _, found, rig = opened(tmp_path, name, "top-bottom", shrink=16)
     mono = opened(tmp_path, name, shrink=16)[2]
