@@ -86,7 +86,7 @@ def _parsers() -> tuple[argparse.ArgumentParser, Any]:
         "Searches the tables [swim] and [turn] of a species file for speed, economy, straightness\n"
         "and exact turns, verifies the winner for longer and under disturbances, and writes it\n"
         "into the file; all else in it stays. Exit code 0 if it found better controllers, 1 if\n"
-        "not: then the file stays as it is. Needs cma, scipy and tomlkit (subsea[learn]).",
+        "not: then the file stays as it is. Needs cma and scipy (subsea[learn]).",
         [
             "subsea-capture learn fusilier",
             "subsea-capture learn fusilier --only turn --dry-run",

@@ -27,7 +27,7 @@ from subsea.places import check_file
 from subsea.resources import load_toml, named_or_file, resource_path
 from subsea.species import Species
 
-LIBRARIES = ("cma", "scipy", "tomlkit")
+LIBRARIES = ("cma", "scipy")
 
 
 def teach(name: str, out: Path | None, dry_run: bool, budget: int, **options: Any) -> int:
