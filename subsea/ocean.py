@@ -42,7 +42,7 @@ def step(world: World, helm: Helm | Rail) -> None:
     state, nature = world.state, world.nature
     fishes, minds, sea = state.fishes, state.minds, state.sea
     clock = Clock(state.seed, state.tick, TICK_S)
-    flow = flow_at(world.scenario.water.current_cm_s, state.tick * TICK_S)
+    flow = flow_at(world.current_cm_s, state.tick * TICK_S)
     world.stages_s.clear()
     with _stage(world, "habitat"):
         sea.submarine[:3], sea.submarine[3:6] = state.submarine.position, state.submarine.velocity

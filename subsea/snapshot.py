@@ -13,6 +13,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea import constants
 from subsea.behavior.table import BEHAVIORS
 from subsea.errors import UserError
 from subsea.repertoire import SEGMENTS
@@ -27,18 +28,30 @@ MAX_VALUE = 1e7  # of any number that is not infinite: far more than a centimetr
 
 CONSTANT = {
     "fishes": {"species", "length", "scale", "rate", "identity", "snout", "girth", "oars"},
-    "minds": {
-        "kind", "male", "likes", "schools", "appetite", "digestion", "libido_rate", "dread",
-    },
+    "minds": set(constants.MINDS),
     "sea": {
-        "heights", "floor", "half_width", "radius", "pillars", "rocks", "climate", "tackle",
+        "heights",
+        "floor",
+        "half_width",
+        "radius",
+        "pillars",
+        "rocks",
+        "climate",
+        "tackle",
         "crest",
     },
     "seaweed": {
-        "first", "rest", "lean", "look", "kind", "cell_cm", "cell_first", "cell_cluster",
+        "first",
+        "rest",
+        "lean",
+        "look",
+        "kind",
+        "cell_cm",
+        "cell_first",
+        "cell_cluster",
     },
-}  # fmt: skip
-"""What does not change after creation, by the parts of `state.State`; everything else may."""
+}
+"""What no tick changes, by the parts of `state.State`; everything else it may."""
 
 INFINITE = {"fishes.stay", "minds.leader_seen", "minds.food_distance", "minds.mate_distance"}
 """What may be infinite: never, or nowhere."""

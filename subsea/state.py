@@ -119,7 +119,7 @@ class MindsKind(types.StructRef):  # type: ignore[misc]
 class Minds(NamedTuple):
     """What the n fishes sense, feel and want (Tu chs. 6, 7)."""
 
-    # Constant after creation: habits (Tu §7.3) and temper (Tu §7.4).
+    # Constant but for a panel (`constants.py`): habits (Tu §7.3) and temper (Tu §7.4).
     kind: Ints  # (n,) uint8, code in KINDS
     male: NDArray[np.bool_]  # (n,)
     likes: NDArray[np.bool_]  # (n, 4), columns BRIGHTNESS to WARMTH; both of a pair: does not care

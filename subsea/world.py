@@ -63,6 +63,7 @@ class World:
     library: Library
     dynamics: Dynamics
     nature: Nature
+    current_cm_s: tuple[float, float]  # strength of the swinging current along x and y
     state: State
     stages_s: dict[str, float] = field(default_factory=dict)  # seconds of the last tick
     # Of fishes that go by what their eyes see: how bright that is, instead of the sea about them.
@@ -127,7 +128,8 @@ def create_world(
         ),
     )
     nature = Nature(**msgspec.structs.asdict(scenario.nature))
-    return World(scenario, tuple(species.values()), library, dynamics, nature, state)
+    current = scenario.water.current_cm_s
+    return World(scenario, tuple(species.values()), library, dynamics, nature, current, state)
 
 
 def _repertoire(name: str) -> Repertoire:
