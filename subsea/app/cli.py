@@ -4,10 +4,13 @@ import argparse
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from subsea.commandline import answer, command, number, parse, program
 from subsea.errors import UserError, unknown
+
+if TYPE_CHECKING:
+    from subsea.app.settings import Settings
 
 MAX_SIZE = 8192  # pixels; what a GPU of today can hold, at least for one eye
 MIN_SIZE = 64
@@ -73,6 +76,7 @@ def _parsers() -> tuple[argparse.ArgumentParser, Any]:
         _add_benchmark,
         _add_doctor,
         _add_keys,
+        _add_settings,
     ):
         add(commands)
     return parser, commands
@@ -106,7 +110,11 @@ def _add_dive(commands: Any) -> None:
     _add_size(dive)
     _add_quality(dive, "auto")
     _add_target(dive)
-    dive.add_argument("--fullscreen", action="store_true", help="fill the screen (F11 toggles)")
+    dive.add_argument(
+        "--fullscreen",
+        action=argparse.BooleanOptionalAction,
+        help="fill the screen (F11 toggles)",
+    )
     dive.add_argument(
         "--tour",
         metavar="NAME",
@@ -117,7 +125,14 @@ def _add_dive(commands: Any) -> None:
         "--seconds", type=number(float, 0.1, 86400), metavar="S", help="end by itself after S"
     )
     _add_see_brightness(dive)
-    dive.set_defaults(run=_dive)
+    dive.add_argument(
+        "--settings",
+        type=Path,
+        metavar="FILE",
+        help="instead of those in their usual place, which `subsea settings` tells",
+    )
+    # What is not given is as the settings say.
+    dive.set_defaults(run=_dive, display=None, quality=None)
 
 
 def _add_film(commands: Any) -> None:
@@ -310,6 +325,21 @@ def _add_keys(commands: Any) -> None:
     keys.add_argument("folder", metavar="DIR", type=Path, help="where they go")
     keys.add_argument("names", metavar="NAME", nargs="+", help="a node of the theatre")
     keys.set_defaults(run=_keys)
+
+
+def _add_settings(commands: Any) -> None:
+    settings = command(
+        commands,
+        "settings",
+        "tell where the settings of a dive are, or write them there",
+        "Keys, mouse, gamepad, comfort and the picture, in one commented file; docs/diving.md has\n"
+        "all of it.",
+        ["subsea settings", "subsea settings --write"],
+    )
+    settings.add_argument(
+        "--write", action="store_true", help="write a file with all the defaults, if none is there"
+    )
+    settings.set_defaults(run=_settings)
 
 
 def _add_scenario(parser: argparse.ArgumentParser) -> None:
@@ -547,11 +577,25 @@ def _left_out(text: str) -> frozenset[str]:
 # runs on machines without OpenGL.
 
 
-def _dive(**options: Any) -> int:
+def _dive(settings: Path | None, **options: Any) -> int:
+    from subsea.app.console import say
+    from subsea.app.settings import read_settings, usual_settings
+
+    chosen = usual_settings(say) if settings is None else read_settings(settings)
+    options = _with_settings(options, chosen)
     from subsea.app.dive import dive
 
     _check_target(options["quality"], options["target_ms"])
     return dive(**_with_optics(_with_sizes("dive", options)))
+
+
+def _with_settings(options: dict[str, Any], settings: "Settings") -> dict[str, Any]:
+    """The options of a dive, those that are not given as the settings say."""
+    said = settings.display
+    usual: dict[str, Any] = {"quality": said.quality, "display": "mono", "fullscreen": False}
+    if options["theatre"] is None:  # which says itself what its windows are
+        usual |= {"display": said.mode, "size": said.size, "fullscreen": said.fullscreen}
+    return options | {name: value for name, value in usual.items() if options[name] is None}
 
 
 def _film(**options: Any) -> int:
@@ -667,6 +711,12 @@ def _doctor() -> int:
     from subsea.app.doctor import doctor
 
     return doctor()
+
+
+def _settings(write: bool) -> int:
+    from subsea.app.settings import show_settings
+
+    return show_settings(write)
 
 
 def _keys(folder: Path, names: list[str]) -> int:

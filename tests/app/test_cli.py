@@ -10,7 +10,7 @@ import pytest
 from subsea.app.cli import main
 from subsea.resources import resource_path
 
-COMMANDS = ("dive", "film", "simulate", "study", "benchmark", "doctor", "keys")
+COMMANDS = ("dive", "film", "simulate", "study", "benchmark", "doctor", "keys", "settings")
 DOOR = Path(__file__).parents[2] / "run_submarine.py"
 
 
@@ -80,6 +80,8 @@ def test_every_command_has_help_with_examples(capsys, command):
         (["keys", "here"], "NAME"),
         (["dive", "--node", "left"], "expected --theatre too"),
         (["keys", "here", "../left"], "expected a name"),
+        (["dive", "--settings", "nowhere/mine.toml"], "nowhere/mine.toml: cannot read"),
+        (["settings", "--writ"], "'--write'"),
     ],
 )
 def test_every_fault_is_one_line_with_a_hint(capsys, arguments, hint):
