@@ -5,13 +5,16 @@ from collections.abc import Callable
 from contextlib import ExitStack, closing
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 
 from subsea.app import pacing
 from subsea.app.console import say
 from subsea.app.crew import Alone, Crew, alone, muster
+from subsea.app.desk import Desk
 from subsea.app.eyes import seen_brightness, velocity_of
+from subsea.app.gui import WHOLE, Gui, Pane, panes
 from subsea.app.house import NOT_SHRUNK, House, open_house, told
-from subsea.app.overlay import Overlay, help_rows, panes
+from subsea.app.overlay import Overlay, help_rows
 from subsea.app.pilot import Pilot
 from subsea.app.ride import (
     LOOKS,
@@ -25,7 +28,8 @@ from subsea.app.ride import (
     with_insets,
 )
 from subsea.app.screens import Installation, Screen, on_display, placed
-from subsea.app.start import start_world
+from subsea.app.sight import Sight, sight
+from subsea.app.start import wake
 from subsea.app.tour import guide
 from subsea.app.wall import Wall
 from subsea.app.window import Window, Wish
@@ -33,7 +37,7 @@ from subsea.errors import UserError
 from subsea.frame import make_scene, pack
 from subsea.render import Renderer
 from subsea.render.quality import AUTO, CHOICES, LADDER, PRESETS, Quality, first_rung, name_of
-from subsea.scenario import AUTOPILOT, load_scenario
+from subsea.scenario import AUTOPILOT, Scenario, load_scenario
 from subsea.submarine.course import course_of
 from subsea.theatre.lineup import lineup
 from subsea.view.camera import View
@@ -42,7 +46,7 @@ from subsea.view.rig import Rect, Rig, front, part_of, views
 from subsea.view.rigs import cockpit, display_rig
 from subsea.view.stereo import EYES, PAGED, Stereo
 from subsea.view.surround import ALL_ROUND, Surround
-from subsea.world import World
+from subsea.world import World, create_world
 
 
 def dive(
@@ -136,17 +140,30 @@ class Dive:
         `target_ms`, None: what the renderer suggests. `crew` makes what makes the ticks. Whatever
         fails, all that was opened is closed again.
         """
-        load_scenario(scenario)  # a misspelt name is told before a window flashes up
+        # A misspelt name is told before a window flashes up.
+        self.scenario, self.source = load_scenario(scenario)
         self.display, self._stereo, self._surround = display, stereo, surround
         self.pilot = Pilot()
         self._alpha = 1.0
         self._quality = quality
+        self._crew_of = crew
+        self._crew: Crew
+        self._grants: dict[Wish, Callable[[], None]] = {
+            "help": self._show_help,
+            "desk": self._open_desk,
+            "ride": self._ride_one,
+            "alight": lambda: self._mount(None),
+            "look": self._look_otherwise,
+            "pattern": self._show_pattern,
+            "quality": self._choose_quality,
+        }
         self._pattern = False
         self._ride: Ride | None = None
         self._see_brightness = see_brightness
         self._seen_tick = 0  # at which the fish that is ridden has seen the light last
         self._look: Look = "colours"  # of the pictures of a fish's eyes
         self._insets: tuple[Rect, ...] = ()  # where these are on the canvas
+        self._panes: tuple[Pane, ...] = (WHOLE,)  # where text goes
         with ExitStack() as undo:
             there = undo.enter_context(on_display()).monitors
             self._fixed: Rig | None = None  # stays, whatever the size of windows
@@ -165,26 +182,20 @@ class Dive:
             undo.callback(self.wall.close)
             if fullscreen and installation is None:
                 self.window.toggle_fullscreen()
-            self.overlay = Overlay(self.window.handle)
-            undo.callback(self.overlay.close)
-            self.world = start_world(scenario, seed, tell=self._tell)
+            self.gui = Gui()
+            undo.callback(self.gui.close)
+            self.window.listener = self.gui
+            self.overlay, self.desk = Overlay(), Desk(self)
+            self.world = self._made(self.scenario, self.source, seed)
             self._tell("starting OpenGL")
             self._context = self.wall.context
             renderer = self._context.info["GL_RENDERER"]
             self._target_ms = target_ms or pacing.target_for(renderer)
             self._take_rig()
             self._pace = pacing.start(first_rung(renderer), self._rig.exact)
-            self._renderer = Renderer(
-                self._context,
-                make_scene(self.world),
-                self._rig,
-                self._chosen(),
-                self.wall.page,
-            )
-            self._memory = nothing_drawn(len(self.world.state.fishes.species))
-            undo.callback(self._renderer.release)
-            self._crew = crew(self.world, self.pilot)
-            undo.callback(self._disband)
+            self._stay = ExitStack()  # what belongs to the world that it is in
+            undo.callback(lambda: self._stay.close())
+            self._live_in(self.world)
             can_fill = any(not window.fixed for window in self.wall.windows)
             self.overlay.rows = help_rows(not self._crew.shared, can_fill)
             self._undo = undo.pop_all()
@@ -194,11 +205,60 @@ class Dive:
         """The pilot's window."""
         return self.wall.front
 
+    @property
+    def shared(self) -> bool:
+        """Whether other computers show the same dive: then nothing here may change it."""
+        return self._crew.shared
+
+    def enter(self, scenario: Scenario, source: Path, seed: int | None = None) -> bool:
+        """Leave this world for the one that a scenario begins with; whether there is such a one.
+
+        If not, that is told, and everything stays as it is. `source` is the scenario's file.
+        """
+        try:
+            world = self._made(scenario, source, seed)
+        except UserError as fault:
+            say(str(fault))
+            self.overlay.note(str(fault))
+            return False
+        self._mount(None)
+        self._stay.close()
+        self.scenario, self.source = scenario, source
+        self._live_in(world)
+        return True
+
+    def show_as(self, display: str) -> None:
+        """Show the dive in another display mode from now on; not in a theatre, or in two pages."""
+        self.display = display
+        self._take_rig()
+        self._pace = pacing.start(self._pace.rung, self._rig.exact)
+        self._arrange()
+
+    def _made(self, scenario: Scenario, source: Path, seed: int | None) -> World:
+        """The world that a scenario begins with, awake."""
+        world = create_world(scenario, seed, progress=self._tell, source=str(source))
+        wake(world, self._tell)
+        return world
+
+    def _live_in(self, world: World) -> None:
+        """Have a world drawn and its ticks made from now on; the one before was left."""
+        with ExitStack() as undo:
+            self._renderer = Renderer(
+                self._context, make_scene(world), self._rig, self._chosen(), self.wall.page
+            )
+            undo.callback(self._renderer.release)
+            self._memory = nothing_drawn(len(world.state.fishes.species))
+            self._crew = self._crew_of(world, self.pilot)
+            undo.callback(self._disband)
+            self.world, self._seen_tick = world, 0
+            self.desk.enter()
+            self._stay = undo.pop_all()
+
     def frame(self, elapsed_s: float) -> None:
         """One picture, `elapsed_s` after the last: events, due ticks, drawing, presenting."""
         start = time.perf_counter()
         for wish in self.wall.poll():
-            self._grant(wish)
+            self.grant(wish)
         self._see_light()
         alpha = self._crew.picture(elapsed_s)
         if alpha is None and not self._crew.waiting:
@@ -229,6 +289,12 @@ class Dive:
         if alpha is not None:
             self._crew.swap(self._context.finish)
         self.wall.present()
+        self.desk.afterwards()
+
+    @property
+    def sight(self) -> Sight | None:
+        """What the screen ahead shows now; None where that is no flat picture."""
+        return sight(self._rig, self._views())
 
     @property
     def _direct(self) -> bool:
@@ -305,44 +371,63 @@ class Dive:
         """
         if self._pattern:
             return
-        scale, where = self.window.text_scale, self._panes
-        if not self._crew.hands:
-            self.overlay.caption(self._crew.waiting, scale, where)
-            return
-        throttle, stopping = self.pilot.throttle, self.pilot.stopping
-        riding = "" if self._ride is None else self._ride.text(self.world, self._look)
-        self.overlay.draw(
-            self.world.state.submarine, throttle, stopping, elapsed_s, scale, where, self.quality,
-            riding,
-        )  # fmt: skip
+        self._begin()
+        if self._crew.hands:
+            riding = "" if self._ride is None else self._ride.text(self.world, self._look)
+            self.overlay.draw(
+                self.world.state.submarine, self.pilot.throttle, self.pilot.stopping, elapsed_s,
+                self.quality, riding,
+            )  # fmt: skip
+            self.desk.draw()
+        else:
+            self.overlay.caption(self._crew.waiting)
+        self.gui.end()
+
+    def _begin(self) -> None:
+        """Begin a frame of the gui on the pilot's window."""
+        window = self.window
+        self.gui.begin(window.points, window.size, window.text_scale, self._panes)
 
     def _draw_pattern(self) -> None:
         """The test pattern, if it is shown, into the renderer's own pictures: once is enough."""
         if self._pattern:
             self._renderer.show(lineup(self._rig))
 
-    def _grant(self, wish: Wish) -> None:
+    def grant(self, wish: Wish) -> None:
         """Do what the visitor asked for by a key."""
-        if wish == "help" and not self._pattern:
+        if wish in self._grants:
+            self._grants[wish]()
+
+    def _show_help(self) -> None:
+        if not self._pattern:
             self.overlay.toggle_help()
-        elif wish == "ride" and not self._pattern and not self._crew.shared:
+
+    def _open_desk(self) -> None:
+        if self._crew.shared:
+            self.overlay.note("no desk here: several computers show this dive")
+        elif not self._pattern:
+            self.desk.toggle()
+
+    def _ride_one(self) -> None:
+        if not self._pattern and not self._crew.shared:
             fish = nearest_to_middle(self.world, self._views()[front_view(self._rig)])
             if fish is not None:
                 self._mount(fish)
-        elif wish == "alight":
-            self._mount(None)
-        elif wish == "look":
-            self._look = LOOKS[(LOOKS.index(self._look) + 1) % len(LOOKS)]
-        elif wish == "pattern":
-            self._pattern = not self._pattern
-            self._pace = pacing.resumed(self._pace)
-            self._arrange()
-        elif wish == "quality":
-            self._quality = CHOICES[(CHOICES.index(self._quality) + 1) % len(CHOICES)]
-            self._pace = pacing.resumed(self._pace)
-            self._renderer.adapt(self._chosen())
-            self._draw_pattern()
-            self.overlay.show_quality()
+
+    def _look_otherwise(self) -> None:
+        self._look = LOOKS[(LOOKS.index(self._look) + 1) % len(LOOKS)]
+
+    def _show_pattern(self) -> None:
+        self._pattern = not self._pattern
+        self._pace = pacing.resumed(self._pace)
+        self._arrange()
+
+    def _choose_quality(self) -> None:
+        self._quality = CHOICES[(CHOICES.index(self._quality) + 1) % len(CHOICES)]
+        self._pace = pacing.resumed(self._pace)
+        self._renderer.adapt(self._chosen())
+        self._draw_pattern()
+        self.overlay.note(self.quality)
 
     @property
     def quality(self) -> str:
@@ -372,5 +457,7 @@ class Dive:
         """Say it on the terminal and in the window."""
         say(message)
         self.wall.poll()
-        self.overlay.message(message, self.window.text_scale)
+        self._begin()
+        self.overlay.message(message)
+        self.gui.end()
         self.wall.present()

@@ -40,10 +40,15 @@ def start_world(
     else:
         live = number if motor == "dynamics" else 0
         world = create_world(chosen, seed, fish, tell, live, math.inf, str(path))
+    wake(world, tell)
+    return world
+
+
+def wake(world: World, tell: Say = say) -> None:
+    """Make the first tick of a world and a packet of it: every kernel is compiled then."""
     tell(WAKING)
     step(world, HANDS_OFF)
     pack(world, views_for("mono", (64, 64), cockpit(world.state.submarine, 1.0)), 1.0)
-    return world
 
 
 @contextmanager

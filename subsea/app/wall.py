@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import glfw
 
-from subsea.app.overlay import one_page
+from subsea.app.gui import one_page
 from subsea.app.pilot import Pilot
 from subsea.app.screens import Monitor, Screen
 from subsea.app.window import Reach, Window, Wish

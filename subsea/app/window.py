@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, Protocol
 
 import glfw
 import imgui_bundle  # noqa: F401  # before glfw: it brings the one libglfw that both share
@@ -28,7 +28,7 @@ KEYS: dict[int, Action] = {
     glfw.KEY_PAGE_DOWN: "dive",
     glfw.KEY_SPACE: "full stop",
 }
-Wish = Literal["help", "quality", "pattern", "ride", "look", "alight"]
+Wish = Literal["help", "quality", "pattern", "ride", "look", "alight", "desk"]
 WISHES: dict[int, Wish] = {
     glfw.KEY_H: "help",
     glfw.KEY_F1: "help",
@@ -36,6 +36,7 @@ WISHES: dict[int, Wish] = {
     glfw.KEY_T: "pattern",
     glfw.KEY_R: "ride",
     glfw.KEY_I: "look",
+    glfw.KEY_TAB: "desk",
 }
 FULLSCREEN_KEYS = (glfw.KEY_F, glfw.KEY_F11)
 BUTTONS: dict[int, Button] = {
@@ -43,6 +44,31 @@ BUTTONS: dict[int, Button] = {
     glfw.MOUSE_BUTTON_RIGHT: "right",
     glfw.MOUSE_BUTTON_MIDDLE: "middle",
 }
+
+
+class Listener(Protocol):
+    """Hears of everything that hands do in a window before the pilot does.
+
+    Where it answers True that was for it, and the pilot does not hear of it.
+    """
+
+    def pointed(self, x: float, y: float) -> bool:
+        """The pointer is there, in its units from the upper left corner."""
+
+    def pressed(self, button: int, down: bool) -> bool:
+        """A mouse button went down or up."""
+
+    def scrolled(self, dx: float, dy: float) -> bool:
+        """The wheel turned."""
+
+    def keyed(self, key: int, down: bool, modifiers: int) -> bool:
+        """A key went down or up."""
+
+    def typed(self, character: int) -> None:
+        """A character was typed."""
+
+    def let_go(self) -> None:
+        """The window lost the keyboard."""
 
 
 class Reach(NamedTuple):
@@ -134,12 +160,14 @@ class Window:
         self.pilot = pilot
         self.inside = False  # whether the pointer is in it
         self.focused = bool(glfw.get_window_attrib(self.handle, glfw.FOCUSED))
+        self.listener: Listener | None = None
         self.reach: Reach | None = None  # of the pointer, if that is more than the window
         self._wishes = wishes
         self.fixed = screen.fixed  # whether it stays as it is: no full screen
         self._windowed = (0, 0, *size)
         self.make_current()
         glfw.set_key_callback(self.handle, self._on_key)
+        glfw.set_char_callback(self.handle, self._on_character)
         glfw.set_mouse_button_callback(self.handle, self._on_button)
         glfw.set_cursor_pos_callback(self.handle, self._on_pointer)
         glfw.set_cursor_enter_callback(self.handle, self._on_enter)
@@ -222,6 +250,10 @@ class Window:
 
     def _on_key(self, handle: object, key: int, scancode: int, action: int, mods: int) -> None:
         down = action == glfw.PRESS
+        if self.listener and self.listener.keyed(key, action != glfw.RELEASE, mods):
+            if action == glfw.RELEASE and key in KEYS:
+                self.pilot.key(KEYS[key], False)  # it may have been pressed before
+            return
         if key in KEYS and action != glfw.REPEAT:
             self.pilot.key(KEYS[key], down)
         elif down and key == glfw.KEY_ESCAPE:
@@ -235,23 +267,34 @@ class Window:
             self.toggle_fullscreen()
 
     def _on_button(self, handle: object, button: int, action: int, mods: int) -> None:
-        if button in BUTTONS:
+        heard = self.listener is not None and self.listener.pressed(button, action == glfw.PRESS)
+        if button in BUTTONS and not (heard and action == glfw.PRESS):
             self.pilot.button(BUTTONS[button], action == glfw.PRESS)
+
+    def _on_character(self, handle: object, character: int) -> None:
+        if self.listener:
+            self.listener.typed(character)
 
     def _on_pointer(self, handle: object, x: float, y: float) -> None:
         width, height = self.points
         reach = self.reach or Reach((0.0, 0.0), (width / 2, height / 2), (width, height))
         self.inside = True
-        self.pilot.point(*reach.share(x, y))
+        if self.listener and self.listener.pointed(x, y):
+            self.pilot.leave()
+        else:
+            self.pilot.point(*reach.share(x, y))
 
     def _on_enter(self, handle: object, entered: int) -> None:
         self.inside = bool(entered)
 
     def _on_scroll(self, handle: object, dx: float, dy: float) -> None:
-        self.pilot.wheel(dy)
+        if not (self.listener and self.listener.scrolled(dx, dy)):
+            self.pilot.wheel(dy)
 
     def _on_focus(self, handle: object, focused: int) -> None:
         self.focused = bool(focused)
+        if self.listener and not focused:
+            self.listener.let_go()
 
 
 def _context_hints() -> None:

@@ -3,9 +3,15 @@
 import os
 import shutil
 import subprocess
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
 
+import numpy as np
 import pytest
+from PIL import ImageGrab
+
+FRAME_S = 0.1  # three ticks a picture: tests of windows are not about smoothness
 
 
 @pytest.fixture(scope="module")
@@ -34,3 +40,49 @@ def display() -> Iterator[str]:
         os.environ.update({key: value for key, value in before.items() if value is not None})
         server.terminate()
         server.wait()
+
+
+class Hands:
+    """What moves the mouse and presses keys, and the dive's frames meanwhile."""
+
+    @staticmethod
+    def do(*words: object) -> None:
+        """Let xdotool do it; returns when the display has taken it."""
+        subprocess.run(["xdotool", *map(str, words)], check=True, timeout=20)
+
+    @staticmethod
+    def glide(running: Any, seconds: float) -> None:
+        """Frames of the dive for `seconds` of its own time, however slow this machine draws."""
+        for _ in range(round(seconds / FRAME_S)):
+            running.frame(FRAME_S)
+
+    @staticmethod
+    def until(running: Any, true: Callable[[], object], seconds: float = 20.0) -> None:
+        """Frames until the display has brought what hands did; it may take its time."""
+        end = time.monotonic() + seconds
+        while not true() and time.monotonic() < end:
+            running.frame(FRAME_S)
+            time.sleep(0.01)
+        assert true()
+
+    def point(self, running: Any, x: float, y: float) -> None:
+        """Move the pointer, in two steps, to a place given in [-1, 1] from the middle."""
+        (left, top), (width, height) = running.window.position, running.window.points
+        for share in (0.8, 1.0):
+            across, down = left + (1 + share * x) / 2 * width, top + (1 - share * y) / 2 * height
+            self.do("mousemove", int(across), int(down))
+            self.glide(running, FRAME_S)
+
+    @staticmethod
+    def screen(running: Any) -> Any:
+        """The window as the display shows it, (h, w, 3)."""
+        left, top = running.window.position
+        picture = ImageGrab.grab(xdisplay=os.environ["DISPLAY"])
+        width, height = running.window.size
+        return np.asarray(picture)[top : top + height, left : left + width, :3].astype(int)
+
+
+@pytest.fixture(scope="session")
+def hands() -> Hands:
+    """Real events by xdotool, on the display of the module."""
+    return Hands()

@@ -101,7 +101,7 @@ def test_a_window_fills_its_monitor_and_stays_when_that_is_lost(display, tmp_pat
     ) as running:
         # Neither can be asked for where others look from the same place, or on a fixed window.
         assert running.overlay.rows == help_rows(rides=False, full_screen=False)
-        running._grant("pattern")
+        running.grant("pattern")
         running.overlay.draw = lambda *rest: None
         for _ in range(5):
             running.frame(0.1)

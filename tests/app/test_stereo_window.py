@@ -3,14 +3,13 @@
 import os
 import re
 from contextlib import closing
-from functools import partial
 
 import numpy as np
 import pytest
 from PIL import ImageGrab
 
 from subsea.app.dive import Dive
-from subsea.app.overlay import Pane
+from subsea.app.gui import Pane
 from subsea.resources import resource_path
 from subsea.view.rigs import DISPLAYS
 from subsea.view.stereo import PAGED
@@ -34,10 +33,6 @@ class Bold(Pane):
     squeezed = True
 
 
-def in_bold(draw, *arguments):
-    draw(*arguments[:5], [Bold()], *arguments[6:])
-
-
 def shown(running):
     import glfw
 
@@ -58,8 +53,7 @@ def windows(display, empty_sea):
             running.frame(0.0)
             with_text = shown(running)
             if mode == "mono":
-                draw = running.overlay.draw
-                running.overlay.draw = partial(in_bold, draw)
+                running._panes = (Bold(),)
                 running.frame(0.0)
                 running.frame(0.0)
                 bold = shown(running)

@@ -1,0 +1,12 @@
+"""The panels of the desk (Tu ch. 9): one module each, with a function that draws it and acts."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from subsea.app.desk import Desk
+
+Panel = Callable[["Desk"], None]
+
+PANELS: dict[str, Panel] = {}
+"""Every panel by the name that the bar has for it, in its order."""

@@ -1,0 +1,145 @@
+"""The desk in a real window: who has the pointer, and worlds that change while windows stay."""
+
+import math
+import re
+from contextlib import closing
+
+import msgspec
+import numpy as np
+import pytest
+
+from subsea.app.dive import Dive
+from subsea.app.panels import PANELS
+from subsea.resources import resource_path
+
+SIZE = (480, 360)
+
+
+@pytest.fixture(scope="module")
+def boat(display, hands, tmp_path_factory):
+    text = (resource_path("assets/scenarios") / "peaceful.toml").read_text()
+    quiet = tmp_path_factory.mktemp("sea") / "quiet.toml"
+    quiet.write_text(re.sub(r"^number = \d+", "number = 2", text, flags=re.MULTILINE))
+    with closing(Dive(str(quiet), "mono", SIZE, seed=1)) as running:
+        hands.glide(running, 0.2)
+        yield running
+
+
+@pytest.fixture
+def at_the_desk(boat, hands):
+    """The submarine lies still, the desk is open."""
+    boat.pilot.full_stop()
+    hands.glide(boat, 3.0)
+    hands.do("key", "Tab")
+    hands.until(boat, lambda: boat.desk.open)
+    boat.pilot.key("ahead", True)
+    boat.pilot.key("ahead", False)  # no full stop holds: what steers would be seen
+    hands.glide(boat, 0.3)
+    yield boat
+    if boat.desk.open:
+        hands.do("key", "Tab")
+        hands.until(boat, lambda: not boat.desk.open)
+
+
+def heading(boat):
+    return boat.world.state.submarine.angles[0]
+
+
+def test_at_the_desk_the_pointer_and_its_buttons_do_not_steer(at_the_desk, hands):
+    boat, submarine = at_the_desk, at_the_desk.world.state.submarine
+    before, place = heading(boat), submarine.position.copy()
+    hands.point(boat, 0.9, 0.6)
+    hands.do("mousedown", 1)
+    hands.glide(boat, 1.0)
+    hands.do("mouseup", 1, "click", 4, "click", 4)
+    hands.glide(boat, 1.0)
+    assert abs(heading(boat) - before) < math.radians(1.0)
+    assert boat.pilot.throttle == 0.0
+    assert np.linalg.norm(submarine.position - place) < 5.0
+
+
+def test_a_drag_that_begins_on_the_bar_never_steers_not_even_after_it_is_closed(at_the_desk, hands):
+    boat = at_the_desk
+    left, top = boat.window.position
+    hands.do("mousemove", left + 200, top + 8)
+    hands.until(boat, lambda: boat.gui.on_panel)
+    hands.do("mousedown", 1)
+    hands.do("mousemove", left + 460, top + 300)
+    hands.glide(boat, 0.5)
+    hands.do("key", "Tab")
+    hands.until(boat, lambda: not boat.desk.open)
+    hands.glide(boat, 0.5)
+    assert not boat.pilot._buttons
+    assert abs(boat.pilot.helm(0.0).surge) < 0.01
+    hands.do("mouseup", 1)
+    hands.glide(boat, 0.2)
+
+
+def test_keys_steer_at_the_desk(at_the_desk, hands):
+    boat = at_the_desk
+    hands.do("keydown", "a")
+    before = heading(boat)
+    hands.until(boat, lambda: heading(boat) - before > math.radians(5.0))
+    hands.do("keyup", "a")
+    hands.glide(boat, 0.3)
+
+
+def test_a_panel_is_opened_from_the_bar_drawn_and_closed(at_the_desk, hands, monkeypatch):
+    boat, drawn = at_the_desk, []
+    monkeypatch.setitem(PANELS, "Spare", drawn.append)
+    names = list(PANELS)
+    left, top = boat.window.position
+    for across in range(8, 472, 12):  # the bar's items are as wide as their words
+        hands.do("mousemove", left + across, top + 8)
+        boat.frame(0.0)
+        hands.do("click", 1)
+        boat.frame(0.0)
+        boat.frame(0.0)
+        boat.frame(0.0)
+        if "Spare" in boat.desk.shown or not boat.desk.open:
+            break
+    assert "Spare" in names and "Spare" in boat.desk.shown
+    boat.frame(0.0)
+    assert drawn and drawn[-1] is boat.desk
+    boat.desk.shown.clear()
+
+
+def test_back_at_the_helm_the_pointer_steers_again(boat, hands):
+    assert not boat.desk.open
+    before = heading(boat)
+    hands.point(boat, -0.9, 0.0)
+    hands.until(boat, lambda: heading(boat) - before > math.radians(10.0))
+    hands.do("key", "space")
+    hands.glide(boat, 2.0)
+
+
+def test_another_world_is_entered_while_the_window_stays(boat, hands):
+    handle, before = boat.window.handle, boat.world
+    fewer = msgspec.structs.replace(boat.scenario, fish=boat.scenario.fish[:1])
+    assert boat.enter(fewer, boat.source, seed=5)
+    hands.glide(boat, 0.5)
+    assert boat.window.handle is handle and boat.world is not before
+    assert boat.world.state.seed == 5
+    assert len(boat.world.state.fishes.species) == 2
+    assert boat.scenario is fewer
+    assert boat.world.state.tick > 1
+
+
+def test_a_world_that_cannot_be_leaves_the_dive_as_it_is(boat, capsys):
+    rock = boat.scenario.rock[0]
+    start = msgspec.structs.replace(
+        boat.scenario.submarine, position_cm=(*rock.position_cm, -600.0)
+    )
+    world = boat.world
+    assert not boat.enter(msgspec.structs.replace(boat.scenario, submarine=start), boat.source)
+    assert boat.world is world
+    assert "submarine.position_cm" in capsys.readouterr().err
+    boat.frame(0.1)
+
+
+def test_the_display_mode_changes_while_it_runs(boat, hands):
+    for display in ("side-by-side", "dome", "mono"):
+        boat.show_as(display)
+        hands.glide(boat, 0.2)
+        assert len(boat._rig.eyes) == {"side-by-side": 2, "dome": 5}.get(display, 1)
+        assert hands.screen(boat).std() > 5.0
