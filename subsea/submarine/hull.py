@@ -29,7 +29,12 @@ LINEAR_ACROSS, QUADRATIC_ACROSS = 1.0, 6.0e-3
 LINEAR_YAW, QUADRATIC_YAW = 1.2, 1.5  # 1/s, 1/rad
 BRAKE = 2.2  # 1/s, added to every linear term by a full stop: 120 cm/s to 1 cm/s in two seconds
 
+# What a standing passenger of a tram is asked to bear: thrust, drag and brake give no more.
+ACCELERATION_CM_S2 = 150.0
+
 RIGHTING = 3.0  # 1/s; the buoyancy above the ballast levels the hull, critically damped
+# rad/s²; what that and the diving planes give at most, so the nose moves by 36° a second at most.
+RIGHTING_MOST = 4.0
 
 CLEARANCE_CM = HULL_CM
 APPROACH_S = 1.0  # a wall at distance d may be approached at d / APPROACH_S, so never reached
@@ -92,8 +97,9 @@ def _turn(submarine: Submarine, helm: Helm, dt: float) -> None:
     linear = LINEAR_YAW + BRAKE * helm.full_stop
     heading_rate = _driven(heading_rate, thrust, linear, QUADRATIC_YAW, dt)
     # Spring and damper, solved implicitly: stable at any dt, at rest where the planes hold it.
-    error = helm.pitch * MAX_PITCH - submarine.angles[1]
     stiffness = RIGHTING**2
+    most = RIGHTING_MOST / stiffness
+    error = np.clip(helm.pitch * MAX_PITCH - submarine.angles[1], -most, most)
     pitch_rate = (pitch_rate + dt * stiffness * error) / (
         1.0 + 2.0 * RIGHTING * dt + stiffness * dt**2
     )
@@ -110,14 +116,16 @@ def _push(submarine: Submarine, helm: Helm, dt: float) -> None:
     surge = helm.surge * _thrust(full_surge, LINEAR_ALONG, QUADRATIC_ALONG)
     heave = helm.heave * _thrust(HEAVE_CM_S, LINEAR_ACROSS, QUADRATIC_ACROSS)
     along, across = LINEAR_ALONG + brake, LINEAR_ACROSS + brake
-    moved = np.array(
+    change = np.array(
         [
             _driven(ahead, surge, along, QUADRATIC_ALONG, dt),
             _driven(left, 0.0, across, QUADRATIC_ACROSS, dt),
             _driven(up, heave, across, QUADRATIC_ACROSS, dt),
         ]
     )
-    submarine.velocity[:] = moved @ axes
+    change -= ahead, left, up
+    change *= min(1.0, dt * ACCELERATION_CM_S2 / max(float(np.linalg.norm(change)), 1e-9))
+    submarine.velocity += change @ axes
 
 
 def _solids(
