@@ -9,6 +9,7 @@ from subsea.behavior.colouring import colour
 from subsea.behavior.intention import choose
 from subsea.behavior.mating import review
 from subsea.behavior.mental import feel
+from subsea.behavior.reins import Reins, obey
 from subsea.behavior.table import BEHAVIOR_OF_DESIRE, LEVEL_OF_DESIRE, TIRES, act, want
 from subsea.habitat import hook, plankton
 from subsea.habitat.bow_wave import push
@@ -24,18 +25,21 @@ from subsea.perception.focusser import focus
 from subsea.perception.senses import sense
 from subsea.perception.turns import whose_turn
 from subsea.state import Clock
-from subsea.submarine.helm import Helm
+from subsea.submarine.helm import STATION, Helm
 from subsea.submarine.hull import hull_axes, step_hull
 from subsea.submarine.rail import Rail, ride
 from subsea.world import TICK_S, World, create_world
 
-__all__ = ["TICK_S", "World", "create_world", "step"]
+__all__ = ["TICK_S", "Order", "World", "create_world", "step"]
+
+Order = Helm | Rail | Reins  # what is steered in a tick, and how
 
 
-def step(world: World, helm: Helm | Rail) -> None:
+def step(world: World, order: Order) -> None:
     """Advance the world by one tick: flow, perceive, want, focus, act, move, steer.
 
-    The submarine answers to a helm, or is carried on a rail.
+    The submarine answers to a helm, or is carried on a rail. With reins it keeps station, and a
+    fish is steered: its brain yields.
 
     Fishes take turns to think: those far from the submarine do it less often.
     """
@@ -64,13 +68,16 @@ def step(world: World, helm: Helm | Rail) -> None:
         feel(who, fishes, minds, nature, clock)
         review(who, fishes, minds)
         want(who, fishes, minds, sea, nature, clock)
-        choose(who, minds, nature, LEVEL_OF_DESIRE, BEHAVIOR_OF_DESIRE, TIRES)
+        free = who[who != order.fish] if isinstance(order, Reins) else who
+        choose(free, minds, nature, LEVEL_OF_DESIRE, BEHAVIOR_OF_DESIRE, TIRES)
     with _stage(world, "perception"):
-        focus(who, fishes, minds, sea, nature, clock)
+        focus(free, fishes, minds, sea, nature, clock)
     with _stage(world, "behavior"):
-        fishes.gape[who] = 0.0
-        act(who, fishes, minds, sea, nature, clock)
-        steering.keep_clear(who, fishes, minds, sea)
+        fishes.gape[free] = 0.0
+        act(free, fishes, minds, sea, nature, clock)
+        steering.keep_clear(free, fishes, minds, sea)
+        if isinstance(order, Reins) and fishes.alive[order.fish]:
+            obey(*order, fishes, minds, sea)
         steering.heed(fishes, minds, clock)
         eating.ingest(fishes, minds, sea, clock)
         hunting.inhale(fishes, minds, sea, clock)
@@ -85,9 +92,10 @@ def step(world: World, helm: Helm | Rail) -> None:
         )  # fmt: skip
         play(fishes, world.library, TICK_S)
         flap(fishes, TICK_S)
-    if isinstance(helm, Rail):
-        ride(state.submarine, helm, TICK_S)
+    if isinstance(order, Rail):
+        ride(state.submarine, order, TICK_S)
     else:
+        helm = order if isinstance(order, Helm) else STATION
         step_hull(
             state.submarine, helm, TICK_S,
             lambda x, y: height_at(sea.floor, sea.half_width, x, y), world.scenario.bounds,

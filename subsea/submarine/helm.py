@@ -26,3 +26,4 @@ class Helm(NamedTuple):
 
 
 HANDS_OFF = Helm()
+STATION = Helm(full_stop=True)
