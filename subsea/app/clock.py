@@ -24,6 +24,10 @@ class Clock:
         self._owed_s = max(self._owed_s - ticks * self.tick_s, 0.0)
         return min(ticks, self.max_ticks)
 
+    def fill(self) -> None:
+        """Owe one whole tick, so that `alpha` is 1."""
+        self._owed_s = self.tick_s
+
     @property
     def alpha(self) -> float:
         """Share of the next tick that has passed, in [0, 1]: weight of the newer of two states."""

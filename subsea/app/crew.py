@@ -9,10 +9,12 @@ from subsea.app.clock import Clock
 from subsea.app.console import say
 from subsea.app.credentials import credentials
 from subsea.app.pilot import Pilot
+from subsea.app.timeline import Timeline
 from subsea.app.tour import Steer
+from subsea.behavior.reins import Reins
 from subsea.cluster.follower import Follower
 from subsea.cluster.master import Master
-from subsea.ocean import step
+from subsea.ocean import Order
 from subsea.submarine.helm import HANDS_OFF, Helm
 from subsea.submarine.rail import Rail
 from subsea.theatre.files import Theatre
@@ -32,6 +34,10 @@ class Crew(Protocol):
     @property
     def shared(self) -> bool:
         """Whether other computers show the same dive, so that all look from the same place."""
+
+    @property
+    def timeline(self) -> Timeline | None:
+        """Stops time and takes it back; None where others share it."""
 
     @property
     def waiting(self) -> str:
@@ -76,14 +82,21 @@ class Alone:
     hands, shared, waiting, idle_s = True, False, "", 0.0
 
     def __init__(self, world: World, pilot: Pilot, tour: Steer | None = None) -> None:
-        self._world, self._clock = world, Clock(TICK_S)
-        self._course = _Course(world, pilot, tour)
+        self.timeline = Timeline(world)
+        self.steered: int | None = None  # the fish whose reins the hands hold
+        self._pilot, self._course = pilot, _Course(world, pilot, tour)
 
     def picture(self, elapsed_s: float) -> float:
         """As many ticks as have become due."""
-        for one in self._course.ticks(self._clock.advance(elapsed_s)):
-            step(self._world, one)
-        return self._clock.alpha
+        for one in self._orders(self.timeline.due(elapsed_s)):
+            self.timeline.make(one)
+        return self.timeline.alpha
+
+    def _orders(self, number: int) -> Iterator[Order]:
+        """What the course or the hands ask for; hands that hold reins ask it of their fish."""
+        if self.steered is None:
+            return self._course.ticks(number)
+        return (reins_of(self._pilot.helm(TICK_S), self.steered) for _ in range(number))
 
     def swap(self, drawn: Callable[[], None]) -> None:
         """At once: nobody is waited for."""
@@ -93,10 +106,19 @@ class Alone:
         return []
 
 
+def reins_of(helm: Helm, fish: int) -> Reins:
+    """What hands at a helm ask of a fish: it rises where the submarine would pitch up or rise."""
+    if helm.full_stop:
+        return Reins(fish)
+    rise = min(max(helm.pitch + helm.heave, -1.0), 1.0)
+    return Reins(fish, helm.yaw, rise, helm.surge)
+
+
 class Leading:
     """This computer's clock and hands, or the tour until these move, which others follow."""
 
     hands, shared, waiting, idle_s = True, True, "", 0.0
+    timeline = None
 
     def __init__(self, master: Master, pilot: Pilot, tour: Steer | None = None) -> None:
         self._master, self._clock = master, Clock(TICK_S)
@@ -124,7 +146,7 @@ class Leading:
 class Following:
     """The clock and hands of the master."""
 
-    hands, shared = False, True
+    hands, shared, timeline = False, True, None
 
     def __init__(self, node: Follower) -> None:
         self._node = node
