@@ -11,6 +11,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from subsea.body.pose import pose_at
+from subsea.diagrams import NO_LINES, Lines
 from subsea.habitat.seaweed import KINDS as SEAWEED_KINDS
 from subsea.kinematics.coupling import Coupling, place
 from subsea.scenario import Water
@@ -112,6 +113,7 @@ class Packet:
     leaves_seen: NDArray[np.bool_] | None = None
     # Of each view which specks of the plankton it sees; None: each sees all.
     plankton_seen: tuple[Ints, ...] | None = None
+    lines: Lines = NO_LINES  # of diagrams
 
 
 def make_scene(world: World) -> Scene:
@@ -142,6 +144,7 @@ def pack(
     detail: float = 1.0,
     growth: float = 1.0,
     memory: Memory | None = None,
+    lines: Lines = NO_LINES,
 ) -> Packet:
     """The frame that lies `alpha` (0 to 1) of the way from the last tick to the present one.
 
@@ -198,6 +201,7 @@ def pack(
         leaves=_leaves(world, leaves, alpha),
         fine_leaves=fine_leaves,
         leaves_seen=leaves_seen,
+        lines=lines,
     )
 
 

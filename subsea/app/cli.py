@@ -147,6 +147,7 @@ def _add_film(commands: Any) -> None:
             "subsea film reef.png --size 1920x1080 --seconds 8",
             "subsea film frames/ --seconds 2 --fps 30",
             "subsea film theatre.mp4 --theatre three-projectors",
+            "subsea film springs.png --show scaffold,school --wireframe",
             "subsea film seen/ --eyes clownfish --size 320x240 --seconds 4",
         ],
     )
@@ -186,6 +187,7 @@ def _add_film(commands: Any) -> None:
     _add_size(film)
     _add_quality(film, "high")
     _add_seed(film)
+    _add_drawing(film)
     _add_eyes(film)
     _add_theatre(film)
     film.set_defaults(run=_film)
@@ -490,6 +492,20 @@ def _add_target(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def _add_drawing(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--show",
+        type=_diagrams,
+        default=(),
+        metavar="LIST",
+        help="diagrams over the sea, separated by commas: scaffold, control-mesh, sensitivity, "
+        "school, perception, frusta, axes, paths, bounds, indices",
+    )
+    parser.add_argument(
+        "--wireframe", action="store_true", help="draw the edges of all triangles, not the faces"
+    )
+
+
 def _add_seed(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--seed",
@@ -559,6 +575,12 @@ def _check_target(quality: str, target_ms: float | None) -> None:
         raise UserError(f"--target-ms is what --quality auto holds, and this is {quality}")
 
 
+def _diagrams(text: str) -> tuple[str, ...]:
+    from subsea.diagrams import chosen_diagrams
+
+    return chosen_diagrams(text)
+
+
 def _motor(text: str) -> str:
     if text not in MOTORS:
         raise unknown("motor", text, list(MOTORS))
@@ -622,6 +644,8 @@ def _film_eyes(own: dict[str, Any], options: dict[str, Any]) -> int:
             f"film: --eyes has a picture for each eye, not --display {options['display']}"
         )
     _refuse(options, other, "film: --eyes has a picture for each eye, not {}")
+    drawing = ("show", "wireframe")
+    _refuse(options, drawing, "film: --eyes shows what a fish sees, {} shows more")
     options = _with_sizes("film", options)
     return film_eyes(
         eyes=own["eyes"],
@@ -635,7 +659,7 @@ def _film_eyes(own: dict[str, Any], options: dict[str, Any]) -> int:
 def _refuse(options: dict[str, Any], names: Sequence[str], fault: str) -> None:
     """A UserError if one of these options is given, which would have no effect; `{}` is which."""
     for name in names:
-        if (value := options.get(name)) is not None and value is not False:
+        if (value := options.get(name)) is not None and value is not False and value != ():
             raise UserError(fault.format(f"--{name.replace('_', '-')}"))
 
 

@@ -1,10 +1,13 @@
 """`subsea film`: a tour without a window."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from fractions import Fraction
 from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
 
 from subsea import interrupts
 from subsea.app.console import counted, say
@@ -16,6 +19,7 @@ from subsea.app.tags import NO_TAGS, tags_for
 from subsea.app.takes import begin, description, missing_frames
 from subsea.app.timing import sentence
 from subsea.app.tour import Steer, guide
+from subsea.diagrams import Sketcher, Written, written
 from subsea.frame import pack
 from subsea.ocean import step
 from subsea.render.quality import PRESETS
@@ -31,6 +35,7 @@ from subsea.world import TICK_S, World
 Check = Callable[[], None]
 
 UNTOLD_S = 10.0  # how long a film is if nobody says
+LETTERS, SMALLEST_PX = 0.022, 9.0  # height of labels: a share of the picture's, and at least
 
 
 def film(
@@ -48,6 +53,8 @@ def film(
     tour: str = AUTOPILOT,
     theatre: str | None = None,
     shrink: int = 1,
+    show: Sequence[str] = (),
+    wireframe: bool = False,
 ) -> int:
     """Film `seconds` of the tour from `start` at `fps` into `out`; one picture shows its end.
 
@@ -57,7 +64,8 @@ def film(
     drawn differ from what they would be in one go.
 
     A `theatre` is filmed instead of one picture of `size`: a reel for each of its windows, of
-    `shrink` times fewer pixels a side.
+    `shrink` times fewer pixels a side. The diagrams `show` are drawn over the sea, of which a
+    `wireframe` has the edges of triangles.
 
     Returns the exit code. Ctrl-C keeps what was filmed so far. Prints the frame times: ticks
     of the world, packing, drawing and reading back, without the encoding of the film.
@@ -77,6 +85,7 @@ def film(
         take = description(
             source, tour=tour, seed=seed, start=start, seconds=seconds, fps=fps, size=size,
             quality=quality, display=display, theatre=told(theatre), shrink=shrink,
+            show=[*show], wireframe=wireframe,
             **stereo._asdict(), **surround._asdict(),
         )  # fmt: skip
         missing = missing_frames(out, take, windows, len(times))
@@ -92,6 +101,8 @@ def film(
             steer = guide(world, course)
             check = stack.enter_context(interrupts.deferred())
             renderer = stack.enter_context(picture_maker(context, world, rig, preset))
+            renderer.wireframe = wireframe
+            sketcher = Sketcher(world)
             if kind == "folder":
                 begin(out, take)
             # In a theatre every channel has two eyes, which no player knows.
@@ -107,16 +118,19 @@ def film(
                 begun = time.perf_counter()
                 alpha = reach(world, instant, steer, check)
                 observer = cockpit(world.state.submarine, alpha)
+                seen = views(rig, observer)
+                drawing = sketcher.draw(show, seen, alpha)
                 packet = pack(
-                    world, views(rig, observer), alpha,
-                    detail=preset.detail, growth=preset.growth, memory=memory,
+                    world, seen, alpha, detail=preset.detail, growth=preset.growth,
+                    memory=memory, lines=drawing.lines,
                 )  # fmt: skip
                 if k not in wanted:
                     renderer.choose(packet)
                     continue
                 renderer.draw(packet)
+                words = written(rig, seen, drawing.labels)
                 pictures = {
-                    name: renderer.read_pixels(number)[:height, :width]
+                    name: lettered(renderer.read_pixels(number), words, number)[:height, :width]
                     for number, (name, (width, height)) in enumerate(sizes.items())
                 }
                 drawn = time.perf_counter()
@@ -156,6 +170,27 @@ def reach(
         before()
         step(world, steer(world))
     return alpha
+
+
+def lettered(
+    picture: NDArray[np.uint8], words: Sequence[Written], output: int
+) -> NDArray[np.uint8]:
+    """The picture (h, w, 3) of an `output` with its labels on it."""
+    if not any(word.output == output for word in words):
+        return picture
+    from PIL import Image, ImageDraw, ImageFont
+
+    image = Image.fromarray(picture)
+    canvas = ImageDraw.Draw(image)
+    tall = max(LETTERS * picture.shape[0], SMALLEST_PX)
+    font = ImageFont.load_default(tall)
+    for word in words:
+        if word.output == output:
+            canvas.text(
+                (word.x, word.y), word.text, (235, 248, 255), font, anchor="mb",
+                stroke_width=max(round(0.1 * tall), 1), stroke_fill=(0, 25, 40),
+            )  # fmt: skip
+    return np.asarray(image)
 
 
 def _intent(names: str, frames: int, missing: list[int]) -> str:

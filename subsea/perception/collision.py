@@ -67,19 +67,9 @@ def find_threats(
     motions = motion(bodies, small), motion(bodies, large)
     most = _most(motions[0]), _most(motions[1])
     slots = np.empty(max(len(small.member), len(large.member)), np.int64)
-    scale = ENLARGED * nature.timidity
     for i in who:
         intention = minds.intention[i]
-        interrupted = minds.memory[i] if intention == AVOID else intention
-        margin, foresight = scale * MARGIN_BL, scale * FORESIGHT_S
-        welcome = NOBODY
-        if minds.courtship[i] > APPROACHING:
-            margin, foresight = scale * COURTING_BL, scale * COURTING_S
-            welcome = minds.partner[i]
-        elif interrupted == SCHOOL:
-            margin, foresight = scale * SCHOOLING_BL, scale * SCHOOLING_S
-        elif interrupted == EAT and minds.kind[i] == PREDATOR:
-            welcome = minds.memory_target[i] if intention == AVOID else minds.target[i]
+        margin, foresight, welcome = sensitivity(minds, i, nature)
         worst = (np.int64(NOBODY), 0.0, np.inf)
         before = minds.threat[i]
         if intention == AVOID and before != NOBODY and before != welcome and alive[before]:
@@ -92,6 +82,22 @@ def find_threats(
                 bodies, i, grids[g], motions[g], most[g], slots, margin, foresight, welcome, worst
             )
         minds.threat[i] = worst[0]
+
+
+@njit(cache=True, error_model="numpy")
+def sensitivity(minds: Minds, i: int, nature: Nature) -> tuple[float, float, int]:
+    """Margin, body lengths, and foresight, s, of fish i's region, and who is welcome in it."""
+    scale = ENLARGED * nature.timidity
+    intention = minds.intention[i]
+    interrupted = minds.memory[i] if intention == AVOID else intention
+    if minds.courtship[i] > APPROACHING:
+        return scale * COURTING_BL, scale * COURTING_S, minds.partner[i]
+    if interrupted == SCHOOL:
+        return scale * SCHOOLING_BL, scale * SCHOOLING_S, NOBODY
+    welcome = NOBODY
+    if interrupted == EAT and minds.kind[i] == PREDATOR:
+        welcome = minds.memory_target[i] if intention == AVOID else minds.target[i]
+    return scale * MARGIN_BL, scale * FORESIGHT_S, welcome
 
 
 @njit(cache=True, error_model="numpy")

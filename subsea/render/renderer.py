@@ -19,6 +19,7 @@ from subsea.render.bubbles import Bubbles
 from subsea.render.coral import Coral, bake
 from subsea.render.fishes import Fishes
 from subsea.render.hook import Hook
+from subsea.render.lines import Lines
 from subsea.render.marks import Marks, Seen
 from subsea.render.paint import paint_all
 from subsea.render.particles import Particles
@@ -58,6 +59,7 @@ class Renderer:
         self._page = page
         self._scene = scene
         self.quality = quality
+        self.wireframe = False  # whether triangles are drawn as their edges, the water as ever
         self.triangles = 0  # of the last picture
         self.draw_calls = 0  # of the last picture
         self.draw_s = 0.0  # of the last picture: until its drawing calls returned
@@ -86,6 +88,7 @@ class Renderer:
         self._hook = Hook(context)
         self._bubbles = Bubbles(context, scene)
         self._particles = Particles(context, scene)
+        self._lines = Lines(context)
         self._resolve = Resolve(context, rig.patches, quality.smooth)
         self._held_for_size: list[Any] = []
         self._marks: Marks | None = None  # made when it is first asked for
@@ -170,6 +173,7 @@ class Renderer:
         self._fishes.upload(packet)
         self._seaweed.upload(packet)
         self._particles.upload(packet)
+        self._lines.upload(packet)
         self.choose(packet)
         if self.quality.shadows:
             self._blobs.upload(packet)
@@ -190,26 +194,31 @@ class Renderer:
             context.viewport = context.scissor = view.viewport  # specks must not spill over
             context.disable(context.BLEND)
             context.enable(context.DEPTH_TEST)
+            context.wireframe = self.wireframe
             self.triangles += self._solids.draw(number, uniforms)
             context.enable(context.CULL_FACE)
             self.triangles += self._coral.draw(number, uniforms)
             context.disable(context.CULL_FACE)
             self.triangles += self._seaweed.draw(packet, number, uniforms)
             self.triangles += self._seabed.draw(number, uniforms)
-            if self.quality.shadows:
+            if self.quality.shadows and not self.wireframe:
                 context.enable(context.BLEND)
                 self._target.framebuffer.depth_mask = False  # shadows may lie on one another
                 self.triangles += self._coral.draw_shadows(number, uniforms)
                 self.triangles += self._blobs.draw(uniforms)
                 self._target.framebuffer.depth_mask = True
                 context.disable(context.BLEND)
+            context.wireframe = False
             self.triangles += self._water.draw(view, uniforms)
             context.enable(context.BLEND)
+            context.wireframe = self.wireframe
             self.triangles += self._fishes.draw(packet, number, uniforms)
             self.triangles += self._hook.draw(packet, number, uniforms)
+            context.wireframe = False
             self._target.framebuffer.depth_mask = False
             self.triangles += self._bubbles.draw(packet, number, uniforms)
             self.triangles += self._particles.draw(packet, number, uniforms)
+            self.triangles += self._lines.draw(packet, view, uniforms)
             self._target.framebuffer.depth_mask = True
         context.scissor = None
         self._show(self._target.picture(), into, self._scale(self.rig, self.quality), True)
@@ -305,9 +314,9 @@ class Renderer:
             if made:
                 made.release()
         for part in (
-            self._resolve, self._particles, self._bubbles, self._hook, self._fishes, self._seaweed,
-            self._coral, self._blobs, self._solids, self._seabed, self._water, self._shafts,
-            self._noise, self._caustics,
+            self._resolve, self._lines, self._particles, self._bubbles, self._hook, self._fishes,
+            self._seaweed, self._coral, self._blobs, self._solids, self._seabed, self._water,
+            self._shafts, self._noise, self._caustics,
         ):  # fmt: skip
             part.release()
 

@@ -63,7 +63,7 @@ def ridden(world: World, by: Rider, alpha: float) -> Pose:
     """
     origin, turn = body_at(world, by.fish, alpha)
     axes = matrix(turn)
-    control = _control_points(world, by.fish, alpha)
+    control = control_points_at(world, by.fish, alpha)
     scale = float(world.state.fishes.scale[by.fish])
     middle = scale * by.weights @ (control[LEFT] + control[RIGHT]) / 2
     return Pose(origin + axes @ middle, axes[:, 0], axes[:, 1])
@@ -124,7 +124,7 @@ def retinal_views(world: World, by: Rider, rig: Rig, alpha: float) -> tuple[View
     return tuple(replace(view, without=by.fish) for view in views(rig, ridden(world, by, alpha)))
 
 
-def _control_points(world: World, fish: int, alpha: float) -> Array:
+def control_points_at(world: World, fish: int, alpha: float) -> Array:
     """The control points (426, 3) of a fish's pose, body axes, of the recorded size."""
     a, b, weight = pose_at(world.state.fishes, fish, alpha)
     library = world.library

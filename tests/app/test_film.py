@@ -13,6 +13,7 @@ from PIL import Image
 
 from subsea.app import eyes, film, reels
 from subsea.app.cli import main
+from subsea.diagrams import Written
 from subsea.errors import UserError
 from subsea.ocean import step
 from subsea.resources import resource_path
@@ -51,6 +52,31 @@ def test_a_folder_gets_numbered_pictures_and_the_film_moves(tmp_path):
     first, last = (np.asarray(Image.open(out / names[k])).astype(int) for k in (1, 4))
     assert first.shape == (120, 161, 3)
     assert np.abs(first - last).max() > 8
+
+
+def test_diagrams_and_numbers_are_on_a_film_and_another_list_is_another_film(tmp_path, capsys):
+    bare, shown = tmp_path / "bare.png", tmp_path / "shown"
+    assert main(["film", str(bare), *SMALL, "--seconds", "0.05"]) == 0
+    lines = ["--show", "school,bounds,indices", "--fps", "10", "--seconds", "0.1"]
+    assert main(["film", str(shown), *SMALL, *lines]) == 0
+    one, other = (np.asarray(Image.open(path)) for path in (bare, shown / "frame_00000.png"))
+    changed = np.abs(one.astype(int) - other).max(axis=2) > 60
+    assert 0.01 < changed.mean() < 0.5
+    assert main(["film", str(shown), *SMALL, *lines, "--wireframe"]) == 2
+    assert "`wireframe` is false there and true" in capsys.readouterr().err
+    assert main(["film", str(tmp_path / "no.png"), *SMALL, "--show", "scafold"]) == 2
+    assert "did you mean 'scaffold'" in capsys.readouterr().err
+
+
+def test_labels_stand_above_their_places_on_the_picture_that_they_are_for():
+    plain = np.full((800, 300, 3), 90, np.uint8)
+    words = [Written(0, 150.0, 100.0, "17"), Written(1, 20.0, 20.0, "8")]
+    picture = film.lettered(plain, words, 0)
+    rows, columns = np.nonzero((picture > 200).all(axis=2))
+    assert len(rows) > 5
+    assert 80 < rows.min() < rows.max() <= 101
+    assert abs(columns.mean() - 150) < 4
+    assert film.lettered(plain, words, 2) is plain
 
 
 def test_a_picture_is_the_same_each_time(tmp_path):

@@ -1,0 +1,71 @@
+"""Make the plate of diagrams in the documentation: `python docs/make_diagram_pictures.py [FOLDER]`.
+
+diagrams.png: the peaceful bay with one or two diagrams at a time, and as a wireframe.
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+
+from subsea.app.film import lettered
+from subsea.app.start import headless, picture_maker, start_world
+from subsea.app.tour import Tour
+from subsea.diagrams import Sketcher, written
+from subsea.frame import pack
+from subsea.ocean import step
+from subsea.render.quality import PRESETS
+from subsea.view.rig import pose, views
+from subsea.view.rigs import display_rig
+
+SIZE = (640, 360)
+TICKS = 250
+PLATES = (
+    (("scaffold", "axes"), "scaffold, axes", False),
+    (("control mesh", "indices"), "control mesh, indices", False),
+    (("sensitivity", "paths"), "sensitivity, paths", False),
+    (("school",), "school", False),
+    (("perception", "bounds"), "perception, bounds", False),
+    ((), "wireframe", True),
+)
+LEADER_AHEAD = (-95.0, -75.0, 8.0)  # cm, from the school's fish that is looked at to the eye
+
+
+def plate() -> Image.Image:
+    """Two columns of three."""
+    world, tour = start_world("peaceful"), Tour()
+    sketcher, rig = Sketcher(world), display_rig("mono", SIZE)
+    for _ in range(TICKS):
+        step(world, tour.helm(world))
+        sketcher.follow()
+    fishes, minds = world.state.fishes, world.state.minds
+    led = minds.schools & (minds.leader >= 0)
+    middle = np.median(fishes.position[led], axis=0)
+    fish = int(np.argmin(np.where(led, np.linalg.norm(fishes.position - middle, axis=1), np.inf)))
+    eye = fishes.position[fish] + LEADER_AHEAD
+    ahead = fishes.position[fish] - eye
+    pitch = np.arctan2(ahead[2], np.hypot(*ahead[:2]))
+    seen = views(rig, pose(eye, float(np.arctan2(ahead[1], ahead[0])), float(pitch)))
+    font = ImageFont.load_default(18)
+    sheet = Image.new("RGB", (2 * SIZE[0] + 8, 3 * SIZE[1] + 16), "white")
+    with headless() as context, picture_maker(context, world, rig, PRESETS["high"]) as renderer:
+        for k, (names, caption, wireframe) in enumerate(PLATES):
+            chosen = fish if "perception" in names else None
+            drawing = sketcher.draw(names, seen, 1.0, chosen)
+            renderer.wireframe = wireframe
+            renderer.draw(pack(world, seen, 1.0, detail=1.6, lines=drawing.lines))
+            words = written(rig, seen, drawing.labels)
+            picture = Image.fromarray(lettered(renderer.read_pixels(), words, 0))
+            ImageDraw.Draw(picture).text(
+                (14, SIZE[1] - 14), caption, "white", font, anchor="ls",
+                stroke_width=2, stroke_fill=(0, 25, 40),
+            )  # fmt: skip
+            sheet.paste(picture, (k % 2 * (SIZE[0] + 8), k // 2 * (SIZE[1] + 8)))
+    return sheet
+
+
+if __name__ == "__main__":
+    folder = Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).parent / "pictures")
+    folder.mkdir(parents=True, exist_ok=True)
+    plate().save(folder / "diagrams.png", optimize=True)
