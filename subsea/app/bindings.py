@@ -6,7 +6,7 @@ An input's name is what a settings file calls it: ``W``, ``PageUp``, ``Ctrl+Shif
 
 import re
 from collections.abc import Mapping, Sequence
-from typing import Literal, NamedTuple, get_args
+from typing import Literal, NamedTuple, TypeGuard, get_args
 
 from subsea.errors import UserError, nearest, unknown
 
@@ -22,6 +22,16 @@ Meaning = Action | Wish
 ACTIONS: tuple[Action, ...] = get_args(Action)
 WISHES: tuple[Wish, ...] = get_args(Wish)
 REPEATING: tuple[Wish, ...] = ("rewind", "tick")  # again and again while a key is held
+
+
+def is_action(meaning: Meaning) -> TypeGuard[Action]:
+    """Whether it is asked for as long as its input is held."""
+    return meaning in ACTIONS
+
+
+def is_wish(meaning: Meaning) -> TypeGuard[Wish]:
+    """Whether it is asked for once."""
+    return meaning in WISHES
 
 
 class Control(NamedTuple):

@@ -608,7 +608,7 @@ def _dive(settings: Path | None, **options: Any) -> int:
     from subsea.app.dive import dive
 
     _check_target(options["quality"], options["target_ms"])
-    return dive(**_with_optics(_with_sizes("dive", options)))
+    return dive(**_with_optics(_with_sizes("dive", options)), settings=chosen)
 
 
 def _with_settings(options: dict[str, Any], settings: "Settings") -> dict[str, Any]:

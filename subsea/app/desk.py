@@ -10,11 +10,11 @@ from typing import Protocol
 
 from imgui_bundle import imgui
 
+from subsea.app.bindings import Wish
 from subsea.app.gui import Gui
 from subsea.app.overlay import Overlay
 from subsea.app.panels import PANELS
 from subsea.app.sight import Sight
-from subsea.app.window import Wish
 from subsea.scenario import Scenario
 from subsea.world import World
 

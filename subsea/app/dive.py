@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 
 from subsea.app import pacing
+from subsea.app.bindings import Wish
 from subsea.app.console import say
 from subsea.app.crew import Alone, Crew, alone, muster
 from subsea.app.desk import Desk
@@ -28,11 +29,12 @@ from subsea.app.ride import (
     with_insets,
 )
 from subsea.app.screens import Installation, Screen, on_display, placed
+from subsea.app.settings import USUAL, Settings
 from subsea.app.sight import Sight, sight
 from subsea.app.start import wake
 from subsea.app.tour import guide
 from subsea.app.wall import Wall
-from subsea.app.window import Window, Wish
+from subsea.app.window import Window
 from subsea.errors import UserError
 from subsea.frame import make_scene, pack
 from subsea.render import Renderer
@@ -65,6 +67,7 @@ def dive(
     node: str | None = None,
     see_brightness: bool = False,
     tour: str | None = None,
+    settings: Settings = USUAL,
 ) -> int:
     """Dive until the window is closed, Esc is pressed, or `seconds` have passed; exit code 0.
 
@@ -95,7 +98,7 @@ def dive(
         raise UserError("--node is one of a theatre's computers, expected --theatre too")
     running = Dive(
         scenario, display, size, fullscreen, seed, stereo, surround, quality, target_ms,
-        installation, crew, see_brightness,
+        installation, crew, see_brightness, settings,
     )  # fmt: skip
     with closing(running):
         start = last = time.perf_counter()
@@ -132,6 +135,7 @@ class Dive:
         installation: Installation | None = None,
         crew: Callable[[World, Pilot], Crew] = Alone,
         see_brightness: bool = False,
+        settings: Settings = USUAL,
     ) -> None:
         """Open the windows, then the world: the visitor sees at once that something happens.
 
@@ -143,7 +147,7 @@ class Dive:
         # A misspelt name is told before a window flashes up.
         self.scenario, self.source = load_scenario(scenario)
         self.display, self._stereo, self._surround = display, stereo, surround
-        self.pilot = Pilot()
+        self.pilot = Pilot(settings)
         self._alpha = 1.0
         self._quality = quality
         self._crew_of = crew
@@ -156,6 +160,9 @@ class Dive:
             "look": self._look_otherwise,
             "pattern": self._show_pattern,
             "quality": self._choose_quality,
+            "fullscreen": lambda: self.window.toggle_fullscreen(),
+            "menu": lambda: self.window.ask_to_close(),
+            "leave": lambda: self.window.ask_to_close(),
         }
         self._pattern = False
         self._ride: Ride | None = None

@@ -1,17 +1,14 @@
-"""From hands to helm: what pointer, buttons, wheel and keys ask of the submarine.
+"""From hands to helm: what pointer, buttons, wheel, keys and sticks ask of the submarine.
 
-Nothing here knows the window library. The pilot hears of actions by name and of a pointer in
-[-1, 1] from the middle of the window (x right, y up), and gives one Helm a tick.
+Nothing here knows the window library. The pilot hears which inputs ask for which actions, and of
+a pointer in [-1, 1] from the middle of the window (x right, y up), and gives one Helm a tick.
 """
 
 import math
-from typing import Literal
 
+from subsea.app.bindings import Action
+from subsea.app.settings import USUAL, Settings
 from subsea.submarine.helm import Helm
-
-Action = Literal["ahead", "astern", "left", "right", "up", "down", "rise", "dive", "full stop"]
-
-Button = Literal["left", "right", "middle"]
 
 DEAD_ZONE = 0.10  # of half the window: here the submarine keeps its course
 CURVE = 1.6  # exponent of the answer: fine near the middle, strong at the edge
@@ -21,6 +18,7 @@ TAKE_S = 1.2  # the pointer takes the helm gradually, so entering the window is 
 RELEASE_S = 0.35
 SMOOTH_S = 0.12  # keys are on or off; the helm is not
 HAND_MOVED = 0.01  # of half the window: less is a nudged table
+STICK_MOVED = 0.15  # of its way: less is no hand that asks for something else after a full stop
 
 
 class Pilot:
@@ -30,12 +28,13 @@ class Pilot:
     moved pointer takes it back. A full stop holds until any hand asks for something else.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, settings: Settings = USUAL) -> None:
         """Hands off: no pointer, nothing held, no speed set."""
+        self.settings, self.bindings = settings, settings.bindings
         self._pointer: tuple[float, float] | None = None
         self._rested: tuple[float, float] | None = None  # where the pointer lost the helm
-        self._held: set[Action] = set()
-        self._buttons: set[Button] = set()
+        self._held: dict[str, tuple[Action, float]] = {}  # by inputs: what they ask, how much
+        self._stopped: dict[str, float] = {}  # inputs that were held when a full stop began
         self._throttle = 0.0
         self._stopping = False
         self._grip = 0.0
@@ -82,37 +81,34 @@ class Pilot:
         self._pointer = None
         self._rested = None
 
-    def button(self, name: Button, down: bool) -> None:
-        """A mouse button went down or up."""
-        if not down:
-            self._buttons.discard(name)
-            return
-        if name == "middle":
-            self.full_stop()
-            return
-        self._buttons.add(name)
-        self._stopping = False
-        self._throttle = 0.0  # a hand on the button outranks the speed set before
-
     def wheel(self, notches: float) -> None:
         """The wheel turned by `notches`, away from the hand positive: set a lasting speed."""
         self._stopping = False
         self._throttle = min(max(self._throttle + notches * WHEEL_STEP, -1.0), 1.0)
 
-    def key(self, action: Action, down: bool) -> None:
-        """A key that means `action` went down or up."""
-        if not down:
-            self._held.discard(action)
+    def hold(self, action: Action, name: str, amount: float = 1.0) -> None:
+        """The input `name` asks for `action`, with `amount` in [0, 1] of its strength."""
+        if amount <= 0.0:
+            self.release(name)
             return
+        if abs(amount - self._stopped.get(name, math.inf)) < STICK_MOVED:
+            return
+        self._stopped.pop(name, None)
         if action == "full stop":
+            self._held[name] = action, amount
             self.full_stop()
             return
-        self._held.add(action)
+        self._held[name] = action, min(amount, 1.0)
         self._stopping = False
         if action in ("ahead", "astern"):
-            self._throttle = 0.0
+            self._throttle = 0.0  # a hand that goes ahead outranks the speed set before
         if action in ("left", "right", "up", "down"):
             self._rested = self._pointer
+
+    def release(self, name: str) -> None:
+        """The input `name` asks for nothing any more."""
+        self._held.pop(name, None)
+        self._stopped.pop(name, None)
 
     def full_stop(self) -> None:
         """Brake, level, hold the heading, until a hand asks for something else."""
@@ -120,55 +116,69 @@ class Pilot:
         self._throttle = 0.0
         self._rested = self._pointer
         self._grip = 0.0
+        self._stopped |= {name: amount for name, (_, amount) in self._held.items()}
         self._held.clear()
-        self._buttons.clear()
 
     def let_go(self) -> None:
-        """The window lost the keyboard: no key or button counts as held any more."""
+        """The window lost the keyboard: nothing counts as held any more."""
         self._held.clear()
-        self._buttons.clear()
+        self._stopped.clear()
         self.leave()
 
     def helm(self, dt: float) -> Helm:
-        """What the hands ask for over the next `dt` seconds."""
-        if self._stopping or self._riding:
+        """What the submarine is asked for over the next `dt` seconds."""
+        if self._riding:
+            self._smooth = Helm(full_stop=True)
+            return self._smooth
+        return self.asked(dt)
+
+    def asked(self, dt: float) -> Helm:
+        """What the hands ask for over the next `dt` seconds, of whatever they steer."""
+        if self._stopping:
             self._smooth = Helm(full_stop=True)
             return self._smooth
         steering = self._pointer is not None and self._rested is None
         step = dt / TAKE_S if steering else -dt / RELEASE_S
         self._grip = min(max(self._grip + step, 0.0), 1.0)
         x, y = self._pointer or (0.0, 0.0)
-        lift = {"left", "right"} <= self._buttons  # both buttons: the pointer lifts and lowers
-        aim = self._grip * _answer(y)
+        # With both buttons down the pointer lifts and lowers.
+        lift = {"ahead", "astern"} <= {
+            action for name, (action, _) in self._held.items() if name.startswith("mouse")
+        }
+        mouse, share = self.settings.mouse, self.settings.comfort.acceleration
+        across, up = (self._grip * _answer(mouse.sensitivity * offset) for offset in (x, y))
+        turn = across if mouse.steer else 0.0
+        nose = up if mouse.steer and not lift else 0.0
+        surge = 0.0 if lift else self._axis("ahead", "astern")
         asked = Helm(
-            surge=self._surge(lift),
-            yaw=_limited(self._axis("left", "right") - self._grip * _answer(x)),
-            pitch=_limited(self._axis("up", "down") + (0.0 if lift else MOUSE_PITCH * aim)),
-            heave=_limited(self._axis("rise", "dive") + (aim if lift else 0.0)),
+            surge=share * _limited(self._throttle + surge),
+            yaw=share * _limited(self._axis("left", "right") - turn),
+            pitch=_limited(
+                self._axis("up", "down") + MOUSE_PITCH * (-nose if mouse.invert_pitch else nose)
+            ),
+            heave=share * _limited(self._axis("rise", "dive") + (up if lift else 0.0)),
         )
-        share = 1.0 - math.exp(-dt / SMOOTH_S)
+        eased = 1.0 - math.exp(-dt / SMOOTH_S)
         old = self._smooth
         self._smooth = Helm(
-            surge=old.surge + share * (asked.surge - old.surge),
-            yaw=old.yaw + share * (asked.yaw - old.yaw),
-            pitch=old.pitch + share * (asked.pitch - old.pitch),
-            heave=old.heave + share * (asked.heave - old.heave),
+            surge=old.surge + eased * (asked.surge - old.surge),
+            yaw=old.yaw + eased * (asked.yaw - old.yaw),
+            pitch=old.pitch + eased * (asked.pitch - old.pitch),
+            heave=old.heave + eased * (asked.heave - old.heave),
         )
         return self._smooth
 
-    def _surge(self, lift: bool) -> float:
-        buttons = 0.0
-        if not lift:
-            buttons = float("left" in self._buttons) - float("right" in self._buttons)
-        return _limited(self._throttle + buttons + self._axis("ahead", "astern"))
-
     def _axis(self, positive: Action, negative: Action) -> float:
-        return float(positive in self._held) - float(negative in self._held)
+        return self._amount(positive) - self._amount(negative)
+
+    def _amount(self, action: Action) -> float:
+        """How much the input asks that asks most for it."""
+        return max((share for held, share in self._held.values() if held == action), default=0.0)
 
 
 def _answer(offset: float) -> float:
-    """The helm in [-1, 1] for a pointer `offset` in [-1, 1]; zero in the dead zone, smooth."""
-    beyond = max(abs(offset) - DEAD_ZONE, 0.0) / (1.0 - DEAD_ZONE)
+    """The helm in [-1, 1] for a pointer at `offset`; zero in the dead zone, smooth."""
+    beyond = max(min(abs(offset), 1.0) - DEAD_ZONE, 0.0) / (1.0 - DEAD_ZONE)
     return math.copysign(beyond**CURVE, offset)
 
 

@@ -10,10 +10,11 @@ from typing import Any, NamedTuple
 
 import glfw
 
+from subsea.app.bindings import Wish
 from subsea.app.gui import one_page
 from subsea.app.pilot import Pilot
 from subsea.app.screens import Monitor, Screen
-from subsea.app.window import Reach, Window, Wish
+from subsea.app.window import Reach, Window
 from subsea.render import Presenter, page_switch, window_context
 
 

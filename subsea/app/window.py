@@ -2,48 +2,17 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any, Literal, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import glfw
 import imgui_bundle  # noqa: F401  # before glfw: it brings the one libglfw that both share
 
+from subsea.app.bindings import BUTTONS, KEYS, REPEATING, Meaning, Wish, is_action, is_wish
 from subsea.app.install import INSTALL
-from subsea.app.pilot import Action, Button, Pilot
+from subsea.app.pilot import Pilot
 from subsea.app.screens import Monitor, Screen, reason
 from subsea.errors import UserError
 from subsea.view.stereo import OTHER_STEREO
-
-KEYS: dict[int, Action] = {
-    glfw.KEY_W: "ahead",
-    glfw.KEY_S: "astern",
-    glfw.KEY_A: "left",
-    glfw.KEY_D: "right",
-    glfw.KEY_LEFT: "left",
-    glfw.KEY_RIGHT: "right",
-    glfw.KEY_UP: "up",
-    glfw.KEY_DOWN: "down",
-    glfw.KEY_E: "rise",
-    glfw.KEY_Q: "dive",
-    glfw.KEY_PAGE_UP: "rise",
-    glfw.KEY_PAGE_DOWN: "dive",
-    glfw.KEY_SPACE: "full stop",
-}
-Wish = Literal["help", "quality", "pattern", "ride", "look", "alight", "desk"]
-WISHES: dict[int, Wish] = {
-    glfw.KEY_H: "help",
-    glfw.KEY_F1: "help",
-    glfw.KEY_P: "quality",
-    glfw.KEY_T: "pattern",
-    glfw.KEY_R: "ride",
-    glfw.KEY_I: "look",
-    glfw.KEY_TAB: "desk",
-}
-FULLSCREEN_KEYS = (glfw.KEY_F, glfw.KEY_F11)
-BUTTONS: dict[int, Button] = {
-    glfw.MOUSE_BUTTON_LEFT: "left",
-    glfw.MOUSE_BUTTON_RIGHT: "right",
-    glfw.MOUSE_BUTTON_MIDDLE: "middle",
-}
 
 
 class Listener(Protocol):
@@ -225,7 +194,12 @@ class Window:
         glfw.destroy_window(self.handle)
 
     def toggle_fullscreen(self) -> None:
-        """Fill the screen that the window is on, or go back to the former place and size."""
+        """Fill the screen that the window is on, or go back to the former place and size.
+
+        A window that has a place of its own stays as it is.
+        """
+        if self.fixed:
+            return
         windowed: Any = None
         if glfw.get_window_monitor(self.handle):
             glfw.set_window_monitor(self.handle, windowed, *self._windowed, glfw.DONT_CARE)
@@ -249,27 +223,32 @@ class Window:
         return glfw.get_primary_monitor()
 
     def _on_key(self, handle: object, key: int, scancode: int, action: int, mods: int) -> None:
-        down = action == glfw.PRESS
-        if self.listener and self.listener.keyed(key, action != glfw.RELEASE, mods):
-            if action == glfw.RELEASE and key in KEYS:
-                self.pilot.key(KEYS[key], False)  # it may have been pressed before
-            return
-        if key in KEYS and action != glfw.REPEAT:
-            self.pilot.key(KEYS[key], down)
-        elif down and key == glfw.KEY_ESCAPE:
-            if self.pilot.riding:
-                self._wishes.append("alight")
-            else:
-                self.ask_to_close()
-        elif down and key in WISHES:
-            self._wishes.append(WISHES[key])
-        elif down and key in FULLSCREEN_KEYS and not self.fixed:
-            self.toggle_fullscreen()
+        heard = self.listener is not None and self.listener.keyed(key, action != glfw.RELEASE, mods)
+        name = KEYS.get(key, "")
+        if action == glfw.RELEASE:
+            self.pilot.release(name)  # also where the listener heard it: it may have been held
+        elif not heard:
+            meaning = self.pilot.bindings.key(key, mods, self.pilot.riding)
+            self._ask(meaning, name, action == glfw.REPEAT)
 
     def _on_button(self, handle: object, button: int, action: int, mods: int) -> None:
         heard = self.listener is not None and self.listener.pressed(button, action == glfw.PRESS)
-        if button in BUTTONS and not (heard and action == glfw.PRESS):
-            self.pilot.button(BUTTONS[button], action == glfw.PRESS)
+        name = f"mouse {BUTTONS[button]}"
+        if action == glfw.RELEASE:
+            self.pilot.release(name)
+        elif not heard:
+            self._ask(self.pilot.bindings.meaning(name, self.pilot.riding), name)
+
+    def _ask(self, meaning: Meaning | None, name: str, again: bool = False) -> None:
+        """The input `name`, which means that, went down; `again` by itself, as held keys do."""
+        if meaning is None or (again and meaning not in REPEATING):
+            return
+        if is_action(meaning):
+            self.pilot.hold(meaning, name)
+        elif meaning == "fullscreen":
+            self.toggle_fullscreen()  # this window, whichever is the pilot's
+        elif is_wish(meaning):
+            self._wishes.append(meaning)
 
     def _on_character(self, handle: object, character: int) -> None:
         if self.listener:

@@ -33,7 +33,7 @@ def worlds():
 
 def pressed(action):
     pilot = Pilot()
-    pilot.key(action, True)
+    pilot.hold(action, "W")
     return pilot
 
 

@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.app.pilot import DEAD_ZONE, Pilot
+from subsea.app.settings import Comfort, Mouse, Settings
 
 DT = 0.033
 
@@ -53,23 +54,19 @@ def test_the_submarine_looks_where_the_pointer_is(x, y, yaw, pitch):
     assert (math.copysign(1, helm.pitch) if abs(helm.pitch) > 1e-3 else 0) == pitch
 
 
-@pytest.mark.parametrize(("button", "surge"), [("left", 1.0), ("right", -1.0)])
-def test_buttons_go_ahead_and_astern_while_held(button, surge):
-    pilot = Pilot()
-    pilot.button(button, True)
-    assert settle(pilot).surge == pytest.approx(surge, abs=1e-3)
-    pilot.button(button, False)
-    assert settle(pilot).surge == pytest.approx(0.0, abs=1e-3)
-
-
 def test_both_buttons_lift_with_the_pointer():
     pilot = steering_at(0.0, 0.9)
-    pilot.button("left", True)
-    pilot.button("right", True)
+    pilot.hold("ahead", "mouse left")
+    pilot.hold("astern", "mouse right")
     helm = settle(pilot)
     assert helm.heave > 0.5
     assert helm.pitch == pytest.approx(0.0, abs=1e-3)
     assert helm.surge == pytest.approx(0.0, abs=1e-3)
+    pilot.release("mouse right")
+    pilot.hold("astern", "S")  # a key and a button just even out
+    helm = settle(pilot)
+    assert helm.heave == pytest.approx(0.0, abs=1e-3)
+    assert helm.pitch > 0.3
 
 
 def test_the_wheel_sets_a_lasting_speed():
@@ -87,20 +84,50 @@ def test_the_wheel_sets_a_lasting_speed():
         ("up", "pitch", 1), ("down", "pitch", -1), ("rise", "heave", 1), ("dive", "heave", -1),
     ],
 )  # fmt: skip
-def test_every_manoeuvre_has_a_key(action, field, sign):
+def test_every_manoeuvre_is_held_and_let_go(action, field, sign):
     pilot = Pilot()
-    pilot.key(action, True)
+    pilot.hold(action, "x")
     assert getattr(settle(pilot), field) == pytest.approx(sign, abs=1e-3)
-    pilot.key(action, False)
+    pilot.release("x")
     assert getattr(settle(pilot), field) == pytest.approx(0.0, abs=1e-3)
 
 
-@pytest.mark.parametrize("stop", ["key", "button"])
-def test_a_full_stop_holds_until_a_hand_moves(stop):
+def test_a_stick_asks_for_a_part_and_the_strongest_input_counts():
+    pilot = Pilot()
+    pilot.hold("ahead", "pad left stick up", 0.4)
+    assert settle(pilot).surge == pytest.approx(0.4, abs=1e-3)
+    pilot.hold("ahead", "W")
+    assert settle(pilot).surge == pytest.approx(1.0, abs=1e-3)
+    pilot.release("W")
+    assert settle(pilot).surge == pytest.approx(0.4, abs=1e-3)
+    pilot.hold("ahead", "pad left stick up", 0.0)
+    assert settle(pilot).surge == pytest.approx(0.0, abs=1e-3)
+
+
+def test_two_keys_for_one_thing_are_both_to_be_let_go():
+    pilot = Pilot()
+    pilot.hold("left", "A")
+    pilot.hold("left", "Left")
+    pilot.release("A")
+    assert settle(pilot).yaw == pytest.approx(1.0, abs=1e-3)
+
+
+def test_after_a_full_stop_a_stick_must_move_to_count_again():
+    pilot = Pilot()
+    pilot.hold("ahead", "pad left stick up", 0.8)
+    settle(pilot)
+    pilot.hold("full stop", "pad A")
+    pilot.hold("ahead", "pad left stick up", 0.79)  # it trembles
+    assert settle(pilot).full_stop
+    pilot.hold("ahead", "pad left stick up", 0.5)
+    assert settle(pilot).surge == pytest.approx(0.5, abs=1e-3)
+
+
+def test_a_full_stop_holds_until_a_hand_moves():
     pilot = steering_at(0.8, 0.0)
     pilot.wheel(8.0)
     settle(pilot)
-    pilot.key("full stop", True) if stop == "key" else pilot.button("middle", True)
+    pilot.hold("full stop", "Space")
     assert settle(pilot) == (0.0, 0.0, 0.0, 0.0, True)
     pilot.point(0.8001, 0.0)
     assert settle(pilot).full_stop
@@ -114,9 +141,9 @@ def test_a_full_stop_holds_until_a_hand_moves(stop):
 def test_a_steering_key_takes_the_helm_from_a_resting_pointer():
     pilot = steering_at(0.9, 0.0)
     assert settle(pilot).yaw < -0.5
-    pilot.key("left", True)
+    pilot.hold("left", "A")
     assert settle(pilot).yaw == pytest.approx(1.0, abs=1e-3)
-    pilot.key("left", False)
+    pilot.release("A")
     assert settle(pilot).yaw == pytest.approx(0.0, abs=1e-3)
 
 
@@ -125,7 +152,7 @@ def test_leaving_the_window_lets_go():
     settle(pilot)
     pilot.leave()
     assert settle(pilot).yaw == pytest.approx(0.0, abs=1e-3)
-    pilot.key("ahead", True)
+    pilot.hold("ahead", "W")
     pilot.let_go()
     assert settle(pilot).surge == pytest.approx(0.0, abs=1e-3)
 
@@ -133,13 +160,18 @@ def test_leaving_the_window_lets_go():
 EVENTS = st.lists(
     st.one_of(
         st.tuples(st.just("point"), st.floats(-2, 2), st.floats(-2, 2)),
-        st.tuples(st.just("button"), st.sampled_from(["left", "right"]), st.booleans()),
+        st.tuples(st.just("hold"), st.just("ahead"), st.just("mouse left")),
+        st.tuples(st.just("hold"), st.just("astern"), st.just("mouse right")),
+        st.tuples(st.just("release"), st.sampled_from(["mouse left", "mouse right", "x"])),
         st.tuples(st.just("wheel"), st.floats(-3, 3)),
-        st.tuples(st.just("key"), st.sampled_from(["left", "up", "ahead", "rise"]), st.booleans()),
+        st.tuples(
+            st.just("hold"), st.sampled_from(["left", "up", "ahead", "rise"]), st.just("x"),
+            st.floats(0, 1),
+        ),
         st.tuples(st.just("leave")),
     ),
     max_size=40,
-)
+)  # fmt: skip
 
 
 @given(EVENTS)
@@ -157,3 +189,28 @@ def test_no_hand_asks_for_too_much_or_makes_the_helm_jump(events):
 def test_the_dead_zone_is_dead():
     helm = settle(steering_at(DEAD_ZONE * 0.99, -DEAD_ZONE * 0.99))
     assert helm[:4] == pytest.approx((0.0, 0.0, 0.0, 0.0))
+
+
+def settled_at(x, y, **settings):
+    pilot = Pilot(Settings(**settings))
+    pilot.point(0.0, 0.5)
+    pilot.point(x, y)
+    pilot.hold("ahead", "W")
+    return settle(pilot)
+
+
+def test_the_mouse_is_as_the_settings_say():
+    usual = settled_at(0.5, 0.5)
+    assert settled_at(0.5, 0.5, mouse=Mouse(invert_pitch=True)).pitch == -usual.pitch
+    still = settled_at(0.5, 0.5, mouse=Mouse(steer=False))
+    assert (still.yaw, still.pitch) == (0.0, 0.0)
+    assert still.surge > 0.9
+    quick = settled_at(0.5, 0.5, mouse=Mouse(sensitivity=2.0))
+    assert quick.yaw == pytest.approx(-1.0, abs=1e-3)
+    assert quick.yaw < 1.5 * usual.yaw
+
+
+def test_comfort_asks_for_a_share_of_thrust_and_rudder():
+    usual, calm = settled_at(0.9, 0.5), settled_at(0.9, 0.5, comfort=Comfort(acceleration=0.5))
+    assert calm[:2] == pytest.approx((0.5 * usual.surge, 0.5 * usual.yaw))
+    assert calm.pitch == usual.pitch

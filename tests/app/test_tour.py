@@ -182,9 +182,9 @@ def test_a_visitor_is_taken_along_until_a_hand_moves():
         crew.picture(1.5 * TICK_S)
     there = rail_at(course, world.state, world.state.tick * TICK_S).position
     np.testing.assert_array_equal(boat.position, there)
-    pilot.key("ahead", True)
+    pilot.hold("ahead", "W")
     crew.picture(1.1 * TICK_S)
-    pilot.key("ahead", False)
+    pilot.release("W")
     crew.picture(5.1 * TICK_S)
     taken = rail_at(course, world.state, world.state.tick * TICK_S)
     assert np.linalg.norm(boat.position - taken.position) > 0.01
