@@ -5,6 +5,8 @@ In a checkout they are beside the package, in an installed wheel inside it.
 
 import re
 import tomllib
+from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -44,17 +46,26 @@ def named_or_file(name: str, folder: str, suffix: str, kind: str) -> Path:
     return resource_path(folder) / f"{name}{suffix}"
 
 
-def load_toml(path: Path, kind: type[T]) -> T:
-    """Read a TOML file as the msgspec struct `kind`; every fault is one line with file and key."""
+def load_toml(path: Path, kind: type[T], settings: Sequence[str] = ()) -> T:
+    """Read a TOML file as the msgspec struct `kind`; every fault is one line with file and key.
+
+    Each of `settings` changes one value of it: a key with its tables, by dots, entries of lists
+    by number from 0, then = and a TOML value or a word, such as ``fish.0.species=fusilier``.
+    """
     try:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as fault:
         reason = fault.strerror if isinstance(fault, OSError) else "not UTF-8 text"
         raise UserError(f"{path}: cannot read ({reason})") from fault
     try:
-        return msgspec.convert(tomllib.loads(text), kind)
+        content = tomllib.loads(text)
     except tomllib.TOMLDecodeError as fault:
         raise UserError(f"{path}: not valid TOML ({fault})") from fault
+    for setting in settings:
+        _set(content, setting)
+    source = " --set ".join([str(path), *settings])
+    try:
+        return msgspec.convert(content, kind)
     except msgspec.ValidationError as fault:
         message, _, place = (
             str(fault).replace(" - at `key` in `$", " - at `$").partition(" - at `$")
@@ -71,7 +82,38 @@ def load_toml(path: Path, kind: type[T]) -> T:
         message = message.replace("Object contains unknown field", "unknown key")
         message = message.replace("Object missing required field", "missing key")
         where = f", at `{place}`" if place else ""
-        raise UserError(f"{path}: {message}{where}{hint}") from fault
+        raise UserError(f"{source}: {message}{where}{hint}") from fault
+
+
+def _set(content: dict[str, Any], setting: str) -> None:
+    """Change one value in the content of a TOML file; an entry behind a list's last is new."""
+    keys, equals, text = setting.partition("=")
+    steps = [step.strip() for step in keys.split(".")]
+    if not equals or not all(steps):
+        raise UserError(f"--set {setting}: expected KEY=VALUE such as fish.0.number=20")
+    value: Any = text.strip()
+    with suppress(tomllib.TOMLDecodeError):
+        value = tomllib.loads(f"value = {value}")["value"]
+    here: Any = content
+    for k, step in enumerate(steps):
+        last = k == len(steps) - 1
+        new = value if last else [] if steps[k + 1].isdecimal() else {}
+        above = ".".join(steps[:k])
+        if isinstance(here, list):
+            if not step.isdecimal() or int(step) > len(here):
+                expected = f"a number from 0 to {len(here)}" if here else "0"
+                raise UserError(f"--set {setting}: `{above}` is a list, expected {expected} in it")
+            if int(step) == len(here):
+                here.append(new)
+            key: Any = int(step)
+        elif isinstance(here, dict):
+            here.setdefault(step, new)
+            key = step
+        else:
+            raise UserError(f"--set {setting}: `{above}` is no table, expected `{above}=VALUE`")
+        if last:
+            here[key] = value
+        here = here[key]
 
 
 def _type_at(kind: Any, place: str) -> inspect.Type | None:

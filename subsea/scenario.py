@@ -1,6 +1,7 @@
 """Scenarios: who lives where, from `assets/scenarios/NAME.toml`."""
 
 import math
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -29,6 +30,10 @@ Flow = Annotated[float, msgspec.Meta(ge=-200, le=200)]
 Celsius = Annotated[float, msgspec.Meta(ge=-2, le=40)]
 Share = Annotated[float, msgspec.Meta(ge=0, le=1)]
 Colour = tuple[Share, Share, Share]
+Factor = Annotated[float, msgspec.Meta(ge=0, le=100)]
+Dread = Annotated[float, msgspec.Meta(ge=0, le=5000)]
+Kind = Literal["pacifist", "prey", "predator"]
+Habit = Literal["brightness", "darkness", "cold", "warmth"]
 Weight = Annotated[float, msgspec.Meta(ge=0, le=1000)]
 GrowthKind = Literal[
     "staghorn", "bush", "table", "brain", "lettuce", "finger", "leather", "soft", "fan", "pipes",
@@ -77,15 +82,15 @@ class Shoal(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     heading_deg: Coordinate | None = None  # none: the dice decide
     toward_cm: tuple[Coordinate, Coordinate, Coordinate] | None = None  # where they are bound first
     leader_cm: BodyLength | None = None  # of the first fish, which leads; none: as the others
-    kind: Literal["pacifist", "prey", "predator"] | None = None  # none: as the species is
+    kind: Kind | None = None  # none: as the species is
     male_share: Share = 0.5
-    likes: list[Literal["brightness", "darkness", "cold", "warmth"]] = []  # Tu §7.3
+    likes: list[Habit] = []  # Tu §7.3
     schooling: bool | None = None  # none: as the species does
     hunger: Share | None = None  # at the start, the urge within; none: the dice decide
     libido: Share | None = None
     digestion: Rate | None = None  # p0 of Tu §7.4, 1/s
     libido_rate: Rate | None = None  # p1, 1/s
-    dread_cm: Annotated[float, msgspec.Meta(ge=0, le=5000)] | None = None  # D0
+    dread_cm: Dread | None = None  # D0
 
 
 class Pillar(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -241,6 +246,33 @@ class Temper(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
             raise ValueError("`vision_cm` must not be more than `smell_cm`")
 
 
+class Individual(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """What one fish has of its own, whatever its shoal says; no dice are thrown for it."""
+
+    fish: Annotated[int, msgspec.Meta(ge=0, lt=MAX_FISHES)]  # its number, as shoals count from 0
+    kind: Kind | None = None
+    male: bool | None = None
+    likes: list[Habit] | None = None  # Tu §7.3
+    schooling: bool | None = None
+    hunger: Share | None = None  # the urge within
+    libido: Share | None = None
+    digestion: Rate | None = None  # p0 of Tu §7.4, 1/s
+    libido_rate: Rate | None = None  # p1, 1/s
+    dread_cm: Dread | None = None  # D0
+
+
+class PhysicsTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """The physics of fishes that are simulated (Tu §9.2), as `state.Physics` explains it."""
+
+    unit_mass: Annotated[float, msgspec.Meta(ge=0.1, le=10)] = 1.0
+    viscosity: Factor = 1.0
+    stiffness: Annotated[float, msgspec.Meta(ge=0.01, le=100)] = 1.0
+    water_viscosity: Factor = 1.0
+    hydrodynamics: bool = True
+    time_step: Annotated[float, msgspec.Meta(ge=0.05, le=50)] = 1.0
+    iterations: Annotated[int, msgspec.Meta(ge=1, le=60)] = 6
+
+
 class Scenario(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """Everything that a dive starts from."""
 
@@ -261,6 +293,8 @@ class Scenario(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     reef: list[ReefTable] = []
     tour: list[TourTable] = []
     nature: Temper = Temper()
+    individual: list[Individual] = []
+    physics: PhysicsTable = PhysicsTable()
     # So many of the nearest fishes are simulated instead of played back.
     simulated: Annotated[int, msgspec.Meta(ge=0, le=MAX_SIMULATED)] = 0
 
@@ -270,77 +304,93 @@ class Scenario(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
         return sorted({shoal.species for shoal in self.fish})
 
 
-def load_scenario(name: str) -> tuple[Scenario, Path]:
-    """The scenario called `name`, or the one in the file `name`, and the file it came from."""
+def load_scenario(name: str, settings: Sequence[str] = ()) -> tuple[Scenario, Path]:
+    """The scenario called `name`, or the one in the file `name`, and the file it came from.
+
+    `settings` such as ``fish.0.number=20`` change it. Every fault is a UserError of one line.
+    """
     path = named_or_file(name, "assets/scenarios", ".toml", "scenario")
-    scenario = load_toml(path, Scenario)
-    known = species_names()
-    _inside(path, "submarine.position_cm", scenario.submarine.position_cm, scenario.bounds)
-    for k, shoal in enumerate(scenario.fish):
-        if shoal.species not in known:
-            fault = unknown("species", shoal.species, known)
-            raise UserError(f"{path}: `fish[{k}].species`: {fault}")
-        if shoal.size_cm is not None and shoal.size_cm[0] > shoal.size_cm[1]:
-            sizes = list(shoal.size_cm)
-            raise UserError(f"{path}: `fish[{k}].size_cm` {sizes}: expected the smallest first")
-        if shoal.position_cm is not None:
-            _inside(path, f"fish[{k}].position_cm", shoal.position_cm, scenario.bounds)
-        if shoal.toward_cm is not None:
-            _inside(path, f"fish[{k}].toward_cm", shoal.toward_cm, scenario.bounds)
-    if scenario.hook is not None:
-        _inside(path, "hook", scenario.hook.bait_cm, scenario.bounds)
-    for k, pillar in enumerate(scenario.pillar):
-        _inside(path, f"pillar[{k}].position_cm", pillar.position_cm, scenario.bounds)
-    for k, rock in enumerate(scenario.rock):
-        _inside(path, f"rock[{k}].position_cm", rock.position_cm, scenario.bounds)
-    for k, knoll in enumerate(scenario.outcrop):
-        _inside(path, f"outcrop[{k}].position_cm", knoll.position_cm, scenario.bounds)
-    for k, arch in enumerate(scenario.arch):
-        _inside(path, f"arch[{k}].position_cm", arch.position_cm, scenario.bounds)
-    for k, vent in enumerate(scenario.vent):
-        _inside(path, f"vent[{k}].position_cm", vent.position_cm, scenario.bounds)
-    leaves = sum(group.clusters * group.leaves for group in scenario.seaweed)
-    if leaves > MAX_SEAWEED:
-        raise UserError(f"{path}: `seaweed` has {leaves} leaves, expected at most {MAX_SEAWEED}")
-    growths = sum(table.number for table in scenario.reef)
-    if growths > MAX_GROWTHS:
-        raise UserError(f"{path}: `reef` has {growths} growths, expected at most {MAX_GROWTHS}")
-    for k, table in enumerate(scenario.reef):
-        if table.position_cm is not None:
-            _inside(path, f"reef[{k}].position_cm", table.position_cm, scenario.bounds)
-    for k, group in enumerate(scenario.seaweed):
-        if group.position_cm is not None:
-            _inside(path, f"seaweed[{k}].position_cm", group.position_cm, scenario.bounds)
-    _check_tours(path, scenario)
-    number = sum(shoal.number for shoal in scenario.fish)
-    if number > MAX_FISHES:
-        raise UserError(f"{path}: {number} fishes in all, expected at most {MAX_FISHES}")
+    scenario = load_toml(path, Scenario, settings)
+    check_scenario(scenario, " --set ".join([str(path), *settings]))
     return scenario, path
 
 
-def _check_tours(path: Path, scenario: Scenario) -> None:
+def check_scenario(scenario: Scenario, source: str) -> None:
+    """A UserError for what one table alone does not show: places, names and numbers in all.
+
+    What only a world shows, `world.create_world` refuses: things inside one another.
+    """
+    bounds, known = scenario.bounds, species_names()
+    for key, place in _places(scenario):
+        _inside(source, key, place, bounds)
+    for k, shoal in enumerate(scenario.fish):
+        if shoal.species not in known:
+            fault = unknown("species", shoal.species, known)
+            raise UserError(f"{source}: `fish[{k}].species`: {fault}")
+        if shoal.size_cm is not None and shoal.size_cm[0] > shoal.size_cm[1]:
+            sizes = list(shoal.size_cm)
+            raise UserError(f"{source}: `fish[{k}].size_cm` {sizes}: expected the smallest first")
+    leaves = sum(group.clusters * group.leaves for group in scenario.seaweed)
+    if leaves > MAX_SEAWEED:
+        raise UserError(f"{source}: `seaweed` has {leaves} leaves, expected at most {MAX_SEAWEED}")
+    growths = sum(table.number for table in scenario.reef)
+    if growths > MAX_GROWTHS:
+        raise UserError(f"{source}: `reef` has {growths} growths, expected at most {MAX_GROWTHS}")
+    _check_tours(source, scenario)
+    number = sum(shoal.number for shoal in scenario.fish)
+    if number > MAX_FISHES:
+        raise UserError(f"{source}: {number} fishes in all, expected at most {MAX_FISHES}")
+    met: set[int] = set()
+    for k, one in enumerate(scenario.individual):
+        key = f"`individual[{k}].fish` {one.fish}"
+        if one.fish >= number:
+            expected = f"expected 0 to {number - 1}" if number else "but there are none"
+            raise UserError(f"{source}: {key}: there is no such fish, {expected}")
+        if one.fish in met:
+            raise UserError(f"{source}: {key}: has a table already, expected one for each fish")
+        met.add(one.fish)
+
+
+def _places(scenario: Scenario) -> Iterator[tuple[str, tuple[float, ...]]]:
+    """Key and place of everything but tours that a scenario puts somewhere."""
+    yield "submarine.position_cm", scenario.submarine.position_cm
+    if scenario.hook is not None:
+        yield "hook", scenario.hook.bait_cm
+    for name in ("fish", "pillar", "rock", "outcrop", "arch", "vent", "reef", "seaweed"):
+        for k, one in enumerate(getattr(scenario, name)):
+            if one.position_cm is not None:
+                yield f"{name}[{k}].position_cm", one.position_cm
+            if getattr(one, "toward_cm", None) is not None:
+                yield f"{name}[{k}].toward_cm", one.toward_cm
+
+
+def _check_tours(source: str, scenario: Scenario) -> None:
     """A UserError for a tour that cannot be followed, whatever the sea is like."""
     living = scenario.species
     for k, tour in enumerate(scenario.tour):
-        here = f"{path}: `tour[{k}]`"
+        here = f"{source}: `tour[{k}]`"
         if tour.name in (AUTOPILOT, *(other.name for other in scenario.tour[:k])):
             raise UserError(f"{here}: the name {tour.name!r} is taken, expected another")
         before = None
         for i, point in enumerate(tour.waypoint):
             key = f"tour[{k}].waypoint[{i}]"
-            _inside(path, f"{key}.position_cm", point.position_cm, scenario.bounds)
+            _inside(source, f"{key}.position_cm", point.position_cm, scenario.bounds)
             if before is None and point.time_s != 0.0:
-                raise UserError(f"{path}: `{key}.time_s` {point.time_s:g}: expected 0 at the first")
+                raise UserError(
+                    f"{source}: `{key}.time_s` {point.time_s:g}: expected 0 at the first"
+                )
             if before is not None and point.time_s <= before:
                 raise UserError(
-                    f"{path}: `{key}.time_s` {point.time_s:g}: expected more than {before:g}, "
+                    f"{source}: `{key}.time_s` {point.time_s:g}: expected more than {before:g}, "
                     "that of the one before"
                 )
             before = point.time_s
             if point.look_at_cm is not None:
-                _inside(path, f"{key}.look_at_cm", point.look_at_cm, scenario.bounds)
+                _inside(source, f"{key}.look_at_cm", point.look_at_cm, scenario.bounds)
             if point.follow is not None and point.follow not in living:
-                raise UserError(f"{path}: `{key}.follow`: {unknown('fish', point.follow, living)}")
+                raise UserError(
+                    f"{source}: `{key}.follow`: {unknown('fish', point.follow, living)}"
+                )
         first, last = tour.waypoint[0].position_cm, tour.waypoint[-1].position_cm
         if tour.loop and (first != last or len(tour.waypoint) < 4):
             raise UserError(
@@ -349,11 +399,11 @@ def _check_tours(path: Path, scenario: Scenario) -> None:
             )
 
 
-def _inside(path: Path, key: str, place: tuple[float, ...], bounds: Bounds) -> None:
+def _inside(source: str, key: str, place: tuple[float, ...], bounds: Bounds) -> None:
     """A UserError unless `place` lies in the cylinder; one of three between floor and surface."""
     expected = f"at most {bounds.radius_cm:g} cm from the middle"
     if len(place) == 3:
         expected += f" and 0 to {-bounds.depth_cm:g} cm high"
     height_fits = all(-bounds.depth_cm <= z <= 0 for z in place[2:])
     if math.hypot(*place[:2]) > bounds.radius_cm or not height_fits:
-        raise UserError(f"{path}: `{key}` {place} lies outside the sea: expected {expected}")
+        raise UserError(f"{source}: `{key}` {place} lies outside the sea: expected {expected}")
