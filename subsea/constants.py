@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.state import Nature
+from subsea.state import Nature, Physics
 from subsea.world import World
 
 MINDS = ("kind", "male", "likes", "schools", "appetite", "digestion", "libido_rate", "dread")
@@ -20,13 +20,14 @@ class Constants(NamedTuple):
 
     nature: Nature
     current_cm_s: tuple[float, float]  # strength of the swinging current along x and y
+    physics: Physics  # of the fishes that are simulated
     minds: dict[str, NDArray[Any]]  # by the names of `MINDS`
 
 
 def constants_of(world: World) -> Constants:
     """The constants of a world as they are now."""
     minds = {name: getattr(world.state.minds, name).copy() for name in MINDS}
-    return Constants(world.nature, world.current_cm_s, minds)
+    return Constants(world.nature, world.current_cm_s, world.physics, minds)
 
 
 def put_back(world: World, constants: Constants) -> None:
@@ -34,13 +35,13 @@ def put_back(world: World, constants: Constants) -> None:
 
     Before `snapshot.restore` of the same moment: what a snapshot may hold depends on them.
     """
-    world.nature, world.current_cm_s = constants.nature, constants.current_cm_s
+    world.nature, world.current_cm_s, world.physics = constants[:3]
     for name, values in constants.minds.items():
         getattr(world.state.minds, name)[...] = values
 
 
 def same(one: Constants, other: Constants) -> bool:
     """Whether worlds with these constants go on alike from the same snapshot."""
-    return one[:2] == other[:2] and all(
+    return one[:3] == other[:3] and all(
         np.array_equal(values, other.minds[name]) for name, values in one.minds.items()
     )

@@ -86,10 +86,11 @@ def step(world: World, order: Order) -> None:
         minds.pause[who] = 0.0
     with _stage(world, "motor"):
         command(fishes, world.library, state.seed, state.tick, TICK_S)
-        swim(
+        burst = swim(
             fishes, world.library, world.dynamics, state.live,
-            state.submarine.position, state.tick, TICK_S,
+            state.submarine.position, state.tick, TICK_S, world.physics,
         )  # fmt: skip
+        world.tell_burst(burst)
         play(fishes, world.library, TICK_S)
         flap(fishes, TICK_S)
     if isinstance(order, Rail):

@@ -146,8 +146,8 @@ def _edited(text: str, old: Content, new: Content) -> str:
             changes = ({} if one is _MISSING else {key: one} for one in (was, now))
             head = _changed(head, (), *changes)
         else:
-            _exchange(pieces, key, *([] if one is _MISSING else _tables(one) for one in (was, now)),
-                      isinstance(present, list))  # fmt: skip
+            tables = [[] if one is _MISSING else _tables(one) for one in (was, now)]
+            _exchange(pieces, key, tables[0], tables[1], isinstance(present, list))
     return (head + "".join(piece.text for piece in pieces)).replace("\n", ends)
 
 
@@ -176,12 +176,12 @@ def _exchange(
     pieces: list[_Piece], key: str, was: list[Content], now: list[Content], listed: bool
 ) -> None:
     """Change, take out and put in tables of a key, so that what is as it was stays in its place."""
-    names = [[repr(sorted(table.items())) for table in tables] for tables in (was, now)]
+    old, new = ([repr(sorted(table.items())) for table in tables] for tables in (was, now))
     places = [k for k, piece in enumerate(pieces) if piece.key == key and piece.begins]
     if len(places) != len(was):  # written in a way that is not known here
         places = []
     # From the last to the first, so that places stay true.
-    for what, i, j, m, n in reversed(SequenceMatcher(None, *names, autojunk=False).get_opcodes()):
+    for what, i, j, m, n in reversed(SequenceMatcher(None, old, new, autojunk=False).get_opcodes()):
         if what == "equal":
             continue
         both = min(j - i, n - m)

@@ -279,6 +279,18 @@ class Nature(NamedTuple):
     curiosity_cm: float  # from how far pacifists are drawn to the submarine, 0 for never
 
 
+class Physics(NamedTuple):
+    """How the fishes that are simulated differ from those that were recorded (Tu §9.2)."""
+
+    unit_mass: float = 1.0  # factor on the mass of every node
+    viscosity: float = 1.0  # factor on kappa of every unit
+    stiffness: float = 1.0  # factor on the spring constant of every unit
+    water_viscosity: float = 1.0  # factor on mu of Tu eq. 4.3, and on what the fins are pushed with
+    hydrodynamics: bool = True  # else the water does nothing to them
+    time_step: float = 1.0  # factor on the 5.5 ms of Tu §4.5.2
+    iterations: int = 6  # such steps in a tick: of 6 the fish lives as fast as the others
+
+
 class Clock(NamedTuple):
     """The moment, and what random numbers are keyed with."""
 

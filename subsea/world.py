@@ -1,6 +1,6 @@
 """A world: what is constant in a dive, the state, and how both begin."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -8,8 +8,8 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.behavior.mental import DIGESTION, DREAD_CM, LIBIDO_RATE
 from subsea.behavior.table import BEHAVIORS, DESIRES
+from subsea.behavior.temper import alter, temper
 from subsea.errors import UserError
 from subsea.habitat.reef import grow
 from subsea.habitat.rocks import rock_rows
@@ -30,10 +30,10 @@ from subsea.species import Species, load_species
 from subsea.state import (
     HULL_CM,
     KINDS,
-    PREDATOR,
     Fishes,
     Minds,
     Nature,
+    Physics,
     Sea,
     State,
     Submarine,
@@ -49,7 +49,6 @@ LIVE_REACH_CM = 500.0  # how near to the submarine a fish must be to be simulate
 
 ROOM_BL = 0.6  # so many body lengths off every rock a fish begins
 FLAT_BL = 0.4  # a body at least this tall, over its length, rows with its pectoral fins
-PLANKTON_CM, PREY_CM = 8.0, 40.0  # of its length for each meal that it takes to fill a fish
 RESOLVE_S = 60.0  # for so long fishes keep to the place that they are bound for first
 TICK_S = 0.033  # one tick = one recorded frame = six steps of the simulation
 
@@ -64,10 +63,35 @@ class World:
     dynamics: Dynamics
     nature: Nature
     current_cm_s: tuple[float, float]  # strength of the swinging current along x and y
+    physics: Physics
     state: State
     stages_s: dict[str, float] = field(default_factory=dict)  # seconds of the last tick
     # Of fishes that go by what their eyes see: how bright that is, instead of the sea about them.
     seen_light: dict[int, float] = field(default_factory=dict)
+    notices: list[str] = field(default_factory=list)  # lines to show: who shows them clears them
+    told: set[tuple[int, Physics]] = field(default_factory=set)  # fishes that burst, and how
+
+    def tell_burst(self, fishes: Iterable[int]) -> None:
+        """Give notice of simulated fishes that lost their shape, once under the same physics."""
+        for fish in fishes:
+            if (int(fish), self.physics) not in self.told:
+                self.told.add((int(fish), self.physics))
+                name = self.species[self.state.fishes.species[fish]].name
+                self.notices.append(
+                    f"fish {fish} ({name}) exploded, {_why(self.physics)}: "
+                    "it is played back instead of simulated"
+                )
+
+
+def _why(physics: Physics) -> str:
+    """What is unusual about physics, in words."""
+    words = [
+        f"{name.replace('_', ' ')} {value:g}"
+        for name, value in physics._asdict().items()
+        if name != "hydrodynamics" and value != Physics._field_defaults[name]
+    ]
+    words += [] if physics.hydrodynamics else ["hydrodynamics off"]
+    return ", ".join(words) or "with the usual physics"
 
 
 def create_world(
@@ -128,8 +152,11 @@ def create_world(
         ),
     )
     nature = Nature(**msgspec.structs.asdict(scenario.nature))
-    current = scenario.water.current_cm_s
-    return World(scenario, tuple(species.values()), library, dynamics, nature, current, state)
+    physics = Physics(**msgspec.structs.asdict(scenario.physics))
+    return World(
+        scenario, tuple(species.values()), library, dynamics, nature,
+        scenario.water.current_cm_s, physics, state,
+    )  # fmt: skip
 
 
 def _repertoire(name: str) -> Repertoire:
@@ -259,12 +286,15 @@ def _populate(
             minds.leader[first + 1 : first + number] = first
             minds.leads[first : first + 1] = number > 1
         minds.kind[these] = KINDS.index(shoal.kind or species[shoal.species].kind)
-        _temper(shoal, fishes, minds, these, rng)
+        temper(shoal, fishes, minds, these, rng)
         minds.waypoint[these] = fishes.position[these]
         if shoal.toward_cm:
             minds.waypoint[these] = shoal.toward_cm
             minds.patience[these] = RESOLVE_S
         first += number
+    for one in scenario.individual:
+        if one.fish < len(fishes.species):  # else it is left out, with most of its shoal
+            alter(fishes, minds, one, 0.0)
     minds.urge[:] = fishes.goal_direction
     fishes.goal_speed[:] = 0.5
     fishes.segment[:] = slow
@@ -289,29 +319,6 @@ def _girths(species: list[Species], library: Library) -> Array:
     sections = rows.reshape(len(species), 5, 4, 3)
     wide = np.ptp(sections[..., 2], axis=2).max(axis=1) / library.recorded_length
     return np.stack([[one.surface.depth for one in species], wide], axis=1)
-
-
-def _temper(
-    shoal: Shoal, fishes: Fishes, minds: Minds, these: slice, rng: np.random.Generator
-) -> None:
-    """Sexes, habits and the mental state with which the fishes of a shoal begin."""
-    number = these.stop - these.start
-    # Evenly spread, so that a pair is a pair.
-    males = np.floor(np.arange(1, number + 1) * shoal.male_share + 1e-9)
-    minds.male[these] = np.diff(males, prepend=0.0) > 0
-    for habit, name in enumerate(("brightness", "darkness", "cold", "warmth")):
-        minds.likes[these, habit] = name in shoal.likes
-    meal_cm = np.where(minds.kind[these] == PREDATOR, PREY_CM, PLANKTON_CM)
-    minds.appetite[these] = np.maximum(np.round(fishes.length[these] / meal_cm), 2.0)
-    minds.digestion[these] = DIGESTION if shoal.digestion is None else shoal.digestion
-    minds.libido_rate[these] = LIBIDO_RATE if shoal.libido_rate is None else shoal.libido_rate
-    minds.dread[these] = DREAD_CM if shoal.dread_cm is None else shoal.dread_cm
-    hunger = rng.uniform(0, 0.6, number) if shoal.hunger is None else shoal.hunger
-    libido = rng.uniform(0, 0.3, number) if shoal.libido is None else shoal.libido
-    minds.eaten[these] = (1.0 - hunger) * minds.appetite[these]
-    # How long ago a mating must have been for that libido, in a fish that is as hungry.
-    share = libido / np.maximum(1.0 - hunger, 0.1)
-    minds.last_mating[these] = -share / np.maximum(minds.libido_rate[these], 1e-9)
 
 
 def _places(shoal: Shoal, number: int, scenario: Scenario, rng: np.random.Generator) -> Array:

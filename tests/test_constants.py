@@ -54,6 +54,7 @@ def test_each_constant_counts_as_a_difference():
     for change in (
         {"nature": world.nature._replace(keen=0.1)},
         {"current_cm_s": (1.0, 0.0)},
+        {"physics": world.physics._replace(stiffness=2.0)},
         *({"minds": before.minds | {name: before.minds[name] + 1}} for name in MINDS[4:]),
         *({"minds": before.minds | {name: before.minds[name] ^ 1}} for name in MINDS[:4]),
     ):

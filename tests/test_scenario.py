@@ -303,3 +303,65 @@ def test_a_school_has_the_leader_and_the_aim_that_it_is_given(tmp_path):
     for _ in range(30):
         step(world, HANDS_OFF)
     assert minds.waypoint[0] == pytest.approx([500.0, 0.0, -300.0])
+
+
+@pytest.mark.parametrize(
+    ("settings", "value"),
+    [
+        (["fish.0.number=20"], lambda s: s.fish[0].number == 20),
+        (["nature.keen=0.3"], lambda s: s.nature.keen == 0.3),
+        (["fish.1.species = clownfish"], lambda s: s.fish[1].species == "clownfish"),
+        (["title=A = B"], lambda s: s.title == "A = B"),
+        (["water.current_cm_s=[5, -6.5]"], lambda s: s.water.current_cm_s == (5.0, -6.5)),
+        (["physics.hydrodynamics=false"], lambda s: not s.physics.hydrodynamics),
+        (["hook.position_cm.1=3", "hook.position_cm.0=2"], None),
+        (
+            ["hook.position_cm=[1, 2]", "hook.depth_cm=300"],
+            lambda s: s.hook.bait_cm == (1.0, 2.0, -300.0),
+        ),
+        (
+            ["individual.0.fish=3", "individual.0.male=true", "individual.1.fish=9"],
+            lambda s: [one.fish for one in s.individual] == [3, 9] and s.individual[0].male,
+        ),
+    ],
+)
+def test_every_key_can_be_set_from_outside(settings, value):
+    if value is None:
+        with pytest.raises(UserError):
+            load_scenario("peaceful", settings)
+        return
+    scenario, path = load_scenario("peaceful", settings)
+    assert value(scenario)
+    assert path == load_scenario("peaceful")[1]
+
+
+@pytest.mark.parametrize(
+    ("setting", "words"),
+    [
+        ("fish.0.numbr=20", ["--set fish.0.numbr=20", "`numbr`", "did you mean 'number'"]),
+        ("fish.0.number=-3", ["--set fish.0.number=-3", "fish[0].number", ">= 0"]),
+        ("fish.0.number=many", ["--set fish.0.number=many", "fish[0].number", "int"]),
+        ("natur.keen=0.3", ["`natur`", "did you mean 'nature'"]),
+        ("nature.keen", ["--set nature.keen", "expected KEY=VALUE"]),
+        ("nature..keen=1", ["expected KEY=VALUE"]),
+        ("fish.first.number=2", ["`fish` is a list", "0 to 7"]),
+        ("fish.9.number=2", ["`fish` is a list", "0 to 7"]),
+        ("title.x.y=2", ["`title` is no table"]),
+        ("fish.0.species=fuselier", ["--set", "`fish[0].species`", "'fusilier'"]),
+        ("physics.time_step=0", ["physics.time_step", ">= 0.05"]),
+        ("individual.0.fish=60", ["`individual[0].fish` 60", "expected 0 to 59"]),
+    ],
+)
+def test_a_faulty_setting_is_one_line(setting, words):
+    with pytest.raises(UserError) as caught:
+        load_scenario("peaceful", [setting])
+    message = str(caught.value)
+    assert "\n" not in message
+    assert all(word in message for word in words), message
+
+
+def test_an_individual_has_one_table(tmp_path):
+    file = tmp_path / "mine.toml"
+    file.write_text(PEACEFUL + 2 * "\n[[individual]]\nfish = 4\n")
+    with pytest.raises(UserError, match=r"`individual\[1\].fish` 4: has a table already"):
+        load_scenario(str(file))

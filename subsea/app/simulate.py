@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from tqdm import tqdm
 
 from subsea import hdf5, interrupts
-from subsea.app.console import counted
+from subsea.app.console import counted, say
 from subsea.app.records import FIELDS, FORMAT, VERSION, outline
 from subsea.app.start import start_world
 from subsea.behavior.table import INTENTIONS
@@ -78,6 +78,8 @@ def simulate(ticks: int, out: Path, scenario: str, fish: int | None, seed: int |
             if not k:
                 raise
             raise KeyboardInterrupt(f"{out}: {_extent(k, number)} kept") from None
+    for line in world.notices:
+        say(line)
     print(f"{out}: {_extent(ticks, number)}")
     return 0
 

@@ -21,6 +21,12 @@ def remove(fishes: Fishes, minds: Minds, dead: int) -> None:
     fishes.alive[dead] = False
     fishes.gape[dead] = 0.0
     hand_over(fishes, minds, dead)
+    forget(minds, dead)
+
+
+@njit(cache=True, error_model="numpy")
+def forget(minds: Minds, dead: int) -> None:
+    """Let nobody court, hunt, fear, avoid or accompany fish `dead` any more."""
     for i in range(len(minds.leader)):
         if minds.predator[i] == dead:
             minds.predator[i] = NOBODY

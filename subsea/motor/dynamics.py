@@ -30,12 +30,13 @@ from subsea.motor.controller import STEER_GAIN
 from subsea.repertoire import SEGMENTS
 from subsea.repertoire.library import Library
 from subsea.species import Species
-from subsea.state import Fishes, Live
+from subsea.state import Fishes, Live, Physics
 
 Array = NDArray[np.floating[Any]]
 
 TICK_TU = STEP * STEPS_PER_TICK
-MAX_STEPS = 8 * STEPS_PER_TICK  # in a tick: enough for a fish that is a 64th of the recorded one
+MAX_RATE = 8  # recorded frames in a tick, of a fish that is a 64th of the recorded one
+LEAP_BL = 1.0  # a body that moves farther in a tick, at the pace of its size, has burst
 FIN_AREA = 0.01  # of each pectoral fin, over the square of the body length
 BEND_EASE = 1.0 / 8.0  # share of the full bend that may change in a tick, as in a sharp turn
 AMPLITUDE_EASE = 1.0 / 14.0  # share of the fast beat's amplitude that may change in a tick
@@ -88,6 +89,22 @@ NO_BODY = tuple(np.zeros(n) if n > 1 else 0.0 for n in _ROW)
 """A row of `Bodies` without content."""
 
 
+def under(bodies: Bodies, physics: Physics) -> Bodies:
+    """The tables of these bodies under other physics (Tu §9.2)."""
+    if physics == Physics():
+        return bodies
+    water = physics.water_viscosity if physics.hydrodynamics else 0.0
+    lead = math.sqrt(physics.unit_mass / water) if water > 0.0 else 1.0
+    return bodies._replace(
+        mass=bodies.mass * physics.unit_mass,
+        stiffness=bodies.stiffness * physics.stiffness,
+        viscosity=bodies.viscosity * physics.viscosity,
+        drag=bodies.drag * water,
+        fin_area=bodies.fin_area * water,
+        roll_lead=bodies.roll_lead * lead,
+    )
+
+
 def _body(muscles: Muscles, speed: Array) -> tuple[Any, ...]:
     body, swim, turn = build_body(muscles.body), muscles.swim, muscles.turn
     first, second = turn.steering[:2]
@@ -121,16 +138,25 @@ def _roll_lead(body: Body, fin_area: float) -> float:
 
 @njit(cache=True, error_model="numpy")
 def swim_live(
-    fishes: Fishes, library: Library, bodies: Bodies, live: Live, dt: float
+    fishes: Fishes,
+    library: Library,
+    bodies: Bodies,
+    live: Live,
+    dt: float,
+    time_step: float,
+    iterations: int,
 ) -> NDArray[np.bool_]:
     """Advance every simulated fish by one tick; whether each slot's body (k,) stayed sound.
 
     A body that did not is left as it was a tick ago, so that playback can take over from there.
+    `time_step` and `iterations` as in `state.Physics`.
     The pose goes to the slot's other row and so do the increments that brought it there, per
     recorded frame: a glide takes them up as if they had been recorded.
     """
     sound = np.ones(len(live.fish), np.bool_)
-    muscles = np.empty((MAX_STEPS, MUSCLES))
+    muscles = np.empty((MAX_RATE * iterations, MUSCLES))
+    time = STEP * time_step * iterations  # that a tick is, of a fish of the recorded size
+    pace = time / TICK_TU
     for slot in range(len(live.fish)):
         i = live.fish[slot]
         if i < 0 or not fishes.live[i]:
@@ -138,13 +164,13 @@ def swim_live(
         kind = fishes.species[i]
         rate = float(fishes.rate[i])
         _ease_muscles(fishes, library, bodies, live, slot)
-        steps = min(math.ceil(STEPS_PER_TICK * rate - 1e-6), len(muscles))
-        step = STEP * STEPS_PER_TICK * rate / steps
-        pace = 2.0 * np.pi / (bodies.beat[kind] * TICK_TU) * live.tempo[slot]
+        steps = min(math.ceil(iterations * rate - 1e-6), len(muscles))
+        step = time * rate / steps
+        beat = 2.0 * np.pi / (bodies.beat[kind] * TICK_TU) * live.tempo[slot]
         for n in range(steps):
             contract(bodies, kind, live.phase[slot], live.amplitude[slot], live.bend[slot],
                      muscles[n])  # fmt: skip
-            live.phase[slot] = (live.phase[slot] + pace * step) % (2.0 * np.pi)
+            live.phase[slot] = (live.phase[slot] + beat * step) % (2.0 * np.pi)
         x, v = live.x[slot].copy(), live.v[slot].copy()
         force = fin_force(fishes, bodies, i, x, v, _brake(fishes, library, live, slot))
         watch = np.array([np.inf, 0.0, np.inf])
@@ -155,10 +181,11 @@ def swim_live(
         )  # fmt: skip
         low, high = STRAIN_LIMITS
         sound[slot] = low <= watch[0] and watch[1] <= high and watch[2] > 0.0
-        sound[slot] &= np.isfinite(x).all()
+        leap = LEAP_BL * rate * library.recorded_length[kind]
+        sound[slot] &= np.isfinite(x).all() and np.abs(x - live.x[slot]).max() < leap
         if sound[slot]:
             live.x[slot], live.v[slot] = x, v
-            _settle(fishes, live, slot, len(library.entry), dt)
+            _settle(fishes, live, slot, len(library.entry), dt, pace)
     return sound
 
 
@@ -281,10 +308,11 @@ def roll_rate(at: Array, v: Array, mass: Array, axis: Vector) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def _settle(fishes: Fishes, live: Live, slot: int, rows: int, dt: float) -> None:
+def _settle(fishes: Fishes, live: Live, slot: int, rows: int, dt: float, pace: float) -> None:
     """Read body frame and pose from the nodes, and write them where playback would.
 
-    `rows` is the number of recorded rows, behind which the slots' own begin.
+    `rows` is the number of recorded rows, behind which the slots' own begin; the body lives
+    `pace` times as fast as others.
     """
     i = live.fish[slot]
     x = live.x[slot]
@@ -298,7 +326,7 @@ def _settle(fishes: Fishes, live: Live, slot: int, rows: int, dt: float) -> None
             x[node, axis] -= o[axis]
     before = _quaternion(fishes.orientation[i])
     back = (before[0], -before[1], -before[2], -before[3])
-    frames = float(fishes.rate[i])  # that a tick is worth
+    frames = float(fishes.rate[i]) * pace  # that a tick is worth
     turned = fraction(normalised(multiply(back, q)), 1.0 / frames)
     shift = rotate(back, o)
     fishes.previous_row_a[i], fishes.previous_row_b[i] = fishes.row_a[i], fishes.row_b[i]

@@ -14,7 +14,7 @@ from subsea.biomechanics.solver import TIME_UNIT_S
 from subsea.kinematics.rotation import matrix
 from subsea.motor.balance import roll_of
 from subsea.motor.controller import RIGHT_GRADUAL
-from subsea.motor.dynamics import TICK_TU, Bodies, make_bodies, swim_live
+from subsea.motor.dynamics import TICK_TU, Bodies, make_bodies, swim_live, under
 from subsea.motor.playback import TEMPO
 from subsea.repertoire import SEGMENTS, Repertoire
 from subsea.repertoire.library import Library
@@ -27,7 +27,7 @@ from subsea.repertoire.transitions import (
     usual_change,
 )
 from subsea.species import Species
-from subsea.state import Fishes, Live
+from subsea.state import Fishes, Live, Physics
 
 Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
@@ -37,6 +37,7 @@ MIN_STAY_S = 4.0  # a fish that changed over stays for so long at least
 KEEP = 1.25  # a fish that is simulated counts as nearer than it is by this factor
 GENTLE = 1.2  # a fish leaves when no node's velocity changes by more than usual, times this ...
 MAX_WAIT_TICKS = 45  # ... or when it has waited for about three beats
+USUAL, NONE = Physics(), np.zeros(0, np.int32)
 HOVERING = 0.2  # thrust below which a fish is played back: backing off is not in the muscles
 
 
@@ -68,24 +69,30 @@ def make_dynamics(
 
 def swim(
     fishes: Fishes, library: Library, dynamics: Dynamics, live: Live,
-    viewer: Array, tick: int, dt: float,
-) -> None:  # fmt: skip
+    viewer: Array, tick: int, dt: float, physics: Physics = USUAL,
+) -> Ints:  # fmt: skip
     """One tick of all simulated fishes, before playback moves the others.
 
-    `viewer` (3,) is what fishes are near to, in cm.
+    `viewer` (3,) is what fishes are near to, in cm. Returns those whose bodies lost their shape
+    ("exploded", Tu §9.2): they are played back from their last sound pose, and come to no harm.
     """
     if not len(live.fish) or not len(fishes.live):
-        return
+        return NONE
     fishes.stay[:] += np.float32(dt)
     _free(fishes, live, len(dynamics.motion.nodes))
     if tick % REVIEW_TICKS == 0:
         _review(fishes, library, dynamics, live, viewer)
     for slot in np.flatnonzero(live.waiting):
         _try_to_leave(fishes, library, dynamics, live, int(slot))
-    sound = swim_live(fishes, library, dynamics.bodies, live, dt)
+    bodies = under(dynamics.bodies, physics)
+    sound = swim_live(
+        fishes, library, bodies, live, dt, float(physics.time_step), int(physics.iterations)
+    )
+    burst = live.fish[~sound].copy()
     for slot in np.flatnonzero(~sound):
         way = way_back(fishes, library, dynamics, live, int(slot))
         to_playback(fishes, library, live, int(slot), way)
+    return burst
 
 
 def _free(fishes: Fishes, live: Live, rows: int) -> None:

@@ -1,0 +1,159 @@
+"""Experiments with the physics of simulated fishes (Tu §9.2): they act, and harm nobody."""
+
+import msgspec
+import numpy as np
+import pytest
+
+from subsea import snapshot
+from subsea.ocean import create_world, step
+from subsea.scenario import Shoal, load_scenario
+from subsea.state import Physics
+from subsea.submarine.helm import HANDS_OFF
+
+
+def bay(**options):
+    """Eight fusiliers about the submarine, four of which are simulated."""
+    scenario = load_scenario("peaceful")[0]
+    shoal = Shoal(
+        species="fusilier", number=8, position_cm=scenario.submarine.position_cm, spread_cm=150.0,
+        hunger=0.0, libido=0.0,
+    )  # fmt: skip
+    changed = {"fish": [shoal], "tour": [], "simulated": 4, **options}
+    return create_world(msgspec.structs.replace(scenario, **changed))
+
+
+def went_on(world, ticks, seen=lambda world: None):
+    for _ in range(ticks):
+        step(world, HANDS_OFF)
+        seen(world)
+    return world
+
+
+def finite(world):
+    for name, array in snapshot.changing(world).items():
+        if array.dtype.kind == "f":
+            good = np.isfinite(array) | (np.isinf(array) & (name in snapshot.INFINITE))
+            assert good.all(), name
+
+
+@pytest.fixture(scope="module")
+def usual():
+    """The bay after two seconds, some of its fishes simulated, as bytes; and the bay."""
+    world = went_on(bay(), 60)
+    assert world.state.fishes.live.sum() == 4
+    return world, snapshot.take(world)
+
+
+def tried(usual, physics, ticks):
+    world, start = usual
+    snapshot.restore(world, start)
+    world.physics, world.notices = physics, []
+    world.told.clear()
+    simulated = world.state.fishes.live.copy()
+    went_on(world, ticks)
+    return world, simulated
+
+
+def way(usual, physics, ticks=45):
+    """How far each of the fishes that are simulated at first comes, cm, and what it does."""
+    world, simulated = tried(usual, physics, 1)
+    begin = world.state.fishes.position.copy()
+    went_on(world, ticks)
+    return np.linalg.norm(world.state.fishes.position - begin, axis=1)[simulated].mean(), world
+
+
+def test_each_constant_changes_the_way_of_simulated_fishes_alone(usual):
+    tried(usual, Physics(), 20)
+    world = usual[0]
+    as_usual = world.state.fishes.position.copy()
+    simulated = world.state.fishes.live.copy()
+    for change in (
+        {"unit_mass": 1.5}, {"viscosity": 3.0}, {"stiffness": 1.3}, {"water_viscosity": 0.5},
+        {"hydrodynamics": False}, {"time_step": 0.5}, {"iterations": 9},
+    ):  # fmt: skip
+        tried(usual, Physics(**change), 20)
+        moved = np.linalg.norm(world.state.fishes.position - as_usual, axis=1)
+        assert (moved[simulated] > 1e-3).all(), change
+        # Others follow them, and part from them, a little.
+        assert moved[~simulated].max() < 0.5 * moved[simulated].max() + 1.0, change
+
+
+def test_without_water_the_tail_beats_and_the_fish_stays_behind(usual):
+    far, _ = way(usual, Physics())
+    near, world = way(usual, Physics(hydrodynamics=False))
+    # Its momentum carries it on: but no beat adds to it.
+    assert world.state.live.phase.std() > 0.0
+    assert near != pytest.approx(far, rel=0.05)
+
+
+def test_more_iterations_and_longer_steps_are_a_faster_life(usual):
+    far, _ = way(usual, Physics())
+    pace = beat(usual, Physics())
+    for physics, times in ((Physics(iterations=9), 1.5), (Physics(time_step=0.5), 0.5)):
+        assert beat(usual, physics) == pytest.approx(times * pace, rel=1e-6)
+        other, world = way(usual, physics)
+        assert (other > far) == (times > 1.0)
+        assert not world.notices
+
+
+def beat(usual, physics):
+    """How far the tails of simulated fishes come in a tick, rad of their beat."""
+    world, _ = tried(usual, physics, 0)
+    before = world.state.live.phase.copy()
+    step(world, HANDS_OFF)
+    return (world.state.live.phase - before) % (2.0 * np.pi)
+
+
+@pytest.mark.parametrize(
+    "physics",
+    [
+        Physics(time_step=50.0, hydrodynamics=False),
+        Physics(time_step=20.0, iterations=60),
+        Physics(stiffness=0.01, viscosity=0.0, time_step=8.0),
+        Physics(unit_mass=0.1, water_viscosity=100.0, time_step=10.0),
+        Physics(stiffness=100.0, unit_mass=10.0, viscosity=100.0),
+        Physics(viscosity=0.0, hydrodynamics=False, stiffness=100.0),
+        Physics(time_step=0.05, iterations=1),
+    ],
+)
+def test_a_fish_that_explodes_is_contained(usual, physics):
+    world, simulated = tried(usual, physics, 0)
+    bounds, others = world.scenario.bounds, ~simulated
+    last = world.state.fishes.position.copy()
+    for _ in range(400):
+        step(world, HANDS_OFF)
+        fishes = world.state.fishes
+        leap = np.linalg.norm(fishes.position - last, axis=1) / fishes.length
+        assert leap.max() < 1.8
+        assert leap[others & ~fishes.live].max(initial=0.0) < 0.5
+        last = fishes.position.copy()
+        finite(world)
+    snapshot.restore(world, snapshot.take(world))  # no value that a tick could not have written
+    assert np.hypot(*last[:, :2].T).max() < bounds.radius_cm
+    assert (last[:, 2] < 0.0).all()
+    # Told once for each fish, with the reason.
+    assert len(world.notices) == len(set(world.notices)) <= 8
+    for line in world.notices:
+        assert "Yellowback fusilier) exploded, " in line
+    # With the usual physics all is well again.
+    world.physics = Physics()
+    went_on(world, 200, finite)
+    assert world.state.fishes.live.any()
+
+
+def test_what_explodes_is_told_with_its_reason(usual):
+    world, simulated = tried(usual, Physics(time_step=50.0, hydrodynamics=False), 3)
+    assert not world.state.fishes.live.any()
+    told = sorted(world.notices)
+    assert told == [
+        f"fish {fish} (Yellowback fusilier) exploded, time step 50, hydrodynamics off: it is "
+        "played back instead of simulated"
+        for fish in np.flatnonzero(simulated)
+    ]
+
+
+def test_a_scenario_says_the_physics_that_a_panel_would(usual):
+    physics = Physics(stiffness=1.3, iterations=9)
+    table = msgspec.convert({"stiffness": 1.3, "iterations": 9}, type(bay().scenario.physics))
+    assert bay(physics=table).physics == physics
+    assert bay().physics == Physics()
