@@ -266,6 +266,9 @@ class Dive:
         start = time.perf_counter()
         for wish in self.wall.poll():
             self.grant(wish)
+        for line in self.wall.notes():
+            say(line)
+            self.overlay.note(line)
         self._see_light()
         alpha = self._crew.picture(elapsed_s)
         if alpha is None and not self._crew.waiting:

@@ -220,6 +220,10 @@ class Gui:
                 self._io.add_key_event(KEYS[key], down)
         return self.open and bool(self._io.want_text_input)
 
+    def moved(self, name: str, amount: float) -> bool:
+        """A part of a gamepad moved, which is not for panels: it steers on."""
+        return False
+
     def typed(self, character: int) -> None:
         """A character was typed."""
         if self.open:

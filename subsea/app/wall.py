@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import glfw
 
 from subsea.app.bindings import Wish
+from subsea.app.gamepad import Gamepads, add_mappings
 from subsea.app.gui import one_page
 from subsea.app.pilot import Pilot
 from subsea.app.screens import Monitor, Screen
@@ -71,6 +72,9 @@ class Wall:
         if others:
             glfw.focus_window(self.front.handle)
         self.front.make_current()
+        self._notes: list[str] = []
+        add_mappings(self._notes.append)
+        self._gamepads = Gamepads(pilot, self._wishes)
 
     @property
     def open(self) -> bool:
@@ -88,9 +92,15 @@ class Wall:
             self.pilot.leave()
         if focused and not now_focused:
             self.pilot.let_go()
+        self._notes += self._gamepads.poll(self.front.listener)
         wishes = list(self._wishes)
         self._wishes.clear()
         return wishes
+
+    def notes(self) -> list[str]:
+        """What is to be told of the inputs since the last call, in lines."""
+        lines, self._notes = self._notes, []
+        return lines
 
     def show(self, pictures: Mapping[tuple[int, int], Any]) -> None:
         """Fill every window with its pictures, by output and page; `present` makes them seen.

@@ -33,6 +33,9 @@ class Listener(Protocol):
     def keyed(self, key: int, down: bool, modifiers: int) -> bool:
         """A key went down or up."""
 
+    def moved(self, name: str, amount: float) -> bool:
+        """The part of a gamepad that bindings call `name` is at `amount` of its way, in [0, 1]."""
+
     def typed(self, character: int) -> None:
         """A character was typed."""
 
