@@ -1,6 +1,7 @@
 """The command line: what may be asked, checked before anything heavy is loaded."""
 
 import argparse
+import gc
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -29,6 +30,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     0 done, 1 a negative finding of `doctor` or `theatre`, 2 something the user can mend (one line
     on standard error), 130 interrupted.
     """
+    # A start makes a million objects that stay: no need to look through them over and over.
+    gc.set_threshold(100_000)
     return answer("subsea", lambda: _run(sys.argv[1:] if arguments is None else arguments))
 
 

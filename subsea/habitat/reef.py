@@ -10,6 +10,7 @@ from subsea.habitat.formations import samples
 from subsea.habitat.mounds import HEIGHT, dome, variant_of
 from subsea.habitat.solids import clearances
 from subsea.habitat.terrain import heights_at
+from subsea.keeping import kept
 from subsea.scenario import ReefTable, Scenario
 from subsea.state import Reef, Sea
 
@@ -81,13 +82,23 @@ class Spots(NamedTuple):
 
 def grow(scenario: Scenario, sea: Sea) -> tuple[Sea, Reef]:
     """All reefs of a scenario, and the sea whose floor lies over them."""
+    # Reefs do not mind plankton, which is another with every seed.
+    still = sea._replace(plankton=sea.plankton[:0], absent=sea.absent[:0])
+    floor, reef = kept(_grown, scenario.reef, scenario.water.current_cm_s, still)
+    return sea._replace(floor=floor), reef
+
+
+def _grown(
+    tables: list[ReefTable], current_cm_s: tuple[float, float], sea: Sea
+) -> tuple[Array, Reef]:
+    """The reefs of these tables in a sea, and the floor over them."""
     rows: list[Array] = [np.zeros((0, COLUMNS))]
-    spots = rock_spots(sea, np.random.default_rng(0x5707)) if scenario.reef else None
-    for number, table in enumerate(scenario.reef):
+    spots = rock_spots(sea, np.random.default_rng(0x5707)) if tables else None
+    for number, table in enumerate(tables):
         dice = np.random.default_rng([table.seed, number, 0x4EEF])
-        rows.append(_settle(table, sea, spots, np.concatenate(rows), dice, scenario))
+        rows.append(_settle(table, sea, spots, np.concatenate(rows), dice, current_cm_s))
     reef = _reef(np.concatenate(rows))
-    return sea._replace(floor=floor_over(sea, reef)), reef
+    return floor_over(sea, reef), reef
 
 
 # Columns of a growth while a reef is laid out.
@@ -102,7 +113,7 @@ def _settle(
     spots: Spots | None,
     before: Array,
     dice: np.random.Generator,
-    scenario: Scenario,
+    current_cm_s: tuple[float, float],
 ) -> Array:
     """Growths (k, COLUMNS) of one table, biggest first, where none of `before` stands."""
     names = list(KINDS)
@@ -135,9 +146,7 @@ def _settle(
     sunk = np.minimum(_hollow(sea, mounds, place, axis, reach), DEEPEST * tall * radius)
     place[:, 2] -= np.where(on_rock, 0.0, sunk)
     turn = dice.uniform(0, 2 * np.pi, number)
-    across = (
-        np.arctan2(*scenario.water.current_cm_s[::-1]) + np.pi / 2 + dice.normal(0, 0.5, number)
-    )
+    across = np.arctan2(*current_cm_s[::-1]) + np.pi / 2 + dice.normal(0, 0.5, number)
     turn = np.where(kind == names.index("fan"), across, turn)
     hue = 0.9 * _patches(place, len(names), dice)[np.arange(number), kind]
     hue = (hue + dice.normal(0.0, 0.06, number)) % 1.0

@@ -11,9 +11,11 @@ from subsea.habitat.current import flow_near
 from subsea.habitat.formations import formations, stone_above
 from subsea.habitat.reef import MOUND, RUBBLE
 from subsea.habitat.solids import clearance
+from subsea.keeping import kept
 from subsea.kinematics.heightfield import height_at
 from subsea.kinematics.vector import Vector, minus, norm, plus, times, vector
 from subsea.scenario import Scenario
+from subsea.scenario import Seaweed as Group
 from subsea.state import HULL_CM, Clock, Fishes, Reef, Sea, Seaweed
 
 Array = NDArray[np.floating[Any]]
@@ -56,12 +58,19 @@ TRIES = 30
 
 def plant(scenario: Scenario, sea: Sea, reef: Reef, seed: int) -> tuple[Sea, Seaweed]:
     """All seaweed of a scenario, come to rest in still water, and the sea with its boxes."""
+    still = sea._replace(plankton=sea.plankton[:0], absent=sea.absent[:0])  # which it does not mind
+    boxes, seaweed = kept(_planted, scenario.seaweed, still, reef, seed)
+    return sea._replace(seaweed=boxes), seaweed
+
+
+def _planted(groups: list[Group], sea: Sea, reef: Reef, seed: int) -> tuple[Array, Seaweed]:
+    """The seaweed of these groups in a sea, and the boxes of its clusters."""
     rng = np.random.default_rng([seed, 0x5EAEED])
     first: list[int] = [0]
     rows: list[list[float]] = []
     stones = formations(sea.pillars, sea.rocks)
     reef = reef.taken((reef.kind != MOUND) & (reef.kind != RUBBLE))
-    for group in scenario.seaweed:
+    for group in groups:
         for _ in range(group.clusters):
             x, y = _middle(group.position_cm, group.spread_cm, sea, stones, reef, rng)
             vigour = rng.uniform(0.7, 1.1)
@@ -108,7 +117,7 @@ def plant(scenario: Scenario, sea: Sea, reef: Reef, seed: int) -> tuple[Sea, Sea
     )  # fmt: skip
     sea = sea._replace(seaweed=np.zeros((len(starts) - 1, 6), f))
     _settle(seaweed, sea)
-    return sea, seaweed
+    return sea.seaweed, seaweed
 
 
 def _middle(

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from subsea.habitat.formations import SUN
 from subsea.habitat.mounds import variant_of
 from subsea.habitat.reef import KINDS, MOUND, RUBBLE
+from subsea.keeping import kept
 from subsea.render.coral_mesh import Mesh, unit
-from subsea.render.coral_shapes import LEVELS, shape
+from subsea.render.coral_shapes import LEVELS, forms
 from subsea.render.marks import CORAL, mark
 from subsea.render.shaders import program
 from subsea.render.standing import Shape, Standing
@@ -158,7 +159,7 @@ class Coral:
         self._context = context
         self._program = program(context, "coral")
         self._marking: Any = None  # made when it is first asked for
-        self._grain = upload(context, grain(6))
+        self._grain = upload(context, kept(grain, 6))
         self._standing = Standing(
             context, self._program, LAYOUT, ATTRIBUTES, growths, reach_cm, THRESHOLDS_PX
         )
@@ -210,11 +211,12 @@ def bake(reef: Reef) -> list[list[Shape]]:
     variant = variant_of(reef.own)
     groups = np.unique(np.stack([reef.kind, variant], axis=1), axis=0)
 
-    def make(group: Array) -> None:
+    meshes = kept(forms, [(list(KINDS)[kind], int(number)) for kind, number in groups])
+
+    def make(group: Array, levels: list[Mesh]) -> None:
         chosen = np.flatnonzero((reef.kind == group[0]) & (variant == group[1]))
         placed = _Placed(list(KINDS)[group[0]], reef.taken(chosen))
-        for level in range(LEVELS):
-            mesh = shape(list(KINDS)[group[0]], int(group[1]), level)
+        for level, mesh in enumerate(levels):
             # No eye comes so near to a small one that it would need the finest level.
             small = reef.radius[chosen] < FINEST_CM if level == 0 else np.zeros(len(chosen), bool)
             for k, vertices in zip(chosen[~small], placed.vertices(mesh, ~small), strict=True):
@@ -222,7 +224,7 @@ def bake(reef: Reef) -> list[list[Shape]]:
 
     # numpy leaves the interpreter to others while it computes.
     with ThreadPoolExecutor() as pool:
-        list(pool.map(make, groups))
+        list(pool.map(make, groups, meshes))
     return [own if len(own) == LEVELS else [own[0], *own] for own in shapes]
 
 

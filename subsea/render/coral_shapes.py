@@ -4,7 +4,8 @@ A variant of a kind is decided by its number, so its levels are of one and the s
 ones leave small parts out, and make the others thicker.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -622,6 +623,12 @@ def lump(kind: str, mesh: Mesh) -> Mesh:
     tip = np.interp(share, [0.0, 0.55, 1.0], [0.1, 0.6, 0.5])[:, None] * ragged
     out = turned(reach, np.maximum(rise, 0.0), tip=tip, light=light)
     return out._replace(place=out.place * (1.0, flat, 1.0))
+
+
+def forms(wanted: Sequence[tuple[str, int]]) -> list[list[Mesh]]:
+    """Of kinds and numbers of variants all levels, finest first."""
+    with ThreadPoolExecutor() as pool:  # numpy leaves the interpreter to others
+        return list(pool.map(lambda one: [shape(*one, level) for level in range(LEVELS)], wanted))
 
 
 @cache

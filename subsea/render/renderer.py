@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from subsea.errors import UserError
 from subsea.frame import Packet, Scene
+from subsea.keeping import kept
 from subsea.render.blobs import Blobs
 from subsea.render.bubbles import Bubbles
 from subsea.render.coral import Coral, bake
@@ -66,11 +67,14 @@ class Renderer:
         self.upload_s = 0.0  # of the last picture: copying the packet to the GPU
         # numpy and compiled kernels leave the interpreter to others, among them OpenGL's thread.
         with ThreadPoolExecutor() as pool:
-            stone, growths = pool.submit(pieces, scene), pool.submit(bake, scene.reef)
-            ground, skins = pool.submit(surroundings, scene), pool.submit(paint_all, scene.species)
+            stands = scene.terrain, scene.terrain_half_width_cm, scene.pillars, scene.rocks
+            stone = pool.submit(lambda: kept(pieces, *stands))
+            ground = pool.submit(lambda: kept(surroundings, *stands))
+            growths = pool.submit(bake, scene.reef)
+            skins = pool.submit(kept, paint_all, scene.species)
             near_and_far = [
-                caustics(1),
-                caustics(1, waves=(4.0, 14.0), reach=0.040, penumbra=0.010),
+                kept(caustics, 1),
+                kept(caustics, 1, waves=(4.0, 14.0), reach=0.040, penumbra=0.010),
             ]
             self._caustics = upload(context, near_and_far)
             self._noise = upload(context, [tileable_noise(2)])

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from subsea.frame import Packet, Scene
 from subsea.habitat.formations import formations
+from subsea.keeping import kept
 from subsea.render import ground, sand
 from subsea.render.marks import SEABED, mark
 from subsea.render.shaders import program, set_uniforms
@@ -46,8 +47,8 @@ class Seabed:
         self._map = (*about.corner, *about.size)
         self._textures = [
             ground.upload(context, about),
-            upload_bytes(context, sand.ripples(3), -sand.SPAN, sand.SPAN),
-            upload_bytes(context, sand.litter(4), sand.LITTER_LOW, sand.LITTER_HIGH),
+            upload_bytes(context, kept(sand.ripples, 3), -sand.SPAN, sand.SPAN),
+            upload_bytes(context, kept(sand.litter, 4), sand.LITTER_LOW, sand.LITTER_HIGH),
         ]
 
     @property
@@ -80,10 +81,12 @@ class Seabed:
                 held.release()
 
 
-def surroundings(scene: Scene) -> ground.GroundMap:
-    """What stone does to the sand about it."""
-    floor = partial(drawn_height, scene.terrain, scene.terrain_half_width_cm)
-    return ground.ground_map(formations(scene.pillars, scene.rocks), floor)
+def surroundings(
+    terrain: Array, half_width_cm: float, pillars: Array, rocks: Array
+) -> ground.GroundMap:
+    """What the stone of a `Scene` does to the sand about it."""
+    floor = partial(drawn_height, terrain, half_width_cm)
+    return ground.ground_map(formations(pillars, rocks), floor)
 
 
 def drawn_height(heights: Array, half_width: float, x: Array, y: Array) -> Array:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from subsea.frame import Packet, Scene
 from subsea.habitat.formations import first_of_formation, formations
+from subsea.keeping import kept
 from subsea.kinematics.solids import from_pillar, from_rock
 from subsea.kinematics.vector import vector
 from subsea.render.marks import PILLAR, ROCK, mark
@@ -29,10 +30,10 @@ RELIEF_SPAN = np.array([1.6, 32.0, 32.0, 1.0])  # of its layers, to both sides o
 LEVELS_PX = (900.0, 230.0)
 
 
-def pieces(scene: Scene) -> list[list[Shape]]:
-    """All formations of a scene, shaped and cut: of each piece the levels, finest first."""
-    floor = partial(drawn_height, scene.terrain, scene.terrain_half_width_cm)
-    found = formations(scene.pillars, scene.rocks)
+def pieces(terrain: Array, half_width_cm: float, pillars: Array, rocks: Array) -> list[list[Shape]]:
+    """All formations of a `Scene`, shaped and cut: of each piece the levels, finest first."""
+    floor = partial(drawn_height, terrain, half_width_cm)
+    found = formations(pillars, rocks)
     return [piece for levels in shapes(found, floor) for piece in cut(levels)]
 
 
@@ -70,7 +71,7 @@ class Solids:
         if not stone:
             return
         self._program = program(context, "solid")
-        self._relief = upload_bytes(context, relief(5), -RELIEF_SPAN, RELIEF_SPAN)
+        self._relief = upload_bytes(context, kept(relief, 5), -RELIEF_SPAN, RELIEF_SPAN)
         self._standing = Standing(
             context,
             self._program,

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.frame import Scene
+from subsea.keeping import kept
 from subsea.render.marks import SURFACE, Twin
 from subsea.render.quality import Quality
 from subsea.render.shaders import program, set_uniforms
@@ -79,7 +80,7 @@ def upload_ripples(context: Any) -> Any:
 
     Where a mipmap has smoothed the slopes away, their square still tells how rough it is.
     """
-    x, y = ripples(3)
+    x, y = kept(ripples, 3)
     return upload(context, [x, y, x**2 + y**2])
 
 
