@@ -154,16 +154,17 @@ def film_reel(
 @contextmanager
 def picture_reel(out: Path) -> Iterator[Write]:
     """One PNG."""
-    yield lambda number, picture: _write_png(out, picture)
+    yield lambda number, picture: write_png(out, picture)
 
 
 @contextmanager
 def folder_reel(out: Path) -> Iterator[Write]:
     """PNGs named frame_00000.png and on."""
-    yield lambda number, picture: _write_png(frame_file(out, number), picture)
+    yield lambda number, picture: write_png(frame_file(out, number), picture)
 
 
-def _write_png(path: Path, picture: Picture) -> None:
+def write_png(path: Path, picture: Picture) -> None:
+    """Write one picture, whole or not at all; what the disk says against it is a UserError."""
     from PIL import Image
 
     with replacing(path) as temporary:
