@@ -127,6 +127,7 @@ def _add_dive(commands: Any) -> None:
     dive.add_argument(
         "--seconds", type=number(float, 0.1, 86400), metavar="S", help="end by itself after S"
     )
+    _add_drawing(dive)
     _add_see_brightness(dive)
     dive.add_argument(
         "--settings",

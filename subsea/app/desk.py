@@ -29,6 +29,8 @@ class Host(Protocol):
     source: Path  # and its file
     gui: Gui
     overlay: Overlay
+    diagrams: set[str]  # names of `diagrams.DIAGRAMS` that are drawn over the sea
+    wireframe: bool  # whether the sea is drawn as the edges of its triangles
 
     @property
     def sight(self) -> Sight | None:
@@ -39,6 +41,9 @@ class Host(Protocol):
 
     def grant(self, wish: Wish) -> None:
         """Do what a key of that name would."""
+
+    def note(self, text: str) -> None:
+        """Tell a line, on the terminal and for a while in the window."""
 
 
 class Desk:

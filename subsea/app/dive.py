@@ -1,7 +1,7 @@
 """`subsea dive`: the submarine in a window, or in several."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import replace
 from functools import partial
@@ -15,6 +15,7 @@ from subsea.app.desk import Desk
 from subsea.app.eyes import seen_brightness, velocity_of
 from subsea.app.gui import WHOLE, Gui, Pane, panes
 from subsea.app.house import NOT_SHRUNK, House, open_house, told
+from subsea.app.lettering import letter
 from subsea.app.overlay import Overlay, help_rows
 from subsea.app.pilot import Pilot
 from subsea.app.ride import (
@@ -30,11 +31,13 @@ from subsea.app.ride import (
 )
 from subsea.app.screens import Installation, Screen, on_display, placed
 from subsea.app.settings import USUAL, Settings
+from subsea.app.shots import Shots, pictures_folder
 from subsea.app.sight import Sight, sight
 from subsea.app.start import wake
 from subsea.app.tour import guide
 from subsea.app.wall import Wall
 from subsea.app.window import Window
+from subsea.diagrams import Label, Sketcher
 from subsea.errors import UserError
 from subsea.frame import make_scene, pack
 from subsea.render import Renderer
@@ -68,6 +71,8 @@ def dive(
     see_brightness: bool = False,
     tour: str | None = None,
     settings: Settings = USUAL,
+    show: Sequence[str] = (),
+    wireframe: bool = False,
 ) -> int:
     """Dive until the window is closed, Esc is pressed, or `seconds` have passed; exit code 0.
 
@@ -75,7 +80,8 @@ def dive(
 
     In the windows of a `theatre`, `shrink` times smaller, if one is named; as the computer `node`
     of several in those that are its own. With `see_brightness` the fish that is ridden goes by the
-    light in its eyes.
+    light in its eyes. The diagrams `show` are drawn over the sea, of which a `wireframe` has the
+    edges of triangles.
     """
     if see_brightness and node is not None:
         raise UserError("--see-brightness is for one computer: others would not see the same light")
@@ -100,6 +106,8 @@ def dive(
         scenario, display, size, fullscreen, seed, stereo, surround, quality, target_ms,
         installation, crew, see_brightness, settings,
     )  # fmt: skip
+    running.diagrams.update(show)
+    running.wireframe = wireframe
     with closing(running):
         start = last = time.perf_counter()
         while running.wall.open and (seconds is None or last - start < seconds):
@@ -160,10 +168,17 @@ class Dive:
             "look": self._look_otherwise,
             "pattern": self._show_pattern,
             "quality": self._choose_quality,
+            "picture": self._want_picture,
+            "film": lambda: self._shots.film(self.window.size),
             "fullscreen": lambda: self.window.toggle_fullscreen(),
             "menu": lambda: self.window.ask_to_close(),
             "leave": lambda: self.window.ask_to_close(),
         }
+        self.diagrams: set[str] = set()  # names of `diagrams.DIAGRAMS` that are drawn
+        self.wireframe = False
+        self._labels: Sequence[Label] = ()  # of diagrams, in the present picture
+        self._shots = Shots(pictures_folder(settings.pictures.folder), self.note)
+        self._wants_picture = False
         self._pattern = False
         self._ride: Ride | None = None
         self._see_brightness = see_brightness
@@ -205,6 +220,7 @@ class Dive:
             self._live_in(self.world)
             can_fill = any(not window.fixed for window in self.wall.windows)
             self.overlay.rows = help_rows(not self._crew.shared, can_fill)
+            undo.callback(self._shots.end)
             self._undo = undo.pop_all()
 
     @property
@@ -225,8 +241,7 @@ class Dive:
         try:
             world = self._made(scenario, source, seed)
         except UserError as fault:
-            say(str(fault))
-            self.overlay.note(str(fault))
+            self.note(str(fault))
             return False
         self._mount(None)
         self._stay.close()
@@ -258,6 +273,7 @@ class Dive:
             self._crew = self._crew_of(world, self.pilot)
             undo.callback(self._disband)
             self.world, self._seen_tick = world, 0
+            self._sketcher = Sketcher(world)
             self.desk.enter()
             self._stay = undo.pop_all()
 
@@ -289,6 +305,7 @@ class Dive:
         if self._pattern or not self._direct:
             self.wall.show(self._renderer.pictures)
         self._write(elapsed_s)
+        self._shoot(elapsed_s)
         if self._quality == AUTO and not self._pattern:
             self._context.finish()  # the time of the picture, without waiting for the display
             self._pace = pacing.paced(
@@ -315,9 +332,13 @@ class Dive:
         """The sea, into the window or into the renderer's own pictures."""
         alpha, quality = self._alpha, self._renderer.quality
         seen = self._views()
+        ridden = None if self._ride is None else self._ride.by.fish
+        chosen = self.desk.chosen if ridden is None else ridden
+        lines, self._labels = self._sketcher.draw(self.diagrams, seen, alpha, chosen)
+        self._renderer.wireframe = self.wireframe
         packet = pack(
-            self.world, seen, alpha,
-            detail=quality.detail, growth=quality.growth, memory=self._memory,
+            self.world, seen, alpha, detail=quality.detail, growth=quality.growth,
+            memory=self._memory, lines=lines,
         )  # fmt: skip
         into = self._context.screen if self._direct else None
         if self._ride is None:
@@ -382,6 +403,7 @@ class Dive:
         if self._pattern:
             return
         self._begin()
+        letter(self._labels, self.sight)
         if self._crew.hands:
             riding = "" if self._ride is None else self._ride.text(self.world, self._look)
             self.overlay.draw(
@@ -392,6 +414,24 @@ class Dive:
         else:
             self.overlay.caption(self._crew.waiting)
         self.gui.end()
+
+    def note(self, text: str) -> None:
+        """Tell a line, on the terminal and for a while in the window."""
+        say(text)
+        self.overlay.note(text)
+
+    def _want_picture(self) -> None:
+        self._wants_picture = True
+
+    def _shoot(self, elapsed_s: float) -> None:
+        """Pictures and films that were asked for, of what is about to be shown."""
+        if not (self._wants_picture or self._shots.filming):
+            return
+        pixels = self.wall.picture()
+        self._shots.frame(pixels, elapsed_s)
+        if self._wants_picture:
+            self._wants_picture = False
+            self._shots.picture(pixels)
 
     def _begin(self) -> None:
         """Begin a frame of the gui on the pilot's window."""

@@ -9,6 +9,8 @@ from contextlib import ExitStack
 from typing import Any, NamedTuple
 
 import glfw
+import numpy as np
+from numpy.typing import NDArray
 
 from subsea.app.bindings import Wish
 from subsea.app.gamepad import Gamepads, add_mappings
@@ -123,6 +125,13 @@ class Wall:
             shown.window.present()
         if self._others:
             self.front.make_current()
+
+    def picture(self) -> NDArray[np.uint8]:
+        """What is about to be seen in the front window: (h, w, 3), top row first."""
+        width, height = self.front.size
+        data = self.context.screen.read((0, 0, width, height), components=3, alignment=1)
+        self.context.error  # moderngl asks for an attachment that a window has not  # noqa: B018
+        return np.frombuffer(data, np.uint8).reshape(height, width, 3)[::-1]
 
     def close(self) -> None:
         """Destroy the windows."""
