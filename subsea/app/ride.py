@@ -12,6 +12,7 @@ from subsea.behavior.table import BEHAVIORS
 from subsea.render.marks import Seen
 from subsea.state import MENTAL_STATES
 from subsea.view.camera import View
+from subsea.view.follow import Camera, followed
 from subsea.view.retina import Gaze, body_at, retina_rig, ridden, rider
 from subsea.view.rig import (
     Patch,
@@ -45,8 +46,14 @@ class Ride:
         """On a fish of the world, looking straight ahead."""
         self.by = rider(world, fish)
         self.gaze = Gaze()
+        self.behind = False  # whether it is followed, rather than looked through its eyes
+        self._camera: Camera | None = None  # that follows it
         self._at_s = 0.0
         self._axes: Array | None = None  # forward and up, as they are followed
+
+    def look_from(self, behind: bool) -> None:
+        """See it from behind, or what it sees."""
+        self.behind, self._camera, self._axes = behind, None, None
 
     def glance(self, right: float, up: float, dt: float) -> None:
         """Turn the gaze, at shares of full speed in [-1, 1], for `dt` seconds."""
@@ -58,7 +65,13 @@ class Ride:
         )
 
     def observer(self, world: World, alpha: float) -> Pose:
-        """Between the fish's eyes, as calm as a rider wants it: beat and roll are damped."""
+        """Between the fish's eyes, as calm as a rider wants it: beat and roll are damped.
+
+        Or behind it, if it is followed.
+        """
+        if self.behind:
+            self._camera, pose = followed(world, self.by.fish, alpha, self._camera)
+            return pose
         now = (world.state.tick - 1 + alpha) * TICK_S
         looking = ridden(world, self.by, alpha)
         axes = np.stack([looking.forward, looking.up])
@@ -81,16 +94,19 @@ class Ride:
     ) -> tuple[View, ...]:
         """Those of a rig that hangs on the fish, then those of its eyes in the `insets`, if any.
 
-        Eyes of a rig are no farther apart than the fish's: two that are could not be brought to
-        bear on its neighbours.
+        Eyes of a rig that looks through the fish's are no farther apart than these: two that are
+        could not be brought to bear on its neighbours.
         """
-        near = brought_together(rig, self.by.half_cm)
-        seen = list(views(near, self.observer(world, alpha)))
+        near = rig if self.behind else brought_together(rig, self.by.half_cm)
+        seen = [
+            view if self.behind else replace(view, without=self.by.fish)
+            for view in views(near, self.observer(world, alpha))
+        ]
         if insets:
             eyes = retina_rig(insets[0][2:], self.by.half_cm, self.gaze)
             for view, inset in zip(views(eyes, ridden(world, self.by, alpha)), insets, strict=True):
-                seen.append(replace(view, viewport=inset))
-        return tuple(replace(view, without=self.by.fish) for view in seen)
+                seen.append(replace(view, viewport=inset, without=self.by.fish))
+        return tuple(seen)
 
     def text(self, world: World, look: Look) -> str:
         """Whom one rides and what it has in mind, in one line."""
