@@ -27,6 +27,8 @@ HOLD_S = 0.25  # the same while the master is silent: the picture that is held i
 class Crew(Protocol):
     """Makes the ticks of each picture, and has it shown at the right moment."""
 
+    steered: int | None  # the fish whose reins the hands hold, where nobody shares the dive
+
     @property
     def hands(self) -> bool:
         """Whether the pilot is here."""
@@ -96,7 +98,7 @@ class Alone:
         """What the course or the hands ask for; hands that hold reins ask it of their fish."""
         if self.steered is None:
             return self._course.ticks(number)
-        return (reins_of(self._pilot.helm(TICK_S), self.steered) for _ in range(number))
+        return (reins_of(self._pilot.asked(TICK_S), self.steered) for _ in range(number))
 
     def swap(self, drawn: Callable[[], None]) -> None:
         """At once: nobody is waited for."""
@@ -119,6 +121,7 @@ class Leading:
 
     hands, shared, waiting, idle_s = True, True, "", 0.0
     timeline = None
+    steered: int | None = None
 
     def __init__(self, master: Master, pilot: Pilot, tour: Steer | None = None) -> None:
         self._master, self._clock = master, Clock(TICK_S)
@@ -147,6 +150,7 @@ class Following:
     """The clock and hands of the master."""
 
     hands, shared, timeline = False, True, None
+    steered: int | None = None
 
     def __init__(self, node: Follower) -> None:
         self._node = node

@@ -17,6 +17,7 @@ from subsea.app.gui import WHOLE, Gui, Pane, panes
 from subsea.app.house import NOT_SHRUNK, House, open_house, told
 from subsea.app.lettering import letter
 from subsea.app.overlay import Overlay, help_rows
+from subsea.app.picking import pick
 from subsea.app.pilot import Pilot
 from subsea.app.ride import (
     LOOKS,
@@ -34,13 +35,15 @@ from subsea.app.settings import USUAL, Settings
 from subsea.app.shots import Shots, pictures_folder
 from subsea.app.sight import Sight, sight
 from subsea.app.start import wake
+from subsea.app.timeline import Timeline
 from subsea.app.tour import guide
 from subsea.app.wall import Wall
 from subsea.app.window import Window
 from subsea.diagrams import Label, Sketcher
 from subsea.errors import UserError
-from subsea.frame import make_scene, pack
+from subsea.frame import Packet, make_scene, pack
 from subsea.render import Renderer
+from subsea.render.marks import FISH
 from subsea.render.quality import AUTO, CHOICES, LADDER, PRESETS, Quality, first_rung, name_of
 from subsea.scenario import AUTOPILOT, Scenario, load_scenario
 from subsea.submarine.course import course_of
@@ -52,6 +55,8 @@ from subsea.view.rigs import cockpit, display_rig
 from subsea.view.stereo import EYES, PAGED, Stereo
 from subsea.view.surround import ALL_ROUND, Surround
 from subsea.world import World, create_world
+
+SHARED_TIME = "several computers show this dive: its time goes on"
 
 
 def dive(
@@ -157,6 +162,7 @@ class Dive:
         self.display, self._stereo, self._surround = display, stereo, surround
         self.pilot = Pilot(settings)
         self._alpha = 1.0
+        self._drawn: Packet | None = None  # what is to be seen
         self._quality = quality
         self._crew_of = crew
         self._crew: Crew
@@ -166,6 +172,13 @@ class Dive:
             "ride": self._ride_one,
             "alight": lambda: self._mount(None),
             "look": self._look_otherwise,
+            "follow": self._follow_one,
+            "reins": self._take_reins,
+            "pause": lambda: self._have_time(Timeline.pause),
+            "slower": lambda: self._have_time(Timeline.slower),
+            "faster": lambda: self._have_time(Timeline.faster),
+            "tick": lambda: self._have_time(Timeline.single),
+            "rewind": lambda: self._have_time(Timeline.rewind),
             "pattern": self._show_pattern,
             "quality": self._choose_quality,
             "picture": self._want_picture,
@@ -272,7 +285,7 @@ class Dive:
             self._memory = nothing_drawn(len(world.state.fishes.species))
             self._crew = self._crew_of(world, self.pilot)
             undo.callback(self._disband)
-            self.world, self._seen_tick = world, 0
+            self.world, self._seen_tick, self._drawn = world, 0, None
             self._sketcher = Sketcher(world)
             self.desk.enter()
             self._stay = undo.pop_all()
@@ -286,7 +299,10 @@ class Dive:
             say(line)
             self.overlay.note(line)
         self._see_light()
+        before = self.world.state.tick
         alpha = self._crew.picture(elapsed_s)
+        if self.world.state.tick < before:
+            self._memory = nothing_drawn(len(self.world.state.fishes.species))  # no fade
         if alpha is None and not self._crew.waiting:
             return  # what is shown stays, until there is something else
         start += self._crew.idle_s
@@ -295,7 +311,8 @@ class Dive:
             self._take_rig()
             self._arrange()
         if self._ride is not None:
-            self._ride.glance(*self.pilot.glance, elapsed_s)
+            if self._crew.steered is None:
+                self._ride.glance(*self.pilot.glance, elapsed_s)
             if not self.world.state.fishes.alive[self._ride.by.fish]:
                 self._mount(None)
         if bool(self._insets) != self._with_insets:
@@ -317,6 +334,24 @@ class Dive:
             self._crew.swap(self._context.finish)
         self.wall.present()
         self.desk.afterwards()
+
+    @property
+    def alpha(self) -> float:
+        """The point between the last two ticks that the picture shows."""
+        return self._alpha
+
+    @property
+    def timeline(self) -> Timeline | None:
+        """The time of the world; None where that is another computer's."""
+        return self._crew.timeline
+
+    def fish_at(self, x: float, y: float) -> int | None:
+        """The fish that is seen at a place on the screen, in shares of it from its upper left."""
+        if self._drawn is None or self._pattern:
+            return None
+        picked = pick(self._renderer, self._drawn, x, y)
+        self._context.screen.use()  # text goes on being drawn over the picture
+        return picked.number if picked is not None and picked.kind == FISH else None
 
     @property
     def sight(self) -> Sight | None:
@@ -341,12 +376,10 @@ class Dive:
             memory=self._memory, lines=lines,
         )  # fmt: skip
         into = self._context.screen if self._direct else None
-        if self._ride is None:
-            self._renderer.draw(packet, into)
-            return
-        fish = self._ride.by.fish
-        packet = replace(packet, passing_cm_s=velocity_of(self.world, fish))
+        if self._ride is not None:
+            packet = replace(packet, passing_cm_s=velocity_of(self.world, self._ride.by.fish))
         self._renderer.draw(packet, into)
+        self._drawn = packet
         if self._insets and self._look != "colours":
             numbers = range(len(seen) - len(self._insets), len(seen))
             maps = self._renderer.look_up(packet, numbers, joined(self._insets))
@@ -377,7 +410,9 @@ class Dive:
 
     def _mount(self, fish: int | None) -> None:
         """Ride a fish of this number from now on, or come back to the submarine."""
-        self._ride = None if fish is None else Ride(self.world, fish)
+        behind = self._ride is not None and self._ride.behind
+        self._ride = None if fish is None else Ride(self.world, fish, behind)
+        self._crew.steered = None
         self.world.seen_light.clear()
         self._seen_tick = 0
         self.pilot.ride(self._ride is not None)
@@ -405,10 +440,9 @@ class Dive:
         self._begin()
         letter(self._labels, self.sight)
         if self._crew.hands:
-            riding = "" if self._ride is None else self._ride.text(self.world, self._look)
             self.overlay.draw(
                 self.world.state.submarine, self.pilot.throttle, self.pilot.stopping, elapsed_s,
-                self.quality, riding,
+                self.quality, self._circumstances,
             )  # fmt: skip
             self.desk.draw()
         else:
@@ -432,6 +466,17 @@ class Dive:
         if self._wants_picture:
             self._wants_picture = False
             self._shots.picture(pixels)
+
+    @property
+    def _circumstances(self) -> str:
+        """Whom one rides, and what is not usual about time, in one line."""
+        parts = []
+        if self._ride is not None:
+            steered = self._crew.steered is not None
+            parts.append(self._ride.text(self.world, self._look, steered))
+        if self._crew.timeline is not None and self._crew.timeline.text:
+            parts.append(self._crew.timeline.text)
+        return "   ".join(parts)
 
     def _begin(self) -> None:
         """Begin a frame of the gui on the pilot's window."""
@@ -459,10 +504,34 @@ class Dive:
             self.desk.toggle()
 
     def _ride_one(self) -> None:
-        if not self._pattern and not self._crew.shared:
+        if self._pattern or self._crew.shared:
+            return
+        fish = self.desk.chosen if self.desk.open else None
+        if fish is None or (self._ride is not None and self._ride.by.fish == fish):
             fish = nearest_to_middle(self.world, self._views()[front_view(self._rig)])
-            if fish is not None:
-                self._mount(fish)
+        if fish is not None:
+            self._mount(fish)
+
+    def _follow_one(self) -> None:
+        behind = self._ride is None or not self._ride.behind
+        if self._ride is None:
+            self._ride_one()
+        if self._ride is not None:
+            self._ride.look_from(behind)
+            self._memory = nothing_drawn(len(self.world.state.fishes.species))
+
+    def _take_reins(self) -> None:
+        if self._ride is None:
+            self._ride_one()
+        if self._ride is not None:
+            self.pilot.full_stop()  # what hands held before was not meant for it
+            self._crew.steered = self._ride.by.fish if self._crew.steered is None else None
+
+    def _have_time(self, act: Callable[[Timeline], None]) -> None:
+        if self._crew.timeline is None:
+            self.overlay.note(SHARED_TIME)
+        else:
+            act(self._crew.timeline)
 
     def _look_otherwise(self) -> None:
         self._look = LOOKS[(LOOKS.index(self._look) + 1) % len(LOOKS)]

@@ -42,11 +42,11 @@ GREY_CM = 250.0  # over which what is farther gets darker by a factor e
 class Ride:
     """Whom the visitor rides, where its eyes look, and how that is shown."""
 
-    def __init__(self, world: World, fish: int) -> None:
-        """On a fish of the world, looking straight ahead."""
+    def __init__(self, world: World, fish: int, behind: bool = False) -> None:
+        """On a fish of the world, looking straight ahead; or `behind` it, following."""
         self.by = rider(world, fish)
         self.gaze = Gaze()
-        self.behind = False  # whether it is followed, rather than looked through its eyes
+        self.behind = behind  # whether it is followed, rather than looked through its eyes
         self._camera: Camera | None = None  # that follows it
         self._at_s = 0.0
         self._axes: Array | None = None  # forward and up, as they are followed
@@ -108,12 +108,13 @@ class Ride:
                 seen.append(replace(view, viewport=inset, without=self.by.fish))
         return tuple(seen)
 
-    def text(self, world: World, look: Look) -> str:
-        """Whom one rides and what it has in mind, in one line."""
+    def text(self, world: World, look: Look, steered: bool = False) -> str:
+        """Whom one rides and what it has in mind, or who steers it, in one line."""
         fishes, minds, fish = world.state.fishes, world.state.minds, self.by.fish
         name = world.species[fishes.species[fish]].name
         state = [f"{one} {x:.0%}" for one, x in zip(MENTAL_STATES, minds.mental[fish], strict=True)]
-        parts = [f"{name} {fish}: {BEHAVIORS[minds.intention[fish]].name}", *state]
+        doing = "in your hands" if steered else BEHAVIORS[minds.intention[fish]].name
+        parts = [f"{name} {fish}: {doing}", *state]
         if self.gaze != Gaze():
             parts.append(f"gaze {self.gaze.pan_deg:+.0f}° {self.gaze.tilt_deg:+.0f}°")
         return "   ".join(parts if look == "colours" else [*parts, look])
