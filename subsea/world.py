@@ -2,7 +2,9 @@
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
-from typing import Any
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, NamedTuple, TypeVar
 
 import msgspec
 import numpy as np
@@ -11,6 +13,7 @@ from numpy.typing import NDArray
 from subsea.behavior.table import BEHAVIORS, DESIRES
 from subsea.behavior.temper import alter, temper
 from subsea.errors import UserError
+from subsea.habitat.hook import tackle
 from subsea.habitat.reef import grow
 from subsea.habitat.rocks import rock_rows
 from subsea.habitat.sea import make_sea
@@ -25,7 +28,15 @@ from subsea.motor.switching import Dynamics, make_dynamics
 from subsea.repertoire import SEGMENTS, Repertoire, read_repertoire
 from subsea.repertoire.library import Library, pack
 from subsea.resources import resource_path
-from subsea.scenario import MAX_SIMULATED, MAX_SOLIDS, Scenario, Shoal
+from subsea.scenario import (
+    MAX_SIMULATED,
+    MAX_SOLIDS,
+    PhysicsTable,
+    Scenario,
+    Shoal,
+    Start,
+    Temper,
+)
 from subsea.species import Species, load_species
 from subsea.state import (
     HULL_CM,
@@ -34,7 +45,9 @@ from subsea.state import (
     Minds,
     Nature,
     Physics,
+    Reef,
     Sea,
+    Seaweed,
     State,
     Submarine,
     empty_fishes,
@@ -44,6 +57,7 @@ from subsea.state import (
 from subsea.submarine.course import check_tours
 
 Array = NDArray[np.floating[Any]]
+Group = TypeVar("Group", Sea, Seaweed)
 
 LIVE_REACH_CM = 500.0  # how near to the submarine a fish must be to be simulated
 
@@ -94,6 +108,23 @@ def _why(physics: Physics) -> str:
     return ", ".join(words) or "with the usual physics"
 
 
+class _Grown(NamedTuple):
+    """What stands and grows in a sea before any fish is let in."""
+
+    sea: Sea
+    reef: Reef
+    seaweed: Seaweed
+    dice: Any  # the state of the generator that goes on to throw for the fishes
+
+
+INHABITANTS = {
+    "title": "", "seed": 0, "fish": [Shoal(species="none", number=0)], "tour": [], "individual": [],
+    "submarine": Start(position_cm=(0.0, 0.0, 0.0)), "nature": Temper(), "physics": PhysicsTable(),
+    "simulated": 0, "vent": [],
+}  # fmt: skip
+"""What a scenario says that the sea does not depend on, as it is said of a sea alone."""
+
+
 def create_world(
     scenario: Scenario,
     seed: int | None = None,
@@ -117,21 +148,18 @@ def create_world(
     seed = scenario.seed if seed is None else seed
     progress("reading repertoires")
     names = scenario.species
-    species = {name: load_species(name) for name in names}
-    repertoires = [_repertoire(name) for name in names]
+    files = [(resource_path(f"assets/species/{name}.toml"), name) for name in names]
+    species = {name: _species(name, _stamp(path)) for path, name in files}
+    files = [(resource_path("repertoires") / f"{name}.h5", name) for name in names]
+    repertoires = [_repertoire(path, name, _stamp(path)) for path, name in files]
     library = pack(repertoires, [_coupling(species[r.species], r) for r in repertoires], live)
     dynamics = make_dynamics([*species.values()], repertoires, library, live_reach_cm)
     recorded = len(library.entry)
-    _refuse_crowded(scenario, source)
-    progress("shaping the seabed")
-    rng = np.random.default_rng([seed, 0x5EA])
-    sea = make_sea(scenario, rng)
-    _refuse_too_high(scenario, sea, source)
-    progress("growing the reef")
-    sea, reef = grow(scenario, sea)
-    _refuse_misplaced(scenario, sea, source)
-    check_tours(scenario, sea, rock_rows(scenario, lambda x, y: 0.0)[1], source)
-    sea, seaweed = plant(scenario, sea, reef, seed)
+    progress("shaping the seabed and growing the reef")
+    made = _sea_of(scenario, seed, source)
+    sea, seaweed = _copied(made.sea), _copied(made.seaweed)
+    rng = np.random.default_rng()
+    rng.bit_generator.state = made.dice
     progress("letting the fishes in")
     submarine = Submarine(position=np.array(scenario.submarine.position_cm, np.float64))
     submarine.angles[0] = np.radians(scenario.submarine.heading_deg)
@@ -145,7 +173,7 @@ def create_world(
         minds=minds,
         sea=sea,
         seaweed=seaweed,
-        reef=reef,
+        reef=made.reef,
         submarine=submarine,
         live=empty_live(
             library.rotation[recorded:], library.translation[recorded:], library.nodes[recorded:]
@@ -159,9 +187,67 @@ def create_world(
     )  # fmt: skip
 
 
-def _repertoire(name: str) -> Repertoire:
-    """The repertoire of a species, which must be of that species and of this tick."""
-    path = resource_path("repertoires") / f"{name}.h5"
+def check_world(scenario: Scenario, source: str, seed: int | None = None) -> None:
+    """A UserError where `create_world` has one for a scenario that `check_scenario` lets pass.
+
+    The sea is kept: it is quickly done to create the world thereafter.
+    """
+    _sea_of(scenario, scenario.seed if seed is None else seed, source)
+
+
+def _sea_of(scenario: Scenario, seed: int, source: str) -> _Grown:
+    """The sea of a scenario in which nothing is misplaced; the same objects at every call."""
+    _refuse_crowded(scenario, source)
+    growing = msgspec.structs.replace(scenario, **INHABITANTS)
+    made = _planted(msgspec.json.encode(growing), seed)
+    _refuse_too_high(scenario, made.sea, source)
+    _refuse_misplaced(scenario, made.sea, source)
+    check_tours(scenario, made.sea, rock_rows(scenario, lambda x, y: 0.0)[1], source)
+    return made
+
+
+@lru_cache(maxsize=2)
+def _planted(content: bytes, seed: int) -> _Grown:
+    """What stands and grows in the sea of a scenario (JSON) without inhabitants."""
+    scenario = msgspec.json.decode(content, type=Scenario)
+    bare = msgspec.structs.replace(scenario, seaweed=[], hook=None)
+    sea, reef, dice = _reefed(msgspec.json.encode(bare), seed)
+    sea, seaweed = plant(scenario, sea._replace(tackle=tackle(scenario.hook)), reef, seed)
+    return _Grown(sea, reef, seaweed, dice)
+
+
+@lru_cache(maxsize=2)
+def _reefed(content: bytes, seed: int) -> tuple[Sea, Reef, Any]:
+    """A sea with its reefs, for any seaweed and hook, and the dice thereafter."""
+    scenario = msgspec.json.decode(content, type=Scenario)
+    rng = np.random.default_rng([seed, 0x5EA])
+    return *grow(scenario, make_sea(scenario, rng)), rng.bit_generator.state
+
+
+def _copied(group: Group) -> Group:
+    """A group of arrays of its own."""
+    parts: list[Any] = [part.copy() if isinstance(part, np.ndarray) else part for part in group]
+    return type(group)(*parts)
+
+
+def _stamp(path: Path) -> tuple[int, int] | None:
+    """What differs when a file has changed; None without a file."""
+    try:
+        status = path.stat()
+    except OSError:
+        return None
+    return status.st_mtime_ns, status.st_size
+
+
+@lru_cache(maxsize=64)
+def _species(name: str, stamp: object) -> Species:
+    """A species, read once."""
+    return load_species(name)
+
+
+@lru_cache(maxsize=64)
+def _repertoire(path: Path, name: str, stamp: object) -> Repertoire:
+    """The repertoire of a species, which must be of that species and of this tick; read once."""
     repertoire = read_repertoire(path)
     if repertoire.species != name:
         raise UserError(f"{path}: holds {repertoire.species!r}, expected {name!r}")
