@@ -91,7 +91,7 @@ def _add_dive(commands: Any) -> None:
         "dive",
         "pilot the submarine in a window",
         "Point where you want to look, hold the left button to go there, press the wheel or\n"
-        "the space bar to stop. H shows every control, Esc ends the dive.",
+        "the space bar to stop. H shows every control, Esc opens the menu.",
         [
             "subsea dive",
             "subsea dive --fullscreen --seed 3",

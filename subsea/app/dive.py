@@ -16,6 +16,7 @@ from subsea.app.eyes import seen_brightness, velocity_of
 from subsea.app.gui import WHOLE, Gui, Pane, panes
 from subsea.app.house import NOT_SHRUNK, House, open_house, told
 from subsea.app.lettering import letter
+from subsea.app.menu import Menu
 from subsea.app.overlay import Overlay, help_rows
 from subsea.app.picking import pick
 from subsea.app.pilot import Pilot
@@ -51,12 +52,14 @@ from subsea.theatre.lineup import lineup
 from subsea.view.camera import View
 from subsea.view.levels import nothing_drawn
 from subsea.view.rig import Rect, Rig, front, part_of, views
-from subsea.view.rigs import cockpit, display_rig
+from subsea.view.rigs import DISPLAYS, cockpit, display_rig
 from subsea.view.stereo import EYES, PAGED, Stereo
 from subsea.view.surround import ALL_ROUND, Surround
 from subsea.world import World, create_world
 
 SHARED_TIME = "several computers show this dive: its time goes on"
+# What is granted while the menu is open.
+BESIDE_MENU: tuple[Wish, ...] = ("fullscreen", "leave", "picture", "film")
 
 
 def dive(
@@ -79,7 +82,7 @@ def dive(
     show: Sequence[str] = (),
     wireframe: bool = False,
 ) -> int:
-    """Dive until the window is closed, Esc is pressed, or `seconds` have passed; exit code 0.
+    """Dive until the window is closed, the menu says so, or `seconds` have passed; exit code 0.
 
     The `tour` of that name takes the submarine along until a hand moves.
 
@@ -183,9 +186,9 @@ class Dive:
             "quality": self._choose_quality,
             "picture": self._want_picture,
             "film": lambda: self._shots.film(self.window.size),
-            "fullscreen": lambda: self.window.toggle_fullscreen(),
-            "menu": lambda: self.window.ask_to_close(),
-            "leave": lambda: self.window.ask_to_close(),
+            "fullscreen": self.fill_screen,
+            "menu": self._open_menu,
+            "leave": self.leave,
         }
         self.diagrams: set[str] = set()  # names of `diagrams.DIAGRAMS` that are drawn
         self.wireframe = False
@@ -220,7 +223,7 @@ class Dive:
             self.gui = Gui()
             undo.callback(self.gui.close)
             self.window.listener = self.gui
-            self.overlay, self.desk = Overlay(), Desk(self)
+            self.overlay, self.desk, self.menu = Overlay(), Desk(self), Menu(self)
             self.world = self._made(self.scenario, self.source, seed)
             self._tell("starting OpenGL")
             self._context = self.wall.context
@@ -231,8 +234,7 @@ class Dive:
             self._stay = ExitStack()  # what belongs to the world that it is in
             undo.callback(lambda: self._stay.close())
             self._live_in(self.world)
-            can_fill = any(not window.fixed for window in self.wall.windows)
-            self.overlay.rows = help_rows(not self._crew.shared, can_fill)
+            self.overlay.rows = help_rows(not self._crew.shared, self.can_fill)
             undo.callback(self._shots.end)
             self._undo = undo.pop_all()
 
@@ -269,6 +271,26 @@ class Dive:
         self._pace = pacing.start(self._pace.rung, self._rig.exact)
         self._arrange()
 
+    @property
+    def displays(self) -> tuple[str, ...]:
+        """The display modes that it may be shown in from now on; none where that is fixed."""
+        if self._fixed is not None or self.display == PAGED:
+            return ()
+        return tuple(name for name in DISPLAYS if name != PAGED)
+
+    @property
+    def can_fill(self) -> bool:
+        """Whether there is a window that may fill the screen."""
+        return any(not window.fixed for window in self.wall.windows)
+
+    def fill_screen(self) -> None:
+        """Have the pilot's window fill the screen, or go back to its former size."""
+        self.window.toggle_fullscreen()
+
+    def leave(self) -> None:
+        """End the dive."""
+        self.window.ask_to_close()
+
     def _made(self, scenario: Scenario, source: Path, seed: int | None) -> World:
         """The world that a scenario begins with, awake."""
         world = create_world(scenario, seed, progress=self._tell, source=str(source))
@@ -298,6 +320,8 @@ class Dive:
         for line in self.wall.notes():
             say(line)
             self.overlay.note(line)
+        if self.menu.open:
+            self.pilot.full_stop()  # it holds station, whatever arrows choose there
         self._see_light()
         before = self.world.state.tick
         alpha = self._crew.picture(elapsed_s)
@@ -444,9 +468,12 @@ class Dive:
                 self.world.state.submarine, self.pilot.throttle, self.pilot.stopping, elapsed_s,
                 self.quality, self._circumstances,
             )  # fmt: skip
-            self.desk.draw()
+            if not self.menu.open:
+                self.desk.draw()
         else:
             self.overlay.caption(self._crew.waiting)
+        if self.menu.open:
+            self.menu.draw(elapsed_s)
         self.gui.end()
 
     def note(self, text: str) -> None:
@@ -489,9 +516,17 @@ class Dive:
             self._renderer.show(lineup(self._rig))
 
     def grant(self, wish: Wish) -> None:
-        """Do what the visitor asked for by a key."""
-        if wish in self._grants:
+        """Do what the visitor asked for by a key. While the menu is open only that answers."""
+        if self.menu.open and wish in ("menu", "alight"):
+            self.menu.back()
+        elif wish in self._grants and (not self.menu.open or wish in BESIDE_MENU):
             self._grants[wish]()
+
+    def _open_menu(self) -> None:
+        if self._pattern:
+            self._show_pattern()
+        else:
+            self.menu.show()
 
     def _show_help(self) -> None:
         if not self._pattern:
@@ -542,7 +577,16 @@ class Dive:
         self._arrange()
 
     def _choose_quality(self) -> None:
-        self._quality = CHOICES[(CHOICES.index(self._quality) + 1) % len(CHOICES)]
+        self.choose_quality(CHOICES[(CHOICES.index(self._quality) + 1) % len(CHOICES)])
+
+    @property
+    def chosen_quality(self) -> str:
+        """One of `render.quality.CHOICES`."""
+        return self._quality
+
+    def choose_quality(self, quality: str) -> None:
+        """Draw with this quality from now on, one of `render.quality.CHOICES`, and tell it."""
+        self._quality = quality
         self._pace = pacing.resumed(self._pace)
         self._renderer.adapt(self._chosen())
         self._draw_pattern()

@@ -50,6 +50,22 @@ MODIFIERS = (
     (glfw.MOD_ALT, imgui.Key.mod_alt),
     (glfw.MOD_SUPER, imgui.Key.mod_super),
 )
+# The parts of a gamepad that go from one entry to the next, choose it, and go back.
+PADS = {
+    "pad A": imgui.Key.gamepad_face_down,
+    "pad B": imgui.Key.gamepad_face_right,
+    **{
+        f"pad {stick}{way}": key
+        for stick in ("", "left stick ")
+        for way, key in (
+            ("up", imgui.Key.gamepad_dpad_up),
+            ("down", imgui.Key.gamepad_dpad_down),
+            ("left", imgui.Key.gamepad_dpad_left),
+            ("right", imgui.Key.gamepad_dpad_right),
+        )
+    },
+}
+PUSHED = 0.5  # of its way: so far a part of a gamepad is moved that is meant
 
 
 def one_page(number: int) -> None:
@@ -118,6 +134,7 @@ class Gui:
     def __init__(self) -> None:
         """Attach to the window whose OpenGL context is current."""
         self.open = False
+        self._navigated = False
         self._context = imgui.create_context()
         self._io = imgui.get_io()
         self._io.set_ini_filename(None)
@@ -177,6 +194,14 @@ class Gui:
             data.framebuffer_scale = imgui.ImVec2(across / wider, down / higher)
             imgui.backends.opengl3_render_draw_data(data)
 
+    def navigate(self, on: bool) -> None:
+        """Whether arrows, Enter and a gamepad go from one thing to the next, and choose it."""
+        flags = imgui.ConfigFlags_
+        keys = flags.nav_enable_keyboard.value | flags.nav_enable_gamepad.value
+        self._io.config_flags = self._io.config_flags & ~keys | (keys if on else 0)
+        self._navigated = on
+        self._io.backend_flags |= imgui.BackendFlags_.has_gamepad.value
+
     @property
     def on_panel(self) -> bool:
         """Whether the pointer is on a panel, or drags what began on one."""
@@ -221,8 +246,11 @@ class Gui:
         return self.open and bool(self._io.want_text_input)
 
     def moved(self, name: str, amount: float) -> bool:
-        """A part of a gamepad moved, which is not for panels: it steers on."""
-        return False
+        """A part of a gamepad moved; whether that is for what it navigates. Else it steers on."""
+        if not self._navigated or name not in PADS:
+            return False
+        self._io.add_key_event(PADS[name], amount > PUSHED)
+        return True
 
     def typed(self, character: int) -> None:
         """A character was typed."""
@@ -233,7 +261,7 @@ class Gui:
         """The window lost the keyboard, or the panels were put away."""
         for button in range(3):
             self._io.add_mouse_button_event(button, False)
-        for name in (*KEYS.values(), *(modifier for _, modifier in MODIFIERS)):
+        for name in (*KEYS.values(), *PADS.values(), *(modifier for _, modifier in MODIFIERS)):
             self._io.add_key_event(name, False)
 
     def close(self) -> None:
@@ -282,6 +310,7 @@ def _dress(style: Any) -> None:
         (names.slider_grab, (0.40, 0.75, 0.86), 0.9),
         (names.slider_grab_active, (0.60, 0.92, 1.0), 1.0),
         (names.separator, QUIET, 0.25),
+        (names.nav_cursor, (0.55, 0.90, 1.0), 0.9),
         (names.plot_lines, (0.55, 0.90, 1.0), 1.0),
         (names.plot_histogram, (0.40, 0.75, 0.86), 1.0),
     ):

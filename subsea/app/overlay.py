@@ -30,7 +30,7 @@ HELP: tuple[Row, ...] = (
     ("Quality of the picture", "", "P"),
     ("Test pattern", "", "T"),
     FULL_SCREEN,
-    ("Leave", "", "Esc"),
+    ("Menu", "", "Esc"),
 )
 BESIDE = 50.0  # with so much room the help stands beside the instruments, else above them
 FADE_S = 1.5
@@ -58,6 +58,11 @@ class Overlay:
     def note(self, text: str) -> None:
         """Show a few words for a while, beside the instruments."""
         self._note, self._note_s = text, NOTE_S
+
+    def show_help(self) -> None:
+        """Show the help until told otherwise."""
+        self._shown = self._pinned = True
+        self._gone_cm = math.inf
 
     def toggle_help(self) -> None:
         """Show the help until told otherwise, or hide it."""

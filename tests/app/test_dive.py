@@ -185,8 +185,3 @@ def test_the_instruments_speak_metres_and_compass(boat):
     boat_at.angles[0] = math.radians(90.0)  # left of +x, which the compass calls 270°
     assert readout(boat_at, 0.5, False) == "depth 2.5 m   heading 270°   0.8 m/s   set +50%"
     assert readout(boat_at, 0.0, True).endswith("full stop")
-
-
-def test_escape_ends_the_dive(boat):
-    hands("key", "Escape")
-    until(boat, lambda: not boat.window.open)

@@ -16,11 +16,14 @@ def test_it_ends_by_itself(display):
     assert "Traceback" not in done.stderr
 
 
-def test_escape_is_a_clean_exit(display):
-    running = subprocess.Popen([*DIVE, "--seconds", "100"], stderr=subprocess.PIPE, text=True)
+def test_a_key_for_it_is_a_clean_exit(display, tmp_path):
+    settings = tmp_path / "settings.toml"
+    settings.write_text('[controls]\nleave = ["X"]\n')
+    command = [*DIVE, "--seconds", "100", "--settings", str(settings)]
+    running = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     try:
         while running.poll() is None:
-            subprocess.run(["xdotool", "key", "Escape"], check=True, timeout=20)
+            subprocess.run(["xdotool", "key", "x"], check=True, timeout=20)
             time.sleep(0.2)
         assert running.returncode == 0
     finally:

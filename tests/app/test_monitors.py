@@ -124,8 +124,11 @@ def test_a_window_fills_its_monitor_and_stays_when_that_is_lost(display, tmp_pat
         assert np.abs(picture[10:160, 20:220] - small).mean() < 3.0
 
 
-def test_escape_ends_the_dive_in_the_three_windows_of_a_theatre(display):
+def test_a_key_ends_the_dive_in_the_three_windows_of_a_theatre(display, tmp_path):
+    settings = tmp_path / "settings.toml"
+    settings.write_text('[controls]\nleave = ["X"]\n')
     command = [sys.executable, "-m", "subsea", "dive", "--theatre", "cave", "--shrink", "8"]
+    command += ["--settings", str(settings)]
     running = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     try:
         windows = []
@@ -139,7 +142,7 @@ def test_escape_ends_the_dive_in_the_three_windows_of_a_theatre(display):
         time.sleep(1.0)  # the pilot's window takes the keyboard at first
         xdotool("windowfocus", windows[1])
         while running.poll() is None:
-            xdotool("key", "Escape")
+            xdotool("key", "x")
             time.sleep(0.3)
         assert running.returncode == 0
     finally:

@@ -263,7 +263,13 @@ def test_the_full_screen_key_leaves_windows_with_a_place_alone(boat):
     assert [window.size for window in boat.wall.windows] == [SIZE] * 3
 
 
-def test_escape_in_any_window_ends_the_dive(boat):
+def test_escape_in_any_window_opens_the_menu_from_which_the_dive_is_left(boat):
     focus(boat, 0)
     hands("key", "Escape")
+    until(boat, lambda: boat.menu.open)
+    for _ in range(4):  # quality, scenario, help, leave: windows that stay as they are
+        hands("key", "Down")
+        for _ in range(4):
+            boat.frame(FRAME_S)
+    hands("key", "Return")
     until(boat, lambda: not boat.wall.open)

@@ -1,0 +1,289 @@
+"""The menu: what a visitor may choose without knowing a key, large enough for three metres.
+
+The sea goes on behind it, dimmed, and the submarine holds station. The mouse chooses, or the
+arrows and Enter, or a gamepad.
+"""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import NamedTuple, Protocol
+
+import msgspec
+from imgui_bundle import imgui
+
+from subsea.app.desk import Desk
+from subsea.app.gui import LIT, QUIET, Gui, colour
+from subsea.app.overlay import DEEP, Overlay
+from subsea.errors import UserError
+from subsea.render.quality import CHOICES
+from subsea.resources import load_toml, resource_names, resource_path
+from subsea.scenario import Scenario, load_scenario
+from subsea.world import World
+
+APPEAR_S = 0.25
+DIM = 0.5  # how much of the sea behind it is lost
+LARGE = 2.0  # its letters, in those of other text, where there is room
+ROW = 1.75  # an entry is so high, in heights of letters
+WIDE = 17.0  # and so wide
+MOST_SEED = 2**31 - 1  # of what a field may hold
+
+DISPLAYS = {
+    "mono": "One picture",
+    "side-by-side": "3D, side by side",
+    "top-bottom": "3D, one above the other",
+    "anaglyph": "3D, red and cyan",
+    "anaglyph-comfort": "3D, red and cyan, calm",
+    "interlaced": "3D, rows by turns",
+    "checkerboard": "3D, checkerboard",
+    "panorama": "Panorama",
+    "dome": "Dome",
+    "equirectangular": "All round",
+    "stereo": "3D, shutter glasses",
+}
+QUALITIES = {"auto": "As fast as it can", "low": "Low", "medium": "Medium", "high": "High"}
+
+
+class Host(Protocol):
+    """The dive that a menu is in."""
+
+    world: World
+    scenario: Scenario
+    source: Path
+    gui: Gui
+    overlay: Overlay
+    desk: Desk
+    display: str  # how it is shown
+
+    @property
+    def displays(self) -> tuple[str, ...]:
+        """The display modes that it may be shown in from now on; none if that is fixed."""
+
+    def show_as(self, display: str) -> None:
+        """Show the dive in another display mode."""
+
+    @property
+    def chosen_quality(self) -> str:
+        """One of `CHOICES`."""
+
+    def choose_quality(self, quality: str) -> None:
+        """Draw so from now on."""
+
+    def enter(self, scenario: Scenario, source: Path, seed: int | None = None) -> bool:
+        """Leave this world for the one that a scenario begins with; whether there is such a one."""
+
+    @property
+    def shared(self) -> bool:
+        """Whether other computers show the same dive: then it is not for this one to change."""
+
+    @property
+    def can_fill(self) -> bool:
+        """Whether its window may fill the screen."""
+
+    def fill_screen(self) -> None:
+        """Fill the screen, or go back."""
+
+    def leave(self) -> None:
+        """End the dive."""
+
+
+class Entry(NamedTuple):
+    """A line of the menu."""
+
+    text: str
+    act: Callable[[], object]
+    aside: str = ""  # at its right end
+    chosen: bool = False
+
+
+class Menu:
+    """Pages of entries. What an entry does waits for the end of the frame."""
+
+    def __init__(self, host: Host, kiosk: bool = False) -> None:
+        """Closed. In a `kiosk` it has no entry by which an exhibit could be stranded."""
+        self.host, self.kiosk = host, kiosk
+        self.open = False
+        self.seed = 0  # in its field
+        self._page = ""
+        self._opacity = 0.0
+        self._at_the_desk = False
+        self._titles: dict[Path, str] = {}
+        self._pages: dict[str, Callable[[], Iterator[Entry]]] = {
+            "": self._first,
+            "Display": self._displays,
+            "Quality": self._qualities,
+            "Scenario": self._scenarios,
+        }
+
+    def show(self) -> None:
+        """Open it: from now on the pointer, the arrows and Enter are its own."""
+        self.open, self._page, self._opacity = True, "", 0.0
+        self.seed = min(self.host.world.state.seed, MOST_SEED)
+        self._titles = scenario_titles()
+        self._at_the_desk = self.host.gui.open
+        self.host.gui.open = True
+        self.host.gui.navigate(True)
+
+    def hide(self) -> None:
+        """Close it, and go back to the helm or the desk."""
+        self.open = False
+        self.host.gui.navigate(False)
+        self.host.gui.let_go()
+        self.host.gui.open = self._at_the_desk
+
+    def back(self) -> None:
+        """To the first page, or out of it."""
+        if self._page:
+            self._turn("")
+        else:
+            self.hide()
+
+    def draw(self, dt: float) -> None:
+        """Draw it in the present frame, `dt` seconds after the last."""
+        self._opacity = min(self._opacity + dt / APPEAR_S, 1.0)
+        size = imgui.get_io().display_size
+        shade = colour(DEEP, DIM * self._opacity)
+        imgui.get_background_draw_list().add_rect_filled((0.0, 0.0), size, shade)
+        entries = list(self._pages[self._page]())
+        rows = len(entries) + 2.5 + (self._page == "Scenario")
+        line = min(
+            LARGE * imgui.get_font_size(), size.y / (ROW * rows + 1.0), size.x / (WIDE + 4.0)
+        )
+        imgui.push_font(None, line)
+        imgui.push_style_var(imgui.StyleVar_.alpha.value, self._opacity)
+        imgui.push_style_var(imgui.StyleVar_.window_rounding.value, 0.5 * line)
+        imgui.push_style_var(imgui.StyleVar_.window_padding.value, (0.9 * line, 0.8 * line))
+        imgui.push_style_var(imgui.StyleVar_.frame_rounding.value, 0.3 * line)
+        imgui.push_style_var(imgui.StyleVar_.item_spacing.value, (0.4 * line, 0.12 * line))
+        imgui.push_style_var(imgui.StyleVar_.button_text_align.value, (0.0, 0.5))
+        imgui.push_style_var(imgui.StyleVar_.frame_padding.value, (0.7 * line, 0.25 * line))
+        imgui.set_next_window_pos((size.x / 2, size.y / 2), 0, (0.5, 0.5))
+        flags = imgui.WindowFlags_
+        # A name for each page: each begins where it says, rather than where the last one was left.
+        imgui.begin(
+            f"menu {self._page}",
+            None,
+            flags.no_decoration.value
+            | flags.no_move.value
+            | flags.always_auto_resize.value
+            | flags.no_saved_settings.value,
+        )
+        imgui.text_colored((*QUIET, 1.0), self._page or self.host.scenario.title)
+        imgui.dummy((WIDE * line, 0.15 * line))
+        default = next((k for k, entry in enumerate(entries) if entry.chosen), 0)
+        for number, entry in enumerate(entries):
+            if self._page == "Scenario" and number == len(entries) - 2:
+                self._seed_field(line)
+            self._entry(entry, line)
+            if number == default:
+                imgui.set_item_default_focus()
+        imgui.end()
+        if imgui.is_key_pressed(imgui.Key.gamepad_face_right):
+            self.host.desk.later(self.back)
+        imgui.pop_style_var(7)
+        imgui.pop_font()
+
+    def _entry(self, entry: Entry, line: float) -> None:
+        clear = (0.0, 0.0, 0.0, 0.0)
+        imgui.push_style_color(imgui.Col_.button.value, (*LIT, 0.35) if entry.chosen else clear)
+        pressed = imgui.button(f"{entry.text}##{entry.aside}", (WIDE * line, (ROW - 0.12) * line))
+        imgui.pop_style_color()
+        low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
+        if entry.aside:
+            imgui.push_font(None, 0.7 * line)
+            box = imgui.calc_text_size(entry.aside)
+            place = high.x - box.x - 0.7 * line, (low.y + high.y - box.y) / 2
+            imgui.get_window_draw_list().add_text(place, colour(QUIET), entry.aside)
+            imgui.pop_font()
+        if pressed:
+            self.host.desk.later(entry.act)
+
+    def _seed_field(self, line: float) -> None:
+        imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + 0.7 * line)
+        imgui.align_text_to_frame_padding()
+        imgui.text("Seed")
+        imgui.same_line()
+        imgui.set_next_item_width(WIDE * line - 4.5 * line)
+        _, seed = imgui.input_int("##seed", self.seed)
+        self.seed = min(max(seed, 0), MOST_SEED)
+
+    def _first(self) -> Iterator[Entry]:
+        host = self.host
+        yield Entry("Continue", self.hide)
+        if not self.kiosk and host.displays:
+            yield Entry("Display", lambda: self._turn("Display"), DISPLAYS[host.display])
+        if not self.kiosk:
+            now = QUALITIES[host.chosen_quality]
+            yield Entry("Quality", lambda: self._turn("Quality"), now)
+        if not host.shared:
+            yield Entry("Scenario", lambda: self._turn("Scenario"), host.scenario.title)
+        if not self.kiosk and host.can_fill:
+            yield Entry("Full screen", host.fill_screen)
+        yield Entry("Help", self._help)
+        if not self.kiosk:
+            yield Entry("Leave", host.leave)
+
+    def _displays(self) -> Iterator[Entry]:
+        for name in self.host.displays:
+
+            def show(name: str = name) -> None:
+                self.host.show_as(name)
+
+            yield Entry(DISPLAYS[name], show, chosen=name == self.host.display)
+        yield self._back()
+
+    def _qualities(self) -> Iterator[Entry]:
+        for name in CHOICES:
+
+            def choose(name: str = name) -> None:
+                self.host.choose_quality(name)
+
+            yield Entry(QUALITIES[name], choose, chosen=name == self.host.chosen_quality)
+        yield self._back()
+
+    def _scenarios(self) -> Iterator[Entry]:
+        host = self.host
+        if host.source.resolve() not in self._titles:
+            yield Entry(host.scenario.title, self._anew, host.source.name, chosen=True)
+        for path, title in self._titles.items():
+
+            def start(path: Path = path) -> None:
+                self._enter(path)
+
+            here = path == host.source.resolve()
+            yield Entry(title, start, path.stem, chosen=here)
+        yield Entry("Start anew", self._anew, f"with seed {self.seed}")
+        yield self._back()
+
+    def _back(self) -> Entry:
+        return Entry("Back", lambda: self._turn(""))
+
+    def _turn(self, page: str) -> None:
+        self._page = page
+
+    def _help(self) -> None:
+        self.hide()
+        self.host.overlay.show_help()
+
+    def _enter(self, path: Path) -> None:
+        self.hide()
+        try:
+            scenario, source = load_scenario(str(path))
+        except UserError as fault:
+            self.host.overlay.note(str(fault))
+        else:
+            self.host.enter(scenario, source)
+
+    def _anew(self) -> None:
+        self.hide()
+        self.host.enter(self.host.scenario, self.host.source, self.seed)
+
+
+class _Titled(msgspec.Struct, frozen=True):
+    title: str = ""
+
+
+def scenario_titles() -> dict[Path, str]:
+    """The files of the scenarios that are there, and their titles, by their names."""
+    folder = "assets/scenarios"
+    paths = [resource_path(folder) / f"{name}.toml" for name in resource_names(folder, ".toml")]
+    return {path.resolve(): load_toml(path, _Titled).title or path.stem for path in paths}

@@ -1,0 +1,197 @@
+"""The menu in a real window: by keys, by mouse, and what it does to the dive behind it."""
+
+import math
+import re
+from contextlib import closing
+
+import numpy as np
+import pytest
+from imgui_bundle import imgui
+
+from subsea.app.bindings import PAD_BUTTONS
+from subsea.app.dive import Dive
+from subsea.app.gamepad import State
+from subsea.app.menu import DISPLAYS, QUALITIES, scenario_titles
+from subsea.render.quality import CHOICES
+from subsea.resources import resource_path
+from subsea.view.rigs import DISPLAYS as ALL_DISPLAYS
+
+SIZE = (480, 360)
+
+
+@pytest.fixture(scope="module")
+def boat(display, hands, tmp_path_factory):
+    text = (resource_path("assets/scenarios") / "peaceful.toml").read_text()
+    quiet = tmp_path_factory.mktemp("sea") / "quiet.toml"
+    quiet.write_text(re.sub(r"^number = \d+", "number = 2", text, flags=re.MULTILINE))
+    with closing(Dive(str(quiet), "mono", SIZE, seed=1, quality="medium")) as running:
+        hands.glide(running, 0.2)
+        yield running
+
+
+@pytest.fixture
+def menu(boat, hands):
+    hands.do("key", "Escape")
+    hands.until(boat, lambda: boat.menu.open)
+    hands.glide(boat, 0.5)
+    yield boat.menu
+    for _ in range(2):
+        if boat.menu.open:
+            boat.menu.back()
+
+
+def press(boat, hands, *keys):
+    """Keys, each of which the menu answers before the next."""
+    for key in keys:
+        hands.do("key", key)
+        hands.glide(boat, 0.4)
+
+
+def click(boat, hands, monkeypatch, text, release=True):
+    """Press the left button on the entry that begins so."""
+    found, draw = {}, boat.menu._entry
+
+    def noted(entry, line):
+        draw(entry, line)
+        found[entry.text] = imgui.get_item_rect_min(), imgui.get_item_rect_max()
+
+    with monkeypatch.context() as patch:
+        patch.setattr(boat.menu, "_entry", noted)
+        hands.glide(boat, 0.2)
+    low, high = next(box for name, box in found.items() if name.startswith(text))
+    left, top = boat.window.position
+    hands.do("mousemove", int(left + (low.x + high.x) / 2), int(top + (low.y + high.y) / 2))
+    hands.glide(boat, 0.3)
+    hands.do("mousedown", 1)
+    hands.glide(boat, 0.3)
+    if release:
+        hands.do("mouseup", 1)
+        hands.glide(boat, 0.4)
+
+
+def heading(boat):
+    return boat.world.state.submarine.angles[0]
+
+
+def test_every_mode_and_quality_has_its_words():
+    assert DISPLAYS.keys() == set(ALL_DISPLAYS)
+    assert list(QUALITIES) == list(CHOICES)
+    titles = scenario_titles()
+    assert titles[(resource_path("assets/scenarios") / "mating.toml").resolve()] == "Courtship"
+
+
+def test_while_it_is_open_the_sea_goes_on_and_the_submarine_holds_station(boat, menu, hands):
+    tick, before = boat.world.state.tick, heading(boat)
+    lit = hands.screen(boat).mean()
+    hands.do("keydown", "a", "keydown", "w")
+    hands.point(boat, 0.9, 0.5)
+    hands.glide(boat, 1.0)
+    hands.do("keyup", "a", "keyup", "w", "key", "r", "key", "Tab", "key", "t")
+    hands.glide(boat, 0.5)
+    assert boat.world.state.tick > tick + 20
+    assert abs(heading(boat) - before) < math.radians(1.0)
+    assert np.linalg.norm(boat.world.state.submarine.velocity) < 1.0
+    assert not boat.pilot.riding and not boat._pattern
+    press(boat, hands, "Escape")
+    assert not boat.menu.open and not boat.desk.open
+    assert hands.screen(boat).mean() > 1.2 * lit
+    hands.glide(boat, 1.0)
+    assert abs(heading(boat) - before) < math.radians(1.0)  # until a hand asks for more
+
+
+def test_arrows_and_enter_change_the_quality(boat, menu, hands):
+    press(boat, hands, "Down", "Down", "Return")
+    assert boat.menu._page == "Quality"
+    press(boat, hands, "Up", "Return")
+    assert boat.chosen_quality == "low"
+    assert boat.quality == "picture low"
+    press(boat, hands, "Escape")
+    assert boat.menu.open and boat.menu._page == ""
+
+
+def test_a_gamepad_chooses_and_goes_back(boat, hands, monkeypatch):
+    def push(*pressed):
+        for down in (pressed, (), ()):  # a picture each: what is held long comes again
+            buttons = [int(name in down) for name in PAD_BUTTONS]
+            state = State("Pad", buttons, [0.0, 0.0, 0.0, 0.0, -1.0, -1.0])
+            monkeypatch.setattr(boat.wall._gamepads, "_read", lambda now=state: {0: now})
+            boat.frame(0.1)
+
+    push("start")
+    assert boat.menu.open
+    for button in ("down", "down", "A"):
+        push(button)
+    assert boat.menu._page == "Quality"
+    for button in ("down", "A"):
+        push(button)
+    assert boat.chosen_quality == "medium"
+    push("B")
+    assert boat.menu.open and boat.menu._page == ""
+    push("B")
+    assert not boat.menu.open
+    assert np.linalg.norm(boat.world.state.submarine.velocity) < 1.0
+
+
+def test_the_mouse_changes_the_display(boat, menu, hands, monkeypatch):
+    click(boat, hands, monkeypatch, "Display")
+    click(boat, hands, monkeypatch, "3D, side")
+    assert boat.display == "side-by-side"
+    assert len(boat._rig.eyes) == 2
+    left, right = np.split(hands.screen(boat)[60:300], 2, axis=1)
+    assert np.abs(left - right).mean() < 5.0 < left.std()
+    boat.show_as("mono")
+
+
+def test_a_drag_that_begins_on_it_never_steers(boat, menu, hands, monkeypatch):
+    click(boat, hands, monkeypatch, "Continue", release=False)
+    left, top = boat.window.position
+    hands.do("mousemove", left + 20, top + 20)
+    hands.glide(boat, 0.3)
+    press(boat, hands, "Escape")
+    assert not boat.menu.open
+    hands.glide(boat, 0.5)
+    assert np.linalg.norm(boat.world.state.submarine.velocity) < 1.0
+    hands.do("mouseup", 1)
+    hands.glide(boat, 0.3)
+    assert not boat.menu.open
+
+
+def test_escape_leaves_a_fish_first(boat, hands):
+    hands.do("key", "r")
+    hands.until(boat, lambda: boat.pilot.riding)
+    press(boat, hands, "Escape")
+    assert not boat.pilot.riding and not boat.menu.open
+
+
+def test_it_closes_to_the_desk_where_that_was_open(boat, hands):
+    press(boat, hands, "Tab")
+    press(boat, hands, "Escape")
+    assert boat.menu.open
+    press(boat, hands, "Escape")
+    assert boat.desk.open and not boat.menu.open
+    press(boat, hands, "Tab")
+    assert not boat.desk.open
+
+
+def test_it_begins_anew_and_in_another_scenario(boat, menu, hands, monkeypatch):
+    handle, boat.menu.seed = boat.window.handle, 7
+    click(boat, hands, monkeypatch, "Scenario")
+    click(boat, hands, monkeypatch, "Start anew")
+    assert boat.world.state.seed == 7 and not boat.menu.open
+    press(boat, hands, "Escape")
+    click(boat, hands, monkeypatch, "Scenario")
+    click(boat, hands, monkeypatch, "Courtship")
+    assert boat.scenario.title == "Courtship" and boat.source.stem == "mating"
+    assert boat.window.handle is handle and not boat.menu.open
+
+
+def test_help_is_shown_from_it(boat, menu, hands, monkeypatch):
+    click(boat, hands, monkeypatch, "Help")
+    hands.until(boat, lambda: boat.overlay.help_opacity == 1.0)
+    assert not boat.menu.open
+    press(boat, hands, "h")
+
+
+def test_leaving_is_its_last_entry(boat, menu, hands):
+    press(boat, hands, *["Down"] * 6, "Return")
+    assert not boat.window.open
