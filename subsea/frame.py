@@ -145,13 +145,15 @@ def pack(
     growth: float = 1.0,
     memory: Memory | None = None,
     lines: Lines = NO_LINES,
+    vessel: Array | None = None,
 ) -> Packet:
     """The frame that lies `alpha` (0 to 1) of the way from the last tick to the present one.
 
     `detail` is a factor on the pixels that a fish or a leaf is taken to cover when its level is
     chosen, `growth` the share of the clusters of seaweed that is drawn. `memory` is that of the
     frame before, and becomes that of this one; without it no fish fades from one level to another.
-    The times of the stages "cull" and "pose" are added to `world.stages_s`.
+    The pilot's eye is at `vessel` (3,) cm, None: between the two ticks too. The times of the
+    stages "cull" and "pose" are added to `world.stages_s`.
     """
     fishes, library = world.state.fishes, world.library
     start = time.perf_counter()
@@ -195,7 +197,7 @@ def pack(
         live_points=live_points,
         live_row=len(library.entry),
         passing_cm_s=_velocity(world),
-        vessel=cockpit(world.state.submarine, alpha).eye,
+        vessel=cockpit(world.state.submarine, alpha).eye if vessel is None else vessel,
         hook=_hook(world.state.sea, alpha),
         bait=bool(world.state.sea.catch[0] in (SINKING, HANGING)),
         leaves=_leaves(world, leaves, alpha),

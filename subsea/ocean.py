@@ -24,13 +24,13 @@ from subsea.motor.switching import swim
 from subsea.perception.focusser import focus
 from subsea.perception.senses import sense
 from subsea.perception.turns import whose_turn
-from subsea.state import Clock
+from subsea.state import Clock, Submarine
 from subsea.submarine.helm import STATION, Helm
 from subsea.submarine.hull import hull_axes, step_hull
 from subsea.submarine.rail import Rail, ride
 from subsea.world import TICK_S, World, create_world
 
-__all__ = ["TICK_S", "Order", "World", "create_world", "step"]
+__all__ = ["TICK_S", "Order", "World", "create_world", "steer", "step"]
 
 Order = Helm | Rail | Reins  # what is steered in a tick, and how
 
@@ -96,13 +96,18 @@ def step(world: World, order: Order) -> None:
     if isinstance(order, Rail):
         ride(state.submarine, order, TICK_S)
     else:
-        helm = order if isinstance(order, Helm) else STATION
-        step_hull(
-            state.submarine, helm, TICK_S,
-            lambda x, y: height_at(sea.floor, sea.half_width, x, y), world.scenario.bounds,
-            sea.pillars, sea.rocks,
-        )  # fmt: skip
+        steer(world, state.submarine, order if isinstance(order, Helm) else STATION)
     state.tick += 1
+
+
+def steer(world: World, submarine: Submarine, helm: Helm) -> None:
+    """Advance a submarine in the sea of a world by one tick, in place."""
+    sea = world.state.sea
+    step_hull(
+        submarine, helm, TICK_S,
+        lambda x, y: height_at(sea.floor, sea.half_width, x, y), world.scenario.bounds,
+        sea.pillars, sea.rocks,
+    )  # fmt: skip
 
 
 @contextmanager

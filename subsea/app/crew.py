@@ -9,6 +9,7 @@ from subsea.app.clock import Clock
 from subsea.app.console import say
 from subsea.app.credentials import credentials
 from subsea.app.pilot import Pilot
+from subsea.app.present import Present
 from subsea.app.timeline import Timeline
 from subsea.app.tour import Steer
 from subsea.behavior.reins import Reins
@@ -18,6 +19,8 @@ from subsea.ocean import Order
 from subsea.submarine.helm import HANDS_OFF, Helm
 from subsea.submarine.rail import Rail
 from subsea.theatre.files import Theatre
+from subsea.view.rig import Pose
+from subsea.view.rigs import cockpit
 from subsea.world import TICK_S, World
 
 PATIENCE_S = 0.02  # for so long a node looks for the next picture before it looks at its window
@@ -55,6 +58,9 @@ class Crew(Protocol):
         `elapsed_s` is the time since the last picture. None if there is nothing new to draw.
         """
 
+    def eye(self) -> Pose:
+        """Where the pilot's eye is in that picture."""
+
     def swap(self, drawn: Callable[[], None]) -> None:
         """Return when the picture is to be shown; `drawn` returns when it is drawn."""
 
@@ -86,13 +92,20 @@ class Alone:
     def __init__(self, world: World, pilot: Pilot, tour: Steer | None = None) -> None:
         self.timeline = Timeline(world)
         self.steered: int | None = None  # the fish whose reins the hands hold
-        self._pilot, self._course = pilot, _Course(world, pilot, tour)
+        self._world, self._pilot = world, pilot
+        self._course, self._present = _Course(world, pilot, tour), Present()
 
     def picture(self, elapsed_s: float) -> float:
         """As many ticks as have become due."""
         for one in self._orders(self.timeline.due(elapsed_s)):
             self.timeline.make(one)
+        carried = self._course.tour or self.steered is not None
+        self._present.go_on(elapsed_s, not carried and not self.timeline.paused)
         return self.timeline.alpha
+
+    def eye(self) -> Pose:
+        """In the present, unless it is on a tour or time stands still."""
+        return self._present.eye(self._world, self.timeline.alpha, self._pilot.foreseen(TICK_S))
 
     def _orders(self, number: int) -> Iterator[Order]:
         """What the course or the hands ask for; hands that hold reins ask it of their fish."""
@@ -134,6 +147,10 @@ class Leading:
         self._master.picture(ticks if self._course.tour else list(ticks), self._clock.alpha)
         return self._clock.alpha
 
+    def eye(self) -> Pose:
+        """A tick late, where all nodes see it."""
+        return cockpit(self._master.world.state.submarine, self._clock.alpha)
+
     def swap(self, drawn: Callable[[], None]) -> None:
         """When all nodes have drawn theirs."""
         drawn()
@@ -154,6 +171,7 @@ class Following:
 
     def __init__(self, node: Follower) -> None:
         self._node = node
+        self._alpha = 1.0
         self.idle_s = 0.0
 
     @property
@@ -166,7 +184,12 @@ class Following:
         start = time.perf_counter()
         alpha = self._node.picture(HOLD_S if self._node.waiting else PATIENCE_S)
         self.idle_s = time.perf_counter() - start
+        self._alpha = self._alpha if alpha is None else alpha
         return alpha
+
+    def eye(self) -> Pose:
+        """Where the master's is."""
+        return cockpit(self._node.world.state.submarine, self._alpha)
 
     def swap(self, drawn: Callable[[], None]) -> None:
         """When the master and all other nodes have drawn theirs."""

@@ -52,7 +52,7 @@ from subsea.theatre.lineup import lineup
 from subsea.view.camera import View
 from subsea.view.levels import nothing_drawn
 from subsea.view.rig import Rect, Rig, front, part_of, views
-from subsea.view.rigs import DISPLAYS, cockpit, display_rig
+from subsea.view.rigs import DISPLAYS, display_rig
 from subsea.view.stereo import EYES, PAGED, Stereo
 from subsea.view.surround import ALL_ROUND, Surround
 from subsea.world import World, create_world
@@ -308,6 +308,7 @@ class Dive:
             self._crew = self._crew_of(world, self.pilot)
             undo.callback(self._disband)
             self.world, self._seen_tick, self._drawn = world, 0, None
+            self._eye = self._crew.eye()
             self._sketcher = Sketcher(world)
             self.desk.enter()
             self._stay = undo.pop_all()
@@ -331,6 +332,7 @@ class Dive:
             return  # what is shown stays, until there is something else
         start += self._crew.idle_s
         self._alpha = self._alpha if alpha is None else alpha
+        self._eye = self._crew.eye()
         if self._fixed is None and self.window.size != self._rig.outputs[0]:
             self._take_rig()
             self._arrange()
@@ -397,7 +399,7 @@ class Dive:
         self._renderer.wireframe = self.wireframe
         packet = pack(
             self.world, seen, alpha, detail=quality.detail, growth=quality.growth,
-            memory=self._memory, lines=lines,
+            memory=self._memory, lines=lines, vessel=self._eye.eye,
         )  # fmt: skip
         into = self._context.screen if self._direct else None
         if self._ride is not None:
@@ -429,7 +431,7 @@ class Dive:
     def _views(self) -> tuple[View, ...]:
         """What is seen from the submarine, or from the fish that is ridden."""
         if self._ride is None:
-            return views(self._rig, cockpit(self.world.state.submarine, self._alpha))
+            return views(self._rig, self._eye)
         return self._ride.views(self.world, self._rig, self._insets, self._alpha)
 
     def _mount(self, fish: int | None) -> None:

@@ -5,6 +5,7 @@ a pointer in [-1, 1] from the middle of the window (x right, y up), and gives on
 """
 
 import math
+from copy import copy
 
 from subsea.app.bindings import Action
 from subsea.app.settings import USUAL, Settings
@@ -131,6 +132,10 @@ class Pilot:
             self._smooth = Helm(full_stop=True)
             return self._smooth
         return self.asked(dt)
+
+    def foreseen(self, dt: float) -> Helm:
+        """What `helm` would say, without that any time has passed."""
+        return copy(self).helm(dt)
 
     def asked(self, dt: float) -> Helm:
         """What the hands ask for over the next `dt` seconds, of whatever they steer."""

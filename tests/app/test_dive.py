@@ -134,6 +134,23 @@ def test_keys_steer_too(boat):
     stop(boat)
 
 
+def test_a_key_shows_in_the_second_picture_at_the_latest(boat):
+    stop(boat)
+    glide(boat, 3.0)
+    still = [boat._eye.forward]
+    hands("keydown", "d")
+    end = time.monotonic() + 10.0
+    while not boat.pilot._held and time.monotonic() < end:
+        still.append(boat._eye.forward)
+        boat.frame(1 / 144)  # the last of these is the first after the key came
+    drift = np.linalg.norm(np.diff(still, axis=0), axis=1)
+    boat.frame(1 / 144)
+    hands("keyup", "d")
+    turned = np.cross(still[-1], boat._eye.forward)[2]
+    assert turned < -10.0 * max(*drift, 1e-6)
+    stop(boat)
+
+
 def test_the_help_fades_under_way_and_comes_back(boat):
     stop(boat)
     assert boat.overlay.rows == HELP

@@ -20,7 +20,6 @@ from subsea.resources import resource_path
 from subsea.theatre.lineup import lineup
 from subsea.view.camera import NEAR_CM, off_axis
 from subsea.view.rig import Eye, Patch, Rig, views
-from subsea.view.rigs import cockpit
 
 SIZE = (240, 180)
 NAMES = ("left", "front", "right")
@@ -116,7 +115,7 @@ def in_one(running):
     renderer.arrange(ONE)
     quality = renderer.quality
     packet = pack(
-        running.world, views(ONE, cockpit(running.world.state.submarine, alpha)), alpha,
+        running.world, views(ONE, running._eye), alpha,
         detail=quality.detail, growth=quality.growth,
     )  # fmt: skip
     renderer.draw(packet)
