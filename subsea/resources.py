@@ -46,10 +46,10 @@ def named_or_file(name: str, folder: str, suffix: str, kind: str) -> Path:
     return resource_path(folder) / f"{name}{suffix}"
 
 
-def load_toml(path: Path, kind: type[T], settings: Sequence[str] = ()) -> T:
+def load_toml(path: Path, kind: type[T], changes: Sequence[str] = ()) -> T:
     """Read a TOML file as the msgspec struct `kind`; every fault is one line with file and key.
 
-    Each of `settings` changes one value of it: a key with its tables, by dots, entries of lists
+    Each of `changes` sets one value of it: a key with its tables, by dots, entries of lists
     by number from 0, then = and a TOML value or a word, such as ``fish.0.species=fusilier``.
     """
     try:
@@ -61,9 +61,9 @@ def load_toml(path: Path, kind: type[T], settings: Sequence[str] = ()) -> T:
         content = tomllib.loads(text)
     except tomllib.TOMLDecodeError as fault:
         raise UserError(f"{path}: not valid TOML ({fault})") from fault
-    for setting in settings:
+    for setting in changes:
         _set(content, setting)
-    source = " --set ".join([str(path), *settings])
+    source = " --set ".join([str(path), *changes])
     try:
         return msgspec.convert(content, kind)
     except msgspec.ValidationError as fault:

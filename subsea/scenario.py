@@ -304,14 +304,14 @@ class Scenario(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
         return sorted({shoal.species for shoal in self.fish})
 
 
-def load_scenario(name: str, settings: Sequence[str] = ()) -> tuple[Scenario, Path]:
+def load_scenario(name: str, changes: Sequence[str] = ()) -> tuple[Scenario, Path]:
     """The scenario called `name`, or the one in the file `name`, and the file it came from.
 
-    `settings` such as ``fish.0.number=20`` change it. Every fault is a UserError of one line.
+    `changes` such as ``fish.0.number=20`` are made to it. Every fault is a UserError of one line.
     """
     path = named_or_file(name, "assets/scenarios", ".toml", "scenario")
-    scenario = load_toml(path, Scenario, settings)
-    check_scenario(scenario, " --set ".join([str(path), *settings]))
+    scenario = load_toml(path, Scenario, changes)
+    check_scenario(scenario, " --set ".join([str(path), *changes]))
     return scenario, path
 
 

@@ -13,12 +13,11 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea import constants
 from subsea.behavior.table import BEHAVIORS
 from subsea.errors import UserError
 from subsea.repertoire import SEGMENTS
 from subsea.state import BAIT, COURTSHIP, EAT, LANDED, NOBODY, PREDATOR, SUBMARINE, WALL
-from subsea.world import World
+from subsea.world import MINDS, World
 
 Arrays = dict[str, NDArray[Any]]
 
@@ -28,7 +27,7 @@ MAX_VALUE = 1e7  # of any number that is not infinite: far more than a centimetr
 
 CONSTANT = {
     "fishes": {"species", "length", "scale", "rate", "identity", "snout", "girth", "oars"},
-    "minds": set(constants.MINDS),
+    "minds": set(MINDS),
     "sea": {
         "heights",
         "floor",

@@ -67,6 +67,10 @@ RESOLVE_S = 60.0  # for so long fishes keep to the place that they are bound for
 TICK_S = 0.033  # one tick = one recorded frame = six steps of the simulation
 
 
+MINDS = ("kind", "male", "likes", "schools", "appetite", "digestion", "libido_rate", "dread")
+"""Sex, habits and temper of each fish: the members of `state.Minds` that no tick changes."""
+
+
 @dataclass
 class World:
     """All that a dive consists of."""
@@ -79,6 +83,7 @@ class World:
     current_cm_s: tuple[float, float]  # strength of the swinging current along x and y
     physics: Physics
     state: State
+    tempers: dict[str, NDArray[Any]]  # what `MINDS` were in the beginning
     stages_s: dict[str, float] = field(default_factory=dict)  # seconds of the last tick
     # Of fishes that go by what their eyes see: how bright that is, instead of the sea about them.
     seen_light: dict[int, float] = field(default_factory=dict)
@@ -184,6 +189,7 @@ def create_world(
     return World(
         scenario, tuple(species.values()), library, dynamics, nature,
         scenario.water.current_cm_s, physics, state,
+        {name: getattr(minds, name).copy() for name in MINDS},
     )  # fmt: skip
 
 

@@ -3,6 +3,7 @@
 import json
 import time
 from collections import defaultdict
+from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -57,6 +58,7 @@ def benchmark(
     target_ms: float | None = None,
     theatre: str | None = None,
     shrink: int = 1,
+    changes: Sequence[str] = (),
 ) -> int:
     """Measure, print the report as a table, and write it as JSON to `out` if that is named.
 
@@ -65,9 +67,9 @@ def benchmark(
     if out is not None:
         check_file(out)
     rig, _ = chosen_rig(display, size, theatre=theatre, shrink=shrink)
-    load_scenario(scenario)
+    load_scenario(scenario, changes)
     with headless() as context:
-        world = start_world(scenario, seed, fish, motor=motor)
+        world = start_world(scenario, seed, fish, motor=motor, changes=changes)
         gpu, hold_ms = context.info["GL_RENDERER"], None
         if quality == AUTO:
             hold_ms = target_ms or pacing.target_for(gpu)
@@ -84,6 +86,7 @@ def benchmark(
             "quality_drawn": drawn,
             "target_ms": hold_ms,
             "scenario": scenario,
+            "set": [*changes],
             "fish": len(world.state.fishes.species),
             "seed": world.state.seed,
             "version": version("subsea"),

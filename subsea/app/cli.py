@@ -220,6 +220,7 @@ def _add_simulate(commands: Any) -> None:
         [
             "subsea simulate --ticks 1000 --out run.h5",
             "subsea simulate --ticks 9000 --out run.h5 --fish 400 --seed 7",
+            "subsea simulate --ticks 900 --out run.h5 --set nature.keen=0.4 --set fish.0.hunger=1",
         ],
     )
     simulate.add_argument(
@@ -354,6 +355,15 @@ def _add_scenario(parser: argparse.ArgumentParser) -> None:
         default="peaceful",
         metavar="NAME|FILE",
         help="a scenario's name or a .toml file (default peaceful)",
+    )
+    parser.add_argument(
+        "--set",
+        dest="changes",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="another value of any key of the scenario, such as fish.0.number=20 or "
+        "nature.keen=0.3; may be given several times",
     )
 
 
@@ -641,7 +651,9 @@ def _film_eyes(own: dict[str, Any], options: dict[str, Any]) -> int:
     from subsea.app.eyes import film_eyes
     from subsea.view.retina import FIELD_DEG, Gaze
 
-    used = ("out", "scenario", "seconds", "start", "fps", "size", "quality", "seed", "tour")
+    used = (
+        "out", "scenario", "changes", "seconds", "start", "fps", "size", "quality", "seed", "tour",
+    )  # fmt: skip
     other = ("theatre", "shrink", *STEREO, *SURROUND)
     if options["display"] != "mono":
         raise UserError(

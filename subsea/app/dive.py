@@ -81,6 +81,7 @@ def dive(
     settings: Settings = USUAL,
     show: Sequence[str] = (),
     wireframe: bool = False,
+    changes: Sequence[str] = (),
 ) -> int:
     """Dive until the window is closed, the menu says so, or `seconds` have passed; exit code 0.
 
@@ -89,13 +90,13 @@ def dive(
     In the windows of a `theatre`, `shrink` times smaller, if one is named; as the computer `node`
     of several in those that are its own. With `see_brightness` the fish that is ridden goes by the
     light in its eyes. The diagrams `show` are drawn over the sea, of which a `wireframe` has the
-    edges of triangles.
+    edges of triangles. `changes` such as ``fish.0.number=20`` are made to the scenario.
     """
     if see_brightness and node is not None:
         raise UserError("--see-brightness is for one computer: others would not see the same light")
     carried = None
     if tour is not None:
-        course = None if tour == AUTOPILOT else course_of(load_scenario(scenario)[0], tour)
+        course = None if tour == AUTOPILOT else course_of(load_scenario(scenario, changes)[0], tour)
         carried = partial(guide, course=course)
     installation: Installation | None = None
     crew = alone(carried)
@@ -112,7 +113,7 @@ def dive(
         raise UserError("--node is one of a theatre's computers, expected --theatre too")
     running = Dive(
         scenario, display, size, fullscreen, seed, stereo, surround, quality, target_ms,
-        installation, crew, see_brightness, settings,
+        installation, crew, see_brightness, settings, changes,
     )  # fmt: skip
     running.diagrams.update(show)
     running.wireframe = wireframe
@@ -152,6 +153,7 @@ class Dive:
         crew: Callable[[World, Pilot], Crew] = Alone,
         see_brightness: bool = False,
         settings: Settings = USUAL,
+        changes: Sequence[str] = (),
     ) -> None:
         """Open the windows, then the world: the visitor sees at once that something happens.
 
@@ -161,7 +163,7 @@ class Dive:
         fails, all that was opened is closed again.
         """
         # A misspelt name is told before a window flashes up.
-        self.scenario, self.source = load_scenario(scenario)
+        self.scenario, self.source = load_scenario(scenario, changes)
         self.display, self._stereo, self._surround = display, stereo, surround
         self.pilot = Pilot(settings)
         self._alpha = 1.0

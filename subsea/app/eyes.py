@@ -82,6 +82,7 @@ def film_eyes(
     quality: str,
     seed: int | None,
     tour: str,
+    changes: Sequence[str] = (),
 ) -> int:
     """Film `seconds` of what the fish called `eyes` sees into the folder `out`; the exit code.
 
@@ -91,14 +92,14 @@ def film_eyes(
     """
     if kind_of(out) != "folder":
         raise UserError(f"{out}: labelled frames need the name of a folder")
-    chosen, source = load_scenario(scenario)
+    chosen, source = load_scenario(scenario, changes)
     fish = find_fish(eyes, chosen)
     course = None if tour == AUTOPILOT else course_of(chosen, tour)
     seconds = length_s(seconds, start, course)
     rate = frame_rate(fps)
     times = instants(start, seconds, rate)
     take = description(
-        source, tour=tour, seed=seed, start=start, seconds=seconds, fps=fps, size=size,
+        source, changes, tour=tour, seed=seed, start=start, seconds=seconds, fps=fps, size=size,
         quality=quality, eyes=eyes, gaze=gaze, field_deg=field_deg, see_brightness=see_brightness,
     )  # fmt: skip
     windows = [f"{part}/{side}" if part else side for part in PARTS for side in SIDES]
@@ -110,7 +111,7 @@ def film_eyes(
     frames: list[dict[str, Any]] = []
     with ExitStack() as stack:
         context = stack.enter_context(headless())
-        world = start_world(scenario, seed)
+        world = start_world(scenario, seed, changes=changes)
         steer = guide(world, course)
         by = rider(world, fish)
         rig = retina_rig(size, by.half_cm, gaze, field_deg)

@@ -55,6 +55,7 @@ def film(
     shrink: int = 1,
     show: Sequence[str] = (),
     wireframe: bool = False,
+    changes: Sequence[str] = (),
 ) -> int:
     """Film `seconds` of the tour from `start` at `fps` into `out`; one picture shows its end.
 
@@ -70,7 +71,7 @@ def film(
     Returns the exit code. Ctrl-C keeps what was filmed so far. Prints the frame times: ticks
     of the world, packing, drawing and reading back, without the encoding of the film.
     """
-    chosen, source = load_scenario(scenario)
+    chosen, source = load_scenario(scenario, changes)
     course = None if tour == AUTOPILOT else course_of(chosen, tour)
     seconds = length_s(seconds, start, course)
     kind = check_reel(out)
@@ -83,7 +84,7 @@ def film(
     missing = list(range(len(times)))
     if kind == "folder":
         take = description(
-            source, tour=tour, seed=seed, start=start, seconds=seconds, fps=fps, size=size,
+            source, changes, tour=tour, seed=seed, start=start, seconds=seconds, fps=fps, size=size,
             quality=quality, display=display, theatre=told(theatre), shrink=shrink,
             show=[*show], wireframe=wireframe,
             **stereo._asdict(), **surround._asdict(),
@@ -97,7 +98,7 @@ def film(
     try:
         with ExitStack() as stack:
             context = stack.enter_context(headless())
-            world = start_world(scenario, seed)
+            world = start_world(scenario, seed, changes=changes)
             steer = guide(world, course)
             check = stack.enter_context(interrupts.deferred())
             renderer = stack.enter_context(picture_maker(context, world, rig, preset))

@@ -1,5 +1,6 @@
 """`subsea simulate`: what every fish does, for those who study them. No OpenGL."""
 
+from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ from subsea.errors import UserError
 from subsea.ocean import step
 from subsea.places import check_file
 from subsea.repertoire import SEGMENTS
+from subsea.saving import scenario_text
 from subsea.scenario import load_scenario
 from subsea.state import COURTSHIP, KINDS, MENTAL_STATES
 from subsea.submarine.helm import HANDS_OFF
@@ -41,23 +43,27 @@ _NOTES = {
 }
 
 
-def simulate(ticks: int, out: Path, scenario: str, fish: int | None, seed: int | None) -> int:
+def simulate(
+    ticks: int, out: Path, scenario: str, fish: int | None, seed: int | None,
+    changes: Sequence[str] = (),
+) -> int:  # fmt: skip
     """Record `ticks` ticks of a world into `out`; returns the exit code.
 
-    The submarine drifts where it starts. Ctrl-C leaves a valid file with the ticks so far.
+    `changes` are made to the scenario, whose text is kept as they leave it. The submarine drifts
+    where it starts. Ctrl-C leaves a valid file with the ticks so far.
     """
     if out.suffix.lower() not in SUFFIXES:
         raise UserError(f"{out}: expected a name that ends in {' or '.join(SUFFIXES)}")
     check_file(out)
-    chosen, source = load_scenario(scenario)
+    chosen, source = load_scenario(scenario, changes)
     if not any(shoal.number for shoal in chosen.fish):
         raise UserError(f"{source}: holds no fishes, there is nothing to record")
-    world = start_world(scenario, seed, fish)
+    world = start_world(scenario, seed, fish, changes=changes)
     number = len(world.state.fishes.species)
     length = int(np.clip(BLOCK_FISH_TICKS // number, 1, min(64, ticks)))
     block = _empty_block(length, number)
     held = 0
-    attributes = _attributes(world, source.read_text(encoding="utf-8"))
+    attributes = _attributes(world, scenario_text(chosen, source))
     with (
         interrupts.deferred() as check,
         hdf5.recording(out, attributes, _constants(world), _NOTES) as append,

@@ -2,7 +2,7 @@
 
 import math
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -26,14 +26,14 @@ WAKING = "waking the fishes (the very first start compiles their code: half a mi
 
 def start_world(
     scenario: str, seed: int | None = None, fish: int | None = None, tell: Say = say,
-    motor: str | None = None,
+    motor: str | None = None, changes: Sequence[str] = (),
 ) -> World:  # fmt: skip
     """The world of a scenario after its first tick and packet: every kernel is compiled.
 
     The motor "playback" simulates no fish, "dynamics" every one as soon as its motion allows,
-    None those that the scenario says.
+    None those that the scenario says. `changes` are those of `--set`.
     """
-    chosen, path = load_scenario(scenario)
+    chosen, path = load_scenario(scenario, changes)
     number = sum(shoal.number for shoal in chosen.fish) if fish is None else fish
     if motor is None:
         world = create_world(chosen, seed, fish, tell, source=str(path))

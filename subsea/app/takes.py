@@ -19,13 +19,15 @@ NAME = "film.json"
 PICTURES = "frame_*.png"
 
 
-def description(scenario: Path, **options: Any) -> dict[str, Any]:
+def description(scenario: Path, changes: Sequence[str] = (), **options: Any) -> dict[str, Any]:
     """All that decides what a film shows, as JSON has it: the options, scenario and version."""
-    told = {
+    told: dict[str, Any] = {
         "version": version("subsea"),
         "scenario": scenario.name,
         "sha256": sha256(scenario.read_bytes()).hexdigest(),
     }
+    if changes:
+        told["set"] = [*changes]
     described: dict[str, Any] = json.loads(json.dumps(told | options))
     return described
 

@@ -31,7 +31,7 @@ def test_the_report_has_the_agreed_keys(reports):
         "renderer", "size", "display", "scenario", "fish", "visible_mean", "frames", "seed",
         "version", "without", "motor", "simulated_mean", "frame_ms", "fps", "stages_ms", "lod",
         "triangles_mean", "quality", "quality_drawn", "target_ms", "host_ms", "draw_calls",
-        "theatre",
+        "theatre", "set",
     }  # fmt: skip
     assert set(report["frame_ms"]) == {"mean", "p50", "p95", "p99", "max"}
     assert tuple(report["stages_ms"]) == STAGES

@@ -10,8 +10,10 @@ import numpy as np
 import pytest
 
 from subsea import hdf5
+from subsea.app.cli import main
 from subsea.app.console import counted
 from subsea.app.records import FIELDS
+from subsea.scenario import load_scenario
 from subsea.species import load_species
 
 SIMULATE = [sys.executable, "-m", "subsea", "simulate"]
@@ -130,3 +132,28 @@ def test_a_record_without_a_tick_is_no_file(tmp_path, fault):
     with pytest.raises(fault), hdf5.recording(tmp_path / "r.h5", {}, {}):
         raise fault
     assert not list(tmp_path.iterdir())
+
+
+def test_what_is_set_is_in_the_record_and_in_its_scenario(tmp_path):
+    out = tmp_path / "set.h5"
+    own = ["--set", "fish.0.number=4", "--set", "individual.0.fish=2"]
+    own += ["--set", "individual.0.male=true", "--set", "simulated = 2"]
+    assert main(["simulate", "--ticks", "2", "--scenario", "preying", "--out", str(out), *own]) == 0
+    with h5py.File(out) as file:
+        text = file.attrs["scenario"]
+        assert file["fish/male"][2]
+    (tmp_path / "again.toml").write_text(text)
+    changes = ["fish.0.number=4", "individual.0.fish=2", "individual.0.male=true", "simulated = 2"]
+    again = load_scenario(str(tmp_path / "again.toml"))[0]
+    assert again == load_scenario("preying", changes)[0] != load_scenario("preying")[0]
+    assert text.startswith(load_scenario("preying")[1].read_text()[:60])
+
+
+def test_what_cannot_be_set_is_one_line(tmp_path, capsys):
+    out = tmp_path / "set.h5"
+    assert main(["simulate", "--ticks", "2", "--out", str(out), "--set", "fish.0.numbr=4"]) == 2
+    fault = capsys.readouterr().err
+    assert fault.count("\n") == 1
+    assert "`numbr`" in fault
+    assert "did you mean 'number'" in fault
+    assert not out.exists()
