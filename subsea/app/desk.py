@@ -6,18 +6,25 @@ what is in the sea. Keys steer on.
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol, TypeVar
 
+import numpy as np
 from imgui_bundle import imgui
 
 from subsea.app.bindings import Wish
-from subsea.app.gui import Gui
+from subsea.app.focus import name_of
+from subsea.app.gui import GLASS, MARK, Gui, colour
 from subsea.app.overlay import Overlay
 from subsea.app.panels import PANELS
 from subsea.app.sight import Sight
+from subsea.app.timeline import Timeline
 from subsea.scenario import Scenario
 from subsea.world import World
 
+T = TypeVar("T")
+
+RING = 0.62  # radius of the ring about the chosen fish, in lengths of it ...
+LEAST_RING = 0.6  # ... and at least, in heights of letters
 STEP = 1.6  # by which each further panel opens lower and more to the right, in heights of letters
 
 
@@ -33,8 +40,19 @@ class Host(Protocol):
     wireframe: bool  # whether the sea is drawn as the edges of its triangles
 
     @property
+    def alpha(self) -> float:
+        """The point between the last two ticks that the picture shows."""
+
+    @property
+    def timeline(self) -> Timeline | None:
+        """The time of the world; None where that is another computer's."""
+
+    @property
     def sight(self) -> Sight | None:
         """What the screen ahead shows now; None where that is no flat picture."""
+
+    def fish_at(self, x: float, y: float) -> int | None:
+        """The fish that is seen at a place on the screen, in shares of it from its upper left."""
 
     def enter(self, scenario: Scenario, source: Path, seed: int | None = None) -> bool:
         """Leave this world for the one that a scenario begins with; whether there is such a one."""
@@ -57,6 +75,12 @@ class Desk:
         self.shown: set[str] = set()  # the panels that are open
         self.chosen: int | None = None  # the fish that panels are about
         self._later: list[Callable[[], object]] = []
+        self._changed = False
+        self._kept: dict[type, Any] = {}
+
+    def of(self, kind: type[T]) -> T:
+        """What a panel remembers from frame to frame: the one thing of its class."""
+        return self._kept.setdefault(kind, kind())
 
     @property
     def open(self) -> bool:
@@ -73,11 +97,14 @@ class Desk:
     def enter(self) -> None:
         """There is another world: forget what was chosen in the last."""
         self.chosen = None
+        self._changed = False
 
     def draw(self) -> None:
         """The bar and the panels that are open, in the present frame of the gui."""
+        self._let_the_dead_go()
         if not self.open:
             return
+        self._mark_chosen()
         if imgui.begin_main_menu_bar():
             for name in PANELS:
                 chosen, _ = imgui.menu_item(name, "", name in self.shown)
@@ -99,6 +126,17 @@ class Desk:
             imgui.end()
             if not stays:
                 self.shown.discard(name)
+        if imgui.is_mouse_released(0) and not self.host.gui.on_panel:
+            dragged = imgui.get_mouse_drag_delta(0)
+            if not (dragged.x or dragged.y):
+                self._choose_at(*self.host.gui.pointer)
+
+    def changed(self) -> None:
+        """What a tick would not have changed was, by a panel: to be called whenever that happens.
+
+        Time that goes back needs to know.
+        """
+        self._changed = True
 
     def later(self, act: Callable[[], object]) -> None:
         """Do it when the present frame has ended."""
@@ -106,6 +144,42 @@ class Desk:
 
     def afterwards(self) -> None:
         """Do what waited for the end of the frame."""
+        if self._changed and self.host.timeline:
+            self.host.timeline.touch()
+        self._changed = False
         waiting, self._later = self._later, []
         for act in waiting:
             act()
+
+    def _choose_at(self, x: float, y: float) -> None:
+        """Choose the fish that is seen at a place on the screen, if one is."""
+        fish = self.host.fish_at(x, y)
+        if fish is not None:
+            self.chosen = fish
+
+    def _let_the_dead_go(self) -> None:
+        world = self.host.world
+        if self.chosen is not None and not world.state.fishes.alive[self.chosen]:
+            self.host.overlay.note(f"{name_of(world, self.chosen)} is no more")
+            self.chosen = None
+
+    def _mark_chosen(self) -> None:
+        """A thin ring about the chosen fish, under all panels."""
+        sight = self.host.sight
+        if self.chosen is None or sight is None or sight.view.without == self.chosen:
+            return
+        fishes = self.host.world.state.fishes
+        before = fishes.previous_position[self.chosen].astype(np.float64)
+        place = before + self.host.alpha * (fishes.position[self.chosen] - before)
+        up = sight.view.view[1, :3].astype(np.float64)
+        rim = place + RING * float(fishes.length[self.chosen]) * up
+        size = imgui.get_io().display_size
+        seen = sight.places(np.stack([place, rim])) * (size.x, size.y)
+        if not np.isfinite(seen).all():
+            return
+        middle = float(seen[0, 0]), float(seen[0, 1])
+        line = imgui.get_font_size()
+        radius = max(float(np.linalg.norm(seen[1] - seen[0])), LEAST_RING * line)
+        canvas = imgui.get_background_draw_list()
+        for wide, ink in ((0.16, colour(GLASS, 0.5)), (0.07, colour(MARK, 0.95))):
+            canvas.add_circle(middle, radius, ink, 0, max(wide * line, 1.0))

@@ -18,6 +18,7 @@ INK = (0.93, 0.97, 1.0)
 QUIET = (0.62, 0.76, 0.84)
 GLASS = (0.01, 0.06, 0.10)  # what panels are made of
 LIT = (0.16, 0.52, 0.66)
+MARK = (0.55, 0.90, 1.0)  # of what is chosen, and of curves
 
 KEYS = {
     glfw.KEY_TAB: imgui.Key.tab,
@@ -306,12 +307,12 @@ def _dress(style: Any) -> None:
         (names.header, (0.11, 0.34, 0.44), 0.75),
         (names.header_hovered, (0.16, 0.43, 0.55), 0.9),
         (names.header_active, LIT, 1.0),
-        (names.check_mark, (0.55, 0.90, 1.0), 1.0),
+        (names.check_mark, MARK, 1.0),
         (names.slider_grab, (0.40, 0.75, 0.86), 0.9),
         (names.slider_grab_active, (0.60, 0.92, 1.0), 1.0),
         (names.separator, QUIET, 0.25),
-        (names.nav_cursor, (0.55, 0.90, 1.0), 0.9),
-        (names.plot_lines, (0.55, 0.90, 1.0), 1.0),
+        (names.nav_cursor, MARK, 0.9),
+        (names.plot_lines, MARK, 1.0),
         (names.plot_histogram, (0.40, 0.75, 0.86), 1.0),
     ):
         style.set_color_(name.value, (*rgb, alpha))

@@ -99,13 +99,18 @@ class Timeline:
             self.pause()
         self._singles += 1
 
+    def run_at(self, rate: float) -> None:
+        """Make time go so fast, one of RATES."""
+        self.rate = rate
+        self._clock.max_ticks = round(MAX_TICKS_PER_FRAME * max(rate, 1.0))
+
     def slower(self) -> None:
         """Half as fast, down to a quarter."""
-        self._run(max(self.rate / 2.0, RATES[0]))
+        self.run_at(max(self.rate / 2.0, RATES[0]))
 
     def faster(self) -> None:
         """Twice as fast, up to four times."""
-        self._run(min(self.rate * 2.0, RATES[-1]))
+        self.run_at(min(self.rate * 2.0, RATES[-1]))
 
     def rewind(self, seconds: float = 1.0) -> None:
         """Go so far back, or as far as the past reaches, before the next picture.
@@ -114,6 +119,12 @@ class Timeline:
         """
         tick = self.tick if self._wanted is None else self._wanted
         self._wanted = max(tick - round(seconds / TICK_S), self.earliest)
+
+    def stand_at(self, tick: int) -> None:
+        """Stand still, from the next picture on at this tick, or at the nearest that can be had."""
+        if not self.paused:
+            self.pause()
+        self._wanted = tick
 
     def due(self, elapsed_s: float) -> int:
         """How many ticks are to be made now that `elapsed_s` have passed since the last call.
@@ -159,10 +170,6 @@ class Timeline:
         if self._kept[-1].tick == self.tick:
             self._kept.pop()
         self._keep()
-
-    def _run(self, rate: float) -> None:
-        self.rate = rate
-        self._clock.max_ticks = round(MAX_TICKS_PER_FRAME * max(rate, 1.0))
 
     def _forget_later(self) -> None:
         """What followed the present tick did not happen."""

@@ -3,10 +3,16 @@
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from subsea.app.panels import behavior, habits, time
+
 if TYPE_CHECKING:
     from subsea.app.desk import Desk
 
 Panel = Callable[["Desk"], None]
 
-PANELS: dict[str, Panel] = {}
+PANELS: dict[str, Panel] = {
+    "Behavior": behavior.panel,
+    "Habits": habits.panel,
+    "Time": time.panel,
+}
 """Every panel by the name that the bar has for it, in its order."""
