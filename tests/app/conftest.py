@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from imgui_bundle import imgui
 from PIL import ImageGrab
 
 FRAME_S = 0.1  # three ticks a picture: tests of windows are not about smoothness
@@ -86,3 +87,59 @@ class Hands:
 def hands() -> Hands:
     """Real events by xdotool, on the display of the module."""
     return Hands()
+
+
+class Spots(dict[str, tuple[float, float, float, float]]):
+    """Where each widget of a panel was drawn last, by its label: left, top, right, bottom."""
+
+    WIDGETS = (
+        "arrow_button", "button", "checkbox", "collapsing_header", "input_int", "menu_item",
+        "radio_button", "slider_float",
+    )  # fmt: skip
+
+    def watch(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        """Note widgets from now on."""
+        for name in self.WIDGETS:
+            monkeypatch.setattr(imgui, name, self._noting(getattr(imgui, name)))
+
+    def _noting(self, widget: Callable[..., Any]) -> Callable[..., Any]:
+        def drawn(label: str, *rest: Any, **named: Any) -> Any:
+            out = widget(label, *rest, **named)
+            low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
+            self[label] = (low.x, low.y, high.x, high.y)
+            return out
+
+        return drawn
+
+    def place(self, running: Any, label: str, share: float = 0.5) -> tuple[int, int]:
+        """Where on the display a widget is: the middle of its height, a share of its width."""
+        left, top, right, bottom = self[label]
+        x, y = running.window.position
+        return round(x + left + share * (right - left)), round(y + (top + bottom) / 2)
+
+    def click(self, running: Any, label: str, share: float = 0.5) -> None:
+        """Press the left button on a widget, and let it go."""
+        Hands.do("mousemove", *self.place(running, label, share))
+        Hands.glide(running, 2 * FRAME_S)
+        for word in ("mousedown", "mouseup"):
+            Hands.do(word, 1)
+            Hands.glide(running, 2 * FRAME_S)
+
+    def drag(self, running: Any, label: str, begin: float, end: float) -> None:
+        """Drag from one share of a widget's width to another."""
+        Hands.do("mousemove", *self.place(running, label, begin))
+        Hands.glide(running, 2 * FRAME_S)
+        Hands.do("mousedown", 1)
+        Hands.glide(running, 2 * FRAME_S)
+        Hands.do("mousemove", *self.place(running, label, end))
+        Hands.glide(running, 2 * FRAME_S)
+        Hands.do("mouseup", 1)
+        Hands.glide(running, 2 * FRAME_S)
+
+
+@pytest.fixture
+def spots(monkeypatch: pytest.MonkeyPatch) -> Spots:
+    """Where widgets are drawn, to click on them."""
+    found = Spots()
+    found.watch(monkeypatch)
+    return found

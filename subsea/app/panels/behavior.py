@@ -125,18 +125,20 @@ def _charts(values: NDArray[np.floating], nature: Nature) -> None:
 def _intentions(world: World, fish: int) -> None:
     """All intentions, the present one lit, and what it is about."""
     minds, line = world.state.minds, imgui.get_font_size()
-    now = int(minds.intention[fish])
-    canvas, corner = imgui.get_window_draw_list(), imgui.get_cursor_screen_pos()
-    across, down = WIDE * line / 5.0, 1.55 * line
+    names = imgui.Col_
+    imgui.push_style_var(imgui.StyleVar_.disabled_alpha.value, 1.0)
+    imgui.push_style_var(imgui.StyleVar_.item_spacing.value, (0.25 * line, 0.25 * line))
+    imgui.begin_disabled()  # they tell, and can't be pressed
     for code, name in enumerate(INTENTIONS):
-        x, y = corner.x + code % 5 * across, corner.y + code // 5 * down
-        end = x + across - 0.25 * line, y + down - 0.25 * line
-        lit = code == now
-        canvas.add_rect_filled((x, y), end, colour(LIT if lit else GLASS, 1.0 if lit else 0.5), 4.0)
-        text = imgui.calc_text_size(name)
-        at = (x + end[0] - text.x) / 2.0, (y + end[1] - text.y) / 2.0
-        canvas.add_text(at, colour(INK if lit else QUIET), name)
-    imgui.dummy((WIDE * line, down * -(-len(INTENTIONS) // 5)))
+        lit = code == minds.intention[fish]
+        imgui.push_style_color(names.button.value, (*LIT, 1.0) if lit else (*GLASS, 0.5))
+        imgui.push_style_color(names.text.value, (*(INK if lit else QUIET), 1.0))
+        imgui.button(name, (WIDE * line / 5.0 - 0.2 * line, 0.0))
+        imgui.pop_style_color(2)
+        if code % 5 < 4 and code < len(INTENTIONS) - 1:
+            imgui.same_line()
+    imgui.end_disabled()
+    imgui.pop_style_var(2)
     what, far = focus(world, fish)
     about = f"about {what}" if far is None else f"about {what}, {far / 100.0:.2f} m away"
     if minds.courtship[fish]:
@@ -180,7 +182,8 @@ def _temper(desk: "Desk", fish: int) -> None:
             name, float(minds.mental[fish, row]), 0.0, 1.0, "%.2f", CLAMP
         )
         if moved:
-            alter(world.state.fishes, minds, Individual(fish=fish, **{name: value}), now_s)
+            one = msgspec.structs.replace(Individual(fish=fish), **{name: value})
+            alter(world.state.fishes, minds, one, now_s)
             minds.mental[fish, row] = value  # until it thinks again
             desk.changed()
     for slider in TEMPER:
