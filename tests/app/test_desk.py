@@ -32,8 +32,8 @@ def at_the_desk(boat, hands):
     hands.glide(boat, 3.0)
     hands.do("key", "Tab")
     hands.until(boat, lambda: boat.desk.open)
-    boat.pilot.key("ahead", True)
-    boat.pilot.key("ahead", False)  # no full stop holds: what steers would be seen
+    boat.pilot.hold("ahead", "W")
+    boat.pilot.release("W")  # no full stop holds: what steers would be seen
     hands.glide(boat, 0.3)
     yield boat
     if boat.desk.open:
@@ -69,7 +69,7 @@ def test_a_drag_that_begins_on_the_bar_never_steers_not_even_after_it_is_closed(
     hands.do("key", "Tab")
     hands.until(boat, lambda: not boat.desk.open)
     hands.glide(boat, 0.5)
-    assert not boat.pilot._buttons
+    assert not boat.pilot._held
     assert abs(boat.pilot.helm(0.0).surge) < 0.01
     hands.do("mouseup", 1)
     hands.glide(boat, 0.2)
