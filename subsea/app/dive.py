@@ -320,9 +320,9 @@ class Dive:
         start = time.perf_counter()
         for wish in self.wall.poll():
             self.grant(wish)
-        for line in self.wall.notes():
-            say(line)
-            self.overlay.note(line)
+        for line in (*self.wall.notes(), *self.world.notices):
+            self.note(line)
+        self.world.notices.clear()
         if self.menu.open:
             self.pilot.full_stop()  # it holds station, whatever arrows choose there
         self._see_light()

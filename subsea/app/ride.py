@@ -76,7 +76,8 @@ class Ride:
         looking = ridden(world, self.by, alpha)
         axes = np.stack([looking.forward, looking.up])
         if self._axes is None or not 0.0 <= now - self._at_s < 1.0:
-            self._axes = axes
+            self._axes = np.stack([looking.forward, [0.0, 0.0, 1.0]])  # level at first
+            self._at_s = now
         share = 1.0 - np.exp(-(now - self._at_s) / np.array([STEADY_S, LEVEL_S]))
         self._axes = self._axes + share[:, None] * (axes - self._axes)
         self._at_s = now

@@ -17,7 +17,7 @@ from subsea.world import TICK_S, World
 
 Array = NDArray[np.floating[Any]]
 
-BACK_CM, BACK_BL = 20.0, 2.2  # how far behind the middle of the fish: so much, and so many lengths
+BACK_CM, BACK_BL = 15.0, 1.9  # how far behind the middle of the fish: so much, and so many lengths
 ABOVE = 0.35  # and how far above, as a share of that
 BEYOND_BL = 1.5  # so far ahead of the fish lies what it looks at
 SLANT = 0.5  # how much of the fish's climb it goes along with

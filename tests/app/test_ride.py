@@ -83,6 +83,23 @@ def test_the_view_of_a_rider_is_calmer_than_the_head(world):
     assert np.mean(apart) < 3.0
 
 
+def test_who_mounts_or_comes_from_another_time_begins_level(world):
+    fishes = world.state.fishes
+    before, tick = fishes.orientation[5].copy(), world.state.tick
+    rolled = np.cos(0.4), np.sin(0.4), 0.0, 0.0  # 46° to a side, about the way it heads
+    fishes.orientation[5] = fishes.previous_orientation[5] = rolled
+    ride = Ride(world, 5)
+    for then in (tick, tick + 1000, 2):
+        world.state.tick = then
+        calm = ride.observer(world, 1.0)
+        assert calm.forward == pytest.approx((1.0, 0.0, 0.0), abs=1e-6)
+        assert calm.up == pytest.approx((0.0, 0.0, 1.0), abs=1e-6)
+    world.state.tick += 30
+    assert ride.observer(world, 1.0).up[2] < 0.95  # and goes along with it
+    fishes.orientation[5] = fishes.previous_orientation[5] = before
+    world.state.tick = tick
+
+
 def test_the_gaze_turns_with_the_keys_and_has_an_end(world):
     ride = Ride(world, 5)
     ride.glance(1.0, -0.5, 0.5)

@@ -57,6 +57,7 @@ deeds = st.one_of(
     st.tuples(st.just("single"), orders),
     st.tuples(st.just("rewind"), st.integers(1, 3)),
     st.tuples(st.just("nature"), st.floats(0.05, 0.9)),
+    st.tuples(st.just("physics"), st.floats(0.5, 2.0)),
     st.tuples(st.just("hunger"), st.integers(0, 8)),
     st.tuples(st.just("light"), st.floats(0.0, 1.0)),
 )
@@ -107,6 +108,8 @@ def test_a_tick_of_the_past_is_the_one_that_was(begun, what, chance):
         else:
             if name == "nature":
                 world.nature = world.nature._replace(keen=given_[0])
+            elif name == "physics":
+                world.physics = world.physics._replace(water_viscosity=given_[0])
             elif name == "hunger":
                 world.state.minds.eaten[given_[0]] = 0.0
             else:
