@@ -6,11 +6,13 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import msgspec
+import platformdirs
 
 from subsea.errors import UserError, unknown
-from subsea.resources import load_toml, named_or_file
+from subsea.resources import load_toml, resource_names, resource_path
 from subsea.species import BodyLength, species_names
 
+SHIPPED = "assets/scenarios"  # the folder of those that come with the program
 MAX_FISHES = 100_000
 # Two rows each in a texture, whose height OpenGL drivers limit to 16384 or less.
 MAX_SIMULATED = 4000
@@ -304,12 +306,37 @@ class Scenario(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
         return sorted({shoal.species for shoal in self.fish})
 
 
+def own_scenarios() -> Path:
+    """The folder of the visitor's own scenarios, which need not be there yet."""
+    return platformdirs.user_data_path("subsea", appauthor=False) / "scenarios"
+
+
+def scenario_names() -> list[str]:
+    """Names that `load_scenario` knows: those that are shipped, then the visitor's own."""
+    shipped = resource_names(SHIPPED, ".toml")
+    own = sorted(path.stem for path in own_scenarios().glob("*.toml"))
+    return shipped + [name for name in own if name not in shipped]
+
+
+def scenario_file(name: str) -> Path:
+    """The file of the scenario called `name`, or the file `name`; an unknown name is a UserError.
+
+    A word without a slash or the ending ``.toml`` is a name.
+    """
+    if "/" in name or "\\" in name or name.endswith(".toml"):
+        return Path(name)
+    if name not in (known := scenario_names()):
+        raise unknown("scenario", name, known)
+    shipped = resource_path(SHIPPED) / f"{name}.toml"
+    return shipped if shipped.exists() else own_scenarios() / f"{name}.toml"
+
+
 def load_scenario(name: str, changes: Sequence[str] = ()) -> tuple[Scenario, Path]:
     """The scenario called `name`, or the one in the file `name`, and the file it came from.
 
     `changes` such as ``fish.0.number=20`` are made to it. Every fault is a UserError of one line.
     """
-    path = named_or_file(name, "assets/scenarios", ".toml", "scenario")
+    path = scenario_file(name)
     scenario = load_toml(path, Scenario, changes)
     check_scenario(scenario, " --set ".join([str(path), *changes]))
     return scenario, path

@@ -12,6 +12,7 @@ import numpy as np
 from imgui_bundle import imgui
 
 from subsea.app.bindings import Wish
+from subsea.app.console import say
 from subsea.app.focus import name_of
 from subsea.app.gui import GLASS, MARK, Gui, colour
 from subsea.app.overlay import Overlay
@@ -120,6 +121,8 @@ class Desk:
                 continue
             corner = (1.0 + STEP * number) * line, (2.5 + STEP * number) * line
             imgui.set_next_window_pos(corner, imgui.Cond_.first_use_ever.value)
+            screen = imgui.get_io().display_size
+            imgui.set_next_window_size_constraints((0.0, 0.0), (screen.x, screen.y - 4.0 * line))
             drawn, stays = imgui.begin(name, True, imgui.WindowFlags_.always_auto_resize.value)
             if drawn:
                 panel(self)
@@ -141,6 +144,11 @@ class Desk:
     def later(self, act: Callable[[], object]) -> None:
         """Do it when the present frame has ended."""
         self._later.append(act)
+
+    def tell(self, text: str) -> None:
+        """Say it on the terminal and beside the instruments."""
+        say(text)
+        self.host.overlay.note(text)
 
     def afterwards(self) -> None:
         """Do what waited for the end of the frame."""

@@ -94,7 +94,8 @@ class Spots(dict[str, tuple[float, float, float, float]]):
 
     WIDGETS = (
         "arrow_button", "button", "checkbox", "collapsing_header", "input_int", "menu_item",
-        "radio_button", "slider_float",
+        "radio_button", "slider_float", "input_text_with_hint", "selectable", "drag_float",
+        "invisible_button",
     )  # fmt: skip
 
     def watch(self, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -135,6 +136,17 @@ class Spots(dict[str, tuple[float, float, float, float]]):
         Hands.glide(running, 2 * FRAME_S)
         Hands.do("mouseup", 1)
         Hands.glide(running, 2 * FRAME_S)
+
+    def type(self, running: Any, label: str, text: str) -> None:
+        """Enter something into a field, in place of what is there."""
+        Hands.glide(running, FRAME_S)
+        self.click(running, label, 0.1)
+        Hands.do("key", "ctrl+a")
+        Hands.glide(running, FRAME_S)
+        Hands.do("type", "--delay", 12, text)
+        Hands.do("key", "Return")
+        for _ in range(2 * len(text) + 6):  # a frame takes one thing at a time from a hand
+            running.frame(0.0)
 
 
 @pytest.fixture

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from subsea.app.panels import behavior, habits, time
+from subsea.app.panels import behavior, habits, initialisation, time
 
 if TYPE_CHECKING:
     from subsea.app.desk import Desk
@@ -11,6 +11,7 @@ if TYPE_CHECKING:
 Panel = Callable[["Desk"], None]
 
 PANELS: dict[str, Panel] = {
+    "Initialisation": initialisation.panel,
     "Behavior": behavior.panel,
     "Habits": habits.panel,
     "Time": time.panel,

@@ -1,0 +1,184 @@
+"""Fields for the values of a scenario's tables: what can be entered is what a file may say."""
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any, NamedTuple, TypeVar
+
+import msgspec
+from imgui_bundle import imgui
+from msgspec import inspect
+
+T = TypeVar("T", bound=msgspec.Struct)
+
+WIDE = 11.0  # of a field, in heights of letters
+UNITS = {"cm": "cm", "deg": "°", "s": "s", "cm_s": "cm/s", "per_s": "1/s"}
+
+
+class Edit(NamedTuple):
+    """What hands did to a value in this frame."""
+
+    value: Any
+    settled: bool  # whether it was let go of, so that it is worth to act on it
+
+
+def table(struct: T, hidden: tuple[str, ...] = ()) -> tuple[T, bool]:
+    """A line for each key of a table but the `hidden` ones: the table as it is then.
+
+    And whether a value was entered: while a field is dragged the table changes before that.
+    """
+    settled = False
+    for field in _fields(type(struct)):
+        if field.name in hidden:
+            continue
+        was = getattr(struct, field.name)
+        edit = _any(label(field.name), was, field.type)
+        settled |= edit.settled
+        if edit.value != was:
+            struct = msgspec.structs.replace(struct, **{field.name: edit.value})
+    return struct, settled
+
+
+def label(key: str) -> str:
+    """The key as people read it: its unit behind it."""
+    for unit, sign in sorted(UNITS.items(), key=lambda pair: -len(pair[0])):
+        if key.endswith(f"_{unit}"):
+            return f"{key.removesuffix(f'_{unit}').replace('_', ' ')}, {sign}"
+    return key.replace("_", " ")
+
+
+def choice(name: str, value: str, choices: list[str]) -> Edit:
+    """One of several words."""
+    _narrow()
+    now = choices.index(value) if value in choices else -1
+    changed, number = imgui.combo(name, now, [word.replace("_", " ") for word in choices])
+    return Edit(choices[number] if changed else value, changed)
+
+
+def whole(name: str, value: int, low: int, high: int) -> Edit:
+    """A whole number, with a smaller and a larger one a click away; what is typed is cut to fit."""
+    _narrow()
+    _, entered = imgui.input_int(name, value)
+    settled = imgui.is_item_deactivated_after_edit()
+    return Edit(min(max(entered, low), high), settled)
+
+
+def real(
+    name: str, value: float, low: float, high: float, per_point: float, form: str = "%.4g"
+) -> Edit:
+    """A number that is dragged, `per_point` of it for each unit of the pointer, or typed."""
+    _narrow()
+    clamp = imgui.SliderFlags_.always_clamp.value
+    _, entered = imgui.drag_float(name, value, per_point, low, high, form, clamp)
+    return Edit(_short(entered, value), imgui.is_item_deactivated_after_edit())
+
+
+def _narrow() -> None:
+    imgui.set_next_item_width(WIDE * imgui.get_font_size())
+
+
+def _short(entered: float, value: float) -> float:
+    """Six digits of what single precision has made of a number."""
+    return value if abs(entered - value) <= 1e-6 * abs(value) else float(f"{entered:.6g}")
+
+
+@cache
+def _fields(kind: type[msgspec.Struct]) -> tuple[Any, ...]:
+    info = inspect.type_info(kind)
+    assert isinstance(info, inspect.StructType)
+    return info.fields
+
+
+def _any(name: str, value: Any, kind: inspect.Type) -> Edit:
+    """The field for a value of a type, or nothing for what has none."""
+    if isinstance(kind, inspect.Metadata):
+        return _any(name, value, kind.type)
+    if isinstance(kind, inspect.UnionType):
+        inner = next(one for one in kind.types if not isinstance(one, inspect.NoneType))
+        return _perhaps(name, value, inner)
+    for known, field in FIELDS:
+        if isinstance(kind, known):
+            return field(name, value, kind)
+    return Edit(value, False)
+
+
+def _perhaps(name: str, value: Any, kind: Any) -> Edit:
+    """A value that may be left out: a tick before it."""
+    changed, given = imgui.checkbox(f"##{name}", value is not None)
+    imgui.same_line()
+    if changed:
+        return Edit(_least(kind) if given else None, True)
+    if value is None:
+        imgui.text_disabled(name)
+        return Edit(value, False)
+    return _any(name, value, kind)
+
+
+def _least(kind: Any) -> Any:
+    """Some value of a type, to begin with."""
+    if isinstance(kind, inspect.Metadata):
+        return _least(kind.type)
+    if isinstance(kind, inspect.TupleType):
+        return tuple(_least(one) for one in kind.item_types)
+    if isinstance(kind, inspect.LiteralType):
+        return kind.values[0]
+    if isinstance(kind, inspect.BoolType):
+        return True
+    if isinstance(kind, inspect.FloatType):
+        low, high = _limits(kind)
+        return min(max(low, 0.0), high)
+    return 0
+
+
+def _limits(kind: Any) -> tuple[float, float]:
+    """Lowest and highest value of a number."""
+    low = kind.ge if kind.ge is not None else kind.gt
+    high = kind.le if kind.le is not None else kind.lt
+    low, high = (-1e5 if low is None else low), (1e5 if high is None else high)
+    if kind.gt is not None and isinstance(kind, inspect.FloatType):
+        low += 1e-3 * min(1.0, high - low)
+    return low, high
+
+
+def _bool(name: str, value: bool, kind: Any) -> Edit:
+    changed, value = imgui.checkbox(name, value)
+    return Edit(value, changed)
+
+
+def _int(name: str, value: int, kind: Any) -> Edit:
+    low, high = _limits(kind)
+    return whole(name, value, int(low), int(high))
+
+
+def _float(name: str, value: float, kind: Any) -> Edit:
+    low, high = _limits(kind)
+    return real(name, value, low, high, 0.004 if high <= 5 else 0.02 if high <= 20 else 1.0)
+
+
+def _literal(name: str, value: str, kind: Any) -> Edit:
+    return choice(name, value, list(kind.values))
+
+
+def _tuple(name: str, value: tuple[float, ...], kind: Any) -> Edit:
+    """Two or three numbers beside one another."""
+    low, high = _limits(_bare(kind.item_types[0]))
+    _narrow()
+    drag = imgui.drag_float2 if len(value) == 2 else imgui.drag_float3
+    clamp = imgui.SliderFlags_.always_clamp.value
+    step = 0.004 if high <= 1 else 1.0
+    _, entered = drag(name, list(value), step, low, high, "%.4g", clamp)
+    new = tuple(_short(one, old) for one, old in zip(entered, value, strict=True))
+    return Edit(new, imgui.is_item_deactivated_after_edit())
+
+
+def _bare(kind: Any) -> Any:
+    return kind.type if isinstance(kind, inspect.Metadata) else kind
+
+
+FIELDS: tuple[tuple[type, Callable[[str, Any, Any], Edit]], ...] = (
+    (inspect.BoolType, _bool),
+    (inspect.IntType, _int),
+    (inspect.FloatType, _float),
+    (inspect.LiteralType, _literal),
+    (inspect.TupleType, _tuple),
+)
+"""How values of a type are entered; lists and tables within tables are left to files."""

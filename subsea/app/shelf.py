@@ -1,0 +1,63 @@
+"""Where a dive's scenario is saved, as it is now: never over one that comes with the program."""
+
+from pathlib import Path
+
+from subsea.errors import UserError
+from subsea.places import check_file
+from subsea.resources import resource_names, resource_path
+from subsea.saving import save_scenario
+from subsea.scenario import (
+    SHIPPED,
+    Scenario,
+    load_scenario,
+    own_scenarios,
+    scenario_names,
+)
+
+
+def is_shipped(path: Path) -> bool:
+    """Whether this file came with the program."""
+    return path.resolve().parent == resource_path(SHIPPED).resolve()
+
+
+def place_of(source: Path) -> Path:
+    """Where the scenario of a file is saved: there, or as ``my-NAME`` if it came along."""
+    if not is_shipped(source):
+        return source
+    number, path = 1, own_scenarios() / f"my-{source.name}"
+    while path.exists():
+        number += 1
+        path = path.with_name(f"my-{source.stem}-{number}.toml")
+    return path
+
+
+def place_named(name: str) -> Path:
+    """Where a scenario is saved under a name, or at a path: nothing may be there.
+
+    A word is a name in the visitor's own folder.
+    """
+    if not name or name.endswith(("/", "\\")):
+        raise UserError(f"{name or 'nothing'}: expected a name to save the scenario as")
+    if "/" in name or "\\" in name:
+        path = Path(name).expanduser().absolute()
+        path = path if path.suffix == ".toml" else path.with_name(f"{path.name}.toml")
+    else:
+        path = own_scenarios() / f"{name.removesuffix('.toml')}.toml"
+    if path.stem in resource_names(SHIPPED, ".toml") and path.parent == own_scenarios():
+        raise UserError(f"the name {path.stem!r} is that of a shipped scenario, expected another")
+    if path.exists():
+        raise UserError(f"{path}: is there already, expected another name")
+    return path
+
+
+def save(scenario: Scenario, path: Path, source: Path) -> None:
+    """Write the scenario of the file `source` to `path`; what cannot be written is a UserError."""
+    if is_shipped(path):
+        raise UserError(f"{path}: comes with the program, expected another place")
+    check_file(path)
+    save_scenario(scenario, path, source)
+
+
+def opened(name: str) -> tuple[Scenario, Path]:
+    """The scenario of a name or at a path, and its file."""
+    return load_scenario(str(Path(name).expanduser()) if name not in scenario_names() else name)
