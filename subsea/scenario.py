@@ -258,6 +258,7 @@ class Individual(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_onl
     schooling: bool | None = None
     hunger: Share | None = None  # the urge within
     libido: Share | None = None
+    appetite: Annotated[float, msgspec.Meta(ge=1, le=1000)] | None = None  # meals that fill it
     digestion: Rate | None = None  # p0 of Tu §7.4, 1/s
     libido_rate: Rate | None = None  # p1, 1/s
     dread_cm: Dread | None = None  # D0

@@ -1,6 +1,9 @@
 """Sexes, habits and mental states: what shoals begin with, and what single fishes have."""
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
 from subsea.behavior.death import forget
 from subsea.behavior.mental import DIGESTION, DREAD_CM, LIBIDO_RATE
@@ -16,9 +19,7 @@ def temper(
 ) -> None:
     """Sexes, habits and the mental state with which the fishes of a shoal begin."""
     number = these.stop - these.start
-    # Evenly spread, so that a pair is a pair.
-    males = np.floor(np.arange(1, number + 1) * shoal.male_share + 1e-9)
-    minds.male[these] = np.diff(males, prepend=0.0) > 0
+    minds.male[these] = males_of(shoal, number)
     minds.likes[these] = [name in shoal.likes for name in HABITS]
     _set_appetite(fishes, minds, these)
     minds.digestion[these] = DIGESTION if shoal.digestion is None else shoal.digestion
@@ -47,7 +48,7 @@ def alter(fishes: Fishes, minds: Minds, one: Individual, now_s: float) -> None:
         minds.likes[i] = [name in one.likes for name in HABITS]
     for name, value in (
         ("schools", one.schooling), ("digestion", one.digestion),
-        ("libido_rate", one.libido_rate), ("dread", one.dread_cm),
+        ("libido_rate", one.libido_rate), ("dread", one.dread_cm), ("appetite", one.appetite),
     ):  # fmt: skip
         if value is not None:
             getattr(minds, name)[i] = value
@@ -57,9 +58,20 @@ def alter(fishes: Fishes, minds: Minds, one: Individual, now_s: float) -> None:
         _set_libido(minds, i, hunger, one.libido, now_s)
 
 
+def males_of(shoal: Shoal, number: int) -> NDArray[np.bool_]:
+    """Which of the fishes of a shoal are males: evenly spread, so that a pair is a pair."""
+    males = np.floor(np.arange(1, number + 1) * shoal.male_share + 1e-9)
+    return np.asarray(np.diff(males, prepend=0.0) > 0)
+
+
+def appetite_of(length: Any, kind: Any) -> Any:
+    """How many meals fill fishes of these lengths, cm, and kinds, if nothing else is said."""
+    meal_cm = np.where(kind == PREDATOR, PREY_CM, PLANKTON_CM)
+    return np.maximum(np.round(length / meal_cm), 2.0)
+
+
 def _set_appetite(fishes: Fishes, minds: Minds, these: slice | int) -> None:
-    meal_cm = np.where(minds.kind[these] == PREDATOR, PREY_CM, PLANKTON_CM)
-    minds.appetite[these] = np.maximum(np.round(fishes.length[these] / meal_cm), 2.0)
+    minds.appetite[these] = appetite_of(fishes.length[these], minds.kind[these])
 
 
 def _hunger(minds: Minds, i: int, now_s: float) -> float:

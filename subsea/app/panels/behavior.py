@@ -42,9 +42,10 @@ TEMPER = (
     Slider("appetite", "meals that fill it", 1.0, 60.0, "%.0f"),
     Slider("digestion", "digestion, 1/s", 0.0005, 0.2, "%.4f", LOGARITHMIC),
     Slider("libido_rate", "libido grows, 1/s", 0.0005, 0.2, "%.4f", LOGARITHMIC),
-    Slider("dread", "dreads from, cm", 0.0, 1000.0, "%.0f"),
+    Slider("dread_cm", "dreads from, cm", 0.0, 1000.0, "%.0f"),
 )
-"""What makes the mental state of one fish what it is: members of `state.Minds` (Tu §7.4)."""
+"""What makes the mental state of one fish what it is: keys of `Individual` (Tu §7.4)."""
+COLUMNS = {"dread_cm": "dread"}  # of `state.Minds`, where these are called otherwise
 
 NATURE = (
     Slider("vision_cm", "sees as far as, cm", 20.0, 2000.0, "%.0f"),
@@ -174,24 +175,24 @@ def _preferences(preference: NDArray[np.floating]) -> None:
 def _temper(desk: "Desk", fish: int) -> None:
     """Hunger and libido as they are, and what they come from: each a slider."""
     world = desk.host.world
-    minds, now_s = world.state.minds, world.state.tick * TICK_S
+    minds = world.state.minds
     imgui.push_item_width(0.5 * WIDE * imgui.get_font_size())
+    set_to: dict[str, float] = {}
     for row in (HUNGER, LIBIDO):
         name = MENTAL_STATES[row]
-        moved, value = imgui.slider_float(
-            name, float(minds.mental[fish, row]), 0.0, 1.0, "%.2f", CLAMP
-        )
+        value = float(minds.mental[fish, row])
+        moved, value = imgui.slider_float(name, value, 0.0, 1.0, "%.2f", CLAMP)
         if moved:
-            one = msgspec.structs.replace(Individual(fish=fish), **{name: value})
-            alter(world.state.fishes, minds, one, now_s)
-            minds.mental[fish, row] = value  # until it thinks again
-            desk.changed()
+            set_to[name] = minds.mental[fish, row] = value  # shown until it thinks again
     for slider in TEMPER:
-        values = getattr(minds, slider.name)
+        values = getattr(minds, COLUMNS.get(slider.name, slider.name))
         moved, value = _slider(slider, float(values[fish]))
         if moved:
-            values[fish] = value
-            desk.changed()
+            set_to[slider.name] = value
+    if set_to:
+        one = msgspec.structs.replace(Individual(fish=fish), **set_to)
+        alter(world.state.fishes, minds, one, world.state.tick * TICK_S)
+        desk.changed()
     imgui.pop_item_width()
 
 
