@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 
 from subsea.app import pacing
-from subsea.app.bindings import Wish
+from subsea.app.bindings import Meaning, Wish
 from subsea.app.console import say
 from subsea.app.crew import Alone, Crew, alone, muster
 from subsea.app.desk import Desk
@@ -549,7 +549,10 @@ class Dive:
         if fish is None or (self._ride is not None and self._ride.by.fish == fish):
             fish = nearest_to_middle(self.world, self._views()[front_view(self._rig)])
         if fish is not None:
+            first = self._ride is None
             self._mount(fish)
+            if first:
+                self._hint(("follow", "from behind"), ("reins", "steer it"), ("alight", "back"))
 
     def _follow_one(self) -> None:
         behind = self._ride is None or not self._ride.behind
@@ -565,6 +568,14 @@ class Dive:
         if self._ride is not None:
             self.pilot.full_stop()  # what hands held before was not meant for it
             self._crew.steered = self._ride.by.fish if self._crew.steered is None else None
+            if self._crew.steered is not None:
+                self._hint(("reins", "let it go"), before="steer it as the submarine")
+
+    def _hint(self, *pairs: tuple[Meaning, str], before: str = "") -> None:
+        """Tell for a while what keys do now."""
+        inputs = ((self.pilot.bindings.inputs(meaning), what) for meaning, what in pairs)
+        words = [f"{names[0]} {what}" for names, what in inputs if names]
+        self.overlay.note("   ".join([before, *words] if before else words))
 
     def _have_time(self, act: Callable[[Timeline], None]) -> None:
         if self._crew.timeline is None:

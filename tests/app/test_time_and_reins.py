@@ -63,12 +63,15 @@ def test_keys_stop_time_and_take_it_back_to_the_very_same_world(boat, hands):
     hands.until(boat, lambda: world.state.tick > now)
 
 
-def test_a_fish_is_followed_from_behind_and_looked_through_in_turn(boat, hands):
+def test_a_fish_is_followed_from_behind_and_looked_through_in_turn(boat, hands, monkeypatch):
+    told = []
+    monkeypatch.setattr(boat.overlay, "note", told.append)
     pressed(boat, hands, "c", lambda: boat._ride is not None and boat._ride.behind)
     fish = boat._ride.by.fish
     hands.glide(boat, 0.3)
     (view,) = boat._views()[:1]
     assert view.without != fish
+    assert told == ["C from behind   G steer it   Esc back"]
     away = boat.world.state.fishes.position[fish] - view.eye
     assert -(view.view[2, :3] @ away) > 0.9 * np.linalg.norm(away)  # it is ahead, and seen
     pressed(boat, hands, "c", lambda: not boat._ride.behind)
