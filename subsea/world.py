@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, NamedTuple, TypeVar
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from subsea.behavior.table import BEHAVIORS, DESIRES
 from subsea.behavior.temper import alter, temper
 from subsea.errors import UserError
-from subsea.habitat.hook import tackle
 from subsea.habitat.reef import grow
 from subsea.habitat.rocks import rock_rows
 from subsea.habitat.sea import make_sea
@@ -28,15 +27,7 @@ from subsea.motor.switching import Dynamics, make_dynamics
 from subsea.repertoire import SEGMENTS, Repertoire, read_repertoire
 from subsea.repertoire.library import Library, pack
 from subsea.resources import resource_path
-from subsea.scenario import (
-    MAX_SIMULATED,
-    MAX_SOLIDS,
-    PhysicsTable,
-    Scenario,
-    Shoal,
-    Start,
-    Temper,
-)
+from subsea.scenario import MAX_SIMULATED, MAX_SOLIDS, Scenario, Shoal
 from subsea.species import Species, load_species
 from subsea.state import (
     HULL_CM,
@@ -57,7 +48,6 @@ from subsea.state import (
 from subsea.submarine.course import check_tours
 
 Array = NDArray[np.floating[Any]]
-Group = TypeVar("Group", Sea, Seaweed)
 
 LIVE_REACH_CM = 500.0  # how near to the submarine a fish must be to be simulated
 
@@ -92,14 +82,17 @@ class World:
 
     def tell_burst(self, fishes: Iterable[int]) -> None:
         """Give notice of simulated fishes that lost their shape, once under the same physics."""
-        for fish in fishes:
-            if (int(fish), self.physics) not in self.told:
-                self.told.add((int(fish), self.physics))
-                name = self.species[self.state.fishes.species[fish]].name
-                self.notices.append(
-                    f"fish {fish} ({name}) exploded, {_why(self.physics)}: "
-                    "it is played back instead of simulated"
-                )
+        new = [int(fish) for fish in fishes if (int(fish), self.physics) not in self.told]
+        if not new:
+            return
+        self.told.update((fish, self.physics) for fish in new)
+        names = [self.species[self.state.fishes.species[fish]].name for fish in new]
+        who = " and ".join(f"{fish} ({name})" for fish, name in zip(new, names, strict=True))
+        one = len(new) == 1
+        self.notices.append(
+            f"{'fish' if one else 'fishes'} {who} exploded, {_why(self.physics)}: "
+            f"{'it is' if one else 'they are'} played back instead of simulated"
+        )
 
 
 def _why(physics: Physics) -> str:
@@ -111,23 +104,6 @@ def _why(physics: Physics) -> str:
     ]
     words += [] if physics.hydrodynamics else ["hydrodynamics off"]
     return ", ".join(words) or "with the usual physics"
-
-
-class _Grown(NamedTuple):
-    """What stands and grows in a sea before any fish is let in."""
-
-    sea: Sea
-    reef: Reef
-    seaweed: Seaweed
-    dice: Any  # the state of the generator that goes on to throw for the fishes
-
-
-INHABITANTS = {
-    "title": "", "seed": 0, "fish": [Shoal(species="none", number=0)], "tour": [], "individual": [],
-    "submarine": Start(position_cm=(0.0, 0.0, 0.0)), "nature": Temper(), "physics": PhysicsTable(),
-    "simulated": 0, "vent": [],
-}  # fmt: skip
-"""What a scenario says that the sea does not depend on, as it is said of a sea alone."""
 
 
 def create_world(
@@ -161,10 +137,8 @@ def create_world(
     dynamics = make_dynamics([*species.values()], repertoires, library, live_reach_cm)
     recorded = len(library.entry)
     progress("shaping the seabed and growing the reef")
-    made = _sea_of(scenario, seed, source)
-    sea, seaweed = _copied(made.sea), _copied(made.seaweed)
-    rng = np.random.default_rng()
-    rng.bit_generator.state = made.dice
+    rng = np.random.default_rng([seed, 0x5EA])
+    sea, reef, seaweed = _sea_of(scenario, rng, seed, source)
     progress("letting the fishes in")
     submarine = Submarine(position=np.array(scenario.submarine.position_cm, np.float64))
     submarine.angles[0] = np.radians(scenario.submarine.heading_deg)
@@ -178,7 +152,7 @@ def create_world(
         minds=minds,
         sea=sea,
         seaweed=seaweed,
-        reef=made.reef,
+        reef=reef,
         submarine=submarine,
         live=empty_live(
             library.rotation[recorded:], library.translation[recorded:], library.nodes[recorded:]
@@ -194,46 +168,23 @@ def create_world(
 
 
 def check_world(scenario: Scenario, source: str, seed: int | None = None) -> None:
-    """A UserError where `create_world` has one for a scenario that `check_scenario` lets pass.
-
-    The sea is kept: it is quickly done to create the world thereafter.
-    """
-    _sea_of(scenario, scenario.seed if seed is None else seed, source)
+    """A UserError where `create_world` has one for a scenario that `check_scenario` lets pass."""
+    seed = scenario.seed if seed is None else seed
+    _sea_of(scenario, np.random.default_rng([seed, 0x5EA]), seed, source)
 
 
-def _sea_of(scenario: Scenario, seed: int, source: str) -> _Grown:
-    """The sea of a scenario in which nothing is misplaced; the same objects at every call."""
+def _sea_of(
+    scenario: Scenario, rng: np.random.Generator, seed: int, source: str
+) -> tuple[Sea, Reef, Seaweed]:
+    """What surrounds the fishes, and stands and grows there; nothing in it is misplaced."""
     _refuse_crowded(scenario, source)
-    growing = msgspec.structs.replace(scenario, **INHABITANTS)
-    made = _planted(msgspec.json.encode(growing), seed)
-    _refuse_too_high(scenario, made.sea, source)
-    _refuse_misplaced(scenario, made.sea, source)
-    check_tours(scenario, made.sea, rock_rows(scenario, lambda x, y: 0.0)[1], source)
-    return made
-
-
-@lru_cache(maxsize=2)
-def _planted(content: bytes, seed: int) -> _Grown:
-    """What stands and grows in the sea of a scenario (JSON) without inhabitants."""
-    scenario = msgspec.json.decode(content, type=Scenario)
-    bare = msgspec.structs.replace(scenario, seaweed=[], hook=None)
-    sea, reef, dice = _reefed(msgspec.json.encode(bare), seed)
-    sea, seaweed = plant(scenario, sea._replace(tackle=tackle(scenario.hook)), reef, seed)
-    return _Grown(sea, reef, seaweed, dice)
-
-
-@lru_cache(maxsize=2)
-def _reefed(content: bytes, seed: int) -> tuple[Sea, Reef, Any]:
-    """A sea with its reefs, for any seaweed and hook, and the dice thereafter."""
-    scenario = msgspec.json.decode(content, type=Scenario)
-    rng = np.random.default_rng([seed, 0x5EA])
-    return *grow(scenario, make_sea(scenario, rng)), rng.bit_generator.state
-
-
-def _copied(group: Group) -> Group:
-    """A group of arrays of its own."""
-    parts: list[Any] = [part.copy() if isinstance(part, np.ndarray) else part for part in group]
-    return type(group)(*parts)
+    sea = make_sea(scenario, rng)
+    _refuse_too_high(scenario, sea, source)
+    sea, reef = grow(scenario, sea)
+    _refuse_misplaced(scenario, sea, source)
+    check_tours(scenario, sea, rock_rows(scenario, lambda x, y: 0.0)[1], source)
+    sea, seaweed = plant(scenario, sea, reef, seed)
+    return sea, reef, seaweed
 
 
 def _stamp(path: Path) -> tuple[int, int] | None:

@@ -11,6 +11,7 @@ infinite.
 
 import math
 from concurrent.futures import ThreadPoolExecutor
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -93,8 +94,10 @@ def samples(pillars: Array, rocks: Array, per_m2: float, rng: np.random.Generato
         return Samples(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0), np.zeros(0, np.int64))
     strewn = [_strewn(blocks, per_m2, rng) for blocks in found]
     with ThreadPoolExecutor() as pool:  # compiled kernels leave the interpreter to others
-        all_of = list(pool.map(_settled, found, strewn, range(len(found))))
-    joined = [np.concatenate(part) for part in zip(*all_of, strict=True)]
+        given = ([part.tobytes() for part in parts] for parts in (found, strewn))
+        all_of = list(pool.map(_settled, *given))
+    which = np.repeat(np.arange(len(found)), [len(part[0]) for part in all_of])
+    joined = [*(np.concatenate(part) for part in zip(*all_of, strict=True)), which]
     order = rng.permutation(len(joined[0]))
     return Samples(*(part[order] for part in joined))
 
@@ -109,13 +112,18 @@ def _strewn(blocks: Array, per_m2: float, rng: np.random.Generator) -> Array:
     )
 
 
-def _settled(blocks: Array, places: Array, number: int) -> Samples:
-    """Those places on the surface of a formation of this number that others are moved to."""
-    place, normal, error = on_the_surface(blocks, places, 4)
+@lru_cache(maxsize=32)
+def _settled(blocks: bytes, places: bytes) -> tuple[Array, Array, Array]:
+    """Place, normal and openness where places (n, 3) come to lie on a formation of blocks (k, 11).
+
+    Kept for a while: who moves one formation of several needs the others as they are.
+    """
+    stone = np.frombuffer(blocks).reshape(-1, 11).copy()
+    strewn = np.frombuffer(places).reshape(-1, 3).copy()
+    place, normal, error = on_the_surface(stone, strewn, 4)
     kept = error < 2.0
     place, normal = place[kept], normal[kept]
-    light = openness(shade_of(blocks), place, normal)
-    return Samples(place, normal, light, np.full(len(place), number))
+    return place, normal, openness(shade_of(stone), place, normal)
 
 
 def _on_rock(block: Array, per_m2: float, rng: np.random.Generator) -> Array:

@@ -6,10 +6,11 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from subsea import snapshot
+from subsea import keeping, snapshot
 from subsea.app import placement
 from subsea.app.placement import History, added, aim, check, grip, handles, moved, pick
 from subsea.errors import UserError
+from subsea.habitat import formations
 from subsea.kinematics.heightfield import height_at
 from subsea.ocean import create_world, step
 from subsea.saving import save_scenario
@@ -24,7 +25,6 @@ from subsea.scenario import (
     load_scenario,
 )
 from subsea.submarine.helm import HANDS_OFF
-from subsea.world import _planted, _reefed
 
 replace = msgspec.structs.replace
 
@@ -252,7 +252,7 @@ def test_undo_and_redo_bring_back_every_scenario(full, acts):
 
 @settings(max_examples=4, deadline=None, suppress_health_check=list(HealthCheck))
 @given(ACTS)
-def test_placed_saved_and_loaded_it_is_the_same_world(full, tmp_path, acts):
+def test_placed_saved_and_loaded_it_is_the_same_world(full, tmp_path, monkeypatch, acts):
     scenario, sea = full
     for act in acts:
         after = acted(scenario, sea, act)
@@ -264,8 +264,10 @@ def test_placed_saved_and_loaded_it_is_the_same_world(full, tmp_path, acts):
     path = tmp_path / "placed.toml"
     save_scenario(scenario, path)
     world = create_world(scenario)
-    _planted.cache_clear(), _reefed.cache_clear()  # nothing that was kept
-    other = create_world(load_scenario(str(path))[0])
+    with monkeypatch.context() as patch:
+        patch.setattr(keeping, "folder", lambda: tmp_path / "kept")  # nothing that was kept
+        formations._settled.cache_clear()
+        other = create_world(load_scenario(str(path))[0])
     assert snapshot.checksum(other) == snapshot.checksum(world)
     constant = snapshot.constant(world)
     for name, array in snapshot.constant(other).items():
@@ -274,29 +276,3 @@ def test_placed_saved_and_loaded_it_is_the_same_world(full, tmp_path, acts):
         step(world, HANDS_OFF)
         step(other, HANDS_OFF)
     assert snapshot.checksum(other) == snapshot.checksum(world)
-
-
-def test_a_sea_that_was_kept_is_as_one_made_anew(full):
-    """Whatever of it was changed before, and whatever happened in it since."""
-    scenario = full[0]
-    first = create_world(scenario)
-    begin = snapshot.checksum(first)
-    for _ in range(60):
-        step(first, HANDS_OFF)
-    assert snapshot.checksum(create_world(scenario)) == begin
-    kelp = replace(scenario, seaweed=[replace(scenario.seaweed[0], kind="kelp")])
-    hooks = replace(scenario, hook=replace(scenario.hook, depth_cm=120.0))
-    crowd = replace(scenario, fish=[replace(scenario.fish[0], number=9)])
-    for changed in (kelp, hooks, crowd):
-        quick = create_world(changed)
-        _planted.cache_clear(), _reefed.cache_clear()
-        slow = create_world(changed)
-        assert snapshot.checksum(quick) == snapshot.checksum(slow)
-        differs = [snapshot.constant(first)[name] for name in ("sea.tackle", "seaweed.kind")]
-        if changed is crowd:
-            assert snapshot.checksum(slow) != begin
-        else:
-            now = [snapshot.constant(slow)[name] for name in ("sea.tackle", "seaweed.kind")]
-            assert any((was != new).any() for was, new in zip(differs, now, strict=True))
-        for name, array in snapshot.constant(slow).items():
-            np.testing.assert_array_equal(array, snapshot.constant(quick)[name], err_msg=name)

@@ -144,11 +144,12 @@ def test_a_fish_that_explodes_is_contained(usual, physics):
 def test_what_explodes_is_told_with_its_reason(usual):
     world, simulated = tried(usual, Physics(time_step=50.0, hydrodynamics=False), 3)
     assert not world.state.fishes.live.any()
-    told = sorted(world.notices)
-    assert told == [
-        f"fish {fish} (Yellowback fusilier) exploded, time step 50, hydrodynamics off: it is "
-        "played back instead of simulated"
-        for fish in np.flatnonzero(simulated)
+    slots = [int(fish) for fish in world.state.live.fish]
+    assert sorted(slots) == np.flatnonzero(simulated).tolist()
+    who = " and ".join(f"{fish} (Yellowback fusilier)" for fish in slots)
+    assert world.notices == [
+        f"fishes {who} exploded, time step 50, hydrodynamics off: they are played back instead "
+        "of simulated"
     ]
 
 
