@@ -1,6 +1,8 @@
 """`subsea dive`: the submarine in a window, or in several."""
 
+import gc
 import time
+import traceback
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import replace
@@ -16,6 +18,7 @@ from subsea.app.eyes import seen_brightness, velocity_of
 from subsea.app.gui import WHOLE, Gui, Pane, panes
 from subsea.app.house import NOT_SHRUNK, House, open_house, told
 from subsea.app.lettering import letter
+from subsea.app.loading import LeftError, meanwhile
 from subsea.app.menu import Menu
 from subsea.app.overlay import Overlay, help_rows
 from subsea.app.picking import pick
@@ -111,18 +114,21 @@ def dive(
         raise UserError(NOT_SHRUNK)
     elif node is not None:
         raise UserError("--node is one of a theatre's computers, expected --theatre too")
-    running = Dive(
-        scenario, display, size, fullscreen, seed, stereo, surround, quality, target_ms,
-        installation, crew, see_brightness, settings, changes,
-    )  # fmt: skip
-    running.diagrams.update(show)
-    running.wireframe = wireframe
-    with closing(running):
-        start = last = time.perf_counter()
-        while running.wall.open and (seconds is None or last - start < seconds):
-            now = time.perf_counter()
-            running.frame(now - last)
-            last = now
+    try:
+        running = Dive(
+            scenario, display, size, fullscreen, seed, stereo, surround, quality, target_ms,
+            installation, crew, see_brightness, settings, changes,
+        )  # fmt: skip
+        running.diagrams.update(show)
+        running.wireframe = wireframe
+        with closing(running):
+            start = last = time.perf_counter()
+            while running.wall.open and (seconds is None or last - start < seconds):
+                now = time.perf_counter()
+                running.frame(now - last)
+                last = now
+    except LeftError:
+        pass
     return 0
 
 
@@ -227,7 +233,7 @@ class Dive:
             self.window.listener = self.gui
             self.overlay, self.desk, self.menu = Overlay(), Desk(self), Menu(self)
             self.world = self._made(self.scenario, self.source, seed)
-            self._tell("starting OpenGL")
+            self._wait("starting OpenGL")
             self._context = self.wall.context
             renderer = self._context.info["GL_RENDERER"]
             self._target_ms = target_ms or pacing.target_for(renderer)
@@ -235,7 +241,8 @@ class Dive:
             self._pace = pacing.start(first_rung(renderer), self._rig.exact)
             self._stay = ExitStack()  # what belongs to the world that it is in
             undo.callback(lambda: self._stay.close())
-            self._live_in(self.world)
+            self._live_in(self.world, lambda: self._wait(None))
+            self._wait(None)
             self.overlay.rows = help_rows(not self._crew.shared, self.can_fill)
             undo.callback(self._shots.end)
             self._undo = undo.pop_all()
@@ -295,16 +302,34 @@ class Dive:
 
     def _made(self, scenario: Scenario, source: Path, seed: int | None) -> World:
         """The world that a scenario begins with, awake."""
-        world = create_world(scenario, seed, progress=self._tell, source=str(source))
-        wake(world, self._tell)
-        return world
 
-    def _live_in(self, world: World) -> None:
-        """Have a world drawn and its ticks made from now on; the one before was left."""
+        def make(tell: Callable[[str], None]) -> World:
+            world = create_world(scenario, seed, progress=tell, source=str(source))
+            wake(world, tell)
+            return world
+
+        return meanwhile(make, self._wait)
+
+    def _live_in(self, world: World, heed: Callable[[], object] = lambda: None) -> None:
+        """Have a world drawn and its ticks made from now on; the one before was left.
+
+        That takes a while, in which `heed` is called, and may raise.
+        """
         with ExitStack() as undo:
-            self._renderer = Renderer(
-                self._context, make_scene(world), self._rig, self._chosen(), self.wall.page
-            )
+            try:
+                self._renderer = Renderer(
+                    self._context,
+                    make_scene(world),
+                    self._rig,
+                    self._chosen(),
+                    self.wall.page,
+                    heed,
+                )
+            except BaseException as fault:
+                # What was made of it goes while its context is there: later it would be a crash.
+                traceback.clear_frames(fault.__traceback__)
+                gc.collect()
+                raise
             undo.callback(self._renderer.release)
             self._memory = nothing_drawn(len(world.state.fishes.species))
             self._crew = self._crew_of(world, self.pilot)
@@ -631,10 +656,19 @@ class Dive:
         """Close everything in the reverse order of its opening."""
         self._undo.close()
 
+    def _wait(self, message: str | None) -> None:
+        """Say on the terminal and in the window how far a world is, unless the visitor leaves."""
+        wishes = self.wall.poll()
+        if "leave" in wishes:
+            self.leave()
+        if not self.wall.open or "menu" in wishes:
+            raise LeftError
+        if message is not None:
+            self._tell(message)
+
     def _tell(self, message: str) -> None:
         """Say it on the terminal and in the window."""
         say(message)
-        self.wall.poll()
         self._begin()
         self.overlay.message(message)
         self.gui.end()

@@ -50,11 +50,12 @@ class Renderer:
         rig: Rig,
         quality: Quality = PRESETS["medium"],
         page: Callable[[int], object] = lambda number: None,
+        heed: Callable[[], object] = lambda: None,
     ) -> None:
         """Make every object for the pictures of a `rig` in this `quality`.
 
         The packets' views must be the rig's. `page(0)`, `page(1)` choose the left or right buffer
-        of a window that has two.
+        of a window that has two. `heed` is called now and then, and may raise.
         """
         self._context = context
         self._page = page
@@ -79,17 +80,23 @@ class Renderer:
             self._caustics = upload(context, near_and_far)
             self._noise = upload(context, [tileable_noise(2)])
             self._shafts = Shafts(context, quality)
+            heed()
             self._water = Water(context, scene)
+            heed()
             self._seabed = Seabed(context, scene, ground.result())
+            heed()
             self._solids = Solids(context, scene, stone.result())
             self._blobs = Blobs(context, scene)
+            heed()
             self._coral = Coral(
                 context, scene.reef, growths.result(), IN_SIGHT * scene.water.visibility_cm,
                 partial(drawn_height, scene.terrain, scene.terrain_half_width_cm),
             )  # fmt: skip
             self._seaweed = Seaweed(context)
+            heed()
             self._fishes = Fishes(context, scene, skins.result())
         self._hook = Hook(context)
+        heed()
         self._bubbles = Bubbles(context, scene)
         self._particles = Particles(context, scene)
         self._lines = Lines(context)

@@ -1,6 +1,8 @@
 """How a dive ends: by itself, by a key, or before it began."""
 
+import ctypes
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -65,3 +67,59 @@ def test_a_window_without_a_buffer_for_each_eye_is_one_line_with_other_modes(dis
     assert len(done.stderr.splitlines()) == 1
     assert "quad-buffered" in done.stderr
     assert "anaglyph" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("hands", "line"),
+    [
+        ("close button", "reading repertoires"),
+        ("Ctrl-C", "waking the fishes"),
+        ("Escape", "starting OpenGL"),
+    ],
+)
+def test_leaving_while_it_loads_ends_at_once_and_says_nothing_more(display, hands, line):
+    running = subprocess.Popen([*DIVE, "--seconds", "100"], stderr=subprocess.PIPE, text=True)
+    with running:
+        try:
+            told = next(text for text in running.stderr if line in text)
+            if hands == "Escape":
+                subprocess.run(["xdotool", "key", "Escape"], check=True, timeout=20)
+            elif hands == "close button":
+                close_windows()
+            else:
+                running.send_signal(signal.SIGINT)
+            _, rest = running.communicate(timeout=60)
+        finally:
+            running.kill()
+    assert told
+    # What it had to tell of its progress, and of the interruption, but no fault.
+    assert all(text.startswith("subsea: ") for text in rest.splitlines())
+    assert running.returncode == (130 if hands == "Ctrl-C" else 0)
+
+
+class ClientMessage(ctypes.Structure):
+    """XClientMessageEvent, in the room that every event has."""
+
+    _fields_ = (
+        ("type", ctypes.c_int), ("serial", ctypes.c_ulong), ("sent", ctypes.c_int),
+        ("display", ctypes.c_void_p), ("window", ctypes.c_ulong), ("kind", ctypes.c_ulong),
+        ("format", ctypes.c_int), ("data", ctypes.c_long * 5), ("room", ctypes.c_long * 12),
+    )  # fmt: skip
+
+
+def close_windows():
+    """Ask every window of a dive to close, as the button in its frame does."""
+    command = ["xdotool", "search", "--name", "subsea"]
+    read = subprocess.run(command, check=True, capture_output=True, text=True, timeout=20)
+    x = ctypes.CDLL("libX11.so.6")
+    x.XOpenDisplay.restype = ctypes.c_void_p
+    x.XInternAtom.restype = ctypes.c_ulong
+    there = ctypes.c_void_p(x.XOpenDisplay(None))
+    protocols, close = (
+        x.XInternAtom(there, name, False) for name in (b"WM_PROTOCOLS", b"WM_DELETE_WINDOW")
+    )
+    for text in read.stdout.split():
+        event = ClientMessage(type=33, window=int(text), kind=protocols, format=32)
+        event.data[0] = close
+        x.XSendEvent(there, ctypes.c_ulong(int(text)), False, 0, ctypes.byref(event))
+    x.XCloseDisplay(there)
