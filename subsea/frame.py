@@ -114,6 +114,7 @@ class Packet:
     # Of each view which specks of the plankton it sees; None: each sees all.
     plankton_seen: tuple[Ints, ...] | None = None
     lines: Lines = NO_LINES  # of diagrams
+    current_cm_s: tuple[float, float] | None = None  # of the water; None: as in the scene
 
 
 def make_scene(world: World) -> Scene:
@@ -204,6 +205,7 @@ def pack(
         fine_leaves=fine_leaves,
         leaves_seen=leaves_seen,
         lines=lines,
+        current_cm_s=world.current_cm_s,
     )
 
 

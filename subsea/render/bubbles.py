@@ -40,7 +40,10 @@ class Bubbles:
         self, packet: Packet, number: int, uniforms: dict[str, Any], marked: bool = False
     ) -> int:
         """Draw the vents in sight, blended, or their marks; the number of triangles."""
-        view = packet.views[number]
+        view, current = packet.views[number], packet.current_cm_s
+        if current is not None and current != self._current:
+            self._current = current
+            self._streams = [stream(slot, current) for slot in self._slots]
         seen = [
             slot
             for slot, ends in zip(self._slots, self._streams, strict=True)

@@ -30,7 +30,7 @@ class Particles:
             context.vertex_array(self._program, [(buffer, "3f4", "a_position")], indices)
             for buffer, indices in ((self._snow, None), (self._plankton, self._seen))
         )
-        self._drift = (*scene.water.current_cm_s, -SNOW_SINKS_CM_S)
+        self._current = scene.water.current_cm_s
         self._starts = [0]  # of each view's specks, with the end
         self._specks = SNOW
 
@@ -54,9 +54,10 @@ class Particles:
 
     def draw(self, packet: Packet, number: int, uniforms: dict[str, Any]) -> int:
         """Draw over what is there, blended; points count as no triangles."""
+        current = self._current if packet.current_cm_s is None else packet.current_cm_s
         set_uniforms(
             self._program, **uniforms, **SNOW_LOOK,
-            u_box=SNOW_BOX_CM, u_drift=self._drift, u_passing=packet.passing_cm_s,
+            u_box=SNOW_BOX_CM, u_drift=(*current, -SNOW_SINKS_CM_S), u_passing=packet.passing_cm_s,
         )  # fmt: skip
         self._snow_array.render(moderngl.POINTS, vertices=self._specks)
         first, end = self._starts[number : number + 2]

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import msgspec
 import numpy as np
 import pytest
 from hypothesis import given
@@ -141,3 +142,22 @@ def test_only_vents_in_sight_are_drawn(context, scene, make_packet):
     np.testing.assert_array_equal(behind, none)
     np.testing.assert_array_equal(both, ahead)
     assert triangles[1] == triangles[3] > triangles[0] == triangles[2]
+
+
+def test_a_current_that_turns_while_diving_is_that_of_bubbles_and_snow(context, scene, make_packet):
+    """As if the scene had had it from the start, and not as it was before."""
+    vents = np.array([[0.0, 120.0, 40.0, 3.0]], np.float32)
+    still = replace(scene, vents=vents)
+    flowing = replace(still, water=msgspec.structs.replace(still.water, current_cm_s=(14.0, 0.0)))
+    packet = make_packet([], eye=(0.0, 0.0, -200.0), heading=np.pi / 2, time_s=50.0)
+    turned = replace(packet, current_cm_s=(14.0, 0.0))
+    pictures = []
+    for about, sent in ((still, [packet]), (flowing, [packet]), (still, [packet, turned])):
+        renderer = Renderer(context, about, display_rig("mono", (240, 135)))
+        for one in sent:
+            renderer.draw(one)
+        pictures.append(renderer.read_pixels().astype(np.int64))
+        renderer.release()
+    before, wanted, found = pictures
+    np.testing.assert_array_equal(found, wanted)
+    assert np.abs(wanted - before).max() > 20
