@@ -4,6 +4,7 @@ While it is open the pointer is the desk's: on a panel the panel's, elsewhere it
 what is in the sea. Keys steer on.
 """
 
+import itertools
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
@@ -26,7 +27,9 @@ T = TypeVar("T")
 
 RING = 0.62  # radius of the ring about the chosen fish, in lengths of it ...
 LEAST_RING = 0.6  # ... and at least, in heights of letters
-STEP = 1.6  # by which each further panel opens lower and more to the right, in heights of letters
+MARGIN, BAR = 0.7, 1.9  # about panels, and the bar's height, in heights of letters
+LIKELY = 26.0, 20.0  # how large a panel is taken to be before it was drawn, in the same
+STEP = 1.6  # by which further panels are moved where there is no room beside the others
 
 
 class Host(Protocol):
@@ -77,6 +80,7 @@ class Desk:
         self.chosen: int | None = None  # the fish that panels are about
         self._later: list[Callable[[], object]] = []
         self._changed = False
+        self._taken: dict[str, tuple[float, float, float, float]] = {}  # where panels are
         self._kept: dict[type, Any] = {}
 
     def of(self, kind: type[T]) -> T:
@@ -115,17 +119,19 @@ class Desk:
             if imgui.menu_item("To the helm", "Tab", False)[0]:
                 self.toggle()
             imgui.end_main_menu_bar()
-        line = imgui.get_font_size()
-        for number, (name, panel) in enumerate(PANELS.items()):
+        for name, panel in PANELS.items():
             if name not in self.shown:
+                self._taken.pop(name, None)
                 continue
-            corner = (1.0 + STEP * number) * line, (2.5 + STEP * number) * line
-            imgui.set_next_window_pos(corner, imgui.Cond_.first_use_ever.value)
-            screen = imgui.get_io().display_size
-            imgui.set_next_window_size_constraints((0.0, 0.0), (screen.x, screen.y - 4.0 * line))
+            if name not in self._taken:
+                imgui.set_next_window_pos(self._room(), imgui.Cond_.first_use_ever.value)
+            screen, bar = imgui.get_io().display_size, 2.0 * BAR * imgui.get_font_size()
+            imgui.set_next_window_size_constraints((0.0, 0.0), (screen.x, screen.y - bar))
             drawn, stays = imgui.begin(name, True, imgui.WindowFlags_.always_auto_resize.value)
             if drawn:
                 panel(self)
+            (x, y), (width, height) = imgui.get_window_pos(), imgui.get_window_size()
+            self._taken[name] = x, y, width, height
             imgui.end()
             if not stays:
                 self.shown.discard(name)
@@ -133,6 +139,24 @@ class Desk:
             dragged = imgui.get_mouse_drag_delta(0)
             if not (dragged.x or dragged.y):
                 self._choose_at(*self.host.gui.pointer)
+
+    def _room(self) -> tuple[float, float]:
+        """Where one more panel hides none of those that are open, if there is room."""
+        line, size = imgui.get_font_size(), imgui.get_io().display_size
+        margin, taken = MARGIN * line, self._taken.values()
+        columns = sorted([margin, *(x + width + margin for x, _, width, _ in taken)])
+        rows = sorted([BAR * line, *(y + height + margin for _, y, _, height in taken)])
+        for share in (1.0, 0.5, 0.25):
+            wide, high = (share * length * line for length in LIKELY)
+            for x, y in itertools.product(columns, rows):
+                fits = x + wide <= size.x and y + high <= size.y
+                if fits and not any(
+                    x < left + width and left < x + wide and y < top + height and top < y + high
+                    for left, top, width, height in taken
+                ):
+                    return x, y
+        step = STEP * line * len(self._taken)
+        return margin + step, BAR * line + step
 
     def changed(self) -> None:
         """What a tick would not have changed was, by a panel: to be called whenever that happens.

@@ -292,7 +292,7 @@ def _dress(style: Any) -> None:
     for name, rgb, alpha in (
         (names.text, INK, 1.0),
         (names.text_disabled, QUIET, 0.8),
-        (names.window_bg, GLASS, 0.78),
+        (names.window_bg, GLASS, 0.86),
         (names.popup_bg, GLASS, 0.94),
         (names.menu_bar_bg, GLASS, 0.78),
         (names.title_bg, GLASS, 0.9),

@@ -7,12 +7,13 @@ from contextlib import closing
 import msgspec
 import numpy as np
 import pytest
+from imgui_bundle import imgui
 
 from subsea.app.dive import Dive
 from subsea.app.panels import PANELS
 from subsea.resources import resource_path
 
-SIZE = (480, 360)
+SIZE = (640, 480)
 
 
 @pytest.fixture(scope="module")
@@ -89,7 +90,7 @@ def test_a_panel_is_opened_from_the_bar_drawn_and_closed(at_the_desk, hands, mon
     monkeypatch.setitem(PANELS, "Spare", drawn.append)
     names = list(PANELS)
     left, top = boat.window.position
-    for across in range(8, 472, 12):  # the bar's items are as wide as their words
+    for across in range(8, 632, 12):  # the bar's items are as wide as their words
         hands.do("mousemove", left + across, top + 8)
         boat.frame(0.0)
         hands.do("click", 1)
@@ -102,6 +103,21 @@ def test_a_panel_is_opened_from_the_bar_drawn_and_closed(at_the_desk, hands, mon
     boat.frame(0.0)
     assert drawn and drawn[-1] is boat.desk
     boat.desk.shown.clear()
+
+
+def test_panels_open_beside_one_another_where_there_is_room(at_the_desk, monkeypatch):
+    boat = at_the_desk
+    for name in ("One", "Other"):
+        monkeypatch.setitem(PANELS, name, lambda desk: imgui.dummy((60.0, 40.0)))
+        boat.desk.shown.add(name)
+        boat.frame(0.0)
+        boat.frame(0.0)
+    (x, y, width, height), (other_x, other_y, *_) = (
+        boat.desk._taken[name] for name in ("One", "Other")
+    )
+    assert other_x >= x + width or other_y >= y + height
+    boat.desk.shown.clear()
+    boat.frame(0.0)
 
 
 def test_back_at_the_helm_the_pointer_steers_again(boat, hands):
