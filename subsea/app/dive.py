@@ -11,16 +11,18 @@ from pathlib import Path
 
 from subsea.app import pacing
 from subsea.app.bindings import Meaning, Wish
+from subsea.app.comfort import Vignette, draw_horizon
 from subsea.app.console import say
 from subsea.app.crew import Alone, Crew, alone, muster
 from subsea.app.desk import Desk
 from subsea.app.eyes import seen_brightness, velocity_of
 from subsea.app.gui import WHOLE, Gui, Pane, panes
 from subsea.app.house import NOT_SHRUNK, House, open_house, told
+from subsea.app.hud import reading
 from subsea.app.lettering import letter
 from subsea.app.loading import LeftError, meanwhile
 from subsea.app.menu import Menu
-from subsea.app.overlay import Overlay, help_rows
+from subsea.app.overlay import Overlay
 from subsea.app.picking import pick
 from subsea.app.pilot import Pilot
 from subsea.app.ride import (
@@ -38,6 +40,7 @@ from subsea.app.screens import Installation, Screen, on_display, placed
 from subsea.app.settings import USUAL, Settings
 from subsea.app.shots import Shots, pictures_folder
 from subsea.app.sight import Sight, sight
+from subsea.app.sign import sign_of
 from subsea.app.start import wake
 from subsea.app.timeline import Timeline
 from subsea.app.tour import guide
@@ -194,6 +197,7 @@ class Dive:
             "quality": self._choose_quality,
             "picture": self._want_picture,
             "film": lambda: self._shots.film(self.window.size),
+            "instruments": lambda: self.overlay.note(f"instruments: {self.overlay.hud.turn()}"),
             "fullscreen": self.fill_screen,
             "menu": self._open_menu,
             "leave": self.leave,
@@ -203,6 +207,7 @@ class Dive:
         self._labels: Sequence[Label] = ()  # of diagrams, in the present picture
         self._shots = Shots(pictures_folder(settings.pictures.folder), self.note)
         self._wants_picture = False
+        self._settings, self._vignette = settings, Vignette(settings.comfort.vignette)
         self._pattern = False
         self._ride: Ride | None = None
         self._see_brightness = see_brightness
@@ -231,7 +236,8 @@ class Dive:
             self.gui = Gui()
             undo.callback(self.gui.close)
             self.window.listener = self.gui
-            self.overlay, self.desk, self.menu = Overlay(), Desk(self), Menu(self)
+            self.overlay = Overlay(sign_of(settings.bindings, settings.mouse.steer))
+            self.desk, self.menu = Desk(self), Menu(self)
             self.world = self._made(self.scenario, self.source, seed)
             self._wait("starting OpenGL")
             self._context = self.wall.context
@@ -243,7 +249,10 @@ class Dive:
             undo.callback(lambda: self._stay.close())
             self._live_in(self.world, lambda: self._wait(None))
             self._wait(None)
-            self.overlay.rows = help_rows(not self._crew.shared, self.can_fill)
+            if self._crew.shared:
+                self.overlay.sign = sign_of(
+                    settings.bindings, settings.mouse.steer, ("ride", "desk")
+                )
             undo.callback(self._shots.end)
             self._undo = undo.pop_all()
 
@@ -493,11 +502,14 @@ class Dive:
         self._begin()
         letter(self._labels, self.sight)
         if self._crew.hands:
-            self.overlay.draw(
-                self.world.state.submarine, self.pilot.throttle, self.pilot.stopping, elapsed_s,
-                self.quality, self._circumstances,
-            )  # fmt: skip
+            submarine = self.world.state.submarine
+            if self._settings.comfort.horizon and self.sight and self._ride is None:
+                draw_horizon(self.sight)
+            self._vignette.feel(submarine.rates, submarine.velocity, elapsed_s)
+            self._vignette.draw()
             if not self.menu.open:
+                now = reading(submarine, self.pilot.throttle, self.pilot.stopping)
+                self.overlay.draw(now, elapsed_s, self._circumstances, self._ride is not None)
                 self.desk.draw()
         else:
             self.overlay.caption(self._crew.waiting)

@@ -19,6 +19,7 @@ QUIET = (0.62, 0.76, 0.84)
 GLASS = (0.01, 0.06, 0.10)  # what panels are made of
 LIT = (0.16, 0.52, 0.66)
 MARK = (0.55, 0.90, 1.0)  # of what is chosen, and of curves
+SHADE = (0.0, 0.05, 0.08)  # behind what stands over the sea itself
 
 KEYS = {
     glfw.KEY_TAB: imgui.Key.tab,
@@ -275,6 +276,22 @@ def colour(rgb: tuple[float, float, float], alpha: float = 1.0) -> int:
     """A colour as draw lists want it."""
     packed: int = imgui.get_color_u32((*rgb, alpha))
     return packed
+
+
+def shadowed(
+    place: tuple[float, float], text: str, size: float, rgb: tuple[float, float, float],
+    alpha: float = 1.0, share: float = 0.0,
+) -> None:  # fmt: skip
+    """Text over the sea, letters of `size`; `share` of its width lies left of the place."""
+    canvas = imgui.get_background_draw_list()
+    imgui.push_font(None, size)
+    x, y = place[0] - share * imgui.calc_text_size(text).x, place[1]
+    for off, ink in (
+        (max(0.06 * size, 1.0), colour(SHADE, 0.75 * alpha)),
+        (0.0, colour(rgb, alpha)),
+    ):
+        canvas.add_text((x + off, y + off), ink, text)
+    imgui.pop_font()
 
 
 def _within(pane: Pane, x: float, y: float) -> bool:

@@ -12,9 +12,7 @@ import pytest
 from PIL import ImageGrab
 
 from subsea.app.dive import Dive
-from subsea.app.overlay import HELP, readout
 from subsea.resources import resource_path
-from subsea.state import Submarine
 
 SIZE = (320, 240)
 FRAME_S = 0.1  # three ticks a picture: the tests are about the hull, not about smoothness
@@ -153,7 +151,6 @@ def test_a_key_shows_in_the_second_picture_at_the_latest(boat):
 
 def test_the_help_fades_under_way_and_comes_back(boat):
     stop(boat)
-    assert boat.overlay.rows == HELP
     assert boat.overlay.help_opacity == 0.0  # the tests before have sailed far
     hands("key", "h")
     until(boat, lambda: boat.overlay.help_opacity == 1.0)
@@ -194,11 +191,3 @@ def test_a_key_fills_the_screen_and_goes_back(boat):
     for size in ((800, 600), SIZE):
         hands("key", "F11")
         until(boat, lambda size=size: boat.window.size == size)
-
-
-def test_the_instruments_speak_metres_and_compass(boat):
-    boat_at = Submarine(position=np.array([0.0, 0.0, -250.0]))
-    boat_at.velocity[0] = 80.0
-    boat_at.angles[0] = math.radians(90.0)  # left of +x, which the compass calls 270°
-    assert readout(boat_at, 0.5, False) == "depth 2.5 m   heading 270°   0.8 m/s   set +50%"
-    assert readout(boat_at, 0.0, True).endswith("full stop")

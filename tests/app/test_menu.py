@@ -4,6 +4,7 @@ import math
 import re
 from contextlib import closing
 
+import msgspec
 import numpy as np
 import pytest
 from imgui_bundle import imgui
@@ -183,6 +184,39 @@ def test_it_begins_anew_and_in_another_scenario(boat, menu, hands, monkeypatch):
     click(boat, hands, monkeypatch, "Courtship")
     assert boat.scenario.title == "Courtship" and boat.source.stem == "mating"
     assert boat.window.handle is handle and not boat.menu.open
+
+
+def test_a_line_is_where_the_horizon_is_and_the_rim_darkens_if_wished(boat, hands, monkeypatch):
+    def screen():
+        boat.frame(0.0)
+        boat.frame(0.0)
+        return hands.screen(boat)
+
+    monkeypatch.setattr(boat._crew, "picture", lambda elapsed_s: 1.0)  # time stands still
+    boat.overlay.hud.opacity, boat.overlay._help = 0.0, 0.0
+    boat.world.state.submarine.angles[1] = math.radians(-15.0)
+    boat.world.state.submarine.previous_angles[1] = math.radians(-15.0)
+    comfort, rim = boat._settings.comfort, boat._vignette
+    plain = msgspec.structs.replace(
+        boat._settings, comfort=msgspec.structs.replace(comfort, horizon=False)
+    )
+    with_line = screen()
+    monkeypatch.setattr(boat, "_settings", plain)
+    without = screen()
+    rows = np.abs(with_line - without).max(axis=2).max(axis=1)
+    submarine = boat.world.state.submarine
+    far = submarine.position + 1e6 * np.array(
+        [math.cos(heading(boat)), math.sin(heading(boat)), 0.0]
+    )
+    ((_, y),) = boat.sight.places(far[None])
+    found = np.flatnonzero(rows > 20)
+    assert abs(found[0] - y * SIZE[1]) < 4 and found[-1] - found[0] < 20
+    rim.most, rim.amount = 1.0, 1.0
+    dark = screen()
+    rim.most = 0.0
+    assert dark[:20, :20].mean() < 0.3 * without[:20, :20].mean()
+    middle = slice(140, 220), slice(180, 300)
+    np.testing.assert_array_equal(dark[middle], without[middle])
 
 
 def test_help_is_shown_from_it(boat, menu, hands, monkeypatch):

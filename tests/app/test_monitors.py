@@ -11,10 +11,11 @@ import glfw
 import numpy as np
 from PIL import ImageGrab
 
+from subsea.app.bindings import USUAL
 from subsea.app.crew import Alone
 from subsea.app.dive import Dive
-from subsea.app.overlay import help_rows
 from subsea.app.screens import Installation, Screen
+from subsea.app.sign import sign_of
 from subsea.resources import resource_path
 from subsea.theatre.lineup import lineup
 from subsea.view.rigs import display_rig
@@ -100,7 +101,8 @@ def test_a_window_fills_its_monitor_and_stays_when_that_is_lost(display, tmp_pat
         Dive(str(sea), "mono", size, seed=1, installation=installation, crew=Together)
     ) as running:
         # Neither can be asked for where others look from the same place, or on a fixed window.
-        assert running.overlay.rows == help_rows(rides=False, full_screen=False)
+        assert running.overlay.sign == sign_of(USUAL, without=("ride", "desk"))
+        assert not running.can_fill
         running.grant("pattern")
         running.overlay.draw = lambda *rest: None
         for _ in range(5):

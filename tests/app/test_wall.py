@@ -13,7 +13,6 @@ from PIL import ImageGrab
 
 from subsea.app import dive
 from subsea.app.dive import Dive
-from subsea.app.overlay import help_rows
 from subsea.app.screens import Installation, Screen
 from subsea.frame import pack
 from subsea.resources import resource_path
@@ -132,16 +131,6 @@ def test_three_windows_show_one_continuous_picture(boat):
     for seam in (SIZE[0], 2 * SIZE[0]):
         near = off[:, seam - 3 : seam + 3]
         assert np.percentile(near, 95) <= 3  # but for a speck that the edge cuts
-
-
-def test_the_help_has_what_hands_can_do(boat):
-    assert boat.overlay.rows == help_rows(rides=True, full_screen=False)
-    what = [row[0] for row in help_rows(rides=True, full_screen=False)]
-    assert "Full screen" not in what
-    assert [row[0] for row in help_rows(rides=False, full_screen=False)] == [
-        words for words in what if "fish" not in words and "eyes" not in words
-    ]
-    assert set(what) < {row[0] for row in help_rows(rides=True, full_screen=True)}
 
 
 def test_where_text_goes_is_found_once(boat, monkeypatch):
