@@ -128,6 +128,7 @@ def _add_dive(commands: Any) -> None:
         "--seconds", type=number(float, 0.1, 86400), metavar="S", help="end by itself after S"
     )
     _add_drawing(dive)
+    _add_follow(dive)
     _add_see_brightness(dive)
     dive.add_argument(
         "--settings",
@@ -192,6 +193,7 @@ def _add_film(commands: Any) -> None:
     _add_quality(film, "high")
     _add_seed(film)
     _add_drawing(film)
+    _add_follow(film)
     _add_eyes(film)
     _add_theatre(film)
     film.set_defaults(run=_film)
@@ -448,6 +450,14 @@ def _add_size(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def _add_follow(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--follow",
+        metavar="FISH",
+        help="look at it from behind: its number, its species, or SPECIES:NUMBER counted from 0",
+    )
+
+
 def _add_eyes(parser: argparse.ArgumentParser) -> None:
     fish = parser.add_argument_group(
         "what a fish sees",
@@ -660,7 +670,7 @@ def _film_eyes(own: dict[str, Any], options: dict[str, Any]) -> int:
             f"film: --eyes has a picture for each eye, not --display {options['display']}"
         )
     _refuse(options, other, "film: --eyes has a picture for each eye, not {}")
-    drawing = ("show", "wireframe")
+    drawing = ("show", "wireframe", "follow")
     _refuse(options, drawing, "film: --eyes shows what a fish sees, {} shows more")
     options = _with_sizes("film", options)
     return film_eyes(

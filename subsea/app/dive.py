@@ -16,6 +16,7 @@ from subsea.app.console import say
 from subsea.app.crew import Alone, Crew, alone, muster
 from subsea.app.desk import Desk
 from subsea.app.eyes import seen_brightness, velocity_of
+from subsea.app.finding import find_fish
 from subsea.app.gui import WHOLE, Gui, Pane, panes
 from subsea.app.house import NOT_SHRUNK, House, open_house, told
 from subsea.app.hud import reading
@@ -88,6 +89,7 @@ def dive(
     show: Sequence[str] = (),
     wireframe: bool = False,
     changes: Sequence[str] = (),
+    follow: str | None = None,
 ) -> int:
     """Dive until the window is closed, the menu says so, or `seconds` have passed; exit code 0.
 
@@ -96,10 +98,14 @@ def dive(
     In the windows of a `theatre`, `shrink` times smaller, if one is named; as the computer `node`
     of several in those that are its own. With `see_brightness` the fish that is ridden goes by the
     light in its eyes. The diagrams `show` are drawn over the sea, of which a `wireframe` has the
-    edges of triangles. `changes` such as ``fish.0.number=20`` are made to the scenario.
+    edges of triangles. `changes` such as ``fish.0.number=20`` are made to the scenario. It begins
+    behind the fish called `follow`, if one is named.
     """
     if see_brightness and node is not None:
         raise UserError("--see-brightness is for one computer: others would not see the same light")
+    if follow is not None and node is not None:
+        raise UserError("--follow is for one computer: others would not look from there")
+    fish = None if follow is None else find_fish(follow, load_scenario(scenario, changes)[0])
     carried = None
     if tour is not None:
         course = None if tour == AUTOPILOT else course_of(load_scenario(scenario, changes)[0], tour)
@@ -125,6 +131,8 @@ def dive(
         running.diagrams.update(show)
         running.wireframe = wireframe
         with closing(running):
+            if fish is not None:
+                running.follow(fish)
             start = last = time.perf_counter()
             while running.wall.open and (seconds is None or last - start < seconds):
                 now = time.perf_counter()
@@ -590,6 +598,12 @@ class Dive:
             self._mount(fish)
             if first:
                 self._hint(("follow", "from behind"), ("reins", "steer it"), ("alight", "back"))
+
+    def follow(self, fish: int) -> None:
+        """Ride a fish of this number, seen from behind."""
+        self._mount(fish)
+        if self._ride is not None:
+            self._ride.look_from(True)
 
     def _follow_one(self) -> None:
         behind = self._ride is None or not self._ride.behind

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from subsea import interrupts
 from subsea.app.console import counted, say
 from subsea.app.film import instants, length_s, reach
+from subsea.app.finding import find_fish
 from subsea.app.progress import progress
 from subsea.app.reels import frame_rate, kind_of, open_reels
 from subsea.app.start import headless, picture_maker, start_world
@@ -25,14 +26,14 @@ from subsea.app.takes import begin, description, missing_frames
 from subsea.app.timing import sentence
 from subsea.app.tour import guide
 from subsea.behavior.table import BEHAVIORS
-from subsea.errors import UserError, unknown
+from subsea.errors import UserError
 from subsea.frame import pack
 from subsea.habitat.reef import KINDS as REEF_KINDS
 from subsea.places import replacing
 from subsea.render import Renderer
 from subsea.render.marks import CORAL, FISH, KINDS, PILLAR, ROCK, Seen
 from subsea.render.quality import PRESETS
-from subsea.scenario import AUTOPILOT, Scenario, load_scenario
+from subsea.scenario import AUTOPILOT, load_scenario
 from subsea.state import MENTAL_STATES
 from subsea.submarine.course import course_of
 from subsea.view.camera import View
@@ -150,30 +151,6 @@ def film_eyes(
                 renderer.choose(packet)
             frames.append(told(world, by, views, k, instant, alpha))
     return 0
-
-
-def find_fish(name: str, scenario: Scenario) -> int:
-    """The number that a scenario's world gives the fish called so; another one is a UserError.
-
-    A fish is called by its number, its species, or SPECIES:NUMBER. Those of a species are counted
-    from 0, in the order of their numbers.
-    """
-    kinds = np.repeat(
-        [shoal.species for shoal in scenario.fish], [shoal.number for shoal in scenario.fish]
-    )
-    found, of, count = np.arange(len(kinds)), "", name
-    if not name.isdecimal():
-        species, colon, count = name.partition(":")
-        if species not in (known := scenario.species):
-            raise unknown("fish", species, known)
-        if colon and not count.isdecimal():
-            raise UserError(f"fish {name!r}: expected a number, a species or SPECIES:NUMBER")
-        found, of = np.flatnonzero(kinds == species), f" of {species}"
-    number = int(count or 0)
-    if number >= len(found):
-        last = f"0 to {len(found) - 1}" if len(found) else "none, there is no such fish"
-        raise UserError(f"no fish {number}{of}: expected {last}")
-    return int(found[number])
 
 
 def seen_brightness(renderer: Renderer, world: World, by: Rider) -> float:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from subsea import interrupts
 from subsea.app.console import counted, say
+from subsea.app.finding import find_fish
 from subsea.app.house import chosen_rig, told
 from subsea.app.progress import progress
 from subsea.app.reels import check_reel, fitting, frame_rate, open_reels, written_to
@@ -25,6 +26,7 @@ from subsea.ocean import step
 from subsea.render.quality import PRESETS
 from subsea.scenario import AUTOPILOT, load_scenario
 from subsea.submarine.course import Course, course_of
+from subsea.view.follow import Camera, followed
 from subsea.view.levels import nothing_drawn
 from subsea.view.rig import views
 from subsea.view.rigs import cockpit
@@ -56,6 +58,7 @@ def film(
     show: Sequence[str] = (),
     wireframe: bool = False,
     changes: Sequence[str] = (),
+    follow: str | None = None,
 ) -> int:
     """Film `seconds` of the tour from `start` at `fps` into `out`; one picture shows its end.
 
@@ -66,13 +69,15 @@ def film(
 
     A `theatre` is filmed instead of one picture of `size`: a reel for each of its windows, of
     `shrink` times fewer pixels a side. The diagrams `show` are drawn over the sea, of which a
-    `wireframe` has the edges of triangles.
+    `wireframe` has the edges of triangles. The fish called `follow` is filmed from behind, as
+    long as it lives; the submarine goes on its tour as ever.
 
     Returns the exit code. Ctrl-C keeps what was filmed so far. Prints the frame times: ticks
     of the world, packing, drawing and reading back, without the encoding of the film.
     """
     chosen, source = load_scenario(scenario, changes)
     course = None if tour == AUTOPILOT else course_of(chosen, tour)
+    fish = None if follow is None else find_fish(follow, chosen)
     seconds = length_s(seconds, start, course)
     kind = check_reel(out)
     size = fitting(kind, size)
@@ -86,7 +91,7 @@ def film(
         take = description(
             source, changes, tour=tour, seed=seed, start=start, seconds=seconds, fps=fps, size=size,
             quality=quality, display=display, theatre=told(theatre), shrink=shrink,
-            show=[*show], wireframe=wireframe,
+            show=[*show], wireframe=wireframe, follow=fish,
             **stereo._asdict(), **surround._asdict(),
         )  # fmt: skip
         missing = missing_frames(out, take, windows, len(times))
@@ -113,12 +118,15 @@ def film(
             done = stack.enter_context(progress(len(times), "frame", len(times) - len(missing)))
             memory = nothing_drawn(len(world.state.fishes.species))
             wanted = set(missing)
+            camera: Camera | None = None
 
             reach(world, times[0], steer, check)
             for k, instant in enumerate(times[: missing[-1] + 1]):
                 begun = time.perf_counter()
                 alpha = reach(world, instant, steer, check)
                 observer = cockpit(world.state.submarine, alpha)
+                if fish is not None and world.state.fishes.alive[fish]:
+                    camera, observer = followed(world, fish, alpha, camera)
                 seen = views(rig, observer)
                 drawing = sketcher.draw(show, seen, alpha)
                 packet = pack(

@@ -68,6 +68,23 @@ def test_diagrams_and_numbers_are_on_a_film_and_another_list_is_another_film(tmp
     assert "did you mean 'scaffold'" in capsys.readouterr().err
 
 
+def test_a_fish_is_filmed_from_behind(tmp_path, capsys):
+    out = tmp_path / "fish.png"
+    options = [*SMALL, "--seconds", "1", "--scenario", "mating", "--quality", "low"]
+    assert main(["film", str(out), *options, "--follow", "clownfish"]) == 0
+    picture = np.asarray(Image.open(out)).astype(int)
+    height, width, _ = picture.shape
+    middle = picture[height // 3 : 2 * height // 3, 2 * width // 5 : 3 * width // 5]
+    orange = (middle[..., 0] > 150) & (middle[..., 0] > middle[..., 2] + 60)
+    assert orange.mean() > 0.02  # it is there, in the middle
+    capsys.readouterr()
+    assert main(["film", str(out), *options, "--follow", "clownfsh"]) == 2
+    assert "clownfish" in capsys.readouterr().err
+    more = ["--follow", "clownfish", "--eyes", "0"]
+    assert main(["film", str(tmp_path / "seen"), *SMALL, *more]) == 2
+    assert "--follow" in capsys.readouterr().err
+
+
 def test_labels_stand_above_their_places_on_the_picture_that_they_are_for():
     plain = np.full((800, 300, 3), 90, np.uint8)
     words = [Written(0, 150.0, 100.0, "17"), Written(1, 20.0, 20.0, "8")]

@@ -122,6 +122,14 @@ def test_the_fish_under_the_pointer_is_the_one_at_its_place(boat, hands):
     boat.timeline.pause()
 
 
+def test_a_fish_of_a_number_is_followed(boat, hands):
+    boat.follow(7)
+    assert (boat._ride.by.fish, boat._ride.behind) == (7, True)
+    boat.frame(0.1)
+    boat.grant("alight")
+    assert boat._ride is None
+
+
 def test_shared_time_is_nobodys_to_stop(boat, hands, monkeypatch):
     monkeypatch.setattr(boat._crew, "timeline", None)
     told = []
