@@ -17,8 +17,8 @@ out = Path(__file__).parent / "pictures" / "ride.png"
 with closing(Dive("peaceful", "mono", SIZE, seed=1, quality="high")) as dive:
     for _ in range(round(WAIT_S / 0.1)):
         dive.frame(0.1)
-    dive._mount(FISH)
-    dive._grant("look")
+    dive.mount(FISH)
+    dive.grant("look")
     for _ in range(round(RIDE_S / 0.1)):
         dive.frame(0.1)
     shown = dive._context.screen.read(viewport=(0, 0, *dive.window.size), components=3)

@@ -18,6 +18,7 @@ from subsea.app.focus import name_of
 from subsea.app.gui import GLASS, MARK, Gui, colour
 from subsea.app.overlay import Overlay
 from subsea.app.panels import PANELS
+from subsea.app.ride import Look, Ride
 from subsea.app.sight import Sight
 from subsea.app.timeline import Timeline
 from subsea.scenario import Scenario
@@ -41,6 +42,9 @@ class Host(Protocol):
     gui: Gui
     overlay: Overlay
     diagrams: set[str]  # names of `diagrams.DIAGRAMS` that are drawn over the sea
+    look: Look  # of the pictures of a fish's eyes ...
+    eyes_shown: bool  # ... and whether these are shown beside the ride
+    see_brightness: bool  # whether the fish that is ridden goes by the light in its eyes
     wireframe: bool  # whether the sea is drawn as the edges of its triangles
 
     @property
@@ -50,6 +54,21 @@ class Host(Protocol):
     @property
     def timeline(self) -> Timeline | None:
         """The time of the world; None where that is another computer's."""
+
+    @property
+    def riding(self) -> Ride | None:
+        """The ride on a fish; None in the submarine."""
+
+    @property
+    def steers_fish(self) -> bool:
+        """Whether hands hold the reins of the fish that is ridden."""
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How many of what there is, and of that in the present picture."""
+
+    def mount(self, fish: int | None, behind: bool | None = None) -> None:
+        """Ride a fish of this number from now on, or come back to the submarine."""
 
     @property
     def sight(self) -> Sight | None:
@@ -197,8 +216,8 @@ class Desk:
 
     def _mark_chosen(self) -> None:
         """A thin ring about the chosen fish, under all panels."""
-        sight = self.host.sight
-        if self.chosen is None or sight is None or sight.view.without == self.chosen:
+        sight, ride = self.host.sight, self.host.riding
+        if self.chosen is None or sight is None or (ride and ride.by.fish == self.chosen):
             return
         fishes = self.host.world.state.fishes
         before = fishes.previous_position[self.chosen].astype(np.float64)

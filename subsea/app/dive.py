@@ -9,6 +9,8 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
+import numpy as np
+
 from subsea.app import pacing
 from subsea.app.bindings import Meaning, Wish
 from subsea.app.comfort import Vignette, draw_horizon
@@ -192,7 +194,7 @@ class Dive:
             "help": self._show_help,
             "desk": self._open_desk,
             "ride": self._ride_one,
-            "alight": lambda: self._mount(None),
+            "alight": lambda: self.mount(None),
             "look": self._look_otherwise,
             "follow": self._follow_one,
             "reins": self._take_reins,
@@ -218,9 +220,10 @@ class Dive:
         self._settings, self._vignette = settings, Vignette(settings.comfort.vignette)
         self._pattern = False
         self._ride: Ride | None = None
-        self._see_brightness = see_brightness
+        self.see_brightness = see_brightness
         self._seen_tick = 0  # at which the fish that is ridden has seen the light last
-        self._look: Look = "colours"  # of the pictures of a fish's eyes
+        self.look: Look = "colours"  # of the pictures of a fish's eyes
+        self.eyes_shown = True  # whether these are shown at all
         self._insets: tuple[Rect, ...] = ()  # where these are on the canvas
         self._panes: tuple[Pane, ...] = (WHOLE,)  # where text goes
         with ExitStack() as undo:
@@ -284,7 +287,7 @@ class Dive:
         except UserError as fault:
             self.note(str(fault))
             return False
-        self._mount(None)
+        self.mount(None)
         self._stay.close()
         self.scenario, self.source = scenario, source
         self._live_in(world)
@@ -384,7 +387,7 @@ class Dive:
             if self._crew.steered is None:
                 self._ride.glance(*self.pilot.glance, elapsed_s)
             if not self.world.state.fishes.alive[self._ride.by.fish]:
-                self._mount(None)
+                self.mount(None)
         if bool(self._insets) != self._with_insets:
             self._arrange()
         if not self._pattern:
@@ -429,6 +432,22 @@ class Dive:
         return sight(self._rig, self._views())
 
     @property
+    def counts(self) -> dict[str, int]:
+        """How many of what there is, and of that in the present picture."""
+        fishes, drawn = self.world.state.fishes, self._drawn
+        return {
+            "fishes": int(np.count_nonzero(fishes.alive)),
+            "simulated": int(np.count_nonzero(fishes.live)),
+            "in sight": 0 if drawn is None else len(fishes.alive) - drawn.hidden,
+            "triangles": self._renderer.triangles,
+        }
+
+    @property
+    def steers_fish(self) -> bool:
+        """Whether hands hold the reins of the fish that is ridden."""
+        return self._crew.steered is not None
+
+    @property
     def _direct(self) -> bool:
         """Whether the one window there is has the size of the picture: no need to copy it."""
         return self._rig.outputs == (self.window.size,)
@@ -450,10 +469,10 @@ class Dive:
             packet = replace(packet, passing_cm_s=velocity_of(self.world, self._ride.by.fish))
         self._renderer.draw(packet, into)
         self._drawn = packet
-        if self._insets and self._look != "colours":
+        if self._insets and self.look != "colours":
             numbers = range(len(seen) - len(self._insets), len(seen))
             maps = self._renderer.look_up(packet, numbers, joined(self._insets))
-            picture = pictured(maps, self._look)
+            picture = pictured(maps, self.look)
             self._renderer.paste(picture, pasted(self._renderer.rig, self._rig, picture), into)
 
     def _see_light(self) -> None:
@@ -463,7 +482,7 @@ class Dive:
         """
         if (
             self._ride is None
-            or not self._see_brightness
+            or not self.see_brightness
             or self._seen_tick == self.world.state.tick
         ):
             return
@@ -478,10 +497,20 @@ class Dive:
             return views(self._rig, self._eye)
         return self._ride.views(self.world, self._rig, self._insets, self._alpha)
 
-    def _mount(self, fish: int | None) -> None:
-        """Ride a fish of this number from now on, or come back to the submarine."""
-        behind = self._ride is not None and self._ride.behind
+    @property
+    def riding(self) -> Ride | None:
+        """The ride on a fish; None in the submarine."""
+        return self._ride
+
+    def mount(self, fish: int | None, behind: bool | None = None) -> None:
+        """Ride a fish of this number from now on, or come back to the submarine.
+
+        Through its eyes, or from `behind` it; None: as the last one, if there was one.
+        """
+        if behind is None:
+            behind = self._ride is not None and self._ride.behind
         self._ride = None if fish is None else Ride(self.world, fish, behind)
+        self.desk.chosen = self.desk.chosen if fish is None else fish
         self._crew.steered = None
         self.world.seen_light.clear()
         self._seen_tick = 0
@@ -492,7 +521,8 @@ class Dive:
     @property
     def _with_insets(self) -> bool:
         """Whether there is room for what a fish's eyes see: beside the help there is not."""
-        return self._ride is not None and not self._pattern and self.overlay.help_opacity == 0.0
+        clear = not self._pattern and self.overlay.help_opacity == 0.0
+        return self._ride is not None and self.eyes_shown and clear
 
     def _arrange(self) -> None:
         """Have the renderer draw what is to be seen: the rig, what a fish's eyes see, a pattern."""
@@ -549,7 +579,7 @@ class Dive:
         parts = []
         if self._ride is not None:
             steered = self._crew.steered is not None
-            parts.append(self._ride.text(self.world, self._look, steered))
+            parts.append(self._ride.text(self.world, self.look, steered))
         if self._crew.timeline is not None and self._crew.timeline.text:
             parts.append(self._crew.timeline.text)
         return "   ".join(parts)
@@ -595,13 +625,13 @@ class Dive:
             fish = nearest_to_middle(self.world, self._views()[front_view(self._rig)])
         if fish is not None:
             first = self._ride is None
-            self._mount(fish)
+            self.mount(fish)
             if first:
                 self._hint(("follow", "from behind"), ("reins", "steer it"), ("alight", "back"))
 
     def follow(self, fish: int) -> None:
         """Ride a fish of this number, seen from behind."""
-        self._mount(fish)
+        self.mount(fish)
         if self._ride is not None:
             self._ride.look_from(True)
 
@@ -635,7 +665,7 @@ class Dive:
             act(self._crew.timeline)
 
     def _look_otherwise(self) -> None:
-        self._look = LOOKS[(LOOKS.index(self._look) + 1) % len(LOOKS)]
+        self.look = LOOKS[(LOOKS.index(self.look) + 1) % len(LOOKS)]
 
     def _show_pattern(self) -> None:
         self._pattern = not self._pattern

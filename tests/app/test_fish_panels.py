@@ -1,8 +1,11 @@
 """Panels about fishes and time in a real window, by real mouse events."""
 
 import re
+import tomllib
 from contextlib import closing
 
+import glfw
+import msgspec
 import numpy as np
 import pytest
 
@@ -13,9 +16,12 @@ from subsea.app.focus import focus
 from subsea.app.gui import LIT
 from subsea.app.panels import PANELS
 from subsea.app.panels.behavior import Seen
+from subsea.app.panels.control import angles_deg
 from subsea.behavior.table import INTENTIONS
 from subsea.resources import resource_path
+from subsea.scenario import Waypoint
 from subsea.state import EAT, ESCAPE, FEAR, SUBMARINE
+from subsea.view.retina import Gaze
 from subsea.world import TICK_S
 
 SIZE = (780, 590)
@@ -38,6 +44,7 @@ def boat(display, hands, tmp_path_factory):
 def still(boat, hands):
     """Time stands still, no panel is open, no fish is chosen."""
     boat.desk.shown.clear()
+    boat.mount(None)
     boat.desk.chosen = None
     if not boat.timeline.paused:
         boat.timeline.pause()
@@ -221,7 +228,7 @@ def test_time_stands_still_goes_on_by_ticks_and_back(still, hands, spots):
     opened(still, hands, "Time")
     spots.click(still, "go on")
     assert not time.paused
-    hands.glide(still, 3.0)
+    hands.glide(still, 1.5)
     spots.click(still, "pause")
     assert time.paused
     tick, sums = time.tick, snapshot.checksum(world)
@@ -235,6 +242,75 @@ def test_time_stands_still_goes_on_by_ticks_and_back(still, hands, spots):
     spots.click(still, "×2", 0.2)
     assert time.rate == 2.0
     spots.click(still, "×1", 0.2)
+
+
+def test_diagrams_and_wireframe_are_ticked_and_drawn(still, hands, spots):
+    opened(still, hands, "Control")
+    plain = hands.screen(still)
+    for label in ("bounds", "wireframe"):
+        spots.click(still, label, 0.1)
+    assert still.diagrams == {"bounds"} and still.wireframe
+    hands.do("mousemove", 400, 585)
+    hands.glide(still, 0.2)
+    beside = np.abs(hands.screen(still) - plain)[:, 560:].sum(axis=2)
+    assert (beside > 60).mean() > 0.1
+    for label in ("bounds", "wireframe"):
+        spots.click(still, label, 0.1)
+    assert not still.diagrams and not still.wireframe
+
+
+def test_the_camera_is_copied_as_a_waypoint_that_a_tour_can_have(still, hands, spots):
+    submarine = still.world.state.submarine
+    opened(still, hands, "Control")
+    spots.click(still, "copy it as a waypoint of a tour")
+    text = glfw.get_clipboard_string(None).decode()
+    (entry,) = tomllib.loads(f"waypoint = [{text}]")["waypoint"]
+    point = msgspec.convert(entry, Waypoint)
+    ahead = np.subtract(point.look_at_cm, point.position_cm)
+    np.testing.assert_allclose(point.position_cm, submarine.position, atol=60.0)
+    heading, pitch = angles_deg(still.sight.view)
+    level = np.cos(np.radians(pitch)) * np.linalg.norm(ahead)
+    expected = [np.cos(np.radians(heading)) * level, np.sin(np.radians(heading)) * level]
+    np.testing.assert_allclose(ahead[:2], expected, atol=0.2)
+
+
+def test_what_is_told_of_the_picture_is_so(still, hands):
+    opened(still, hands, "Control")
+    counts = still.counts
+    assert counts["fishes"] == np.count_nonzero(still.world.state.fishes.alive)
+    assert 0 < counts["in sight"] <= counts["fishes"]
+    assert counts["triangles"] == still._renderer.triangles > 1000
+
+
+def test_a_fish_is_ridden_followed_and_left_and_its_eyes_turned(still, hands, spots):
+    opened(still, hands, "Fish view", 5)
+    spots.click(still, "the fish's eyes", 0.1)
+    assert still.riding.by.fish == 5 and not still.riding.behind
+    assert still._insets
+    spots.drag(still, "pan", 0.42, 0.7)
+    assert still.riding.gaze.pan_deg > 30.0 and still.riding.gaze.tilt_deg == 0.0
+    spots.click(still, "look ahead")
+    assert still.riding.gaze == Gaze()
+    spots.click(still, "identity", 0.1)
+    assert still.look == "identity"
+    spots.click(still, "colours", 0.1)
+    spots.click(still, "pictures of both eyes", 0.1)
+    assert not still._insets
+    spots.click(still, "pictures of both eyes", 0.1)
+    spots.click(still, "behind the fish", 0.1)
+    assert still.riding.behind
+    spots.click(still, "next")
+    assert still.riding.by.fish == still.desk.chosen == 6 and still.riding.behind
+    spots.click(still, "its reins are in your hands", 0.05)
+    assert still.steers_fish
+    spots.click(still, "goes by the light in its eyes", 0.05)
+    still.timeline.single()
+    hands.glide(still, 0.2)
+    assert set(still.world.seen_light) == {6}
+    spots.click(still, "goes by the light in its eyes", 0.05)
+    assert not still.world.seen_light
+    spots.click(still, "the submarine", 0.1)
+    assert still.riding is None and still.desk.chosen == 6
 
 
 def test_panels_that_nobody_touches_change_nothing(still, hands):

@@ -228,12 +228,12 @@ def test_keys_mount_a_fish_turn_its_eyes_show_maps_and_come_back(boat):
     until(boat, lambda: boat._ride.gaze.pan_deg > 20.0)
     subprocess.run(["xdotool", "keyup", "Right"], check=True, timeout=20)
     key("i")
-    until(boat, lambda: boat._look == "identity")
+    until(boat, lambda: boat.look == "identity")
     codes = {tuple(code) for code in coded(np.arange(2**16)).tolist()}
     found = corner(boat).reshape(-1, 3)
     assert np.mean([tuple(pixel) in codes for pixel in found.tolist()]) > 0.99
     key("i")
-    until(boat, lambda: boat._look == "range")
+    until(boat, lambda: boat.look == "range")
     grey = corner(boat)
     assert np.abs(grey - colours).mean() > 10.0
     assert (np.ptp(grey, axis=2) <= 1).mean() > 0.99
@@ -246,7 +246,7 @@ def test_keys_mount_a_fish_turn_its_eyes_show_maps_and_come_back(boat):
 
 
 def test_who_is_ridden_may_go_by_the_light_ahead_of_it_wherever_it_gazes(boat):
-    boat._see_brightness, boat._look = True, "colours"
+    boat.see_brightness, boat.look = True, "colours"
     key("r")
     until(boat, lambda: boat.pilot.riding)
     fish, minds = boat._ride.by.fish, boat.world.state.minds
@@ -262,7 +262,7 @@ def test_who_is_ridden_may_go_by_the_light_ahead_of_it_wherever_it_gazes(boat):
     key("Escape")
     until(boat, lambda: not boat.pilot.riding)
     assert not boat.world.seen_light
-    boat._see_brightness = False
+    boat.see_brightness = False
 
 
 def words(running):
@@ -319,7 +319,7 @@ def test_a_line_that_is_too_long_is_several(boat):
 
     key("r")
     until(boat, lambda: boat.pilot.riding)
-    boat._ride.gaze, boat._look = Gaze(30.0, 20.0), "identity"  # which is told too
+    boat._ride.gaze, boat.look = Gaze(30.0, 20.0), "identity"  # which is told too
     for size, lines in (((240, 180), 2), ((700, 300), 1)):
         glfw.set_window_size(boat.window.handle, *size)
         until(boat, lambda size=size: boat.window.size == size)
@@ -330,7 +330,7 @@ def test_a_line_that_is_too_long_is_several(boat):
         columns = np.flatnonzero(found.any(axis=0))
         assert columns[0] >= 8
         assert columns[-1] < size[0] - 8
-    boat._look = "colours"
+    boat.look = "colours"
     glfw.set_window_size(boat.window.handle, *SIZE)
     until(boat, lambda: boat.window.size == SIZE)
     key("Escape")

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from subsea.app.panels import behavior, habits, initialisation, time
+from subsea.app.panels import behavior, control, fish_view, habits, initialisation, time
 
 if TYPE_CHECKING:
     from subsea.app.desk import Desk
@@ -14,6 +14,8 @@ PANELS: dict[str, Panel] = {
     "Initialisation": initialisation.panel,
     "Behavior": behavior.panel,
     "Habits": habits.panel,
+    "Control": control.panel,
+    "Fish view": fish_view.panel,
     "Time": time.panel,
 }
 """Every panel by the name that the bar has for it, in its order."""
