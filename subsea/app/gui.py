@@ -122,8 +122,9 @@ def panes(rig: Rig, page: Callable[[int], None]) -> tuple[Pane, ...]:
         x, y, across, up = seen_part(patch)
         top = height - y - up
         share = x / width, top / height, across / width, up / height
-        found.append(Pane(*share, screen, patch.page, page))
-    return tuple(found)
+        if min(*share[2:], *screen) > 0.0:  # of a pixel an eye may have none
+            found.append(Pane(*share, screen, patch.page, page))
+    return tuple(found) or (WHOLE,)
 
 
 class Gui:

@@ -80,6 +80,8 @@ def draw_sign(sign: Sign, opacity: float, foot: float) -> None:
     """Draw it in the present frame, at the right, its lower edge at `foot`."""
     size = imgui.get_io().display_size
     line = min(imgui.get_font_size(), foot / (HIGH + 1.2), size.x / (WIDE + 2.4))
+    if line < 1.0:
+        return  # the window is too small for any letter
     canvas = imgui.get_background_draw_list()
     x, y = size.x - (WIDE + 1.2) * line, foot - HIGH * line
     canvas.add_rect_filled(
