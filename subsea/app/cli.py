@@ -4,6 +4,7 @@ import argparse
 import gc
 import sys
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -626,13 +627,26 @@ def _left_out(text: str) -> frozenset[str]:
 def _dive(settings: Path | None, **options: Any) -> int:
     from subsea.app.console import say
     from subsea.app.settings import read_settings, usual_settings
+    from subsea.resources import named_or_file
 
     chosen = usual_settings(say) if settings is None else read_settings(settings)
     options = _with_settings(options, chosen)
-    from subsea.app.dive import dive
-
     _check_target(options["quality"], options["target_ms"])
-    return dive(**_with_optics(_with_sizes("dive", options)), settings=chosen)
+    options = _with_optics(_with_sizes("dive", options))
+    with ExitStack() as undo:
+        opening = None
+        scenario = named_or_file(options["scenario"], "assets/scenarios", ".toml", "scenario")
+        elsewhere = options["theatre"] or options["node"] or options["shrink"] != 1
+        # A misspelt name is told before a window flashes up.
+        if scenario.is_file() and not elsewhere:
+            from subsea.app.opening import opened
+
+            size, display = options["size"], options["display"]
+            opening = opened(display, size, options["fullscreen"], chosen)
+            undo.callback(opening.close)
+        from subsea.app.dive import dive  # takes longer to load than all before
+
+        return dive(**options, settings=chosen, opening=opening)
 
 
 def _with_settings(options: dict[str, Any], settings: "Settings") -> dict[str, Any]:

@@ -19,12 +19,13 @@ from subsea.app.crew import Alone, Crew, alone, muster
 from subsea.app.desk import Desk
 from subsea.app.eyes import seen_brightness, velocity_of
 from subsea.app.finding import find_fish
-from subsea.app.gui import WHOLE, Gui, Pane, panes
+from subsea.app.gui import WHOLE, Pane, panes
 from subsea.app.house import NOT_SHRUNK, House, open_house, told
 from subsea.app.hud import reading
 from subsea.app.lettering import letter
 from subsea.app.loading import LeftError, meanwhile
 from subsea.app.menu import Menu
+from subsea.app.opening import Opening, opened
 from subsea.app.overlay import Overlay
 from subsea.app.picking import pick
 from subsea.app.pilot import Pilot
@@ -39,7 +40,7 @@ from subsea.app.ride import (
     pictured,
     with_insets,
 )
-from subsea.app.screens import Installation, Screen, on_display, placed
+from subsea.app.screens import Installation, Screen
 from subsea.app.settings import USUAL, Settings
 from subsea.app.shots import Shots, pictures_folder
 from subsea.app.sight import Sight, sight
@@ -47,7 +48,6 @@ from subsea.app.sign import sign_of
 from subsea.app.start import wake
 from subsea.app.timeline import Timeline
 from subsea.app.tour import guide
-from subsea.app.wall import Wall
 from subsea.app.window import Window
 from subsea.diagrams import Label, Sketcher
 from subsea.errors import UserError
@@ -60,7 +60,7 @@ from subsea.submarine.course import course_of
 from subsea.theatre.lineup import lineup
 from subsea.view.camera import View
 from subsea.view.levels import nothing_drawn
-from subsea.view.rig import Rect, Rig, front, part_of, views
+from subsea.view.rig import Rect, views
 from subsea.view.rigs import DISPLAYS, display_rig
 from subsea.view.stereo import EYES, PAGED, Stereo
 from subsea.view.surround import ALL_ROUND, Surround
@@ -92,6 +92,7 @@ def dive(
     wireframe: bool = False,
     changes: Sequence[str] = (),
     follow: str | None = None,
+    opening: Opening | None = None,
 ) -> int:
     """Dive until the window is closed, the menu says so, or `seconds` have passed; exit code 0.
 
@@ -128,7 +129,7 @@ def dive(
     try:
         running = Dive(
             scenario, display, size, fullscreen, seed, stereo, surround, quality, target_ms,
-            installation, crew, see_brightness, settings, changes,
+            installation, crew, see_brightness, settings, changes, opening,
         )  # fmt: skip
         running.diagrams.update(show)
         running.wireframe = wireframe
@@ -173,6 +174,7 @@ class Dive:
         see_brightness: bool = False,
         settings: Settings = USUAL,
         changes: Sequence[str] = (),
+        opening: Opening | None = None,
     ) -> None:
         """Open the windows, then the world: the visitor sees at once that something happens.
 
@@ -184,7 +186,6 @@ class Dive:
         # A misspelt name is told before a window flashes up.
         self.scenario, self.source = load_scenario(scenario, changes)
         self.display, self._stereo, self._surround = display, stereo, surround
-        self.pilot = Pilot(settings)
         self._alpha = 1.0
         self._drawn: Packet | None = None  # what is to be seen
         self._quality = quality
@@ -226,27 +227,11 @@ class Dive:
         self.eyes_shown = True  # whether these are shown at all
         self._insets: tuple[Rect, ...] = ()  # where these are on the canvas
         self._panes: tuple[Pane, ...] = (WHOLE,)  # where text goes
+        opening = opening or opened(display, size, fullscreen, settings, installation)
+        self.wall, self.gui, self.pilot = opening.wall, opening.gui, opening.pilot
+        self._fixed = opening.rig
         with ExitStack() as undo:
-            there = undo.enter_context(on_display()).monitors
-            self._fixed: Rig | None = None  # stays, whatever the size of windows
-            if installation is None:
-                self.wall = Wall([(Screen("subsea", size), None)], self.pilot, display == PAGED)
-            else:
-                rig, screens, source = installation
-                shown = placed(screens, there, source, say)
-                self._fixed = rig = part_of(rig, [number for number, _ in shown])
-                self.wall = Wall(
-                    [(screens[number], monitor) for number, monitor in shown],
-                    self.pilot,
-                    rig.pages > 1,
-                    front(rig).output,
-                )
-            undo.callback(self.wall.close)
-            if fullscreen and installation is None:
-                self.window.toggle_fullscreen()
-            self.gui = Gui()
-            undo.callback(self.gui.close)
-            self.window.listener = self.gui
+            undo.callback(opening.close)
             self.overlay = Overlay(sign_of(settings.bindings, settings.mouse.steer))
             self.desk, self.menu = Desk(self), Menu(self)
             self.world = self._made(self.scenario, self.source, seed)

@@ -16,6 +16,7 @@ ROOM = 34.0, 20.0  # what the help needs of the screen at least, in heights of i
 SQUEEZED = 1.2  # how much larger, and bold, text is whose strokes would be lost
 INK = (0.93, 0.97, 1.0)
 QUIET = (0.62, 0.76, 0.84)
+DEEP = (0.02, 0.13, 0.20)
 GLASS = (0.01, 0.06, 0.10)  # what panels are made of
 LIT = (0.16, 0.52, 0.66)
 MARK = (0.55, 0.90, 1.0)  # of what is chosen, and of curves
@@ -271,6 +272,15 @@ class Gui:
         """Release what it holds; the window's context must still be current."""
         imgui.backends.opengl3_shutdown()
         imgui.destroy_context(self._context)
+
+
+def fill(text: str) -> None:
+    """Fill the window with one line of text on deep water, in the present frame."""
+    size = imgui.get_io().display_size
+    box = imgui.calc_text_size(text)
+    canvas = imgui.get_background_draw_list()
+    canvas.add_rect_filled((0.0, 0.0), size, colour(DEEP))
+    canvas.add_text(((size.x - box.x) / 2, (size.y - box.y) / 2), colour(INK), text)
 
 
 def colour(rgb: tuple[float, float, float], alpha: float = 1.0) -> int:

@@ -12,8 +12,8 @@ import msgspec
 from imgui_bundle import imgui
 
 from subsea.app.desk import Desk
-from subsea.app.gui import LIT, QUIET, Gui, colour
-from subsea.app.overlay import DEEP, Overlay
+from subsea.app.gui import DEEP, LIT, QUIET, Gui, colour
+from subsea.app.overlay import Overlay
 from subsea.errors import UserError
 from subsea.render.quality import CHOICES
 from subsea.resources import load_toml, resource_names, resource_path

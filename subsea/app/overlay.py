@@ -6,14 +6,13 @@ from typing import Any
 
 from imgui_bundle import imgui
 
-from subsea.app.gui import INK, SHADE, colour
+from subsea.app.gui import INK, SHADE, colour, fill
 from subsea.app.hud import HIGH, Hud, Reading
 from subsea.app.sign import Sign, draw_sign
 
 FADE_S = 1.5
 NOTE_S = 4.0
 MOVED_CM = 60.0  # how far the visitor must have gone by herself before the help fades
-DEEP = (0.02, 0.13, 0.20)
 
 
 class Overlay:
@@ -55,11 +54,7 @@ class Overlay:
 
     def message(self, text: str) -> None:
         """Fill the window with one line of text on deep water."""
-        size = imgui.get_io().display_size
-        box = imgui.calc_text_size(text)
-        canvas = imgui.get_background_draw_list()
-        canvas.add_rect_filled((0.0, 0.0), size, colour(DEEP))
-        canvas.add_text(((size.x - box.x) / 2, (size.y - box.y) / 2), colour(INK), text)
+        fill(text)
 
     def draw(self, now: Reading, dt: float, circumstances: str = "", riding: bool = False) -> None:
         """Draw help and instruments over the present picture; `dt` is the time since the last.

@@ -1,7 +1,20 @@
 """Every OpenGL call."""
 
+from typing import TYPE_CHECKING, Any
+
 from subsea.render.context import headless_context, page_switch, window_context
 from subsea.render.presenter import Presenter
-from subsea.render.renderer import Renderer
+
+if TYPE_CHECKING:
+    from subsea.render.renderer import Renderer
 
 __all__ = ["Presenter", "Renderer", "headless_context", "page_switch", "window_context"]
+
+
+def __getattr__(name: str) -> Any:
+    """The renderer, loaded when it is first asked for: a window is open long before."""
+    if name != "Renderer":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from subsea.render.renderer import Renderer
+
+    return Renderer

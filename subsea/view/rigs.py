@@ -1,12 +1,11 @@
 """Rigs of the display modes: one eye, two eyes, or all round."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from subsea.errors import unknown
-from subsea.state import Submarine
 from subsea.view.camera import NEAR_CM, View, off_axis
 from subsea.view.rig import Eye, Patch, Pose, Rect, Rig, Shape, pose, views
 from subsea.view.stereo import EYES, LAYOUTS, Stereo, canvas_of, halves, patches_of
@@ -21,6 +20,9 @@ from subsea.view.surround import (
     half_tangent,
     looked_at,
 )
+
+if TYPE_CHECKING:  # the words of display modes are known before any world is loaded
+    from subsea.state import Submarine
 
 Array = NDArray[np.floating[Any]]
 
@@ -44,7 +46,7 @@ def check_display(name: str) -> str:
     return name
 
 
-def cockpit(submarine: Submarine, alpha: float) -> Pose:
+def cockpit(submarine: "Submarine", alpha: float) -> Pose:
     """The pilot's eye, `alpha` of the way from the last tick to the present one."""
     position = submarine.previous_position + alpha * (
         submarine.position - submarine.previous_position

@@ -2,6 +2,7 @@
 
 import re
 from pathlib import Path
+from types import SimpleNamespace
 
 import msgspec
 import pytest
@@ -115,11 +116,17 @@ def test_the_command_tells_where_they_are_and_writes_them_once(home, capsys):
 def test_what_the_command_line_leaves_open_is_as_the_settings_say(home, tmp_path, monkeypatch):
     asked = {}
     monkeypatch.setattr("subsea.app.dive.dive", lambda **options: asked.update(options) or 0)
+    window = SimpleNamespace(close=lambda: None)
+    monkeypatch.setattr(
+        "subsea.app.opening.opened", lambda *given: asked.update(opened=given) or window
+    )
     written(home, "[display]\nmode = 'dome'\nquality = 'low'\nfullscreen = true\nsize = [300, 200]")
     main(["dive"])
     assert [asked[key] for key in ("display", "quality", "fullscreen", "size")] == [
         "dome", "low", True, (300, 200),
     ]  # fmt: skip
+    assert asked["opened"][:3] == ("dome", (300, 200), True)
+    assert asked["opening"] is window
     main(["dive", "--display", "mono", "--no-fullscreen", "--size", "400x300"])
     assert [asked[key] for key in ("display", "quality", "fullscreen", "size")] == [
         "mono", "low", False, (400, 300),
