@@ -602,7 +602,7 @@ class Dive:
         elif not self._pattern:
             self.desk.toggle()
 
-    def _ride_one(self) -> None:
+    def _ride_one(self, turned: str = "from behind") -> None:
         if self._pattern or self._crew.shared:
             return
         fish = self.desk.chosen if self.desk.open else None
@@ -612,7 +612,7 @@ class Dive:
             first = self._ride is None
             self.mount(fish)
             if first:
-                self._hint(("follow", "from behind"), ("reins", "steer it"), ("alight", "back"))
+                self._hint(("follow", turned), ("reins", "steer it"), ("alight", "back"))
 
     def follow(self, fish: int) -> None:
         """Ride a fish of this number, seen from behind."""
@@ -623,7 +623,7 @@ class Dive:
     def _follow_one(self) -> None:
         behind = self._ride is None or not self._ride.behind
         if self._ride is None:
-            self._ride_one()
+            self._ride_one("through its eyes")
         if self._ride is not None:
             self._ride.look_from(behind)
             self._memory = nothing_drawn(len(self.world.state.fishes.species))

@@ -71,7 +71,7 @@ def test_a_fish_is_followed_from_behind_and_looked_through_in_turn(boat, hands, 
     hands.glide(boat, 0.3)
     (view,) = boat._views()[:1]
     assert view.without != fish
-    assert told == ["C from behind   G steer it   Esc back"]
+    assert told == ["C through its eyes   G steer it   Esc back"]
     away = boat.world.state.fishes.position[fish] - view.eye
     assert -(view.view[2, :3] @ away) > 0.9 * np.linalg.norm(away)  # it is ahead, and seen
     pressed(boat, hands, "c", lambda: not boat._ride.behind)
