@@ -20,7 +20,7 @@ void main() {
     vec3 up = vec3(u_view[0][1], u_view[1][1], u_view[2][1]);
     vec3 normal = v_corner.x * right + v_corner.y * up - sqrt(max(1.0 - square, 0.0)) * ray;
     vec3 mirrored = reflect(ray, normal);
-    vec3 sun = sunlight_at(v_world.z);
+    vec3 sun = sunlight_at(v_world.z) + lamplight_at(v_world);
     // Mirrored from above it is the sky in Snell's window.
     vec3 light = water_radiance(mirrored);
     light += 0.22 * sun * smoothstep(0.55, 0.80, mirrored.z);

@@ -23,7 +23,7 @@ void main() {
 
     vec3 colour = v_colour.rgb * clamp(1.0 + 0.75 * height, 0.25, 1.7);
     float open = v_grain.a * clamp(1.0 + 0.5 * height, 0.4, 1.2);
-    vec3 light = light_from(v_sun * clamp(1.0 - 1.6 * rise, 0.2, 2.0), v_world.z, normal, 0.25) * open;
+    vec3 light = light_from(v_sun * clamp(1.0 - 1.6 * rise, 0.2, 2.0), v_world, normal, 0.25) * open;
     // Thin parts and tips glow with the light from behind.
     vec3 view = normalize(v_world - u_eye);
     float behind = max(dot(view, SUN), 0.0);

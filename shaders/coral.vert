@@ -41,7 +41,7 @@ void main() {
     vec3 ray = place - u_eye;
     float distance = length(ray);
     v_clear = clearness(distance);
-    v_veil = open_water(ray / distance) * (1.0 - v_clear);
+    v_veil = open_water(ray / distance) * (1.0 - v_clear) + glow(ray / distance, distance);
 #ifdef MARKS
     v_mark = a_mark;
 #endif

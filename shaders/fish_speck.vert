@@ -58,7 +58,7 @@ void main() {
     vec3 normal = turned(a_normal);
     bool thin = a_part.z > 0.5;
     if (thin && dot(normal, ray) > 0.0) normal = -normal;
-    vec3 sun = sunlight_at(world.z), sky = light_from(vec3(0.0), world.z, normal, WRAP);
+    vec3 sun = sunlight_at(world.z), sky = light_from(vec3(0.0), world, normal, WRAP);
     if (thin) sky += 0.6 * sun * max(dot(-normal, SUN), 0.2);
     vec3 through = clearness(distance);
     v_sky = EXPOSURE * sky * through;
@@ -66,7 +66,7 @@ void main() {
     v_facing = (dot(normal, SUN) + WRAP) / (1.0 + WRAP);
     v_around = water_radiance(reflect(ray, normal)) * through;
     v_silver = thin ? 0.0 : coat.z;
-    v_veil = water_radiance(ray) * (1.0 - through);
+    v_veil = water_radiance(ray) * (1.0 - through) + glow(ray, distance);
     v_tone = tone(i_pose.w, kind, i_show.z);
     v_skin = own.xy;
     v_fade = i_show.y;

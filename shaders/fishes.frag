@@ -68,7 +68,7 @@ void main() {
     // What is bright and without colour is silver.
     float silver = coat.z * (1.0 - web) * smoothstep(0.05, 0.5, min(skin.r, min(skin.g, skin.b)));
     vec3 sun = sunlight_at(v_world.z) * caustics_at(v_world);
-    vec3 light = light_from(sun, v_world.z, normal, 0.25);
+    vec3 light = light_from(sun, v_world, normal, 0.25);
     // What is thin glows with the light that falls on its other side.
     float clear = max(web * (0.8 - 0.4 * skin.a), 2.0 * (1.0 - skin.a));
     light += clear * sun * max(dot(-normal, SUN), 0.2);
@@ -89,5 +89,13 @@ void main() {
     float share = 0.22 * rim * rim + (0.10 + 0.1 * rim) * eye;
     vec3 around = water_radiance(reflect(-view, normal));
     colour += (share + silver * sheen * (0.4 + skin.rgb)) * around;
+#ifdef LIT
+    // Lamps are near the eye: what faces it throws their light back, silver and scales most.
+    float back = facing * facing;
+    back *= back;
+    back *= back;
+    vec3 beam = lamplight_at(v_world);
+    colour += EXPOSURE * (0.5 * silver * back + gloss * back * back * back + eye * spark) * beam;
+#endif
     show(vec4(colour * v_clear + v_veil, skin.a));
 }

@@ -133,7 +133,7 @@ void main() {
     vec3 ray = v_world - u_eye;
     float distance = length(ray);
     v_clear = clearness(distance);
-    v_veil = water_radiance(ray / distance) * (1.0 - v_clear);
+    v_veil = water_radiance(ray / distance) * (1.0 - v_clear) + glow(ray / distance, distance);
 #ifdef MARKS
     v_mark = u_mark + i_show.w;
 #endif

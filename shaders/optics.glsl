@@ -90,13 +90,15 @@ float caustics_at(vec3 p) {
     return 1.0 + plain * (light - 1.0);
 }
 
-// Light on a surface: the given sun from above, sky from above, sand from below.
-vec3 light_from(vec3 sun, float z, vec3 normal, float wrap) {
+#include "lamps.glsl"
+
+// Light on a surface: the given sun from above, sky from above, sand from below, lamps.
+vec3 light_from(vec3 sun, vec3 p, vec3 normal, float wrap) {
     float facing = max((dot(normal, SUN) + wrap) / (1.0 + wrap), 0.0);
     vec3 ambient = mix(SANDLIGHT, SKYLIGHT, 0.5 + 0.5 * normal.z);
-    return sun * facing + ambient * daylight(z);
+    return sun * facing + ambient * daylight(p.z) + lamplight_on(p, normal, wrap);
 }
 
 vec3 light_on(vec3 p, vec3 normal, float wrap) {
-    return light_from(sunlight_at(p.z) * caustics_at(p), p.z, normal, wrap);
+    return light_from(sunlight_at(p.z) * caustics_at(p), p, normal, wrap);
 }

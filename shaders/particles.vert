@@ -64,7 +64,8 @@ void main() {
     vec3 look = ray / distance;
     vec3 clear = clearness(distance);
     float toward = max(dot(look, SUN), 0.0);
-    vec3 light = (0.30 + 0.9 * toward * toward) * sunlight_at(world.z) + SKYLIGHT * daylight(world.z);
+    vec3 light = (0.30 + 0.9 * toward * toward) * sunlight_at(world.z) + SKYLIGHT * daylight(world.z)
+        + lamplight_at(world);
     vec3 colour = u_colour * glint * light * clear + water_radiance(look) * (1.0 - clear);
     float strength = share * (1.0 - smoothstep(0.6 * u_reach, u_reach, distance))
         * smoothstep(7.0, 26.0, distance) * step(world.z, 0.0);

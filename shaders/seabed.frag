@@ -54,5 +54,8 @@ void main() {
     float lit = caustics_at(v_world) * ground.x + 0.27 * (1.0 - ground.x);
     vec3 light = SUNLIGHT * (lit * max(dot(normal, SUN), 0.0));
     light += mix(SANDLIGHT, SKYLIGHT, 0.5 + 0.5 * normal.z) * ground.y;
+#ifdef LIT
+    light += lamplight_on(v_world, normal, 0.1) / daylight(v_world.z);  // as that is in `v_clear`
+#endif
     show(vec4(sand * light * v_clear + v_veil, 1.0));
 }

@@ -18,7 +18,7 @@ void main() {
     vec3 ray = v_world - u_eye;
     float distance = length(ray);
     v_clear = clearness(distance);
-    v_veil = open_water(ray / distance) * (1.0 - v_clear);
+    v_veil = open_water(ray / distance) * (1.0 - v_clear) + glow(ray / distance, distance);
     v_clear *= EXPOSURE * daylight(v_world.z);
     gl_Position = u_view_projection * vec4(a_position, 1.0);
 }

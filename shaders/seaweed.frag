@@ -27,7 +27,7 @@ void main() {
     leaf *= 1.0 + 0.45 * rib * (1.0 - t) - 0.16 * smoothstep(0.55, 1.0, u) + 0.1 * seen * sin(vein);
     leaf = mix(leaf, vec3(0.24, 0.20, 0.13), 0.5 * smoothstep(1.3, 2.0, speck));
 
-    vec3 light = light_from(v_sun, v_world.z, normal, 0.3);
+    vec3 light = light_from(v_sun, v_world, normal, 0.3);
     // What comes through from the other side is yellower.
     vec3 through = vec3(1.25, 1.1, 0.35) * (1.0 - 0.6 * rib);
     float glow = max(dot(-view, SUN), 0.0);

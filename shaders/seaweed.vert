@@ -140,6 +140,6 @@ void main() {
     vec3 ray = v_world - u_eye;
     float distance = length(ray);
     v_clear = strength * clearness(distance);
-    v_veil = water_radiance(ray / distance) * (1.0 - v_clear);
+    v_veil = water_radiance(ray / distance) * (1.0 - v_clear) + glow(ray / distance, distance);
     gl_Position = u_view_projection * vec4(place, 1.0);
 }

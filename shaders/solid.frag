@@ -58,5 +58,8 @@ void main() {
     stone *= clamp(0.85 + 0.5 * height, 0.3, 1.2);
     vec3 light = SUNLIGHT * (max(dot(normal, SUN) + 0.25, 0.0) * v_light.y / 1.25);
     light += mix(SANDLIGHT, SKYLIGHT, 0.5 + 0.5 * normal.z) * v_light.x;
+#ifdef LIT
+    light += lamplight_on(v_world, normal, 0.1) / daylight(v_world.z);  // as that is in `v_clear`
+#endif
     show(vec4(stone * light * v_clear + v_veil, 1.0));
 }

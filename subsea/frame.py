@@ -4,7 +4,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -51,6 +51,9 @@ BLADE = 9.0  # length of the longest blade of kelp over its width, as in `seawee
 KELP = SEAWEED_KINDS.index("kelp")
 GOLDEN = 0.6180339887  # multiples of it fill [0, 1) evenly
 
+# The lamps: so far aside, above and before the pilot's eye, and turned inward and down, rad.
+LAMPS_CM, LAMPS_TURNED = (95.0, -42.0, 10.0), (0.10, 0.03)
+
 PLANKTON_REACH_CM = 1400.0  # a speck has faded there
 SPECK_CM = 4.0  # from its place, which it hops about, to the farthest that is drawn of its middle
 
@@ -86,6 +89,13 @@ class Batch:
     fading: bool = False  # each is there twice, at two levels; specks that fade are not apart
 
 
+class Lamps(NamedTuple):
+    """The lights of the submarine: left and right."""
+
+    places: Array  # (2, 3) cm
+    ways: Array  # (2, 3) unit vectors, the axes of their beams
+
+
 @dataclass(frozen=True)
 class Packet:
     """One frame."""
@@ -115,6 +125,7 @@ class Packet:
     plankton_seen: tuple[Ints, ...] | None = None
     lines: Lines = NO_LINES  # of diagrams
     current_cm_s: tuple[float, float] | None = None  # of the water; None: as in the scene
+    lamps: Lamps | None = None  # of the submarine, None while they are off
 
 
 def make_scene(world: World) -> Scene:
@@ -206,7 +217,23 @@ def pack(
         leaves_seen=leaves_seen,
         lines=lines,
         current_cm_s=world.current_cm_s,
+        lamps=_lamps(world, alpha),
     )
+
+
+def _lamps(world: World, alpha: float) -> Lamps | None:
+    """Where the lights are between two ticks, None while they are off."""
+    submarine = world.state.submarine
+    if not submarine.lights[0]:
+        return None
+    pilot = cockpit(submarine, alpha)
+    axes = np.stack([np.cross(pilot.forward, pilot.up), pilot.up, pilot.forward])
+    side = np.array([[-1.0], [1.0]])
+    places = pilot.eye + (side * (1.0, 0.0, 0.0) * LAMPS_CM + (0.0, *LAMPS_CM[1:])) @ axes
+    turn, down = LAMPS_TURNED
+    ways = np.concatenate([-side * np.sin(turn), 0 * side - np.sin(down), 0 * side + 1.0], axis=1)
+    ways /= np.linalg.norm(ways, axis=1)[:, None]
+    return Lamps(places, ways @ axes)
 
 
 def _velocity(world: World) -> tuple[float, float, float]:

@@ -193,6 +193,7 @@ class Start(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
 
     position_cm: tuple[Coordinate, Coordinate, Coordinate]
     heading_deg: Coordinate = 0.0
+    lights: bool = False  # whether they are on
 
 
 class Waypoint(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):

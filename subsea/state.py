@@ -331,6 +331,8 @@ class Submarine:
     rates: Array = field(default_factory=lambda: np.zeros(2))  # (2,) rad/s
     previous_position: Array = field(default_factory=lambda: np.zeros(3))
     previous_angles: Array = field(default_factory=lambda: np.zeros(2))
+    # (1,) bool, whether they are on; written by whoever has the helm, between ticks
+    lights: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(1, np.bool_))
 
 
 @dataclass

@@ -143,6 +143,7 @@ def create_world(
     submarine = Submarine(position=np.array(scenario.submarine.position_cm, np.float64))
     submarine.angles[0] = np.radians(scenario.submarine.heading_deg)
     submarine.previous_position[:] = submarine.position
+    submarine.lights[:] = scenario.submarine.lights
     submarine.previous_angles[:] = submarine.angles
     fishes, minds = _populate(scenario, species, library, sea, rng, fish)
     state = State(

@@ -14,7 +14,7 @@ from subsea.keeping import kept
 from subsea.render.coral_mesh import Mesh, unit
 from subsea.render.coral_shapes import LEVELS, forms
 from subsea.render.marks import CORAL, mark
-from subsea.render.shaders import program
+from subsea.render.shaders import program, wanted
 from subsea.render.standing import Shape, Standing
 from subsea.render.textures import nearest_of_cells, tileable_noise, upload
 from subsea.state import Reef
@@ -157,11 +157,11 @@ class Coral:
         # Others stand on mounds: none is left out.
         self._own = np.where(reef.kind == MOUND, 0.0, reef.own)
         self._context = context
-        self._program = program(context, "coral")
-        self._marking: Any = None  # made when it is first asked for
+        # Others are made when they are first asked for.
+        self._programs: dict[tuple[str, ...], Any] = {(): program(context, "coral")}
         self._grain = upload(context, kept(grain, 6))
         self._standing = Standing(
-            context, self._program, LAYOUT, ATTRIBUTES, growths, reach_cm, THRESHOLDS_PX
+            context, self._programs[()], LAYOUT, ATTRIBUTES, growths, reach_cm, THRESHOLDS_PX
         )
         self._shade = program(context, "shadow")
         # What stands on a mound darkens no sand, and a few sticks none to speak of.
@@ -186,9 +186,11 @@ class Coral:
 
     def draw(self, number: int, uniforms: dict[str, Any], marked: bool = False) -> int:
         """Draw what was chosen, or marks of it; the number of triangles."""
-        if marked and self._marking is None:
-            self._marking = program(self._context, "coral", MARKS=1, OWN_MARKS=1)
-            self._standing.mark_by(self._marking, mark(CORAL, self._standing.owners))
+        if (wants := wanted(uniforms, marked)) not in self._programs:
+            made = program(self._context, "coral", **dict.fromkeys(wants, 1), OWN_MARKS=1)
+            marks = mark(CORAL, self._standing.owners) if marked else None
+            self._standing.draw_by(wants, made, marks)
+            self._programs[wants] = made
         self._grain.use(GRAIN_UNIT)
         return self._standing.draw(number, uniforms | {"u_grain": GRAIN_UNIT}, marked)
 
@@ -199,10 +201,9 @@ class Coral:
     def release(self) -> None:
         """Free every OpenGL object."""
         for held in (
-            self._standing, self._shadows, self._grain, self._program, self._shade, self._marking,
+            self._standing, self._shadows, self._grain, self._shade, *self._programs.values(),
         ):  # fmt: skip
-            if held:
-                held.release()
+            held.release()
 
 
 def bake(reef: Reef) -> list[list[Shape]]:

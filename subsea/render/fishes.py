@@ -24,7 +24,7 @@ from subsea.render.fish_mesh import (
 )
 from subsea.render.fish_speck import COARSEST, Speck, places, speck
 from subsea.render.marks import FISH, double, mark
-from subsea.render.shaders import program, set_uniforms
+from subsea.render.shaders import program, set_uniforms, wanted
 from subsea.species import Display, Species
 
 Array = NDArray[np.floating[Any]]
@@ -32,7 +32,7 @@ Array = NDArray[np.floating[Any]]
 SKINS_UNIT, VERTICES_UNIT, PLACES_UNIT = 3, 9, 10  # of textures
 FINE = 2  # levels whose fins are drawn after all bodies
 # What a program is wanted for; see `shaders/fishes.frag` and `shaders/show.glsl`.
-SPECK, MARKS = ("SPECK",), ("MARKS", "OWN_MARKS")
+SPECK, OWN_MARKS = ("SPECK",), ("OWN_MARKS",)
 NO_TRIANGLE = np.zeros((1, 3), np.int32)
 NOBODY = np.zeros((1, INSTANCE_COLUMNS), np.float32)
 LOOKS_BINDING = 0  # of the block of uniforms
@@ -131,7 +131,8 @@ class Fishes:
             "u_places": PLACES_UNIT,
         }
         batches = packet.batches[number]
-        for compiled in {*self._cold, *(self._program(batch, marked) for batch in batches)}:
+        wants = wanted(uniforms, marked) + OWN_MARKS * marked
+        for compiled in {*self._cold, *(self._program(batch, wants) for batch in batches)}:
             set_uniforms(compiled, **units, **uniforms, u_mark=mark(FISH))
         while self._cold:  # so that no picture later on waits for what it is the first to need
             compiled, nothing = self._cold.popitem()
@@ -148,23 +149,21 @@ class Fishes:
                 if batch.level < FINE and not batch.fading:
                     triangles = mesh.body
                     fine.append(batch)
-            self._render(self._program(batch, marked), first, triangles, batch.first, batch.count)
+            self._render(self._program(batch, wants), first, triangles, batch.first, batch.count)
             total += triangles * batch.count
         self._context.disable(moderngl.CULL_FACE)
         if fine:  # which follow each other, and have the same fins
             mesh, first = self._meshes[0], self._first[0] + self._meshes[0].body
             count = sum(batch.count for batch in fine)
-            self._render(
-                self._made(MARKS * marked), first, mesh.fins, min(b.first for b in fine), count
-            )
+            self._render(self._made(wants), first, mesh.fins, min(b.first for b in fine), count)
             total += mesh.fins * count
         return total
 
-    def _program(self, batch: Batch, marked: bool) -> Any:
-        wants = ("DISTANT",) * (batch.level >= FINE) + ("FADING",) * batch.fading
+    def _program(self, batch: Batch, wants: tuple[str, ...]) -> Any:
+        own = ("DISTANT",) * (batch.level >= FINE) + ("FADING",) * batch.fading
         if batch.level == len(DETAILS):
-            wants = SPECK
-        return self._made(wants + MARKS * marked)
+            own = SPECK
+        return self._made(own + wants)
 
     def _made(self, wants: tuple[str, ...]) -> Any:
         """The program with these definitions, which has an array from now on."""

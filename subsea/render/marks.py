@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.errors import UserError
-from subsea.render.shaders import program, set_uniforms
+from subsea.render.shaders import program, set_uniforms, wanted
 from subsea.view.rig import Rect
 
 Array = NDArray[np.floating[Any]]
@@ -44,7 +44,7 @@ class Seen(NamedTuple):
 
 
 class Twin:
-    """A program and the arrays that it draws, and for each of both a twin that writes marks."""
+    """A program and the arrays that it draws, and for each of both twins: for marks, for lamps."""
 
     def __init__(self, context: Any, name: str, kind: int) -> None:
         """The twins are made when they are first asked for."""
@@ -61,20 +61,20 @@ class Twin:
 
     def ready(self, array: Any, marked: bool, **uniforms: Any) -> Any:
         """The `array`, or its twin, with these uniforms set."""
-        if marked:
-            array = self._twin(array)
+        if wants := wanted(uniforms, marked):
+            array = self._twin(array, wants)
             uniforms["u_mark"] = mark(self._kind)
         set_uniforms(array.program, **uniforms)
         return array
 
-    def _twin(self, array: Any) -> Any:
-        if self.program not in self._twins:
-            self._twins[self.program] = program(self._context, self._name, MARKS=1)
-        if array not in self._twins:
-            self._twins[array] = double(
-                self._context, self._twins[self.program], *self._contents[array]
+    def _twin(self, array: Any, wants: tuple[str, ...]) -> Any:
+        if wants not in self._twins:
+            self._twins[wants] = program(self._context, self._name, **dict.fromkeys(wants, 1))
+        if (array, wants) not in self._twins:
+            self._twins[array, wants] = double(
+                self._context, self._twins[wants], *self._contents[array]
             )
-        return self._twins[array]
+        return self._twins[array, wants]
 
     def release(self) -> None:
         """Free the programs and the arrays; the buffers stay their makers'."""

@@ -7,7 +7,7 @@ import numpy as np
 
 from subsea.frame import PLANKTON_REACH_CM, Packet, Scene
 from subsea.render.quality import PRESETS, Quality
-from subsea.render.shaders import program, set_uniforms
+from subsea.render.shaders import program, set_uniforms, wanted
 
 SNOW = max(preset.snow for preset in PRESETS.values())  # specks in the box about the eye
 SNOW_BOX_CM = 520.0
@@ -21,15 +21,14 @@ class Particles:
 
     def __init__(self, context: Any, scene: Scene) -> None:
         """Scatter the snow; the plankton comes with each packet."""
-        self._program = program(context, "particles")
+        self._context = context
         places = np.random.default_rng(0x5A0).uniform(size=(SNOW, 3)).astype("f4")
         self._snow = context.buffer(places.tobytes())
         self._plankton = context.buffer(reserve=12)
         self._seen = context.buffer(reserve=4)
-        self._snow_array, self._plankton_array = (
-            context.vertex_array(self._program, [(buffer, "3f4", "a_position")], indices)
-            for buffer, indices in ((self._snow, None), (self._plankton, self._seen))
-        )
+        # The program and the arrays of snow and plankton; for lamps when these are first on.
+        self._made: dict[tuple[str, ...], tuple[Any, Any, Any]] = {}
+        self._make(())
         self._current = scene.water.current_cm_s
         self._starts = [0]  # of each view's specks, with the end
         self._specks = SNOW
@@ -54,22 +53,33 @@ class Particles:
 
     def draw(self, packet: Packet, number: int, uniforms: dict[str, Any]) -> int:
         """Draw over what is there, blended; points count as no triangles."""
+        if (wants := wanted(uniforms)) not in self._made:
+            self._make(wants)
+        compiled, snow, plankton = self._made[wants]
         current = self._current if packet.current_cm_s is None else packet.current_cm_s
         set_uniforms(
-            self._program, **uniforms, **SNOW_LOOK,
+            compiled, **uniforms, **SNOW_LOOK,
             u_box=SNOW_BOX_CM, u_drift=(*current, -SNOW_SINKS_CM_S), u_passing=packet.passing_cm_s,
         )  # fmt: skip
-        self._snow_array.render(moderngl.POINTS, vertices=self._specks)
+        snow.render(moderngl.POINTS, vertices=self._specks)
         first, end = self._starts[number : number + 2]
         if end > first:
-            set_uniforms(self._program, **PLANKTON_LOOK, u_box=0.0)
-            self._plankton_array.render(moderngl.POINTS, vertices=end - first, first=first)
+            set_uniforms(compiled, **PLANKTON_LOOK, u_box=0.0)
+            plankton.render(moderngl.POINTS, vertices=end - first, first=first)
         return 0
+
+    def _make(self, wants: tuple[str, ...]) -> None:
+        compiled = program(self._context, "particles", **dict.fromkeys(wants, 1))
+        snow, plankton = (
+            self._context.vertex_array(compiled, [(buffer, "3f4", "a_position")], indices)
+            for buffer, indices in ((self._snow, None), (self._plankton, self._seen))
+        )
+        self._made[wants] = compiled, snow, plankton
 
     def release(self) -> None:
         """Free every OpenGL object."""
-        for held in (
-            self._snow_array, self._plankton_array, self._snow, self._plankton, self._seen,
-            self._program,
-        ):  # fmt: skip
+        for compiled, snow, plankton in self._made.values():
+            for held in (snow, plankton, compiled):
+                held.release()
+        for held in (self._snow, self._plankton, self._seen):
             held.release()

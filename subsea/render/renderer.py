@@ -409,7 +409,15 @@ class Renderer:
             "u_caustics": 1,
             "u_noise": 2,
             "u_shafts": SHAFTS_UNIT,
-        }
+        } | _lamps(packet)
+
+
+def _lamps(packet: Packet) -> dict[str, Any]:
+    """Where the lights are and the way they shine; nothing while they are off."""
+    if packet.lamps is None:
+        return {}
+    places, ways = ([tuple(map(float, one)) for one in part] for part in packet.lamps)
+    return {"u_lamps": places, "u_beams": ways}
 
 
 def _columns(matrix: NDArray[np.floating[Any]]) -> bytes:

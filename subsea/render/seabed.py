@@ -11,7 +11,7 @@ from subsea.habitat.formations import formations
 from subsea.keeping import kept
 from subsea.render import ground, sand
 from subsea.render.marks import SEABED, mark
-from subsea.render.shaders import program, set_uniforms
+from subsea.render.shaders import program, set_uniforms, wanted
 from subsea.render.standing import Shape, Standing
 from subsea.render.textures import upload_bytes
 from subsea.view.culling import IN_SIGHT
@@ -33,11 +33,11 @@ class Seabed:
         """Lay the tiles; `scene.terrain` as SMC §6.2 has it, `about` are its `surroundings`."""
         width = scene.terrain_half_width_cm
         self._context = context
-        self._marking: Any = None  # made when it is first asked for
-        self._program = program(context, "seabed")
+        # Others are made when they are first asked for.
+        self._programs: dict[tuple[str, ...], Any] = {(): program(context, "seabed")}
         self._standing = Standing(
             context,
-            self._program,
+            self._programs[()],
             "3f4 2f4",
             "a_position a_slope",
             tiles(*surface(scene.terrain, width)),
@@ -62,23 +62,23 @@ class Seabed:
 
     def draw(self, number: int, uniforms: dict[str, Any], marked: bool = False) -> int:
         """Draw the tiles that were chosen, or their marks; the number of triangles."""
-        if marked and self._marking is None:
-            self._marking = program(self._context, "seabed", MARKS=1)
-            self._standing.mark_by(self._marking)
+        if (wants := wanted(uniforms, marked)) not in self._programs:
+            made = program(self._context, "seabed", **dict.fromkeys(wants, 1))
+            self._standing.draw_by(wants, made)
+            self._programs[wants] = made
         units = (GROUND_UNIT, RIPPLES_UNIT, LITTER_UNIT)
         for texture, unit in zip(self._textures, units, strict=True):
             texture.use(unit)
         set_uniforms(
-            self._program,
+            self._programs[wants],
             u_ground=GROUND_UNIT, u_ripples=RIPPLES_UNIT, u_litter=LITTER_UNIT, u_map=self._map,
         )  # fmt: skip
         return self._standing.draw(number, uniforms | {"u_mark": mark(SEABED)}, marked)
 
     def release(self) -> None:
         """Free every OpenGL object."""
-        for held in (self._standing, *self._textures, self._program, self._marking):
-            if held:
-                held.release()
+        for held in (self._standing, *self._textures, *self._programs.values()):
+            held.release()
 
 
 def surroundings(

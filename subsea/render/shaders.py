@@ -18,6 +18,15 @@ def program(context: Any, name: str, **constants: int) -> Any:
     )
 
 
+def wanted(uniforms: dict[str, Any], marked: bool = False) -> tuple[str, ...]:
+    """What a program is to be compiled with for these uniforms, besides what it always has.
+
+    MARKS for who asks what is where, LIT where the submarine's lights are on. So a picture without
+    them costs nothing more: a software renderer would walk every branch for every pixel.
+    """
+    return ("MARKS",) if marked else ("LIT",) if "u_lamps" in uniforms else ()
+
+
 def source(name: str, **constants: int) -> str:
     """One shader with its includes, ready to compile; `constants` are defined before it."""
     defined = "".join(f"#define {key} {value}\n" for key, value in constants.items())

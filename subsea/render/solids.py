@@ -15,7 +15,7 @@ from subsea.kinematics.solids import from_pillar, from_rock
 from subsea.kinematics.vector import vector
 from subsea.render.marks import PILLAR, ROCK, mark
 from subsea.render.seabed import drawn_height
-from subsea.render.shaders import program, set_uniforms
+from subsea.render.shaders import program, set_uniforms, wanted
 from subsea.render.standing import Shape, Standing
 from subsea.render.stone import cut, shapes
 from subsea.render.textures import relief, upload_bytes
@@ -66,22 +66,22 @@ class Solids:
         self._context = context
         self._held: list[Any] = []
         self._standing: Standing | None = None
-        self._marking: Any = None  # made when it is first asked for
+        self._programs: dict[tuple[str, ...], Any] = {}  # made when they are first asked for
         self._scene, self._stone = scene, stone
         if not stone:
             return
-        self._program = program(context, "solid")
+        self._programs[()] = program(context, "solid")
         self._relief = upload_bytes(context, kept(relief, 5), -RELIEF_SPAN, RELIEF_SPAN)
         self._standing = Standing(
             context,
-            self._program,
+            self._programs[()],
             "3f4 3f4 4f4 3f4",
             "a_position a_normal a_light a_cover",
             stone,
             IN_SIGHT * scene.water.visibility_cm,
             LEVELS_PX,
         )
-        self._held = [self._standing, self._relief, self._program]
+        self._held = [self._standing, self._relief, self._programs[()]]
 
     @property
     def standing(self) -> tuple[Standing, ...]:
@@ -97,20 +97,27 @@ class Solids:
         """Draw what was chosen, or marks of it; the number of triangles."""
         if self._standing is None:
             return 0
-        if marked and self._marking is None:
-            self._marking = program(self._context, "solid", MARKS=1, OWN_MARKS=1)
-            places = [shape.vertices[:, :3] for levels in self._stone for shape in levels]
-            marks = solid_marks(
-                self._scene.pillars, self._scene.rocks, np.concatenate(places).astype(np.float64)
-            )
-            self._standing.mark_by(self._marking, marks)
-            self._held.append(self._marking)
+        if (wants := wanted(uniforms, marked)) not in self._programs:
+            self._make(wants, self._standing)
         self._relief.use(RELIEF_UNIT)
-        set_uniforms(self._program, u_relief=RELIEF_UNIT)
+        set_uniforms(self._programs[wants], u_relief=RELIEF_UNIT)
         self._context.enable(moderngl.CULL_FACE)
         total = self._standing.draw(number, uniforms, marked)
         self._context.disable(moderngl.CULL_FACE)
         return total
+
+    def _make(self, wants: tuple[str, ...], standing: Standing) -> None:
+        """Compile another program, for marks or for lamps."""
+        marks = None
+        if "MARKS" in wants:
+            places = [shape.vertices[:, :3] for levels in self._stone for shape in levels]
+            marks = solid_marks(
+                self._scene.pillars, self._scene.rocks, np.concatenate(places).astype(np.float64)
+            )
+        made = program(self._context, "solid", **dict.fromkeys(wants, 1), OWN_MARKS=1)
+        standing.draw_by(wants, made, marks)
+        self._programs[wants] = made
+        self._held.append(made)
 
     def release(self) -> None:
         """Free every OpenGL object."""

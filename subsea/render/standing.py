@@ -9,7 +9,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from subsea.render.marks import double
-from subsea.render.shaders import set_uniforms
+from subsea.render.shaders import set_uniforms, wanted
 from subsea.view.camera import View
 from subsea.view.culling import in_frustum, pixels_per_radian
 
@@ -49,7 +49,6 @@ class Standing:
         how far one sees. Level k is used from `thresholds_px[k]` pixels on. The program stays
         the caller's.
         """
-        self._program = compiled
         self._reach = reach_cm
         self._thresholds = np.asarray(thresholds_px, np.float64)
         # What stands for two levels is held once; shapes that differ in their vertices alone have
@@ -65,7 +64,8 @@ class Standing:
         self._seen = np.zeros((0, len(shapes)), np.bool_)
         self._starts = [0]  # of each view's triangles, with the end
         self._held: list[Any] = []
-        self._marking: tuple[Any, Any] = None, None
+        # What draws it, by what that is wanted for (`shaders.wanted`): array and program.
+        self._by: dict[tuple[str, ...], tuple[Any, Any]] = {}
         # Of each shape which item it is, and how many vertices it has.
         item = {id(shape): k for k, levels in enumerate(shapes) for shape in levels}
         self._owners = [item[id(shape)] for shape in flat], [len(shape.vertices) for shape in flat]
@@ -80,8 +80,9 @@ class Standing:
             place += vertices.nbytes
         self._indices = context.buffer(reserve=12)
         self._content = [(self._vertices, layout, *attributes.split())]
-        self._array = context.vertex_array(compiled, self._content, self._indices)
-        self._held = [self._array, self._vertices, self._indices]
+        array = context.vertex_array(compiled, self._content, self._indices)
+        self._by[()] = array, compiled
+        self._held = [array, self._vertices, self._indices]
 
     def choose(
         self, views: Sequence[View], detail: float = 1.0, shown: Bools | None = None
@@ -128,8 +129,8 @@ class Standing:
         """Which item each vertex (n,) belongs to."""
         return np.repeat(*self._owners)
 
-    def mark_by(self, compiled: Any, marks: Array | None = None) -> None:
-        """Draw marks by another program from now on, `marks` (n,) are its vertices' `a_mark`."""
+    def draw_by(self, wants: tuple[str, ...], compiled: Any, marks: Array | None = None) -> None:
+        """Draw by another program what is wanted so; `marks` (n,) are its vertices' `a_mark`."""
         if not self._held:
             return
         content = list(self._content)
@@ -138,7 +139,7 @@ class Standing:
             content.append((buffer, "1f4", "a_mark"))
             self._held.append(buffer)
         array = double(self._context, compiled, content, self._indices)
-        self._marking = array, compiled
+        self._by[wants] = array, compiled
         self._held.append(array)
 
     def draw(self, number: int, uniforms: dict[str, Any], marked: bool = False) -> int:
@@ -147,7 +148,8 @@ class Standing:
             return 0
         first, end = self._starts[number : number + 2]
         if end > first:
-            array, compiled = self._marking if marked else (self._array, self._program)
+            # Of shadows, which no lamp lights, there is one program.
+            array, compiled = self._by.get(wanted(uniforms, marked), self._by[()])
             set_uniforms(compiled, **uniforms)
             array.render(moderngl.TRIANGLES, vertices=3 * (end - first), first=3 * first)
         return end - first

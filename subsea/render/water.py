@@ -12,7 +12,7 @@ from subsea.frame import Scene
 from subsea.keeping import kept
 from subsea.render.marks import SURFACE, Twin
 from subsea.render.quality import Quality
-from subsea.render.shaders import program, set_uniforms
+from subsea.render.shaders import program, set_uniforms, wanted
 from subsea.render.textures import ripples, upload
 from subsea.view.camera import FAR_CM, View
 from subsea.view.rigs import VERTICAL_FOV
@@ -31,8 +31,10 @@ class Water:
     def __init__(self, context: Any, scene: Scene) -> None:
         """Compile the shaders; of `scene` the surface mirrors the sand."""
         self._context = context
-        self._background = program(context, "water")
-        self._grids: dict[tuple[int, int], tuple[Any, Any]] = {}  # by their cells
+        # Another one is made when lamps are first on.
+        self._programs: dict[tuple[str, ...], Any] = {(): program(context, "water")}
+        # By their cells, and what the program is wanted for.
+        self._grids: dict[tuple[Any, ...], tuple[Any, Any]] = {}
         self._cells = COARSE
         self._surface = Twin(context, "surface", SURFACE)
         self._floor = float(np.mean(scene.terrain))
@@ -47,12 +49,14 @@ class Water:
     def draw(self, view: View, uniforms: dict[str, Any]) -> int:
         """Fill what nothing covers; the number of triangles."""
         cells = cells_for(view, self._cells)
-        if cells not in self._grids:
+        if (wants := wanted(uniforms)) not in self._programs:
+            self._programs[wants] = program(self._context, "water", **dict.fromkeys(wants, 1))
+        if (cells, wants) not in self._grids:
             triangles = self._context.buffer(grid(*cells).tobytes())
-            array = self._context.vertex_array(self._background, [], triangles)
-            self._grids[cells] = array, triangles
-        set_uniforms(self._background, **uniforms, u_cells=cells)
-        background, _ = self._grids[cells]
+            array = self._context.vertex_array(self._programs[wants], [], triangles)
+            self._grids[cells, wants] = array, triangles
+        set_uniforms(self._programs[wants], **uniforms, u_cells=cells)
+        background, _ = self._grids[cells, wants]
         background.render(moderngl.TRIANGLES)
         self._context.enable(moderngl.BLEND)
         return background.vertices // 3 + self.draw_surface(view, uniforms)
@@ -69,7 +73,7 @@ class Water:
     def release(self) -> None:
         """Free every OpenGL object."""
         for held in (
-            *chain(*self._grids.values()), self._background,
+            *chain(*self._grids.values()), *self._programs.values(),
             self._surface, *self._parts, self._ripples,
         ):  # fmt: skip
             held.release()
