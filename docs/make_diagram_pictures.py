@@ -1,6 +1,7 @@
-"""Make the plate of diagrams in the documentation: `python docs/make_diagram_pictures.py [FOLDER]`.
+"""Make pictures for the documentation: `python docs/make_diagram_pictures.py [FOLDER]`.
 
 diagrams.png: the peaceful bay with one or two diagrams at a time, and as a wireframe.
+lights.png: the ocean's floor and the bay without and with the submarine's lights.
 """
 
 import sys
@@ -14,10 +15,11 @@ from subsea.app.start import headless, picture_maker, start_world
 from subsea.app.tour import Tour
 from subsea.diagrams import Sketcher, written
 from subsea.frame import pack
+from subsea.kinematics.heightfield import height_at
 from subsea.ocean import step
 from subsea.render.quality import PRESETS
 from subsea.view.rig import pose, views
-from subsea.view.rigs import display_rig
+from subsea.view.rigs import cockpit, display_rig
 
 SIZE = (640, 360)
 TICKS = 250
@@ -28,6 +30,12 @@ PLATES = (
     (("school",), "school", False),
     (("perception", "bounds"), "perception, bounds", False),
     ((), "wireframe", True),
+)
+# Scenario, ticks of the autopilot, and where the submarine is put then: x, y, height over the sand,
+# cm, heading and pitch, degrees.
+LIT = (
+    ("open-ocean", 60, (0.0, 0.0, 140.0, 40.0, -8.0)),
+    ("peaceful", TICKS, None),
 )
 LEADER_AHEAD = (-95.0, -75.0, 8.0)  # cm, from the school's fish that is looked at to the eye
 
@@ -65,7 +73,32 @@ def plate() -> Image.Image:
     return sheet
 
 
+def lights() -> Image.Image:
+    """Two places, dark on the left and lit on the right."""
+    sheet = Image.new("RGB", (2 * SIZE[0] + 8, 2 * SIZE[1] + 8), "white")
+    rig = display_rig("mono", SIZE)
+    for row, (name, ticks, place) in enumerate(LIT):
+        world, tour = start_world(name), Tour()
+        for _ in range(ticks):
+            step(world, tour.helm(world))
+        submarine = world.state.submarine
+        if place is not None:
+            x, y, high, heading, pitch = place
+            floor = height_at(world.state.sea.heights, world.state.sea.half_width, x, y)
+            submarine.position[:] = submarine.previous_position[:] = x, y, floor + high
+            submarine.angles[:] = submarine.previous_angles[:] = np.radians((heading, pitch))
+        seen = views(rig, cockpit(submarine, 1.0))
+        with headless() as context, picture_maker(context, world, rig, PRESETS["high"]) as renderer:
+            for column, on in enumerate((False, True)):
+                submarine.lights[:] = on
+                renderer.draw(pack(world, seen, 1.0, detail=1.6))
+                picture = Image.fromarray(renderer.read_pixels())
+                sheet.paste(picture, (column * (SIZE[0] + 8), row * (SIZE[1] + 8)))
+    return sheet
+
+
 if __name__ == "__main__":
     folder = Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).parent / "pictures")
     folder.mkdir(parents=True, exist_ok=True)
     plate().save(folder / "diagrams.png", optimize=True)
+    lights().save(folder / "lights.png", optimize=True)

@@ -95,7 +95,7 @@ void main() {
     back *= back;
     back *= back;
     vec3 beam = lamplight_at(v_world);
-    colour += EXPOSURE * (0.5 * silver * back + gloss * back * back * back + eye * spark) * beam;
+    colour += EXPOSURE * (0.3 * silver * back + gloss * back * back * back + eye * spark) * beam;
 #endif
     show(vec4(colour * v_clear + v_veil, skin.a));
 }

@@ -6,7 +6,7 @@ uniform vec3 u_beams[2];  // unit vectors along the axes of the beams
 
 const vec3 LAMPLIGHT = vec3(15.0, 11.6, 7.6);  // near a lamp, on its axis
 const float HALFWAY = 320.0;                  // cm, where it has spread so far that half is left
-const float INNER = 0.978, OUTER = 0.906;     // cosines of 12 and 25 degrees: bright, and dark
+const float INNER = 0.978, OUTER = 0.891;     // cosines of 12 and 27 degrees: bright, and dark
 // Share that a centimetre of water sends to the eye, more of blue, as a sky does.
 const vec3 SCATTERED = vec3(1.3, 2.7, 3.8) * 1e-5;
 const float GLOW_REACH = 900.0;  // cm, farther off the beams are not seen

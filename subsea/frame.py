@@ -20,6 +20,7 @@ from subsea.state import HANGING, HOOKED, LANDED, SINKING, STOWED, Fishes, Reef,
 from subsea.view.camera import View
 from subsea.view.culling import IN_SIGHT, OUT_OF_SIGHT, covered
 from subsea.view.levels import LEVELS, THRESHOLDS_PX, Memory, arranged, choose, nothing_drawn
+from subsea.view.rig import Pose
 from subsea.view.rigs import cockpit
 from subsea.world import TICK_S, World
 
@@ -52,7 +53,7 @@ KELP = SEAWEED_KINDS.index("kelp")
 GOLDEN = 0.6180339887  # multiples of it fill [0, 1) evenly
 
 # The lamps: so far aside, above and before the pilot's eye, and turned inward and down, rad.
-LAMPS_CM, LAMPS_TURNED = (95.0, -42.0, 10.0), (0.10, 0.03)
+LAMPS_CM, LAMPS_TURNED = (48.0, -26.0, 10.0), (0.06, 0.02)
 
 PLANKTON_REACH_CM = 1400.0  # a speck has faded there
 SPECK_CM = 4.0  # from its place, which it hops about, to the farthest that is drawn of its middle
@@ -157,16 +158,17 @@ def pack(
     growth: float = 1.0,
     memory: Memory | None = None,
     lines: Lines = NO_LINES,
-    vessel: Array | None = None,
+    pilot: Pose | None = None,
 ) -> Packet:
     """The frame that lies `alpha` (0 to 1) of the way from the last tick to the present one.
 
     `detail` is a factor on the pixels that a fish or a leaf is taken to cover when its level is
     chosen, `growth` the share of the clusters of seaweed that is drawn. `memory` is that of the
     frame before, and becomes that of this one; without it no fish fades from one level to another.
-    The pilot's eye is at `vessel` (3,) cm, None: between the two ticks too. The times of the
+    The `pilot` is where the submarine is drawn, None: between the two ticks too. The times of the
     stages "cull" and "pose" are added to `world.stages_s`.
     """
+    pilot = cockpit(world.state.submarine, alpha) if pilot is None else pilot
     fishes, library = world.state.fishes, world.library
     start = time.perf_counter()
     centres = fishes.previous_position + np.float32(alpha) * (
@@ -209,7 +211,7 @@ def pack(
         live_points=live_points,
         live_row=len(library.entry),
         passing_cm_s=_velocity(world),
-        vessel=cockpit(world.state.submarine, alpha).eye if vessel is None else vessel,
+        vessel=pilot.eye,
         hook=_hook(world.state.sea, alpha),
         bait=bool(world.state.sea.catch[0] in (SINKING, HANGING)),
         leaves=_leaves(world, leaves, alpha),
@@ -217,16 +219,12 @@ def pack(
         leaves_seen=leaves_seen,
         lines=lines,
         current_cm_s=world.current_cm_s,
-        lamps=_lamps(world, alpha),
+        lamps=lamps_of(pilot) if world.state.submarine.lights[0] else None,
     )
 
 
-def _lamps(world: World, alpha: float) -> Lamps | None:
-    """Where the lights are between two ticks, None while they are off."""
-    submarine = world.state.submarine
-    if not submarine.lights[0]:
-        return None
-    pilot = cockpit(submarine, alpha)
+def lamps_of(pilot: Pose) -> Lamps:
+    """Where the lights of a submarine are whose pilot is there, and how they shine."""
     axes = np.stack([np.cross(pilot.forward, pilot.up), pilot.up, pilot.forward])
     side = np.array([[-1.0], [1.0]])
     places = pilot.eye + (side * (1.0, 0.0, 0.0) * LAMPS_CM + (0.0, *LAMPS_CM[1:])) @ axes

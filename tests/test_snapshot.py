@@ -146,6 +146,19 @@ def test_truth_is_true_or_false(small):
     snapshot.restore(world, whole)
 
 
+def test_the_submarines_lights_go_along(small):
+    world, other, whole = small
+    lights = world.state.submarine.lights
+    lights[:] = True
+    assert not other.state.submarine.lights[0]
+    snapshot.restore(other, snapshot.take(world))
+    assert other.state.submarine.lights[0]
+    assert snapshot.checksum(other) == snapshot.checksum(world)
+    lights[:] = False
+    assert snapshot.checksum(other) != snapshot.checksum(world)
+    snapshot.restore(other, whole)
+
+
 def test_the_light_that_a_fish_was_told_to_see_goes_along(small):
     world, other, whole = small
     before = snapshot.checksum(world)

@@ -529,6 +529,14 @@ def _add_drawing(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--wireframe", action="store_true", help="draw the edges of all triangles, not the faces"
     )
+    parser.add_argument(
+        "--lights",
+        dest="changes",
+        action="append_const",
+        const="submarine.lights=true",
+        default=[],
+        help="with the submarine's lights on from the start",
+    )
 
 
 def _add_seed(parser: argparse.ArgumentParser) -> None:

@@ -206,6 +206,7 @@ class Dive:
             "rewind": lambda: self._have_time(Timeline.rewind),
             "pattern": self._show_pattern,
             "quality": self._choose_quality,
+            "lights": self._switch_lights,
             "picture": self._want_picture,
             "film": lambda: self._shots.film(self.window.size),
             "instruments": lambda: self.overlay.note(f"instruments: {self.overlay.hud.turn()}"),
@@ -447,7 +448,7 @@ class Dive:
         self._renderer.wireframe = self.wireframe
         packet = pack(
             self.world, seen, alpha, detail=quality.detail, growth=quality.growth,
-            memory=self._memory, lines=lines, vessel=self._eye.eye,
+            memory=self._memory, lines=lines, pilot=self._eye,
         )  # fmt: skip
         into = self._context.screen if self._direct else None
         if self._ride is not None:
@@ -544,6 +545,15 @@ class Dive:
         """Tell a line, on the terminal and for a while in the window."""
         say(text)
         self.overlay.note(text)
+
+    def _switch_lights(self) -> None:
+        """The submarine's lights, on or off; on all computers that show this dive."""
+        if not self._crew.hands:
+            return
+        lights = self.world.state.submarine.lights
+        lights[:] = ~lights
+        if self._crew.timeline is not None:
+            self._crew.timeline.touch()
 
     def _want_picture(self) -> None:
         self._wants_picture = True

@@ -132,6 +132,7 @@ class Follower:
             self._dive, self._called_s = "", -math.inf  # something was lost: the state is needed
             return False
         state = self.world.state
+        state.submarine.lights[:] = picture.lights
         differs = picture.checksum and picture.checksum != snapshot.checksum(self.world)
         if differs or picture.tick != state.tick:
             self._tell(f"this world differs from the master's at tick {picture.tick}")

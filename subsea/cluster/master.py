@@ -111,12 +111,12 @@ class Master:
         """
         self._hear(0.0)
         state = self.world.state
-        tick, check = state.tick, ""
+        tick, check, lights = state.tick, "", bool(state.submarine.lights[0])
         if tick - self._checked >= CHECK_TICKS:
             check, self._checked = snapshot.checksum(self.world), tick
         self._number += 1
         if isinstance(ticks, Sequence):
-            picture = picture_of(self._number, tick, alpha, ticks, check)
+            picture = picture_of(self._number, tick, alpha, ticks, check, lights)
             self._send_all(picture)
             for one in ticks_of(picture):
                 step(self.world, one)
@@ -126,7 +126,7 @@ class Master:
             [exact] = ticks_of(picture_of(self._number, tick, alpha, [one], check))
             step(self.world, exact)
             made.append(exact)
-        self._send_all(picture_of(self._number, tick, alpha, made, check))
+        self._send_all(picture_of(self._number, tick, alpha, made, check, lights))
 
     def swap(self) -> None:
         """Wait until all nodes in step have drawn, or the time is up, and have them show it."""

@@ -15,7 +15,7 @@ from subsea.errors import UserError
 from subsea.submarine.helm import Helm
 from subsea.submarine.rail import Rail
 
-PROTOCOL = 1
+PROTOCOL = 2
 MAGIC = b"subsea\x00" + PROTOCOL.to_bytes(1, "little")
 SMALL = 4096  # bytes; all messages but the state of a dive are smaller
 MAX_HELMS = 16  # ticks in a picture
@@ -87,6 +87,7 @@ class Picture(Message):
     # Of a tour: position, velocity, heading and pitch after each tick; these come first.
     rails: Annotated[list[RailRow], msgspec.Meta(max_length=MAX_HELMS)] = []
     checksum: Hash = ""  # of the world before them, or nothing
+    lights: bool = False  # of the submarine, whether they are on
 
 
 class Swap(Message):
@@ -130,12 +131,13 @@ def ticks_of(picture: Picture) -> list[Helm | Rail]:
 
 
 def picture_of(
-    number: int, tick: int, alpha: float, ticks: Sequence[Helm | Rail], checksum: str
-) -> Picture:
+    number: int, tick: int, alpha: float, ticks: Sequence[Helm | Rail], checksum: str,
+    lights: bool = False,
+) -> Picture:  # fmt: skip
     """The message that says so; rails after a helm are not foreseen."""
     rails = [_rail_row(one) for one in ticks if isinstance(one, Rail)]
     helms = [_helm_row(one) for one in ticks if isinstance(one, Helm)]
-    return Picture(number, tick, float(alpha), helms, rails, checksum)
+    return Picture(number, tick, float(alpha), helms, rails, checksum, lights)
 
 
 def _helm_row(helm: Helm) -> HelmRow:

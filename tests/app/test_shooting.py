@@ -111,6 +111,25 @@ def test_diagrams_and_their_labels_are_over_the_picture(boat, hands):
     assert np.abs(settled() - bare).mean() < 2.0
 
 
+def test_a_key_switches_the_lights_and_time_that_goes_back_switches_them_too(boat, hands):
+    lights = boat.world.state.submarine.lights
+    hands.glide(boat, 1.5)
+    off = hands.screen(boat)
+    hands.do("key", "b")
+    hands.until(boat, lambda: lights[0])
+    boat.frame(0.0)
+    boat.frame(0.0)
+    assert (hands.screen(boat) - off).mean() > 1.0
+    hands.glide(boat, 0.2)
+    boat.grant("rewind")
+    hands.glide(boat, 0.1)
+    assert not lights[0]
+    boat.grant("lights")
+    assert lights[0]
+    boat.grant("lights")
+    assert not lights[0]
+
+
 def test_closing_the_dive_leaves_a_valid_film(boat, hands, folder):
     boat.grant("film")
     hands.glide(boat, 0.3)

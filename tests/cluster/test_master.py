@@ -55,6 +55,16 @@ def test_a_picture_without_a_tick_is_one(bridge, seas):
     assert left.seen[bridge.master._number] == bridge.seen[bridge.master._number]
 
 
+def test_lights_are_switched_on_for_all(bridge, seas):
+    left, right = both_in_step(bridge, seas)
+    lights = bridge.master.world.state.submarine.lights
+    for on in (True, False):
+        lights[:] = on
+        sails_on(bridge, left, right)
+        assert all(bool(sea.state.submarine.lights[0]) == on for sea in seas)
+    assert not told(bridge, "differs")
+
+
 def test_a_node_that_is_late_is_left_behind_and_comes_back(bridges, seas, address):
     bridge = bridges(seas[0], address, timeout_s=1.0)
     left, right = both_in_step(bridge, seas)

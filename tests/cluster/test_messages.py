@@ -32,7 +32,7 @@ IDENTITY = Identity("0.1.0", "Peaceful bay", "ab", 7, "cd", "ef", "01", "23")
 FROM_NODE = [Hello("left", IDENTITY, "dive"), Drawn(12), Diverged(900)]
 FROM_MASTER = [
     State("dive", 3, b"\x00bytes"),
-    Picture(4, 77, 0.5, [(0.1, -1.0, 1.0, 0.0, True)], [(1.0,) * 8], "checksum"),
+    Picture(4, 77, 0.5, [(0.1, -1.0, 1.0, 0.0, True)], [(1.0,) * 8], "checksum", True),
     Swap(4),
     Refused("because"),
 ]
@@ -56,7 +56,9 @@ def test_a_picture_steers():
     carried, steered = ticks_of(FROM_MASTER[1])
     assert steered == Helm(0.1, -1.0, 1.0, 0.0, True)
     assert [*carried.position, *carried.velocity, *carried.angles] == [1.0] * 8
-    rebuilt = picture_of(4, 77, np.float32(0.5), [carried, steered._replace(yaw=-7)], "checksum")
+    rebuilt = picture_of(
+        4, 77, np.float32(0.5), [carried, steered._replace(yaw=-7)], "checksum", True
+    )
     assert rebuilt == FROM_MASTER[1]
 
 
@@ -92,7 +94,7 @@ def test_what_is_told_of_a_message_does_not_steer_the_terminal():
 
 def test_another_protocol_is_told():
     data = encode(Drawn(1))
-    with pytest.raises(UserError, match=r"speaks protocol 9, expected 1"):
+    with pytest.raises(UserError, match=r"speaks protocol 9, expected 2"):
         from_node(data[: len(MAGIC) - 1] + b"\x09" + data[len(MAGIC) :])
 
 
