@@ -15,7 +15,7 @@ from subsea.behavior.temper import alter, temper
 from subsea.errors import UserError
 from subsea.habitat.reef import grow
 from subsea.habitat.rocks import rock_rows
-from subsea.habitat.sea import make_sea
+from subsea.habitat.sea import make_sea, pillar_rows
 from subsea.habitat.seaweed import plant
 from subsea.habitat.solids import out_of_solids
 from subsea.kinematics.coupling import Coupling, couple
@@ -27,7 +27,7 @@ from subsea.motor.switching import Dynamics, make_dynamics
 from subsea.repertoire import SEGMENTS, Repertoire, read_repertoire
 from subsea.repertoire.library import Library, pack
 from subsea.resources import resource_path
-from subsea.scenario import MAX_SIMULATED, MAX_SOLIDS, Scenario, Shoal
+from subsea.scenario import MAX_SIMULATED, MAX_SOLIDS, Scenario, Shoal, check_scenario
 from subsea.species import Species, load_species
 from subsea.state import (
     HULL_CM,
@@ -172,6 +172,19 @@ def check_world(scenario: Scenario, source: str, seed: int | None = None) -> Non
     """A UserError where `create_world` has one for a scenario that `check_scenario` lets pass."""
     seed = scenario.seed if seed is None else seed
     _sea_of(scenario, np.random.default_rng([seed, 0x5EA]), seed, source)
+
+
+def check_in(scenario: Scenario, sea: Sea, source: str) -> None:
+    """As `check_world`, at once: on the seabed and beside the reef of a `sea` that is nearly it."""
+
+    def floor(x: float, y: float) -> float:
+        return float(height_at(sea.heights, sea.half_width, x, y))
+
+    check_scenario(scenario, source)
+    _refuse_crowded(scenario, source)
+    there = sea._replace(pillars=pillar_rows(scenario, floor), rocks=rock_rows(scenario, floor)[0])
+    _refuse_too_high(scenario, there, source)
+    _refuse_misplaced(scenario, there, source)
 
 
 def _sea_of(

@@ -13,7 +13,6 @@ import numpy as np
 from imgui_bundle import imgui
 
 from subsea.app.bindings import Wish
-from subsea.app.console import say
 from subsea.app.focus import name_of
 from subsea.app.gui import GLASS, MARK, Gui, colour
 from subsea.app.overlay import Overlay
@@ -77,8 +76,13 @@ class Host(Protocol):
     def fish_at(self, x: float, y: float) -> int | None:
         """The fish that is seen at a place on the screen, in shares of it from its upper left."""
 
-    def enter(self, scenario: Scenario, source: Path, seed: int | None = None) -> bool:
-        """Leave this world for the one that a scenario begins with; whether there is such a one."""
+    def enter(
+        self, scenario: Scenario, source: Path, seed: int | None = None, stay: bool = False
+    ) -> bool:
+        """Leave this world for the one that a scenario begins with; whether there is such a one.
+
+        With `stay` it goes on from here, where things stand otherwise.
+        """
 
     def grant(self, wish: Wish) -> None:
         """Do what a key of that name would."""
@@ -98,6 +102,7 @@ class Desk:
         self.shown: set[str] = set()  # the panels that are open
         self.chosen: int | None = None  # the fish that panels are about
         self._later: list[Callable[[], object]] = []
+        self.taken = False  # whether the pointer has taken hold of something that is no fish
         self._changed = False
         self._taken: dict[str, tuple[float, float, float, float]] = {}  # where panels are
         self._kept: dict[type, Any] = {}
@@ -156,8 +161,9 @@ class Desk:
                 self.shown.discard(name)
         if imgui.is_mouse_released(0) and not self.host.gui.on_panel:
             dragged = imgui.get_mouse_drag_delta(0)
-            if not (dragged.x or dragged.y):
+            if not (dragged.x or dragged.y or self.taken):
                 self._choose_at(*self.host.gui.pointer)
+        self.taken &= imgui.is_mouse_down(0)
 
     def _room(self) -> tuple[float, float]:
         """Where one more panel hides none of those that are open, if there is room."""
@@ -187,11 +193,6 @@ class Desk:
     def later(self, act: Callable[[], object]) -> None:
         """Do it when the present frame has ended."""
         self._later.append(act)
-
-    def tell(self, text: str) -> None:
-        """Say it on the terminal and beside the instruments."""
-        say(text)
-        self.host.overlay.note(text)
 
     def afterwards(self) -> None:
         """Do what waited for the end of the frame."""

@@ -46,6 +46,7 @@ from subsea.app.shots import Shots, pictures_folder
 from subsea.app.sight import Sight, sight
 from subsea.app.sign import sign_of
 from subsea.app.start import wake
+from subsea.app.staying import carry
 from subsea.app.timeline import Timeline
 from subsea.app.tour import guide
 from subsea.app.window import Window
@@ -263,13 +264,21 @@ class Dive:
         """Whether other computers show the same dive: then nothing here may change it."""
         return self._crew.shared
 
-    def enter(self, scenario: Scenario, source: Path, seed: int | None = None) -> bool:
+    def enter(
+        self, scenario: Scenario, source: Path, seed: int | None = None, stay: bool = False
+    ) -> bool:
         """Leave this world for the one that a scenario begins with; whether there is such a one.
 
-        If not, that is told, and everything stays as it is. `source` is the scenario's file.
+        If not, that is told, and everything stays as it is. `source` is the scenario's file. With
+        `stay` the submarine and what lives go on from here (`staying.carry`), and so does time.
         """
+        before, ride, time = self.world, self._ride, self._crew.timeline
         try:
-            world = self._made(scenario, source, seed)
+            if stay:
+                world = create_world(scenario, seed, source=str(source))
+                carry(before, world)
+            else:
+                world = self._made(scenario, source, seed)
         except UserError as fault:
             self.note(str(fault))
             return False
@@ -277,6 +286,11 @@ class Dive:
         self._stay.close()
         self.scenario, self.source = scenario, source
         self._live_in(world)
+        if stay and ride is not None and ride.by.fish < len(world.state.fishes.alive):
+            self.mount(ride.by.fish)
+        if stay and time is not None and self._crew.timeline is not None:
+            self._crew.timeline.run_at(time.rate)
+            self._crew.timeline.paused = time.paused
         return True
 
     def show_as(self, display: str) -> None:

@@ -47,6 +47,10 @@ KEYS = {
     glfw.KEY_Y: imgui.Key.y,
     glfw.KEY_Z: imgui.Key.z,
 }
+PRESSED = {
+    imgui.Key.mod_ctrl: (glfw.KEY_LEFT_CONTROL, glfw.KEY_RIGHT_CONTROL),
+    imgui.Key.mod_shift: (glfw.KEY_LEFT_SHIFT, glfw.KEY_RIGHT_SHIFT),
+}
 MODIFIERS = (
     (glfw.MOD_CONTROL, imgui.Key.mod_ctrl),
     (glfw.MOD_SHIFT, imgui.Key.mod_shift),
@@ -245,6 +249,10 @@ class Gui:
         if self.open or not down:
             for bit, name in MODIFIERS:
                 self._io.add_key_event(name, bool(modifiers & bit))
+            # The modifiers of an event are those of before it.
+            for name, keys in PRESSED.items():
+                if key in keys:
+                    self._io.add_key_event(name, down)
             if key in KEYS:
                 self._io.add_key_event(KEYS[key], down)
         return self.open and bool(self._io.want_text_input)

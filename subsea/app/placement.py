@@ -52,6 +52,7 @@ SINGLE = ("hook", "submarine")  # of these there is one at most
 KNOB_CM = 18.0  # radius of what is taken hold of in things without a body
 GROUPS_ABOVE_CM = 25.0  # how high the knobs of what grows are over the seabed
 SIDES = 32  # of a circle
+AHEAD_CM = 420.0  # how far away at most something new is put
 NEW_ABOVE_CM = 90.0  # the seabed: where something that hangs in the water is put on it
 
 
@@ -170,7 +171,7 @@ TURNS = {"fish": "heading_deg", "submarine": "heading_deg", "rock": "yaw_deg",
 
 def resized(scenario: Scenario, handle: Handle, factor: float) -> Scenario:
     """The scenario with a thing so many times as large, as far as it may be."""
-    one = _thing(scenario, handle)
+    one = thing(scenario, handle.kind, handle.number)
     changes: dict[str, Any] = {}
     for key in SIZES.get(handle.kind, ()):
         value = getattr(one, key)
@@ -186,8 +187,39 @@ def turned(scenario: Scenario, handle: Handle, degrees: float) -> Scenario:
     key = TURNS.get(handle.kind)
     if key is None:
         return scenario
-    angle = float(round((getattr(_thing(scenario, handle), key) or 0.0) + degrees))
+    angle = float(
+        round((getattr(thing(scenario, handle.kind, handle.number), key) or 0.0) + degrees)
+    )
     return _with(scenario, handle, **{key: (angle + 180.0) % 360.0 - 180.0})
+
+
+HEIGHTS = {"pillar": "height_cm", "arch": "height_cm", "seaweed": "height_cm"}
+"""Which key says how high things of a kind are; of rocks and knolls the last of `size_cm`."""
+
+
+def raised(scenario: Scenario, handle: Handle, factor: float) -> Scenario:
+    """The scenario with what stands on the seabed so many times as high, as far as it may be."""
+    one = thing(scenario, handle.kind, handle.number)
+    if handle.kind in HEIGHTS:
+        key = HEIGHTS[handle.kind]
+        high = _clamped(type(one), key, factor * getattr(one, key))
+        return _with(scenario, handle, **{key: high})
+    if handle.kind in ("rock", "outcrop"):
+        wide, deep, high = one.size_cm
+        high = _clamped(type(one), "size_cm", factor * high)
+        return _with(scenario, handle, size_cm=(wide, deep, high))
+    return scenario
+
+
+def before(sea: Sea, eye: Array, way: Array) -> Place:
+    """The place on the seabed that a ray goes to, at most `AHEAD_CM` away, inside the sea."""
+    a, b = _ray(sea, eye, way)
+    t = ray_meets_seabed(sea.heights, sea.half_width, 0.0, a, b)
+    far = float(np.linalg.norm(np.subtract(b, a))) * t if t < NEVER else np.inf
+    x, y, _ = np.asarray(eye) + min(far, AHEAD_CM) * np.asarray(way) / np.linalg.norm(way)
+    inward = min(1.0, 0.95 * sea.radius / max(math.hypot(x, y), 1e-6))
+    x, y = inward * float(x), inward * float(y)
+    return x, y, _floor(sea, x, y)
 
 
 def added(scenario: Scenario, kind: str, place: Place, sea: Sea) -> Scenario:
@@ -294,19 +326,29 @@ class History:
         return self.present
 
 
-def _thing(scenario: Scenario, handle: Handle) -> Any:
-    those = getattr(scenario, handle.kind)
-    return those if handle.kind in SINGLE else those[handle.number]
+def thing(scenario: Scenario, kind: str, number: int) -> Any:
+    """The table of a thing; None where there is no such thing."""
+    those = getattr(scenario, kind)
+    if kind in SINGLE:
+        return those
+    return those[number] if number < len(those) else None
+
+
+def exchanged(scenario: Scenario, kind: str, number: int, one: msgspec.Struct) -> Scenario:
+    """The scenario with another table for a thing."""
+    if kind in SINGLE:
+        return msgspec.structs.replace(scenario, **{kind: one})
+    if isinstance(one, Shoal):
+        scenario = numbered(scenario, number, one.number)
+    those = list(getattr(scenario, kind))
+    those[number] = one
+    return msgspec.structs.replace(scenario, **{kind: those})
 
 
 def _with(scenario: Scenario, handle: Handle, **changes: Any) -> Scenario:
     """The scenario with a thing changed."""
-    one = msgspec.structs.replace(_thing(scenario, handle), **changes)
-    if handle.kind in SINGLE:
-        return msgspec.structs.replace(scenario, **{handle.kind: one})
-    those = list(getattr(scenario, handle.kind))
-    those[handle.number] = one
-    return msgspec.structs.replace(scenario, **{handle.kind: those})
+    one = msgspec.structs.replace(thing(scenario, handle.kind, handle.number), **changes)
+    return exchanged(scenario, handle.kind, handle.number, one)
 
 
 def _clamped(table: type[msgspec.Struct], key: str, value: float) -> float:

@@ -13,6 +13,9 @@ from subsea.view.rig import Rig, Shape, front, seen_part
 Array = NDArray[np.floating[Any]]
 
 
+NEAR_CM = 4.0  # from the eye: lines are drawn from there on
+
+
 class Sight(NamedTuple):
     """A view, and what of it the screen ahead shows: places there are shares, from its upper left.
 
@@ -47,6 +50,15 @@ class Sight(NamedTuple):
             ],
             axis=1,
         )
+
+    def lines(self, segments: Array) -> Array:
+        """Where lines (n, 2, 3), cm, are seen: (k, 2, 2), as far as they are before the eye."""
+        ends = np.asarray(segments, np.float64)
+        ahead = -(ends - np.asarray(self.view.eye, np.float64)) @ self.view.view[2, :3]
+        share = (NEAR_CM - ahead) / np.where(ahead[:, ::-1] == ahead, 1.0, ahead[:, ::-1] - ahead)
+        share = np.where(ahead < NEAR_CM, share, 0.0)[..., None]
+        cut = (ends + share * (ends[:, ::-1] - ends))[(ahead > NEAR_CM).any(axis=1)]
+        return self.places(cut.reshape(-1, 3)).reshape(-1, 2, 2)
 
 
 def sight(rig: Rig, views: Sequence[View]) -> Sight | None:

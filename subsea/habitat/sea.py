@@ -1,24 +1,35 @@
 """The sea as a scenario has it: seabed, what stands on it, climate, plankton."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from subsea.habitat import hook, plankton
-from subsea.habitat.rocks import rock_rows
+from subsea.habitat.rocks import Floor, rock_rows
 from subsea.habitat.terrain import crest, drifted, half_width, make_terrain
 from subsea.kinematics.heightfield import height_at
 from subsea.scenario import Scenario
 from subsea.state import NOBODY, STOWED, Sea
 
 
+def pillar_rows(scenario: Scenario, floor: Floor) -> NDArray[np.float64]:
+    """All pillars (k, 4) on a seabed of this height, as in `state.Sea`."""
+    rows = np.zeros((len(scenario.pillar), 4))
+    for k, pillar in enumerate(scenario.pillar):
+        x, y = pillar.position_cm
+        rows[k] = x, y, pillar.radius_cm, floor(x, y) + pillar.height_cm
+    return rows
+
+
 def make_sea(scenario: Scenario, rng: np.random.Generator) -> Sea:
     """All that surrounds the fishes at tick 0; pillars and rocks stand on the seabed."""
     heights, width = make_terrain(scenario), half_width(scenario)
     radius, water = scenario.bounds.radius_cm, scenario.water
-    pillars = np.zeros((len(scenario.pillar), 4))
-    for k, pillar in enumerate(scenario.pillar):
-        x, y = pillar.position_cm
-        pillars[k] = x, y, pillar.radius_cm, height_at(heights, width, x, y) + pillar.height_cm
-    rocks, _ = rock_rows(scenario, lambda x, y: height_at(heights, width, x, y))
+
+    def floor(x: float, y: float) -> float:
+        return float(height_at(heights, width, x, y))
+
+    pillars = pillar_rows(scenario, floor)
+    rocks, _ = rock_rows(scenario, floor)
     heights = drifted(heights, width, pillars, rocks, water.current_cm_s)
     surface_c, depth_c = water.temperature_c
     return Sea(

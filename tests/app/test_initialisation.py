@@ -11,7 +11,7 @@ from subsea.app import shelf
 from subsea.app.dive import Dive
 from subsea.app.gui import TEXT_PT
 from subsea.app.inventory import counts, with_counts
-from subsea.app.panels.initialisation import NUMBER
+from subsea.app.panels.initialisation import NUMBER, present
 from subsea.errors import UserError
 from subsea.resources import resource_path
 from subsea.scenario import Individual, Shoal, load_scenario, scenario_names
@@ -117,12 +117,12 @@ def test_what_is_saved_is_the_same_world_again(pool, hands, spots, tmp_path, cap
     assert pool.source == path
     assert "# the school" in path.read_text() and "# clear" in path.read_text()
     scenario, _ = load_scenario(str(path))
-    assert scenario == pool.scenario
+    assert scenario == present(pool.desk)
     again, minds = create_world(scenario), pool.world.state.minds
     assert np.array_equal(again.state.minds.male, minds.male)
     assert np.array_equal(again.state.minds.dread, minds.dread)
     assert again.nature == pool.world.nature and again.state.seed == 77
-    assert snapshot.checksum(again) == snapshot.checksum(create_world(pool.scenario))
+    assert snapshot.checksum(again) == snapshot.checksum(create_world(present(pool.desk)))
 
 
 def test_where_nothing_can_be_written_nothing_is_lost(pool, spots, tmp_path, capsys, monkeypatch):
@@ -158,7 +158,7 @@ def test_a_shipped_scenario_is_opened_and_saved_as_ones_own(pool, hands, spots, 
     assert shipped.read_bytes() == before
     assert "my-schooling" in scenario_names()
     scenario, path = load_scenario("my-schooling")
-    assert path == pool.source and scenario == pool.scenario
+    assert path == pool.source and scenario == present(pool.desk)
     spots.type(pool, "##title", "schooling")
     assert "shipped" in capsys.readouterr().err
     spots.click(pool, "Save")  # its own file again

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from subsea.app.panels import behavior, control, fish_view, habits, initialisation, time
+from subsea.app.panels import behavior, control, fish_view, habits, initialisation, placement, time
 
 if TYPE_CHECKING:
     from subsea.app.desk import Desk
@@ -12,6 +12,7 @@ Panel = Callable[["Desk"], None]
 
 PANELS: dict[str, Panel] = {
     "Initialisation": initialisation.panel,
+    "Placement": placement.panel,
     "Behavior": behavior.panel,
     "Habits": habits.panel,
     "Control": control.panel,

@@ -81,12 +81,12 @@ def panel(desk: "Desk") -> None:
 def start_anew(desk: "Desk", wanted: Counts) -> bool:
     """Begin the dive with these numbers; whether that was possible. If not, it is told."""
     draft, host = desk.of(Draft), desk.host
-    scenario = with_counts(host.scenario, wanted)
+    scenario = with_counts(present(desk), wanted)
     try:
         check_scenario(scenario, "the numbers")
     except UserError as fault:
         draft.said = str(fault)
-        desk.tell(draft.said)
+        host.note(draft.said)
         return False
     if not host.enter(scenario, host.source):
         draft.said = "That dive cannot begin."
@@ -97,15 +97,15 @@ def start_anew(desk: "Desk", wanted: Counts) -> bool:
 
 def open_file(desk: "Desk", name: str) -> bool:
     """Begin the dive of another scenario, by name or path; whether that was possible."""
-    draft = desk.of(Draft)
+    draft, host = desk.of(Draft), desk.host
     try:
         scenario, path = shelf.opened(name)
     except UserError as fault:
         draft.said = str(fault)
-        desk.tell(draft.said)
+        host.note(draft.said)
         return False
     draft.said = ""
-    return desk.host.enter(scenario, path)
+    return host.enter(scenario, path)
 
 
 def save(desk: "Desk", name: str = "") -> Path | None:
@@ -113,16 +113,20 @@ def save(desk: "Desk", name: str = "") -> Path | None:
     draft, host = desk.of(Draft), desk.host
     try:
         path = shelf.place_named(name.strip()) if name else shelf.place_of(host.source)
-        scenario = replace(scenario_now(host.world), seed=host.world.state.seed)
-        shelf.save(scenario, path, host.source)
+        shelf.save(present(desk), path, host.source)
     except UserError as fault:
         draft.said = str(fault)
-        desk.tell(draft.said)
+        host.note(draft.said)
         return None
-    host.scenario, host.source, draft.base = scenario, path, scenario
-    draft.names, draft.said = scenario_names(), f"saved as {path}"
-    desk.tell(draft.said)
+    host.source, draft.names, draft.said = path, scenario_names(), f"saved as {path}"
+    host.note(draft.said)
     return path
+
+
+def present(desk: "Desk") -> Scenario:
+    """The dive's scenario with what panels have changed."""
+    world = desk.host.world
+    return replace(scenario_now(world), seed=world.state.seed)
 
 
 def _fishes(wanted: Counts) -> None:
