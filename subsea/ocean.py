@@ -88,7 +88,7 @@ def step(world: World, order: Order) -> None:
         command(fishes, world.library, state.seed, state.tick, TICK_S)
         burst = swim(
             fishes, world.library, world.dynamics, state.live,
-            state.submarine.position, state.tick, TICK_S, world.physics,
+            state.submarine.position, state.tick, TICK_S, world.physics, sea,
         )  # fmt: skip
         world.tell_burst(burst)
         play(fishes, world.library, TICK_S)

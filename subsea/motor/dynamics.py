@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from subsea.biomechanics.body import MUSCLE_LEFT, MUSCLE_SEGMENT, MUSCLES, NODES, Body, build_body
 from subsea.biomechanics.fins import PITCH_GAIN, ROLL_GAIN, STEEPEST
 from subsea.biomechanics.plan import Muscles
-from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, STRAIN_LIMITS, TICK_S, advance
+from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, TICK_S, advance
 from subsea.kinematics.rotation import (
     Quaternion,
     fraction,
@@ -145,11 +145,14 @@ def swim_live(
     dt: float,
     time_step: float,
     iterations: int,
+    least: float,
+    most: float,
 ) -> NDArray[np.bool_]:
     """Advance every simulated fish by one tick; whether each slot's body (k,) stayed sound.
 
     A body that did not is left as it was a tick ago, so that playback can take over from there.
-    `time_step` and `iterations` as in `state.Physics`.
+    `time_step` and `iterations` as in `state.Physics`; a unit's length over its length at rest must
+    stay within `least` and `most`.
     The pose goes to the slot's other row and so do the increments that brought it there, per
     recorded frame: a glide takes them up as if they had been recorded.
     """
@@ -179,8 +182,7 @@ def swim_live(
             bodies.viscosity[kind], bodies.drag[kind], muscles[:steps], np.zeros(3), force, step,
             watch,
         )  # fmt: skip
-        low, high = STRAIN_LIMITS
-        sound[slot] = low <= watch[0] and watch[1] <= high and watch[2] > 0.0
+        sound[slot] = least <= watch[0] and watch[1] <= most and watch[2] > 0.0
         leap = LEAP_BL * rate * library.recorded_length[kind]
         sound[slot] &= np.isfinite(x).all() and np.abs(x - live.x[slot]).max() < leap
         if sound[slot]:

@@ -10,7 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.biomechanics.solver import TIME_UNIT_S
+from subsea.biomechanics.solver import STRAIN_LIMITS, TIME_UNIT_S
+from subsea.kinematics.heightfield import height_at
 from subsea.kinematics.rotation import matrix
 from subsea.motor.balance import roll_of
 from subsea.motor.controller import RIGHT_GRADUAL
@@ -27,7 +28,7 @@ from subsea.repertoire.transitions import (
     usual_change,
 )
 from subsea.species import Species
-from subsea.state import Fishes, Live, Physics
+from subsea.state import Fishes, Live, Physics, Sea
 
 Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
@@ -38,6 +39,8 @@ KEEP = 1.25  # a fish that is simulated counts as nearer than it is by this fact
 GENTLE = 1.2  # a fish leaves when no node's velocity changes by more than usual, times this ...
 MAX_WAIT_TICKS = 45  # ... or when it has waited for about three beats
 USUAL, NONE = Physics(), np.zeros(0, np.int32)
+EDGE_BL = 0.3  # so near to the surface, the rim and what stands on the seabed a fish is astray
+EXPERIMENT_LIMITS = (0.2, 3.0)  # so far out of shape a body gets before it has exploded
 HOVERING = 0.2  # thrust below which a fish is played back: backing off is not in the muscles
 
 
@@ -69,12 +72,13 @@ def make_dynamics(
 
 def swim(
     fishes: Fishes, library: Library, dynamics: Dynamics, live: Live,
-    viewer: Array, tick: int, dt: float, physics: Physics = USUAL,
+    viewer: Array, tick: int, dt: float, physics: Physics = USUAL, sea: Sea | None = None,
 ) -> Ints:  # fmt: skip
     """One tick of all simulated fishes, before playback moves the others.
 
     `viewer` (3,) is what fishes are near to, in cm. Returns those whose bodies lost their shape
     ("exploded", Tu §9.2): they are played back from their last sound pose, and come to no harm.
+    Under unusual physics a fish that nothing turns, at the edge of the `sea`, is played back too.
     """
     if not len(live.fish) or not len(fishes.live):
         return NONE
@@ -85,14 +89,36 @@ def swim(
     for slot in np.flatnonzero(live.waiting):
         _try_to_leave(fishes, library, dynamics, live, int(slot))
     bodies = under(dynamics.bodies, physics)
+    limits = STRAIN_LIMITS if physics == USUAL else EXPERIMENT_LIMITS
     sound = swim_live(
-        fishes, library, bodies, live, dt, float(physics.time_step), int(physics.iterations)
-    )
+        fishes, library, bodies, live, dt, float(physics.time_step), int(physics.iterations),
+        *limits,
+    )  # fmt: skip
     burst = live.fish[~sound].copy()
     for slot in np.flatnonzero(~sound):
         way = way_back(fishes, library, dynamics, live, int(slot))
         to_playback(fishes, library, live, int(slot), way)
+    if sea is not None and physics != USUAL:
+        for lost in _astray(fishes, live, sea):
+            way = way_back(fishes, library, dynamics, live, lost)
+            to_playback(fishes, library, live, lost, way)
     return burst
+
+
+def _astray(fishes: Fishes, live: Live, sea: Sea) -> list[int]:
+    """Slots of fishes that were about to leave the sea, put where there is room for them."""
+    found = []
+    for slot, i in enumerate(live.fish):
+        if i < 0 or not fishes.live[i]:
+            continue
+        x, y, z = fishes.position[i]
+        room, rim = EDGE_BL * fishes.length[i], math.hypot(x, y)
+        low = height_at(sea.floor, sea.half_width, x, y) + room
+        if rim > sea.radius - room or not low < z < -room:
+            inward = min((sea.radius - room) / max(rim, 1e-6), 1.0)
+            fishes.position[i] = inward * x, inward * y, min(max(z, low), -room)
+            found.append(slot)
+    return found
 
 
 def _free(fishes: Fishes, live: Live, rows: int) -> None:

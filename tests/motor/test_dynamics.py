@@ -13,7 +13,7 @@ from subsea.biomechanics.controllers import (
 )
 from subsea.biomechanics.fins import balance, pectoral_force
 from subsea.biomechanics.simulation import State, simulate
-from subsea.biomechanics.solver import STEPS_PER_TICK
+from subsea.biomechanics.solver import STEPS_PER_TICK, STRAIN_LIMITS
 from subsea.kinematics.frame import body_frame
 from subsea.kinematics.rotation import about, from_matrix, matrix, multiply
 from subsea.motor.balance import roll_of
@@ -63,7 +63,7 @@ def test_a_tick_is_six_steps_of_the_plain_simulation(make_tank, species):
     state = State(live.x[0].copy(), live.v[0].copy(), np.array([np.inf, 0.0, np.inf]))
     steps = 2 * np.pi / (plan.swim.ticks_per_beat * STEPS_PER_TICK) * np.arange(STEPS_PER_TICK)
     begin = live.phase[0]
-    assert swim_live(tank.fishes, tank.library, bodies, live, TICK, 1.0, 6)[0]
+    assert swim_live(tank.fishes, tank.library, bodies, live, TICK, 1.0, 6, *STRAIN_LIMITS)[0]
     # The kernel eases amplitude and bend first, then keeps them for the tick.
     contraction = swim_contraction(plan.swim, begin + steps, live.amplitude[0])
     contraction += bend_contraction(tuple(np.abs(live.bend[0])), np.sign(live.bend[0, 0]))
@@ -188,7 +188,16 @@ def test_a_current_carries_it_along(make_tank):
     carried.fishes.drift[:] = flow
     for _ in range(60):
         for tank in (still, carried):
-            swim_live(tank.fishes, tank.library, tank.dynamics.bodies, tank.live, TICK, 1.0, 6)
+            swim_live(
+                tank.fishes,
+                tank.library,
+                tank.dynamics.bodies,
+                tank.live,
+                TICK,
+                1.0,
+                6,
+                *STRAIN_LIMITS,
+            )
     gap = carried.fishes.position[0] - still.fishes.position[0]
     np.testing.assert_allclose(gap, 60 * TICK * flow, atol=1e-3)
 
