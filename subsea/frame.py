@@ -124,7 +124,8 @@ class Packet:
     leaves_seen: NDArray[np.bool_] | None = None
     # Of each view which specks of the plankton it sees; None: each sees all.
     plankton_seen: tuple[Ints, ...] | None = None
-    lines: Lines = NO_LINES  # of diagrams
+    lines: Lines = NO_LINES  # of diagrams ...
+    lined: int | None = None  # ... in so many of the views, the first ones; None: in all
     current_cm_s: tuple[float, float] | None = None  # of the water; None: as in the scene
     lamps: Lamps | None = None  # of the submarine, None while they are off
 

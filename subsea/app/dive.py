@@ -458,7 +458,8 @@ class Dive:
         seen = self._views()
         ridden = None if self._ride is None else self._ride.by.fish
         chosen = self.desk.chosen if ridden is None else ridden
-        lines, self._labels = self._sketcher.draw(self.diagrams, seen, alpha, chosen)
+        own = len(seen) - len(self._insets)  # what a fish's eyes see has no diagrams
+        lines, self._labels = self._sketcher.draw(self.diagrams, seen[:own], alpha, chosen)
         self._renderer.wireframe = self.wireframe
         packet = pack(
             self.world, seen, alpha, detail=quality.detail, growth=quality.growth,
@@ -466,7 +467,8 @@ class Dive:
         )  # fmt: skip
         into = self._context.screen if self._direct else None
         if self._ride is not None:
-            packet = replace(packet, passing_cm_s=velocity_of(self.world, self._ride.by.fish))
+            passing = velocity_of(self.world, self._ride.by.fish)
+            packet = replace(packet, passing_cm_s=passing, lined=own)
         self._renderer.draw(packet, into)
         self._drawn = packet
         if self._insets and self.look != "colours":

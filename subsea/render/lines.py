@@ -38,14 +38,15 @@ class Lines:
             self._buffer.orphan(data.nbytes)
             self._buffer.write(data)
 
-    def draw(self, packet: Packet, view: View, uniforms: dict[str, Any]) -> int:
+    def draw(self, packet: Packet, number: int, view: View, uniforms: dict[str, Any]) -> int:
         """Draw all lines into a view, blended; the number of triangles."""
-        number = len(packet.lines.ends)
-        if number:
-            width = max(SHARE * view.viewport[3], THINNEST_PX)
-            set_uniforms(self._program, **uniforms, u_width=width)
-            self._array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=number)
-        return 2 * number
+        count = len(packet.lines.ends)
+        if not count or (packet.lined is not None and number >= packet.lined):
+            return 0
+        width = max(SHARE * view.viewport[3], THINNEST_PX)
+        set_uniforms(self._program, **uniforms, u_width=width)
+        self._array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=count)
+        return 2 * count
 
     def release(self) -> None:
         """Free every OpenGL object."""

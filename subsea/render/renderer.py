@@ -229,7 +229,7 @@ class Renderer:
             self._target.framebuffer.depth_mask = False
             self.triangles += self._bubbles.draw(packet, number, uniforms)
             self.triangles += self._particles.draw(packet, number, uniforms)
-            self.triangles += self._lines.draw(packet, view, uniforms)
+            self.triangles += self._lines.draw(packet, number, view, uniforms)
             self._target.framebuffer.depth_mask = True
         context.scissor = None
         self._show(self._target.picture(), into, self._scale(self.rig, self.quality), True)

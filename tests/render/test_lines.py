@@ -97,6 +97,18 @@ def test_lines_past_the_eye_are_cut_off_and_nothing_else_changes(renderer, make_
     assert np.abs(point - bare).max() < 256
 
 
+def test_views_that_are_to_show_none_show_none(context, scene, make_packet):
+    rig = display_rig("side-by-side", (128, 64))
+    renderer = Renderer(context, scene, rig)
+    packet = make_packet([], views=views(rig, pose(EYE, np.pi / 2, 0.0)))
+    line = ((-60, 100, -190), (60, 100, -170), (0.95, 0.9, 0.3))
+    packet = replace(packet, lined=1)
+    change = np.abs(drawn(renderer, packet, line) - drawn(renderer, packet)).max(axis=2) > 40
+    renderer.release()
+    assert change[:, :64].any()
+    assert not change[:, 64:].any()
+
+
 @pytest.mark.parametrize("display", ["side-by-side", "anaglyph", "checkerboard", "dome"])
 def test_every_kind_of_picture_shows_them(context, scene, make_packet, display):
     rig = display_rig(display, (128, 128))
