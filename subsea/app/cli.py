@@ -122,7 +122,20 @@ def _add_dive(commands: Any) -> None:
     dive.add_argument(
         "--tour",
         metavar="NAME",
-        help="one of the scenario's tours, or auto, takes the submarine along until a hand moves",
+        help="one of the scenario's tours, or auto, takes the submarine along until a hand moves, "
+        "and again when nobody has steered for a while",
+    )
+    dive.add_argument(
+        "--attract",
+        type=number(float, 0, 1440),
+        metavar="MIN",
+        help="minutes without a hand until a tour begins by itself; 0: never",
+    )
+    dive.add_argument(
+        "--kiosk",
+        action="store_true",
+        help="for exhibitions: full screen, and nothing by which a visitor could strand it; "
+        "Ctrl+Shift+Q leaves",
     )
     _add_seed(dive)
     dive.add_argument(
@@ -633,12 +646,20 @@ def _left_out(text: str) -> frozenset[str]:
 
 
 def _dive(settings: Path | None, **options: Any) -> int:
+    from msgspec.structs import replace
+
     from subsea.app.console import say
     from subsea.app.settings import read_settings, usual_settings
     from subsea.resources import named_or_file
 
     chosen = usual_settings(say) if settings is None else read_settings(settings)
     options = _with_settings(options, chosen)
+    if (minutes := options.pop("attract")) is not None:
+        chosen = replace(chosen, attract=replace(chosen.attract, after_min=minutes))
+    if options["kiosk"]:
+        from subsea.app.kiosk import locked
+
+        chosen, options["fullscreen"] = locked(chosen), options["theatre"] is None
     _check_target(options["quality"], options["target_ms"])
     options = _with_optics(_with_sizes("dive", options))
     with ExitStack() as undo:

@@ -61,6 +61,9 @@ class Crew(Protocol):
     def eye(self) -> Pose:
         """Where the pilot's eye is in that picture."""
 
+    def carry(self, tour: Steer | None) -> None:
+        """Have a tour take the submarine along from now on, until a hand moves; None: hands do."""
+
     def swap(self, drawn: Callable[[], None]) -> None:
         """Return when the picture is to be shown; `drawn` returns when it is drawn."""
 
@@ -113,6 +116,10 @@ class Alone:
             return self._course.ticks(number)
         return (reins_of(self._pilot.asked(TICK_S), self.steered) for _ in range(number))
 
+    def carry(self, tour: Steer | None) -> None:
+        """From the next tick on."""
+        self._course.tour = tour
+
     def swap(self, drawn: Callable[[], None]) -> None:
         """At once: nobody is waited for."""
 
@@ -150,6 +157,10 @@ class Leading:
     def eye(self) -> Pose:
         """A tick late, where all nodes see it."""
         return cockpit(self._master.world.state.submarine, self._clock.alpha)
+
+    def carry(self, tour: Steer | None) -> None:
+        """From the next tick on, for all."""
+        self._course.tour = tour
 
     def swap(self, drawn: Callable[[], None]) -> None:
         """When all nodes have drawn theirs."""
@@ -191,6 +202,9 @@ class Following:
         """Where the master's is."""
         return cockpit(self._node.world.state.submarine, self._alpha)
 
+    def carry(self, tour: Steer | None) -> None:
+        """That is the master's to do."""
+
     def swap(self, drawn: Callable[[], None]) -> None:
         """When the master and all other nodes have drawn theirs."""
         drawn()
@@ -202,37 +216,29 @@ class Following:
         return []
 
 
-def alone(tour: Callable[[World], Steer] | None) -> Callable[[World, Pilot], Crew]:
-    """This computer makes the ticks, on the `tour` that is made of its world if there is one."""
-    return lambda world, pilot: Alone(world, pilot, tour(world) if tour else None)
-
-
 def muster(
     theatre: Theatre,
     path: Path,
     node: str | None,
-    tour: Callable[[World], Steer] | None = None,
     view: str = "",
 ) -> Callable[[World, Pilot], Crew]:
     """Who makes the ticks on the computer `node` of a theatre, from the file `path`.
 
-    None shows all of its windows on this computer, alone. The master takes all along on the `tour`
-    that it makes of its world; nodes that follow need none. All need the same `view`.
+    None shows all of its windows on this computer, alone. All need the same `view`.
     Keys that are missing and an address that needs some are UserErrors, here rather than when the
     world is there.
     """
     cluster = theatre.cluster
     if node is None or cluster is None:
-        return alone(tour)
+        return Alone
     keys = credentials(cluster, theatre.nodes, node, path)
     address, timeout_s, master = cluster.address, cluster.timeout_s, cluster.master
     others = [name for name in theatre.nodes if name != node]
 
     def made(world: World, pilot: Pilot) -> Crew:
         if node == master:
-            carried = tour(world) if tour else None  # puts the submarine at the tour's beginning
             led = Master(world, others, address, keys, timeout_s, say, view)
-            return Leading(led, pilot, carried)
+            return Leading(led, pilot)
         return Following(Follower(world, node, master, address, keys, timeout_s, say, view))
 
     return made

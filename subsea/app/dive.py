@@ -6,22 +6,23 @@ import traceback
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from subsea.app import pacing
+from subsea.app.attract import Attract, tour_named
 from subsea.app.bindings import Meaning, Wish
 from subsea.app.comfort import Vignette, draw_horizon
 from subsea.app.console import say
-from subsea.app.crew import Alone, Crew, alone, muster
+from subsea.app.crew import Alone, Crew, muster
 from subsea.app.desk import Desk
 from subsea.app.eyes import seen_brightness, velocity_of
 from subsea.app.finding import find_fish
 from subsea.app.gui import WHOLE, Pane, panes
 from subsea.app.house import NOT_SHRUNK, House, open_house, told
 from subsea.app.hud import reading
+from subsea.app.kiosk import Kiosk, locked
 from subsea.app.lettering import letter
 from subsea.app.loading import LeftError, meanwhile
 from subsea.app.menu import Menu
@@ -94,10 +95,12 @@ def dive(
     changes: Sequence[str] = (),
     follow: str | None = None,
     opening: Opening | None = None,
+    kiosk: bool = False,
 ) -> int:
     """Dive until the window is closed, the menu says so, or `seconds` have passed; exit code 0.
 
-    The `tour` of that name takes the submarine along until a hand moves.
+    The `tour` of that name takes the submarine along until a hand does anything, and again when
+    none has for a while. A `kiosk` has nothing that could strand it.
 
     In the windows of a `theatre`, `shrink` times smaller, if one is named; as the computer `node`
     of several in those that are its own. With `see_brightness` the fish that is ridden goes by the
@@ -110,18 +113,17 @@ def dive(
     if follow is not None and node is not None:
         raise UserError("--follow is for one computer: others would not look from there")
     fish = None if follow is None else find_fish(follow, load_scenario(scenario, changes)[0])
-    carried = None
-    if tour is not None:
-        course = None if tour == AUTOPILOT else course_of(load_scenario(scenario, changes)[0], tour)
-        carried = partial(guide, course=course)
+    tours = settings.attract.tour if tour is None else tour
+    if tours != AUTOPILOT and (tour is not None or kiosk):
+        course_of(load_scenario(scenario, changes)[0], tours)  # a misspelt name is told at once
     installation: Installation | None = None
-    crew = alone(carried)
+    crew: Callable[[World, Pilot], Crew] = Alone
     if theatre is not None:
         house = open_house(theatre, display, stereo, node, shrink)
         view = ""
         if node is not None:  # whose pixels may be its own, and its glasses: which eye is which
             view = repr((told(theatre), display, stereo._replace(swapped=False)))
-        crew = muster(house.theatre, house.path, node, carried, view)
+        crew = muster(house.theatre, house.path, node, view)
         installation = installed(house)
     elif shrink != 1:
         raise UserError(NOT_SHRUNK)
@@ -130,8 +132,10 @@ def dive(
     try:
         running = Dive(
             scenario, display, size, fullscreen, seed, stereo, surround, quality, target_ms,
-            installation, crew, see_brightness, settings, changes, opening,
+            installation, crew, see_brightness, settings, changes, opening, kiosk, tour,
         )  # fmt: skip
+        if kiosk:
+            say(f"a kiosk: {settings.kiosk.leave} leaves it, in its window")
         running.diagrams.update(show)
         running.wireframe = wireframe
         with closing(running):
@@ -176,6 +180,8 @@ class Dive:
         settings: Settings = USUAL,
         changes: Sequence[str] = (),
         opening: Opening | None = None,
+        kiosk: bool = False,
+        tour: str | None = None,
     ) -> None:
         """Open the windows, then the world: the visitor sees at once that something happens.
 
@@ -187,6 +193,8 @@ class Dive:
         # A misspelt name is told before a window flashes up.
         self.scenario, self.source = load_scenario(scenario, changes)
         self.display, self._stereo, self._surround = display, stereo, surround
+        if kiosk:
+            settings, fullscreen = locked(settings), True
         self._alpha = 1.0
         self._drawn: Packet | None = None  # what is to be seen
         self._quality = quality
@@ -221,6 +229,10 @@ class Dive:
         self._shots = Shots(pictures_folder(settings.pictures.folder), self.note)
         self._wants_picture = False
         self._settings, self._vignette = settings, Vignette(settings.comfort.vignette)
+        self._at_first = self.scenario, self.source, seed
+        self._taken = tour_named(tour or settings.attract.tour)
+        self.attract = Attract(60.0 * settings.attract.after_min, leaps=False)
+        self._diving = False  # rather than loading
         self._pattern = False
         self._ride: Ride | None = None
         self.see_brightness = see_brightness
@@ -235,7 +247,8 @@ class Dive:
         with ExitStack() as undo:
             undo.callback(opening.close)
             self.overlay = Overlay(sign_of(settings.bindings, settings.mouse.steer))
-            self.desk, self.menu = Desk(self), Menu(self)
+            self.desk, self.menu = Desk(self), Menu(self, kiosk)
+            self._kiosk = Kiosk(self.wall.windows) if kiosk else None
             self.world = self._made(self.scenario, self.source, seed)
             self._wait("starting OpenGL")
             self._context = self.wall.context
@@ -245,12 +258,16 @@ class Dive:
             self._pace = pacing.start(first_rung(renderer), self._rig.exact)
             self._stay = ExitStack()  # what belongs to the world that it is in
             undo.callback(lambda: self._stay.close())
-            self._live_in(self.world, lambda: self._wait(None))
+            self._live_in(self.world, lambda: self._wait(None), tour is not None)
             self._wait(None)
             if self._crew.shared:
                 self.overlay.sign = sign_of(
                     settings.bindings, settings.mouse.steer, ("ride", "desk")
                 )
+            # From where it is the autopilot goes on; what begins elsewhere must not be a jump.
+            leaps = (tour or settings.attract.tour) != AUTOPILOT or kiosk
+            self.attract.leaps = leaps and not self._crew.shared
+            self._diving = True
             undo.callback(self._shots.end)
             self._undo = undo.pop_all()
 
@@ -330,10 +347,16 @@ class Dive:
 
         return meanwhile(make, self._wait)
 
-    def _live_in(self, world: World, heed: Callable[[], object] = lambda: None) -> None:
+    def _live_in(
+        self,
+        world: World,
+        heed: Callable[[], object] = lambda: None,
+        touring: bool = False,
+    ) -> None:
         """Have a world drawn and its ticks made from now on; the one before was left.
 
-        That takes a while, in which `heed` is called, and may raise.
+        That takes a while, in which `heed` is called, and may raise. A tour begins with it if it is
+        `touring`.
         """
         with ExitStack() as undo:
             try:
@@ -352,7 +375,12 @@ class Dive:
                 raise
             undo.callback(self._renderer.release)
             self._memory = nothing_drawn(len(world.state.fishes.species))
+            # A tour puts the submarine at its beginning, where other computers must find it.
+            carried = self._taken(world) if touring else None
             self._crew = self._crew_of(world, self.pilot)
+            self._crew.carry(carried)
+            if touring:
+                self.attract.begin()
             undo.callback(self._disband)
             self.world, self._seen_tick, self._drawn = world, 0, None
             self._eye = self._crew.eye()
@@ -368,6 +396,7 @@ class Dive:
         for line in (*self.wall.notes(), *self.world.notices):
             self.note(line)
         self.world.notices.clear()
+        self._attend(elapsed_s)
         if self.menu.open:
             self.pilot.full_stop()  # it holds station, whatever arrows choose there
         self._see_light()
@@ -425,6 +454,38 @@ class Dive:
         picked = pick(self._renderer, self._drawn, x, y)
         self._context.screen.use()  # text goes on being drawn over the picture
         return picked.number if picked is not None and picked.kind == FISH else None
+
+    def _attend(self, elapsed_s: float) -> None:
+        """A tour when nobody is there, and the helm for whoever does anything."""
+        stirred = self.pilot.stirred()
+        if self._kiosk is not None:
+            self._kiosk.keep(stirred, elapsed_s)
+        # Who has opened the desk or stopped time works, even if no hand moves for a while.
+        works = self.desk.open and not self.menu.open
+        works |= self._pattern or self._shots.filming or not self._crew.hands
+        works |= self._crew.timeline is not None and self._crew.timeline.paused
+        what = self.attract.look(stirred, elapsed_s, not works)
+        if what == "end":
+            self._crew.carry(None)
+            self.overlay.greet()
+        elif what == "begin":
+            self._take_tour()
+
+    def _take_tour(self) -> None:
+        if self.menu.open:
+            self.menu.hide()
+        self.mount(None)
+        if self._kiosk is not None and not self._crew.shared:
+            self.look = "colours"
+            self.enter(*self._at_first)
+        self.pilot.hands_off()
+        self.overlay.greet()  # the help is there again for the next
+        if self._crew.shared:  # where the submarine is put there is only what makes a tick
+            self._crew.carry(guide(self.world, None))
+            return
+        self._crew.carry(self._taken(self.world))
+        if self._crew.timeline is not None:
+            self._crew.timeline.touch()
 
     @property
     def sight(self) -> Sight | None:
@@ -543,14 +604,16 @@ class Dive:
         letter(self._labels, self.sight)
         if self._crew.hands:
             submarine = self.world.state.submarine
-            if self._settings.comfort.horizon and self.sight and self._ride is None:
+            helm = self._ride is None and not self.attract.touring
+            if helm and self._settings.comfort.horizon and self.sight:
                 draw_horizon(self.sight)
             self._vignette.feel(submarine.rates, submarine.velocity, elapsed_s)
             self._vignette.draw()
             if not self.menu.open:
                 now = reading(submarine, self.pilot.throttle, self.pilot.stopping)
-                self.overlay.draw(now, elapsed_s, self._circumstances, self._ride is not None)
+                self.overlay.draw(now, elapsed_s, self._circumstances, not helm)
                 self.desk.draw()
+            self.attract.draw()
         else:
             self.overlay.caption(self._crew.waiting)
         if self.menu.open:
@@ -728,7 +791,7 @@ class Dive:
         wishes = self.wall.poll()
         if "leave" in wishes:
             self.leave()
-        if not self.wall.open or "menu" in wishes:
+        if not self.wall.open or ("menu" in wishes and not self._diving and self._kiosk is None):
             raise LeftError
         if message is not None:
             self._tell(message)

@@ -88,6 +88,7 @@ class Gamepads:
         before = self._amounts.get(name, 0.0)
         if abs(amount - before) < STEP and (amount > 0.0) == (before > 0.0):
             return
+        self._pilot.stir()
         self._amounts[name] = amount
         if amount <= 0.0:
             del self._amounts[name]

@@ -41,6 +41,10 @@ class Overlay:
         self._shown = self._pinned = True
         self._gone_cm = math.inf
 
+    def greet(self) -> None:
+        """Show the help to somebody who has just come, until she is under way."""
+        self._shown, self._pinned, self._gone_cm = True, False, 0.0
+
     def toggle_help(self) -> None:
         """Show the help until told otherwise, or hide it."""
         self._shown = not self._shown
@@ -56,18 +60,19 @@ class Overlay:
         """Fill the window with one line of text on deep water."""
         fill(text)
 
-    def draw(self, now: Reading, dt: float, circumstances: str = "", riding: bool = False) -> None:
+    def draw(self, now: Reading, dt: float, circumstances: str = "", away: bool = False) -> None:
         """Draw help and instruments over the present picture; `dt` is the time since the last.
 
-        `circumstances` are told as long as there are any; who is `riding` has no instruments.
+        `circumstances` are told as long as there are any. Who is `away` from the helm has no
+        instruments.
         """
         self._note_s -= dt
-        self._fade(abs(now.ahead_m_s) * 100.0 * dt, dt, riding)
-        self.hud.look(now, dt, wanted=not riding)
+        self._fade(abs(now.ahead_m_s) * 100.0 * dt, dt, away)
+        self.hud.look(now, dt, wanted=not away)
         self.hud.draw(now)
         size, line = imgui.get_io().display_size, imgui.get_font_size()
         # Words stand above the instruments, also while those are not needed: they do not jump.
-        foot = size.y - (1.2 if riding else 1.2 + HIGH) * line
+        foot = size.y - (1.2 if away else 1.2 + HIGH) * line
         note = self._note if self._note_s > 0.0 else ""
         words = "   ".join(filter(None, (circumstances, note)))
         if words:
@@ -81,8 +86,8 @@ class Overlay:
             size = imgui.get_io().display_size
             self._line(text, size, size.y - 1.2 * imgui.get_font_size())
 
-    def _fade(self, gone_cm: float, dt: float, riding: bool) -> None:
-        self._gone_cm += math.inf if riding else gone_cm  # under way, if not by submarine
+    def _fade(self, gone_cm: float, dt: float, away: bool) -> None:
+        self._gone_cm += math.inf if away else gone_cm  # under way, if not by submarine
         if self._gone_cm > MOVED_CM and not self._pinned:
             self._shown = False
         step = dt / FADE_S if self._shown else -dt / FADE_S

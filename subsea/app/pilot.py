@@ -40,6 +40,7 @@ class Pilot:
         self._stopping = False
         self._grip = 0.0
         self._smooth = Helm()
+        self._stirred = False
         self._riding = False
 
     @property
@@ -110,6 +111,20 @@ class Pilot:
         """The input `name` asks for nothing any more."""
         self._held.pop(name, None)
         self._stopped.pop(name, None)
+
+    def stir(self) -> None:
+        """A hand has done something, whatever that means."""
+        self._stirred = True
+
+    def stirred(self) -> bool:
+        """Whether a hand has done anything since the last call."""
+        stirred, self._stirred = self._stirred, False
+        return stirred
+
+    def hands_off(self) -> None:
+        """Nobody is at the helm: nothing is set, held or pointed at until a hand moves."""
+        self.full_stop()
+        self._stopping, self._smooth = False, Helm()
 
     def full_stop(self) -> None:
         """Brake, level, hold the heading, until a hand asks for something else."""

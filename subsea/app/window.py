@@ -1,5 +1,6 @@
 """A window: made, resized and closed here; what hands do in it goes to the pilot."""
 
+import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, NamedTuple, Protocol
@@ -13,6 +14,8 @@ from subsea.app.pilot import Pilot
 from subsea.app.screens import Monitor, Screen, reason
 from subsea.errors import UserError
 from subsea.view.stereo import OTHER_STEREO
+
+NUDGE = 3.0  # units of the pointer by which it moves without a hand
 
 
 class Listener(Protocol):
@@ -135,6 +138,8 @@ class Window:
         self.listener: Listener | None = None
         self.reach: Reach | None = None  # of the pointer, if that is more than the window
         self._wishes = wishes
+        self._rested = -math.inf, -math.inf  # where the pointer was when it last moved
+        self.stays = False  # whether closing it is not for the visitor
         self.fixed = screen.fixed  # whether it stays as it is: no full screen
         self._windowed = (0, 0, *size)
         self.make_current()
@@ -145,6 +150,7 @@ class Window:
         glfw.set_cursor_enter_callback(self.handle, self._on_enter)
         glfw.set_scroll_callback(self.handle, self._on_scroll)
         glfw.set_window_focus_callback(self.handle, self._on_focus)
+        glfw.set_window_close_callback(self.handle, self._on_close)
 
     @property
     def size(self) -> tuple[int, int]:
@@ -226,6 +232,8 @@ class Window:
         return glfw.get_primary_monitor()
 
     def _on_key(self, handle: object, key: int, scancode: int, action: int, mods: int) -> None:
+        if action != glfw.REPEAT:  # a key on which something lies is no hand
+            self.pilot.stir()
         heard = self.listener is not None and self.listener.keyed(key, action != glfw.RELEASE, mods)
         name = KEYS.get(key, "")
         if action == glfw.RELEASE:
@@ -235,6 +243,7 @@ class Window:
             self._ask(meaning, name, action == glfw.REPEAT)
 
     def _on_button(self, handle: object, button: int, action: int, mods: int) -> None:
+        self.pilot.stir()
         heard = self.listener is not None and self.listener.pressed(button, action == glfw.PRESS)
         name = f"mouse {BUTTONS[button]}"
         if action == glfw.RELEASE:
@@ -261,6 +270,9 @@ class Window:
         width, height = self.points
         reach = self.reach or Reach((0.0, 0.0), (width / 2, height / 2), (width, height))
         self.inside = True
+        if math.dist((x, y), self._rested) > NUDGE:
+            self._rested = x, y
+            self.pilot.stir()
         if self.listener and self.listener.pointed(x, y):
             self.pilot.leave()
         else:
@@ -270,8 +282,13 @@ class Window:
         self.inside = bool(entered)
 
     def _on_scroll(self, handle: object, dx: float, dy: float) -> None:
+        self.pilot.stir()
         if not (self.listener and self.listener.scrolled(dx, dy)):
             self.pilot.wheel(dy)
+
+    def _on_close(self, handle: object) -> None:
+        if self.stays:
+            glfw.set_window_should_close(self.handle, False)
 
     def _on_focus(self, handle: object, focused: int) -> None:
         self.focused = bool(focused)

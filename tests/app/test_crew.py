@@ -161,7 +161,7 @@ def test_a_node_that_would_look_otherwise_is_refused(tmp_path, worlds):
 
 
 def test_what_decides_how_pictures_meet(tmp_path, monkeypatch):
-    def caught(found, path, node, tour, view):
+    def caught(found, path, node, view):
         raise UserError(view)
 
     def view(*options):
