@@ -11,7 +11,7 @@ from subsea.kinematics.rotation import rotate
 from subsea.ocean import TICK_S, create_world, step
 from subsea.repertoire import SEGMENTS
 from subsea.scenario import load_scenario
-from subsea.state import EAT, FEAR, MATE, NOBODY, PREDATOR, PREY, WANDER
+from subsea.state import EAT, ESCAPE, FEAR, MATE, NOBODY, PREDATOR, PREY, WANDER
 from subsea.submarine.helm import HANDS_OFF
 
 FISH = 5
@@ -180,3 +180,34 @@ def test_who_is_dead_is_not_steered_and_who_is_none_is_a_fault(world):
     np.testing.assert_array_equal(world.state.minds.urge[FISH], before)
     with pytest.raises(IndexError):
         step(world, Reins(60))
+
+
+def test_a_school_follows_its_leader_that_is_steered_and_prey_flees_its_predator():
+    world = create_world(load_scenario("schooling")[0])
+    fishes, minds = world.state.fishes, world.state.minds
+    for _ in range(60):
+        step(world, HANDS_OFF)
+    leader = int(np.bincount(minds.leader[minds.leader >= 0]).argmax())
+    school = np.flatnonzero(minds.leader == leader)
+    before = fishes.velocity[school].mean(axis=0)
+    steered(world, 5.0, leader, speed=0.6, turn=1.0)
+    steered(world, 6.0, leader, speed=0.6)
+    after = fishes.velocity[school].mean(axis=0)
+    way = ahead(fishes, leader)
+    assert before @ way < 0.3 * np.linalg.norm(before)  # it turned far away from where all went ...
+    assert after @ way > 0.6 * np.linalg.norm(after)  # ... and they with it
+    assert len(school) > 10
+
+    world = create_world(load_scenario("preying")[0])
+    fishes, minds = world.state.fishes, world.state.minds
+    predator = int(np.flatnonzero(minds.kind == PREDATOR)[0])
+    prey = int(np.flatnonzero(minds.kind == PREY)[0])
+    fishes.position[predator] = 500.0, 0.0, -250.0
+    aside = np.cross(ahead(fishes, predator), (0.0, 0.0, 1.0))
+    fishes.position[prey] = fishes.position[predator] + 90.0 * aside
+    world.state.submarine.position[:] = -700.0, 0.0, -250.0  # which prey fears too
+    fleeing = 0
+    for _ in range(40):
+        step(world, Reins(predator, speed=0.6))
+        fleeing += minds.predator[prey] == predator and minds.intention[prey] == ESCAPE
+    assert fleeing > 20
