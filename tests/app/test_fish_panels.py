@@ -257,6 +257,11 @@ def test_diagrams_and_wireframe_are_ticked_and_drawn(still, hands, spots):
     for label in ("bounds", "wireframe"):
         spots.click(still, label, 0.1)
     assert not still.diagrams and not still.wireframe
+    lights = still.world.state.submarine.lights
+    spots.click(still, "lights", 0.1)
+    assert lights.all()
+    spots.click(still, "lights", 0.1)
+    assert not lights.any()
 
 
 def test_the_camera_is_copied_as_a_waypoint_that_a_tour_can_have(still, hands, spots):
@@ -316,7 +321,9 @@ def test_a_fish_is_ridden_followed_and_left_and_its_eyes_turned(still, hands, sp
 def test_panels_that_nobody_touches_change_nothing(still, hands):
     time, world = still.timeline, still.world
     hands.do("mousemove", 400, 585)
-    hands.glide(still, 0.2)
+    time.pause()
+    hands.glide(still, 2.0)  # nothing that hands did before goes on
+    time.pause()
     begin, sums = time.tick, []
     for panels in ((), PANELS):
         still.desk.shown = set(panels)

@@ -54,6 +54,9 @@ def _drawn(desk: "Desk") -> None:
         if changed:
             (host.diagrams.add if shown else host.diagrams.discard)(name)
     _, host.wireframe = imgui.checkbox("wireframe", host.wireframe)
+    imgui.same_line(1.0 + ACROSS * line)
+    if imgui.checkbox("lights", bool(host.world.state.submarine.lights[0]))[0]:
+        host.grant("lights")
 
 
 def _pictures(desk: "Desk") -> None:

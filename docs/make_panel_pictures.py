@@ -1,0 +1,66 @@
+"""docs/pictures/panel-NAME.png: every panel of the desk over the bay.
+
+Run from the root of a checkout, where there is a display (or by xvfb-run -a -s "-screen 0
+1280x800x24"): python docs/make_panel_pictures.py [NAME ...]
+"""
+
+import sys
+from contextlib import closing
+from pathlib import Path
+
+from imgui_bundle import imgui
+from PIL import Image
+
+from subsea.app.dive import Dive
+from subsea.app.panels import PANELS
+
+SIZE, FISH, WAIT_S = (1280, 780), 3, 20.0
+SEA_PX = 30, 8, 330, 24  # shown left, above, right and below of a panel
+
+folder = Path(__file__).parent / "pictures"
+rect = []
+
+
+def noting(panel):
+    """The panel, which notes where it is drawn."""
+
+    def drawn(desk):
+        panel(desk)
+        place, size = imgui.get_window_pos(), imgui.get_window_size()
+        rect[:] = place.x, place.y, place.x + size.x, place.y + size.y
+
+    return drawn
+
+
+with closing(Dive("peaceful", "mono", SIZE, seed=1, quality="high")) as dive:
+    dive.grant("help")
+    dive.desk.toggle()
+    names = sys.argv[1:] or list(PANELS)
+    for name in PANELS:
+        PANELS[name] = noting(PANELS[name])
+    dive.desk.chosen = FISH
+    for name in names:
+        dive.desk.shown = {name}
+        dive.diagrams = {"scaffold", "indices"} if name == "Control" else set()
+        dive.look = "identity"
+        if name == "Fish view":
+            dive.mount(FISH, behind=True)
+        # The charts of behavior grow meanwhile.
+        for _ in range(round(WAIT_S / 0.15) if name == "Behavior" else 8):
+            dive.frame(0.15)
+        shown = dive._context.screen.read(viewport=(0, 0, *dive.window.size), components=3)
+        picture = Image.frombytes("RGB", dive.window.size, shown)
+        picture = picture.transpose(Image.Transpose.FLIP_TOP_BOTTOM)
+        edges = [
+            edge + sign * px for edge, sign, px in zip(rect, (-1, -1, 1, 1), SEA_PX, strict=True)
+        ]
+        edges = [min(max(round(edge), 0), SIZE[k % 2]) for k, edge in enumerate(edges)]
+        if name == "Fish view":  # with what both eyes see
+            edges[0], edges[2] = 0, SIZE[0]
+        out = folder / f"panel-{name.lower().replace(' ', '-')}.png"
+        picture.crop(edges).quantize(256, dither=Image.Dither.FLOYDSTEINBERG).save(
+            out, optimize=True
+        )
+        print(out)
+        if name == "Fish view":
+            dive.mount(None)
