@@ -649,10 +649,14 @@ def _dive(settings: Path | None, **options: Any) -> int:
     from msgspec.structs import replace
 
     from subsea.app.console import say
-    from subsea.app.settings import read_settings, usual_settings
+    from subsea.app.settings import read_settings, settings_path, usual_settings
     from subsea.resources import named_or_file
 
-    chosen = usual_settings(say) if settings is None else read_settings(settings)
+    told: list[str] = []
+    chosen = usual_settings(told.append) if settings is None else read_settings(settings)
+    for line in told:
+        say(line)
+    notes = [line.replace(f"{settings_path().parent}/", "") for line in told]
     options = _with_settings(options, chosen)
     if (minutes := options.pop("attract")) is not None:
         chosen = replace(chosen, attract=replace(chosen.attract, after_min=minutes))
@@ -675,7 +679,7 @@ def _dive(settings: Path | None, **options: Any) -> int:
             undo.callback(opening.close)
         from subsea.app.dive import dive  # takes longer to load than all before
 
-        return dive(**options, settings=chosen, opening=opening)
+        return dive(**options, settings=chosen, opening=opening, notes=notes)
 
 
 def _with_settings(options: dict[str, Any], settings: "Settings") -> dict[str, Any]:

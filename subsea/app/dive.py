@@ -96,6 +96,7 @@ def dive(
     follow: str | None = None,
     opening: Opening | None = None,
     kiosk: bool = False,
+    notes: Sequence[str] = (),
 ) -> int:
     """Dive until the window is closed, the menu says so, or `seconds` have passed; exit code 0.
 
@@ -138,6 +139,8 @@ def dive(
             say(f"a kiosk: {settings.kiosk.leave} leaves it, in its window")
         running.diagrams.update(show)
         running.wireframe = wireframe
+        for line in notes:
+            running.overlay.note(line)
         with closing(running):
             if fish is not None:
                 running.follow(fish)

@@ -85,12 +85,17 @@ def monitors() -> list[Monitor]:
     found = []
     for number, handle in enumerate(glfw.get_monitors(), start=1):
         mode = glfw.get_video_mode(handle)
-        name: Any = glfw.get_monitor_name(handle)
-        name = name.decode("utf-8", "replace") if isinstance(name, bytes) else str(name)
+        name = monitor_name(handle)
         size = mode.size.width, mode.size.height
         left, top = glfw.get_monitor_pos(handle)
         found.append(Monitor(number, name, (left, top), size, mode.refresh_rate, handle))
     return found
+
+
+def monitor_name(handle: Any) -> str:
+    """What a monitor calls itself."""
+    name: Any = glfw.get_monitor_name(handle)
+    return name.decode("utf-8", "replace") if isinstance(name, bytes) else str(name)
 
 
 def placed(

@@ -16,7 +16,7 @@ from subsea.app.bindings import Wish
 from subsea.app.gamepad import Gamepads, add_mappings
 from subsea.app.gui import one_page
 from subsea.app.pilot import Pilot
-from subsea.app.screens import Monitor, Screen
+from subsea.app.screens import Monitor, Screen, monitor_name, monitors
 from subsea.app.window import Reach, Window
 from subsea.render import Presenter, page_switch, window_context
 
@@ -64,6 +64,10 @@ class Wall:
                 glfw.swap_interval(1 if number == (others or [front])[-1] else 0)
                 context.clear()
                 window.present()
+            self._monitors_changed = False
+            glfw.set_monitor_callback(self._on_monitor)
+            nobody: Any = None
+            undo.callback(glfw.set_monitor_callback, nobody)
             self._undo = undo.pop_all()
         # From here on a hiccup of the desktop must not end the dive.
         glfw.ERROR_REPORTING = "ignore"
@@ -94,13 +98,15 @@ class Wall:
             self.pilot.leave()
         if focused and not now_focused:
             self.pilot.let_go()
+        if self._monitors_changed:
+            self._settle()
         self._notes += self._gamepads.poll(self.front.listener)
         wishes = list(self._wishes)
         self._wishes.clear()
         return wishes
 
     def notes(self) -> list[str]:
-        """What is to be told of the inputs since the last call, in lines."""
+        """What is to be told of monitors and inputs since the last call, in lines."""
         lines, self._notes = self._notes, []
         return lines
 
@@ -136,6 +142,18 @@ class Wall:
     def close(self) -> None:
         """Destroy the windows."""
         self._undo.close()
+
+    def _on_monitor(self, handle: Any, event: int) -> None:
+        what = "is gone" if event == glfw.DISCONNECTED else "is there"
+        self._notes.append(f"the monitor {monitor_name(handle)!r} {what}")
+        self._monitors_changed = True
+
+    def _settle(self) -> None:
+        """Give every window its place on the monitors that there are now."""
+        self._monitors_changed = False
+        for window in self.windows:
+            filled = [other.filled for other in self.windows]
+            window.settle([one for one in monitors() if one.position not in filled])
 
     def _hands(self) -> tuple[bool, bool]:
         """Whether the pointer is in one of the windows, and whether one has the keyboard."""

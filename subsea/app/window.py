@@ -1,7 +1,7 @@
 """A window: made, resized and closed here; what hands do in it goes to the pilot."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, NamedTuple, Protocol
 
@@ -11,7 +11,7 @@ import imgui_bundle  # noqa: F401  # before glfw: it brings the one libglfw that
 from subsea.app.bindings import BUTTONS, KEYS, REPEATING, Meaning, Wish, is_action, is_wish
 from subsea.app.install import INSTALL
 from subsea.app.pilot import Pilot
-from subsea.app.screens import Monitor, Screen, reason
+from subsea.app.screens import Monitor, Screen, monitors, reason
 from subsea.errors import UserError
 from subsea.view.stereo import OTHER_STEREO
 
@@ -141,6 +141,8 @@ class Window:
         self._rested = -math.inf, -math.inf  # where the pointer was when it last moved
         self.stays = False  # whether closing it is not for the visitor
         self.fixed = screen.fixed  # whether it stays as it is: no full screen
+        self._home = monitor  # that it is to fill
+        self._filling = False  # whether a visitor has had it fill the screen
         self._windowed = (0, 0, *size)
         self.make_current()
         glfw.set_key_callback(self.handle, self._on_key)
@@ -209,27 +211,60 @@ class Window:
         """
         if self.fixed:
             return
-        windowed: Any = None
-        if glfw.get_window_monitor(self.handle):
-            glfw.set_window_monitor(self.handle, windowed, *self._windowed, glfw.DONT_CARE)
-            return
-        self._windowed = (*glfw.get_window_pos(self.handle), *self.points)
-        monitor = self._monitor()
-        mode = glfw.get_video_mode(monitor)
-        glfw.set_window_monitor(
-            self.handle, monitor, 0, 0, mode.size.width, mode.size.height, mode.refresh_rate
-        )
+        if self._filling:
+            self._go_back()
+        elif (monitor := self._monitor()) is not None:
+            self._windowed = (*glfw.get_window_pos(self.handle), *self.points)
+            self._filling = True
+            self._fill(monitor)
 
-    def _monitor(self) -> Any:
-        """The monitor that holds the middle of the window."""
+    @property
+    def filled(self) -> tuple[int, int] | None:
+        """Where on the desktop the monitor is that it fills; None if it fills none."""
+        monitor = glfw.get_window_monitor(self.handle)
+        if not monitor:
+            return None
+        left, top = glfw.get_monitor_pos(monitor)
+        return left, top
+
+    def settle(self, free: Sequence[Monitor]) -> None:
+        """Monitors have come or gone, and those that no window fills are these.
+
+        A window that is to fill a monitor does so again when that is back; one that a visitor had
+        fill a screen that is gone has its former place and size again, unless it `stays`.
+        """
+        if self.filled is not None:
+            return
+        if self._filling and self.stays:
+            for monitor in free[:1]:
+                self._fill(monitor)
+        elif self._filling:
+            self._go_back()
+        elif self._home is not None:
+            named = [monitor for monitor in free if monitor.name == self._home.name]
+            there = [monitor for monitor in named if monitor.position == self._home.position]
+            for monitor in (there or named)[:1]:
+                self._fill(monitor)
+
+    def _fill(self, monitor: Monitor) -> None:
+        glfw.set_window_monitor(self.handle, monitor.handle, 0, 0, *monitor.size, monitor.rate)
+
+    def _go_back(self) -> None:
+        """Be as wide and high as before it filled the screen, and there."""
+        windowed: Any = None
+        self._filling = False
+        glfw.set_window_monitor(self.handle, windowed, *self._windowed, glfw.DONT_CARE)
+
+    def _monitor(self) -> Monitor | None:
+        """The monitor that holds the middle of the window, else the first; None without any."""
         x, y = glfw.get_window_pos(self.handle)
         x, y = x + self.points[0] // 2, y + self.points[1] // 2
-        for monitor in glfw.get_monitors():
-            left, top = glfw.get_monitor_pos(monitor)
-            mode = glfw.get_video_mode(monitor)
-            if left <= x < left + mode.size.width and top <= y < top + mode.size.height:
+        there = monitors()
+        for monitor in there:
+            (left, top), (width, height) = monitor.position, monitor.size
+            if left <= x < left + width and top <= y < top + height:
                 return monitor
-        return glfw.get_primary_monitor()
+        return there[0] if there else None
 
     def _on_key(self, handle: object, key: int, scancode: int, action: int, mods: int) -> None:
         if action != glfw.REPEAT:  # a key on which something lies is no hand

@@ -14,8 +14,10 @@ from PIL import ImageGrab
 from subsea.app.bindings import USUAL
 from subsea.app.crew import Alone
 from subsea.app.dive import Dive
-from subsea.app.screens import Installation, Screen
+from subsea.app.pilot import Pilot
+from subsea.app.screens import Installation, Screen, monitors, on_display
 from subsea.app.sign import sign_of
+from subsea.app.wall import Wall
 from subsea.resources import resource_path
 from subsea.theatre.lineup import lineup
 from subsea.view.rigs import display_rig
@@ -124,6 +126,37 @@ def test_a_window_fills_its_monitor_and_stays_when_that_is_lost(display, tmp_pat
         picture = np.asarray(ImageGrab.grab(xdisplay=os.environ["DISPLAY"]))[..., :3].astype(int)
         small = lineup(installation.rig).reshape(150, 2, 200, 2, 3).mean(axis=(1, 3))
         assert np.abs(picture[10:160, 20:220] - small).mean() < 3.0
+        told = []
+        running.overlay.note = told.append
+        (monitor,) = monitors()
+        running.wall._on_monitor(monitor.handle, glfw.DISCONNECTED)
+        running.frame(0.1)  # what it tells of there is there after all: so it is filled again
+        assert told == [f"the monitor {monitor.name!r} is gone"]
+        assert running.window.filled == (0, 0)
+
+
+def test_a_full_screen_that_is_unplugged_is_a_window_again(display, tmp_path, monkeypatch):
+    with on_display(), closing(Wall([(Screen("sea", (200, 150)), None)], Pilot())) as wall:
+        window = wall.front
+        window.toggle_fullscreen()
+        assert window.filled == (0, 0)
+        (monitor,) = monitors()
+        nowhere = None
+        glfw.set_window_monitor(window.handle, nowhere, 0, 0, 800, 600, 0)  # as the library does
+        monkeypatch.setattr("subsea.app.wall.monitors", lambda: [])
+        monkeypatch.setattr("subsea.app.window.monitors", lambda: [])
+        wall._on_monitor(monitor.handle, glfw.DISCONNECTED)
+        wall.poll()
+        until = time.monotonic() + 10.0
+        while window.points != (200, 150) and time.monotonic() < until:
+            wall.poll()
+        assert window.points == (200, 150)
+        window.toggle_fullscreen()  # without any monitor: nothing happens
+        assert window.filled is None
+        assert wall.open
+        monkeypatch.undo()
+        window.toggle_fullscreen()
+        assert window.filled == (0, 0)
 
 
 def test_a_key_ends_the_dive_in_the_three_windows_of_a_theatre(display, tmp_path):

@@ -141,3 +141,19 @@ def test_what_the_command_line_leaves_open_is_as_the_settings_say(home, tmp_path
 def test_the_documentation_has_all_of_it():
     page = (Path(__file__).parents[2] / "docs" / "diving.md").read_text()
     assert f"```toml\n{default_text()}```" in page
+
+
+def test_what_became_of_nonsense_is_told_on_the_terminal_and_in_the_window(
+    home, monkeypatch, capsys
+):
+    asked = {}
+    monkeypatch.setattr("subsea.app.dive.dive", lambda **options: asked.update(options) or 0)
+    window = SimpleNamespace(close=lambda: None)
+    monkeypatch.setattr("subsea.app.opening.opened", lambda *given: window)
+    written(home, "[mouse]\nster = true")
+    assert main(["dive"]) == 0
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"subsea: {home}: unknown key `ster`, at `mouse`")
+    (note,) = asked["notes"]
+    assert note.startswith("settings.toml: unknown key")
+    assert note.endswith("kept as settings.toml.kept-1, and the defaults are used")
