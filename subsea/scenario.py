@@ -275,6 +275,7 @@ class PhysicsTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_o
     hydrodynamics: bool = True
     time_step: Annotated[float, msgspec.Meta(ge=0.05, le=50)] = 1.0
     iterations: Annotated[int, msgspec.Meta(ge=1, le=60)] = 6
+    fish: Annotated[int, msgspec.Meta(ge=-1, lt=MAX_FISHES)] = -1  # is simulated before all others
 
 
 class Scenario(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):

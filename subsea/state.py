@@ -289,6 +289,7 @@ class Physics(NamedTuple):
     hydrodynamics: bool = True  # else the water does nothing to them
     time_step: float = 1.0  # factor on the 5.5 ms of Tu §4.5.2
     iterations: int = 6  # such steps in a tick: of 6 the fish lives as fast as the others
+    fish: int = -1  # this one is simulated before all others, wherever it is; -1 for none
 
 
 class Clock(NamedTuple):

@@ -100,7 +100,7 @@ def _why(physics: Physics) -> str:
     words = [
         f"{name.replace('_', ' ')} {value:g}"
         for name, value in physics._asdict().items()
-        if name != "hydrodynamics" and value != Physics._field_defaults[name]
+        if name not in ("hydrodynamics", "fish") and value != Physics._field_defaults[name]
     ]
     words += [] if physics.hydrodynamics else ["hydrodynamics off"]
     return ", ".join(words) or "with the usual physics"

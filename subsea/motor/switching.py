@@ -85,7 +85,7 @@ def swim(
     fishes.stay[:] += np.float32(dt)
     _free(fishes, live, len(dynamics.motion.nodes))
     if tick % REVIEW_TICKS == 0:
-        _review(fishes, library, dynamics, live, viewer)
+        _review(fishes, library, dynamics, live, viewer, physics.fish)
     for slot in np.flatnonzero(live.waiting):
         _try_to_leave(fishes, library, dynamics, live, int(slot))
     bodies = under(dynamics.bodies, physics)
@@ -129,11 +129,13 @@ def _free(fishes: Fishes, live: Live, rows: int) -> None:
 
 
 def _review(
-    fishes: Fishes, library: Library, dynamics: Dynamics, live: Live, viewer: Array
+    fishes: Fishes, library: Library, dynamics: Dynamics, live: Live, viewer: Array, first: int
 ) -> None:
-    """Simulate the fishes nearest to the viewer, as many as there are slots."""
+    """Simulate the fishes nearest to the viewer, as many as there are slots; `first` above all."""
     distance = np.linalg.norm(fishes.position - viewer, axis=1)
     distance[fishes.live] /= KEEP
+    if 0 <= first < len(distance):
+        distance[first] = 0.0
     distance[fishes.thrust < HOVERING] = np.inf
     distance[~dynamics.muscular[fishes.species] | ~fishes.alive] = np.inf
     nearest = np.argsort(distance, kind="stable")[: len(live.fish)]

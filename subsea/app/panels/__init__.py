@@ -3,7 +3,16 @@
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from subsea.app.panels import behavior, control, fish_view, habits, initialisation, placement, time
+from subsea.app.panels import (
+    behavior,
+    control,
+    fish_view,
+    habits,
+    initialisation,
+    physics,
+    placement,
+    time,
+)
 
 if TYPE_CHECKING:
     from subsea.app.desk import Desk
@@ -13,6 +22,7 @@ Panel = Callable[["Desk"], None]
 PANELS: dict[str, Panel] = {
     "Initialisation": initialisation.panel,
     "Placement": placement.panel,
+    "Physics": physics.panel,
     "Behavior": behavior.panel,
     "Habits": habits.panel,
     "Control": control.panel,
