@@ -489,6 +489,7 @@ class Dive:
         self._crew.carry(self._taken(self.world))
         if self._crew.timeline is not None:
             self._crew.timeline.touch()
+            self._crew.timeline.run_at(1.0)
 
     @property
     def sight(self) -> Sight | None:

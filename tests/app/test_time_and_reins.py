@@ -130,6 +130,15 @@ def test_a_fish_of_a_number_is_followed(boat, hands):
     assert boat._ride is None
 
 
+def test_a_tour_when_nobody_is_there_goes_at_the_usual_pace(boat):
+    boat.follow(7)
+    boat.timeline.run_at(4.0)
+    boat._take_tour()
+    assert (boat._ride, boat.timeline.rate) == (None, 1.0)
+    boat._crew.carry(None)
+    boat.frame(0.1)
+
+
 def test_shared_time_is_nobodys_to_stop(boat, hands, monkeypatch):
     monkeypatch.setattr(boat._crew, "timeline", None)
     told = []
