@@ -683,6 +683,7 @@ class Dive:
         if self._pattern:
             self._show_pattern()
         else:
+            self.window.take_keyboard()  # Esc may have been pressed in another
             self.menu.show()
 
     def _show_help(self) -> None:
@@ -693,6 +694,7 @@ class Dive:
         if self._crew.shared:
             self.overlay.note("no desk here: several computers show this dive")
         elif not self._pattern:
+            self.window.take_keyboard()
             self.desk.toggle()
 
     def _ride_one(self, turned: str = "from behind") -> None:

@@ -192,6 +192,11 @@ class Window:
         """OpenGL works for this window from now on."""
         glfw.make_context_current(self.handle)
 
+    def take_keyboard(self) -> None:
+        """Ask for the keyboard, if it has not got it."""
+        if not self.focused:
+            glfw.focus_window(self.handle)
+
     def ask_to_close(self) -> None:
         """It is no longer `open`."""
         glfw.set_window_should_close(self.handle, True)
