@@ -13,8 +13,11 @@ from PIL import Image
 
 from subsea.app.dive import Dive
 from subsea.app.panels import PANELS
+from subsea.app.panels.physics import simulate
+from subsea.app.panels.placement import Placing
 
 SIZE, FISH, WAIT_S = (1280, 780), 3, 20.0
+PLACED, BESIDE_PX, SIMULATED = ("arch", 0), 330, 6
 SEA_PX = 30, 8, 330, 24  # shown left, above, right and below of a panel
 
 folder = Path(__file__).parent / "pictures"
@@ -48,6 +51,15 @@ with closing(Dive("peaceful", "mono", SIZE, seed=1, quality="high")) as dive:
         # The charts of behavior grow meanwhile.
         for _ in range(round(WAIT_S / 0.15) if name == "Behavior" else 8):
             dive.frame(0.15)
+        if name == "Placement":
+            dive.desk.of(Placing).chosen = PLACED
+            dive.frame(0.15)
+            dive.frame(0.15)
+            rect[2] += BESIDE_PX
+        if name == "Physics" and simulate(dive.desk, SIMULATED):
+            dive.world.physics = dive.world.physics._replace(fish=FISH)
+            for _ in range(30):
+                dive.frame(0.15)
         shown = dive._context.screen.read(viewport=(0, 0, *dive.window.size), components=3)
         picture = Image.frombytes("RGB", dive.window.size, shown)
         picture = picture.transpose(Image.Transpose.FLIP_TOP_BOTTOM)

@@ -29,14 +29,13 @@ def pool(display, hands, tmp_path_factory):
         yield running
 
 
-def fish_of(pool, species):
-    kinds = [pool.scenario.species[k] for k in pool.world.state.fishes.species]
-    return kinds.index(species)
-
-
 def test_the_chosen_fish_is_simulated_and_the_dive_goes_on(pool, hands, spots):
     fishes, world = pool.world.state.fishes, pool.world
-    pool.desk.chosen = fish = fish_of(pool, "fusilier")
+    # Not the one that would be simulated anyway.
+    far = np.linalg.norm(fishes.position - world.state.submarine.position, axis=1)
+    far[~world.dynamics.muscular[fishes.species]] = 0.0
+    pool.desk.chosen = fish = int(np.argmax(far))
+    assert world.dynamics.muscular[fishes.species].sum() > 1
     hands.glide(pool, 0.2)
     place, tick = fishes.position[fish].copy(), world.state.tick
     spots.click(pool, "simulate it before all others", 0.05)
