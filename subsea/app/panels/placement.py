@@ -47,6 +47,13 @@ class Placing:
     fault: str = ""  # why that cannot be
     rest_s: float = 0.0  # since the wheel has turned
     said: str = ""  # why the last one could not be
+    seen: tuple[Scenario, Sea, list[Handle]] | None = None  # of what things were made, and these
+
+    def things(self, scenario: Scenario, sea: Sea) -> list[Handle]:
+        """All that may be placed: made anew when something has changed."""
+        if not self.seen or self.seen[0] is not scenario or self.seen[1] is not sea:
+            self.seen = scenario, sea, placement.handles(scenario, sea)
+        return self.seen[2]
 
     def try_out(self, scenario: Scenario, sea: Sea, source: str) -> None:
         """Show how it would be, and whether it may."""
@@ -68,7 +75,7 @@ def panel(desk: "Desk") -> None:
         placing.history, placing.chosen = History(host.scenario), None
         placing.let_go()
     sea, scenario = host.world.state.sea, placing.trial or host.scenario
-    things = placement.handles(scenario, sea)
+    things = placing.things(scenario, sea)
     _list(placing, scenario, things)
     _buttons(desk, placing)
     _numbers(desk, placing, scenario, sea)
@@ -307,8 +314,11 @@ def _show(sight: "Sight", thing: Handle, ink: tuple[float, float, float], wide: 
     size, line = imgui.get_io().display_size, imgui.get_font_size()
     canvas = imgui.get_background_draw_list()
     lines = sight.lines(thing.outline) * (size.x, size.y)
-    if len(thing.body) > 1:  # there are so many of them
-        wide *= 0.5
-    for extra, tint in ((1.0, colour(GLASS, 0.45)), (0.0, colour(ink, 0.95))):
+    if len(thing.body) > 1:  # of many ellipses dashes are enough, and quicker
+        lines, wide = lines[::2], 0.5 * wide
+    else:
         for (x0, y0), (x1, y1) in lines.tolist():
-            canvas.add_line((x0, y0), (x1, y1), tint, max(wide * line, 1.2) + 1.5 * extra)
+            canvas.add_line((x0, y0), (x1, y1), colour(GLASS, 0.45), wide * line + 1.5)
+    tint = colour(ink, 0.95)
+    for (x0, y0), (x1, y1) in lines.tolist():
+        canvas.add_line((x0, y0), (x1, y1), tint, max(wide * line, 1.2))
