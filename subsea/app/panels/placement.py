@@ -7,7 +7,7 @@ go of, and the world is made anew around the submarine then.
 import math
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from imgui_bundle import imgui
@@ -314,11 +314,16 @@ def _show(sight: "Sight", thing: Handle, ink: tuple[float, float, float], wide: 
     size, line = imgui.get_io().display_size, imgui.get_font_size()
     canvas = imgui.get_background_draw_list()
     lines = sight.lines(thing.outline) * (size.x, size.y)
-    if len(thing.body) > 1:  # of many ellipses dashes are enough, and quicker
-        lines, wide = lines[::2], 0.5 * wide
-    else:
-        for (x0, y0), (x1, y1) in lines.tolist():
-            canvas.add_line((x0, y0), (x1, y1), colour(GLASS, 0.45), wide * line + 1.5)
-    tint = colour(ink, 0.95)
-    for (x0, y0), (x1, y1) in lines.tolist():
-        canvas.add_line((x0, y0), (x1, y1), tint, max(wide * line, 1.2))
+    if not len(lines):
+        return
+    many = len(thing.body) > 1
+    tint, wide = colour(ink, 0.95), max((0.5 if many else 1.0) * wide * line, 1.2)
+    # One call for each curve: lines that follow one another.
+    ends = np.flatnonzero((lines[1:, 0] != lines[:-1, 1]).any(axis=1)) + 1
+    for curve in np.split(lines, ends):
+        points: list[Any] = [
+            imgui.ImVec2(*point) for point in [*curve[:, 0].tolist(), curve[-1, 1].tolist()]
+        ]
+        if not many:
+            canvas.add_polyline(points, colour(GLASS, 0.45), wide + 1.5, 0)
+        canvas.add_polyline(points, tint, wide, 0)
