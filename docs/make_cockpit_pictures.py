@@ -37,7 +37,7 @@ def _go(dive: Dive, seconds: float) -> None:
 
 
 def _save(dive: Dive, name: str, size: tuple[int, int] = SIZE) -> None:
-    shown = dive._context.screen.read(viewport=(0, 0, *dive.window.size), components=3)
+    shown = dive.picture._context.screen.read(viewport=(0, 0, *dive.window.size), components=3)
     picture = Image.frombytes("RGB", dive.window.size, shown)
     out = FOLDER / f"{name}.png"
     picture.transpose(Image.Transpose.FLIP_TOP_BOTTOM).resize(size).save(out, optimize=True)

@@ -44,8 +44,8 @@ with closing(Dive("peaceful", "mono", SIZE, seed=1, quality="high")) as dive:
     dive.desk.chosen = FISH
     for name in names:
         dive.desk.shown = {name}
-        dive.diagrams = {"scaffold", "indices"} if name == "Control" else set()
-        dive.look = "identity"
+        dive.picture.diagrams = {"scaffold", "indices"} if name == "Control" else set()
+        dive.picture.look = "identity"
         if name == "Fish view":
             dive.mount(FISH, behind=True)
         # The charts of behavior grow meanwhile.
@@ -60,7 +60,7 @@ with closing(Dive("peaceful", "mono", SIZE, seed=1, quality="high")) as dive:
             dive.world.physics = dive.world.physics._replace(fish=FISH)
             for _ in range(30):
                 dive.frame(0.15)
-        shown = dive._context.screen.read(viewport=(0, 0, *dive.window.size), components=3)
+        shown = dive.picture._context.screen.read(viewport=(0, 0, *dive.window.size), components=3)
         picture = Image.frombytes("RGB", dive.window.size, shown)
         picture = picture.transpose(Image.Transpose.FLIP_TOP_BOTTOM)
         edges = [

@@ -21,7 +21,7 @@ with closing(Dive("peaceful", "mono", SIZE, seed=1, quality="high")) as dive:
     dive.grant("look")
     for _ in range(round(RIDE_S / 0.1)):
         dive.frame(0.1)
-    shown = dive._context.screen.read(viewport=(0, 0, *dive.window.size), components=3)
+    shown = dive.picture._context.screen.read(viewport=(0, 0, *dive.window.size), components=3)
     picture = Image.frombytes("RGB", dive.window.size, shown)
     picture.transpose(Image.Transpose.FLIP_TOP_BOTTOM).save(out, optimize=True)
     print(out)

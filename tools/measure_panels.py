@@ -49,10 +49,10 @@ def measured(dive: Dive, rounds: int) -> dict[str, list[tuple[float, float, floa
                 dive.desk.toggle()
             dive.desk.shown = shown or set()
             for number in range(SETTLE + COUNTED):
-                dive._context.finish()
+                dive.picture._context.finish()
                 start = time.process_time()
                 dive.frame(TICK_S)
-                dive._context.finish()
+                dive.picture._context.finish()
                 whole = time.process_time() - start
                 if number >= SETTLE:
                     found[name].append((*over(), whole))
@@ -65,11 +65,11 @@ def timed(dive: Dive) -> Callable[[], tuple[float, float]]:
 
     def written(elapsed_s: float) -> None:
         nonlocal last
-        dive._context.finish()
+        dive.picture._context.finish()
         own, all_of = time.thread_time(), time.process_time()
         write(elapsed_s)
         own = time.thread_time() - own
-        dive._context.finish()
+        dive.picture._context.finish()
         last = own, time.process_time() - all_of
 
     dive._write = written  # type: ignore[method-assign]

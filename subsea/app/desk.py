@@ -17,8 +17,7 @@ from subsea.app.focus import name_of
 from subsea.app.gui import GLASS, MARK, Gui, colour
 from subsea.app.overlay import Overlay
 from subsea.app.panels import PANELS
-from subsea.app.ride import Look, Ride
-from subsea.app.sight import Sight
+from subsea.app.picture import Picture
 from subsea.app.timeline import Timeline
 from subsea.scenario import Scenario
 from subsea.world import World
@@ -40,41 +39,19 @@ class Host(Protocol):
     source: Path  # and its file
     gui: Gui
     overlay: Overlay
-    diagrams: set[str]  # names of `diagrams.DIAGRAMS` that are drawn over the sea
-    look: Look  # of the pictures of a fish's eyes ...
-    eyes_shown: bool  # ... and whether these are shown beside the ride
+    picture: Picture  # what it shows
     see_brightness: bool  # whether the fish that is ridden goes by the light in its eyes
-    wireframe: bool  # whether the sea is drawn as the edges of its triangles
-
-    @property
-    def alpha(self) -> float:
-        """The point between the last two ticks that the picture shows."""
 
     @property
     def timeline(self) -> Timeline | None:
         """The time of the world; None where that is another computer's."""
 
     @property
-    def riding(self) -> Ride | None:
-        """The ride on a fish; None in the submarine."""
-
-    @property
     def steers_fish(self) -> bool:
         """Whether hands hold the reins of the fish that is ridden."""
 
-    @property
-    def counts(self) -> dict[str, int]:
-        """How many of what there is, and of that in the present picture."""
-
     def mount(self, fish: int | None, behind: bool | None = None) -> None:
         """Ride a fish of this number from now on, or come back to the submarine."""
-
-    @property
-    def sight(self) -> Sight | None:
-        """What the screen ahead shows now; None where that is no flat picture."""
-
-    def fish_at(self, x: float, y: float) -> int | None:
-        """The fish that is seen at a place on the screen, in shares of it from its upper left."""
 
     def enter(
         self, scenario: Scenario, source: Path, seed: int | None = None, stay: bool = False
@@ -205,7 +182,7 @@ class Desk:
 
     def _choose_at(self, x: float, y: float) -> None:
         """Choose the fish that is seen at a place on the screen, if one is."""
-        fish = self.host.fish_at(x, y)
+        fish = self.host.picture.fish_at(x, y)
         if fish is not None:
             self.chosen = fish
 
@@ -217,12 +194,12 @@ class Desk:
 
     def _mark_chosen(self) -> None:
         """A thin ring about the chosen fish, under all panels."""
-        sight, ride = self.host.sight, self.host.riding
+        sight, ride = self.host.picture.sight, self.host.picture.ride
         if self.chosen is None or sight is None or (ride and ride.by.fish == self.chosen):
             return
         fishes = self.host.world.state.fishes
         before = fishes.previous_position[self.chosen].astype(np.float64)
-        place = before + self.host.alpha * (fishes.position[self.chosen] - before)
+        place = before + self.host.picture.alpha * (fishes.position[self.chosen] - before)
         up = sight.view.view[1, :3].astype(np.float64)
         rim = place + RING * float(fishes.length[self.chosen]) * up
         size = imgui.get_io().display_size

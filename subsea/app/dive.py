@@ -1,25 +1,17 @@
 """`subsea dive`: the submarine in a window, or in several."""
 
-import gc
 import time
-import traceback
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack, closing
-from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
-from subsea.app import pacing
 from subsea.app.attract import Attract, tour_named
 from subsea.app.bindings import Meaning, Wish
 from subsea.app.comfort import Vignette, draw_horizon
 from subsea.app.console import say
 from subsea.app.crew import Alone, Crew, muster
 from subsea.app.desk import Desk
-from subsea.app.eyes import seen_brightness, velocity_of
 from subsea.app.finding import find_fish
-from subsea.app.gui import WHOLE, Pane, panes
 from subsea.app.house import NOT_SHRUNK, House, open_house, told
 from subsea.app.hud import reading
 from subsea.app.kiosk import Kiosk, locked
@@ -28,43 +20,27 @@ from subsea.app.loading import LeftError, meanwhile
 from subsea.app.menu import Menu
 from subsea.app.opening import Opening, opened
 from subsea.app.overlay import Overlay
-from subsea.app.picking import pick
+from subsea.app.picture import Picture
 from subsea.app.pilot import Pilot
 from subsea.app.ride import (
-    LOOKS,
-    Look,
     Ride,
     front_view,
-    joined,
     nearest_to_middle,
-    pasted,
-    pictured,
-    with_insets,
 )
 from subsea.app.screens import Installation, Screen
 from subsea.app.settings import USUAL, Settings
 from subsea.app.shots import Shots, pictures_folder
-from subsea.app.sight import Sight, sight
 from subsea.app.sign import sign_of
 from subsea.app.start import wake
 from subsea.app.staying import carry
 from subsea.app.timeline import Timeline
 from subsea.app.tour import guide
 from subsea.app.window import Window
-from subsea.diagrams import Label, Sketcher
 from subsea.errors import UserError
-from subsea.frame import Packet, make_scene, pack
-from subsea.render import Renderer
-from subsea.render.marks import FISH
-from subsea.render.quality import AUTO, CHOICES, LADDER, PRESETS, Quality, first_rung, name_of
+from subsea.render.quality import AUTO
 from subsea.scenario import AUTOPILOT, Scenario, load_scenario
 from subsea.submarine.course import course_of
-from subsea.theatre.lineup import lineup
-from subsea.view.camera import View
-from subsea.view.levels import nothing_drawn
-from subsea.view.rig import Rect, views
-from subsea.view.rigs import DISPLAYS, display_rig
-from subsea.view.stereo import EYES, PAGED, Stereo
+from subsea.view.stereo import EYES, Stereo
 from subsea.view.surround import ALL_ROUND, Surround
 from subsea.world import World, create_world
 
@@ -137,8 +113,8 @@ def dive(
         )  # fmt: skip
         if kiosk:
             say(f"a kiosk: {settings.kiosk.leave} leaves it, in its window")
-        running.diagrams.update(show)
-        running.wireframe = wireframe
+        running.picture.diagrams.update(show)
+        running.picture.wireframe = wireframe
         for line in notes:
             running.overlay.note(line)
         with closing(running):
@@ -195,12 +171,8 @@ class Dive:
         """
         # A misspelt name is told before a window flashes up.
         self.scenario, self.source = load_scenario(scenario, changes)
-        self.display, self._stereo, self._surround = display, stereo, surround
         if kiosk:
             settings, fullscreen = locked(settings), True
-        self._alpha = 1.0
-        self._drawn: Packet | None = None  # what is to be seen
-        self._quality = quality
         self._crew_of = crew
         self._crew: Crew
         self._grants: dict[Wish, Callable[[], None]] = {
@@ -208,7 +180,7 @@ class Dive:
             "desk": self._open_desk,
             "ride": self._ride_one,
             "alight": lambda: self.mount(None),
-            "look": self._look_otherwise,
+            "look": lambda: self.picture.look_otherwise(),
             "follow": self._follow_one,
             "reins": self._take_reins,
             "pause": lambda: self._have_time(Timeline.pause),
@@ -226,9 +198,6 @@ class Dive:
             "menu": self._open_menu,
             "leave": self.leave,
         }
-        self.diagrams: set[str] = set()  # names of `diagrams.DIAGRAMS` that are drawn
-        self.wireframe = False
-        self._labels: Sequence[Label] = ()  # of diagrams, in the present picture
         self._shots = Shots(pictures_folder(settings.pictures.folder), self.note)
         self._wants_picture = False
         self._settings, self._vignette = settings, Vignette(settings.comfort.vignette)
@@ -236,29 +205,20 @@ class Dive:
         self._taken = tour_named(tour or settings.attract.tour)
         self.attract = Attract(60.0 * settings.attract.after_min, leaps=False)
         self._diving = False  # rather than loading
-        self._pattern = False
-        self._ride: Ride | None = None
-        self.see_brightness = see_brightness
+        self.see_brightness = see_brightness  # whether who is ridden goes by the light in its eyes
         self._seen_tick = 0  # at which the fish that is ridden has seen the light last
-        self.look: Look = "colours"  # of the pictures of a fish's eyes
-        self.eyes_shown = True  # whether these are shown at all
-        self._insets: tuple[Rect, ...] = ()  # where these are on the canvas
-        self._panes: tuple[Pane, ...] = (WHOLE,)  # where text goes
         opening = opening or opened(display, size, fullscreen, settings, installation)
         self.wall, self.gui, self.pilot = opening.wall, opening.gui, opening.pilot
-        self._fixed = opening.rig
         with ExitStack() as undo:
             undo.callback(opening.close)
+            self.picture = Picture(
+                self.wall, opening.rig, display, stereo, surround, quality, target_ms
+            )
             self.overlay = Overlay(sign_of(settings.bindings, settings.mouse.steer))
             self.desk, self.menu = Desk(self), Menu(self, kiosk)
             self._kiosk = Kiosk(self.wall.windows) if kiosk else None
             self.world = self._made(self.scenario, self.source, seed)
             self._wait("starting OpenGL")
-            self._context = self.wall.context
-            renderer = self._context.info["GL_RENDERER"]
-            self._target_ms = target_ms or pacing.target_for(renderer)
-            self._take_rig()
-            self._pace = pacing.start(first_rung(renderer), self._rig.exact)
             self._stay = ExitStack()  # what belongs to the world that it is in
             undo.callback(lambda: self._stay.close())
             self._live_in(self.world, lambda: self._wait(None), tour is not None)
@@ -292,7 +252,7 @@ class Dive:
         If not, that is told, and everything stays as it is. `source` is the scenario's file. With
         `stay` the submarine and what lives go on from here (`staying.carry`), and so does time.
         """
-        before, ride, time = self.world, self._ride, self._crew.timeline
+        before, ride, time = self.world, self.picture.ride, self._crew.timeline
         try:
             if stay:
                 world = create_world(scenario, seed, source=str(source))
@@ -312,20 +272,6 @@ class Dive:
             self._crew.timeline.run_at(time.rate)
             self._crew.timeline.paused = time.paused
         return True
-
-    def show_as(self, display: str) -> None:
-        """Show the dive in another display mode from now on; not in a theatre, or in two pages."""
-        self.display = display
-        self._take_rig()
-        self._pace = pacing.start(self._pace.rung, self._rig.exact)
-        self._arrange()
-
-    @property
-    def displays(self) -> tuple[str, ...]:
-        """The display modes that it may be shown in from now on; none where that is fixed."""
-        if self._fixed is not None or self.display == PAGED:
-            return ()
-        return tuple(name for name in DISPLAYS if name != PAGED)
 
     @property
     def can_fill(self) -> bool:
@@ -362,22 +308,8 @@ class Dive:
         `touring`.
         """
         with ExitStack() as undo:
-            try:
-                self._renderer = Renderer(
-                    self._context,
-                    make_scene(world),
-                    self._rig,
-                    self._chosen(),
-                    self.wall.page,
-                    heed,
-                )
-            except BaseException as fault:
-                # What was made of it goes while its context is there: later it would be a crash.
-                traceback.clear_frames(fault.__traceback__)
-                gc.collect()
-                raise
-            undo.callback(self._renderer.release)
-            self._memory = nothing_drawn(len(world.state.fishes.species))
+            self.picture.enter(world, heed)
+            undo.callback(self.picture.leave)
             # A tour puts the submarine at its beginning, where other computers must find it.
             carried = self._taken(world) if touring else None
             self._crew = self._crew_of(world, self.pilot)
@@ -385,9 +317,8 @@ class Dive:
             if touring:
                 self.attract.begin()
             undo.callback(self._disband)
-            self.world, self._seen_tick, self._drawn = world, 0, None
-            self._eye = self._crew.eye()
-            self._sketcher = Sketcher(world)
+            self.world, self._seen_tick = world, 0
+            self.picture.eye = self._crew.eye()
             self.desk.enter()
             self._stay = undo.pop_all()
 
@@ -406,57 +337,31 @@ class Dive:
         before = self.world.state.tick
         alpha = self._crew.picture(elapsed_s)
         if self.world.state.tick < before:
-            self._memory = nothing_drawn(len(self.world.state.fishes.species))  # no fade
+            self.picture.jump()
         if alpha is None and not self._crew.waiting:
             return  # what is shown stays, until there is something else
         start += self._crew.idle_s
-        self._alpha = self._alpha if alpha is None else alpha
-        self._eye = self._crew.eye()
-        if self._fixed is None and self.window.size != self._rig.outputs[0]:
-            self._take_rig()
-            self._arrange()
-        if self._ride is not None:
+        picture, ride = self.picture, self.picture.ride
+        picture.alpha = picture.alpha if alpha is None else alpha
+        picture.eye = self._crew.eye()
+        if ride is not None:
             if self._crew.steered is None:
-                self._ride.glance(*self.pilot.glance, elapsed_s)
-            if not self.world.state.fishes.alive[self._ride.by.fish]:
+                ride.glance(*self.pilot.glance, elapsed_s)
+            if not self.world.state.fishes.alive[ride.by.fish]:
                 self.mount(None)
-        if bool(self._insets) != self._with_insets:
-            self._arrange()
-        if not self._pattern:
-            self._draw()
-        if self._pattern or not self._direct:
-            self.wall.show(self._renderer.pictures)
+        picture.draw(self._clear, self.desk.chosen)
         self._write(elapsed_s)
         self._shoot(elapsed_s)
-        if self._quality == AUTO and not self._pattern:
-            self._context.finish()  # the time of the picture, without waiting for the display
-            self._pace = pacing.paced(
-                self._pace, 1000.0 * (time.perf_counter() - start), self._target_ms
-            )
-            if self._chosen() != self._renderer.quality:
-                self._renderer.adapt(self._chosen())
+        picture.pace(lambda: time.perf_counter() - start)
         if alpha is not None:
-            self._crew.swap(self._context.finish)
+            self._crew.swap(picture.finish)
         self.wall.present()
         self.desk.afterwards()
-
-    @property
-    def alpha(self) -> float:
-        """The point between the last two ticks that the picture shows."""
-        return self._alpha
 
     @property
     def timeline(self) -> Timeline | None:
         """The time of the world; None where that is another computer's."""
         return self._crew.timeline
-
-    def fish_at(self, x: float, y: float) -> int | None:
-        """The fish that is seen at a place on the screen, in shares of it from its upper left."""
-        if self._drawn is None or self._pattern:
-            return None
-        picked = pick(self._renderer, self._drawn, x, y)
-        self._context.screen.use()  # text goes on being drawn over the picture
-        return picked.number if picked is not None and picked.kind == FISH else None
 
     def _attend(self, elapsed_s: float) -> None:
         """A tour when nobody is there, and the helm for whoever does anything."""
@@ -465,7 +370,7 @@ class Dive:
             self._kiosk.keep(stirred, elapsed_s)
         # Who has opened the desk or stopped time works, even if no hand moves for a while.
         works = self.desk.open and not self.menu.open
-        works |= self._pattern or self._shots.filming or not self._crew.hands
+        works |= self.picture.pattern or self._shots.filming or not self._crew.hands
         works |= self._crew.timeline is not None and self._crew.timeline.paused
         what = self.attract.look(stirred, elapsed_s, not works)
         if what == "end":
@@ -479,7 +384,7 @@ class Dive:
             self.menu.hide()
         self.mount(None)
         if self._kiosk is not None and not self._crew.shared:
-            self.look = "colours"
+            self.picture.look = "colours"
             self.enter(*self._at_first)
         self.pilot.hands_off()
         self.overlay.greet()  # the help is there again for the next
@@ -492,82 +397,20 @@ class Dive:
             self._crew.timeline.run_at(1.0)
 
     @property
-    def sight(self) -> Sight | None:
-        """What the screen ahead shows now; None where that is no flat picture."""
-        return sight(self._rig, self._views())
-
-    @property
-    def counts(self) -> dict[str, int]:
-        """How many of what there is, and of that in the present picture."""
-        fishes, drawn = self.world.state.fishes, self._drawn
-        return {
-            "fishes": int(np.count_nonzero(fishes.alive)),
-            "simulated": int(np.count_nonzero(fishes.live)),
-            "in sight": 0 if drawn is None else len(fishes.alive) - drawn.hidden,
-            "triangles": self._renderer.triangles,
-        }
-
-    @property
     def steers_fish(self) -> bool:
         """Whether hands hold the reins of the fish that is ridden."""
         return self._crew.steered is not None
-
-    @property
-    def _direct(self) -> bool:
-        """Whether the one window there is has the size of the picture: no need to copy it."""
-        return self._rig.outputs == (self.window.size,)
-
-    def _draw(self) -> None:
-        """The sea, into the window or into the renderer's own pictures."""
-        alpha, quality = self._alpha, self._renderer.quality
-        seen = self._views()
-        ridden = None if self._ride is None else self._ride.by.fish
-        chosen = self.desk.chosen if ridden is None else ridden
-        own = len(seen) - len(self._insets)  # what a fish's eyes see has no diagrams
-        lines, self._labels = self._sketcher.draw(self.diagrams, seen[:own], alpha, chosen)
-        self._renderer.wireframe = self.wireframe
-        packet = pack(
-            self.world, seen, alpha, detail=quality.detail, growth=quality.growth,
-            memory=self._memory, lines=lines, pilot=self._eye,
-        )  # fmt: skip
-        into = self._context.screen if self._direct else None
-        if self._ride is not None:
-            passing = velocity_of(self.world, self._ride.by.fish)
-            packet = replace(packet, passing_cm_s=passing, lined=own)
-        self._renderer.draw(packet, into)
-        self._drawn = packet
-        if self._insets and self.look != "colours":
-            numbers = range(len(seen) - len(self._insets), len(seen))
-            maps = self._renderer.look_up(packet, numbers, joined(self._insets))
-            picture = pictured(maps, self.look)
-            self._renderer.paste(picture, pasted(self._renderer.rig, self._rig, picture), into)
 
     def _see_light(self) -> None:
         """Let the fish that is ridden go by what it sees now, in the ticks until the next picture.
 
         Once a picture, however many ticks that has: seeing takes time too.
         """
-        if (
-            self._ride is None
-            or not self.see_brightness
-            or self._seen_tick == self.world.state.tick
-        ):
+        ride, tick = self.picture.ride, self.world.state.tick
+        if ride is None or not self.see_brightness or self._seen_tick == tick:
             return
-        self._seen_tick = self.world.state.tick
-        light = seen_brightness(self._renderer, self.world, self._ride.by)
-        self.world.seen_light[self._ride.by.fish] = light
-        self._draw_pattern()  # seeing has emptied the renderer's own pictures
-
-    def _views(self) -> tuple[View, ...]:
-        """What is seen from the submarine, or from the fish that is ridden."""
-        if self._ride is None:
-            return views(self._rig, self._eye)
-        return self._ride.views(self.world, self._rig, self._insets, self._alpha)
-
-    @property
-    def riding(self) -> Ride | None:
-        """The ride on a fish; None in the submarine."""
-        return self._ride
+        self._seen_tick = tick
+        self.world.seen_light[ride.by.fish] = self.picture.brightness(ride)
 
     def mount(self, fish: int | None, behind: bool | None = None) -> None:
         """Ride a fish of this number from now on, or come back to the submarine.
@@ -575,42 +418,35 @@ class Dive:
         Through its eyes, or from `behind` it; None: as the last one, if there was one.
         """
         if behind is None:
-            behind = self._ride is not None and self._ride.behind
-        self._ride = None if fish is None else Ride(self.world, fish, behind)
+            behind = self.picture.ride is not None and self.picture.ride.behind
+        self.picture.ride = None if fish is None else Ride(self.world, fish, behind)
         self.desk.chosen = self.desk.chosen if fish is None else fish
         self._crew.steered = None
         self.world.seen_light.clear()
         self._seen_tick = 0
-        self.pilot.ride(self._ride is not None)
-        self._memory = nothing_drawn(len(self.world.state.fishes.species))  # no fade at the jump
-        self._arrange()
+        self.pilot.ride(self.picture.ride is not None)
+        self.picture.jump()
+        self.picture.arrange(self._clear)
 
     @property
-    def _with_insets(self) -> bool:
-        """Whether there is room for what a fish's eyes see: beside the help there is not."""
-        clear = not self._pattern and self.overlay.help_opacity == 0.0
-        return self._ride is not None and self.eyes_shown and clear
-
-    def _arrange(self) -> None:
-        """Have the renderer draw what is to be seen: the rig, what a fish's eyes see, a pattern."""
-        rig, self._insets = with_insets(self._rig) if self._with_insets else (self._rig, ())
-        self._renderer.arrange(rig)
-        self._draw_pattern()
+    def _clear(self) -> bool:
+        """Whether the help does not stand where pictures of a fish's eyes would be."""
+        return self.overlay.help_opacity == 0.0
 
     def _write(self, elapsed_s: float) -> None:
         """What is to be read over the picture: instruments and help, or what is waited for.
 
         Nothing over the test pattern, by which projectors are measured.
         """
-        if self._pattern:
+        if self.picture.pattern:
             return
         self._begin()
-        letter(self._labels, self.sight)
+        letter(self.picture.labels, self.picture.sight)
         if self._crew.hands:
             submarine = self.world.state.submarine
-            helm = self._ride is None and not self.attract.touring
-            if helm and self._settings.comfort.horizon and self.sight:
-                draw_horizon(self.sight)
+            helm = self.picture.ride is None and not self.attract.touring
+            if helm and self._settings.comfort.horizon and self.picture.sight:
+                draw_horizon(self.picture.sight)
             self._vignette.feel(submarine.rates, submarine.velocity, elapsed_s)
             self._vignette.draw()
             if not self.menu.open:
@@ -655,9 +491,9 @@ class Dive:
     def _circumstances(self) -> str:
         """Whom one rides, and what is not usual about time, in one line."""
         parts = []
-        if self._ride is not None:
+        if self.picture.ride is not None:
             steered = self._crew.steered is not None
-            parts.append(self._ride.text(self.world, self.look, steered))
+            parts.append(self.picture.ride.text(self.world, self.picture.look, steered))
         if self._crew.timeline is not None and self._crew.timeline.text:
             parts.append(self._crew.timeline.text)
         return "   ".join(parts)
@@ -665,12 +501,7 @@ class Dive:
     def _begin(self) -> None:
         """Begin a frame of the gui on the pilot's window."""
         window = self.window
-        self.gui.begin(window.points, window.size, window.text_scale, self._panes)
-
-    def _draw_pattern(self) -> None:
-        """The test pattern, if it is shown, into the renderer's own pictures: once is enough."""
-        if self._pattern:
-            self._renderer.show(lineup(self._rig))
+        self.gui.begin(window.points, window.size, window.text_scale, self.picture.panes)
 
     def grant(self, wish: Wish) -> None:
         """Do what the visitor asked for by a key. While the menu is open only that answers."""
@@ -680,31 +511,31 @@ class Dive:
             self._grants[wish]()
 
     def _open_menu(self) -> None:
-        if self._pattern:
+        if self.picture.pattern:
             self._show_pattern()
         else:
             self.window.take_keyboard()  # Esc may have been pressed in another
             self.menu.show()
 
     def _show_help(self) -> None:
-        if not self._pattern:
+        if not self.picture.pattern:
             self.overlay.toggle_help()
 
     def _open_desk(self) -> None:
         if self._crew.shared:
             self.overlay.note("no desk here: several computers show this dive")
-        elif not self._pattern:
+        elif not self.picture.pattern:
             self.window.take_keyboard()
             self.desk.toggle()
 
     def _ride_one(self, turned: str = "from behind") -> None:
-        if self._pattern or self._crew.shared:
+        if self.picture.pattern or self._crew.shared:
             return
         fish = self.desk.chosen if self.desk.open else None
-        if fish is None or (self._ride is not None and self._ride.by.fish == fish):
-            fish = nearest_to_middle(self.world, self._views()[front_view(self._rig)])
+        if fish is None or (self.picture.ride is not None and self.picture.ride.by.fish == fish):
+            fish = nearest_to_middle(self.world, self.picture.views()[front_view(self.picture.rig)])
         if fish is not None:
-            first = self._ride is None
+            first = self.picture.ride is None
             self.mount(fish)
             if first:
                 self._hint(("follow", turned), ("reins", "steer it"), ("alight", "back"))
@@ -712,23 +543,23 @@ class Dive:
     def follow(self, fish: int) -> None:
         """Ride a fish of this number, seen from behind."""
         self.mount(fish)
-        if self._ride is not None:
-            self._ride.look_from(True)
+        if self.picture.ride is not None:
+            self.picture.ride.look_from(True)
 
     def _follow_one(self) -> None:
-        behind = self._ride is None or not self._ride.behind
-        if self._ride is None:
+        behind = self.picture.ride is None or not self.picture.ride.behind
+        if self.picture.ride is None:
             self._ride_one("through its eyes")
-        if self._ride is not None:
-            self._ride.look_from(behind)
-            self._memory = nothing_drawn(len(self.world.state.fishes.species))
+        if self.picture.ride is not None:
+            self.picture.ride.look_from(behind)
+            self.picture.jump()
 
     def _take_reins(self) -> None:
-        if self._ride is None:
+        if self.picture.ride is None:
             self._ride_one()
-        if self._ride is not None:
+        if self.picture.ride is not None:
             self.pilot.full_stop()  # what hands held before was not meant for it
-            self._crew.steered = self._ride.by.fish if self._crew.steered is None else None
+            self._crew.steered = self.picture.ride.by.fish if self._crew.steered is None else None
             if self._crew.steered is not None:
                 self._hint(("reins", "let it go"), before="steer it as the submarine")
 
@@ -744,45 +575,12 @@ class Dive:
         else:
             act(self._crew.timeline)
 
-    def _look_otherwise(self) -> None:
-        self.look = LOOKS[(LOOKS.index(self.look) + 1) % len(LOOKS)]
-
     def _show_pattern(self) -> None:
-        self._pattern = not self._pattern
-        self._pace = pacing.resumed(self._pace)
-        self._arrange()
+        self.picture.show_pattern(self._clear)
 
     def _choose_quality(self) -> None:
-        self.choose_quality(CHOICES[(CHOICES.index(self._quality) + 1) % len(CHOICES)])
-
-    @property
-    def chosen_quality(self) -> str:
-        """One of `render.quality.CHOICES`."""
-        return self._quality
-
-    def choose_quality(self, quality: str) -> None:
-        """Draw with this quality from now on, one of `render.quality.CHOICES`, and tell it."""
-        self._quality = quality
-        self._pace = pacing.resumed(self._pace)
-        self._renderer.adapt(self._chosen())
-        self._draw_pattern()
-        self.overlay.note(self.quality)
-
-    @property
-    def quality(self) -> str:
-        """How the picture is drawn, in words."""
-        name = name_of(self._renderer.quality)
-        return f"picture {name}" if self._quality != AUTO else f"picture auto: {name}"
-
-    def _take_rig(self) -> None:
-        """The rig that is for the windows as they are now, and where text goes on it."""
-        self._rig = self._fixed or display_rig(
-            self.display, self.window.size, self._stereo, self._surround
-        )
-        self._panes = panes(self._rig, self.wall.page)
-
-    def _chosen(self) -> Quality:
-        return LADDER[self._pace.rung] if self._quality == AUTO else PRESETS[self._quality]
+        self.picture.choose_next()
+        self.overlay.note(self.picture.fineness)
 
     def _disband(self) -> None:
         for line in self._crew.close():

@@ -14,6 +14,7 @@ from imgui_bundle import imgui
 from subsea.app.desk import Desk
 from subsea.app.gui import DEEP, LIT, QUIET, Gui, colour
 from subsea.app.overlay import Overlay
+from subsea.app.picture import Picture
 from subsea.errors import UserError
 from subsea.render.quality import CHOICES
 from subsea.resources import load_toml, resource_names, resource_path
@@ -52,21 +53,7 @@ class Host(Protocol):
     gui: Gui
     overlay: Overlay
     desk: Desk
-    display: str  # how it is shown
-
-    @property
-    def displays(self) -> tuple[str, ...]:
-        """The display modes that it may be shown in from now on; none if that is fixed."""
-
-    def show_as(self, display: str) -> None:
-        """Show the dive in another display mode."""
-
-    @property
-    def chosen_quality(self) -> str:
-        """One of `CHOICES`."""
-
-    def choose_quality(self, quality: str) -> None:
-        """Draw so from now on."""
+    picture: Picture  # what it shows
 
     def enter(self, scenario: Scenario, source: Path, seed: int | None = None) -> bool:
         """Leave this world for the one that a scenario begins with; whether there is such a one."""
@@ -209,10 +196,10 @@ class Menu:
     def _first(self) -> Iterator[Entry]:
         host = self.host
         yield Entry("Continue", self.hide)
-        if not self.kiosk and host.displays:
-            yield Entry("Display", lambda: self._turn("Display"), DISPLAYS[host.display])
+        if not self.kiosk and host.picture.displays:
+            yield Entry("Display", lambda: self._turn("Display"), DISPLAYS[host.picture.display])
         if not self.kiosk:
-            now = QUALITIES[host.chosen_quality]
+            now = QUALITIES[host.picture.quality]
             yield Entry("Quality", lambda: self._turn("Quality"), now)
         if not host.shared:
             yield Entry("Scenario", lambda: self._turn("Scenario"), host.scenario.title)
@@ -223,21 +210,21 @@ class Menu:
             yield Entry("Leave", host.leave)
 
     def _displays(self) -> Iterator[Entry]:
-        for name in self.host.displays:
+        for name in self.host.picture.displays:
 
             def show(name: str = name) -> None:
-                self.host.show_as(name)
+                self.host.picture.show_as(name)
 
-            yield Entry(DISPLAYS[name], show, chosen=name == self.host.display)
+            yield Entry(DISPLAYS[name], show, chosen=name == self.host.picture.display)
         yield self._back()
 
     def _qualities(self) -> Iterator[Entry]:
         for name in CHOICES:
 
             def choose(name: str = name) -> None:
-                self.host.choose_quality(name)
+                self.host.picture.choose(name)
 
-            yield Entry(QUALITIES[name], choose, chosen=name == self.host.chosen_quality)
+            yield Entry(QUALITIES[name], choose, chosen=name == self.host.picture.quality)
         yield self._back()
 
     def _scenarios(self) -> Iterator[Entry]:

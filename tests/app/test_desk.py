@@ -155,7 +155,7 @@ def test_a_world_that_cannot_be_leaves_the_dive_as_it_is(boat, capsys):
 
 def test_the_display_mode_changes_while_it_runs(boat, hands):
     for display in ("side-by-side", "dome", "mono"):
-        boat.show_as(display)
+        boat.picture.show_as(display)
         hands.glide(boat, 0.2)
-        assert len(boat._rig.eyes) == {"side-by-side": 2, "dome": 5}.get(display, 1)
+        assert len(boat.picture.rig.eyes) == {"side-by-side": 2, "dome": 5}.get(display, 1)
         assert hands.screen(boat).std() > 5.0

@@ -135,16 +135,16 @@ def test_keys_steer_too(boat):
 def test_a_key_shows_in_the_second_picture_at_the_latest(boat):
     stop(boat)
     glide(boat, 3.0)
-    still = [boat._eye.forward]
+    still = [boat.picture.eye.forward]
     hands("keydown", "d")
     end = time.monotonic() + 10.0
     while not boat.pilot._held and time.monotonic() < end:
-        still.append(boat._eye.forward)
+        still.append(boat.picture.eye.forward)
         boat.frame(1 / 144)  # the last of these is the first after the key came
     drift = np.linalg.norm(np.diff(still, axis=0), axis=1)
     boat.frame(1 / 144)
     hands("keyup", "d")
-    turned = np.cross(still[-1], boat._eye.forward)[2]
+    turned = np.cross(still[-1], boat.picture.eye.forward)[2]
     assert turned < -10.0 * max(*drift, 1e-6)
     stop(boat)
 
@@ -159,19 +159,19 @@ def test_the_help_fades_under_way_and_comes_back(boat):
 
 
 def test_a_key_goes_through_the_qualities(boat):
-    assert boat.quality.startswith("picture auto: ")
+    assert boat.picture.fineness.startswith("picture auto: ")
     for name in ("low", "medium", "high"):
         hands("key", "p")
-        until(boat, lambda name=name: boat.quality == f"picture {name}")
+        until(boat, lambda name=name: boat.picture.fineness == f"picture {name}")
     hands("key", "p")
-    until(boat, lambda: boat.quality.startswith("picture auto"))
+    until(boat, lambda: boat.picture.fineness.startswith("picture auto"))
 
 
 def test_auto_makes_the_canvas_smaller_where_frames_take_too_long(boat):
-    boat._target_ms, usual = 0.5, boat._target_ms
-    until(boat, lambda: boat.quality.endswith("%"))
+    boat.picture._target_ms, usual = 0.5, boat.picture._target_ms
+    until(boat, lambda: boat.picture.fineness.endswith("%"))
     assert screen(boat)[20:-20, 20:-20].std() > 3
-    boat._target_ms = usual
+    boat.picture._target_ms = usual
 
 
 def test_the_picture_follows_the_size_of_the_window(boat):

@@ -60,7 +60,7 @@ def opened(boat, hands, name, fish=None):
 
 def put(boat, fish, x, y, far_cm):
     """A fish where a place on the screen is seen."""
-    eye, way = boat.sight.ray(x, y)
+    eye, way = boat.picture.sight.ray(x, y)
     fishes = boat.world.state.fishes
     fishes.position[fish] = fishes.previous_position[fish] = eye + far_cm * way
 
@@ -249,14 +249,14 @@ def test_diagrams_and_wireframe_are_ticked_and_drawn(still, hands, spots):
     plain = hands.screen(still)
     for label in ("bounds", "wireframe"):
         spots.click(still, label, 0.1)
-    assert still.diagrams == {"bounds"} and still.wireframe
+    assert still.picture.diagrams == {"bounds"} and still.picture.wireframe
     hands.do("mousemove", 400, 585)
     hands.glide(still, 0.2)
     beside = np.abs(hands.screen(still) - plain)[:, 560:].sum(axis=2)
     assert (beside > 60).mean() > 0.1
     for label in ("bounds", "wireframe"):
         spots.click(still, label, 0.1)
-    assert not still.diagrams and not still.wireframe
+    assert not still.picture.diagrams and not still.picture.wireframe
     lights = still.world.state.submarine.lights
     spots.click(still, "lights", 0.1)
     assert lights.all()
@@ -273,7 +273,7 @@ def test_the_camera_is_copied_as_a_waypoint_that_a_tour_can_have(still, hands, s
     point = msgspec.convert(entry, Waypoint)
     ahead = np.subtract(point.look_at_cm, point.position_cm)
     np.testing.assert_allclose(point.position_cm, submarine.position, atol=60.0)
-    heading, pitch = angles_deg(still.sight.view)
+    heading, pitch = angles_deg(still.picture.sight.view)
     level = np.cos(np.radians(pitch)) * np.linalg.norm(ahead)
     expected = [np.cos(np.radians(heading)) * level, np.sin(np.radians(heading)) * level]
     np.testing.assert_allclose(ahead[:2], expected, atol=0.2)
@@ -281,31 +281,31 @@ def test_the_camera_is_copied_as_a_waypoint_that_a_tour_can_have(still, hands, s
 
 def test_what_is_told_of_the_picture_is_so(still, hands):
     opened(still, hands, "Control")
-    counts = still.counts
+    counts = still.picture.counts
     assert counts["fishes"] == np.count_nonzero(still.world.state.fishes.alive)
     assert 0 < counts["in sight"] <= counts["fishes"]
-    assert counts["triangles"] == still._renderer.triangles > 1000
+    assert counts["triangles"] == still.picture._renderer.triangles > 1000
 
 
 def test_a_fish_is_ridden_followed_and_left_and_its_eyes_turned(still, hands, spots):
     opened(still, hands, "Fish view", 5)
     spots.click(still, "the fish's eyes", 0.1)
-    assert still.riding.by.fish == 5 and not still.riding.behind
-    assert still._insets
+    assert still.picture.ride.by.fish == 5 and not still.picture.ride.behind
+    assert still.picture._insets
     spots.drag(still, "pan", 0.42, 0.7)
-    assert still.riding.gaze.pan_deg > 30.0 and still.riding.gaze.tilt_deg == 0.0
+    assert still.picture.ride.gaze.pan_deg > 30.0 and still.picture.ride.gaze.tilt_deg == 0.0
     spots.click(still, "look ahead")
-    assert still.riding.gaze == Gaze()
+    assert still.picture.ride.gaze == Gaze()
     spots.click(still, "identity", 0.1)
-    assert still.look == "identity"
+    assert still.picture.look == "identity"
     spots.click(still, "colours", 0.1)
     spots.click(still, "pictures of both eyes", 0.1)
-    assert not still._insets
+    assert not still.picture._insets
     spots.click(still, "pictures of both eyes", 0.1)
     spots.click(still, "behind the fish", 0.1)
-    assert still.riding.behind
+    assert still.picture.ride.behind
     spots.click(still, "next")
-    assert still.riding.by.fish == still.desk.chosen == 6 and still.riding.behind
+    assert still.picture.ride.by.fish == still.desk.chosen == 6 and still.picture.ride.behind
     spots.click(still, "its reins are in your hands", 0.05)
     assert still.steers_fish
     spots.click(still, "goes by the light in its eyes", 0.05)
@@ -315,7 +315,7 @@ def test_a_fish_is_ridden_followed_and_left_and_its_eyes_turned(still, hands, sp
     spots.click(still, "goes by the light in its eyes", 0.05)
     assert not still.world.seen_light
     spots.click(still, "the submarine", 0.1)
-    assert still.riding is None and still.desk.chosen == 6
+    assert still.picture.ride is None and still.desk.chosen == 6
 
 
 def test_panels_that_nobody_touches_change_nothing(still, hands):

@@ -64,8 +64,8 @@ def test_it_fills_the_screen_and_stays(exhibit, hands):
     time.sleep(0.3)
     hands.glide(exhibit, 0.5)
     assert exhibit.window.open and exhibit.window.size == (800, 600)
-    assert not exhibit.desk.open and not exhibit._pattern and not exhibit.timeline.paused
-    assert exhibit.chosen_quality == "low" and exhibit.overlay.hud.mode == "as needed"
+    assert not exhibit.desk.open and not exhibit.picture.pattern and not exhibit.timeline.paused
+    assert exhibit.picture.quality == "low" and exhibit.overlay.hud.mode == "as needed"
     assert not exhibit._shots.filming
 
 

@@ -180,11 +180,11 @@ def test_the_file_binds_other_keys_and_takes_the_usual_away(boat, sub):
     until(boat, lambda: TRUE["rise"](sub))
     hands("keyup", "ctrl", "keyup", "7")  # in this order: the key alone means nothing
     until(boat, lambda: boat.pilot._held == {})
-    before = boat.quality
+    before = boat.picture.fineness
     hands("key", "p")
     hands("key", "o")
-    until(boat, lambda: boat.quality != before)
-    assert boat.quality == "picture medium"  # one step further: the usual key did nothing
+    until(boat, lambda: boat.picture.fineness != before)
+    assert boat.picture.fineness == "picture medium"  # one step further: the usual key did nothing
     assert CONTROLS["quality"].inputs == ("P",)
 
 
@@ -252,7 +252,7 @@ def test_with_a_window_of_one_pixel_and_everything_open_nothing_breaks(boat, sub
             boat.grant(name)
             boat.frame(FRAME_S)
         for display in ("side-by-side", "dome", "anaglyph", "checkerboard", "mono"):
-            boat.show_as(display)
+            boat.picture.show_as(display)
             boat.frame(FRAME_S)
     boat.grant("alight")
     boat.grant("desk")

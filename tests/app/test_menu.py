@@ -92,7 +92,7 @@ def test_while_it_is_open_the_sea_goes_on_and_the_submarine_holds_station(boat, 
     assert boat.world.state.tick > tick + 20
     assert abs(heading(boat) - before) < math.radians(1.0)
     assert np.linalg.norm(boat.world.state.submarine.velocity) < 1.0
-    assert not boat.pilot.riding and not boat._pattern
+    assert not boat.pilot.riding and not boat.picture.pattern
     press(boat, hands, "Escape")
     assert not boat.menu.open and not boat.desk.open
     assert hands.screen(boat).mean() > 1.2 * lit
@@ -104,8 +104,8 @@ def test_arrows_and_enter_change_the_quality(boat, menu, hands):
     press(boat, hands, "Down", "Down", "Return")
     assert boat.menu._page == "Quality"
     press(boat, hands, "Up", "Return")
-    assert boat.chosen_quality == "low"
-    assert boat.quality == "picture low"
+    assert boat.picture.quality == "low"
+    assert boat.picture.fineness == "picture low"
     press(boat, hands, "Escape")
     assert boat.menu.open and boat.menu._page == ""
 
@@ -125,7 +125,7 @@ def test_a_gamepad_chooses_and_goes_back(boat, hands, monkeypatch):
     assert boat.menu._page == "Quality"
     for button in ("down", "A"):
         push(button)
-    assert boat.chosen_quality == "medium"
+    assert boat.picture.quality == "medium"
     push("B")
     assert boat.menu.open and boat.menu._page == ""
     push("B")
@@ -136,11 +136,11 @@ def test_a_gamepad_chooses_and_goes_back(boat, hands, monkeypatch):
 def test_the_mouse_changes_the_display(boat, menu, hands, monkeypatch):
     click(boat, hands, monkeypatch, "Display")
     click(boat, hands, monkeypatch, "3D, side")
-    assert boat.display == "side-by-side"
-    assert len(boat._rig.eyes) == 2
+    assert boat.picture.display == "side-by-side"
+    assert len(boat.picture.rig.eyes) == 2
     left, right = np.split(hands.screen(boat)[60:300], 2, axis=1)
     assert np.abs(left - right).mean() < 5.0 < left.std()
-    boat.show_as("mono")
+    boat.picture.show_as("mono")
 
 
 def test_a_drag_that_begins_on_it_never_steers(boat, menu, hands, monkeypatch):
@@ -208,7 +208,7 @@ def test_a_line_is_where_the_horizon_is_and_the_rim_darkens_if_wished(boat, hand
     far = submarine.position + 1e6 * np.array(
         [math.cos(heading(boat)), math.sin(heading(boat)), 0.0]
     )
-    ((_, y),) = boat.sight.places(far[None])
+    ((_, y),) = boat.picture.sight.places(far[None])
     found = np.flatnonzero(rows > 20)
     assert abs(found[0] - y * SIZE[1]) < 4 and found[-1] - found[0] < 20
     rim.most, rim.amount = 1.0, 1.0

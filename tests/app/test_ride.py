@@ -220,39 +220,39 @@ def test_keys_mount_a_fish_turn_its_eyes_show_maps_and_come_back(boat):
     key("r")
     until(boat, lambda: boat.pilot.riding)
     until(boat, lambda: boat.overlay.help_opacity == 0.0)  # who rides is under way
-    first = boat._ride.by.fish
+    first = boat.picture.ride.by.fish
     colours = corner(boat)
-    beside = np.asarray(boat._renderer.rig.canvas) - boat._rig.canvas
+    beside = np.asarray(boat.picture._renderer.rig.canvas) - boat.picture.rig.canvas
     assert beside[1] > 60
     subprocess.run(["xdotool", "keydown", "Right"], check=True, timeout=20)
-    until(boat, lambda: boat._ride.gaze.pan_deg > 20.0)
+    until(boat, lambda: boat.picture.ride.gaze.pan_deg > 20.0)
     subprocess.run(["xdotool", "keyup", "Right"], check=True, timeout=20)
     key("i")
-    until(boat, lambda: boat.look == "identity")
+    until(boat, lambda: boat.picture.look == "identity")
     codes = {tuple(code) for code in coded(np.arange(2**16)).tolist()}
     found = corner(boat).reshape(-1, 3)
     assert np.mean([tuple(pixel) in codes for pixel in found.tolist()]) > 0.99
     key("i")
-    until(boat, lambda: boat.look == "range")
+    until(boat, lambda: boat.picture.look == "range")
     grey = corner(boat)
     assert np.abs(grey - colours).mean() > 10.0
     assert (np.ptp(grey, axis=2) <= 1).mean() > 0.99
     key("r")
-    until(boat, lambda: boat._ride.by.fish != first)
+    until(boat, lambda: boat.picture.ride.by.fish != first)
     key("Escape")
     until(boat, lambda: not boat.pilot.riding)
     assert boat.window.open
-    assert boat._renderer.rig is boat._rig
+    assert boat.picture._renderer.rig is boat.picture.rig
 
 
 def test_who_is_ridden_may_go_by_the_light_ahead_of_it_wherever_it_gazes(boat):
-    boat.see_brightness, boat.look = True, "colours"
+    boat.see_brightness, boat.picture.look = True, "colours"
     key("r")
     until(boat, lambda: boat.pilot.riding)
-    fish, minds = boat._ride.by.fish, boat.world.state.minds
+    fish, minds = boat.picture.ride.by.fish, boat.world.state.minds
     for gaze in (Gaze(0.0, 60.0), Gaze(0.0, -60.0)):
-        boat._ride.gaze = gaze
-        ahead = seen_brightness(boat._renderer, boat.world, boat._ride.by)
+        boat.picture.ride.gaze = gaze
+        ahead = seen_brightness(boat.picture._renderer, boat.world, boat.picture.ride.by)
         assert 0.05 < ahead < 0.95
         boat.frame(0.1)
         assert boat.world.seen_light[fish] == ahead
@@ -288,28 +288,28 @@ def whole(running):
 
 def test_the_help_stands_alone_and_so_does_the_pattern_after_which_the_ride_goes_on(boat):
     key("r")
-    until(boat, lambda: boat.pilot.riding and boat._insets)
-    ride = boat._ride
+    until(boat, lambda: boat.pilot.riding and boat.picture._insets)
+    ride = boat.picture.ride
     key("h")
     until(boat, lambda: boat.overlay.help_opacity == 1.0)
-    assert not boat._insets
-    assert boat._renderer.rig is boat._rig
+    assert not boat.picture._insets
+    assert boat.picture._renderer.rig is boat.picture.rig
     key("t")
-    until(boat, lambda: boat._pattern)
+    until(boat, lambda: boat.picture.pattern)
     assert not words(boat).any()
     pattern = whole(boat)
     key("h", "p")  # neither help nor instruments
-    until(boat, lambda: boat.quality == "picture medium")
+    until(boat, lambda: boat.picture.fineness == "picture medium")
     np.testing.assert_array_equal(whole(boat), pattern)
     key("t")
-    until(boat, lambda: not boat._pattern)
-    assert boat._ride is ride
+    until(boat, lambda: not boat.picture.pattern)
+    assert boat.picture.ride is ride
     key("h")
     until(boat, lambda: boat.overlay.help_opacity == 0.0)
     boat.frame(0.1)
-    assert boat._insets
+    assert boat.picture._insets
     key("p", "p", "p")
-    until(boat, lambda: boat.quality == "picture low")
+    until(boat, lambda: boat.picture.fineness == "picture low")
     key("Escape")
     until(boat, lambda: not boat.pilot.riding)
 
@@ -319,7 +319,7 @@ def test_a_line_that_is_too_long_is_several(boat):
 
     key("r")
     until(boat, lambda: boat.pilot.riding)
-    boat._ride.gaze, boat.look = Gaze(30.0, 20.0), "identity"  # which is told too
+    boat.picture.ride.gaze, boat.picture.look = Gaze(30.0, 20.0), "identity"  # which is told too
     for size, lines in (((240, 180), 2), ((700, 300), 1)):
         glfw.set_window_size(boat.window.handle, *size)
         until(boat, lambda size=size: boat.window.size == size)
@@ -330,7 +330,7 @@ def test_a_line_that_is_too_long_is_several(boat):
         columns = np.flatnonzero(found.any(axis=0))
         assert columns[0] >= 8
         assert columns[-1] < size[0] - 8
-    boat.look = "colours"
+    boat.picture.look = "colours"
     glfw.set_window_size(boat.window.handle, *SIZE)
     until(boat, lambda: boat.window.size == SIZE)
     key("Escape")
@@ -340,9 +340,9 @@ def test_a_line_that_is_too_long_is_several(boat):
 def test_who_is_eaten_carries_nobody(boat):
     key("r")
     until(boat, lambda: boat.pilot.riding)
-    boat.world.state.fishes.alive[boat._ride.by.fish] = False
+    boat.world.state.fishes.alive[boat.picture.ride.by.fish] = False
     until(boat, lambda: not boat.pilot.riding)
-    assert boat._ride is None
+    assert boat.picture.ride is None
 
 
 def test_the_window_may_change_its_size_during_a_ride(boat):
@@ -354,7 +354,9 @@ def test_the_window_may_change_its_size_during_a_ride(boat):
         glfw.set_window_size(boat.window.handle, *size)
         until(boat, lambda size=size: boat.window.size == size)
         boat.frame(0.1)
-        assert boat._renderer.rig.outputs == (size,)
-        assert len(boat._renderer.rig.patches) == 5  # the sea, two pictures and their frames
+        assert boat.picture._renderer.rig.outputs == (size,)
+        assert (
+            len(boat.picture._renderer.rig.patches) == 5
+        )  # the sea, two pictures and their frames
     key("Escape")
     until(boat, lambda: not boat.pilot.riding)

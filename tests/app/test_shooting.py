@@ -96,14 +96,14 @@ def test_diagrams_and_their_labels_are_over_the_picture(boat, hands):
         return hands.screen(boat)
 
     bare = settled()
-    boat.diagrams |= {*DIAGRAMS} - {"indices"}
+    boat.picture.diagrams |= {*DIAGRAMS} - {"indices"}
     lines = settled()
-    boat.diagrams.add("indices")
+    boat.picture.diagrams.add("indices")
     labels = settled()
-    boat.diagrams.clear()
-    boat.wireframe = True
+    boat.picture.diagrams.clear()
+    boat.picture.wireframe = True
     edges = settled()
-    boat.wireframe = False
+    boat.picture.wireframe = False
     assert (np.abs(lines - bare).max(axis=2) > 60).mean() > 0.02
     lettered = np.abs(labels - lines).max(axis=2) > 60
     assert 10 < lettered.sum() < 0.05 * lettered.size

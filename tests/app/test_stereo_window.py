@@ -36,7 +36,7 @@ class Bold(Pane):
 def shown(running):
     import glfw
 
-    running._context.finish()
+    running.picture._context.finish()
     left, top = glfw.get_window_pos(running.window.handle)
     picture = ImageGrab.grab(xdisplay=os.environ["DISPLAY"])
     width, height = running.window.size
@@ -53,7 +53,7 @@ def windows(display, empty_sea):
             running.frame(0.0)
             with_text = shown(running)
             if mode == "mono":
-                running._panes = (Bold(),)
+                running.picture.panes = (Bold(),)
                 running.frame(0.0)
                 running.frame(0.0)
                 bold = shown(running)

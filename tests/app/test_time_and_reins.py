@@ -45,7 +45,7 @@ def test_keys_stop_time_and_take_it_back_to_the_very_same_world(boat, hands):
     pressed(boat, hands, "k", lambda: time.paused)
     now = world.state.tick
     hands.glide(boat, 0.5)
-    assert (world.state.tick, boat.alpha) == (now, 1.0)
+    assert (world.state.tick, boat.picture.alpha) == (now, 1.0)
     was[now] = snapshot.checksum(world)
     assert "paused" in boat._circumstances
     pressed(boat, hands, "comma", lambda: world.state.tick == max(now - 30, time.earliest))
@@ -66,21 +66,21 @@ def test_keys_stop_time_and_take_it_back_to_the_very_same_world(boat, hands):
 def test_a_fish_is_followed_from_behind_and_looked_through_in_turn(boat, hands, monkeypatch):
     told = []
     monkeypatch.setattr(boat.overlay, "note", told.append)
-    pressed(boat, hands, "c", lambda: boat._ride is not None and boat._ride.behind)
-    fish = boat._ride.by.fish
+    pressed(boat, hands, "c", lambda: boat.picture.ride is not None and boat.picture.ride.behind)
+    fish = boat.picture.ride.by.fish
     hands.glide(boat, 0.3)
-    (view,) = boat._views()[:1]
+    (view,) = boat.picture.views()[:1]
     assert view.without != fish
     assert told == ["C through its eyes   G steer it   Esc back"]
     away = boat.world.state.fishes.position[fish] - view.eye
     assert -(view.view[2, :3] @ away) > 0.9 * np.linalg.norm(away)  # it is ahead, and seen
-    pressed(boat, hands, "c", lambda: not boat._ride.behind)
-    assert boat._views()[0].without == fish
-    pressed(boat, hands, "c", lambda: boat._ride.behind)
+    pressed(boat, hands, "c", lambda: not boat.picture.ride.behind)
+    assert boat.picture.views()[0].without == fish
+    pressed(boat, hands, "c", lambda: boat.picture.ride.behind)
 
 
 def test_hands_steer_the_fish_while_the_submarine_keeps_station(boat, hands):
-    world, fish = boat.world, boat._ride.by.fish
+    world, fish = boat.world, boat.picture.ride.by.fish
     submarine, fishes = world.state.submarine, world.state.fishes
     pressed(boat, hands, "g", lambda: boat._crew.steered == fish)
     hands.glide(boat, 3.0)
@@ -93,30 +93,30 @@ def test_hands_steer_the_fish_while_the_submarine_keeps_station(boat, hands):
     hands.glide(boat, 2.0)
     turned = (heading(world, fish) - before + np.pi) % (2 * np.pi) - np.pi
     assert turned > np.radians(20.0)
-    assert boat._ride.gaze.pan_deg == 0.0  # keys steer: they do not turn its eyes
+    assert boat.picture.ride.gaze.pan_deg == 0.0  # keys steer: they do not turn its eyes
     hands.do("keyup", "w", "keyup", "a")
     assert world.state.minds.intention[fish] == WANDER
     assert isinstance(boat.timeline._made[-1].order, Reins)
     assert np.linalg.norm(submarine.position - station) < 3.0
     pressed(boat, hands, "g", lambda: boat._crew.steered is None)
     assert "in your hands" not in boat._circumstances
-    pressed(boat, hands, "Escape", lambda: boat._ride is None)
+    pressed(boat, hands, "Escape", lambda: boat.picture.ride is None)
     assert boat._crew.steered is None
 
 
 def test_the_fish_under_the_pointer_is_the_one_at_its_place(boat, hands):
     world = boat.world
     hands.glide(boat, 0.2)
-    sight, fishes = boat.sight, world.state.fishes
+    sight, fishes = boat.picture.sight, world.state.fishes
     fish = 4
     eye, way = sight.ray(0.3, 0.4)
     fishes.position[fish] = fishes.previous_position[fish] = eye + 90.0 * way
     boat.timeline.touch()
     boat.timeline.pause()
     boat.frame(0.0)
-    x, y = boat.sight.places(fishes.position[fish][None])[0]
-    assert boat.fish_at(x, y) == fish
-    assert boat.fish_at(x + 0.45, y + 0.5) != fish
+    x, y = boat.picture.sight.places(fishes.position[fish][None])[0]
+    assert boat.picture.fish_at(x, y) == fish
+    assert boat.picture.fish_at(x + 0.45, y + 0.5) != fish
     boat.frame(0.0)  # it goes on being drawn
     assert hands.screen(boat).std() > 5.0
     boat.timeline.pause()
@@ -124,17 +124,17 @@ def test_the_fish_under_the_pointer_is_the_one_at_its_place(boat, hands):
 
 def test_a_fish_of_a_number_is_followed(boat, hands):
     boat.follow(7)
-    assert (boat._ride.by.fish, boat._ride.behind) == (7, True)
+    assert (boat.picture.ride.by.fish, boat.picture.ride.behind) == (7, True)
     boat.frame(0.1)
     boat.grant("alight")
-    assert boat._ride is None
+    assert boat.picture.ride is None
 
 
 def test_a_tour_when_nobody_is_there_goes_at_the_usual_pace(boat):
     boat.follow(7)
     boat.timeline.run_at(4.0)
     boat._take_tour()
-    assert (boat._ride, boat.timeline.rate) == (None, 1.0)
+    assert (boat.picture.ride, boat.timeline.rate) == (None, 1.0)
     boat._crew.carry(None)
     boat.frame(0.1)
 

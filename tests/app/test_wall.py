@@ -110,11 +110,11 @@ def shown(running):
 
 def in_one(running):
     """The same moment drawn as one wide picture by the same renderer."""
-    renderer, alpha = running._renderer, running._alpha
+    renderer, alpha = running.picture._renderer, running.picture.alpha
     renderer.arrange(ONE)
     quality = renderer.quality
     packet = pack(
-        running.world, views(ONE, running._eye), alpha,
+        running.world, views(ONE, running.picture.eye), alpha,
         detail=quality.detail, growth=quality.growth,
     )  # fmt: skip
     renderer.draw(packet)
@@ -215,13 +215,13 @@ def test_a_key_shows_the_pattern_in_every_window_and_the_sea_again(boat):
     before = shown(boat)
     focus(boat, 2)
     hands("key", "t")
-    until(boat, lambda: boat._pattern)
+    until(boat, lambda: boat.picture.pattern)
     np.testing.assert_allclose(shown(boat), lineup(THREE), atol=1)
     hands("key", "p")  # the canvas is made anew, the pattern stays
-    until(boat, lambda: boat.quality == "picture medium")
+    until(boat, lambda: boat.picture.fineness == "picture medium")
     np.testing.assert_allclose(shown(boat), lineup(THREE), atol=1)
     hands("key", "t")
-    until(boat, lambda: not boat._pattern)
+    until(boat, lambda: not boat.picture.pattern)
     assert np.abs(shown(boat) - before).mean() < 10.0
 
 
@@ -230,7 +230,7 @@ def test_a_window_of_another_size_shows_the_same_picture_stretched(boat):
 
     pattern = lineup(THREE)[:, : SIZE[0]]
     hands("key", "t")
-    until(boat, lambda: boat._pattern)
+    until(boat, lambda: boat.picture.pattern)
     window = boat.wall.windows[0]
     glfw.set_window_size(window.handle, SIZE[0] // 2, SIZE[1] // 2)
     until(boat, lambda: window.size == (SIZE[0] // 2, SIZE[1] // 2))
@@ -240,7 +240,7 @@ def test_a_window_of_another_size_shows_the_same_picture_stretched(boat):
     glfw.set_window_size(window.handle, *SIZE)
     until(boat, lambda: window.size == SIZE)
     hands("key", "t")
-    until(boat, lambda: not boat._pattern)
+    until(boat, lambda: not boat.picture.pattern)
 
 
 def test_the_full_screen_key_leaves_windows_with_a_place_alone(boat):

@@ -49,11 +49,11 @@ def _drawn(desk: "Desk") -> None:
     for number, (name, meaning) in enumerate(DIAGRAMS.items()):
         if number % 3:
             imgui.same_line(1.0 + number % 3 * ACROSS * line)
-        changed, shown = imgui.checkbox(name, name in host.diagrams)
+        changed, shown = imgui.checkbox(name, name in host.picture.diagrams)
         imgui.set_item_tooltip(meaning)
         if changed:
-            (host.diagrams.add if shown else host.diagrams.discard)(name)
-    _, host.wireframe = imgui.checkbox("wireframe", host.wireframe)
+            (host.picture.diagrams.add if shown else host.picture.diagrams.discard)(name)
+    _, host.picture.wireframe = imgui.checkbox("wireframe", host.picture.wireframe)
     imgui.same_line(1.0 + ACROSS * line)
     if imgui.checkbox("lights", bool(host.world.state.submarine.lights[0]))[0]:
         host.grant("lights")
@@ -71,7 +71,7 @@ def _pictures(desk: "Desk") -> None:
 def _camera(desk: "Desk") -> None:
     """Where the camera is and looks, as a tour could go there."""
     host = desk.host
-    sight = host.sight
+    sight = host.picture.sight
     if sight is None:
         imgui.text_disabled("All round, the camera looks everywhere.")
         return
@@ -93,7 +93,7 @@ def _speed(desk: "Desk") -> None:
         if number % 3:
             imgui.same_line(1.0 + number % 3 * ACROSS * line)
         imgui.text_disabled(f"{name} {ms:.2f} ms")
-    counts = desk.host.counts
+    counts = desk.host.picture.counts
     imgui.text(", ".join(f"{number:,} {name}" for name, number in counts.items()))
 
 

@@ -19,7 +19,7 @@ CLAMP = imgui.SliderFlags_.always_clamp.value
 def panel(desk: "Desk") -> None:
     """Draw it, and act on the dive."""
     host, fish = desk.host, whom(desk)
-    ride = host.riding
+    ride = host.picture.ride
     imgui.begin_disabled(fish is None)
     for name, behind in PLACES:
         now = (ride.behind if ride else None) == behind
@@ -43,7 +43,7 @@ def _see_from(desk: "Desk", fish: int | None, behind: bool | None) -> None:
 
 def _eyes(desk: "Desk") -> None:
     """Where its eyes look and what they see, of the fish that is ridden or followed."""
-    host, ride = desk.host, desk.host.riding
+    host, ride = desk.host, desk.host.picture.ride
     gaze = ride.gaze if ride else Gaze()
     imgui.separator()
     imgui.push_item_width(WIDE * imgui.get_font_size())
@@ -59,10 +59,10 @@ def _eyes(desk: "Desk") -> None:
     if imgui.button("look ahead") and ride:
         ride.gaze = Gaze()
     imgui.separator()
-    _, host.eyes_shown = imgui.checkbox("pictures of both eyes", host.eyes_shown)
+    _, host.picture.eyes_shown = imgui.checkbox("pictures of both eyes", host.picture.eyes_shown)
     for look in LOOKS:
-        if imgui.radio_button(look, host.look == look):
-            host.look = look
+        if imgui.radio_button(look, host.picture.look == look):
+            host.picture.look = look
         imgui.same_line()
     imgui.new_line()
     imgui.separator()

@@ -84,7 +84,7 @@ def panel(desk: "Desk") -> None:
         imgui.push_text_wrap_pos(WIDE * 1.4 * imgui.get_font_size())
         imgui.text_colored((*REFUSED, 1.0), said)
         imgui.pop_text_wrap_pos()
-    sight = host.sight
+    sight = host.picture.sight
     if sight is None:
         imgui.text_disabled("Things are dragged in flat pictures.")
         return
@@ -186,7 +186,7 @@ def _buttons(desk: "Desk", placing: Placing) -> None:
         imgui.set_item_tooltip(f"Ctrl+{letter}")
         if (pressed or (imgui.is_key_chord_pressed(ctrl | key.value) and not typing)) and may:
             desk.later(partial(back, desk, forth))
-    if host.sight is not None:
+    if host.picture.sight is not None:
         imgui.text_disabled("Drag in the sea. Shift: height, or near and far.")
         imgui.text_disabled("Wheel: size. Ctrl and wheel: turn.")
 
@@ -194,7 +194,7 @@ def _buttons(desk: "Desk", placing: Placing) -> None:
 def _add(desk: "Desk", kind: str) -> None:
     """One more thing before the submarine."""
     host, placing = desk.host, desk.of(Placing)
-    sight, sea = host.sight, host.world.state.sea
+    sight, sea = host.picture.sight, host.world.state.sea
     submarine = host.world.state.submarine
     if sight is None:
         heading = float(submarine.angles[0])
