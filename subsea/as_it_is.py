@@ -23,21 +23,22 @@ Columns = dict[str, NDArray[Any]]  # a value of each fish, by the keys of `Indiv
 RATES = {"digestion": DIGESTION, "libido_rate": LIBIDO_RATE, "dread_cm": DREAD_CM}
 
 
-def as_it_is(world: World, scenario: Scenario) -> Scenario:
-    """The scenario of a world, so that one made of it has the constants that this one has now."""
-    shoals, tables = _fishes(world, scenario)
+def as_it_is(world: World) -> Scenario:
+    """The scenario that a world began with, so that one made of it has the constants of now."""
+    shoals, tables = _fishes(world)
     return replace(
-        scenario,
+        world.scenario,
         fish=shoals,
         individual=tables,
         nature=Temper(**world.nature._asdict()),
         physics=PhysicsTable(**world.physics._asdict()),
-        water=replace(scenario.water, current_cm_s=world.current_cm_s),
+        water=replace(world.scenario.water, current_cm_s=world.current_cm_s),
     )
 
 
-def _fishes(world: World, scenario: Scenario) -> tuple[list[Shoal], list[Individual]]:
+def _fishes(world: World) -> tuple[list[Shoal], list[Individual]]:
     """Shoals, and what single fishes have of their own."""
+    scenario = world.scenario
     own = {one.fish: one for one in scenario.individual}
     shoals: list[Shoal] = []
     tables = []
@@ -117,4 +118,4 @@ def _plain(key: str, value: Any) -> Any:
         return [name for name, on in zip(HABITS, value, strict=True) if on]
     if key in ("male", "schooling"):
         return bool(value)
-    return float(f"{value:.6g}")
+    return float(str(value))  # in as few digits as single precision needs

@@ -3,11 +3,9 @@
 import numpy as np
 
 from subsea import snapshot
-from subsea.behavior.temper import alter
-from subsea.constants import constants_of, put_back, same, scenario_now
+from subsea.constants import constants_of, put_back, same
 from subsea.ocean import create_world, step
-from subsea.saving import save_scenario
-from subsea.scenario import Individual, load_scenario
+from subsea.scenario import load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.world import MINDS
 
@@ -76,30 +74,3 @@ def test_the_current_turns_while_diving():
     assert abs(still).max() == 0.0
     assert east[0] > 20.0 * abs(east[1])
     assert south[1] < -20.0 * abs(south[0])
-
-
-def test_what_panels_changed_is_saved_and_begins_the_next_dive(tmp_path):
-    world = made()
-    state = world.state
-    assert scenario_now(world) == world.scenario
-    went_on(world, 10)
-    assert scenario_now(world) == world.scenario
-    world.nature = world.nature._replace(keen=float(np.float32(0.3)), fatigue_s=12.0)
-    world.current_cm_s = (float(np.float32(7.7)), -2.0)
-    world.physics = world.physics._replace(stiffness=1.25, iterations=9)
-    own = Individual(fish=1, kind="prey", male=True, likes=["cold"], dread_cm=33.5)
-    alter(state.fishes, state.minds, own, 0.33)
-    alter(state.fishes, state.minds, Individual(fish=0, libido_rate=0.004), 0.33)
-    path = tmp_path / "now.toml"
-    save_scenario(scenario_now(world), path, load_scenario("mating")[1])
-    text = path.read_text()
-    assert "keen = 0.3\n" in text
-    assert "current_cm_s = [7.7, -2.0]" in text
-    assert "libido_rate = 0.004\n" in text
-    again = create_world(load_scenario(str(path))[0])
-    for name in MINDS:
-        values, wanted = getattr(again.state.minds, name), getattr(state.minds, name)
-        np.testing.assert_array_equal(values, wanted, err_msg=name)
-    assert again.physics == world.physics
-    assert again.nature == world.nature._replace(keen=0.3)
-    assert scenario_now(again) == scenario_now(world)

@@ -109,7 +109,7 @@ def test_a_dive_that_cannot_be_is_refused_in_one_line(pool, hands, spots, capsys
 def test_what_is_saved_is_the_same_world_again(pool, hands, spots, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     minds = pool.world.state.minds
-    minds.male[2], minds.dread[2] = not minds.male[2], 55.0
+    minds.male[2], minds.dread[2], minds.appetite[1] = not minds.male[2], 55.0, 37.0
     pool.world.nature = pool.world.nature._replace(keen=0.31)
     spots.type(pool, "##title", "./deep/kept")
     path = tmp_path / "deep" / "kept.toml"
@@ -121,6 +121,7 @@ def test_what_is_saved_is_the_same_world_again(pool, hands, spots, tmp_path, cap
     again, minds = create_world(scenario), pool.world.state.minds
     assert np.array_equal(again.state.minds.male, minds.male)
     assert np.array_equal(again.state.minds.dread, minds.dread)
+    assert np.array_equal(again.state.minds.appetite, minds.appetite)
     assert again.nature == pool.world.nature and again.state.seed == 77
     assert snapshot.checksum(again) == snapshot.checksum(create_world(present(pool.desk)))
 

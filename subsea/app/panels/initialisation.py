@@ -11,7 +11,7 @@ from msgspec.structs import replace
 
 from subsea.app import shelf
 from subsea.app.inventory import KINDS, Counts, counts, with_counts
-from subsea.constants import scenario_now
+from subsea.as_it_is import as_it_is
 from subsea.errors import UserError
 from subsea.scenario import (
     MAX_FISHES,
@@ -126,7 +126,7 @@ def save(desk: "Desk", name: str = "") -> Path | None:
 def present(desk: "Desk") -> Scenario:
     """The dive's scenario with what panels have changed."""
     world = desk.host.world
-    return replace(scenario_now(world), seed=world.state.seed)
+    return replace(as_it_is(world), seed=world.state.seed)
 
 
 def _fishes(wanted: Counts) -> None:
