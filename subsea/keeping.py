@@ -44,7 +44,8 @@ def kept(make: Callable[P, T], *given: P.args, **named: P.kwargs) -> T:
         data = path.read_bytes()
         if zlib.crc32(memoryview(data)[SUM_BYTES:]) == int.from_bytes(data[:SUM_BYTES], "big"):
             made: T = pickle.loads(memoryview(data)[SUM_BYTES:])
-            os.utime(path)
+            with suppress(OSError):  # another's file, or a disk that is only read
+                os.utime(path)
             return made
     made = make(*given, **named)
     data = pickle.dumps(made, pickle.HIGHEST_PROTOCOL)

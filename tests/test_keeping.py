@@ -98,6 +98,18 @@ def test_where_nothing_can_be_written_it_is_made_each_time(module, place):
     assert maker.made == [5, 5]
 
 
+def test_what_can_only_be_read_is_read(module, monkeypatch):
+    maker = module(CODE)
+    kept(maker.squares, 5)
+
+    def refuse(path: Path) -> None:
+        raise PermissionError(path)
+
+    monkeypatch.setattr(os, "utime", refuse)
+    _same(kept(maker.squares, 5))
+    assert maker.made == [5]
+
+
 def test_what_was_not_used_for_longest_makes_room(module, place, monkeypatch):
     maker = module(CODE)
     kept(maker.squares, 1000)
