@@ -44,15 +44,17 @@ def check_file(path: Path) -> None:
 def replacing(path: Path) -> Iterator[Path]:
     """A hidden name beside `path` to write to, renamed to `path` in the end.
 
-    Folders on the way are made. On any fault nothing is left: neither a part of the file nor
-    a new folder. An OSError becomes a UserError.
+    Folders on the way are made, and a link stays one: what it points to is replaced. On any fault
+    nothing is left: neither a part of the file nor a new folder. An OSError becomes a UserError.
     """
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
-    new = [folder for folder in path.parents if not folder.exists()]
+    real = Path(os.path.realpath(path))
+    temporary = real.with_name(f".{real.name}.{os.getpid()}.part")
+    # Not `Path.exists`, which raises where nothing can be looked at.
+    new = [folder for folder in real.parents if not os.path.exists(folder)]
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
+        real.parent.mkdir(parents=True, exist_ok=True)
         yield temporary
-        temporary.replace(path)
+        temporary.replace(real)
     except OSError as fault:
         # The HDF5 library puts lines of its own into the text of an error.
         reason = os.strerror(fault.errno) if fault.errno else str(fault).partition("\n")[0]

@@ -29,6 +29,17 @@ def test_the_file_appears_in_the_end_and_in_one_step(tmp_path):
     assert path.read_text() == "whole"
 
 
+def test_a_link_stays_one(tmp_path):
+    file, link = tmp_path / "kept" / "a.txt", tmp_path / "link.txt"
+    link.symlink_to(file)
+    for text in ("made", "replaced"):
+        with replacing(link) as temporary:
+            temporary.write_text(text)
+        assert link.is_symlink()
+        assert file.read_text() == text
+    assert [one.name for one in file.parent.iterdir()] == ["a.txt"]
+
+
 @pytest.mark.parametrize("fault", [RuntimeError, KeyboardInterrupt, OSError])
 def test_a_fault_leaves_the_former_file_and_no_new_folder(tmp_path, fault):
     former, new = tmp_path / "a.txt", tmp_path / "new" / "folder" / "a.txt"
