@@ -147,10 +147,16 @@ def read_settings(path: Path) -> Settings:
 def usual_settings(tell: Callable[[str], None]) -> Settings:
     """The settings in the usual place, or the defaults.
 
-    A file that makes no sense is kept aside under another name and told in one line.
+    A file that makes no sense is kept aside under another name and told in one line; one that
+    cannot be read is told, and left where it is.
     """
     path = settings_path()
-    if not path.exists():
+    try:
+        path.read_bytes()
+    except (FileNotFoundError, NotADirectoryError):
+        return USUAL
+    except OSError as fault:
+        tell(f"{path}: cannot read ({fault.strerror}); the defaults are used")
         return USUAL
     try:
         return read_settings(path)

@@ -90,6 +90,28 @@ def test_a_file_of_nonsense_is_kept_aside_and_told(home):
     assert len(lines) == 2
 
 
+def test_what_cannot_be_read_stays_where_it_is_and_is_told(home, monkeypatch):
+    lines = []
+    home.mkdir(parents=True)  # a folder of that name
+    assert usual_settings(lines.append) == Settings()
+    home.rmdir()
+    written(home, "[mouse]\nsteer = false\n")
+
+    def refuse(self, *args, **named):
+        raise PermissionError(13, "Permission denied")
+
+    with monkeypatch.context() as patch:
+        for name in ("open", "exists", "read_bytes", "read_text"):
+            patch.setattr(Path, name, refuse)
+        assert usual_settings(lines.append) == Settings()
+    assert [line.split(": ", 1)[1] for line in lines] == [
+        "cannot read (Is a directory); the defaults are used",
+        "cannot read (Permission denied); the defaults are used",
+    ]
+    assert [file.name for file in home.parent.iterdir()] == [home.name]
+    assert not usual_settings(lines.append).mouse.steer
+
+
 def test_where_nothing_can_be_renamed_the_defaults_are_used_all_the_same(home, monkeypatch):
     def refuse(self, other):
         raise PermissionError(13, "Permission denied")
