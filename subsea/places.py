@@ -49,9 +49,9 @@ def replacing(path: Path) -> Iterator[Path]:
     """
     real = Path(os.path.realpath(path))
     temporary = real.with_name(f".{real.name}.{os.getpid()}.part")
-    # Not `Path.exists`, which raises where nothing can be looked at.
-    new = [folder for folder in real.parents if not os.path.exists(folder)]
+    new: list[Path] = []
     try:
+        new += [folder for folder in real.parents if not folder.exists()]
         real.parent.mkdir(parents=True, exist_ok=True)
         yield temporary
         temporary.replace(real)
