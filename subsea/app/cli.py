@@ -142,8 +142,13 @@ def _add_dive(commands: Any) -> None:
         "--seconds", type=number(float, 0.1, 86400), metavar="S", help="end by itself after S"
     )
     _add_drawing(dive)
-    _add_follow(dive)
-    _add_see_brightness(dive)
+    _add_ride(dive)
+    dive.add_argument(
+        "--pace",
+        type=_pace,
+        metavar="RATE",
+        help="seconds of the sea in a second: 0.25, 0.5, 1, 2 or 4; 0: it stands still",
+    )
     dive.add_argument(
         "--settings",
         type=Path,
@@ -464,12 +469,26 @@ def _add_size(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def _add_follow(parser: argparse.ArgumentParser) -> None:
+def _add_follow(parser: Any) -> None:
     parser.add_argument(
         "--follow",
         metavar="FISH",
         help="look at it from behind: its number, its species, or SPECIES:NUMBER counted from 0",
     )
+
+
+def _add_ride(parser: argparse.ArgumentParser) -> None:
+    fish = parser.add_argument_group("on a fish", "as keys do it in a dive: docs/fish-view.md")
+    _add_follow(fish)
+    fish.add_argument("--eyes", metavar="FISH", help="look through its eyes instead")
+    _add_gaze(fish)
+    fish.add_argument(
+        "--look",
+        choices=("colours", "identity", "range"),
+        help="what the pictures of its eyes show",
+    )
+    fish.add_argument("--reins", action="store_true", help="steer it")
+    _add_see_brightness(fish)
 
 
 def _add_eyes(parser: argparse.ArgumentParser) -> None:
@@ -483,14 +502,7 @@ def _add_eyes(parser: argparse.ArgumentParser) -> None:
         help="its number, its species, or SPECIES:NUMBER counted from 0: both its eyes' pictures, "
         "identity and depth maps, and camera.json",
     )
-    fish.add_argument(
-        "--gaze",
-        type=_gaze,
-        default=None,
-        metavar="PAN,TILT",
-        help="degrees that both eyes look to the right and up from straight ahead (default 0,0; "
-        "write --gaze=-30,10)",
-    )
+    _add_gaze(fish)
     fish.add_argument(
         "--field",
         type=number(float, 20.0, 150.0),
@@ -499,6 +511,17 @@ def _add_eyes(parser: argparse.ArgumentParser) -> None:
         help="what a retina shows from left to right (default 90)",
     )
     _add_see_brightness(fish)
+
+
+def _add_gaze(parser: Any) -> None:
+    parser.add_argument(
+        "--gaze",
+        type=_gaze,
+        default=None,
+        metavar="PAN,TILT",
+        help="degrees that its eyes look to the right and up from straight ahead (default 0,0; "
+        "write --gaze=-30,10)",
+    )
 
 
 def _add_see_brightness(parser: Any) -> None:
@@ -580,6 +603,12 @@ def _size(text: str) -> tuple[int, int]:
             f"{text!r} is out of range, expected {MIN_SIZE} to {MAX_SIZE} pixels a side"
         )
     return size
+
+
+def _pace(text: str) -> float:
+    if text not in ("0", "0.25", "0.5", "1", "2", "4"):
+        raise argparse.ArgumentTypeError(f"{text!r}: expected 0, 0.25, 0.5, 1, 2 or 4")
+    return float(text)
 
 
 def _gaze(text: str) -> tuple[float, float]:
@@ -665,6 +694,10 @@ def _dive(settings: Path | None, **options: Any) -> int:
 
         chosen, options["fullscreen"] = locked(chosen), options["theatre"] is None
     _check_target(options["quality"], options["target_ms"])
+    if options["follow"] and options["eyes"]:
+        raise UserError("dive: --follow looks from behind, --eyes from within: expected one")
+    if not (options["follow"] or options["eyes"]):
+        _refuse(options, ("gaze", "look", "reins"), "dive: {} needs --eyes FISH or --follow FISH")
     options = _with_optics(_with_sizes("dive", options))
     with ExitStack() as undo:
         opening = None

@@ -6,21 +6,15 @@ what is in the sea. Keys steer on.
 
 import itertools
 from collections.abc import Callable
-from pathlib import Path
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from imgui_bundle import imgui
 
-from subsea.app.bindings import Wish
 from subsea.app.focus import name_of
-from subsea.app.gui import GLASS, MARK, Gui, colour
-from subsea.app.overlay import Overlay
+from subsea.app.gui import GLASS, MARK, colour
+from subsea.app.host import Host
 from subsea.app.panels import PANELS
-from subsea.app.picture import Picture
-from subsea.app.timeline import Timeline
-from subsea.scenario import Scenario
-from subsea.world import World
 
 T = TypeVar("T")
 
@@ -29,43 +23,6 @@ LEAST_RING = 0.6  # ... and at least, in heights of letters
 MARGIN, BAR = 0.7, 1.9  # about panels, and the bar's height, in heights of letters
 LIKELY = 26.0, 20.0  # how large a panel is taken to be before it was drawn, in the same
 STEP = 1.6  # by which further panels are moved where there is no room beside the others
-
-
-class Host(Protocol):
-    """The dive that a desk is in."""
-
-    world: World
-    scenario: Scenario  # which the world began with
-    source: Path  # and its file
-    gui: Gui
-    overlay: Overlay
-    picture: Picture  # what it shows
-    see_brightness: bool  # whether the fish that is ridden goes by the light in its eyes
-
-    @property
-    def timeline(self) -> Timeline | None:
-        """The time of the world; None where that is another computer's."""
-
-    @property
-    def steers_fish(self) -> bool:
-        """Whether hands hold the reins of the fish that is ridden."""
-
-    def mount(self, fish: int | None, behind: bool | None = None) -> None:
-        """Ride a fish of this number from now on, or come back to the submarine."""
-
-    def enter(
-        self, scenario: Scenario, source: Path, seed: int | None = None, stay: bool = False
-    ) -> bool:
-        """Leave this world for the one that a scenario begins with; whether there is such a one.
-
-        With `stay` it goes on from here, where things stand otherwise.
-        """
-
-    def grant(self, wish: Wish) -> None:
-        """Do what a key of that name would."""
-
-    def note(self, text: str) -> None:
-        """Tell a line, on the terminal and for a while in the window."""
 
 
 class Desk:

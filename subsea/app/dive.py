@@ -23,6 +23,7 @@ from subsea.app.overlay import Overlay
 from subsea.app.picture import Picture
 from subsea.app.pilot import Pilot
 from subsea.app.ride import (
+    Look,
     Ride,
     front_view,
     nearest_to_middle,
@@ -40,6 +41,7 @@ from subsea.errors import UserError
 from subsea.render.quality import AUTO
 from subsea.scenario import AUTOPILOT, Scenario, load_scenario
 from subsea.submarine.course import course_of
+from subsea.view.retina import Gaze
 from subsea.view.stereo import EYES, Stereo
 from subsea.view.surround import ALL_ROUND, Surround
 from subsea.world import World, create_world
@@ -70,6 +72,11 @@ def dive(
     wireframe: bool = False,
     changes: Sequence[str] = (),
     follow: str | None = None,
+    eyes: str | None = None,
+    gaze: tuple[float, float] | None = None,
+    look: Look | None = None,
+    reins: bool = False,
+    pace: float | None = None,
     opening: Opening | None = None,
     kiosk: bool = False,
     notes: Sequence[str] = (),
@@ -83,13 +90,17 @@ def dive(
     of several in those that are its own. With `see_brightness` the fish that is ridden goes by the
     light in its eyes. The diagrams `show` are drawn over the sea, of which a `wireframe` has the
     edges of triangles. `changes` such as ``fish.0.number=20`` are made to the scenario. It begins
-    behind the fish called `follow`, if one is named.
+    behind the fish called `follow`, or with what is seen through the `eyes` of one, turned by a
+    `gaze` in degrees and shown as the `look` says; with `reins` it is steered. Time goes at the
+    `pace`, one of `timeline.RATES`, or stands still if that is 0.
     """
     if see_brightness and node is not None:
         raise UserError("--see-brightness is for one computer: others would not see the same light")
-    if follow is not None and node is not None:
-        raise UserError("--follow is for one computer: others would not look from there")
-    fish = None if follow is None else find_fish(follow, load_scenario(scenario, changes)[0])
+    if node is not None and (follow or eyes or pace is not None):
+        option = "--follow" if follow else "--eyes" if eyes else "--pace"
+        raise UserError(f"{option} is for one computer: others would not go along")
+    named = follow if eyes is None else eyes
+    fish = None if named is None else find_fish(named, load_scenario(scenario, changes)[0])
     tours = settings.attract.tour if tour is None else tour
     if tours != AUTOPILOT and (tour is not None or kiosk):
         course_of(load_scenario(scenario, changes)[0], tours)  # a misspelt name is told at once
@@ -119,7 +130,10 @@ def dive(
             running.overlay.note(line)
         with closing(running):
             if fish is not None:
-                running.follow(fish)
+                running.mount(fish, behind=eyes is None)
+                running.show_ride(gaze, look, reins)
+            if pace is not None:
+                running.go_at(pace)
             start = last = time.perf_counter()
             while running.wall.open and (seconds is None or last - start < seconds):
                 now = time.perf_counter()
@@ -382,6 +396,8 @@ class Dive:
     def _take_tour(self) -> None:
         if self.menu.open:
             self.menu.hide()
+        if self.desk.open:
+            self.desk.toggle()
         self.mount(None)
         if self._kiosk is not None and not self._crew.shared:
             self.picture.look = "colours"
@@ -540,11 +556,22 @@ class Dive:
             if first:
                 self._hint(("follow", turned), ("reins", "steer it"), ("alight", "back"))
 
-    def follow(self, fish: int) -> None:
-        """Ride a fish of this number, seen from behind."""
-        self.mount(fish)
-        if self.picture.ride is not None:
-            self.picture.ride.look_from(True)
+    def show_ride(self, gaze: tuple[float, float] | None, look: Look | None, reins: bool) -> None:
+        """Turn the eyes of the fish that is ridden, show what they see so, and take its reins."""
+        ride = self.picture.ride
+        if ride is not None and gaze is not None:
+            ride.gaze = Gaze(*gaze)
+        self.picture.look = look or self.picture.look
+        if reins:
+            self._take_reins()
+
+    def go_at(self, pace: float) -> None:
+        """Let time go at one of `timeline.RATES`; 0: let it stand still."""
+        time = self._crew.timeline
+        if time is not None and pace == 0.0:
+            time.pause()
+        elif time is not None:
+            time.run_at(pace)
 
     def _follow_one(self) -> None:
         behind = self.picture.ride is None or not self.picture.ride.behind

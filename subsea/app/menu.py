@@ -6,20 +6,17 @@ arrows and Enter, or a gamepad.
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import msgspec
 from imgui_bundle import imgui
 
-from subsea.app.desk import Desk
-from subsea.app.gui import DEEP, LIT, QUIET, Gui, colour
-from subsea.app.overlay import Overlay
-from subsea.app.picture import Picture
+from subsea.app.gui import DEEP, LIT, QUIET, colour
+from subsea.app.host import Host
 from subsea.errors import UserError
 from subsea.render.quality import CHOICES
 from subsea.resources import load_toml, resource_names, resource_path
-from subsea.scenario import Scenario, load_scenario
-from subsea.world import World
+from subsea.scenario import load_scenario
 
 APPEAR_S = 0.25
 DIM = 0.5  # how much of the sea behind it is lost
@@ -42,35 +39,6 @@ DISPLAYS = {
     "stereo": "3D, shutter glasses",
 }
 QUALITIES = {"auto": "As fast as it can", "low": "Low", "medium": "Medium", "high": "High"}
-
-
-class Host(Protocol):
-    """The dive that a menu is in."""
-
-    world: World
-    scenario: Scenario
-    source: Path
-    gui: Gui
-    overlay: Overlay
-    desk: Desk
-    picture: Picture  # what it shows
-
-    def enter(self, scenario: Scenario, source: Path, seed: int | None = None) -> bool:
-        """Leave this world for the one that a scenario begins with; whether there is such a one."""
-
-    @property
-    def shared(self) -> bool:
-        """Whether other computers show the same dive: then it is not for this one to change."""
-
-    @property
-    def can_fill(self) -> bool:
-        """Whether its window may fill the screen."""
-
-    def fill_screen(self) -> None:
-        """Fill the screen, or go back."""
-
-    def leave(self) -> None:
-        """End the dive."""
 
 
 class Entry(NamedTuple):

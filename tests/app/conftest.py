@@ -1,6 +1,7 @@
 """A display to open windows on, and hands to use them: real events by xdotool."""
 
 import os
+import re
 import shutil
 import subprocess
 import time
@@ -11,6 +12,8 @@ import numpy as np
 import pytest
 from imgui_bundle import imgui
 from PIL import ImageGrab
+
+from subsea.resources import resource_path
 
 FRAME_S = 0.1  # three ticks a picture: tests of windows are not about smoothness
 
@@ -81,6 +84,15 @@ class Hands:
         picture = ImageGrab.grab(xdisplay=os.environ["DISPLAY"])
         width, height = running.window.size
         return np.asarray(picture)[top : top + height, left : left + width, :3].astype(int)
+
+
+@pytest.fixture(scope="session")
+def quiet(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """The sea of the first dive with few fishes, so that software draws it fast: its file."""
+    text = (resource_path("assets/scenarios") / "peaceful.toml").read_text()
+    path = tmp_path_factory.mktemp("sea") / "quiet.toml"
+    path.write_text(re.sub(r"^number = \d+", "number = 2", text, flags=re.MULTILINE))
+    return str(path)
 
 
 @pytest.fixture(scope="session")

@@ -1,7 +1,6 @@
 """The desk in a real window: who has the pointer, and worlds that change while windows stay."""
 
 import math
-import re
 from contextlib import closing
 
 import msgspec
@@ -11,17 +10,13 @@ from imgui_bundle import imgui
 
 from subsea.app.dive import Dive
 from subsea.app.panels import PANELS
-from subsea.resources import resource_path
 
 SIZE = (640, 480)
 
 
 @pytest.fixture(scope="module")
-def boat(display, hands, tmp_path_factory):
-    text = (resource_path("assets/scenarios") / "peaceful.toml").read_text()
-    quiet = tmp_path_factory.mktemp("sea") / "quiet.toml"
-    quiet.write_text(re.sub(r"^number = \d+", "number = 2", text, flags=re.MULTILINE))
-    with closing(Dive(str(quiet), "mono", SIZE, seed=1)) as running:
+def boat(display, hands, quiet):
+    with closing(Dive(quiet, "mono", SIZE, seed=1)) as running:
         hands.glide(running, 0.2)
         yield running
 

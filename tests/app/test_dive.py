@@ -2,7 +2,6 @@
 
 import math
 import os
-import re
 import subprocess
 import time
 from contextlib import closing
@@ -12,19 +11,14 @@ import pytest
 from PIL import ImageGrab
 
 from subsea.app.dive import Dive
-from subsea.resources import resource_path
 
 SIZE = (320, 240)
 FRAME_S = 0.1  # three ticks a picture: the tests are about the hull, not about smoothness
 
 
 @pytest.fixture(scope="module")
-def boat(display, tmp_path_factory):
-    # The sea of the first dive with few fishes, so that software draws it fast.
-    text = (resource_path("assets/scenarios") / "peaceful.toml").read_text()
-    quiet = tmp_path_factory.mktemp("sea") / "quiet.toml"
-    quiet.write_text(re.sub(r"^number = \d+", "number = 2", text, flags=re.MULTILINE))
-    with closing(Dive(str(quiet), "mono", SIZE, seed=1)) as running:
+def boat(display, quiet):
+    with closing(Dive(quiet, "mono", SIZE, seed=1)) as running:
         glide(running, 0.2)
         yield running
 

@@ -1,7 +1,6 @@
 """A kiosk: nothing that hands do ends it or strands it, but for the operator's key."""
 
 import ctypes
-import re
 import time
 from contextlib import closing
 
@@ -10,19 +9,15 @@ import pytest
 
 from subsea.app.dive import Dive
 from subsea.app.settings import Attract, Settings
-from subsea.resources import resource_path
 
 AFTER_S = 4.0
 
 
 @pytest.fixture(scope="module")
-def exhibit(display, hands, tmp_path_factory):
-    text = (resource_path("assets/scenarios") / "peaceful.toml").read_text()
-    quiet = tmp_path_factory.mktemp("sea") / "quiet.toml"
-    quiet.write_text(re.sub(r"^number = \d+", "number = 2", text, flags=re.MULTILINE))
+def exhibit(display, hands, quiet):
     settings = Settings(attract=Attract(after_min=0.0))
     with closing(
-        Dive(str(quiet), "mono", (320, 240), seed=1, quality="low", settings=settings, kiosk=True)
+        Dive(quiet, "mono", (320, 240), seed=1, quality="low", settings=settings, kiosk=True)
     ) as running:
         hands.glide(running, 0.5)
         yield running

@@ -12,6 +12,7 @@ from subsea.behavior.reins import Reins
 from subsea.kinematics.rotation import rotate
 from subsea.resources import resource_path
 from subsea.state import WANDER
+from subsea.view.retina import Gaze
 
 SIZE = (400, 300)
 
@@ -123,15 +124,32 @@ def test_the_fish_under_the_pointer_is_the_one_at_its_place(boat, hands):
 
 
 def test_a_fish_of_a_number_is_followed(boat, hands):
-    boat.follow(7)
+    boat.mount(7, True)
     assert (boat.picture.ride.by.fish, boat.picture.ride.behind) == (7, True)
     boat.frame(0.1)
     boat.grant("alight")
     assert boat.picture.ride is None
 
 
+def test_options_begin_a_ride_as_keys_would(boat):
+    boat.mount(5, behind=False)
+    boat.show_ride((30.0, -10.0), "identity", reins=True)
+    assert boat.picture.ride.gaze == Gaze(30.0, -10.0) and boat.picture.look == "identity"
+    assert boat.steers_fish and boat._crew.steered == 5
+    boat.go_at(0.25)
+    assert boat.timeline.rate == 0.25 and not boat.timeline.paused
+    boat.go_at(0.0)
+    tick = boat.world.state.tick
+    boat.frame(1.0)
+    assert boat.timeline.paused and boat.world.state.tick == tick
+    boat.timeline.pause()
+    boat.go_at(1.0)
+    boat.picture.look = "colours"
+    boat.grant("alight")
+
+
 def test_a_tour_when_nobody_is_there_goes_at_the_usual_pace(boat):
-    boat.follow(7)
+    boat.mount(7, True)
     boat.timeline.run_at(4.0)
     boat._take_tour()
     assert (boat.picture.ride, boat.timeline.rate) == (None, 1.0)
