@@ -7,7 +7,7 @@ import glfw
 import imgui_bundle  # noqa: F401  # before glfw: it brings the one libglfw that both share
 import msgspec
 
-from subsea.app.bindings import WISHES, Wish
+from subsea.app.bindings import WISHES, Wish, bindings_of, input_name
 from subsea.app.settings import Settings
 from subsea.app.window import Window
 from subsea.errors import UserError
@@ -22,16 +22,17 @@ AGAIN_S = 1.0  # so often the keyboard is asked for while another program has it
 
 def locked(settings: Settings) -> Settings:
     """The same settings for a kiosk: inputs mean what visitors may wish for, the operator's key
-    leaves. A UserError if that is an input of something else.
+    leaves. A UserError if that is an input of visitors.
     """
     nothing: dict[str, list[str]] = {wish: [] for wish in WISHES if wish not in ALLOWED}
-    controls = settings.controls | nothing | {"leave": [settings.kiosk.leave]}
-    found = msgspec.structs.replace(settings, controls=controls)
-    try:
-        found.bindings  # noqa: B018  # which fails if the operator's key is taken
-    except UserError as fault:
-        raise UserError(f"--kiosk: {fault}, at `kiosk.leave` of the settings") from None
-    return found
+    controls = settings.controls | nothing
+    key = input_name(settings.kiosk.leave)
+    if others := bindings_of(controls | {"leave": []}).meanings.get(key):
+        raise UserError(
+            f"--kiosk: {key!r} cannot be both 'leave' and {others[0]!r}, "
+            "at `kiosk.leave` of the settings"
+        )
+    return msgspec.structs.replace(settings, controls=controls | {"leave": [key]})
 
 
 class Kiosk:

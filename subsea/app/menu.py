@@ -5,6 +5,7 @@ arrows and Enter, or a gamepad.
 """
 
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
@@ -15,12 +16,13 @@ from subsea.app.gui import DEEP, LIT, QUIET, colour
 from subsea.app.host import Host
 from subsea.errors import UserError
 from subsea.render.quality import CHOICES
-from subsea.resources import load_toml, resource_names, resource_path
-from subsea.scenario import load_scenario
+from subsea.resources import load_toml
+from subsea.scenario import load_scenario, scenario_file, scenario_names
 
 APPEAR_S = 0.25
 DIM = 0.5  # how much of the sea behind it is lost
-LARGE = 2.0  # its letters, in those of other text, where there is room
+LARGE = 2.0  # its letters, in those of other text, where there is room ...
+LEAST = 0.8  # ... and where there is not; what has no room then is scrolled to
 ROW = 1.75  # an entry is so high, in heights of letters
 WIDE = 17.0  # and so wide
 MOST_SEED = 2**31 - 1  # of what a field may hold
@@ -38,7 +40,7 @@ DISPLAYS = {
     "equirectangular": "All round",
     "stereo": "3D, shutter glasses",
 }
-QUALITIES = {"auto": "As fast as it can", "low": "Low", "medium": "Medium", "high": "High"}
+QUALITIES = {"auto": "Automatic", "low": "Low", "medium": "Medium", "high": "High"}
 
 
 class Entry(NamedTuple):
@@ -99,9 +101,13 @@ class Menu:
         shade = colour(DEEP, DIM * self._opacity)
         imgui.get_background_draw_list().add_rect_filled((0.0, 0.0), size, shade)
         entries = list(self._pages[self._page]())
-        rows = len(entries) + 2.5 + (self._page == "Scenario")
+        seeded = self._page == "Scenario" and not self.kiosk
+        rows = len(entries) + 2.5 + seeded
+        letters = imgui.get_font_size()
         line = min(
-            LARGE * imgui.get_font_size(), size.y / (ROW * rows + 1.0), size.x / (WIDE + 4.0)
+            LARGE * letters,
+            max(size.y / (ROW * rows + 1.0), LEAST * letters),
+            size.x / (WIDE + 4.0),
         )
         imgui.push_font(None, line)
         imgui.push_style_var(imgui.StyleVar_.alpha.value, self._opacity)
@@ -112,12 +118,13 @@ class Menu:
         imgui.push_style_var(imgui.StyleVar_.button_text_align.value, (0.0, 0.5))
         imgui.push_style_var(imgui.StyleVar_.frame_padding.value, (0.7 * line, 0.25 * line))
         imgui.set_next_window_pos((size.x / 2, size.y / 2), 0, (0.5, 0.5))
+        imgui.set_next_window_size_constraints((0.0, 0.0), (size.x, size.y))
         flags = imgui.WindowFlags_
         # A name for each page: each begins where it says, rather than where the last one was left.
         imgui.begin(
             f"menu {self._page}",
             None,
-            flags.no_decoration.value
+            flags.no_title_bar.value
             | flags.no_move.value
             | flags.always_auto_resize.value
             | flags.no_saved_settings.value,
@@ -126,7 +133,7 @@ class Menu:
         imgui.dummy((WIDE * line, 0.15 * line))
         default = next((k for k, entry in enumerate(entries) if entry.chosen), 0)
         for number, entry in enumerate(entries):
-            if self._page == "Scenario" and number == len(entries) - 2:
+            if seeded and number == len(entries) - 2:
                 self._seed_field(line)
             self._entry(entry, line)
             if number == default:
@@ -206,7 +213,8 @@ class Menu:
 
             here = path == host.source.resolve()
             yield Entry(title, start, path.stem, chosen=here)
-        yield Entry("Start anew", self._anew, f"with seed {self.seed}")
+        if not self.kiosk:
+            yield Entry("Start anew", self._anew, f"with seed {self.seed}")
         yield self._back()
 
     def _back(self) -> Entry:
@@ -238,7 +246,14 @@ class _Titled(msgspec.Struct, frozen=True):
 
 
 def scenario_titles() -> dict[Path, str]:
-    """The files of the scenarios that are there, and their titles, by their names."""
-    folder = "assets/scenarios"
-    paths = [resource_path(folder) / f"{name}.toml" for name in resource_names(folder, ".toml")]
-    return {path.resolve(): load_toml(path, _Titled).title or path.stem for path in paths}
+    """The files of the scenarios that have names, and their titles.
+
+    One that cannot be read goes by its name: choosing it tells why.
+    """
+    return {(path := scenario_file(name).resolve()): _title(path) for name in scenario_names()}
+
+
+def _title(path: Path) -> str:
+    with suppress(UserError):
+        return load_toml(path, _Titled).title or path.stem
+    return path.stem

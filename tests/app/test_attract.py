@@ -140,8 +140,17 @@ def test_a_kiosk_has_inputs_for_what_cannot_strand_it_only():
     assert found.key(ord("Q"), 0) == "dive"
     for wish in WISHES:
         assert bool(found.inputs(wish)) == (wish in ALLOWED)
-    taken_key = msgspec.structs.replace(
-        USUAL, controls={"ride": ["F9"]}, kiosk=KioskSettings(leave="F9")
-    )
-    with pytest.raises(UserError, match=r"--kiosk: 'F9' cannot be both .*`kiosk.leave`"):
-        locked(taken_key)
+    assert locked(with_key("F12")).bindings.meaning("F12") == "leave"  # no visitor's input
+
+
+@pytest.mark.parametrize(
+    ("key", "controls", "rival"), [("F9", {"ride": ["F9"]}, "ride"), ("w", {}, "ahead")]
+)
+def test_the_operators_key_is_none_that_visitors_use(key, controls, rival):
+    name = key.upper()
+    with pytest.raises(UserError, match=f"--kiosk: '{name}' .* '{rival}', at `kiosk.leave`"):
+        locked(with_key(key, **controls))
+
+
+def with_key(key, **controls):
+    return msgspec.structs.replace(USUAL, controls=controls, kiosk=KioskSettings(leave=key))

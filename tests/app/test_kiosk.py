@@ -68,6 +68,12 @@ def test_its_menu_has_no_way_out(exhibit, hands):
     hands.do("key", "Escape")
     hands.until(exhibit, lambda: exhibit.menu.open)
     assert [entry.text for entry in exhibit.menu._first()] == ["Continue", "Scenario", "Help"]
+    hands.do("key", "Down", "Return")
+    hands.glide(exhibit, 0.5)
+    assert exhibit.menu._page == "Scenario"
+    assert "Start anew" not in [entry.text for entry in exhibit.menu._scenarios()]
+    hands.do("key", "Escape")
+    hands.glide(exhibit, 0.3)
     hands.do("key", "Escape")
     hands.until(exhibit, lambda: not exhibit.menu.open)
 

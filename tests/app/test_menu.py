@@ -14,6 +14,7 @@ from subsea.app.gamepad import State
 from subsea.app.menu import DISPLAYS, QUALITIES, scenario_titles
 from subsea.render.quality import CHOICES
 from subsea.resources import resource_path
+from subsea.scenario import own_scenarios
 from subsea.view.rigs import DISPLAYS as ALL_DISPLAYS
 
 SIZE = (480, 360)
@@ -180,6 +181,28 @@ def test_it_begins_anew_and_in_another_scenario(boat, menu, hands, monkeypatch):
     click(boat, hands, monkeypatch, "Courtship")
     assert boat.scenario.title == "Courtship" and boat.source.stem == "mating"
     assert boat.window.handle is handle and not boat.menu.open
+
+
+def test_it_offers_the_visitors_own_scenarios_and_a_broken_one_costs_nothing(
+    boat, hands, monkeypatch, tmp_path
+):
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    own_scenarios().mkdir(parents=True)
+    mine = boat.source.read_text().replace('title = "', 'title = "My ', 1)
+    assert mine != boat.source.read_text()
+    (own_scenarios() / "mine.toml").write_text(mine)
+    for number in range(20):  # more than have room: they are scrolled to
+        (own_scenarios() / f"torn-{number:02}.toml").write_text("[")
+    before = boat.world
+    press(boat, hands, "Escape")
+    click(boat, hands, monkeypatch, "Scenario")
+    click(boat, hands, monkeypatch, "torn-00")
+    assert boat.world is before and not boat.menu.open
+    assert "torn-00.toml: not valid TOML" in boat.overlay._note
+    press(boat, hands, "Escape")
+    click(boat, hands, monkeypatch, "Scenario")
+    click(boat, hands, monkeypatch, "My ")
+    assert boat.source == own_scenarios() / "mine.toml"
 
 
 def test_a_line_is_where_the_horizon_is_and_the_rim_darkens_if_wished(boat, hands, monkeypatch):
