@@ -138,10 +138,8 @@ class Desk:
             act()
 
     def _choose_at(self, x: float, y: float) -> None:
-        """Choose the fish that is seen at a place on the screen, if one is."""
-        fish = self.host.picture.fish_at(x, y)
-        if fish is not None:
-            self.chosen = fish
+        """Choose the fish that is seen at a place on the screen; none where there is none."""
+        self.chosen = self.host.picture.fish_at(x, y)
 
     def _let_the_dead_go(self) -> None:
         world = self.host.world
