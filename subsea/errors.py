@@ -9,7 +9,7 @@ class UserError(Exception):
 
 def nearest(word: str, choices: list[str]) -> str:
     """A hint such as ``; did you mean 'fusilier'?``, or nothing if no choice is near."""
-    match = get_close_matches(word, choices, n=1, cutoff=0.5)
+    match = get_close_matches(word, choices, n=1, cutoff=0.55)
     return f"; did you mean {match[0]!r}?" if match else ""
 
 

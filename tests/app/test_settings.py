@@ -59,6 +59,7 @@ def test_limits_and_choices_are_those_of_the_command_line():
         ("[mouse]\nster = true", "unknown key `ster`, at `mouse`; did you mean 'steer'?"),
         ("[mouse]\nsensitivity = 0", "at `mouse.sensitivity`"),
         ("[display]\nmode = 'domme'", "did you mean 'dome'?, at `display.mode`"),
+        ("[display]\nmode = 'hologram'", "; there are: mono, "),  # nothing is near it
         ("[display]\nquality = 'best'", "at `display.quality`"),
         ("[controls]\nahead = 'W'", "at `controls"),
         ("[controls]\nahead = ['Wheel']", "at `controls`"),
