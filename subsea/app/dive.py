@@ -30,6 +30,7 @@ from subsea.app.ride import (
 )
 from subsea.app.screens import Installation, Screen
 from subsea.app.settings import USUAL, Settings
+from subsea.app.shelf import held
 from subsea.app.shots import Shots, pictures_folder
 from subsea.app.sign import sign_of
 from subsea.app.start import wake
@@ -185,6 +186,7 @@ class Dive:
         """
         # A misspelt name is told before a window flashes up.
         self.scenario, self.source = load_scenario(scenario, changes)
+        self.known = held(self.source)
         if kiosk:
             settings, fullscreen = locked(settings), True
         self._crew_of = crew

@@ -20,7 +20,8 @@ class Host(Protocol):
 
     world: World
     scenario: Scenario  # which the world began with
-    source: Path  # and its file
+    source: Path  # and its file ...
+    known: bytes  # ... and what that held when it was read or written
     gui: Gui
     overlay: Overlay
     desk: "Desk"

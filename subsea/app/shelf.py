@@ -50,10 +50,26 @@ def place_named(name: str) -> Path:
     return path
 
 
-def save(scenario: Scenario, path: Path, source: Path) -> None:
-    """Write the scenario of the file `source` to `path`; what cannot be written is a UserError."""
+def held(path: Path) -> bytes:
+    """What a file holds; nothing where there is none."""
+    try:
+        return path.read_bytes()
+    except OSError:
+        return b""
+
+
+def save(scenario: Scenario, path: Path, source: Path, known: bytes) -> None:
+    """Write the scenario of the file `source`, which held `known`, to `path`.
+
+    What cannot be written is a UserError, and so is what another has changed since.
+    """
     if is_shipped(path):
         raise UserError(f"{path}: comes with the program, expected another place")
+    if path == source and held(path) not in (known, b""):
+        raise UserError(
+            f"{path}: was changed by another program, expected another name, "
+            "or that it is opened again"
+        )
     check_file(path)
     save_scenario(scenario, path, source)
 

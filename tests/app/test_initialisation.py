@@ -126,6 +126,22 @@ def test_what_is_saved_is_the_same_world_again(pool, hands, spots, tmp_path, cap
     assert snapshot.checksum(again) == snapshot.checksum(create_world(present(pool.desk)))
 
 
+def test_what_another_program_wrote_is_not_taken_back(pool, hands, spots, capsys):
+    path, ours = pool.source, pool.source.read_text()
+    theirs = ours.replace("keen = 0.31", "keen = 0.4")
+    path.write_text(theirs)
+    hands.glide(pool, 0.1)
+    spots.click(pool, "Save")
+    assert "was changed by another program" in capsys.readouterr().err
+    assert path.read_text() == theirs != ours
+    path.write_text(ours)
+    pool.world.nature = pool.world.nature._replace(keen=0.32)
+    spots.click(pool, "Save")
+    spots.click(pool, "Save")  # what was saved is known
+    assert "was changed" not in capsys.readouterr().err
+    assert path.read_text() == ours.replace("keen = 0.31", "keen = 0.32")
+
+
 def test_where_nothing_can_be_written_nothing_is_lost(pool, spots, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     folder, source = tmp_path / "closed", pool.source
@@ -208,4 +224,4 @@ def test_names_that_are_taken_are_refused(own, tmp_path):
             shelf.place_named(name)
     shipped = resource_path("assets/scenarios/peaceful.toml")
     with pytest.raises(UserError, match="comes with the program"):
-        shelf.save(load_scenario("peaceful")[0], shipped, shipped)
+        shelf.save(load_scenario("peaceful")[0], shipped, shipped, b"")

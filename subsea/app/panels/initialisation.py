@@ -104,8 +104,11 @@ def open_file(desk: "Desk", name: str) -> bool:
         draft.said = str(fault)
         host.note(draft.said)
         return False
-    draft.said = ""
-    return host.enter(scenario, path)
+    draft.said, known = "", shelf.held(path)
+    if not host.enter(scenario, path):
+        return False
+    host.known = known
+    return True
 
 
 def save(desk: "Desk", name: str = "") -> Path | None:
@@ -113,12 +116,13 @@ def save(desk: "Desk", name: str = "") -> Path | None:
     draft, host = desk.of(Draft), desk.host
     try:
         path = shelf.place_named(name.strip()) if name else shelf.place_of(host.source)
-        shelf.save(present(desk), path, host.source)
+        shelf.save(present(desk), path, host.source, host.known)
     except UserError as fault:
         draft.said = str(fault)
         host.note(draft.said)
         return None
-    host.source, draft.names, draft.said = path, scenario_names(), f"saved as {path}"
+    host.source, host.known = path, shelf.held(path)
+    draft.names, draft.said = scenario_names(), f"saved as {path}"
     host.note(draft.said)
     return path
 
