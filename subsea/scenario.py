@@ -25,7 +25,8 @@ AUTOPILOT = "auto"  # no tour of a scenario may have this name
 MAX_WAYPOINTS = 200  # of a tour
 Positive = Annotated[float, msgspec.Meta(gt=0, le=1e5)]
 Coordinate = Annotated[float, msgspec.Meta(ge=-1e5, le=1e5)]
-Seed = Annotated[int, msgspec.Meta(ge=0, le=2**32 - 1)]
+MAX_SEED = 2**32 - 1
+Seed = Annotated[int, msgspec.Meta(ge=0, le=MAX_SEED)]
 Rate = Annotated[float, msgspec.Meta(ge=0, le=1)]
 Size = Annotated[float, msgspec.Meta(gt=0, le=1000)]
 Flow = Annotated[float, msgspec.Meta(ge=-200, le=200)]

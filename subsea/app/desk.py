@@ -5,16 +5,21 @@ what is in the sea. Keys steer on.
 """
 
 import itertools
-from collections.abc import Callable
+import traceback
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any, TypeVar
 
 import numpy as np
 from imgui_bundle import imgui
 
 from subsea.app.focus import name_of
-from subsea.app.gui import GLASS, MARK, colour
+from subsea.app.gui import GLASS, MARK, colour, mended
 from subsea.app.host import Host
+from subsea.app.loading import LeftError
 from subsea.app.panels import PANELS
+from subsea.errors import UserError
 
 T = TypeVar("T")
 
@@ -22,6 +27,9 @@ RING = 0.62  # radius of the ring about the chosen fish, in lengths of it ...
 LEAST_RING = 0.6  # ... and at least, in heights of letters
 MARGIN, BAR = 0.7, 1.9  # about panels, and the bar's height, in heights of letters
 LIKELY = 26.0, 20.0  # how large a panel is taken to be before it was drawn, in the same
+BACK = "To the helm"  # the bar's last entry
+LEAST_GAP = 2.0  # on either side of the bar's entries, in pointer units
+PANEL = imgui.WindowFlags_.always_auto_resize.value | imgui.WindowFlags_.horizontal_scrollbar.value
 STEP = 1.6  # by which further panels are moved where there is no room beside the others
 
 
@@ -54,7 +62,9 @@ class Desk:
         """Open or close it; its panels are where they were when it is opened again."""
         gui = self.host.gui
         gui.open = not gui.open
-        if not gui.open:
+        if gui.open:
+            self.host.overlay.hide_help()  # it tells of a pointer that steers
+        else:
             gui.let_go()
 
     def enter(self) -> None:
@@ -68,26 +78,18 @@ class Desk:
         if not self.open:
             return
         self._mark_chosen()
-        if imgui.begin_main_menu_bar():
-            for name in PANELS:
-                chosen, _ = imgui.menu_item(name, "", name in self.shown)
-                if chosen:
-                    self.shown ^= {name}
-            imgui.separator()
-            if imgui.menu_item("To the helm", "Tab", False)[0]:
-                self.toggle()
-            imgui.end_main_menu_bar()
+        self._bar()
         for name, panel in PANELS.items():
             if name not in self.shown:
                 self._taken.pop(name, None)
                 continue
             if name not in self._taken:
                 imgui.set_next_window_pos(self._room(), imgui.Cond_.first_use_ever.value)
-            screen, bar = imgui.get_io().display_size, 2.0 * BAR * imgui.get_font_size()
-            imgui.set_next_window_size_constraints((0.0, 0.0), (screen.x, screen.y - bar))
-            drawn, stays = imgui.begin(name, True, imgui.WindowFlags_.always_auto_resize.value)
+            _keep_inside(name)
+            drawn, stays = imgui.begin(name, True, PANEL)
             if drawn:
-                panel(self)
+                with self._contained(name), mended():
+                    panel(self)
             (x, y), (width, height) = imgui.get_window_pos(), imgui.get_window_size()
             self._taken[name] = x, y, width, height
             imgui.end()
@@ -98,6 +100,41 @@ class Desk:
             if not (dragged.x or dragged.y or self.taken):
                 self._choose_at(*self.host.gui.pointer)
         self.taken &= imgui.is_mouse_down(0)
+
+    def _bar(self) -> None:
+        """An entry for each panel, and one that leads back; closer together where it is narrow."""
+        words = [*PANELS, BACK]
+        screen, style = imgui.get_io().display_size, imgui.get_style()
+        wide, gaps = sum(imgui.calc_text_size(word).x for word in words), 2 * len(words) + 2
+        room = screen.x - 2.0 * style.window_padding.x
+        gap = min(max((room - wide) / gaps, LEAST_GAP), style.item_spacing.x)
+        imgui.push_font(None, imgui.get_font_size() * min((room - gaps * gap) / wide, 1.0))
+        imgui.push_style_var(imgui.StyleVar_.item_spacing.value, (gap, style.item_spacing.y))
+        if imgui.begin_main_menu_bar():
+            for name in PANELS:
+                if imgui.menu_item(name, "", name in self.shown)[0]:
+                    self.shown ^= {name}
+            imgui.separator()
+            if imgui.menu_item(BACK, "", False)[0]:
+                self.toggle()
+            imgui.end_main_menu_bar()
+        imgui.pop_style_var()
+        imgui.pop_font()
+
+    @contextmanager
+    def _contained(self, what: str) -> Iterator[None]:
+        """A fault in it is told, and costs the visitor that panel, if it is one, but no dive."""
+        try:
+            yield
+        except LeftError:
+            raise
+        except UserError as fault:
+            self.host.note(str(fault))
+            self.shown.discard(what)
+        except Exception as fault:
+            self.host.note(f"{what} failed: {type(fault).__name__}: {fault}")
+            self.shown.discard(what)
+            warnings.warn(traceback.format_exc(), RuntimeWarning, stacklevel=3)
 
     def _room(self) -> tuple[float, float]:
         """Where one more panel hides none of those that are open, if there is room."""
@@ -135,7 +172,8 @@ class Desk:
         self._changed = False
         waiting, self._later = self._later, []
         for act in waiting:
-            act()
+            with self._contained("That"):
+                act()
 
     def _choose_at(self, x: float, y: float) -> None:
         """Choose the fish that is seen at a place on the screen; none where there is none."""
@@ -167,3 +205,16 @@ class Desk:
         canvas = imgui.get_background_draw_list()
         for wide, ink in ((0.16, colour(GLASS, 0.5)), (0.07, colour(MARK, 0.95))):
             canvas.add_circle(middle, radius, ink, 0, max(wide * line, 1.0))
+
+
+def _keep_inside(name: str) -> None:
+    """Have a panel that is about to be drawn lie within the screen, and be no larger."""
+    screen, window = imgui.get_io().display_size, imgui.internal.find_window_by_name(name)
+    margin, bar = (heights * imgui.get_font_size() for heights in (MARGIN, BAR))
+    most = screen.x - 2.0 * margin, screen.y - bar - margin
+    imgui.set_next_window_size_constraints((0.0, 0.0), most)
+    if window is not None:
+        (x, y), (width, height) = window.pos, window.size
+        inside = max(min(x, screen.x - width), 0.0), max(min(y, screen.y - height), bar)
+        if inside != (x, y):
+            imgui.set_next_window_pos(inside)

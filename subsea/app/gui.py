@@ -1,7 +1,8 @@
 """Dear ImGui in the pilot's window: its frames, what hands do in them, and where they are drawn."""
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -143,9 +144,12 @@ class Gui:
         """Attach to the window whose OpenGL context is current."""
         self.open = False
         self._navigated = False
+        self._unsure = 0  # frames until it is known whether the last click was on a field of text
         self._context = imgui.create_context()
         self._io = imgui.get_io()
         self._io.set_ini_filename(None)
+        self._io.config_error_recovery_enable_debug_log = False  # see `mended`
+        self._io.config_error_recovery_enable_tooltip = False
         fonts = Path(imgui_bundle.__file__).parent / "assets" / "fonts" / "Roboto"
         self._plain, self._bold = (
             self._io.fonts.add_font_from_file_ttf(str(fonts / f"Roboto-{weight}.ttf"), TEXT_PT)
@@ -178,6 +182,7 @@ class Gui:
             pixels[0] / points[0], pixels[1] / points[1]
         )
         imgui.new_frame()
+        self._unsure = max(self._unsure - 1, 0)
         tall = min(
             TEXT_PT * scale * (SQUEEZED if pane.squeezed else 1.0),
             width / ROOM[0],
@@ -234,7 +239,9 @@ class Gui:
 
     def pressed(self, button: int, down: bool) -> bool:
         """A mouse button went down or up; whether that is for panels."""
-        if self.open or not down:
+        if self.open and down:
+            self._unsure = 2
+        if (self.open or not down) and button < imgui.MouseButton_.count.value:
             self._io.add_mouse_button_event(button, down)
         return self.open
 
@@ -245,7 +252,10 @@ class Gui:
         return self.open
 
     def keyed(self, key: int, down: bool, modifiers: int) -> bool:
-        """A key went down or up; whether that is for a field in which something is typed."""
+        """A key went down or up; whether that is for a field in which something is typed.
+
+        Or may be: just after a click nobody knows yet whether there is one under the pointer.
+        """
         if self.open or not down:
             for bit, name in MODIFIERS:
                 self._io.add_key_event(name, bool(modifiers & bit))
@@ -255,7 +265,7 @@ class Gui:
                     self._io.add_key_event(name, down)
             if key in KEYS:
                 self._io.add_key_event(KEYS[key], down)
-        return self.open and bool(self._io.want_text_input)
+        return self.open and (bool(self._io.want_text_input) or self._unsure > 0)
 
     def moved(self, name: str, amount: float) -> bool:
         """A part of a gamepad moved; whether that is for what it navigates. Else it steers on."""
@@ -280,6 +290,20 @@ class Gui:
         """Release what it holds; the window's context must still be current."""
         imgui.backends.opengl3_shutdown()
         imgui.destroy_context(self._context)
+
+
+@contextmanager
+def mended() -> Iterator[None]:
+    """What is drawn in it may fail: what it has begun and not ended is ended then."""
+    before, io = imgui.internal.ErrorRecoveryState(), imgui.get_io()
+    imgui.internal.error_recovery_store_state(before)
+    try:
+        yield
+    except Exception:
+        io.config_error_recovery_enable_assert = False
+        imgui.internal.error_recovery_try_to_recover_state(before)
+        io.config_error_recovery_enable_assert = True
+        raise
 
 
 def fill(text: str) -> None:

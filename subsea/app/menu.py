@@ -14,10 +14,11 @@ from imgui_bundle import imgui
 
 from subsea.app.gui import DEEP, LIT, QUIET, colour
 from subsea.app.host import Host
+from subsea.app.panels.fields import typed_whole
 from subsea.errors import UserError
 from subsea.render.quality import CHOICES
 from subsea.resources import load_toml
-from subsea.scenario import load_scenario, scenario_file, scenario_names
+from subsea.scenario import MAX_SEED, load_scenario, scenario_file, scenario_names
 
 APPEAR_S = 0.25
 DIM = 0.5  # how much of the sea behind it is lost
@@ -25,7 +26,6 @@ LARGE = 2.0  # its letters, in those of other text, where there is room ...
 LEAST = 0.8  # ... and where there is not; what has no room then is scrolled to
 ROW = 1.75  # an entry is so high, in heights of letters
 WIDE = 17.0  # and so wide
-MOST_SEED = 2**31 - 1  # of what a field may hold
 
 DISPLAYS = {
     "mono": "One picture",
@@ -74,7 +74,7 @@ class Menu:
     def show(self) -> None:
         """Open it: from now on the pointer, the arrows and Enter are its own."""
         self.open, self._page, self._opacity = True, "", 0.0
-        self.seed = min(self.host.world.state.seed, MOST_SEED)
+        self.seed = self.host.world.state.seed
         self._titles = scenario_titles()
         self._at_the_desk = self.host.gui.open
         self.host.gui.open = True
@@ -165,8 +165,7 @@ class Menu:
         imgui.text("Seed")
         imgui.same_line()
         imgui.set_next_item_width(WIDE * line - 4.5 * line)
-        _, seed = imgui.input_int("##seed", self.seed)
-        self.seed = min(max(seed, 0), MOST_SEED)
+        self.seed = typed_whole("##seed", self.seed, 0, MAX_SEED)
 
     def _first(self) -> Iterator[Entry]:
         host = self.host

@@ -45,6 +45,10 @@ class Overlay:
         """Show the help to somebody who has just come, until she is under way."""
         self._shown, self._pinned, self._gone_cm = True, False, 0.0
 
+    def hide_help(self) -> None:
+        """Have the help fade."""
+        self._shown = self._pinned = False
+
     def toggle_help(self) -> None:
         """Show the help until told otherwise, or hide it."""
         self._shown = not self._shown

@@ -25,7 +25,7 @@ def place_of(source: Path) -> Path:
     if not is_shipped(source):
         return source
     number, path = 1, own_scenarios() / f"my-{source.name}"
-    while path.exists():
+    while _is_there(path):
         number += 1
         path = path.with_name(f"my-{source.stem}-{number}.toml")
     return path
@@ -39,13 +39,13 @@ def place_named(name: str) -> Path:
     if not name or name.endswith(("/", "\\")):
         raise UserError(f"{name or 'nothing'}: expected a name to save the scenario as")
     if "/" in name or "\\" in name:
-        path = Path(name).expanduser().absolute()
+        path = _path(name).absolute()
         path = path if path.suffix == ".toml" else path.with_name(f"{path.name}.toml")
     else:
         path = own_scenarios() / f"{name.removesuffix('.toml')}.toml"
     if path.stem in resource_names(SHIPPED, ".toml") and path.parent == own_scenarios():
         raise UserError(f"the name {path.stem!r} is that of a shipped scenario, expected another")
-    if path.exists():
+    if _is_there(path):
         raise UserError(f"{path}: is there already, expected another name")
     return path
 
@@ -76,4 +76,20 @@ def save(scenario: Scenario, path: Path, source: Path, known: bytes) -> None:
 
 def opened(name: str) -> tuple[Scenario, Path]:
     """The scenario of a name or at a path, and its file."""
-    return load_scenario(str(Path(name).expanduser()) if name not in scenario_names() else name)
+    return load_scenario(name if name in scenario_names() else str(_path(name)))
+
+
+def _path(text: str) -> Path:
+    """The path that somebody has written; a ``~`` of nobody known is a UserError."""
+    try:
+        return Path(text).expanduser()
+    except RuntimeError as fault:
+        raise UserError(f"{text}: there is no such user") from fault
+
+
+def _is_there(path: Path) -> bool:
+    """Whether something is at a path; a name that no file can have is a UserError."""
+    try:
+        return path.exists()
+    except OSError as fault:
+        raise UserError(f"{path}: {fault.strerror}") from fault

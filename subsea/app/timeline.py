@@ -5,10 +5,14 @@ the world. So every tick of that minute can be had again: the world as it was be
 there the same ticks once more. They do not ask any hand or tour again: the same orders give the
 same world, to the byte (`snapshot.checksum`).
 
-What changes the world between two ticks, as a panel does, must say so (`Timeline.touch`).
+What changes the world between two ticks, as a panel does, must say so (`Timeline.touch`): the
+world is kept there, too. While a slider is dragged that is many worlds; where there is no room for
+them, some are left out, and with each the ticks that cannot be had without it: less than a second.
 """
 
 from typing import NamedTuple
+
+import numpy as np
 
 from subsea import snapshot
 from subsea.app.clock import MAX_TICKS_PER_FRAME, Clock
@@ -28,6 +32,8 @@ class _Kept(NamedTuple):
     tick: int
     world: bytes  # see `snapshot.take`
     constants: Constants
+    touched: bool  # whether it is not what the tick before made of it
+    sure: float = np.inf  # the last tick that can be made from it: later the world was touched
 
 
 class _Made(NamedTuple):
@@ -151,10 +157,18 @@ class Timeline:
             self._keep()
 
     def go(self, tick: int) -> None:
-        """To a tick from `earliest` to `latest`, or to the nearest of these."""
+        """To a tick from `earliest` to `latest`, or to the nearest of these.
+
+        Where one cannot be had, to the next beyond it, as seen from here.
+        """
         self._wanted = None
         tick = min(max(tick, self.earliest), self.latest)
-        start = next(kept for kept in reversed(self._kept) if kept.tick <= tick)
+        number = next(k for k in reversed(range(len(self._kept))) if self._kept[k].tick <= tick)
+        start = self._kept[number]
+        if tick > start.sure and tick > self.tick:
+            start = self._kept[number + 1]
+            tick = start.tick
+        tick = int(min(tick, start.sure))
         if not start.tick <= self.tick <= tick:  # else the way from here is shorter
             put_back(self._world, start.constants)
             snapshot.restore(self._world, start.world)
@@ -169,19 +183,37 @@ class Timeline:
         self._forget_later()
         if self._kept[-1].tick == self.tick:
             self._kept.pop()
-        self._keep()
+        self._keep(touched=True)
 
     def _forget_later(self) -> None:
         """What followed the present tick did not happen."""
         del self._made[self.tick - self.earliest :]
         while self._kept[-1].tick > self.tick:
             self._kept.pop()
+        self._kept[-1] = self._kept[-1]._replace(sure=np.inf)
 
-    def _keep(self) -> None:
+    def _keep(self, touched: bool = False) -> None:
         """Keep the world of now, and no more of the past than there is room for."""
-        kept = _Kept(self.tick, snapshot.take(self._world), constants_of(self._world))
-        self._kept.append(kept)
+        world, constants = snapshot.take(self._world), constants_of(self._world)
+        self._kept.append(_Kept(self.tick, world, constants, touched))
         begin, spare = self.earliest, self.bytes - self._most_bytes
+        while spare > 0 and (dense := self._dense()):
+            left = self._kept.pop(dense)
+            spare -= len(left.world)
+            before = self._kept[dense - 1]
+            self._kept[dense - 1] = before._replace(sure=min(before.sure, left.tick - 1))
         while len(self._kept) > 1 and (spare > 0 or self._kept[1].tick <= self.tick - REACH_TICKS):
             spare -= len(self._kept.pop(0).world)
         del self._made[: self.earliest - begin]
+
+    def _dense(self) -> int:
+        """The number of the earliest touched world within a second of others, else 0."""
+        kept = self._kept
+        return next(
+            (
+                k
+                for k in range(1, len(kept) - 1)
+                if kept[k].touched and kept[k + 1].tick - kept[k - 1].tick <= KEPT_TICKS
+            ),
+            0,
+        )

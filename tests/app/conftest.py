@@ -105,9 +105,9 @@ class Spots(dict[str, tuple[float, float, float, float]]):
     """Where each widget of a panel was drawn last, by its label: left, top, right, bottom."""
 
     WIDGETS = (
-        "arrow_button", "button", "checkbox", "collapsing_header", "input_int", "menu_item",
-        "radio_button", "slider_float", "input_text_with_hint", "selectable", "drag_float",
-        "invisible_button",
+        "arrow_button", "button", "checkbox", "collapsing_header", "input_double", "input_int",
+        "menu_item", "radio_button", "slider_float", "input_text_with_hint", "selectable",
+        "drag_float", "invisible_button",
     )  # fmt: skip
 
     def watch(self, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,6 +10,7 @@ from imgui_bundle import imgui
 
 from subsea.app.dive import Dive
 from subsea.app.panels import PANELS
+from subsea.errors import UserError
 
 SIZE = (640, 480)
 
@@ -154,3 +155,104 @@ def test_the_display_mode_changes_while_it_runs(boat, hands):
         hands.glide(boat, 0.2)
         assert len(boat.picture.rig.eyes) == {"side-by-side": 2, "dome": 5}.get(display, 1)
         assert hands.screen(boat).std() > 5.0
+
+
+def test_panels_lie_within_the_screen_and_so_does_the_bar(at_the_desk, monkeypatch, spots):
+    boat = at_the_desk
+    monkeypatch.setitem(PANELS, "Huge", lambda desk: imgui.dummy((1500.0, 1200.0)))
+    monkeypatch.setitem(PANELS, "Small", lambda desk: imgui.dummy((60.0, 40.0)))
+
+    def inside(name):
+        boat.frame(0.0)
+        boat.frame(0.0)
+        x, y, width, height = boat.desk._taken[name]
+        return x >= 0 and y > 0 and x + width <= SIZE[0] and y + height <= SIZE[1]
+
+    for name in ("Huge", "Small"):
+        boat.desk.shown.add(name)
+        boat.frame(0.0)
+        assert inside(name)
+    for place in ((-200.0, -90.0), (600.0, 100.0), (200.0, 460.0)):
+        imgui.internal.find_window_by_name("Small").pos = place
+        assert inside("Small")
+    assert spots["To the helm"][2] <= SIZE[0]
+    boat.desk.shown.clear()
+    boat.frame(0.0)
+
+
+def test_a_panel_that_fails_is_closed_and_the_dive_goes_on(at_the_desk, monkeypatch, capsys):
+    boat = at_the_desk
+
+    def broken(desk):
+        imgui.push_id("half")
+        imgui.begin_disabled()
+        raise TypeError("no such thing")
+
+    def refused(desk):
+        raise UserError("nothing to read")
+
+    monkeypatch.setitem(PANELS, "Broken", broken)
+    monkeypatch.setitem(PANELS, "Refused", refused)
+    boat.desk.shown |= {"Broken", "Refused"}
+    with pytest.warns(RuntimeWarning, match="in broken"):
+        boat.frame(0.0)
+    told = capsys.readouterr().err
+    assert "Broken failed: TypeError: no such thing" in told and "nothing to read" in told
+    assert not boat.desk.shown
+    boat.desk.later(lambda: 1 / 0)
+    with pytest.warns(RuntimeWarning, match="ZeroDivisionError"):
+        boat.frame(0.0)
+    boat.desk.shown.add("Time")
+    boat.frame(0.0)
+    boat.frame(0.0)
+    assert boat.desk.shown == {"Time"} and boat.window.open
+    boat.desk.shown.clear()
+
+
+def test_a_side_button_of_the_mouse_does_no_harm(at_the_desk, hands):
+    boat = at_the_desk
+    hands.do("click", 10)
+    hands.glide(boat, 0.2)
+    hands.do("key", "Tab")
+    hands.until(boat, lambda: not boat.desk.open)
+    hands.do("click", 10)
+    hands.glide(boat, 0.2)
+    assert boat.window.open
+
+
+def test_letters_typed_at_once_after_a_click_into_a_field_stay_there(
+    at_the_desk, hands, monkeypatch
+):
+    boat, text = at_the_desk, [""]
+
+    def typing(desk):
+        imgui.set_window_pos((100.0, 100.0))
+        text[0] = imgui.input_text("##words", text[0])[1]
+
+    monkeypatch.setitem(PANELS, "Typing", typing)
+    boat.desk.shown.add("Typing")
+    hands.glide(boat, 0.3)
+    left, top = boat.window.position
+    x, y, width, height = boat.desk._taken["Typing"]
+    place = round(left + x + 0.5 * width), round(top + y + 0.75 * height)
+    hands.do("mousemove", *place)
+    hands.glide(boat, 0.2)
+    hands.do("click", 1, "type", "--delay", 12, "kr")
+    hands.until(boat, lambda: "kr" in text[0])
+    assert not boat.timeline.paused and boat.picture.ride is None
+    hands.do("key", "Escape")
+    hands.glide(boat, 0.3)
+    boat.desk.shown.clear()
+    hands.glide(boat, 0.2)
+
+
+def test_the_help_makes_way_for_the_desk(boat, hands):
+    boat.overlay.show_help()
+    hands.glide(boat, 2.0)
+    assert boat.overlay.help_opacity == 1.0
+    hands.do("key", "Tab")
+    hands.until(boat, lambda: boat.desk.open)
+    hands.glide(boat, 2.0)
+    assert boat.overlay.help_opacity == 0.0
+    hands.do("key", "Tab")
+    hands.until(boat, lambda: not boat.desk.open)

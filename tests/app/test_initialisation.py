@@ -11,7 +11,7 @@ from subsea.app import shelf
 from subsea.app.dive import Dive
 from subsea.app.gui import TEXT_PT
 from subsea.app.inventory import counts, with_counts
-from subsea.app.panels.initialisation import NUMBER, present
+from subsea.app.panels.initialisation import NUMBER, Draft, present
 from subsea.errors import UserError
 from subsea.resources import resource_path
 from subsea.scenario import Individual, Shoal, load_scenario, scenario_names
@@ -74,7 +74,7 @@ def test_numbers_entered_start_a_dive_anew_with_as_many(pool, hands, spots):
     spots.click(pool, "clownfish", 0.9 * NUMBER * TEXT_PT / (right - left))  # one more
     spots.type(pool, "##kelp", "2")
     spots.type(pool, "pillars", "3")
-    spots.type(pool, "seed", "77")
+    spots.type(pool, "seed", "4000000077")
     assert pool.world is world  # not before it is asked for
     spots.click(pool, "Start anew")
     hands.until(pool, lambda: pool.world is not world)
@@ -85,7 +85,9 @@ def test_numbers_entered_start_a_dive_anew_with_as_many(pool, hands, spots):
     }  # fmt: skip
     assert len(names) == 3 and len(pool.world.state.sea.pillars) == 3
     assert sum(g.clusters for g in pool.scenario.seaweed if g.kind == "kelp") == 2
-    assert pool.world.state.seed == 77
+    assert pool.world.state.seed == 4000000077
+    hands.glide(pool, 0.2)
+    assert pool.desk.of(Draft).counts.seed == 4000000077  # shown, it stays what it is
     assert pool.window.handle is window
 
 
@@ -103,7 +105,7 @@ def test_a_dive_that_cannot_be_is_refused_in_one_line(pool, hands, spots, capsys
     spots.click(pool, "Start anew")
     hands.until(pool, lambda: pool.world is not world)
     assert len(pool.world.state.fishes.species) == 14
-    assert pool.world.state.seed == 77
+    assert pool.world.state.seed == 4000000077
 
 
 def test_what_is_saved_is_the_same_world_again(pool, hands, spots, tmp_path, capsys, monkeypatch):
@@ -122,7 +124,7 @@ def test_what_is_saved_is_the_same_world_again(pool, hands, spots, tmp_path, cap
     assert np.array_equal(again.state.minds.male, minds.male)
     assert np.array_equal(again.state.minds.dread, minds.dread)
     assert np.array_equal(again.state.minds.appetite, minds.appetite)
-    assert again.nature == pool.world.nature and again.state.seed == 77
+    assert again.nature == pool.world.nature and again.state.seed == 4000000077
     assert snapshot.checksum(again) == snapshot.checksum(create_world(present(pool.desk)))
 
 
@@ -225,3 +227,12 @@ def test_names_that_are_taken_are_refused(own, tmp_path):
     shipped = resource_path("assets/scenarios/peaceful.toml")
     with pytest.raises(UserError, match="comes with the program"):
         shelf.save(load_scenario("peaceful")[0], shipped, shipped, b"")
+
+
+@pytest.mark.parametrize("name", ["~nobody-of-that-name/x", "n" * 300])
+def test_what_cannot_be_a_file_is_told(own, name):
+    shelf.own_scenarios().mkdir(parents=True, exist_ok=True)
+    with pytest.raises(UserError):
+        shelf.place_named(name)
+    with pytest.raises(UserError):
+        shelf.opened(name)

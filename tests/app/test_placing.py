@@ -119,6 +119,21 @@ def test_a_thing_is_dragged_and_the_dive_goes_on_around_the_submarine(lagoon, ha
     assert np.abs(np.subtract(on_screen(lagoon, "pillar"), begin) - (60, 0)).max() < 12
 
 
+def test_what_is_held_when_the_desk_is_closed_stays_where_it_was(lagoon, hands):
+    before, world = lagoon.scenario, lagoon.world
+    drag(lagoon, hands, on_screen(lagoon, "rock"), (25, 0), drop=False)
+    assert lagoon.desk.of(Placing).trial is not None
+    hands.do("key", "Tab")
+    hands.until(lagoon, lambda: not lagoon.desk.open)
+    hands.do("mouseup", 1)
+    hands.glide(lagoon, 0.2)
+    hands.do("key", "Tab")
+    hands.until(lagoon, lambda: lagoon.desk.open)
+    hands.glide(lagoon, 0.8)
+    assert lagoon.desk.of(Placing).trial is None
+    assert lagoon.scenario is before and lagoon.world is world
+
+
 def test_undo_and_redo_by_the_usual_keys(lagoon, hands):
     moved = lagoon.scenario
     hands.do("key", "ctrl+z")

@@ -167,6 +167,50 @@ def test_memory_is_bounded_and_time_goes_back_less_far_where_it_is_short(world):
     assert snapshot.checksum(world) == last
 
 
+def test_a_slider_that_is_dragged_takes_little_of_the_time_that_can_be_had_again(world):
+    time = Timeline(world)
+    one, was = time.bytes, {}
+    time = Timeline(world, most_bytes=(4 + 3 * REACH // KEPT) * one)
+    for k in range(2 * REACH):
+        time.make(Helm(surge=0.5))
+        world.nature = world.nature._replace(keen=0.1 + 0.8 * (k % 9) / 9)
+        world.state.minds.eaten[k % 9] = 0.0
+        time.touch()
+        was[time.tick] = snapshot.checksum(world), constants_of(world)
+    assert time.bytes <= (4 + 3 * REACH // KEPT) * one
+    assert time.latest - time.earliest >= REACH - KEPT
+
+    def there():
+        checksum, constants = was[time.tick]
+        assert snapshot.checksum(world) == checksum
+        assert same(constants_of(world), constants)
+
+    for asked in [*range(time.latest, time.earliest, -3), *range(time.earliest, time.latest)]:
+        before = time.tick
+        time.go(asked)
+        assert abs(time.tick - asked) < KEPT
+        assert (time.tick - asked) * (asked - before) >= 0  # never stuck on the way
+        there()
+    time.go(time.earliest)
+    time.paused = True
+    seen = [time.tick]
+    while time.tick < time.latest:  # step by step it comes through
+        time.single()
+        assert time.due(0.1) == 0
+        there()
+        seen.append(time.tick)
+    assert max(np.diff(seen)) <= KEPT and min(np.diff(seen)) >= 1
+    time.go(time.latest - KEPT)  # what is made from there on is all had again
+    begin = time.tick
+    for _ in range(KEPT):
+        time.make(Helm(surge=-0.5))
+        was[time.tick] = snapshot.checksum(world), constants_of(world)
+    for tick in range(begin, time.latest + 1):
+        time.go(tick)
+        assert time.tick == tick
+        there()
+
+
 class Hands(Pilot):
     """A pilot who counts how often it is asked."""
 

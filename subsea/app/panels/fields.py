@@ -57,9 +57,17 @@ def choice(name: str, value: str, choices: list[str]) -> Edit:
 def whole(name: str, value: int, low: int, high: int) -> Edit:
     """A whole number, with a smaller and a larger one a click away; what is typed is cut to fit."""
     _narrow()
-    _, entered = imgui.input_int(name, value)
-    settled = imgui.is_item_deactivated_after_edit()
-    return Edit(min(max(entered, low), high), settled)
+    number = typed_whole(name, value, low, high)
+    return Edit(number, imgui.is_item_deactivated_after_edit())
+
+
+def typed_whole(name: str, value: int, low: int, high: int, step: int = 1) -> int:
+    """The number in such a field, as wide as was said before.
+
+    A field of doubles: those of whole numbers end at 2³¹, below where seeds do.
+    """
+    changed, entered = imgui.input_double(name, value, step, 0.0, "%.0f")
+    return round(min(max(entered, low), high)) if changed else value
 
 
 def real(

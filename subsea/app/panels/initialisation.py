@@ -11,12 +11,14 @@ from msgspec.structs import replace
 
 from subsea.app import shelf
 from subsea.app.inventory import KINDS, Counts, counts, with_counts
+from subsea.app.panels.fields import typed_whole
 from subsea.as_it_is import as_it_is
 from subsea.errors import UserError
 from subsea.scenario import (
     MAX_FISHES,
     MAX_LEAVES,
     MAX_SEAWEED,
+    MAX_SEED,
     MAX_SOLIDS,
     Scenario,
     check_scenario,
@@ -26,7 +28,7 @@ from subsea.scenario import (
 if TYPE_CHECKING:
     from subsea.app.desk import Desk
 
-MAX_PLANKTON, MAX_SEED = 100_000, 2**31 - 1
+MAX_PLANKTON = 100_000
 NUMBER, NAME = 6.5, 14.0  # how wide fields are, in heights of letters
 
 
@@ -157,8 +159,7 @@ def _sea(wanted: Counts) -> None:
 
 def _number(name: str, value: int, high: int, step: int = 1, low: int = 0) -> int:
     imgui.set_next_item_width(NUMBER * imgui.get_font_size())
-    _, entered = imgui.input_int(name, value, step)
-    return min(max(entered, low), high)
+    return typed_whole(name, value, low, high, step)
 
 
 def _files(desk: "Desk", draft: Draft) -> None:

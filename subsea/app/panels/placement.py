@@ -48,6 +48,7 @@ class Placing:
     rest_s: float = 0.0  # since the wheel has turned
     said: str = ""  # why the last one could not be
     seen: tuple[Scenario, Sea, list[Handle]] | None = None  # of what things were made, and these
+    frame: int = 0  # of the gui, that it was drawn in last
 
     def things(self, scenario: Scenario, sea: Sea) -> list[Handle]:
         """All that may be placed: made anew when something has changed."""
@@ -65,7 +66,7 @@ class Placing:
 
     def let_go(self) -> None:
         """Nothing is tried out any more."""
-        self.trial, self.held, self.fault = None, None, ""
+        self.trial, self.held, self.fault, self.rest_s = None, None, "", 0.0
 
 
 def panel(desk: "Desk") -> None:
@@ -74,6 +75,10 @@ def panel(desk: "Desk") -> None:
     if placing.history is None or placing.history.present is not host.scenario:
         placing.history, placing.chosen = History(host.scenario), None
         placing.let_go()
+    frame = imgui.get_frame_count()
+    if frame > placing.frame + 1:  # it was hidden, and what was held meanwhile nobody has dropped
+        placing.let_go()
+    placing.frame = frame
     sea, scenario = host.world.state.sea, placing.trial or host.scenario
     things = placing.things(scenario, sea)
     _list(placing, scenario, things)
