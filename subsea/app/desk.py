@@ -105,7 +105,7 @@ class Desk:
         """An entry for each panel, and one that leads back; closer together where it is narrow."""
         words = [*PANELS, BACK]
         screen, style = imgui.get_io().display_size, imgui.get_style()
-        wide, gaps = sum(imgui.calc_text_size(word).x for word in words), 2 * len(words) + 2
+        wide, gaps = sum(imgui.calc_text_size(word).x for word in words), 3 * len(words)
         room = screen.x - 2.0 * style.window_padding.x
         gap = min(max((room - wide) / gaps, LEAST_GAP), style.item_spacing.x)
         imgui.push_font(None, imgui.get_font_size() * min((room - gaps * gap) / wide, 1.0))
