@@ -82,10 +82,11 @@ class World:
 
     def tell_burst(self, fishes: Iterable[int]) -> None:
         """Give notice of simulated fishes that lost their shape, once under the same physics."""
-        new = [int(fish) for fish in fishes if (int(fish), self.physics) not in self.told]
+        how = self.physics._replace(fish=-1)  # not whom it acts on first
+        new = [int(fish) for fish in fishes if (int(fish), how) not in self.told]
         if not new:
             return
-        self.told.update((fish, self.physics) for fish in new)
+        self.told.update((fish, how) for fish in new)
         names = [self.species[self.state.fishes.species[fish]].name for fish in new]
         who = " and ".join(f"{fish} ({name})" for fish, name in zip(new, names, strict=True))
         one = len(new) == 1
@@ -280,7 +281,7 @@ def _refuse_misplaced(scenario: Scenario, sea: Sea, source: str) -> None:
                 inside, outside = "inside", "outside"
                 if name in ("the seabed", "the reef"):
                     inside, outside = "below", "above"
-                where = f"lies {inside} {name}" if gap < 0.0 else f"is {gap:.0f} cm from {name}"
+                where = f"lies {inside} {name}" if gap < 0.0 else f"is {gap:.1f} cm from {name}"
                 expected = f"at least {room:g} cm off it" if room else f"{outside} it"
                 raise UserError(f"{source}: `{key}` {place} {where}, expected {expected}")
 

@@ -263,17 +263,25 @@ def removed(scenario: Scenario, handle: Handle) -> Scenario:
 
 
 def numbered(scenario: Scenario, index: int, number: int) -> Scenario:
-    """The scenario with so many fishes in a shoal; tables of single fishes go with their fishes."""
+    """The scenario with so many fishes in a shoal; what is about single fishes goes with them."""
     first = sum(shoal.number for shoal in scenario.fish[:index])
     last, more = first + scenario.fish[index].number, number - scenario.fish[index].number
-    kept = [
-        msgspec.structs.replace(one, fish=one.fish + (more if one.fish >= last else 0))
-        for one in scenario.individual
-        if one.fish < first + number or one.fish >= last
-    ]
+
+    def then(fish: int) -> int:
+        """The number that this fish gets; -1 for one that goes."""
+        if fish >= last:
+            return fish + more
+        return fish if fish < first + number else -1
+
+    own = [msgspec.structs.replace(one, fish=then(one.fish)) for one in scenario.individual]
     shoals = list(scenario.fish)
     shoals[index] = msgspec.structs.replace(shoals[index], number=number)
-    return msgspec.structs.replace(scenario, fish=shoals, individual=kept)
+    return msgspec.structs.replace(
+        scenario,
+        fish=shoals,
+        individual=[one for one in own if one.fish >= 0],
+        physics=msgspec.structs.replace(scenario.physics, fish=then(scenario.physics.fish)),
+    )
 
 
 def check(scenario: Scenario, source: str = "the scenario", seed: int | None = None) -> None:

@@ -161,6 +161,9 @@ def test_single_fishes_keep_their_tables_when_shoals_change():
     ]  # fmt: skip
     more = placement.numbered(scenario, 1, 28)
     assert [one.fish for one in more.individual] == [2, 30, 33, 50, 68]
+    for fish, then in ((-1, -1), (2, 2), (30, -1), (50, 37)):  # which one is simulated first
+        first = replace(scenario, physics=replace(scenario.physics, fish=fish))
+        assert placement.numbered(first, 0, 20).physics.fish == then
     shoal = next(
         one for one in handles(scenario, create_world(scenario).state.sea) if one[:2] == ("fish", 0)
     )

@@ -157,6 +157,9 @@ def test_what_explodes_is_told_with_its_reason(usual):
         f"fishes {who} exploded, time step 50, hydrodynamics off: they are played back instead "
         "of simulated"
     ]
+    world.physics = world.physics._replace(fish=slots[0])  # the same physics, of whomever first
+    world.tell_burst(slots)
+    assert len(world.notices) == 1
 
 
 def test_a_scenario_says_the_physics_that_a_panel_would(usual):
