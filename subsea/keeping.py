@@ -53,7 +53,7 @@ def kept(make: Callable[P, T], *given: P.args, **named: P.kwargs) -> T:
         with temporary.open("wb") as file:
             file.write(zlib.crc32(data).to_bytes(SUM_BYTES, "big"))
             file.write(data)
-        _make_room(path.parent, len(data))
+        _make_room(path.parent)
     return made
 
 
@@ -65,14 +65,14 @@ def _path(make: Callable[..., object], given: Any, named: Any) -> Path:
     return folder() / f"{make.__name__}-{name[:32]}.pickle"
 
 
-def _make_room(place: Path, size: int) -> None:
-    """Delete the files that were not used for longest until another of `size` bytes has room."""
+def _make_room(place: Path) -> None:
+    """Delete the files that were not used for longest until all have room."""
     there = []
-    for path in place.glob("*.pickle"):
+    for path in place.iterdir():  # also what was cut off while it was written
         with suppress(OSError):  # another process may delete it just now
             about = path.stat()
             there.append((about.st_mtime, about.st_size, path))
-    total = size + sum(one for _, one, _ in there)
+    total = sum(one for _, one, _ in there)
     for _, one, path in sorted(there):
         if total <= MOST_BYTES:
             return

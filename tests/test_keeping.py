@@ -129,6 +129,18 @@ def test_what_was_not_used_for_longest_makes_room(module, place, monkeypatch):
     assert maker.made == [1001]
 
 
+def test_what_was_cut_off_while_it_was_written_makes_room(module, place, monkeypatch):
+    maker = module(CODE)
+    kept(maker.squares, 1000)
+    (whole,) = place.iterdir()
+    part = place / ".squares.pickle.1.part"
+    part.write_bytes(whole.read_bytes())
+    _used(part, 60)
+    monkeypatch.setattr(keeping, "MOST_BYTES", int(2.5 * whole.stat().st_size))
+    kept(maker.squares, 1001)
+    assert not part.exists() and whole.exists()
+
+
 def test_a_reef_from_the_disk_is_the_reef_that_grew():
     scenario, _ = load_scenario("peaceful")
     sea = make_sea(scenario, np.random.default_rng(1))
