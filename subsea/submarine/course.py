@@ -152,4 +152,4 @@ def _fault(place: Array, velocity: Array, sea: Sea, bounds: Bounds, rocks: list[
     nearest = min(gaps, key=lambda name: gaps[name])
     if gaps[nearest] >= HULL_CM:
         return None
-    return f"is {gaps[nearest]:.0f} cm from {nearest}, expected at least {HULL_CM:g}"
+    return f"is {gaps[nearest]:.1f} cm from {nearest}, expected at least {HULL_CM:g}"

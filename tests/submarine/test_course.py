@@ -119,6 +119,8 @@ def test_a_tour_keeps_clear_of_all_that_is_in_the_sea_all_the_way(tank):
     text = faults(sea, *fine, point(18.0, 500.0))  # through it, though no waypoint is inside
     assert "`rock[0]`, expected at least 45" in text
     assert "between `waypoint[2]` and `waypoint[3]`" in text
+    near = faults(sea, point(0.0, -100.0, z=-44.6), point(9.0, 0.0, z=-44.6))
+    assert "is 44.6 cm from the surface, expected at least 45" in near  # rather than 45
     text = faults(sea, point(0.0, -100.0, 300.0), point(9.0, 0.0, 240.0))
     assert "`pillar[0]`" in text
     assert "the seabed" in faults(sea, *fine, point(20.0, 100.0, z=-570.0))
