@@ -104,11 +104,8 @@ class Menu:
         seeded = self._page == "Scenario" and not self.kiosk
         rows = len(entries) + 2.5 + seeded
         letters = imgui.get_font_size()
-        line = min(
-            LARGE * letters,
-            max(size.y / (ROW * rows + 1.0), LEAST * letters),
-            size.x / (WIDE + 4.0),
-        )
+        high, least = size.y / (ROW * rows + 1.0), LEAST * letters
+        line = min(LARGE * letters, max(high, least), size.x / (WIDE + 4.0))
         imgui.push_font(None, line)
         imgui.push_style_var(imgui.StyleVar_.alpha.value, self._opacity)
         imgui.push_style_var(imgui.StyleVar_.window_rounding.value, 0.5 * line)
@@ -127,6 +124,7 @@ class Menu:
             flags.no_title_bar.value
             | flags.no_move.value
             | flags.always_auto_resize.value
+            | (flags.no_scrollbar.value if line <= high else 0)  # the page has room
             | flags.no_saved_settings.value,
         )
         imgui.text_colored((*QUIET, 1.0), self._page or self.host.scenario.title)

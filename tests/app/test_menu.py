@@ -203,6 +203,13 @@ def test_it_offers_the_visitors_own_scenarios_and_a_broken_one_costs_nothing(
     click(boat, hands, monkeypatch, "Scenario")
     click(boat, hands, monkeypatch, "My ")
     assert boat.source == own_scenarios() / "mine.toml"
+    assert imgui.internal.find_window_by_name("menu Scenario").scrollbar_y
+    for path in own_scenarios().glob("torn-*"):
+        path.unlink()
+    press(boat, hands, "Escape")
+    click(boat, hands, monkeypatch, "Scenario")
+    assert not imgui.internal.find_window_by_name("menu Scenario").scrollbar_y
+    press(boat, hands, "Escape", "Escape")
 
 
 def test_a_line_is_where_the_horizon_is_and_the_rim_darkens_if_wished(boat, hands, monkeypatch):
