@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from subsea.app.desk import Desk
 
 MAX_PLANKTON = 100_000
-NUMBER, NAME = 6.5, 14.0  # how wide fields are, in heights of letters
+NUMBER, SEED, NAME = 6.5, 9.0, 14.0  # how wide fields are, in heights of letters
 
 
 @dataclass
@@ -150,15 +150,17 @@ def _sea(wanted: Counts) -> None:
         wanted.leaves[kind] = _number(f"{kind} × leaves", wanted.leaves[kind], MAX_LEAVES, low=1)
         imgui.set_item_tooltip("clusters of seaweed, and the leaves of each")
     wanted.pillars = _number("pillars", wanted.pillars, MAX_SOLIDS)
-    wanted.seed = _number("seed", wanted.seed, MAX_SEED)
+    wanted.seed = _number("seed", wanted.seed, MAX_SEED, wide=SEED)
     imgui.same_line()
     if imgui.button("Dice"):
         wanted.seed = random.randrange(1_000_000)
     imgui.set_item_tooltip("another seed: other places, sizes and whims")
 
 
-def _number(name: str, value: int, high: int, step: int = 1, low: int = 0) -> int:
-    imgui.set_next_item_width(NUMBER * imgui.get_font_size())
+def _number(
+    name: str, value: int, high: int, step: int = 1, low: int = 0, wide: float = NUMBER
+) -> int:
+    imgui.set_next_item_width(wide * imgui.get_font_size())
     return typed_whole(name, value, low, high, step)
 
 
