@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack, closing
+from contextlib import ExitStack, closing, suppress
 from pathlib import Path
 
 from subsea.app.attract import Attract, tour_named
@@ -39,6 +39,7 @@ from subsea.app.timeline import Timeline
 from subsea.app.tour import guide
 from subsea.app.window import Window
 from subsea.errors import UserError
+from subsea.interrupts import deferred
 from subsea.render.quality import AUTO
 from subsea.scenario import AUTOPILOT, Scenario, load_scenario
 from subsea.submarine.course import course_of
@@ -118,10 +119,11 @@ def dive(
         raise UserError(NOT_SHRUNK)
     elif node is not None:
         raise UserError("--node is one of a theatre's computers, expected --theatre too")
-    try:
+    # Raised in the midst of compiled code or of the window library an interrupt may be lost.
+    with suppress(LeftError), deferred() as check:
         running = Dive(
             scenario, display, size, fullscreen, seed, stereo, surround, quality, target_ms,
-            installation, crew, see_brightness, settings, changes, opening, kiosk, tour,
+            installation, crew, see_brightness, settings, changes, opening, kiosk, tour, check,
         )  # fmt: skip
         if kiosk:
             say(f"a kiosk: {settings.kiosk.leave} leaves it, in its window")
@@ -137,11 +139,10 @@ def dive(
                 running.go_at(pace)
             start = last = time.perf_counter()
             while running.wall.open and (seconds is None or last - start < seconds):
+                check()
                 now = time.perf_counter()
                 running.frame(now - last)
                 last = now
-    except LeftError:
-        pass
     return 0
 
 
@@ -176,13 +177,15 @@ class Dive:
         opening: Opening | None = None,
         kiosk: bool = False,
         tour: str | None = None,
+        check: Callable[[], None] = lambda: None,
     ) -> None:
         """Open the windows, then the world: the visitor sees at once that something happens.
 
         The rig and the windows are those of the `installation`, else one window and the rig of
         `display` at its size. `quality` is one of `render.quality.CHOICES`; "auto" holds
-        `target_ms`, None: what the renderer suggests. `crew` makes what makes the ticks. Whatever
-        fails, all that was opened is closed again.
+        `target_ms`, None: what the renderer suggests. `crew` makes what makes the ticks. `check` is
+        called while that takes its time, and may raise. Whatever fails, all that was opened is
+        closed again.
         """
         # A misspelt name is told before a window flashes up.
         self.scenario, self.source = load_scenario(scenario, changes)
@@ -220,7 +223,7 @@ class Dive:
         self._at_first = self.scenario, self.source, seed
         self._taken = tour_named(tour or settings.attract.tour)
         self.attract = Attract(60.0 * settings.attract.after_min, leaps=False)
-        self._diving = False  # rather than loading
+        self._diving, self._check = False, check  # rather than loading
         self.see_brightness = see_brightness  # whether who is ridden goes by the light in its eyes
         self._seen_tick = 0  # at which the fish that is ridden has seen the light last
         opening = opening or opened(display, size, fullscreen, settings, installation)
@@ -621,6 +624,7 @@ class Dive:
 
     def _wait(self, message: str | None) -> None:
         """Say on the terminal and in the window how far a world is, unless the visitor leaves."""
+        self._check()
         wishes = self.wall.poll()
         if "leave" in wishes:
             self.leave()

@@ -74,6 +74,7 @@ def test_a_window_without_a_buffer_for_each_eye_is_one_line_with_other_modes(dis
     [
         ("close button", "reading repertoires"),
         ("Ctrl-C", "waking the fishes"),
+        ("Ctrl-C", "starting OpenGL"),
         ("Escape", "starting OpenGL"),
     ],
 )
