@@ -70,9 +70,7 @@ with closing(Dive("peaceful", "mono", SIZE, seed=1, quality="high")) as dive:
         if name == "Fish view":  # with what both eyes see
             edges[0], edges[2] = 0, SIZE[0]
         out = folder / f"panel-{name.lower().replace(' ', '-')}.png"
-        picture.crop(edges).quantize(256, dither=Image.Dither.FLOYDSTEINBERG).save(
-            out, optimize=True
-        )
+        picture.crop(edges).save(out, optimize=True)
         print(out)
         if name == "Fish view":
             dive.mount(None)
