@@ -28,6 +28,7 @@ LEAST_RING = 0.6  # ... and at least, in heights of letters
 MARGIN, BAR = 0.7, 1.9  # about panels, and the bar's height, in heights of letters
 LIKELY = 26.0, 20.0  # how large a panel is taken to be before it was drawn, in the same
 BACK = "To the helm"  # the bar's last entry
+LEAST_SHARE = 0.1  # of the bar's letters, in a window in which nothing could be read
 LEAST_GAP = 2.0  # on either side of the bar's entries, in pointer units
 PANEL = imgui.WindowFlags_.always_auto_resize.value | imgui.WindowFlags_.horizontal_scrollbar.value
 STEP = 1.6  # by which further panels are moved where there is no room beside the others
@@ -108,7 +109,8 @@ class Desk:
         wide, gaps = sum(imgui.calc_text_size(word).x for word in words), 3 * len(words)
         room = screen.x - 2.0 * style.window_padding.x
         gap = min(max((room - wide) / gaps, LEAST_GAP), style.item_spacing.x)
-        imgui.push_font(None, imgui.get_font_size() * min((room - gaps * gap) / wide, 1.0))
+        shrunk = min(max((room - gaps * gap) / wide, LEAST_SHARE), 1.0)
+        imgui.push_font(None, imgui.get_font_size() * shrunk)
         imgui.push_style_var(imgui.StyleVar_.item_spacing.value, (gap, style.item_spacing.y))
         if imgui.begin_main_menu_bar():
             for name in PANELS:

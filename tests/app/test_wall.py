@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from PIL import ImageGrab
 
-from subsea.app import dive
+from subsea.app import picture
 from subsea.app.dive import Dive
 from subsea.app.screens import Installation, Screen
 from subsea.frame import pack
@@ -134,7 +134,7 @@ def test_three_windows_show_one_continuous_picture(boat):
 
 
 def test_where_text_goes_is_found_once(boat, monkeypatch):
-    monkeypatch.setattr(dive, "panes", None)
+    monkeypatch.setattr(picture, "panes", None)
     glide(boat, 0.3)
 
 
