@@ -21,8 +21,8 @@ from subsea.kinematics.surface import (
     V,
     rest_control_points,
 )
-from subsea.render import paint
-from subsea.render.fish_mesh import ABSENT
+from subsea.skins import paint
+from subsea.skins.mesh import ABSENT
 
 Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]

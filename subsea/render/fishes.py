@@ -13,8 +13,12 @@ from numpy.typing import NDArray
 
 from subsea.frame import INSTANCE_COLUMNS, Batch, Packet, Scene
 from subsea.kinematics.surface import PaddlePlan
-from subsea.render import fish_speck, paint
-from subsea.render.fish_mesh import (
+from subsea.render import fish_speck
+from subsea.render.fish_speck import COARSEST, Speck, places, speck
+from subsea.render.marks import FISH, double, mark
+from subsea.render.shaders import program, set_uniforms, wanted
+from subsea.skins import paint
+from subsea.skins.mesh import (
     DETAILS,
     VERTEX_ATTRIBUTES,
     VERTEX_FORMAT,
@@ -22,9 +26,6 @@ from subsea.render.fish_mesh import (
     fish_mesh,
     outfit,
 )
-from subsea.render.fish_speck import COARSEST, Speck, places, speck
-from subsea.render.marks import FISH, double, mark
-from subsea.render.shaders import program, set_uniforms, wanted
 from subsea.species import Display, Species
 
 Array = NDArray[np.floating[Any]]

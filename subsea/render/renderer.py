@@ -22,7 +22,6 @@ from subsea.render.fishes import Fishes
 from subsea.render.hook import Hook
 from subsea.render.lines import Lines
 from subsea.render.marks import Marks, Seen
-from subsea.render.paint import paint_all
 from subsea.render.particles import Particles
 from subsea.render.quality import PRESETS, Quality
 from subsea.render.seabed import Seabed, drawn_height, surroundings
@@ -33,6 +32,7 @@ from subsea.render.solids import Solids, pieces
 from subsea.render.target import Resolve, Target, scaled
 from subsea.render.textures import caustics, tileable_noise, upload
 from subsea.render.water import Water
+from subsea.skins.paint import paint_all
 from subsea.view.camera import View
 from subsea.view.culling import IN_SIGHT
 from subsea.view.rig import Patch, Rect, Rig

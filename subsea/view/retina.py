@@ -1,6 +1,6 @@
 """Through the eyes of a fish: where they are, and the rig that hangs on them (Tu §6.7, §9.3).
 
-Both eyes lie on the skin as it is drawn, where `render/paint.py` paints them, and look where the
+Both eyes lie on the skin as it is drawn, where `skins/paint.py` paints them, and look where the
 fish is heading: along the x axis of its body frame, with its back up, however it rolls. They turn
 together (pan, tilt). A retina is a perspective picture, flat, as wide as it is high or not.
 

@@ -23,7 +23,13 @@ from subsea.kinematics.surface import (
     rest_control_points,
 )
 from subsea.render import Renderer, fishes
-from subsea.render.fish_mesh import (
+from subsea.render.fish_speck import speck
+from subsea.render.fishes import INSTANCE_ATTRIBUTES, INSTANCE_FORMAT, frames, look
+from subsea.render.quality import PRESETS
+from subsea.render.shaders import set_uniforms, source
+from subsea.repertoire import read_repertoire
+from subsea.resources import resource_path
+from subsea.skins.mesh import (
     ABSENT,
     BODY,
     DETAILS,
@@ -38,12 +44,6 @@ from subsea.render.fish_mesh import (
     outfit,
     surface_points,
 )
-from subsea.render.fish_speck import speck
-from subsea.render.fishes import INSTANCE_ATTRIBUTES, INSTANCE_FORMAT, frames, look
-from subsea.render.quality import PRESETS
-from subsea.render.shaders import set_uniforms, source
-from subsea.repertoire import read_repertoire
-from subsea.resources import resource_path
 from subsea.species import load_species
 from subsea.view.rigs import display_rig
 

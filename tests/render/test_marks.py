@@ -11,10 +11,10 @@ from subsea.app.ride import pictured
 from subsea.kinematics.rotation import matrix
 from subsea.kinematics.solids import ray_meets_seabed
 from subsea.render import Renderer
-from subsea.render.fish_mesh import DETAILS, fish_mesh, outfit, surface_points
 from subsea.render.marks import FISH, HOOK, PILLAR, ROCK, SEABED, SURFACE, WATER
 from subsea.render.quality import PRESETS
 from subsea.render.solids import solid_marks
+from subsea.skins.mesh import DETAILS, fish_mesh, outfit, surface_points
 from subsea.view.camera import View, look
 from subsea.view.retina import retina_rig
 from subsea.view.rig import Patch, pose, views

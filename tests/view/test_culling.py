@@ -9,9 +9,9 @@ from subsea.frame import ENLARGED
 from subsea.kinematics.coupling import couple, place
 from subsea.kinematics.rotation import matrix
 from subsea.kinematics.surface import rest_control_points
-from subsea.render.fish_mesh import BODY, DETAILS, FIN, fish_mesh, outfit, surface_points
 from subsea.repertoire import read_repertoire
 from subsea.resources import resource_path
+from subsea.skins.mesh import BODY, DETAILS, FIN, fish_mesh, outfit, surface_points
 from subsea.species import load_species
 from subsea.view.culling import OUT_OF_SIGHT, covered, pixels_per_radian
 from subsea.view.rig import pose

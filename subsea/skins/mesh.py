@@ -25,7 +25,7 @@ from subsea.kinematics.surface import (
     V,
     rest_control_points,
 )
-from subsea.render import paint
+from subsea.skins import paint
 
 Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]

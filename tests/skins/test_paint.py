@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from msgspec import structs
 
-from subsea.render.paint import (
+from subsea.skins.paint import (
     BODY,
     DORSAL,
     PECTORAL,
