@@ -68,17 +68,13 @@ class Fishes:
         self._table = _table(context, table)
         self._instances = context.buffer(reserve=INSTANCE_COLUMNS * 4)
         self._skins = _atlas(context, skins)
-        looks = [
-            row
-            for k, one in enumerate(zip(scene.species, scene.recorded_length_cm, strict=True))
-            for row in look(*one, cell(k, len(scene.species)))
-        ]
-        self._looks = context.buffer(np.array([*looks, *frames()], "f4").tobytes())
+        self._looks = context.buffer(_looks(scene.species, scene.recorded_length_cm).tobytes())
         self._meshes = [fish_mesh(detail) for detail in DETAILS]
         vertices, triangles, self._first = joined(self._meshes)
         self._vertices = _table(context, outfits(scene.species, self._meshes))
         shape = speck()
         self._places = _table(context, speck_places(scene.species, shape))
+        self._shape = shape
         buffers = [context.buffer(part.tobytes()) for part in (vertices, triangles)]
         self._content[False] = [(buffers[0], VERTEX_FORMAT, *VERTEX_ATTRIBUTES)], buffers[1]
         self._speck_triangles = len(shape.triangles)
@@ -110,6 +106,18 @@ class Fishes:
             texels = np.zeros((rows, points, 4), "f4")
             texels[..., :3] = packet.live_points
             self._table.write(texels.tobytes(), viewport=(0, packet.live_row, points, rows))
+
+    def dress(
+        self, species: tuple[Species, ...], length_cm: tuple[float, ...],
+        skins: list[NDArray[np.uint8]] | None = None,
+    ) -> None:  # fmt: skip
+        """Other shapes, and other skins if there are any, for as many species as before."""
+        self._looks.write(_looks(species, length_cm).tobytes())
+        self._vertices.write(outfits(species, self._meshes).tobytes())
+        self._places.write(speck_places(species, self._shape).tobytes())
+        if skins is not None:
+            self._skins.write(_side_by_side(skins).tobytes())
+            self._skins.build_mipmaps(max_level=COARSEST)
 
     def draw(
         self, packet: Packet, number: int, uniforms: dict[str, Any], marked: bool = False
@@ -257,8 +265,27 @@ def _columns(kinds: int) -> int:
     return ceil(sqrt(kinds * CELL[1] / CELL[0]))
 
 
+def _looks(species: tuple[Species, ...], length_cm: tuple[float, ...]) -> Array:
+    """The block of uniforms: what is constant per species, and the frames of a skin."""
+    rows = [
+        row
+        for k, one in enumerate(zip(species, length_cm, strict=True))
+        for row in look(*one, cell(k, len(species)))
+    ]
+    return np.array([*rows, *frames()], "f4")
+
+
 def _atlas(context: Any, skins: list[NDArray[np.uint8]]) -> Any:
     """Painted skins side by side as one mipmapped sRGB texture."""
+    picture = _side_by_side(skins)
+    size = picture.shape[1], picture.shape[0]
+    texture = context.texture(size, 4, picture.tobytes(), internal_format=SRGB8_ALPHA8)
+    texture.build_mipmaps(max_level=COARSEST)
+    return texture
+
+
+def _side_by_side(skins: list[NDArray[np.uint8]]) -> NDArray[np.uint8]:
+    """Skins on one picture, each with a gutter around it."""
     columns = _columns(len(skins))
     picture = np.zeros((ceil(len(skins) / columns) * CELL[1], columns * CELL[0], 4), np.uint8)
     around = (GUTTER, GUTTER)
@@ -266,10 +293,7 @@ def _atlas(context: Any, skins: list[NDArray[np.uint8]]) -> Any:
         row, column = divmod(k, columns)
         place = picture[row * CELL[1] :, column * CELL[0] :][: CELL[1], : CELL[0]]
         place[:] = np.pad(skin, (around, around, (0, 0)), "edge")
-    size = picture.shape[1], picture.shape[0]
-    texture = context.texture(size, 4, picture.tobytes(), internal_format=SRGB8_ALPHA8)
-    texture.build_mipmaps(max_level=COARSEST)
-    return texture
+    return picture
 
 
 def _table(context: Any, texels: Array) -> Any:

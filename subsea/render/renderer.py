@@ -26,18 +26,16 @@ from subsea.render.particles import Particles
 from subsea.render.quality import PRESETS, Quality
 from subsea.render.seabed import Seabed, drawn_height, surroundings
 from subsea.render.seaweed import Seaweed
-from subsea.render.shafts import UNIT as SHAFTS_UNIT
 from subsea.render.shafts import Shafts
 from subsea.render.solids import Solids, pieces
 from subsea.render.target import Resolve, Target, scaled
 from subsea.render.textures import caustics, tileable_noise, upload
+from subsea.render.uniforms import uniforms_of
 from subsea.render.water import Water
 from subsea.skins.paint import paint_all
 from subsea.view.camera import View
 from subsea.view.culling import IN_SIGHT
 from subsea.view.rig import Patch, Rect, Rig
-
-CONTRAST_LEFT = 0.02  # at the distance that a scenario calls its visibility
 
 
 class Renderer:
@@ -197,7 +195,7 @@ class Renderer:
         context.blend_func = context.SRC_ALPHA, context.ONE_MINUS_SRC_ALPHA
         eye = None
         for number, view in enumerate(map(self._on_canvas, packet.views)):
-            uniforms = self._uniforms(packet, view)
+            uniforms = uniforms_of(packet, view, self._scene.water)
             if uniforms["u_eye"] != eye:  # views through one eye have their shafts in common
                 self._shafts.cast(uniforms)
             eye = uniforms["u_eye"]
@@ -269,7 +267,7 @@ class Renderer:
         for number, view in enumerate(map(self._on_canvas, packet.views)):
             if numbers is not None and number not in numbers:
                 continue
-            uniforms = self._uniforms(packet, view)
+            uniforms = uniforms_of(packet, view, self._scene.water)
             context.viewport = context.scissor = view.viewport
             self._solids.draw(number, uniforms, marked=True)
             context.enable(context.CULL_FACE)
@@ -390,36 +388,3 @@ class Renderer:
         self._context.detect_framebuffer(0).use()
         for held in self._held_for_size:
             held.release()
-
-    def _uniforms(self, packet: Packet, view: View) -> dict[str, Any]:
-        """What every shader may ask for."""
-        both = view.projection.astype(np.float64) @ view.view.astype(np.float64)
-        water = self._scene.water
-        return {
-            "u_view": _columns(view.view),
-            "u_projection": _columns(view.projection),
-            "u_view_projection": _columns(both),
-            "u_inverse": _columns(np.linalg.inv(both)),
-            "u_eye": tuple(float(x) for x in view.eye),
-            "u_size": (float(view.viewport[2]), float(view.viewport[3])),
-            "u_without": float(view.without),
-            "u_time": packet.time_s,
-            "u_fog": water.fog,
-            "u_extinction": -np.log(CONTRAST_LEFT) / water.visibility_cm,
-            "u_caustics": 1,
-            "u_noise": 2,
-            "u_shafts": SHAFTS_UNIT,
-        } | _lamps(packet)
-
-
-def _lamps(packet: Packet) -> dict[str, Any]:
-    """Where the lights are and the way they shine; nothing while they are off."""
-    if packet.lamps is None:
-        return {}
-    places, ways = ([tuple(map(float, one)) for one in part] for part in packet.lamps)
-    return {"u_lamps": places, "u_beams": ways}
-
-
-def _columns(matrix: NDArray[np.floating[Any]]) -> bytes:
-    """A matrix as OpenGL wants it: column after column."""
-    return np.ascontiguousarray(matrix.T, dtype="f4").tobytes()
