@@ -9,6 +9,7 @@ import pytest
 from msgspec import structs
 from scipy.interpolate import BSpline
 
+from capture.export.clips import SWEEP_RAD, Surface
 from subsea.kinematics.rotation import matrix
 from subsea.kinematics.spline import greville
 from subsea.kinematics.surface import (
@@ -163,6 +164,25 @@ def test_positions_and_normals_are_those_of_the_spline(
         np.testing.assert_allclose(normal[mine][solid], across[solid], atol=2e-3)
         checked += mine.sum()
     assert checked == (mesh.vertices[:, PART] <= FIN).sum()
+
+
+@pytest.mark.parametrize("species", [0, 1])
+@pytest.mark.parametrize("level", range(len(DETAILS)))
+def test_what_is_exported_is_what_is_drawn(
+    context, program, scene, make_packet, fish, species, level
+):
+    """Paired fins included, at ease; upright at the origin, heading along x."""
+    at_ease = (SWEEP_RAD, SWEEP_RAD)
+    one = fish(species, (0.0, 0.0, 0.0), heading=0.0, weight=0.35, pectoral=at_ease)
+    packet = make_packet([one])
+    drawn = shaded(context, program, scene, level, packet)
+    row = packet.instances[0].astype(np.float64)
+    table = scene.control_points.astype(np.float64)
+    control = (1 - row[10]) * table[int(row[8])] + row[10] * table[int(row[9])]
+    surface = Surface(scene.species[species].surface, scene.recorded_length_cm[species], level)
+    for exported, shown in zip(surface.at(control[None]), drawn, strict=True):
+        x, y, z = exported[0].T
+        np.testing.assert_allclose(np.stack([x, -z, y], axis=1), shown, atol=2e-3)
 
 
 def test_normals_of_the_body_point_outward(context, program, scene, make_packet, fish):

