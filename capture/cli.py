@@ -46,7 +46,8 @@ def _parsers() -> tuple[argparse.ArgumentParser, Any]:
         "swim fishes and write their repertoires",
         "Three swims and four turns of each species go to OUT/SPECIES.h5. The same species\n"
         "files give the same repertoires, however many jobs record them. A repertoire that is\n"
-        "up to date is left alone; a run that was interrupted goes on where it stopped.",
+        "up to date is left alone; a run that was interrupted goes on where it stopped. Those of\n"
+        "species of your own lie in your folder of repertoires.",
         [
             "subsea-capture record fusilier",
             "subsea-capture record --all --jobs 2",
@@ -55,12 +56,12 @@ def _parsers() -> tuple[argparse.ArgumentParser, Any]:
         ],
     )
     record.add_argument("species", metavar="SPECIES", nargs="*", help="species to record")
-    record.add_argument("--all", action="store_true", help="record every species there is")
+    record.add_argument("--all", action="store_true", help="record every species that is shipped")
     record.add_argument(
         "--out",
         metavar="DIR",
         type=Path,
-        help="folder to write to (in a checkout: its repertoires/)",
+        help="folder to write to (a checkout's repertoires/, for species of your own your folder)",
     )
     record.add_argument(
         "--jobs",
@@ -139,9 +140,11 @@ def _parsers() -> tuple[argparse.ArgumentParser, Any]:
         "measures beside what is asked of every fish (at least) and where the best should get\n"
         "(aim). Exit code 0 if every measure is at least what is asked, 1 if not; a missed aim\n"
         "is no failure.",
-        ["subsea-capture inspect repertoires/fusilier.h5"],
+        ["subsea-capture inspect fusilier", "subsea-capture inspect repertoires/fusilier.h5"],
     )
-    inspect.add_argument("file", metavar="FILE", type=Path, help="a repertoire (.h5)")
+    inspect.add_argument(
+        "file", metavar="SPECIES", help="species, or the path of a repertoire (.h5)"
+    )
     inspect.set_defaults(run=_inspect)
 
     plot = command(
@@ -151,9 +154,9 @@ def _parsers() -> tuple[argparse.ArgumentParser, Any]:
         "Writes a page for each segment (film strip, trajectories, speed, tail, spectrum, loop\n"
         "closure) and one for the repertoire (paths, speeds, steering map) as PNG files. Needs\n"
         "matplotlib (subsea[plot]).",
-        ["subsea-capture plot repertoires/fusilier.h5 --out plots"],
+        ["subsea-capture plot fusilier --out plots"],
     )
-    plot.add_argument("file", metavar="FILE", type=Path, help="a repertoire (.h5)")
+    plot.add_argument("file", metavar="SPECIES", help="species, or the path of a repertoire (.h5)")
     plot.add_argument("--out", metavar="DIR", type=Path, required=True, help="folder for the PNGs")
     plot.set_defaults(run=_plot)
 
@@ -165,9 +168,9 @@ def _parsers() -> tuple[argparse.ArgumentParser, Any]:
         "frame (0.033 s), faces, materials and texture coordinates as they were. The mesh is in\n"
         "body axes and centimetres: x anterior, y dorsal, z right, the origin in the middle of\n"
         "the second ring of nodes. With --fit it only has to head along x.",
-        ["subsea-capture mesh repertoires/fusilier.h5 sardine.obj --fit --out frames"],
+        ["subsea-capture mesh fusilier sardine.obj --fit --out frames"],
     )
-    mesh.add_argument("file", metavar="FILE", type=Path, help="a repertoire (.h5)")
+    mesh.add_argument("file", metavar="SPECIES", help="species, or the path of a repertoire (.h5)")
     mesh.add_argument("mesh", metavar="MESH", type=Path, help="a mesh (.obj)")
     mesh.add_argument("--segment", metavar="NAME", default="swim_fast", help="(swim_fast)")
     mesh.add_argument("--out", metavar="DIR", type=Path, required=True, help="folder for the OBJs")
@@ -185,7 +188,7 @@ def _record(options: argparse.Namespace) -> int:
     from capture.jobs import here, processes
     from capture.kept import repertoire_path
     from subsea.repertoire import SEGMENTS
-    from subsea.species import species_names
+    from subsea.species import shipped_species, species_names
 
     known = species_names()
     for name in options.species:
@@ -197,9 +200,10 @@ def _record(options: argparse.Namespace) -> int:
         raise UserError("--jobs and --cluster: give one of the two")
     if not options.all and not options.species:
         raise UserError(f"name a species ({', '.join(known)}) or give --all")
-    names = known if options.all else list(dict.fromkeys(options.species))
-    folder: Path = options.out or _own_repertoires()
-    check_folder(folder)
+    names = shipped_species() if options.all else list(dict.fromkeys(options.species))
+    folders = {name: options.out or _repertoires_of(name) for name in names}
+    for folder in dict.fromkeys(folders.values()):
+        check_folder(folder)
     bars: dict[str, Any] = {}
 
     def tell(name: str, segments: int) -> None:
@@ -222,22 +226,25 @@ def _record(options: argparse.Namespace) -> int:
         workers = here if options.jobs == 1 else processes(options.jobs)
     try:
         with deferred() as check:
-            recorded = record_all(names, folder, workers, check, tell, options.force)
+            recorded = record_all(folders, workers, check, tell, options.force)
     except KeyboardInterrupt:
         raise KeyboardInterrupt("the same command goes on from here") from None
     finally:
         for bar in bars.values():
             bar.close()
     for name in names:
-        print(f"{repertoire_path(folder, name)}{'' if name in recorded else ': up to date'}")
+        path = repertoire_path(folders[name], name)
+        print(f"{path}{'' if name in recorded else ': up to date'}")
     return 0
 
 
-def _own_repertoires() -> Path:
-    """The repertoires of a checkout; those of an installed package are not ours to change."""
-    if not resource_path("pyproject.toml").is_file():
+def _repertoires_of(name: str) -> Path:
+    """Where a species is recorded to; what came with an installed package stays as it is."""
+    from subsea.species import is_shipped, repertoire_folder
+
+    if is_shipped(name) and not resource_path("pyproject.toml").is_file():
         raise UserError("name the folder to write to: --out DIR")
-    return resource_path("repertoires")
+    return repertoire_folder(name)
 
 
 def _learn(options: argparse.Namespace) -> int:
@@ -258,15 +265,17 @@ def _learn(options: argparse.Namespace) -> int:
 
 def _inspect(options: argparse.Namespace) -> int:
     from capture.inspect import report
+    from subsea.species import repertoire_file
 
-    return 0 if report(options.file, lambda line: print(line, flush=True)) else 1
+    return 0 if report(repertoire_file(options.file), lambda line: print(line, flush=True)) else 1
 
 
 def _plot(options: argparse.Namespace) -> int:
     from capture.plot import plot_repertoire
     from subsea.repertoire import read_repertoire
+    from subsea.species import repertoire_file
 
-    repertoire = read_repertoire(options.file)
+    repertoire = read_repertoire(repertoire_file(options.file))
     check_folder(options.out)
     for path in plot_repertoire(repertoire, options.out):
         print(path)
@@ -278,8 +287,9 @@ def _mesh(options: argparse.Namespace) -> int:
 
     from capture.mesh import bind_mesh, write_mesh
     from subsea.repertoire import read_repertoire
+    from subsea.species import repertoire_file
 
-    repertoire = read_repertoire(options.file)
+    repertoire = read_repertoire(repertoire_file(options.file))
     if options.segment not in repertoire.segments:
         raise unknown("segment", options.segment, list(repertoire.segments))
     mesh = bind_mesh(repertoire, options.mesh, options.fit)

@@ -24,8 +24,8 @@ from subsea.biomechanics.body import build_body
 from subsea.biomechanics.plan import Muscles, SwimPlan, TurnPlan
 from subsea.errors import UserError
 from subsea.places import check_file
-from subsea.resources import load_toml, named_or_file, resource_path
-from subsea.species import Species
+from subsea.resources import load_toml, resource_path
+from subsea.species import SHIPPED, Species, species_file
 
 LIBRARIES = ("cma", "scipy")
 
@@ -39,7 +39,7 @@ def teach(name: str, out: Path | None, dry_run: bool, budget: int, **options: An
     for library in LIBRARIES:
         if find_spec(library) is None:
             raise UserError(f"learning needs {library}: install subsea[learn]")
-    source = named_or_file(name, "assets/species", ".toml", "species")
+    source = species_file(name)
     species = load_toml(source, Species)
     muscles = species.muscles
     if muscles is None:
@@ -94,7 +94,7 @@ def teach(name: str, out: Path | None, dry_run: bool, budget: int, **options: An
 
 def _own(source: Path) -> Path:
     """Species files of a checkout are ours to change, those of an installed package are not."""
-    shipped = source.parent == resource_path("assets/species")
+    shipped = source.parent == resource_path(SHIPPED)
     if shipped and not resource_path("pyproject.toml").is_file():
         raise UserError("name the species file to write: --out FILE")
     return source

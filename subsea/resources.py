@@ -1,6 +1,7 @@
 """Where shaders, assets and repertoires lie, and how settings files are read.
 
-In a checkout they are beside the package, in an installed wheel inside it.
+In a checkout they are beside the package, in an installed wheel inside it. What a visitor makes
+lies in a folder of theirs.
 """
 
 import re
@@ -11,6 +12,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import msgspec
+import platformdirs
 from msgspec import inspect
 
 from subsea.errors import UserError, nearest, unknown
@@ -27,18 +29,32 @@ def resource_path(relative: str) -> Path:
     return ROOT / relative
 
 
+def own_path(relative: str) -> Path:
+    """The path of a folder of the visitor's own, such as ``scenarios``; it need not be there."""
+    return platformdirs.user_data_path("subsea", appauthor=False) / relative
+
+
 def resource_names(folder: str, suffix: str) -> list[str]:
     """Sorted stems of the files in `folder` that end in `suffix`."""
-    return sorted(path.stem for path in resource_path(folder).glob(f"*{suffix}"))
+    return stems(resource_path(folder), suffix)
+
+
+def stems(folder: Path, suffix: str) -> list[str]:
+    """Sorted stems of the files in any folder that end in `suffix`; none where it is missing."""
+    return sorted(path.stem for path in folder.glob(f"[!.]*{suffix}"))
+
+
+def is_path(name: str, suffix: str) -> bool:
+    """Whether `name` is that of a file: a word without a slash or the suffix is not."""
+    return "/" in name or "\\" in name or name.endswith(suffix)
 
 
 def named_or_file(name: str, folder: str, suffix: str, kind: str) -> Path:
     """The resource `name` in `folder`, or the file at the path `name`.
 
-    A word without a slash or the suffix is a name; an unknown one is an error that says which
-    are known.
+    An unknown name is an error that says which are known.
     """
-    if "/" in name or "\\" in name or name.endswith(suffix):
+    if is_path(name, suffix):
         return Path(name)
     known = resource_names(folder, suffix)
     if name not in known:

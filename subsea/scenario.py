@@ -6,10 +6,9 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import msgspec
-import platformdirs
 
 from subsea.errors import UserError, unknown
-from subsea.resources import load_toml, resource_names, resource_path
+from subsea.resources import is_path, load_toml, own_path, resource_names, resource_path, stems
 from subsea.species import BodyLength, species_names
 
 SHIPPED = "assets/scenarios"  # the folder of those that come with the program
@@ -312,14 +311,13 @@ class Scenario(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
 
 def own_scenarios() -> Path:
     """The folder of the visitor's own scenarios, which need not be there yet."""
-    return platformdirs.user_data_path("subsea", appauthor=False) / "scenarios"
+    return own_path("scenarios")
 
 
 def scenario_names() -> list[str]:
     """Names that `load_scenario` knows: those that are shipped, then the visitor's own."""
     shipped = resource_names(SHIPPED, ".toml")
-    own = sorted(path.stem for path in own_scenarios().glob("*.toml"))
-    return shipped + [name for name in own if name not in shipped]
+    return shipped + [name for name in stems(own_scenarios(), ".toml") if name not in shipped]
 
 
 def scenario_file(name: str) -> Path:
@@ -327,7 +325,7 @@ def scenario_file(name: str) -> Path:
 
     A word without a slash or the ending ``.toml`` is a name.
     """
-    if "/" in name or "\\" in name or name.endswith(".toml"):
+    if is_path(name, ".toml"):
         return Path(name)
     if name not in (known := scenario_names()):
         raise unknown("scenario", name, known)

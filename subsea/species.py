@@ -1,15 +1,19 @@
-"""What is constant per species, from `assets/species/NAME.toml`."""
+"""What is constant per species, from `assets/species/NAME.toml` or a file of one's own."""
 
+import re
+from pathlib import Path
 from typing import Annotated, Literal
 
 import msgspec
 
 from subsea.biomechanics.plan import BodyPlan, Muscles, SwimPlan, TurnPlan
 from subsea.biomechanics.stability import check_step
-from subsea.errors import unknown
+from subsea.errors import UserError, unknown
 from subsea.kinematics.spine import SpinePlan
 from subsea.kinematics.surface import Curve, Extent, Share, SurfacePlan
-from subsea.resources import load_toml, resource_names, resource_path
+from subsea.resources import is_path, load_toml, own_path, resource_names, resource_path, stems
+
+SHIPPED = "assets/species"  # the folder of those that come with the program
 
 Positive = Annotated[float, msgspec.Meta(gt=0)]
 Count = Annotated[int, msgspec.Meta(ge=0, le=60)]
@@ -197,19 +201,84 @@ class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
         return mover.length
 
 
+def shipped_species() -> list[str]:
+    """The species that come with the program, sorted."""
+    return resource_names(SHIPPED, ".toml")
+
+
+def own_species() -> Path:
+    """The folder of the visitor's own species, which need not be there yet."""
+    return own_path("species")
+
+
 def species_names() -> list[str]:
-    """The species that have a file, sorted."""
-    return resource_names("assets/species", ".toml")
+    """Names that `load_species` knows: those that are shipped, then the visitor's own, sorted.
+
+    Files are not read: one that is damaged has its name here.
+    """
+    shipped = shipped_species()
+    return shipped + [name for name in stems(own_species(), ".toml") if name not in shipped]
+
+
+def hidden_names() -> list[str]:
+    """Names of own files that nobody gets to see: a shipped species has the name."""
+    return sorted(set(stems(own_species(), ".toml")).intersection(shipped_species()))
+
+
+def is_shipped(name: str) -> bool:
+    """Whether the species called `name` comes with the program."""
+    return name in shipped_species()
+
+
+def species_file(name: str) -> Path:
+    """The file of the species called `name`, or the file `name`; an unknown name is a UserError.
+
+    A word without a slash or the ending ``.toml`` is a name.
+    """
+    if is_path(name, ".toml"):
+        return Path(name)
+    _check_known(name)
+    return (resource_path(SHIPPED) if is_shipped(name) else own_species()) / f"{name}.toml"
+
+
+def own_species_file(name: str) -> Path:
+    """Where a species of one's own called `name` lies, there or not.
+
+    A name that a shipped species has, or that no file can have, is a UserError.
+    """
+    if is_shipped(name):
+        raise UserError(f"the name {name!r} is that of a shipped species, expected another")
+    if not re.fullmatch(r"\w[\w-]*", name):
+        raise UserError(f"the name {name!r}: expected letters, digits, _ and - alone")
+    return own_species() / f"{name}.toml"
+
+
+def repertoire_folder(name: str) -> Path:
+    """Where the repertoire of the species called `name` lies; it need not be there yet."""
+    return resource_path("repertoires") if is_shipped(name) else own_path("repertoires")
+
+
+def repertoire_file(name: str) -> Path:
+    """The repertoire of the species called `name`, or the file `name`; there or not.
+
+    A word without a slash or the ending ``.h5`` is a name; an unknown one is a UserError.
+    """
+    if is_path(name, ".h5"):
+        return Path(name)
+    _check_known(name)
+    return repertoire_folder(name) / f"{name}.h5"
 
 
 def muscular_names() -> list[str]:
-    """Those that muscles move: they alone can be simulated."""
-    return [name for name in species_names() if load_species(name).muscles]
+    """Those of the shipped species that muscles move: they alone can be simulated."""
+    return [name for name in shipped_species() if load_species(name).muscles]
 
 
 def load_species(name: str) -> Species:
     """The species `name`; an unknown name or a faulty file is a UserError in one line."""
-    known = species_names()
-    if name not in known:
+    return load_toml(species_file(name), Species)
+
+
+def _check_known(name: str) -> None:
+    if name not in (known := species_names()):
         raise unknown("species", name, known)
-    return load_toml(resource_path("assets/species") / f"{name}.toml", Species)

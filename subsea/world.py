@@ -26,9 +26,8 @@ from subsea.kinematics.vector import vector
 from subsea.motor.switching import Dynamics, make_dynamics
 from subsea.repertoire import SEGMENTS, Repertoire, read_repertoire
 from subsea.repertoire.library import Library, pack
-from subsea.resources import resource_path
 from subsea.scenario import MAX_SIMULATED, MAX_SOLIDS, Scenario, Shoal, check_scenario
-from subsea.species import Species, load_species
+from subsea.species import Species, load_species, repertoire_file, species_file
 from subsea.state import (
     HULL_CM,
     KINDS,
@@ -130,9 +129,8 @@ def create_world(
     seed = scenario.seed if seed is None else seed
     progress("reading repertoires")
     names = scenario.species
-    files = [(resource_path(f"assets/species/{name}.toml"), name) for name in names]
-    species = {name: _species(name, _stamp(path)) for path, name in files}
-    files = [(resource_path("repertoires") / f"{name}.h5", name) for name in names]
+    species = {name: _species(path := species_file(name), _stamp(path)) for name in names}
+    files = [(repertoire_file(name), name) for name in names]
     repertoires = [_repertoire(path, name, _stamp(path)) for path, name in files]
     library = pack(repertoires, [_coupling(species[r.species], r) for r in repertoires], live)
     dynamics = make_dynamics([*species.values()], repertoires, library, live_reach_cm)
@@ -212,14 +210,16 @@ def _stamp(path: Path) -> tuple[int, int] | None:
 
 
 @lru_cache(maxsize=64)
-def _species(name: str, stamp: object) -> Species:
+def _species(path: Path, stamp: object) -> Species:
     """A species, read once."""
-    return load_species(name)
+    return load_species(str(path))
 
 
 @lru_cache(maxsize=64)
 def _repertoire(path: Path, name: str, stamp: object) -> Repertoire:
     """The repertoire of a species, which must be of that species and of this tick; read once."""
+    if stamp is None:
+        raise UserError(f"{path}: is not there; `subsea-capture record {name}` makes it")
     repertoire = read_repertoire(path)
     if repertoire.species != name:
         raise UserError(f"{path}: holds {repertoire.species!r}, expected {name!r}")

@@ -1,6 +1,8 @@
 """What several tests share: a fish whose motion is known in closed form, and worlds of it."""
 
+import os
 from collections.abc import Callable, Iterator
+from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -35,6 +37,13 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--regenerate", action="store_true", help="store the pictures of tests/render anew"
     )
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """No test, nor what it starts, sees the species and scenarios of who runs it."""
+    folder = TemporaryDirectory()
+    config.add_cleanup(folder.cleanup)
+    os.environ["XDG_DATA_HOME"] = folder.name
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -37,7 +37,7 @@ def doctor() -> int:
         _python,
         _packages,
         _cache,
-        _repertoires,
+        _fishes,
         _display,
         _headless,
     )
@@ -96,19 +96,35 @@ def _writable(folder: Path) -> bool:
         return False
 
 
-def _repertoires() -> list[Finding]:
+def _fishes() -> list[Finding]:
+    """Every species; a dive needs those that are shipped alone."""
     from subsea.repertoire import read_repertoire
-    from subsea.resources import resource_path
-    from subsea.species import species_names
+    from subsea.species import (
+        hidden_names,
+        is_shipped,
+        load_species,
+        own_species,
+        repertoire_file,
+        species_names,
+    )
 
     findings = []
     for name in species_names():
+        needed = is_shipped(name)
+        own = "" if needed else f", of your own in {own_species()}"
         try:
-            repertoire = read_repertoire(resource_path("repertoires") / f"{name}.h5")
-            text = f"{len(repertoire.segments)} segments, {repertoire.source}"
-            findings.append(Finding(f"fish {name}", True, text))
+            load_species(name)
+            file = repertoire_file(name)
+            if not file.exists():
+                raise UserError(f"not recorded yet: `subsea-capture record {name}`{own}")
+            repertoire = read_repertoire(file)
+            text = f"{len(repertoire.segments)} segments, {repertoire.source}{own}"
+            findings.append(Finding(f"fish {name}", True, text, needed))
         except UserError as fault:
-            findings.append(Finding(f"fish {name}", False, str(fault)))
+            findings.append(Finding(f"fish {name}", False, str(fault), needed))
+    for name in hidden_names():
+        text = f"{own_species() / name}.toml: a shipped species has this name, expected another"
+        findings.append(Finding(f"fish {name}", False, text, needed=False))
     return findings
 
 

@@ -38,7 +38,8 @@ class Counts:
 
 def counts(scenario: Scenario) -> Counts:
     """The numbers of a scenario."""
-    numbers = dict.fromkeys(species_names(), 0)
+    # One of the visitor's own may have been deleted since the scenario was read.
+    numbers = dict.fromkeys([*species_names(), *scenario.species], 0)
     for shoal in scenario.fish:
         numbers[shoal.species] += shoal.number
     groups = {kind: [g for g in scenario.seaweed if g.kind == kind] for kind in KINDS}

@@ -43,9 +43,9 @@ def difference(theirs: Identity, ours: Identity) -> str:
     elif theirs.seed != ours.seed:
         what = f"seed {theirs.seed}, expected {ours.seed}"
     elif theirs.species != ours.species:
-        what = "other species of fishes (assets/species)"
+        what = "other species of fishes (their files differ)"
     elif theirs.repertoires != ours.repertoires:
-        what = "other repertoires (repertoires/*.h5)"
+        what = "other repertoires of its fishes"
     elif theirs.sea != ours.sea:
         what = (
             "another sea, made of the same scenario: other fishes in number, other code, or a "

@@ -65,7 +65,10 @@ def swum(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 def test_the_number_of_processes_changes_nothing(whole: Path, tmp_path: Path) -> None:
     told: list[tuple[str, int]] = []
-    assert record_all(NAMES, tmp_path, processes(2), tell=lambda *at: told.append(at)) == NAMES
+    assert (
+        record_all(dict.fromkeys(NAMES, tmp_path), processes(2), tell=lambda *at: told.append(at))
+        == NAMES
+    )
     assert_same(tmp_path, whole)
     for name in NAMES:
         assert [count for which, count in told if which == name] == list(range(8))
@@ -81,11 +84,11 @@ def test_an_interrupted_recording_goes_on_where_it_stopped(
 
     if done < 14:
         with pytest.raises(KeyboardInterrupt):
-            record_all(NAMES, tmp_path, here, check=interrupt)
+            record_all(dict.fromkeys(NAMES, tmp_path), here, check=interrupt)
     else:
-        record_all(NAMES, tmp_path, here, check=interrupt)
+        record_all(dict.fromkeys(NAMES, tmp_path), here, check=interrupt)
     assert [path.name for path in tmp_path.glob("*.h5")] == [f"{n}.h5" for n in NAMES[: done // 7]]
-    recorded = record_all(NAMES, tmp_path, here)
+    recorded = record_all(dict.fromkeys(NAMES, tmp_path), here)
     assert recorded == NAMES[done // 7 :]
     assert swum == list(SEGMENTS) * 2
     assert_same(tmp_path, whole)
@@ -161,7 +164,7 @@ def test_a_process_that_dies_loses_nothing(whole: Path, tmp_path: Path) -> None:
             os.kill(child.pid or 0, signal.SIGKILL)
             killed.append(child.pid or 0)
 
-    record_all(NAMES, tmp_path, processes(2), check=kill_once)
+    record_all(dict.fromkeys(NAMES, tmp_path), processes(2), check=kill_once)
     assert len(killed) == 1
     assert_same(tmp_path, whole)
 
@@ -172,7 +175,7 @@ def test_processes_that_keep_dying_are_one_line(tmp_path: Path) -> None:
             os.kill(child.pid or 0, signal.SIGKILL)
 
     with pytest.raises(UserError, match=r"keep dying, 3 so far.*fusilier swim_slow") as caught:
-        record_all(["fusilier"], tmp_path, processes(2), check=kill)
+        record_all({"fusilier": tmp_path}, processes(2), check=kill)
     assert "\n" not in str(caught.value)
     assert not list(tmp_path.iterdir())
 
@@ -181,7 +184,7 @@ def test_a_fish_that_cannot_swim_is_named(tmp_path: Path, monkeypatch: pytest.Mo
     limp = changed(load_species("fusilier"), "body", cross_stiffness=1.0)
     monkeypatch.setattr(batch, "load_species", lambda name: limp)
     with pytest.raises(UserError, match="fusilier, swim_slow: the body lost its shape"):
-        record_all(["fusilier"], tmp_path, here)
+        record_all({"fusilier": tmp_path}, here)
     assert not (tmp_path / "fusilier.h5").exists()
 
 

@@ -36,7 +36,7 @@ def test_a_recording_can_be_read_and_repeats_to_the_last_byte(tmp_path: Path) ->
         (["record", "fusilier", "--jobs", "0"], "whole number from 1"),
         (["record", "fusilier", "--jobs", "many"], "whole number from 1"),
         (["record", "--speed"], "--speed"),
-        (["inspect"], "FILE"),
+        (["inspect"], "SPECIES"),
         (["inspect", "no/such.h5"], "no such file"),
         (["plot", "no/such.h5", "--out", "x"], "no such file"),
         (["plot", "no/such.h5"], "--out"),
