@@ -1,0 +1,55 @@
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import trimesh
+
+from capture.export.axes import Y_UP, Z_UP, brought, turned
+from capture.export.glb import INDICES, VERTICES, Buffer, glb
+from subsea.kinematics.rotation import matrix, normalised
+
+
+def test_the_axes_are_right_handed_and_rotations_agree() -> None:
+    """A fish heads along +z of glTF and along -y of Blender, back up, left along +x."""
+    ahead, up, right = np.eye(3) * 100.0
+    np.testing.assert_allclose(brought(ahead, Y_UP), (0, 0, 1))
+    np.testing.assert_allclose(brought(ahead, Z_UP), (0, -1, 0))
+    np.testing.assert_allclose(brought(up, Y_UP), (0, 1, 0))
+    np.testing.assert_allclose(brought(up, Z_UP), (0, 0, 1))
+    np.testing.assert_allclose(brought(-right, Y_UP), (1, 0, 0))
+    np.testing.assert_allclose(brought(-right, Z_UP), (1, 0, 0))
+    rotation = np.array(normalised(np.array([0.3, -0.5, 0.2, 0.7])))
+    for axes in (Y_UP, Z_UP):
+        assert np.linalg.det(axes) > 0.0
+        point = brought(matrix(rotation) @ ahead, axes)
+        np.testing.assert_allclose(matrix(turned(rotation, axes)) @ brought(ahead, axes), point)
+
+
+def test_arrays_come_back(khronos: Callable[[Path], dict[str, Any]], tmp_path: Path) -> None:
+    """Of odd lengths, so that padding matters."""
+    buffer = Buffer()
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 2, 0]], np.float32)
+    note = buffer.view(b"five!")
+    faces = buffer.add(np.array([0, 1, 2], np.uint16), INDICES)
+    points = buffer.add(corners, VERTICES)
+    primitive = {"attributes": {"POSITION": points}, "indices": faces}
+    content = {
+        "asset": {"version": "2.0"},
+        "meshes": [{"primitives": [primitive]}],
+        "nodes": [{"mesh": 0}],
+        "scenes": [{"nodes": [0]}],
+        "scene": 0,
+    }
+    file = tmp_path / "one.glb"
+    file.write_bytes(glb(content, buffer))
+    report = khronos(file)
+    assert report["issues"]["numErrors"] == report["issues"]["numWarnings"] == 0
+    mesh = trimesh.load(file, force="mesh", process=False)
+    np.testing.assert_array_equal(mesh.vertices, corners)
+    assert buffer.views[note]["byteLength"] == 5
+    shift = np.eye(4, dtype=np.float32)
+    shift[:3, 3] = 5, 6, 7
+    last = buffer.views[buffer.accessors[buffer.add(shift[None])]["bufferView"]]
+    kept = np.frombuffer(buffer.data, np.float32, 16, last["byteOffset"])
+    np.testing.assert_array_equal(kept[12:15], (5, 6, 7))  # glTF keeps columns
