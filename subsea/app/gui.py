@@ -40,13 +40,14 @@ KEYS = {
     glfw.KEY_ENTER: imgui.Key.enter,
     glfw.KEY_KP_ENTER: imgui.Key.keypad_enter,
     glfw.KEY_ESCAPE: imgui.Key.escape,
-    # What text fields know with Ctrl: all, copy, paste, cut, redo, undo.
+    # What text fields know with Ctrl: all, copy, paste, cut, redo, undo; and what saves.
     glfw.KEY_A: imgui.Key.a,
     glfw.KEY_C: imgui.Key.c,
     glfw.KEY_V: imgui.Key.v,
     glfw.KEY_X: imgui.Key.x,
     glfw.KEY_Y: imgui.Key.y,
     glfw.KEY_Z: imgui.Key.z,
+    glfw.KEY_S: imgui.Key.s,
 }
 PRESSED = {
     imgui.Key.mod_ctrl: (glfw.KEY_LEFT_CONTROL, glfw.KEY_RIGHT_CONTROL),
@@ -143,6 +144,7 @@ class Gui:
     def __init__(self) -> None:
         """Attach to the window whose OpenGL context is current."""
         self.open = False
+        self.heard = 0  # how many things hands have done that reached it
         self._navigated = False
         self._unsure = 0  # frames until it is known whether the last click was on a field of text
         self._context = imgui.create_context()
@@ -228,6 +230,7 @@ class Gui:
 
     def pointed(self, x: float, y: float) -> bool:
         """The pointer is there, in pointer units of the window; whether that is for panels."""
+        self.heard += 1
         # Two eyes see one pointer: where it is on the screen that their panes show squeezed.
         share_x, share_y = x / self._window[0], y / self._window[1]
         pane = next((one for one in self._panes if _within(one, share_x, share_y)), self._panes[0])
@@ -239,6 +242,7 @@ class Gui:
 
     def pressed(self, button: int, down: bool) -> bool:
         """A mouse button went down or up; whether that is for panels."""
+        self.heard += 1
         if self.open and down:
             self._unsure = 2
         if (self.open or not down) and button < imgui.MouseButton_.count.value:
@@ -247,6 +251,7 @@ class Gui:
 
     def scrolled(self, dx: float, dy: float) -> bool:
         """The wheel turned; whether that is for panels."""
+        self.heard += 1
         if self.open:
             self._io.add_mouse_wheel_event(dx, dy)
         return self.open
@@ -256,6 +261,7 @@ class Gui:
 
         Or may be: just after a click nobody knows yet whether there is one under the pointer.
         """
+        self.heard += 1
         if self.open or not down:
             for bit, name in MODIFIERS:
                 self._io.add_key_event(name, bool(modifiers & bit))
@@ -276,11 +282,13 @@ class Gui:
 
     def typed(self, character: int) -> None:
         """A character was typed."""
+        self.heard += 1
         if self.open:
             self._io.add_input_character(character)
 
     def let_go(self) -> None:
         """The window lost the keyboard, or the panels were put away."""
+        self.heard += 1
         for button in range(3):
             self._io.add_mouse_button_event(button, False)
         for name in (*KEYS.values(), *PADS.values(), *(modifier for _, modifier in MODIFIERS)):
@@ -372,6 +380,11 @@ def _dress(style: Any) -> None:
         (names.slider_grab_active, (0.60, 0.92, 1.0), 1.0),
         (names.separator, QUIET, 0.25),
         (names.nav_cursor, MARK, 0.9),
+        (names.tab, (0.08, 0.22, 0.30), 0.8),
+        (names.tab_hovered, (0.16, 0.43, 0.55), 0.95),
+        (names.tab_selected, (0.11, 0.36, 0.47), 0.95),
+        (names.tab_selected_overline, MARK, 0.8),
+        (names.modal_window_dim_bg, SHADE, 0.6),
         (names.plot_lines, MARK, 1.0),
         (names.plot_histogram, (0.40, 0.75, 0.86), 1.0),
     ):

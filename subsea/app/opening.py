@@ -10,7 +10,7 @@ from typing import NamedTuple
 from subsea.app.console import say
 from subsea.app.gui import Gui, fill
 from subsea.app.pilot import Pilot
-from subsea.app.screens import Installation, Screen, on_display, placed
+from subsea.app.screens import FILM, Installation, Screen, on_display, placed
 from subsea.app.settings import USUAL, Settings
 from subsea.app.wall import Wall
 from subsea.view.rig import Rig, front, part_of
@@ -41,16 +41,19 @@ def opened(
     fullscreen: bool = False,
     settings: Settings = USUAL,
     installation: Installation | None = None,
+    title: str = "subsea",
+    without: str = FILM,
 ) -> Opening:
     """Open one window for pictures of a `display` mode, or those of an `installation`.
 
-    Whatever fails, all that was opened is closed again.
+    A single window has the `title`. Where there is no display it is told what can be done `without`
+    one. Whatever fails, all that was opened is closed again.
     """
     pilot, rig = Pilot(settings), None
     with ExitStack() as undo:
-        there = undo.enter_context(on_display()).monitors
+        there = undo.enter_context(on_display(without)).monitors
         if installation is None:
-            wall = Wall([(Screen("subsea", size), None)], pilot, display == PAGED)
+            wall = Wall([(Screen(title, size), None)], pilot, display == PAGED)
         else:
             rig, screens, source = installation
             shown = placed(screens, there, source, say)

@@ -294,46 +294,6 @@ def check(scenario: Scenario, source: str = "the scenario", seed: int | None = N
     check_world(scenario, source, seed)
 
 
-class History:
-    """Scenarios one after another; `present` is the one that holds."""
-
-    def __init__(self, scenario: Scenario) -> None:
-        """Begin with this one: there is nothing to undo."""
-        self._all = [scenario]
-        self._at = 0
-
-    @property
-    def present(self) -> Scenario:
-        """The scenario that holds now."""
-        return self._all[self._at]
-
-    @property
-    def may_undo(self) -> bool:
-        """Whether there is an earlier one."""
-        return self._at > 0
-
-    @property
-    def may_redo(self) -> bool:
-        """Whether one was undone."""
-        return self._at < len(self._all) - 1
-
-    def do(self, scenario: Scenario) -> None:
-        """From now on this one holds; what was undone is forgotten."""
-        if scenario != self.present:
-            self._all[self._at + 1 :] = [scenario]
-            self._at += 1
-
-    def undo(self) -> Scenario:
-        """Back to the one before, if there is one."""
-        self._at = max(self._at - 1, 0)
-        return self.present
-
-    def redo(self) -> Scenario:
-        """Forth to the one that was undone last, if there is one."""
-        self._at = min(self._at + 1, len(self._all) - 1)
-        return self.present
-
-
 def thing(scenario: Scenario, kind: str, number: int) -> Any:
     """The table of a thing; None where there is no such thing."""
     those = getattr(scenario, kind)

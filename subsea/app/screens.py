@@ -10,6 +10,7 @@ import imgui_bundle  # noqa: F401  # before glfw: it brings the one libglfw that
 from subsea.errors import UserError
 from subsea.view.rig import Rig
 
+FILM = "`subsea film dive.mp4` makes a film"  # what can be done without a display
 PLATFORMS = {
     glfw.PLATFORM_X11: "X11",
     glfw.PLATFORM_WAYLAND: "Wayland",
@@ -63,16 +64,18 @@ class Display(NamedTuple):
 
 
 @contextmanager
-def on_display() -> Iterator[Display]:
-    """Start the window library, and stop it in the end. No display is a UserError."""
+def on_display(without: str = FILM) -> Iterator[Display]:
+    """Start the window library, and stop it in the end.
+
+    No display is a UserError that tells what can be done `without` one.
+    """
     glfw.ERROR_REPORTING = "exception"
     try:
         if not glfw.init():
             raise glfw.GLFWError("the window library cannot start")
     except glfw.GLFWError as fault:
         raise UserError(
-            f"no display to open a window on ({reason(fault)}); "
-            "without one, `subsea film dive.mp4` makes a film"
+            f"no display to open a window on ({reason(fault)}); without one, {without}"
         ) from fault
     try:
         yield Display(PLATFORMS.get(glfw.get_platform(), "unknown"), monitors())

@@ -87,12 +87,18 @@ class Wall:
         """Whether nobody has asked to close any of them."""
         return all(window.open for window in self.windows)
 
-    def poll(self) -> list[Wish]:
-        """Hand all events since the last call to the pilot; what else the visitor wants."""
+    def poll(self, wait_s: float = 0.0) -> list[Wish]:
+        """Hand all events since the last call to the pilot; what else the visitor wants.
+
+        If there are none it waits for one, at most for so long.
+        """
         if len(self.windows) > 1:
             self._reach()
         inside, focused = self._hands()
-        glfw.poll_events()
+        if wait_s > 0.0:
+            glfw.wait_events_timeout(wait_s)
+        else:
+            glfw.poll_events()
         now_inside, now_focused = self._hands()
         if inside and not now_inside:
             self.pilot.leave()

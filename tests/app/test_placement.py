@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 
 from subsea import keeping, snapshot
 from subsea.app import placement
-from subsea.app.placement import History, added, aim, check, grip, handles, moved, pick
+from subsea.app.history import History
+from subsea.app.placement import added, aim, check, grip, handles, moved, pick
 from subsea.errors import UserError
 from subsea.habitat import formations
 from subsea.kinematics.heightfield import height_at

@@ -15,8 +15,9 @@ from msgspec.structs import replace
 
 from subsea.app import placement
 from subsea.app.gui import GLASS, MARK, colour
+from subsea.app.history import History
 from subsea.app.panels import fields
-from subsea.app.placement import Grip, Handle, History
+from subsea.app.placement import Grip, Handle
 from subsea.errors import UserError
 from subsea.scenario import Scenario
 from subsea.species import species_names
@@ -39,7 +40,7 @@ NEAR_CM = 60.0  # what is so near to the eye is not taken hold of: one is inside
 class Placing:
     """What is being placed, and what was before."""
 
-    history: History | None = None
+    history: History[Scenario] | None = None
     chosen: tuple[str, int] | None = None  # kind and number of a thing
     held: Grip | None = None  # while it is dragged
     begun: tuple[float, float] = (0.0, 0.0)  # where on the screen that began

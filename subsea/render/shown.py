@@ -1,0 +1,31 @@
+"""A picture as a texture, for those who show it in a panel."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class Shown:
+    """A picture on the graphics card; `glo` is its number there, as panels want it."""
+
+    def __init__(self, context: Any, pixels: NDArray[np.uint8]) -> None:
+        """Of pixels (h, w, 3 or 4), top row first.
+
+        One that is larger than the card can hold is made smaller by halves.
+        """
+        most = context.info["GL_MAX_TEXTURE_SIZE"]
+        while max(pixels.shape[:2]) > most:
+            pixels = pixels[::2, ::2]
+        height, width, planes = pixels.shape
+        self._texture = context.texture(
+            (width, height), planes, np.ascontiguousarray(pixels).tobytes(), alignment=1
+        )
+        self._texture.build_mipmaps()
+        self._texture.filter = context.LINEAR_MIPMAP_LINEAR, context.LINEAR
+        self._texture.repeat_x = self._texture.repeat_y = False
+        self.glo: int = self._texture.glo
+
+    def release(self) -> None:
+        """Free it; no panel may show it any more."""
+        self._texture.release()
