@@ -6,8 +6,8 @@ lies in a folder of theirs.
 
 import re
 import tomllib
-from collections.abc import Sequence
-from contextlib import suppress
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -16,6 +16,7 @@ import platformdirs
 from msgspec import inspect
 
 from subsea.errors import UserError, nearest, unknown
+from subsea.lines import Place, key_lines, line_of, place_of
 
 T = TypeVar("T")
 
@@ -65,40 +66,143 @@ def named_or_file(name: str, folder: str, suffix: str, kind: str) -> Path:
 def load_toml(path: Path, kind: type[T], changes: Sequence[str] = ()) -> T:
     """Read a TOML file as the msgspec struct `kind`; every fault is one line with file and key.
 
-    Each of `changes` sets one value of it: a key with its tables, by dots, entries of lists
-    by number from 0, then = and a TOML value or a word, such as ``fish.0.species=fusilier``.
+    It begins with file and line, as ``reef.toml:12: ``. Each of `changes` sets one value: a key
+    with its tables, by dots, entries of lists by number from 0, then = and a TOML value or a word,
+    such as ``fish.0.species=fusilier``; what these are to blame for has no line.
     """
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as fault:
-        reason = fault.strerror if isinstance(fault, OSError) else "not UTF-8 text"
-        raise UserError(f"{path}: cannot read ({reason})") from fault
+    text = _text(path)
     try:
         content = tomllib.loads(text)
     except tomllib.TOMLDecodeError as fault:
-        raise UserError(f"{path}: not valid TOML ({fault})") from fault
+        where, what = _no_toml(str(fault), text)
+        raise UserError(f"{path}:{where}: not valid TOML ({what})") from fault
+    except RecursionError as fault:
+        raise UserError(f"{path}: not valid TOML (tables within tables, too deep)") from fault
     for setting in changes:
         _set(content, setting)
-    source = " --set ".join([str(path), *changes])
     try:
         return msgspec.convert(content, kind)
     except msgspec.ValidationError as fault:
-        message, _, place = (
-            str(fault).replace(" - at `key` in `$", " - at `$").partition(" - at `$")
-        )
-        place = place.removeprefix(".").removesuffix("`")
-        here = _type_at(kind, place)
-        hint = ""
-        if key := re.search(r"unknown field `([^`]*)`", message):
-            hint = nearest(key[1], sorted(one.encode_name for one in getattr(here, "fields", ())))
-        elif isinstance(here, inspect.DictType) and isinstance(here.key_type, inspect.LiteralType):
-            hint = f"; its keys are: {', '.join(map(repr, here.key_type.values))}"
-        elif isinstance(here, inspect.LiteralType):
-            hint = f"; there are: {', '.join(map(repr, here.values))}"
-        message = message.replace("Object contains unknown field", "unknown key")
-        message = message.replace("Object missing required field", "missing key")
-        where = f", at `{place}`" if place else ""
-        raise UserError(f"{source}: {message}{where}{hint}") from fault
+        raise _fault(str(fault), path, text, content, kind, changes) from fault
+
+
+def at_key(path: Path, key: str) -> str:
+    """A file and the line at which a key stands there, as ``reef.toml:12``.
+
+    Of a key that is not there, such as ``fish[0].kind``, that of its table, if this is.
+    """
+    with suppress(UserError):  # it was there a moment ago
+        if line := line_of(key_lines(_text(path)), place_of(key)):
+            return f"{path}:{line}"
+    return f"{path}"
+
+
+@contextmanager
+def telling_lines(content: msgspec.Struct, path: Path) -> Iterator[None]:
+    """Faults found in `content` that begin with its file tell the line of their key, too.
+
+    The key is the first one in backticks. Of what is not as the file says there is no line.
+    """
+    try:
+        yield
+    except UserError as fault:
+        source, _, message = str(fault).partition(": ")
+        with suppress(UserError, StopIteration):
+            said = load_toml(path, type(content))
+            keys = (key for key in re.findall("`([^`]+)`", message))
+            key = next(key for key in keys if _at(content, place_of(key)) is not _NOTHING)
+            if source.startswith(f"{path}") and _same(said, content, place_of(key)):
+                source = at_key(path, key)
+        raise UserError(f"{source}: {message}") from fault
+
+
+def _text(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as fault:
+        reason = fault.strerror if isinstance(fault, OSError) else "not UTF-8 text"
+        raise UserError(f"{path}: cannot read ({reason})") from fault
+
+
+def _no_toml(told: str, text: str) -> tuple[int, str]:
+    """The line at which a text is no TOML, and what is wrong there, as tomllib has `told`."""
+    if found := re.fullmatch(r"(.*) \(at line (\d+), (column \d+)\)", told):
+        return int(found[2]), f"{found[1]}, {found[3]}"
+    return text.rstrip().count("\n") + 1, told
+
+
+def _fault(
+    told: str, path: Path, text: str, content: Any, kind: Any, changes: Sequence[str]
+) -> UserError:
+    """What msgspec has `told` of the content of a file after `changes`, in our words."""
+    of_key = " - at `key` in `$"
+    message, _, where = told.replace(of_key, " - at `$").partition(" - at `$")
+    where = where.removeprefix(".").removesuffix("`")
+    while "[...]" in where:  # one of the keys of a table that may have any
+        table, _, rest = where.partition("[...]")
+        where = f"{table}.{_culprit(content, kind, place_of(table))}{rest}"
+    place = place_of(where)
+    here = _type_at(kind, where)
+    hint = ""
+    if key := re.search(r"unknown field `([^`]*)`", message):
+        hint = nearest(key[1], sorted(one.encode_name for one in getattr(here, "fields", ())))
+    elif isinstance(here, inspect.DictType) and isinstance(here.key_type, inspect.LiteralType):
+        hint = f"; its keys are: {', '.join(map(repr, here.key_type.values))}"
+    elif isinstance(here, inspect.LiteralType):
+        hint = f"; there are: {', '.join(map(repr, here.values))}"
+    message = message.replace("Object contains unknown field", "unknown key")
+    message = message.replace("Object missing required field", "missing key")
+    before, lines = tomllib.loads(text), key_lines(text)
+    blamed = place
+    if of_key in told:
+        blamed = *place, _culprit(content, kind, place)
+    elif inner := [(*place, *place_of(word)) for word in re.findall(r"[\w.\[\]]+", message)]:
+        blamed = next((one for one in inner if one in lines), place)
+    source = f"{path}"
+    if (line := line_of(lines, blamed)) and _same(before, content, blamed):
+        source += f":{line}"
+    if not _same(before, content, place):
+        source = " --set ".join([source, *changes])
+    return UserError(f"{source}: {message}{f', at `{where}`' if where else ''}{hint}")
+
+
+def _culprit(content: Any, kind: Any, place: Place) -> str:
+    """The first key of a table in `content` that alone is a fault, too."""
+    table = _at(content, place)
+    entries = dict(table)
+    try:
+        for key, value in entries.items():
+            table.clear()
+            table[key] = value
+            with suppress(msgspec.ValidationError):
+                msgspec.convert(content, kind)
+                continue
+            return key
+    finally:
+        table.clear()
+        table.update(entries)
+    return next(iter(entries))
+
+
+_NOTHING = object()
+
+
+def _at(content: Any, place: Place) -> Any:
+    """What is at a place in tables and lists, or in a struct; `_NOTHING` if that is not there."""
+    for step in place:
+        if isinstance(step, int):
+            fits = isinstance(content, list | tuple) and step < len(content)
+            content = content[step] if fits else _NOTHING
+        elif isinstance(content, dict):
+            content = content.get(step, _NOTHING)
+        else:
+            content = getattr(content, step, _NOTHING)
+    return content
+
+
+def _same(one: Any, other: Any, place: Place) -> bool:
+    """Whether both have the same at a place."""
+    return bool(_at(one, place) == _at(other, place))
 
 
 def _set(content: dict[str, Any], setting: str) -> None:

@@ -8,7 +8,15 @@ from typing import Annotated, Literal
 import msgspec
 
 from subsea.errors import UserError, unknown
-from subsea.resources import is_path, load_toml, own_path, resource_names, resource_path, stems
+from subsea.resources import (
+    is_path,
+    load_toml,
+    own_path,
+    resource_names,
+    resource_path,
+    stems,
+    telling_lines,
+)
 from subsea.species import BodyLength, species_names
 
 SHIPPED = "assets/scenarios"  # the folder of those that come with the program
@@ -340,7 +348,8 @@ def load_scenario(name: str, changes: Sequence[str] = ()) -> tuple[Scenario, Pat
     """
     path = scenario_file(name)
     scenario = load_toml(path, Scenario, changes)
-    check_scenario(scenario, " --set ".join([str(path), *changes]))
+    with telling_lines(scenario, path):
+        check_scenario(scenario, " --set ".join([str(path), *changes]))
     return scenario, path
 
 

@@ -26,6 +26,7 @@ from subsea.kinematics.vector import vector
 from subsea.motor.switching import Dynamics, make_dynamics
 from subsea.repertoire import SEGMENTS, Repertoire, read_repertoire
 from subsea.repertoire.library import Library, pack
+from subsea.resources import telling_lines
 from subsea.scenario import MAX_SIMULATED, MAX_SOLIDS, Scenario, Shoal, check_scenario
 from subsea.species import Species, load_species, repertoire_file, species_file
 from subsea.state import (
@@ -137,7 +138,8 @@ def create_world(
     recorded = len(library.entry)
     progress("shaping the seabed and growing the reef")
     rng = np.random.default_rng([seed, 0x5EA])
-    sea, reef, seaweed = _sea_of(scenario, rng, seed, source)
+    with telling_lines(scenario, Path(source)):
+        sea, reef, seaweed = _sea_of(scenario, rng, seed, source)
     progress("letting the fishes in")
     submarine = Submarine(position=np.array(scenario.submarine.position_cm, np.float64))
     submarine.angles[0] = np.radians(scenario.submarine.heading_deg)

@@ -178,7 +178,7 @@ def fault_of(folder, text):
     with pytest.raises(UserError) as caught:
         create_world(load_scenario(str(file))[0], source=str(file))
     message = str(caught.value)
-    assert message.startswith(f"{file}: ")
+    assert re.match(rf"{file}(:\d+)?: ", message)
     assert "\n" not in message
     return message
 

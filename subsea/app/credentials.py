@@ -6,6 +6,7 @@ from pathlib import Path
 from subsea.cluster.keys import SECRET, Keys, read_keys
 from subsea.cluster.link import endpoint
 from subsea.errors import UserError
+from subsea.resources import at_key
 from subsea.theatre.files import Cluster
 
 
@@ -22,7 +23,7 @@ def credentials(cluster: Cluster, nodes: Sequence[str], node: str, path: Path) -
             keys = read_keys(path.parent / cluster.keys, node, known)
         endpoint(cluster.address, keys)
     except UserError as fault:
-        raise UserError(f"{path}: [cluster]: {fault}") from fault
+        raise UserError(f"{at_key(path, 'cluster')}: [cluster]: {fault}") from fault
     return keys
 
 

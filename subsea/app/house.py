@@ -10,6 +10,7 @@ import msgspec
 from subsea.app.console import counted, say
 from subsea.app.credentials import cluster_faults
 from subsea.errors import UserError, unknown
+from subsea.resources import at_key
 from subsea.theatre.channels import Lighted, channels
 from subsea.theatre.files import FEWEST_PIXELS, Channel, Theatre, Window, load_theatre
 from subsea.theatre.rig import seen_channels, theatre_rig
@@ -51,7 +52,7 @@ def open_house(
     theatre = shrunk(theatre, shrink)
     found, faults = channels(theatre, path)
     found, unseen = seen_channels(theatre, found, display, stereo)
-    unseen = tuple(f"{path}: {fault}" for fault in unseen)
+    unseen = tuple(f"{_channel_at(theatre, path, fault)}: {fault}" for fault in unseen)
     if not found:
         raise UserError(unseen[0])
     for fault in (*faults, *unseen):
@@ -146,6 +147,13 @@ def _check_left(times: int, size: tuple[int, int], what: str) -> None:
             f"--shrink {times} leaves {size[0]}x{size[1]} pixels of {what}, expected "
             f"{FEWEST_PIXELS} or more a side"
         )
+
+
+def _channel_at(theatre: Theatre, path: Path, fault: str) -> str:
+    """The file, and the line of the channel that a fault begins with."""
+    names = (f"channel {channel.name!r}: " for channel in theatre.channel)
+    number = next((k for k, name in enumerate(names) if fault.startswith(name)), None)
+    return f"{path}" if number is None else at_key(path, f"channel[{number}]")
 
 
 def describe(name: str) -> int:

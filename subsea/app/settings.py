@@ -1,6 +1,7 @@
 """The visitor's settings: `settings.toml` in the platform's usual place, or a file by its name."""
 
 import json
+import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -12,7 +13,7 @@ from msgspec import Meta, inspect
 from subsea.app.bindings import CONTROLS, Bindings, bindings_of, input_name
 from subsea.errors import UserError
 from subsea.places import replacing
-from subsea.resources import load_toml
+from subsea.resources import at_key, load_toml
 
 Pixels = Annotated[int, Meta(ge=64, le=8192)]
 
@@ -140,7 +141,9 @@ def read_settings(path: Path) -> Settings:
         try:
             check()
         except UserError as fault:
-            raise UserError(f"{path}: {fault}, at `{place}`") from None
+            named = re.findall(r"'([^']*)'", str(fault)) if place == "controls" else []
+            key = next((f".{one}" for one in reversed(named) if one in settings.controls), "")
+            raise UserError(f"{at_key(path, place + key)}: {fault}, at `{place}`") from None
     return settings
 
 

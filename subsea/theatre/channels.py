@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.errors import UserError, unknown
+from subsea.resources import at_key
 from subsea.theatre.blend import Projector, mask_of
 from subsea.theatre.files import (
     SCREENS,
@@ -72,25 +73,26 @@ def channels(theatre: Theatre, path: Path) -> tuple[tuple[Lighted, ...], tuple[s
     """
     found: list[Lighted] = []
     faults: list[str] = []
-    for channel in theatre.channel:
+    for k, channel in enumerate(theatre.channel):
         try:
             found.append(_alone(_of_channel(theatre, channel, path.parent), found))
         except UserError as fault:
-            faults.append(f"{path}: channel {channel.name!r}: {fault}")
-    for archive in theatre.mpcdi:
+            faults.append(f"{at_key(path, f'channel[{k}]')}: channel {channel.name!r}: {fault}")
+    for k, archive in enumerate(theatre.mpcdi):
+        where = at_key(path, f"mpcdi[{k}]")
         try:
             read = read_mpcdi(path.parent / archive.file)
         except UserError as fault:
-            faults.append(f"{path}: {fault}")
+            faults.append(f"{where}: {fault}")
             continue
-        faults += [f"{path}: {fault}" for fault in read.faults]
+        faults += [f"{where}: {fault}" for fault in read.faults]
         for region in read.regions:
             if archive.buffer not in (None, region.buffer):
                 continue
             try:
                 found.append(_alone(_of_region(theatre, archive, region), found))
             except UserError as fault:
-                faults.append(f"{path}: {archive.file}: region {region.name!r}: {fault}")
+                faults.append(f"{where}: {archive.file}: region {region.name!r}: {fault}")
     if not found:
         raise UserError(faults[0] if faults else f"{path}: no channel is left")
     return tuple(_blended(found)), tuple(faults)

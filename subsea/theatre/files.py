@@ -11,7 +11,7 @@ import msgspec
 
 from subsea.cluster.names import NAME, parse_address
 from subsea.errors import UserError, unknown
-from subsea.resources import load_toml, named_or_file
+from subsea.resources import at_key, load_toml, named_or_file
 from subsea.view.surround import ALL_ROUND
 
 FOLDER = "assets/theatres"
@@ -192,31 +192,35 @@ def load_theatre(name: str) -> tuple[Theatre, Path]:
     _distinct(path, "channel", [channel.name for channel in theatre.channel])
     if not theatre.channel and not theatre.mpcdi:
         raise UserError(f"{path}: shows nothing, expected at least one `channel` or `mpcdi`")
-    for window in theatre.window:
+    for k, window in enumerate(theatre.window):
         if window.position is not None and window.monitor is not None:
+            where = at_key(path, f"window[{k}].position")
             raise UserError(
-                f"{path}: window {window.name!r} has a `position` and a `monitor`, expected one"
+                f"{where}: window {window.name!r} has a `position` and a `monitor`, expected one"
             )
     _apart(path, theatre)
     windows = {window.name: window for window in theatre.window}
-    for channel in theatre.channel:
+    for k, channel in enumerate(theatre.channel):
         if channel.window not in windows:
             fault = unknown("window", channel.window, list(windows))
-            raise UserError(f"{path}: channel {channel.name!r}: {fault}")
-        _inside(path, channel, windows[channel.window])
-    for one, other in combinations(theatre.channel, 2):
+            where = at_key(path, f"channel[{k}].window")
+            raise UserError(f"{where}: channel {channel.name!r}: {fault}")
+        _inside(path, k, channel, windows[channel.window])
+    for (_, one), (k, other) in combinations(enumerate(theatre.channel), 2):
         if one.window == other.window and overlap(
             viewport(one, windows[one.window]), viewport(other, windows[other.window])
         ):
             raise UserError(
-                f"{path}: channels {one.name!r} and {other.name!r} lie on one another in window "
+                f"{at_key(path, f'channel[{k}]')}: channels {one.name!r} and {other.name!r} lie on "
+                "one another in window "
                 f"{one.window!r}; expected viewports side by side"
             )
-    for archive in theatre.mpcdi:
+    for k, archive in enumerate(theatre.mpcdi):
         for region, shown in (archive.windows or {}).items():
             if shown not in windows:
                 fault = unknown("window", shown, list(windows))
-                raise UserError(f"{path}: region {region!r} of {archive.file}: {fault}")
+                where = at_key(path, f"mpcdi[{k}].windows.{region}")
+                raise UserError(f"{where}: region {region!r} of {archive.file}: {fault}")
     cluster = theatre.cluster
     if cluster is None and len(theatre.nodes) > 1:
         raise UserError(
@@ -225,7 +229,7 @@ def load_theatre(name: str) -> tuple[Theatre, Path]:
         )
     if cluster is not None and cluster.master not in theatre.nodes:
         fault = unknown("node", cluster.master, list(theatre.nodes))
-        raise UserError(f"{path}: `cluster.master`: {fault}")
+        raise UserError(f"{at_key(path, 'cluster.master')}: `cluster.master`: {fault}")
     return theatre, path
 
 
@@ -240,20 +244,22 @@ def overlap(one: tuple[int, int, int, int], other: tuple[int, int, int, int]) ->
 
 
 def _distinct(path: Path, kind: str, names: list[str]) -> None:
-    for name in names:
-        if names.count(name) > 1:
-            raise UserError(f"{path}: {names.count(name)} {kind}s are called {name!r}, expected 1")
+    for k, name in enumerate(names):
+        if name in names[:k]:
+            where = at_key(path, f"{kind}[{k}].name")
+            raise UserError(f"{where}: {names.count(name)} {kind}s are called {name!r}, expected 1")
 
 
 def _apart(path: Path, theatre: Theatre) -> None:
     """No two windows of a computer may lie on the same monitor or on one another."""
-    for one, other in combinations(theatre.window, 2):
+    for (_, one), (k, other) in combinations(enumerate(theatre.window), 2):
         if one.node != other.node:
             continue
         if one.monitor is not None and one.monitor == other.monitor:
             raise UserError(
-                f"{path}: windows {one.name!r} and {other.name!r} both fill monitor "
-                f"{one.monitor!r}; expected one window a monitor, with several channels if need be"
+                f"{at_key(path, f'window[{k}].monitor')}: windows {one.name!r} and {other.name!r} "
+                f"both fill monitor {one.monitor!r}; expected one window a monitor, with several "
+                "channels if need be"
             )
         if (
             one.position is not None
@@ -261,15 +267,17 @@ def _apart(path: Path, theatre: Theatre) -> None:
             and overlap((*one.position, *one.size), (*other.position, *other.size))
         ):
             raise UserError(
-                f"{path}: windows {one.name!r} and {other.name!r} lie on one another; expected "
+                f"{at_key(path, f'window[{k}].position')}: windows {one.name!r} and "
+                f"{other.name!r} lie on one another; expected "
                 "places side by side"
             )
 
 
-def _inside(path: Path, channel: Channel, window: Window) -> None:
+def _inside(path: Path, k: int, channel: Channel, window: Window) -> None:
     x, y, width, height = viewport(channel, window)
     if x + width > window.size[0] or y + height > window.size[1]:
+        where = at_key(path, f"channel[{k}].viewport")
         raise UserError(
-            f"{path}: channel {channel.name!r}: `viewport` {list(channel.viewport or ())} reaches "
+            f"{where}: channel {channel.name!r}: `viewport` {list(channel.viewport or ())} reaches "
             f"out of window {window.name!r} of {window.size[0]}x{window.size[1]} pixels"
         )

@@ -185,7 +185,7 @@ def test_what_decides_how_pictures_meet(tmp_path, monkeypatch):
 def test_faults_of_a_cluster_are_told_before_there_is_a_world(tmp_path, worlds):
     found = theatre(tmp_path, "127.0.0.1:5560")
     assert isinstance(muster(*found, None)(worlds[0], Pilot()), Alone)
-    with pytest.raises(UserError, match=r"hall\.toml: \[cluster\]: address .* keys are needed"):
+    with pytest.raises(UserError, match=r"hall\.toml:\d+: \[cluster\]: address .* keys are needed"):
         muster(*theatre(tmp_path, "192.0.2.7:5560"), "left")
     found = theatre(tmp_path, "192.0.2.7:5560", 'keys = "ours"\n')
     with pytest.raises(UserError, match=r"ours/right\.key_secret: cannot read"):

@@ -42,6 +42,11 @@ plane = { lower_left = [-50, 0, 40], lower_right = [-50, 0, 140], upper_left = [
 OTHER = '[[channel]]\nname = "behind"\nwindow = "b"\n'
 
 
+def line_of(path, text):
+    """The line of a file that is this text."""
+    return path.read_text().splitlines().index(text) + 1
+
+
 @pytest.mark.parametrize("name", resource_names(FOLDER, ".toml"))
 def test_a_theatre_tells_what_it_has(capsys, name):
     assert describe(name) == 0
@@ -58,8 +63,8 @@ def test_what_does_not_work_is_told_and_the_rest_goes_on(tmp_path, capsys):
     path = tmp_path / "bad.toml"
     path.write_text(BAD)
     assert cli.main(["theatre", str(path)]) == 1
-    out = capsys.readouterr().out
-    assert f"does not work: {path}: channel 'behind': the eye is behind the screen" in out
+    out, line = capsys.readouterr().out, line_of(path, 'name = "behind"') - 1
+    assert f"does not work: {path}:{line}: channel 'behind': the eye is behind the screen" in out
     house = open_house(str(path))
     said = capsys.readouterr().err
     assert said.count("\n") == 1
@@ -78,9 +83,10 @@ def test_a_screen_that_one_eye_cannot_see_is_left_out(tmp_path, capsys):
     assert [window.name for window in house.windows] == ["a"]
     said = capsys.readouterr().err
     assert said.count("\n") == 1
-    assert f"{path}: channel 'behind': the eye is behind the screen" in said
+    line = line_of(path, 'name = "behind"') - 1
+    assert f"{path}:{line}: channel 'behind': the eye is behind the screen" in said
     path.write_text("".join(path.read_text().partition("[[channel]]")[0]) + OTHER + NEAR)
-    with pytest.raises(UserError, match=r"near\.toml: channel 'behind': the eye is behind"):
+    with pytest.raises(UserError, match=r"near\.toml:\d+: channel 'behind': the eye is behind"):
         open_house(str(path), "anaglyph", Stereo(separation_cm=110.0))
 
 
@@ -208,10 +214,12 @@ def test_a_cluster_that_cannot_be_is_told(tmp_path, capsys):
     path = tmp_path / "hall.toml"
     code, fault = judged("")
     assert (code, fault.count("\n")) == (1, 0)
-    assert fault.startswith(f"{path}: [cluster]: address '192.0.2.7:5560': ")
+    assert fault.startswith(
+        f"{path}:{line_of(path, '[cluster]')}: [cluster]: address '192.0.2.7:5560': "
+    )
     code, fault = judged('keys = "ours"')
     assert code == 1
-    assert f"{path}: [cluster]: {tmp_path / 'ours' / 'main.key_secret'}: cannot read" in fault
+    assert f": [cluster]: {tmp_path / 'ours' / 'main.key_secret'}: cannot read" in fault
     write_keys(tmp_path / "ours", ["main"])
     assert judged('keys = "ours"') == (0, "")
     (tmp_path / "ours" / "main.key_secret").chmod(0o644)

@@ -198,7 +198,7 @@ def test_it_offers_the_visitors_own_scenarios_and_a_broken_one_costs_nothing(
     click(boat, hands, monkeypatch, "Scenario")
     click(boat, hands, monkeypatch, "torn-00")
     assert boat.world is before and not boat.menu.open
-    assert "torn-00.toml: not valid TOML" in boat.overlay._note
+    assert "torn-00.toml:1: not valid TOML" in boat.overlay._note
     press(boat, hands, "Escape")
     click(boat, hands, monkeypatch, "Scenario")
     click(boat, hands, monkeypatch, "My ")

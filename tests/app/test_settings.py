@@ -62,7 +62,8 @@ def test_limits_and_choices_are_those_of_the_command_line():
         ("[display]\nmode = 'hologram'", "; there are: mono, "),  # nothing is near it
         ("[display]\nquality = 'best'", "at `display.quality`"),
         ("[controls]\nahead = 'W'", "at `controls"),
-        ("[controls]\nahead = ['Wheel']", "at `controls`"),
+        ("[controls]\n'full stop' = ['Wheel']", "at `controls`"),
+        ("[controls]\nahaed = ['W']", "unknown control 'ahaed'; did you mean 'ahead'?"),
         ("[kiosk]\nleave = ''", "at `kiosk.leave`"),
         ("[", "not valid TOML"),
         ("\0", "not valid TOML"),
@@ -73,7 +74,8 @@ def test_nonsense_is_told_in_one_line_with_the_key(tmp_path, text, fault):
     with pytest.raises(UserError) as told:
         read_settings(path)
     assert fault in str(told.value)
-    assert str(told.value).startswith(f"{path}: ")
+    line = 1 if text in "[\0" else 2
+    assert str(told.value).startswith(f"{path}:{line}: ")
     assert "\n" not in str(told.value)
 
 
@@ -176,7 +178,7 @@ def test_what_became_of_nonsense_is_told_on_the_terminal_and_in_the_window(
     written(home, "[mouse]\nster = true")
     assert main(["dive"]) == 0
     (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith(f"subsea: {home}: unknown key `ster`, at `mouse`")
+    assert line.startswith(f"subsea: {home}:2: unknown key `ster`, at `mouse`")
     (note,) = asked["notes"]
-    assert note.startswith("settings.toml: unknown key")
+    assert note.startswith("settings.toml:2: unknown key")
     assert note.endswith("kept as settings.toml.kept-1, and the defaults are used")

@@ -93,9 +93,27 @@ def test_a_screen_of_several_projectors_is_as_large_as_its_picture_is_seamless()
     ],
 )  # fmt: skip
 def test_what_is_wrong_with_the_whole_is_one_line(tmp_path, text, said):
-    with pytest.raises(UserError, match=f"^{tmp_path}/theatre.toml: .*{said}") as caught:
+    with pytest.raises(UserError, match=rf"^{tmp_path}/theatre.toml(:\d+)?: .*{said}") as caught:
         load_theatre(written(tmp_path, text))
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        (WINDOW + "wide = 3\n" + CHANNEL + PLANE, 4),
+        (WINDOW + WINDOW + CHANNEL + PLANE, 5),
+        (WINDOW + CHANNEL.replace('"a"', '"b"') + PLANE, 6),
+        (WINDOW + CHANNEL + PLANE + '[cluster]\nmaster = "x"\naddress = "127.0.0.1:80"', 9),
+        (WINDOW + CHANNEL + "\nplane = {\n" + PLANE[9:], None),
+        (WINDOW + "position = [0, 0]\n\nmonitor = 1\n" + CHANNEL + PLANE, 4),
+        (WINDOW + '[[mpcdi]]\nfile = "a.mpcdi"\nwindows = { r = "b" }', 6),
+    ],
+)
+def test_the_line_is_that_of_the_key(tmp_path, text, line):
+    path = written(tmp_path, text)
+    with pytest.raises(UserError, match=rf"^{path}:{line or '[0-9]+'}: "):
+        load_theatre(path)
 
 
 def test_an_unknown_name_says_which_there_are():
@@ -135,7 +153,7 @@ CYLINDER = (
 )
 def test_a_channel_that_cannot_be_is_one_line_and_the_others_go_on(tmp_path, screen, said):
     path = written(tmp_path, WINDOW + CHANNEL + screen)
-    with pytest.raises(UserError, match=f"^{path}: channel 'c': .*({said})") as caught:
+    with pytest.raises(UserError, match=f"^{path}:4: channel 'c': .*({said})") as caught:
         channels(*load_theatre(path))
     assert "\n" not in str(caught.value)
     good = WINDOW.replace('"a"', '"b"') + '[[channel]]\nname = "good"\nwindow = "b"\n' + PLANE

@@ -1,0 +1,131 @@
+"""The lines of a TOML file: where in it a key stands, for faults that name one.
+
+No reader of TOML tells that. The text is one that such a reader has taken: nothing is checked here.
+"""
+
+import re
+import tomllib
+from typing import Any
+
+Place = tuple[str | int, ...]  # keys of tables, and numbers in lists from 0
+
+_BLANK = re.compile(r"(?:[ \t\r\n]|#[^\n]*)*")
+# One of several lines may end in up to five quotes, of which two are its own.
+_STRING = re.compile(
+    r'"""(?:\\.|[^\\])*?"""(?:"{0,2})' r"|'''.*?'''(?:'{0,2})"
+    r'|"(?:\\.|[^"\\])*"' r"|'[^']*'",
+    re.DOTALL,
+)  # fmt: skip
+_KEY = re.compile(r'(?:[^"\'=\]\n]|"(?:\\.|[^"\\])*"|\'[^\']*\')+')
+_PLAIN = re.compile(r"[^,\]}#\n]*")  # numbers, dates, true and false
+_STEP = re.compile(r"[^.\[\]]+")
+
+
+def key_lines(text: str) -> dict[Place, int]:
+    """The line, from 1, of every table, key and entry of a list in the text of a TOML file.
+
+    A list of tables is where the first of them is, and a table where it is spoken of first.
+    """
+    return _Reader(text).lines
+
+
+def line_of(lines: dict[Place, int], place: Place) -> int | None:
+    """The line of a place, or of the table in which it would stand; None if that is the file.
+
+    An entry that a list does not have is nowhere.
+    """
+    while place and place not in lines:
+        if isinstance(place[-1], int):
+            return None
+        place = place[:-1]
+    return lines.get(place)
+
+
+def place_of(words: str) -> Place:
+    """The place that is written as ``fish[0].kind``."""
+    return tuple(int(step) if step.isdecimal() else step for step in _STEP.findall(words))
+
+
+class _Reader:
+    """Goes through a text once, from its beginning to its end."""
+
+    def __init__(self, text: str) -> None:
+        self.lines: dict[Place, int] = {}
+        self._text, self._at = text, 0
+        self._line, self._counted = 1, 0  # the line at which the character of that number is
+        table: Place = ()
+        listed: dict[Place, int] = {}  # how many tables each list has, so far
+        while self._skip():
+            if text[self._at] != "[":
+                self._pair(table)
+                continue
+            of_list = text.startswith("[[", self._at)
+            self._at += 1 + of_list
+            line, table = self._here(), ()
+            *above, name = self._key()
+            for step in above:
+                table = self._note((*table, step), line)
+                if table in listed:
+                    table = self._note((*table, listed[table] - 1), line)
+            table = self._note((*table, name), line)
+            if of_list:
+                listed[table] = listed.get(table, 0) + 1
+                table = self._note((*table, listed[table] - 1), line)
+            self._at += 1 + of_list
+
+    def _skip(self) -> bool:
+        """Go on to what is neither blank nor a comment; whether there is anything."""
+        self._take(_BLANK)
+        return self._at < len(self._text)
+
+    def _take(self, pattern: re.Pattern[str]) -> str:
+        """What the pattern matches here; go on behind it."""
+        found = pattern.match(self._text, self._at)
+        self._at = found.end() if found else len(self._text)
+        return found[0] if found else ""
+
+    def _here(self) -> int:
+        self._line += self._text.count("\n", self._counted, self._at)
+        self._counted = self._at
+        return self._line
+
+    def _note(self, place: Place, line: int) -> Place:
+        self.lines.setdefault(place, line)
+        return place
+
+    def _key(self) -> list[str]:
+        """The parts of a key such as ``water."light depth"``."""
+        table: Any = tomllib.loads(f"{self._take(_KEY)} = 0")
+        parts = []
+        while table != 0:
+            ((part, table),) = table.items()
+            parts.append(part)
+        return parts
+
+    def _pair(self, table: Place) -> None:
+        """A key and its value."""
+        line = self._here()
+        for part in self._key():
+            table = self._note((*table, part), line)
+        self._at += 1
+        self._skip()
+        self._value(table)
+
+    def _value(self, place: Place) -> None:
+        opening = self._text[self._at : self._at + 1]
+        if opening in ("'", '"'):
+            self._take(_STRING)
+        elif opening not in ("[", "{"):
+            self._take(_PLAIN)
+        else:
+            self._at += 1
+            number = 0
+            while self._skip() and self._text[self._at] not in "]}":
+                if self._text[self._at] == ",":
+                    self._at += 1
+                elif opening == "{":
+                    self._pair(place)
+                else:
+                    self._value(self._note((*place, number), self._here()))
+                    number += 1
+            self._at += 1
