@@ -151,6 +151,18 @@ def placed(points: Array, position: Array, rotation: Array) -> Array:
     return np.asarray(position[:, None] + points @ np.swapaxes(matrix(rotation), 1, 2))
 
 
+def carried(clip: Clip) -> Clip:
+    """The same motion with that of the root in the points: the root itself stands still."""
+    still, upright = np.zeros_like(clip.position), np.zeros_like(clip.rotation)
+    upright[:, 0] = 1.0
+    return clip._replace(
+        points=placed(clip.points, clip.position, clip.rotation),
+        normals=placed(clip.normals, still, clip.rotation),
+        position=still,
+        rotation=upright,
+    )
+
+
 class Surface:
     """The drawn surface of a species at one level, without the fins that it lacks."""
 
@@ -190,7 +202,7 @@ class Surface:
         u, v = np.empty_like(points), np.empty_like(points)
         n = self._splines
         for out, weights in ((points, self._place), (u, self._across), (v, self._along)):
-            out[:, :n] = weights @ control
+            out[:, :n] = np.swapaxes(np.tensordot(weights, control, (1, 1)), 0, 1)
         for paddle, side, mine, base, outline in self._paddles:
             u[:, mine], v[:, mine] = _paddle_axes(paddle, side, self._along_share[mine])
             back, across = outline[:, :1] * u[0, mine], outline[:, 1:] * v[0, mine]

@@ -1,0 +1,31 @@
+"""Pictures that go with what is exported, as the bytes of PNG files."""
+
+import io
+import struct
+import zlib
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+
+def sheet_png(sheet: NDArray[np.uint8]) -> bytes:
+    """A sheet of colours (h, w, 4), bottom row first."""
+    file = io.BytesIO()
+    Image.fromarray(sheet[::-1]).save(file, "PNG")
+    return file.getvalue()
+
+
+def png16(texels: NDArray[np.uint16]) -> bytes:
+    """Texels (h, w, 3), top row first, in 16 bits a channel, which Pillow does not write."""
+    height, width, _ = texels.shape
+    rows = texels.astype(">u2").view(np.uint8).reshape(height, -1)
+    # Each row as what it differs by from the one above (filter 2): frames are alike.
+    rows[1:] -= rows[:-1].copy()
+    lines = np.concatenate([np.full((height, 1), 2, np.uint8), rows], axis=1)
+    header = struct.pack(">IIBBBBB", width, height, 16, 2, 0, 0, 0)
+    chunks = (b"IHDR", header), (b"IDAT", zlib.compress(lines.tobytes(), 6)), (b"IEND", b"")
+    return b"\x89PNG\r\n\x1a\n" + b"".join(
+        struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        for kind, data in chunks
+    )

@@ -1,0 +1,186 @@
+"""A species and its clips as a USD scene: points and normals in every frame (usd-core).
+
+One stage holds all clips, one after another on the time line; `customLayerData` says where each
+begins and ends. It is in metres, y up and the head along +z, as glTF files are. The body and the
+fins are a mesh each, as only fins are seen from both sides.
+"""
+
+import tempfile
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from capture.export.axes import Y_UP, brought, turned
+from capture.export.clips import Clip, Model, carried
+from capture.export.png import sheet_png
+from subsea.errors import UserError
+from subsea.places import replacing
+
+Array = NDArray[np.floating[Any]]
+
+ROUGHNESS = 0.45  # of a wet skin
+
+
+class _Part(NamedTuple):
+    """A mesh of its own: some of the vertices, and the triangles over them."""
+
+    name: str
+    vertices: slice
+    triangles: NDArray[np.integer[Any]]
+    both_sides: bool
+
+
+def write_usd(folder: Path, model: Model, clips: list[Clip], baked: bool) -> list[Path]:
+    """Write the stage NAME.usdc and the sheet that it refers to into `folder`; return both files.
+
+    The motion of the root is that of the model's prim, or `baked` into the points. A UserError
+    if usd-core is not installed or a file cannot be written.
+    """
+    try:
+        from pxr import Sdf, Usd
+    except ImportError as fault:
+        raise UserError("USD needs usd-core: install subsea[usd]") from fault
+    file, sheet = folder / f"{model.name}.usdc", folder / f"{model.name}_basecolor.png"
+    with tempfile.TemporaryDirectory() as scratch:
+        # The library goes by the suffix, which the name of an unfinished file has not.
+        layer = Sdf.Layer.CreateNew(str(Path(scratch) / file.name))
+        _fill(Usd.Stage.Open(layer), sheet.name, model, clips, baked)
+        layer.Save()
+        del layer
+        data = (Path(scratch) / file.name).read_bytes()
+    with replacing(sheet) as part:
+        part.write_bytes(sheet_png(model.sheet))
+    with replacing(file) as part:
+        part.write_bytes(data)
+    return [file, sheet]
+
+
+def starts(clips: list[Clip]) -> list[int]:
+    """The time code of each clip's first frame, all clips one after another."""
+    return [int(n) for n in np.cumsum([0, *(len(clip.points) for clip in clips[:-1])])]
+
+
+def _fill(stage: Any, sheet: str, model: Model, clips: list[Clip], baked: bool) -> None:
+    """Author the whole stage."""
+    from pxr import Kind, Usd, UsdGeom
+
+    first = starts(clips)
+    last = [start + len(clip.points) - 1 for start, clip in zip(first, clips, strict=True)]
+    UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.y)
+    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+    stage.SetTimeCodesPerSecond(clips[0].fps)
+    stage.SetFramesPerSecond(clips[0].fps)
+    stage.SetStartTimeCode(0)
+    stage.SetEndTimeCode(last[-1])
+    stage.GetRootLayer().customLayerData = {
+        "clips": {
+            clip.name: {"start": start, "end": end, "cyclic": clip.cyclic}
+            for clip, start, end in zip(clips, first, last, strict=True)
+        }
+    }
+    root = UsdGeom.Xform.Define(stage, f"/{model.name}")
+    stage.SetDefaultPrim(root.GetPrim())
+    Usd.ModelAPI(root).SetKind(Kind.Tokens.component)
+    if baked:
+        clips = [carried(clip) for clip in clips]
+    else:
+        _move(root, clips, first)
+    for part in (
+        _Part("body", slice(0, model.solid), model.triangles[: model.body], False),
+        _Part("fins", slice(model.solid, None), model.triangles[model.body :] - model.solid, True),
+    ):
+        if len(part.triangles):
+            mesh = _mesh(stage, root.GetPath().AppendChild(part.name), model, part)
+            _animate(mesh, part, clips, first)
+            _paint(stage, mesh, root.GetPath().AppendPath(f"materials/{part.name}"), sheet, part)
+
+
+def _move(root: Any, clips: list[Clip], first: list[int]) -> None:
+    """The root's motion as time samples of its translation and orientation."""
+    from pxr import Gf, UsdGeom
+
+    # OpenUSD makes a rotation of it by an arc cosine: single precision would not do.
+    way, turn = root.AddTranslateOp(), root.AddOrientOp(UsdGeom.XformOp.PrecisionDouble)
+    for clip, start in zip(clips, first, strict=True):
+        there, facing = brought(clip.position, Y_UP), turned(clip.rotation, Y_UP)
+        for frame, (place, (w, *axis)) in enumerate(zip(there, facing, strict=True)):
+            way.Set(Gf.Vec3d(*map(float, place)), start + frame)
+            turn.Set(Gf.Quatd(float(w), Gf.Vec3d(*map(float, axis))), start + frame)
+
+
+def _mesh(stage: Any, path: Any, model: Model, part: _Part) -> Any:
+    """The mesh at rest: what does not change over time."""
+    from pxr import Sdf, UsdGeom, Vt
+
+    mesh = UsdGeom.Mesh.Define(stage, path)
+    count = len(part.triangles)
+    mesh.CreateFaceVertexCountsAttr(Vt.IntArray.FromNumpy(np.full(count, 3, np.int32)))
+    corners = np.ascontiguousarray(part.triangles, np.int32).ravel()
+    mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(corners))
+    mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
+    mesh.CreateDoubleSidedAttr(part.both_sides)
+    mesh.CreatePointsAttr(_vectors(brought(model.rest[part.vertices], Y_UP)))
+    mesh.CreateNormalsAttr(_vectors(model.normals[part.vertices] @ Y_UP.T))
+    mesh.SetNormalsInterpolation(UsdGeom.Tokens.vertex)
+    places = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar(
+        "st", Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.vertex
+    )
+    places.Set(Vt.Vec2fArray.FromNumpy(np.asarray(model.uv[part.vertices], np.float32)))
+    mesh.CreateExtentAttr(UsdGeom.PointBased.ComputeExtent(mesh.GetPointsAttr().Get()))
+    return mesh
+
+
+def _animate(mesh: Any, part: _Part, clips: list[Clip], first: list[int]) -> None:
+    """Points, normals and extent of every frame of every clip."""
+    from pxr import UsdGeom
+
+    points, normals, extent = mesh.GetPointsAttr(), mesh.GetNormalsAttr(), mesh.GetExtentAttr()
+    for clip, start in zip(clips, first, strict=True):
+        where, ways = clip.points[:, part.vertices], clip.normals[:, part.vertices]
+        for frame in range(len(where)):
+            values = _vectors(brought(where[frame], Y_UP))
+            points.Set(values, start + frame)
+            normals.Set(_vectors(ways[frame] @ Y_UP.T), start + frame)
+            extent.Set(UsdGeom.PointBased.ComputeExtent(values), start + frame)
+
+
+def _paint(stage: Any, mesh: Any, path: Any, sheet: str, part: _Part) -> None:
+    """The sheet as the colour of a UsdPreviewSurface; of fins its opacity, too."""
+    from pxr import Sdf, UsdShade
+
+    names = Sdf.ValueTypeNames
+    material = UsdShade.Material.Define(stage, path)
+    surface, texture, places = (
+        UsdShade.Shader.Define(stage, path.AppendChild(name))
+        for name in ("surface", "sheet", "places")
+    )
+    places.CreateIdAttr("UsdPrimvarReader_float2")
+    places.CreateInput("varname", names.String).Set("st")
+    texture.CreateIdAttr("UsdUVTexture")
+    texture.CreateInput("file", names.Asset).Set(Sdf.AssetPath(f"./{sheet}"))
+    texture.CreateInput("sourceColorSpace", names.Token).Set("sRGB")
+    for side in ("wrapS", "wrapT"):
+        texture.CreateInput(side, names.Token).Set("clamp")
+    texture.CreateInput("st", names.Float2).ConnectToSource(
+        places.CreateOutput("result", names.Float2)
+    )
+    surface.CreateIdAttr("UsdPreviewSurface")
+    surface.CreateInput("roughness", names.Float).Set(ROUGHNESS)
+    surface.CreateInput("diffuseColor", names.Color3f).ConnectToSource(
+        texture.CreateOutput("rgb", names.Float3)
+    )
+    if part.both_sides:
+        surface.CreateInput("opacity", names.Float).ConnectToSource(
+            texture.CreateOutput("a", names.Float)
+        )
+    material.CreateSurfaceOutput().ConnectToSource(surface.CreateOutput("surface", names.Token))
+    UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(material)
+
+
+def _vectors(values: Array) -> Any:
+    """Rows (n, 3) as USD keeps them."""
+    from pxr import Vt
+
+    return Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(values, np.float32))

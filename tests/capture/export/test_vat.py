@@ -1,0 +1,162 @@
+"""What a decoder of OpenVAT makes of our files is what we play back."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+import trimesh
+from PIL import Image
+
+from capture.export.axes import Y_UP, brought
+from capture.export.clips import Clip, Model, make_clips, placed
+from capture.export.png import png16
+from capture.export.vat import write_vat
+from subsea.errors import UserError
+from subsea.kinematics.rotation import matrix
+
+
+class Decoded:
+    """The folder, read as OpenVAT-Engine_Tools/GLSL/VertexAnimationPBR-GLSL.gdshader does."""
+
+    def __init__(self, folder: Path, name: str) -> None:
+        self.info = json.loads((folder / f"{name}-remap_info.json").read_text())
+        self.ranges = self.info["os-remap"]
+        texels = cv2.imread(str(folder / f"{name}_vat.png"), cv2.IMREAD_UNCHANGED)
+        assert texels is not None and texels.dtype == np.uint16
+        self.texels = texels[..., ::-1] / 65535.0
+        self.mesh = trimesh.load(folder / f"{name}.glb", force="mesh", process=False)
+        self.uv2 = _texcoord_1(folder / f"{name}.glb")
+
+    def at(self, frame: int) -> tuple[np.ndarray, np.ndarray]:
+        """Points and normals (n, 3) of a frame, counted from 0: metres, y up."""
+        height, width, _ = self.texels.shape
+        column = (self.uv2[:, 0] * width).astype(int)
+        row = ((self.uv2[:, 1] + frame / height) * height).astype(int)
+        low, high = np.array(self.ranges["Min"]), np.array(self.ranges["Max"])
+        way = low + self.texels[row, column] * (high - low)
+        normal = 2.0 * self.texels[row + height // 2, column] - 1.0
+        return self.mesh.vertices + _y_up(way), _y_up(normal)
+
+
+def _y_up(blender: np.ndarray) -> np.ndarray:
+    return np.stack([blender[:, 0], blender[:, 2], -blender[:, 1]], axis=1)
+
+
+def _texcoord_1(file: Path) -> np.ndarray:
+    data = file.read_bytes()
+    size = int.from_bytes(data[12:16], "little")
+    content = json.loads(data[20 : 20 + size])
+    [primitive] = content["meshes"][0]["primitives"]
+    accessor = content["accessors"][primitive["attributes"]["TEXCOORD_1"]]
+    start = 28 + size + content["bufferViews"][accessor["bufferView"]]["byteOffset"]
+    return np.frombuffer(data, "<f4", 2 * accessor["count"], start).reshape(-1, 2)
+
+
+def test_decoded_it_is_our_playback(
+    known: str, model: Model, clips: list[Clip], tmp_path: Path
+) -> None:
+    """Within half a step of 16 bits: 1e-5 body lengths, and 0.002 degrees."""
+    for path in write_vat(tmp_path, model, clips, baked=False):
+        assert path.is_file()
+    read = Decoded(tmp_path / f"{known}_vat", known)
+    height, width, _ = read.texels.shape
+    assert width == len(model.rest) and height == 2 * read.ranges["Frames"]
+    assert list(read.info["animations"]) == [clip.name for clip in clips]
+    frames = 0
+    for clip in clips:
+        track = read.info["animations"][clip.name]
+        assert track["startFrame"] == frames + 1
+        assert track["endFrame"] == frames + len(clip.points)
+        assert track["looping"] == clip.cyclic
+        _compare(read, frames, model, clip.points, clip.normals, 1e-5)
+        frames += len(clip.points)
+    assert frames == read.ranges["Frames"]
+
+
+@pytest.mark.parametrize("name", ["fusilier", "spotted_eagle_ray"])
+def test_the_root_may_be_baked(
+    name: str, exported: dict[str, tuple[Model, list[Clip]]], tmp_path: Path
+) -> None:
+    model, clips = exported[name]
+    write_vat(tmp_path, model, clips, baked=True)
+    read = Decoded(tmp_path / f"{name}_vat", name)
+    assert "root" not in read.info["subsea"]
+    frames = 0
+    for clip in clips:
+        points = placed(clip.points, clip.position, clip.rotation)
+        normals = clip.normals @ np.swapaxes(matrix(clip.rotation), 1, 2)
+        _compare(read, frames, model, points, normals, 4e-5)
+        frames += len(clip.points)
+
+
+def _compare(
+    read: Decoded, first: int, model: Model, points: np.ndarray, normals: np.ndarray, bound: float
+) -> None:
+    """Every third frame, and the last."""
+    for frame in {*range(0, len(points), 3), len(points) - 1}:
+        found, facing = read.at(first + frame)
+        off = np.linalg.norm(found - brought(points[frame], Y_UP), axis=1)
+        assert off.max() < bound * 0.01 * model.length_cm
+        assert np.abs(facing - normals[frame] @ Y_UP.T).max() < 2e-5
+
+
+def test_the_root_is_told_in_the_axes_of_the_texture(
+    exported: dict[str, tuple[Model, list[Clip]]], tmp_path: Path
+) -> None:
+    model, clips = exported["fusilier"]
+    write_vat(tmp_path, model, clips, baked=False)
+    read = Decoded(tmp_path / f"{model.name}_vat", model.name)
+    own = read.info["subsea"]
+    assert own["framesPerSecond"] == pytest.approx(clips[0].fps)
+    assert own["bodyLength"] == pytest.approx(0.01 * model.length_cm)
+    first = 0
+    for clip in clips:
+        root = own["root"][clip.name]
+        frame = len(clip.points) - 1
+        points, _ = read.at(first + frame)
+        z_up = np.stack([points[:, 0], -points[:, 2], points[:, 1]], axis=1)
+        moved = z_up @ matrix(np.array(root["rotation"][frame])).T + root["position"][frame]
+        expected = placed(clip.points, clip.position, clip.rotation)[frame]
+        np.testing.assert_allclose(
+            _y_up(moved), brought(expected, Y_UP), atol=1e-5 * own["bodyLength"]
+        )
+        first += len(clip.points)
+
+
+def test_other_readers_take_the_mesh_at_rest_and_the_sheet(
+    khronos: Callable[[Path], dict[str, Any]], tmp_path: Path
+) -> None:
+    model, clips = make_clips("spotted_eagle_ray", detail=2)
+    vat, colours, mesh, _ = write_vat(tmp_path, model, clips, baked=False)
+    issues = khronos(mesh)["issues"]
+    assert issues["numErrors"] == issues["numWarnings"] == 0, issues
+    read = trimesh.load(mesh, force="mesh", process=False)
+    np.testing.assert_allclose(read.vertices, brought(model.rest, Y_UP), atol=1e-6)
+    np.testing.assert_array_equal(read.faces, model.triangles)
+    np.testing.assert_allclose(read.visual.uv, model.uv, atol=1e-6)  # trimesh turns v back
+    with Image.open(colours) as picture:
+        np.testing.assert_array_equal(np.asarray(picture)[::-1], model.sheet)
+    with Image.open(vat) as picture:
+        assert picture.size == (len(model.rest), 2 * sum(len(clip.points) for clip in clips))
+
+
+def test_a_picture_of_sixteen_bits_comes_back(tmp_path: Path) -> None:
+    texels = np.random.default_rng(7).integers(0, 65536, (5, 7, 3)).astype(np.uint16)
+    kept = texels.copy()
+    (tmp_path / "noise.png").write_bytes(png16(texels))
+    read = cv2.imread(str(tmp_path / "noise.png"), cv2.IMREAD_UNCHANGED)
+    assert read is not None
+    np.testing.assert_array_equal(read[..., ::-1], kept)
+    np.testing.assert_array_equal(texels, kept)
+
+
+def test_nothing_is_left_of_what_cannot_be_written(tmp_path: Path) -> None:
+    model, clips = make_clips("fusilier", detail=3)
+    (tmp_path / "out").write_text("no folder")
+    with pytest.raises(UserError, match="out"):
+        write_vat(tmp_path / "out", model, clips, baked=False)
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]
