@@ -219,7 +219,7 @@ def pack(
         fine_leaves=fine_leaves,
         leaves_seen=leaves_seen,
         lines=lines,
-        current_cm_s=world.current_cm_s,
+        current_cm_s=world.flowing_cm_s,
         lamps=lamps_of(pilot) if world.state.submarine.lights[0] else None,
     )
 

@@ -11,6 +11,7 @@ from subsea.behavior.mating import review
 from subsea.behavior.mental import feel
 from subsea.behavior.reins import Reins, obey
 from subsea.behavior.table import BEHAVIOR_OF_DESIRE, LEVEL_OF_DESIRE, TIRES, act, want
+from subsea.directing import direct
 from subsea.habitat import hook, plankton
 from subsea.habitat.bow_wave import push
 from subsea.habitat.current import carry, flow_at
@@ -36,7 +37,7 @@ Order = Helm | Rail | Reins  # what is steered in a tick, and how
 
 
 def step(world: World, order: Order) -> None:
-    """Advance the world by one tick: flow, perceive, want, focus, act, move, steer.
+    """Advance the world by one tick: direct, flow, perceive, want, focus, act, move, steer.
 
     The submarine answers to a helm, or is carried on a rail. With reins it keeps station, and a
     fish is steered: its brain yields.
@@ -46,8 +47,10 @@ def step(world: World, order: Order) -> None:
     state, nature = world.state, world.nature
     fishes, minds, sea = state.fishes, state.minds, state.sea
     clock = Clock(state.seed, state.tick, TICK_S)
-    flow = flow_at(world.current_cm_s, state.tick * TICK_S)
     world.stages_s.clear()
+    with _stage(world, "behavior"):
+        direct(world.script, state, nature, world.current_cm_s, clock)
+    flow = flow_at(world.flowing_cm_s, state.tick * TICK_S)
     with _stage(world, "habitat"):
         sea.submarine[:3], sea.submarine[3:6] = state.submarine.position, state.submarine.velocity
         sea.submarine[6:] = hull_axes(*state.submarine.angles)[0]

@@ -7,6 +7,15 @@ from typing import Annotated, Literal
 
 import msgspec
 
+from subsea.direction import (
+    MAX_DIRECTIONS,
+    Coordinate,
+    Direction,
+    Flow,
+    Habit,
+    Shoals,
+    check_directions,
+)
 from subsea.errors import UserError, unknown
 from subsea.resources import (
     is_path,
@@ -17,7 +26,7 @@ from subsea.resources import (
     stems,
     telling_lines,
 )
-from subsea.species import BodyLength, species_names
+from subsea.species import BodyLength, load_species, species_names
 
 SHIPPED = "assets/scenarios"  # the folder of those that come with the program
 MAX_FISHES = 100_000
@@ -31,19 +40,16 @@ MAX_SEAWEED = 8000  # leaves in all: their nodes must fit into a texture
 AUTOPILOT = "auto"  # no tour of a scenario may have this name
 MAX_WAYPOINTS = 200  # of a tour
 Positive = Annotated[float, msgspec.Meta(gt=0, le=1e5)]
-Coordinate = Annotated[float, msgspec.Meta(ge=-1e5, le=1e5)]
 MAX_SEED = 2**32 - 1
 Seed = Annotated[int, msgspec.Meta(ge=0, le=MAX_SEED)]
 Rate = Annotated[float, msgspec.Meta(ge=0, le=1)]
 Size = Annotated[float, msgspec.Meta(gt=0, le=1000)]
-Flow = Annotated[float, msgspec.Meta(ge=-200, le=200)]
 Celsius = Annotated[float, msgspec.Meta(ge=-2, le=40)]
 Share = Annotated[float, msgspec.Meta(ge=0, le=1)]
 Colour = tuple[Share, Share, Share]
 Factor = Annotated[float, msgspec.Meta(ge=0, le=100)]
 Dread = Annotated[float, msgspec.Meta(ge=0, le=5000)]
 Kind = Literal["pacifist", "prey", "predator"]
-Habit = Literal["brightness", "darkness", "cold", "warmth"]
 Weight = Annotated[float, msgspec.Meta(ge=0, le=1000)]
 GrowthKind = Literal[
     "staghorn", "bush", "table", "brain", "lettuce", "finger", "leather", "soft", "fan", "pipes",
@@ -305,6 +311,7 @@ class Scenario(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     vent: Annotated[list[Vent], msgspec.Meta(max_length=MAX_VENTS)] = []
     reef: list[ReefTable] = []
     tour: list[TourTable] = []
+    direction: Annotated[list[Direction], msgspec.Meta(max_length=MAX_DIRECTIONS)] = []
     nature: Temper = Temper()
     individual: list[Individual] = []
     physics: PhysicsTable = PhysicsTable()
@@ -387,6 +394,26 @@ def check_scenario(scenario: Scenario, source: str) -> None:
         if one.fish in met:
             raise UserError(f"{source}: {key}: has a table already, expected one for each fish")
         met.add(one.fish)
+    if scenario.direction:
+        check_directions(
+            source,
+            scenario.direction,
+            shoals_of(scenario),
+            [tour.name for tour in scenario.tour],
+            scenario.hook is not None,
+            lambda key, place: _inside(source, key, place, bounds),
+        )
+
+
+def shoals_of(scenario: Scenario) -> Shoals:
+    """What directions may refer to."""
+    kinds: list[str] = []
+    for shoal in scenario.fish:
+        kinds += [shoal.kind or load_species(shoal.species).kind] * shoal.number
+    for one in scenario.individual:
+        kinds[one.fish] = one.kind or kinds[one.fish]
+    numbers = [shoal.number for shoal in scenario.fish]
+    return Shoals([shoal.species for shoal in scenario.fish], numbers, kinds)
 
 
 def _places(scenario: Scenario) -> Iterator[tuple[str, tuple[float, ...]]]:

@@ -153,7 +153,7 @@ def _arrays(world: World) -> Iterator[tuple[str, NDArray[Any], bool]]:
     state = world.state
     parts: dict[str, dict[str, Any]] = {
         part: getattr(state, part)._asdict()
-        for part in ("fishes", "minds", "sea", "seaweed", "live", "reef")
+        for part in ("fishes", "minds", "sea", "seaweed", "live", "reef", "directions")
     }
     parts["submarine"] = vars(state.submarine)
     for part, members in parts.items():
@@ -223,7 +223,7 @@ def _ranges(world: World, given: Arrays) -> dict[str, tuple[int, Any]]:
     remembered = np.where(grazes & (given["minds.memory"] == EAT), specks, n)
     remembered[given["minds.memory"] < 0] = max(n, specks)  # nobody reads what is left there
     fish = dict.fromkeys(
-        ("neighbour", "threat", "mate", "mates", "leader", "partner", "shunned"),
+        ("neighbour", "threat", "mate", "mates", "leader", "partner", "shunned", "betrothed"),
         (NOBODY, n),
     )
     minds = fish | {
@@ -232,6 +232,7 @@ def _ranges(world: World, given: Arrays) -> dict[str, tuple[int, Any]]:
         "food": (-1, food), "foods": (-1, food[:, None]), "target": (BAIT, target),
         "memory": (-1, behaviors), "memory_target": (BAIT, remembered),
         "intention": (0, behaviors), "courtship": (0, len(COURTSHIP)),
+        "fancy": (-1, 16), "quarry": (-1, long + 1),
     }  # fmt: skip
     fishes = {
         "row_a": rows, "row_b": rows, "previous_row_a": rows, "previous_row_b": rows,
@@ -242,6 +243,11 @@ def _ranges(world: World, given: Arrays) -> dict[str, tuple[int, Any]]:
         **{f"fishes.{name}": ends for name, ends in fishes.items()},
         "sea.catch": (NOBODY, np.array([LANDED + 1, n])),
         "live.fish": (-1, n),
+        "directions.began": (-1, 2**48 + 1),
+        "directions.times": (0, long + 1),
+        "directions.stage": (0, long),
+        "directions.cast": (SUBMARINE, n),
+        "directions.courtship": (0, len(COURTSHIP)),
         "live.waiting": (0, long),
     }
 

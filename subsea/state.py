@@ -19,6 +19,7 @@ Ints = NDArray[np.integer[Any]]
 NEIGHBOURS = 6  # how many companions a fish attends to
 CHOICES = 3  # among how many targets it chooses: K of Tu §6.5.3
 NOBODY, SUBMARINE = -1, -2  # where an index of a fish is expected
+ANYONE = np.array([0, 2**31 - 1, -1], np.int32)  # who may hunt all, as a row of `Minds.quarry`
 HULL_CM = 45.0  # radius of the submarine, with a hand's breadth to spare
 KINDS = ("pacifist", "prey", "predator")  # Tu §7.9
 PACIFIST, PREY, PREDATOR = range(3)
@@ -180,6 +181,15 @@ class Minds(NamedTuple):
     # or with whom it has just spawned; perception leaves that fish out of `mate` and `target`
     shunning: Array  # (n,) float32, s until it forgets that
 
+    # Written by directing: what a direction has put into its mind; without any, as they begin.
+    errand: Array  # (n,) float32, share of its fastest speed with which it is bound for its
+    # waypoint before it is curious, in company or content; 0 for none
+    fright: Array  # (n,) float32, fear that it has whatever it sees, below 0: what it sees decides
+    fancy: Ints  # (n,) int8, habits in place of its own: the bits of columns of `likes`, or -1
+    quarry: Ints  # (n, 3) int32, whom it may hunt: the first fish, who is behind the last; and of
+    # which species these must be, -1 for any
+    betrothed: Ints  # (n,) int32, who alone may court it and be courted by it, or NOBODY
+
 
 class SeaKind(types.StructRef):  # type: ignore[misc]
     """What compiled kernels call `Sea`."""
@@ -300,6 +310,23 @@ class Clock(NamedTuple):
     dt: float  # s
 
 
+class Directions(NamedTuple):
+    """What has become of the k directions of a scenario (`direction.py`) among n fishes.
+
+    Written by directing. Without directions all of these are empty.
+    """
+
+    began: Ints  # (k,) int64, tick in which it began last, -1 if it never did
+    times: Ints  # (k,) int32, how often it has begun
+    ready: NDArray[np.bool_]  # (k,), whether all that it says of when was so in the last tick
+    running: NDArray[np.bool_]  # (k,), whether it still moves anything
+    stage: Ints  # (k,) int32, for which point of its path they are bound
+    cast: Ints  # (k, 2) int32, the fishes that it is about, NOBODY or the SUBMARINE: see there
+    current: Array  # (2,) float64, cm/s, what is added to the strength of the current
+    alive: NDArray[np.bool_]  # (n,), who was, and ...
+    courtship: Ints  # (n,) uint8, ... how courtships stood at the beginning of the last tick
+
+
 class Live(NamedTuple):
     """k slots for fishes that are simulated, at the size and pace of the recorded fish.
 
@@ -349,6 +376,18 @@ class State:
     reef: Reef
     submarine: Submarine
     live: Live
+    directions: Directions
+
+
+def empty_directions(k: int, n: int) -> Directions:
+    """Of k directions none of which has begun, among n fishes."""
+    n = n if k else 0
+    return Directions(
+        began=np.full(k, -1, np.int64), times=np.zeros(k, np.int32), ready=np.zeros(k, np.bool_),
+        running=np.zeros(k, np.bool_), stage=np.zeros(k, np.int32),
+        cast=np.full((k, 2), NOBODY, np.int32), current=np.zeros(2 if k else 0),
+        alive=np.ones(n, np.bool_), courtship=np.zeros(n, np.uint8),
+    )  # fmt: skip
 
 
 def empty_reef() -> Reef:
@@ -423,6 +462,8 @@ def empty_minds(n: int, behaviors: int, desires: int) -> Minds:
         partner=zeros(i) + NOBODY, courtship=zeros(u), courtship_time=zeros(f),
         courtship_count=zeros(f), courtship_mark=zeros(f), alone=zeros(f),
         shunned=zeros(i) + NOBODY, shunning=zeros(f),
+        errand=zeros(f), fright=zeros(f) - f(1), fancy=zeros(np.int8) - np.int8(1),
+        quarry=zeros(i, 3) + ANYONE, betrothed=zeros(i) + NOBODY,
     )  # fmt: skip
 
 
@@ -442,7 +483,7 @@ def digest(state: State) -> str:
     """A SHA-256 over every array: equal digests are equal worlds."""
     sha = hashlib.sha256(f"{state.tick},{state.seed}".encode())
     parts = (
-        state.fishes, state.minds, state.sea, state.seaweed, state.live,
+        state.fishes, state.minds, state.sea, state.seaweed, state.live, state.directions,
         vars(state.submarine).values(),
     )  # fmt: skip
     for values in (array for part in parts for array in part):

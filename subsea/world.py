@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from subsea.behavior.table import BEHAVIORS, DESIRES
 from subsea.behavior.temper import alter, temper
+from subsea.directing import Script, make_script
 from subsea.errors import UserError
 from subsea.habitat.reef import grow
 from subsea.habitat.rocks import rock_rows
@@ -41,6 +42,7 @@ from subsea.state import (
     Seaweed,
     State,
     Submarine,
+    empty_directions,
     empty_fishes,
     empty_live,
     empty_minds,
@@ -74,11 +76,19 @@ class World:
     physics: Physics
     state: State
     tempers: dict[str, NDArray[Any]]  # what `MINDS` were in the beginning
+    script: Script  # of the scenario's directions
     stages_s: dict[str, float] = field(default_factory=dict)  # seconds of the last tick
     # Of fishes that go by what their eyes see: how bright that is, instead of the sea about them.
     seen_light: dict[int, float] = field(default_factory=dict)
     notices: list[str] = field(default_factory=list)  # lines to show: who shows them clears them
     told: set[tuple[int, Physics]] = field(default_factory=set)  # fishes that burst, and how
+
+    @property
+    def flowing_cm_s(self) -> tuple[float, float]:
+        """`current_cm_s` with what directions add to it."""
+        x, y = self.current_cm_s
+        more = self.state.directions.current
+        return (x + float(more[0]), y + float(more[1])) if len(more) else (x, y)
 
     def tell_burst(self, fishes: Iterable[int]) -> None:
         """Give notice of simulated fishes that lost their shape, once under the same physics."""
@@ -159,6 +169,7 @@ def create_world(
         live=empty_live(
             library.rotation[recorded:], library.translation[recorded:], library.nodes[recorded:]
         ),
+        directions=empty_directions(len(scenario.direction), len(fishes.species)),
     )
     nature = Nature(**msgspec.structs.asdict(scenario.nature))
     physics = Physics(**msgspec.structs.asdict(scenario.physics))
@@ -166,6 +177,7 @@ def create_world(
         scenario, tuple(species.values()), library, dynamics, nature,
         scenario.water.current_cm_s, physics, state,
         {name: getattr(minds, name).copy() for name in MINDS},
+        make_script(scenario, _shares(scenario, fish), _fastest(fishes, library)),
     )  # fmt: skip
 
 
@@ -371,6 +383,12 @@ def _populate(
     for name in ("position", "orientation", "row_a", "row_b", "weight", "span", "fins"):
         getattr(fishes, f"previous_{name}")[:] = getattr(fishes, name)
     return fishes, minds
+
+
+def _fastest(fishes: Fishes, library: Library) -> Array:
+    """How fast each fish is at most (n,), cm/s."""
+    recorded = library.speed[fishes.species, SEGMENTS.index("swim_fast")]
+    return np.asarray(recorded * fishes.scale * fishes.rate)
 
 
 def _girths(species: list[Species], library: Library) -> Array:

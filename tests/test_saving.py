@@ -15,6 +15,7 @@ from subsea.resources import resource_names, resource_path
 from subsea.saving import save_scenario, scenario_text
 from subsea.scenario import Pillar, Rock, Scenario, load_scenario
 from subsea.species import species_names
+from tests.directions import directions
 
 NAMES = resource_names("assets/scenarios", ".toml")
 replace = msgspec.structs.replace
@@ -95,13 +96,16 @@ def scenarios(draw):
     values = {
         field.name: draw(drawn(field.type))
         for field in inspect.type_info(Scenario).fields
-        if field.name not in ("bounds", "tour", "individual")
+        if field.name not in ("bounds", "tour", "individual", "direction")
     }
     fishes = sum(shoal.number for shoal in values["fish"])
     several = st.lists(structs(tables.Individual), max_size=3, unique_by=lambda one: one.fish)
     individuals = [one for one in draw(several) if one.fish < fishes]
     tours = draw(st.sampled_from([[], TOUR])) if follows(values["fish"]) else []
-    return Scenario(**values, bounds=BOUNDS, individual=individuals, tour=tours)
+    scenario = Scenario(**values, bounds=BOUNDS, individual=individuals, tour=tours)
+    names, hook = [tour.name for tour in tours], scenario.hook is not None
+    directed = draw(directions(tables.shoals_of(scenario), names, hook, THERE))
+    return replace(scenario, direction=directed)
 
 
 def follows(shoals):

@@ -35,10 +35,7 @@ def desire(
 ) -> None:
     """More than wandering, where the fish dislikes light or temperature; predators never."""
     for i in who:
-        upset = (
-            _wanted_rise(minds.likes[i], minds.light[i], minds.temperature[i]) != 0.0
-            and minds.kind[i] != PREDATOR
-        )
+        upset = _wanted_rise(minds, i) != 0.0 and minds.kind[i] != PREDATOR
         out[i] = 0.015 if upset else 0.0
 
 
@@ -49,24 +46,29 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         toward = heading(fishes, minds, i, sea, clock)
         minds.urge[i, 0] = toward[0]
         minds.urge[i, 1] = toward[1]
-        minds.urge[i, 2] = CLIMB * _wanted_rise(
-            minds.likes[i], minds.light[i], minds.temperature[i]
-        )
+        minds.urge[i, 2] = CLIMB * _wanted_rise(minds, i)
         fishes.goal_speed[i] = max(cruise(fishes, minds, i), BRISK)
 
 
 @njit(cache=True, error_model="numpy")
-def _wanted_rise(likes: NDArray[np.bool_], light: float, temperature: float) -> float:
-    """1 if the fish wants upward to be content, -1 if downward, 0 if it is or if they cancel."""
-    rise = 0.0
-    if likes[BRIGHTNESS] != likes[DARKNESS]:
-        if likes[BRIGHTNESS] and light < DUSK:
+def _wanted_rise(minds: Minds, i: int) -> float:
+    """1 if fish i wants upward to be content, -1 if downward, 0 if it is or if they cancel."""
+    rise, light, temperature = 0.0, minds.light[i], minds.temperature[i]
+    if _likes(minds, i, BRIGHTNESS) != _likes(minds, i, DARKNESS):
+        if _likes(minds, i, BRIGHTNESS) and light < DUSK:
             rise += 1.0
-        if likes[DARKNESS] and light >= DUSK:
+        if _likes(minds, i, DARKNESS) and light >= DUSK:
             rise -= 1.0
-    if likes[WARMTH] != likes[COLD]:
-        if likes[WARMTH] and temperature < MILD_C:
+    if _likes(minds, i, WARMTH) != _likes(minds, i, COLD):
+        if _likes(minds, i, WARMTH) and temperature < MILD_C:
             rise += 1.0
-        if likes[COLD] and temperature >= MILD_C:
+        if _likes(minds, i, COLD) and temperature >= MILD_C:
             rise -= 1.0
     return min(max(rise, -1.0), 1.0)
+
+
+@njit(cache=True, error_model="numpy")
+def _likes(minds: Minds, i: int, habit: int) -> bool:
+    """Whether fish i has a habit: its own, or what a direction gives it instead."""
+    fancy = int(minds.fancy[i])
+    return bool(minds.likes[i, habit]) if fancy < 0 else (fancy >> habit) & 1 == 1

@@ -23,6 +23,7 @@ def feel(who: Ints, fishes: Fishes, minds: Minds, nature: Nature, clock: Clock) 
     """Renew `minds.mental` of the fishes `who` from what they perceive and remember.
 
     Only prey fear, and only pacifists court (Tu §7.9). Meals that are digested are forgotten.
+    Fear that a direction gives counts instead of what is seen.
     """
     now = clock.tick * clock.dt
     for i in who:
@@ -38,7 +39,8 @@ def feel(who: Ints, fishes: Fishes, minds: Minds, nature: Nature, clock: Clock) 
             urge = minds.libido_rate[i] * (now - minds.last_mating[i]) * (1.0 - hunger)
             mate = nature.libido_stimulus * stimulus(minds.mate_distance[i], *MATE_STIMULUS)
             minds.mental[i, LIBIDO] = min(max(urge + mate, 0.0), 1.0)
-        minds.mental[i, FEAR] = min(minds.menaces[i], 1.0) if minds.kind[i] == PREY else 0.0
+        fear = minds.fright[i] if minds.fright[i] >= 0.0 else minds.menaces[i]
+        minds.mental[i, FEAR] = min(fear, 1.0) if minds.kind[i] == PREY else 0.0
 
 
 @njit(cache=True, error_model="numpy")

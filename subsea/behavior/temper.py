@@ -11,6 +11,7 @@ from subsea.scenario import Individual, Shoal
 from subsea.state import KINDS, NO_COURTSHIP, NOBODY, PREDATOR, WANDER, Fishes, Minds
 
 PLANKTON_CM, PREY_CM = 8.0, 40.0  # of its length for each meal that it takes to fill a fish
+DONE_CHEWING_S = 6.0  # after a meal: see `hunting.CHEW_S`
 HABITS = ("brightness", "darkness", "cold", "warmth")  # columns of `minds.likes`
 
 
@@ -28,7 +29,7 @@ def temper(
     hunger = rng.uniform(0, 0.6, number) if shoal.hunger is None else shoal.hunger
     libido = rng.uniform(0, 0.3, number) if shoal.libido is None else shoal.libido
     minds.eaten[these] = (1.0 - hunger) * minds.appetite[these]
-    _set_libido(minds, these, hunger, libido, 0.0)
+    set_libido(minds, these, hunger, libido, 0.0)
 
 
 def alter(fishes: Fishes, minds: Minds, one: Individual, now_s: float) -> None:
@@ -39,7 +40,7 @@ def alter(fishes: Fishes, minds: Minds, one: Individual, now_s: float) -> None:
     i = one.fish
     kind = minds.kind[i] if one.kind is None else KINDS.index(one.kind)
     male = minds.male[i] if one.male is None else one.male
-    hunger = _hunger(minds, i, now_s) if one.hunger is None else one.hunger
+    hunger = urge_to_eat(minds, i, now_s) if one.hunger is None else one.hunger
     if kind != minds.kind[i] or male != minds.male[i]:
         _forget_all(minds, i)
         minds.kind[i], minds.male[i] = kind, male
@@ -52,10 +53,10 @@ def alter(fishes: Fishes, minds: Minds, one: Individual, now_s: float) -> None:
     ):  # fmt: skip
         if value is not None:
             getattr(minds, name)[i] = value
-    if hunger != _hunger(minds, i, now_s):
+    if hunger != urge_to_eat(minds, i, now_s):
         minds.eaten[i], minds.last_meal[i] = (1.0 - hunger) * minds.appetite[i], now_s
     if one.libido is not None:
-        _set_libido(minds, i, hunger, one.libido, now_s)
+        set_libido(minds, i, hunger, one.libido, now_s)
 
 
 def males_of(shoal: Shoal, number: int) -> NDArray[np.bool_]:
@@ -74,16 +75,27 @@ def _set_appetite(fishes: Fishes, minds: Minds, these: slice | int) -> None:
     minds.appetite[these] = appetite_of(fishes.length[these], minds.kind[these])
 
 
-def _hunger(minds: Minds, i: int, now_s: float) -> float:
-    """The urge to eat, without what food in sight adds (Tu §7.4)."""
-    left = max(1.0 - float(minds.digestion[i] * (now_s - minds.last_meal[i])), 0.0)
-    return 1.0 - float(minds.eaten[i] * left / minds.appetite[i])
+def urge_to_eat(minds: Minds, these: Any, now_s: float) -> Any:
+    """The urge to eat of fishes, or of one, without what food in sight adds (Tu §7.4)."""
+    left = np.maximum(1.0 - minds.digestion[these] * (now_s - minds.last_meal[these]), 0.0)
+    return 1.0 - minds.eaten[these] * left / minds.appetite[these]
 
 
-def _set_libido(
-    minds: Minds, these: slice | int, hunger: float, libido: float, now_s: float
-) -> None:
-    """How long ago a mating must have been for that libido, in a fish that is as hungry."""
+def urge_to_mate(minds: Minds, these: Any, now_s: float) -> Any:
+    """The urge to mate, without what a mate in sight adds, of fishes that are not hungry."""
+    since = now_s - minds.last_mating[these]
+    return np.clip(minds.libido_rate[these] * since, 0.0, 1.0)
+
+
+def set_hunger(minds: Minds, these: Any, hunger: Any, now_s: float) -> None:
+    """Let the last meal of fishes have been so long ago that none chews, and so large."""
+    minds.last_meal[these] = now_s - DONE_CHEWING_S
+    left = np.maximum(1.0 - minds.digestion[these] * DONE_CHEWING_S, 0.05)
+    minds.eaten[these] = (1.0 - hunger) * minds.appetite[these] / left
+
+
+def set_libido(minds: Minds, these: Any, hunger: Any, libido: Any, now_s: float) -> None:
+    """How long ago a mating must have been for that libido, in fishes that are as hungry."""
     share = libido / np.maximum(1.0 - hunger, 0.1)
     minds.last_mating[these] = now_s - share / np.maximum(minds.libido_rate[these], 1e-9)
 

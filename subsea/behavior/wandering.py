@@ -28,6 +28,7 @@ LEADERS_ATTEMPTS = 24  # who leads a school throws more often, for a way that is
 BROAD_CM = 100.0  # ... so far from pillars and rocks: a school that meets one splits
 CRUISE = (0.1, 0.62, 0.85)  # shares of the fastest speed: hovering, medium and brisk cruising
 LEADING = 0.45  # a leader keeps its school moving
+BOUND = 0.7  # how much a fish that is on an errand wants to get there: more than it is curious
 WAITING = 0.2  # and waits for it while no companion is near, or many are left behind
 ANGLE_PURPOSE, RADIUS_PURPOSE, DEPTH_PURPOSE, PATIENCE_PURPOSE = range(4)
 
@@ -36,9 +37,9 @@ ANGLE_PURPOSE, RADIUS_PURPOSE, DEPTH_PURPOSE, PATIENCE_PURPOSE = range(4)
 def desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
-    """Always a little: when nothing else is wanted."""
+    """Always a little: when nothing else is wanted; on an errand before all other ease."""
     for i in who:
-        out[i] = 0.01
+        out[i] = BOUND if minds.errand[i] > 0.0 else 0.01
 
 
 @njit(cache=True, error_model="numpy")
@@ -122,7 +123,12 @@ def is_broad(sea: Sea, here: Vector, there: Vector) -> bool:
 
 @njit(cache=True, error_model="numpy")
 def cruise(fishes: Fishes, minds: Minds, i: int) -> float:
-    """The speed of the swim recommended against monotony, else the present one, if it cruises."""
+    """The speed of the swim recommended against monotony, else the present one, if it cruises.
+
+    On an errand that of the errand.
+    """
+    if minds.errand[i] > 0.0:
+        return float(minds.errand[i])
     speed = float(fishes.goal_speed[i])
     if fishes.recommended[i] >= 0:
         speed = CRUISE[fishes.recommended[i]]

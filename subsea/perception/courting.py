@@ -27,7 +27,8 @@ def see_mates(
 
     Those of the same species come first, then the nearest. Who has too little libido to court
     looks no farther than a mate could tempt it. A mate is of the other sex, not shunned and not
-    circling with another; one of another species must be about as large.
+    circling with another; one of another species must be about as large. Two whom a direction has
+    betrothed know of each other wherever they are, and nobody else is a mate to them.
     """
     longest = 0.0
     for j in grid.member:
@@ -38,7 +39,12 @@ def see_mates(
         found = minds.mates[i]
         found[:] = -1
         cost[:] = np.inf
-        if minds.kind[i] == PACIFIST:
+        if minds.betrothed[i] >= 0:
+            j = minds.betrothed[i]
+            if minds.shunned[i] != j:
+                there = vector(bodies.position[j])
+                insert(found, cost, j, norm(minus(there, eye_of(bodies, i))))
+        elif minds.kind[i] == PACIFIST:
             eye = eye_of(bodies, i)
             farthest = sight(longest, nature)
             if minds.mental[i, LIBIDO] <= nature.keen:
@@ -52,6 +58,7 @@ def see_mates(
                         continue
                     taken = minds.courtship[j] > LOOPING and minds.partner[j] != i
                     odd = not 1.0 / ODD < bodies.length[i] / bodies.length[j] < ODD
+                    taken |= minds.betrothed[j] >= 0
                     if minds.shunned[i] == j or taken or (odd and species[i] != species[j]):
                         continue
                     if species[i] != species[j]:

@@ -42,7 +42,7 @@ def perceive_plankton(who: Ints, bodies: Bodies, minds: Minds, grid: Grid, natur
 
 @njit(cache=True, error_model="numpy")
 def perceive_prey(
-    who: Ints, bodies: Bodies, minds: Minds, scene: Scene, grid: Grid, nature: Nature
+    who: Ints, bodies: Bodies, minds: Minds, species: Ints, scene: Scene, grid: Grid, nature: Nature
 ) -> None:
     """Enter the prey of `grid` that the predators among the fishes `who` see or smell.
 
@@ -69,6 +69,8 @@ def perceive_prey(
                 distance = norm(toward)
                 if not inner < distance <= outer or distance > cost[-1]:
                     continue
+                if not is_quarry(minds, species, i, j):
+                    continue
                 if not perceives(bodies, i, j, scene, nature, distance):
                     continue
                 schools = is_in_school(minds, j)
@@ -79,6 +81,13 @@ def perceive_prey(
                 break  # a cost is never less than the distance
             inner, outer = outer, min(2.0 * outer, farthest)
         minds.food_distance[i] = least
+
+
+@njit(cache=True, error_model="numpy")
+def is_quarry(minds: Minds, species: Ints, i: int, j: int) -> bool:
+    """Whether predator i may hunt fish j: anyone, unless a direction says whom."""
+    first, end, kind = minds.quarry[i]
+    return bool(first <= j < end and (kind < 0 or species[j] == kind))
 
 
 @njit(cache=True, error_model="numpy")

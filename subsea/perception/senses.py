@@ -41,7 +41,7 @@ def sense(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clo
     foraging.perceive_plankton(who, bodies, minds, specks, nature)
     if (kinds[who] == PREDATOR).any():
         prey = make_grid(place, np.flatnonzero(alive & (kinds == PREY)), foraging.PREY_CELL_CM)
-        foraging.perceive_prey(who, bodies, minds, scene, prey, nature)
+        foraging.perceive_prey(who, bodies, minds, fishes.species, scene, prey, nature)
     if (kinds[who] == PACIFIST).any():
         mild = make_grid(place, np.flatnonzero(alive & (kinds == PACIFIST)), courting.CELL_CM)
         courting.see_mates(who, bodies, minds, fishes.species, scene, mild, nature)
