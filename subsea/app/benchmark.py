@@ -1,6 +1,5 @@
 """`subsea benchmark`: how long every stage of a frame takes. docs/diving.md has the formulas."""
 
-import json
 import time
 from collections import defaultdict
 from collections.abc import Sequence
@@ -12,15 +11,17 @@ import numpy as np
 from tqdm import tqdm
 
 from subsea.app import pacing
+from subsea.app.comparison import compare, read_reports
+from subsea.app.figures import Frames, figures, print_ladder, print_report, write_csv, write_json
 from subsea.app.house import chosen_rig
 from subsea.app.start import headless, picture_maker, start_world
-from subsea.app.timing import summary
-from subsea.app.tour import Tour
+from subsea.app.tour import Steer, guide
 from subsea.frame import Packet, pack
 from subsea.ocean import step
-from subsea.places import check_file, replacing
+from subsea.places import check_file
 from subsea.render.quality import AUTO, LADDER, PRESETS, first_rung, name_of
-from subsea.scenario import load_scenario
+from subsea.scenario import AUTOPILOT, load_scenario
+from subsea.submarine.course import Course, course_of
 from subsea.view.levels import HIDDEN, LEVELS, nothing_drawn
 from subsea.view.rig import Rig, views
 from subsea.view.rigs import cockpit
@@ -29,24 +30,13 @@ from subsea.world import World
 if TYPE_CHECKING:
     from subsea.render import Renderer
 
-STAGES = (
-    "perception",
-    "behavior",
-    "motor",
-    "habitat",
-    "pose",
-    "cull",
-    "upload",
-    "draw",
-    "present",
-)
 WARM_UP_FRAMES = 30
 LIVE_WARM_UP_TICKS = 900  # at most, until all that are to be simulated have come out of turns
 
 
 def benchmark(
     scenario: str,
-    fish: int | None,
+    fish: Sequence[int] | None,
     frames: int,
     size: tuple[int, int],
     display: str,
@@ -59,24 +49,44 @@ def benchmark(
     theatre: str | None = None,
     shrink: int = 1,
     changes: Sequence[str] = (),
+    tour: str = AUTOPILOT,
+    against: Path | None = None,
+    csv: Path | None = None,
+    plot: Path | None = None,
 ) -> int:
     """Measure, print the report as a table, and write it as JSON to `out` if that is named.
 
-    A `theatre` is shown instead of one picture of `size`, `shrink` times smaller.
+    With several numbers of `fish` one run follows another, and the table has a row for each.
+    `tour` is one of the scenario's, or "auto". A `theatre` is shown instead of one picture of
+    `size`, `shrink` times smaller. The report is set `against` an older one; `csv` takes what
+    every frame took, `plot` a picture of it (needs matplotlib).
+
+    Raises:
+        UserError: for what cannot be shown, read or written; before anything is measured.
+
     """
-    if out is not None:
-        check_file(out)
+    for path in (out, csv, plot):
+        if path is not None:
+            check_file(path)
+    if plot is not None:
+        from subsea.app.study_plots import check_plots
+
+        check_plots()
+    older = read_reports(against) if against else None
     rig, _ = chosen_rig(display, size, theatre=theatre, shrink=shrink)
-    load_scenario(scenario, changes)
-    with headless() as context:
-        world = start_world(scenario, seed, fish, motor=motor, changes=changes)
-        gpu, hold_ms = context.info["GL_RENDERER"], None
-        if quality == AUTO:
-            hold_ms = target_ms or pacing.target_for(gpu)
-        begin = LADDER[first_rung(gpu)] if quality == AUTO else PRESETS[quality]
-        with picture_maker(context, world, rig, begin) as renderer:
-            measured = measure(world, renderer, context, rig, frames, without, hold_ms)
-            drawn = name_of(renderer.quality)
+    chosen, _ = load_scenario(scenario, changes)
+    course = None if tour == AUTOPILOT else course_of(chosen, tour)
+    runs: list[tuple[dict[str, Any], Frames]] = []
+    for number in fish or (None,):
+        with headless() as context:
+            world = start_world(scenario, seed, number, motor=motor, changes=changes)
+            gpu, hold_ms = context.info["GL_RENDERER"], None
+            if quality == AUTO:
+                hold_ms = target_ms or pacing.target_for(gpu)
+            begin = LADDER[first_rung(gpu)] if quality == AUTO else PRESETS[quality]
+            with picture_maker(context, world, rig, begin) as renderer:
+                measured = measure(world, renderer, context, rig, course, frames, without, hold_ms)
+                drawn = name_of(renderer.quality)
         report = {
             "renderer": gpu,
             "size": [list(output) for output in rig.outputs] if theatre else list(size),
@@ -87,16 +97,30 @@ def benchmark(
             "target_ms": hold_ms,
             "scenario": scenario,
             "set": [*changes],
+            "tour": tour,
             "fish": len(world.state.fishes.species),
             "seed": world.state.seed,
             "version": version("subsea"),
             "without": sorted(without),
             "motor": motor,
-            **measured,
+            **figures(measured),
         }
-    _print(report)
+        runs.append((report, measured))
+    reports = [report for report, _ in runs]
+    if len(runs) == 1:
+        print_report(reports[0])
+    else:
+        print_ladder(reports)
+    if older is not None and against is not None:
+        compare(reports, older, against)
+    if csv is not None:
+        write_csv(csv, runs)
+    if plot is not None:
+        from subsea.app.stages_plot import plot_stages
+
+        plot_stages(plot, runs)
     if out is not None:
-        _write(out, report)
+        write_json(out, reports)
     return 0
 
 
@@ -105,32 +129,31 @@ def measure(
     renderer: "Renderer",
     context: Any,
     rig: Rig,
+    course: Course | None,
     frames: int,
     without: frozenset[str] = frozenset(),
     hold_ms: float | None = None,
-) -> dict[str, Any]:
-    """The measured part of the report: one tick and one picture a frame, after a warm-up.
+) -> Frames:
+    """What each of `frames` takes and shows: one tick and one picture, after a warm-up.
 
-    With `hold_ms` the quality changes from frame to frame, to hold that time; None keeps it.
+    The submarine goes along `course`; None: the autopilot steers. With `hold_ms` the quality
+    changes from frame to frame, to hold that time; None keeps it.
     """
-    durations: list[float] = []
-    host: list[float] = []
-    stages: dict[str, list[float]] = defaultdict(list)
-    levels = np.zeros(len(LEVELS))
-    simulated = 0
-    tour = Tour()
+    steer: Steer = guide(world, course)
     for _ in range(LIVE_WARM_UP_TICKS if len(world.state.live.fish) else 0):
         able = world.dynamics.muscular[world.state.fishes.species]
         if world.state.fishes.live[able].all():
             break
-        step(world, tour.helm(world))
+        step(world, steer(world))
+    columns: dict[str, list[float]] = defaultdict(list)
+    stages: dict[str, list[float]] = defaultdict(list)
+    levels = np.zeros((frames, len(LEVELS)))
     memory = nothing_drawn(len(world.state.fishes.species))
-    triangles = visible = calls = 0
     pace = pacing.start(LADDER.index(renderer.quality), rig.exact) if hold_ms else None
     for k in tqdm(range(-WARM_UP_FRAMES, frames), unit="frame", disable=None, leave=False):
-        helm = tour.helm(world)  # a visitor's hands would take no time of the program's
+        order = steer(world)  # a visitor's hands would take no time of the program's
         start = time.perf_counter()
-        step(world, helm)
+        step(world, order)
         packet = pack(
             world, views(rig, cockpit(world.state.submarine, 1.0)), 1.0,
             culling="culling" not in without, lod="lod" not in without,
@@ -145,28 +168,20 @@ def measure(
                 renderer.adapt(LADDER[pace.rung])
         if k < 0:
             continue
-        durations.append(end - start)
-        host.append(packed - start + host_s)
+        columns["frame_s"].append(end - start)
+        columns["host_s"].append(packed - start + host_s)
         for name, seconds in (world.stages_s | drawing).items():
             stages[name].append(seconds)
-        levels += np.bincount(memory.level[memory.level != HIDDEN], minlength=len(LEVELS))
-        simulated += int(world.state.fishes.live.sum())
-        visible += len(world.state.fishes.species) - packet.hidden
-        triangles += renderer.triangles
-        calls = max(calls, renderer.draw_calls)
-    frame_ms = summary(durations)
-    return {
-        "frames": frames,
-        "visible_mean": visible / frames,
-        "simulated_mean": simulated / frames,
-        "frame_ms": frame_ms,
-        "host_ms": summary(host)["p50"],
-        "fps": 1000.0 / frame_ms["mean"],
-        "stages_ms": {name: summary(stages[name])["p50"] for name in STAGES},
-        "lod": dict(zip(LEVELS, (levels / frames).tolist(), strict=True)),
-        "triangles_mean": triangles / frames,
-        "draw_calls": calls,
-    }
+        levels[k] = np.bincount(memory.level[memory.level != HIDDEN], minlength=len(LEVELS))
+        columns["simulated"].append(world.state.fishes.live.sum())
+        columns["visible"].append(len(world.state.fishes.species) - packet.hidden)
+        columns["triangles"].append(renderer.triangles)
+        columns["draw_calls"].append(renderer.draw_calls)
+    return Frames(
+        stages_s={name: np.array(values) for name, values in stages.items()},
+        levels=levels,
+        **{name: np.array(values) for name, values in columns.items()},
+    )
 
 
 def _draw(renderer: "Renderer", context: Any, packet: Packet) -> tuple[dict[str, float], float]:
@@ -187,23 +202,3 @@ def _draw(renderer: "Renderer", context: Any, packet: Packet) -> tuple[dict[str,
         "present": time.perf_counter() - drawn,
     }
     return stages, asked - begin - renderer.draw_s
-
-
-def _print(report: dict[str, Any]) -> None:
-    """The report for people: one figure a line."""
-    sizes = report["size"] if report["theatre"] else [report["size"]]
-    pixels = " + ".join(f"{width}x{height}" for width, height in sizes)
-    print(f"{report['fish']} fishes, {report['visible_mean']:.1f} visible, {pixels}")
-    print(f"motor {report['motor']}, {report['simulated_mean']:.1f} simulated")
-    print(f"{report['renderer']}, quality {report['quality']} ({report['quality_drawn']})")
-    for title in ("frame_ms", "stages_ms", "lod"):
-        print(title)
-        for name, value in report[title].items():
-            print(f"  {name:<14}{value:>10.3f}")
-    print(f"host_ms {report['host_ms']:.2f}, at most {report['draw_calls']} drawing calls a frame")
-    print(f"triangles {report['triangles_mean']:.0f} a frame, {report['fps']:.1f} frames a second")
-
-
-def _write(path: Path, report: dict[str, Any]) -> None:
-    with replacing(path) as temporary:
-        temporary.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")

@@ -287,13 +287,27 @@ def _add_benchmark(commands: Any) -> None:
         "the formula of every figure. --paper measures what the 1999 paper measured.",
         [
             "subsea benchmark --frames 120 --json report.json",
+            "subsea benchmark --fish 60,1000,10000 --tour reef --compare report.json",
             "subsea benchmark --fish 1000 --without culling,lod",
             "subsea benchmark --fish 200 --motor dynamics",
             "subsea benchmark --paper",
         ],
     )
     _add_scenario(benchmark)
-    _add_fish(benchmark)
+    benchmark.add_argument(
+        "--fish",
+        type=_rungs,
+        metavar="N,…",
+        help="number of fishes in all, instead of the scenario's; several, separated by commas, "
+        "are measured one after another",
+    )
+    benchmark.add_argument(
+        "--tour",
+        default="auto",
+        metavar="NAME",
+        help="one of the scenario's tours, whatever the fishes do (default auto, which goes where "
+        "something happens)",
+    )
     benchmark.add_argument(
         "--frames",
         type=number(int, 1, 100_000),
@@ -323,6 +337,22 @@ def _add_benchmark(commands: Any) -> None:
     )
     benchmark.add_argument(
         "--json", type=Path, dest="out", metavar="FILE", help="write the report there too"
+    )
+    benchmark.add_argument(
+        "--compare",
+        type=Path,
+        dest="against",
+        metavar="FILE",
+        help="how many times faster than in an older report of --json",
+    )
+    benchmark.add_argument(
+        "--csv", type=Path, metavar="FILE", help="write what every frame took there"
+    )
+    benchmark.add_argument(
+        "--plot",
+        type=Path,
+        metavar="FILE",
+        help="draw what every frame took there, as PNG (needs matplotlib: subsea[plot])",
     )
     benchmark.add_argument(
         "--paper", action="store_true", help="tables 3 and 4 of the 1999 paper for this machine"
@@ -591,6 +621,14 @@ def _add_fish(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help="number of fishes in all, instead of the scenario's",
     )
+
+
+def _rungs(text: str) -> tuple[int, ...]:
+    one = number(int, 1, 100_000)
+    rungs = tuple(int(one(part.strip())) for part in text.split(","))
+    if len(set(rungs)) < len(rungs):
+        raise argparse.ArgumentTypeError(f"{text!r}: expected every number once")
+    return rungs
 
 
 def _size(text: str) -> tuple[int, int]:

@@ -1,15 +1,17 @@
 """What a list of durations says."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from subsea.app.console import counted
 
 SUMMARY = ("mean", "p50", "p95", "p99", "max")
 
 
-def summary(durations_s: Sequence[float]) -> dict[str, float]:
+def summary(durations_s: Sequence[float] | NDArray[np.floating[Any]]) -> dict[str, float]:
     """Mean, percentiles and maximum in milliseconds of durations in seconds, keyed by SUMMARY.
 
     Percentiles interpolate linearly between the neighbouring ranks.

@@ -1,13 +1,16 @@
 """The report has the agreed keys, and its figures agree with each other."""
 
+import csv
 import json
 import re
 
+import numpy as np
 import pytest
+from PIL import Image
 
-from subsea.app import timing
-from subsea.app.benchmark import STAGES
+from subsea.app import comparison, timing
 from subsea.app.cli import main
+from subsea.app.figures import STAGES
 
 SMALL = ["benchmark", "--frames", "5", "--size", "160x120", "--fish", "20"]
 
@@ -31,7 +34,7 @@ def test_the_report_has_the_agreed_keys(reports):
         "renderer", "size", "display", "scenario", "fish", "visible_mean", "frames", "seed",
         "version", "without", "motor", "simulated_mean", "frame_ms", "fps", "stages_ms", "lod",
         "triangles_mean", "quality", "quality_drawn", "target_ms", "host_ms", "draw_calls",
-        "theatre", "set",
+        "theatre", "set", "tour", "parts_ms",
     }  # fmt: skip
     assert set(report["frame_ms"]) == {"mean", "p50", "p95", "p99", "max"}
     assert tuple(report["stages_ms"]) == STAGES
@@ -104,6 +107,128 @@ def test_a_quality_that_cannot_be_is_a_fault_in_one_line(capsys, command, messag
     fault = capsys.readouterr().err.splitlines()
     assert len(fault) == 1
     assert message in fault[0]
+
+
+@pytest.fixture(scope="module")
+def ladder(tmp_path_factory):
+    """A folder with the report, the table and the picture of two runs on a tour."""
+    folder = tmp_path_factory.mktemp("ladder")
+    options = ["--frames", "12", "--size", "160x120", "--fish", "5,20", "--tour", "reef"]
+    files = ["--json", "old.json", "--csv", "frames.csv", "--plot", "stages.png"]
+    files = [str(folder / word) if "." in word else word for word in files]
+    assert main(["benchmark", *options, *files]) == 0
+    return folder
+
+
+def table(path):
+    """The rows of a CSV file, each a dictionary."""
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_several_numbers_of_fishes_are_measured_one_after_another(ladder):
+    runs = json.loads((ladder / "old.json").read_text())["ladder"]
+    assert [run["fish"] for run in runs] == [5, 20]
+    assert {run["tour"] for run in runs} == {"reef"}
+    for run in runs:
+        assert len(run["parts_ms"]["frame"]) == 10
+        assert min(run["parts_ms"]["frame"]) <= run["frame_ms"]["p50"] <= run["frame_ms"]["max"]
+
+
+def test_every_frame_is_a_row_of_the_table(ladder):
+    rows = table(ladder / "frames.csv")
+    assert [(row["fish"], row["frame"]) for row in rows] == [
+        (str(fish), str(k)) for fish in (5, 20) for k in range(12)
+    ]
+    runs = json.loads((ladder / "old.json").read_text())["ladder"]
+    for run, mine in zip(runs, (rows[:12], rows[12:]), strict=True):
+        times = [float(row["frame_ms"]) for row in mine]
+        assert max(times) == pytest.approx(run["frame_ms"]["max"], abs=1e-3)
+        assert float(np.mean([int(row["visible"]) for row in mine])) == run["visible_mean"]
+        assert max(int(row["draw_calls"]) for row in mine) == run["draw_calls"]
+        for row in mine:
+            stages = sum(float(row[f"{name}_ms"]) for name in STAGES)
+            assert 0.5 * float(row["frame_ms"]) < stages <= float(row["frame_ms"])
+
+
+def test_the_picture_shows_a_chart_for_each_run(ladder):
+    with Image.open(ladder / "stages.png") as picture:
+        assert picture.format == "PNG"
+        assert picture.size == (900, 580)
+        assert len(np.unique(np.asarray(picture.convert("L")))) > 10
+
+
+def test_on_a_tour_every_run_sees_the_same(ladder, tmp_path):
+    again = ["--frames", "12", "--size", "160x120", "--fish", "20", "--tour", "reef"]
+    assert main(["benchmark", *again, "--csv", str(tmp_path / "again.csv")]) == 0
+    shown = [
+        [(row["visible"], row["triangles"]) for row in table(file)]
+        for file in (ladder / "frames.csv", tmp_path / "again.csv")
+    ]
+    assert shown[0][12:] == shown[1]
+
+
+def test_a_report_stands_against_an_older_one(ladder, tmp_path, capsys):
+    old = json.loads((ladder / "old.json").read_text())["ladder"][1]
+    for table in (old["frame_ms"], old["stages_ms"]):
+        for name in table:
+            table[name] *= 1000.0
+    for parts in old["parts_ms"].values():
+        parts[:] = [1000.0 * value for value in parts]
+    slow = tmp_path / "slow.json"
+    slow.write_text(json.dumps(old))
+    options = ["--frames", "12", "--size", "160x120", "--fish", "20"]
+    assert main(["benchmark", *options, "--compare", str(slow)]) == 0
+    told = capsys.readouterr().out
+    assert "not alike: tour\n" in told
+    name, then, now, ratio, low, to, high = re.search(r"^frame .*", told, re.M)[0].split()
+    assert (name, to) == ("frame", "to")
+    assert float(then) == pytest.approx(old["frame_ms"]["p50"], abs=1e-3)
+    assert float(ratio) == pytest.approx(float(then) / float(now), rel=0.01)
+    assert 100.0 < float(low) < float(high)
+
+
+def test_parts_that_took_half_as_long_were_twice_as_fast():
+    assert comparison.spread([4.0] * 10, [2.0] * 10) == (2.0, 2.0)
+    low, high = comparison.spread([1.0, 2.0, 3.0], [1.0, 1.0, 1.0])
+    assert 1.0 < low < 2.0 < high < 3.0
+    assert comparison.spread([1.0] * 9, [1.0] * 10) is None
+    assert comparison.spread([1.0], [1.0]) is None
+    assert comparison.spread([1.0, 1.0], [0.0, 1.0]) is None
+
+
+@pytest.mark.parametrize(
+    "content",
+    ["", "{", "[]", "{}", '{"ladder": 3}', '{"ladder": []}', '{"fish": "many"}', "\x00\xff"],
+)
+def test_what_is_no_report_is_a_fault_in_one_line(tmp_path, capsys, content):
+    path = tmp_path / "old.json"
+    path.write_text(content)
+    assert main([*SMALL, "--compare", str(path)]) == 2
+    fault = capsys.readouterr().err.splitlines()
+    assert len(fault) == 1
+    assert "old.json: expected what `subsea benchmark --json` writes" in fault[0]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--compare", "none.json"], "none.json: cannot read (No such file or directory)"),
+        (["--tour", "reaf"], "unknown tour 'reaf'; did you mean 'reef'?"),
+        (["--fish", "5,5"], "'5,5': expected every number once"),
+        (["--fish", "5,0"], "'0': expected a whole number from 1 to 100000"),
+        (["--csv", "."], "is a folder"),
+        (["--plot", "."], "is a folder"),
+    ],
+)
+def test_a_run_that_cannot_be_is_a_fault_in_one_line(
+    tmp_path, monkeypatch, capsys, options, message
+):
+    monkeypatch.chdir(tmp_path)
+    assert main(["benchmark", *options]) == 2
+    fault = capsys.readouterr().err.splitlines()
+    assert message in fault[-1]
+    assert not list(tmp_path.iterdir())
 
 
 def test_the_summary_of_known_durations():
