@@ -178,6 +178,41 @@ def _parsers() -> tuple[argparse.ArgumentParser, Any]:
         "--fit", action="store_true", help="scale the mesh to the fish and put its snout in place"
     )
     mesh.set_defaults(run=_mesh)
+
+    export = command(
+        commands,
+        "export",
+        "write a species and its motion for other programs",
+        "The mesh that a dive draws, its sheet of colours, and every recorded segment as a clip:\n"
+        "  vat   a vertex animation texture by the conventions of OpenVAT, for game engines:\n"
+        "        OUT/SPECIES_vat/ with texture, mesh, sheet and ranges\n"
+        "  usd   a USD stage with points in every frame: OUT/SPECIES.usdc and its sheet. Needs\n"
+        "        usd-core (subsea[usd])\n"
+        "docs/export.md tells what is in the files and how other programs take them.",
+        [
+            "subsea-capture export fusilier --to vat --out game/Assets",
+            "subsea-capture export spotted_eagle_ray --to usd --root baked",
+        ],
+    )
+    export.add_argument("species", metavar="SPECIES", help="species to export")
+    export.add_argument("--to", choices=["vat", "usd"], required=True, help="the format")
+    export.add_argument(
+        "--out", metavar="DIR", type=Path, default=Path(), help="folder to write to (this one)"
+    )
+    export.add_argument(
+        "--root",
+        choices=["apart", "baked"],
+        default="apart",
+        help="the way of the fish: a motion of the root (default), or in the points",
+    )
+    export.add_argument(
+        "--detail",
+        metavar="N",
+        type=number(int, 0, 3),
+        default=0,
+        help="level of detail, 0 the finest to 3 (0)",
+    )
+    export.set_defaults(run=_export)
     return parser, commands
 
 
@@ -299,4 +334,17 @@ def _mesh(options: argparse.Namespace) -> int:
     for frame in trange(len(nodes), unit="frame"):
         write_mesh(options.out / f"{name}_{frame:04d}.obj", mesh, nodes[frame])
     print(f"{options.out / name}_0000.obj and {len(nodes) - 1} more")
+    return 0
+
+
+def _export(options: argparse.Namespace) -> int:
+    from capture.export.clips import make_clips
+    from capture.export.usd import write_usd
+    from capture.export.vat import write_vat
+
+    write = {"vat": write_vat, "usd": write_usd}[options.to]
+    check_folder(options.out)
+    model, clips = make_clips(options.species, options.detail)
+    for path in write(options.out, model, clips, options.root == "baked"):
+        print(f"{path}: {path.stat().st_size / 1e6:.1f} MB")
     return 0

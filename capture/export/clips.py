@@ -15,7 +15,6 @@ from subsea.kinematics.coupling import couple, place
 from subsea.kinematics.rotation import matrix, multiply, normalised
 from subsea.kinematics.surface import CONTROL_POINTS, PaddlePlan, SurfacePlan, rest_control_points
 from subsea.repertoire import SEGMENTS, Repertoire, Segment, read_repertoire
-from subsea.resources import resource_path
 from subsea.skins import paint
 from subsea.skins.mesh import (
     ABSENT,
@@ -28,7 +27,7 @@ from subsea.skins.mesh import (
     fish_mesh,
     outfit,
 )
-from subsea.species import Species, load_species
+from subsea.species import Species, load_species, repertoire_file
 
 Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
@@ -74,7 +73,7 @@ def make_clips(name: str, detail: int = 0) -> tuple[Model, list[Clip]]:
     An unknown species, or one without a sound repertoire, is a UserError.
     """
     species = load_species(name)
-    path = resource_path("repertoires") / f"{name}.h5"
+    path = repertoire_file(name)
     if not path.is_file():
         raise UserError(f"{path}: no such file; `subsea-capture record {name}` makes it")
     repertoire = read_repertoire(path)

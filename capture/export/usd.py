@@ -64,7 +64,7 @@ def starts(clips: list[Clip]) -> list[int]:
 
 def _fill(stage: Any, sheet: str, model: Model, clips: list[Clip], baked: bool) -> None:
     """Author the whole stage."""
-    from pxr import Kind, Usd, UsdGeom
+    from pxr import Kind, Tf, Usd, UsdGeom
 
     first = starts(clips)
     last = [start + len(clip.points) - 1 for start, clip in zip(first, clips, strict=True)]
@@ -80,7 +80,7 @@ def _fill(stage: Any, sheet: str, model: Model, clips: list[Clip], baked: bool) 
             for clip, start, end in zip(clips, first, last, strict=True)
         }
     }
-    root = UsdGeom.Xform.Define(stage, f"/{model.name}")
+    root = UsdGeom.Xform.Define(stage, f"/{Tf.MakeValidIdentifier(model.name)}")
     stage.SetDefaultPrim(root.GetPrim())
     Usd.ModelAPI(root).SetKind(Kind.Tokens.component)
     if baked:

@@ -1,5 +1,7 @@
 """Clips are the recorded segments, on the surface that `tests/render/test_fishes.py` compares."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -94,10 +96,11 @@ def test_coarser_levels_have_fewer_vertices(detail: int) -> None:
 
 
 def test_a_species_that_is_unknown_or_unrecorded_is_one_line(
-    monkeypatch: pytest.MonkeyPatch,
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     with pytest.raises(UserError, match="did you mean 'fusilier'"):
         make_clips("fusiler")
-    monkeypatch.setattr("capture.export.clips.resource_path", lambda name: resource_path("none"))
+    nowhere = tmp_path / "fusilier.h5"
+    monkeypatch.setattr("capture.export.clips.repertoire_file", lambda name: nowhere)
     with pytest.raises(UserError, match=r"fusilier.h5: no such file; `subsea-capture record fus"):
         make_clips("fusilier")

@@ -1,0 +1,63 @@
+from pathlib import Path
+
+import pytest
+
+from capture.cli import main
+
+
+@pytest.mark.parametrize(
+    ("form", "files"),
+    [
+        (
+            "vat",
+            [
+                "fusilier_vat/fusilier_vat.png",
+                "fusilier_vat/fusilier_basecolor.png",
+                "fusilier_vat/fusilier.glb",
+                "fusilier_vat/fusilier-remap_info.json",
+            ],
+        ),
+        ("usd", ["fusilier.usdc", "fusilier_basecolor.png"]),
+    ],
+)
+def test_it_tells_each_file_in_a_line(
+    form: str, files: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "new"
+    assert main(["export", "fusilier", "--to", form, "--detail", "3", "--out", str(out)]) == 0
+    told = [line.partition(": ")[0] for line in capsys.readouterr().out.splitlines()]
+    assert told == [str(out / name) for name in files]
+    assert {path for path in out.rglob("*") if path.is_file()} == {out / name for name in files}
+
+
+def test_detail_and_root_reach_the_files(tmp_path: Path) -> None:
+    small = ["export", "fusilier", "--to", "vat", "--detail", "3"]
+    assert main([*small, "--out", str(tmp_path / "a")]) == 0
+    assert main([*small, "--root", "baked", "--out", str(tmp_path / "b")]) == 0
+    info = [
+        (tmp_path / folder / "fusilier_vat" / "fusilier-remap_info.json").read_text()
+        for folder in "ab"
+    ]
+    assert '"root"' in info[0] and '"root"' not in info[1]
+    glb = tmp_path / "a" / "fusilier_vat" / "fusilier.glb"
+    assert main([*small[:-1], "1", "--out", str(tmp_path / "c")]) == 0
+    assert glb.stat().st_size < (tmp_path / "c" / "fusilier_vat" / "fusilier.glb").stat().st_size
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        (["fusiler", "--to", "usd"], "did you mean 'fusilier'?"),
+        (["fusilier"], "--to"),
+        (["fusilier", "--to", "fbx"], "'fbx'"),
+        (["fusilier", "--to", "vat", "--detail", "4"], "whole number from 0 to 3"),
+        (["fusilier", "--to", "vat", "--root", "fixed"], "'fixed'"),
+        (["fusilier", "--to", "vat", "--out", "/proc/none"], "/proc/none"),
+    ],
+)
+def test_what_the_user_can_mend_is_one_line(
+    arguments: list[str], expected: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["export", *arguments]) == 2
+    out, err = capsys.readouterr()
+    assert not out and err.count("\n") == 1 and expected in err
