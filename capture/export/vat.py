@@ -18,6 +18,7 @@ Ours has the sheet of colours too, and what we know beyond that in the JSON's `s
 import json
 from pathlib import Path
 from typing import Any, NamedTuple
+from urllib.parse import quote
 
 import numpy as np
 from numpy.typing import NDArray
@@ -122,7 +123,7 @@ def _mesh(model: Model, height: int, colours: str) -> bytes:
         "materials": [material],
         "textures": [{"source": 0, "sampler": 0}],
         "samplers": [{"wrapS": 33071, "wrapT": 33071}],  # clamped
-        "images": [{"uri": colours}],
+        "images": [{"uri": quote(colours)}],
     }
     return glb(content, buffer)
 
