@@ -17,6 +17,7 @@ from capture.export.png import png16
 from capture.export.vat import write_vat
 from subsea.errors import UserError
 from subsea.kinematics.rotation import matrix
+from subsea.render import headless_context
 
 
 class Decoded:
@@ -56,10 +57,15 @@ def _texcoord_1(file: Path) -> np.ndarray:
     return np.frombuffer(data, "<f4", 2 * accessor["count"], start).reshape(-1, 2)
 
 
+# The widest ranges and the longest fishes; OpenUSD reads all of them (`test_usd.py`).
+@pytest.mark.parametrize(
+    "known", ["fusilier", "blue_tang", "blacktip_reef_shark", "ribbon_eel", "spotted_eagle_ray"]
+)
 def test_decoded_it_is_our_playback(
-    known: str, model: Model, clips: list[Clip], tmp_path: Path
+    known: str, exported: dict[str, tuple[Model, list[Clip]]], tmp_path: Path
 ) -> None:
     """Within half a step of 16 bits: 1e-5 body lengths, and 0.002 degrees."""
+    model, clips = exported[known]
     for path in write_vat(tmp_path, model, clips, baked=False):
         assert path.is_file()
     read = Decoded(tmp_path / f"{known}_vat", known)
@@ -161,3 +167,37 @@ def test_nothing_is_left_of_what_cannot_be_written(tmp_path: Path) -> None:
     with pytest.raises(UserError, match="out"):
         write_vat(tmp_path / "out", model, clips, baked=False)
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
+
+
+def test_the_shader_of_the_documentation_decodes_it(tmp_path: Path) -> None:
+    """Run as it is printed, on a texture of 16 bits."""
+    text = (Path(__file__).parents[3] / "docs" / "export.md").read_text(encoding="utf-8")
+    body = text.partition("```glsl\n")[2].partition("```")[0]
+    model, clips = make_clips("fusilier", detail=2)
+    write_vat(tmp_path, model, clips, baked=False)
+    read = Decoded(tmp_path / "fusilier_vat", "fusilier")
+    height, width, _ = read.texels.shape
+    with headless_context() as gl:
+        gl.simple_framebuffer((1, 1)).use()  # a context without a window has none of its own
+        program = gl.program(
+            vertex_shader=f"""#version 330
+                uniform sampler2D vat; uniform vec3 low, high; uniform float frame, height;
+                in vec3 rest; in vec2 uv2; out vec3 position, normal;
+                void main() {{ position = rest; {body} }}""",
+            varyings=("position", "normal"),
+        )
+        values = np.round(65535.0 * read.texels).astype("u2")
+        # The first row is at v = 0, as in glTF.
+        texture = gl.texture((width, height), 3, values.tobytes(), alignment=2, dtype="nu2")
+        texture.filter = (gl.NEAREST, gl.NEAREST)
+        texture.use()
+        vertices = np.concatenate([read.mesh.vertices, read.uv2], axis=1).astype("f4")
+        array = gl.vertex_array(program, gl.buffer(vertices.tobytes()), "rest", "uv2")
+        out = gl.buffer(reserve=24 * len(vertices))
+        program["low"], program["high"] = read.ranges["Min"], read.ranges["Max"]
+        program["frame"], program["height"] = 40.0, float(height)
+        array.transform(out, gl.POINTS)
+        found = np.frombuffer(out.read(), "f4").reshape(-1, 6)
+    points, normals = read.at(40)
+    np.testing.assert_allclose(found[:, :3], points, atol=1e-7)
+    np.testing.assert_allclose(found[:, 3:], normals, atol=1e-4)
