@@ -144,6 +144,15 @@ def restore(world: World, data: bytes) -> None:
     world.seen_light.update(header.seen_light)
 
 
+def check(world: World) -> None:
+    """A UserError that names a number in the world which no tick writes."""
+    arrays = changing(world)
+    for name, array in arrays.items():
+        if array.dtype.kind == "f" and np.isnan(array).any():
+            raise UserError(f"{name} holds what is no number")
+    _refuse_impossible(world, arrays)
+
+
 def _seen_light(world: World) -> dict[int, float]:
     return {int(fish): float(light) for fish, light in sorted(world.seen_light.items())}
 

@@ -78,6 +78,7 @@ def _parsers() -> tuple[argparse.ArgumentParser, Any]:
         _add_simulate,
         _add_study,
         _add_benchmark,
+        _add_soak,
         _add_doctor,
         _add_keys,
         _add_settings,
@@ -358,6 +359,48 @@ def _add_benchmark(commands: Any) -> None:
         "--paper", action="store_true", help="tables 3 and 4 of the 1999 paper for this machine"
     )
     benchmark.set_defaults(run=_benchmark)
+
+
+def _add_soak(commands: Any) -> None:
+    soak = command(
+        commands,
+        "soak",
+        "dive for hours with hands at random, and watch for what must never happen",
+        "Steers, takes fishes' reins, changes current and lights, lets time go back, and draws in\n"
+        "one display mode after another. Watches for numbers that are none, fishes out of the\n"
+        "sea, a past that does not come again equally, and memory that grows. Exit code 1 if\n"
+        "anything was found.",
+        [
+            "subsea soak --minutes 60",
+            "subsea soak --scenario open-ocean --minutes 5 --json soak.json",
+            "subsea soak --scenario open-ocean --minutes 5 --compare soak.json",
+        ],
+    )
+    _add_scenario(soak)
+    _add_fish(soak)
+    _add_seed(soak)
+    soak.add_argument(
+        "--minutes",
+        type=number(float, 0.01, 1440),
+        default=10.0,
+        metavar="M",
+        help="of the sea's own time (default 10)",
+    )
+    soak.add_argument(
+        "--draw",
+        action=argparse.BooleanOptionalAction,
+        default=True,
+        help="make a picture every second of the sea (--no-draw: no OpenGL)",
+    )
+    soak.add_argument("--json", type=Path, dest="out", metavar="FILE", help="write a report there")
+    soak.add_argument(
+        "--compare",
+        type=Path,
+        dest="against",
+        metavar="FILE",
+        help="the report of the same soak, the checksums of which must come again",
+    )
+    soak.set_defaults(run=_soak)
 
 
 def _add_doctor(commands: Any) -> None:
@@ -867,6 +910,12 @@ def _benchmark(paper: bool, **options: Any) -> int:
     _no_pages(options["display"])
     _check_target(options["quality"], options["target_ms"])
     return benchmark(**_with_sizes("benchmark", options))
+
+
+def _soak(**options: Any) -> int:
+    from subsea.app.soak import soak
+
+    return soak(**options)
 
 
 def _theatre(name: str) -> int:

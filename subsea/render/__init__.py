@@ -2,13 +2,20 @@
 
 from typing import TYPE_CHECKING, Any
 
-from subsea.render.context import headless_context, page_switch, window_context
+from subsea.render.context import headless_context, living, page_switch, window_context
 from subsea.render.presenter import Presenter
 
 if TYPE_CHECKING:
     from subsea.render.renderer import Renderer
 
-__all__ = ["Presenter", "Renderer", "headless_context", "page_switch", "window_context"]
+__all__ = [
+    "Presenter",
+    "Renderer",
+    "headless_context",
+    "living",
+    "page_switch",
+    "window_context",
+]
 
 
 def __getattr__(name: str) -> Any:

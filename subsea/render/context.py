@@ -57,6 +57,32 @@ def window_context(get_proc_address: Callable[[str], int | None]) -> Any:
     return _prepared(context)
 
 
+def living(context: Any) -> dict[str, int]:
+    """How many objects of each kind there are in a context without a window.
+
+    Asked name by name, up to one that is given now. Empty where EGL cannot be asked.
+    """
+    try:
+        look_up = ctypes.CDLL("libEGL.so.1").eglGetProcAddress
+    except OSError:
+        return {}
+    look_up.restype, look_up.argtypes = ctypes.c_void_p, [ctypes.c_char_p]
+    made = {
+        "Buffer": context.buffer(reserve=4),
+        "Texture": context.texture((1, 1), 1),
+        "Renderbuffer": context.renderbuffer((1, 1)),
+        "Program": context.program(
+            vertex_shader="#version 330\nvoid main() { gl_Position = vec4(0.0); }"
+        ),
+    }
+    found = {}
+    for kind, one in made.items():
+        is_one = ctypes.CFUNCTYPE(ctypes.c_ubyte, ctypes.c_uint)(look_up(f"glIs{kind}".encode()))
+        found[kind] = sum(bool(is_one(name)) for name in range(1, one.glo))
+        one.release()
+    return found
+
+
 def page_switch(get_proc_address: Callable[[str], Any]) -> Callable[[int], None]:
     """A function that chooses the left (0) or right (1) back buffer of the current window.
 

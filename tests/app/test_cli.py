@@ -10,7 +10,7 @@ import pytest
 from subsea.app.cli import main
 from subsea.resources import resource_path
 
-COMMANDS = ("dive", "film", "simulate", "study", "benchmark", "doctor", "keys", "settings")
+COMMANDS = ("dive", "film", "simulate", "study", "benchmark", "soak", "doctor", "keys", "settings")
 DOOR = Path(__file__).parents[2] / "run_submarine.py"
 
 

@@ -1,0 +1,287 @@
+"""`subsea soak`: hours of a dive with hands at random, watched for what must never happen."""
+
+import json
+import time
+from collections.abc import Generator, Iterator, Sequence
+from importlib.metadata import version
+from itertools import cycle
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import msgspec
+import numpy as np
+
+from subsea import interrupts, snapshot
+from subsea.app.console import counted, say
+from subsea.app.progress import clock, progress
+from subsea.app.start import headless, start_world
+from subsea.behavior.reins import Reins
+from subsea.constants import constants_of, put_back
+from subsea.errors import UserError
+from subsea.frame import make_scene, pack
+from subsea.kinematics.heightfield import height_at
+from subsea.ocean import Order, step
+from subsea.places import check_file, replacing
+from subsea.render.quality import PRESETS
+from subsea.submarine.helm import HANDS_OFF, Helm
+from subsea.view.rig import views
+from subsea.view.rigs import cockpit, display_rig
+from subsea.world import TICK_S, World
+
+SECOND = round(1.0 / TICK_S)  # ticks, about
+MINUTE = round(60.0 / TICK_S)
+SIZE = (320, 180)
+DISPLAYS = ("mono", "side-by-side", "anaglyph", "panorama", "dome")  # one follows another
+PICTURES = 30  # in each of them, a second apart
+REPLAY_EVERY, REPLAYED = MINUTE, 3 * SECOND  # so often time goes back so far
+SPELL_S = 0.5, 8.0  # how long hands do one thing
+CURRENT_CM_S = 30.0
+TIMIDITY = 0.5, 2.0
+SHARES = {"steer": 0.6, "let go": 0.1, "ride": 0.2, "change": 0.1}
+MEMORY_FROM = 0.25  # the share of a soak from which on memory counts
+GROWTH = 0.02  # of resident memory since then is too much
+MOST_FAULTS = 10  # then the dive ends
+LARGEST = 100_000_000  # bytes of a report
+
+
+class Hands(NamedTuple):
+    """What a visitor does in a tick."""
+
+    order: Order
+    lights: bool
+    current_cm_s: tuple[float, float]
+    timidity: float
+
+
+class Watch(NamedTuple):
+    """What was seen so far."""
+
+    checksums: list[str]  # after every minute of the sea
+    memory_mb: list[float]  # then; empty where the system does not tell
+    objects: list[dict[str, int]]  # of OpenGL, after every round of displays
+    replays: list[int]  # ticks at which time had gone back and come again
+    faults: list[str]
+
+
+def soak(
+    scenario: str,
+    minutes: float,
+    fish: int | None,
+    seed: int | None,
+    draw: bool,
+    out: Path | None,
+    against: Path | None,
+    changes: Sequence[str] = (),
+) -> int:
+    """Dive `minutes` of the sea's own time with hands at random, and print what was seen.
+
+    Faults are: numbers that no tick writes; a fish or the submarine out of bounds; a past that
+    does not come again equally; memory and objects of OpenGL that grow; checksums other than
+    those of the same dive in the report `against`. With `draw` a picture is made every second,
+    in one display mode after another. The report goes to `out` as JSON.
+
+    Returns 0 if all was sound, 1 if not. The same arguments make the same dive.
+    """
+    if out is not None:
+        check_file(out)
+    expected = [] if against is None else _checksums(against)
+    world = start_world(scenario, seed, fish, changes=changes)
+    watch, ticks = Watch([], [], [], [], []), max(round(minutes * MINUTE), 1)
+    begun = time.monotonic()
+    try:
+        if draw:
+            with headless() as context:
+                _dive(world, ticks, watch, _painting(world, context, watch))
+        else:
+            _dive(world, ticks, watch)
+    except KeyboardInterrupt:
+        _tell(world, watch, time.monotonic() - begun)
+        raise
+    watch.faults.extend(
+        f"minute {k + 1}: not the checksum of {against}"
+        for k, (mine, theirs) in enumerate(zip(watch.checksums, expected, strict=False))
+        if mine != theirs
+    )
+    if grown := growth(watch.memory_mb):
+        watch.faults.append(f"memory grew by {grown:.1%}")
+    for kind in watch.objects[0] if watch.objects else ():
+        numbers = [objects[kind] for objects in watch.objects]
+        if numbers[-1] > numbers[0]:
+            watch.faults.append(f"objects of OpenGL that are not released: {kind}, {numbers}")
+    if out is not None:
+        report = {
+            "scenario": scenario,
+            "set": [*changes],
+            "seed": world.state.seed,
+            "fish": len(world.state.fishes.species),
+            "version": version("subsea"),
+            "drawn": draw,
+            "ticks": ticks,
+            **watch._asdict(),
+        }
+        with replacing(out) as temporary:
+            temporary.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+    _tell(world, watch, time.monotonic() - begun)
+    return 1 if watch.faults else 0
+
+
+def _dive(
+    world: World, ticks: int, watch: Watch, painting: Generator[None, None, None] | None = None
+) -> None:
+    doing = hands(world, np.random.default_rng(world.state.seed))
+    done: list[Hands] = []  # since the moment to which time goes back
+    before = None
+    with interrupts.deferred() as check, progress(ticks, "tick") as count:
+        for k in range(1, ticks + 1):
+            check()
+            if k % REPLAY_EVERY == REPLAY_EVERY - REPLAYED:
+                before, done = (snapshot.take(world), constants_of(world)), []
+            done.append(next(doing))
+            act(world, done[-1])
+            if before and k % REPLAY_EVERY == 0:
+                after = snapshot.checksum(world)
+                put_back(world, before[1])
+                snapshot.restore(world, before[0])
+                for one in done:
+                    act(world, one)
+                if snapshot.checksum(world) != after:
+                    watch.faults.append(f"tick {world.state.tick}: the past did not come again")
+                watch.replays.append(world.state.tick)
+                before = None
+            if k % SECOND == 0:
+                found = faults_in(world)
+                watch.faults.extend(f"tick {world.state.tick}: {what}" for what in found)
+                if painting:
+                    next(painting)
+            if k % MINUTE == 0 or k == ticks:
+                watch.checksums.append(snapshot.checksum(world))
+                watch.memory_mb.extend(resident_mb())
+            count()
+            if len(watch.faults) >= MOST_FAULTS:
+                break
+    if painting:
+        painting.close()
+
+
+def hands(world: World, dice: np.random.Generator) -> Iterator[Hands]:
+    """What hands at random do, tick by tick: steer, let go, take a fish's reins, change things."""
+    current, timidity, lights = world.current_cm_s, world.nature.timidity, False
+    while True:
+        order: Order = HANDS_OFF
+        what = dice.choice(list(SHARES), p=list(SHARES.values()))
+        ask = dice.uniform(-1.0, 1.0, 4)
+        ticks = round(dice.uniform(*SPELL_S) / TICK_S)
+        living = np.flatnonzero(world.state.fishes.alive)
+        if what == "steer":
+            order = Helm(*ask.tolist())
+        elif what == "ride" and len(living):
+            order = Reins(int(dice.choice(living)), *ask[:3].tolist())
+        elif what == "change":
+            current = float(CURRENT_CM_S * ask[0]), float(CURRENT_CM_S * ask[1])
+            timidity, lights = float(dice.uniform(*TIMIDITY)), not lights
+        for _ in range(ticks):
+            yield Hands(order, lights, current, timidity)
+
+
+def act(world: World, doing: Hands) -> None:
+    """Make one tick of the world with these hands in it."""
+    world.state.submarine.lights[0] = doing.lights
+    world.current_cm_s = doing.current_cm_s
+    world.nature = world.nature._replace(timidity=doing.timidity)
+    step(world, doing.order)
+
+
+def faults_in(world: World) -> list[str]:
+    """What is wrong with a world: numbers that no tick writes, bodies out of bounds."""
+    try:
+        snapshot.check(world)
+    except UserError as fault:
+        return [str(fault)]
+    sea, fishes = world.state.sea, world.state.fishes
+    swims = fishes.alive.copy()
+    if sea.catch[1] >= 0:
+        swims[int(sea.catch[1])] = False  # it is drawn up into the air
+    names = [*(f"fish {i}" for i in np.flatnonzero(swims)), "the submarine"]
+    found = []
+    for name, (x, y, z) in zip(
+        names, [*fishes.position[swims], world.state.submarine.position], strict=True
+    ):
+        floor = height_at(sea.heights, sea.half_width, float(x), float(y))
+        if np.hypot(x, y) > sea.radius or not floor < z < 0.0:
+            found.append(f"{name} is out of the sea, at {x:.0f}, {y:.0f}, {z:.0f}")
+    return found
+
+
+def _painting(world: World, context: Any, watch: Watch) -> Generator[None, None, None]:
+    """Make a picture at every call, in one display mode after another."""
+    from subsea.render import Renderer, living
+
+    quality = PRESETS["low"]
+    for display in cycle(DISPLAYS):
+        rig = display_rig(display, SIZE)
+        renderer = Renderer(context, make_scene(world), rig, quality)
+        try:
+            for _ in range(PICTURES):
+                seen = views(rig, cockpit(world.state.submarine, 1.0))
+                renderer.draw(pack(world, seen, 1.0, detail=quality.detail, growth=quality.growth))
+                renderer.read_pixels()
+                yield
+        finally:
+            renderer.release()
+        if display == DISPLAYS[-1]:
+            watch.objects.append(living(context))
+
+
+def growth(memory_mb: Sequence[float]) -> float:
+    """By which share memory has grown beyond what it may, 0 if it has not.
+
+    The most of the last quarter is compared with the most of the second.
+    """
+    quarter = round(MEMORY_FROM * len(memory_mb))
+    if quarter < 1:
+        return 0.0
+    grown = max(memory_mb[-quarter:]) / max(memory_mb[quarter : 2 * quarter]) - 1.0
+    return grown if grown > GROWTH else 0.0
+
+
+def resident_mb() -> list[float]:
+    """The resident memory of this process, MB, in a list; an empty one where nobody tells."""
+    try:
+        status = Path("/proc/self/status").read_text(encoding="ascii")
+    except OSError:
+        return []
+    line = next(line for line in status.splitlines() if line.startswith("VmRSS"))
+    return [int(line.split()[1]) / 1024]
+
+
+class _Report(msgspec.Struct):
+    checksums: list[str]
+
+
+def _checksums(path: Path) -> list[str]:
+    """Those of an older report."""
+    try:
+        with path.open("rb") as file:
+            return msgspec.json.decode(file.read(LARGEST), type=_Report).checksums
+    except OSError as fault:
+        raise UserError(f"{path}: cannot read ({fault.strerror})") from fault
+    except (ValueError, RecursionError) as fault:
+        raise UserError(f"{path}: expected what `subsea soak --json` writes ({fault})") from fault
+
+
+def _tell(world: World, watch: Watch, seconds: float) -> None:
+    fishes = counted(len(world.state.fishes.species), "fish", "fishes")
+    print(f"{clock(world.state.tick * TICK_S)} of the sea, {fishes}, in {clock(seconds)}")
+    if watch.checksums:
+        print(f"checksum at the end: {watch.checksums[-1]}")
+    print(f"time went back {counted(len(watch.replays), 'time', 'times')}")
+    if watch.memory_mb:
+        first, last = watch.memory_mb[len(watch.memory_mb) // 4], watch.memory_mb[-1]
+        print(f"memory: {first:.0f} MB after a quarter, {last:.0f} at the end")
+    if watch.objects:
+        for when, objects in (("first", watch.objects[0]), ("last", watch.objects[-1])):
+            kinds = ", ".join(f"{kind} {number}" for kind, number in objects.items())
+            print(f"objects of OpenGL after the {when} round of displays: {kinds}")
+    for fault in watch.faults:
+        say(fault)
+    print(counted(len(watch.faults), "fault", "faults") if watch.faults else "sound")
