@@ -1,8 +1,11 @@
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from capture.cli import main
+from subsea.repertoire import read_repertoire, write_repertoire
+from subsea.species import own_species_file, repertoire_file, species_file
 
 
 @pytest.mark.parametrize(
@@ -61,3 +64,19 @@ def test_what_the_user_can_mend_is_one_line(
     assert main(["export", *arguments]) == 2
     out, err = capsys.readouterr()
     assert not out and err.count("\n") == 1 and expected in err
+
+
+def test_a_species_of_ones_own_is_exported_by_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    mine, shipped = own_species_file("my-fish"), species_file("fusilier")
+    mine.parent.mkdir(parents=True)
+    mine.write_text(shipped.read_text(encoding="utf-8"), encoding="utf-8")
+    arguments = ["export", "my-fish", "--to", "usd", "--detail", "3", "--out", str(tmp_path)]
+    assert main(arguments) == 2
+    assert "`subsea-capture record my-fish` makes it" in capsys.readouterr().err
+    repertoire = read_repertoire(repertoire_file("fusilier"))
+    write_repertoire(repertoire_file("my-fish"), replace(repertoire, species="my-fish"))
+    assert main(arguments) == 0
+    assert (tmp_path / "my-fish.usdc").is_file()
