@@ -5,7 +5,6 @@ begins and ends. It is in metres, y up and the head along +z, as glTF files are.
 fins are a mesh each, as only fins are seen from both sides.
 """
 
-import tempfile
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -39,21 +38,23 @@ def write_usd(folder: Path, model: Model, clips: list[Clip], baked: bool) -> lis
     if usd-core is not installed or a file cannot be written.
     """
     try:
-        from pxr import Sdf, Usd
+        from pxr import Tf, Usd
     except ImportError as fault:
         raise UserError("USD needs usd-core: install subsea[usd]") from fault
     file, sheet = folder / f"{model.name}.usdc", folder / f"{model.name}_basecolor.png"
-    with tempfile.TemporaryDirectory() as scratch:
+    stage = Usd.Stage.CreateInMemory(file.name)
+    _fill(stage, sheet.name, model, clips, baked)
+    with replacing(sheet) as picture, replacing(file) as part:
+        picture.write_bytes(sheet_png(model.sheet))
         # The library goes by the suffix, which the name of an unfinished file has not.
-        layer = Sdf.Layer.CreateNew(str(Path(scratch) / file.name))
-        _fill(Usd.Stage.Open(layer), sheet.name, model, clips, baked)
-        layer.Save()
-        del layer
-        data = (Path(scratch) / file.name).read_bytes()
-    with replacing(sheet) as part:
-        part.write_bytes(sheet_png(model.sheet))
-    with replacing(file) as part:
-        part.write_bytes(data)
+        plain = part.with_suffix(file.suffix)
+        try:
+            stage.GetRootLayer().Export(str(plain))
+            plain.replace(part)
+        except Tf.ErrorException as fault:
+            raise UserError(f"{file}: cannot write ({fault.args[0].commentary})") from fault
+        finally:
+            plain.unlink(missing_ok=True)
     return [file, sheet]
 
 

@@ -16,6 +16,7 @@ Ours has the sheet of colours too, and what we know beyond that in the JSON's `s
 """
 
 import json
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, NamedTuple
 from urllib.parse import quote
@@ -60,9 +61,9 @@ def write_vat(folder: Path, model: Model, clips: list[Clip], baked: bool) -> lis
         f"{model.name}.glb": _mesh(model, len(texture.texels), colours),
         f"{model.name}-remap_info.json": _ranges(model, clips, texture, baked),
     }
-    for name, data in files.items():
-        with replacing(folder / name) as part:
-            part.write_bytes(data)
+    with ExitStack() as all_or_none:
+        for name, data in files.items():
+            all_or_none.enter_context(replacing(folder / name)).write_bytes(data)
     return [folder / name for name in files]
 
 

@@ -1,3 +1,5 @@
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -80,3 +82,14 @@ def test_a_species_of_ones_own_is_exported_by_name(
     write_repertoire(repertoire_file("my-fish"), replace(repertoire, species="my-fish"))
     assert main(arguments) == 0
     assert (tmp_path / "my-fish.usdc").is_file()
+
+
+@pytest.mark.parametrize("form", ["vat", "usd"])
+def test_without_room_nothing_is_left(form: str, tmp_path: Path) -> None:
+    """No file may be longer than 200 blocks of 1024 bytes: the last ones fail."""
+    arguments = f"export fusilier --to {form} --detail 2 --out {tmp_path / 'new'}"
+    command = f"ulimit -f 200; exec {sys.executable} -m capture {arguments}"
+    run = subprocess.run(["bash", "-c", command], capture_output=True, text=True, timeout=120)
+    assert run.returncode == 2 and not run.stdout
+    assert run.stderr.count("\n") == 1 and "File too large" in run.stderr
+    assert not list(tmp_path.iterdir())
