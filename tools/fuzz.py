@@ -1,0 +1,408 @@
+"""Damage every kind of file that the program reads, and watch how it takes that.
+
+    python tools/fuzz.py [KIND…] [--rounds N] [--seed S] [--keep DIR]
+
+A reader may succeed or refuse in one line; anything else is a finding: another exception, a crash
+of the process, more than SECONDS, more than MEMORY beyond what it had, a file written. The damaged
+file of a finding is kept in DIR (default fuzz-findings). Exit code 1 if there is any.
+"""
+
+import argparse
+import multiprocessing
+import random
+import re
+import resource
+import signal
+import sys
+import tempfile
+import traceback
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import h5py
+import msgspec
+import numpy as np
+
+from subsea import snapshot
+from subsea.app.comparison import read_reports
+from subsea.app.records import read_record
+from subsea.app.settings import default_text, read_settings
+from subsea.app.simulate import simulate
+from subsea.cluster import messages
+from subsea.errors import UserError
+from subsea.ocean import create_world
+from subsea.repertoire import read_repertoire
+from subsea.resources import resource_path
+from subsea.scenario import load_scenario
+from subsea.species import load_species
+from subsea.theatre.files import load_theatre
+from subsea.theatre.pfm import read_pfm
+
+SECONDS = 10  # for one file
+PATIENCE = 6  # times that, until a process is killed that a library does not come back to
+MEMORY = 2 * 2**30  # bytes
+MOST_FINDINGS = 5  # of a kind, then its next
+CHANGES = {"os.remove", "os.rename", "os.mkdir", "os.rmdir", "subprocess.Popen", "os.system"}
+WRITES = re.compile(r"[wax+]")
+DRASTIC = [
+    b"nan",
+    b"inf",
+    b"-1",
+    b"0",
+    b"1e308",
+    b"9" * 40,
+    b'"text"',
+    b"[]",
+    b"{}",
+    b"true",
+    b"1.5",
+]
+
+
+class Kind(NamedTuple):
+    """Something that is read from outside."""
+
+    suffix: str
+    samples: Callable[[Path], list[bytes]]  # whole ones; may write into the folder it is given
+    read: Callable[[Path], object]
+
+
+def shipped(folder: str, suffix: str) -> Callable[[Path], list[bytes]]:
+    """The files of that kind that come with the program."""
+    paths = sorted(resource_path(folder).glob(f"*{suffix}"))
+    return lambda unused: [path.read_bytes() for path in paths]
+
+
+def records(folder: Path) -> list[bytes]:
+    """A short record of a simulation."""
+    path = folder / "sample.h5"
+    simulate(4, path, "preying", 5, 1)
+    return [path.read_bytes()]
+
+
+def reports(unused: Path) -> list[bytes]:
+    """A report of a benchmark."""
+    stages = {"draw": 1.0}
+    report = {
+        "fish": 60, "version": "0.1.0", "frame_ms": {"p50": 2.0}, "stages_ms": stages,
+        "renderer": "any", "size": [640, 480], "display": "mono", "scenario": "peaceful",
+        "seed": 1, "frames": 10, "without": [], "parts_ms": {"draw": [1.0, 2.0]},
+    }  # fmt: skip
+    return [msgspec.json.encode(report), msgspec.json.encode({"ladder": [report, report]})]
+
+
+def floats(unused: Path) -> list[bytes]:
+    """A portable float map."""
+    return [b"PF\n6 4\n-1.0\n" + np.ones((4, 6, 3), np.float32).tobytes()]
+
+
+class Snapshots:
+    """A world, its snapshot, and the way back."""
+
+    def __init__(self) -> None:
+        """Nothing made yet."""
+        self.world: Any = None
+
+    def samples(self, unused: Path) -> list[bytes]:
+        """The snapshot of a small sea."""
+        self.world = create_world(load_scenario("preying")[0], fish=5)
+        return [snapshot.take(self.world)]
+
+    def read(self, path: Path) -> None:
+        """Put the world there."""
+        snapshot.restore(self.world, path.read_bytes())
+
+
+def from_nodes(unused: Path) -> list[bytes]:
+    """What nodes of a cluster say."""
+    who = messages.Identity("0.1.0", "A bay", "s" * 8, 1, "p", "r", "a", "v")
+    said = [messages.Hello("left", who), messages.Drawn(7), messages.Diverged(40)]
+    return [messages.encode(one) for one in said]
+
+
+def from_masters(unused: Path) -> list[bytes]:
+    """What their master says."""
+    picture = messages.Picture(7, 40, 0.5, [(0.1, -0.2, 0.3, 0.0, False)], [(1.0,) * 8])
+    said = [messages.State("d", 7, bytes(40)), picture, messages.Swap(7), messages.Refused("no")]
+    return [messages.encode(one) for one in said]
+
+
+SEA = Snapshots()
+KINDS = {
+    "repertoire": Kind(".h5", shipped("repertoires", ".h5"), read_repertoire),
+    "record": Kind(".h5", records, read_record),
+    "scenario": Kind(
+        ".toml", shipped("assets/scenarios", ".toml"), lambda p: load_scenario(str(p))
+    ),
+    "species": Kind(".toml", shipped("assets/species", ".toml"), lambda p: load_species(str(p))),
+    "theatre": Kind(".toml", shipped("assets/theatres", ".toml"), lambda p: load_theatre(str(p))),
+    "settings": Kind(".toml", lambda unused: [default_text().encode()], read_settings),
+    "snapshot": Kind(".bin", SEA.samples, SEA.read),
+    "from-node": Kind(".bin", from_nodes, lambda p: messages.from_node(p.read_bytes())),
+    "from-master": Kind(".bin", from_masters, lambda p: messages.from_master(p.read_bytes())),
+    "report": Kind(".json", reports, read_reports),
+    "float-map": Kind(".pfm", floats, read_pfm),
+}
+
+
+# Damage
+
+
+def damaged(sample: bytes, suffix: str, dice: random.Random) -> bytes:
+    """A sample after one to four accidents that happen to files of its kind."""
+    ways = [cut, flipped, zeroed]
+    if suffix in (".toml", ".json"):
+        ways += [other_value, other_value, other_value, line_lost, line_twice, odd_line, nested]
+    if suffix == ".h5":
+        ways += [rebuilt, rebuilt, rebuilt]
+    for _ in range(dice.randint(1, 4)):
+        sample = dice.choice(ways)(sample, dice)
+    return sample
+
+
+def cut(data: bytes, dice: random.Random) -> bytes:
+    """It ends too early."""
+    return data[: dice.randrange(len(data) + 1)]
+
+
+def flipped(data: bytes, dice: random.Random) -> bytes:
+    """Bits are not what they were."""
+    made = bytearray(data)
+    for _ in range(dice.randint(1, 20) if made else 0):
+        made[dice.randrange(len(made))] ^= 1 << dice.randrange(8)
+    return bytes(made)
+
+
+def zeroed(data: bytes, dice: random.Random) -> bytes:
+    """A piece was never written."""
+    begin = dice.randrange(len(data) + 1)
+    long = min(dice.choice([1, 8, 512, 4096]), len(data) - begin)
+    return data[:begin] + bytes(long) + data[begin + long :]
+
+
+def other_value(data: bytes, dice: random.Random) -> bytes:
+    """A number is another, or none."""
+    numbers = list(re.finditer(rb"-?\d+\.?\d*", data))
+    if not numbers:
+        return data
+    one = dice.choice(numbers)
+    return data[: one.start()] + dice.choice(DRASTIC) + data[one.end() :]
+
+
+def line_lost(data: bytes, dice: random.Random) -> bytes:
+    """A line is missing."""
+    lines = data.splitlines(keepends=True)
+    if lines:
+        del lines[dice.randrange(len(lines))]
+    return b"".join(lines)
+
+
+def line_twice(data: bytes, dice: random.Random) -> bytes:
+    """A line stands elsewhere, too."""
+    lines = data.splitlines(keepends=True)
+    if lines:
+        lines.insert(dice.randrange(len(lines)), dice.choice(lines))
+    return b"".join(lines)
+
+
+def odd_line(data: bytes, dice: random.Random) -> bytes:
+    """A line that nobody would write."""
+    odd = [
+        b'nonsense = "\\u0000"\n',
+        b"[a.b.c]\n",
+        b"\xff\xfe\n",
+        b'x = "' + b"a" * 100_000 + b'"\n',
+    ]
+    lines = data.splitlines(keepends=True)
+    lines.insert(dice.randint(0, len(lines)), dice.choice(odd))
+    return b"".join(lines)
+
+
+def nested(data: bytes, dice: random.Random) -> bytes:
+    """Brackets within brackets."""
+    deep = dice.choice([5, 500, 50_000])
+    return data + b"\nx = " + b"[" * deep + b"]" * dice.choice([0, deep]) + b"\n"
+
+
+def rebuilt(data: bytes, dice: random.Random) -> bytes:
+    """An HDF5 file whose parts are not what they should be; unreadable ones stay as they are."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "file.h5"
+        path.write_bytes(data)
+        try:
+            with h5py.File(path, "r+", locking=False) as file:
+                names: list[str] = []
+                file.visit(names.append)
+                if names:
+                    _spoil(file, dice.choice(names), dice)
+            return path.read_bytes()
+        except Exception:  # whatever the library says of a file that is damaged already
+            return data
+
+
+def _spoil(file: Any, name: str, dice: random.Random) -> None:
+    """Make something else of one part of a file."""
+    here = file[name]
+    shape = getattr(here, "shape", None) or (3,)
+    way = dice.randrange(9)
+    if way == 0 and here.attrs:
+        key = dice.choice(list(here.attrs))
+        here.attrs[key] = dice.choice([np.nan, -1, "text", np.zeros(3), np.bytes_(b"\xff"), 1e300])
+        return
+    if way == 1 and isinstance(here, h5py.Dataset) and here.dtype.kind == "f" and here.size:
+        here[...] = dice.choice([np.nan, np.inf, 1e30])
+        return
+    del file[name]
+    if way == 2:
+        file[name] = h5py.ExternalLink("/etc/passwd", "/")
+    elif way == 3:
+        file[name] = h5py.SoftLink(f"/{name}")
+    elif way == 4:
+        file.create_dataset(name, (2**40,), "f8", chunks=(1024,))
+    elif way == 5:
+        file.create_dataset(name, (3,), h5py.ref_dtype)
+    elif way == 6:
+        file.create_dataset(name, (3,), h5py.string_dtype())
+    elif way == 7:
+        file.create_group(name)
+    else:
+        file.create_dataset(name, shape, dice.choice(["f2", "i8", "c16", "S7", "f4,i2"]))
+
+
+# Watching
+
+
+def fuzz(name: str, kind: Kind, rounds: int, seed: int, keep: Path) -> int:
+    """Read `rounds` damaged files in a process of their own; print and count the findings."""
+    begin, findings = 0, 0
+    while begin < rounds and findings < MOST_FINDINGS:
+        with tempfile.TemporaryDirectory() as folder:
+            mine, theirs = multiprocessing.Pipe(duplex=False)
+            worker = multiprocessing.get_context("fork").Process(
+                target=_work, args=(kind, range(begin, rounds), seed, Path(folder), theirs)
+            )
+            worker.start()
+            theirs.close()
+            number, what = begin, None
+            try:
+                while what is None and mine.poll(PATIENCE * SECONDS):
+                    number, what = mine.recv()
+            except EOFError:
+                pass
+            else:
+                if what is None:
+                    worker.kill()
+            worker.join()
+            if worker.exitcode:
+                what = f"the process ended with {worker.exitcode}"
+            if what:
+                findings += 1
+                keep.mkdir(parents=True, exist_ok=True)
+                kept = keep / f"{name}-{seed}-{number}{kind.suffix}"
+                kept.write_bytes((Path(folder) / f"damaged{kind.suffix}").read_bytes())
+                print(f"{name}, round {number}: {what}\n    {kept}")
+            begin = number + 1 if what else rounds
+    print(f"{name}: {rounds} damaged files, {findings} findings", flush=True)
+    return findings
+
+
+def _work(kind: Kind, rounds: range, seed: int, folder: Path, told: Any) -> None:
+    """Read one file after another; tell the number of each before, and what is wrong with it."""
+    samples = kind.samples(folder)
+    path = folder / f"damaged{kind.suffix}"
+    used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+    resource.setrlimit(resource.RLIMIT_AS, (used + MEMORY, -1))
+    for number in rounds:
+        dice = random.Random(f"{seed} {number}")
+        path.write_bytes(damaged(dice.choice(samples), kind.suffix, dice))
+        told.send((number, None))
+        what = finding(kind.read, path)
+        if what:
+            told.send((number, what))
+            return
+
+
+def finding(read: Callable[[Path], object], path: Path) -> str | None:
+    """What is wrong with how a reader takes a file, None if nothing is."""
+    try:
+        with _unwritten() as written, _in_time():
+            read(path)
+    except UserError as refused:
+        if len(str(refused).splitlines()) != 1:
+            return f"not one line: {str(refused)[:300]!r}"
+    except BaseException:
+        return traceback.format_exc(limit=-4)
+    return f"written: {', '.join(written)}" if written else None
+
+
+_written: list[str] | None = None
+
+
+def _audit(event: str, arguments: tuple[Any, ...]) -> None:
+    if _written is None:
+        return
+    if event == "open" and isinstance(arguments[1], str) and WRITES.search(arguments[1]):
+        _written.append(str(arguments[0]))
+    elif event in (
+        "os.remove",
+        "os.rename",
+        "os.mkdir",
+        "os.rmdir",
+        "subprocess.Popen",
+        "os.system",
+    ):
+        _written.append(f"{event} {arguments[0]}")
+
+
+sys.addaudithook(_audit)
+
+
+@contextmanager
+def _unwritten() -> Iterator[list[str]]:
+    """The list of files that are opened for writing, moved or removed within."""
+    global _written
+    _written = found = []
+    try:
+        yield found
+    finally:
+        _written = None
+
+
+@contextmanager
+def _in_time() -> Iterator[None]:
+    """A TimeoutError after SECONDS, as soon as Python is back from a library."""
+
+    def late(*unused: object) -> None:
+        raise TimeoutError(f"not done after {SECONDS} s")
+
+    signal.signal(signal.SIGALRM, late)
+    signal.setitimer(signal.ITIMER_REAL, SECONDS)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+
+
+def main() -> int:
+    """Run from the command line; returns the exit code."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("kinds", metavar="KIND", nargs="*", help=f"of {', '.join(KINDS)} (all)")
+    parser.add_argument(
+        "--rounds", type=int, default=1000, help="damaged files of each kind (1000)"
+    )
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--keep", type=Path, default=Path("fuzz-findings"), metavar="DIR")
+    options = parser.parse_args()
+    if wrong := set(options.kinds) - KINDS.keys():
+        parser.error(f"unknown kind {min(wrong)!r}; there are: {', '.join(KINDS)}")
+    chosen = options.kinds or [*KINDS]
+    findings = [
+        fuzz(name, KINDS[name], options.rounds, options.seed, options.keep) for name in chosen
+    ]
+    return 1 if any(findings) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
