@@ -58,6 +58,7 @@ class Act(NamedTuple):
     direction: Direction
     who: Ints  # whom it moves
     of: Ints  # whose event it waits for
+    shown: Ints  # whom its camera follows
     after: int  # which direction it follows, -1 for none
 
 
@@ -87,9 +88,13 @@ def make_script(scenario: Scenario, numbers: list[int], fastest_cm_s: Array) -> 
     def those(whose: Whose | None) -> Ints:
         return everybody if whose is None else np.array([*numbers_of(whose, shoals)], np.int64)
 
+    def shown(one: Direction) -> Ints:
+        follow = None if one.camera is None else one.camera.follow
+        return those(follow) if isinstance(follow, Whose) else np.zeros(0, np.int64)
+
     names = {one.name: k for k, one in enumerate(scenario.direction) if one.name}
     acts = tuple(
-        Act(one, those(one.who), those(one.of), -1 if one.after is None else names[one.after])
+        Act(one, those(one.who), those(one.of), shown(one), names.get(one.after or "", -1))
         for one in scenario.direction
     )
 

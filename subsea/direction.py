@@ -25,7 +25,7 @@ Event = Literal[
 MOVES = ("path_cm", "hunger", "libido", "fear", "likes", "hunts", "rests")
 """What moves fishes, those that `who` names."""
 
-INFLUENCES = (*MOVES, "pair", "current_cm_s", "hook", "lights", "camera", "caption")
+INFLUENCES = (*MOVES, "pair", "current_cm_s", "hook", "lights", "camera", "caption", "end")
 
 
 class Whose(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -50,7 +50,8 @@ class Camera(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
     look_at_cm: Place | None = None
     follow: Whose | Literal["cast"] | None = None  # fishes; "cast": whom the event is about
     distance_cm: Annotated[float, msgspec.Meta(ge=60, le=5000)] = 200.0
-    over_s: Seconds = 3.0  # so long the way there takes
+    behind: bool = False  # from behind those that it follows, rather than from where it comes
+    over_s: Seconds = 3.0  # so long the way there takes, or longer if it is far; 0: a cut
 
     def __post_init__(self) -> None:
         """Refuse to show two things at once, or nothing."""
@@ -63,12 +64,15 @@ class Camera(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
             raise ValueError("expected `tour`, `look_at_cm` or `follow`")
         if self.look_at_cm is not None and self.position_cm is None:
             raise ValueError("`look_at_cm` needs a `position_cm`")
+        if self.behind and (self.follow is None or self.position_cm is not None):
+            raise ValueError("`behind` is for `follow` without a `position_cm`")
 
 
 class Direction(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """One thing that is to happen: when, and what."""
 
-    name: str = ""  # by which others follow it
+    # By which others follow it, and records tell it.
+    name: Annotated[str, msgspec.Meta(max_length=60)] = ""
 
     # When: as soon as all of this is so; of nothing at once.
     at_s: Seconds | None = None  # not before
@@ -101,12 +105,13 @@ class Direction(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
     lights: bool | None = None  # of the submarine
     camera: Camera | None = None
     caption: Annotated[str, msgspec.Meta(min_length=1, max_length=300)] | None = None
+    end: bool = False  # of the film that is directed
 
     @property
     def influences(self) -> tuple[str, ...]:
         """The names of what it does."""
         values = {name: getattr(self, name) for name in INFLUENCES}
-        values["rests"] = self.rests or None
+        values |= {"rests": self.rests or None, "end": self.end or None}
         return tuple(name for name, value in values.items() if value is not None)
 
 
@@ -214,6 +219,9 @@ def _faults(
         faults.append(("hook", "expected a table [hook] that says where it hangs"))
     if one.camera is not None and one.camera.tour is not None and one.camera.tour not in tours:
         faults.append(("camera.tour", str(unknown("tour", one.camera.tour, list(tours)))))
+    about = one.event is not None or one.after is not None or one.pair is not None
+    if one.camera is not None and one.camera.follow == "cast" and not about:
+        faults.append(("camera.follow", 'of "cast": expected an `event`, `pair` or `after`'))
     for name, kind in (("hunts", "predator"), ("rests", "predator"), ("fear", "prey"),
                        ("libido", "pacifist")):  # fmt: skip
         if one.who is not None and name in one.influences:

@@ -54,37 +54,36 @@ def recording(
     constants: Mapping[str, NDArray[Any]],
     notes: Mapping[str, Mapping[str, Any]] | None = None,
 ) -> Iterator[Callable[[Mapping[str, NDArray[Any]]], None]]:
-    """Write a file whose datasets grow along their first axis, which is time.
+    """Write a file whose datasets grow along their first axis.
 
-    Yields `append`, which takes a block of rows for every dataset, all of one length. `notes` are
-    the attributes of each dataset, by its name. Ctrl-C
-    keeps the rows so far as a whole file and goes on as KeyboardInterrupt; with no rows, or on
-    any other fault, nothing is left.
+    Yields `append`, which takes a block of rows for every dataset. `notes` are the attributes of
+    each dataset, by its name. Ctrl-C keeps the blocks so far as a whole file and goes on as
+    KeyboardInterrupt; with no rows, or on any other fault, nothing is left.
     """
     notes = notes or {}
     interrupted: KeyboardInterrupt | None = None
     with replacing(path) as temporary, h5py.File(temporary, "w", **LAYOUT) as file:
         growing: dict[str, Any] = {}
-        rows = 0
+        rows: dict[str, int] = {}
 
         def append(block: Mapping[str, NDArray[Any]]) -> None:
-            nonlocal rows
             for name, values in block.items():
                 if name not in growing:
                     growing[name] = file.create_dataset(
                         name,
                         shape=(0, *values.shape[1:]),
                         maxshape=(None, *values.shape[1:]),
-                        chunks=values.shape,
+                        chunks=(max(len(values), 1), *values.shape[1:]),
                         dtype=values.dtype,
                         compression="gzip",
                         compression_opts=1,
                         shuffle=True,
                     )
                     growing[name].attrs.update(notes.get(name, {}))
-                growing[name].resize(rows + len(values), axis=0)
-                growing[name][rows:] = values
-            rows += len(values)
+                begin = rows.get(name, 0)
+                growing[name].resize(begin + len(values), axis=0)
+                growing[name][begin:] = values
+            rows.update({name: rows.get(name, 0) + len(values) for name, values in block.items()})
 
         file.attrs.update(attributes)
         for name, values in constants.items():
@@ -93,11 +92,11 @@ def recording(
         try:
             yield append
         except KeyboardInterrupt as interrupt:
-            if not rows:
+            if not any(rows.values()):
                 raise
             interrupted = interrupt
-        for dataset in growing.values():
-            dataset.resize(rows, axis=0)  # an interruption may have cut a block short
+        for name, dataset in growing.items():
+            dataset.resize(rows.get(name, 0), axis=0)  # an interruption may have cut a block short
     if interrupted:
         raise interrupted
 

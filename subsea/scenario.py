@@ -37,7 +37,7 @@ MAX_CLUSTERS, MAX_LEAVES = 500, 40  # of seaweed in a group, of leaves in a clus
 MAX_VENTS = 50
 MAX_GROWTHS = 2000  # in all reefs
 MAX_SEAWEED = 8000  # leaves in all: their nodes must fit into a texture
-AUTOPILOT = "auto"  # no tour of a scenario may have this name
+AUTOPILOT, DIRECTED = "auto", "directed"  # no tour of a scenario may have these names
 MAX_WAYPOINTS = 200  # of a tour
 Positive = Annotated[float, msgspec.Meta(gt=0, le=1e5)]
 MAX_SEED = 2**32 - 1
@@ -434,7 +434,7 @@ def _check_tours(source: str, scenario: Scenario) -> None:
     living = scenario.species
     for k, tour in enumerate(scenario.tour):
         here = f"{source}: `tour[{k}]`"
-        if tour.name in (AUTOPILOT, *(other.name for other in scenario.tour[:k])):
+        if tour.name in (AUTOPILOT, DIRECTED, *(other.name for other in scenario.tour[:k])):
             raise UserError(f"{here}: the name {tour.name!r} is taken, expected another")
         before = None
         for i, point in enumerate(tour.waypoint):

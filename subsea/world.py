@@ -281,6 +281,9 @@ def _refuse_misplaced(scenario: Scenario, sea: Sea, source: str) -> None:
             places.append((f"fish[{k}].toward_cm", shoal.toward_cm, 0.0))
     if scenario.hook is not None:
         places.append(("hook", scenario.hook.bait_cm, 0.0))
+    for k, one in enumerate(scenario.direction):
+        if one.camera is not None and one.camera.position_cm is not None:
+            places.append((f"direction[{k}].camera.position_cm", one.camera.position_cm, HULL_CM))
     for key, place, room in places:
         floor = height_at(sea.heights, sea.half_width, place[0], place[1])
         gaps = {"the seabed": place[2] - floor}

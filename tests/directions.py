@@ -28,6 +28,9 @@ def directions(draw, shoals: Shoals, tours: list[str], hook: bool, places, most:
         if when["event"] or when["fewer_than"]:
             when["of"] = draw(st.none() | whose(shoals))
         what = draw(influences(shoals, tours, hook, places))
+        about = when["event"] or when.get("after") or "pair" in what
+        if "camera" in what and what["camera"].follow == "cast" and not about:
+            what["camera"] = Camera(follow=draw(whose(shoals)))
         name = draw(st.sampled_from(["", f"number {k}"])) if what else f"number {k}"
         made.append(Direction(name=name, **when, **what))
     return made

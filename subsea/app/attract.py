@@ -6,8 +6,10 @@ from typing import Literal
 
 from imgui_bundle import imgui
 
+from subsea.app.directed import directed, is_directed, is_over
 from subsea.app.gui import DEEP, INK, colour, shadowed
 from subsea.app.tour import Steer, Tour
+from subsea.scenario import DIRECTED
 from subsea.submarine.course import course_of, rail_at
 from subsea.submarine.helm import Helm
 from subsea.submarine.rail import Rail, board
@@ -66,11 +68,14 @@ class Attract:
 def tour_named(name: str) -> Callable[[World], Steer]:
     """Who takes the submarine along in whatever world: the tour of that name, or the autopilot.
 
-    The tour begins at once, at its beginning. The autopilot goes on where one has ended, and takes
-    over where a scenario has none of that name.
+    The tour begins at once, at its beginning; that of the directions as far as these are. The
+    autopilot goes on where one has ended, and takes over where a scenario has none of that name.
     """
 
     def taken(world: World) -> Steer:
+        if name == DIRECTED and is_directed(world.scenario):
+            show, later = directed(world), Tour()
+            return lambda world: later.helm(world) if is_over(world) else show(world)
         if name not in {tour.name for tour in world.scenario.tour}:
             return Tour().helm
         course, after = course_of(world.scenario, name), Tour()

@@ -12,16 +12,16 @@ from tqdm import tqdm
 
 from subsea.app import pacing
 from subsea.app.comparison import compare, read_reports
+from subsea.app.directed import check_tour, guided
 from subsea.app.figures import Frames, figures, print_ladder, print_report, write_csv, write_json
 from subsea.app.house import chosen_rig
 from subsea.app.start import headless, picture_maker, start_world
-from subsea.app.tour import Steer, guide
+from subsea.app.tour import Steer
 from subsea.frame import Packet, pack
 from subsea.ocean import step
 from subsea.places import check_file
 from subsea.render.quality import AUTO, LADDER, PRESETS, first_rung, name_of
 from subsea.scenario import AUTOPILOT, load_scenario
-from subsea.submarine.course import Course, course_of
 from subsea.view.levels import HIDDEN, LEVELS, nothing_drawn
 from subsea.view.rig import Rig, views
 from subsea.view.rigs import cockpit
@@ -75,7 +75,7 @@ def benchmark(
     older = read_reports(against) if against else None
     rig, _ = chosen_rig(display, size, theatre=theatre, shrink=shrink)
     chosen, _ = load_scenario(scenario, changes)
-    course = None if tour == AUTOPILOT else course_of(chosen, tour)
+    check_tour(chosen, tour)
     runs: list[tuple[dict[str, Any], Frames]] = []
     for number in fish or (None,):
         with headless() as context:
@@ -85,7 +85,7 @@ def benchmark(
                 hold_ms = target_ms or pacing.target_for(gpu)
             begin = LADDER[first_rung(gpu)] if quality == AUTO else PRESETS[quality]
             with picture_maker(context, world, rig, begin) as renderer:
-                measured = measure(world, renderer, context, rig, course, frames, without, hold_ms)
+                measured = measure(world, renderer, context, rig, tour, frames, without, hold_ms)
                 drawn = name_of(renderer.quality)
         report = {
             "renderer": gpu,
@@ -129,17 +129,17 @@ def measure(
     renderer: "Renderer",
     context: Any,
     rig: Rig,
-    course: Course | None,
+    tour: str,
     frames: int,
     without: frozenset[str] = frozenset(),
     hold_ms: float | None = None,
 ) -> Frames:
     """What each of `frames` takes and shows: one tick and one picture, after a warm-up.
 
-    The submarine goes along `course`; None: the autopilot steers. With `hold_ms` the quality
+    The submarine goes on the `tour`, see `check_tour`. With `hold_ms` the quality
     changes from frame to frame, to hold that time; None keeps it.
     """
-    steer: Steer = guide(world, course)
+    steer: Steer = guided(world, tour)
     for _ in range(LIVE_WARM_UP_TICKS if len(world.state.live.fish) else 0):
         able = world.dynamics.muscular[world.state.fishes.species]
         if world.state.fishes.live[able].all():

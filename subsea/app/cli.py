@@ -123,8 +123,9 @@ def _add_dive(commands: Any) -> None:
     dive.add_argument(
         "--tour",
         metavar="NAME",
-        help="one of the scenario's tours, or auto, takes the submarine along until a hand moves, "
-        "and again when nobody has steered for a while",
+        help="one of the scenario's tours, directed, where its directions want the camera, or "
+        "auto takes the submarine along until a hand moves, and again when nobody has steered for "
+        "a while",
     )
     dive.add_argument(
         "--attract",
@@ -186,14 +187,14 @@ def _add_film(commands: Any) -> None:
         type=number(float, 0.05, 3600),
         metavar="S",
         help="length of the film, a single picture is taken at its end (default 10, or to the end "
-        "of a tour by name)",
+        "of a tour by name or of the directions)",
     )
     film.add_argument(
         "--tour",
         default="auto",
         metavar="NAME",
-        help="one of the scenario's tours, or auto, which goes where something happens (default "
-        "auto)",
+        help="one of the scenario's tours, directed, where its directions want the camera, or "
+        "auto, which goes where something happens (default auto)",
     )
     film.add_argument(
         "--start",

@@ -5,12 +5,15 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack, closing, suppress
 from pathlib import Path
 
+from subsea.app import subtitles
 from subsea.app.attract import Attract, tour_named
 from subsea.app.bindings import Meaning, Wish
+from subsea.app.captions import caption_of
 from subsea.app.comfort import Vignette, draw_horizon
 from subsea.app.console import say
 from subsea.app.crew import Alone, Crew, muster
 from subsea.app.desk import Desk
+from subsea.app.directed import check_tour, is_directed
 from subsea.app.finding import find_fish
 from subsea.app.house import NOT_SHRUNK, House, open_house, told
 from subsea.app.hud import reading
@@ -41,8 +44,7 @@ from subsea.app.window import Window
 from subsea.errors import UserError
 from subsea.interrupts import deferred
 from subsea.render.quality import AUTO
-from subsea.scenario import AUTOPILOT, Scenario, load_scenario
-from subsea.submarine.course import course_of
+from subsea.scenario import AUTOPILOT, DIRECTED, Scenario, load_scenario
 from subsea.view.retina import Gaze
 from subsea.view.stereo import EYES, Stereo
 from subsea.view.surround import ALL_ROUND, Surround
@@ -104,8 +106,8 @@ def dive(
     named = follow if eyes is None else eyes
     fish = None if named is None else find_fish(named, load_scenario(scenario, changes)[0])
     tours = settings.attract.tour if tour is None else tour
-    if tours != AUTOPILOT and (tour is not None or kiosk):
-        course_of(load_scenario(scenario, changes)[0], tours)  # a misspelt name is told at once
+    if tour is not None or kiosk:
+        check_tour(load_scenario(scenario, changes)[0], tours)  # a misspelt name is told at once
     installation: Installation | None = None
     crew: Callable[[World, Pilot], Crew] = Alone
     if theatre is not None:
@@ -221,7 +223,8 @@ class Dive:
         self._wants_picture = False
         self._settings, self._vignette = settings, Vignette(settings.comfort.vignette)
         self._at_first = self.scenario, self.source, seed
-        self._taken = tour_named(tour or settings.attract.tour)
+        self._tour = tour or settings.attract.tour
+        self._taken = tour_named(self._tour)
         self.attract = Attract(60.0 * settings.attract.after_min, leaps=False)
         self._diving, self._check = False, check  # rather than loading
         self.see_brightness = see_brightness  # whether who is ridden goes by the light in its eyes
@@ -246,8 +249,8 @@ class Dive:
                 self.overlay.sign = sign_of(
                     settings.bindings, settings.mouse.steer, ("ride", "desk")
                 )
-            # From where it is the autopilot goes on; what begins elsewhere must not be a jump.
-            leaps = (tour or settings.attract.tour) != AUTOPILOT or kiosk
+            # From where it is these two go on; what begins elsewhere must not be a jump.
+            leaps = self._tour not in (AUTOPILOT, DIRECTED) or kiosk
             self.attract.leaps = leaps and not self._crew.shared
             self._diving = True
             undo.callback(self._shots.end)
@@ -410,7 +413,8 @@ class Dive:
         self.pilot.hands_off()
         self.overlay.greet()  # the help is there again for the next
         if self._crew.shared:  # where the submarine is put there is only what makes a tick
-            self._crew.carry(guide(self.world, None))
+            follows = self._tour == DIRECTED and is_directed(self.world.scenario)
+            self._crew.carry(self._taken(self.world) if follows else guide(self.world, None))
             return
         self._crew.carry(self._taken(self.world))
         if self._crew.timeline is not None:
@@ -463,6 +467,7 @@ class Dive:
             return
         self._begin()
         letter(self.picture.labels, self.picture.sight)
+        subtitles.draw(caption_of(self.world, self.picture.alpha), self.picture.rig)
         if self._crew.hands:
             submarine = self.world.state.submarine
             helm = self.picture.ride is None and not self.attract.touring

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from subsea import interrupts
 from subsea.app.console import counted, say
+from subsea.app.directed import check_tour, guided
 from subsea.app.film import instants, length_s, reach
 from subsea.app.finding import find_fish
 from subsea.app.progress import progress
@@ -24,7 +25,6 @@ from subsea.app.reels import frame_rate, kind_of, open_reels
 from subsea.app.start import headless, picture_maker, start_world
 from subsea.app.takes import begin, description, missing_frames
 from subsea.app.timing import sentence
-from subsea.app.tour import guide
 from subsea.behavior.table import BEHAVIORS
 from subsea.errors import UserError
 from subsea.frame import pack
@@ -33,9 +33,8 @@ from subsea.places import replacing
 from subsea.render import Renderer
 from subsea.render.marks import CORAL, FISH, KINDS, PILLAR, ROCK, Seen
 from subsea.render.quality import PRESETS
-from subsea.scenario import AUTOPILOT, load_scenario
+from subsea.scenario import load_scenario
 from subsea.state import MENTAL_STATES
-from subsea.submarine.course import course_of
 from subsea.view.camera import View
 from subsea.view.levels import nothing_drawn
 from subsea.view.retina import Gaze, Rider, body_at, retina_rig, retinal_views, rider
@@ -95,8 +94,9 @@ def film_eyes(
         raise UserError(f"{out}: labelled frames need the name of a folder")
     chosen, source = load_scenario(scenario, changes)
     fish = find_fish(eyes, chosen)
-    course = None if tour == AUTOPILOT else course_of(chosen, tour)
-    seconds = length_s(seconds, start, course)
+    check_tour(chosen, tour)
+    if seconds is None:
+        seconds = length_s(chosen, source, seed, start, tour)
     rate = frame_rate(fps)
     times = instants(start, seconds, rate)
     take = description(
@@ -113,7 +113,7 @@ def film_eyes(
     with ExitStack() as stack:
         context = stack.enter_context(headless())
         world = start_world(scenario, seed, changes=changes)
-        steer = guide(world, course)
+        steer = guided(world, tour)
         by = rider(world, fish)
         rig = retina_rig(size, by.half_cm, gaze, field_deg)
         check = stack.enter_context(interrupts.deferred())

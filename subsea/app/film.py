@@ -10,22 +10,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea import interrupts
+from subsea.app.captions import caption_of, titled
 from subsea.app.console import counted, say
+from subsea.app.directed import check_tour, guided
 from subsea.app.finding import find_fish
 from subsea.app.house import chosen_rig, told
 from subsea.app.progress import progress
 from subsea.app.reels import check_reel, fitting, frame_rate, open_reels, written_to
+from subsea.app.rehearsal import rehearsed_s
 from subsea.app.start import headless, picture_maker, start_world
 from subsea.app.tags import NO_TAGS, tags_for
 from subsea.app.takes import begin, description, missing_frames
 from subsea.app.timing import sentence
-from subsea.app.tour import Steer, guide
+from subsea.app.tour import Steer
 from subsea.diagrams import Sketcher, Written, written
 from subsea.frame import pack
 from subsea.ocean import step
 from subsea.render.quality import PRESETS
-from subsea.scenario import AUTOPILOT, load_scenario
-from subsea.submarine.course import Course, course_of
+from subsea.scenario import AUTOPILOT, DIRECTED, Scenario, load_scenario
+from subsea.submarine.course import course_of
 from subsea.view.follow import Camera, followed
 from subsea.view.levels import nothing_drawn
 from subsea.view.rig import views
@@ -62,10 +65,10 @@ def film(
 ) -> int:
     """Film `seconds` of the tour from `start` at `fps` into `out`; one picture shows its end.
 
-    `tour` is one of the scenario's, which is filmed to its end if there are no `seconds`, or
-    "auto". `quality` is the name of a preset. A folder that holds a part of the film already gets
-    what it lacks: the world is stepped through all frames, and all are packed, lest those that are
-    drawn differ from what they would be in one go.
+    `tour` is one of the scenario's, which is filmed to its end if there are no `seconds`, so is
+    what its directions show if it is "directed"; or "auto". `quality` is the name of a preset.
+    A folder that holds a part of the film already gets what it lacks: the world is stepped through
+    all frames, and all are packed, lest those that are drawn differ from those of one go.
 
     A `theatre` is filmed instead of one picture of `size`: a reel for each of its windows, of
     `shrink` times fewer pixels a side. The diagrams `show` are drawn over the sea, of which a
@@ -76,9 +79,10 @@ def film(
     of the world, packing, drawing and reading back, without the encoding of the film.
     """
     chosen, source = load_scenario(scenario, changes)
-    course = None if tour == AUTOPILOT else course_of(chosen, tour)
+    check_tour(chosen, tour)
     fish = None if follow is None else find_fish(follow, chosen)
-    seconds = length_s(seconds, start, course)
+    if seconds is None:
+        seconds = length_s(chosen, source, seed, start, tour)
     kind = check_reel(out)
     size = fitting(kind, size)
     rig, windows = chosen_rig(display, size, stereo, surround, theatre, shrink)
@@ -104,7 +108,7 @@ def film(
         with ExitStack() as stack:
             context = stack.enter_context(headless())
             world = start_world(scenario, seed, changes=changes)
-            steer = guide(world, course)
+            steer = guided(world, tour)
             check = stack.enter_context(interrupts.deferred())
             renderer = stack.enter_context(picture_maker(context, world, rig, preset))
             renderer.wireframe = wireframe
@@ -138,10 +142,12 @@ def film(
                     continue
                 renderer.draw(packet)
                 words = written(rig, seen, drawing.labels)
-                pictures = {
-                    name: lettered(renderer.read_pixels(number), words, number)[:height, :width]
-                    for number, (name, (width, height)) in enumerate(sizes.items())
-                }
+                caption = caption_of(world, alpha)
+                pictures = {}
+                for number, (name, (width, height)) in enumerate(sizes.items()):
+                    picture = lettered(renderer.read_pixels(number), words, number)
+                    picture = titled(picture, rig, number, caption)
+                    pictures[name] = picture[:height, :width]
                 drawn = time.perf_counter()
                 write(k, pictures)
                 durations.append(drawn - begun)
@@ -153,11 +159,15 @@ def film(
     return 0
 
 
-def length_s(seconds: float | None, start: float, course: Course | None) -> float:
-    """How long a film is: so long as one says, else to the end of its course if it has one."""
-    if seconds is not None:
-        return seconds
-    return UNTOLD_S if course is None else max(course.seconds - start, 0.0)
+def length_s(
+    scenario: Scenario, source: Path, seed: int | None, start: float, tour: str
+) -> float:  # fmt: skip
+    """How long a film is of which nobody says that: to the end of its tour, if that has one."""
+    if tour == AUTOPILOT:
+        return UNTOLD_S
+    if tour == DIRECTED:
+        return max(rehearsed_s(scenario, source, seed) - start, 0.0)
+    return max(course_of(scenario, tour).seconds - start, 0.0)
 
 
 def instants(start: float, seconds: float, rate: Fraction) -> list[float]:

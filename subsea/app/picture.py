@@ -9,7 +9,7 @@ import numpy as np
 
 from subsea.app import pacing
 from subsea.app.eyes import seen_brightness, velocity_of
-from subsea.app.gui import Pane, panes
+from subsea.app.panes import Pane, panes
 from subsea.app.picking import pick
 from subsea.app.ride import LOOKS, Look, Ride, joined, pasted, pictured, with_insets
 from subsea.app.sight import Sight, sight

@@ -28,7 +28,7 @@ class Field(NamedTuple):
     meaning: str
 
 
-_BY_TICK, _BY_FISH = ("T",), ("n",)
+_BY_TICK, _BY_FISH, _BY_EVENT = ("T",), ("n",), ("e",)
 _CODES = "position in the file's attribute "
 FIELDS = {
     "time": Field(np.float64, _BY_TICK, "s", "end of the tick, from the start of the dive"),
@@ -93,6 +93,17 @@ FIELDS = {
     ),
     "plankton/count": Field(np.int32, _BY_TICK, "1", "specks that are there"),
     "submarine/position": Field(np.float64, ("T", 3), "cm", "of the vessel"),
+    "direction/time": Field(
+        np.float64, _BY_EVENT, "s", "end of the tick in which a direction began, as in time"
+    ),
+    "direction/number": Field(
+        np.uint8, _BY_EVENT, "1", "which: among those of the scenario and in direction_names"
+    ),
+    "direction/cast": Field(
+        np.int32, ("e", 2), "1",
+        "whom it is about: fishes, -1 nobody, -2 the submarine; of a pair he and she, of a hunt"
+        " the hunter and its prey, of who was eaten it and by whom, of who flees it and from whom",
+    ),
 }  # fmt: skip
 
 
@@ -141,7 +152,7 @@ _READ = {
     name: path
     for path in FIELDS
     if (name := _RENAMED.get(path, path.rpartition("/")[2])) in Record._fields
-    and path != "submarine/position"
+    and not path.startswith(("submarine/", "direction/"))
 }
 _CODED = (
     ("intention", "intention_names"), ("courtship", "courtship_names"),

@@ -83,7 +83,8 @@ class Attract(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
         float, Meta(ge=0, le=1440, description="minutes without any input; 0: never")
     ] = 3.0
     tour: Annotated[
-        str, Meta(description="one of the scenario's, or auto, which goes where something happens")
+        str,
+        Meta(description="one of the scenario's, directed, or auto: where something happens"),
     ] = "auto"
 
 

@@ -29,6 +29,8 @@ SUFFIXES = (".h5", ".hdf5")
 BLOCK_FISH_TICKS = 200_000  # what is held in memory between two writes: some 16 MB
 
 Rows = dict[str, NDArray[Any]]
+Event = tuple[float, int, tuple[int, int]]  # when, which direction, whom it is about
+EVENTS = ("direction/time", "direction/number", "direction/cast")
 
 # What `minds.target` means to each intention; one that is not named has no target.
 TARGETS = {
@@ -62,7 +64,7 @@ def simulate(
     number = len(world.state.fishes.species)
     length = int(np.clip(BLOCK_FISH_TICKS // number, 1, min(64, ticks)))
     block = _empty_block(length, number)
-    held = 0
+    held, happened = 0, []
     attributes = _attributes(world, scenario_text(chosen, source))
     with (
         interrupts.deferred() as check,
@@ -74,13 +76,14 @@ def simulate(
                 if k:  # the world is at its first tick when it has started
                     step(world, HANDS_OFF)
                 _note(world, block, held)
+                happened += _begun(world)
                 held += 1
                 if held == length or k == ticks - 1:
-                    append({name: rows[:held] for name, rows in block.items()})
-                    held = 0
+                    append({name: rows[:held] for name, rows in block.items()} | _table(happened))
+                    held, happened = 0, []
         except KeyboardInterrupt:
             if held:
-                append({name: rows[:held] for name, rows in block.items()})
+                append({name: rows[:held] for name, rows in block.items()} | _table(happened))
             if not k:
                 raise
             raise KeyboardInterrupt(f"{out}: {_extent(k, number)} kept") from None
@@ -118,6 +121,24 @@ def _note(world: World, block: Rows, row: int) -> None:
     block["submarine/position"][row] = state.submarine.position
 
 
+def _begun(world: World) -> list[Event]:
+    """The directions that began in the tick that was made last."""
+    log, tick = world.state.directions, world.state.tick
+    return [
+        (tick * TICK_S, int(k), (int(log.cast[k, 0]), int(log.cast[k, 1])))
+        for k in np.flatnonzero(log.began == tick - 1)
+    ]
+
+
+def _table(happened: list[Event]) -> Rows:
+    """What has happened as rows of the record."""
+    columns = zip(*happened, strict=True) if happened else ([], [], [])
+    return {
+        name: np.array([*column], FIELDS[name].type).reshape(-1, *FIELDS[name].shape[1:])
+        for name, column in zip(EVENTS, columns, strict=True)
+    }
+
+
 def _constants(world: World) -> Rows:
     fishes, minds, sea = world.state.fishes, world.state.minds, world.state.sea
     outlines = [outline(species.surface) for species in world.species]
@@ -149,6 +170,7 @@ def _attributes(world: World, scenario_text: str) -> dict[str, Any]:
         "segment_names": SEGMENTS,
         "mental_state_names": MENTAL_STATES,
         "courtship_names": COURTSHIP,
+        "direction_names": [one.name for one in world.scenario.direction],
     }
     return {
         "format": hdf5.text(FORMAT),

@@ -144,7 +144,7 @@ class Tour:
     def _detour(self, world: World, bearing: float) -> float:
         """How far left of the subject to steer (rad) to see it again, 0 while it is in sight."""
         boat = vector(world.state.submarine.position)
-        if not _hidden(world, boat, vector(self.aim[:3]), MARGIN_CM):
+        if not hidden(world, boat, vector(self.aim[:3]), MARGIN_CM):
             self._side = 0.0
             return 0.0
         for angle in DETOURS:
@@ -152,7 +152,7 @@ class Tour:
                 way = bearing + side * angle
                 x, y, z = boat
                 tip = x + DETOUR_CM * math.cos(way), y + DETOUR_CM * math.sin(way), z
-                if not _hidden(world, tip, boat, HULL_CM):
+                if not hidden(world, tip, boat, HULL_CM):
                     self._side = side
                     return float(side * angle)
         return float((self._side or 1.0) * DETOURS[-1])
@@ -212,7 +212,7 @@ def _aim(world: World, subject: Subject) -> Array:
     return np.array([*(one + other) / 2.0, _within(distance, NEAREST_CM, FARTHEST_CM)])
 
 
-def _hidden(world: World, a: Vector, b: Vector, margin: float) -> bool:
+def hidden(world: World, a: Vector, b: Vector, margin: float) -> bool:
     """Whether a pillar or rock stands between a and b, other than one within which b lies."""
     sea = world.state.sea
     return any(0.0 < ray_meets_pillar(row, margin, b, a) <= 1.0 for row in sea.pillars) or any(

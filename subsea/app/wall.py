@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from subsea.app.bindings import Wish
 from subsea.app.gamepad import Gamepads, add_mappings
-from subsea.app.gui import one_page
+from subsea.app.panes import one_page
 from subsea.app.pilot import Pilot
 from subsea.app.screens import Monitor, Screen, monitor_name, monitors
 from subsea.app.window import Reach, Window

@@ -15,7 +15,7 @@ from subsea.errors import UserError
 from subsea.submarine.helm import Helm
 from subsea.submarine.rail import Rail
 
-PROTOCOL = 2
+PROTOCOL = 3
 MAGIC = b"subsea\x00" + PROTOCOL.to_bytes(1, "little")
 SMALL = 4096  # bytes; all messages but the state of a dive are smaller
 MAX_HELMS = 16  # ticks in a picture
@@ -29,7 +29,7 @@ Share = Annotated[float, msgspec.Meta(ge=0, le=1)]
 Command = Annotated[float, msgspec.Meta(ge=-1, le=1)]
 Amount = Annotated[float, msgspec.Meta(ge=-1e6, le=1e6)]  # cm, cm/s or rad
 HelmRow = tuple[Command, Command, Command, Command, bool]
-RailRow = tuple[Amount, Amount, Amount, Amount, Amount, Amount, Amount, Amount]
+RailRow = tuple[Amount, Amount, Amount, Amount, Amount, Amount, Amount, Amount, bool]
 
 
 class Message(msgspec.Struct, forbid_unknown_fields=True, tag=str.lower):
@@ -84,7 +84,7 @@ class Picture(Message):
     tick: Count  # before them
     alpha: Share  # the point between the last two ticks at which to draw
     helms: Annotated[list[HelmRow], msgspec.Meta(max_length=MAX_HELMS)]
-    # Of a tour: position, velocity, heading and pitch after each tick; these come first.
+    # Of a tour: position, velocity, heading, pitch and cut after each tick; these come first.
     rails: Annotated[list[RailRow], msgspec.Meta(max_length=MAX_HELMS)] = []
     checksum: Hash = ""  # of the world before them, or nothing
     lights: bool = False  # of the submarine, whether they are on
@@ -126,7 +126,9 @@ def from_master(data: bytes) -> FromMaster:
 
 def ticks_of(picture: Picture) -> list[Helm | Rail]:
     """What the submarine does in each tick."""
-    carried = [Rail(np.array(row[:3]), np.array(row[3:6]), row[6:]) for row in picture.rails]
+    carried = [
+        Rail(np.array(row[:3]), np.array(row[3:6]), row[6:8], row[8]) for row in picture.rails
+    ]
     return [*carried, *(Helm(*row) for row in picture.helms)]
 
 
@@ -147,7 +149,7 @@ def _helm_row(helm: Helm) -> HelmRow:
 
 def _rail_row(rail: Rail) -> RailRow:
     (x, y, z), (u, v, w) = map(float, rail.position), map(float, rail.velocity)
-    return x, y, z, u, v, w, float(rail.angles[0]), float(rail.angles[1])
+    return x, y, z, u, v, w, float(rail.angles[0]), float(rail.angles[1]), bool(rail.cut)
 
 
 def printable(text: str) -> str:

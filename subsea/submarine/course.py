@@ -13,7 +13,7 @@ from subsea.kinematics.heightfield import height_at
 from subsea.kinematics.solids import from_pillar, from_rock
 from subsea.kinematics.vector import vector
 from subsea.scenario import AUTOPILOT, Bounds, Scenario, TourTable, Waypoint
-from subsea.state import HULL_CM, Fishes, Sea, State
+from subsea.state import HULL_CM, Sea, State
 from subsea.submarine.hull import AHEAD_CM_S
 from subsea.submarine.rail import Rail
 
@@ -109,10 +109,17 @@ def _toward(
     if gaze.look_at_cm:
         way = np.array(gaze.look_at_cm) - place
     elif gaze.follow:
-        way = _middle(state.fishes, course.species.index(gaze.follow), place) - place
+        fishes, species = state.fishes, course.species.index(gaze.follow)
+        there = fishes.position[(fishes.species == species) & fishes.alive]
+        way = middle_of(there, place) - place
     else:
         start = t if course.curve.loop else min(t, course.seconds - AHEAD_S)
         way = curve_at(course.curve, start + AHEAD_S)[0] - curve_at(course.curve, start)[0]
+    return angles_of(way, state)
+
+
+def angles_of(way: Array, state: State) -> tuple[float, float]:
+    """Heading and pitch (rad) that look along a `way` (3,); those of now if that leads nowhere."""
     level = math.hypot(way[0], way[1])
     if level + abs(way[2]) < 1.0:
         heading, pitch = state.submarine.angles
@@ -120,11 +127,11 @@ def _toward(
     return math.atan2(way[1], way[0]), math.atan2(way[2], level)
 
 
-def _middle(fishes: Fishes, species: int, place: Array) -> Array:
-    """The middle (3,) of the living fishes of a species, rather of those near `place`; or that."""
-    there = fishes.position[(fishes.species == species) & fishes.alive].astype(np.float64)
+def middle_of(there: Array, place: Array) -> Array:
+    """The middle (3,) of places (n, 3), rather of those near `place`; of none that."""
     if not len(there):
         return place
+    there = there.astype(np.float64)
     weight = 1.0 / (1.0 + ((there - place) ** 2).sum(axis=1) / NEAR_CM**2) ** 2
     return np.asarray(weight @ there / weight.sum())
 

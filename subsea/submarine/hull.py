@@ -76,7 +76,7 @@ def step_hull(
         helm = Helm(full_stop=True)
     _turn(submarine, helm, dt)
     _push(submarine, helm, dt)
-    _keep_clear(submarine, floor_height, bounds, pillars, rocks)
+    keep_clear(submarine, floor_height, bounds, pillars, rocks)
     submarine.position += dt * submarine.velocity
     for distance, normal in _solids(submarine, floor_height, pillars, rocks):
         submarine.position += max(0.5 * CLEARANCE_CM - distance, 0.0) * normal
@@ -151,7 +151,7 @@ def _solids(
     return found
 
 
-def _keep_clear(
+def keep_clear(
     submarine: Submarine, floor_height: FloorHeight, bounds: Bounds, pillars: Array, rocks: Array
 ) -> None:
     """Slow the approach to every wall in proportion to the distance left."""

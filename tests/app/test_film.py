@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 from fractions import Fraction
+from itertools import pairwise
 from types import SimpleNamespace
 
 import av
@@ -18,6 +19,7 @@ from subsea.errors import UserError
 from subsea.ocean import step
 from subsea.resources import resource_path
 from subsea.world import TICK_S
+from tests.app.scenes import scene
 
 SMALL = ["--size", "161x120", "--seconds", "0.2", "--fps", "20", "--seed", "1"]
 
@@ -285,6 +287,33 @@ def test_a_tour_of_the_scenario_is_filmed_to_its_end(tmp_path, capsys):
         main(["film", str(tmp_path / "auto"), *arguments, "--seconds", "0.6", "--tour", "sh"]) == 2
     )
     assert "did you mean 'short'" in capsys.readouterr().err
+
+
+def test_directions_are_filmed_with_their_captions_until_they_are_over(tmp_path, capsys):
+    there = "position_cm = [{}, -60.0, -250.0], look_at_cm = [-300.0, 0.0, -250.0], over_s = 0.0"
+    file = scene(
+        tmp_path,
+        f"camera = {{ {there.format(-480.0)} }}\ncaption = 'Here they are.'\nfor_s = 4.0",
+        f"at_s = 0.6\ncamera = {{ {there.format(-150.0)} }}",
+        "at_s = 1.0\nend = true",
+    )
+    arguments = ["--scenario", str(file), "--size", "96x64", "--fps", "5", "--tour", "directed"]
+    assert main(["film", str(tmp_path / "all"), *arguments]) == 0
+    assert "rehearsing the directions" in capsys.readouterr().err
+    shown = sorted((tmp_path / "all").glob("*.png"))
+    pictures = [np.asarray(Image.open(path)).astype(int) for path in shown]
+    assert len(pictures) == 5
+    changes = [np.abs(b - a).mean() for a, b in pairwise(pictures)]
+    assert np.argmax(changes) == 3 and changes[3] > 2.0 * max(changes[:3])  # the cut, at 0.63 s
+    silent = file.with_name("silent.toml")
+    silent.write_text(file.read_text().replace("caption = 'Here they are.'", ""))
+    arguments[1] = str(silent)
+    assert main(["film", str(tmp_path / "silent"), *arguments]) == 0
+    other = np.asarray(Image.open(tmp_path / "silent" / shown[3].name)).astype(int)
+    rows = np.flatnonzero(np.abs(pictures[3] - other).sum(axis=2).max(axis=1) > 150)
+    assert len(rows) and rows.min() > 0.6 * 64
+    assert main(["film", str(tmp_path / "x"), "--tour", "directed"]) == 2
+    assert "has a `camera`" in capsys.readouterr().err
 
 
 def test_a_film_may_begin_later(tmp_path):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.app.gui import panes
+from subsea.app.panes import panes
 from subsea.view.rigs import DISPLAYS, display_rig
 from subsea.view.stereo import LAYOUTS, patches_of
 

@@ -15,9 +15,10 @@ from subsea.app.console import counted
 from subsea.app.records import FIELDS
 from subsea.scenario import load_scenario
 from subsea.species import load_species
+from tests.app.scenes import scene
 
 SIMULATE = [sys.executable, "-m", "subsea", "simulate"]
-SHAPES = {"T": 20, "n": 12, "s": 7, "m": 193, "p": 0, "r": 0}
+SHAPES = {"T": 20, "n": 12, "s": 7, "m": 193, "p": 0, "r": 0, "e": 0}
 
 
 def simulate(out, *arguments):
@@ -157,3 +158,25 @@ def test_what_cannot_be_set_is_one_line(tmp_path, capsys):
     assert "`numbr`" in fault
     assert "did you mean 'number'" in fault
     assert not out.exists()
+
+
+def test_it_tells_which_direction_happened_when_and_about_whom(tmp_path, monkeypatch):
+    monkeypatch.setattr("subsea.app.simulate.BLOCK_FISH_TICKS", 60)  # ten ticks between two writes
+    file = scene(
+        tmp_path,
+        "name = 'at first'\ncaption = 'There.'",
+        "at_s = 0.3\nlights = true",
+        "name = 'they pass'\nevent = 'passes'\nof = { shoal = 0 }\n"
+        "gate_cm = [-300.0, 0.0, -250.0]\nradius_cm = 400.0\nevery_s = 0.5\ncaption = 'They pass.'",
+    )
+    out = tmp_path / "out.h5"
+    assert main(["simulate", "--ticks", "40", "--scenario", str(file), "--out", str(out)]) == 0
+    with h5py.File(out) as record:
+        assert list(record.attrs["direction_names"].astype(str)) == ["at first", "", "they pass"]
+        times, numbers = record["direction/time"][:], record["direction/number"][:]
+        assert list(numbers) == [0, 2, 1, 2, 2]
+        assert times == pytest.approx([0.033, 0.033, 0.33, 0.528, 1.023])
+        assert set(times) <= set(record["time"][:])
+        cast = record["direction/cast"][:]
+        assert (cast[numbers != 2] == -1).all()
+        assert (cast[numbers == 2, 0] < 4).all() and (cast[numbers == 2, 0] >= 0).all()

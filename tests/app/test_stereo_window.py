@@ -9,7 +9,7 @@ import pytest
 from PIL import ImageGrab
 
 from subsea.app.dive import Dive
-from subsea.app.gui import Pane
+from subsea.app.panes import Pane
 from subsea.resources import resource_path
 from subsea.view.rigs import DISPLAYS
 from subsea.view.stereo import PAGED

@@ -32,7 +32,7 @@ IDENTITY = Identity("0.1.0", "Peaceful bay", "ab", 7, "cd", "ef", "01", "23")
 FROM_NODE = [Hello("left", IDENTITY, "dive"), Drawn(12), Diverged(900)]
 FROM_MASTER = [
     State("dive", 3, b"\x00bytes"),
-    Picture(4, 77, 0.5, [(0.1, -1.0, 1.0, 0.0, True)], [(1.0,) * 8], "checksum", True),
+    Picture(4, 77, 0.5, [(0.1, -1.0, 1.0, 0.0, True)], [(*(1.0,) * 8, True)], "checksum", True),
     Swap(4),
     Refused("because"),
 ]
@@ -56,6 +56,7 @@ def test_a_picture_steers():
     carried, steered = ticks_of(FROM_MASTER[1])
     assert steered == Helm(0.1, -1.0, 1.0, 0.0, True)
     assert [*carried.position, *carried.velocity, *carried.angles] == [1.0] * 8
+    assert carried.cut
     rebuilt = picture_of(
         4, 77, np.float32(0.5), [carried, steered._replace(yaw=-7)], "checksum", True
     )
@@ -94,7 +95,7 @@ def test_what_is_told_of_a_message_does_not_steer_the_terminal():
 
 def test_another_protocol_is_told():
     data = encode(Drawn(1))
-    with pytest.raises(UserError, match=r"speaks protocol 9, expected 2"):
+    with pytest.raises(UserError, match=r"speaks protocol 9, expected 3"):
         from_node(data[: len(MAGIC) - 1] + b"\x09" + data[len(MAGIC) :])
 
 
@@ -108,9 +109,10 @@ def test_another_protocol_is_told():
         ("picture", {"helms": [[0.0, 0.0, 0.0, 0.0]]}),
         ("picture", {"helms": [[0.0, 0.0, 0.0, 0.0, 1]]}),
         ("picture", {"helms": [[0.0, 0.0, 0.0, 0.0, False]] * (messages.MAX_HELMS + 1)}),
-        ("picture", {"rails": [[0.0] * 7]}),
-        ("picture", {"rails": [[0.0] * 7 + [math.inf]]}),
-        ("picture", {"rails": [[0.0] * 8] * (messages.MAX_HELMS + 1)}),
+        ("picture", {"rails": [[0.0] * 8]}),
+        ("picture", {"rails": [[0.0] * 7 + [math.inf, False]]}),
+        ("picture", {"rails": [[0.0] * 8 + [1]]}),
+        ("picture", {"rails": [[0.0] * 8 + [False]] * (messages.MAX_HELMS + 1)}),
         ("picture", {"number": -1}),
         ("picture", {"number": True}),
         ("picture", {"tick": 2**60}),
