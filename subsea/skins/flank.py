@@ -37,6 +37,7 @@ class RestFin(NamedTuple):
     row: int  # of the body that it is rooted on
     places: Array  # (12,) along that row, in nodes, where it leaves the body
     root: Array  # (12, 2) there
+    leaves: Array  # (12,) the share of the way from its row in the body to its edge, there
     edge: Array  # (12, 2)
     shows: NDArray[np.bool_]  # (12,) whether it stands out there, or runs within the body
 
@@ -84,7 +85,7 @@ def _rest_fin(plan: FinPlan, row: int, line: Array, ridge: Array) -> RestFin:
     root_x = np.maximum.accumulate(np.where(shows, x[left, np.arange(FIN_V)], base))
     places = np.interp(root_x, line[:, 0], np.arange(V))
     root = np.stack([np.interp(places, np.arange(V), axis) for axis in line.T], axis=1)
-    return RestFin(row, places, root, edge, shows)
+    return RestFin(row, places, root, up[left, 0], edge, shows)
 
 
 def laid(plan: SurfacePlan, matrix: Array) -> Net:

@@ -11,7 +11,7 @@ in linear light and stored in sRGB; alpha is the opacity, 1 on the body.
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,7 @@ from subsea.kinematics.surface import (
 from subsea.species import Colour, FinSkin, Patch, SkinPlan, Species, Spots, Stripes
 
 Array = NDArray[np.floating[Any]]
+Sheet = TypeVar("Sheet", Array, NDArray[np.uint8])
 
 
 class Frame(NamedTuple):
@@ -102,7 +103,7 @@ def paint(species: Species, size: tuple[int, int] = SIZE) -> NDArray[np.uint8]:
     """The skin (height, width, 4), bottom row first, as OpenGL wants it."""
     surface, skin = species.surface, species.skin
     sheet = np.zeros((4, size[1], size[0]), np.float32)  # planes: red, green, blue, opacity
-    body = _framed(sheet, BODY)
+    body = framed(sheet, BODY)
     _, height, width = body.shape
     top = half_height(surface)
     front, rear = borders(surface)
@@ -118,14 +119,14 @@ def paint(species: Species, size: tuple[int, int] = SIZE) -> NDArray[np.uint8]:
         (VENTRAL, surface.ventral, skin.ventral, surface.belly),
     ):
         if fin and look:
-            _paint_fin(_framed(sheet, frame), fin, look, ridge, skin, _Body(body, s, y))
+            _paint_fin(framed(sheet, frame), fin, look, ridge, skin, _Body(body, s, y))
     for frame, paddle in ((PECTORAL, surface.pectoral), (PELVIC, surface.pelvic)):
         if paddle and skin.paddles:
-            _paint_paddle(_framed(sheet, frame), paddle, skin.paddles, skin, _Body(body, s, y))
-    return _bytes(sheet)
+            _paint_paddle(framed(sheet, frame), paddle, skin.paddles, skin, _Body(body, s, y))
+    return encoded(sheet)
 
 
-def _framed(sheet: Array, frame: Frame) -> Array:
+def framed(sheet: Sheet, frame: Frame) -> Sheet:
     """The part of the sheet (4, h, w) within a frame."""
     _, height, width = sheet.shape
     rows = slice(round(frame.bottom * height), round(frame.top * height))
@@ -651,8 +652,11 @@ def _single(values: Array) -> Array:
     return np.asarray(values, np.float32)
 
 
-def _bytes(picture: Array) -> NDArray[np.uint8]:
-    """Planes to texels; colours to sRGB by a table of 4,096 steps, which eight bits do not show."""
+def encoded(picture: Array) -> NDArray[np.uint8]:
+    """Planes (4, h, w) to texels (h, w, 4).
+
+    Colours become sRGB by a table of 4,096 steps, which eight bits do not show.
+    """
     linear = np.linspace(0.0, 1.0, 4097)
     encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
     table = np.round(255.0 * encoded).astype(np.uint8)

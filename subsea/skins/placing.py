@@ -1,0 +1,289 @@
+"""Laying deformable meshes over the fish in a photograph, without a hand (Tu §5.2.1).
+
+The meshes begin in the shape of the species. They are turned, scaled, flattened and mirrored until
+they cover best what was told apart from the background; as that is told apart better where it is
+known about where the fish is, both are done in turn. Then the meshes take hold of its outline: from
+afar of what was told apart, at last of the edges of the photograph itself, but of those alone that
+lie near.
+
+Needs the extra `skin` (OpenCV).
+"""
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.errors import UserError
+from subsea.kinematics.surface import SurfacePlan
+from subsea.skins.deformable import (
+    LAW,
+    Field,
+    Net,
+    field,
+    relax,
+    settle,
+    transform,
+)
+from subsea.skins.flank import across, at_rest, finer, laid, placed
+from subsea.skins.lift import covered
+from subsea.skins.photograph import Photograph, cleaned, guesses, small, told_apart
+
+Array = NDArray[np.floating[Any]]
+Bytes = NDArray[np.uint8]
+Mask = NDArray[np.bool_]
+
+ALIKE = 128  # pixels of the longer side, where shapes are compared
+UNIT = 200.0  # pixels of a body length of the shape that is compared
+SOFT = 2.5  # by so many pixels both are blurred
+TILTS = np.radians([-60, -40, -20, 0, 20, 40, 60])  # that are tried first
+STEEP = 0.04  # what the likeness loses at a tilt of a right angle: fishes are upright
+FLATTER = 0.25  # what it loses for each logarithm of flatter or deeper than the species
+SMALLEST, LARGEST = 0.003, 0.85  # shares of the picture that a fish may fill
+SURE = 0.955  # likeness above which no other guess is tried
+LIKELY = 0.95, 0.6  # sizes of fishes in pictures, of the largest that has room
+POOR = 0.55  # likeness below which no fish was found
+ROUNDS = 2  # of telling apart once more, where it is known about where the fish is
+WIDE, CLOSER = (0.12, 0.16), (0.05, 0.07)  # body lengths: so deep inside the silhouette all is
+# fish, so far outside of it nothing is, while the fish is looked for and when it was found
+AFAR = 0.03, 0.015, 0.008  # widths of the smoothing in body lengths, one after the other
+NEAR = 0.008  # the photograph's own edges are felt so near to what was told apart
+CLOSE = 0.005  # and smoothed so much
+
+
+class Found(NamedTuple):
+    """A fish in a photograph."""
+
+    net: Net  # over the photograph
+    mask: Mask  # (h, w) of the photograph: what was told apart
+    likeness: float  # of the species' shape to that, 0 to 1
+
+
+def found(photograph: Photograph, plan: SurfacePlan, flip: bool = False) -> Found:
+    """The fish in a photograph, with meshes on its outline; if there is none, a UserError.
+
+    Which way it heads follows from its shape; `flip` takes the other one.
+    """
+    colour, share = small(photograph)
+    if photograph.opacity is None:
+        mask, matrix, likeness = _told(colour, plan, flip)
+    else:
+        size = colour.shape[1::-1]
+        opacity = cv2.resize(photograph.opacity, size, interpolation=cv2.INTER_AREA)
+        mask = cleaned(opacity > 127)
+        matrix, likeness = aligned(plan, mask, flip) if mask.any() else (np.eye(3)[:2], 0.0)
+    if likeness < POOR:
+        raise UserError(
+            f"{photograph.path}: no fish of this shape found; lay the mesh by hand, without --auto,"
+            " or cut the fish out: clear pixels around it are taken for the background"
+        )
+    net = laid(plan, matrix)
+    hold(net, colour, mask)
+    # Middles of pixels are at whole numbers, in the small picture and the large one.
+    middle = np.full(2, 0.5 / share - 0.5)
+    transform(net, np.eye(2) / share, np.zeros(2), middle)
+    height, width = photograph.colour.shape[:2]
+    large = cv2.resize(mask.astype(np.float32), (width, height), interpolation=cv2.INTER_CUBIC)
+    if photograph.opacity is not None:
+        large = photograph.opacity / np.float32(255.0)
+    return Found(net, np.asarray(large > 0.5), likeness)
+
+
+def _told(colour: Bytes, plan: SurfacePlan, flip: bool) -> tuple[Mask, Array, float]:
+    """What is told apart in a small picture, the species' place in it, and their likeness."""
+    best = np.zeros(colour.shape[:2], bool), np.eye(3)[:2], 0.0
+    for guess in (*guesses(colour), *_likely(colour, plan)):
+        if best[2] > SURE:
+            break
+        for _ in range(1 + ROUNDS):
+            mask = told_apart(colour, guess)
+            if not SMALLEST < mask.mean() < LARGEST:
+                break
+            matrix, likeness = aligned(plan, mask, flip)
+            if likeness > best[2]:
+                best = mask, matrix, likeness
+            guess = _about(plan, matrix, mask.shape, *WIDE)
+    mask, matrix, likeness = best
+    for _ in range(ROUNDS if likeness >= POOR else 0):
+        closer = told_apart(colour, _about(plan, matrix, mask.shape, *CLOSER))
+        if not closer.any():
+            break
+        mask = closer
+        matrix, likeness = aligned(plan, mask, flip)
+    return mask, matrix, likeness
+
+
+def _likely(colour: Bytes, plan: SurfacePlan) -> Iterator[Bytes]:
+    """The shape of the species in the middle of the picture, heading either way, large or not."""
+    height, width = colour.shape[:2]
+    middle = np.array([width / 2, height / 2])
+    for size in LIKELY:
+        for mirror in (1.0, -1.0):
+            matrix = across(width, height, plan)
+            matrix[:, 2] -= middle
+            matrix = np.diag([mirror * size, size]) @ matrix
+            matrix[:, 2] += middle
+            yield _about(plan, matrix, colour.shape, *WIDE)
+
+
+def _about(
+    plan: SurfacePlan, matrix: Array, shape: tuple[int, ...], core: float, halo: float
+) -> Bytes:
+    """Where the fish is and is not if the species lies so, in GrabCut's words.
+
+    It is sure `core` body lengths inside the silhouette and not `halo` outside.
+    """
+    inside = silhouette(plan, matrix, shape).astype(np.uint8)
+    length = float(np.hypot(*matrix[:, 0]))
+    deep = cv2.distanceTransform(inside, cv2.DIST_L2, 5)
+    far = cv2.distanceTransform(1 - inside, cv2.DIST_L2, 5)
+    guess = np.where(inside, cv2.GC_PR_FGD, cv2.GC_PR_BGD).astype(np.uint8)
+    guess[deep > min(core * length, 0.7 * deep.max())] = cv2.GC_FGD
+    guess[far > halo * length] = cv2.GC_BGD
+    return guess
+
+
+def silhouette(plan: SurfacePlan, matrix: Array, shape: tuple[int, ...]) -> Mask:
+    """Which pixels (h, w) the species covers in its own shape."""
+    out = np.zeros(shape[:2], np.uint8)
+    rest = at_rest(plan)
+    body = finer(rest.body)
+    rings = [np.concatenate([body[0], body[1:, -1], body[-1, -2::-1], body[-2:0:-1, 0]])]
+    rings += [
+        np.concatenate([one.root, finer(np.stack([one.root, one.edge]))[1, ::-1]])
+        for one in rest.fins.values()
+    ]
+    for ring in rings:
+        pixels = np.round(placed(matrix, ring) * 16.0).astype(np.int32)
+        cv2.fillPoly(out, [pixels], 1, shift=4)
+    return out.astype(bool)
+
+
+def aligned(plan: SurfacePlan, mask: Mask, flip: bool = False) -> tuple[Array, float]:
+    """The matrix (2, 3) that lays the species best over a mask, and their likeness, 0 to 1.
+
+    Tried from many tilts, heading either way; `flip` takes the better of those that head the other
+    way than the best.
+    """
+    share = min(1.0, ALIKE / max(mask.shape))
+    size = round(mask.shape[1] * share), round(mask.shape[0] * share)
+    there = cv2.resize(mask.astype(np.float32), size, interpolation=cv2.INTER_AREA)
+    there = np.asarray(cv2.GaussianBlur(there, (0, 0), SOFT))
+    shape = _Shape(plan)
+    y, x = np.nonzero(there > 0.5)
+    if len(x) < 10:
+        return np.eye(3)[:2], 0.0
+    middle = x.mean(), y.mean()
+    zoom = float(np.log(np.sqrt(len(x) / shape.area)))
+    spread = np.cov(np.stack([x, y]))
+    axis = 0.5 * np.arctan2(2.0 * spread[0, 1], spread[0, 0] - spread[1, 1])
+    best: dict[bool, tuple[float, Array]] = {}
+    for heads_right in (False, True):
+        tries = []
+        for tilt in {*TILTS.tolist(), float(axis)}:
+            start = np.array([*middle, zoom, 0.0, tilt])
+            tries.append(_climbed(shape, there, start, heads_right, 1))
+        tries.sort(key=lambda one: -one[0])
+        best[heads_right] = max(
+            (_climbed(shape, there, one[1], heads_right, 5) for one in tries[:3]),
+            key=lambda one: one[0],
+        )
+    right = best[True][0] > best[False][0]
+    likeness, values = best[right ^ flip]
+    matrix = shape.matrix(values, right ^ flip)
+    # From pixels of the comparison to those of the mask.
+    matrix = matrix / share
+    matrix[:, 2] += 0.5 / share - 0.5
+    return matrix, likeness
+
+
+class _Shape:
+    """The silhouette of a species as a soft picture."""
+
+    def __init__(self, plan: SurfacePlan) -> None:
+        own = np.array([[UNIT, 0.0, 0.15 * UNIT], [0.0, -UNIT, 0.65 * UNIT]])
+        plain = silhouette(plan, own, (int(1.3 * UNIT), int(1.4 * UNIT)))
+        y, x = np.nonzero(plain)
+        self.area = len(x) / UNIT**2  # body lengths²
+        self.middle = (x.mean() / UNIT - 0.15, 0.65 - y.mean() / UNIT)  # body lengths
+        self.own = np.vstack([own, [0.0, 0.0, 1.0]])
+        self.picture = plain.astype(np.float32)
+
+    def matrix(self, values: Array, heads_right: bool) -> Array:
+        """From body lengths to pixels: middle x and y, logarithms of size and depth, tilt."""
+        x, y, zoom, deep, tilt = values
+        cos, sin = np.cos(tilt), np.sin(tilt)
+        size = np.exp(zoom) * np.array([np.exp(-0.5 * deep), np.exp(0.5 * deep)])
+        size[0] *= -1.0 if heads_right else 1.0
+        turn = np.array([[cos, -sin], [sin, cos]]) @ np.diag(size * (1.0, -1.0))
+        return np.column_stack([turn, np.array([x, y]) - turn @ self.middle])
+
+    def likeness(self, there: Array, values: Array, heads_right: bool) -> float:
+        """Twice what both have in common over what they have together (Dice)."""
+        matrix = np.vstack([self.matrix(values, heads_right), [0.0, 0.0, 1.0]])
+        onto = (matrix @ np.linalg.inv(self.own))[:2]
+        size = there.shape[::-1]
+        here = cv2.warpAffine(self.picture, onto, size, flags=cv2.INTER_LINEAR)
+        here = cv2.GaussianBlur(here, (0, 0), SOFT)
+        both = 1.0 - float(np.abs(here - there).sum()) / float((here + there).sum())
+        return both - STEEP * (values[4] / (0.5 * np.pi)) ** 2 - FLATTER * values[3] ** 2
+
+
+def _climbed(
+    shape: _Shape, there: Array, values: Array, heads_right: bool, rounds: int
+) -> tuple[float, Array]:
+    """Values from which no small change of one leads higher, and their likeness."""
+    steps = np.array([4.0, 4.0, 0.12, 0.12, 0.15])
+    best = shape.likeness(there, values, heads_right)
+    for _ in range(rounds):
+        for _ in range(3):
+            for k in range(len(values)):
+                for sign in (1.0, -1.0):
+                    while True:
+                        other = values.copy()
+                        other[k] += sign * steps[k]
+                        now = shape.likeness(there, other, heads_right)
+                        if now <= best + 1e-5:
+                            break
+                        best, values = now, other
+        steps = steps / 2.0
+    return best, values
+
+
+def hold(net: Net, colour: Bytes, mask: Mask) -> None:
+    """Let meshes that lie about right take hold of the outline of a fish in a picture (h, w, 3).
+
+    ``mask`` (h, w) is what was told apart from the background.
+    """
+    body = net.body.nodes
+    length = float(np.hypot(*(body[4, 0] - body[4, -1])))
+    for width in AFAR:
+        relax(net, field(mask, max(width * length, 1.0)), still=0.02, most=600)
+        settle(net)
+    outline = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8))
+    off = cv2.distanceTransform(1 - outline, cv2.DIST_L2, 5)
+    near = np.exp(-0.5 * (off / max(NEAR * length, 1.5)) ** 2).astype(np.float32)
+    seen = field(colour, max(CLOSE * length, 1.0))
+    height = seen.height * near
+    down, right = np.gradient(height)
+    relax(net, Field(height, np.dstack([right, down]).astype(np.float32)), LAW, 0.02, 600)
+
+
+def outline_error(net: Net, mask: Mask) -> float:
+    """Mean distance of the outlines of meshes and of a mask (h, w), both ways, body lengths."""
+    first, second = _border(covered(net, mask.shape)), _border(mask)
+    if not first.any() or not second.any():
+        return np.inf
+    far = [
+        cv2.distanceTransform((~one).astype(np.uint8), cv2.DIST_L2, 5) for one in (first, second)
+    ]
+    body = net.body.nodes
+    length = float(np.hypot(*(body[4, 0] - body[4, -1])))
+    return float(0.5 * (far[0][second].mean() + far[1][first].mean()) / length)
+
+
+def _border(mask: Mask) -> Mask:
+    eroded = cv2.erode(mask.astype(np.uint8), np.ones((3, 3), np.uint8))
+    return np.asarray(mask & (eroded == 0))
