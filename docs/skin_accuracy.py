@@ -221,7 +221,6 @@ def main() -> None:
     for name, case in CASES.items():
         photograph, truth = made(case)
         one = found(photograph, load_species(case.species).surface)
-        print(one.likeness, one.mask.mean(), file=sys.stderr)
         every.append(100.0 * outline_error(one.net, truth))
         print(f"| {name} | {case.species.replace('_', ' ')} | {every[-1]:.2f} |", flush=True)
         if folder:

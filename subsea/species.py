@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import msgspec
+from msgspec import structs
 
 from subsea.biomechanics.plan import BodyPlan, Muscles, SwimPlan, TurnPlan
 from subsea.biomechanics.stability import check_step
@@ -113,6 +114,8 @@ class Display(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
 class SkinPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """How a species is coloured; painted in the order of the fields, later over earlier."""
 
+    sheet: Annotated[str, msgspec.Meta(pattern=r"^[^/\\]+\.png$")] | None = None  # a picture to
+    # wear instead of what is painted, beside the file; once it is loaded, its whole path
     back: Colour
     flank: Colour
     belly: Colour
@@ -276,7 +279,16 @@ def muscular_names() -> list[str]:
 
 def load_species(name: str) -> Species:
     """The species `name`; an unknown name or a faulty file is a UserError in one line."""
-    return load_toml(species_file(name), Species)
+    path = species_file(name)
+    return beside(path, load_toml(path, Species))
+
+
+def beside(path: Path, species: Species) -> Species:
+    """A species as the file `path` says it, with the whole path of its sheet."""
+    if not (name := species.skin.sheet):
+        return species
+    sheet = str(path.absolute().with_name(name))
+    return structs.replace(species, skin=structs.replace(species.skin, sheet=sheet))
 
 
 def _check_known(name: str) -> None:

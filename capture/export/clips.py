@@ -27,6 +27,7 @@ from subsea.skins.mesh import (
     fish_mesh,
     outfit,
 )
+from subsea.skins.sheet import sheet_of
 from subsea.species import Species, load_species, repertoire_file
 
 Array = NDArray[np.floating[Any]]
@@ -104,7 +105,7 @@ def clips_of(
         triangles=triangles,
         body=body,
         solid=surface.solid,
-        sheet=paint.paint(species),
+        sheet=sheet_of(species),
     )
     clips = []
     for segment in SEGMENTS:

@@ -79,6 +79,7 @@ def _parsers() -> tuple[argparse.ArgumentParser, Any]:
         _add_study,
         _add_benchmark,
         _add_soak,
+        _add_skin,
         _add_doctor,
         _add_keys,
         _add_settings,
@@ -402,6 +403,36 @@ def _add_soak(commands: Any) -> None:
         help="the report of the same soak, the checksums of which must come again",
     )
     soak.set_defaults(run=_soak)
+
+
+def _add_skin(commands: Any) -> None:
+    skin = command(
+        commands,
+        "skin",
+        "dress a species from a photograph",
+        "Finds the fish, lays deformable meshes over it, lifts its colours, and lets the species\n"
+        "wear them: a picture beside its file, which skin.sheet names. docs/skin.md says what\n"
+        "makes a good photograph. Needs the extra `skin`.",
+        [
+            "subsea skin guppy.jpg --species my_guppy --auto",
+            "subsea skin guppy.jpg --species my_guppy --auto --flip --mesh guppy.json",
+            "subsea skin clown.png --species clownfish --auto --out sheet.png",
+        ],
+    )
+    skin.add_argument("photo", metavar="PHOTO", type=Path, help="a fish from its side: JPEG, PNG …")
+    skin.add_argument("--species", required=True, metavar="NAME", help="who is to wear it")
+    skin.add_argument("--auto", action="store_true", help="without a window")
+    skin.add_argument(
+        "--out", type=Path, metavar="FILE.png", help="write the sheet there and change no species"
+    )
+    skin.add_argument("--flip", action="store_true", help="it heads the other way than is found")
+    skin.add_argument(
+        "--mesh",
+        type=Path,
+        metavar="FILE.json",
+        help="meshes to use instead of looking for the fish; written if it is not there",
+    )
+    skin.set_defaults(run=_skin)
 
 
 def _add_doctor(commands: Any) -> None:
@@ -923,6 +954,16 @@ def _theatre(name: str) -> int:
     from subsea.app.house import describe
 
     return describe(name)
+
+
+def _skin(
+    photo: Path, species: str, auto: bool, out: Path | None, flip: bool, mesh: Path | None
+) -> int:
+    from subsea.app.dressing import dress
+
+    if not auto:
+        raise UserError("skin: expected --auto")
+    return dress(photo, species, out, flip, mesh)
 
 
 def _doctor() -> int:

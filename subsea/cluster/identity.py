@@ -2,11 +2,14 @@
 
 import hashlib
 from importlib.metadata import version
+from pathlib import Path
 
 import msgspec
+from msgspec import structs
 
 from subsea import snapshot
 from subsea.cluster.messages import Identity
+from subsea.species import Species
 from subsea.world import World
 
 
@@ -24,11 +27,18 @@ def identity_of(world: World, view: str = "") -> Identity:
         title=world.scenario.title[:200],
         scenario=_hash(msgspec.json.encode(world.scenario)),
         seed=world.state.seed,
-        species=_hash(msgspec.json.encode(world.species)),
+        species=_hash(msgspec.json.encode([_anywhere(one) for one in world.species])),
         repertoires=snapshot.checksum_of(tables),
         sea=snapshot.checksum_of(snapshot.constant(world)),
         view=_hash(view.encode()),
     )
+
+
+def _anywhere(species: Species) -> Species:
+    """A species without the folder that its sheet lies in."""
+    if not (sheet := species.skin.sheet):
+        return species
+    return structs.replace(species, skin=structs.replace(species.skin, sheet=Path(sheet).name))
 
 
 def difference(theirs: Identity, ours: Identity) -> str:

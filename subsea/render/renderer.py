@@ -32,7 +32,7 @@ from subsea.render.target import Resolve, Target, scaled
 from subsea.render.textures import caustics, tileable_noise, upload
 from subsea.render.uniforms import uniforms_of
 from subsea.render.water import Water
-from subsea.skins.paint import paint_all
+from subsea.skins.sheet import sheets
 from subsea.view.camera import View
 from subsea.view.culling import IN_SIGHT
 from subsea.view.rig import Patch, Rect, Rig
@@ -70,7 +70,7 @@ class Renderer:
             stone = pool.submit(lambda: kept(pieces, *stands))
             ground = pool.submit(lambda: kept(surroundings, *stands))
             growths = pool.submit(bake, scene.reef)
-            skins = pool.submit(kept, paint_all, scene.species)
+            skins = pool.submit(sheets, scene.species)
             near_and_far = [
                 kept(caustics, 1),
                 kept(caustics, 1, waves=(4.0, 14.0), reach=0.040, penumbra=0.010),

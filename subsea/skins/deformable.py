@@ -160,7 +160,7 @@ def nearest(net: Net, place: Array, border: bool = False) -> tuple[str, int, int
     return best
 
 
-def field(picture: Array, sigma: float) -> Field:
+def field(picture: NDArray[Any], sigma: float) -> Field:
     """The field of a picture (h, w) or (h, w, channels), of any numbers.
 
     P = G_σ * ‖∇I‖ (Tu appendix A); with several channels ‖∇I‖ is over all of them, so that an edge

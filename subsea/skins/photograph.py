@@ -23,11 +23,11 @@ MOST_BYTES = 200 << 20
 MOST_PIXELS = 150_000_000
 LEAST = 96  # pixels of the longer side
 WORK = 1600  # pixels of the longer side that are kept: a sheet is 1024 texels wide
-TOLD_APART = 448  # the same, where fish and background are told apart
+TOLD_APART = 400  # the same, where fish and background are told apart
 CLEAR = 0.005  # a share of clear pixels from which on the opacity shows the fish
 BAND = 0.06  # of the shorter side: what lies so near to the border is background, mostly
 COLOURS = 6  # of the background, as a first guess
-ROUNDS = 4  # of GrabCut
+ROUNDS = 3  # of GrabCut
 
 
 class Photograph(NamedTuple):

@@ -44,10 +44,12 @@ FLATTER = 0.25  # what it loses for each logarithm of flatter or deeper than the
 SMALLEST, LARGEST = 0.003, 0.85  # shares of the picture that a fish may fill
 SURE = 0.955  # likeness above which no other guess is tried
 LIKELY = 0.95, 0.6  # sizes of fishes in pictures, of the largest that has room
+BLANK = 1.0  # deviation of the colours, of 255, below which there is nothing in a picture
 POOR = 0.55  # likeness below which no fish was found
 ROUNDS = 2  # of telling apart once more, where it is known about where the fish is
-WIDE, CLOSER = (0.12, 0.16), (0.05, 0.07)  # body lengths: so deep inside the silhouette all is
-# fish, so far outside of it nothing is, while the fish is looked for and when it was found
+# Body lengths: so deep inside a silhouette all is fish, so far outside of it nothing is, while the
+# fish is looked for, when it was found, and when meshes hold it.
+WIDE, CLOSER, HELD = (0.12, 0.16), (0.05, 0.07), (0.03, 0.02)
 AFAR = 0.03, 0.015, 0.008  # widths of the smoothing in body lengths, one after the other
 NEAR = 0.008  # the photograph's own edges are felt so near to what was told apart
 CLOSE = 0.005  # and smoothed so much
@@ -84,17 +86,37 @@ def found(photograph: Photograph, plan: SurfacePlan, flip: bool = False) -> Foun
     # Middles of pixels are at whole numbers, in the small picture and the large one.
     middle = np.full(2, 0.5 / share - 0.5)
     transform(net, np.eye(2) / share, np.zeros(2), middle)
-    height, width = photograph.colour.shape[:2]
-    large = cv2.resize(mask.astype(np.float32), (width, height), interpolation=cv2.INTER_CUBIC)
+    return Found(net, _enlarged(mask, photograph), likeness)
+
+
+def under(photograph: Photograph, net: Net) -> Mask:
+    """The fish (h, w) that is told apart where meshes lie over a photograph, by hand or by `found`.
+
+    It ends near them: the meshes are believed.
+    """
+    colour, share = small(photograph)
+    inside = covered(net, photograph.colour.shape)
+    size = colour.shape[1::-1]
+    there = cv2.resize(inside.astype(np.float32), size, interpolation=cv2.INTER_AREA) > 0.5
+    length = float(np.hypot(*(net.body.nodes[4, 0] - net.body.nodes[4, -1]))) * share
+    mask = told_apart(colour, _about(there, length, *HELD)) if there.any() else there
+    return _enlarged(mask, photograph) if mask.any() else inside
+
+
+def _enlarged(mask: Mask, photograph: Photograph) -> Mask:
+    """A mask of the small picture at the photograph's size; its opacity knows better."""
     if photograph.opacity is not None:
-        large = photograph.opacity / np.float32(255.0)
-    return Found(net, np.asarray(large > 0.5), likeness)
+        return np.asarray(photograph.opacity > 127)
+    size = photograph.colour.shape[1::-1]
+    large = cv2.resize(mask.astype(np.float32), size, interpolation=cv2.INTER_CUBIC)
+    return np.asarray(large > 0.5)
 
 
 def _told(colour: Bytes, plan: SurfacePlan, flip: bool) -> tuple[Mask, Array, float]:
     """What is told apart in a small picture, the species' place in it, and their likeness."""
-    best = np.zeros(colour.shape[:2], bool), np.eye(3)[:2], 0.0
-    for guess in (*guesses(colour), *_likely(colour, plan)):
+    best: tuple[Mask, Array, float] = (np.zeros(colour.shape[:2], bool), np.eye(3)[:2], 0.0)
+    blank = colour.std(axis=(0, 1)).max() < BLANK
+    for guess in () if blank else (*guesses(colour), *_likely(colour, plan)):
         if best[2] > SURE:
             break
         for _ in range(1 + ROUNDS):
@@ -104,10 +126,10 @@ def _told(colour: Bytes, plan: SurfacePlan, flip: bool) -> tuple[Mask, Array, fl
             matrix, likeness = aligned(plan, mask, flip)
             if likeness > best[2]:
                 best = mask, matrix, likeness
-            guess = _about(plan, matrix, mask.shape, *WIDE)
+            guess = _shaped(plan, matrix, mask.shape, WIDE)
     mask, matrix, likeness = best
     for _ in range(ROUNDS if likeness >= POOR else 0):
-        closer = told_apart(colour, _about(plan, matrix, mask.shape, *CLOSER))
+        closer = told_apart(colour, _shaped(plan, matrix, mask.shape, CLOSER))
         if not closer.any():
             break
         mask = closer
@@ -125,20 +147,24 @@ def _likely(colour: Bytes, plan: SurfacePlan) -> Iterator[Bytes]:
             matrix[:, 2] -= middle
             matrix = np.diag([mirror * size, size]) @ matrix
             matrix[:, 2] += middle
-            yield _about(plan, matrix, colour.shape, *WIDE)
+            yield _shaped(plan, matrix, colour.shape, WIDE)
 
 
-def _about(
-    plan: SurfacePlan, matrix: Array, shape: tuple[int, ...], core: float, halo: float
+def _shaped(
+    plan: SurfacePlan, matrix: Array, shape: tuple[int, ...], reach: tuple[float, float]
 ) -> Bytes:
-    """Where the fish is and is not if the species lies so, in GrabCut's words.
+    """The guess that the species lies so."""
+    return _about(silhouette(plan, matrix, shape), float(np.hypot(*matrix[:, 0])), *reach)
 
-    It is sure `core` body lengths inside the silhouette and not `halo` outside.
+
+def _about(inside: Mask, length: float, core: float, halo: float) -> Bytes:
+    """Where the fish is and is not if it lies about there, in GrabCut's words.
+
+    All is fish `core` body lengths within, and nothing `halo` body lengths without.
     """
-    inside = silhouette(plan, matrix, shape).astype(np.uint8)
-    length = float(np.hypot(*matrix[:, 0]))
-    deep = cv2.distanceTransform(inside, cv2.DIST_L2, 5)
-    far = cv2.distanceTransform(1 - inside, cv2.DIST_L2, 5)
+    here = inside.astype(np.uint8)
+    deep = cv2.distanceTransform(here, cv2.DIST_L2, 5)
+    far = cv2.distanceTransform(1 - here, cv2.DIST_L2, 5)
     guess = np.where(inside, cv2.GC_PR_FGD, cv2.GC_PR_BGD).astype(np.uint8)
     guess[deep > min(core * length, 0.7 * deep.max())] = cv2.GC_FGD
     guess[far > halo * length] = cv2.GC_BGD
@@ -177,6 +203,7 @@ def aligned(plan: SurfacePlan, mask: Mask, flip: bool = False) -> tuple[Array, f
         return np.eye(3)[:2], 0.0
     middle = x.mean(), y.mean()
     zoom = float(np.log(np.sqrt(len(x) / shape.area)))
+    shape.soften(zoom)
     spread = np.cov(np.stack([x, y]))
     axis = 0.5 * np.arctan2(2.0 * spread[0, 1], spread[0, 0] - spread[1, 1])
     best: dict[bool, tuple[float, Array]] = {}
@@ -208,8 +235,14 @@ class _Shape:
         y, x = np.nonzero(plain)
         self.area = len(x) / UNIT**2  # body lengths²
         self.middle = (x.mean() / UNIT - 0.15, 0.65 - y.mean() / UNIT)  # body lengths
-        self.own = np.vstack([own, [0.0, 0.0, 1.0]])
-        self.picture = plain.astype(np.float32)
+        self.back = np.linalg.inv(np.vstack([own, [0.0, 0.0, 1.0]]))
+        self.plain = plain.astype(np.float32)
+        self.picture = self.plain
+
+    def soften(self, zoom: float) -> None:
+        """Blur the picture as much as one is that has `zoom` as the logarithm of its size."""
+        blur = SOFT * UNIT / float(np.exp(zoom))
+        self.picture = np.asarray(cv2.GaussianBlur(self.plain, (0, 0), blur))
 
     def matrix(self, values: Array, heads_right: bool) -> Array:
         """From body lengths to pixels: middle x and y, logarithms of size and depth, tilt."""
@@ -222,12 +255,11 @@ class _Shape:
 
     def likeness(self, there: Array, values: Array, heads_right: bool) -> float:
         """Twice what both have in common over what they have together (Dice)."""
-        matrix = np.vstack([self.matrix(values, heads_right), [0.0, 0.0, 1.0]])
-        onto = (matrix @ np.linalg.inv(self.own))[:2]
-        size = there.shape[::-1]
-        here = cv2.warpAffine(self.picture, onto, size, flags=cv2.INTER_LINEAR)
-        here = cv2.GaussianBlur(here, (0, 0), SOFT)
-        both = 1.0 - float(np.abs(here - there).sum()) / float((here + there).sum())
+        matrix = self.matrix(values, heads_right)
+        onto = matrix[:, :2] @ self.back[:2]
+        onto[:, 2] += matrix[:, 2]
+        here = cv2.warpAffine(self.picture, onto, there.shape[::-1], flags=cv2.INTER_LINEAR)
+        both = 1.0 - float(np.abs(here - there).sum()) / float(here.sum() + there.sum())
         return both - STEEP * (values[4] / (0.5 * np.pi)) ** 2 - FLATTER * values[3] ** 2
 
 
@@ -238,7 +270,9 @@ def _climbed(
     steps = np.array([4.0, 4.0, 0.12, 0.12, 0.15])
     best = shape.likeness(there, values, heads_right)
     for _ in range(rounds):
-        for _ in range(3):
+        before = -np.inf
+        while best > before + 1e-3:
+            before = best
             for k in range(len(values)):
                 for sign in (1.0, -1.0):
                     while True:

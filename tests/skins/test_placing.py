@@ -1,0 +1,86 @@
+"""Meshes find the fish in a photograph by themselves."""
+
+import numpy as np
+import pytest
+
+from subsea.errors import UserError
+from subsea.skins.deformable import meshes
+from subsea.skins.flank import across, laid, outlines
+from subsea.skins.lift import covered
+from subsea.skins.placing import aligned, found, outline_error, silhouette, under
+from subsea.species import load_species
+
+MOST = 0.015  # body lengths
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["low contrast, shark", "light and dark, striped", "tilted, heading right", "gravel"],
+)
+def test_outlines_are_found(accuracy, name):
+    case = accuracy.CASES[name]
+    photograph, truth = accuracy.made(case)
+    one = found(photograph, load_species(case.species).surface)
+    assert outline_error(one.net, truth) < MOST
+    head, tail = one.net.body.nodes[4, [0, -1], 0]
+    assert (head > tail) == case.right
+
+
+@pytest.mark.parametrize("name", ["fusilier", "bluecheek_butterflyfish"])
+@pytest.mark.parametrize("tilt, right", [(0.0, False), (20.0, True), (-35.0, False)])
+def test_shapes_are_laid_over_masks(name, tilt, right):
+    plan = load_species(name).surface
+    tilt = np.radians(tilt)
+    turn = np.array([[np.cos(tilt), -np.sin(tilt)], [np.sin(tilt), np.cos(tilt)]])
+    matrix = np.column_stack(
+        [190.0 * turn @ np.diag([-1.0 if right else 1.0, -1.0]), (300.0 if right else 130.0, 200)]
+    )
+    mask = silhouette(plan, matrix, (400, 440))
+    got, likeness = aligned(plan, mask)
+    assert likeness > 0.93
+    both = silhouette(plan, got, mask.shape)
+    assert (both & mask).sum() > 0.93 * (both | mask).sum()
+    assert (got[0, 0] < 0) == right
+    other, less = aligned(plan, mask, flip=True)
+    assert (other[0, 0] > 0) == right and less < likeness
+
+
+def test_an_opacity_tells_the_fish_apart(clownfish_photo):
+    photograph, truth = clownfish_photo
+    plan = load_species("clownfish").surface
+    # The colours are no help here: there are none.
+    cut = photograph._replace(
+        colour=np.full_like(photograph.colour, 90), opacity=np.where(truth, 255, 0).astype(np.uint8)
+    )
+    assert outline_error(found(cut, plan).net, truth) < 0.01
+
+
+def test_no_fish_is_one_line(clownfish_photo):
+    plan = load_species("clownfish").surface
+    photograph = clownfish_photo.photograph
+    blank = photograph._replace(colour=np.full_like(photograph.colour, 128))
+    with pytest.raises(UserError, match="no fish of this shape"):
+        found(blank, plan)
+    clear = np.zeros(photograph.colour.shape[:2], np.uint8)
+    with pytest.raises(UserError, match="no fish of this shape"):
+        found(photograph._replace(opacity=clear), plan)
+
+
+def test_what_lies_under_meshes_is_told_apart(clownfish_photo):
+    photograph, truth = clownfish_photo
+    plan = load_species("clownfish").surface
+    net = found(photograph, plan).net
+    mask = under(photograph, net)
+    assert (mask & truth).sum() > 0.95 * (mask | truth).sum()
+
+
+def test_the_outline_error_is_a_distance():
+    plan = load_species("clownfish").surface
+    net = laid(plan, across(800, 600, plan))
+    mask = covered(net, (600, 800))
+    assert outline_error(net, mask) < 1e-6
+    for one in meshes(net).values():
+        one.nodes[:] += (0.0, 8.0)
+    length = np.ptp(outlines(net)[0][:, 0])
+    # Up and down the whole way, along the flanks less.
+    assert 0.5 * 8 / length < outline_error(net, mask) < 8 / length
