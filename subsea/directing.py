@@ -23,19 +23,28 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.behavior.hunting import STALK
+from subsea.behavior.mating import REST_S
 from subsea.behavior.temper import HABITS, set_hunger, set_libido, urge_to_eat, urge_to_mate
 from subsea.direction import Direction, Shoals, Whose, numbers_of
 from subsea.scenario import Scenario
 from subsea.state import (
     ANYONE,
+    CIRCLING,
     EAT,
     FEAR,
+    HANGING,
     HOOKED,
+    LANDED,
     LOOPING,
     NO_COURTSHIP,
     NOBODY,
     NUZZLING,
+    PACIFIST,
     PREDATOR,
+    PREY,
+    SINKING,
+    STOWED,
     SUBMARINE,
     Clock,
     Nature,
@@ -47,8 +56,17 @@ Array = NDArray[np.floating[Any]]
 Cast = tuple[int, int]
 
 CRUISING = 0.62  # share of its fastest speed at which a fish that is sent goes, if nothing is said
-ARRIVED_BL, ARRIVED_CM = 3.0, 15.0  # a point of a path is reached within so many lengths and cm
-PATIENCE_S = 60.0  # a place that is put into a mind anew in every tick is not given up
+# A point of a path is reached within so many lengths, or within so many once the fish recedes
+# from it: a fish turns in a wide circle.
+ARRIVED_BL, PASSED_BL = 1.0, 4.0
+# Two that are to court have come together within this, are apart again beyond that, and turn
+# back to the place from where they are farther off than the last.
+TOGETHER_CM, APART_CM, HOME_CM = 90.0, 250.0, 60.0
+COY = 0.08  # share of her fastest speed with which she turns to him
+# Stages of a pair.
+GATHERING, READY, COURTING, OVER = range(4)
+MOST_SUITORS = 200  # so many are looked at to find the nearest two ...
+STRANGE_CM = 1e6  # ... of whom those of different species count as so much farther apart
 PULSES = ("spawned", "eaten")  # events of a single tick
 
 
@@ -58,6 +76,7 @@ class Act(NamedTuple):
     direction: Direction
     who: Ints  # whom it moves
     of: Ints  # whose event it waits for
+    prey: Ints  # whom they hunt
     shown: Ints  # whom its camera follows
     after: int  # which direction it follows, -1 for none
 
@@ -68,6 +87,7 @@ class Script(NamedTuple):
     acts: tuple[Act, ...]
     order: tuple[int, ...]  # each behind the one that it follows
     fastest_cm_s: Array  # (n,) float32, of each fish
+    species: tuple[str, ...]  # as they are numbered
 
 
 class Scene(NamedTuple):
@@ -94,14 +114,22 @@ def make_script(scenario: Scenario, numbers: list[int], fastest_cm_s: Array) -> 
 
     names = {one.name: k for k, one in enumerate(scenario.direction) if one.name}
     acts = tuple(
-        Act(one, those(one.who), those(one.of), shown(one), names.get(one.after or "", -1))
+        Act(
+            one,
+            those(one.who),
+            those(one.of),
+            those(one.hunts if isinstance(one.hunts, Whose) else None),
+            shown(one),
+            names.get(one.after or "", -1),
+        )
         for one in scenario.direction
     )
 
     def depth(k: int) -> int:
         return 0 if acts[k].after < 0 else 1 + depth(acts[k].after)
 
-    return Script(acts, tuple(sorted(range(len(acts)), key=depth)), fastest_cm_s)
+    order = tuple(sorted(range(len(acts)), key=depth))
+    return Script(acts, order, fastest_cm_s, tuple(scenario.species))
 
 
 def direct(
@@ -115,11 +143,13 @@ def direct(
         since = _watched_since(scene, k)
         cast = _cast(scene, k) if since is not None else None
         if since is not None and cast is not None and _begins(scene, k, since):
-            log.began[k], log.cast[k] = clock.tick, cast
+            _make_way(scene, k)
+            log.began[k], log.running[k], log.stage[k] = clock.tick, True, 0
+            log.cast[k] = cast if script.acts[k].direction.pair is None else NOBODY
             log.times[k] += 1
-            log.running[k] = True
-            log.stage[k] = 0
-            _begin(scene, k)
+            for name in script.acts[k].direction.influences:
+                if name in START:
+                    START[name](scene, script.acts[k])
         log.ready[k] = cast is not None
     for k in np.argsort(log.began, kind="stable"):
         if log.running[k]:
@@ -292,32 +322,28 @@ EVENTS = {
 # What.
 
 
-def _begin(scene: Scene, k: int) -> None:
-    """Start direction k; what runs of the same kind for the same fishes gives way to it."""
-    act, log, state = scene.script.acts[k], scene.state.directions, scene.state
-    kinds = _kinds(act.direction)
+def _make_way(scene: Scene, k: int) -> None:
+    """End what runs of the same kind as direction k for the same fishes, also itself."""
+    acts, log = scene.script.acts, scene.state.directions
+    kinds, mine = _kinds(acts[k].direction), _moved(scene, k)
     for other in np.flatnonzero(log.running):
-        theirs = scene.script.acts[other]
-        same = kinds & _kinds(theirs.direction)
-        if other != k and same and np.isin(_moved(theirs), _moved(act)).all():
+        theirs = np.isin(_moved(scene, int(other)), mine)
+        common = theirs.any() if acts[other].direction.pair is not None else theirs.all()
+        if other == k or (kinds & _kinds(acts[other].direction) and common):
             _release(scene, int(other))
             log.running[other] = False
-    _release(scene, k)  # where it is begun anew
-    one = act.direction
-    if one.lights is not None:
-        state.submarine.lights[:] = one.lights
-    for name in one.influences:
-        if name in START:
-            START[name](scene, act)
 
 
 def _goes_on(scene: Scene, k: int) -> bool:
     """Do what direction k does in every tick; whether there is more to come."""
     one = scene.script.acts[k].direction
-    going = [HOLD[name](scene, k) for name in one.influences if name in HOLD]
-    if not any(going):
+    going = False
+    for name in one.influences:
+        if name in HOLD and _lasts(scene, k, 0.0 if name in LET_GO else np.inf):
+            going |= HOLD[name](scene, k)
+    if not going:
         _release(scene, k)
-    return any(going)
+    return going
 
 
 def _release(scene: Scene, k: int) -> None:
@@ -328,6 +354,10 @@ def _release(scene: Scene, k: int) -> None:
             minds.errand[act.who] = 0.0
         if name in ("hunts", "rests"):
             minds.quarry[act.who] = ANYONE
+        if name == "pair":
+            two = scene.state.directions.cast[k]
+            two = two[two >= 0]
+            minds.betrothed[two], minds.errand[two] = NOBODY, 0.0
         if name == "fear":
             minds.fright[act.who] = -1.0
         if name == "likes":
@@ -341,8 +371,13 @@ def _kinds(one: Direction) -> set[str]:
     return prey | {kinds.get(name, name) for name in one.influences if name in HOLD}
 
 
-def _moved(act: Act) -> Ints:
-    """Whom a direction moves; nobody if it moves the water, say."""
+def _moved(scene: Scene, k: int) -> Ints:
+    """Whom direction k moves; nobody if it moves the water, say."""
+    act, pair = scene.script.acts[k], scene.state.directions.cast[k]
+    if isinstance(act.direction.pair, tuple):
+        return np.array(act.direction.pair)
+    if act.direction.pair is not None:
+        return pair[pair >= 0]
     return act.who if act.direction.who is not None else act.who[:0]
 
 
@@ -358,7 +393,7 @@ def _lasts(scene: Scene, k: int, held_s: float) -> bool:
     one, log = scene.script.acts[k].direction, scene.state.directions
     held = held_s if one.for_s is None else one.for_s
     ticks = max((one.over_s + held) / scene.clock.dt, 1.0)
-    return bool(scene.clock.tick + 1 - log.began[k] < ticks)
+    return bool(scene.clock.tick - log.began[k] < ticks)
 
 
 def _alive(scene: Scene, act: Act) -> Ints:
@@ -374,13 +409,13 @@ def _now_s(scene: Scene) -> float:
     return scene.clock.tick * scene.clock.dt
 
 
-# Each of these does its part in a tick and says whether there is more to come.
+# Each of these does its part in a tick and says whether it is not over for good.
 
 
 def _lead(scene: Scene, k: int) -> bool:
     """Bind those who lead for the next point of the path, until they were at the last."""
     act, log = scene.script.acts[k], scene.state.directions
-    fishes, minds, one = scene.state.fishes, scene.state.minds, act.direction
+    minds, one = scene.state.minds, act.direction
     points = one.path_cm or []
     minds.errand[act.who] = 0.0
     those = _alive(scene, act)
@@ -388,15 +423,14 @@ def _lead(scene: Scene, k: int) -> bool:
         free = those[minds.leader[those] == NOBODY]
         leads = free[minds.leads[free]]
         those = leads if len(leads) else free
-    if not len(those):
+    if not len(those) or log.stage[k] == len(points):
         return False
-    gaps = np.linalg.norm(fishes.position[those] - points[log.stage[k]], axis=1)
-    if np.median(gaps - ARRIVED_BL * fishes.length[those]) < ARRIVED_CM:
+    if _arrived(scene, those, np.array(points[log.stage[k]])):
         log.stage[k] += 1
-        if log.stage[k] == len(points):
+        if log.stage[k] == len(points) and not one.loop:
             minds.patience[those] = 0.0
-            log.stage[k] = 0
             return False
+        log.stage[k] %= len(points)
     share = np.float32(CRUISING)
     if one.speed_cm_s is not None:
         share = np.clip(one.speed_cm_s / scene.script.fastest_cm_s[those], 0.05, 1.0)
@@ -404,10 +438,19 @@ def _lead(scene: Scene, k: int) -> bool:
     return True
 
 
+def _arrived(scene: Scene, those: Ints, point: Array) -> bool:
+    """Whether half of the fishes are at a point, cm, or have just passed it by."""
+    fishes = scene.state.fishes
+    toward = point - fishes.position[those]
+    lengths = np.linalg.norm(toward, axis=1) / fishes.length[those]
+    recedes = (toward * fishes.velocity[those]).sum(axis=1) < 0.0
+    return bool(np.median(lengths < np.where(recedes, PASSED_BL, ARRIVED_BL)) >= 0.5)
+
+
 def _send(scene: Scene, those: Ints, place: Any, share: Any) -> None:
     """Bind fishes for a place, cm, at a share of their fastest speed."""
     minds = scene.state.minds
-    minds.waypoint[those], minds.patience[those], minds.errand[those] = place, PATIENCE_S, share
+    minds.waypoint[those], minds.errand[those] = place, share
 
 
 def _hunger(scene: Scene, k: int) -> bool:
@@ -417,7 +460,7 @@ def _hunger(scene: Scene, k: int) -> bool:
     now = _urge_to_eat(scene, act.who)
     wish = now + _share(scene, k) * (act.direction.hunger - now)
     set_hunger(minds, act.who, np.clip(wish, 0.0, 1.0), _now_s(scene))
-    return _lasts(scene, k, 0.0)
+    return True
 
 
 def _libido(scene: Scene, k: int) -> bool:
@@ -427,7 +470,7 @@ def _libido(scene: Scene, k: int) -> bool:
     now, hunger = urge_to_mate(minds, act.who, now_s), _urge_to_eat(scene, act.who)
     wish = now + _share(scene, k) * (act.direction.libido - now)
     set_libido(minds, act.who, hunger, wish, now_s)
-    return _lasts(scene, k, 0.0)
+    return True
 
 
 def _fear(scene: Scene, k: int) -> bool:
@@ -437,15 +480,15 @@ def _fear(scene: Scene, k: int) -> bool:
     fright = minds.fright[act.who]
     now = np.where(fright < 0.0, minds.mental[act.who, FEAR], fright)
     minds.fright[act.who] = now + _share(scene, k) * (act.direction.fear - now)
-    return _lasts(scene, k, np.inf)
+    return True
 
 
 def _likes(scene: Scene, k: int) -> bool:
     """Have those habits."""
     act = scene.script.acts[k]
-    bits = sum(1 << HABITS.index(habit) for habit in act.direction.likes or ())
+    bits = sum(1 << HABITS.index(habit) for habit in {*(act.direction.likes or ())})
     scene.state.minds.fancy[act.who] = bits
-    return _lasts(scene, k, np.inf)
+    return True
 
 
 def _current(scene: Scene, k: int) -> bool:
@@ -453,15 +496,151 @@ def _current(scene: Scene, k: int) -> bool:
     current = scene.state.directions.current
     wish = np.array(scene.script.acts[k].direction.current_cm_s) - scene.current_cm_s
     current += _share(scene, k) * (wish - current)
-    return _lasts(scene, k, 0.0)
+    return True
 
 
+def _rouse(scene: Scene, act: Act) -> None:
+    """Let predators be hungry and fresh, and mind those alone whom they may hunt."""
+    minds, hunts = scene.state.minds, act.direction.hunts
+    those = _hunters(scene, act)
+    set_hunger(minds, those, 1.0, _now_s(scene))
+    minds.fatigue[EAT, those] = 0.0
+    if isinstance(hunts, Whose) and hunts.species is not None:
+        minds.quarry[those] = *ANYONE[:2], scene.script.species.index(hunts.species)
+    else:
+        minds.quarry[those] = (act.prey[0], act.prey[-1] + 1, -1) if len(act.prey) else NOBODY
+    _forget_prey(scene, those)
+
+
+def _lull(scene: Scene, act: Act) -> None:
+    """Let predators be sated, and mind nobody."""
+    minds, those = scene.state.minds, _hunters(scene, act)
+    set_hunger(minds, those, 0.0, _now_s(scene))
+    minds.quarry[those] = NOBODY
+    _forget_prey(scene, those)
+
+
+def _hunters(scene: Scene, act: Act) -> Ints:
+    return act.who[scene.state.minds.kind[act.who] == PREDATOR]
+
+
+def _forget_prey(scene: Scene, those: Ints) -> None:
+    minds = scene.state.minds
+    for name in ("target", "food", "foods", "memory", "memory_target"):
+        getattr(minds, name)[those] = -1
+    minds.food_distance[those] = np.inf
+
+
+def _hunt(scene: Scene, k: int) -> bool:
+    """Send predators that are hungry, and perceive nobody of their prey, to where that is."""
+    act, fishes, minds = scene.script.acts[k], scene.state.fishes, scene.state.minds
+    if act.direction.path_cm is None:
+        those = _hunters(scene, act)
+        minds.errand[those] = 0.0
+        prey = act.prey[fishes.alive[act.prey] & (minds.kind[act.prey] == PREY)]
+        seeks = fishes.alive[those] & (minds.food[those] < 0)
+        for i in those[seeks & (_urge_to_eat(scene, those) > scene.nature.keen)]:
+            if len(prey):
+                gaps = np.linalg.norm(fishes.position[prey] - fishes.position[i], axis=1)
+                _send(scene, np.array([i]), fishes.position[prey[np.argmin(gaps)]], STALK)
+    return True
+
+
+def _rest(scene: Scene, k: int) -> bool:
+    """Mind nobody."""
+    return True
+
+
+def _court(scene: Scene, k: int) -> bool:
+    """Bring two together, and to a place if one is said; there each minds the other alone.
+
+    Until they have spawned: if they part before, they begin anew.
+    """
+    act, log, state = scene.script.acts[k], scene.state.directions, scene.state
+    minds, fishes = state.minds, state.fishes
+    if log.cast[k, 0] < 0:
+        log.cast[k] = _betrothed(scene, act)
+        if log.cast[k, 0] < 0:
+            return True
+    two, other = log.cast[k], log.cast[k, ::-1]
+    spawned = (log.courtship[two] == NUZZLING) & (minds.courtship[two] == NO_COURTSHIP)
+    just = minds.last_mating[two] >= _now_s(scene) - 1.5 * scene.clock.dt
+    if not fishes.alive[two].all() or (spawned & just).all():
+        log.stage[k] = OVER
+    if log.stage[k] == OVER:
+        minds.betrothed[two], minds.errand[two] = NOBODY, 0.0
+        return False
+    minds.betrothed[two], minds.errand[two] = other, 0.0
+    set_hunger(minds, two, 0.0, _now_s(scene))
+    if (minds.courtship[two] >= LOOPING).all() and (minds.partner[two] == other).all():
+        log.stage[k] = COURTING
+        return True
+    place = act.direction.place_cm
+    meet = fishes.position[two].mean(axis=0) if place is None else np.array(place)
+    gaps = np.linalg.norm(fishes.position[two] - meet, axis=1)
+    gathers = gaps.max() > (TOGETHER_CM if log.stage[k] == GATHERING else APART_CM)
+    log.stage[k] = GATHERING if gathers else READY
+    minds.shunned[two] = NOBODY
+    set_libido(minds, two, 0.0, float(not gathers), _now_s(scene))
+    if not gathers:
+        rested = _now_s(scene) - REST_S - 1.0
+        minds.last_mating[two] = np.minimum(minds.last_mating[two], rested)
+        if gaps[1] <= HOME_CM:
+            _send(scene, two[1:], fishes.position[two[0]], COY)
+    _send(scene, two[gaps > HOME_CM], meet, CRUISING)
+    return True
+
+
+def _betrothed(scene: Scene, act: Act) -> Cast:
+    """He and she: the two that are named, or the nearest two of them, also to the place."""
+    fishes, minds, one = scene.state.fishes, scene.state.minds, act.direction
+    those = np.array(one.pair) if isinstance(one.pair, tuple) else act.who
+    those = those[those < len(fishes.alive)]
+    those = those[fishes.alive[those] & (minds.kind[those] == PACIFIST)]
+    if one.pair == "nearest":
+        those = those[(minds.courtship[those] < CIRCLING) & (minds.betrothed[those] == NOBODY)]
+    meet = fishes.position[those].mean(axis=0) if one.place_cm is None else np.array(one.place_cm)
+    way = np.linalg.norm(fishes.position[those] - meet, axis=1)
+    those = those[np.argsort(way, kind="stable")[:MOST_SUITORS]]
+    he, she = those[minds.male[those]], those[~minds.male[those]]
+    if not len(he) or not len(she):
+        return NOBODY, NOBODY
+    cost = np.linalg.norm(fishes.position[he][:, None] - fishes.position[she], axis=2)
+    if one.place_cm is not None:
+        cost += np.linalg.norm(fishes.position[he] - meet, axis=1)[:, None]
+        cost += np.linalg.norm(fishes.position[she] - meet, axis=1)
+    cost[fishes.species[he][:, None] != fishes.species[she]] += STRANGE_CM
+    i, j = np.unravel_index(np.argmin(cost), cost.shape)
+    return int(he[i]), int(she[j])
+
+
+def _lower(scene: Scene, act: Act) -> None:
+    """Let the hook down anew, or draw it up without a catch."""
+    sea, down = scene.state.sea, act.direction.hook == "down"
+    if down and sea.catch[0] in (STOWED, LANDED):
+        sea.hook[:] = *sea.tackle[:2], 0.0
+        sea.catch[0] = SINKING
+    elif not down and sea.catch[0] in (SINKING, HANGING):
+        sea.catch[:] = HOOKED, NOBODY
+
+
+def _light(scene: Scene, act: Act) -> None:
+    """Switch the submarine's lights."""
+    scene.state.submarine.lights[:] = bool(act.direction.lights)
+
+
+# What is done when a direction begins, ...
+START = {"hunts": _rouse, "rests": _lull, "hook": _lower, "lights": _light}
+# ... and in every tick from then on, as long as it lasts; some are let go once they are reached.
+LET_GO = ("hunger", "libido", "current_cm_s")
 HOLD = {
     "path_cm": _lead,
     "hunger": _hunger,
     "libido": _libido,
     "fear": _fear,
     "likes": _likes,
+    "hunts": _hunt,
+    "rests": _rest,
+    "pair": _court,
     "current_cm_s": _current,
 }
-START: dict[str, Any] = {}

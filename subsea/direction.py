@@ -4,9 +4,10 @@ A direction begins when all that it says of *when* is so. `directing.py` makes i
 """
 
 from collections.abc import Callable, Sequence
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 import msgspec
+from msgspec.structs import replace
 
 from subsea.errors import UserError, unknown
 from subsea.kinematics.surface import Share
@@ -89,6 +90,7 @@ class Direction(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
     # What, of whom, and for how long.
     who: Whose | None = None  # whom it moves
     path_cm: Annotated[list[Place], msgspec.Meta(min_length=1, max_length=200)] | None = None
+    loop: bool = False  # the path is gone round and round
     speed_cm_s: Annotated[float, msgspec.Meta(gt=0, le=1000)] | None = None  # none: cruising
     hunger: Share | None = None
     libido: Share | None = None
@@ -209,10 +211,13 @@ def _faults(
         faults.append(("of", "expected an `event` or `fewer_than` that is theirs"))
     if one.delay_s and one.after is None:
         faults.append(("delay_s", "expected the direction `after` which it waits, or `at_s`"))
-    if one.speed_cm_s is not None and one.path_cm is None:
-        faults.append(("speed_cm_s", "expected a `path_cm`"))
+    for key in ("speed_cm_s", "loop"):
+        if getattr(one, key) and one.path_cm is None:
+            faults.append((key, "expected a `path_cm`"))
     if one.place_cm is not None and one.pair is None:
         faults.append(("place_cm", "expected a `pair`"))
+    if one.pair is not None and one.path_cm is not None:
+        faults.append(("pair", "who courts goes no path, expected `place_cm`"))
     if one.hunts is not None and one.rests:
         faults.append(("rests", "who `hunts` does not rest, expected one of them"))
     if one.hook is not None and not hook:
@@ -247,6 +252,44 @@ def numbers_of(whose: Whose, shoals: Shoals) -> range | list[int]:
             found += range(first, first + number)
         first += number
     return found
+
+
+def renumbered(
+    directions: Sequence[Direction], fish: Callable[[int], int], shoal: Callable[[int], int]
+) -> list[Direction]:
+    """The directions once fishes and shoals have the numbers that these give for theirs.
+
+    Who is gone has -1: directions about it are left out, and those that come after them.
+    """
+
+    def now(whose: Any) -> Any:
+        if isinstance(whose, Whose) and whose.fish is not None:
+            return replace(whose, fish=fish(whose.fish))
+        if isinstance(whose, Whose) and whose.shoal is not None:
+            return replace(whose, shoal=shoal(whose.shoal))
+        return whose
+
+    def is_gone(whose: Any) -> bool:
+        return isinstance(whose, Whose) and -1 in (whose.fish, whose.shoal)
+
+    left: list[Direction] = []
+    gone: set[str] = set()
+    for one in directions:
+        if one.camera is not None:
+            one = replace(one, camera=replace(one.camera, follow=now(one.camera.follow)))
+        if isinstance(one.pair, tuple):
+            one = replace(one, pair=(fish(one.pair[0]), fish(one.pair[1])))
+        one = replace(one, of=now(one.of), who=now(one.who), hunts=now(one.hunts))
+        follow = one.camera.follow if one.camera is not None else None
+        lost = any(map(is_gone, (one.of, one.who, one.hunts, follow)))
+        if lost or (isinstance(one.pair, tuple) and -1 in one.pair):
+            gone.add(one.name)
+        else:
+            left.append(one)
+    while orphans := [one for one in left if one.after is not None and one.after in gone]:
+        gone |= {one.name for one in orphans}
+        left = [one for one in left if one not in orphans]
+    return left
 
 
 def _strangers(whose: Whose, shoals: Shoals) -> list[tuple[str, str]]:

@@ -70,7 +70,7 @@ def influences(draw, shoals: Shoals, tours: list[str], hook: bool, places):
         if "path_cm" in chosen:
             what["speed_cm_s"] = draw(st.none() | st.floats(1.0, 100.0))
     mild = [i for i, kind in enumerate(shoals.kind) if kind == "pacifist"]
-    if len(mild) > 1 and draw(st.booleans()):
+    if len(mild) > 1 and "path_cm" not in what and draw(st.booleans()):
         pair = draw(st.lists(st.sampled_from(mild), min_size=2, max_size=2, unique=True))
         what |= {"pair": tuple(pair), "place_cm": draw(st.none() | places)}
     others = {

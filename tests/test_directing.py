@@ -1,14 +1,24 @@
 """Directions: what is to happen, and when."""
 
+from importlib.util import module_from_spec, spec_from_file_location
+
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from subsea import snapshot
+from subsea.app.placement import Handle, removed
 from subsea.directing import latest
+from subsea.direction import Shoals
 from subsea.errors import UserError
 from subsea.ocean import TICK_S, create_world, step
-from subsea.scenario import load_scenario
+from subsea.resources import ROOT
+from subsea.scenario import Hook, check_scenario, load_scenario
+from subsea.state import EAT, FEAR, HUNGER, LANDED, LIBIDO, LOOPING, SCHOOL, SINKING, STOWED
 from subsea.submarine.helm import HANDS_OFF, Helm
+from tests.directions import directions
 
 SEA = """
 title = "A bare sea"
@@ -23,13 +33,15 @@ species = "fusilier"
 number = 6
 position_cm = [-300.0, 0.0, -250.0]
 spread_cm = 50.0
-heading_deg = 0.0
+heading_deg = 20.0
 hunger = 0.0
 digestion = 0.0
 [[fish]]
 species = "blacktip_reef_shark"
 number = 1
-position_cm = [600.0, 300.0, -250.0]
+position_cm = [500.0, 250.0, -250.0]
+spread_cm = 20.0
+heading_deg = -165.0
 hunger = 0.0
 digestion = 0.0
 [[fish]]
@@ -67,22 +79,20 @@ def begun_s(world):
 
 
 def test_a_school_follows_the_path_of_its_leader_and_then_its_own_ways(tmp_path):
-    world = world_of(
-        tmp_path,
-        'who = { shoal = 0 }\nspeed_cm_s = 20.0\npath_cm = [[-150, 120, -250], [0, 0, -250]]',
-    )  # fmt: skip
-    leader, directions = world.state.fishes.position[0], world.state.directions
+    path = "path_cm = [[-190, 60, -250], [-60, 0, -250]]\nspeed_cm_s = 20"
+    world = world_of(tmp_path, f"who = {{ shoal = 0 }}\nfear = 0\n{path}")
+    leader, errand = world.state.fishes.position[0], world.state.minds.errand
     nearest = np.inf
     for _ in range(round(40 / TICK_S)):
         step(world, HANDS_OFF)
-        nearest = min(nearest, float(np.linalg.norm(leader - (-150, 120, -250))))
-        if not directions.running[0]:
+        nearest = min(nearest, float(np.linalg.norm(leader - (-190, 60, -250))))
+        if not errand.any():
             break
     assert nearest < 80
-    assert np.linalg.norm(leader - (0, 0, -250)) < 80
+    assert np.linalg.norm(leader - (-60, 0, -250)) < 80
     middle = np.median(world.state.fishes.position[:6], axis=0)
     assert np.linalg.norm(middle - leader) < 120
-    assert not world.state.minds.errand.any()
+    assert not errand.any()
 
 
 def test_directions_follow_one_another_and_what_happens(tmp_path):
@@ -147,3 +157,152 @@ def test_a_faulty_direction_is_one_line(tmp_path, direction, words):
     assert words in str(fault.value)
     assert "directed.toml" in str(fault.value)
     assert "\n" not in str(fault.value)
+
+
+def test_a_shark_is_started_minds_its_quarry_alone_and_is_lulled(tmp_path):
+    world = world_of(
+        tmp_path,
+        'name = "hunt"\nat_s = 0.5\nwho = { fish = 6 }\nhunts = { fish = 2 }',
+        'after = "hunt"\ndelay_s = 12.0\nwho = { shoal = 1 }\nrests = true',
+        'event = "hunting"\nof = { species = "blacktip_reef_shark" }\ncaption = "It hunts."',
+    )
+    minds, fishes = world.state.minds, world.state.fishes
+    targets = set()
+    start = float(np.linalg.norm(fishes.position[SHARK] - fishes.position[2]))
+    for tick in range(round(12.4 / TICK_S)):
+        step(world, HANDS_OFF)
+        assert tick * TICK_S > 0.5 or minds.intention[SHARK] != EAT
+        if minds.intention[SHARK] == EAT:
+            targets.add(int(minds.target[SHARK]))
+    assert targets == {2}  # it was 900 cm away, out of reach of its senses
+    assert np.linalg.norm(fishes.position[SHARK] - fishes.position[2]) < start - 300
+    assert world.state.directions.cast[2].tolist() == [SHARK, 2]
+    play(world, 3.0)
+    assert minds.intention[SHARK] != EAT
+    assert minds.food[SHARK] == -1
+
+
+def test_two_are_brought_together_where_they_are_to_court(tmp_path):
+    place = (-100.0, 150.0, -240.0)
+    world = world_of(
+        tmp_path,
+        f'name = "pair"\npair = "nearest"\nwho = {{ shoal = 2 }}\nplace_cm = {list(place)}',
+        'event = "courting"\nof = { shoal = 2 }\nafter = "pair"\nlights = true',
+    )  # fmt: skip
+    fishes, minds, log = world.state.fishes, world.state.minds, world.state.directions
+    for _ in range(round(60 / TICK_S)):
+        step(world, HANDS_OFF)
+        if log.times[1]:
+            break
+    assert log.times[1] == 1
+    he, she = log.cast[1]
+    assert {he, she} == set(PAIR)
+    assert minds.male[he]
+    assert not minds.male[she]
+    assert (minds.courtship[list(PAIR)] == LOOPING).all()
+    assert np.linalg.norm(fishes.position[list(PAIR)] - place, axis=1).max() < 120
+    assert minds.betrothed[list(PAIR)].tolist() == [PAIR[1], PAIR[0]]
+
+
+def test_a_hook_waits_for_its_direction_and_goes_up_again(tmp_path):
+    hook = "\n[hook]\nposition_cm = [200, 0]\ndepth_cm = 200\nspeed_cm_s = 100\n"
+    world = world_of(
+        tmp_path,
+        'name = "down"\nat_s = 0.5\nhook = "down"' + hook,
+        'after = "down"\ndelay_s = 1.0\nhook = "up"',
+        'at_s = 4.0\nhook = "down"',
+    )
+    sea = world.state.sea
+    play(world, 0.4)
+    assert sea.catch[0] == STOWED
+    play(world, 1.0)
+    assert sea.catch[0] == SINKING
+    assert -100 < sea.hook[2] < -60
+    play(world, 2.4)
+    assert sea.catch[0] == LANDED
+    play(world, 0.5)
+    assert sea.catch[0] == SINKING
+
+
+def test_hunger_and_fear_are_eased_held_and_let_go(tmp_path):
+    world = world_of(
+        tmp_path,
+        "who = { shoal = 0 }\nfear = 0.8\nover_s = 1.0\nfor_s = 0.5",
+        "at_s = 0.5\nwho = { shoal = 2 }\nhunger = 0.6\nlibido = 0.4\nover_s = 1.0",
+    )
+    minds = world.state.minds
+    play(world, 0.5)
+    assert minds.mental[0, FEAR] == pytest.approx(0.4, abs=0.1)
+    play(world, 0.8)
+    assert minds.mental[0, FEAR] == pytest.approx(0.8)
+    assert minds.intention[1] == SCHOOL
+    play(world, 0.7)
+    assert minds.mental[0, FEAR] == minds.menaces[0] < 0.5
+    assert minds.mental[PAIR[0], HUNGER] == pytest.approx(0.6, abs=0.05)
+    assert minds.mental[PAIR[0], LIBIDO] == pytest.approx(0.4, abs=0.05)
+
+
+def test_a_later_direction_takes_the_place_of_one_of_its_kind(tmp_path):
+    world = world_of(
+        tmp_path,
+        "who = { shoal = 0 }\npath_cm = [[0, 300, -250], [0, -300, -250]]\nloop = true\nfear = 0",
+        "at_s = 1.0\nwho = { shoal = 2 }\npath_cm = [[0, 0, -250]]",
+        "at_s = 2.0\nwho = { species = 'fusilier' }\npath_cm = [[200, 0, -250]]",
+    )
+    play(world, 1.5)
+    assert world.state.directions.running.tolist() == [True, True, False]
+    play(world, 1.0)
+    assert world.state.directions.running.tolist() == [False, True, True]
+    assert world.state.minds.waypoint[0].tolist() == [200, 0, -250]
+    assert (world.state.minds.fright < 0).all()
+
+
+ANY = Shoals(["fusilier", "blacktip_reef_shark", "clownfish"], [6, 1, 2],
+             ["prey"] * 6 + ["predator"] + ["pacifist"] * 2)  # fmt: skip
+WITHIN = st.tuples(st.floats(-500, 500), st.floats(-500, 500), st.floats(-420, -60))
+
+
+@settings(max_examples=8, deadline=None, suppress_health_check=list(HealthCheck))
+@given(st.data())
+def test_whatever_is_directed_the_world_stays_one(tmp_path, data):
+    """Two runs are alike, one with a snapshot in its middle; all is finite and in bounds."""
+    bare = scenario_of(tmp_path)
+    hook = Hook(position_cm=(100.0, 0.0), depth_cm=200.0)
+    chosen = data.draw(directions(ANY, [], True, WITHIN))
+    scenario = replace(bare, direction=chosen, hook=hook)
+    check_scenario(scenario, "it")
+    one, other = create_world(scenario), create_world(scenario)
+    play(one, 1.5)
+    between = snapshot.take(one)
+    play(one, 1.5)
+    play(other, 0.1)
+    snapshot.restore(other, between)
+    play(other, 1.5)
+    assert snapshot.checksum(one) == snapshot.checksum(other)
+    for name, array in snapshot.changing(one).items():
+        assert name in snapshot.INFINITE or np.isfinite(array).all(), name
+    position = one.state.fishes.position
+    assert np.hypot(position[:, 0], position[:, 1]).max() < scenario.bounds.radius_cm
+    assert position[one.state.fishes.alive, 2].max() < 0.0
+
+
+@pytest.mark.parametrize("seed", [0, 7])
+def test_a_pair_courts_in_front_while_a_shark_hunts_a_school_behind(seed):
+    spec = spec_from_file_location("figures", ROOT / "docs/rendezvous_figures.py")
+    figures = module_from_spec(spec)
+    spec.loader.exec_module(figures)
+    found = figures.rendezvous(seed, enough=True)
+    assert found["so"], found
+
+
+def test_who_is_gone_takes_their_directions_along(tmp_path):
+    scenario = scenario_of(
+        tmp_path,
+        "pair = [7, 8]",
+        'name = "it"\nwho = { fish = 6 }\nrests = true',
+        'after = "it"\nlights = true',
+        "who = { shoal = 2 }\nhunger = 1.0",
+    )
+    left = removed(scenario, Handle("fish", 1, (0, 0, 0), None, None)).direction
+    assert [one.pair for one in left] == [(6, 7), None]
+    assert left[1].who.shoal == 1

@@ -11,6 +11,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.direction import renumbered
 from subsea.errors import UserError
 from subsea.habitat.rocks import rock_rows
 from subsea.kinematics.heightfield import height_at
@@ -257,6 +258,11 @@ def removed(scenario: Scenario, handle: Handle) -> Scenario:
         return msgspec.structs.replace(scenario, hook=None)
     if handle.kind == "fish":
         scenario = numbered(scenario, handle.number, 0)
+        gone = handle.number
+        directions = renumbered(
+            scenario.direction, lambda fish: fish, lambda k: -1 if k == gone else k - (k > gone)
+        )
+        scenario = msgspec.structs.replace(scenario, direction=directions)
     rest = list(getattr(scenario, handle.kind))
     del rest[handle.number]
     return msgspec.structs.replace(scenario, **{handle.kind: rest})
@@ -280,6 +286,7 @@ def numbered(scenario: Scenario, index: int, number: int) -> Scenario:
         scenario,
         fish=shoals,
         individual=[one for one in own if one.fish >= 0],
+        direction=renumbered(scenario.direction, then, lambda shoal: shoal),
         physics=msgspec.structs.replace(scenario.physics, fish=then(scenario.physics.fish)),
     )
 

@@ -12,10 +12,19 @@ from subsea.snapshot import changing, constant
 from subsea.state import NOBODY
 from subsea.world import MINDS, ROOM_BL, World
 
-LIVING = ("fishes.", "minds.", "live.", "sea.plankton", "sea.absent", "sea.hook", "sea.catch")
+LIVING = (
+    "fishes.",
+    "minds.",
+    "directions.",
+    "live.",
+    "sea.plankton",
+    "sea.absent",
+    "sea.hook",
+    "sea.catch",
+)
 """How the names begin of what goes on, in the arrays of `snapshot`."""
 
-INHABITANTS = ("fish", "individual", "hook")  # of a scenario
+INHABITANTS = ("fish", "individual", "hook", "direction")  # of a scenario
 
 CLEAR_CM = 40.0  # of the seabed and the surface, for fishes that are moved out of a solid
 

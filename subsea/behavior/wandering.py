@@ -58,11 +58,15 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
 
 @njit(cache=True, error_model="numpy")
 def heading(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> Vector:
-    """Unit vector to the waypoint, drawn anew when it is reached or was pursued too long."""
+    """Unit vector to the waypoint, drawn anew when it is reached or was pursued too long.
+
+    Who is on an errand keeps it.
+    """
     minds.patience[i] -= minds.pause[i]
     here = vector(fishes.position[i])
     toward = minus(vector(minds.waypoint[i]), here)
-    if minds.patience[i] <= 0.0 or norm(toward) < ARRIVED_BL * fishes.length[i]:
+    done = minds.patience[i] <= 0.0 or norm(toward) < ARRIVED_BL * fishes.length[i]
+    if done and minds.errand[i] <= 0.0:
         _draw(minds, i, here, sea, clock)
         toward = minus(vector(minds.waypoint[i]), here)
     return times(1.0 / max(norm(toward), 1.0), toward)

@@ -12,11 +12,15 @@ from subsea.state import HANGING, HOOKED, LANDED, SINKING, STOWED, Clock, Sea
 OUT_CM = 60.0  # so high above the surface it is out of sight
 
 
-def tackle(plan: Hook | None) -> NDArray[np.floating[Any]]:
-    """The constants of a hook (5,): x, y, depth, cm, speed, cm/s, start, s; never without one."""
+def tackle(plan: Hook | None, waits: bool = False) -> NDArray[np.floating[Any]]:
+    """The constants of a hook (5,): x, y, depth, cm, speed, cm/s, start, s.
+
+    Without one, and where it `waits` for a direction, it never comes by itself.
+    """
     if plan is None:
         return np.array([0.0, 0.0, 0.0, 0.0, np.inf])
-    return np.array([*plan.position_cm, plan.depth_cm, plan.speed_cm_s, plan.start_s])
+    start = np.inf if waits else plan.start_s
+    return np.array([*plan.position_cm, plan.depth_cm, plan.speed_cm_s, start])
 
 
 @njit(cache=True, error_model="numpy")

@@ -1,0 +1,103 @@
+"""Figures of docs/scenarios.md: `python docs/rendezvous_figures.py [SEEDS] [SCENARIO]`.
+
+Runs the first minute of the scenario `rendezvous` from so many seeds, 0 and on, ten if left out,
+and prints for each when what its directions are for was so at once, in its camera's picture.
+"""
+
+import sys
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from subsea.ocean import step
+from subsea.scenario import load_scenario
+from subsea.state import EAT, LOOPING, MATE
+from subsea.submarine.helm import HANDS_OFF
+from subsea.view.rigs import VERTICAL_FOV
+from subsea.world import TICK_S, World, create_world
+
+PAIR, SCHOOL, SHARK = slice(0, 2), slice(2, 38), 38  # the numbers of the scenario's fishes
+ASPECT = 16 / 9
+FRONT_CM = 250.0  # so near the camera the pair is in front
+BEHIND_CM = 100.0  # and the school is so much farther away
+MOST = 0.5  # so many of the living school are in view
+LEAST_S = 3.0  # all must last so long without a break
+SECONDS = 60.0
+PARTS = ("pair", "school", "shark")
+
+
+class Seen(NamedTuple):
+    """What is so in a tick."""
+
+    pair: bool  # it courts, in front of the camera and in view
+    school: bool  # it is in view behind the pair
+    shark: bool  # it hunts one of the school, in view
+
+
+def seen(world: World) -> Seen:
+    """What of it is so now."""
+    fishes, minds = world.state.fishes, world.state.minds
+    camera = next(one.camera for one in world.scenario.direction if one.camera is not None)
+    eye, aim = np.array(camera.position_cm), np.array(camera.look_at_cm)
+    far = np.linalg.norm(fishes.position - eye, axis=1)
+    inside = in_view(fishes.position, eye, aim)
+    courts = (minds.courtship[PAIR] >= LOOPING) & (minds.intention[PAIR] == MATE)
+    school = fishes.alive[SCHOOL]
+    behind = inside[SCHOOL] & (far[SCHOOL] > far[PAIR].max() + BEHIND_CM) & school
+    prey = minds.target[SHARK]
+    hunts = minds.intention[SHARK] == EAT and SCHOOL.start <= prey < SCHOOL.stop
+    return Seen(
+        bool(courts.all() and inside[PAIR].all() and far[PAIR].max() < FRONT_CM),
+        bool(behind.sum() >= max(MOST * school.sum(), 1)),
+        bool(hunts and inside[SHARK]),
+    )
+
+
+def in_view(places: Any, eye: Any, aim: Any) -> Any:
+    """Which of the places (n, 3) are in the picture of a level camera."""
+    ahead = (aim - eye) / np.linalg.norm(aim - eye)
+    right = np.cross(ahead, (0.0, 0.0, 1.0))
+    right /= np.linalg.norm(right)
+    up = np.cross(right, ahead)
+    x, y, z = ((places - eye) @ axis for axis in (right, up, ahead))
+    tall = z * np.tan(VERTICAL_FOV / 2)
+    return (z > 0.0) & (abs(y) < tall) & (abs(x) < ASPECT * tall)
+
+
+def rendezvous(seed: int, name: str = "rendezvous", enough: bool = False) -> dict[str, Any]:
+    """When and for how long each part was so, and all at once, s; no longer than `enough`."""
+    world = create_world(load_scenario(name)[0], seed=seed)
+    moments = []
+    least = round(LEAST_S / TICK_S) + 1
+    for _ in range(round(SECONDS / TICK_S)):
+        step(world, HANDS_OFF)
+        moments.append(seen(world))
+        if enough and np.all(moments[-least:]) and len(moments) >= least:
+            break
+    so = np.array(moments)
+    both = so.all(axis=1)
+    runs = np.split(np.arange(len(both)), np.flatnonzero(np.diff(both)) + 1)
+    longest = max((run for run in runs if both[run[0]]), key=len, default=np.arange(0))
+    return {
+        **{part: round(float(so[:, k].sum()) * TICK_S, 1) for k, part in enumerate(PARTS)},
+        "together": round(float(both.sum()) * TICK_S, 1),
+        "longest": round(len(longest) * TICK_S, 1),
+        "from": round(float(longest[0]) * TICK_S, 1) if len(longest) else None,
+        "eaten": int((~world.state.fishes.alive).sum()),
+        "so": bool(len(longest) * TICK_S >= LEAST_S),
+    }
+
+
+def main() -> None:
+    """A line for each seed, and how many it worked in."""
+    number = int(sys.argv[1]) if len(sys.argv) > 1 else 10
+    name = sys.argv[2] if len(sys.argv) > 2 else "rendezvous"
+    rows = []
+    for seed in range(number):
+        rows.append(rendezvous(seed, name))
+        print(seed, rows[-1], flush=True)
+    print(f"{sum(row['so'] for row in rows)} of {number}")
+
+
+if __name__ == "__main__":
+    main()
