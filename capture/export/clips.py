@@ -37,6 +37,7 @@ SWEEP_RAD = 0.35  # of paired fins at ease, away from the body
 # As `shaders/fishes.vert` has them: how far a wing stands out, its share of the sweep, and how much
 # a paddle's plane leans outwards.
 WING_SPREAD, WING_BEAT, LEAN = 0.95, 0.2, 0.35
+OPAQUE = 250  # of 255: what is clearer is blended
 INSET = (4.0, 1.0)  # texels that a fin keeps off the border of its frame on the sheet
 
 
@@ -161,6 +162,17 @@ def carried(clip: Clip) -> Clip:
         position=still,
         rotation=upright,
     )
+
+
+def see_through(model: Model) -> NDArray[np.bool_]:
+    """Which triangles (m,) show something of the sheet that is not opaque."""
+    height, width = model.sheet.shape[:2]
+    corners = model.uv[model.triangles]  # (m, 3, 2)
+    weights = np.array([(i, j, 4 - i - j) for i in range(5) for j in range(5 - i)]) / 4.0
+    at = (weights @ corners) * (width, height)  # (m, 15, 2)
+    column = at[..., 0].astype(int).clip(0, width - 1)
+    row = at[..., 1].astype(int).clip(0, height - 1)
+    return np.asarray((model.sheet[row, column, 3] < OPAQUE).any(axis=1))
 
 
 class Surface:

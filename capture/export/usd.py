@@ -2,7 +2,8 @@
 
 One stage holds all clips, one after another on the time line; `customLayerData` says where each
 begins and ends. It is in metres, y up and the head along +z, as glTF files are. The body and the
-fins are a mesh each, as only fins are seen from both sides.
+fins are a mesh each, as only fins are seen from both sides; of the body's faces those that are
+clear, such as the tail's, are a subset.
 """
 
 from pathlib import Path
@@ -12,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from capture.export.axes import Y_UP, brought, turned
-from capture.export.clips import Clip, Model, carried
+from capture.export.clips import Clip, Model, carried, see_through
 from capture.export.png import sheet_png
 from subsea.errors import UserError
 from subsea.places import replacing
@@ -20,6 +21,7 @@ from subsea.places import replacing
 Array = NDArray[np.floating[Any]]
 
 ROUGHNESS = 0.45  # of a wet skin
+SOLID, CLEAR = "solid", "clear"  # materials
 
 
 class _Part(NamedTuple):
@@ -88,6 +90,10 @@ def _fill(stage: Any, sheet: str, model: Model, clips: list[Clip], baked: bool) 
         clips = [carried(clip) for clip in clips]
     else:
         _move(root, clips, first)
+    looks = {
+        name: _material(stage, root.GetPath().AppendPath(f"materials/{name}"), sheet, name == CLEAR)
+        for name in (SOLID, CLEAR)
+    }
     for part in (
         _Part("body", slice(0, model.solid), model.triangles[: model.body], False),
         _Part("fins", slice(model.solid, None), model.triangles[model.body :] - model.solid, True),
@@ -95,7 +101,9 @@ def _fill(stage: Any, sheet: str, model: Model, clips: list[Clip], baked: bool) 
         if len(part.triangles):
             mesh = _mesh(stage, root.GetPath().AppendChild(part.name), model, part)
             _animate(mesh, part, clips, first)
-            _paint(stage, mesh, root.GetPath().AppendPath(f"materials/{part.name}"), sheet, part)
+            _bind(mesh, looks[CLEAR if part.both_sides else SOLID])
+            if not part.both_sides:
+                _divide(mesh, see_through(model)[: model.body], looks)
 
 
 def _move(root: Any, clips: list[Clip], first: list[int]) -> None:
@@ -147,8 +155,8 @@ def _animate(mesh: Any, part: _Part, clips: list[Clip], first: list[int]) -> Non
             extent.Set(UsdGeom.PointBased.ComputeExtent(values), start + frame)
 
 
-def _paint(stage: Any, mesh: Any, path: Any, sheet: str, part: _Part) -> None:
-    """The sheet as the colour of a UsdPreviewSurface; of fins its opacity, too."""
+def _material(stage: Any, path: Any, sheet: str, clear: bool) -> Any:
+    """The sheet as the colour of a UsdPreviewSurface, and its opacity where that is wanted."""
     from pxr import Sdf, UsdShade
 
     names = Sdf.ValueTypeNames
@@ -172,12 +180,34 @@ def _paint(stage: Any, mesh: Any, path: Any, sheet: str, part: _Part) -> None:
     surface.CreateInput("diffuseColor", names.Color3f).ConnectToSource(
         texture.CreateOutput("rgb", names.Float3)
     )
-    if part.both_sides:
+    if clear:
         surface.CreateInput("opacity", names.Float).ConnectToSource(
             texture.CreateOutput("a", names.Float)
         )
     material.CreateSurfaceOutput().ConnectToSource(surface.CreateOutput("surface", names.Token))
-    UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(material)
+    return material
+
+
+def _bind(thing: Any, material: Any) -> None:
+    from pxr import UsdShade
+
+    UsdShade.MaterialBindingAPI.Apply(thing.GetPrim()).Bind(material)
+
+
+def _divide(mesh: Any, clear: NDArray[np.bool_], looks: dict[str, Any]) -> None:
+    """Bind a material each to the clear and the solid faces of a mesh, if it has both.
+
+    Some importers leave out the material of the mesh where it has subsets: all faces are in one.
+    """
+    from pxr import UsdGeom, UsdShade, Vt
+
+    if not clear.any():
+        return
+    binding = UsdShade.MaterialBindingAPI(mesh)
+    for name, those in ((SOLID, ~clear), (CLEAR, clear)):
+        faces = Vt.IntArray.FromNumpy(np.flatnonzero(those).astype(np.int32))
+        _bind(binding.CreateMaterialBindSubset(name, faces), looks[name])
+    binding.SetMaterialBindSubsetsFamilyType(UsdGeom.Tokens.partition)
 
 
 def _vectors(values: Array) -> Any:

@@ -119,23 +119,32 @@ def test_bounds_are_those_of_the_points(tmp_path: Path) -> None:
 
 
 def test_body_and_fins_wear_the_sheet(tmp_path: Path) -> None:
-    model, clips = make_clips("fusilier", detail=2)
+    """Fins, and what is clear of the body, with its opacity."""
+    model, clips = make_clips("fusilier", detail=1)
     stage = written(tmp_path, model, clips, baked=False)
-    corners, uv = [], []
-    for part, both_sides in (("body", False), ("fins", True)):
-        mesh = UsdGeom.Mesh(stage.GetPrimAtPath(f"/fusilier/{part}"))
-        assert mesh.GetDoubleSidedAttr().Get() is both_sides
-        before = sum(map(len, uv))
-        corners.append(np.array(mesh.GetFaceVertexIndicesAttr().Get()) + before)
-        uv.append(np.array(UsdGeom.PrimvarsAPI(mesh).GetPrimvar("st").Get()))
-        material, _ = UsdShade.MaterialBindingAPI(mesh).ComputeBoundMaterial()
+    body, fins = (UsdGeom.Mesh(stage.GetPrimAtPath(f"/fusilier/{p}")) for p in ("body", "fins"))
+    corners = [np.array(mesh.GetFaceVertexIndicesAttr().Get()) for mesh in (body, fins)]
+    corners[1] += model.solid
+    np.testing.assert_array_equal(np.concatenate(corners).reshape(-1, 3), model.triangles)
+    uv = [np.array(UsdGeom.PrimvarsAPI(m).GetPrimvar("st").Get()) for m in (body, fins)]
+    np.testing.assert_allclose(np.concatenate(uv), model.uv, atol=1e-6)
+    assert not body.GetDoubleSidedAttr().Get() and fins.GetDoubleSidedAttr().Get()
+    flank, tail = UsdShade.MaterialBindingAPI(body).GetMaterialBindSubsets()
+    for thing, clear in ((body, False), (flank, False), (tail, True), (fins, True)):
+        material, _ = UsdShade.MaterialBindingAPI(thing).ComputeBoundMaterial()
         surface, _, _ = material.ComputeSurfaceSource()
+        assert bool(surface.GetInput("opacity")) is clear
         source = surface.GetInput("diffuseColor").GetConnectedSources()[0][0].source
         file = UsdShade.Shader(source.GetPrim()).GetInput("file").Get()
         assert Path(file.resolvedPath) == tmp_path / "fusilier_basecolor.png"
-        assert bool(surface.GetInput("opacity")) is both_sides
-    np.testing.assert_array_equal(np.concatenate(corners).reshape(-1, 3), model.triangles)
-    np.testing.assert_allclose(np.concatenate(uv), model.uv, atol=1e-6)
+    # By the middle of each face.
+    faces = np.isin(np.arange(model.body), tail.GetIndicesAttr().Get())
+    np.testing.assert_array_equal(flank.GetIndicesAttr().Get(), np.flatnonzero(~faces))
+    middle = model.uv[model.triangles[: model.body]].mean(axis=1) * model.sheet.shape[1::-1]
+    column, row = middle.astype(int).T
+    opacity = model.sheet[row, column, 3]
+    assert opacity[~faces].min() >= 250 > opacity[faces].min()
+    assert model.rest[model.triangles[: model.body][faces], 0].max() < 0.0  # behind the middle
 
 
 def test_without_usd_core_one_line_tells_what_to_install(
