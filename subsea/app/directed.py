@@ -26,12 +26,14 @@ from subsea.submarine.course import Course, angles_of, course_of, middle_of, rai
 from subsea.submarine.helm import STATION, Helm
 from subsea.submarine.hull import ACCELERATION_CM_S2, AHEAD_CM_S, keep_clear
 from subsea.submarine.rail import Rail, board
+from subsea.view.rig import Pose
 from subsea.world import TICK_S, World
 
 Array = NDArray[np.floating[Any]]
 
 LOOK_S = 6.0  # so long a camera that has arrived is looked through, if nobody says
 SHORTEST_S = 1.2  # in which what is left of a way is gone at least: so softly it follows fishes
+LEAP_CM = 30.0
 ON_RAILS_CM = 0.5  # who is so near to a tour follows it to the letter
 HASTE = 1.6  # a way that is begun and ended softly is so much faster in between than on average
 AROUND = [math.radians(side * turn) for turn in range(0, 181, 20) for side in (1, -1)]
@@ -85,6 +87,13 @@ def is_over(world: World) -> bool:
         if log.began[k] < 0 or (gone_s < _lasts_s(scenario, one) and not repeats):
             return False
     return True
+
+
+def leapt(before: Pose | None, now: Pose, elapsed_s: float) -> bool:
+    """Whether an eye was elsewhere `elapsed_s` ago than from where a hull comes: a cut."""
+    if before is None:
+        return False
+    return bool(np.linalg.norm(now.eye - before.eye) > LEAP_CM + 2.0 * AHEAD_CM_S * elapsed_s)
 
 
 def _lasts_s(scenario: Scenario, one: Direction) -> float:

@@ -13,7 +13,7 @@ from subsea.app.comfort import Vignette, draw_horizon
 from subsea.app.console import say
 from subsea.app.crew import Alone, Crew, muster
 from subsea.app.desk import Desk
-from subsea.app.directed import check_tour, is_directed
+from subsea.app.directed import check_tour, is_directed, is_over, leapt
 from subsea.app.finding import find_fish
 from subsea.app.house import NOT_SHRUNK, House, open_house, told
 from subsea.app.hud import reading
@@ -38,7 +38,7 @@ from subsea.app.shots import Shots, pictures_folder
 from subsea.app.sign import sign_of
 from subsea.app.start import wake
 from subsea.app.staying import carry
-from subsea.app.timeline import Timeline
+from subsea.app.timeline import RATES, Timeline
 from subsea.app.tour import guide
 from subsea.app.window import Window
 from subsea.errors import UserError
@@ -365,7 +365,9 @@ class Dive:
         start += self._crew.idle_s
         picture, ride = self.picture, self.picture.ride
         picture.alpha = picture.alpha if alpha is None else alpha
-        picture.eye = self._crew.eye()
+        seen_from, picture.eye = picture.eye, self._crew.eye()
+        if leapt(seen_from, picture.eye, RATES[-1] * elapsed_s):
+            picture.jump()
         if ride is not None:
             if self._crew.steered is None:
                 ride.glance(*self.pilot.glance, elapsed_s)
@@ -395,11 +397,20 @@ class Dive:
         works |= self.picture.pattern or self._shots.filming or not self._crew.hands
         works |= self._crew.timeline is not None and self._crew.timeline.paused
         what = self.attract.look(stirred, elapsed_s, not works)
+        if what is None and self._shown_to_its_end:
+            what = "begin"
         if what == "end":
             self._crew.carry(None)
             self.overlay.greet()
         elif what == "begin":
             self._take_tour()
+
+    @property
+    def _shown_to_its_end(self) -> bool:
+        """Whether a kiosk that nobody is at has shown what its directions had to show."""
+        scenario = self.world.scenario
+        shows = self.attract.touring and self._kiosk is not None and not self._crew.shared
+        return shows and self._tour == DIRECTED and is_directed(scenario) and is_over(self.world)
 
     def _take_tour(self) -> None:
         if self.menu.open:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from subsea import interrupts
 from subsea.app.captions import caption_of, titled
 from subsea.app.console import counted, say
-from subsea.app.directed import check_tour, guided
+from subsea.app.directed import check_tour, guided, leapt
 from subsea.app.finding import find_fish
 from subsea.app.house import chosen_rig, told
 from subsea.app.progress import progress
@@ -31,7 +31,7 @@ from subsea.scenario import AUTOPILOT, DIRECTED, Scenario, load_scenario
 from subsea.submarine.course import course_of
 from subsea.view.follow import Camera, followed
 from subsea.view.levels import nothing_drawn
-from subsea.view.rig import views
+from subsea.view.rig import Pose, views
 from subsea.view.rigs import cockpit
 from subsea.view.stereo import Stereo
 from subsea.view.surround import Surround
@@ -123,12 +123,15 @@ def film(
             memory = nothing_drawn(len(world.state.fishes.species))
             wanted = set(missing)
             camera: Camera | None = None
+            observer: Pose | None = None
 
             reach(world, times[0], steer, check)
             for k, instant in enumerate(times[: missing[-1] + 1]):
                 begun = time.perf_counter()
                 alpha = reach(world, instant, steer, check)
-                observer = cockpit(world.state.submarine, alpha)
+                before, observer = observer, cockpit(world.state.submarine, alpha)
+                if leapt(before, observer, float(1 / rate)):  # nothing fades into what comes
+                    memory = nothing_drawn(len(world.state.fishes.species))
                 if fish is not None and world.state.fishes.alive[fish]:
                     camera, observer = followed(world, fish, alpha, camera)
                 seen = views(rig, observer)

@@ -57,7 +57,13 @@ def along(world):
     return Rail(np.array([x, y, z + 100.0]), np.array([1.0, 0.0, 0.0]), (0.5, 0.0))
 
 
-@pytest.mark.parametrize("tour", [None, along])
+def cued(world):
+    """A tour that cuts to and fro, as directions may have it."""
+    rail = along(world)
+    return rail._replace(cut=True) if world.state.tick % 7 == 0 else rail
+
+
+@pytest.mark.parametrize("tour", [None, along, cued])
 def test_one_leads_and_another_follows(worlds, tour):
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from subsea import snapshot
 from subsea.app.crew import Alone
-from subsea.app.directed import check_tour, directed, is_over
+from subsea.app.directed import check_tour, directed, is_over, leapt
 from subsea.app.pilot import Pilot
 from subsea.app.rehearsal import rehearsed_s
 from subsea.app.tour import hidden
@@ -26,6 +26,7 @@ from subsea.submarine.course import course_of, rail_at
 from subsea.submarine.helm import HANDS_OFF, STATION, Helm
 from subsea.submarine.hull import ACCELERATION_CM_S2, AHEAD_CM_S, hull_axes
 from subsea.submarine.rail import Rail
+from subsea.view.rig import Pose
 from subsea.world import TICK_S
 from tests.app.scenes import scene
 
@@ -201,6 +202,13 @@ def reef(tmp_path_factory):
     world = create_world(load_scenario(str(text))[0], fish=2)
     step(world, HANDS_OFF)
     return world, snapshot.take(world)
+
+
+def test_only_a_cut_is_a_leap():
+    eye = Pose(np.zeros(3), np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0]))
+    swum = eye._replace(eye=np.array([AHEAD_CM_S, 0.0, 0.0]))
+    assert not leapt(eye, swum, 1.0) and leapt(eye, swum, 1 / 30)
+    assert not leapt(None, swum, 1.0)
 
 
 def test_time_goes_back_over_cuts_to_the_very_same_worlds(tmp_path):
