@@ -78,6 +78,9 @@ def _parsers() -> tuple[argparse.ArgumentParser, Any]:
     record.add_argument(
         "--force", action="store_true", help="record what is up to date already, too"
     )
+    record.add_argument(
+        "--progress", action="store_true", help="show progress also where no terminal is"
+    )
     record.set_defaults(run=_record)
 
     learn = command(
@@ -249,7 +252,7 @@ def _record(options: argparse.Namespace) -> int:
                 position=len(bars),
                 unit="segment",
                 initial=segments,
-                disable=None,
+                disable=False if options.progress else None,
             )
         bars[name].update(segments - bars[name].n)
 

@@ -69,6 +69,11 @@ class Canvas:
         self.box = box or self.box
         self._fits = True
 
+    def follow(self, other: "Canvas") -> None:
+        """Be as large as another view, and show the same places across; call it before `drawn`."""
+        self.scale, self._middle = other.scale, (other._middle[0], self._middle[1])
+        self._fits = False
+
     @contextmanager
     def drawn(self, name: str, size: tuple[float, float]) -> Iterator["Canvas"]:
         """The view of that size at the present place of a panel; what is drawn stays within."""

@@ -80,6 +80,7 @@ def _parsers() -> tuple[argparse.ArgumentParser, Any]:
         _add_benchmark,
         _add_soak,
         _add_skin,
+        _add_build,
         _add_doctor,
         _add_keys,
         _add_settings,
@@ -433,6 +434,27 @@ def _add_skin(commands: Any) -> None:
         help="meshes to use instead of looking for the fish; written if it is not there",
     )
     skin.set_defaults(run=_skin)
+
+
+def _add_build(commands: Any) -> None:
+    build = command(
+        commands,
+        "build",
+        "build a fish in a window: outline, scaffold, muscles",
+        "A species begins as a copy of another one and is saved among your own. Its points are\n"
+        "dragged in a side view and a top view, it swims beside them by its own muscles, and\n"
+        "checks say what it lacks. Learn and Record make it swim in the sea: docs/builder.md.",
+        ["subsea build", "subsea build clownfish", "subsea build my_fish"],
+    )
+    build.add_argument(
+        "name", metavar="SPECIES", nargs="?", help="species, or the path of its .toml file"
+    )
+    build.add_argument(
+        "--in-place",
+        action="store_true",
+        help="save a species that comes with the program into its own file, not under a new name",
+    )
+    build.set_defaults(run=_build)
 
 
 def _add_doctor(commands: Any) -> None:
@@ -964,6 +986,12 @@ def _skin(
     if not auto:
         raise UserError("skin: expected --auto")
     return dress(photo, species, out, flip, mesh)
+
+
+def _build(name: str | None, in_place: bool) -> int:
+    from subsea.app.build.window import build
+
+    return build(name, in_place)
 
 
 def _doctor() -> int:

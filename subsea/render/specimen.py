@@ -12,7 +12,7 @@ from msgspec import structs
 from numpy.typing import NDArray
 
 from subsea.frame import INSTANCE_COLUMNS, Batch, Packet, Scene
-from subsea.kinematics.surface import CONTROL_POINTS
+from subsea.kinematics.surface import CONTROL_POINTS, rest_surface
 from subsea.render.fishes import Fishes
 from subsea.render.target import Resolve, Target
 from subsea.render.textures import upload
@@ -28,6 +28,7 @@ BACKDROP = (0.012, 0.048, 0.068)  # linear light
 WATER = Water(fog=(0.03, 0.10, 0.14), visibility_cm=1e5)  # what silver mirrors; it veils nothing
 HALF_FIELD = 0.16  # tangent of half the angle of view across: little perspective
 ROOM = 1.16  # the picture's width, or height, over the fish's
+LEAST_TALL = 0.3  # body lengths that the picture is high at least, or an eel would be all of it
 NEAREST, FARTHEST = 0.25, 8.0  # of the zoom
 STEEPEST = np.radians(89.0)
 ALIKE = Variation(hue=0.0, saturation=0.0, brightness=0.0, pattern=0.0, torn=0.0)
@@ -66,7 +67,7 @@ class Specimen:
     def __init__(self, context: Any, species: Species, sheet: NDArray[np.uint8]) -> None:
         """Make every object for a fish that wears a `sheet`, as `skins.paint` makes it."""
         self._context = context
-        self._species = species
+        self._measure(species)
         one = _without_variation(species)
         scene = Scene(
             species=(one,),
@@ -85,7 +86,7 @@ class Specimen:
 
     def dress(self, species: Species, sheet: NDArray[np.uint8] | None = None) -> None:
         """Another shape from the next picture on, and another sheet if there is one."""
-        self._species = species
+        self._measure(species)
         self._fishes.dress(
             (_without_variation(species),),
             (species.length_cm,),
@@ -148,9 +149,7 @@ class Specimen:
         self._light.release()
 
     def _view(self, orbit: Orbit, size: tuple[int, int]) -> View:
-        wing, surface = self._species.surface.wing, self._species.surface
-        tall = max(surface.depth, 2 * wing.span if wing else 0.0, 0.45)
-        across = ROOM * DRAWN_CM * max(1.0, tall * size[0] / size[1]) / orbit.zoom
+        across = ROOM * DRAWN_CM * max(1.0, self._tall * size[0] / size[1]) / orbit.zoom
         away = across / 2 / HALF_FIELD
         toward = np.array(
             [
@@ -159,7 +158,8 @@ class Specimen:
                 np.sin(orbit.tilt),
             ]
         )
-        eye = self._scale * self.middle + (0, 0, -DEPTH_CM) + away * toward
+        middle = self._scale * self.middle[[0, 2, 1]] * (1, -1, 1) + (0, 0, -DEPTH_CM)
+        eye = middle + away * toward
         near = 0.05 * away
         half = near * HALF_FIELD * np.array([1.0, size[1] / size[0]])
         projection = off_axis(-half[0], half[0], -half[1], half[1], near, 4.0 * away)
@@ -169,12 +169,19 @@ class Specimen:
     def _scale(self) -> float:
         return DRAWN_CM / self._species.length_cm
 
-    @property
-    def middle(self) -> Array:
-        """What the eye looks at (3,), cm: halfway from the snout to the tail of a fish at rest."""
-        body = self._species.body
-        snout = body.stations[2] if body else 0.5 * self._species.length_cm
-        return np.array([snout - 0.5 * self._species.length_cm, 0.0, 0.0])
+    def _measure(self, species: Species) -> None:
+        """How tall the fish is, or wide, fins and all, and what the eye is to look at."""
+        surface, length = species.surface, species.length_cm
+        points = rest_surface(surface)
+        low, high = float(points[:, 1].min()), float(points[:, 1].max())
+        for fin in (surface.pectoral, surface.pelvic):
+            if fin:
+                tip = fin.height - fin.length * np.sin(np.radians(fin.droop))
+                low, high = min(low, tip - fin.width / 2), max(high, tip + fin.width / 2)
+        snout = species.body.stations[2] if species.body else 0.5 * length
+        self._species = species
+        self._tall = max(high - low, 2 * float(points[:, 2].max()), LEAST_TALL)
+        self.middle = np.array([snout - 0.5 * length, length * (low + high) / 2, 0.0])  # body axes
 
     def _resize(self, size: tuple[int, int]) -> None:
         self._release_sized()

@@ -107,7 +107,7 @@ class Spots(dict[str, tuple[float, float, float, float]]):
     WIDGETS = (
         "arrow_button", "button", "checkbox", "collapsing_header", "input_double", "input_int",
         "menu_item", "radio_button", "slider_float", "input_text_with_hint", "selectable",
-        "drag_float", "invisible_button",
+        "drag_float", "invisible_button", "input_text", "color_edit3",
     )  # fmt: skip
 
     def watch(self, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -24,6 +24,7 @@ from subsea.resources import load_toml
 from subsea.species import Species, own_species_file
 
 View = Literal["side", "top"]
+Box = tuple[float, float, float, float]  # left, low, right, high
 Path_ = tuple[str | int, ...]
 
 CURVES = ("back", "belly", "width")
@@ -321,11 +322,12 @@ def _between(curve: Sequence[Sequence[float]], k: int, x: float) -> float:
 def added(draft: Draft, view: View, at: tuple[float, float]) -> tuple[Draft, Path_]:
     """A further point on the line of the view that runs nearest to a place, and what it is.
 
-    EditError where two points of that line are too close already.
+    EditError where two points of that line are too close already. In the top view both sides are
+    one.
     """
-    near = min(_lines(draft, view), key=lambda line: _distance(line[1], at)[0])
-    path, points = near
-    _, k, place = _distance(points, at)
+    at = (at[0], abs(at[1])) if view == "top" else at
+    path = nearest_line(draft, view, at)[0]
+    _, k, place = _distance(dict(_lines(draft, view))[path], at)
     name = path[1]
     curve = list(at_path(draft, path))
     if name in CURVES:
@@ -351,6 +353,13 @@ def added(draft: Draft, view: View, at: tuple[float, float]) -> tuple[Draft, Pat
     return changed(draft, path, curve), (*path, k + 1)
 
 
+def nearest_line(draft: Draft, view: View, at: tuple[float, float]) -> tuple[Path_, float]:
+    """The line of a view that runs nearest to a place, and how far off it is, body lengths."""
+    at = (at[0], abs(at[1])) if view == "top" else at
+    found = [(path, _distance(points, at)[0]) for path, points in _lines(draft, view)]
+    return min(found, key=lambda pair: pair[1])
+
+
 def removed(draft: Draft, path: Path_) -> Draft:
     """The draft without a point of a line; EditError where the line needs it, or it is none."""
     name = str(path[1])
@@ -368,8 +377,6 @@ def _lines(draft: Draft, view: View) -> list[tuple[Path_, list[tuple[float, floa
     for spot in spots(draft, view):
         if spot.path[0] == "surface" and isinstance(spot.path[-1], int) and spot.path[2] != "base":
             groups.setdefault(spot.path[:-1], []).append(spot.at)
-            if spot.mirror:  # the twin's side counts too
-                groups[spot.path[:-1]][-1] = spot.at
     return list(groups.items())
 
 

@@ -68,7 +68,12 @@ def test_each_fault_is_named_with_what_to_do(fusilier):
     thin = drafts.changed(fusilier, ("surface", "width", 3), [0.1, -0.01])
     assert said(of(thin), "no width").mark == BAD
     sunk = [[x, 0.4 * y] for x, y in fusilier.content["surface"]["dorsal"]["edge"]]
-    assert said(of(drafts.changed(fusilier, ("surface", "dorsal", "edge"), sunk)), "fin lies inside").mark == MIND
+    assert (
+        said(
+            of(drafts.changed(fusilier, ("surface", "dorsal", "edge"), sunk)), "fin lies inside"
+        ).mark
+        == MIND
+    )
 
 
 def test_a_hull_that_is_folded_is_told():

@@ -1,0 +1,75 @@
+"""docs/pictures/builder-*.png: the fish builder at work, for docs/builder.md.
+
+Run from the root of a checkout, where there is a display (or by xvfb-run -a -s "-screen 0
+1280x800x24"): python docs/make_builder_pictures.py [FOLDER]
+"""
+
+import sys
+import time
+from collections.abc import Callable
+from contextlib import closing
+from functools import partial
+from pathlib import Path
+
+from PIL import Image
+
+from subsea.app.bench import Bench
+from subsea.app.build import draft as drafts
+from subsea.app.build.draft import Draft
+from subsea.app.build.naming import Naming
+from subsea.app.build.window import begun
+
+SIZE = 1280, 800
+RING = ("body", "ring", 1)
+WAIT_S = 60.0  # for checks, at most
+
+folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent / "pictures"
+folder.mkdir(exist_ok=True)
+
+
+def take(bench: Bench, name: str, pause_s: float = 2.0) -> None:
+    """A picture of the window, when the fish swims and the checks are made."""
+    for _ in range(round(pause_s / 0.05)):
+        bench.frame(0.05)
+    end = time.monotonic() + WAIT_S
+    while bench.busy and time.monotonic() < end:
+        bench.frame(0.02)
+    bench.frame(0.02)
+    Image.fromarray(bench.picture()).save(folder / f"builder-{name}.png", optimize=True)
+
+
+def edited(bench: Bench, *edits: Callable[[Draft], Draft]) -> None:
+    """Make some edits, as hands would."""
+    for edit in edits:
+        assert bench.craft.editing.do(edit), bench.craft.editing.refused
+
+
+with closing(Bench("subsea build", begun("clownfish"), SIZE)) as bench:
+    craft = bench.craft
+    take(bench, "start", 6.0)
+    craft.naming = naming = Naming("clownfish")
+    naming.name, naming.key = "Moor clownfish", "moor_clownfish"
+    take(bench, "new", 0.5)
+    craft.naming = None
+
+with closing(Bench("subsea build", begun("clownfish"), SIZE)) as bench:
+    craft = bench.craft
+    high = [1, 2, 3, 4, 5, 6, 7, 8]
+    for k in high:  # a higher back
+        x, y = craft.editing.present.species.surface.back[k]
+        at = (x, y + 0.045 * min(k, 9 - k) / 4)
+        edited(bench, partial(drafts.moved, view="side", path=("surface", "back", k), to=at))
+    craft.editing.chosen = ("surface", "back", 5)
+    take(bench, "shape", 3.0)
+    edited(
+        bench,
+        partial(drafts.moved, view="top", path=RING, to=(0.40, 0.085)),
+        partial(drafts.moved, view="side", path=RING, to=(0.40, 0.16)),
+        partial(drafts.as_heavy, grams=60.0),
+    )
+    craft.editing.chosen = RING
+    craft.panels.show = "Body"
+    take(bench, "body", 3.0)
+    craft.panels.show = "Checks"
+    edited(bench, partial(drafts.changed, path=("swim", "contraction"), value=[0.2, 0.18]))
+    take(bench, "checks", 3.0)

@@ -1,0 +1,275 @@
+"""The fish builder in the hands of a visitor: real events, from a copy to a fish in the sea."""
+
+import time
+from contextlib import closing
+
+import numpy as np
+import pytest
+
+from subsea.app.bench import Bench
+from subsea.app.build import draft as drafts
+from subsea.app.build.making import SEA, SHOAL
+from subsea.app.build.window import begun
+from subsea.errors import UserError
+from subsea.ocean import step
+from subsea.repertoire import read_repertoire
+from subsea.scenario import load_scenario
+from subsea.species import load_species, own_species_file, repertoire_file
+from subsea.submarine.helm import Helm
+from subsea.world import create_world
+
+SIZE = 800, 600
+RING, BACK = ("body", "ring", 1), ("surface", "back", 6)
+LEARN_S, RECORD_S = 240.0, 120.0  # at most, on a busy machine
+
+
+@pytest.fixture(scope="module")
+def table(display, tmp_path_factory):
+    """A builder that was started without a species, in a home of its own."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_DATA_HOME", str(tmp_path_factory.mktemp("home")))
+        with closing(Bench("subsea build", begun(None), SIZE)) as bench:
+            for _ in range(5):
+                bench.frame(0.1)
+            yield bench
+
+
+def at(bench, view, x, y):
+    """Where on the display a place of a view is."""
+    left, top = bench.window.position
+    across, down = getattr(bench.craft.views, view).on_screen((x, y))
+    return round(left + across), round(top + down)
+
+
+def drag(bench, hands, begin, end):
+    """Drag a point, until it is let go of: the display may take its time."""
+    before = bench.craft.editing.history.present
+    for words in (
+        ("mousemove", *begin), ("mousedown", 1), ("mousemove", *end), ("mouseup", 1),
+    ):  # fmt: skip
+        hands.do(*words)
+        hands.glide(bench, 0.4)
+    hands.until(bench, lambda: bench.craft.editing.history.present is not before)
+
+
+def spot(bench, view, path):
+    """Where a point of the present draft is."""
+    present = bench.craft.editing.present
+    return next(one.at for one in drafts.spots(present, view) if one.path == path)
+
+
+def species(bench):
+    return bench.craft.editing.present.species
+
+
+def wait(bench, true, seconds):
+    """Frames until something is true, that other processes work at."""
+    end = time.monotonic() + seconds
+    while not true() and time.monotonic() < end:
+        bench.frame(0.05)
+        time.sleep(0.05)
+    assert true(), bench.told
+
+
+def test_from_a_copy_to_a_fish_in_the_sea(table, hands, spots):
+    craft = table.craft
+    # It asks what to begin from: a copy of the fusilier, which gets a name and a file.
+    hands.until(table, lambda: "its name" in spots)
+    spots.type(table, "its name", "Red Snapper")
+    assert craft.naming.key == "red_snapper"
+    spots.click(table, "Make it")
+    hands.until(table, lambda: craft.naming is None)
+    assert craft.unsaved and species(table).name == "Red Snapper"
+    fusilier = load_species("fusilier")
+    assert species(table).body == fusilier.body
+
+    # A point of the back is dragged upward in the side view ...
+    x, y = spot(table, "side", BACK)
+    drag(table, hands, at(table, "side", x, y), at(table, "side", x, y + 0.04))
+    hands.until(table, lambda: spot(table, "side", BACK)[1] == pytest.approx(y + 0.04, abs=0.01))
+    assert craft.editing.chosen == BACK
+    # ... and a ring outward in the top view, where its twin on the other side is taken hold of.
+    x, wide = spot(table, "top", RING)
+    drag(table, hands, at(table, "top", x, -wide), at(table, "top", x, -wide - 0.015))
+    hands.until(
+        table, lambda: spot(table, "top", RING)[1] == pytest.approx(wide + 0.015, abs=0.006)
+    )
+    widened = species(table).body.half_widths[1]
+    assert widened > fusilier.body.half_widths[1]
+    hands.do("key", "ctrl+z")
+    hands.until(table, lambda: species(table).body == fusilier.body)
+    hands.do("key", "ctrl+y")
+    hands.until(table, lambda: species(table).body.half_widths[1] == widened)
+
+    # What stands in the file is what was shown.
+    spots.click(table, "Save")
+    hands.until(table, lambda: not craft.unsaved)
+    path = own_species_file("red_snapper")
+    assert load_species("red_snapper") == species(table) and str(path) in table.told
+
+    # It is judged by swimming, ...
+    wait(table, lambda: craft.remarks is not None, 60.0)
+    assert any("swims" in remark.text for remark in craft.remarks)
+    # ... recorded, ...
+    spots.click(table, "Record")
+    wait(table, lambda: craft.making.runs or craft.swims, 20.0)
+    wait(table, lambda: not craft.making.runs, RECORD_S)
+    assert craft.swims, craft.making.told
+    recorded = read_repertoire(repertoire_file("red_snapper"))
+    assert recorded.provenance["body"]["half_widths"][1] == widened
+
+
+def test_it_is_let_into_a_sea_and_swims_there(table):
+    scenario, _ = load_scenario(SEA, [f"{SHOAL}.species=red_snapper"])
+    world = create_world(scenario)
+    kind = [one.name for one in world.species].index("Red Snapper")
+    mine = world.state.fishes.species == kind
+    before = world.state.fishes.position[mine].copy()
+    for _ in range(10):
+        step(world, Helm())
+    way = np.linalg.norm(world.state.fishes.position[mine] - before, axis=1)
+    assert mine.sum() == scenario.fish[1].number and np.median(way) > 0.5
+
+
+def test_points_are_added_and_taken_away(table, hands, spots):
+    craft = table.craft
+    before = len(species(table).surface.belly)
+    (a, y0), (b, y1) = (spot(table, "side", ("surface", "belly", k)) for k in (7, 8))
+    place = at(table, "side", (a + b) / 2, (y0 + y1) / 2)
+    hands.do("mousemove", *place)
+    hands.glide(table, 0.2)
+    hands.do("click", "--repeat", 2, "--delay", 60, 1)
+    hands.until(table, lambda: len(species(table).surface.belly) == before + 1)
+    assert craft.editing.chosen == ("surface", "belly", 8)
+    hands.do("key", "Delete")
+    hands.until(table, lambda: len(species(table).surface.belly) == before)
+    table.frame(0.1)
+    spots.click(table, "Add point")
+    hands.do("mousemove", *place)
+    hands.glide(table, 0.2)
+    hands.do("click", 1)
+    hands.until(table, lambda: len(species(table).surface.belly) == before + 1)
+    spots.click(table, "Take away")
+    hands.until(table, lambda: len(species(table).surface.belly) == before)
+
+
+def test_what_corresponds_is_lit_in_both_views(table, hands):
+    x, y = spot(table, "side", RING)
+    top = np.array(at(table, "top", *spot(table, "top", RING))) - table.window.position
+
+    def lit():
+        picture = table.picture().astype(int)
+        part = picture[top[1] - 9 : top[1] + 10, top[0] - 9 : top[0] + 10]
+        return int((part[..., 2] > 230).sum())
+
+    hands.do("mousemove", *at(table, "side", 0.02, 0.28))
+    hands.until(table, lambda: table.craft.editing.over is None)
+    hands.glide(table, 0.3)
+    table.craft.editing.chosen = None
+    dark = lit()
+    hands.do("mousemove", *at(table, "side", x, y))
+    hands.until(table, lambda: table.craft.editing.over == RING)
+    hands.glide(table, 0.3)
+    assert lit() > dark + 15
+
+
+def test_both_views_keep_one_scale_and_place_along_the_body(table, hands, spots):
+    views = table.craft.views
+    hands.do("mousemove", *at(table, "top", 0.5, 0.1))
+    hands.glide(table, 0.2)
+    hands.do("click", 4, "click", 4)
+    hands.until(table, lambda: views.top.scale == views.side.scale > 1.1 * 300)
+    assert at(table, "side", 0.3, 0)[0] == pytest.approx(at(table, "top", 0.3, 0)[0], abs=1)
+    spots.click(table, "Fit")
+    hands.glide(table, 0.3)
+    assert at(table, "side", 0.3, 0)[0] == pytest.approx(at(table, "top", 0.3, 0)[0], abs=1)
+
+
+def test_the_fish_is_turned_by_the_mouse_and_swims_as_it_is_told(table, hands, spots):
+    craft = table.craft
+    before = craft.orbit
+    table.frame(0.1)
+    spots.drag(table, "##fish", 0.4, 0.6)
+    assert craft.orbit.turn != before.turn
+    spots.click(table, "Fast", 0.2)
+    hands.until(table, lambda: craft.swimmer.way == "fast")
+    hands.glide(table, 2.0)
+    assert np.abs(craft.swimmer.contraction).max() > 0.1
+
+
+def test_a_number_is_typed_and_one_that_no_file_may_say_is_told(table, hands, spots):
+    craft = table.craft
+    craft.panels.show = "Body"
+    hands.until(table, lambda: "Neutral" in spots)
+    hands.do("mousemove", *spots.place(table, "##body.masses.2"))
+    hands.glide(table, 0.3)
+    for _ in range(8):
+        hands.do("click", 5)  # the wheel
+        hands.glide(table, 0.2)
+    weight = species(table).body.mass
+    spots.click(table, "Neutral")
+    hands.until(table, lambda: species(table).body.mass != weight)
+    hands.do("key", "ctrl+z")
+    hands.until(table, lambda: species(table).body.mass == weight)
+    for _ in range(10):
+        hands.do("click", 4)
+        hands.glide(table, 0.2)
+    label = "##body.half_heights.1"
+    hands.do("mousemove", *spots.place(table, label))
+    hands.glide(table, 0.2)
+    hands.do("click", "--repeat", 2, "--delay", 60, 1)
+    hands.glide(table, 0.5)
+    hands.do("key", "ctrl+a")
+    hands.glide(table, 0.2)
+    hands.do("type", "--delay", 15, "1.3")
+    hands.do("key", "Return")
+    hands.glide(table, 1.0)
+    hands.until(table, lambda: species(table).body.half_heights[1] == 1.3)
+    draft = craft.editing.present
+    craft.editing.do(lambda one: drafts.as_heavy(one, 1e5))
+    table.frame(0.1)
+    assert "masses" in table.told and craft.editing.present is draft
+
+
+def test_what_is_learned_comes_into_the_draft(table, hands, spots):
+    craft = table.craft
+    table.frame(0.1)
+    spots.click(table, "Save")
+    hands.until(table, lambda: not craft.unsaved)
+    craft.making.tries = 20
+    spots.click(table, "Learn")
+    hands.until(table, lambda: craft.making.runs)
+    wait(table, lambda: craft.making.share > 0 or not craft.making.runs, LEARN_S)
+    assert "Stop" in spots
+    if craft.making.runs:
+        spots.click(table, "Stop")
+    wait(table, lambda: not craft.making.runs, LEARN_S)
+    assert craft.making.told
+    assert load_species("red_snapper") == species(table)
+
+
+def test_closing_asks_once_about_unsaved_work(table, hands, spots):
+    craft = table.craft
+    x, y = spot(table, "side", BACK)
+    drag(table, hands, at(table, "side", x, y), at(table, "side", x, y - 0.02))
+    hands.until(table, lambda: craft.unsaved)
+    table.window.ask_to_close()
+    hands.until(table, lambda: table.asks)
+    hands.glide(table, 0.4)
+    assert table.open
+    spots.click(table, "Go on##answer")
+    hands.until(table, lambda: not table.asks)
+    table.window.ask_to_close()
+    hands.until(table, lambda: table.asks)
+    hands.glide(table, 0.4)
+    spots.click(table, "Save##answer")
+    hands.until(table, lambda: not table.open)
+    assert load_species("red_snapper") == species(table)
+
+
+def test_a_faulty_file_is_one_line_before_a_window_opens(tmp_path):
+    (tmp_path / "torn.toml").write_text("name = 3")
+    with pytest.raises(UserError, match=r"torn\.toml"):
+        begun(str(tmp_path / "torn.toml"))
+    with pytest.raises(UserError, match="fusilier"):
+        begun("fusiler")
