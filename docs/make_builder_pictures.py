@@ -65,7 +65,7 @@ with closing(Bench("subsea build", begun("clownfish"), SIZE)) as bench:
         bench,
         partial(drafts.moved, view="top", path=RING, to=(0.40, 0.085)),
         partial(drafts.moved, view="side", path=RING, to=(0.40, 0.16)),
-        partial(drafts.as_heavy, grams=60.0),
+        partial(drafts.as_heavy, grams=230.0),
     )
     craft.editing.chosen = RING
     craft.panels.show = "Body"

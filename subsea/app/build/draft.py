@@ -29,6 +29,7 @@ Path_ = tuple[str | int, ...]
 
 CURVES = ("back", "belly", "width")
 FINS = ("dorsal", "ventral")
+RIDGES = {"back": "dorsal", "belly": "ventral"}  # and the fins that stand on them
 PADDLES = ("pectoral", "pelvic")
 GAP = 0.004  # body lengths between two points of a curve
 THIN = {"back": (0.001, 1.0), "belly": (-1.0, -0.001), "width": (0.0005, 1.0)}  # their values
@@ -243,7 +244,11 @@ def _trial(draft: Draft, view: View, path: Path_) -> Callable[[float, float], Dr
             x, y = float(np.clip(x, 0.0, 1.0)), float(np.clip(y, -1.0, 1.0))
         if name == "wing":
             y = max(y, 0.0)
-        return changed(draft, path, [_short(x), _short(y)])
+        point = [_short(x), _short(y)]
+        if name not in RIDGES:
+            return changed(draft, path, point)
+        ridge = [point if number == k else old for number, old in enumerate(curve)]
+        return changed_all(draft, {path[:-1]: ridge} | _carried(draft, name, ridge))
 
     def base(x: float, y: float) -> Draft:
         return changed(draft, path, _short(float(np.clip(x, 0.0, 1.0))))
@@ -293,6 +298,18 @@ def _trial(draft: Draft, view: View, path: Path_) -> Callable[[float, float], Dr
     if path[2] == "at":
         return root
     return tip if path[2] == "length" else shape
+
+
+def _carried(draft: Draft, name: str, ridge: list[Any]) -> dict[Path_, Any]:
+    """The free edge of the fin that stands on a ridge, which goes along with it."""
+    fin = draft.content["surface"].get(RIDGES[name])
+    if not fin:
+        return {}
+    edge = np.array(fin["edge"], float)
+    if np.any(np.diff([p[0] for p in ridge]) <= 0):
+        return {}
+    edge[:, 1] += along(ridge, edge[:, 0]) - along(draft.content["surface"][name], edge[:, 0])
+    return {("surface", RIDGES[name], "edge"): [[_short(x), _extent(y)] for x, y in edge]}
 
 
 def _with_ring(draft: Draft, view: View, k: int, x: float, y: float) -> Draft:

@@ -44,8 +44,7 @@ class Panels:
             ("Shape", self._shape), ("Body", self._body), ("Motion", self._motion),
             ("Colours", self._colours), ("Names", self._names),
         ):  # fmt: skip
-            flags = imgui.TabItemFlags_.set_selected.value if self.show == name else 0
-            if imgui.begin_tab_item(name, None, flags)[0]:
+            if imgui.begin_tab_item(name, None, self.opens(name))[0]:
                 imgui.begin_child(f"##{name}")
                 if muscular or panel not in (self._body, self._motion):
                     panel(editing)
@@ -58,6 +57,10 @@ class Panels:
                 imgui.end_child()
                 imgui.end_tab_item()
         self.show = ""
+
+    def opens(self, name: str) -> int:
+        """What a tab of this name is to be told: whether it opens now."""
+        return imgui.TabItemFlags_.set_selected.value if self.show == name else 0
 
     def _shape(self, editing: Editing) -> None:
         """The chosen point, fins, the eye."""

@@ -82,7 +82,7 @@ class Builder:
         self.editing, self.views, self.panels = Editing(draft), Views(), Panels()
         self.swimmer = Swimmer(draft.species)
         self.making = Making(bench.wake)
-        self.orbit = Orbit(0.5, 0.2)
+        self.orbit = Orbit(0.5, 0.2, 1.2)
         self.remarks: list[Remark] | None = None  # of the present draft; None: not known yet
         self.naming = Naming(draft.key) if asks else None
         self.swims = path is not None and recorded(draft.key)  # whether it has a repertoire
@@ -261,7 +261,7 @@ class Builder:
 
     def _tabs(self) -> None:
         if imgui.begin_tab_bar("##tabs"):
-            if imgui.begin_tab_item("Checks")[0]:
+            if imgui.begin_tab_item("Checks", None, self.panels.opens("Checks"))[0]:
                 imgui.begin_child("##checks")
                 self._draw_checks()
                 imgui.end_child()

@@ -96,12 +96,21 @@ def test_whatever_is_done_what_is_saved_loads_and_is_what_was_shown(tmp_path_fac
 
 
 def test_one_moved_point_changes_one_line(clownfish):
-    after = drafts.moved(clownfish, "side", ("surface", "back", 4), (0.15, 0.16))
+    after = drafts.moved(clownfish, "top", ("surface", "width", 4), (0.29, 0.09))
     old, new = (drafts.to_toml(one).splitlines() for one in (clownfish, after))
     assert [k for k, (a, b) in enumerate(zip(old, new, strict=True)) if a != b] == [
-        next(k for k, line in enumerate(old) if line.startswith("back = [["))
+        next(k for k, line in enumerate(old) if line.startswith("width = [["))
     ]
-    assert after.species.surface.back[4] == (0.15, 0.16)
+    assert after.species.surface.width[4] == (0.29, 0.09)
+
+
+def test_a_fin_goes_along_with_the_ridge_that_it_stands_on(clownfish):
+    before = clownfish.species.surface
+    after = drafts.moved(clownfish, "side", ("surface", "back", 7), (0.42, 0.228)).species.surface
+    rise = np.array(after.dorsal.edge) - before.dorsal.edge
+    at = [x for x, _ in before.dorsal.edge].index(0.4)
+    assert rise[at] == pytest.approx([0.0, 0.04], abs=0.005) and rise[-1] == pytest.approx([0, 0])
+    assert after.ventral == before.ventral
 
 
 def test_a_moved_ring_is_the_same_ring_in_both_views_and_keeps_its_comment(clownfish):
