@@ -37,6 +37,7 @@ START = "fusilier"  # what a new species is copied from, unless another is chose
 VIEWS_WIDE, SIDE_HIGH = 0.62, 0.54  # shares of the window
 PREVIEW_HIGH = 0.36
 FRAME_S = 1 / 40  # between two pictures of the fish that swims
+WAY_WIDE = 3.9  # room that a way to swim takes, in heights of letters
 TURN = 0.009  # rad of the orbit for a unit of the pointer
 ZOOM = 1.15
 SIGNS = {
@@ -82,7 +83,7 @@ class Builder:
         self.editing, self.views, self.panels = Editing(draft), Views(), Panels()
         self.swimmer = Swimmer(draft.species)
         self.making = Making(bench.wake)
-        self.orbit = Orbit(0.5, 0.2, 1.2)
+        self.orbit = Orbit(0.5, 0.2, 1.05)
         self.remarks: list[Remark] | None = None  # of the present draft; None: not known yet
         self.naming = Naming(draft.key) if asks else None
         self.swims = path is not None and recorded(draft.key)  # whether it has a repertoire
@@ -253,6 +254,11 @@ class Builder:
             imgui.set_item_key_owner(imgui.Key.mouse_wheel_y)
             self.orbit = self.orbit.zoomed(ZOOM**io.mouse_wheel)
         ways = WAYS if self.swimmer.turns else WAYS[:4]
+        if room[0] < WAY_WIDE * line * len(ways):
+            imgui.set_next_item_width(room[0])
+            _, number = imgui.combo("##way", ways.index(self.swimmer.way), list(ways))
+            self.swimmer.way = ways[number]
+            return
         for number, way in enumerate(ways):
             if number:
                 imgui.same_line()
