@@ -10,13 +10,28 @@ from msgspec.structs import replace
 
 from subsea import snapshot
 from subsea.app.placement import Handle, removed
-from subsea.directing import latest
+from subsea.behavior.temper import set_hunger
+from subsea.directing import direct, latest
 from subsea.direction import Shoals
 from subsea.errors import UserError
 from subsea.ocean import TICK_S, create_world, step
 from subsea.resources import ROOT
 from subsea.scenario import Hook, check_scenario, load_scenario
-from subsea.state import EAT, FEAR, HUNGER, LANDED, LIBIDO, LOOPING, SCHOOL, SINKING, STOWED
+from subsea.state import (
+    EAT,
+    FEAR,
+    HOOKED,
+    HUNGER,
+    LANDED,
+    LIBIDO,
+    LOOPING,
+    NO_COURTSHIP,
+    NUZZLING,
+    SCHOOL,
+    SINKING,
+    STOWED,
+    Clock,
+)  # fmt: skip
 from subsea.submarine.helm import HANDS_OFF, Helm
 from tests.directions import directions
 
@@ -306,3 +321,51 @@ def test_who_is_gone_takes_their_directions_along(tmp_path):
     left = removed(scenario, Handle("fish", 1, (0, 0, 0), None, None)).direction
     assert [one.pair for one in left] == [(6, 7), None]
     assert left[1].who.shoal == 1
+
+
+def test_what_happens_to_fishes_is_noticed_with_whom_it_is_about(tmp_path):
+    events = ("eaten", "caught", "sated", "fleeing", "spawned")
+    of = ("shoal = 0", "fish = 7", "shoal = 1", "shoal = 0", "species = 'clownfish'")
+    world = world_of(
+        tmp_path,
+        *(f'name = "{event}"\nevent = "{event}"\nof = {{ {whose} }}\nonce = false'
+          for event, whose in zip(events, of, strict=True)),
+        'name = "few"\nfewer_than = 6\nof = { shoal = 0 }',
+        'name = "later"\nat_s = 0.3\nevent = "fleeing"',
+    )  # fmt: skip
+    state, log = world.state, world.state.directions
+    minds, fishes, sea = state.minds, state.fishes, state.sea
+
+    def now():
+        """The times that events have happened after another tick."""
+        direct(world.script, state, world.nature, (0.0, 0.0), Clock(1, state.tick, TICK_S))
+        state.tick += 1
+        return dict(zip((*events, "few", "later"), log.times.tolist(), strict=True))
+
+    set_hunger(minds, np.array([SHARK]), 1.0, 0.0)
+    assert set(now().values()) == {0}
+    fishes.alive[3] = False
+    minds.last_meal[SHARK] = TICK_S
+    assert now() == dict.fromkeys(now(), 0) | {"eaten": 1, "few": 1}
+    assert log.cast[0].tolist() == [3, SHARK]
+    sea.catch[:] = HOOKED, 7
+    assert now()["caught"] == 1
+    set_hunger(minds, np.array([SHARK]), 0.0, 0.2)
+    minds.mental[4, FEAR], minds.predator[4] = 0.9, SHARK
+    then = now()
+    assert (then["sated"], then["fleeing"], then["later"]) == (1, 1, 0)
+    assert log.cast[3].tolist() == [4, SHARK]
+    assert now() == then  # it goes on, but does not happen anew
+    minds.mental[4, FEAR] = 0.0
+    now()
+    minds.mental[4, FEAR] = 0.9
+    assert now()["fleeing"] == 2
+    minds.courtship[list(PAIR)] = NUZZLING
+    now()
+    minds.courtship[list(PAIR)] = NO_COURTSHIP
+    minds.shunned[list(PAIR)] = PAIR[::-1]
+    minds.last_mating[list(PAIR)] = (state.tick - 1) * TICK_S
+    last = now()
+    assert (last["spawned"], last["later"], last["eaten"]) == (1, 1, 1)
+    assert set(log.cast[4].tolist()) == set(PAIR)
+    assert minds.male[log.cast[4, 0]]

@@ -1,0 +1,39 @@
+"""Make the picture of docs/directing.md: `python docs/make_directing_picture.py [FOLDER]`.
+
+rendezvous.png: six moments of the scenario `rendezvous` as its directed camera films it.
+"""
+
+import subprocess
+import sys
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from PIL import Image, ImageOps
+
+CELL = (480, 270)  # pixels of one moment
+MOMENTS_S = (18, 24, 30, 32, 35, 38)
+SEED = 1
+BITS = 6  # of each colour: half the file, and no difference to see
+
+
+def main() -> None:
+    """Film a picture a second and keep some."""
+    folder = Path(sys.argv[1] if len(sys.argv) > 1 else "docs/pictures")
+    wide, high = CELL
+    sheet = Image.new("RGB", (3 * wide, 2 * high))
+    with TemporaryDirectory() as film:
+        size = f"{2 * wide}x{2 * high}"
+        subprocess.run(
+            [sys.executable, "-m", "subsea", "film", film, "--scenario", "rendezvous", "--tour",
+             "directed", "--seed", str(SEED), "--fps", "1", "--size", size,
+             "--seconds", str(MOMENTS_S[-1] + 1)],
+            check=True,
+        )  # fmt: skip
+        for k, second in enumerate(MOMENTS_S):
+            frame = Image.open(Path(film) / f"frame_{second:05d}.png").convert("RGB")
+            sheet.paste(frame.resize(CELL, Image.Resampling.LANCZOS), (k % 3 * wide, k // 3 * high))
+    ImageOps.posterize(sheet, BITS).save(folder / "rendezvous.png", optimize=True)
+
+
+if __name__ == "__main__":
+    main()
