@@ -36,7 +36,7 @@ import glfw
 from imgui_bundle import imgui
 
 from subsea.app.console import say
-from subsea.app.gui import MARK, QUIET, colour, mended
+from subsea.app.gui import MARK, QUIET, TEXT_PT, colour, mended
 from subsea.app.opening import opened
 from subsea.app.window import Window
 from subsea.errors import UserError
@@ -48,6 +48,8 @@ SIZE = 1280, 800  # of the window when it opens
 WAKEFUL_S = 0.6  # so long frames are drawn after hands did something: tips come late
 LOOK_S = 0.25  # between two looks for Ctrl-C, where nothing moves
 TOLD_S = 15.0  # a line at the foot stays for so long
+LETTERS = 62.0, 40.0  # as many heights of letters a window should be wide and high, ...
+LEAST_TEXT = 0.7  # ... if these are no smaller than this, of the usual
 FOOT = 1.7  # height of that line, in heights of letters
 GAP = 0.4  # between panes, in the same
 FIXED = (
@@ -136,9 +138,10 @@ class Bench:
         self._named = ""
         self._woken = False
         self._left = False
+        self.quiet_s = 0.0  # since hands did something
         self._heard = 0  # events, until the last frame
         self._later: list[Callable[[], object]] = []
-        self._works: list[tuple[Future[Any], Callable[[Any], object]]] = []
+        self._works: list[tuple[Future[Any], Callable[[Any], object], str]] = []
         with ExitStack() as undo:
             opening = opened("mono", size, title=title, without=without)
             undo.callback(opening.close)
@@ -155,7 +158,7 @@ class Bench:
                 (names.menu_bar_bg, PANE),
             ):
                 style.set_color_(name.value, (*rgb, 1.0))
-            self._pool = ThreadPoolExecutor(1, "bench")
+            self._pool = ThreadPoolExecutor(2, "bench")
             undo.callback(self._pool.shutdown, wait=False, cancel_futures=True)
             glfw.set_window_refresh_callback(self.window.handle, lambda handle: self.wake())
             self.craft = make(self)
@@ -176,6 +179,10 @@ class Bench:
     def asks(self) -> bool:
         """Whether a question waits for its answer."""
         return self._question is not None
+
+    @property
+    def _doing(self) -> str:
+        return next((doing for _, _, doing in self._works if doing), "")
 
     @property
     def line(self) -> float:
@@ -204,13 +211,13 @@ class Bench:
         """Do it when the present frame has ended; what it raises is told."""
         self._later.append(act)
 
-    def behind(self, work: Callable[[], T], then: Callable[[T], object]) -> None:
-        """Do `work` in another thread, one after another, and `then` with its result in this one.
+    def behind(self, work: Callable[[], T], then: Callable[[T], object], doing: str = "") -> None:
+        """Do `work` in another thread, two at a time, and `then` with its result in this one.
 
-        A fault of either is told.
+        A fault of either is told. Meanwhile the foot tells what is being done, in a few words.
         """
         task = self._pool.submit(work)
-        self._works.append((task, then))
+        self._works.append((task, then, doing))
         task.add_done_callback(lambda done: self.wake())
 
     @contextmanager
@@ -277,21 +284,24 @@ class Bench:
         if not self.window.open:  # somebody wants it closed
             glfw.set_window_should_close(self.window.handle, False)
             self.ask_to_close()
-        for task, then in [one for one in self._works if one[0].done()]:
-            self._works.remove((task, then))
+        for work in [one for one in self._works if one[0].done()]:
+            self._works.remove(work)
             with self._contained():
-                then(task.result())
+                work[1](work[0].result())
         self._told_for_s += elapsed_s
         stirred, self._woken, self._heard = self.gui.heard != self._heard, False, self.gui.heard
         self._awake_s = WAKEFUL_S if stirred else max(self._awake_s - elapsed_s, 0.0)
+        self.quiet_s = 0.0 if stirred else self.quiet_s + elapsed_s
         window = self.window
-        self.gui.begin(window.points, window.size, window.text_scale)
+        self.gui.begin(window.points, window.size, self._text_scale())
         self._bar()
         self._foot()
         due = math.inf
         with self._contained(), mended():
             due = self.craft.draw(elapsed_s)
         self._due = 0.0 if self._awake_s or self._question else due
+        if self._doing:
+            self._due = min(self._due, LOOK_S)
         if self._told_for_s < TOLD_S:
             self._due = min(self._due, TOLD_S - self._told_for_s + LOOK_S)
         self._ask()
@@ -322,6 +332,12 @@ class Bench:
             self._due -= time.perf_counter() - begun
             self._woken |= self.gui.heard != heard
         return self._due <= 0.0 or self._woken or not self.window.open
+
+    def _text_scale(self) -> float:
+        """How large text is: as the desktop wants it, smaller where it would have no room."""
+        usual = self.window.text_scale
+        room = min(*(n / m for n, m in zip(self.window.points, LETTERS, strict=True))) / TEXT_PT
+        return min(usual, max(room, LEAST_TEXT * usual))
 
     def _bar(self) -> None:
         """What every tool has: Save, Undo and Redo; then the craft's own entries, and its name."""
@@ -367,10 +383,13 @@ class Bench:
         """What was told last, or what hands may do."""
         size, height = imgui.get_io().display_size, FOOT * self.line
         canvas = imgui.get_background_draw_list()
+        place = 0.8 * self.line, size.y - height + (height - self.line) / 2 - 0.15 * self.line
         fresh = self._told_for_s < TOLD_S
+        if doing := self._doing:
+            dots = "." * (1 + int(time.perf_counter() / LOOK_S) % 3)
+            canvas.add_text((size.x - 16.0 * self.line, place[1]), colour(MARK), f"{doing} {dots}")
         ink = (TROUBLE if self._trouble else MARK) if fresh else QUIET
         text = self.told if fresh else self.hint
-        place = 0.8 * self.line, size.y - height + (height - self.line) / 2 - 0.15 * self.line
         canvas.add_text(place, colour(ink), text)
 
     def _ask(self) -> None:

@@ -110,11 +110,13 @@ class Canvas:
             self._middle[1] + sign * (y - self.place[1] - self.size[1] / 2) / self.scale,
         )
 
-    def touch(self, name: str, points: ArrayLike, reach: float = REACH, shy: bool = False) -> Touch:
+    def touch(
+        self, name: str, points: ArrayLike, reach: float = REACH, seize: bool = False
+    ) -> Touch:
         """Whether the pointer is on one of the points (n, 2) called `name`, and drags it.
 
-        The nearest counts, within `reach` heights of letters. Of several sets that lie close to
-        one another the first to ask is served. `shy` points are only pointed at, never held.
+        The nearest counts, within `reach` heights of letters, or wherever it is to `seize` one.
+        Of several sets that lie close to one another the first to ask is served.
         """
         points = np.asarray(points, float).reshape(-1, 2)
         if self._held is not None:
@@ -132,9 +134,9 @@ class Canvas:
         far = np.hypot(*(self.on_screen(points) - (pointer.x, pointer.y)).T)
         far = np.where(np.isfinite(far), far, np.inf)
         nearest = int(far.argmin())
-        if far[nearest] > reach * imgui.get_font_size():
+        if far[nearest] > reach * imgui.get_font_size() and not seize:
             return Touch()
-        if shy or not self.clicked:
+        if not self.clicked:
             return Touch(nearest)
         self.clicked = False
         x, y = (float(c) for c in points[nearest])
