@@ -211,13 +211,26 @@ class Bench:
         """Do it when the present frame has ended; what it raises is told."""
         self._later.append(act)
 
-    def behind(self, work: Callable[[], T], then: Callable[[T], object], doing: str = "") -> None:
+    def behind(
+        self,
+        work: Callable[[], T],
+        then: Callable[[T], object],
+        doing: str = "",
+        failed: Callable[[], object] = lambda: None,
+    ) -> None:
         """Do `work` in another thread, two at a time, and `then` with its result in this one.
 
-        A fault of either is told. Meanwhile the foot tells what is being done, in a few words.
+        A fault of it is told, and `failed` is called then. Meanwhile the foot tells what is being
+        done, in a few words.
         """
+
+        def finish(task: Future[T]) -> None:
+            if task.exception() is not None:
+                failed()
+            then(task.result())
+
         task = self._pool.submit(work)
-        self._works.append((task, then, doing))
+        self._works.append((task, finish, doing))
         task.add_done_callback(lambda done: self.wake())
 
     @contextmanager
@@ -287,7 +300,7 @@ class Bench:
         for work in [one for one in self._works if one[0].done()]:
             self._works.remove(work)
             with self._contained():
-                work[1](work[0].result())
+                work[1](work[0])
         self._told_for_s += elapsed_s
         stirred, self._woken, self._heard = self.gui.heard != self._heard, False, self.gui.heard
         self._awake_s = WAKEFUL_S if stirred else max(self._awake_s - elapsed_s, 0.0)

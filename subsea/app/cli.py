@@ -411,17 +411,22 @@ def _add_skin(commands: Any) -> None:
         commands,
         "skin",
         "dress a species from a photograph",
-        "Finds the fish, lays deformable meshes over it, lifts its colours, and lets the species\n"
-        "wear them: a picture beside its file, which skin.sheet names. docs/skin.md says what\n"
-        "makes a good photograph. Needs the extra `skin`.",
+        "A window in which meshes are dragged over the fish until they hold its outline; --auto\n"
+        "does all without one. What lies under them is the skin that the species wears: a picture\n"
+        "beside its file, which skin.sheet names. docs/skin.md tells how, and what makes a good\n"
+        "photograph. Needs the extra `skin`.",
         [
+            "subsea skin guppy.jpg",
+            "subsea skin guppy.jpg --species my_guppy --mesh guppy.json",
             "subsea skin guppy.jpg --species my_guppy --auto",
             "subsea skin guppy.jpg --species my_guppy --auto --flip --mesh guppy.json",
             "subsea skin clown.png --species clownfish --auto --out sheet.png",
         ],
     )
     skin.add_argument("photo", metavar="PHOTO", type=Path, help="a fish from its side: JPEG, PNG …")
-    skin.add_argument("--species", required=True, metavar="NAME", help="who is to wear it")
+    skin.add_argument(
+        "--species", metavar="NAME", help="who is to wear it (in the window default clownfish)"
+    )
     skin.add_argument("--auto", action="store_true", help="without a window")
     skin.add_argument(
         "--out", type=Path, metavar="FILE.png", help="write the sheet there and change no species"
@@ -979,12 +984,16 @@ def _theatre(name: str) -> int:
 
 
 def _skin(
-    photo: Path, species: str, auto: bool, out: Path | None, flip: bool, mesh: Path | None
+    photo: Path, species: str | None, auto: bool, out: Path | None, flip: bool, mesh: Path | None
 ) -> int:
+    if not auto:
+        from subsea.app.skin.window import dress_by_hand
+
+        return dress_by_hand(photo, species, out, flip, mesh)
     from subsea.app.dressing import dress
 
-    if not auto:
-        raise UserError("skin: expected --auto")
+    if species is None:
+        raise UserError("skin: --auto needs --species NAME")
     return dress(photo, species, out, flip, mesh)
 
 

@@ -227,9 +227,9 @@ def test_work_behind_brings_its_result_or_its_fault(table, hands):
     def fails():
         raise UserError("too dark")
 
-    table.behind(fails, results.append)
+    table.behind(fails, results.append, "looking", lambda: results.append("failed"))
     hands.until(table, lambda: table.told == "too dark")
-    assert results == [42]
+    assert results == [42, "failed"]
 
 
 def test_it_draws_in_a_window_of_one_pixel(table, hands):

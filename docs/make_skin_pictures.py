@@ -1,0 +1,132 @@
+"""docs/pictures/skin-*.png: the window of `subsea skin`, used by its own mouse.
+
+Run from the root of a checkout, where there is a display (or by xvfb-run -a -s "-screen 0
+1280x800x24"): python docs/make_skin_pictures.py
+"""
+
+import tempfile
+from contextlib import closing
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+from skin_accuracy import CASES, made
+
+from subsea.app.bench import Bench
+from subsea.app.skin import hands
+from subsea.app.skin.hands import Node
+from subsea.app.skin.window import Dressing
+from subsea.skins.deformable import BODY
+from subsea.skins.photograph import read
+
+SIZE, FRAME_S = (1280, 800), 0.04
+CASE, SPECIES = "gravel", "blue_tang"
+TIPS = Node(BODY, 0, 20), Node(BODY, 8, 20)  # of the tail, which are as dark as the gravel
+AFTER = 0, 12, 120  # frames of the simulation, for its strip
+
+folder = Path(__file__).parent / "pictures"
+
+
+class Hand:
+    """Moves the pointer of a bench, and draws its frames."""
+
+    def __init__(self, bench):
+        self.bench, self.easel = bench, bench.craft.easel
+
+    def frames(self, count):
+        """Draw some."""
+        for _ in range(count):
+            self.bench.frame(FRAME_S)
+
+    def rest(self):
+        """Draw until nothing is done in the background."""
+        self.frames(3)
+        while self.bench.busy or self.bench.craft.working:
+            self.frames(1)
+        self.frames(3)
+
+    def go(self, place, frames=2):
+        """Point at a place of the photograph."""
+        x, y = self.easel.canvas.on_screen(place)
+        self.bench.gui.pointed(float(x), float(y))
+        self.frames(frames)
+
+    def press(self, down):
+        """Press the left button, or let it go."""
+        self.bench.gui.pressed(0, down)
+        self.frames(3)
+
+    def drag(self, begin, end, steps=10, let_go=True):
+        """Drag from one place to another."""
+        self.go(begin)
+        self.press(True)
+        for share in np.linspace(0.0, 1.0, steps):
+            self.go(np.asarray(begin) + share * (np.asarray(end) - begin))
+        self.frames(10)
+        if let_go:
+            self.press(False)
+
+    def save(self, name, box=None):
+        """The window, or a part of it, as a picture."""
+        picture = Image.fromarray(self.bench.picture())
+        (picture if box is None else picture.crop(box)).save(
+            folder / f"skin-{name}.png", optimize=True
+        )
+        print(folder / f"skin-{name}.png")
+
+    def seen(self, box):
+        """A part of the window."""
+        return np.asarray(Image.fromarray(self.bench.picture()).crop(box))
+
+
+with tempfile.TemporaryDirectory() as temporary:
+    photo, truth = Path(temporary) / "blue-tang.png", made(CASES[CASE])
+    Image.fromarray(truth.photograph.colour).save(photo)
+    photograph = read(photo)
+    make = lambda bench: Dressing(bench, photograph, SPECIES)  # noqa: E731
+    with closing(Bench(f"subsea skin  {photo.name}", make, SIZE)) as bench:
+        hand, table = Hand(bench), bench.craft
+        hand.rest()
+        canvas = table.easel.canvas
+        (left, top), (wide, high) = canvas.place, canvas.size
+        view = round(left), round(top), round(left + wide), round(top + high)
+        # Where the tail ends no edge was found: hands know better.
+        share = table.easel.box[2] / photograph.colour.shape[1]
+        rows, columns = np.nonzero(truth.mask)
+        for tip, half in zip(TIPS, (rows < rows.mean(), rows > rows.mean()), strict=True):
+            far = columns[half].argmax()
+            there = share * np.array([columns[half][far], rows[half][far]])
+            here = hands.places(table.net, [tip])[0]
+            hand.drag(here, there, let_go=False)
+            if tip == TIPS[1]:
+                hand.save("window")
+            hand.press(False)
+            table.net = hands.with_anchor(table.net, tip, tuple(there))
+            table.did()
+        hand.rest()
+        # The whole is moved and turned.
+        table.net = hands.without_anchors(table.net)
+        table.easel.hand = "whole"
+        frame = hands.frame(table.net)
+        hand.drag(frame.middle, frame.middle + (5.0, -7.0))
+        frame = hands.frame(table.net)
+        hand.drag(frame.knob, frame.knob + (6.0, 0.0), let_go=False)
+        hand.save("whole", view)
+        hand.press(False)
+        # And relaxes.
+        table.easel.hand = "pull"
+        table.sliders = table.sliders._replace(smoothing=8.0)
+        hand.go((5.0, 5.0))
+        hand.rest()
+        strip = []
+        table.relax(True)
+        for frames in np.diff((0, *AFTER), prepend=0)[1:]:
+            hand.frames(int(frames))
+            strip.append(hand.seen(view)[::2, ::2])
+        table.easel.edges = True
+        _ = table.field
+        hand.frames(60)
+        strip.append(hand.seen(view)[::2, ::2])
+        rows = [np.hstack(strip[k : k + 2]) for k in (0, 2)]
+        Image.fromarray(np.vstack(rows)).save(folder / "skin-relax.png", optimize=True)
+        print(folder / "skin-relax.png")
