@@ -22,7 +22,7 @@ from subsea.render.quality import PRESETS
 from subsea.repertoire import read_repertoire
 from subsea.resources import resource_path
 from subsea.scenario import Water
-from subsea.species import Species, load_species, species_names
+from subsea.species import Species, load_species, shipped_species
 from subsea.view.camera import NEAR_CM, View, look, off_axis
 from subsea.view.rigs import display_rig
 
@@ -145,6 +145,6 @@ def _pose(name: str, species: Species) -> Array:
 if __name__ == "__main__":
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent / "pictures"
     folder.mkdir(exist_ok=True)
-    names = species_names()
+    names = shipped_species()
     names.sort(key=lambda name: not load_species(name).muscles)
     species_plate(names, VARIED).save(folder / "species.png")

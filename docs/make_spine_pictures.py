@@ -21,7 +21,7 @@ from subsea.render.quality import PRESETS
 from subsea.repertoire import read_repertoire
 from subsea.resources import resource_path
 from subsea.scenario import Water
-from subsea.species import load_species, species_names
+from subsea.species import load_species, shipped_species
 from subsea.view.camera import NEAR_CM, View, look, off_axis
 from subsea.view.rigs import display_rig
 
@@ -44,7 +44,7 @@ LOOKS = (  # from where, in lengths of the fish that heads along x, and what is 
 
 def beats() -> Image.Image:
     """A fast beat of each species that its spine moves: moments from left to right."""
-    names = [name for name in species_names() if load_species(name).spine]
+    names = [name for name in shipped_species() if load_species(name).spine]
     species = tuple(load_species(name) for name in names)
     poses = []
     for name in names:
