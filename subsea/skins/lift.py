@@ -9,7 +9,7 @@ has. The sheet is one flank; the other one is drawn as its mirror image.
 Needs the extra `skin` (OpenCV).
 """
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import cv2
 import numpy as np
@@ -18,11 +18,11 @@ from numba import njit
 from numpy.typing import NDArray
 
 from subsea.kinematics.spline import basis_at, dense, greville, through
-from subsea.kinematics.surface import FIN_V, SUNK, along, travelled
+from subsea.kinematics.surface import FIN_V, SurfacePlan
 from subsea.skins import paint
-from subsea.skins.deformable import BODY, DORSAL, VENTRAL, Net
-from subsea.skins.flank import RestFin, at_rest, finer, outlines
-from subsea.species import Colour, FinSkin, SkinPlan, Species
+from subsea.skins.deformable import DORSAL, VENTRAL, Mesh, Net
+from subsea.skins.flank import Rest, RestFin, at_rest, finer, outlines
+from subsea.species import Colour, SkinPlan, Species
 
 Array = NDArray[np.floating[Any]]
 Bytes = NDArray[np.uint8]
@@ -30,7 +30,30 @@ Mask = NDArray[np.bool_]
 
 RIM = 0.006  # body lengths inside the outline where the background still shines through
 NEAR = 0.035  # so near to it the fish told apart is asked, farther inside the meshes alone
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722], np.float32)
+TIERS = 10  # levels from belly to back whose brightness is compared
+EVENED = 0.8  # of what a back is brighter than the belly
+STEEPEST = 2.0
+WEB = 0.04  # body lengths behind its root over which the tail becomes a fin
 FINE_MESH = 8  # times as many places as nodes, of the meshes that colours are taken through
+
+
+class _Source(NamedTuple):
+    """The photograph about the fish, without what lies behind it."""
+
+    picture: Array  # (h, w, 4) linear light, and whether it is the fish
+    corner: Array  # (2,) its place in the photograph
+
+
+class _Flank(NamedTuple):
+    """The body's part of a sheet."""
+
+    picture: Array  # (h, w, 4) linear light and opacity
+    level: Array  # (h, w) from belly to back, 0 to 1
+    trunk: Mask  # (h, w) the body without its tail
+    low: Array  # (2,) the place of its lower left corner, body lengths
+    size: Array  # (2,) texels in a body length
+    steep: float  # how much light from above was in it
 
 
 def lifted(colour: Bytes, net: Net, species: Species, fish: Mask | None = None) -> Bytes:
@@ -41,74 +64,98 @@ def lifted(colour: Bytes, net: Net, species: Species, fish: Mask | None = None) 
     """
     surface, skin = species.surface, species.skin
     rest = at_rest(surface)
-    width, height = paint.SIZE
-    length = float(np.hypot(*(net.body.nodes[4, 0] - net.body.nodes[4, 14]))) / surface.tail.begin
-    window, shift = _around(colour, net, length)
-    light = _linear(colour[window])
-    within = covered(net, colour.shape[:2])[window]
-    there = within if fish is None else fish[window]
-    light = bled(light, _sure(within, there, length).astype(np.float32))
-    opaque = cv2.GaussianBlur(np.asarray(there | _deep(within, length), np.float32), (0, 0), 1.0)
-    picture = np.dstack([light, opaque])
-
-    sheet = np.zeros((height, width, 4), np.float32)
-    body = paint.framed(sheet.transpose(2, 0, 1), paint.BODY).transpose(1, 2, 0)
-    front, rear = paint.borders(surface)
-    top = paint.half_height(surface)
-    rows, columns = body.shape[:2]
-    size = np.array([columns / (rear - front), rows / (2.0 * top)])
-    texels = (finer(rest.body, FINE_MESH) - (front, -top)) * size - 0.5
-    places = drawn(texels, finer(net.body.nodes, FINE_MESH) - shift, (rows, columns))
-    inside = np.isfinite(places[..., 0])
-    body[:] = _looked_up(picture, places)
-    body[..., :3] = bled(body[..., :3], inside.astype(np.float32))
-    tail = surface.tail.begin
-    s = front + (np.arange(columns) + 0.5) / size[0]
-    out = np.clip((s - tail) / (1.0 - tail), 0.0, 1.0)
-    thin = _smooth((s - tail) / 0.04)  # how far the body has become a fin
-    web = np.where(inside, body[..., 3], 1.0) * (1.0 - (1.0 - skin.tail.opacity) * _smooth(out))
-    body[..., 3] = 1.0 + thin * (web - 1.0)
-
-    colours = {}
+    source = _source(colour, net, surface, fish)
+    planes = np.zeros((4, *paint.SIZE[::-1]), np.float32)
+    flank, tail = _lift_flank(source, net, rest, surface, skin)
+    paint.framed(planes, paint.BODY)[:] = flank.picture.transpose(2, 0, 1)
+    typical = [tail]
     for name, frame, plan, look, ridge in (
-        (DORSAL, paint.DORSAL, surface.dorsal, skin.dorsal, surface.back),
         (VENTRAL, paint.VENTRAL, surface.ventral, skin.ventral, surface.belly),
+        (DORSAL, paint.DORSAL, surface.dorsal, skin.dorsal, surface.back),
     ):
-        if not plan or not look or name not in rest.fins:
-            continue
-        part = paint.framed(sheet.transpose(2, 0, 1), frame).transpose(1, 2, 0)
-        share = (np.arange(part.shape[1]) + 0.5) / part.shape[1]
-        up = ((np.arange(part.shape[0]) + 0.5) / part.shape[0])[:, None]
-        rise = _risen(rest.fins[name], share, up)
-        sunk = plan.base[0] + (plan.base[1] - plan.base[0]) * share
-        edge = travelled(plan.edge, share)
-        root = SUNK * along(ridge, sunk)
-        where = np.stack(
-            np.broadcast_arrays(sunk + up * (edge[:, 0] - sunk), root + up * (edge[:, 1] - root)),
-            axis=2,
-        )
-        weights = dense(basis_at(FIN_V, share), FIN_V)
-        low, high = (weights @ through(row) - shift for row in net.fins[name].mesh.nodes)
-        above = low + np.maximum(rise, 0.0)[..., None] * (high - low)
-        beneath = (where - (front, -top)) * size - 0.5
-        part[:] = np.where(
-            (rise > 0.0)[..., None],
-            _looked_up(picture, above),
-            _looked_up(np.ascontiguousarray(body), beneath),
-        )
-        seen = (part[..., 3] > 0.5) | (rise <= 0.0)
-        colours[name] = _typical(part[..., :3], seen & (rise > 0.2))
-        part[..., :3] = bled(part[..., :3], seen.astype(np.float32))
-        web = part[..., 3] * (1.0 - (1.0 - look.opacity) * _smooth(rise))
-        part[..., 3] = np.where(rise > 0.0, web, 1.0)
-    colours[BODY] = _typical(body[..., :3], inside & (s > tail + 0.05)[None])
-    plain = structs.replace(species, skin=_plain(skin, body[..., :3], inside, s < tail, colours))
-    painted = paint.paint(plain)
-    out_sheet = paint.encoded(sheet.transpose(2, 0, 1))
+        if plan and look:
+            part = paint.framed(planes, frame)
+            made, tone = _lift_fin(
+                source, flank, net.fins[name].mesh, rest.fins[name],
+                np.dstack(paint.fin_places(plan, ridge, *_shares(part.shape[1:]))),
+                look.opacity, float(name == DORSAL),
+            )  # fmt: skip
+            part[:] = made.transpose(2, 0, 1)
+            typical.append(tone)
+    sheet = paint.encoded(planes)
+    fins = next((tone for tone in typical[::-1] if tone), None)
+    plain = structs.replace(species, skin=_plain(skin, flank, fins))
+    painted = paint.paint(plain).transpose(2, 0, 1)
     for frame in (paint.PECTORAL, paint.PELVIC):
-        into = paint.framed(out_sheet.transpose(2, 0, 1), frame)
-        into[:] = paint.framed(painted.transpose(2, 0, 1), frame)
-    return out_sheet
+        paint.framed(sheet.transpose(2, 0, 1), frame)[:] = paint.framed(painted, frame)
+    return sheet
+
+
+def _source(colour: Bytes, net: Net, surface: SurfacePlan, fish: Mask | None) -> _Source:
+    """The part of a photograph that the meshes lie in, the fish's own colours all over it."""
+    length = float(np.hypot(*(net.body.nodes[4, 0] - net.body.nodes[4, 14]))) / surface.tail.begin
+    window, corner = _around(colour, net, length)
+    within = covered(net, colour.shape)[window]
+    there = within if fish is None else fish[window]
+    light = bled(_linear(colour[window]), _sure(within, there, length).astype(np.float32))
+    opaque = cv2.GaussianBlur(np.asarray(there | _deep(within, length), np.float32), (0, 0), 1.0)
+    return _Source(np.dstack([light, opaque]), corner)
+
+
+def _lift_flank(
+    source: _Source, net: Net, rest: Rest, surface: SurfacePlan, skin: SkinPlan
+) -> tuple[_Flank, Colour | None]:
+    """Body and tail, and the typical colour of the latter."""
+    height, width = paint.framed(np.empty((4, *paint.SIZE[::-1])), paint.BODY).shape[1:]
+    front, rear = paint.borders(surface)
+    top, tail = paint.half_height(surface), surface.tail.begin
+    low = np.array([front, -top])
+    size = np.array([width / (rear - front), height / (2.0 * top)])
+    texels = (finer(rest.body, FINE_MESH) - low) * size - 0.5
+    places = drawn(texels, finer(net.body.nodes, FINE_MESH) - source.corner, (height, width))
+    inside = np.isfinite(places[..., 0])
+    picture = _looked_up(source.picture, places)
+    picture[..., :3] = bled(picture[..., :3], inside.astype(np.float32))
+    s = front + (np.arange(width) + 0.5) / size[0]
+    trunk = inside & (s < tail)
+    level = _level(trunk)
+    steep = _lit_from_above(picture[..., :3], level)
+    picture[..., :3] *= _evened(steep, level)[..., None]
+    web = _smooth((s - tail) / WEB)  # how far the body has become a fin
+    clear = (1.0 - skin.tail.opacity) * _smooth((s - tail) / (1.0 - tail))
+    picture[..., 3] = 1.0 + web * (np.where(inside, picture[..., 3], 1.0) * (1.0 - clear) - 1.0)
+    typical = _typical(picture[..., :3], inside & (s > tail + WEB))
+    return _Flank(picture, level, trunk, low, size, steep), typical
+
+
+def _lift_fin(
+    source: _Source, flank: _Flank, fin: Mesh, rest: RestFin, places: Array, opacity: float,
+    level: float,
+) -> tuple[Array, Colour | None]:  # fmt: skip
+    """A fin (h, w, 4) whose texels lie at `places` (h, w, 2) on the fish, and its typical colour.
+
+    What of it lies within the body has the body's colours.
+    """
+    share, up = _shares(places.shape[:2])
+    rise = _risen(rest, share, up)
+    weights = dense(basis_at(FIN_V, share), FIN_V)
+    root, edge = (weights @ through(row) - source.corner for row in fin.nodes)
+    beyond = _looked_up(source.picture, root + np.maximum(rise, 0.0)[..., None] * (edge - root))
+    beyond[..., :3] *= _evened(flank.steep, np.float32(level))
+    within = _looked_up(flank.picture, (places - flank.low) * flank.size - 0.5)
+    out = rise > 0.0
+    picture = np.where(out[..., None], beyond, within)
+    seen = ~out | (picture[..., 3] > 0.5)
+    picture[..., :3] = bled(picture[..., :3], seen.astype(np.float32))
+    clear = (1.0 - opacity) * _smooth(rise)
+    picture[..., 3] = np.where(out, picture[..., 3] * (1.0 - clear), 1.0)
+    return picture, _typical(picture[..., :3], seen & (rise > 0.2))
+
+
+def _shares(shape: tuple[int, ...]) -> tuple[Array, Array]:
+    """Shares of a fin's frame (h, w): along its base (w,), and from its root to its edge (h, 1)."""
+    height, width = shape
+    return (np.arange(width) + 0.5) / width, ((np.arange(height) + 0.5) / height)[:, None]
 
 
 def covered(net: Net, shape: tuple[int, ...]) -> Mask:
@@ -236,29 +283,52 @@ def _typical(light: Array, where: Mask) -> Colour | None:
     return tuple(float(c) for c in np.median(light[where], axis=0).clip(0.0, 1.0))  # type: ignore[return-value]
 
 
-def _plain(
-    skin: SkinPlan, light: Array, inside: Mask, trunk: Mask, colours: dict[str, Colour | None]
-) -> SkinPlan:
+def _level(trunk: Mask) -> Array:
+    """How high texels (h, w) are from belly to back, 0 to 1, and on the tail as at its root.
+
+    ``trunk`` is where the body without its tail is.
+    """
+    rows = np.arange(len(trunk))[:, None]
+    count = trunk.sum(axis=0)
+    known = np.flatnonzero(count)
+    every = np.arange(trunk.shape[1])
+    first = np.interp(every, known, trunk.argmax(axis=0)[known])
+    count = np.interp(every, known, count[known])
+    return np.asarray(((rows - first) / count).clip(0.0, 1.0), np.float32)
+
+
+def _lit_from_above(light: Array, level: Array) -> float:
+    """By which power of e the back is brighter than the belly; 0 if the belly is the brighter one.
+
+    Fishes are pale below, so that the light from above leaves them even. Where the belly of a
+    photograph is the darker one, that light is in it, and it would fall on the fish twice.
+    """
+    tall = np.log(np.maximum(light @ LUMINANCE, 1e-3))
+    inner = (level > 0.05) & (level < 0.95)
+    within = np.minimum((level[inner] * TIERS).astype(int), TIERS - 1)
+    tiers = [np.median(tall[inner][within == k]) for k in range(TIERS)]
+    slope = np.polyfit((np.arange(TIERS) + 0.5) / TIERS, tiers, 1)[0]
+    return float(np.clip(slope, 0.0, STEEPEST))
+
+
+def _evened(steep: float, level: Array | np.float32) -> Array:
+    """What colours at a level are to be multiplied with."""
+    return np.exp(np.float32(-EVENED * steep) * (level - np.float32(0.5)))
+
+
+def _plain(skin: SkinPlan, flank: _Flank, fins: Colour | None) -> SkinPlan:
     """A skin in the colours of the photograph, without patterns: for what that does not show."""
-    trunk = inside & trunk
-    row = np.arange(len(light))[:, None] * np.ones_like(trunk)
-    count = np.maximum(trunk.sum(axis=0), 1)
-    first = np.where(trunk.any(axis=0), trunk.argmax(axis=0), 0)
-    level = (row - first) / count  # 0 at the belly, 1 at the back
+    light, level = flank.picture[..., :3], flank.level
     tones = {
-        name: _typical(light, trunk & (level >= low) & (level < high)) or getattr(skin, name)
-        for name, low, high in (("belly", 0, 0.25), ("flank", 0.25, 0.75), ("back", 0.75, 1.1))
+        name: _typical(light, flank.trunk & (level >= low) & (level <= high)) or getattr(skin, name)
+        for name, low, high in (("belly", 0, 0.25), ("flank", 0.25, 0.75), ("back", 0.75, 1))
     }
-    fins = next((c for c in (colours.get(DORSAL), colours.get(VENTRAL), colours[BODY]) if c), None)
-
-    def worn(look: FinSkin | None) -> FinSkin | None:
-        return look and structs.replace(look, colour=fins or look.colour, rim=None)
-
+    paddles = skin.paddles and structs.replace(
+        skin.paddles, colour=fins or skin.paddles.colour, rim=None
+    )
     return structs.replace(
-        skin, **tones, stripes=None, cape=None, patches=[], spots=None,
-        tail=worn(skin.tail), dorsal=worn(skin.dorsal), ventral=worn(skin.ventral),
-        paddles=worn(skin.paddles),
-    )  # fmt: skip
+        skin, **tones, stripes=None, cape=None, patches=[], spots=None, paddles=paddles
+    )
 
 
 def _linear(colour: Bytes) -> Array:

@@ -350,7 +350,7 @@ def _paint_fin(
     _, height, width = picture.shape
     share = _single((np.arange(width) + 0.5) / width)
     up = _single((np.arange(height)[:, None] + 0.5) / height)
-    s, y = _fin_places(plan, ridge, share, up)
+    s, y = fin_places(plan, ridge, share, up)
     # From where it leaves the body, 0, to its edge, 1.
     skirt = _single(np.interp(s, body.s, along(ridge, body.s)))
     rise = np.abs(y) - np.abs(skirt)
@@ -361,7 +361,7 @@ def _paint_fin(
     if fin.striped and skin.stripes:
         stripes = _stripes(skin.stripes, s, y, uneven)
         _lay(picture, skin.stripes.colour, stripes * _step(out, 0.97, 0.85))
-    coarse = _fin_places(plan, ridge, _every_fourth(share), _every_fourth(up[:, 0])[:, None])
+    coarse = fin_places(plan, ridge, _every_fourth(share), _every_fourth(up[:, 0])[:, None])
     for patch in skin.patches:
         if patch.over_fins and _near(patch.outline, *coarse):
             depth = _between(_between(_depth_at(patch.outline, *coarse).T, width).T, height)
@@ -376,7 +376,7 @@ def _paint_fin(
     _colour_unevenly(picture, skin.blotches)
 
 
-def _fin_places(plan: FinPlan, ridge: Curve, share: Array, up: Array) -> tuple[Array, Array]:
+def fin_places(plan: FinPlan, ridge: Curve, share: Array, up: Array) -> tuple[Array, Array]:
     """Distances from the snout and heights, from the row in the body to the edge."""
     share = share.clip(0.0, 1.0)
     base = plan.base[0] + (plan.base[1] - plan.base[0]) * share

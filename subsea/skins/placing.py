@@ -41,7 +41,7 @@ SOFT = 2.5  # by so many pixels both are blurred
 TILTS = np.radians([-60, -40, -20, 0, 20, 40, 60])  # that are tried first
 STEEP = 0.04  # what the likeness loses at a tilt of a right angle: fishes are upright
 FLATTER = 0.25  # what it loses for each logarithm of flatter or deeper than the species
-SMALLEST, LARGEST = 0.003, 0.85  # shares of the picture that a fish may fill
+SMALLEST, LARGEST = 0.003, 0.75  # shares of the picture that a fish may fill
 SURE = 0.955  # likeness above which no other guess is tried
 LIKELY = 0.95, 0.6  # sizes of fishes in pictures, of the largest that has room
 BLANK = 1.0  # deviation of the colours, of 255, below which there is nothing in a picture
@@ -124,6 +124,7 @@ def _told(colour: Bytes, plan: SurfacePlan, flip: bool) -> tuple[Mask, Array, fl
             if not SMALLEST < mask.mean() < LARGEST:
                 break
             matrix, likeness = aligned(plan, mask, flip)
+            likeness -= _cut_off(mask)
             if likeness > best[2]:
                 best = mask, matrix, likeness
             guess = _shaped(plan, matrix, mask.shape, WIDE)
@@ -135,6 +136,13 @@ def _told(colour: Bytes, plan: SurfacePlan, flip: bool) -> tuple[Mask, Array, fl
         mask = closer
         matrix, likeness = aligned(plan, mask, flip)
     return mask, matrix, likeness
+
+
+def _cut_off(mask: Mask) -> float:
+    """Which share of a mask's outline is the picture's border: there water ends, not a fish."""
+    k = 1 + max(1, round(0.01 * min(mask.shape)))  # what `guesses` leaves out
+    rim = np.concatenate([mask[k], mask[-k - 1], mask[:, k], mask[:, -k - 1]])
+    return float(rim.sum()) / max(1, int(_border(mask).sum()))
 
 
 def _likely(colour: Bytes, plan: SurfacePlan) -> Iterator[Bytes]:
@@ -259,7 +267,9 @@ class _Shape:
         onto = matrix[:, :2] @ self.back[:2]
         onto[:, 2] += matrix[:, 2]
         here = cv2.warpAffine(self.picture, onto, there.shape[::-1], flags=cv2.INTER_LINEAR)
-        both = 1.0 - float(np.abs(here - there).sum()) / float(here.sum() + there.sum())
+        # What lies beyond the picture counts too: fishes are seen whole.
+        own = self.area * float(np.exp(2.0 * values[2]))
+        both = 2.0 * float(np.minimum(here, there).sum()) / (own + float(there.sum()))
         return both - STEEP * (values[4] / (0.5 * np.pi)) ** 2 - FLATTER * values[3] ** 2
 
 

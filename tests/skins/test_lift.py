@@ -41,7 +41,7 @@ def marked(clownfish):
     y = (np.arange(600) - matrix[1, 2]) / matrix[1, 1]
     picture = np.zeros((600, 800, 3), np.uint8)
     picture[..., 0] = (60 + 150 * x).clip(0, 255)
-    picture[..., 1] = (128 + 300 * y[:, None]).clip(0, 255)
+    picture[..., 1] = (128 - 300 * y[:, None]).clip(0, 255)
     fish = covered(net, picture.shape)
     picture[~fish] = MAGENTA
     return picture, net, fish
@@ -54,7 +54,7 @@ def test_every_place_of_the_flank_has_the_colour_of_its_own_place(clownfish, mar
     for s, y in ((0.1, 0.05), (0.3, 0.1), (0.5, -0.1), (0.7, 0.0), (0.9, 0.05), (0.95, -0.06)):
         red, green = texel(clownfish, sheet, s, y)[:2]
         assert red == pytest.approx(60 + 150 * s, abs=3)
-        assert green == pytest.approx(128 + 300 * y, abs=4)
+        assert green == pytest.approx(128 - 300 * y, abs=4)
 
 
 def test_the_other_flank_is_its_mirror_image(clownfish, marked):
@@ -80,7 +80,7 @@ def test_fins_have_their_own_colours_and_go_on_within_the_body(clownfish, marked
     s, y = base + up * (edge[0] - base), root + up * (edge[1] - root)
     red, green, _, alpha = dorsal[int(up * dorsal.shape[0]), int(share * dorsal.shape[1])]
     assert red == pytest.approx(60 + 150 * s, abs=5)
-    assert green == pytest.approx(128 + 300 * y, abs=8)
+    assert green == pytest.approx(128 - 300 * y, abs=8)
     assert 150 < alpha <= 255
     assert (dorsal[0, :, 3] == 255).all()
 
@@ -112,6 +112,20 @@ def test_the_body_is_opaque_and_gaps_in_fins_stay_gaps(clownfish, marked):
     dorsal = framed(sheet, paint.DORSAL)
     assert dorsal[-6, :, 3].min() < 40
     assert np.median(dorsal[-6, :, 3]) > 180
+
+
+def test_light_from_above_is_evened_out_but_not_a_dark_back(clownfish, marked):
+    _, net, fish = marked
+    y = np.linspace(1.0, 0.0, 600)[:, None, None] * np.ones((1, 800, 3))
+    for picture, evened in ((60 + 130 * y, True), (60 + 130 * (1 - y), False)):
+        sheet = lifted(picture.astype(np.uint8), net, clownfish, fish)
+        back, belly = (texel(clownfish, sheet, 0.4, h)[:3].mean() for h in (0.14, -0.14))
+        own = [picture[np.round(400 - 700 * h).astype(int)].mean() for h in (0.14, -0.14)]
+        # Of what the back is brighter than the belly little is left, or all of the opposite.
+        if evened:
+            assert own[0] > 1.25 * own[1] and 0.95 * belly < back < 1.2 * belly
+        else:
+            assert back < 0.85 * belly
 
 
 def test_paired_fins_take_the_photographs_colours(clownfish, marked):

@@ -1,0 +1,131 @@
+"""Pictures of docs/skin.md: `python docs/make_dressed_pictures.py [FOLDER]`.
+
+skin-photograph.png: a fish of the reef, photographed there by the program itself, as no photograph
+of a real fish may be shipped; the meshes before and after they took hold of its outline; the sheet
+that was lifted. skin-worn.png: the same fish painted, and wearing that sheet, from other sides.
+"""
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import cv2
+import numpy as np
+from msgspec import structs
+from PIL import Image, ImageOps
+
+from subsea.frame import make_scene, pack
+from subsea.kinematics.rotation import rotate
+from subsea.ocean import step
+from subsea.render import Renderer, headless_context
+from subsea.render.quality import PRESETS
+from subsea.scenario import load_scenario
+from subsea.skins.deformable import BODY, Net, meshes
+from subsea.skins.flank import laid, outlines
+from subsea.skins.lift import lifted
+from subsea.skins.photograph import Photograph, small
+from subsea.skins.placing import aligned, found
+from subsea.skins.sheet import write
+from subsea.submarine.helm import HANDS_OFF
+from subsea.view.rig import Pose
+from subsea.view.rigs import display_rig, views_for
+from subsea.world import World, create_world
+
+SCENARIO, SEED, TICKS, LATER = "peaceful", 1, 60, 12
+FISH = "Emperor angelfish"
+SIZE = (1120, 760)
+SHOWN = (560, 380)
+ASIDE = 1.35  # lengths of the fish to its left, where the camera is
+BITS = 6  # of each colour: half the file, and no difference to see
+BACKDROP = (38, 52, 66)  # behind what is clear on the sheet
+INK = {BODY: (255, 236, 120), "dorsal": (120, 235, 255), "ventral": (120, 235, 255)}
+
+
+def shot(renderer: Renderer, world: World, fish: int, turn: float, away: float) -> np.ndarray:
+    """A picture of a fish, from its left, and farther round to its face by `turn` degrees."""
+    fishes = world.state.fishes
+    ahead, right = (
+        np.array(rotate(fishes.orientation[fish], axis)) for axis in ((1, 0, 0), (0, 0, 1))
+    )
+    at = fishes.position[fish].astype(float)
+    turn = np.radians(turn)
+    eye = at + fishes.length[fish] * away * (np.sin(turn) * ahead - np.cos(turn) * right)
+    forward = (at - eye) / np.linalg.norm(at - eye)
+    beside = np.cross(forward, (0.0, 0.0, 1.0))
+    up = np.cross(beside / np.linalg.norm(beside), forward)
+    renderer.draw(pack(world, views_for("mono", SIZE, Pose(eye, forward, up)), 1.0))
+    return renderer.read_pixels()
+
+
+def with_meshes(colour: np.ndarray, net: Net) -> np.ndarray:
+    """A photograph with meshes drawn over it."""
+    picture = np.ascontiguousarray(colour)
+    for (name, one), ring in zip(meshes(net).items(), outlines(net), strict=True):
+        lines = [*one.nodes, *one.nodes.transpose(1, 0, 2)]
+        for line in lines:
+            points = [np.round(16 * line).astype(np.int32)]
+            cv2.polylines(picture, points, False, INK[name], 1, cv2.LINE_AA, 4)
+        points = [np.round(16 * ring).astype(np.int32)]
+        cv2.polylines(picture, points, True, INK[name], 2, cv2.LINE_AA, 4)
+    return picture
+
+
+def shrunk(picture: np.ndarray) -> np.ndarray:
+    """As it is shown."""
+    return cv2.resize(picture, SHOWN, interpolation=cv2.INTER_AREA)
+
+
+def main() -> None:
+    """Make both."""
+    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent / "pictures"
+    world = create_world(load_scenario(SCENARIO)[0], seed=SEED)
+    kind = [one.name for one in world.species].index(FISH)
+    fish = int(np.flatnonzero(world.state.fishes.species == kind)[0])
+    species = world.species[kind]
+    for _ in range(TICKS):
+        step(world, HANDS_OFF)
+    rig, scene = display_rig("mono", SIZE), make_scene(world)
+    with headless_context() as context, TemporaryDirectory() as name:
+        renderer = Renderer(context, scene, rig, PRESETS["high"])
+        colour = shot(renderer, world, fish, 0.0, ASIDE)
+        one = found(Photograph(Path("angelfish.png"), colour, None), species.surface)
+        sheet = lifted(colour, one.net, species, one.mask)
+        for _ in range(LATER):
+            step(world, HANDS_OFF)
+        views = [(-25.0, 1.2), (30.0, 1.2)]
+        painted = [shot(renderer, world, fish, *view) for view in views]
+        renderer.release()
+        write(Path(name) / "sheet.png", sheet)
+        skin = structs.replace(species.skin, sheet=str(Path(name) / "sheet.png"))
+        worn = list(scene.species)
+        worn[kind] = structs.replace(species, skin=skin)
+        dressed = Renderer(context, replace(scene, species=tuple(worn)), rig, PRESETS["high"])
+        wearing = [shot(dressed, world, fish, *view) for view in views]
+        dressed.release()
+    less, share = small(Photograph(Path("angelfish.png"), colour, None))
+    told = cv2.resize(one.mask.astype(np.uint8), less.shape[1::-1], interpolation=cv2.INTER_AREA)
+    matrix, _ = aligned(species.surface, told > 0)
+    flat = sheet[::-1].astype(np.float32)
+    over = flat[..., 3:] / 255.0
+    flat = flat[..., :3] * over + np.array(BACKDROP) * (1.0 - over)
+    tall = SHOWN[0] * 640 // 1024
+    frame = np.full((*SHOWN[::-1], 3), BACKDROP, np.uint8)
+    frame[(SHOWN[1] - tall) // 2 :][:tall] = cv2.resize(
+        flat.astype(np.uint8), (SHOWN[0], tall), interpolation=cv2.INTER_AREA
+    )
+    rows = [
+        [shrunk(colour), shrunk(with_meshes(colour, laid(species.surface, matrix / share)))],
+        [shrunk(with_meshes(colour, one.net)), frame],
+    ]
+    for path, cells in (
+        (folder / "skin-photograph.png", rows),
+        (folder / "skin-worn.png", [list(map(shrunk, painted)), list(map(shrunk, wearing))]),
+    ):
+        picture = Image.fromarray(np.vstack([np.hstack(row) for row in cells]))
+        ImageOps.posterize(picture, BITS).save(path, optimize=True)
+        print(path)
+
+
+if __name__ == "__main__":
+    main()
