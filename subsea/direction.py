@@ -1,6 +1,6 @@
 """Directions: what is to happen in a scenario, and when, from its tables `[[direction]]`.
 
-A direction begins when all that it says of *when* is so. `directing.py` makes it happen.
+A direction begins when all that it says of *when* is so. `directing` makes it happen.
 """
 
 from collections.abc import Callable, Sequence

@@ -1,33 +1,15 @@
-"""What a scenario's directions do to its world, tick by tick (Tu §11.6.1, "Higher Directability").
+"""What directions do: what they put into minds, and into the sea."""
 
-A direction moves nobody: it puts something into a mind, an appetite, a fright, a place to be
-bound for, and the fish does what such a fish does.
-
-What became of directions is `state.Directions`, and so part of what snapshots, rewinds and
-clusters hold. Whoever shows a world reads there, of direction `k` of `scenario.direction`:
-
-- `began[k]`, the tick in which it began last, -1 if it never did: a caption is up for so long
-  after that, a camera is that of the direction with one that began last (`latest`);
-- `times[k]`, how often it has begun: what two ticks differ in is what happened between them;
-- `cast[k]` (2,), whom it is about, NOBODY or the SUBMARINE: of "courting" and "spawned" he and
-  she, of "eaten" who was and by whom, of "caught" and "sated" the fish, of "fleeing" it and its
-  predator, of "hunting" the hunter and its prey, of "passes" who passes, of `pair` he and she;
-  without an event those of the direction `after` which it comes;
-- `running[k]`, whether it still moves anything.
-
-Nothing else remembers anything: all of it is a function of scenario and state.
-"""
-
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from subsea.behavior.hunting import STALK
 from subsea.behavior.mating import REST_S
-from subsea.behavior.temper import HABITS, set_hunger, set_libido, urge_to_eat, urge_to_mate
-from subsea.direction import Direction, Shoals, Whose, numbers_of
-from subsea.scenario import Scenario
+from subsea.behavior.temper import HABITS, set_hunger, set_libido, urge_to_mate
+from subsea.directing.script import Act, Scene, hunger_of, now_s
+from subsea.direction import MOVES, Direction, Whose
 from subsea.state import (
     ANYONE,
     CIRCLING,
@@ -45,10 +27,6 @@ from subsea.state import (
     PREY,
     SINKING,
     STOWED,
-    SUBMARINE,
-    Clock,
-    Nature,
-    State,
 )
 
 Ints = NDArray[np.integer[Any]]
@@ -67,259 +45,18 @@ COY = 0.08  # share of her fastest speed with which she turns to him
 GATHERING, READY, COURTING, OVER = range(4)
 MOST_SUITORS = 200  # so many are looked at to find the nearest two ...
 STRANGE_CM = 1e6  # ... of whom those of different species count as so much farther apart
-PULSES = ("spawned", "eaten")  # events of a single tick
 
 
-class Act(NamedTuple):
-    """A direction in the numbers of a world."""
-
-    direction: Direction
-    who: Ints  # whom it moves
-    of: Ints  # whose event it waits for
-    prey: Ints  # whom they hunt
-    shown: Ints  # whom its camera follows
-    after: int  # which direction it follows, -1 for none
-
-
-class Script(NamedTuple):
-    """All directions of a world. Constant."""
-
-    acts: tuple[Act, ...]
-    order: tuple[int, ...]  # each behind the one that it follows
-    fastest_cm_s: Array  # (n,) float32, of each fish
-    species: tuple[str, ...]  # as they are numbered
-
-
-class Scene(NamedTuple):
-    """What a direction acts on."""
-
-    script: Script
-    state: State
-    nature: Nature
-    current_cm_s: tuple[float, float]  # as it is without directions
-    clock: Clock
-
-
-def make_script(scenario: Scenario, numbers: list[int], fastest_cm_s: Array) -> Script:
-    """The directions of a scenario of whose shoals so many fishes each live in its world."""
-    shoals = Shoals([shoal.species for shoal in scenario.fish], numbers, [])
-    everybody = np.arange(sum(numbers))
-
-    def those(whose: Whose | None) -> Ints:
-        return everybody if whose is None else np.array([*numbers_of(whose, shoals)], np.int64)
-
-    def shown(one: Direction) -> Ints:
-        follow = None if one.camera is None else one.camera.follow
-        return those(follow) if isinstance(follow, Whose) else np.zeros(0, np.int64)
-
-    names = {one.name: k for k, one in enumerate(scenario.direction) if one.name}
-    acts = tuple(
-        Act(
-            one,
-            those(one.who),
-            those(one.of),
-            those(one.hunts if isinstance(one.hunts, Whose) else None),
-            shown(one),
-            names.get(one.after or "", -1),
-        )
-        for one in scenario.direction
-    )
-
-    def depth(k: int) -> int:
-        return 0 if acts[k].after < 0 else 1 + depth(acts[k].after)
-
-    order = tuple(sorted(range(len(acts)), key=depth))
-    return Script(acts, order, fastest_cm_s, tuple(scenario.species))
-
-
-def direct(
-    script: Script, state: State, nature: Nature, current_cm_s: tuple[float, float], clock: Clock
-) -> None:
-    """Begin the directions whose time has come, and go on with those that run."""
-    if not script.acts:
-        return
-    scene, log = Scene(script, state, nature, current_cm_s, clock), state.directions
-    for k in script.order:
-        since = _watched_since(scene, k)
-        cast = _cast(scene, k) if since is not None else None
-        if since is not None and cast is not None and _begins(scene, k, since):
-            _make_way(scene, k)
-            log.began[k], log.running[k], log.stage[k] = clock.tick, True, 0
-            log.cast[k] = cast if script.acts[k].direction.pair is None else NOBODY
-            log.times[k] += 1
-            for name in script.acts[k].direction.influences:
-                if name in START:
-                    START[name](scene, script.acts[k])
-        log.ready[k] = cast is not None
-    for k in np.argsort(log.began, kind="stable"):
-        if log.running[k]:
-            log.running[k] = _goes_on(scene, int(k))
-    log.alive[:], log.courtship[:] = state.fishes.alive, state.minds.courtship
-
-
-def latest(scenario: Scenario, state: State, what: str) -> int | None:
-    """The number of the direction with that influence, such as "camera", that began last.
-
-    Of several that began in the same tick the last of the file; None if none has begun.
-    """
-    began = [
-        (int(state.directions.began[k]), k)
-        for k, one in enumerate(scenario.direction)
-        if getattr(one, what) is not None and state.directions.began[k] >= 0
-    ]
-    return max(began)[1] if began else None
-
-
-# When.
-
-
-def _watched_since(scene: Scene, k: int) -> int | None:
-    """The tick from which direction k could begin, None while that is to come."""
-    act, log, clock = scene.script.acts[k], scene.state.directions, scene.clock
-    since = round((act.direction.at_s or 0.0) / clock.dt)
-    if act.after >= 0:
-        if log.began[act.after] < 0:
-            return None
-        since = max(since, int(log.began[act.after]) + round(act.direction.delay_s / clock.dt))
-    return since if clock.tick >= since else None
-
-
-def _begins(scene: Scene, k: int, since: int) -> bool:
-    """Whether direction k, for which all is ready, begins now."""
-    one, log, tick = scene.script.acts[k].direction, scene.state.directions, scene.clock.tick
-    if log.times[k] == 0:
-        return True
-    if one.every_s is not None:
-        return bool(tick - log.began[k] >= round(one.every_s / scene.clock.dt))
-    anew = not log.ready[k] or since > log.began[k] or one.event in PULSES
-    return not one.once and bool(anew)
-
-
-def _cast(scene: Scene, k: int) -> Cast | None:
-    """Whom direction k is about, if its event happens and as few are left as it says."""
-    act, state = scene.script.acts[k], scene.state
-    one = act.direction
-    if one.fewer_than is not None and state.fishes.alive[act.of].sum() >= one.fewer_than:
-        return None
-    if one.event is not None:
-        return EVENTS[one.event](scene, act)
-    if act.after >= 0:
-        return _pair_of(state.directions.cast[act.after])
-    return NOBODY, NOBODY
-
-
-def _courting(scene: Scene, act: Act) -> Cast | None:
-    """Two show off to each other, or are further already."""
-    minds = scene.state.minds
-    those = act.of[minds.courtship[act.of] >= LOOPING]
-    her = minds.partner[those]
-    mutual = (her >= 0) & (minds.courtship[her] >= LOOPING) & (minds.partner[her] == those)
-    return _couple(scene, those[mutual])
-
-
-def _spawned(scene: Scene, act: Act) -> Cast | None:
-    """Two have mated in the last tick."""
-    minds, log, clock = scene.state.minds, scene.state.directions, scene.clock
-    ended = (log.courtship[act.of] == NUZZLING) & (minds.courtship[act.of] == NO_COURTSHIP)
-    just = minds.last_mating[act.of] >= (clock.tick - 1.5) * clock.dt
-    those = act.of[ended & just]
-    if not len(those):
-        return None
-    other = minds.shunned[those[0]]  # whom it has just mated with
-    male = bool(minds.male[those[0]])
-    return (int(those[0]), int(other)) if male else (int(other), int(those[0]))
-
-
-def _couple(scene: Scene, those: Ints) -> Cast | None:
-    """He and she, of the first of `those`."""
-    if not len(those):
-        return None
-    i, j = int(those[0]), int(scene.state.minds.partner[those[0]])
-    return (i, j) if scene.state.minds.male[i] else (j, i)
-
-
-def _eaten(scene: Scene, act: Act) -> Cast | None:
-    """One was swallowed in the last tick."""
-    fishes, minds, log, clock = (
-        scene.state.fishes, scene.state.minds, scene.state.directions, scene.clock,
-    )  # fmt: skip
-    those = act.of[log.alive[act.of] & ~fishes.alive[act.of]]
-    fed = np.flatnonzero(
-        (minds.kind == PREDATOR) & (minds.last_meal >= (clock.tick - 1.5) * clock.dt)
-    )
-    if not len(those) or not len(fed):  # else it was drawn up by the hook
-        return None
-    gaps = np.linalg.norm(fishes.position[fed] - fishes.position[those[0]], axis=1)
-    return int(those[0]), int(fed[np.argmin(gaps)])
-
-
-def _caught(scene: Scene, act: Act) -> Cast | None:
-    """One hangs on the hook."""
-    state, fish = scene.state.sea.catch
-    return (int(fish), NOBODY) if state == HOOKED and fish in act.of else None
-
-
-def _sated(scene: Scene, act: Act) -> Cast | None:
-    """One is no longer hungry enough to eat."""
-    alive = scene.state.fishes.alive[act.of]
-    return _one(act.of[alive & (_urge_to_eat(scene, act.of) <= scene.nature.keen)])
-
-
-def _fleeing(scene: Scene, act: Act) -> Cast | None:
-    """One fears so much that it flees, or closes the ranks of its school."""
-    fishes, minds = scene.state.fishes, scene.state.minds
-    afraid = fishes.alive[act.of] & (minds.mental[act.of, FEAR] > scene.nature.alarmed)
-    those = act.of[afraid]
-    return (int(those[0]), int(minds.predator[those[0]])) if len(those) else None
-
-
-def _hunting(scene: Scene, act: Act) -> Cast | None:
-    """One is after a prey."""
-    fishes, minds = scene.state.fishes, scene.state.minds
-    hunts = fishes.alive & (minds.kind == PREDATOR) & (minds.intention == EAT) & (minds.target >= 0)
-    those = act.of[hunts[act.of]]
-    return (int(those[0]), int(minds.target[those[0]])) if len(those) else None
-
-
-def _passes(scene: Scene, act: Act) -> Cast | None:
-    """The submarine is at the gate; or the middle of fishes, or one that leads them."""
-    one, fishes, minds = act.direction, scene.state.fishes, scene.state.minds
-    gate = np.array(one.gate_cm)
-    if one.of is None:
-        near = np.linalg.norm(scene.state.submarine.position - gate) <= one.radius_cm
-        return (SUBMARINE, NOBODY) if near else None
-    those = act.of[fishes.alive[act.of]]
-    if not len(those):
-        return None
-    leads = those[minds.leads[those] | (len(those) == 1)]
-    gaps = np.linalg.norm(fishes.position[leads] - gate, axis=1)
-    if (gaps <= one.radius_cm).any():
-        return int(leads[np.argmin(gaps)]), NOBODY
-    middle = np.median(fishes.position[those], axis=0)
-    return _one(those) if np.linalg.norm(middle - gate) <= one.radius_cm else None
-
-
-def _one(those: Ints) -> Cast | None:
-    return (int(those[0]), NOBODY) if len(those) else None
-
-
-def _pair_of(cast: Ints) -> Cast:
-    return int(cast[0]), int(cast[1])
-
-
-EVENTS = {
-    "courting": _courting,
-    "spawned": _spawned,
-    "eaten": _eaten,
-    "caught": _caught,
-    "sated": _sated,
-    "fleeing": _fleeing,
-    "hunting": _hunting,
-    "passes": _passes,
-}
-
-
-# What.
+def begin(scene: Scene, k: int, cast: Cast) -> None:
+    """Enter that direction k, which is about those two, begins, and start what it does."""
+    act, log = scene.script.acts[k], scene.state.directions
+    _make_way(scene, k)
+    log.began[k], log.running[k], log.stage[k] = scene.clock.tick, True, 0
+    log.cast[k] = cast if act.direction.pair is None else NOBODY
+    log.times[k] += 1
+    for name in act.direction.influences:
+        if name in START:
+            START[name](scene, act)
 
 
 def _make_way(scene: Scene, k: int) -> None:
@@ -334,7 +71,7 @@ def _make_way(scene: Scene, k: int) -> None:
             log.running[other] = False
 
 
-def _goes_on(scene: Scene, k: int) -> bool:
+def goes_on(scene: Scene, k: int) -> bool:
     """Do what direction k does in every tick; whether there is more to come."""
     one = scene.script.acts[k].direction
     going = False
@@ -374,11 +111,12 @@ def _kinds(one: Direction) -> set[str]:
 def _moved(scene: Scene, k: int) -> Ints:
     """Whom direction k moves; nobody if it moves the water, say."""
     act, pair = scene.script.acts[k], scene.state.directions.cast[k]
+    those = act.who if any(name in MOVES for name in act.direction.influences) else act.who[:0]
     if isinstance(act.direction.pair, tuple):
-        return np.array(act.direction.pair)
+        return np.append(those, act.direction.pair)
     if act.direction.pair is not None:
-        return pair[pair >= 0]
-    return act.who if act.direction.who is not None else act.who[:0]
+        return np.append(those, pair[pair >= 0])
+    return those
 
 
 def _share(scene: Scene, k: int) -> float:
@@ -398,15 +136,6 @@ def _lasts(scene: Scene, k: int, held_s: float) -> bool:
 
 def _alive(scene: Scene, act: Act) -> Ints:
     return act.who[scene.state.fishes.alive[act.who]]
-
-
-def _urge_to_eat(scene: Scene, those: Ints) -> Array:
-    urge: Array = urge_to_eat(scene.state.minds, those, _now_s(scene))
-    return urge
-
-
-def _now_s(scene: Scene) -> float:
-    return scene.clock.tick * scene.clock.dt
 
 
 # Each of these does its part in a tick and says whether it is not over for good.
@@ -457,19 +186,19 @@ def _hunger(scene: Scene, k: int) -> bool:
     """Ease hunger to what it is to be, and hold it there."""
     act, minds = scene.script.acts[k], scene.state.minds
     assert act.direction.hunger is not None
-    now = _urge_to_eat(scene, act.who)
+    now = hunger_of(scene, act.who)
     wish = now + _share(scene, k) * (act.direction.hunger - now)
-    set_hunger(minds, act.who, np.clip(wish, 0.0, 1.0), _now_s(scene))
+    set_hunger(minds, act.who, np.clip(wish, 0.0, 1.0), now_s(scene))
     return True
 
 
 def _libido(scene: Scene, k: int) -> bool:
     """Ease libido to what it is to be, and hold it there."""
-    act, minds, now_s = scene.script.acts[k], scene.state.minds, _now_s(scene)
+    act, minds = scene.script.acts[k], scene.state.minds
     assert act.direction.libido is not None
-    now, hunger = urge_to_mate(minds, act.who, now_s), _urge_to_eat(scene, act.who)
+    now, hunger = urge_to_mate(minds, act.who, now_s(scene)), hunger_of(scene, act.who)
     wish = now + _share(scene, k) * (act.direction.libido - now)
-    set_libido(minds, act.who, hunger, wish, now_s)
+    set_libido(minds, act.who, hunger, wish, now_s(scene))
     return True
 
 
@@ -503,7 +232,7 @@ def _rouse(scene: Scene, act: Act) -> None:
     """Let predators be hungry and fresh, and mind those alone whom they may hunt."""
     minds, hunts = scene.state.minds, act.direction.hunts
     those = _hunters(scene, act)
-    set_hunger(minds, those, 1.0, _now_s(scene))
+    set_hunger(minds, those, 1.0, now_s(scene))
     minds.fatigue[EAT, those] = 0.0
     if isinstance(hunts, Whose) and hunts.species is not None:
         minds.quarry[those] = *ANYONE[:2], scene.script.species.index(hunts.species)
@@ -515,7 +244,7 @@ def _rouse(scene: Scene, act: Act) -> None:
 def _lull(scene: Scene, act: Act) -> None:
     """Let predators be sated, and mind nobody."""
     minds, those = scene.state.minds, _hunters(scene, act)
-    set_hunger(minds, those, 0.0, _now_s(scene))
+    set_hunger(minds, those, 0.0, now_s(scene))
     minds.quarry[those] = NOBODY
     _forget_prey(scene, those)
 
@@ -539,7 +268,7 @@ def _hunt(scene: Scene, k: int) -> bool:
         minds.errand[those] = 0.0
         prey = act.prey[fishes.alive[act.prey] & (minds.kind[act.prey] == PREY)]
         seeks = fishes.alive[those] & (minds.food[those] < 0)
-        for i in those[seeks & (_urge_to_eat(scene, those) > scene.nature.keen)]:
+        for i in those[seeks & (hunger_of(scene, those) > scene.nature.keen)]:
             if len(prey):
                 gaps = np.linalg.norm(fishes.position[prey] - fishes.position[i], axis=1)
                 _send(scene, np.array([i]), fishes.position[prey[np.argmin(gaps)]], STALK)
@@ -564,14 +293,14 @@ def _court(scene: Scene, k: int) -> bool:
             return True
     two, other = log.cast[k], log.cast[k, ::-1]
     spawned = (log.courtship[two] == NUZZLING) & (minds.courtship[two] == NO_COURTSHIP)
-    just = minds.last_mating[two] >= _now_s(scene) - 1.5 * scene.clock.dt
+    just = minds.last_mating[two] >= now_s(scene) - 1.5 * scene.clock.dt
     if not fishes.alive[two].all() or (spawned & just).all():
         log.stage[k] = OVER
     if log.stage[k] == OVER:
         minds.betrothed[two], minds.errand[two] = NOBODY, 0.0
         return False
     minds.betrothed[two], minds.errand[two] = other, 0.0
-    set_hunger(minds, two, 0.0, _now_s(scene))
+    set_hunger(minds, two, 0.0, now_s(scene))
     if (minds.courtship[two] >= LOOPING).all() and (minds.partner[two] == other).all():
         log.stage[k] = COURTING
         return True
@@ -581,9 +310,9 @@ def _court(scene: Scene, k: int) -> bool:
     gathers = gaps.max() > (TOGETHER_CM if log.stage[k] == GATHERING else APART_CM)
     log.stage[k] = GATHERING if gathers else READY
     minds.shunned[two] = NOBODY
-    set_libido(minds, two, 0.0, float(not gathers), _now_s(scene))
+    set_libido(minds, two, 0.0, float(not gathers), now_s(scene))
     if not gathers:
-        rested = _now_s(scene) - REST_S - 1.0
+        rested = now_s(scene) - REST_S - 1.0
         minds.last_mating[two] = np.minimum(minds.last_mating[two], rested)
         if gaps[1] <= HOME_CM:
             _send(scene, two[1:], fishes.position[two[0]], COY)
