@@ -3,6 +3,7 @@
 import argparse
 import sys
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -187,18 +188,21 @@ def _parsers() -> tuple[argparse.ArgumentParser, Any]:
         "export",
         "write a species and its motion for other programs",
         "The mesh that a dive draws, its sheet of colours, and every recorded segment as a clip:\n"
+        "  gltf  glTF 2.0 with a skeleton fitted to the motion, or exact with --morph, and an\n"
+        "        animation a segment: OUT/SPECIES.glb\n"
         "  vat   a vertex animation texture by the conventions of OpenVAT, for game engines:\n"
         "        OUT/SPECIES_vat/ with texture, mesh, sheet and ranges\n"
         "  usd   a USD stage with points in every frame: OUT/SPECIES.usdc and its sheet. Needs\n"
         "        usd-core (subsea[usd])\n"
         "docs/export.md tells what is in the files and how other programs take them.",
         [
+            "subsea-capture export fusilier --to gltf",
             "subsea-capture export fusilier --to vat --out game/Assets",
             "subsea-capture export spotted_eagle_ray --to usd --root baked",
         ],
     )
     export.add_argument("species", metavar="SPECIES", help="species to export")
-    export.add_argument("--to", choices=["vat", "usd"], required=True, help="the format")
+    export.add_argument("--to", choices=["gltf", "vat", "usd"], required=True, help="the format")
     export.add_argument(
         "--out", metavar="DIR", type=Path, default=Path(), help="folder to write to (this one)"
     )
@@ -214,6 +218,9 @@ def _parsers() -> tuple[argparse.ArgumentParser, Any]:
         type=number(int, 0, 3),
         default=0,
         help="level of detail, 0 the finest to 3 (0)",
+    )
+    export.add_argument(
+        "--morph", action="store_true", help="gltf: a morph target a frame instead of a skeleton"
     )
     export.set_defaults(run=_export)
     return parser, commands
@@ -345,9 +352,32 @@ def _export(options: argparse.Namespace) -> int:
     from capture.export.usd import write_usd
     from capture.export.vat import write_vat
 
-    write = {"vat": write_vat, "usd": write_usd}[options.to]
+    if options.morph and options.to != "gltf":
+        raise UserError(f"--morph: nothing else moves {options.to}, it is for --to gltf")
     check_folder(options.out)
     model, clips = make_clips(options.species, options.detail)
+    if options.to == "gltf":
+        return _export_gltf(options, model, clips)
+    write = {"vat": write_vat, "usd": write_usd}[options.to]
     for path in write(options.out, model, clips, options.root == "baked"):
         print(f"{path}: {path.stat().st_size / 1e6:.1f} MB")
+    return 0
+
+
+def _export_gltf(options: argparse.Namespace, model: Any, clips: Any) -> int:
+    from tqdm import tqdm
+
+    from capture.export.gltf import write_gltf
+    from capture.export.rig import fit_rig
+
+    rig, told = None, "exact"
+    if not options.morph:
+        bar = partial(tqdm, desc="fitting joints", unit="round", leave=False, disable=None)
+        rig = fit_rig(model, clips, bar)
+        told = (
+            f"{len(rig.joints)} joints; vertices are off by {rig.rms_percent:.2f}% of the body "
+            f"length (rms), {rig.most_percent:.2f}% at most"
+        )
+    path = write_gltf(options.out, model, clips, options.root == "baked", rig)
+    print(f"{path}: {path.stat().st_size / 1e6:.1f} MB, {told}")
     return 0

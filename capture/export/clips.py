@@ -5,6 +5,7 @@ the paired fins at ease), of a fish as long as the species' usual adult: larger 
 one by a factor α, and slower by √α, as playback has it.
 """
 
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -38,6 +39,14 @@ SWEEP_RAD = 0.35  # of paired fins at ease, away from the body
 # a paddle's plane leans outwards.
 WING_SPREAD, WING_BEAT, LEAN = 0.95, 0.2, 0.35
 OPAQUE = 250  # of 255: what is clearer is blended
+FINS = (
+    ("dorsal", FIN, 1.0),
+    ("ventral", FIN, -1.0),
+    ("pectoral_left", PECTORAL, -1.0),
+    ("pectoral_right", PECTORAL, 1.0),
+    ("pelvic_left", PELVIC, -1.0),
+    ("pelvic_right", PELVIC, 1.0),
+)
 INSET = (4.0, 1.0)  # texels that a fin keeps off the border of its frame on the sheet
 
 
@@ -49,11 +58,12 @@ class Model(NamedTuple):
     rest: Array  # (n, 3) cm, body axes: x anterior, y dorsal, z right
     normals: Array  # (n, 3)
     uv: Array  # (n, 2) shares of the sheet, from its lower left corner
-    triangles: (
-        Ints  # (m, 3) int32, counter-clockwise from outside; fins, seen from both sides, once
-    )
+    triangles: Ints  # (m, 3) int32, counter-clockwise from outside; of fins, which have two, one
     body: int  # how many triangles are the body's, which come first ...
     solid: int  # ... and how many vertices
+    fins: Mapping[
+        str, Ints
+    ]  # the vertices of dorsal, ventral, pectoral_left, … where there are such
     sheet: NDArray[np.uint8]  # (h, w, 4) sRGB and opacity, bottom row first
 
 
@@ -106,6 +116,7 @@ def clips_of(
         triangles=triangles,
         body=body,
         solid=surface.solid,
+        fins=surface.fins,
         sheet=sheet_of(species),
     )
     clips = []
@@ -206,6 +217,11 @@ class Surface:
             if paddle and (mine := (part == number) & (side == sign)).any()
         ]
         self._along_share = mesh.vertices[there, 13]
+        self.fins = {
+            name: np.flatnonzero((part == number) & (side == sign))
+            for name, number, sign in FINS
+            if ((part == number) & (side == sign)).any()
+        }
 
     def at(self, control: Array) -> tuple[Array, Array]:
         """Points and normals (T, n, 3) for control points (T, 426, 3)."""

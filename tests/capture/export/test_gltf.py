@@ -1,0 +1,266 @@
+"""Exported glTF, played by a reader of its own that follows the specification word for word."""
+
+import json
+import struct
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import trimesh
+
+from capture.cli import main
+from capture.export.axes import Y_UP, brought
+from capture.export.clips import Clip, Model, make_clips, placed
+from capture.export.gltf import write_gltf
+from capture.export.rig import MOST, Rig, best_shares, fit_rig
+
+RMS_PERCENT, MOST_PERCENT = 0.15, 1.0  # of the body length: what fitted joints may be off
+EXACT_PERCENT = 1e-3  # single precision, some lengths from the origin
+Exported = tuple[Model, list[Clip], Rig]
+
+
+@pytest.fixture(scope="module")
+def fitted(known: str) -> Exported:
+    """A species at the coarsest level, which has few vertices to fit."""
+    model, clips = make_clips(known, 3)
+    return model, clips, fit_rig(model, clips)
+
+
+class Reader:
+    """Plays a .glb file; sections are those of the specification of glTF 2.0."""
+
+    def __init__(self, path: Path) -> None:
+        data = path.read_bytes()
+        length = struct.unpack_from("<I", data, 12)[0]  # 4.4: header, JSON, binary
+        self.content: dict[str, Any] = json.loads(data[20 : 20 + length])
+        self.binary = data[28 + length :]
+        self.animations = {one["name"]: one for one in self.content["animations"]}
+
+    def array(self, accessor: int) -> np.ndarray:
+        """3.6.2."""
+        one = self.content["accessors"][accessor]
+        view = self.content["bufferViews"][one["bufferView"]]
+        width = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}[one["type"]]
+        kind = {5121: np.uint8, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
+        flat = np.frombuffer(
+            self.binary, kind[one["componentType"]], one["count"] * width, view["byteOffset"]
+        )
+        return flat.reshape(one["count"], width) if width > 1 else flat
+
+    def times(self, name: str) -> np.ndarray:
+        return self.array(self.animations[name]["samplers"][0]["input"])
+
+    def points(self, name: str, time: float) -> np.ndarray:
+        """Vertices (n, 3) in the scene's axes at a time of an animation."""
+        nodes = [dict(node) for node in self.content["nodes"]]
+        one = self.animations[name]
+        for channel in one["channels"]:
+            sampler = one["samplers"][channel["sampler"]]
+            node, path = channel["target"]["node"], channel["target"]["path"]
+            nodes[node][path] = self._sampled(sampler, path, time)
+        world = [np.eye(4)] * len(nodes)
+        children = {child for node in nodes for child in node.get("children", [])}
+
+        def descend(number: int, above: np.ndarray) -> None:
+            world[number] = above @ _matrix(nodes[number])
+            for child in nodes[number].get("children", []):
+                descend(child, world[number])
+
+        for number in set(range(len(nodes))) - children:
+            descend(number, np.eye(4))
+        [number] = [k for k, node in enumerate(nodes) if "mesh" in node]
+        mesh = self.content["meshes"][nodes[number]["mesh"]]
+        primitive = mesh["primitives"][0]
+        attributes = {k: self.array(v) for k, v in primitive["attributes"].items()}
+        place = attributes["POSITION"].astype(float)
+        for share, target in zip(
+            nodes[number].get("weights", []), primitive.get("targets", []), strict=True
+        ):
+            if share:
+                place = place + share * self.array(target["POSITION"])  # 3.7.2.2
+        place = np.pad(place, ((0, 0), (0, 1)), constant_values=1.0)
+        if "skin" not in nodes[number]:
+            return (place @ world[number].T)[:, :3]
+        skin = self.content["skins"][nodes[number]["skin"]]  # 3.7.3.3
+        bind = self.array(skin["inverseBindMatrices"]).reshape(-1, 4, 4).swapaxes(1, 2)
+        joints = np.array([world[joint] for joint in skin["joints"]]) @ bind
+        moved = joints[attributes["JOINTS_0"]] * attributes["WEIGHTS_0"][:, :, None, None]
+        return np.einsum("nij,nj->ni", moved.sum(axis=1), place)[:, :3]
+
+    def _sampled(self, sampler: dict[str, Any], path: str, time: float) -> np.ndarray:
+        """Linear or, for rotations, spherical: appendix C."""
+        assert sampler.get("interpolation", "LINEAR") == "LINEAR"
+        times, keys = self.array(sampler["input"]), self.array(sampler["output"])
+        keys = keys.reshape(len(times), -1).astype(float)
+        after = int(np.clip(np.searchsorted(times, time), 1, len(times) - 1))
+        share = np.clip((time - times[after - 1]) / (times[after] - times[after - 1]), 0.0, 1.0)
+        a, b = keys[after - 1 : after + 1]
+        if path != "rotation":
+            return (1.0 - share) * a + share * b
+        dot = a @ b
+        if abs(dot) > 0.9999:  # for small angles linear, as the specification advises
+            mixed = (1.0 - share) * a + np.sign(dot) * share * b
+            return mixed / np.linalg.norm(mixed)
+        angle = np.arccos(abs(dot))
+        turned = np.sin(angle * (1 - share)) * a + np.sign(dot) * np.sin(angle * share) * b
+        return turned / np.sin(angle)
+
+
+def _matrix(node: dict[str, Any]) -> np.ndarray:
+    """3.5.2 and 3.5.3."""
+    x, y, z, w = node.get("rotation", (0.0, 0.0, 0.0, 1.0))
+    out = np.eye(4)
+    out[:3, :3] = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+    ]
+    out[:3, 3] = node.get("translation", (0.0, 0.0, 0.0))
+    return out
+
+
+def off_percent(reader: Reader, model: Model, clip: Clip, step: float = 0.0) -> np.ndarray:
+    """How far the vertices are from our playback, at all keys or `step` of the way to the next."""
+    points = placed(clip.points, clip.position, clip.rotation)
+    if step:
+        points = (1 - step) * points[:-1] + step * points[1:]
+    times = reader.times(clip.name)
+    assert len(times) == len(clip.points)
+    assert times[-1] == pytest.approx((len(clip.points) - 1) / clip.fps)
+    found = [
+        reader.points(clip.name, times[k] + step * (times[-1] / (len(times) - 1)))
+        for k in range(len(points))
+    ]
+    far = np.linalg.norm(np.array(found) - brought(points, Y_UP), axis=2)
+    return 1e4 * far / model.length_cm
+
+
+def sound(report: dict[str, Any]) -> bool:
+    """Whether the validator of Khronos finds nothing to object to."""
+    issues = report["issues"]
+    return issues["numErrors"] == issues["numWarnings"] == 0
+
+
+def test_joints_move_the_mesh_as_playback_does(
+    fitted: Exported, khronos: Callable[[Path], dict[str, Any]], tmp_path: Path
+) -> None:
+    """Whole segments, with the way of the root; what is said about the error is true."""
+    model, clips, rig = fitted
+    path = write_gltf(tmp_path, model, clips, False, rig)
+    reader = Reader(path)
+    off = np.concatenate([off_percent(reader, model, clip) for clip in clips])
+    assert np.sqrt((off**2).mean()) == pytest.approx(rig.rms_percent, rel=0.01)
+    assert off.max() == pytest.approx(rig.most_percent, rel=0.01)
+    assert rig.rms_percent < RMS_PERCENT and rig.most_percent < MOST_PERCENT
+    said = reader.content["asset"]["extras"]
+    assert (said["rmsErrorPercent"], said["maxErrorPercent"]) == (rig.rms_percent, rig.most_percent)
+    assert off_percent(reader, model, clips[-1], 0.5).max() < MOST_PERCENT
+    report = khronos(path)
+    assert sound(report)
+    assert report["info"]["animationCount"] == len(clips) == 7
+
+
+def test_morph_targets_are_exact(
+    fitted: Exported, khronos: Callable[[Path], dict[str, Any]], tmp_path: Path
+) -> None:
+    model, clips, _ = fitted
+    path = write_gltf(tmp_path, model, clips, False, None)
+    reader = Reader(path)
+    for clip in clips[::3]:
+        assert off_percent(reader, model, clip).max() < EXACT_PERCENT
+    # Between two frames our points go straight: a chord of the arc that a root turns in.
+    assert off_percent(reader, model, clips[0], 0.5).max() < 0.3
+    assert sound(khronos(path))
+
+
+@pytest.mark.parametrize("known", ["fusilier", "spotted_eagle_ray"], indirect=True)
+def test_the_way_can_be_baked_into_joints_and_targets(
+    fitted: Exported, khronos: Callable[[Path], dict[str, Any]], tmp_path: Path
+) -> None:
+    """Nothing moves the root then."""
+    model, clips, rig = fitted
+    for form, least in ((rig, rig.most_percent + EXACT_PERCENT), (None, EXACT_PERCENT)):
+        path = write_gltf(tmp_path, model, clips, True, form)
+        reader = Reader(path)
+        assert reader.content["asset"]["extras"]["root"] == "baked"
+        for clip in (clips[1], clips[-1]):
+            assert off_percent(reader, model, clip).max() < least
+            moved = [one["target"] for one in reader.animations[clip.name]["channels"]]
+            assert not [one for one in moved if one["node"] == 0 and one["path"] != "weights"]
+        assert sound(khronos(path))
+
+
+def test_a_cycle_ends_as_it_began(fitted: Exported, tmp_path: Path) -> None:
+    """To the last bit; only the root has moved on."""
+    model, clips, rig = fitted
+    for form in (rig, None):
+        reader = Reader(write_gltf(tmp_path, model, clips, False, form))
+        for clip in clips:
+            one = reader.animations[clip.name]
+            assert one["extras"]["loop"] == clip.cyclic
+            for channel in one["channels"]:
+                keys = reader.array(one["samplers"][channel["sampler"]]["output"])
+                keys = keys.reshape(len(clip.points), -1)
+                path = channel["target"]["path"]
+                if channel["target"]["node"] == 0 and path != "weights":
+                    assert path == "rotation" or (keys[0] != keys[-1]).any()
+                elif clip.cyclic:
+                    np.testing.assert_array_equal(np.abs(keys[0]), np.abs(keys[-1]))
+            assert reader.content["nodes"][0]["name"] in ("root", model.name)
+
+
+def test_no_vertex_hangs_on_more_than_four_joints(fitted: Exported) -> None:
+    _, _, rig = fitted
+    assert (rig.weights >= 0.0).all()
+    np.testing.assert_allclose(rig.weights.sum(axis=1), 1.0, atol=1e-9)
+    assert ((rig.weights > 0.0).sum(axis=1) <= MOST).all()
+    np.testing.assert_allclose(np.linalg.det(rig.motion[..., :3]), 1.0)
+    assert len(rig.joints) <= 30
+
+
+def test_shares_are_the_best_there_are() -> None:
+    """Where all may be used, by the conditions of Karush, Kuhn and Tucker."""
+    rng = np.random.default_rng(3)
+    for _ in range(50):
+        rows = rng.normal(size=(9, 6)) + rng.normal(size=(9, 1))
+        gram = rows.T @ rows
+        best = best_shares(gram, 6)
+        slope = gram @ best
+        assert best.sum() == pytest.approx(1.0) and (best >= 0.0).all()
+        assert (slope >= best @ slope - 1e-4 * np.trace(gram)).all()
+        few = best_shares(gram, 2)
+        assert (few > 0.0).sum() <= 2
+        pairs = [
+            min((1 - t) ** 2 * gram[i, i] + 2 * t * (1 - t) * gram[i, j] + t * t * gram[j, j]
+                for t in np.linspace(0, 1, 101))
+            for i in range(6) for j in range(i)
+        ]  # fmt: skip
+        assert few @ gram @ few <= np.median(pairs)
+
+
+def test_from_the_command_line_to_trimesh(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """At the finest level; the sheet, three materials and both sides of fins come along."""
+    assert main(["export", "fusilier", "--to", "gltf", "--out", str(tmp_path)]) == 0
+    [line] = capsys.readouterr().out.splitlines()
+    path = tmp_path / "fusilier.glb"
+    assert line.startswith(f"{path}: 1.0 MB, 24 joints; vertices are off by 0.0")
+    said = Reader(path).content["asset"]["extras"]
+    assert said["rmsErrorPercent"] < 0.1 and said["maxErrorPercent"] < 1.0
+    model, clips = make_clips("fusilier")
+    scene = trimesh.load(path)
+    [body, clear, fins] = (scene.geometry[name] for name in sorted(scene.geometry))
+    parts = [len(part.faces) for part in (body, clear, fins)]
+    assert sum(parts) == len(model.triangles) and parts[2] == len(model.triangles) - model.body
+    low, high = scene.bounds
+    np.testing.assert_allclose(high - low, np.ptp(brought(model.rest, Y_UP), axis=0), atol=1e-6)
+    looks = [part.visual.material for part in (body, clear, fins)]
+    assert [look.alphaMode for look in looks] == [None, "BLEND", "BLEND"]
+    assert [look.doubleSided for look in looks] == [False, False, True]
+    np.testing.assert_array_equal(np.asarray(looks[0].baseColorTexture), model.sheet[::-1])
+    assert main(["export", "fusilier", "--to", "gltf", "--morph", "--out", str(tmp_path)]) == 0
+    assert "fusilier.glb: 8.5 MB, exact" in capsys.readouterr().out
+    assert off_percent(Reader(path), model, clips[-1]).max() < 1e-3
