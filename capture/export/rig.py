@@ -26,7 +26,7 @@ WINGS = (0.4, 0.7, 0.95)  # where along a wing it has joints, at both of its edg
 TAIL = 0.15  # body lengths from the rear in which the tips of the tail are
 ROUNDS = 5
 LEAST = 24  # vertices about a joint that tell how it turns, or its share of all where that is more
-STEADY = 0.03  # how heavily that counts beside what its vertices do
+STEADY = 0.01  # how heavily that counts beside what its vertices do
 SWEEPS = 4  # times that all joints are fitted in a round
 
 
@@ -119,9 +119,9 @@ def _fit_motion(
     """Fit one joint after another, SWEEPS times, in place.
 
     Each gets the rigid motion that makes up best for what the others leave (Procrustes). Of the
-    vertices that only needs sums over them, which are made once. As heavily as `firm` (J,) says
-    its rotation is that of all `about` it, so that where its own vertices leave it open, as those on
-    a line do, it does not leap from frame to frame.
+    vertices that only needs sums over them, which are made once. As heavily as `firm` (J,) says its
+    rotation is that of all `about` it: where its own vertices leave that open, as those on a line
+    do, it does not leap from frame to frame.
     """
     frames, _, joints, _ = motion.shape
     parts = (weights[:, :, None] * rest[:, None]).reshape(len(rest), -1)  # (n, 4 J)

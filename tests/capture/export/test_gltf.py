@@ -16,7 +16,7 @@ from capture.export.clips import Clip, Model, make_clips, placed
 from capture.export.gltf import write_gltf
 from capture.export.rig import MOST, Rig, best_shares, fit_rig
 
-RMS_PERCENT, MOST_PERCENT = 0.15, 1.0  # of the body length: what fitted joints may be off
+RMS_PERCENT, MOST_PERCENT = 0.2, 1.5  # of the body length: what fitted joints may be off
 EXACT_PERCENT = 1e-3  # single precision, some lengths from the origin
 Exported = tuple[Model, list[Clip], Rig]
 
