@@ -8,13 +8,15 @@ width) in body lengths in both views, the scaffold's too, though its file keeps 
 
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
+from shutil import copyfile
 from typing import Any, Literal, NamedTuple
 
 import msgspec
 import numpy as np
+from msgspec import structs
 
 from subsea.biomechanics.plan import HALF_SIZES, NODES_AT_STATION, SHORTEST_SECTION
 from subsea.errors import UserError
@@ -50,6 +52,7 @@ class Draft:
     content: dict[str, Any]
     species: Species
     text: str  # the file that was read or copied: comments and order are kept from it
+    sheet: Path | None = None  # the picture that it wears instead of what is painted
 
 
 class Spot(NamedTuple):
@@ -66,7 +69,8 @@ def read(path: Path) -> Draft:
     import tomllib
 
     text = path.read_text(encoding="utf-8")
-    return Draft(path.stem, tomllib.loads(text), species, text)
+    sheet = path.absolute().with_name(species.skin.sheet) if species.skin.sheet else None
+    return Draft(path.stem, tomllib.loads(text), species, text, sheet)
 
 
 def copied(source: Draft, key: str, name: str) -> Draft:
@@ -78,7 +82,15 @@ def copied(source: Draft, key: str, name: str) -> Draft:
     if not name.strip():
         raise EditError("A species needs a name for people, such as Red snapper.")
     draft = changed(source, ("name",), name.strip())
-    return Draft(key, draft.content, draft.species, draft.text)
+    if source.sheet:  # each has a picture of its own
+        draft = changed(draft, ("skin", "sheet"), f"{key}.png")
+    return replace(draft, key=key)
+
+
+def worn(draft: Draft) -> Species:
+    """The species with the whole path of its picture, as those have that are loaded."""
+    sheet = str(draft.sheet) if draft.sheet and draft.species.skin.sheet else None
+    return structs.replace(draft.species, skin=structs.replace(draft.species.skin, sheet=sheet))
 
 
 def at_path(draft: Draft, path: Path_) -> Any:
@@ -109,7 +121,7 @@ def _checked(draft: Draft, content: dict[str, Any]) -> Draft:
         message, _, place = str(fault).partition(" - at `$")
         place = place.removeprefix(".").removesuffix("`")
         raise EditError(f"{place}: {message}" if place else message) from None
-    return Draft(draft.key, content, species, draft.text)
+    return replace(draft, content=content, species=species)
 
 
 def _replaced(here: Any, path: Path_, value: Any) -> Any:
@@ -480,8 +492,16 @@ def to_toml(draft: Draft) -> str:
 
 
 def save(draft: Draft, path: Path) -> None:
-    """Write the species file, whole or not at all; UserError where it cannot be."""
+    """Write the species file, whole or not at all; UserError where it cannot be.
+
+    The picture that a copy wears is copied with it; one that is there already is left alone.
+    """
     text = to_toml(draft)
+    if draft.sheet and (name := draft.species.skin.sheet):
+        own = path.with_name(name)
+        if not own.exists():
+            with replacing(own) as temporary:
+                copyfile(draft.sheet, temporary)
     with replacing(path) as temporary:
         temporary.write_bytes(text.encode("utf-8"))
         if load_toml(temporary, Species) != draft.species:

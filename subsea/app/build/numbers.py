@@ -194,7 +194,9 @@ class Panels:
         """Every colour of the skin, then how it shines."""
         skin = editing.present.content["skin"]
         if "sheet" in skin:
-            _said("A picture dresses this species: subsea skin makes it.")
+            _said("A picture dresses this species: subsea skin makes it. What is painted instead:")
+            if imgui.button("Take the picture off"):
+                editing.do(partial(drafts.changed, path=("skin", "sheet"), value=None))
         _said("Click a colour to change it.")
         for path in _coloured(skin):
             value = [_encoded(x) for x in drafts.at_path(editing.present, ("skin", *path))]

@@ -27,6 +27,7 @@ from subsea.errors import UserError
 from subsea.render.shown import Shown
 from subsea.render.specimen import Orbit, Specimen
 from subsea.skins.paint import paint
+from subsea.skins.sheet import sheet_of
 from subsea.species import is_shipped, own_species_file, species_file, species_names
 
 Picture = NDArray[np.uint8]
@@ -67,8 +68,16 @@ def judge(draft: Draft) -> Judged:
     remarks = checks.standing(species)
     if species.muscles:
         remarks += checks.told(checks.tried(species.muscles), species.muscles)
-    sheet = paint(species)
-    return Judged(remarks, sheet, *dressed(species, sheet))
+    sheet, trouble = sheet_for(draft)
+    return Judged([*remarks, *trouble], sheet, *dressed(species, sheet))
+
+
+def sheet_for(draft: Draft) -> tuple[Picture, list[Remark]]:
+    """What a draft wears; what is wrong with its picture, if it has one that cannot be worn."""
+    try:
+        return sheet_of(drafts.worn(draft)), []
+    except UserError as fault:
+        return paint(draft.species), [Remark(Mark.BAD, f"Its picture cannot be worn: {fault}.")]
 
 
 class Builder:
@@ -89,7 +98,7 @@ class Builder:
         self.swims = path is not None and recorded(draft.key)  # whether it has a repertoire
         self._judged: Draft | None = None  # the last draft that was judged, or is being
         self._shaped = draft
-        sheet = paint(draft.species)
+        sheet, _ = sheet_for(draft)
         self.specimen = Specimen(bench.context, draft.species, sheet)
         flank, self._place = dressed(draft.species, sheet)
         self._flank = Shown(bench.context, flank)

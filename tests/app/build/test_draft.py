@@ -1,6 +1,7 @@
 """Species files under the hand: whatever is done, what is saved loads and is what was shown."""
 
 import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from subsea.app.build import draft as drafts
 from subsea.app.build.draft import EditError
 from subsea.errors import UserError
 from subsea.resources import load_toml
+from subsea.skins.sheet import read, wear, write
 from subsea.species import Species, species_file, species_names
 
 NAMES = species_names()
@@ -170,6 +172,25 @@ def test_a_species_from_another_under_its_own_name(clownfish, tmp_path):
     for key, name in (("fusilier", "Red"), ("", "Red"), ("red/fish", "Red"), ("red", " ")):
         with pytest.raises(EditError):
             drafts.copied(clownfish, key, name)
+
+
+def test_a_copy_wears_a_picture_of_its_own(clownfish, tmp_path):
+    path = tmp_path / "jewel.toml"
+    drafts.save(drafts.copied(clownfish, "jewel", "Jewel"), path)
+    sheet = np.full((640, 1024, 4), 200, np.uint8)
+    wear(path, sheet)
+    source = drafts.read(path)
+    assert Path(drafts.worn(source).skin.sheet) == tmp_path / "jewel.png"
+    copy = drafts.copied(source, "gem", "Gem")
+    (tmp_path / "own").mkdir()
+    drafts.save(copy, tmp_path / "own" / "gem.toml")
+    np.testing.assert_array_equal(read(tmp_path / "own" / "gem.png"), sheet)
+    assert load_toml(tmp_path / "own" / "gem.toml", Species).skin.sheet == "gem.png"
+    write(tmp_path / "own" / "gem.png", sheet // 2)  # dressed anew meanwhile
+    drafts.save(drafts.changed(copy, ("name",), "Ruby"), tmp_path / "own" / "gem.toml")
+    np.testing.assert_array_equal(read(tmp_path / "own" / "gem.png"), sheet // 2)
+    bare = drafts.changed(copy, ("skin", "sheet"), None)
+    assert drafts.worn(bare).skin.sheet is None
 
 
 def test_what_no_file_may_say_is_refused_with_the_reason(clownfish):
