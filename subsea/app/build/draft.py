@@ -33,6 +33,7 @@ CURVES = ("back", "belly", "width")
 FINS = ("dorsal", "ventral")
 RIDGES = {"back": "dorsal", "belly": "ventral"}  # and the fins that stand on them
 PADDLES = ("pectoral", "pelvic")
+SOFT = 0.12  # body lengths from a point at which its neighbours go a third of its way along
 GAP = 0.004  # body lengths between two points of a curve
 THIN = {"back": (0.001, 1.0), "belly": (-1.0, -0.001), "width": (0.0005, 1.0)}  # their values
 FEWEST = {"back": 3, "belly": 3, "width": 3, "dorsal": 3, "ventral": 3, "tail": 2, "wing": 5}
@@ -211,11 +212,31 @@ def _tail_heights(draft: Draft) -> tuple[float, float]:
     return (top + bottom) / 2, max((top - bottom) / 2, 1e-6)
 
 
-def moved(draft: Draft, view: View, path: Path_, to: tuple[float, float]) -> Draft:
+def moved(
+    draft: Draft, view: View, path: Path_, to: tuple[float, float], soft: bool = False
+) -> Draft:
     """A point of a view dragged to a place, or as far toward it as makes a species.
 
-    It keeps between its neighbours. The draft itself is returned where it cannot move at all.
+    It keeps between its neighbours. The draft itself is returned where it cannot move at all. Where
+    it is `soft` the points about it on the back, the belly or the width go along, the less the
+    farther off they are.
     """
+    after = _moved(draft, view, path, to)
+    name, k = path[1], path[-1]
+    if soft and name in CURVES and isinstance(k, int):
+        curve, ridge = at_path(draft, path[:-1]), [*at_path(after, path[:-1])]
+        rise = ridge[k][1] - curve[k][1]
+        for j, (x, y) in enumerate(curve):
+            if j != k:
+                share = np.exp(-(((x - curve[k][0]) / SOFT) ** 2))
+                ridge[j] = [x, _short(float(np.clip(y + share * rise, *THIN[name])))]
+        with suppress(EditError):
+            return changed_all(draft, {path[:-1]: ridge} | _carried(draft, str(name), ridge))
+    return after
+
+
+def _moved(draft: Draft, view: View, path: Path_, to: tuple[float, float]) -> Draft:
+    """The point alone."""
     start = next(spot.at for spot in spots(draft, view) if spot.path == path)
     if path[:2] != ("surface", "eye") and any(
         s.mirror for s in spots(draft, view) if s.path == path
@@ -314,7 +335,7 @@ def _trial(draft: Draft, view: View, path: Path_) -> Callable[[float, float], Dr
 
 def _carried(draft: Draft, name: str, ridge: list[Any]) -> dict[Path_, Any]:
     """The free edge of the fin that stands on a ridge, which goes along with it."""
-    fin = draft.content["surface"].get(RIDGES[name])
+    fin = draft.content["surface"].get(RIDGES.get(name, ""))
     if not fin:
         return {}
     edge = np.array(fin["edge"], float)

@@ -42,6 +42,7 @@ class Views:
         """The fish as large as fits; nothing is hidden."""
         self.side, self.top = Canvas(BOX, up=True), Canvas(BOX, up=True)
         self.outline, self.scaffold = True, True  # whether they are shown, and can be taken hold of
+        self.soft = False  # whether the neighbours of a point go along with it
         self.adding = False  # whether the next click adds a point
         self._leads: Canvas = self.side
         self._drawn_of: Draft | None = None
@@ -129,7 +130,7 @@ class Views:
         editing.over = path
         if touch.held is not None:
             editing.chosen = path
-            editing.hold(lambda draft: drafts.moved(draft, view, path, touch.to))
+            editing.hold(lambda draft: drafts.moved(draft, view, path, touch.to, self.soft))
             if touch.ended:
                 editing.settle()
 

@@ -175,6 +175,8 @@ class Builder:
             self._make()
         if not (self.views.side.hovered or self.views.top.hovered):
             editing.over = self.panels.over
+        if editing.held and not imgui.is_any_item_active() and not imgui.is_mouse_down(0):
+            editing.settle()  # what was dragged in a window of its own, as colours are
         self._keys()
         if editing.refused:
             self.bench.tell(editing.refused, trouble=True)
@@ -216,6 +218,9 @@ class Builder:
         _, views.outline = imgui.checkbox("Outline", views.outline)
         imgui.same_line()
         _, views.scaffold = imgui.checkbox("Scaffold", views.scaffold)
+        imgui.same_line()
+        _, views.soft = imgui.checkbox("Soft", views.soft)
+        imgui.set_item_tooltip("Points beside the one that is dragged go along")
         imgui.same_line()
         if imgui.button("Add point" if not views.adding else "Click on a line…"):
             views.adding = not views.adding

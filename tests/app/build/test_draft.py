@@ -65,7 +65,7 @@ def done(draft, kind, view, number, to):
     spot = spots[number % len(spots)]
     try:
         if kind == "move":
-            return drafts.moved(draft, view, spot.path, to)
+            return drafts.moved(draft, view, spot.path, to, soft=number % 2 == 0)
         if kind == "add":
             return drafts.added(draft, view, to)[0]
         if kind == "remove":
@@ -113,6 +113,21 @@ def test_a_fin_goes_along_with_the_ridge_that_it_stands_on(clownfish):
     at = [x for x, _ in before.dorsal.edge].index(0.4)
     assert rise[at] == pytest.approx([0.0, 0.04], abs=0.005) and rise[-1] == pytest.approx([0, 0])
     assert after.ventral == before.ventral
+
+
+def test_softly_the_points_beside_go_along_and_the_line_stays_smooth(clownfish):
+    before = clownfish.species.surface.back
+    place = (before[7][0], before[7][1] + 0.05)
+    after = drafts.moved(clownfish, "side", ("surface", "back", 7), place, soft=True)
+    rise = np.array(after.species.surface.back)[:, 1] - np.array(before)[:, 1]
+    assert rise[7] == pytest.approx(0.05) and 0.01 < rise[6] < 0.05 and 0.01 < rise[8] < 0.05
+    assert abs(rise[0]) < 0.001 and abs(rise[-1]) < 0.001
+    # In one step or in many: a hand drags.
+    many = clownfish
+    for share in np.linspace(0.1, 1.0, 10):
+        step = (place[0], before[7][1] + 0.05 * share)
+        many = drafts.moved(many, "side", ("surface", "back", 7), step, soft=True)
+    np.testing.assert_allclose(many.species.surface.back, after.species.surface.back, atol=0.001)
 
 
 def test_a_moved_ring_is_the_same_ring_in_both_views_and_keeps_its_comment(clownfish):
