@@ -1,5 +1,7 @@
 """What makes a drawn fish swim: learning and recording, processes of their own; a first dive."""
 
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -9,6 +11,7 @@ from subsea.species import repertoire_file, species_names
 SEA, SHOAL = "peaceful", "fish.1"  # whose place a new species takes in its first dive
 TRIES = 300  # of a search for controllers, as many as the command takes
 FEWEST, MOST = 20, 3000
+USER_FAULT = 2  # exit code of a command that told in a line what can be mended
 LINES = 5.2  # height of its pane, in heights of letters
 
 
@@ -23,7 +26,7 @@ class Making:
         self.tries = TRIES
         self._wake = wake
         self._run: tuple[str, str, Run] | None = None
-        self._dives: list[Run] = []
+        self._dives: list[subprocess.Popen[bytes]] = []
 
     @property
     def runs(self) -> bool:
@@ -57,7 +60,11 @@ class Making:
             self._run[2].stop()
 
     def ended(self) -> tuple[str, int] | None:
-        """What has ended since this was last asked, with its exit code."""
+        """What was learned or recorded since this was last asked, with the exit code."""
+        for dive in [one for one in self._dives if one.poll() is not None]:
+            self._dives.remove(dive)
+            if dive.returncode == USER_FAULT:
+                self.told = "The dive did not open: the terminal says why."
         if self._run is None or (code := self._run[2].code) is None:
             return None
         kind, key, run = self._run
@@ -67,8 +74,13 @@ class Making:
 
     def dive(self, key: str) -> None:
         """Open a dive in which the species swims."""
+        words = ["dive", "--scenario", SEA, "--set", f"{SHOAL}.species={key}"]
         self._dives.append(
-            Run(["subsea", "dive", "--scenario", SEA, "--set", f"{SHOAL}.species={key}"])
+            subprocess.Popen(
+                [sys.executable, "-m", "subsea", *words],
+                stdin=subprocess.DEVNULL,
+                start_new_session=True,  # Ctrl-C in the terminal is for the builder
+            )
         )
         self.told = "A dive opens in a window of its own: look for your fish."
 

@@ -134,6 +134,10 @@ class Builder:
         drafts.save(self.editing.present, self.path)
         self.editing.history.saved()
         self.bench.tell(f"saved as {self.path}")
+        if self.swims and not self.making.runs:
+            self.making.told = (
+                "It was recorded before this was saved: Record takes up what changed."
+            )
         return True
 
     def close(self) -> None:
