@@ -134,13 +134,13 @@ def test_it_is_let_into_a_sea_and_swims_there(table):
 def test_points_are_added_and_taken_away(table, hands, spots):
     craft = table.craft
     before = len(species(table).surface.belly)
-    (a, y0), (b, y1) = (spot(table, "side", ("surface", "belly", k)) for k in (7, 8))
+    (a, y0), (b, y1) = (spot(table, "side", ("surface", "belly", k)) for k in (3, 4))
     place = at(table, "side", (a + b) / 2, (y0 + y1) / 2)
     hands.do("mousemove", *place)
     hands.glide(table, 0.2)
     hands.do("click", "--repeat", 2, "--delay", 60, 1)
     hands.until(table, lambda: len(species(table).surface.belly) == before + 1)
-    assert craft.editing.chosen == ("surface", "belly", 8)
+    assert craft.editing.chosen == ("surface", "belly", 4)
     hands.do("key", "Delete")
     hands.until(table, lambda: len(species(table).surface.belly) == before)
     table.frame(0.1)
