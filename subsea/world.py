@@ -282,8 +282,13 @@ def _refuse_misplaced(scenario: Scenario, sea: Sea, source: str) -> None:
     if scenario.hook is not None:
         places.append(("hook", scenario.hook.bait_cm, 0.0))
     for k, one in enumerate(scenario.direction):
+        here = f"direction[{k}]"
         if one.camera is not None and one.camera.position_cm is not None:
-            places.append((f"direction[{k}].camera.position_cm", one.camera.position_cm, HULL_CM))
+            places.append((f"{here}.camera.position_cm", one.camera.position_cm, HULL_CM))
+        if one.place_cm is not None:
+            places.append((f"{here}.place_cm", one.place_cm, 0.0))
+        for i, point in enumerate(one.path_cm or ()):
+            places.append((f"{here}.path_cm[{i}]", point, 0.0))
     for key, place, room in places:
         floor = height_at(sea.heights, sea.half_width, place[0], place[1])
         gaps = {"the seabed": place[2] - floor}

@@ -68,6 +68,7 @@ def influences(draw, shoals: Shoals, tours: list[str], hook: bool, places):
             chosen.discard("rests")
         what = {"who": who, **{name: draw(moves[name]) for name in sorted(chosen)}}
         if "path_cm" in chosen:
+            what["loop"] = draw(st.booleans())
             what["speed_cm_s"] = draw(st.none() | st.floats(1.0, 100.0))
     mild = [i for i, kind in enumerate(shoals.kind) if kind == "pacifist"]
     if len(mild) > 1 and "path_cm" not in what and draw(st.booleans()):
@@ -75,7 +76,7 @@ def influences(draw, shoals: Shoals, tours: list[str], hook: bool, places):
         what |= {"pair": tuple(pair), "place_cm": draw(st.none() | places)}
     others = {
         "current_cm_s": st.tuples(st.floats(-30.0, 30.0), st.floats(-30.0, 30.0)),
-        "lights": st.booleans(),
+        "lights": st.booleans(), "end": st.just(True),
         "caption": st.sampled_from(["They court.", 'A "shark"', "\\ # ünd"]),
         "camera": st.builds(Camera, follow=st.just("cast") | whose(shoals),
                             position_cm=st.none() | places),

@@ -10,6 +10,7 @@ from msgspec.structs import replace
 
 from subsea import snapshot
 from subsea.app.placement import Handle, removed
+from subsea.as_it_is import as_it_is
 from subsea.behavior.temper import set_hunger
 from subsea.directing import direct, latest
 from subsea.direction import Shoals
@@ -299,6 +300,7 @@ def test_whatever_is_directed_the_world_stays_one(tmp_path, data):
     position = one.state.fishes.position
     assert np.hypot(position[:, 0], position[:, 1]).max() < scenario.bounds.radius_cm
     assert position[one.state.fishes.alive, 2].max() < 0.0
+    assert as_it_is(one) == scenario  # what directions did is not what a scenario is saved with
 
 
 @pytest.mark.parametrize("seed", [0, 7])
@@ -308,6 +310,37 @@ def test_a_pair_courts_in_front_while_a_shark_hunts_a_school_behind(seed):
     spec.loader.exec_module(figures)
     found = figures.rendezvous(seed, enough=True)
     assert found["so"], found
+
+
+def test_a_direction_can_be_set_from_outside():
+    scenario, _ = load_scenario("rendezvous", ["direction.0.at_s=5"])
+    assert scenario.direction[0].at_s == 5.0
+    with pytest.raises(UserError, match="direction"):
+        load_scenario("rendezvous", ["direction.0.at_s=-1"])
+
+
+def test_fishes_that_are_left_out_are_not_directed():
+    for number in (0, 1, 20):
+        world = create_world(load_scenario("rendezvous")[0], fish=number)
+        play(world, 0.5)
+        assert world.state.directions.times[0] == 1
+
+
+@pytest.mark.parametrize(
+    ("direction", "words"),
+    [
+        (
+            "who = { shoal = 0 }\npath_cm = [[0, 0, -100], [0, 0, -499]]",
+            "path_cm[1]` (0.0, 0.0, -4",
+        ),
+        ("pair = [7, 8]\nplace_cm = [0, 0, -499]", "`direction[0].place_cm` (0.0, 0.0, -4"),
+    ],
+)
+def test_nobody_is_sent_into_the_seabed(tmp_path, direction, words):
+    with pytest.raises(UserError) as fault:
+        world_of(tmp_path, direction)
+    assert words in str(fault.value)
+    assert "below the seabed" in str(fault.value)
 
 
 def test_who_is_gone_takes_their_directions_along(tmp_path):

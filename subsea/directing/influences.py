@@ -9,7 +9,7 @@ from subsea.behavior.hunting import STALK
 from subsea.behavior.mating import REST_S
 from subsea.behavior.temper import HABITS, set_hunger, set_libido, urge_to_mate
 from subsea.directing.script import Act, Scene, hunger_of, now_s
-from subsea.direction import MOVES, Direction, Whose
+from subsea.direction import MOVES, Whose
 from subsea.state import (
     ANYONE,
     CIRCLING,
@@ -54,7 +54,7 @@ def begin(scene: Scene, k: int, cast: Cast) -> None:
     log.began[k], log.running[k], log.stage[k] = scene.clock.tick, True, 0
     log.cast[k] = cast if act.direction.pair is None else NOBODY
     log.times[k] += 1
-    for name in act.direction.influences:
+    for name in act.influences:
         if name in START:
             START[name](scene, act)
 
@@ -62,20 +62,19 @@ def begin(scene: Scene, k: int, cast: Cast) -> None:
 def _make_way(scene: Scene, k: int) -> None:
     """End what runs of the same kind as direction k for the same fishes, also itself."""
     acts, log = scene.script.acts, scene.state.directions
-    kinds, mine = _kinds(acts[k].direction), _moved(scene, k)
+    kinds, mine = _kinds(acts[k]), _moved(scene, k)
     for other in np.flatnonzero(log.running):
         theirs = np.isin(_moved(scene, int(other)), mine)
         common = theirs.any() if acts[other].direction.pair is not None else theirs.all()
-        if other == k or (kinds & _kinds(acts[other].direction) and common):
+        if other == k or (kinds & _kinds(acts[other]) and common):
             _release(scene, int(other))
             log.running[other] = False
 
 
 def goes_on(scene: Scene, k: int) -> bool:
     """Do what direction k does in every tick; whether there is more to come."""
-    one = scene.script.acts[k].direction
     going = False
-    for name in one.influences:
+    for name in scene.script.acts[k].influences:
         if name in HOLD and _lasts(scene, k, 0.0 if name in LET_GO else np.inf):
             going |= HOLD[name](scene, k)
     if not going:
@@ -86,7 +85,7 @@ def goes_on(scene: Scene, k: int) -> bool:
 def _release(scene: Scene, k: int) -> None:
     """Leave those whom direction k has moved to themselves."""
     act, minds = scene.script.acts[k], scene.state.minds
-    for name in act.direction.influences:
+    for name in act.influences:
         if name in ("path_cm", "hunts"):
             minds.errand[act.who] = 0.0
         if name in ("hunts", "rests"):
@@ -101,17 +100,17 @@ def _release(scene: Scene, k: int) -> None:
             minds.fancy[act.who] = -1
 
 
-def _kinds(one: Direction) -> set[str]:
+def _kinds(act: Act) -> set[str]:
     """What a direction does that another cannot do to the same fishes at the same time."""
     kinds = {"path_cm": "way", "hunts": "way", "pair": "way"}
-    prey = {"prey"} if one.hunts or one.rests else set()
-    return prey | {kinds.get(name, name) for name in one.influences if name in HOLD}
+    prey = {"prey"} if {"hunts", "rests"} & {*act.influences} else set()
+    return prey | {kinds.get(name, name) for name in act.influences if name in HOLD}
 
 
 def _moved(scene: Scene, k: int) -> Ints:
     """Whom direction k moves; nobody if it moves the water, say."""
     act, pair = scene.script.acts[k], scene.state.directions.cast[k]
-    those = act.who if any(name in MOVES for name in act.direction.influences) else act.who[:0]
+    those = act.who if any(name in MOVES for name in act.influences) else act.who[:0]
     if isinstance(act.direction.pair, tuple):
         return np.append(those, act.direction.pair)
     if act.direction.pair is not None:

@@ -18,6 +18,7 @@ class Act(NamedTuple):
     """A direction in the numbers of a world."""
 
     direction: Direction
+    influences: tuple[str, ...]  # its own
     who: Ints  # whom it moves
     of: Ints  # whose event it waits for
     prey: Ints  # whom they hunt
@@ -60,6 +61,7 @@ def make_script(scenario: Scenario, numbers: list[int], fastest_cm_s: Array) -> 
     acts = tuple(
         Act(
             one,
+            one.influences,
             those(one.who),
             those(one.of),
             those(one.hunts if isinstance(one.hunts, Whose) else None),
