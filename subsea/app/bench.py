@@ -458,7 +458,11 @@ class Bench:
 def work(
     title: str, make: Callable[[Bench], Craft], without: str, size: tuple[int, int] = SIZE
 ) -> int:
-    """Open a bench with a craft and work at it until it is closed; exit code 0."""
-    with closing(Bench(title, make, size, without)) as bench:
+    """Open a bench with a craft and work at it until it is closed; exit code 0.
+
+    Ctrl-C waits until the craft is made: half of one would outlive its OpenGL context.
+    """
+    with deferred() as check, closing(Bench(title, make, size, without)) as bench:
+        check()
         bench.run()
     return 0

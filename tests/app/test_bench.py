@@ -93,6 +93,23 @@ def test_without_a_display_it_says_so_in_one_line(monkeypatch):
         work("line", Line, "`subsea skin --auto` works")
 
 
+def test_ctrl_c_waits_until_the_craft_is_made(display, monkeypatch):
+    closed = []
+
+    class Slow(Line):
+        def __init__(self, bench):
+            signal.raise_signal(signal.SIGINT)
+            super().__init__(bench)
+
+        def close(self):
+            super().close()
+            closed.append(self.frames)
+
+    with pytest.raises(KeyboardInterrupt):
+        work("slow", Slow, "no")
+    assert closed == [0]
+
+
 @pytest.fixture(scope="module")
 def table(display):
     with closing(Bench("line", Line, SIZE)) as bench:
