@@ -1082,6 +1082,20 @@ def show_rules(effort: Effort, folder: Path) -> None:
         place, sway = envelope(body, controller_at(one.winner))
         right.plot(place, sway, color=GREEN, alpha=1.0 if number == 0 else 0.4, marker=".",
                    label="muscles, learned" if number == 0 else None)  # fmt: skip
+    alike = even_masses(body)
+    best = max(
+        (
+            anneal(lambda point: distance(alike, controller_at(point)), 2 * MUSCLES + 1,
+                   effort.tries, seed, HOT_L)
+            for seed in range(1, effort.bound_seeds + 1)
+        ),
+        key=lambda one: one.scores.max(),
+    )  # fmt: skip
+    place, sway = envelope(alike, controller_at(best.winner))
+    right.plot(place, sway, color=GREEN, linestyle="--", marker=".", label="the same, even masses")
+    print(
+        f"with even masses it swims {best.scores.max():.2f} L, the snout swings by {sway[0]:.2f} L"
+    )
     sway = np.abs(ruled(FISH, np.arange(40) / 40).place[:, :, 1]).max(axis=0)
     right.plot(JOINTS, sway, color=BLUE, label="rules, stiff head")
     even = msgspec.structs.replace(FISH, flexibility=((0.0, 0.6), (1.0, 0.6)))
@@ -1089,7 +1103,7 @@ def show_rules(effort: Effort, folder: Path) -> None:
     right.plot(JOINTS, sway, color=BLUE, linestyle="--", label="rules, even")
     right.set(xlabel="behind the nose, L", ylabel="farthest to a side, L", ylim=(0, None),
               title="how far each part swings", xticks=at.round(2)[::2])  # fmt: skip
-    right.set_ylim(0, 1.35 * right.get_ylim()[1])
+    right.set_ylim(0, 1.6 * right.get_ylim()[1])
     right.legend(loc="upper center", fontsize=8)
     apart = np.abs(
         ruled(FISH, np.arange(40) / 40).place
@@ -1098,6 +1112,11 @@ def show_rules(effort: Effort, folder: Path) -> None:
     print(f"sinusoidal and linear swing lie {apart:.3f} L apart at most; a wave of "
           f"{float(phase(FISH, np.ones(1))[0] / np.pi):.2f} halves behind the middle")  # fmt: skip
     save(picture, folder / "flat_rules.png")
+
+
+def even_masses(body: Body) -> Body:
+    """The body with its mass spread evenly over the nodes."""
+    return body._replace(mass=np.full_like(body.mass, body.mass.mean()))
 
 
 def width_along(body: Body) -> Floats:
