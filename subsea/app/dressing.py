@@ -34,8 +34,7 @@ def dress(photo: Path, name: str, out: Path | None, flip: bool, mesh: Path | Non
             f"{name}: a species that is shipped stays as it is; give --out FILE.png, or copy "
             f"{path} to a species of your own and name that"
         )
-    if out is not None and out.suffix.lower() != ".png":
-        raise UserError(f"{out}: expected the name of a file that ends in .png")
+    check_out(out)
     for target in (out or path.with_suffix(".png"), mesh):
         if target is not None:
             check_file(target)
@@ -67,6 +66,12 @@ def dress(photo: Path, name: str, out: Path | None, flip: bool, mesh: Path | Non
     left = one.net.body.nodes[4, 0, 0] < one.net.body.nodes[4, -1, 0]
     print(f"heading: {'left' if left else 'right'}; if it is the other way, give --flip")
     return 0
+
+
+def check_out(out: Path | None) -> None:
+    """Refuse to write a sheet to a file that is called as none."""
+    if out is not None and out.suffix.lower() != ".png":
+        raise UserError(f"{out}: expected the name of a file that ends in .png")
 
 
 def may_wear(name: str) -> bool:

@@ -10,6 +10,7 @@ import pytest
 from PIL import Image
 
 from subsea.app.bench import Bench
+from subsea.app.cli import main
 from subsea.app.skin import hands as edits
 from subsea.app.skin.hands import Node
 from subsea.app.skin.window import Dressing
@@ -53,6 +54,24 @@ def photographed(path):
     cut_out = (picture != WATER).any(axis=2) * np.uint8(255)  # so it is found quickly
     Image.fromarray(np.dstack([picture, cut_out])).save(path)
     return net
+
+
+def test_without_a_display_one_line_says_what_works(monkeypatch, capsys, tmp_path):
+    # The first of this module: the window library knows one display at a time.
+    for key in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(key, raising=False)
+    photo = tmp_path / "angel.png"
+    photographed(photo)
+    for arguments, what in (
+        ([], "no display"),
+        (["--out", "sheet.jpg"], "ends in .png"),
+        (["--species", "nobody"], "unknown species"),
+        (["--mesh", str(photo)], "no meshes of this species"),
+    ):
+        assert main(["skin", str(photo), *arguments]) == 2
+        said = capsys.readouterr().err
+        assert what in said and said.count("\n") == 1
+        assert "--auto" in said or arguments
 
 
 @pytest.fixture(scope="module")
@@ -201,6 +220,28 @@ def test_the_whole_is_moved_turned_and_scaled_and_relaxing_mends_it(scene, hands
     hands.until(bench, lambda: edits.frame(table.net).ahead @ frame.ahead < -0.9)
     hands.do("key", "ctrl+z")
     hands.until(bench, lambda: edits.frame(table.net).ahead @ frame.ahead > 0.9)
+    rest(bench)
+
+
+def test_while_it_relaxes_a_node_follows_the_hand_and_goes_back(scene, hands, spots):
+    bench, _ = scene
+    table = bench.craft
+    hands.glide(bench, 0.2)
+    spots.click(bench, "Pull")
+    rest(bench)
+    before = table.net.body.nodes.copy()
+    place = edits.places(table.net, [BELLY])[0]
+    hands.do("mousemove", *at(bench, place))
+    hands.glide(bench, 0.3)
+    hands.do("mousedown", 1)
+    hands.until(bench, lambda: table.easel.dragging)
+    table.relax(True)
+    hands.do("mousemove", *at(bench, place + (0.0, 30.0)))
+    hands.until(bench, lambda: table.net.body.nodes[8, 8, 1] > place[1] + 8.0)
+    assert table.relaxing
+    hands.do("mouseup", 1)
+    hands.until(bench, lambda: not table.relaxing, 60.0)
+    assert np.abs(table.net.body.nodes - before).max() < 3.0
     rest(bench)
 
 

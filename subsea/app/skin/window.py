@@ -16,7 +16,7 @@ from subsea.app.build.draft import copied as draft_of
 from subsea.app.build.draft import read as read_draft
 from subsea.app.build.draft import save
 from subsea.app.build.naming import Naming
-from subsea.app.dressing import load_mesh, save_mesh
+from subsea.app.dressing import check_out, load_mesh, save_mesh
 from subsea.app.history import History
 from subsea.app.skin import hands, panels
 from subsea.app.skin.easel import HANDS, Easel
@@ -474,6 +474,7 @@ def dress_by_hand(
     at_rest(species.surface)
     if mesh is not None and mesh.exists():
         load_mesh(mesh, photograph, species)
+    check_out(out)
     if out is not None:
         check_file(out)
     return work(
