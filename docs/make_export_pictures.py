@@ -3,7 +3,7 @@
 Blender is no part of the project; its module has an environment of its own:
 
     python3.11 -m venv /tmp/blender && /tmp/blender/bin/pip install bpy==4.4.0 "numpy<2" pillow
-    for form in usd vat; do subsea-capture export fusilier --to $form --out /tmp/exported; done
+    for form in gltf usd vat; do subsea-capture export fusilier --to $form --out /tmp/exported; done
     /tmp/blender/bin/python docs/make_export_pictures.py /tmp/exported docs/pictures/exported.png
 """
 
@@ -16,12 +16,12 @@ from pathlib import Path
 import bpy
 import numpy as np
 from mathutils import Matrix, Quaternion, Vector
-from PIL import Image, ImageDraw
+from PIL import Image, ImageDraw, ImageFont
 
 NAME, CLIP = "fusilier", "turn_left_sharp"
 FRAMES = (0, 14, 28, 42)  # of the clip
-SIZE = (300, 250)
-EYE, MIDDLE = Vector((0.34, -0.42, 0.3)), Vector((0.02, -0.08, 0.005))  # m, as the clip begins
+SIZE = (300, 240)
+EYE, MIDDLE = Vector((0.34, -0.42, 0.3)), Vector((0.025, -0.086, 0.0))  # m, as the clip begins
 WATER = (0.16, 0.34, 0.44, 1.0)
 SAMPLES = 64
 
@@ -64,7 +64,24 @@ def vat(folder: Path) -> Show:
     return show
 
 
-ROWS = {"USD": usd, "vertex animation texture": vat}
+def gltf(folder: Path) -> Show:
+    """The skinned mesh: an action is a clip."""
+    bpy.ops.import_scene.gltf(filepath=str(folder / f"{NAME}.glb"))
+    [rig] = [thing for thing in bpy.context.scene.objects if thing.type == "ARMATURE"]
+    for track in rig.animation_data.nla_tracks:
+        track.mute = True
+    rig.animation_data.action = action = bpy.data.actions[CLIP]
+    rig.animation_data.action_slot = action.slots[0]
+    rate = _ranges(folder)["subsea"]["framesPerSecond"]
+
+    def show(frame: int) -> None:
+        whole, part = divmod(frame / rate * bpy.context.scene.render.fps, 1.0)
+        bpy.context.scene.frame_set(int(whole), subframe=part)
+
+    return show
+
+
+ROWS = {"glTF": gltf, "USD": usd, "vertex animation texture": vat}
 
 
 def main(folder: Path, out: Path) -> None:
@@ -77,7 +94,7 @@ def main(folder: Path, out: Path) -> None:
         for x, frame in enumerate(FRAMES):
             show(frame)
             page.paste(_picture(), (x * SIZE[0], y * SIZE[1]))
-        ImageDraw.Draw(page).text((8, y * SIZE[1] + 6), title, fill="white")
+        ImageDraw.Draw(page).text((8, y * SIZE[1] + 6), title, "white", ImageFont.load_default(15))
     page.save(out)
 
 
