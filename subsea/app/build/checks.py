@@ -144,7 +144,9 @@ def _buoyancy(species: Species) -> list[Remark]:
         remarks.append(Remark(GOOD, f"About neutrally buoyant: {told}."))
     else:
         way = "light: it would rise" if share < 1.0 else "heavy: it would sink"
-        remarks.append(Remark(MIND, f"Too {way}. There are {told}; Neutral sets its masses."))
+        remarks.append(
+            Remark(MIND, f"Too {way}. There are {told}; Neutral, in tab Body, sets its masses.")
+        )
     low, high = DENSITIES
     if dense < 1.5 * low or dense > high / 1.5:
         remarks.append(

@@ -95,6 +95,7 @@ class Builder:
         self.orbit = Orbit(0.5, 0.2, 1.05)
         self.remarks: list[Remark] | None = None  # of the present draft; None: not known yet
         self.naming = Naming(draft.key) if asks else None
+        self._before = self.editing, path  # what is gone back to where no new one is made
         self.swims = path is not None and recorded(draft.key)  # whether it has a repertoire
         self._judged: Draft | None = None  # the last draft that was judged, or is being
         self._shaped = draft
@@ -342,7 +343,7 @@ class Builder:
         else:
             imgui.begin_disabled(not self.swims)
             if imgui.button("Dive with it"):
-                making.dive(self.editing.present.key)
+                making.dive(self._key)
             imgui.end_disabled()
             imgui.same_line()
             imgui.set_next_item_width(-6.0 * self.bench.line)
@@ -363,7 +364,7 @@ class Builder:
         self.making.learn(self.path)
 
     def _record(self) -> None:
-        key = self.editing.present.key
+        key = self._key
         if key not in species_names() or species_file(key) != self.path:
             raise UserError(
                 f"{self.path} lies elsewhere: New from… puts a copy among your own species"
@@ -372,7 +373,7 @@ class Builder:
 
     def _ended(self, kind: str, code: int) -> None:
         """A command has ended."""
-        self.swims = self.path is not None and recorded(self.editing.present.key)
+        self.swims = self.path is not None and recorded(self._key)
         self.bench.tell(self.making.told, trouble=code not in (0, 130))
         if kind == "learn" and code == 0:
             assert self.path
@@ -384,6 +385,11 @@ class Builder:
             )
             if self.editing.present.content == found.content:
                 self.editing.history.saved()
+
+    @property
+    def _key(self) -> str:
+        """The name of the species' file, by which commands know it."""
+        return self.path.stem if self.path else ""
 
     def _ask_new(self) -> None:
         if self.unsaved:
@@ -398,7 +404,13 @@ class Builder:
         else:
             self._begin_new()
 
+    def _look_at(self, source: str) -> None:
+        """Show the species that a new one may be built like."""
+        if self.editing.present.key != source:
+            self.editing, self.path = Editing(drafts.read(species_file(source))), None
+
     def _begin_new(self) -> None:
+        self._before = self.editing, self.path
         self.naming = Naming(self.editing.present.key if self.path else START)
 
     def _name(self) -> None:
@@ -407,9 +419,13 @@ class Builder:
             return
         answer = self.naming.draw(self.bench)
         if answer is None:
+            if self.naming.copies:
+                self._look_at(self.naming.source)
             return
         naming, self.naming = self.naming, None
         if not answer:
+            if naming.copies:
+                self.editing, self.path = self._before
             return
         try:
             source = (
@@ -425,9 +441,11 @@ class Builder:
             naming.shown = False
             return
         self.path = path
-        self.editing = Editing(draft, new=True)
         self.making.told, self.swims = "", False
-        if not naming.copies:
+        if naming.copies:
+            self.editing = Editing(draft, new=True)
+        else:  # what was done so far can still be undone
+            self.editing.do(lambda _: draft)
             self.bench.later(self.bench.save)
 
 

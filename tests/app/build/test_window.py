@@ -75,6 +75,10 @@ def test_from_a_copy_to_a_fish_in_the_sea(table, hands, spots):
     craft = table.craft
     # It asks what to begin from: a copy of the fusilier, which gets a name and a file.
     hands.until(table, lambda: "its name" in spots)
+    craft.naming.source = "blue_tang"  # is shown at once
+    hands.until(table, lambda: species(table).name == "Blue tang")
+    assert not craft.unsaved
+    craft.naming.source = "fusilier"
     spots.type(table, "its name", "Red Snapper")
     assert craft.naming.key == "red_snapper"
     spots.click(table, "Make it")
