@@ -1,7 +1,10 @@
 """Directions: what is to happen, and when."""
 
+import re
+import tomllib
 from importlib.util import module_from_spec, spec_from_file_location
 
+import msgspec
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -17,7 +20,7 @@ from subsea.direction import Shoals
 from subsea.errors import UserError
 from subsea.ocean import TICK_S, create_world, step
 from subsea.resources import ROOT
-from subsea.scenario import Hook, check_scenario, load_scenario
+from subsea.scenario import Hook, Scenario, check_scenario, load_scenario
 from subsea.state import (
     EAT,
     FEAR,
@@ -402,3 +405,19 @@ def test_what_happens_to_fishes_is_noticed_with_whom_it_is_about(tmp_path):
     assert (last["spawned"], last["later"], last["eaten"]) == (1, 1, 1)
     assert set(log.cast[4].tolist()) == set(PAIR)
     assert minds.male[log.cast[4, 0]]
+
+
+@pytest.mark.parametrize("page", ["scenarios.md", "directing.md"])
+def test_what_documents_show_of_directions_is_as_they_say(page):
+    """Each example is directions that the rendezvous can have."""
+    text = (ROOT / "docs" / page).read_text()
+    examples = re.findall(r"```toml\n(\[\[direction\]\].*?)```", text, re.DOTALL)
+    assert len(examples) >= 3
+    content = tomllib.loads((ROOT / "assets/scenarios/rendezvous.toml").read_text())
+    content["hook"] = {"position_cm": [0, 0], "depth_cm": 100.0}
+    for example in examples:
+        shown = tomllib.loads(example)["direction"]
+        names = {one.get("name") for one in shown}
+        others = [one for one in content["direction"] if one.get("name") not in names]
+        scenario = msgspec.convert(content | {"direction": others + shown}, Scenario)
+        check_scenario(scenario, page)
