@@ -46,6 +46,12 @@ def place_of(words: str) -> Place:
     return tuple(int(step) if step.isdecimal() else step for step in _STEP.findall(words))
 
 
+def words_of(place: Place) -> str:
+    """How a place is written: see `place_of`."""
+    steps = [f"[{step}]" if isinstance(step, int) else f".{step}" for step in place]
+    return "".join(steps).removeprefix(".")
+
+
 class _Reader:
     """Goes through a text once, from its beginning to its end."""
 

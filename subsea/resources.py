@@ -16,7 +16,7 @@ import platformdirs
 from msgspec import inspect
 
 from subsea.errors import UserError, nearest, unknown
-from subsea.lines import Place, key_lines, line_of, place_of
+from subsea.lines import Place, key_lines, line_of, place_of, words_of
 
 T = TypeVar("T")
 
@@ -137,11 +137,11 @@ def _fault(
     """What msgspec has `told` of the content of a file after `changes`, in our words."""
     of_key = " - at `key` in `$"
     message, _, where = told.replace(of_key, " - at `$").partition(" - at `$")
-    where = where.removeprefix(".").removesuffix("`")
-    while "[...]" in where:  # one of the keys of a table that may have any
-        table, _, rest = where.partition("[...]")
-        where = f"{table}.{_culprit(content, kind, place_of(table))}{rest}"
-    place = place_of(where)
+    table, *inside = where.removesuffix("`").split("[...]")
+    place = place_of(table)
+    for rest in inside:  # within a table that may have any keys
+        place = (*place, _culprit(content, kind, place), *place_of(rest))
+    where = words_of(place)
     here = _type_at(kind, where)
     hint = ""
     if key := re.search(r"unknown field `([^`]*)`", message):

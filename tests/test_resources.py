@@ -126,6 +126,37 @@ def test_a_fault_tells_its_line_and_its_key(path, change, line, words):
 
 
 @pytest.mark.parametrize(
+    ("direction", "line", "words"),
+    [
+        ("at_s = 1.0\nend = true\nlighst = true", 53, "unknown key `lighst`, at `direction[1]`"),
+        (
+            "camera = { follow = { shoal = 9 } }",
+            51,
+            "`direction[1].camera.follow.shoal`: 9: there is",
+        ),
+        ("camera = { tour = 'there', behind = true }", 51, "`behind` is for `follow` without"),
+        (
+            "\n\nafter = 'second'\nend = true",
+            53,
+            "`direction[1].after`: unknown direction 'second'",
+        ),
+        ("hook = 'down'", 51, "expected a table [hook]"),
+        (
+            "camera = { position_cm = [0.0, 0.0, -490.0], look_at_cm = [0.0, 9.0, -400.0] }",
+            51,
+            "seabed",
+        ),
+    ],
+)
+def test_faults_of_directions_tell_their_lines(path, direction, line, words):
+    first = "[[direction]]\nname = 'first'\nend = true\n"
+    text = REEF.replace("[nature]", f"{first}\n[[direction]]\n{direction}\n\n[nature]")
+    message = refused(path, text)
+    assert message.startswith(f"reef.toml:{line}: ")
+    assert words in message
+
+
+@pytest.mark.parametrize(
     ("text", "words"),
     [
         (REEF.replace('title = "a reef"\n', ""), "missing key `title`"),  # nowhere in the file
@@ -201,6 +232,10 @@ def test_a_table_whose_keys_are_free_names_the_faulty_one(path):
     path.write_text("[sizes]\na = 1\nb = 2\n'c d' = 'x'\n")
     with pytest.raises(UserError, match=r"reef\.toml:4: .* at `sizes\.c d`"):
         load_toml(path, Sizes)
+    path.write_text("[sizes]\n'[...]' = 1\n'a.[...].`' = 'x'\n")
+    with pytest.raises(UserError, match=r"reef\.toml:3: .* at `sizes\.a\.\[\.\.\.\]\.``"):
+        load_toml(path, Sizes)
+    path.write_text("[sizes]\na = 1\nb = 2\n'c d' = 'x'\n")
     assert at_key(path, "sizes.b") == f"{path}:3"
     assert at_key(path, "sizes.z") == f"{path}:1"
     assert at_key(path, "other") == f"{path}"
