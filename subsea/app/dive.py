@@ -478,7 +478,10 @@ class Dive:
             return
         self._begin()
         letter(self.picture.labels, self.picture.sight)
-        subtitles.draw(caption_of(self.world, self.picture.alpha), self.picture.rig)
+        if not self.menu.open:  # nor is it to be read behind the help
+            caption = caption_of(self.world, self.picture.alpha)
+            opacity = caption.opacity * (1.0 - self.overlay.help_opacity)
+            subtitles.draw(caption._replace(opacity=opacity), self.picture.rig)
         if self._crew.hands:
             submarine = self.world.state.submarine
             helm = self.picture.ride is None and not self.attract.touring

@@ -18,6 +18,7 @@ from subsea.app.captions import (
 from subsea.app.gui import colour
 from subsea.view.rig import Rig
 
+CLEAR = 7.4  # so far above the foot stand captions, in heights of the gui's letters: above notes
 SOFT = tuple(
     (reach * math.cos(k * math.tau / 12), reach * math.sin(k * math.tau / 12), alpha)
     for reach, alpha in ((0.16, 0.05), (0.1, 0.09), (0.05, 0.22))
@@ -33,13 +34,14 @@ def draw(caption: Caption, rig: Rig) -> None:
     left, top, across, down = room_of(rig)
     left, top, width, height = left * size.x, top * size.y, across * size.x, down * size.y
     tall = letters_of(width, height)
+    foot = min(top + FOOT * height, size.y - CLEAR * imgui.get_font_size())
     canvas = imgui.get_background_draw_list()
     imgui.push_font(None, tall)
     lines = lines_of(caption.words, ROOM * width, lambda line: imgui.calc_text_size(line).x)
     box = imgui.calc_text_size("x").y
     for k, line in enumerate(reversed(lines)):
         x = left + (width - imgui.calc_text_size(line).x) / 2
-        y = top + FOOT * height - k * LEADING * tall - box
+        y = foot - k * LEADING * tall - box
         for aside, below, alpha in SOFT:
             shade = colour(SHADE, alpha * caption.opacity)
             canvas.add_text((x + aside * tall, y + below * tall), shade, line)
