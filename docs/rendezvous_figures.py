@@ -9,11 +9,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from subsea.app.directed import directed
 from subsea.ocean import step
 from subsea.scenario import load_scenario
 from subsea.state import EAT, LOOPING, MATE
-from subsea.submarine.helm import HANDS_OFF
-from subsea.view.rigs import VERTICAL_FOV
+from subsea.view.rig import Pose
+from subsea.view.rigs import VERTICAL_FOV, cockpit
 from subsea.world import TICK_S, World, create_world
 
 PAIR, SCHOOL, SHARK = slice(0, 2), slice(2, 38), 38  # the numbers of the scenario's fishes
@@ -37,10 +38,9 @@ class Seen(NamedTuple):
 def seen(world: World) -> Seen:
     """What of it is so now."""
     fishes, minds = world.state.fishes, world.state.minds
-    camera = next(one.camera for one in world.scenario.direction if one.camera is not None)
-    eye, aim = np.array(camera.position_cm), np.array(camera.look_at_cm)
-    far = np.linalg.norm(fishes.position - eye, axis=1)
-    inside = in_view(fishes.position, eye, aim)
+    camera = cockpit(world.state.submarine, 1.0)
+    far = np.linalg.norm(fishes.position - camera.eye, axis=1)
+    inside = in_view(fishes.position, camera)
     courts = (minds.courtship[PAIR] >= LOOPING) & (minds.intention[PAIR] == MATE)
     school = fishes.alive[SCHOOL]
     behind = inside[SCHOOL] & (far[SCHOOL] > far[PAIR].max() + BEHIND_CM) & school
@@ -53,13 +53,10 @@ def seen(world: World) -> Seen:
     )
 
 
-def in_view(places: Any, eye: Any, aim: Any) -> Any:
-    """Which of the places (n, 3) are in the picture of a level camera."""
-    ahead = (aim - eye) / np.linalg.norm(aim - eye)
-    right = np.cross(ahead, (0.0, 0.0, 1.0))
-    right /= np.linalg.norm(right)
-    up = np.cross(right, ahead)
-    x, y, z = ((places - eye) @ axis for axis in (right, up, ahead))
+def in_view(places: Any, camera: Pose) -> Any:
+    """Which of the places (n, 3) are in its picture."""
+    right = np.cross(camera.forward, camera.up)
+    x, y, z = ((places - camera.eye) @ axis for axis in (right, camera.up, camera.forward))
     tall = z * np.tan(VERTICAL_FOV / 2)
     return (z > 0.0) & (abs(y) < tall) & (abs(x) < ASPECT * tall)
 
@@ -67,10 +64,10 @@ def in_view(places: Any, eye: Any, aim: Any) -> Any:
 def rendezvous(seed: int, name: str = "rendezvous", enough: bool = False) -> dict[str, Any]:
     """When and for how long each part was so, and all at once, s; no longer than `enough`."""
     world = create_world(load_scenario(name)[0], seed=seed)
-    moments = []
+    steer, moments = directed(world), []
     least = round(LEAST_S / TICK_S) + 1
     for _ in range(round(SECONDS / TICK_S)):
-        step(world, HANDS_OFF)
+        step(world, steer(world))
         moments.append(seen(world))
         if enough and np.all(moments[-least:]) and len(moments) >= least:
             break

@@ -32,13 +32,6 @@ def boat(display, hands, tmp_path_factory):
         yield running
 
 
-def foot(boat, hands, show):
-    """The lower third of the window, with or without the caption; nothing else is over it."""
-    boat.frame(0.0)
-    whole = hands.screen(boat)
-    return whole[round(0.7 * whole.shape[0]) : round(0.9 * whole.shape[0])]
-
-
 def test_it_goes_where_directions_want_it_and_the_caption_stands_over_the_sea(
     boat, hands, monkeypatch
 ):
@@ -54,7 +47,7 @@ def test_it_goes_where_directions_want_it_and_the_caption_stands_over_the_sea(
     differs = np.abs(told - hands.screen(boat)).sum(axis=2) > 100
     rows, columns = np.flatnonzero(differs.any(axis=1)), np.flatnonzero(differs.any(axis=0))
     height, width = differs.shape
-    assert 0.7 * height < rows.min() and rows.max() < 0.9 * height
+    assert 0.6 * height < rows.min() and rows.max() < 0.8 * height  # above the instruments
     assert (columns.min() + columns.max()) / 2 == pytest.approx(width / 2, abs=0.02 * width)
     assert told[differs].sum(axis=1).max() > 650  # light letters
     boat.timeline.pause()
