@@ -1,6 +1,6 @@
 """Make the picture of docs/directing.md: `python docs/make_directing_picture.py [FOLDER]`.
 
-rendezvous.png: six moments of the scenario `rendezvous` as its directed camera films it.
+rendezvous.png: nine moments of the scenario `rendezvous` as its directed camera films it.
 """
 
 import subprocess
@@ -10,8 +10,8 @@ from tempfile import TemporaryDirectory
 
 from PIL import Image, ImageOps
 
-CELL = (480, 270)  # pixels of one moment
-MOMENTS_S = (18, 24, 30, 32, 35, 38)
+CELL = (400, 225)  # pixels of one moment
+MOMENTS_S = (3, 10, 20, 27, 31, 33, 34, 42, 50)
 SEED = 1
 BITS = 6  # of each colour: half the file, and no difference to see
 
@@ -20,13 +20,12 @@ def main() -> None:
     """Film a picture a second and keep some."""
     folder = Path(sys.argv[1] if len(sys.argv) > 1 else "docs/pictures")
     wide, high = CELL
-    sheet = Image.new("RGB", (3 * wide, 2 * high))
+    sheet = Image.new("RGB", (3 * wide, 3 * high))
     with TemporaryDirectory() as film:
         size = f"{2 * wide}x{2 * high}"
         subprocess.run(
             [sys.executable, "-m", "subsea", "film", film, "--scenario", "rendezvous", "--tour",
-             "directed", "--seed", str(SEED), "--fps", "1", "--size", size,
-             "--seconds", str(MOMENTS_S[-1] + 1)],
+             "directed", "--seed", str(SEED), "--fps", "1", "--size", size],
             check=True,
         )  # fmt: skip
         for k, second in enumerate(MOMENTS_S):
