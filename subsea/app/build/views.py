@@ -48,6 +48,11 @@ class Views:
         self._drawn_of: Draft | None = None
         self._shapes: dict[str, Array] = {}
 
+    @property
+    def view(self) -> View:
+        """The view that was touched last."""
+        return "side" if self._leads is self.side else "top"
+
     def fit(self) -> None:
         """The whole fish again."""
         self._leads = self.side

@@ -39,6 +39,11 @@ VIEWS_WIDE, SIDE_HIGH = 0.62, 0.54  # shares of the window
 PREVIEW_HIGH = 0.36
 FRAME_S = 1 / 40  # between two pictures of the fish that swims
 WAY_WIDE = 3.9  # room that a way to swim takes, in heights of letters
+NUDGE = 0.002  # body lengths that an arrow key moves a point
+ARROWS = {
+    imgui.Key.left_arrow: (-1, 0), imgui.Key.right_arrow: (1, 0),
+    imgui.Key.up_arrow: (0, 1), imgui.Key.down_arrow: (0, -1),
+}  # fmt: skip
 TURN = 0.009  # rad of the orbit for a unit of the pointer
 ZOOM = 1.15
 SIGNS = {
@@ -48,7 +53,7 @@ SIGNS = {
 }
 HOW = "Learn finds how to use its muscles. Record takes down its motion, for scenarios."
 HINT = (
-    "Drag points in both views; double-click a line to add one, Del takes it away. "
+    "Drag points, or nudge them by arrows; double-click a line to add one, Del takes it away. "
     "Wheel: larger. Right button: move the view."
 )
 
@@ -244,13 +249,27 @@ class Builder:
             self.editing.chosen = self.editing.over = None
 
     def _keys(self) -> None:
-        """Del takes the chosen point away."""
+        """Del takes the chosen point away, arrows nudge it in the view that was touched last."""
         if imgui.get_io().want_text_input or self.bench.asks or self.naming:
             return
         if imgui.is_key_pressed(imgui.Key.delete) or imgui.is_key_pressed(imgui.Key.backspace):
             self._take_away()
         if imgui.is_key_pressed(imgui.Key.escape):
             self.views.adding = False
+        for key, (right, up) in ARROWS.items():
+            if imgui.is_key_pressed(key) and not imgui.is_any_item_active():
+                self._nudge(NUDGE * right, NUDGE * up)
+
+    def _nudge(self, right: float, up: float) -> None:
+        """The chosen point a little farther, if it is in the view that was touched last."""
+        view, path = self.views.view, self.editing.chosen
+        for spot in drafts.spots(self.editing.present, view):
+            if spot.path == path:
+                to = spot.at[0] + right, spot.at[1] + up
+                self.editing.do(
+                    partial(drafts.moved, view=view, path=spot.path, to=to, soft=self.views.soft)
+                )
+                return
 
     def _preview(self, elapsed_s: float) -> None:
         """The fish, turned by the mouse; how it swims is chosen below it."""

@@ -92,6 +92,9 @@ def test_from_a_copy_to_a_fish_in_the_sea(table, hands, spots):
     drag(table, hands, at(table, "side", x, y), at(table, "side", x, y + 0.04))
     hands.until(table, lambda: spot(table, "side", BACK)[1] == pytest.approx(y + 0.04, abs=0.01))
     assert craft.editing.chosen == BACK
+    lifted = spot(table, "side", BACK)[1]
+    hands.do("key", "Up")
+    hands.until(table, lambda: spot(table, "side", BACK)[1] == pytest.approx(lifted + 0.002))
     # ... and a ring outward in the top view, where its twin on the other side is taken hold of.
     x, wide = spot(table, "top", RING)
     drag(table, hands, at(table, "top", x, -wide), at(table, "top", x, -wide - 0.015))
@@ -249,6 +252,13 @@ def test_what_is_learned_comes_into_the_draft(table, hands, spots):
     wait(table, lambda: not craft.making.runs, LEARN_S)
     assert craft.making.told
     assert load_species("red_snapper") == species(table)
+    # As if it had found something, while the fish was drawn on.
+    path = own_species_file("red_snapper")
+    drafts.save(drafts.changed(drafts.read(path), ("swim", "lag"), 1.21), path)
+    craft.editing.do(lambda draft: drafts.changed(draft, ("schooling",), False))
+    craft._ended("learn", 0)
+    assert species(table).swim.lag == 1.21 and not species(table).schooling
+    assert craft.unsaved and load_species("red_snapper").swim == species(table).swim
 
 
 def test_closing_asks_once_about_unsaved_work(table, hands, spots):
