@@ -16,7 +16,7 @@ from subsea.app.skin.hands import Node
 from subsea.app.skin.window import Dressing
 from subsea.skins import paint
 from subsea.skins.deformable import BODY, VENTRAL, meshes
-from subsea.skins.flank import at_rest, finer, laid, outlines, placed
+from subsea.skins.flank import across, at_rest, finer, laid, outlines, placed
 from subsea.skins.lift import drawn
 from subsea.skins.photograph import read
 from subsea.skins.sheet import sheet_of
@@ -121,6 +121,12 @@ def drag(bench, hands, begin, end, key=None):
         hands.glide(bench, 0.2)
 
 
+def laid_across(table):
+    height, width = table.photograph.colour.shape[:2]
+    plan = table.species.surface
+    return table.small(laid(plan, across(width, height, plan)))
+
+
 def off(net, truth):
     """Mean distance between the nodes on outlines of two nets, body lengths."""
     border = edits.border(net, (BODY,))
@@ -216,6 +222,11 @@ def test_the_whole_is_moved_turned_and_scaled_and_relaxing_mends_it(scene, hands
     rest(bench)
     assert table.error < 0.5 * spoilt
     assert off(table.large(table.net), truth) < 0.03
+    spots.click(bench, "Anew")
+    hands.until(bench, lambda: table.error > 0.05)
+    assert table.net.body.along == pytest.approx(laid_across(table).body.along)
+    hands.do("key", "ctrl+z")
+    hands.until(bench, lambda: edits.frame(table.net).ahead @ frame.ahead > 0.9)
     spots.click(bench, "Flip")
     hands.until(bench, lambda: edits.frame(table.net).ahead @ frame.ahead < -0.9)
     hands.do("key", "ctrl+z")

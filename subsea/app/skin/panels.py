@@ -94,6 +94,10 @@ def mesh(table: "Dressing") -> None:
     imgui.set_item_tooltip("Look for the fish, and lay the mesh over it.")
     imgui.end_disabled()
     imgui.same_line()
+    if imgui.button("Anew"):
+        table.bench.later(table.anew)
+    imgui.set_item_tooltip("Lay the mesh across the picture in its own shape.")
+    imgui.same_line()
     if imgui.button("Flip"):
         table.bench.later(table.flip)
     imgui.set_item_tooltip("The fish heads the other way.")

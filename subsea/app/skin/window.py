@@ -110,8 +110,7 @@ class Dressing:
         self.painted = False  # whether the preview wears what was painted, to compare
         self.error: float | None = None
         self._species(name)
-        height, width = self._colour.shape[:2]
-        self.net = laid(self.species.surface, across(width, height, self.species.surface))
+        self.net = self._fresh()
         if flip:
             self.net = hands.flipped(self.net)
         self.history: History[Pose] = History(Pose(name, copied(self.net)))
@@ -121,7 +120,7 @@ class Dressing:
         self.preview = Preview(bench.context, self.species, self.sheet)
         if mesh is not None and mesh.exists():
             self._taken_up = True
-            self.net = self._small(load_mesh(mesh, photograph, self.species))
+            self.net = self.small(load_mesh(mesh, photograph, self.species))
             self.history = History(Pose(name, copied(self.net)))
         else:
             self.find(flip)
@@ -218,7 +217,7 @@ class Dressing:
                 self.bench.tell("No fish of this shape was found: lay the mesh over it.", True)
                 self.did()
                 return
-            self.net = self._small(result.net)
+            self.net = self.small(result.net)
             self.bench.tell("The fish is found. Where its outline is not met, pull at the mesh.")
             if self.history.may_undo or self.history.present.name != self.name:
                 self.did()
@@ -255,9 +254,18 @@ class Dressing:
         self.relaxing = False
         self._species(name)
         self._refit()
-        height, width = self._colour.shape[:2]
-        self.net = laid(self.species.surface, across(width, height, self.species.surface))
+        self.net = self._fresh()
         self.find()
+
+    def anew(self) -> None:
+        """Lay the meshes in the species' own shape across the photograph, to be put in place."""
+        self.relaxing = False
+        self.net, self.easel.hand = self._fresh(), "whole"
+        self.did()
+
+    def _fresh(self) -> Net:
+        height, width = self._colour.shape[:2]
+        return laid(self.species.surface, across(width, height, self.species.surface))
 
     def keep_mesh(self) -> None:
         """Write the present meshes to their file."""
@@ -266,7 +274,7 @@ class Dressing:
 
     def take_up_mesh(self) -> None:
         """Go on with the meshes of their file."""
-        net = self._small(load_mesh(self.mesh_file, self.photograph, self.species))
+        net = self.small(load_mesh(self.mesh_file, self.photograph, self.species))
         self.relax(False)
         self.net, self._taken_up = net, True
         self.did()
@@ -280,7 +288,7 @@ class Dressing:
             one.anchors[:] = one.anchors / self._share + middle
         return other
 
-    def _small(self, net: Net) -> Net:
+    def small(self, net: Net) -> Net:
         """The other way round."""
         other = copied(net)
         middle = np.full(2, 0.5 * self._share - 0.5)
