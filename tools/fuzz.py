@@ -24,9 +24,11 @@ from typing import Any, NamedTuple
 import h5py
 import msgspec
 import numpy as np
+from PIL import Image
 
 from subsea import snapshot
 from subsea.app.comparison import read_reports
+from subsea.app.dressing import load_mesh, save_mesh
 from subsea.app.records import read_record
 from subsea.app.settings import default_text, read_settings
 from subsea.app.simulate import simulate
@@ -36,6 +38,10 @@ from subsea.ocean import create_world
 from subsea.repertoire import read_repertoire
 from subsea.resources import resource_path
 from subsea.scenario import load_scenario
+from subsea.skins import sheet
+from subsea.skins.flank import across, laid
+from subsea.skins.photograph import Photograph
+from subsea.skins.photograph import read as read_photograph
 from subsea.species import load_species
 from subsea.theatre.files import load_theatre
 from subsea.theatre.pfm import read_pfm
@@ -130,6 +136,49 @@ def from_masters(unused: Path) -> list[bytes]:
 
 
 SEA = Snapshots()
+
+
+def photographs(folder: Path) -> list[bytes]:
+    """Pictures as cameras and painting programs write them, whatever they are called."""
+    picture = Image.effect_noise((160, 120), 60.0)
+    out = []
+    for name, mode in (
+        ("JPEG", "RGB"),
+        ("PNG", "RGBA"),
+        ("TIFF", "CMYK"),
+        ("WEBP", "RGB"),
+        ("GIF", "P"),
+    ):
+        picture.convert("RGB").convert(mode).save(folder / "picture", name)
+        out.append((folder / "picture").read_bytes())
+    return out
+
+
+def sheets(folder: Path) -> list[bytes]:
+    """The sheet of a species."""
+    sheet.write(folder / "sheet.png", np.zeros((640, 1024, 4), np.uint8))
+    return [(folder / "sheet.png").read_bytes()]
+
+
+class Skin:
+    """Meshes over a photograph."""
+
+    species = load_species("clownfish")
+    photograph = Photograph(Path("fish.png"), np.zeros((120, 160, 3), np.uint8), None)
+
+    def samples(self, folder: Path) -> list[bytes]:
+        """As they are kept."""
+        plan = self.species.surface
+        save_mesh(folder / "mesh.json", self.photograph, laid(plan, across(160, 120, plan)))
+        return [(folder / "mesh.json").read_bytes()]
+
+    def read(self, path: Path) -> object:
+        """As `--mesh` does."""
+        return load_mesh(path, self.photograph, self.species)
+
+
+SKIN = Skin()
+
 KINDS = {
     "repertoire": Kind(".h5", shipped("repertoires", ".h5"), read_repertoire),
     "record": Kind(".h5", records, read_record),
@@ -143,6 +192,9 @@ KINDS = {
     "from-node": Kind(".bin", from_nodes, lambda p: messages.from_node(p.read_bytes())),
     "from-master": Kind(".bin", from_masters, lambda p: messages.from_master(p.read_bytes())),
     "report": Kind(".json", reports, read_reports),
+    "photograph": Kind(".png", photographs, read_photograph),
+    "sheet": Kind(".png", sheets, sheet.read),
+    "meshes": Kind(".json", SKIN.samples, SKIN.read),
     "float-map": Kind(".pfm", floats, read_pfm),
 }
 

@@ -986,14 +986,19 @@ def _theatre(name: str) -> int:
 def _skin(
     photo: Path, species: str | None, auto: bool, out: Path | None, flip: bool, mesh: Path | None
 ) -> int:
+    if auto and species is None:
+        raise UserError("skin: --auto needs --species NAME")
+    try:
+        import cv2  # noqa: F401
+    except ImportError as fault:
+        raise UserError("skin needs OpenCV: install subsea[skin]") from fault
     if not auto:
         from subsea.app.skin.window import dress_by_hand
 
         return dress_by_hand(photo, species, out, flip, mesh)
     from subsea.app.dressing import dress
 
-    if species is None:
-        raise UserError("skin: --auto needs --species NAME")
+    assert species
     return dress(photo, species, out, flip, mesh)
 
 

@@ -19,6 +19,7 @@ from subsea.skins.sheet import wear, write
 from subsea.species import Species, is_shipped, load_species, species_file
 
 GOOD = 0.015  # body lengths
+FAR = 10.0  # of a photograph's size: meshes that lie so far off are none
 
 
 def dress(photo: Path, name: str, out: Path | None, flip: bool, mesh: Path | None) -> int:
@@ -110,11 +111,15 @@ def load_mesh(path: Path, photograph: Photograph, species: Species) -> Net:
             raise ValueError(f"expected meshes {', '.join(meshes(net))}")
         for name, one in meshes(net).items():
             nodes = np.array(content[name]["nodes"], float)
-            if nodes.shape != one.nodes.shape or not np.isfinite(nodes).all():
-                raise ValueError(f"expected {one.nodes.shape[0]}×{one.nodes.shape[1]} nodes")
+            if nodes.shape != one.nodes.shape or not (np.abs(nodes) < FAR).all():
+                m, n, _ = one.nodes.shape
+                raise ValueError(f"expected {m}×{n} nodes about the photograph")
             one.nodes[:] = nodes * size
             for k, j, *place in content[name]["anchors"]:
-                one.anchors[k, j] = np.array(place, float) * size
+                anchor = np.array(place, float)
+                if anchor.shape != (2,) or not (np.abs(anchor) < FAR).all():
+                    raise ValueError("expected anchors about the photograph")
+                one.anchors[k, j] = anchor * size
     except OSError as fault:
         raise UserError(f"{path}: cannot read ({fault.strerror})") from fault
     except (ValueError, KeyError, TypeError, IndexError) as fault:

@@ -27,6 +27,7 @@ from subsea.skins.deformable import (
     settle,
     transform,
 )
+from subsea.skins.eyes import eye_near
 from subsea.skins.flank import across, at_rest, finer, laid, placed
 from subsea.skins.lift import covered
 from subsea.skins.photograph import Photograph, cleaned, guesses, small, told_apart
@@ -45,6 +46,10 @@ SMALLEST, LARGEST = 0.003, 0.75  # shares of the picture that a fish may fill
 SURE = 0.955  # likeness above which no other guess is tried
 LIKELY = 0.95, 0.6  # sizes of fishes in pictures, of the largest that has room
 BLANK = 1.0  # deviation of the colours, of 255, below which there is nothing in a picture
+EYE = 0.25  # what the plainness of an eye counts beside the likeness of shapes
+PLAIN = 0.12  # an eye is one from which on
+OFF = 2.2  # radii from where it is expected, at most
+HOLDING = 1.0  # λ of the anchors that hold the border meanwhile
 POOR = 0.55  # likeness below which no fish was found
 ROUNDS = 2  # of telling apart once more, where it is known about where the fish is
 # Body lengths: so deep inside a silhouette all is fish, so far outside of it nothing is, while the
@@ -66,27 +71,74 @@ class Found(NamedTuple):
 def found(photograph: Photograph, plan: SurfacePlan, flip: bool = False) -> Found:
     """The fish in a photograph, with meshes on its outline; if there is none, a UserError.
 
-    Which way it heads follows from its shape; `flip` takes the other one.
+    Which way it heads follows from its shape and its eye; `flip` takes the other one.
     """
     colour, share = small(photograph)
     if photograph.opacity is None:
-        mask, matrix, likeness = _told(colour, plan, flip)
+        mask, matrix, likeness = _told(colour, plan)
     else:
         size = colour.shape[1::-1]
         opacity = cv2.resize(photograph.opacity, size, interpolation=cv2.INTER_AREA)
         mask = cleaned(opacity > 127)
-        matrix, likeness = aligned(plan, mask, flip) if mask.any() else (np.eye(3)[:2], 0.0)
+        matrix, likeness = aligned(plan, mask)
     if likeness < POOR:
         raise UserError(
             f"{photograph.path}: no fish of this shape found; lay the mesh by hand, without --auto,"
             " or cut the fish out: clear pixels around it are taken for the background"
         )
+    ways = [(matrix, likeness), aligned(plan, mask, not _heads_right(matrix))]
+    plain = [like + EYE * _eye(photograph, plan, one, share)[1] for one, like in ways]
+    matrix, likeness = ways[int(plain[1] > plain[0]) ^ int(flip)]
+    if photograph.opacity is None:
+        mask, matrix, likeness = _closer(colour, plan, mask, matrix, likeness)
     net = laid(plan, matrix)
     hold(net, colour, mask)
     # Middles of pixels are at whole numbers, in the small picture and the large one.
     middle = np.full(2, 0.5 / share - 0.5)
     transform(net, np.eye(2) / share, np.zeros(2), middle)
+    take_eye(net, photograph, plan)
     return Found(net, _enlarged(mask, photograph), likeness)
+
+
+def take_eye(net: Net, photograph: Photograph, plan: SurfacePlan) -> None:
+    """Let the inside of the meshes follow the eye in a photograph, if a plain one is near.
+
+    So it comes to lie where the species has its eye, which bulges; the border stays.
+    """
+    body, rest = net.body, at_rest(plan).body
+    column = float(np.interp(plan.eye.at, rest[4, :15, 0], np.arange(15)))
+    j, t = int(column), column % 1.0
+    heights = (1.0 - t) * rest[:, j, 1] + t * rest[:, j + 1, 1]
+    row = float(np.interp(-plan.eye.height, -heights, np.arange(len(heights))))
+    k, s = min(int(row), len(heights) - 2), row - min(int(row), len(heights) - 2)
+    upper, lower = ((1.0 - t) * body.nodes[i, j] + t * body.nodes[i, j + 1] for i in (k, k + 1))
+    here = (1.0 - s) * upper + s * lower
+    radius = plan.eye.radius * float(np.hypot(*(body.nodes[4, 0] - body.nodes[4, -1])))
+    there, plain = eye_near(photograph.colour, here, radius)
+    if plain < PLAIN or np.hypot(*(there - here)) > OFF * radius:
+        return
+    held = np.zeros(body.feels.shape, bool)
+    held[[0, -1]] = held[:, [0, -1]] = True
+    body.anchors[held] = body.nodes[held]
+    inside = [(a, b) for a in (k, k + 1) for b in (j, j + 1) if not held[a, b]]
+    for at in inside:
+        body.anchors[at] = body.nodes[at] + there - here
+    relax(net, None, LAW._replace(anchor=HOLDING), still=0.01, most=600)
+    body.anchors[:] = np.nan
+    settle(net)
+
+
+def _eye(
+    photograph: Photograph, plan: SurfacePlan, matrix: Array, share: float
+) -> tuple[Array, float]:
+    """The eye, and how plain it is, if the species lies so in the small picture."""
+    place = placed(matrix, np.array([plan.eye.at, plan.eye.height]))
+    radius = plan.eye.radius * float(np.hypot(*matrix[:, 0]))
+    return eye_near(photograph.colour, (place + 0.5) / share - 0.5, radius / share)
+
+
+def _heads_right(matrix: Array) -> bool:
+    return bool(np.linalg.det(matrix[:, :2]) > 0.0)
 
 
 def under(photograph: Photograph, net: Net) -> Mask:
@@ -112,7 +164,7 @@ def _enlarged(mask: Mask, photograph: Photograph) -> Mask:
     return np.asarray(large > 0.5)
 
 
-def _told(colour: Bytes, plan: SurfacePlan, flip: bool) -> tuple[Mask, Array, float]:
+def _told(colour: Bytes, plan: SurfacePlan) -> tuple[Mask, Array, float]:
     """What is told apart in a small picture, the species' place in it, and their likeness."""
     best: tuple[Mask, Array, float] = (np.zeros(colour.shape[:2], bool), np.eye(3)[:2], 0.0)
     blank = colour.std(axis=(0, 1)).max() < BLANK
@@ -123,18 +175,25 @@ def _told(colour: Bytes, plan: SurfacePlan, flip: bool) -> tuple[Mask, Array, fl
             mask = told_apart(colour, guess)
             if not SMALLEST < mask.mean() < LARGEST:
                 break
-            matrix, likeness = aligned(plan, mask, flip)
+            matrix, likeness = aligned(plan, mask)
             likeness -= _cut_off(mask)
             if likeness > best[2]:
                 best = mask, matrix, likeness
             guess = _shaped(plan, matrix, mask.shape, WIDE)
-    mask, matrix, likeness = best
-    for _ in range(ROUNDS if likeness >= POOR else 0):
+    return best
+
+
+def _closer(
+    colour: Bytes, plan: SurfacePlan, mask: Mask, matrix: Array, likeness: float
+) -> tuple[Mask, Array, float]:
+    """The same once more, where it is known about where the fish is and which way it heads."""
+    right = _heads_right(matrix)
+    for _ in range(ROUNDS):
         closer = told_apart(colour, _shaped(plan, matrix, mask.shape, CLOSER))
         if not closer.any():
             break
         mask = closer
-        matrix, likeness = aligned(plan, mask, flip)
+        matrix, likeness = aligned(plan, mask, right)
     return mask, matrix, likeness
 
 
@@ -195,11 +254,10 @@ def silhouette(plan: SurfacePlan, matrix: Array, shape: tuple[int, ...]) -> Mask
     return out.astype(bool)
 
 
-def aligned(plan: SurfacePlan, mask: Mask, flip: bool = False) -> tuple[Array, float]:
+def aligned(plan: SurfacePlan, mask: Mask, heads_right: bool | None = None) -> tuple[Array, float]:
     """The matrix (2, 3) that lays the species best over a mask, and their likeness, 0 to 1.
 
-    Tried from many tilts, heading either way; `flip` takes the better of those that head the other
-    way than the best.
+    Tried from many tilts, heading either way or as is said.
     """
     share = min(1.0, ALIKE / max(mask.shape))
     size = round(mask.shape[1] * share), round(mask.shape[0] * share)
@@ -214,20 +272,19 @@ def aligned(plan: SurfacePlan, mask: Mask, flip: bool = False) -> tuple[Array, f
     shape.soften(zoom)
     spread = np.cov(np.stack([x, y]))
     axis = 0.5 * np.arctan2(2.0 * spread[0, 1], spread[0, 0] - spread[1, 1])
-    best: dict[bool, tuple[float, Array]] = {}
-    for heads_right in (False, True):
+    best: tuple[float, Array, bool] = (-1.0, np.zeros(5), False)
+    for right in (False, True) if heads_right is None else (heads_right,):
         tries = []
         for tilt in {*TILTS.tolist(), float(axis)}:
             start = np.array([*middle, zoom, 0.0, tilt])
-            tries.append(_climbed(shape, there, start, heads_right, 1))
+            tries.append(_climbed(shape, there, start, right, 1))
         tries.sort(key=lambda one: -one[0])
-        best[heads_right] = max(
-            (_climbed(shape, there, one[1], heads_right, 5) for one in tries[:3]),
-            key=lambda one: one[0],
-        )
-    right = best[True][0] > best[False][0]
-    likeness, values = best[right ^ flip]
-    matrix = shape.matrix(values, right ^ flip)
+        for _, values in tries[:3]:
+            best = max(
+                best, (*_climbed(shape, there, values, right, 5), right), key=lambda one: one[0]
+            )
+    likeness, values, right = best
+    matrix = shape.matrix(values, right)
     # From pixels of the comparison to those of the mask.
     matrix = matrix / share
     matrix[:, 2] += 0.5 / share - 0.5

@@ -2,6 +2,7 @@
 
 import json
 import shutil
+import sys
 
 import numpy as np
 import pytest
@@ -102,7 +103,8 @@ def test_faults_are_one_line_and_change_nothing(capsys, own, photo, tmp_path, mo
         photo, "--species", "spotted_eagle_ray", "--auto", "--out", tmp_path / "ray.png"
     )
     mesh = tmp_path / "mesh.json"
-    for text in ("", "[]", "{}", '{"meshes": {"body": 3}}'):
+    far = json.dumps({"meshes": {"body": {"nodes": [[[1e300, 0]] * 21] * 9, "anchors": []}}})
+    for text in ("", "[]", "{}", '{"meshes": {"body": 3}}', far):
         mesh.write_text(text)
         assert "mesh.json" in fails(photo, "--species", NAME, "--auto", "--mesh", mesh)
     monkeypatch.setattr(dressing, "ROOT", tmp_path)  # as if it were installed
@@ -110,6 +112,12 @@ def test_faults_are_one_line_and_change_nothing(capsys, own, photo, tmp_path, mo
     assert "--out" in told
     assert own.read_text() == before and not own.with_suffix(".png").exists()
     assert sorted(path.name for path in tmp_path.iterdir()) == ["mesh.json"]
+
+
+def test_what_is_not_installed_is_named(capsys, photo, monkeypatch):
+    monkeypatch.setitem(sys.modules, "cv2", None)
+    code, out, err = run(capsys, photo, "--species", "clownfish", "--auto")
+    assert (code, out, err) == (2, "", "subsea: skin needs OpenCV: install subsea[skin]\n")
 
 
 def test_an_interrupted_one_leaves_nothing(capsys, own, photo, tmp_path, monkeypatch):

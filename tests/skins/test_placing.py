@@ -1,12 +1,18 @@
 """Meshes find the fish in a photograph by themselves."""
 
+from pathlib import Path
+
+import cv2
 import numpy as np
 import pytest
+from msgspec import structs
 
 from subsea.errors import UserError
+from subsea.skins import paint
 from subsea.skins.deformable import meshes
-from subsea.skins.flank import across, laid, outlines
-from subsea.skins.lift import covered
+from subsea.skins.flank import across, laid, outlines, placed
+from subsea.skins.lift import covered, lifted
+from subsea.skins.photograph import Photograph
 from subsea.skins.placing import aligned, found, outline_error, silhouette, under
 from subsea.species import load_species
 
@@ -41,7 +47,7 @@ def test_shapes_are_laid_over_masks(name, tilt, right):
     both = silhouette(plan, got, mask.shape)
     assert (both & mask).sum() > 0.93 * (both | mask).sum()
     assert (got[0, 0] < 0) == right
-    other, less = aligned(plan, mask, flip=True)
+    other, less = aligned(plan, mask, heads_right=not right)
     assert (other[0, 0] > 0) == right and less < likeness
 
 
@@ -84,3 +90,39 @@ def test_the_outline_error_is_a_distance():
     length = np.ptp(outlines(net)[0][:, 0])
     # Up and down the whole way, along the flanks less.
     assert 0.5 * 8 / length < outline_error(net, mask) < 8 / length
+
+
+@pytest.mark.parametrize("right", [False, True])
+def test_the_eye_tells_which_way_a_fish_heads(right):
+    # A fish without a tail, alike fore and aft.
+    y, x = np.mgrid[:200, :320]
+    shape = np.hypot((x - 160) / 110, (y - 100) / 42) < 1
+    colour = np.full((200, 320, 3), (210, 120, 40), np.uint8)
+    plan = load_species("clownfish").surface
+    matrix, _ = aligned(plan, shape, right)
+    eye = np.round(placed(matrix, np.array([plan.eye.at, plan.eye.height]))).astype(int)
+    cv2.circle(colour, eye.tolist(), 4, (5, 5, 5), -1, cv2.LINE_AA)
+    photograph = Photograph(Path("fish.png"), colour, np.where(shape, 255, 0).astype(np.uint8))
+    for flip in (False, True):
+        nodes = found(photograph, plan, flip).net.body.nodes
+        assert (nodes[4, 0, 0] > nodes[4, -1, 0]) == (right ^ flip)
+
+
+def test_the_meshes_follow_the_eye(accuracy):
+    case = accuracy.Case("clownfish", length=420.0, size=(600, 420), other=0.0)
+    photograph, truth = accuracy.made(case)
+    species = load_species("clownfish")
+    # A species that has its eye elsewhere.
+    eye = structs.replace(species.surface.eye, at=0.14, height=0.035)
+    other = structs.replace(species, surface=structs.replace(species.surface, eye=eye))
+    one = found(photograph, other.surface)
+    assert outline_error(one.net, truth) < 0.01
+    body = paint.framed(
+        lifted(photograph.colour, one.net, other, one.mask).transpose(2, 0, 1), paint.BODY
+    )
+    front, rear = paint.borders(other.surface)
+    top = paint.half_height(other.surface)
+    column = int((eye.at - front) / (rear - front) * body.shape[2])
+    row = int((eye.height + top) / (2 * top) * body.shape[1])
+    assert body[:3, row, column].max() < 90  # the pupil, in an orange face
+    assert body[0, row, column + 40] > 150

@@ -1,0 +1,72 @@
+"""Where the eye of a fish is in a photograph: a dark disc that is paler all around.
+
+Needs the extra `skin` (OpenCV).
+"""
+
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.floating[Any]]
+Bytes = NDArray[np.uint8]
+
+PATCH = 96  # pixels each way, in which is looked
+GRAIN = 9.0  # pixels there of the radius of an eye
+PUPILS = 3.5, 4.5, 5.5, 6.5, 7.5  # their radii there, pixels
+FAR = 2.6  # radii of an eye from where it is expected, at most
+DIRECTIONS = 16
+WEAKEST = 0.2  # of all directions may be as dark as the disc: a lid, a band through the eye
+
+
+def eye_near(colour: Bytes, place: Array, radius: float) -> tuple[Array, float]:
+    """The likeliest eye about a place of a photograph (h, w, 3), and how plain it is.
+
+    That is how much paler its ring is than its disc nearly all around, 0 to 1. `radius` is that
+    of an eye in pixels.
+    """
+    scale = radius / GRAIN
+    middle = (PATCH - 1) / 2
+    back = np.array(
+        [[scale, 0.0, place[0] - scale * middle], [0.0, scale, place[1] - scale * middle]]
+    )
+    smooth = cv2.GaussianBlur(colour, (0, 0), max(0.6 * scale, 0.1))
+    patch = cv2.warpAffine(
+        smooth, back, (PATCH, PATCH), flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
+        borderMode=cv2.BORDER_REPLICATE,
+    )  # fmt: skip
+    grey = cv2.cvtColor(patch, cv2.COLOR_RGB2GRAY).astype(np.float32) / 255.0
+    y, x = np.mgrid[:PATCH, :PATCH] - middle
+    far = np.hypot(x, y)
+    best, where = -1.0, (middle, middle)
+    turn = 2.0 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
+    ways = np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    for pupil in PUPILS:
+        disc = _mean(grey, 0.7 * pupil)
+        soft = _mean(grey, 0.25 * pupil)
+        ring = np.stack([_shifted(soft, 1.45 * pupil * way) for way in ways])
+        plain = np.quantile(ring, WEAKEST, axis=0) - disc
+        plain[far > FAR * GRAIN] = -1.0
+        k, j = np.unravel_index(plain.argmax(), plain.shape)
+        if plain[k, j] > best:
+            best, where = float(plain[k, j]), (float(j), float(k))
+    return back[:, :2] @ where + back[:, 2], max(best, 0.0)
+
+
+def _mean(grey: Array, radius: float) -> Array:
+    """The means over discs."""
+    reach = int(np.ceil(radius))
+    y, x = np.mgrid[-reach : reach + 1, -reach : reach + 1]
+    disc = np.clip(radius + 0.5 - np.hypot(x, y), 0.0, 1.0).astype(np.float32)
+    return np.asarray(cv2.filter2D(grey, -1, disc / disc.sum(), borderType=cv2.BORDER_REPLICATE))
+
+
+def _shifted(grey: Array, by: Array) -> Array:
+    """What lies `by` pixels beside each pixel."""
+    matrix = np.array([[1.0, 0.0, by[0]], [0.0, 1.0, by[1]]])
+    out = cv2.warpAffine(
+        grey, matrix, grey.shape[::-1], flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
+        borderMode=cv2.BORDER_REPLICATE,
+    )  # fmt: skip
+    return np.asarray(out)
