@@ -10,7 +10,7 @@ from subsea.app.settings import Attract, Settings
 from subsea.world import TICK_S
 from tests.app.scenes import scene
 
-AFTER_S, END_S = 2.0, 4.0
+AFTER_S, END_S = 1.5, 3.0
 CUES = (
     "camera = { position_cm = [-480.0, -200.0, -250.0], look_at_cm = [-300.0, 0.0, -250.0], "
     "over_s = 0.0 }\ncaption = 'Again.'",
@@ -29,7 +29,7 @@ def test_the_scene_begins_anew_when_it_is_over_and_when_a_visitor_has_left(
         )
     ) as exhibit:  # fmt: skip
         begun = []
-        for _ in range(90):
+        for _ in range(70):
             before = exhibit.world
             exhibit.frame(0.1)
             if exhibit.world is not before:
