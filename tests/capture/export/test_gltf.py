@@ -3,6 +3,7 @@
 import json
 import struct
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -37,8 +38,9 @@ class Reader:
         self.content: dict[str, Any] = json.loads(data[20 : 20 + length])
         self.binary = data[28 + length :]
         self.animations = {one["name"]: one for one in self.content["animations"]}
+        self.array = cache(self._array)
 
-    def array(self, accessor: int) -> np.ndarray:
+    def _array(self, accessor: int) -> np.ndarray:
         """3.6.2."""
         one = self.content["accessors"][accessor]
         view = self.content["bufferViews"][one["bufferView"]]
@@ -93,10 +95,10 @@ class Reader:
         """Linear or, for rotations, spherical: appendix C."""
         assert sampler.get("interpolation", "LINEAR") == "LINEAR"
         times, keys = self.array(sampler["input"]), self.array(sampler["output"])
-        keys = keys.reshape(len(times), -1).astype(float)
+        keys = keys.reshape(len(times), -1)
         after = int(np.clip(np.searchsorted(times, time), 1, len(times) - 1))
         share = np.clip((time - times[after - 1]) / (times[after] - times[after - 1]), 0.0, 1.0)
-        a, b = keys[after - 1 : after + 1]
+        a, b = keys[after - 1 : after + 1].astype(float)
         if path != "rotation":
             return (1.0 - share) * a + share * b
         dot = a @ b
