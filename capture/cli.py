@@ -353,7 +353,7 @@ def _export(options: argparse.Namespace) -> int:
     from capture.export.vat import write_vat
 
     if options.morph and options.to != "gltf":
-        raise UserError(f"--morph: nothing else moves {options.to}, it is for --to gltf")
+        raise UserError(f"--morph is for --to gltf, not {options.to}")
     check_folder(options.out)
     model, clips = make_clips(options.species, options.detail)
     if options.to == "gltf":

@@ -23,13 +23,16 @@ from subsea.species import own_species_file, repertoire_file, species_file
             ],
         ),
         ("usd", ["fusilier.usdc", "fusilier_basecolor.png"]),
+        ("gltf", ["fusilier.glb"]),
+        ("gltf --morph", ["fusilier.glb"]),
     ],
 )
 def test_it_tells_each_file_in_a_line(
     form: str, files: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "new"
-    assert main(["export", "fusilier", "--to", form, "--detail", "3", "--out", str(out)]) == 0
+    wanted = f"export fusilier --to {form} --detail 3".split()
+    assert main([*wanted, "--out", str(out)]) == 0
     told = [line.partition(": ")[0] for line in capsys.readouterr().out.splitlines()]
     assert told == [str(out / name) for name in files]
     assert {path for path in out.rglob("*") if path.is_file()} == {out / name for name in files}
@@ -57,6 +60,8 @@ def test_detail_and_root_reach_the_files(tmp_path: Path) -> None:
         (["fusilier", "--to", "fbx"], "'fbx'"),
         (["fusilier", "--to", "vat", "--detail", "4"], "whole number from 0 to 3"),
         (["fusilier", "--to", "vat", "--root", "fixed"], "'fixed'"),
+        (["fusilier", "--to", "usd", "--morph"], "--morph is for --to gltf"),
+        (["fusilier", "--to", "gltf", "--out", "/proc/none"], "/proc/none"),
         (["fusilier", "--to", "vat", "--out", "/proc/none"], "/proc/none"),
     ],
 )
@@ -84,7 +89,23 @@ def test_a_species_of_ones_own_is_exported_by_name(
     assert (tmp_path / "my-fish.usdc").is_file()
 
 
-@pytest.mark.parametrize("form", ["vat", "usd"])
+def test_interrupted_it_leaves_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """While joints are fitted, which takes longest."""
+
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("capture.export.rig._fit_weights", interrupt)
+    new = tmp_path / "new"
+    assert main(["export", "fusilier", "--to", "gltf", "--detail", "3", "--out", str(new)]) == 130
+    out, err = capsys.readouterr()
+    assert not out and err == "subsea-capture: interrupted\n"
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("form", ["vat", "usd", "gltf"])
 def test_without_room_nothing_is_left(form: str, tmp_path: Path) -> None:
     """No file may be longer than 200 blocks of 1024 bytes: the last ones fail."""
     arguments = f"export fusilier --to {form} --detail 2 --out {tmp_path / 'new'}"
