@@ -105,11 +105,15 @@ def skeleton(model: Model) -> list[Joint]:
             hang(name, fin.mean(axis=0))
     if wide > WIDE * length:
         for side, sign in (("left", -1.0), ("right", 1.0)):
-            for k, share in enumerate(WINGS):
-                z = sign * share * wide
-                near = body[np.abs(body[:, 2] - z) < 0.1 * wide]
-                for edge, x in (("front", near[:, 0].max()), ("rear", near[:, 0].min())):
-                    hang(f"wing_{side}_{k + 1}_{edge}", np.array([x, 0.0, z]))
+            for edge, most in (("front", np.argmax), ("rear", np.argmin)):
+                for k, share in enumerate(WINGS):
+                    z = sign * share * wide
+                    near = body[np.abs(body[:, 2] - z) < 0.1 * wide, 0]
+                    place = np.array([near[most(near)], 0.0, z])
+                    if k == 0:
+                        hang(f"wing_{side}_{edge}_1", place)
+                    else:  # on the one before it
+                        joints.append(Joint(f"wing_{side}_{edge}_{k + 1}", len(joints) - 1, place))
     return joints
 
 
