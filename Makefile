@@ -1,4 +1,5 @@
-# `make run` opens a dive, `make test` runs every check. Both set up what they need, once.
+# `make run` opens a dive, `make bench` installs what the makers' tools need besides, `make test` runs
+# every check. Each sets up what it needs, once.
 #
 #   make run ARGS="--seed 3 --fullscreen"      arguments of `subsea dive`
 #   make test ARGS="-k clock"                  arguments of pytest
@@ -7,7 +8,7 @@ BIN := .venv/bin
 LOCKED := uv.lock pyproject.toml tools/setup.sh tools/gltf-validator/package-lock.json
 NO_DISPLAY = [ -z "$$DISPLAY$$WAYLAND_DISPLAY" ] && [ "$$(uname -s)" != Darwin ]
 
-.PHONY: run test format clean
+.PHONY: run bench test format clean
 
 run: .venv/ready-run
 	@if $(NO_DISPLAY); then \
@@ -16,6 +17,8 @@ run: .venv/ready-run
 	else \
 		exec $(BIN)/python run_submarine.py $(ARGS); \
 	fi
+
+bench: .venv/ready-bench
 
 test: .venv/ready-test
 	$(BIN)/ruff format --check .

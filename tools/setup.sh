@@ -1,5 +1,6 @@
 #!/bin/sh
-# Prepare a checkout: `sh tools/setup.sh run` for diving, `sh tools/setup.sh test` for developing.
+# Prepare a checkout: `sh tools/setup.sh run` for diving, `bench` for the makers' tools besides, `test`
+# for developing.
 # Needs Python 3.11 or later. Installs into .venv, and system packages only where it may.
 set -eu
 cd "$(dirname "$0")/.."
@@ -76,8 +77,9 @@ gltf_validator() {
 
 case $PURPOSE in
 run) groups="--no-dev" packages="$HEADLESS $WINDOW" ;;
+bench) groups="--no-dev --extra learn --extra plot --extra skin --extra usd" packages="$HEADLESS $WINDOW" ;;
 test) groups="" packages="$HEADLESS $WINDOW $TESTS" ;;
-*) say "expected 'run' or 'test', not '$PURPOSE'" && exit 2 ;;
+*) say "expected 'run', 'bench' or 'test', not '$PURPOSE'" && exit 2 ;;
 esac
 
 [ -x .venv/bin/uv ] && .venv/bin/uv --version 2>/dev/null | grep -q "${UV#uv==}" || make_environment
@@ -90,5 +92,5 @@ export UV_COMPILE_BYTECODE=1
 # Without these there is no picture, but a simulation still runs: say so and go on.
 # shellcheck disable=SC2086
 system_packages $packages || say "going on without them; \`subsea doctor\` tells what still works"
-[ "$PURPOSE" = run ] || gltf_validator
+[ "$PURPOSE" != test ] || gltf_validator
 say "ready"

@@ -1,6 +1,7 @@
 """What faults tell to type is what the set-up installs."""
 
 import re
+import tomllib
 from pathlib import Path
 
 from subsea.app import install
@@ -14,3 +15,11 @@ def test_the_libraries_are_those_of_the_setup():
     assert (lists["HEADLESS"], lists["WINDOW"]) == (install.HEADLESS, install.WINDOW)
     assert context.INSTALL.endswith(install.HEADLESS)
     assert install.INSTALL.startswith(context.INSTALL)
+
+
+def test_the_makers_bench_has_every_extra_but_that_of_clusters():
+    project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())
+    [line] = re.findall(r'^bench\) groups="(.*?)"', SETUP, re.MULTILINE)
+    extras = set(project["project"]["optional-dependencies"])
+    assert set(re.findall(r"--extra (\w+)", line)) == extras - {"cluster"}
+    assert "--no-dev" in line
