@@ -164,7 +164,7 @@ class Dressing:
             self.bench.tell("not yet: it is still looking for the fish", trouble=True)
             return False
         if self._out is None and is_shipped(self.name):
-            self._naming = Naming(self.name, copies=False)
+            self._naming = self._naming or Naming(self.name, copies=False)
             return False
         self.relax(False)
         if self.working:
