@@ -449,7 +449,7 @@ def _add_build(commands: Any) -> None:
         "A species begins as a copy of another one and is saved among your own. Its points are\n"
         "dragged in a side view and a top view, it swims beside them by its own muscles, and\n"
         "checks say what it lacks. Learn and Record make it swim in the sea: docs/builder.md.",
-        ["subsea build", "subsea build clownfish", "subsea build my_fish"],
+        ["subsea build", "subsea build clownfish", "subsea build my_fish --over fish.jpg"],
     )
     build.add_argument(
         "name", metavar="SPECIES", nargs="?", help="species, or the path of its .toml file"
@@ -458,6 +458,12 @@ def _add_build(commands: Any) -> None:
         "--in-place",
         action="store_true",
         help="save a species that comes with the program into its own file, not under a new name",
+    )
+    build.add_argument(
+        "--over",
+        type=Path,
+        metavar="PHOTO",
+        help="a photograph from the side, behind the side view, to draw over",
     )
     build.set_defaults(run=_build)
 
@@ -1002,10 +1008,10 @@ def _skin(
     return dress(photo, species, out, flip, mesh)
 
 
-def _build(name: str | None, in_place: bool) -> int:
+def _build(name: str | None, in_place: bool, over: Path | None) -> int:
     from subsea.app.build.window import build
 
-    return build(name, in_place)
+    return build(name, in_place, over)
 
 
 def _doctor() -> int:

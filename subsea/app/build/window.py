@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 from typing import NamedTuple
 
@@ -20,6 +21,7 @@ from subsea.app.build.making import FEWEST, MOST, Making, recorded
 from subsea.app.build.naming import Naming
 from subsea.app.build.numbers import Panels
 from subsea.app.build.swimmer import WAYS, Swimmer
+from subsea.app.build.tracing import Tracing
 from subsea.app.build.views import Views, dressed
 from subsea.app.gui import QUIET, colour
 from subsea.biomechanics.body import MUSCLES
@@ -88,10 +90,14 @@ def sheet_for(draft: Draft) -> tuple[Picture, list[Remark]]:
 class Builder:
     """The fish builder, a `bench.Craft`."""
 
-    def __init__(self, bench: Bench, draft: Draft, path: Path | None, asks: bool = False) -> None:
+    def __init__(
+        self, bench: Bench, draft: Draft, path: Path | None, asks: bool = False,
+        photo: Picture | None = None,
+    ) -> None:  # fmt: skip
         """Begin with a draft that is saved at `path`; None: it needs a name of its own first.
 
-        With `asks` that name, and what to begin from, are asked for at once.
+        With `asks` that name, and what to begin from, are asked for at once. A `photo` (h, w, 3)
+        lies behind the side view.
         """
         self.bench, self.path = bench, path
         self.editing, self.views, self.panels = Editing(draft), Views(), Panels()
@@ -106,6 +112,7 @@ class Builder:
         self._shaped = draft
         sheet, _ = sheet_for(draft)
         self.specimen = Specimen(bench.context, draft.species, sheet)
+        self.tracing = Tracing(bench.context, photo) if photo is not None else None
         flank, self._place = dressed(draft.species, sheet)
         self._flank = Shown(bench.context, flank)
 
@@ -151,6 +158,8 @@ class Builder:
         self.making.close()
         self.specimen.release()
         self._flank.release()
+        if self.tracing:
+            self.tracing.release()
 
     def bar(self) -> None:
         """New from…, and what makes the fish swim."""
@@ -167,6 +176,8 @@ class Builder:
         with self.bench.pane("Side", left, top, wide, side, titled=False):
             self._tools()
             seen = None if editing.present.species.surface.wing else self._dressed()
+            if self.tracing:
+                seen = self.tracing.shown.glo, self.tracing.box
             self.views.draw("side", editing, _room(), contraction, seen)
         with self.bench.pane("Top", left, top + side, wide, height - side, titled=False):
             seen = self._dressed() if editing.present.species.surface.wing else None
@@ -242,6 +253,9 @@ class Builder:
         imgui.same_line()
         if imgui.button("Fit"):
             views.fit()
+        if self.tracing:
+            imgui.same_line()
+            self.tracing.panel()
 
     def _take_away(self) -> None:
         path = self.editing.chosen
@@ -468,17 +482,33 @@ class Builder:
             self.bench.later(self.bench.save)
 
 
-def build(name: str | None, in_place: bool) -> int:
+def build(name: str | None, in_place: bool, over: Path | None) -> int:
     """Open the builder with a species, or to begin a new one; exit code 0."""
-    return work(TITLE, begun(name, in_place), without=WITHOUT)
+    return work(TITLE, begun(name, in_place, over), without=WITHOUT)
 
 
-def begun(name: str | None, in_place: bool = False) -> Callable[[Bench], Builder]:
-    """What puts a builder on a bench; a faulty file is a UserError before a window opens."""
+def begun(
+    name: str | None, in_place: bool = False, over: Path | None = None
+) -> Callable[[Bench], Builder]:
+    """What puts a builder on a bench; a faulty file is a UserError before a window opens.
+
+    The photograph `over` which is drawn needs the extra `skin`.
+    """
     path = species_file(name or START)
     draft = drafts.read(path)
     keeps = name is not None and (in_place or path != shipped_path(draft.key))
-    return lambda bench: Builder(bench, draft, path if keeps else None, asks=name is None)
+    own = path if keeps else None
+    photo = photograph(over) if over else None
+    return lambda bench: Builder(bench, draft, own, asks=name is None, photo=photo)
+
+
+def photograph(path: Path) -> Picture:
+    """The pixels of a photograph; what is none is a UserError."""
+    if find_spec("cv2") is None:
+        raise UserError("photographs need OpenCV: install subsea[skin]")
+    from subsea.skins.photograph import read
+
+    return read(path).colour
 
 
 def shipped_path(key: str) -> Path | None:

@@ -5,6 +5,7 @@ from contextlib import closing
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from subsea.app.bench import Bench
 from subsea.app.build import draft as drafts
@@ -28,7 +29,9 @@ def table(display, tmp_path_factory):
     """A builder that was started without a species, in a home of its own."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_DATA_HOME", str(tmp_path_factory.mktemp("home")))
-        with closing(Bench("subsea build", begun(None), SIZE)) as bench:
+        photo = tmp_path_factory.mktemp("photo") / "green.png"
+        Image.new("RGB", (400, 200), (20, 200, 40)).save(photo)
+        with closing(Bench("subsea build", begun(None, over=photo), SIZE)) as bench:
             for _ in range(5):
                 bench.frame(0.1)
             yield bench
@@ -136,6 +139,22 @@ def test_it_is_let_into_a_sea_and_swims_there(table):
         step(world, Helm())
     way = np.linalg.norm(world.state.fishes.position[mine] - before, axis=1)
     assert mine.sum() == scenario.fish[1].number and np.median(way) > 0.5
+
+
+def test_a_photograph_lies_behind_the_side_view(table):
+    table.frame(0.1)
+
+    def green(x, y):
+        left, top = table.window.position
+        across, down = at(table, "side", x, y)
+        red, green, blue = table.picture()[down - top, across - left][:3].astype(int)
+        return green > red + 60 and green > blue + 60
+
+    assert green(0.95, 0.21) and not green(1.02, 0.21)  # half as high as wide
+    table.craft.tracing.left += 0.05
+    table.craft.tracing.flipped = True
+    table.frame(0.1)
+    assert green(1.02, 0.21) and not green(0.03, 0.21)
 
 
 def test_points_are_added_and_taken_away(table, hands, spots):
@@ -286,3 +305,5 @@ def test_a_faulty_file_is_one_line_before_a_window_opens(tmp_path):
         begun(str(tmp_path / "torn.toml"))
     with pytest.raises(UserError, match="fusilier"):
         begun("fusiler")
+    with pytest.raises(UserError, match=r"torn\.toml: not a picture"):
+        begun("fusilier", over=tmp_path / "torn.toml")
