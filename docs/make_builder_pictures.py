@@ -21,6 +21,7 @@ from subsea.app.build.window import begun
 
 SIZE = 1280, 800
 RING = ("body", "ring", 1)
+FLANK = 810, 8, 1190, 220  # of a blue tang on the plate of species
 WAIT_S = 60.0  # for checks, at most
 
 folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent / "pictures"
@@ -73,3 +74,16 @@ with closing(Bench("subsea build", begun("clownfish"), SIZE)) as bench:
     craft.panels.show = "Checks"
     edited(bench, partial(drafts.changed, path=("swim", "contraction"), value=[0.2, 0.18]))
     take(bench, "checks", 3.0)
+
+# A photograph to draw over: the left flank of a tang, from the plate of species.
+plate = Image.open(Path(__file__).parent / "pictures" / "species.png").convert("RGB")
+photo = folder / "photograph.png"
+plate.crop(FLANK).resize((3 * (FLANK[2] - FLANK[0]), 3 * (FLANK[3] - FLANK[1]))).save(photo)
+try:
+    with closing(Bench("subsea build", begun("clownfish", over=photo), SIZE)) as bench:
+        tracing = bench.craft.tracing
+        tracing.left, tracing.middle, tracing.wide = -0.066, 0.012, 1.144
+        bench.craft.views.soft = True
+        take(bench, "photograph", 3.0)
+finally:
+    photo.unlink()
