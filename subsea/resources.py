@@ -142,14 +142,15 @@ def _fault(
     for rest in inside:  # within a table that may have any keys
         place = (*place, _culprit(content, kind, place), *place_of(rest))
     where = words_of(place)
-    here = _type_at(kind, where)
-    hint = ""
+    here, hint = _types_at(kind, place), ""
     if key := re.search(r"unknown field `([^`]*)`", message):
-        hint = nearest(key[1], sorted(one.encode_name for one in getattr(here, "fields", ())))
-    elif isinstance(here, inspect.DictType) and isinstance(here.key_type, inspect.LiteralType):
-        hint = f"; its keys are: {', '.join(map(repr, here.key_type.values))}"
-    elif isinstance(here, inspect.LiteralType):
-        hint = f"; there are: {', '.join(map(repr, here.values))}"
+        fields = (one.encode_name for kind in here for one in getattr(kind, "fields", ()))
+        hint = nearest(key[1], sorted(fields))
+    for one in [] if key else here:
+        if isinstance(one, inspect.DictType) and isinstance(one.key_type, inspect.LiteralType):
+            hint = f"; its keys are: {', '.join(map(repr, one.key_type.values))}"
+        elif isinstance(one, inspect.LiteralType):
+            hint = f"; there are: {', '.join(map(repr, one.values))}"
     message = message.replace("Object contains unknown field", "unknown key")
     message = message.replace("Object missing required field", "missing key")
     before, lines = tomllib.loads(text), key_lines(text)
@@ -236,24 +237,22 @@ def _set(content: dict[str, Any], setting: str) -> None:
         here = here[key]
 
 
-def _type_at(kind: Any, place: str) -> inspect.Type | None:
-    """What is expected at a place such as ``fish[0].kind`` of a struct; None where unknown."""
-    here = _without_none(inspect.type_info(kind))
-    for step in re.findall(r"[^.\[\]]+", place):
-        if isinstance(here, inspect.StructType):
-            here = next((one.type for one in here.fields if one.encode_name == step), None)
-        else:  # of lists and their like, the numbers of which are steps too
-            here = getattr(here, "item_type", None)
-        here = _without_none(here)
+def _types_at(kind: Any, place: Place) -> list[inspect.Type]:
+    """What may be at a place of a struct; nothing where that is unknown."""
+    here = _each(inspect.type_info(kind))
+    for step in place:
+        within = [one.type for kind in here for one in getattr(kind, "fields", ())
+                  if one.encode_name == step]  # fmt: skip
+        # Of lists and their like, the numbers of which are steps too.
+        within += [kind.item_type for kind in here if hasattr(kind, "item_type")]
+        here = [one for kind in within for one in _each(kind)]
     return here
 
 
-def _without_none(kind: Any) -> Any:
-    """The type itself of one with limits, or that may be left out."""
+def _each(kind: Any) -> list[Any]:
+    """The types of which one is meant, without their limits, and without that of nothing."""
     if isinstance(kind, inspect.Metadata):
-        return _without_none(kind.type)
+        return _each(kind.type)
     if isinstance(kind, inspect.UnionType):
-        return _without_none(
-            next(one for one in kind.types if not isinstance(one, inspect.NoneType))
-        )
-    return kind
+        return [one for part in kind.types for one in _each(part)]
+    return [] if isinstance(kind, inspect.NoneType) else [kind]

@@ -140,6 +140,16 @@ def test_a_fault_tells_its_line_and_its_key(path, change, line, words):
             53,
             "`direction[1].after`: unknown direction 'second'",
         ),
+        (
+            "camera = { follow = 'them' }",
+            51,
+            "Invalid enum value 'them', at `direction[1].camera.follow`; there are: 'cast'",
+        ),
+        (
+            "camera = { follow = { shoel = 0 } }",
+            51,
+            "unknown key `shoel`, at `direction[1].camera.follow`; did you mean 'shoal'?",
+        ),
         ("hook = 'down'", 51, "expected a table [hook]"),
         (
             "camera = { position_cm = [0.0, 0.0, -490.0], look_at_cm = [0.0, 9.0, -400.0] }",
