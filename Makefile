@@ -8,7 +8,7 @@ BIN := .venv/bin
 LOCKED := uv.lock pyproject.toml tools/setup.sh tools/gltf-validator/package-lock.json
 NO_DISPLAY = [ -z "$$DISPLAY$$WAYLAND_DISPLAY" ] && [ "$$(uname -s)" != Darwin ]
 
-.PHONY: run bench test format clean
+.PHONY: run bench test format docs clean
 
 run: .venv/ready-run
 	@if $(NO_DISPLAY); then \
@@ -29,6 +29,10 @@ test: .venv/ready-test
 format: .venv/ready-test
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
+
+docs: .venv/ready-test
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
+	@echo out/site/index.html
 
 clean:
 	rm -rf .venv tools/gltf-validator/node_modules

@@ -1,0 +1,27 @@
+"""What the site has beside the pages here: README, CONTRIBUTING and CHANGELOG of the project."""
+
+import re
+from pathlib import Path
+from typing import Any
+
+from mkdocs.structure.files import File, Files
+
+ROOT = Path(__file__).parents[1]
+PAGES = {
+    "README.md": "index.md", "CONTRIBUTING.md": "contributing.md", "CHANGELOG.md": "changelog.md",
+}  # fmt: skip
+
+
+def on_files(files: Files, config: Any) -> Files:
+    """Add them, their links made to hold from within docs/."""
+    for name, page in PAGES.items():
+        files.append(File.generated(config, page, content=moved((ROOT / name).read_text())))
+    return files
+
+
+def moved(text: str) -> str:
+    """A page of the project's root as one of docs/."""
+    text = text.replace("](docs/", "](")
+    for name, page in PAGES.items():
+        text = re.sub(rf"\]\({re.escape(name)}(#[^)]*)?\)", rf"]({page}\1)", text)
+    return text

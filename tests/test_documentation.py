@@ -1,0 +1,51 @@
+"""The documentation builds as a site, with no page left out and no link broken."""
+
+import logging
+import re
+from pathlib import Path
+
+import pytest
+from mkdocs.commands.build import build
+from mkdocs.config import load_config
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("site")
+    told = []
+    handler = logging.Handler(logging.WARNING)
+    handler.emit = lambda record: told.append(record.getMessage())
+    log = logging.getLogger("mkdocs")
+    log.addHandler(handler)
+    build(load_config(str(ROOT / "mkdocs.yml"), site_dir=str(folder), strict=False))
+    log.removeHandler(handler)
+    return folder, told
+
+
+def test_no_link_is_broken_and_no_page_left_out(site):
+    assert site[1] == []
+
+
+def test_the_site_has_every_page(site):
+    pages = {path.stem for path in (ROOT / "docs").glob("*.md")}
+    assert pages <= {path.parent.name for path in site[0].rglob("index.html")}
+    assert "make run" in (site[0] / "index.html").read_text()
+    assert (site[0] / "contributing" / "index.html").exists()
+
+
+def test_the_site_takes_nothing_from_elsewhere(site):
+    for page in site[0].rglob("*.html"):
+        foreign = re.findall(
+            r'(?:src|href)="(https?://[^"]+\.(?:js|css|woff2?|png))"', page.read_text()
+        )
+        assert foreign == [], page
+
+
+def test_every_picture_that_is_shown_is_there_and_no_other_is_kept():
+    shown = set()
+    for page in [*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")]:
+        shown |= set(re.findall(r"pictures/([\w.-]+)", page.read_text()))
+    there = {path.name for path in (ROOT / "docs" / "pictures").iterdir()}
+    assert shown == there
