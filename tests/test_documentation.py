@@ -46,6 +46,6 @@ def test_the_site_takes_nothing_from_elsewhere(site):
 def test_every_picture_that_is_shown_is_there_and_no_other_is_kept():
     shown = set()
     for page in [*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")]:
-        shown |= set(re.findall(r"pictures/([\w.-]+)", page.read_text()))
+        shown |= set(re.findall(r"pictures/([\w-]+\.\w+)", page.read_text()))
     there = {path.name for path in (ROOT / "docs" / "pictures").iterdir()}
     assert shown == there
