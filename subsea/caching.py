@@ -7,8 +7,10 @@ it. `subsea/__init__.py` has it ask here instead.
 
 import hashlib
 import re
+import sys
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from numba.core import caching
 
@@ -69,3 +71,22 @@ class InTree(_Stamped, caching.InTreeCacheLocator):  # type: ignore[misc]
 
 class UserWide(_Stamped, caching.UserWideCacheLocator):  # type: ignore[misc]
     """... or else in the user's cache folder."""
+
+
+_save = caching.Cache._save_overload
+
+
+@cache
+def _tell(reason: str) -> None:
+    print(f"subsea: compiled code cannot be kept ({reason}); every start compiles", file=sys.stderr)
+
+
+def _save_if_there_is_room(self: Any, signature: Any, data: Any) -> None:
+    """A kernel that cannot be kept is compiled all the same: a full disk stops no dive."""
+    try:
+        _save(self, signature, data)
+    except OSError as fault:
+        _tell(fault.strerror or str(fault))
+
+
+caching.Cache._save_overload = _save_if_there_is_room

@@ -62,7 +62,12 @@ def recording(
     """
     notes = notes or {}
     interrupted: KeyboardInterrupt | None = None
-    with replacing(path) as temporary, h5py.File(temporary, "w", **LAYOUT) as file:
+    with (
+        replacing(path) as temporary,
+        temporary.open("w+b", buffering=0) as raw,
+        _forgiving(raw) as disk,
+        h5py.File(disk, "w", **LAYOUT) as file,
+    ):
         growing: dict[str, Any] = {}
         rows: dict[str, int] = {}
 
@@ -99,6 +104,57 @@ def recording(
             dataset.resize(rows.get(name, 0), axis=0)  # an interruption may have cut a block short
     if interrupted:
         raise interrupted
+
+
+class _Disk:
+    """A file that takes everything that the HDF5 library writes, and keeps its first fault.
+
+    The library cannot live with a disk that is full: it tries again from destructors, and in the
+    end crashes the process.
+    """
+
+    def __init__(self, raw: Any) -> None:
+        self.fault: OSError | None = None
+        self.raw = raw
+
+    def check(self) -> None:
+        """Raise the first fault."""
+        if self.fault:
+            raise self.fault
+
+    def write(self, data: memoryview) -> int:
+        """Write all of it, or nothing any more."""
+        left = memoryview(data).cast("B")
+        try:
+            while len(left) and not self.fault:
+                left = left[self.raw.write(left) :]
+        except OSError as fault:
+            self.fault = fault
+        return len(data)
+
+    def truncate(self, size: int) -> int:
+        """Make the file so long."""
+        try:
+            return int(self.raw.truncate(size))
+        except OSError as fault:
+            self.fault = self.fault or fault
+            return size
+
+    def __getattr__(self, name: str) -> Any:
+        """What cannot fail for want of room is the file's own."""
+        return getattr(self.raw, name)
+
+
+@contextmanager
+def _forgiving(raw: Any) -> Iterator[_Disk]:
+    """A file for the HDF5 library, and its first fault in the end."""
+    disk = _Disk(raw)
+    try:
+        yield disk
+    except Exception:
+        disk.check()  # whatever the library says then is not the reason
+        raise
+    disk.check()
 
 
 def text(value: str) -> np.bytes_:

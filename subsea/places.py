@@ -2,11 +2,14 @@
 
 import os
 import tempfile
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from subsea.errors import UserError
+
+FORGOTTEN_S = 86400.0  # so old a part is nobody's any more
 
 
 def is_folder(path: Path) -> bool:
@@ -46,9 +49,11 @@ def replacing(path: Path) -> Iterator[Path]:
 
     Folders on the way are made, and a link stays one: what it points to is replaced. On any fault
     nothing is left: neither a part of the file nor a new folder. An OSError becomes a UserError.
+    Parts that processes have left that were killed a day ago or longer are removed.
     """
     real = Path(os.path.realpath(path))
     temporary = real.with_name(f".{real.name}.{os.getpid()}.part")
+    _forget(real)
     new: list[Path] = []
     try:
         new += [folder for folder in real.parents if not folder.exists()]
@@ -65,3 +70,13 @@ def replacing(path: Path) -> Iterator[Path]:
         with suppress(OSError):  # a folder that holds something stays
             for folder in new:
                 folder.rmdir()
+
+
+def _forget(path: Path) -> None:
+    """Remove old parts of the file."""
+    with suppress(OSError):
+        for part in path.parent.iterdir():
+            if part.name.startswith(f".{path.name}.") and part.suffix == ".part":
+                with suppress(OSError):  # another process may be first
+                    if time.time() - part.stat().st_mtime > FORGOTTEN_S:
+                        part.unlink()

@@ -1,5 +1,8 @@
 """A result is written whole, or nothing is left of it."""
 
+import os
+import time
+
 import pytest
 
 from subsea.errors import UserError
@@ -51,3 +54,17 @@ def test_a_fault_leaves_the_former_file_and_no_new_folder(tmp_path, fault):
             raise fault
     assert [file.name for file in tmp_path.iterdir()] == ["a.txt"]
     assert former.read_text() == "former"
+
+
+def test_parts_that_were_left_long_ago_are_removed(tmp_path):
+    path, day = tmp_path / "a.txt", 86400
+    for name, age in (
+        (".a.txt.7.part", 2 * day),
+        (".a.txt.8.part", 60),
+        (".b.txt.7.part", 2 * day),
+    ):
+        (tmp_path / name).write_text("half")
+        os.utime(tmp_path / name, (time.time() - age,) * 2)
+    with replacing(path) as temporary:
+        temporary.write_text("whole")
+    assert {file.name for file in tmp_path.iterdir()} == {"a.txt", ".a.txt.8.part", ".b.txt.7.part"}
