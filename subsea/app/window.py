@@ -138,7 +138,8 @@ class Window:
         self.listener: Listener | None = None
         self.reach: Reach | None = None  # of the pointer, if that is more than the window
         self._wishes = wishes
-        self._rested = -math.inf, -math.inf  # where the pointer was when it last moved
+        # Where the pointer was when it last moved; None: it has just entered.
+        self._rested: tuple[float, float] | None = None
         self.stays = False  # whether closing it is not for the visitor
         self.fixed = screen.fixed  # whether it stays as it is: no full screen
         self._home = monitor  # that it is to fill
@@ -310,7 +311,9 @@ class Window:
         width, height = self.points
         reach = self.reach or Reach((0.0, 0.0), (width / 2, height / 2), (width, height))
         self.inside = True
-        if math.dist((x, y), self._rested) > NUDGE:
+        if self._rested is None:  # the window may have come to the pointer
+            self._rested = x, y
+        elif math.dist((x, y), self._rested) > NUDGE:
             self._rested = x, y
             self.pilot.stir()
         if self.listener and self.listener.pointed(x, y):
@@ -320,6 +323,8 @@ class Window:
 
     def _on_enter(self, handle: object, entered: int) -> None:
         self.inside = bool(entered)
+        if entered:
+            self._rested = None
 
     def _on_scroll(self, handle: object, dx: float, dy: float) -> None:
         self.pilot.stir()
