@@ -66,6 +66,8 @@ def dress(photo: Path, name: str, out: Path | None, flip: bool, mesh: Path | Non
         print("  that is much: look at the sheet, and mend the meshes in `subsea skin PHOTO`")
     left = one.net.body.nodes[4, 0, 0] < one.net.body.nodes[4, -1, 0]
     print(f"heading: {'left' if left else 'right'}; if it is the other way, give --flip")
+    if out is None and not is_path(name, ".toml"):
+        print(f"to see it: subsea dive --set fish.0.species={name}")
     return 0
 
 

@@ -54,6 +54,7 @@ def test_a_species_of_ones_own_is_dressed(capsys, own, photo):
     code, out, err = run(capsys, photo, "--species", NAME, "--auto")
     assert (code, err) == (0, "")
     assert str(own.with_suffix(".png")) in out and "skin.sheet" in out and "outline: 0." in out
+    assert "heading: left" in out and f"fish.0.species={NAME}" in out
     assert own.read_text().replace(f'sheet = "{NAME}.png"\n', "") == before
     with Image.open(own.with_suffix(".png")) as image:
         sheet = np.asarray(image)
