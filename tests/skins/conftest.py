@@ -15,6 +15,7 @@ def accuracy():
     module = importlib.util.module_from_spec(spec)
     sys.modules["skin_accuracy"] = module
     spec.loader.exec_module(module)
+    module.FINER = 2  # half the work
     return module
 
 
