@@ -57,9 +57,9 @@ def benchmark(
     """Measure, print the report as a table, and write it as JSON to `out` if that is named.
 
     With several numbers of `fish` one run follows another, and the table has a row for each.
-    `tour` is one of the scenario's, or "auto". A `theatre` is shown instead of one picture of
-    `size`, `shrink` times smaller. The report is set `against` an older one; `csv` takes what
-    every frame took, `plot` a picture of it (needs matplotlib).
+    `tour` is one of the scenario's, "auto" or "directed". A `theatre` is shown instead of one
+    picture of `size`, `shrink` times smaller. The report is set `against` an older one; `csv`
+    takes what every frame took, `plot` a picture of it (needs matplotlib).
 
     Raises:
         UserError: for what cannot be shown, read or written; before anything is measured.

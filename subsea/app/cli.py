@@ -309,8 +309,8 @@ def _add_benchmark(commands: Any) -> None:
         "--tour",
         default="auto",
         metavar="NAME",
-        help="one of the scenario's tours, whatever the fishes do (default auto, which goes where "
-        "something happens)",
+        help="one of the scenario's tours, whatever the fishes do, or directed (default auto, "
+        "which goes where something happens)",
     )
     benchmark.add_argument(
         "--frames",

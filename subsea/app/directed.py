@@ -15,7 +15,7 @@ from subsea.app.captions import shown_s
 from subsea.app.tour import DETOUR_CM, DETOURS, MARGIN_CM, Steer, guide, hidden
 from subsea.directing import latest
 from subsea.direction import Camera, Direction
-from subsea.errors import UserError
+from subsea.errors import UserError, unknown
 from subsea.habitat.solids import clearance, out_of_solids
 from subsea.kinematics.heightfield import height_at
 from subsea.kinematics.rotation import matrix
@@ -60,8 +60,9 @@ def check_tour(scenario: Scenario, tour: str) -> None:
     """A UserError unless there is such a tour: the autopilot, by directions, or by name."""
     if tour == DIRECTED and not is_directed(scenario):
         raise UserError("tour 'directed': no [[direction]] of this scenario has a `camera`")
-    if tour not in (AUTOPILOT, DIRECTED):
-        course_of(scenario, tour)
+    known = [AUTOPILOT, *[DIRECTED] * is_directed(scenario), *(one.name for one in scenario.tour)]
+    if tour not in known:
+        raise unknown("tour", tour, known)
 
 
 def guided(world: World, tour: str) -> Steer:
