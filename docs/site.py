@@ -25,3 +25,10 @@ def moved(text: str) -> str:
     for name, page in PAGES.items():
         text = re.sub(rf"\]\({re.escape(name)}(#[^)]*)?\)", rf"]({page}\1)", text)
     return text
+
+
+def on_page_markdown(text: str, **unused: Any) -> str:
+    """Let links from here to pages of the project's root lead to those of the site."""
+    for name, page in PAGES.items():
+        text = text.replace(f"](../{name}", f"]({page}")
+    return text

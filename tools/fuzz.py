@@ -339,6 +339,7 @@ def fuzz(name: str, kind: Kind, rounds: int, seed: int, keep: Path) -> int:
             theirs.close()
             number, what = begin, None
             try:
+                mine.recv()  # samples may take their time: kernels may have to be compiled
                 while what is None and mine.poll(PATIENCE * SECONDS):
                     number, what = mine.recv()
             except EOFError:
@@ -366,6 +367,7 @@ def _work(kind: Kind, rounds: range, seed: int, folder: Path, told: Any) -> None
     path = folder / f"damaged{kind.suffix}"
     used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
     resource.setrlimit(resource.RLIMIT_AS, (used + MEMORY, -1))
+    told.send("ready")
     for number in rounds:
         dice = random.Random(f"{seed} {number}")
         path.write_bytes(damaged(dice.choice(samples), kind.suffix, dice))
