@@ -89,6 +89,7 @@ def recording(
                 growing[name].resize(begin + len(values), axis=0)
                 growing[name][begin:] = values
             rows.update({name: rows.get(name, 0) + len(values) for name, values in block.items()})
+            disk.check()
 
         file.attrs.update(attributes)
         for name, values in constants.items():

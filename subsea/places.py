@@ -5,6 +5,7 @@ import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from functools import cache
 from pathlib import Path
 
 from subsea.errors import UserError
@@ -49,11 +50,11 @@ def replacing(path: Path) -> Iterator[Path]:
 
     Folders on the way are made, and a link stays one: what it points to is replaced. On any fault
     nothing is left: neither a part of the file nor a new folder. An OSError becomes a UserError.
-    Parts that processes have left that were killed a day ago or longer are removed.
+    Parts of any file in the folder that processes have left, killed a day ago or longer, go.
     """
     real = Path(os.path.realpath(path))
     temporary = real.with_name(f".{real.name}.{os.getpid()}.part")
-    _forget(real)
+    _forget(real.parent)
     new: list[Path] = []
     try:
         new += [folder for folder in real.parents if not folder.exists()]
@@ -72,11 +73,11 @@ def replacing(path: Path) -> Iterator[Path]:
                 folder.rmdir()
 
 
-def _forget(path: Path) -> None:
-    """Remove old parts of the file."""
+@cache
+def _forget(folder: Path) -> None:
+    """Remove what processes have left in a folder long ago; once, for listing it takes time."""
     with suppress(OSError):
-        for part in path.parent.iterdir():
-            if part.name.startswith(f".{path.name}.") and part.suffix == ".part":
-                with suppress(OSError):  # another process may be first
-                    if time.time() - part.stat().st_mtime > FORGOTTEN_S:
-                        part.unlink()
+        for part in folder.glob(".*.part"):
+            with suppress(OSError):  # another process may be first
+                if time.time() - part.stat().st_mtime > FORGOTTEN_S:
+                    part.unlink()

@@ -42,12 +42,16 @@ def start(words, **more):
     )
 
 
-def no_room():
+def no_room(size=SMALL):
     """Let this process write no file of more than a few bytes, as if the disk were full."""
     import resource
 
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (SMALL, SMALL))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+
+
+def some_room():
+    no_room(100_000)
 
 
 @pytest.mark.parametrize("writer", WRITERS)
@@ -64,6 +68,16 @@ def test_a_full_disk_is_one_line_and_the_former_file_stays(writer, tmp_path):
     # Segments of a repertoire that are whole wait there for the next start.
     left = {one.name for one in tmp_path.iterdir()}
     assert left - {".clownfish.recording"} == {file.name}
+
+
+def test_a_disk_that_fills_up_ends_a_long_record_at_once(tmp_path):
+    """Not hours later, when all ticks are made."""
+    words = ["simulate", "--ticks", "1000000", "--fish", "4", "--out", str(tmp_path / "out.h5")]
+    running = start([sys.executable, "-m", "subsea", *words], preexec_fn=some_room)
+    _, err = running.communicate(timeout=120)
+    assert running.returncode == 2, err
+    assert "out.h5: cannot write (File too large)" in err.splitlines()[-1]
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("writer", ["record", "repertoire"])

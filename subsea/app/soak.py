@@ -53,6 +53,18 @@ class Hands(NamedTuple):
     timidity: float
 
 
+class _Report(msgspec.Struct):
+    """What a soak is compared with."""
+
+    scenario: str
+    set: list[str]
+    seed: int
+    fish: int
+    version: str
+    ticks: int
+    checksums: list[str]
+
+
 class Watch(NamedTuple):
     """What was seen so far."""
 
@@ -84,10 +96,34 @@ def soak(
     """
     if out is not None:
         check_file(out)
-    expected = [] if against is None else _checksums(against)
+    older = None if against is None else _report(against)
     world = start_world(scenario, seed, fish, changes=changes)
     watch, ticks = Watch([], [], [], [], []), max(round(minutes * MINUTE), 1)
-    begun = time.monotonic()
+    about = {
+        "scenario": scenario,
+        "set": [*changes],
+        "seed": world.state.seed,
+        "fish": len(world.state.fishes.species),
+        "version": version("subsea"),
+    }
+    if older is not None:
+        for name, value in about.items():
+            if (theirs := getattr(older, name)) != value:
+                raise UserError(f"{against}: a soak with {name} {theirs!r}, expected {value!r}")
+    begun, first = time.monotonic(), world.state.tick
+
+    def conclude() -> None:
+        """Judge what was seen, write it and tell it: also of a soak that was interrupted."""
+        made = world.state.tick - first
+        if older is not None:
+            _compare(watch, made, older)
+        _judge(watch)
+        if out is not None:
+            report = about | {"drawn": draw, "ticks": made, **watch._asdict()}
+            with replacing(out) as temporary:
+                temporary.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+        _tell(world, watch, time.monotonic() - begun)
+
     try:
         if draw:
             with headless() as context:
@@ -95,33 +131,9 @@ def soak(
         else:
             _dive(world, ticks, watch)
     except KeyboardInterrupt:
-        _tell(world, watch, time.monotonic() - begun)
+        conclude()
         raise
-    watch.faults.extend(
-        f"minute {k + 1}: not the checksum of {against}"
-        for k, (mine, theirs) in enumerate(zip(watch.checksums, expected, strict=False))
-        if mine != theirs
-    )
-    if grown := growth(watch.memory_mb):
-        watch.faults.append(f"memory grew by {grown:.1%}")
-    for kind in watch.objects[0] if watch.objects else ():
-        numbers = [objects[kind] for objects in watch.objects]
-        if numbers[-1] > numbers[0]:
-            watch.faults.append(f"objects of OpenGL that are not released: {kind}, {numbers}")
-    if out is not None:
-        report = {
-            "scenario": scenario,
-            "set": [*changes],
-            "seed": world.state.seed,
-            "fish": len(world.state.fishes.species),
-            "version": version("subsea"),
-            "drawn": draw,
-            "ticks": ticks,
-            **watch._asdict(),
-        }
-        with replacing(out) as temporary:
-            temporary.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
-    _tell(world, watch, time.monotonic() - begun)
+    conclude()
     return 1 if watch.faults else 0
 
 
@@ -232,6 +244,25 @@ def _painting(world: World, context: Any, watch: Watch) -> Generator[None, None,
             watch.objects.append(living(context))
 
 
+def _compare(watch: Watch, ticks: int, older: _Report) -> None:
+    """Add a fault for each minute that both have, and the end if it is one, that is not alike."""
+    both = min(ticks, older.ticks) // MINUTE
+    pairs = list(zip(watch.checksums, older.checksums, strict=False))
+    for k, (mine, theirs) in enumerate(pairs if ticks == older.ticks else pairs[:both]):
+        if mine != theirs:
+            watch.faults.append(f"minute {k + 1}: not the checksum of the older soak")
+
+
+def _judge(watch: Watch) -> None:
+    """Add faults for what has grown."""
+    if grown := growth(watch.memory_mb):
+        watch.faults.append(f"memory grew by {grown:.1%}")
+    for kind in watch.objects[0] if watch.objects else ():
+        numbers = [objects[kind] for objects in watch.objects]
+        if numbers[-1] > numbers[0]:
+            watch.faults.append(f"objects of OpenGL that are not released: {kind}, {numbers}")
+
+
 def growth(memory_mb: Sequence[float]) -> float:
     """By which share memory has grown beyond what it may, 0 if it has not.
 
@@ -254,15 +285,11 @@ def resident_mb() -> list[float]:
     return [int(line.split()[1]) / 1024]
 
 
-class _Report(msgspec.Struct):
-    checksums: list[str]
-
-
-def _checksums(path: Path) -> list[str]:
-    """Those of an older report."""
+def _report(path: Path) -> _Report:
+    """An older report."""
     try:
         with path.open("rb") as file:
-            return msgspec.json.decode(file.read(LARGEST), type=_Report).checksums
+            return msgspec.json.decode(file.read(LARGEST), type=_Report)
     except OSError as fault:
         raise UserError(f"{path}: cannot read ({fault.strerror})") from fault
     except (ValueError, RecursionError) as fault:

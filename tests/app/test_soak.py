@@ -48,11 +48,38 @@ def test_the_same_soak_comes_again_without_pictures(report, capsys):
     assert capsys.readouterr().out.splitlines()[-1] == "sound"
 
 
-def test_another_dive_is_not_the_one_it_is_compared_with(report, capsys):
-    assert main([*SHORT, "--no-draw", "--seed", "5", "--compare", str(report)]) == 1
+def test_a_longer_soak_is_compared_by_the_minutes_that_both_have(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(soak, "MINUTE", 40)
+    report = tmp_path / "soak.json"
+    words = ["soak", "--fish", "3", "--no-draw"]
+    assert main([*words, "--minutes", "1.5", "--json", str(report)]) == 0
+    assert main([*words, "--minutes", "2.5", "--compare", str(report)]) == 0
+    seen = json.loads(report.read_text())
+    report.write_text(json.dumps(seen | {"checksums": ["other", "end"]}))
+    assert main([*words, "--minutes", "2.5", "--compare", str(report)]) == 1
     told = capsys.readouterr()
-    assert told.out.splitlines()[-1] == "2 faults"
-    assert f"minute 1: not the checksum of {report}" in told.err
+    assert told.out.splitlines()[-1] == "1 fault"
+    assert "minute 1: not the checksum of the older soak" in told.err
+
+
+def test_another_dive_is_not_compared(report, capsys):
+    assert main([*SHORT, "--no-draw", "--seed", "5", "--compare", str(report)]) == 2
+    fault = capsys.readouterr().err.splitlines()[-1]
+    assert f"{report}: a soak with seed" in fault
+    assert fault.endswith("expected 5")
+
+
+def test_an_interrupted_soak_is_told_and_written(tmp_path, monkeypatch, capsys):
+    def interrupted(world, doing):
+        if world.state.tick > 70:
+            raise KeyboardInterrupt
+        act(world, doing)
+
+    monkeypatch.setattr(soak, "act", interrupted)
+    report = tmp_path / "soak.json"
+    assert main(["soak", "--fish", "3", "--no-draw", "--json", str(report)]) == 130
+    assert json.loads(report.read_text())["ticks"] == 70
+    assert "sound" in capsys.readouterr().out
 
 
 def test_hands_do_all_that_hands_may(world):
