@@ -201,7 +201,7 @@ def _parsers() -> tuple[argparse.ArgumentParser, Any]:
             "subsea-capture export spotted_eagle_ray --to usd --root baked",
         ],
     )
-    export.add_argument("species", metavar="SPECIES", help="species to export")
+    export.add_argument("species", metavar="SPECIES", help="name of the species to export")
     export.add_argument("--to", choices=["gltf", "vat", "usd"], required=True, help="the format")
     export.add_argument(
         "--out", metavar="DIR", type=Path, default=Path(), help="folder to write to (this one)"

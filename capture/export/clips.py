@@ -16,6 +16,7 @@ from subsea.kinematics.coupling import couple, place
 from subsea.kinematics.rotation import matrix, multiply, normalised
 from subsea.kinematics.surface import CONTROL_POINTS, PaddlePlan, SurfacePlan, rest_control_points
 from subsea.repertoire import SEGMENTS, Repertoire, Segment, read_repertoire
+from subsea.resources import is_path
 from subsea.skins import paint
 from subsea.skins.mesh import (
     ABSENT,
@@ -29,7 +30,7 @@ from subsea.skins.mesh import (
     outfit,
 )
 from subsea.skins.sheet import sheet_of
-from subsea.species import Species, load_species, repertoire_file
+from subsea.species import Species, load_species, own_species, repertoire_file
 
 Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
@@ -82,8 +83,10 @@ class Clip(NamedTuple):
 def make_clips(name: str, detail: int = 0) -> tuple[Model, list[Clip]]:
     """The mesh of a species at a level of detail, and a clip of each segment of its repertoire.
 
-    An unknown species, or one without a sound repertoire, is a UserError.
+    An unknown species, a path, or a species without a sound repertoire is a UserError.
     """
+    if is_path(name, ".toml"):  # where its repertoire would lie nobody can tell
+        raise UserError(f"{name}: expected the name of a species; own ones lie in {own_species()}")
     species = load_species(name)
     path = repertoire_file(name)
     if not path.is_file():

@@ -56,6 +56,8 @@ def test_detail_and_root_reach_the_files(tmp_path: Path) -> None:
     ("arguments", "expected"),
     [
         (["fusiler", "--to", "usd"], "did you mean 'fusilier'?"),
+        (["assets/species/fusilier.toml", "--to", "gltf"], "expected the name of a species"),
+        (["my_fish.toml", "--to", "vat"], "my_fish.toml: expected the name of a species"),
         (["fusilier"], "--to"),
         (["fusilier", "--to", "fbx"], "'fbx'"),
         (["fusilier", "--to", "vat", "--detail", "4"], "whole number from 0 to 3"),
