@@ -40,6 +40,7 @@ SWEEP_RAD = 0.35  # of paired fins at ease, away from the body
 # a paddle's plane leans outwards.
 WING_SPREAD, WING_BEAT, LEAN = 0.95, 0.2, 0.35
 OPAQUE = 250  # of 255: what is clearer is blended
+ROUGHNESS = 0.45  # of a wet skin
 FINS = (
     ("dorsal", FIN, 1.0),
     ("ventral", FIN, -1.0),

@@ -7,9 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from capture.export.clips import ROUGHNESS
+
 TYPES = {"u1": 5121, "u2": 5123, "u4": 5125, "f4": 5126}  # componentType
 SHAPES = {(): "SCALAR", (2,): "VEC2", (3,): "VEC3", (4,): "VEC4", (4, 4): "MAT4"}
 VERTICES, INDICES = 34962, 34963  # what a view is bound as
+CLAMPED = 33071  # wrapS and wrapT of a sampler
 
 
 class Buffer:
@@ -47,6 +50,16 @@ class Buffer:
             }
         )
         return len(self.accessors) - 1
+
+
+def material(name: str, looks: dict[str, Any]) -> dict[str, Any]:
+    """A skin whose colours are those of texture 0; `looks` are its blending and its sides."""
+    skin = {
+        "baseColorTexture": {"index": 0},
+        "metallicFactor": 0.0,
+        "roughnessFactor": ROUGHNESS,
+    }
+    return {"name": name, "pbrMetallicRoughness": skin} | looks
 
 
 def glb(content: dict[str, Any], buffer: Buffer) -> bytes:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from capture.export.axes import METRES, Y_UP, brought, turned
 from capture.export.clips import Clip, Model, carried, see_through
-from capture.export.glb import INDICES, VERTICES, Buffer, glb
+from capture.export.glb import CLAMPED, INDICES, VERTICES, Buffer, glb, material
 from capture.export.png import sheet_png
 from capture.export.rig import MOST, Rig
 from subsea.kinematics.rotation import from_matrix, matrix
@@ -21,8 +21,7 @@ from subsea.places import replacing
 Array = NDArray[np.floating[Any]]
 Json = dict[str, Any]
 
-ROUGHNESS = 0.45
-LINEAR_MIPMAPS, CLAMPED = 9987, 33071
+LINEAR_MIPMAPS = 9987
 ROOT = 0  # node
 
 
@@ -156,13 +155,8 @@ def _parts(
             "indices": buffer.add(model.triangles[those].astype(np.uint16).ravel(), INDICES),
             "material": len(materials),
         }
-        skin = {
-            "baseColorTexture": {"index": 0},
-            "metallicFactor": 0.0,
-            "roughnessFactor": ROUGHNESS,
-        }
         primitives.append(primitive | more)
-        materials.append({"name": name, "pbrMetallicRoughness": skin} | looks)
+        materials.append(material(name, looks))
     return primitives, materials
 
 

@@ -13,14 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from capture.export.axes import Y_UP, brought, turned
-from capture.export.clips import Clip, Model, carried, see_through
+from capture.export.clips import ROUGHNESS, Clip, Model, carried, see_through
 from capture.export.png import sheet_png
 from subsea.errors import UserError
 from subsea.places import replacing
 
 Array = NDArray[np.floating[Any]]
 
-ROUGHNESS = 0.45  # of a wet skin
 SOLID, CLEAR = "solid", "clear"  # materials
 
 

@@ -26,14 +26,13 @@ from numpy.typing import NDArray
 
 from capture.export.axes import METRES, Y_UP, Z_UP, brought, turned
 from capture.export.clips import Clip, Model, carried
-from capture.export.glb import INDICES, VERTICES, Buffer, glb
+from capture.export.glb import CLAMPED, INDICES, VERTICES, Buffer, glb, material
 from capture.export.png import png16, sheet_png
 from subsea.places import replacing
 
 Array = NDArray[np.floating[Any]]
 
 FULL = 65535  # the greatest value of a texel
-ROUGHNESS = 0.45
 ALPHA_CUTOFF = 0.3  # one material serves the body and fins: what is clearer is left out
 
 
@@ -104,26 +103,16 @@ def _mesh(model: Model, height: int, colours: str) -> bytes:
         "indices": buffer.add(model.triangles.astype(np.uint16).ravel(), INDICES),
         "material": 0,
     }
-    material = {
-        "name": model.name,
-        "pbrMetallicRoughness": {
-            "baseColorTexture": {"index": 0},
-            "metallicFactor": 0.0,
-            "roughnessFactor": ROUGHNESS,
-        },
-        "alphaMode": "MASK",
-        "alphaCutoff": ALPHA_CUTOFF,
-        "doubleSided": True,
-    }
+    looks = {"alphaMode": "MASK", "alphaCutoff": ALPHA_CUTOFF, "doubleSided": True}
     content = {
         "asset": {"version": "2.0", "generator": "subsea"},
         "scene": 0,
         "scenes": [{"nodes": [0]}],
         "nodes": [{"name": model.name, "mesh": 0}],
         "meshes": [{"name": model.name, "primitives": [primitive]}],
-        "materials": [material],
+        "materials": [material(model.name, looks)],
         "textures": [{"source": 0, "sampler": 0}],
-        "samplers": [{"wrapS": 33071, "wrapT": 33071}],  # clamped
+        "samplers": [{"wrapS": CLAMPED, "wrapT": CLAMPED}],
         "images": [{"uri": quote(colours)}],
     }
     return glb(content, buffer)
