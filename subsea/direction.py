@@ -210,7 +210,9 @@ def _faults(
     if one.of is not None and one.event is None and one.fewer_than is None:
         faults.append(("of", "expected an `event` or `fewer_than` that is theirs"))
     if one.delay_s and one.after is None:
-        faults.append(("delay_s", "expected the direction `after` which it waits, or `at_s`"))
+        faults.append(
+            ("delay_s", "expected the direction `after` which it waits, or a later `at_s`")
+        )
     for key in ("speed_cm_s", "loop"):
         if getattr(one, key) and one.path_cm is None:
             faults.append((key, "expected a `path_cm`"))
@@ -228,7 +230,9 @@ def _faults(
     if one.camera is not None and one.camera.follow == "cast" and not about:
         faults.append(("camera.follow", 'of "cast": expected an `event`, `pair` or `after`'))
     for name, kind in (("hunts", "predator"), ("rests", "predator"), ("fear", "prey"),
-                       ("libido", "pacifist")):  # fmt: skip
+                       ("libido", "pacifist"), ("pair", "pacifist")):  # fmt: skip
+        if name == "pair" and one.pair != "nearest":
+            continue  # those two are not among `who`
         if one.who is not None and name in one.influences:
             kinds = {shoals.kind[i] for i in numbers_of(one.who, shoals)}
             if kinds and kind not in kinds:

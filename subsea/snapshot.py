@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.behavior.table import BEHAVIORS
+from subsea.direction import INFLUENCES
 from subsea.errors import UserError
 from subsea.repertoire import SEGMENTS
 from subsea.state import BAIT, COURTSHIP, EAT, LANDED, NOBODY, PREDATOR, SUBMARINE, WALL
@@ -254,6 +255,7 @@ def _ranges(world: World, given: Arrays) -> dict[str, tuple[int, Any]]:
         "live.fish": (-1, n),
         "directions.began": (-1, 2**48 + 1),
         "directions.times": (0, long + 1),
+        "directions.ceded": (0, 1 << len(INFLUENCES)),
         "directions.stage": (0, long),
         "directions.cast": (SUBMARINE, n),
         "directions.courtship": (0, len(COURTSHIP)),

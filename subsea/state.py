@@ -320,6 +320,7 @@ class Directions(NamedTuple):
     times: Ints  # (k,) int32, how often it has begun
     ready: NDArray[np.bool_]  # (k,), whether all that it says of when was so in the last tick
     running: NDArray[np.bool_]  # (k,), whether it still moves anything
+    ceded: Ints  # (k,) uint16, bits of INFLUENCES that others took from it since it began
     stage: Ints  # (k,) int32, for which point of its path they are bound
     cast: Ints  # (k, 2) int32, the fishes that it is about, NOBODY or the SUBMARINE: see there
     current: Array  # (2,) float64, cm/s, what is added to the strength of the current
@@ -384,7 +385,7 @@ def empty_directions(k: int, n: int) -> Directions:
     n = n if k else 0
     return Directions(
         began=np.full(k, -1, np.int64), times=np.zeros(k, np.int32), ready=np.zeros(k, np.bool_),
-        running=np.zeros(k, np.bool_), stage=np.zeros(k, np.int32),
+        running=np.zeros(k, np.bool_), ceded=np.zeros(k, np.uint16), stage=np.zeros(k, np.int32),
         cast=np.full((k, 2), NOBODY, np.int32), current=np.zeros(2 if k else 0),
         alive=np.ones(n, np.bool_), courtship=np.zeros(n, np.uint8),
     )  # fmt: skip

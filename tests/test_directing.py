@@ -14,7 +14,7 @@ from msgspec.structs import replace
 from subsea import snapshot
 from subsea.app.placement import Handle, removed
 from subsea.as_it_is import as_it_is
-from subsea.behavior.temper import set_hunger
+from subsea.behavior.temper import HABITS, set_hunger
 from subsea.directing import direct, latest
 from subsea.direction import Shoals
 from subsea.errors import UserError
@@ -161,6 +161,7 @@ def test_a_snapshot_amid_directions_goes_on_alike(tmp_path):
         ('who = { shoal = 0 }\nhunts = "any"', "`direction[0].hunts`: there is no predator"),
         ('who = { shoal = 2 }\nfear = 1.0', "`direction[0].fear`: there is no prey"),
         ('pair = [0, 7]', "`direction[0].pair`: fish 0 is a prey"),
+        ('pair = "nearest"\nwho = { shoal = 0 }', "`direction[0].pair`: there is no pacifist"),
         ('who = { shoal = 0 }\npath_cm = [[0, 0, -700]]', "`direction[0].path_cm[0]`"),
         ('event = "passes"\nlights = true', "`direction[0].gate_cm`"),
         ('hook = "down"', "`direction[0].hook`: expected a table [hook]"),
@@ -265,15 +266,25 @@ def test_a_later_direction_takes_the_place_of_one_of_its_kind(tmp_path):
     world = world_of(
         tmp_path,
         "who = { shoal = 0 }\npath_cm = [[0, 300, -250], [0, -300, -250]]\nloop = true\nfear = 0",
-        "at_s = 1.0\nwho = { shoal = 2 }\npath_cm = [[0, 0, -250]]",
+        "at_s = 1.0\nwho = { shoal = 2 }\npath_cm = [[0, 0, -250]]\nlikes = ['cold']",
         "at_s = 2.0\nwho = { species = 'fusilier' }\npath_cm = [[200, 0, -250]]",
+        "at_s = 1.2\nwho = { shoal = 2 }\nlikes = ['warmth']\nfor_s = 0.5",
+        "at_s = 2.0\nwho = { shoal = 2 }\nlikes = ['darkness']",
+        "at_s = 2.2\nwho = { shoal = 2 }\npath_cm = [[0, 90, -250]]",
     )
+    minds, log, pair = world.state.minds, world.state.directions, list(PAIR)
     play(world, 1.5)
-    assert world.state.directions.running.tolist() == [True, True, False]
-    play(world, 1.0)
-    assert world.state.directions.running.tolist() == [False, True, True]
-    assert world.state.minds.waypoint[0].tolist() == [200, 0, -250]
-    assert (world.state.minds.fright < 0).all()
+    assert log.running.tolist() == [True, True, False, True, False, False]
+    assert set(minds.fancy[pair]) == {1 << HABITS.index("warmth")}
+    play(world, 0.4)  # what was taken from the path is over, the path is not
+    assert log.running.tolist() == [True, True, False, False, False, False]
+    assert set(minds.fancy[pair]) == {-1}
+    assert minds.errand[pair].any()
+    play(world, 0.6)  # a path that ends takes nothing from who likes something else by now
+    assert log.running.tolist() == [False, False, True, False, True, True]
+    assert minds.waypoint[0].tolist() == [200, 0, -250]
+    assert (minds.fright < 0).all()
+    assert set(minds.fancy[pair]) == {1 << HABITS.index("darkness")}
 
 
 ANY = Shoals(["fusilier", "blacktip_reef_shark", "clownfish"], [6, 1, 2],
@@ -323,8 +334,9 @@ def test_a_direction_can_be_set_from_outside():
 
 
 def test_fishes_that_are_left_out_are_not_directed():
+    nearest = ["direction.11.pair=nearest", "direction.11.who.shoal=0"]
     for number in (0, 1, 20):
-        world = create_world(load_scenario("rendezvous")[0], fish=number)
+        world = create_world(load_scenario("rendezvous", nearest)[0], fish=number)
         play(world, 0.5)
         assert world.state.directions.times[0] == 1
 

@@ -13,7 +13,7 @@ clusters hold. Whoever shows a world reads there, of direction `k` of `scenario.
   she, of "eaten" who was and by whom, of "caught" and "sated" the fish, of "fleeing" it and its
   predator, of "hunting" the hunter and its prey, of "passes" who passes, of `pair` he and she;
   without an event those of the direction `after` which it comes;
-- `running[k]`, whether it still moves anything.
+- `running[k]`, whether it still moves anything, and `ceded[k]`, what of it others do now.
 
 Nothing else remembers anything: all of it is a function of scenario and state.
 """

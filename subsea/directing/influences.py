@@ -1,5 +1,6 @@
 """What directions do: what they put into minds, and into the sea."""
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ from subsea.behavior.hunting import STALK
 from subsea.behavior.mating import REST_S
 from subsea.behavior.temper import HABITS, set_hunger, set_libido, urge_to_mate
 from subsea.directing.script import Act, Scene, hunger_of, now_s
-from subsea.direction import MOVES, Whose
+from subsea.direction import INFLUENCES, MOVES, Whose
 from subsea.state import (
     ANYONE,
     CIRCLING,
@@ -52,6 +53,7 @@ def begin(scene: Scene, k: int, cast: Cast) -> None:
     act, log = scene.script.acts[k], scene.state.directions
     _make_way(scene, k)
     log.began[k], log.running[k], log.stage[k] = scene.clock.tick, True, 0
+    log.ceded[k] = 0
     log.cast[k] = cast if act.direction.pair is None else NOBODY
     log.times[k] += 1
     for name in act.influences:
@@ -60,32 +62,48 @@ def begin(scene: Scene, k: int, cast: Cast) -> None:
 
 
 def _make_way(scene: Scene, k: int) -> None:
-    """End what runs of the same kind as direction k for the same fishes, also itself."""
+    """End what others do of the same kinds as direction k to the same fishes, and k itself.
+
+    Whose way ends does nothing any more.
+    """
     acts, log = scene.script.acts, scene.state.directions
-    kinds, mine = _kinds(acts[k]), _moved(scene, k)
-    for other in np.flatnonzero(log.running):
-        theirs = np.isin(_moved(scene, int(other)), mine)
+    kinds, mine = _kinds(acts[k].influences), _moved(scene, k)
+    for other in map(int, np.flatnonzero(log.running)):
+        theirs = np.isin(_moved(scene, other), mine)
         common = theirs.any() if acts[other].direction.pair is not None else theirs.all()
-        if other == k or (kinds & _kinds(acts[other]) and common):
-            _release(scene, int(other))
-            log.running[other] = False
+        held = _held(scene, other)
+        if other == k or (common and "way" in kinds & _kinds(held)):
+            ceded = held
+        else:
+            ceded = [name for name in held if common and kinds & _kinds([name])]
+        _release(scene, other, ceded)
+        log.ceded[other] |= sum(1 << INFLUENCES.index(name) for name in ceded)
+        log.running[other] = len(ceded) < len(held)
 
 
 def goes_on(scene: Scene, k: int) -> bool:
     """Do what direction k does in every tick; whether there is more to come."""
     going = False
-    for name in scene.script.acts[k].influences:
-        if name in HOLD and _lasts(scene, k, 0.0 if name in LET_GO else np.inf):
+    held = _held(scene, k)
+    for name in held:
+        if _lasts(scene, k, 0.0 if name in LET_GO else np.inf):
             going |= HOLD[name](scene, k)
     if not going:
-        _release(scene, k)
+        _release(scene, k, held)
     return going
 
 
-def _release(scene: Scene, k: int) -> None:
-    """Leave those whom direction k has moved to themselves."""
+def _held(scene: Scene, k: int) -> list[str]:
+    """What direction k does in every tick, but for what others do now."""
+    ceded = int(scene.state.directions.ceded[k])
+    names = scene.script.acts[k].influences
+    return [name for name in names if name in HOLD and not ceded >> INFLUENCES.index(name) & 1]
+
+
+def _release(scene: Scene, k: int, names: list[str]) -> None:
+    """Leave those whom direction k has moved to themselves, as far as these influences go."""
     act, minds = scene.script.acts[k], scene.state.minds
-    for name in act.influences:
+    for name in names:
         if name in ("path_cm", "hunts"):
             minds.errand[act.who] = 0.0
         if name in ("hunts", "rests"):
@@ -100,11 +118,10 @@ def _release(scene: Scene, k: int) -> None:
             minds.fancy[act.who] = -1
 
 
-def _kinds(act: Act) -> set[str]:
-    """What a direction does that another cannot do to the same fishes at the same time."""
-    kinds = {"path_cm": "way", "hunts": "way", "pair": "way"}
-    prey = {"prey"} if {"hunts", "rests"} & {*act.influences} else set()
-    return prey | {kinds.get(name, name) for name in act.influences if name in HOLD}
+def _kinds(names: Iterable[str]) -> set[str]:
+    """What of these influences two cannot do to the same fishes at the same time."""
+    kinds = {"path_cm": {"way"}, "pair": {"way"}, "hunts": {"way", "prey"}, "rests": {"prey"}}
+    return {kind for name in names if name in HOLD for kind in kinds.get(name, {name})}
 
 
 def _moved(scene: Scene, k: int) -> Ints:
@@ -327,6 +344,8 @@ def _betrothed(scene: Scene, act: Act) -> Cast:
     those = those[fishes.alive[those] & (minds.kind[those] == PACIFIST)]
     if one.pair == "nearest":
         those = those[(minds.courtship[those] < CIRCLING) & (minds.betrothed[those] == NOBODY)]
+    if len(those) < 2:
+        return NOBODY, NOBODY
     meet = fishes.position[those].mean(axis=0) if one.place_cm is None else np.array(one.place_cm)
     way = np.linalg.norm(fishes.position[those] - meet, axis=1)
     those = those[np.argsort(way, kind="stable")[:MOST_SUITORS]]
