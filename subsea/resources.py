@@ -203,7 +203,8 @@ def _at(content: Any, place: Place) -> Any:
 
 def _same(one: Any, other: Any, place: Place) -> bool:
     """Whether both have the same at a place."""
-    return bool(_at(one, place) == _at(other, place))
+    mine, theirs = _at(one, place), _at(other, place)
+    return bool(mine == theirs) or repr(mine) == repr(theirs)  # nan does not equal itself
 
 
 def _set(content: dict[str, Any], setting: str) -> None:

@@ -151,6 +151,8 @@ def test_a_fault_tells_its_line_and_its_key(path, change, line, words):
             "unknown key `shoel`, at `direction[1].camera.follow`; did you mean 'shoal'?",
         ),
         ("hook = 'down'", 51, "expected a table [hook]"),
+        ("who = { shoal = 0 }\nhunger = nan", 52, ">= 0.0, at `direction[1].hunger`"),
+        ("at_s = 1.0\ndelay_s = 2.0\nend = true", 52, "or a later `at_s`"),
         (
             "camera = { position_cm = [0.0, 0.0, -490.0], look_at_cm = [0.0, 9.0, -400.0] }",
             51,
