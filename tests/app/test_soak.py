@@ -8,13 +8,22 @@ import pytest
 from subsea import snapshot
 from subsea.app import soak
 from subsea.app.cli import main
-from subsea.app.soak import MINUTE, Hands, act, faults_in, growth, hands
+from subsea.app.soak import Hands, act, faults_in, growth, hands
 from subsea.behavior.reins import Reins
 from subsea.ocean import create_world, step
 from subsea.scenario import load_scenario
 from subsea.submarine.helm import HANDS_OFF, Helm
 
 SHORT = ["soak", "--scenario", "preying", "--minutes", "1.01"]
+MINUTE = 360  # ticks: a shorter one
+
+
+@pytest.fixture(scope="module", autouse=True)
+def short_minutes():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(soak, "MINUTE", MINUTE)
+        patch.setattr(soak, "REPLAY_EVERY", MINUTE)
+        yield
 
 
 @pytest.fixture
@@ -27,7 +36,7 @@ def report(tmp_path_factory):
     """What a drawn soak of little more than a minute wrote, and what it printed."""
     path = tmp_path_factory.mktemp("soak") / "soak.json"
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(soak, "PICTURES", 5)  # so that there are two rounds of displays
+        patch.setattr(soak, "PICTURES", 1)  # so that there are two rounds of displays
         assert main([*SHORT, "--json", str(path)]) == 0
     return path
 
@@ -101,7 +110,7 @@ def test_time_that_does_not_come_again_is_a_fault(monkeypatch, capsys):
 
     monkeypatch.setattr(soak, "act", drifting)
     monkeypatch.setattr(soak, "REPLAY_EVERY", 150)
-    assert main(["soak", "--minutes", "0.1", "--fish", "3", "--no-draw"]) == 1
+    assert main(["soak", "--minutes", "0.5", "--fish", "3", "--no-draw"]) == 1
     assert "the past did not come again" in capsys.readouterr().err
 
 
