@@ -69,7 +69,7 @@ def read(path: Path) -> Draft:
     species = load_toml(path, Species)
     import tomllib
 
-    text = path.read_text(encoding="utf-8")
+    text = path.read_bytes().decode("utf-8")  # with the ends of lines that it has
     sheet = path.absolute().with_name(species.skin.sheet) if species.skin.sheet else None
     return Draft(path.stem, tomllib.loads(text), species, text, sheet)
 
@@ -510,6 +510,14 @@ def to_toml(draft: Draft) -> str:
     document = tomlkit.parse(draft.text)
     _write(document, draft.content)
     return tomlkit.dumps(document)
+
+
+def differs(path: Path, known: Draft | None) -> bool:
+    """Whether a file is there that says something else than the one that is known, if any."""
+    try:
+        return path.read_bytes() != (known.text.encode("utf-8") if known else None)
+    except OSError:
+        return False  # nothing is there that could be lost, or saving tells what is wrong
 
 
 def save(draft: Draft, path: Path) -> None:

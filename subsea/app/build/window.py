@@ -5,7 +5,7 @@ from collections.abc import Callable
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from imgui_bundle import imgui
@@ -107,7 +107,8 @@ class Builder:
         self.remarks: list[Remark] | None = None  # of the present draft; None: not known yet
         self.naming = Naming(draft.key) if asks else None
         self._before = self.editing, path  # what is gone back to where no new one is made
-        self.swims = path is not None and recorded(draft.key)  # whether it has a repertoire
+        self._file = draft if path else None  # as it was read or written last
+        self.swims = self._known and recorded(draft.key)  # whether it has a repertoire
         self._judged: Draft | None = None  # the last draft that was judged, or is being
         self._shaped = draft
         sheet, _ = sheet_for(draft)
@@ -140,11 +141,35 @@ class Builder:
         self.editing.redo()
 
     def save(self) -> bool:
-        """Write the species file; a species that comes with the program first gets a new name."""
+        """Write the species file; a species that comes with the program first gets a new name.
+
+        What something else has written there meanwhile is asked about first.
+        """
+        if self.naming:
+            self.bench.tell("it has no name yet: Make it, or Cancel", trouble=True)
+            return False
         if self.path is None:
             self.naming = Naming(self.editing.present.key, copies=False)
             return False
+        if drafts.differs(self.path, self._file):
+            self.bench.ask(
+                f"{self.path.name} was changed outside since it was read or saved here.",
+                {"Read it": self._read_again, "Write over it": self._write, "Go on": None},
+            )
+            return False
+        return self._write()
+
+    def _read_again(self) -> None:
+        """Take the file as it is now; what was drawn comes back by Undo."""
+        assert self.path
+        self._file = found = drafts.read(self.path)
+        self.editing.do(lambda _: found)
+        self.editing.history.saved()
+
+    def _write(self) -> bool:
+        assert self.path
         drafts.save(self.editing.present, self.path)
+        self._file = drafts.read(self.path)
         self.editing.history.saved()
         self.bench.tell(f"saved as {self.path}")
         if self.swims and not self.making.runs:
@@ -162,9 +187,11 @@ class Builder:
             self.tracing.release()
 
     def bar(self) -> None:
-        """New from…, and what makes the fish swim."""
-        if imgui.menu_item("New from…", "", False)[0]:
+        """New from…, but not while something runs: that is about the fish on the table."""
+        if imgui.menu_item("New from…", "", False, not self.making.runs)[0]:
             self.bench.later(self._ask_new)
+        if self.making.runs:
+            imgui.set_item_tooltip("When Learn or Record has ended")
 
     def draw(self, elapsed_s: float) -> float:
         """All panes; the seconds until it will look different."""
@@ -397,25 +424,25 @@ class Builder:
         self.making.learn(self.path)
 
     def _record(self) -> None:
-        key = self._key
-        if key not in species_names() or species_file(key) != self.path:
+        if not self._known:
             raise UserError(
                 f"{self.path} lies elsewhere: New from… puts a copy among your own species"
             )
-        self.making.record(key)
+        self.making.record(self._key)
 
     def _ended(self, kind: str, code: int) -> None:
         """A command has ended."""
-        self.swims = self.path is not None and recorded(self._key)
+        self.swims = self._known and recorded(self._key)
         self.bench.tell(self.making.told, trouble=code not in (0, 130))
         if kind == "learn" and code == 0:
-            assert self.path
+            assert self.path and self._file
             found = drafts.read(self.path)
-            self.editing.do(
-                lambda draft: drafts.changed_all(
-                    draft, {(key,): found.content[key] for key in ("swim", "turn")}
-                )
-            )
+            values: dict[drafts.Path_, Any] = {
+                (key,): found.content[key] for key in ("swim", "turn")
+            }
+            self.editing.do(lambda draft: drafts.changed_all(draft, values))
+            if drafts.to_toml(drafts.changed_all(self._file, values)) == found.text:
+                self._file = found  # nothing but controllers has changed there
             if self.editing.present.content == found.content:
                 self.editing.history.saved()
 
@@ -423,6 +450,16 @@ class Builder:
     def _key(self) -> str:
         """The name of the species' file, by which commands know it."""
         return self.path.stem if self.path else ""
+
+    @property
+    def _known(self) -> bool:
+        """Whether commands mean this file by its name, not another species' of the same name."""
+        key = self._key
+        return (
+            self.path is not None
+            and key in species_names()
+            and species_file(key).resolve() == self.path.resolve()
+        )
 
     def _ask_new(self) -> None:
         if self.unsaved:
@@ -473,7 +510,7 @@ class Builder:
             self.naming = naming
             naming.shown = False
             return
-        self.path = path
+        self.path, self._file = path, None
         self.making.told, self.swims = "", False
         if naming.copies:
             self.editing = Editing(draft, new=True)

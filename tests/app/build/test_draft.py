@@ -33,6 +33,14 @@ def test_an_untouched_file_is_written_byte_for_byte(name):
     assert drafts.to_toml(draft) == species_file(name).read_text(encoding="utf-8")
 
 
+def test_ends_of_lines_stay_as_they_were(tmp_path, clownfish):
+    path = tmp_path / "fish.toml"
+    text = drafts.to_toml(drafts.changed(clownfish, ("name",), "Before"))
+    path.write_bytes(text.replace("\n", "\r\n").encode())
+    drafts.save(drafts.changed(drafts.read(path), ("name",), "After"), path)
+    assert path.read_bytes() == text.replace("\n", "\r\n").replace("Before", "After").encode()
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_every_point_lies_where_the_surface_or_the_scaffold_has_it(name):
     draft = drawn(name)

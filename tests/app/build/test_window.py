@@ -5,11 +5,13 @@ from contextlib import closing
 
 import numpy as np
 import pytest
+from msgspec import structs
 from PIL import Image
 
+from capture.rewrite import write_controllers
 from subsea.app.bench import Bench
 from subsea.app.build import draft as drafts
-from subsea.app.build.making import SEA, SHOAL
+from subsea.app.build.making import MOST, SEA, SHOAL
 from subsea.app.build.window import begun
 from subsea.errors import UserError
 from subsea.ocean import step
@@ -261,23 +263,66 @@ def test_what_is_learned_comes_into_the_draft(table, hands, spots):
     table.frame(0.1)
     spots.click(table, "Save")
     hands.until(table, lambda: not craft.unsaved)
-    craft.making.tries = 20
+    craft.making.tries = MOST  # it does not end by itself
     spots.click(table, "Learn")
-    hands.until(table, lambda: craft.making.runs)
-    wait(table, lambda: craft.making.share > 0 or not craft.making.runs, LEARN_S)
-    assert "Stop" in spots
-    if craft.making.runs:
-        spots.click(table, "Stop")
+    wait(table, lambda: craft.making.share > 0, LEARN_S)
+    spots.click(table, "New from…")  # would take the fish away that learns
+    assert craft.naming is None and not table.asks
+    spots.click(table, "Stop")
     wait(table, lambda: not craft.making.runs, LEARN_S)
     assert craft.making.told
     assert load_species("red_snapper") == species(table)
     # As if it had found something, while the fish was drawn on.
     path = own_species_file("red_snapper")
-    drafts.save(drafts.changed(drafts.read(path), ("swim", "lag"), 1.21), path)
+    found = load_species("red_snapper")
+    write_controllers(path, path, structs.replace(found.swim, lag=1.21), found.turn)
     craft.editing.do(lambda draft: drafts.changed(draft, ("schooling",), False))
     craft._ended("learn", 0)
     assert species(table).swim.lag == 1.21 and not species(table).schooling
     assert craft.unsaved and load_species("red_snapper").swim == species(table).swim
+    assert table.save() and not table.asks
+
+
+@pytest.mark.parametrize("answer", ["Read it", "Write over it"])
+def test_what_an_editor_wrote_is_not_written_over_unasked(table, hands, spots, answer):
+    craft, path = table.craft, own_species_file("red_snapper")
+    path.write_text(path.read_text() + "# by hand\n")
+    there = path.read_bytes()
+    craft.editing.do(lambda draft: drafts.changed(draft, ("name",), answer))
+    assert not table.save() and path.read_bytes() == there
+    hands.until(table, lambda: f"{answer}##answer" in spots)
+    hands.glide(table, 0.3)
+    spots.click(table, f"{answer}##answer")
+    hands.until(table, lambda: not craft.unsaved)
+    assert (path.read_bytes() == there) == (answer == "Read it")
+    assert load_species("red_snapper") == species(table)
+
+
+def test_saving_amid_the_question_for_a_new_one_keeps_the_fish(table, hands, spots):
+    craft = table.craft
+    editing, path = craft.editing, craft.path
+    spots.clear()
+    table.frame(0.1)
+    spots.click(table, "New from…")
+    hands.until(table, lambda: "Cancel" in spots)
+    craft.naming.source = "clownfish"
+    hands.until(table, lambda: craft.editing.present.key == "clownfish")
+    assert not table.save() and craft.naming.copies
+    hands.glide(table, 0.3)
+    spots.click(table, "Cancel")
+    hands.until(table, lambda: craft.naming is None)
+    assert craft.editing is editing and craft.path == path
+
+
+def test_a_file_elsewhere_does_not_swim_as_its_namesake(table, tmp_path, monkeypatch):
+    craft = table.craft
+    assert repertoire_file("fusilier").is_file()
+    craft._ended("record", 0)
+    assert craft.swims
+    monkeypatch.setattr(craft, "path", tmp_path / "fusilier.toml")
+    monkeypatch.setattr(craft, "swims", True)
+    craft._ended("record", 0)
+    assert not craft.swims
 
 
 def test_closing_asks_once_about_unsaved_work(table, hands, spots):
