@@ -43,6 +43,17 @@ def test_the_site_takes_nothing_from_elsewhere(site):
         assert foreign == [], page
 
 
+def test_every_file_of_the_project_that_a_page_names_is_there():
+    named = re.compile(r"`((?:assets|docs|subsea|tests|tools)/[\w./-]+)`")
+    missing = {
+        (page.name, name)
+        for page in [*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")]
+        for name in named.findall(page.read_text(encoding="utf-8"))
+        if "NAME" not in name and not (ROOT / name).exists()
+    }
+    assert missing == set()
+
+
 def test_every_picture_that_is_shown_is_there_and_no_other_is_kept():
     shown = set()
     for page in [*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")]:
