@@ -419,7 +419,8 @@ def _add_skin(commands: Any) -> None:
             "subsea skin guppy.jpg",
             "subsea skin guppy.jpg --species my_guppy --mesh guppy.json",
             "subsea skin guppy.jpg --species my_guppy --auto",
-            "subsea skin guppy.jpg --species my_guppy --auto --flip --mesh guppy.json",
+            "subsea skin guppy.jpg --species my_guppy --auto --flip",
+            "subsea skin guppy.jpg --species my_guppy --auto --mesh guppy.json",
             "subsea skin clown.png --species clownfish --auto --out sheet.png",
         ],
     )
@@ -436,7 +437,8 @@ def _add_skin(commands: Any) -> None:
         "--mesh",
         type=Path,
         metavar="FILE.json",
-        help="meshes to use instead of looking for the fish; written if it is not there",
+        help="meshes to use instead of looking for the fish; written if it is not there, in the "
+        "window by Save",
     )
     skin.set_defaults(run=_skin)
 

@@ -10,16 +10,17 @@ from subsea.errors import UserError
 from subsea.interrupts import deferred
 from subsea.places import check_file, replacing
 from subsea.resources import ROOT, is_path
-from subsea.skins.deformable import Net, meshes, root
+from subsea.skins.deformable import BODY, Net, meshes, root
 from subsea.skins.flank import across, laid
-from subsea.skins.lift import lifted
+from subsea.skins.lift import covered, lifted
 from subsea.skins.photograph import Photograph, read
 from subsea.skins.placing import Found, found, outline_error, under
-from subsea.skins.sheet import wear, write
+from subsea.skins.sheet import picture_of, wear, write
 from subsea.species import Species, is_shipped, load_species, species_file
 
 GOOD = 0.015  # body lengths
 FAR = 10.0  # of a photograph's size: meshes that lie so far off are none
+LEAST = 8.0  # pixels: a body that is shorter is none
 
 
 def dress(photo: Path, name: str, out: Path | None, flip: bool, mesh: Path | None) -> int:
@@ -35,10 +36,8 @@ def dress(photo: Path, name: str, out: Path | None, flip: bool, mesh: Path | Non
             f"{name}: a species that is shipped stays as it is; give --out FILE.png, or copy "
             f"{path} to a species of your own and name that"
         )
-    check_out(out)
-    for target in (out or path.with_suffix(".png"), mesh):
-        if target is not None:
-            check_file(target)
+    check_sheet(photo, name, out)
+    check_mesh(mesh, flip)
     photograph = read(photo)
     with deferred() as check:
         if mesh is not None and mesh.exists():
@@ -62,19 +61,37 @@ def dress(photo: Path, name: str, out: Path | None, flip: bool, mesh: Path | Non
             )
     error = outline_error(one.net, one.mask)
     print(f"outline: {100 * error:.1f}% of the length, on average, from what was told apart")
-    if error > GOOD:
+    if not error <= GOOD:
         print("  that is much: look at the sheet, and mend the meshes in `subsea skin PHOTO`")
     left = one.net.body.nodes[4, 0, 0] < one.net.body.nodes[4, -1, 0]
-    print(f"heading: {'left' if left else 'right'}; if it is the other way, give --flip")
+    mend = f"give --flip without {mesh}" if mesh is not None else "give --flip"
+    print(f"heading: {'left' if left else 'right'}; if it is the other way, {mend}")
     if out is None and not is_path(name, ".toml"):
         print(f"to see it: subsea dive --set fish.0.species={name}")
     return 0
 
 
-def check_out(out: Path | None) -> None:
-    """Refuse to write a sheet to a file that is called as none."""
+def check_sheet(photo: Path, name: str, out: Path | None) -> None:
+    """Whether a sheet can be written to `out`, or beside the file of a species; else a UserError.
+
+    The photograph, and what else lies there and is no sheet of the species, is not written over.
+    """
     if out is not None and out.suffix.lower() != ".png":
         raise UserError(f"{out}: expected the name of a file that ends in .png")
+    target = out or species_file(name).with_suffix(".png")
+    check_file(target)
+    if target.exists() and photo.exists() and target.samefile(photo):
+        raise UserError(f"{target}: is the photograph, which the sheet would replace; rename it")
+    if out is None:
+        picture_of(species_file(name))
+
+
+def check_mesh(mesh: Path | None, flip: bool) -> None:
+    """Whether meshes can be written to a file, or taken from it as they are; else a UserError."""
+    if mesh is not None:
+        check_file(mesh)
+        if flip and mesh.exists():
+            raise UserError(f"{mesh}: its meshes are used as they are, give it or --flip, not both")
 
 
 def may_wear(name: str) -> bool:
@@ -122,9 +139,13 @@ def load_mesh(path: Path, photograph: Photograph, species: Species) -> Net:
                 if anchor.shape != (2,) or not (np.abs(anchor) < FAR).all():
                     raise ValueError("expected anchors about the photograph")
                 one.anchors[k, j] = anchor * size
+        if np.hypot(*(net.body.nodes[4, 0] - net.body.nodes[4, -1])) < LEAST:
+            raise ValueError(f"expected a {BODY} that is at least {LEAST:.0f} pixels long")
+        if not covered(Net(net.body, {}), (height, width)).any():
+            raise ValueError(f"expected a {BODY} over the photograph")
     except OSError as fault:
         raise UserError(f"{path}: cannot read ({fault.strerror})") from fault
-    except (ValueError, KeyError, TypeError, IndexError) as fault:
+    except (ValueError, KeyError, TypeError, IndexError, OverflowError, RecursionError) as fault:
         raise UserError(f"{path}: no meshes of this species ({fault})") from fault
     root(net)
     return net

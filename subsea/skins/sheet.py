@@ -16,6 +16,7 @@ from PIL import Image
 from subsea.errors import UserError
 from subsea.keeping import kept
 from subsea.places import replacing
+from subsea.resources import load_toml
 from subsea.skins import paint
 from subsea.species import Species
 
@@ -62,12 +63,26 @@ def write(path: Path, sheet: Bytes) -> None:
         Image.fromarray(np.ascontiguousarray(sheet[::-1])).save(temporary, "PNG")
 
 
+def picture_of(path: Path) -> Path:
+    """Where the sheet lies that the species in the file `path` is to wear: a PNG of its name.
+
+    A file that is there and is no sheet of it is somebody's own: a UserError, as is a faulty one.
+    """
+    picture = path.with_suffix(".png")
+    if load_toml(path, Species).skin.sheet != picture.name and picture.exists():
+        raise UserError(
+            f"{picture}: is there already, and no sheet of {path.name}; move it elsewhere"
+        )
+    return picture
+
+
 def wear(path: Path, sheet: Bytes) -> Path:
     """Let the species in the file `path` wear a sheet: a PNG of its name beside it, and the key.
 
-    All else in the file stays, comments too. Returns the path of the PNG.
+    All else in the file stays, comments too. Returns the path of the PNG. What `picture_of` refuses
+    is a UserError.
     """
-    picture = path.with_suffix(".png")
+    picture = picture_of(path)
     document = tomlkit.parse(path.read_text(encoding="utf-8"))
     document["skin"]["sheet"] = picture.name
     write(picture, sheet)

@@ -11,8 +11,8 @@ from PIL import Image
 from subsea.app import dressing
 from subsea.app.cli import main
 from subsea.skins import paint
-from subsea.skins.deformable import meshes
-from subsea.skins.flank import across
+from subsea.skins.deformable import copied, meshes
+from subsea.skins.flank import across, laid
 from subsea.skins.photograph import read
 from subsea.skins.placing import silhouette
 from subsea.species import load_species, own_species, species_file
@@ -105,14 +105,49 @@ def test_faults_are_one_line_and_change_nothing(capsys, own, photo, tmp_path, mo
     )
     mesh = tmp_path / "mesh.json"
     far = json.dumps({"meshes": {"body": {"nodes": [[[1e300, 0]] * 21] * 9, "anchors": []}}})
-    for text in ("", "[]", "{}", '{"meshes": {"body": 3}}', far):
+    photograph, species = read(photo), load_species(NAME)
+    fresh = laid(species.surface, across(300, 200, species.surface))
+
+    def changed(act):
+        net = copied(fresh)
+        for one in meshes(net).values():
+            act(one.nodes)
+        dressing.save_mesh(mesh, photograph, net)
+        return mesh.read_text()
+
+    point = changed(lambda nodes: nodes.fill(100.0))
+    beside = changed(lambda nodes: nodes.__iadd__((900.0, 0.0)))
+    large = far.replace("1e+300", "9" * 400)
+    deep = "[" * 100_000
+    for text in ("", "[]", "{}", '{"meshes": {"body": 3}}', far, large, deep, point, beside):
         mesh.write_text(text)
         assert "mesh.json" in fails(photo, "--species", NAME, "--auto", "--mesh", mesh)
+    dressing.save_mesh(mesh, photograph, fresh)
+    told = fails(photo, "--species", NAME, "--auto", "--flip", "--mesh", mesh)
+    assert "mesh.json" in told and "--flip" in told
     monkeypatch.setattr(dressing, "ROOT", tmp_path)  # as if it were installed
     told = fails(photo, "--species", "clownfish", "--auto")
     assert "--out" in told
     assert own.read_text() == before and not own.with_suffix(".png").exists()
     assert sorted(path.name for path in tmp_path.iterdir()) == ["mesh.json"]
+
+
+def test_neither_the_photograph_nor_a_foreign_picture_is_replaced(capsys, own, photo, tmp_path):
+    def stays(picture, words, *arguments):
+        before = picture.read_bytes(), own.read_text()
+        code, out, err = run(capsys, *arguments, "--species", NAME, "--auto")
+        assert (code, out) == (2, "") and str(picture) in err and words in err, err
+        assert (picture.read_bytes(), own.read_text()) == before
+
+    beside = own.with_suffix(".png")  # the natural name for a photograph, too
+    shutil.copy(photo, beside)
+    stays(beside, "photograph", beside)
+    stays(beside, "photograph", beside, "--out", beside)
+    stays(beside, f"no sheet of {own.name}", photo)
+    beside.unlink()
+    link = tmp_path / "link.png"
+    link.symlink_to(photo)
+    stays(link, "photograph", photo, "--out", link)
 
 
 def test_what_is_not_installed_is_named(capsys, photo, monkeypatch):

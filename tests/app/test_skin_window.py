@@ -14,13 +14,14 @@ from subsea.app.cli import main
 from subsea.app.skin import hands as edits
 from subsea.app.skin.hands import Node
 from subsea.app.skin.window import Dressing
+from subsea.errors import UserError
 from subsea.skins import paint
 from subsea.skins.deformable import BODY, VENTRAL, meshes
 from subsea.skins.flank import across, at_rest, finer, laid, outlines, placed
 from subsea.skins.lift import drawn
 from subsea.skins.photograph import read
 from subsea.skins.sheet import sheet_of
-from subsea.species import load_species, species_file
+from subsea.species import load_species, own_species, species_file
 
 SIZE = 800, 600
 PICTURE = 520, 380  # width and height of the photograph
@@ -67,6 +68,8 @@ def test_without_a_display_one_line_says_what_works(monkeypatch, capsys, tmp_pat
         (["--out", "sheet.jpg"], "ends in .png"),
         (["--species", "nobody"], "unknown species"),
         (["--mesh", str(photo)], "no meshes of this species"),
+        (["--mesh", str(photo), "--flip"], "not both"),
+        (["--out", str(photo)], "is the photograph"),
     ):
         assert main(["skin", str(photo), *arguments]) == 2
         said = capsys.readouterr().err
@@ -86,7 +89,9 @@ def scene(display, tmp_path_factory):
 def opened(tmp_path_factory):
     path = tmp_path_factory.mktemp("photographs") / "angel.png"
     truth = photographed(path)
-    with closing(Bench("skin", lambda bench: Dressing(bench, read(path), NAME), SIZE)) as bench:
+    mesh = path.with_name("mesh.json")
+    dressing = lambda bench: Dressing(bench, read(path), NAME, mesh=mesh)  # noqa: E731
+    with closing(Bench("skin", dressing, SIZE)) as bench:
         rest(bench)
         yield bench, truth
 
@@ -310,6 +315,11 @@ def test_saved_under_a_name_of_its_own_a_world_shows_it(scene, hands, spots, tmp
     bench, _ = scene
     table = bench.craft
     hands.glide(bench, 0.2)
+    foreign = own_species() / "other.png"
+    foreign.parent.mkdir(parents=True, exist_ok=True)
+    foreign.touch()
+    with pytest.raises(UserError, match=r"other\.png: is there already"):
+        table._save_as("other", "Other")
     spots.click(bench, "Save")
     hands.glide(bench, 0.3)
     spots.type(bench, "its name", "Moorish jewel")
@@ -324,8 +334,14 @@ def test_saved_under_a_name_of_its_own_a_world_shows_it(scene, hands, spots, tmp
     hands.do("key", "ctrl+z")
     hands.until(bench, lambda: table.unsaved)
     rest(bench)
+    table.mesh_file.unlink()
     hands.do("key", "ctrl+s")
     hands.until(bench, lambda: not table.unsaved)
+    assert table.mesh_file.is_file()  # --mesh named it
+    table._out = table.photograph.path
+    with pytest.raises(UserError, match="is the photograph"):
+        table.save()
+    table._out = None
     assert np.array_equal(sheet_of(load_species("moorish_jewel")), table.sheet)
     # Magenta, as no other fish is.
     out = tmp_path / "sea.png"

@@ -65,6 +65,18 @@ def test_any_species_file_takes_the_key(name, tmp_path):
     assert dressed.surface == load_species(name).surface
 
 
+def test_a_species_that_was_damaged_meanwhile_is_a_fault_in_one_line(own):
+    whole = own.read_bytes()
+    skinless = whole.replace(b"[skin", b"[hide")
+    for content in (b"name = [", skinless, b"\xff\xfe", None):
+        own.unlink() if content is None else own.write_bytes(content)
+        with pytest.raises(UserError) as fault:
+            wear(own, picture())
+        assert str(fault.value).startswith(str(own)) and "\n" not in str(fault.value)
+        assert not own.with_suffix(".png").exists()
+    own.write_bytes(whole)
+
+
 def test_sheets_of_files_lie_among_painted_ones(own):
     sheet = picture()
     wear(own, sheet)

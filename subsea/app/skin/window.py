@@ -16,7 +16,7 @@ from subsea.app.build.draft import copied as draft_of
 from subsea.app.build.draft import read as read_draft
 from subsea.app.build.draft import save
 from subsea.app.build.naming import Naming
-from subsea.app.dressing import check_out, load_mesh, save_mesh
+from subsea.app.dressing import check_mesh, check_sheet, load_mesh, save_mesh
 from subsea.app.history import History
 from subsea.app.skin import hands, panels
 from subsea.app.skin.easel import HANDS, Easel
@@ -24,7 +24,6 @@ from subsea.app.skin.hands import Pose
 from subsea.app.skin.panels import Sliders
 from subsea.app.skin.preview import Preview
 from subsea.errors import UserError
-from subsea.places import check_file
 from subsea.render.shown import Shown
 from subsea.repertoire import read_repertoire, write_repertoire
 from subsea.skins.deformable import (
@@ -88,10 +87,11 @@ class Dressing:
     ) -> None:
         """Take up the meshes of the file `mesh` if it is there, else look for the fish.
 
-        What is saved is worn by the species, or written to `out` alone.
+        What is saved is worn by the species, or written to `out` alone; the meshes go to `mesh`.
         """
         self.bench, self.photograph = bench, photograph
         self.mesh_file = mesh or photograph.path.with_suffix(".json")
+        self._keeps = mesh is not None  # whether the meshes are saved with the sheet
         self._out = out
         self._naming: Naming | None = None  # the question what a copy is to be called
         self._renamed: dict[str, str] = {}  # shipped species by the copies that were saved
@@ -167,6 +167,9 @@ class Dressing:
             self._naming = self._naming or Naming(self.name, copies=False)
             return False
         self.relax(False)
+        if self._keeps:
+            self.keep_mesh()
+        check_sheet(self.photograph.path, self.name, self._out)
         if self.working:
             self._stale, self._lifting = False, None
             self._lifted(_lift(self.photograph, self.large(self.net), self.species, self._told))
@@ -402,8 +405,9 @@ class Dressing:
     def _save_as(self, key: str, title: str) -> None:
         """Save as a species of one's own that is built and moves as the present one."""
         path = own_species_file(key)
-        if path.exists():
-            raise UserError(f"{path}: is there already, expected another name")
+        for one in (path, path.with_suffix(".png")):
+            if one.exists():
+                raise UserError(f"{one}: is there already, expected another name")
         save(draft_of(read_draft(species_file(self.name)), key, title), path)
         source = repertoire_file(self.name)
         if source.is_file():
@@ -480,11 +484,11 @@ def dress_by_hand(
     name = name or USUAL
     species, photograph = load_species(name), read(photo)
     at_rest(species.surface)
+    check_mesh(mesh, flip)
     if mesh is not None and mesh.exists():
         load_mesh(mesh, photograph, species)
-    check_out(out)
-    if out is not None:
-        check_file(out)
+    if out is not None or not is_shipped(name):  # else it gets a name of its own
+        check_sheet(photo, name, out)
     return work(
         f"subsea skin  {photo.name}",
         lambda bench: Dressing(bench, photograph, name, flip, mesh, out),
