@@ -135,7 +135,8 @@ def _headless() -> list[Finding]:
         context = headless_context()
     except UserError as fault:
         return [Finding("OpenGL, no window", False, f"{fault}", needed=False)]
-    text = f"{context.info['GL_RENDERER']}, OpenGL {context.version_code / 100:.1f}"
+    with context:  # leaving it takes it off this thread: while it is there, no window can open
+        text = f"{context.info['GL_RENDERER']}, OpenGL {context.version_code / 100:.1f}"
     context.release()
     return [Finding("OpenGL, no window", True, text, needed=False)]
 

@@ -3,6 +3,7 @@
 import json
 import time
 from collections.abc import Generator, Iterator, Sequence
+from contextlib import closing
 from importlib.metadata import version
 from itertools import cycle
 from pathlib import Path
@@ -126,8 +127,8 @@ def soak(
 
     try:
         if draw:
-            with headless() as context:
-                _dive(world, ticks, watch, _painting(world, context, watch))
+            with headless() as context, closing(_painting(world, context, watch)) as painting:
+                _dive(world, ticks, watch, painting)
         else:
             _dive(world, ticks, watch)
     except KeyboardInterrupt:
@@ -171,8 +172,6 @@ def _dive(
             count()
             if len(watch.faults) >= MOST_FAULTS:
                 break
-    if painting:
-        painting.close()
 
 
 def hands(world: World, dice: np.random.Generator) -> Iterator[Hands]:
