@@ -15,8 +15,10 @@ from subsea.app.comparison import compare, read_reports
 from subsea.app.directed import check_tour, guided
 from subsea.app.figures import Frames, figures, print_ladder, print_report, write_csv, write_json
 from subsea.app.house import chosen_rig
+from subsea.app.machine import described, yardstick
 from subsea.app.start import headless, picture_maker, start_world
 from subsea.app.tour import Steer
+from subsea.errors import UserError
 from subsea.frame import Packet, pack
 from subsea.ocean import step
 from subsea.places import check_file
@@ -65,9 +67,11 @@ def benchmark(
         UserError: for what cannot be shown, read or written; before anything is measured.
 
     """
-    for path in (out, csv, plot):
-        if path is not None:
-            check_file(path)
+    files = [path for path in (out, csv, plot) if path is not None]
+    for k, path in enumerate(files):
+        check_file(path)
+        if path.resolve() in [other.resolve() for other in files[:k]]:
+            raise UserError(f"{path}: two results cannot go into one file")
     if plot is not None:
         from subsea.app.study_plots import check_plots
 
@@ -81,6 +85,7 @@ def benchmark(
         with headless() as context:
             world = start_world(scenario, seed, number, motor=motor, changes=changes)
             gpu, hold_ms = context.info["GL_RENDERER"], None
+            machine = described(context.info)
             if quality == AUTO:
                 hold_ms = target_ms or pacing.target_for(gpu)
             begin = LADDER[first_rung(gpu)] if quality == AUTO else PRESETS[quality]
@@ -103,6 +108,7 @@ def benchmark(
             "version": version("subsea"),
             "without": sorted(without),
             "motor": motor,
+            "machine": machine,
             **figures(measured),
         }
         runs.append((report, measured))
@@ -150,33 +156,39 @@ def measure(
     levels = np.zeros((frames, len(LEVELS)))
     memory = nothing_drawn(len(world.state.fishes.species))
     pace = pacing.start(LADDER.index(renderer.quality), rig.exact) if hold_ms else None
-    for k in tqdm(range(-WARM_UP_FRAMES, frames), unit="frame", disable=None, leave=False):
-        order = steer(world)  # a visitor's hands would take no time of the program's
-        start = time.perf_counter()
-        step(world, order)
-        packet = pack(
-            world, views(rig, cockpit(world.state.submarine, 1.0)), 1.0,
-            culling="culling" not in without, lod="lod" not in without,
-            detail=renderer.quality.detail, growth=renderer.quality.growth, memory=memory,
-        )  # fmt: skip
-        packed = time.perf_counter()
-        drawing, host_s = _draw(renderer, context, packet)
-        end = time.perf_counter()
-        if pace and hold_ms:
-            pace = pacing.paced(pace, 1000.0 * (end - start), hold_ms)
-            if LADDER[pace.rung] != renderer.quality:
-                renderer.adapt(LADDER[pace.rung])
-        if k < 0:
-            continue
-        columns["frame_s"].append(end - start)
-        columns["host_s"].append(packed - start + host_s)
-        for name, seconds in (world.stages_s | drawing).items():
-            stages[name].append(seconds)
-        levels[k] = np.bincount(memory.level[memory.level != HIDDEN], minlength=len(LEVELS))
-        columns["simulated"].append(world.state.fishes.live.sum())
-        columns["visible"].append(len(world.state.fishes.species) - packet.hidden)
-        columns["triangles"].append(renderer.triangles)
-        columns["draw_calls"].append(renderer.draw_calls)
+    with yardstick() as beside:
+        for k in tqdm(range(-WARM_UP_FRAMES, frames), unit="frame", disable=None, leave=False):
+            order = steer(world)  # a visitor's hands would take no time of the program's
+            fixed_s = beside()
+            cpu, thread, start = time.process_time(), time.thread_time(), time.perf_counter()
+            step(world, order)
+            packet = pack(
+                world, views(rig, cockpit(world.state.submarine, 1.0)), 1.0,
+                culling="culling" not in without, lod="lod" not in without,
+                detail=renderer.quality.detail, growth=renderer.quality.growth, memory=memory,
+            )  # fmt: skip
+            packed = time.perf_counter()
+            drawing, host_s = _draw(renderer, context, packet)
+            end = time.perf_counter()
+            cpu, thread = time.process_time() - cpu, time.thread_time() - thread
+            if pace and hold_ms:
+                pace = pacing.paced(pace, 1000.0 * (end - start), hold_ms)
+                if LADDER[pace.rung] != renderer.quality:
+                    renderer.adapt(LADDER[pace.rung])
+            if k < 0:
+                continue
+            columns["frame_s"].append(end - start)
+            columns["host_s"].append(packed - start + host_s)
+            columns["cpu_s"].append(cpu)
+            columns["thread_s"].append(thread)
+            columns["yardstick_s"].append(fixed_s)
+            for name, seconds in (world.stages_s | drawing).items():
+                stages[name].append(seconds)
+            levels[k] = np.bincount(memory.level[memory.level != HIDDEN], minlength=len(LEVELS))
+            columns["simulated"].append(world.state.fishes.live.sum())
+            columns["visible"].append(len(world.state.fishes.species) - packet.hidden)
+            columns["triangles"].append(renderer.triangles)
+            columns["draw_calls"].append(renderer.draw_calls)
     return Frames(
         stages_s={name: np.array(values) for name, values in stages.items()},
         levels=levels,

@@ -1,4 +1,4 @@
-"""A benchmark beside an older one: how many times faster, and how evenly so."""
+"""A benchmark beside an older one: how many times faster, and whether that is to be believed."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -13,6 +13,8 @@ SETTINGS = (
     "renderer", "size", "theatre", "display", "quality", "scenario", "set", "tour", "seed",
     "frames", "without", "motor",
 )  # fmt: skip
+MACHINE = "cpu", "cores", "driver"
+LEAST = 1.05  # runs of the same code differ by less, but for what the yardstick shows
 LARGEST = 100_000_000  # bytes of a report
 
 
@@ -36,6 +38,9 @@ class Report(msgspec.Struct, frozen=True):
     tour: str = "auto"
     motor: str = "playback"
     parts_ms: dict[str, list[float]] = {}
+    cpu_ms: dict[str, float] = {}
+    yardstick_ms: float | None = None
+    machine: dict[str, Any] = {}
 
 
 def read_reports(path: Path) -> list[Report]:
@@ -73,28 +78,42 @@ def compare(reports: Sequence[dict[str, Any]], older: Sequence[Report], path: Pa
             old = older[0]
         print(f"\n{report['fish']} fishes, against {path} (subsea {old.version})")
         others = [name for name in ("fish", *SETTINGS) if getattr(old, name) != report[name]]
+        others += [
+            name
+            for name in MACHINE
+            if name in old.machine and old.machine[name] != report["machine"][name]
+        ]
         if others:
             print(f"not alike: {', '.join(others)}")
-        print(f"{'ms':<14}{'then':>10}{'now':>10}{'times faster':>16}{'in most parts':>20}")
-        for name, then, now, spread in _rows(report, old):
+        parts = old.parts_ms
+        machine = spread(parts.get("yardstick", []), report["parts_ms"]["yardstick"])
+        print(f"{'ms':<14}{'then':>10}{'now':>10}{'times faster':>14}{'in most parts':>20}")
+        for name, then, now in _rows(report, old):
+            own = spread(parts.get(name, []), report["parts_ms"][name])
             ratio = f"{then / now:.2f}" if now > 0.0 else "-"
-            part = f"{spread[0]:.2f} to {spread[1]:.2f}" if spread else "-"
-            print(f"{name:<14}{then:>10.3f}{now:>10.3f}{ratio:>16}{part:>20}")
+            part = f"{own[0]:.2f} to {own[1]:.2f}" if own else "-"
+            told = "" if name == "yardstick" else verdict(own, machine)
+            print(f"{name:<14}{then:>10.3f}{now:>10.3f}{ratio:>14}{part:>20}  {told}".rstrip())
 
 
-def _rows(
-    report: dict[str, Any], old: Report
-) -> Iterator[tuple[str, float, float, tuple[float, float] | None]]:
-    """Name, medians then and now, and between which ratios most parts of the run lie."""
-    then = {"frame": old.frame_ms["p50"], **old.stages_ms}
-    now = {"frame": report["frame_ms"]["p50"], **report["stages_ms"]}
-    for name in [name for name in now if name in then]:
-        yield (
-            name,
-            then[name],
-            now[name],
-            spread(old.parts_ms.get(name, []), report["parts_ms"][name]),
-        )
+def _rows(report: dict[str, Any], old: Report) -> Iterator[tuple[str, float, float]]:
+    """Name, and medians then and now, of all that both have."""
+    then = {
+        "frame": old.frame_ms["p50"],
+        "cpu": old.cpu_ms.get("all"),
+        **old.stages_ms,
+        "yardstick": old.yardstick_ms,
+    }
+    now = {
+        "frame": report["frame_ms"]["p50"],
+        "cpu": report["cpu_ms"]["all"],
+        **report["stages_ms"],
+        "yardstick": report["yardstick_ms"],
+    }
+    for name, mine in now.items():
+        before = then.get(name)
+        if before is not None:
+            yield name, before, mine
 
 
 def spread(then: Sequence[float], now: Sequence[float]) -> tuple[float, float] | None:
@@ -106,3 +125,17 @@ def spread(then: Sequence[float], now: Sequence[float]) -> tuple[float, float] |
         return None
     low, high = np.percentile(np.array(then) / np.array(now), [10, 90])
     return float(low), float(high)
+
+
+def verdict(own: tuple[float, float] | None, machine: tuple[float, float] | None) -> str:
+    """The words for ratios in most parts, and those of the yardstick.
+
+    Different is what lies beyond 1 by at least `LEAST`, and beyond what the machine itself did
+    meanwhile. Empty where a report has no parts.
+    """
+    if own is None:
+        return ""
+    low, high = min(1.0, *(machine or ())), max(1.0, *(machine or ()))
+    if own[0] > high * LEAST:
+        return "faster"
+    return "slower" if own[1] * LEAST < low else "no difference"

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.app.machine import sentence
 from subsea.app.timing import summary
 from subsea.places import replacing
 from subsea.view.levels import LEVELS
@@ -35,6 +36,9 @@ class Frames(NamedTuple):
 
     frame_s: Array  # (F,) all of it
     host_s: Array  # (F,) without the time in which drawing calls run or are waited for
+    cpu_s: Array  # (F,) processor time of all threads
+    thread_s: Array  # (F,) processor time of the calling thread
+    yardstick_s: Array  # (F,) what a fixed work took beside it, see `machine.yardstick`
     stages_s: dict[str, Array]  # (F,) each
     visible: Array  # (F,) fishes drawn
     simulated: Array  # (F,) fishes simulated
@@ -52,10 +56,17 @@ def figures(frames: Frames) -> dict[str, Any]:
         "simulated_mean": float(frames.simulated.mean()),
         "frame_ms": frame_ms,
         "host_ms": summary(frames.host_s)["p50"],
+        "cpu_ms": {
+            "all": summary(frames.cpu_s)["p50"],
+            "thread": summary(frames.thread_s)["p50"],
+        },
+        "yardstick_ms": summary(frames.yardstick_s)["p50"],
         "fps": 1000.0 / frame_ms["mean"],
         "stages_ms": {name: summary(frames.stages_s[name])["p50"] for name in STAGES},
         "parts_ms": {
             "frame": _parts_ms(frames.frame_s),
+            "cpu": _parts_ms(frames.cpu_s),
+            "yardstick": _parts_ms(frames.yardstick_s),
             **{name: _parts_ms(frames.stages_s[name]) for name in STAGES},
         },
         "lod": dict(zip(LEVELS, frames.levels.mean(axis=0).tolist(), strict=True)),
@@ -75,7 +86,8 @@ def print_report(report: dict[str, Any]) -> None:
     print(f"{report['fish']} fishes, {report['visible_mean']:.1f} visible, {_pixels(report)}")
     print(f"motor {report['motor']}, {report['simulated_mean']:.1f} simulated")
     print(_drawn_by(report))
-    for title in ("frame_ms", "stages_ms", "lod"):
+    print(sentence(report["machine"]))
+    for title in ("frame_ms", "cpu_ms", "stages_ms", "lod"):
         print(title)
         for name, value in report[title].items():
             print(f"  {name:<14}{value:>10.3f}")
@@ -87,13 +99,15 @@ def print_ladder(reports: Sequence[dict[str, Any]]) -> None:
     """Several reports for people: one a line, medians in ms."""
     print(f"{reports[0]['scenario']}, motor {reports[0]['motor']}, {_pixels(reports[0])}")
     print(_drawn_by(reports[0]))
-    names = ("fishes", "visible", "fps", "frame", "p95", *STAGES)
+    print(sentence(reports[0]["machine"]))
+    names = ("fishes", "visible", "fps", "frame", "p95", "cpu", *STAGES)
     print("".join(f"{name:>{_wide(name)}}" for name in names))
     for report in reports:
         values = (
             report["fps"],
             report["frame_ms"]["p50"],
             report["frame_ms"]["p95"],
+            report["cpu_ms"]["all"],
             *report["stages_ms"].values(),
         )
         print(
@@ -129,10 +143,11 @@ def write_csv(path: Path, runs: Sequence[tuple[dict[str, Any], Frames]]) -> None
     with replacing(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
         rows = csv.writer(file)
         rows.writerow(
-            ["fish", "frame", "frame_ms", "host_ms", *(f"{name}_ms" for name in STAGES), *SHOWN]
+            ["fish", "frame", *(f"{name}_ms" for name in ("frame", "host", "cpu", *STAGES)), *SHOWN]
         )
         for report, frames in runs:
-            times = (frames.frame_s, frames.host_s, *(frames.stages_s[name] for name in STAGES))
+            times = [frames.frame_s, frames.host_s, frames.cpu_s]
+            times += [frames.stages_s[name] for name in STAGES]
             shown = [getattr(frames, name) for name in SHOWN]
             for k in range(len(frames.frame_s)):
                 rows.writerow(

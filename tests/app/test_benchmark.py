@@ -2,13 +2,16 @@
 
 import csv
 import json
+import os
 import re
+from importlib.metadata import version
 
 import numpy as np
 import pytest
 from PIL import Image
 
-from subsea.app import comparison, timing
+from subsea import ocean
+from subsea.app import benchmark, comparison, machine, timing
 from subsea.app.cli import main
 from subsea.app.figures import STAGES
 
@@ -34,7 +37,7 @@ def test_the_report_has_the_agreed_keys(reports):
         "renderer", "size", "display", "scenario", "fish", "visible_mean", "frames", "seed",
         "version", "without", "motor", "simulated_mean", "frame_ms", "fps", "stages_ms", "lod",
         "triangles_mean", "quality", "quality_drawn", "target_ms", "host_ms", "draw_calls",
-        "theatre", "set", "tour", "parts_ms",
+        "theatre", "set", "tour", "parts_ms", "machine", "cpu_ms", "yardstick_ms",
     }  # fmt: skip
     assert set(report["frame_ms"]) == {"mean", "p50", "p95", "p99", "max"}
     assert tuple(report["stages_ms"]) == STAGES
@@ -51,8 +54,23 @@ def test_its_figures_agree(reports):
         assert sum(report["stages_ms"].values()) < 1.5 * frame["max"]
         assert 0.0 < report["host_ms"] < frame["p50"]
         assert report["draw_calls"] >= 5
+        assert 0.0 < report["cpu_ms"]["thread"] <= 1.01 * report["cpu_ms"]["all"]
+        assert report["cpu_ms"]["thread"] < 1.5 * frame["max"]
         assert (report["quality"], report["quality_drawn"]) == ("low", "low")
         assert report["target_ms"] is None
+
+
+def test_the_report_tells_on_what_it_was_measured(reports, capsys):
+    told = reports["with"]["machine"]
+    assert set(told) == {
+        "cpu", "cores", "load", "system", "driver", "python", "packages", "commit",
+    }  # fmt: skip
+    assert told["cores"] == len(os.sched_getaffinity(0))
+    assert told["packages"]["numba"] == version("numba")
+    line = machine.sentence(told)
+    assert told["cpu"] in line
+    assert told["driver"] in line
+    assert "commit" not in machine.sentence(told | {"commit": None})
 
 
 def test_without_culling_and_levels_all_fishes_are_drawn_in_full(reports):
@@ -173,19 +191,51 @@ def test_a_report_stands_against_an_older_one(ladder, tmp_path, capsys):
     for table in (old["frame_ms"], old["stages_ms"]):
         for name in table:
             table[name] *= 1000.0
-    for parts in old["parts_ms"].values():
-        parts[:] = [1000.0 * value for value in parts]
+    for name in ("frame", *STAGES):
+        old["parts_ms"][name] = [1000.0 * value for value in old["parts_ms"][name]]
     slow = tmp_path / "slow.json"
     slow.write_text(json.dumps(old))
     options = ["--frames", "12", "--size", "160x120", "--fish", "20"]
     assert main(["benchmark", *options, "--compare", str(slow)]) == 0
     told = capsys.readouterr().out
     assert "not alike: tour\n" in told
-    name, then, now, ratio, low, to, high = re.search(r"^frame .*", told, re.M)[0].split()
-    assert (name, to) == ("frame", "to")
+    name, then, now, ratio, low, to, high, told = re.search(r"^frame .*", told, re.M)[0].split()
+    assert (name, to, told) == ("frame", "to", "faster")
     assert float(then) == pytest.approx(old["frame_ms"]["p50"], abs=1e-3)
     assert float(ratio) == pytest.approx(float(then) / float(now), rel=0.01)
     assert 100.0 < float(low) < float(high)
+
+
+def compared(reports, older, path, capsys):
+    """What is told of each row of a comparison: its last word."""
+    path.write_text(json.dumps(older))
+    comparison.compare(reports, comparison.read_reports(path), path)
+    rows = capsys.readouterr().out.partition("in most parts\n")[2].splitlines()
+    return {row.split()[0]: row.split()[-1] for row in rows}
+
+
+def test_runs_that_a_busier_machine_slows_do_not_differ(reports, tmp_path, capsys):
+    now, path = reports["with"], tmp_path / "old.json"
+    same = compared([now], now, path, capsys)
+    assert {same[name] for name in ("frame", "cpu", *STAGES)} == {"difference"}
+    slow = json.loads(json.dumps(now))
+    for name in ("frame", "motor"):
+        slow["parts_ms"][name] = [2.0 * value for value in slow["parts_ms"][name]]
+    told = compared([now], slow, path, capsys)
+    assert (told["frame"], told["motor"], told["pose"]) == ("faster", "faster", "difference")
+    assert compared([slow], now, path, capsys)["motor"] == "slower"
+    slow["parts_ms"]["yardstick"] = [2.1 * value for value in slow["parts_ms"]["yardstick"]]
+    told = compared([now], slow, path, capsys)
+    assert (told["frame"], told["motor"]) == ("difference", "difference")
+
+
+def test_reports_without_a_yardstick_are_compared(reports, tmp_path, capsys):
+    old = json.loads(json.dumps(reports["with"]))
+    for name in ("machine", "cpu_ms", "yardstick_ms", "parts_ms"):
+        del old[name]
+    rows = compared([reports["with"]], old, tmp_path / "old.json", capsys)
+    assert {"frame", *STAGES} == set(rows)
+    assert set(rows.values()) == {"-"}
 
 
 def test_parts_that_took_half_as_long_were_twice_as_fast():
@@ -195,6 +245,22 @@ def test_parts_that_took_half_as_long_were_twice_as_fast():
     assert comparison.spread([1.0] * 9, [1.0] * 10) is None
     assert comparison.spread([1.0], [1.0]) is None
     assert comparison.spread([1.0, 1.0], [0.0, 1.0]) is None
+
+
+def test_what_is_interrupted_leaves_nothing(tmp_path, monkeypatch, capsys):
+    steps = []
+
+    def step(*arguments):
+        steps.append(arguments)
+        if len(steps) > 33:
+            raise KeyboardInterrupt
+        ocean.step(*arguments)
+
+    monkeypatch.setattr(benchmark, "step", step)
+    files = ["--json", str(tmp_path / "a.json"), "--csv", str(tmp_path / "a.csv")]
+    assert main([*SMALL, *files]) == 130
+    assert capsys.readouterr().err.splitlines()[-1] == "subsea: interrupted"
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize(
@@ -219,6 +285,7 @@ def test_what_is_no_report_is_a_fault_in_one_line(tmp_path, capsys, content):
         (["--fish", "5,0"], "'0': expected a whole number from 1 to 100000"),
         (["--csv", "."], "is a folder"),
         (["--plot", "."], "is a folder"),
+        (["--json", "a", "--csv", "./a"], "a: two results cannot go into one file"),
     ],
 )
 def test_a_run_that_cannot_be_is_a_fault_in_one_line(

@@ -1,5 +1,8 @@
 """The paper's tables compare like with like."""
 
+from importlib.metadata import version
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -26,11 +29,23 @@ def test_a_view_of_about_so_many_fishes_is_found():
 
 
 def test_the_tables_print_both_machines(capsys, monkeypatch):
-    for name, small in (("SIMULATED_TICKS", 4), ("PLAYED_TICKS", 3), ("REDUCED_PICTURES", 1)):
+    for name, small in (("SIMULATED_TICKS", 20), ("PLAYED_TICKS", 3), ("REDUCED_PICTURES", 1)):
         monkeypatch.setattr(paper, name, small)
     monkeypatch.setattr(paper, "SIZE", (160, 120))
     monkeypatch.setattr(paper, "RENDERED", ("peaceful",))
     assert paper.paper_tables() == 0
     out = capsys.readouterr().out
+    assert f"subsea {version('subsea')}, " in out
     for figure in ("40", "0.01", "4000", "2340", "85", "27.53"):
         assert figure in out.split()
+
+
+def test_who_has_no_patience_draws_once(monkeypatch):
+    drawn = []
+    renderer = SimpleNamespace(draw=drawn.append)
+    context = SimpleNamespace(finish=lambda: None)
+    assert paper.drawing_ms(renderer, context, "packet", 5) > 0.0
+    assert len(drawn) == 6
+    monkeypatch.setattr(paper, "PATIENCE_S", 0.0)
+    assert paper.drawing_ms(renderer, context, "packet", 5) > 0.0
+    assert len(drawn) == 7

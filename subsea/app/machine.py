@@ -1,0 +1,90 @@
+"""On what a figure was measured, and how fast that was meanwhile."""
+
+import os
+import platform
+import subprocess
+import time
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import subsea
+
+PACKAGES = "numpy", "numba", "moderngl"
+YARD = 1 << 15  # numbers whose sines are taken on each core: about a third of a millisecond
+
+
+def described(graphics: Mapping[str, str]) -> dict[str, Any]:
+    """What somebody who cites a figure has to say; `graphics` is the `info` of an OpenGL context.
+
+    `load` is how many programs wanted a processor in the minute before, None where no system tells.
+    """
+    return {
+        "cpu": _processor(),
+        "cores": cores(),
+        "load": round(os.getloadavg()[0], 2) if hasattr(os, "getloadavg") else None,
+        "system": platform.platform(),
+        "driver": graphics["GL_VERSION"],
+        "python": platform.python_version(),
+        "packages": {name: version(name) for name in PACKAGES},
+        "commit": _commit(Path(subsea.__file__).parents[1]),
+    }
+
+
+def sentence(machine: Mapping[str, Any]) -> str:
+    """The machine in one line."""
+    count = f"{machine['cores']} cores" if machine["cores"] > 1 else "1 core"
+    load = "" if machine["load"] is None else f", load {machine['load']}"
+    commit = f"; commit {machine['commit']}" if machine["commit"] else ""
+    return f"{machine['cpu']}, {count}{load}; OpenGL {machine['driver']}{commit}"
+
+
+def cores() -> int:
+    """How many this process may use."""
+    here = getattr(os, "sched_getaffinity", None)
+    return len(here(0)) if here else os.cpu_count() or 1
+
+
+def _processor() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        lines = []
+    names = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
+    return next(names, platform.processor() or platform.machine())
+
+
+def _commit(checkout: Path) -> str | None:
+    """The commit of a checkout, with "+" if its files are not those; None elsewhere."""
+    if not (checkout / ".git").exists():
+        return None
+    ask = ["git", "-C", str(checkout), "describe", "--always", "--exclude=*", "--dirty=+"]
+    try:
+        told = subprocess.run(ask, capture_output=True, text=True, check=False, timeout=10)
+    except (OSError, subprocess.TimeoutExpired):
+        return None
+    return told.stdout.strip() or None
+
+
+@contextmanager
+def yardstick() -> Iterator[Callable[[], float]]:
+    """A function that does a small fixed work on every core and returns how long it took, s.
+
+    Other programs lengthen it as they lengthen frames, and no version of this program does.
+    """
+    number = cores()
+    work = [np.linspace(0.0, 1.0, YARD) for _ in range(number)]
+    out = [np.empty(YARD) for _ in range(number)]
+
+    def measure() -> float:
+        start = time.perf_counter()
+        list(pool.map(np.sin, work, out))
+        return time.perf_counter() - start
+
+    with ThreadPoolExecutor(number) as pool:
+        yield measure
