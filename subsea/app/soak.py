@@ -1,11 +1,12 @@
 """`subsea soak`: hours of a dive with hands at random, watched for what must never happen."""
 
+import gc
 import json
 import time
 from collections.abc import Generator, Iterator, Sequence
 from contextlib import closing
 from importlib.metadata import version
-from itertools import cycle
+from itertools import count
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -14,31 +15,37 @@ import numpy as np
 
 from subsea import interrupts, snapshot
 from subsea.app.console import counted, say
+from subsea.app.house import chosen_rig
 from subsea.app.progress import clock, progress
-from subsea.app.start import headless, start_world
+from subsea.app.soundness import faults_in, reach_now, starving, stuck, widen
+from subsea.app.start import headless, picture_maker, start_world
 from subsea.behavior.reins import Reins
 from subsea.constants import constants_of, put_back
 from subsea.errors import UserError
-from subsea.frame import make_scene, pack
-from subsea.kinematics.heightfield import height_at
+from subsea.frame import pack
 from subsea.ocean import Order, step
 from subsea.places import check_file, replacing
 from subsea.render.quality import PRESETS
+from subsea.resources import resource_names
 from subsea.submarine.helm import HANDS_OFF, Helm
-from subsea.view.rig import views
-from subsea.view.rigs import cockpit, display_rig
+from subsea.theatre.files import FOLDER
+from subsea.view.rig import Rig, views
+from subsea.view.rigs import DISPLAYS, cockpit, display_rig
+from subsea.view.stereo import PAGED
 from subsea.world import TICK_S, World
 
 SECOND = round(1.0 / TICK_S)  # ticks, about
 MINUTE = round(60.0 / TICK_S)
 SIZE = (320, 180)
-DISPLAYS = ("mono", "side-by-side", "anaglyph", "panorama", "dome")  # one follows another
-PICTURES = 30  # in each of them, a second apart
+SHRINK = 6  # of theatres
+ROUNDS = 8  # of all displays and theatres in a soak, if it has the time
+PICTURES = 5, 30  # at least and at most in each of them, a second apart
 REPLAY_EVERY, REPLAYED = MINUTE, 3 * SECOND  # so often time goes back so far
 SPELL_S = 0.5, 8.0  # how long hands do one thing
 CURRENT_CM_S = 30.0
 TIMIDITY = 0.5, 2.0
 SHARES = {"steer": 0.6, "let go": 0.1, "ride": 0.2, "change": 0.1}
+STILL = 180 * SECOND  # who stays where it is so long is stuck
 MEMORY_FROM = 0.25  # the share of a soak from which on memory counts
 GROWTH = 0.02  # of resident memory since then is too much
 MOST_FAULTS = 10  # then the dive ends
@@ -71,6 +78,9 @@ class Watch(NamedTuple):
 
     checksums: list[str]  # after every minute of the sea
     memory_mb: list[float]  # then; empty where the system does not tell
+    things: list[int]  # then: objects that the garbage collector knows
+    alive: list[int]  # then: fishes
+    starving: list[int]  # then: fishes as hungry as can be
     objects: list[dict[str, int]]  # of OpenGL, after every round of displays
     replays: list[int]  # ticks at which time had gone back and come again
     faults: list[str]
@@ -88,10 +98,11 @@ def soak(
 ) -> int:
     """Dive `minutes` of the sea's own time with hands at random, and print what was seen.
 
-    Faults are: numbers that no tick writes; a fish or the submarine out of bounds; a past that
-    does not come again equally; memory and objects of OpenGL that grow; checksums other than
-    those of the same dive in the report `against`. With `draw` a picture is made every second,
-    in one display mode after another. The report goes to `out` as JSON.
+    Faults are: what `soundness` finds; fishes that stay where they are; a past that does not come
+    again equally; what no tick changes, and has changed; memory and objects that grow; empty
+    pictures; checksums other than those of the same dive in the report `against`. With `draw` a
+    picture is made every second, in one display mode or theatre after another and at every
+    quality. The report goes to `out` as JSON.
 
     Returns 0 if all was sound, 1 if not. The same arguments make the same dive.
     """
@@ -99,7 +110,7 @@ def soak(
         check_file(out)
     older = None if against is None else _report(against)
     world = start_world(scenario, seed, fish, changes=changes)
-    watch, ticks = Watch([], [], [], [], []), max(round(minutes * MINUTE), 1)
+    watch, ticks = Watch(*([] for _ in Watch._fields)), max(round(minutes * MINUTE), 1)
     about = {
         "scenario": scenario,
         "set": [*changes],
@@ -127,7 +138,10 @@ def soak(
 
     try:
         if draw:
-            with headless() as context, closing(_painting(world, context, watch)) as painting:
+            with (
+                headless() as context,
+                closing(_painting(world, context, watch, ticks)) as painting,
+            ):
                 _dive(world, ticks, watch, painting)
         else:
             _dive(world, ticks, watch)
@@ -143,8 +157,9 @@ def _dive(
 ) -> None:
     doing = hands(world, np.random.default_rng(world.state.seed))
     done: list[Hands] = []  # since the moment to which time goes back
-    before = None
-    with interrupts.deferred() as check, progress(ticks, "tick") as count:
+    before, reach = None, reach_now(world)
+    fixed = snapshot.checksum_of(snapshot.constant(world))
+    with interrupts.deferred() as check, progress(ticks, "tick") as made:
         for k in range(1, ticks + 1):
             check()
             if k % REPLAY_EVERY == REPLAY_EVERY - REPLAYED:
@@ -162,14 +177,23 @@ def _dive(
                 watch.replays.append(world.state.tick)
                 before = None
             if k % SECOND == 0:
+                widen(reach, world)
                 found = faults_in(world)
+                if k % STILL == 0:
+                    found.extend(f"fish {i} is stuck" for i in stuck(reach, world))
+                    reach = reach_now(world)
                 watch.faults.extend(f"tick {world.state.tick}: {what}" for what in found)
                 if painting:
                     next(painting)
             if k % MINUTE == 0 or k == ticks:
+                if snapshot.checksum_of(snapshot.constant(world)) != fixed:
+                    watch.faults.append(f"tick {world.state.tick}: what stays has changed")
                 watch.checksums.append(snapshot.checksum(world))
                 watch.memory_mb.extend(resident_mb())
-            count()
+                watch.things.append(len(gc.get_objects()))
+                watch.alive.append(int(world.state.fishes.alive.sum()))
+                watch.starving.append(starving(world))
+            made()
             if len(watch.faults) >= MOST_FAULTS:
                 break
 
@@ -202,44 +226,33 @@ def act(world: World, doing: Hands) -> None:
     step(world, doing.order)
 
 
-def faults_in(world: World) -> list[str]:
-    """What is wrong with a world: numbers that no tick writes, bodies out of bounds."""
-    try:
-        snapshot.check(world)
-    except UserError as fault:
-        return [str(fault)]
-    sea, fishes = world.state.sea, world.state.fishes
-    swims = fishes.alive.copy()
-    if sea.catch[1] >= 0:
-        swims[int(sea.catch[1])] = False  # it is drawn up into the air
-    names = [*(f"fish {i}" for i in np.flatnonzero(swims)), "the submarine"]
-    found = []
-    for name, (x, y, z) in zip(
-        names, [*fishes.position[swims], world.state.submarine.position], strict=True
-    ):
-        floor = height_at(sea.heights, sea.half_width, float(x), float(y))
-        if np.hypot(x, y) > sea.radius or not floor < z < 0.0:
-            found.append(f"{name} is out of the sea, at {x:.0f}, {y:.0f}, {z:.0f}")
-    return found
+def rigs() -> list[Rig]:
+    """Of every display mode that needs no special window, and of every theatre, shrunk."""
+    theatres = resource_names(FOLDER, ".toml")
+    return [
+        *(display_rig(display, SIZE) for display in DISPLAYS if display != PAGED),
+        *(chosen_rig("mono", SIZE, theatre=name, shrink=SHRINK)[0] for name in theatres),
+    ]
 
 
-def _painting(world: World, context: Any, watch: Watch) -> Generator[None, None, None]:
-    """Make a picture at every call, in one display mode after another."""
-    from subsea.render import Renderer, living
+def _painting(world: World, context: Any, watch: Watch, ticks: int) -> Generator[None, None, None]:
+    """Make a picture at every call, with one rig after another, at one quality after another."""
+    from subsea.render import living
 
-    quality = PRESETS["low"]
-    for display in cycle(DISPLAYS):
-        rig = display_rig(display, SIZE)
-        renderer = Renderer(context, make_scene(world), rig, quality)
-        try:
-            for _ in range(PICTURES):
+    shown = rigs()
+    pictures = int(np.clip(ticks // (SECOND * ROUNDS * len(shown)), *PICTURES))
+    for number in count():
+        rig = shown[number % len(shown)]
+        quality = list(PRESETS.values())[(number + number // len(shown)) % len(PRESETS)]
+        with picture_maker(context, world, rig, quality) as renderer:
+            for _ in range(pictures):
                 seen = views(rig, cockpit(world.state.submarine, 1.0))
                 renderer.draw(pack(world, seen, 1.0, detail=quality.detail, growth=quality.growth))
-                renderer.read_pixels()
+                for output in range(len(rig.outputs)):
+                    if np.ptp(renderer.read_pixels(output)) == 0:
+                        watch.faults.append(f"tick {world.state.tick}: an empty picture")
                 yield
-        finally:
-            renderer.release()
-        if display == DISPLAYS[-1]:
+        if rig is shown[-1]:
             watch.objects.append(living(context))
 
 
@@ -256,6 +269,8 @@ def _judge(watch: Watch) -> None:
     """Add faults for what has grown."""
     if grown := growth(watch.memory_mb):
         watch.faults.append(f"memory grew by {grown:.1%}")
+    if grown := growth(watch.things):
+        watch.faults.append(f"objects of Python grew by {grown:.1%}")
     for kind in watch.objects[0] if watch.objects else ():
         numbers = [objects[kind] for objects in watch.objects]
         if numbers[-1] > numbers[0]:
@@ -296,14 +311,19 @@ def _report(path: Path) -> _Report:
 
 
 def _tell(world: World, watch: Watch, seconds: float) -> None:
-    fishes = counted(len(world.state.fishes.species), "fish", "fishes")
+    number = len(world.state.fishes.species)
+    fishes = counted(number, "fish", "fishes")
     print(f"{clock(world.state.tick * TICK_S)} of the sea, {fishes}, in {clock(seconds)}")
     if watch.checksums:
         print(f"checksum at the end: {watch.checksums[-1]}")
+        print(f"alive at the end: {watch.alive[-1]} of {number}, {watch.starving[-1]} starving")
     print(f"time went back {counted(len(watch.replays), 'time', 'times')}")
     if watch.memory_mb:
         first, last = watch.memory_mb[len(watch.memory_mb) // 4], watch.memory_mb[-1]
-        print(f"memory: {first:.0f} MB after a quarter, {last:.0f} at the end")
+        print(f"memory: {first:.1f} MB after a quarter, {last:.1f} at the end")
+    if watch.things:
+        first, last = watch.things[len(watch.things) // 4], watch.things[-1]
+        print(f"objects of Python: {first} after a quarter, {last} at the end")
     if watch.objects:
         for when, objects in (("first", watch.objects[0]), ("last", watch.objects[-1])):
             kinds = ", ".join(f"{kind} {number}" for kind, number in objects.items())
