@@ -129,7 +129,7 @@ def soak(
         made = world.state.tick - first
         if older is not None:
             _compare(watch, made, older)
-        _judge(watch)
+        judge(watch)
         if out is not None:
             report = about | {"drawn": draw, "ticks": made, **watch._asdict()}
             with replacing(out) as temporary:
@@ -187,7 +187,9 @@ def _dive(
                     next(painting)
             if k % MINUTE == 0 or k == ticks:
                 if snapshot.checksum_of(snapshot.constant(world)) != fixed:
-                    watch.faults.append(f"tick {world.state.tick}: what stays has changed")
+                    watch.faults.append(
+                        f"tick {world.state.tick}: what stays as it began has changed"
+                    )
                 watch.checksums.append(snapshot.checksum(world))
                 watch.memory_mb.extend(resident_mb())
                 watch.things.append(len(gc.get_objects()))
@@ -265,7 +267,7 @@ def _compare(watch: Watch, ticks: int, older: _Report) -> None:
             watch.faults.append(f"minute {k + 1}: not the checksum of the older soak")
 
 
-def _judge(watch: Watch) -> None:
+def judge(watch: Watch) -> None:
     """Add faults for what has grown."""
     if grown := growth(watch.memory_mb):
         watch.faults.append(f"memory grew by {grown:.1%}")

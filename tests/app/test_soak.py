@@ -1,6 +1,7 @@
 """A short soak is sound, comes again equally, and one that is spoilt is told."""
 
 import json
+from contextlib import nullcontext
 
 import numpy as np
 import pytest
@@ -8,11 +9,15 @@ import pytest
 from subsea import snapshot
 from subsea.app import soak
 from subsea.app.cli import main
-from subsea.app.soak import Hands, act, faults_in, growth, hands
+from subsea.app.house import chosen_rig
+from subsea.app.soak import Hands, Watch, act, growth, hands, judge
 from subsea.behavior.reins import Reins
-from subsea.ocean import create_world, step
+from subsea.ocean import create_world
+from subsea.resources import resource_names
 from subsea.scenario import load_scenario
 from subsea.submarine.helm import HANDS_OFF, Helm
+from subsea.theatre.files import FOLDER
+from subsea.view.rigs import DISPLAYS, display_rig
 
 SHORT = ["soak", "--scenario", "preying", "--minutes", "1.01"]
 MINUTE = 360  # ticks: a shorter one
@@ -36,7 +41,10 @@ def report(tmp_path_factory):
     """What a drawn soak of little more than a minute wrote, and what it printed."""
     path = tmp_path_factory.mktemp("soak") / "soak.json"
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(soak, "PICTURES", 1)  # so that there are two rounds of displays
+        shown = [display_rig(name, soak.SIZE) for name in ("mono", "anaglyph", "dome")]
+        shown += [chosen_rig("mono", soak.SIZE, theatre="cave", shrink=soak.SHRINK)[0]]
+        patch.setattr(soak, "rigs", lambda: shown)
+        patch.setattr(soak, "PICTURES", (1, 1))  # so that there are three rounds
         assert main([*SHORT, "--json", str(path)]) == 0
     return path
 
@@ -47,7 +55,9 @@ def test_a_soak_is_sound(report):
     assert seen["ticks"] == round(1.01 * MINUTE)
     assert len(seen["checksums"]) == 2
     assert seen["replays"] == [MINUTE + 1]
-    first, last = seen["objects"]
+    assert [len(seen[name]) for name in ("things", "alive", "starving", "memory_mb")] == [2] * 4
+    assert seen["alive"][-1] > 10
+    first, *_, last = seen["objects"]
     assert first == last
     assert set(first) == {"Buffer", "Texture", "Renderbuffer", "Program"}
 
@@ -114,28 +124,48 @@ def test_time_that_does_not_come_again_is_a_fault(monkeypatch, capsys):
     assert "the past did not come again" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(
-    ("name", "value", "told"),
-    [
-        ("position", (0.0, 0.0, 40.0), "fish 4 is out of the sea, at 0, 0, 40"),
-        ("position", (0.0, 0.0, -9000.0), "fish 4 is out of the sea"),
-        ("position", (1e5, 0.0, -100.0), "fish 4 is out of the sea"),
-        ("velocity", (np.nan, 0.0, 0.0), "fishes.velocity holds what is no number"),
-        ("row_a", -3, "fishes.row_a[4] is -3, which no tick writes"),
-    ],
-)
-def test_what_must_never_be_is_found(world, name, value, told):
-    step(world, HANDS_OFF)
-    assert faults_in(world) == []
-    getattr(world.state.fishes, name)[4] = value
-    found = faults_in(world)
-    assert len(found) == 1
-    assert told in found[0]
+def test_a_fish_that_stays_where_it_is_is_a_fault(monkeypatch, capsys):
+    def holding(world, doing):
+        there = world.state.fishes.position[1].copy()
+        act(world, doing)
+        world.state.fishes.position[1] = there
+
+    monkeypatch.setattr(soak, "act", holding)
+    monkeypatch.setattr(soak, "STILL", 120)
+    assert main(["soak", "--minutes", "0.5", "--fish", "3", "--no-draw"]) == 1
+    assert capsys.readouterr().err.splitlines()[-1].endswith("tick 121: fish 1 is stuck")
 
 
-def test_a_submarine_out_of_the_sea_is_found(world):
-    world.state.submarine.position[:] = 0.0, 0.0, 3.0
-    assert faults_in(world) == ["the submarine is out of the sea, at 0, 0, 3"]
+def test_a_constant_that_changes_is_a_fault(monkeypatch, capsys):
+    def spoiling(world, doing):
+        act(world, doing)
+        world.state.sea.heights[0, 0] = world.state.tick
+
+    monkeypatch.setattr(soak, "act", spoiling)
+    assert main(["soak", "--minutes", "0.2", "--fish", "3", "--no-draw"]) == 1
+    assert "tick 73: what stays as it began has changed" in capsys.readouterr().err
+
+
+def test_a_picture_of_nothing_is_a_fault(monkeypatch, capsys):
+    class Blank:
+        def draw(self, packet):
+            pass
+
+        def read_pixels(self, output):
+            return np.full((18, 32, 3), 7, np.uint8)
+
+    monkeypatch.setattr(soak, "headless", lambda: nullcontext())
+    monkeypatch.setattr(soak, "picture_maker", lambda *made: nullcontext(Blank()))
+    monkeypatch.setattr(soak, "rigs", lambda: [display_rig("mono", soak.SIZE)])
+    assert main(["soak", "--minutes", "0.1", "--fish", "3"]) == 1
+    assert "tick 31: an empty picture" in capsys.readouterr().err
+
+
+def test_every_display_and_theatre_has_its_turn():
+    shown = soak.rigs()
+    assert len(shown) == len(DISPLAYS) - 1 + len(resource_names(FOLDER, ".toml"))
+    assert {len(rig.outputs) for rig in shown} == {1, 3}
+    assert all(max(max(size) for size in rig.outputs) < 800 for rig in shown)
 
 
 def test_hands_leave_the_world_that_a_snapshot_takes(world):
@@ -153,6 +183,24 @@ def test_memory_that_grows_is_told():
     assert growth([100.0] * 60) == 0.0
     assert growth([50.0] * 10 + [100.0] * 50) == 0.0  # while it warms up
     assert growth([100.0 + k for k in range(60)]) == pytest.approx(159 / 129 - 1)
+
+
+def test_what_grows_is_a_fault():
+    steady = [500] * 60
+    watch = Watch(*([] for _ in Watch._fields))
+    watch.memory_mb.extend(steady)
+    watch.things.extend(steady)
+    watch.objects.extend([{"Buffer": 2}, {"Buffer": 2}])
+    judge(watch)
+    assert watch.faults == []
+    watch.memory_mb[-1] = watch.things[-3] = 600
+    watch.objects.append({"Buffer": 3})
+    judge(watch)
+    assert watch.faults == [
+        "memory grew by 20.0%",
+        "objects of Python grew by 20.0%",
+        "objects of OpenGL that are not released: Buffer, [2, 2, 3]",
+    ]
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,325 @@
+"""Hands at random in the window of a real dive, for minutes: keys, mouse, wheel, sizes, text.
+
+.venv/bin/python tools/monkey.py [--minutes M] [--seed S] [--keep DIR] [--replay FILE] [-- DIVE…]
+
+Opens `subsea dive`, with the options after `--`, on a virtual display and in a home of its own,
+and sends it real events (Xvfb, xdotool). A dive that its visitor leaves by the menu is opened
+again. A finding is any other end, a traceback or a warning, a panel that failed, no picture for
+STILL_S, memory that grows by more than GROWTH, or a dive that Ctrl-C does not end. Then the last
+events are printed, and all of them, with what the dive told, are kept in DIR (default
+monkey-findings); --replay sends them again. The same seed sends the same events, at the same
+distances; what the dive is at by then depends on how fast the machine draws. Exit code 1 if
+anything was found.
+"""
+
+import argparse
+import os
+import random
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import NamedTuple
+
+SCREEN = 800, 600
+SIZE = 480, 320  # of the window, until it is resized
+BEGUN = 15  # pictures: while it loads it shows fewer, and then Esc would end it
+START_S, STILL_S, LEAVE_S = 180.0, 60.0, 60.0
+LOOK_S = 1.0  # so often the dive is looked at
+GROWTH = 0.1  # of resident memory, the most of the last quarter over that of the second
+LAST = 40  # events that are printed
+PAUSE_S = 0.15  # between two events, on average
+FAULT = re.compile(r"Traceback|Warning:|Fatal|Error:|\S+ failed: ")
+
+KEYS = [
+    *"abcdefghijklmnopqrstuvwxyz0123456789",
+    *("comma", "period", "minus", "plus", "slash"),
+    *("Escape", "Tab", "space", "Return", "BackSpace", "Delete", "Home", "End", "Prior", "Next"),
+    *("Left", "Right", "Up", "Down", "Left", "Right", "Up", "Down"),
+    *(f"F{k}" for k in range(1, 13)),
+]
+LIKELY = ["Tab", "Escape", "r", "c", "g", "i", "k", "comma", "Return", "space", "w"]
+HELD = ["shift", "ctrl", "alt"]
+TEXTS = ["0", "-1", "12", "1e9", "nan", "0.5", "monkey", "../a", "", "99999999999", "%s", "ä"]
+SHARES = {
+    "key": 25, "likely": 15, "with": 3, "hold": 6, "move": 20, "bar": 10, "click": 20, "drag": 12,
+    "wheel": 6, "text": 4, "size": 2, "place": 1,
+}  # fmt: skip
+
+
+class Event(NamedTuple):
+    """What hands do: words of xdotool, after a pause."""
+
+    pause_s: float
+    words: tuple[str, ...]
+
+
+class Dive(NamedTuple):
+    """A dive that runs, and where its pulse and its words are found."""
+
+    process: subprocess.Popen[bytes]
+    pulse: Path  # how many pictures it has shown
+    told: Path
+
+
+def events(dice: random.Random) -> Iterator[Event]:
+    """Events without end."""
+    while True:
+        kind = dice.choices([*SHARES], [*SHARES.values()])[0]
+        first, *rest = _words(kind, dice)
+        yield Event(round(dice.expovariate(1.0 / PAUSE_S), 3), first)
+        for words in rest:
+            yield Event(round(dice.uniform(0.02, 0.4), 3), words)
+
+
+def _words(kind: str, dice: random.Random) -> list[tuple[str, ...]]:
+    """One thing that hands do, in steps."""
+    x, y = (str(dice.randrange(side)) for side in SCREEN)
+    button = dice.choices("123", (6, 1, 2))[0]
+    move = ("mousemove", x, y)
+    if kind == "bar":  # of the desk, where its panels are opened
+        move = ("mousemove", str(dice.randrange(SIZE[0])), str(dice.randrange(20)))
+    match kind:
+        case "key":
+            return [("key", dice.choice(KEYS))]
+        case "likely":
+            return [("key", dice.choice(LIKELY))]
+        case "with":
+            return [("key", f"{dice.choice(HELD)}+{dice.choice(KEYS)}")]
+        case "hold":
+            key = dice.choice([*KEYS, *HELD])
+            return [("keydown", key), move, ("keyup", key)]
+        case "move":
+            return [move]
+        case "bar" | "click":
+            return [move, ("mousedown", button), ("mouseup", button)]
+        case "drag":
+            to = tuple(str(dice.randrange(side)) for side in SCREEN)
+            return [move, ("mousedown", button), ("mousemove", *to), ("mouseup", button)]
+        case "wheel":
+            return [("click", "--repeat", str(dice.randint(1, 5)), dice.choice("4567"))]
+        case "text":
+            return [("key", "ctrl+a"), ("type", "--", dice.choice(TEXTS)), ("key", "Return")]
+        case "size":
+            sizes = [dice.choice((1, 64, 200, *SIZE, side)) for side in SCREEN]
+            return [("search", "--name", "subsea", "windowsize", "%@", *map(str, sizes))]
+    return [("search", "--name", "subsea", "windowmove", "%@", x, y)]
+
+
+def send(words: tuple[str, ...]) -> None:
+    """Let xdotool do it; where there is no window, or no such key, nothing happens."""
+    subprocess.run(["xdotool", *words], timeout=30, check=False, capture_output=True)
+
+
+def play(
+    stream: Iterator[Event],
+    seconds: float,
+    open_dive: Callable[[], Dive],
+    sent: list[Event],
+    do: Callable[[tuple[str, ...]], None] = send,
+) -> tuple[list[str], list[float]]:
+    """Send events for `seconds` or until anything is found; also add them to `sent`.
+
+    Returns what was found, and the memory of the dive once a second, MB.
+    """
+    end, memory, dives = time.monotonic() + seconds, [], 0
+    dive: Dive | None = None
+    try:
+        while time.monotonic() < end:
+            dive, dives = open_dive(), dives + 1
+            found = _begun(dive)
+            shown, since, looked = _pictures(dive), time.monotonic(), 0.0
+            while not found and dive.process.poll() is None and time.monotonic() < end:
+                event = next(stream, None)
+                if event is None:
+                    end = 0.0
+                    break
+                sent.append(event)
+                time.sleep(event.pause_s)
+                do(event.words)
+                if (now := time.monotonic()) - looked < LOOK_S:
+                    continue
+                looked = now
+                if (pictures := _pictures(dive)) != shown:
+                    shown, since = pictures, now
+                elif now - since > STILL_S:
+                    dive.process.send_signal(signal.SIGABRT)  # it tells where it is
+                    dive.process.wait()
+                    found = [f"no picture for {STILL_S:.0f} s"]
+                found += _told(dive)
+                memory += _memory_mb(dive)
+            if dive.process.poll() is None and not found:
+                found = _left(dive)
+            elif not found and dive.process.returncode:
+                found = [f"it ended with {dive.process.returncode}"]
+            found = list(dict.fromkeys(found + _told(dive)))
+            print(f"dive {dives}: {len(sent)} events so far, {shown} pictures in it")
+            if found:
+                return found, memory
+    finally:
+        if dive is not None and dive.process.poll() is None:
+            dive.process.kill()
+            dive.process.wait()
+    return growth(memory), memory
+
+
+def growth(memory_mb: list[float]) -> list[str]:
+    """What memory has grown by, if that is too much."""
+    quarter = len(memory_mb) // 4
+    if quarter == 0:
+        return []
+    grown = max(memory_mb[-quarter:]) / max(memory_mb[quarter : 2 * quarter]) - 1.0
+    return [f"memory grew by {grown:.0%}"] if grown > GROWTH else []
+
+
+def _begun(dive: Dive) -> list[str]:
+    """Wait for its first pictures; what is wrong if there are none."""
+    end = time.monotonic() + START_S
+    while dive.process.poll() is None and time.monotonic() < end:
+        if _pictures(dive) >= BEGUN:
+            return []
+        time.sleep(0.1)
+    return ["it never showed a picture"]
+
+
+def _left(dive: Dive) -> list[str]:
+    """End it by Ctrl-C; what is wrong with how it takes that."""
+    dive.process.send_signal(signal.SIGINT)
+    try:
+        code = dive.process.wait(LEAVE_S)
+    except subprocess.TimeoutExpired:
+        return ["Ctrl-C does not end it"]
+    return [] if code in (0, 130) else [f"Ctrl-C ends it with {code}"]
+
+
+def _told(dive: Dive) -> list[str]:
+    """Lines that no dive should print."""
+    text = dive.told.read_text(encoding="utf-8", errors="replace")
+    return [line for line in text.splitlines() if FAULT.search(line)]
+
+
+def _pictures(dive: Dive) -> int:
+    try:
+        return int(dive.pulse.read_text() or 0)
+    except OSError:
+        return 0
+
+
+def _memory_mb(dive: Dive) -> list[float]:
+    try:
+        status = Path(f"/proc/{dive.process.pid}/status").read_text()
+    except OSError:
+        return []
+    return [int(kb) / 1024 for kb in re.findall(r"^VmRSS:\s*(\d+)", status, re.MULTILINE)]
+
+
+@contextmanager
+def virtual_display() -> Iterator[str]:
+    """The name of an X display that nobody sees."""
+    read, write = os.pipe()
+    command = ["Xvfb", "-displayfd", str(write), "-screen", "0", f"{SCREEN[0]}x{SCREEN[1]}x24"]
+    server = subprocess.Popen(
+        [*command, "-nolisten", "tcp", "-noreset"], pass_fds=[write],
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+    os.close(write)
+    try:
+        with os.fdopen(read) as pipe:
+            yield f":{pipe.readline().strip()}"
+    finally:
+        server.terminate()
+        server.wait()
+
+
+def opener(home: Path, options: list[str]) -> Callable[[], Dive]:
+    """What opens a dive whose home is a folder, in which it may write what it likes."""
+    cache = os.environ.get("XDG_CACHE_HOME", str(Path.home() / ".cache"))  # reefs stay kept
+    environment = os.environ | {"HOME": str(home), "XDG_CACHE_HOME": cache}
+    for name in ("XDG_CONFIG_HOME", "XDG_DATA_HOME", "XDG_PICTURES_DIR", "WAYLAND_DISPLAY"):
+        environment.pop(name, None)
+    pulse, told = home / "pulse", home / "told"
+    size = "x".join(map(str, SIZE))
+    command = [sys.executable, "-X", "faulthandler", __file__, "--child", str(pulse)]
+    command += ["dive", "--size", size, "--quality", "low", *options]
+
+    def open_dive() -> Dive:
+        pulse.write_text("0")
+        with told.open("wb") as file:
+            process = subprocess.Popen(
+                command, env=environment, cwd=home, stdout=file, stderr=subprocess.STDOUT
+            )
+        return Dive(process, pulse, told)
+
+    return open_dive
+
+
+def child(pulse: Path, options: list[str]) -> int:
+    """The dive itself, which counts its pictures."""
+    import glfw
+
+    from subsea.app.cli import main
+
+    swap, shown = glfw.swap_buffers, iter(range(1, sys.maxsize))
+
+    def swapped(handle: object) -> None:
+        swap(handle)
+        pulse.write_text(str(next(shown)))
+
+    glfw.swap_buffers = swapped
+    return main(options)
+
+
+def written(sent: list[Event]) -> str:
+    """Events as text, one a line."""
+    return "".join(f"{event.pause_s}\t" + "\t".join(event.words) + "\n" for event in sent)
+
+
+def read(text: str) -> Iterator[Event]:
+    """Events of such a text."""
+    for line in text.splitlines():
+        pause, *words = line.split("\t")
+        yield Event(float(pause), tuple(words))
+
+
+def main() -> int:
+    """Play; the exit code."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--minutes", type=float, default=10.0, help="default 10")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--keep", type=Path, default=Path("monkey-findings"), metavar="DIR")
+    parser.add_argument("--replay", type=Path, metavar="FILE", help="events that were kept")
+    parser.add_argument("dive", nargs="*", metavar="DIVE", help="after --: options of the dive")
+    options = parser.parse_args()
+    stream = events(random.Random(options.seed))
+    if options.replay is not None:
+        stream = read(options.replay.read_text())
+    sent: list[Event] = []
+    with virtual_display() as display, tempfile.TemporaryDirectory() as folder:
+        os.environ["DISPLAY"] = display
+        home, before = Path(folder), time.monotonic()
+        found, memory = play(stream, 60.0 * options.minutes, opener(home, options.dive), sent)
+        print(f"{len(sent)} events in {time.monotonic() - before:.0f} s")
+        if memory:
+            first, last = memory[len(memory) // 4], memory[-1]
+            print(f"memory: {first:.0f} MB after a quarter, {last:.0f} at the end")
+        if found:
+            options.keep.mkdir(parents=True, exist_ok=True)
+            kept = options.keep / f"monkey-{options.seed}.tsv"
+            kept.write_text(written(sent))
+            shutil.copy(home / "told", kept.with_suffix(".txt"))
+            print("the last events:", *written(sent[-LAST:]).splitlines(), sep="\n  ")
+            print(*found, f"kept: {kept} and .txt", sep="\n")
+    print("findings" if found else "sound")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["--child"]:
+        sys.exit(child(Path(sys.argv[2]), sys.argv[3:]))
+    sys.exit(main())
