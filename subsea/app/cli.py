@@ -370,9 +370,9 @@ def _add_soak(commands: Any) -> None:
         "soak",
         "dive for hours with hands at random, and watch for what must never happen",
         "Steers, takes fishes' reins, changes current and lights, lets time go back, and draws in\n"
-        "one display mode and theatre after another. Watches for numbers that are none, fishes out\n"
-        "of the sea, in stone or stuck, a past that does not come again equally, and memory that\n"
-        "grows. Exit code 1 if anything was found.",
+        "one display mode and theatre after another. Watches for numbers that are none, fishes\n"
+        "out of the sea, in stone or stuck, a past that does not come again equally, and memory\n"
+        "that grows. Exit code 1 if anything was found.",
         [
             "subsea soak --minutes 60",
             "subsea soak --scenario open-ocean --minutes 5 --json soak.json",
