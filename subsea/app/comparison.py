@@ -92,7 +92,8 @@ def compare(reports: Sequence[dict[str, Any]], older: Sequence[Report], path: Pa
             own = spread(parts.get(name, []), report["parts_ms"][name])
             ratio = f"{then / now:.2f}" if now > 0.0 else "-"
             part = f"{own[0]:.2f} to {own[1]:.2f}" if own else "-"
-            told = "" if name == "yardstick" else verdict(own, machine)
+            # Processor time is not lengthened by what others do.
+            told = "" if name == "yardstick" else verdict(own, None if name == "cpu" else machine)
             print(f"{name:<14}{then:>10.3f}{now:>10.3f}{ratio:>14}{part:>20}  {told}".rstrip())
 
 

@@ -219,7 +219,7 @@ def test_runs_that_a_busier_machine_slows_do_not_differ(reports, tmp_path, capsy
     same = compared([now], now, path, capsys)
     assert {same[name] for name in ("frame", "cpu", *STAGES)} == {"difference"}
     slow = json.loads(json.dumps(now))
-    for name in ("frame", "motor"):
+    for name in ("frame", "motor", "cpu"):
         slow["parts_ms"][name] = [2.0 * value for value in slow["parts_ms"][name]]
     told = compared([now], slow, path, capsys)
     assert (told["frame"], told["motor"], told["pose"]) == ("faster", "faster", "difference")
@@ -227,6 +227,7 @@ def test_runs_that_a_busier_machine_slows_do_not_differ(reports, tmp_path, capsy
     slow["parts_ms"]["yardstick"] = [2.1 * value for value in slow["parts_ms"]["yardstick"]]
     told = compared([now], slow, path, capsys)
     assert (told["frame"], told["motor"]) == ("difference", "difference")
+    assert told["cpu"] == "faster"  # processor time needs no yardstick
 
 
 def test_reports_without_a_yardstick_are_compared(reports, tmp_path, capsys):

@@ -44,8 +44,8 @@ def test_who_has_no_patience_draws_once(monkeypatch):
     drawn = []
     renderer = SimpleNamespace(draw=drawn.append)
     context = SimpleNamespace(finish=lambda: None)
-    assert paper.drawing_ms(renderer, context, "packet", 5) > 0.0
+    assert min(paper.drawing_ms(renderer, context, "packet", 5)) > 0.0
     assert len(drawn) == 6
     monkeypatch.setattr(paper, "PATIENCE_S", 0.0)
-    assert paper.drawing_ms(renderer, context, "packet", 5) > 0.0
+    assert min(paper.drawing_ms(renderer, context, "packet", 5)) > 0.0
     assert len(drawn) == 7
