@@ -1,21 +1,21 @@
 """Make the pictures of what fishes do: `python docs/make_behavior_pictures.py [FOLDER]`.
 
-courtship.png: moments of the scenario `mating`, each from near by. courtship_seeds.png: what its
+courtship.jpg: moments of the scenario `mating`, each from near by. courtship_seeds.png: what its
 males do over time with ten seeds; says in how many all goes as in Tu's film (§10.5).
 """
 
-import sys
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib import rc_context
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
-from PIL import Image, ImageDraw, ImageOps
+from PIL import Image, ImageDraw
+from plates import STYLE, folder_asked, keep, keep_plot
 
 from subsea.app.start import headless, picture_maker
 from subsea.frame import pack
@@ -36,7 +36,6 @@ CELL = (400, 270)  # pixels of one moment
 BESIDE = 3  # moments in a row
 HALF_FIELD = 0.25  # tangent of half the horizontal angle of view
 NEARNESS = 0.8  # how much of its picture a moment fills
-BITS = 6  # of each colour: half the file, and no difference to see
 LIMIT_S = 150.0
 # By index of the scenario's fishes.
 FEMALE, LARGE, SMALL, BUTTERFLY, ANGEL, HIS_MATE = range(6)
@@ -175,7 +174,7 @@ def _moment(
 
 
 if __name__ == "__main__":
-    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent / "pictures"
-    folder.mkdir(exist_ok=True)
-    ImageOps.posterize(courtship_plate(), BITS).save(folder / "courtship.png", optimize=True)
-    seeds_plate(range(1, 11)).savefig(folder / "courtship_seeds.png", dpi=90)
+    folder = folder_asked()
+    keep(courtship_plate(), folder / "courtship.jpg")
+    with rc_context(STYLE):
+        keep_plot(seeds_plate(range(1, 11)), folder / "courtship_seeds.png")

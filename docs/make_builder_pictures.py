@@ -1,17 +1,16 @@
-"""docs/pictures/builder-*.png: the fish builder at work, for docs/builder.md.
+"""docs/pictures/builder-*.jpg: the fish builder at work, for docs/builder.md.
 
 Run from the root of a checkout, where there is a display (or by xvfb-run -a -s "-screen 0
 1280x800x24"): python docs/make_builder_pictures.py [FOLDER]
 """
 
-import sys
 import time
 from collections.abc import Callable
 from contextlib import closing
 from functools import partial
-from pathlib import Path
 
 from PIL import Image
+from plates import FOLDER, folder_asked, keep
 
 from subsea.app.bench import Bench
 from subsea.app.build import draft as drafts
@@ -24,8 +23,7 @@ RING = ("body", "ring", 1)
 FLANK = 810, 8, 1190, 220  # of a blue tang on the plate of species
 WAIT_S = 60.0  # for checks, at most
 
-folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent / "pictures"
-folder.mkdir(exist_ok=True)
+folder = folder_asked()
 
 
 def take(bench: Bench, name: str, pause_s: float = 2.0) -> None:
@@ -36,7 +34,7 @@ def take(bench: Bench, name: str, pause_s: float = 2.0) -> None:
     while bench.busy and time.monotonic() < end:
         bench.frame(0.02)
     bench.frame(0.02)
-    Image.fromarray(bench.picture()).save(folder / f"builder-{name}.png", optimize=True)
+    keep(Image.fromarray(bench.picture()), folder / f"builder-{name}.jpg")
 
 
 def edited(bench: Bench, *edits: Callable[[Draft], Draft]) -> None:
@@ -76,7 +74,7 @@ with closing(Bench("subsea build", begun("clownfish"), SIZE)) as bench:
     take(bench, "checks", 3.0)
 
 # A photograph to draw over: the left flank of a tang, from the plate of species.
-plate = Image.open(Path(__file__).parent / "pictures" / "species.png").convert("RGB")
+plate = Image.open(FOLDER / "species.jpg").convert("RGB")
 photo = folder / "photograph.png"
 plate.crop(FLANK).resize((3 * (FLANK[2] - FLANK[0]), 3 * (FLANK[3] - FLANK[1]))).save(photo)
 try:

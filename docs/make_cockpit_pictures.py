@@ -1,18 +1,17 @@
-"""docs/pictures/dive-1-start.png, menu.png and instruments.png: what a visitor sees of the cockpit.
+"""docs/pictures/dive-1-start.jpg, menu.jpg and instruments.jpg: what a visitor sees of the cockpit.
 
 Run from the root of a checkout, where there is a display (or by xvfb-run -a -s "-screen 0
 1280x800x24"): python docs/make_cockpit_pictures.py
 """
 
 from contextlib import closing
-from pathlib import Path
 
 from PIL import Image
+from plates import folder_asked, keep, window_of
 
 from subsea.app.dive import Dive
 
 SIZE, SMALL = (1280, 720), (960, 540)
-FOLDER = Path(__file__).parent / "pictures"
 
 
 def main() -> None:
@@ -37,11 +36,7 @@ def _go(dive: Dive, seconds: float) -> None:
 
 
 def _save(dive: Dive, name: str, size: tuple[int, int] = SIZE) -> None:
-    shown = dive.picture._context.screen.read(viewport=(0, 0, *dive.window.size), components=3)
-    picture = Image.frombytes("RGB", dive.window.size, shown)
-    out = FOLDER / f"{name}.png"
-    picture.transpose(Image.Transpose.FLIP_TOP_BOTTOM).resize(size).save(out, optimize=True)
-    print(out)
+    keep(window_of(dive).resize(size, Image.Resampling.LANCZOS), folder_asked() / f"{name}.jpg")
 
 
 if __name__ == "__main__":

@@ -1,14 +1,12 @@
 """Make pictures for the documentation: `python docs/make_diagram_pictures.py [FOLDER]`.
 
-diagrams.png: the peaceful bay with one or two diagrams at a time, and as a wireframe.
-lights.png: the ocean's floor and the bay without and with the submarine's lights.
+diagrams.jpg: the peaceful bay with one or two diagrams at a time, and as a wireframe.
+lights.jpg: the ocean's floor and the bay without and with the submarine's lights.
 """
-
-import sys
-from pathlib import Path
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
+from plates import folder_asked, keep
 
 from subsea.app.film import lettered
 from subsea.app.start import headless, picture_maker, start_world
@@ -98,7 +96,6 @@ def lights() -> Image.Image:
 
 
 if __name__ == "__main__":
-    folder = Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).parent / "pictures")
-    folder.mkdir(parents=True, exist_ok=True)
-    plate().save(folder / "diagrams.png", optimize=True)
-    lights().save(folder / "lights.png", optimize=True)
+    folder = folder_asked()
+    keep(plate(), folder / "diagrams.jpg")
+    keep(lights(), folder / "lights.jpg")

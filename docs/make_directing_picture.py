@@ -1,6 +1,6 @@
 """Make the picture of docs/directing.md: `python docs/make_directing_picture.py [FOLDER]`.
 
-rendezvous.png: nine moments of the scenario `rendezvous` as its directed camera films it.
+rendezvous.jpg: nine moments of the scenario `rendezvous` as its directed camera films it.
 """
 
 import subprocess
@@ -8,17 +8,17 @@ import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from PIL import Image, ImageOps
+from PIL import Image
+from plates import folder_asked, keep
 
 CELL = (400, 225)  # pixels of one moment
 MOMENTS_S = (3, 10, 20, 27, 31, 33, 34, 42, 50)
 SEED = 1
-BITS = 6  # of each colour: half the file, and no difference to see
 
 
 def main() -> None:
     """Film a picture a second and keep some."""
-    folder = Path(sys.argv[1] if len(sys.argv) > 1 else "docs/pictures")
+    folder = folder_asked()
     wide, high = CELL
     sheet = Image.new("RGB", (3 * wide, 3 * high))
     with TemporaryDirectory() as film:
@@ -31,7 +31,7 @@ def main() -> None:
         for k, second in enumerate(MOMENTS_S):
             frame = Image.open(Path(film) / f"frame_{second:05d}.png").convert("RGB")
             sheet.paste(frame.resize(CELL, Image.Resampling.LANCZOS), (k % 3 * wide, k // 3 * high))
-    ImageOps.posterize(sheet, BITS).save(folder / "rendezvous.png", optimize=True)
+    keep(sheet, folder / "rendezvous.jpg")
 
 
 if __name__ == "__main__":

@@ -1,11 +1,10 @@
 """Pictures of docs/skin.md: `python docs/make_dressed_pictures.py [FOLDER]`.
 
-skin-photograph.png: a fish of the reef, photographed there by the program itself, as no photograph
+skin-photograph.jpg: a fish of the reef, photographed there by the program itself, as no photograph
 of a real fish may be shipped; the meshes before and after they took hold of its outline; the sheet
-that was lifted. skin-worn.png: the same fish painted, and wearing that sheet, from other sides.
+that was lifted. skin-worn.jpg: the same fish painted, and wearing that sheet, from other sides.
 """
 
-import sys
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -13,7 +12,8 @@ from tempfile import TemporaryDirectory
 import cv2
 import numpy as np
 from msgspec import structs
-from PIL import Image, ImageOps
+from PIL import Image
+from plates import folder_asked, keep
 
 from subsea.frame import make_scene, pack
 from subsea.kinematics.rotation import rotate
@@ -37,7 +37,6 @@ FISH = "Emperor angelfish"
 SIZE = (1120, 760)
 SHOWN = (560, 380)
 ASIDE = 1.35  # lengths of the fish to its left, where the camera is
-BITS = 6  # of each colour: half the file, and no difference to see
 BACKDROP = (38, 52, 66)  # behind what is clear on the sheet
 INK = {BODY: (255, 236, 120), "dorsal": (120, 235, 255), "ventral": (120, 235, 255)}
 
@@ -78,7 +77,7 @@ def shrunk(picture: np.ndarray) -> np.ndarray:
 
 def main() -> None:
     """Make both."""
-    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent / "pictures"
+    folder = folder_asked()
     world = create_world(load_scenario(SCENARIO)[0], seed=SEED)
     kind = [one.name for one in world.species].index(FISH)
     fish = int(np.flatnonzero(world.state.fishes.species == kind)[0])
@@ -119,12 +118,10 @@ def main() -> None:
         [shrunk(with_meshes(colour, one.net)), frame],
     ]
     for path, cells in (
-        (folder / "skin-photograph.png", rows),
-        (folder / "skin-worn.png", [list(map(shrunk, painted)), list(map(shrunk, wearing))]),
+        (folder / "skin-photograph.jpg", rows),
+        (folder / "skin-worn.jpg", [list(map(shrunk, painted)), list(map(shrunk, wearing))]),
     ):
-        picture = Image.fromarray(np.vstack([np.hstack(row) for row in cells]))
-        ImageOps.posterize(picture, BITS).save(path, optimize=True)
-        print(path)
+        keep(Image.fromarray(np.vstack([np.hstack(row) for row in cells])), path)
 
 
 if __name__ == "__main__":

@@ -1,19 +1,20 @@
 """Make the pictures of docs/behavior.md: `python docs/make_hunting_pictures.py [FOLDER] [NAME]`.
 
-capture.png: a reef shark sucks in a prey, moment by moment.
+capture.jpg: a reef shark sucks in a prey, moment by moment.
 scatter.png: the paths of a school, seen from above, as the shark comes near and after.
-hook.png: the bait, the bite, the way up.
+hook.jpg: the bait, the bite, the way up.
 """
 
 import sys
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib import rc_context
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
-from PIL import Image, ImageOps
+from PIL import Image
+from plates import STYLE, folder_asked, keep, keep_plot
 
 from subsea.behavior.chasing import mouth_of
 from subsea.frame import make_scene, pack
@@ -30,8 +31,8 @@ from subsea.world import TICK_S, World, create_world
 
 Array = NDArray[np.floating[Any]]
 
-CELL = (360, 240)  # pixels of one moment
-BITS = 6  # of each colour: half the file, and no difference to see
+CELL = (400, 260)  # pixels of one moment
+SHOWN_CM = 700.0  # farther away the shark is not drawn in the chart
 LONGEST = 3000  # ticks in which something must have happened
 HUNT_SEED, HOOK_SEED = 1, 1
 
@@ -89,24 +90,27 @@ def capture() -> Image.Image:
         mouth = np.array(mouth_of(fishes, 0))
         ahead = np.array(rotate(fishes.orientation[0], (1.0, 0.0, 0.0)))
         right = np.cross(ahead, (0.0, 0.0, 1.0))
-        return mouth + 20.0 * ahead + 105.0 * right + (0.0, 0.0, 14.0), mouth
+        middle = mouth - 12.0 * ahead
+        return middle + 24.0 * ahead + 74.0 * right + (0.0, 0.0, 8.0), middle
 
-    return strip("preying", HUNT_SEED, {caught - ago: beside for ago in (30, 14, 8, 4, 1, -1)}, 3)
+    return strip("preying", HUNT_SEED, {caught - ago: beside for ago in (16, 9, 5, 3, 1, -1)}, 3)
 
 
 def hook() -> Image.Image:
     """The hungry about the bait, the bite, and the catch on its way up."""
     bitten = next(w.state.tick for w in run("go-fish", HOOK_SEED) if w.state.sea.catch[0] == HOOKED)
 
-    def near(off: float) -> Callable[[World], tuple[Array, Array]]:
+    def near(*eye: float) -> Callable[[World], tuple[Array, Array]]:
         def look(world: World) -> tuple[Array, Array]:
             place = world.state.sea.hook.copy()
-            return place + np.array([-0.63 * off, -0.77 * off, -0.05 * off]), place + (0, 0, 4)
+            return place + np.array(eye), place
 
         return look
 
-    moments = {bitten - 70: near(150.0), bitten + 4: near(75.0), bitten + 90: near(110.0)}
-    return strip("go-fish", HOOK_SEED, moments | {bitten + 220: near(150.0)}, 2)
+    return strip("go-fish", HOOK_SEED, {
+        bitten - 6: near(-40.0, -50.0, 4.0), bitten + 14: near(-24.0, -30.0, 2.0),
+        bitten + 90: near(-26.0, -32.0, -2.0), bitten + 160: near(-28.0, -35.0, -14.0),
+    }, 2)  # fmt: skip
 
 
 def scatter() -> Figure:
@@ -122,7 +126,7 @@ def scatter() -> Figure:
     places, living, fleeing = np.array(paths), np.array(alive), np.array(fled)
     window = round(4.0 / TICK_S)
     worst = int(np.convolve(fleeing, np.ones(window), "same").argmax())
-    figure = Figure(figsize=(10, 4.2), layout="constrained")
+    figure = Figure(figsize=(9.6, 4.0), layout="constrained")
     axes = figure.subplots(1, 3, width_ratios=(1, 1, 1.1))
     spans = ((worst - window, worst + window // 2), (worst + window // 2, worst + 7 * window))
     for ax, (first, last), title in zip(axes, spans, ("it comes near", "and after"), strict=False):
@@ -146,28 +150,29 @@ def scatter() -> Figure:
     gap = np.linalg.norm(places[:, 1:] - places[:, :1], axis=2)
     gap[~living] = np.inf
     time = TICK_S * np.arange(len(places))
-    axes[2].plot(time, radius, color="#c8401e", label="mean distance from the school's middle")
-    axes[2].plot(time, gap.min(axis=1), color="black", label="shark to the nearest of it")
-    axes[2].set_ylim(0, 700)
-    axes[2].set_xlabel("s")
-    axes[2].set_ylabel("cm")
-    axes[2].legend(fontsize=8)
+    nearest = np.where(gap.min(axis=1) < SHOWN_CM, gap.min(axis=1), np.nan)
+    axes[2].plot(time, radius, color="#c8401e", label="of the school's fishes from its middle")
+    axes[2].plot(time, nearest, color="black", label="of the shark from the nearest")
+    axes[2].set_ylim(0, 1.3 * SHOWN_CM)
+    axes[2].set_xlabel("time, s")
+    axes[2].set_ylabel("distance, cm")
+    axes[2].legend(loc="upper left")
     return figure
 
 
 def main() -> None:
     """All of them, or the one that is named, into the folder."""
-    folder = Path(sys.argv[1] if len(sys.argv) > 1 else "docs/pictures")
-    folder.mkdir(parents=True, exist_ok=True)
+    folder = folder_asked()
     pictures = {"capture": capture, "hook": hook, "scatter": scatter}
     for name, make in pictures.items():
         if len(sys.argv) > 2 and name not in sys.argv[2:]:
             continue
-        made = make()
-        if isinstance(made, Figure):
-            made.savefig(folder / f"{name}.png", dpi=100)
-        else:
-            ImageOps.posterize(made, BITS).save(folder / f"{name}.png", optimize=True)
+        with rc_context(STYLE):
+            made = make()
+            if isinstance(made, Figure):
+                keep_plot(made, folder / f"{name}.png")
+            else:
+                keep(made, folder / f"{name}.jpg")
 
 
 if __name__ == "__main__":

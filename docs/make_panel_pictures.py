@@ -1,4 +1,4 @@
-"""docs/pictures/panel-NAME.png: every panel of the desk over the bay.
+"""docs/pictures/panel-NAME.jpg: every panel of the desk over the bay.
 
 Run from the root of a checkout, where there is a display (or by xvfb-run -a -s "-screen 0
 1280x800x24"): python docs/make_panel_pictures.py [NAME ...]
@@ -6,10 +6,9 @@ Run from the root of a checkout, where there is a display (or by xvfb-run -a -s 
 
 import sys
 from contextlib import closing
-from pathlib import Path
 
 from imgui_bundle import imgui
-from PIL import Image
+from plates import FOLDER, keep, window_of
 
 from subsea.app.dive import Dive
 from subsea.app.panels import PANELS
@@ -20,7 +19,6 @@ SIZE, FISH, WAIT_S = (1280, 780), 3, 20.0
 PLACED, BESIDE_PX, SIMULATED = ("arch", 0), 330, 6
 SEA_PX = 30, 8, 330, 24  # shown left, above, right and below of a panel
 
-folder = Path(__file__).parent / "pictures"
 rect = []
 
 
@@ -60,17 +58,13 @@ with closing(Dive("peaceful", "mono", SIZE, seed=1, quality="high")) as dive:
             dive.world.physics = dive.world.physics._replace(fish=FISH)
             for _ in range(30):
                 dive.frame(0.15)
-        shown = dive.picture._context.screen.read(viewport=(0, 0, *dive.window.size), components=3)
-        picture = Image.frombytes("RGB", dive.window.size, shown)
-        picture = picture.transpose(Image.Transpose.FLIP_TOP_BOTTOM)
         edges = [
             edge + sign * px for edge, sign, px in zip(rect, (-1, -1, 1, 1), SEA_PX, strict=True)
         ]
         edges = [min(max(round(edge), 0), SIZE[k % 2]) for k, edge in enumerate(edges)]
         if name == "Fish view":  # with what both eyes see
             edges[0], edges[2] = 0, SIZE[0]
-        out = folder / f"panel-{name.lower().replace(' ', '-')}.png"
-        picture.crop(edges).save(out, optimize=True)
-        print(out)
+        out = FOLDER / f"panel-{name.lower().replace(' ', '-')}.jpg"
+        keep(window_of(dive).crop(edges), out)
         if name == "Fish view":
             dive.mount(None)

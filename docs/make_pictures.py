@@ -1,17 +1,16 @@
 """Make the pictures of the documentation: `python docs/make_pictures.py [FOLDER]`.
 
-species.png: every species, by name, from its left flank and three-quarter, swimming slowly, in one
+species.jpg: every species, by name, from its left flank and three-quarter, swimming slowly, in one
 picture of the sea; below them six individuals of one species and a courting male.
 """
 
-import sys
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
+from PIL import Image, ImageDraw, ImageFont
+from plates import folder_asked, keep
 
 from subsea.frame import INSTANCE_COLUMNS, Batch, Packet, Scene
 from subsea.kinematics.coupling import couple, place
@@ -30,6 +29,7 @@ Array = NDArray[np.floating[Any]]
 
 CELL = (400, 232)  # pixels
 CELL_CM = 18.0  # its width
+LETTERS = 22
 BESIDE = 2  # species in a row
 ROOM = (0.84, 0.86)  # shares of a cell that a fish takes at most
 DEPTH_CM = 130.0  # of the upper edge of the picture
@@ -87,6 +87,11 @@ def species_plate(names: Sequence[str], varied: str | None = None) -> Image.Imag
         renderer.draw(packet)
         picture = Image.fromarray(renderer.read_pixels())
         renderer.release()
+    draw, font = ImageDraw.Draw(picture), ImageFont.load_default(LETTERS)
+    for k, one in enumerate(species):
+        row, block = divmod(k, beside)
+        at = (2 * block + 1) * CELL[0], (row + 1) * CELL[1] - 4
+        draw.text(at, one.name, "white", font, "ms", stroke_width=2, stroke_fill=(8, 40, 60))
     return picture
 
 
@@ -143,8 +148,7 @@ def _pose(name: str, species: Species) -> Array:
 
 
 if __name__ == "__main__":
-    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent / "pictures"
-    folder.mkdir(exist_ok=True)
+    folder = folder_asked()
     names = shipped_species()
     names.sort(key=lambda name: not load_species(name).muscles)
-    species_plate(names, VARIED).save(folder / "species.png")
+    keep(species_plate(names, VARIED), folder / "species.jpg")

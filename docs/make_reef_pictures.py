@@ -1,13 +1,11 @@
 """Make the plate of corals in the documentation: `python docs/make_reef_pictures.py [FOLDER]`.
 
-corals.png: every kind of `habitat.reef.KINDS`, by name, on level sand.
+corals.jpg: every kind of `habitat.reef.KINDS`, by name, on level sand.
 """
-
-import sys
-from pathlib import Path
 
 import numpy as np
 from PIL import Image, ImageDraw
+from plates import folder_asked, keep
 
 from subsea.frame import INSTANCE_COLUMNS, Packet, Scene
 from subsea.habitat.reef import KINDS
@@ -20,11 +18,11 @@ from subsea.state import Reef
 from subsea.view.rig import pose
 from subsea.view.rigs import display_rig, views_for
 
-SIZE = (1280, 600)
-DEPTH_CM = 300.0
-ROWS_CM = (110.0, 200.0)  # how far away each row of growths is
-APART_CM = (33.0, 50.0)
-HIGH_CM, WIDE_CM = 40.0, 20.0  # the largest height and radius that a growth has
+SIZE = (1280, 520)
+DEPTH_CM = 420.0
+ROWS_CM = (90.0, 152.0)  # how far away each row of growths is
+APART_CM = (27.0, 42.0)
+HIGH_CM, WIDE_CM = (26.0, 52.0), (12.0, 18.0)  # the largest height and radius that a growth has
 TINTS = (0.1, 0.45, 0.1, 0.35, 0.1, 0.45, 0.8, 0.1, 0.1, 0.3, 0.1, 0.6, 0.1, 0.1)
 
 
@@ -40,12 +38,15 @@ def plate() -> Image.Image:
     kinds = np.array([k for row in rows for k in row])
     height = np.array([kind.height for kind in KINDS.values()])[kinds]
     n = len(kinds)
+    which = np.repeat((0, 1), [len(row) for row in rows])
     reef = Reef(
         kind=kinds.astype(np.uint8),
         place=np.array(places, np.float32),
         axis=np.tile(np.float32([0.0, 0.0, 1.0]), (n, 1)),
         turn=np.full(n, np.pi / 2, np.float32),  # fans face the eye
-        radius=np.minimum(WIDE_CM, HIGH_CM / height).astype(np.float32),
+        radius=np.minimum(np.array(WIDE_CM)[which], np.array(HIGH_CM)[which] / height).astype(
+            np.float32
+        ),
         own=np.linspace(0.02, 0.97, n, dtype=np.float32),
         light=np.ones(n, np.float32),
         hue=np.array(TINTS, np.float32)[kinds],
@@ -63,7 +64,7 @@ def plate() -> Image.Image:
     )
     (view,) = views_for("mono", SIZE, pose(np.array([0.0, 0.0, -DEPTH_CM + 72.0]), 0.0, -0.42))
     packet = Packet(
-        2.0, (view,), np.zeros((0, INSTANCE_COLUMNS), np.float32), (), np.zeros((0, 3)), 0
+        2.0, (view,), np.zeros((0, INSTANCE_COLUMNS), np.float32), ((),), np.zeros((0, 3)), 0
     )
     with headless_context() as context:
         renderer = Renderer(context, scene, display_rig("mono", SIZE), PRESETS["high"])
@@ -73,13 +74,11 @@ def plate() -> Image.Image:
     draw = ImageDraw.Draw(picture)
     matrix = view.projection.astype(float) @ view.view.astype(float)
     for kind, place in zip(kinds, places, strict=True):
-        x, y, _, w = matrix @ (*np.subtract(place, (19.0, 0.0, 4.0)), 1.0)
+        x, y, _, w = matrix @ (*np.subtract(place, (14.0, 0.0, 3.0)), 1.0)
         at = SIZE[0] * (0.5 + 0.5 * x / w), SIZE[1] * (0.5 - 0.5 * y / w)
         draw.text(at, [*KINDS][kind], fill=(20, 24, 28), anchor="ma", font_size=17)
     return picture
 
 
 if __name__ == "__main__":
-    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent / "pictures"
-    folder.mkdir(exist_ok=True)
-    plate().save(folder / "corals.png")
+    keep(plate(), folder_asked() / "corals.jpg")

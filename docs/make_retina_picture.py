@@ -1,4 +1,4 @@
-"""docs/pictures/retina.png: what a fish sees, what it is, and how far away (as Tu fig. 6.9).
+"""docs/pictures/retina.jpg: what a fish sees, what it is, and how far away (as Tu fig. 6.9).
 
 Run from the root of a checkout: python docs/make_retina_picture.py [FISH SECONDS]
 """
@@ -10,6 +10,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 from PIL import Image
+from plates import FOLDER, keep
 
 from subsea.app.eyes import SIDES, film_eyes
 from subsea.view.retina import Gaze
@@ -18,7 +19,7 @@ SIZE, GAP = (480, 360), 6
 FISH, SECONDS = "9", 7.425
 GREY_CM = 260.0  # over which what is farther gets darker by a factor e
 
-out = Path(__file__).parent / "pictures" / "retina.png"
+out = FOLDER / "retina.jpg"
 fish, seconds = sys.argv[1:3] if len(sys.argv) > 2 else (FISH, SECONDS)
 with TemporaryDirectory() as name:
     folder = Path(name) / "seen"
@@ -38,6 +39,6 @@ with TemporaryDirectory() as name:
     rows = [read(""), read("coded"), grey]
     between = np.full((GAP, rows[0].shape[1], 3), 255)
     sheet = np.concatenate([rows[0], between, rows[1], between, rows[2]])
-    Image.fromarray(sheet.astype(np.uint8)).save(out, optimize=True)
+    keep(Image.fromarray(sheet.astype(np.uint8)), out)
     about = json.loads((folder / "camera.json").read_text(encoding="utf-8"))
-    print(out, about["fish"], about["frames"][0]["fish"]["intention"])
+    print(about["fish"], about["frames"][0]["fish"]["intention"])

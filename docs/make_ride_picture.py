@@ -1,27 +1,41 @@
-"""docs/pictures/ride.png: a ride on a fish, with its eyes' identity maps in the corners.
+"""ride.jpg and steered.jpg: a ride on a fish, and a fish in the visitor's hands.
 
 Run from the root of a checkout, where there is a display (or by xvfb-run -a -s "-screen 0
-1280x800x24"): python docs/make_ride_picture.py
+1280x800x24"): python docs/make_ride_picture.py [FOLDER]
 """
 
 from contextlib import closing
-from pathlib import Path
 
-from PIL import Image
+from plates import folder_asked, keep, window_of
 
 from subsea.app.dive import Dive
 
-SIZE, FISH, WAIT_S, RIDE_S = (960, 540), 9, 5.0, 2.4
+SIZE, FISH, FEMALE = (960, 540), 9, 0
+WAIT_S, RIDE_S, COURTED_S, STEER_S = 5.0, 2.4, 7.0, 3.0
 
-out = Path(__file__).parent / "pictures" / "ride.png"
-with closing(Dive("peaceful", "mono", SIZE, seed=1, quality="high")) as dive:
-    for _ in range(round(WAIT_S / 0.1)):
+
+def _go(dive: Dive, seconds: float) -> None:
+    for _ in range(round(seconds / 0.1)):
         dive.frame(0.1)
-    dive.mount(FISH)
-    dive.grant("look")
-    for _ in range(round(RIDE_S / 0.1)):
-        dive.frame(0.1)
-    shown = dive.picture._context.screen.read(viewport=(0, 0, *dive.window.size), components=3)
-    picture = Image.frombytes("RGB", dive.window.size, shown)
-    picture.transpose(Image.Transpose.FLIP_TOP_BOTTOM).save(out, optimize=True)
-    print(out)
+
+
+def main() -> None:
+    """One dive after the other."""
+    folder = folder_asked()
+    with closing(Dive("peaceful", "mono", SIZE, seed=1, quality="high")) as dive:
+        _go(dive, WAIT_S)
+        dive.mount(FISH)
+        dive.grant("look")
+        _go(dive, RIDE_S)
+        keep(window_of(dive), folder / "ride.jpg")
+    with closing(Dive("mating", "mono", SIZE, seed=1, quality="high")) as dive:
+        dive.grant("help")
+        _go(dive, COURTED_S)
+        dive.mount(FEMALE, behind=True)
+        dive.show_ride(None, None, reins=True)
+        _go(dive, STEER_S)
+        keep(window_of(dive), folder / "steered.jpg")
+
+
+if __name__ == "__main__":
+    main()

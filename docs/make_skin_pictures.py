@@ -1,4 +1,4 @@
-"""docs/pictures/skin-*.png: the window of `subsea skin`, used by its own mouse.
+"""The window of `subsea skin`, used by its own mouse: skin-{window,whole,relax}.jpg.
 
 Run from the root of a checkout, where there is a display (or by xvfb-run -a -s "-screen 0
 1280x800x24"): python docs/make_skin_pictures.py
@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 from PIL import Image
+from plates import folder_asked, keep
 from skin_accuracy import CASES, made
 
 from subsea.app.bench import Bench
@@ -24,7 +25,7 @@ CASE, SPECIES = "gravel", "blue_tang"
 TIPS = Node(BODY, 0, 20), Node(BODY, 8, 20)  # of the tail, which are as dark as the gravel
 AFTER = 0, 12, 120  # frames of the simulation, for its strip
 
-folder = Path(__file__).parent / "pictures"
+folder = folder_asked()
 
 
 class Hand:
@@ -69,10 +70,7 @@ class Hand:
     def save(self, name, box=None):
         """The window, or a part of it, as a picture."""
         picture = Image.fromarray(self.bench.picture())
-        (picture if box is None else picture.crop(box)).save(
-            folder / f"skin-{name}.png", optimize=True
-        )
-        print(folder / f"skin-{name}.png")
+        keep(picture if box is None else picture.crop(box), folder / f"skin-{name}.jpg")
 
     def seen(self, box):
         """A part of the window."""
@@ -128,5 +126,4 @@ with tempfile.TemporaryDirectory() as temporary:
         hand.frames(60)
         strip.append(hand.seen(view)[::2, ::2])
         rows = [np.hstack(strip[k : k + 2]) for k in (0, 2)]
-        Image.fromarray(np.vstack(rows)).save(folder / "skin-relax.png", optimize=True)
-        print(folder / "skin-relax.png")
+        keep(Image.fromarray(np.vstack(rows)), folder / "skin-relax.jpg")

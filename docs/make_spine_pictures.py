@@ -2,17 +2,17 @@
 
 spine_swings.png: a beat of the ribbon eel's spine seen from above, for both swing functions and
 for two rules of propagation (KS's movies B1 and B2).
-spine_beats.png: a beat of each such species as it is drawn, from two sides.
+spine_beats.jpg: a beat of each such species as it is drawn, from two sides.
 """
 
-import sys
-from pathlib import Path
 from typing import Any
 
 import msgspec
 import numpy as np
+from matplotlib import rc_context
 from matplotlib.figure import Figure
 from PIL import Image
+from plates import BLUE, ORANGE, STYLE, folder_asked, keep, keep_plot
 
 from subsea.frame import INSTANCE_COLUMNS, Batch, Packet, Scene
 from subsea.kinematics.spine import MIDDLES, UNITS, spines, swung
@@ -27,9 +27,10 @@ from subsea.view.rigs import display_rig
 
 SPECIES = "ribbon_eel"
 MOMENTS = 9
-COLOURS = ("#0b3c8c", "#d8a200")
+COLOURS = {"sinusoidal": BLUE, "linear": ORANGE}
 
 CELL = (280, 170)  # pixels of one look
+FINER = 2  # it is drawn, for slender bodies
 BESIDE = 4  # moments of a beat
 SHOWN_CM = 24.0
 DEPTH_CM = 120.0
@@ -53,7 +54,8 @@ def beats() -> Image.Image:
         moments = np.arange(BESIDE) * len(swim.nodes) // BESIDE
         poses.append(swim.control_points[moments])
     rows = len(names) * len(LOOKS)
-    size = (CELL[0] * BESIDE, CELL[1] * rows)
+    wide, high = FINER * CELL[0], FINER * CELL[1]
+    size = (wide * BESIDE, high * rows)
     records = np.zeros((len(names) * BESIDE, INSTANCE_COLUMNS), np.float32)
     views = []
     for k in range(len(records)):
@@ -64,11 +66,11 @@ def beats() -> Image.Image:
         middle = place - [0.5 * scale * (ends.min() + ends.max()), 0.0, 0.0]
         # Body x, y, z to world: a quarter turn about x sets the fish upright, heading along x.
         records[k, :8] = (*middle, scale, np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0)
-        records[k, 8:] = (k, k, 0.0, 0.5, 0.6, 0.6, 0.0, 0.0, 0.0, 1.0, 0.0, kind, 0.0, 0.0)
+        records[k, 8:20] = (k, k, 0.0, 0.5, 0.6, 0.6, 0.0, 0.0, 0.0, 1.0, 0.0, kind)
         for look_number, (away, up) in enumerate(LOOKS):
             eye = place + SHOWN_CM * np.array(away)
             row = rows - 1 - (kind * len(LOOKS) + look_number)
-            viewport = (moment * CELL[0], row * CELL[1], *CELL)
+            viewport = (moment * wide, row * high, wide, high)
             half = NEAR_CM * HALF_FIELD * np.array([1.0, CELL[1] / CELL[0]])
             projection = off_axis(-half[0], half[0], -half[1], half[1])
             views.append(View(viewport, look(eye, place - eye, np.array(up)), projection, eye))
@@ -88,46 +90,51 @@ def beats() -> Image.Image:
         renderer.draw(packet)
         picture = Image.fromarray(renderer.read_pixels())
         renderer.release()
-    return picture
+    return picture.resize((size[0] // FINER, size[1] // FINER), Image.Resampling.LANCZOS)
 
 
 def swings() -> Any:
     """The spine at moments of half a beat, and the directions of its units."""
     plan = load_species(SPECIES).spine
     assert plan
-    picture = Figure(figsize=(11, 7))
-    rows = picture.subplots(2, 3, width_ratios=(1, 1, 1.1))
+    picture = Figure(figsize=(9, 4.8), layout="constrained")
+    left, right = picture.subfigures(1, 2, width_ratios=(1.3, 1))
+    shapes = left.subplots(1, 4, sharey=True)
+    charts = right.subplots(2, 1)
     beat = np.linspace(0.0, 0.5, MOMENTS)
     straight = np.zeros((MOMENTS, UNITS))
-    for row, propagation in zip(rows, ("tailward", "at once"), strict=True):
-        for axis, function, colour in zip(row, ("sinusoidal", "linear"), COLOURS, strict=False):
+    for row, propagation in enumerate(("tailward", "at once")):
+        for column, (function, colour) in enumerate(COLOURS.items()):
+            axis = shapes[2 * row + column]
             swing = msgspec.structs.replace(plan.swing, function=function, propagation=propagation)
             one = msgspec.structs.replace(plan, swing=swing)
             place = spines(one, beat, 1.0, straight, np.ones(UNITS)).place
             for k, shape in enumerate(place):
                 axis.plot(-shape[:, 1], shape[:, 0], color=colour, alpha=0.25 + 0.75 * k / MOMENTS)
-            axis.set(aspect="equal", xlim=(-0.2, 0.2), title=f"{function}, {propagation}")
-            axis.tick_params(labelsize=7)
-            if row is rows[0]:
+            axis.set(aspect="equal", xlim=(-0.12, 0.12), xticks=(-0.1, 0.1))
+            axis.set_title(f"{function},\n{propagation}")
+            if propagation == "tailward":
                 along, over = MIDDLES, np.zeros(1)
             else:
                 along, over = np.full(1, plan.swing.inflections[1]), np.linspace(0.0, 2.0, 200)
             direction = np.degrees(swung(swing, along, over, 1.0))
-            row[2].plot(along if len(over) == 1 else over, direction, color=colour, label=function)
-        row[2].set_ylabel("direction of the units, degrees")
-        row[2].legend(fontsize=8)
+            charts[row].plot(
+                along if len(over) == 1 else over, direction, color=colour, label=function
+            )
+    shapes[0].set_ylabel("ahead of the centre, L")
+    left.supxlabel("to the right, L", fontsize=10)
     for at in plan.swing.inflections:
-        rows[0, 2].axvline(at, color="0.8", zorder=0)
-    rows[0, 2].set(xlabel="behind the snout, L", title="along the spine, as a beat begins")
-    rows[1, 2].set(xlabel="beats", title="at the central inflection point")
-    rows[0, 0].set_ylabel("ahead of the centre, L")
-    rows[1, 0].set_ylabel("ahead of the centre, L")
-    picture.tight_layout()
+        charts[0].axvline(at, color="0.8", zorder=0)
+    charts[0].set(xlabel="behind the snout, L", title="along the spine, as a beat begins")
+    charts[1].set(xlabel="time, beats", title="at the central inflection point")
+    charts[0].legend(loc="lower left")
+    for chart in charts:
+        chart.set_ylabel("direction of units, °")
     return picture
 
 
 if __name__ == "__main__":
-    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent / "pictures"
-    folder.mkdir(exist_ok=True)
-    beats().save(folder / "spine_beats.png")
-    swings().savefig(folder / "spine_swings.png", dpi=80, metadata={"Software": None})
+    folder = folder_asked()
+    keep(beats(), folder / "spine_beats.jpg")
+    with rc_context(STYLE):
+        keep_plot(swings(), folder / "spine_swings.png")

@@ -1,12 +1,11 @@
-"""Make docs/pictures/theatre.png: what three projectors get, and what their screen shows.
+"""Make docs/pictures/theatre.jpg: what three projectors get, and what their screen shows.
 
 python docs/make_theatre_pictures.py
 """
 
-from pathlib import Path
-
 import numpy as np
 from PIL import Image
+from plates import folder_asked, keep
 
 from subsea.app.house import open_house
 from subsea.app.start import headless, picture_maker, start_world
@@ -19,7 +18,6 @@ from subsea.view.rig import views
 from subsea.view.rigs import cockpit
 from subsea.world import TICK_S
 
-OUT = Path(__file__).parent / "pictures"
 SECONDS = 12.0
 SHRINK = 3
 GAP = 8
@@ -50,7 +48,7 @@ def main() -> None:
     for row in rows:
         sheet.paste(Image.fromarray(row), ((width - row.shape[1]) // 2, top))
         top += row.shape[0] + GAP
-    sheet.save(OUT / "theatre.png", optimize=True)
+    keep(sheet, folder_asked() / "theatre.jpg")
 
 
 def _beside(pictures: list[np.ndarray]) -> np.ndarray:

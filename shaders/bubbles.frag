@@ -14,7 +14,9 @@ in float v_small;
 
 void main() {
     float square = dot(v_corner, v_corner);
-    float inside = 1.0 - smoothstep(mix(0.80, 0.2, v_small), 1.0, square);
+    // A small one fades from its middle, lest its few pixels are taken for edges to be smoothed.
+    float soft = max(1.0 - square, 0.0);
+    float inside = mix(1.0 - smoothstep(0.80, 1.0, square), soft * soft, v_small);
     vec3 ray = normalize(v_world - u_eye);
     vec3 right = vec3(u_view[0][0], u_view[1][0], u_view[2][0]);
     vec3 up = vec3(u_view[0][1], u_view[1][1], u_view[2][1]);

@@ -1,0 +1,36 @@
+"""Make the pages of docs/capture.md and docs/biomechanics.md: `python docs/make_capture_plots.py`.
+
+fusilier.png, fusilier_swim_fast.png, fusilier_turn_left_sharp.png, emperor_angelfish.png and
+emperor_angelfish_swim_fast.png: as `subsea-capture plot` draws them.
+"""
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from PIL import Image
+from plates import folder_asked, keep
+
+from capture.plot import plot_repertoire
+from subsea.repertoire import read_repertoire
+from subsea.resources import resource_path
+
+SHOWN = {
+    "fusilier": ("fusilier", "fusilier_swim_fast", "fusilier_turn_left_sharp"),
+    "emperor_angelfish": ("emperor_angelfish", "emperor_angelfish_swim_fast"),
+}
+
+
+def main() -> None:
+    """Plot both repertoires and keep some pages."""
+    folder = folder_asked()
+    for species, pages in SHOWN.items():
+        with TemporaryDirectory() as drawn:
+            plot_repertoire(
+                read_repertoire(resource_path(f"repertoires/{species}.h5")), Path(drawn)
+            )
+            for page in pages:
+                keep(Image.open(Path(drawn) / f"{page}.png"), folder / f"{page}.png")
+
+
+if __name__ == "__main__":
+    main()

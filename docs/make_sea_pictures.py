@@ -1,0 +1,158 @@
+"""Make the pictures of the sea itself: `python docs/make_sea_pictures.py [FOLDER] [NAME ...]`.
+
+dive.jpg: the bay at its best, for the first page. swimming.webp: some seconds of it.
+qualities.jpg: the three presets beside each other. visitors.jpg, preying.jpg: other scenarios.
+equirectangular.jpg: all round. lagoon.jpg: the sea of the tutorial, as its blocks build it.
+"""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw, ImageFont
+from plates import folder_asked, keep
+
+from subsea.app.start import headless, picture_maker
+from subsea.frame import pack
+from subsea.ocean import step
+from subsea.render.quality import PRESETS
+from subsea.resources import ROOT
+from subsea.scenario import load_scenario
+from subsea.submarine.helm import HANDS_OFF
+from subsea.view.rig import Pose
+from subsea.view.rigs import display_rig, views_for
+from subsea.world import TICK_S, create_world
+
+Array = NDArray[np.floating[Any]]
+
+
+class Shot(NamedTuple):
+    """A view of a world: when, of whom, and from where."""
+
+    scenario: str
+    seed: int
+    tick: int
+    fishes: tuple[int, int]  # the first of them, and the next that is not: toward their middle ...
+    eye_cm: tuple[float, float, float]  # ... from there
+    past_cm: tuple[float, float, float]  # it is looked past it by so much
+
+
+BAY = Shot("peaceful", 1, 460, (0, 33), (-122.0, 62.0, 10.0), (0.0, 0.0, 6.0))
+VISITORS = Shot("visitors", 4, 150, (2, 3), (-178.0, -100.0, 42.0), (0.0, 0.0, 6.0))
+PREYING = Shot("preying", 1, 301, (0, 1), (-138.0, -28.0, 8.0), (-26.0, 0.0, 0.0))
+FIRST, OTHER = (1600, 700), (1120, 500)
+SWIMMING = BAY._replace(tick=400)
+STRIP, TICKS, EVERY, STRIP_QUALITY = (720, 316), 96, 2, 74
+SHARE = (560, 130, 760, 290)  # of a picture, which is shown twice as large for each preset
+LETTERS = 18
+
+
+def filmed(shot: Shot, size: tuple[int, int], quality: str = "high", ticks: int = 1) -> list[Array]:
+    """Pictures of a shot, from its tick on; the eye stays where it is."""
+    world = create_world(load_scenario(shot.scenario)[0], seed=shot.seed)
+    while world.state.tick < shot.tick:
+        step(world, HANDS_OFF)
+    middle = np.median(world.state.fishes.position[slice(*shot.fishes)], axis=0).astype(float)
+    forward = np.subtract(shot.past_cm, shot.eye_cm)
+    forward /= np.linalg.norm(forward)
+    right = np.cross(forward, (0.0, 0.0, 1.0))
+    up = np.cross(right / np.linalg.norm(right), forward)
+    views = views_for("mono", size, Pose(middle + shot.eye_cm, forward, up))
+    rig, preset = display_rig("mono", size), PRESETS[quality]
+    pictures = []
+    with headless() as context, picture_maker(context, world, rig, preset) as renderer:
+        for tick in range(ticks):
+            if tick % EVERY == 0:
+                fine = {"detail": preset.detail, "growth": preset.growth}
+                renderer.draw(pack(world, views, 1.0, **fine))
+                pictures.append(renderer.read_pixels())
+            step(world, HANDS_OFF)
+    return pictures
+
+
+def one(shot: Shot, size: tuple[int, int]) -> Image.Image:
+    """A picture of a shot."""
+    return Image.fromarray(filmed(shot, size)[0])
+
+
+def swimming(path: Path) -> None:
+    """Some seconds of the bay, as fast as they were."""
+    frames = [Image.fromarray(one) for one in filmed(SWIMMING, STRIP, ticks=TICKS)]
+    frames[0].save(
+        path, save_all=True, append_images=frames[1:], loop=0, method=6, quality=STRIP_QUALITY,
+        duration=round(1000 * EVERY * TICK_S), minimize_size=True,
+    )  # fmt: skip
+    print(f"{path}: {path.stat().st_size / 1024:.0f} KiB")
+
+
+def qualities() -> Image.Image:
+    """The same part of the bay with each preset."""
+    wide, high = 2 * (SHARE[2] - SHARE[0]), 2 * (SHARE[3] - SHARE[1])
+    sheet = Image.new("RGB", (len(PRESETS) * wide, high))
+    font = ImageFont.load_default(LETTERS)
+    for k, name in enumerate(PRESETS):
+        picture = Image.fromarray(filmed(BAY, OTHER, name)[0])
+        picture = picture.crop(SHARE).resize((wide, high), Image.Resampling.NEAREST)
+        ImageDraw.Draw(picture).text((12, 10), name, "white", font)
+        sheet.paste(picture, (k * wide, 0))
+    return sheet
+
+
+def by_command(*arguments: str, files: str | None = None) -> Image.Image:
+    """What `subsea film` makes; in a house with `files`, a page's blocks of TOML, if named."""
+    with TemporaryDirectory() as house:
+        if files is not None:
+            furnish(Path(house), files)
+        out = Path(house) / "picture.png"
+        surroundings = os.environ | {"XDG_DATA_HOME": house}
+        subprocess.run(
+            [sys.executable, "-m", "subsea", "film", str(out), *arguments],
+            cwd=house, check=True, env=surroundings | {"PYTHONPATH": str(ROOT)},
+        )  # fmt: skip
+        return Image.open(out).convert("RGB")
+
+
+def furnish(house: Path, page: str) -> None:
+    """Write the files that a page builds up, and the species that it copies."""
+    text = (Path(__file__).parent / page).read_text(encoding="utf-8")
+    for block in re.findall(r"^```toml\n(.*?)^```$", text, re.MULTILINE | re.DOTALL):
+        name = re.match(r"# ([\w.]+)", block)
+        assert name
+        with (house / name[1]).open("a", encoding="utf-8") as file:
+            file.write(block)
+    species = house / "subsea" / "species"
+    species.mkdir(parents=True)
+    wrasse = (ROOT / "assets/species/moon_wrasse.toml").read_text(encoding="utf-8")
+    (species / "reef_jewel.toml").write_text(wrasse, encoding="utf-8")
+
+
+def main() -> None:
+    """All of them, or those that are named, into the folder."""
+    folder = folder_asked()
+    lagoon = ("--scenario", "lagoon.toml", "--tour", "directed", "--seconds", "8")
+    made = {
+        "dive": lambda: one(BAY, FIRST),
+        "qualities": qualities,
+        "visitors": lambda: one(VISITORS, OTHER),
+        "preying": lambda: one(PREYING, OTHER),
+        "equirectangular": lambda: by_command(
+            "--display", "equirectangular", "--seconds", "8", "--size", "1600x800"
+        ),
+        "lagoon": lambda: by_command(*lagoon, "--size", "1200x500", files="tutorial.md"),
+    }
+    wanted = sys.argv[2:] or ["swimming", *made]
+    for name, make in made.items():
+        if name in wanted:
+            keep(make(), folder / f"{name}.jpg")
+    if "swimming" in wanted:
+        swimming(folder / "swimming.webp")
+
+
+if __name__ == "__main__":
+    main()
