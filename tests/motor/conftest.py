@@ -1,5 +1,7 @@
 """Fishes that play the closed-form repertoire, and one in a tank that can be simulated."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -45,15 +47,21 @@ def make_fishes(library):
     return make
 
 
+@cache
+def recorded(species):
+    """What is shipped of a species: its repertoire, coupling and what is constant of its motion."""
+    repertoire = read_repertoire(resource_path("repertoires") / f"{species}.h5")
+    coupling = couple("sections", repertoire.rest_nodes, np.zeros((426, 3)))
+    library = pack([repertoire], [coupling])
+    return repertoire, coupling, make_dynamics([load_species(species)], [repertoire], library, np.inf)
+
+
 class Tank:
     """One fish of a species in still water, playback and simulation, at a goal of one's choice."""
 
     def __init__(self, species, scale=1.0):
-        repertoire = read_repertoire(resource_path("repertoires") / f"{species}.h5")
-        self.library = pack(
-            [repertoire], [couple("sections", repertoire.rest_nodes, np.zeros((426, 3)))], live=1
-        )
-        self.dynamics = make_dynamics([load_species(species)], [repertoire], self.library, np.inf)
+        repertoire, coupling, self.dynamics = recorded(species)
+        self.library = pack([repertoire], [coupling], live=1)
         rows = len(self.library.entry)
         tables = (self.library.rotation, self.library.translation, self.library.nodes)
         self.live = empty_live(*(table[rows:] for table in tables))
@@ -78,17 +86,22 @@ class Tank:
         self.fishes.goal_direction[:] = np.cos(azimuth) * c, np.sin(azimuth) * c, np.sin(climb)
         self.fishes.goal_speed[:] = speed
 
-    def step(self, ticks, obey=True):
-        """Nodes (ticks, 23, 3) of every tick."""
-        path = []
+    def run(self, ticks, obey=True):
+        """So many ticks."""
+        f = self.fishes
         for _ in range(ticks):
-            f = self.fishes
             if obey:
                 command(f, self.library, 1, self.tick, TICK)
             swim(f, self.library, self.dynamics, self.live, STILL, 10 * self.tick + 1, TICK)
             play(f, self.library, TICK)
             self.tick += 1
-            path.append(nodes_world(f, self.library, 0))
+
+    def step(self, ticks, obey=True):
+        """The same; nodes (ticks, 23, 3) of every tick."""
+        path = []
+        for _ in range(ticks):
+            self.run(1, obey)
+            path.append(nodes_world(self.fishes, self.library, 0))
         return np.array(path)
 
     def to_live(self):

@@ -36,7 +36,7 @@ every_species = pytest.mark.parametrize("species", muscular_names())
 def _live(make_tank, species, name="swim_medium", ticks=28):
     tank = make_tank(species).put(name)
     tank.to_live()
-    tank.step(ticks)
+    tank.run(ticks)
     return tank
 
 
@@ -109,9 +109,9 @@ def test_fins_push_as_the_plain_ones_do(make_tank, roll):
 def test_it_swims_about_as_fast_as_it_is_asked_to(make_tank, species, speed):
     tank = _live(make_tank, species)
     tank.aim(0.0, speed)
-    tank.step(200)
+    tank.run(200)
     begin = tank.fishes.position[0].copy()
-    tank.step(140)
+    tank.run(140)
     measured = np.linalg.norm(tank.fishes.position[0] - begin) / (140 * TICK)
     assert measured == pytest.approx(speed * tank.library.speed[0, 2], rel=0.12)
 
@@ -121,9 +121,9 @@ def test_it_swims_about_as_fast_as_it_is_asked_to(make_tank, species, speed):
 def test_every_heading_is_reached_and_held(make_tank, species, azimuth):
     tank = _live(make_tank, species)
     tank.aim(np.radians(azimuth), 0.6)
-    tank.step(420)
+    tank.run(420)
     begin = tank.fishes.position[0].copy()
-    tank.step(56)
+    tank.run(56)
     way = tank.fishes.position[0] - begin
     gap = np.degrees(np.arctan2(way[1], way[0])) - azimuth
     assert abs((gap + 180) % 360 - 180) < 6
@@ -134,9 +134,9 @@ def test_every_heading_is_reached_and_held(make_tank, species, azimuth):
 def test_fins_climb_and_dive(make_tank, species, climb, speed):
     tank = _live(make_tank, species)
     tank.aim(0.0, speed, np.radians(climb))
-    tank.step(300)
+    tank.run(300)
     begin = tank.fishes.position[0].copy()
-    tank.step(56)
+    tank.run(56)
     way = tank.fishes.position[0] - begin
     angle = np.degrees(np.arcsin(way[2] / np.linalg.norm(way)))
     assert angle == pytest.approx(np.clip(climb, -38, 38), abs=5)
@@ -150,10 +150,10 @@ def test_a_rolled_fish_rights_itself(make_tank, species, speed):
     tank.fishes.orientation[0] = multiply(upright, about(1.0, 0.0, 0.0, np.radians(40.0)))
     tank.to_live()
     tank.aim(0.0, speed)
-    tank.step(240)
+    tank.run(240)
     rolls = []
     for _ in range(60):
-        tank.step(1)
+        tank.run(1)
         rolls.append(roll_of(tuple(tank.fishes.orientation[0].astype(float))))
     assert np.degrees(np.abs(rolls)).max() < 10.0
 
@@ -163,9 +163,9 @@ def test_asked_to_stop_it_stops(make_tank, species):
     tank = _live(make_tank, species)
     cruise = np.linalg.norm(tank.fishes.velocity[0])
     tank.aim(0.0, 0.0)
-    tank.step(200)
+    tank.run(200)
     begin = tank.fishes.position[0].copy()
-    tank.step(30)
+    tank.run(30)
     assert np.linalg.norm(tank.fishes.position[0] - begin) / (30 * TICK) < 0.15 * cruise
 
 

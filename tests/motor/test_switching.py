@@ -65,10 +65,10 @@ def test_at_random_goals_no_one_notices_either_change(make_tank, species, scale)
 def test_a_fish_that_leaves_keeps_its_speed(make_tank):
     tank = make_tank("fusilier").put("swim_medium")
     tank.to_live()
-    tank.step(120)
+    tank.run(120)
     before = tank.step(14)
     tank.leave()
-    tank.step(MAX_WAIT_TICKS)
+    tank.run(MAX_WAIT_TICKS)
     after = tank.step(14)
     speeds = [np.linalg.norm(path[-1] - path[0], axis=1).mean() for path in (before, after)]
     assert speeds[1] == pytest.approx(speeds[0], rel=0.12)
@@ -89,11 +89,11 @@ def test_a_body_that_loses_its_shape_is_played_back_at_once(make_tank, fault):
 def test_the_slot_is_kept_until_the_glide_is_over(make_tank):
     tank = make_tank("fusilier").put("swim_slow")
     tank.to_live()
-    tank.step(20)
+    tank.run(20)
     tank.leave()
     recorded = len(tank.library.entry)
     while tank.live.fish[0] >= 0:
-        tank.step(1)
+        tank.run(1)
     rows = [tank.fishes.row_a, tank.fishes.row_b, tank.fishes.previous_row_a]
     assert max(int(row[0]) for row in rows) < recorded
 
@@ -183,7 +183,7 @@ def test_a_minute_of_nothing_but_simulation():
 def test_nodes_lie_where_the_simulation_has_them(make_tank):
     tank = make_tank("fusilier", 1.3).put("swim_fast")
     tank.to_live()
-    tank.step(20)
+    tank.run(20)
     nodes = nodes_world(tank.fishes, tank.library, 0)
     expected = tank.fishes.position[0] + tank.fishes.scale[0] * tank.live.x[0]
     np.testing.assert_allclose(nodes, expected, atol=1e-3)
