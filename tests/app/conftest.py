@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ import pytest
 from imgui_bundle import imgui
 from PIL import ImageGrab
 
+from subsea.render.quality import PRESETS
 from subsea.resources import resource_path
 
 FRAME_S = 0.1  # three ticks a picture: tests of windows are not about smoothness
@@ -61,7 +63,7 @@ class Hands:
             running.frame(FRAME_S)
 
     @staticmethod
-    def until(running: Any, true: Callable[[], object], seconds: float = 20.0) -> None:
+    def until(running: Any, true: Callable[[], object], seconds: float = 60.0) -> None:
         """Frames until the display has brought what hands did; it may take its time."""
         end = time.monotonic() + seconds
         while not true() and time.monotonic() < end:
@@ -84,6 +86,14 @@ class Hands:
         picture = ImageGrab.grab(xdisplay=os.environ["DISPLAY"])
         width, height = running.window.size
         return np.asarray(picture)[top : top + height, left : left + width, :3].astype(int)
+
+
+@pytest.fixture(scope="module")
+def coarse() -> Iterator[str]:
+    """A quality for windows whose sea is not looked at: "low" on a sixteenth of the pixels."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(PRESETS, "coarse", replace(PRESETS["low"], scale=0.25))
+        yield "coarse"
 
 
 @pytest.fixture(scope="session")

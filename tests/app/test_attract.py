@@ -32,10 +32,9 @@ def sea(folder):
 
 
 @pytest.fixture(scope="module")
-def boat(display, hands, tmp_path_factory):
-    with closing(
-        Dive(sea(tmp_path_factory.mktemp("sea")), "mono", SIZE, seed=1, settings=PATIENT)
-    ) as running:
+def boat(display, hands, coarse, tmp_path_factory):
+    sea_file = sea(tmp_path_factory.mktemp("sea"))
+    with closing(Dive(sea_file, "mono", SIZE, seed=1, settings=PATIENT, quality=coarse)) as running:
         hands.glide(running, 0.2)
         yield running
 

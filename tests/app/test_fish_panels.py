@@ -28,11 +28,11 @@ SIZE = (780, 590)
 
 
 @pytest.fixture(scope="module")
-def boat(display, hands, tmp_path_factory):
+def boat(display, hands, coarse, tmp_path_factory):
     text = (resource_path("assets/scenarios") / "peaceful.toml").read_text()
     few = tmp_path_factory.mktemp("sea") / "few.toml"
     few.write_text(re.sub(r"^number = \d+", "number = 3", text, flags=re.MULTILINE))
-    with closing(Dive(str(few), "mono", SIZE, seed=1, quality="low")) as running:
+    with closing(Dive(str(few), "mono", SIZE, seed=1, quality=coarse)) as running:
         running.grant("help")
         hands.glide(running, 0.2)
         hands.do("key", "Tab")

@@ -56,10 +56,10 @@ def own(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def pool(display, hands, own, tmp_path_factory):
+def pool(display, hands, own, coarse, tmp_path_factory):
     path = tmp_path_factory.mktemp("sea") / "pool.toml"
     path.write_text(POOL)
-    with closing(Dive(str(path), "mono", (720, 560), quality="low")) as running:
+    with closing(Dive(str(path), "mono", (720, 560), quality=coarse)) as running:
         hands.glide(running, 0.2)
         running.desk.toggle()
         running.desk.shown = {"Initialisation"}

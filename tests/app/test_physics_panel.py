@@ -18,10 +18,10 @@ NEAR = POOL.replace(
 
 
 @pytest.fixture(scope="module")
-def pool(display, hands, tmp_path_factory):
+def pool(display, hands, coarse, tmp_path_factory):
     path = tmp_path_factory.mktemp("sea") / "pool.toml"
     path.write_text(NEAR)
-    with closing(Dive(str(path), "mono", (720, 580), quality="low")) as running:
+    with closing(Dive(str(path), "mono", (720, 580), quality=coarse)) as running:
         running.overlay.toggle_help()
         running.desk.toggle()
         running.desk.shown = {"Physics"}

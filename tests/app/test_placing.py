@@ -54,13 +54,13 @@ size_cm = [45.0, 40.0, 60.0]
 
 
 @pytest.fixture(scope="module")
-def lagoon(display, hands, tmp_path_factory):
+def lagoon(display, hands, coarse, tmp_path_factory):
     folder = tmp_path_factory.mktemp("lagoon")
     path = folder / "lagoon.toml"
     path.write_text(LAGOON)
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_DATA_HOME", str(folder))
-        with closing(Dive(str(path), "mono", (720, 560), quality="low")) as running:
+        with closing(Dive(str(path), "mono", (720, 560), quality=coarse)) as running:
             running.overlay.toggle_help()
             hands.glide(running, 0.2)
             running.desk.toggle()

@@ -18,11 +18,11 @@ SIZE = (400, 300)
 
 
 @pytest.fixture(scope="module")
-def boat(display, hands, tmp_path_factory):
+def boat(display, hands, coarse, tmp_path_factory):
     text = (resource_path("assets/scenarios") / "peaceful.toml").read_text()
     quiet = tmp_path_factory.mktemp("sea") / "quiet.toml"
     quiet.write_text(re.sub(r"^number = \d+", "number = 3", text, flags=re.MULTILINE))
-    with closing(Dive(str(quiet), "mono", SIZE, seed=1, quality="low")) as running:
+    with closing(Dive(str(quiet), "mono", SIZE, seed=1, quality=coarse)) as running:
         hands.glide(running, 0.2)
         yield running
 

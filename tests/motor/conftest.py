@@ -53,7 +53,11 @@ def recorded(species):
     repertoire = read_repertoire(resource_path("repertoires") / f"{species}.h5")
     coupling = couple("sections", repertoire.rest_nodes, np.zeros((426, 3)))
     library = pack([repertoire], [coupling])
-    return repertoire, coupling, make_dynamics([load_species(species)], [repertoire], library, np.inf)
+    return (
+        repertoire,
+        coupling,
+        make_dynamics([load_species(species)], [repertoire], library, np.inf),
+    )
 
 
 class Tank:
