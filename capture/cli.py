@@ -26,7 +26,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(arguments: Sequence[str]) -> int:
-    parser, commands = _parsers()
+    parser, commands = parsers()
     if not arguments:
         parser.print_help()
         return 0
@@ -35,7 +35,7 @@ def _run(arguments: Sequence[str]) -> int:
     return code
 
 
-def _parsers() -> tuple[argparse.ArgumentParser, Any]:
+def parsers() -> tuple[argparse.ArgumentParser, Any]:
     """The parser of ``subsea-capture`` and its commands."""
     description = "Record the motion of simulated fishes, and judge what was recorded."
     parser = program("subsea-capture", description)

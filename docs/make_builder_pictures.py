@@ -43,45 +43,51 @@ def edited(bench: Bench, *edits: Callable[[Draft], Draft]) -> None:
         assert bench.craft.editing.do(edit), bench.craft.editing.refused
 
 
-with closing(Bench("subsea build", begun("clownfish"), SIZE)) as bench:
-    craft = bench.craft
-    take(bench, "start", 6.0)
-    craft.naming = naming = Naming("clownfish")
-    naming.name, naming.key = "Moor clownfish", "moor_clownfish"
-    take(bench, "new", 0.5)
-    craft.naming = None
+def main() -> None:
+    """Take all of them."""
+    with closing(Bench("subsea build", begun("clownfish"), SIZE)) as bench:
+        craft = bench.craft
+        take(bench, "start", 6.0)
+        craft.naming = naming = Naming("clownfish")
+        naming.name, naming.key = "Moor clownfish", "moor_clownfish"
+        take(bench, "new", 0.5)
+        craft.naming = None
 
-with closing(Bench("subsea build", begun("clownfish"), SIZE)) as bench:
-    craft = bench.craft
-    high = [1, 2, 3, 4, 5, 6, 7, 8]
-    for k in high:  # a higher back
-        x, y = craft.editing.present.species.surface.back[k]
-        at = (x, y + 0.045 * min(k, 9 - k) / 4)
-        edited(bench, partial(drafts.moved, view="side", path=("surface", "back", k), to=at))
-    craft.editing.chosen = ("surface", "back", 5)
-    take(bench, "shape", 3.0)
-    edited(
-        bench,
-        partial(drafts.moved, view="top", path=RING, to=(0.40, 0.085)),
-        partial(drafts.moved, view="side", path=RING, to=(0.40, 0.16)),
-        partial(drafts.as_heavy, grams=230.0),
-    )
-    craft.editing.chosen = RING
-    craft.panels.show = "Body"
-    take(bench, "body", 3.0)
-    craft.panels.show = "Checks"
-    edited(bench, partial(drafts.changed, path=("swim", "contraction"), value=[0.2, 0.18]))
-    take(bench, "checks", 3.0)
+    with closing(Bench("subsea build", begun("clownfish"), SIZE)) as bench:
+        craft = bench.craft
+        high = [1, 2, 3, 4, 5, 6, 7, 8]
+        for k in high:  # a higher back
+            x, y = craft.editing.present.species.surface.back[k]
+            at = (x, y + 0.045 * min(k, 9 - k) / 4)
+            edited(bench, partial(drafts.moved, view="side", path=("surface", "back", k), to=at))
+        craft.editing.chosen = ("surface", "back", 5)
+        take(bench, "shape", 3.0)
+        edited(
+            bench,
+            partial(drafts.moved, view="top", path=RING, to=(0.40, 0.085)),
+            partial(drafts.moved, view="side", path=RING, to=(0.40, 0.16)),
+            partial(drafts.as_heavy, grams=230.0),
+        )
+        craft.editing.chosen = RING
+        craft.panels.show = "Body"
+        take(bench, "body", 3.0)
+        craft.panels.show = "Checks"
+        edited(bench, partial(drafts.changed, path=("swim", "contraction"), value=[0.2, 0.18]))
+        take(bench, "checks", 3.0)
 
-# A photograph to draw over: the left flank of a tang, from the plate of species.
-plate = Image.open(FOLDER / "species.jpg").convert("RGB")
-photo = folder / "photograph.png"
-plate.crop(FLANK).resize((3 * (FLANK[2] - FLANK[0]), 3 * (FLANK[3] - FLANK[1]))).save(photo)
-try:
-    with closing(Bench("subsea build", begun("clownfish", over=photo), SIZE)) as bench:
-        tracing = bench.craft.tracing
-        tracing.left, tracing.middle, tracing.wide = -0.066, 0.012, 1.144
-        bench.craft.views.soft = True
-        take(bench, "photograph", 3.0)
-finally:
-    photo.unlink()
+    # A photograph to draw over: the left flank of a tang, from the plate of species.
+    plate = Image.open(FOLDER / "species.jpg").convert("RGB")
+    photo = folder / "photograph.png"
+    plate.crop(FLANK).resize((3 * (FLANK[2] - FLANK[0]), 3 * (FLANK[3] - FLANK[1]))).save(photo)
+    try:
+        with closing(Bench("subsea build", begun("clownfish", over=photo), SIZE)) as bench:
+            tracing = bench.craft.tracing
+            tracing.left, tracing.middle, tracing.wide = -0.066, 0.012, 1.144
+            bench.craft.views.soft = True
+            take(bench, "photograph", 3.0)
+    finally:
+        photo.unlink()
+
+
+if __name__ == "__main__":
+    main()

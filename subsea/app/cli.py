@@ -37,7 +37,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(arguments: Sequence[str]) -> int:
-    parser, commands = _parsers()
+    parser, commands = parsers()
     if not arguments:
         parser.print_help()
         return 0
@@ -60,7 +60,7 @@ class _Version(argparse.Action):
         parser.exit()
 
 
-def _parsers() -> tuple[argparse.ArgumentParser, Any]:
+def parsers() -> tuple[argparse.ArgumentParser, Any]:
     """The parser of `subsea` and its commands."""
     parser = program("subsea", "A submarine among artificial fishes.")
     parser.add_argument(
