@@ -80,6 +80,7 @@ STANDS_FOR = (
     (r"\b(OUT|FOLDER|CHECKOUT)\b", "folder"),
     (r"\bSCENARIO\b", "peaceful"),
     (r"\bHOST\b", "127.0.0.1"),
+    (r"\bSCRIPT\b", "make_pictures.py"),
     (r"\bN\b", "2"),
 )
 # Options that come after those of the page, and so count in their place.
@@ -387,7 +388,8 @@ def script(words):
     source = path.read_text(encoding="utf-8")
     if path.name == "run_submarine.py":
         return  # `subsea dive`, with these words: tests/app/test_cli.py
-    assert len(words) == 1 or "sys.argv" in source or "argparse" in source, "it takes nothing"
+    asks = "sys.argv", "argparse", "folder_asked"
+    assert len(words) == 1 or any(one in source for one in asks), "it takes nothing"
 
     def read(parser, arguments=None, namespace=None):
         parse_args(parser, arguments, namespace)
@@ -421,7 +423,7 @@ def workshop(display, tmp_path_factory, known_repertoire):
         # Nothing is looked at closely here: textures need no small copies.
         for kind in (moderngl.Texture, moderngl.TextureArray, moderngl.TextureCube):
             patch.setattr(kind, "build_mipmaps", lambda *unused, **named: None)
-        for name, small in (("SIMULATED_TICKS", 4), ("PLAYED_TICKS", 3), ("REDUCED_PICTURES", 1)):
+        for name, small in (("SIMULATED_TICKS", 20), ("PLAYED_TICKS", 3), ("REDUCED_PICTURES", 1)):
             patch.setattr(paper, name, small)
         patch.setattr(paper, "SIZE", (160, 120))
         patch.setattr(paper, "RENDERED", ("peaceful",))
