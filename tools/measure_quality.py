@@ -1,4 +1,4 @@
-"""What each preset of quality costs, each of its fields, and each stage of drawing.
+"""What each preset of quality costs, each of its fields, each stage and each part of drawing.
 
 .venv/bin/python tools/measure_quality.py [SCENARIO] [--size WxH]
 
@@ -21,6 +21,14 @@ from subsea.render import Renderer
 from subsea.render.quality import LADDER, PRESETS, Quality
 from subsea.view.rigs import cockpit, display_rig, views_for
 
+PARTS = {  # of the renderer, and the methods that draw them
+    "stone": ("_solids", "draw"), "corals": ("_coral", "draw"), "sand": ("_seabed", "draw"),
+    "seaweed": ("_seaweed", "draw"), "water and surface": ("_water", "draw"),
+    "fishes": ("_fishes", "draw"), "bubbles": ("_bubbles", "draw"),
+    "snow and plankton": ("_particles", "draw"), "shafts": ("_shafts", "cast"),
+    "shadows of fishes": ("_blobs", "draw"), "shadows of corals": ("_coral", "draw_shadows"),
+    "to the screen": ("", "_show"),
+}  # fmt: skip
 AT_TICKS = (30, 60, 90)
 REPEATS = 5
 
@@ -94,6 +102,7 @@ def main() -> None:
             print(f"{name:24s}{ms:8.1f}{ms - low:+8.1f}{ms / low:7.2f} ×{triangles}")
         renderer.adapt(PRESETS["low"])
         stages(context, renderer, low, cost)
+        parts(context, renderer, found["low"])
         renderer.release()
 
 
@@ -115,6 +124,34 @@ def stages(context: Any, renderer: Renderer, whole: float, cost: Callable[[str],
         ("fragments", whole - triangles),
     ):
         print(f"{name:24s}{ms:8.1f}{ms / whole:15.0%}")
+
+
+def parts(context: Any, renderer: Any, found: list[Packet]) -> None:
+    """What each part of a picture at low costs if it is finished before the next begins."""
+    spent: dict[str, float] = {}
+
+    def timed(name: str, draw: Callable[..., Any]) -> Callable[..., Any]:
+        def run(*given: Any) -> Any:
+            context.finish()
+            start = time.process_time()
+            result = draw(*given)
+            context.finish()
+            spent[name] = spent.get(name, 0.0) + time.process_time() - start
+            return result
+
+        return run
+
+    for name, (part, method) in PARTS.items():
+        owner = getattr(renderer, part) if part else renderer
+        setattr(owner, method, timed(name, getattr(owner, method)))
+    least: dict[str, float] = {}
+    for _ in range(1 + REPEATS):
+        spent.clear()
+        for packet in found:
+            renderer.draw(packet)
+        least = {name: min(took, least.get(name, took)) for name, took in spent.items()}
+    for name, took in sorted(least.items(), key=lambda part: -part[1]):
+        print(f"{name:24s}{1000.0 * took / len(found):8.1f}")
 
 
 if __name__ == "__main__":
