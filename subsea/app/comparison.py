@@ -136,7 +136,8 @@ def verdict(own: tuple[float, float] | None, machine: tuple[float, float] | None
     """
     if own is None:
         return ""
-    low, high = min(1.0, *(machine or ())), max(1.0, *(machine or ()))
+    usual = 1.0, *(machine or ())
+    low, high = min(usual), max(usual)
     if own[0] > high * LEAST:
         return "faster"
     return "slower" if own[1] * LEAST < low else "no difference"
