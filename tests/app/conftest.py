@@ -14,6 +14,8 @@ import pytest
 from imgui_bundle import imgui
 from PIL import ImageGrab
 
+from subsea.app import benchmark, eyes, film
+from subsea.app.start import headless
 from subsea.render.quality import PRESETS
 from subsea.resources import resource_path
 
@@ -86,6 +88,15 @@ class Hands:
         picture = ImageGrab.grab(xdisplay=os.environ["DISPLAY"])
         width, height = running.window.size
         return np.asarray(picture)[top : top + height, left : left + width, :3].astype(int)
+
+
+@pytest.fixture(scope="module")
+def one_context() -> Iterator[None]:
+    """What a module draws without a window is drawn in one context: each new one costs 0.5 s."""
+    with headless() as context, pytest.MonkeyPatch.context() as patch:
+        for module in (benchmark, eyes, film):
+            patch.setattr(module, "headless", lambda: context)
+        yield
 
 
 @pytest.fixture(scope="module")

@@ -22,6 +22,8 @@ from subsea.scenario import load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.retina import retina_rig, rider
 
+pytestmark = pytest.mark.usefixtures("one_context")
+
 DOCS = Path(__file__).parents[2] / "docs" / "fish-view.md"
 FISH = 57
 OPTIONS = ["--eyes", "moon_wrasse", "--size", "96x72", "--quality", "low", "--fps", "5"]

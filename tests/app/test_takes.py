@@ -10,6 +10,8 @@ from subsea.app.cli import main
 from subsea.frame import FADE
 from subsea.render import Renderer
 
+pytestmark = pytest.mark.usefixtures("one_context")
+
 FILM = ["--size", "320x240", "--start", "2.6", "--seconds", "1.2", "--fps", "10", "--seed", "1"]
 
 

@@ -52,13 +52,14 @@ class Crew(threading.Thread):
     def __init__(self, node):
         super().__init__(daemon=True)
         self.node, self.seen, self.fault = node, {}, None
-        self.on_duty, self.asleep = True, False
+        self.on_duty, self.asleep, self._resting = True, False, threading.Event()
         self.start()
 
     def run(self):
         try:
             while self.on_duty:
                 if self.asleep:
+                    self._resting.set()
                     time.sleep(0.01)
                 elif self.node.picture(0.02) is not None:
                     world = self.node.world
@@ -69,9 +70,15 @@ class Crew(threading.Thread):
         finally:
             self.node.close()
 
+    def rest(self):
+        """Do nothing from now on, until it is not `asleep` any more."""
+        self._resting.clear()
+        self.asleep = True
+        assert self._resting.wait(60.0)
+
     def close(self):
         self.on_duty = False
-        self.join(20.0)
+        self.join(60.0)
         assert not self.is_alive()
 
 
@@ -97,7 +104,7 @@ class Bridge:
             world = self.master.world
             self.seen[self.master._number] = world.state.tick, snapshot.checksum(world)
 
-    def sail_until(self, true, seconds=20.0):
+    def sail_until(self, true, seconds=60.0):
         end = time.monotonic() + seconds
         while not true() and time.monotonic() < end:
             self.sail()

@@ -20,6 +20,11 @@ def told(bridge, *words):
     return any(all(word in line for word in words) for line in bridge.told)
 
 
+def late(bridge):
+    """How often a node was waited for in vain."""
+    return sum("has not drawn" in line for line in bridge.told)
+
+
 def both_in_step(bridge, seas):
     left, right = bridge.node(seas[1], "left"), bridge.node(seas[2], "right")
     bridge.sail_until(lambda: len(bridge.master.in_step()) == 2)
@@ -68,15 +73,14 @@ def test_lights_are_switched_on_for_all(bridge, seas):
 def test_a_node_that_is_late_is_left_behind_and_comes_back(bridges, seas, address):
     bridge = bridges(seas[0], address, timeout_s=1.0)
     left, right = both_in_step(bridge, seas)
-    right.asleep = True
+    right.rest()
     start = time.monotonic()
     bridge.sail(2)
     assert time.monotonic() - start > 0.9
-    start = time.monotonic()
     bridge.sail(20)
-    assert time.monotonic() - start < 5.0  # nobody waits for it any more: that would be 20 s
     assert bridge.master.in_step() == ["left"]
     assert told(bridge, "node right", "has not drawn", "going on")
+    assert late(bridge) == 1  # nobody waits for it any more
     right.asleep = False
     bridge.sail_until(lambda: len(bridge.master.in_step()) == 2)
     assert told(bridge, "node right", "in step again")
@@ -87,11 +91,10 @@ def test_a_node_that_is_late_is_left_behind_and_comes_back(bridges, seas, addres
 def test_a_node_that_hangs_up_is_not_waited_for(bridge, seas):
     left, right = both_in_step(bridge, seas)
     right.close()
-    start = time.monotonic()
     bridge.sail(10)
-    assert time.monotonic() - start < 4.0
     assert bridge.master.in_step() == ["left"]
     assert told(bridge, "node right", "going on without it")
+    assert late(bridge) == 0
     sails_on(bridge, left)
     again = bridge.node(seas[2], "right")
     sails_on(bridge, left, again)
@@ -118,15 +121,13 @@ def test_a_world_that_differs_is_told_and_mended_but_only_once(bridge, seas):
     words = []
     left = bridge.node(seas[1], "left", told=words)
     sails_on(bridge, left)
-    left.asleep = True
-    time.sleep(0.1)
+    left.rest()
     seas[1].state.fishes.position[0, 0] += 0.001
     left.asleep = False
     bridge.sail_until(lambda: told(bridge, "node left", "its world differs", "fetches the state"))
     assert any("this world differs from the master's" in line for line in words)
     sails_on(bridge, left)
-    left.asleep = True
-    time.sleep(0.1)
+    left.rest()
     seas[1].state.fishes.position[1, 2] += 0.001
     left.asleep = False
     bridge.sail_until(lambda: left.fault is not None)
@@ -236,6 +237,9 @@ def test_a_follower_takes_no_garbage_for_a_master(seas, address):
         route, _ = other.recv_multipart()
         for bad in (b"", b"garbage", MAGIC + b"\x00" * 99):
             other.send_multipart([route, bad])
+        end = time.monotonic() + 60.0
+        while not any("no message of subsea" in line for line in words):
+            assert time.monotonic() < end and node.picture(0.3) is None
         assert node.picture(0.3) is None
         assert sum("no message of subsea" in line for line in words) == 1
         assert node.waiting.startswith("waiting for the master at")
@@ -266,7 +270,7 @@ def test_a_master_that_comes_back_begins_a_new_dive(bridges, seas, address):
     sails_on(bridge, left)
     bridge.master.close()
     bridge._stack.pop_all()  # the crew stays
-    end = time.monotonic() + 20.0
+    end = time.monotonic() + 60.0
     while not left.node.waiting and time.monotonic() < end:
         time.sleep(0.01)
     assert left.node.waiting == f"waiting for the master at {address}"
