@@ -69,12 +69,12 @@ def strip(axes: Any, segment: Segment, tick_s: float) -> None:
             axis.quiver(*start, *_screen(arrow[past]), color=colour, alpha=shade, zorder=3, **style)
         axis.set(xlim=right, ylim=ahead, aspect="equal", xticks=[], yticks=[])
         axis.spines[:].set(visible=True, color=FAINT)
-        axis.set_title(f"{k + 1}\n{(k + 1) * tick_s:.2f} s", fontsize=8)
-    axes[0].set_ylabel("frames from above, ahead is up", fontsize=8)
+        axis.set_title(f"{k + 1}\n{(k + 1) * tick_s:.2f} s", fontsize=10)
+    axes[0].set_ylabel("frames from above, ahead is up", fontsize=10)
     scale = max(cm for cm in SCALES_CM if cm < 0.6 * (right[1] - right[0]))
     at = right[0] + 0.1 * (right[1] - right[0]), ahead[0] + 0.04 * (ahead[1] - ahead[0])
     axes[-1].plot([at[0], at[0] + scale], [at[1]] * 2, "k", linewidth=1.5)
-    axes[-1].annotate(f"{scale:g} cm", at, xytext=(0, 3), textcoords="offset points", fontsize=7)
+    axes[-1].annotate(f"{scale:g} cm", at, xytext=(0, 3), textcoords="offset points", fontsize=9)
 
 
 def _arrows(played: Played) -> tuple[tuple[str, Any], tuple[str, Any]]:
@@ -199,11 +199,11 @@ def paths(axes: Any, repertoire: Repertoire) -> None:
         middle = np.mean(_limits(-one.midline.imag.ravel()))
         axis.set(ylim=_limits(everything.real), xlim=(middle - width / 2, middle + width / 2))
         axis.set_aspect("equal")
-        axis.set_title(name.replace("turn_", "turn\n").replace("_", " "), fontsize=8)
-        axis.set_xlabel("z, cm", fontsize=8)
-        axis.tick_params(labelsize=7)
-    axes[0].set_ylabel("x ahead, cm", fontsize=8)
-    axes[0].legend(fontsize=7, loc="upper left")
+        axis.set_title(name.replace("turn_", "turn\n").replace("_", " "), fontsize=10)
+        axis.set_xlabel("z, cm", fontsize=10)
+        axis.tick_params(labelsize=9)
+    axes[0].set_ylabel("x ahead, cm", fontsize=10)
+    axes[0].legend(fontsize=9, loc="upper left")
     for axis in axes[1:]:
         axis.set_yticklabels([])
 
@@ -215,7 +215,7 @@ def speed_bars(axis: Any, repertoire: Repertoire) -> None:
     colours = [SEGMENT_COLOURS.get(name, "0.5") for name in names]
     bars = axis.barh([name.replace("_", " ") for name in names], values, color=colours)
     texts = [f" {value / repertoire.body_length_cm:.2f} L/s" for value in values]
-    axis.bar_label(bars, texts, fontsize=8)
+    axis.bar_label(bars, texts, fontsize=10)
     axis.set(xlabel="cm/s", title="Speed of each segment", xlim=(0, 1.25 * max(values)))
 
 
@@ -230,7 +230,8 @@ def tail_beats(axis: Any, repertoire: Repertoire) -> None:
         axis.plot(seconds, tail - tail.mean(), color=SEGMENT_COLOURS.get(name), label=label)
     axis.axhline(0, color=FAINT, linewidth=1, zorder=0)
     axis.set(xlabel="time, s", ylabel="right of the way, L", title="Tail beats")
-    axis.legend(fontsize=7)
+    axis.margins(y=0.15)
+    axis.legend(fontsize=9, loc="upper center", ncols=3)
 
 
 def speed_control(axis: Any, levels: SpeedMap, length: float) -> None:
@@ -250,7 +251,7 @@ def turned(axis: Any, asked: Floats, measured: Floats) -> None:
     axis.plot(asked, measured[:, 0], "o", color=POINTS["tail"], ms=4, label="entered at phase 0")
     axis.set(xlabel="angle asked for, °", ylabel="angle turned, °", title="Turns as measured")
     axis.set(xlim=(0, top), ylim=(0, top))
-    axis.legend(fontsize=7)
+    axis.legend(fontsize=9)
 
 
 def steering_map(axis: Any, turn: TurnPlan) -> None:
@@ -273,7 +274,7 @@ def steering_map(axis: Any, turn: TurnPlan) -> None:
             axis.get_legend_handles_labels(), other.get_legend_handles_labels(), strict=True
         )
     )
-    axis.legend(handles, labels, fontsize=7, ncols=2, loc="upper left")
+    axis.legend(handles, labels, fontsize=9, ncols=2, loc="upper left")
 
 
 def in_order(repertoire: Repertoire) -> list[tuple[str, Segment]]:

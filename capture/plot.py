@@ -19,12 +19,12 @@ from subsea.repertoire import Repertoire, Segment
 DPI = 100
 WIDTH = 12.0
 STYLE = {
-    "font.size": 9,
-    "axes.titlesize": 10,
+    "font.size": 11,
+    "axes.titlesize": 12,
     "axes.spines.top": False,
     "axes.spines.right": False,
     "legend.frameon": False,
-    "legend.fontsize": 8,
+    "legend.fontsize": 10,
 }
 ANGLES = np.arange(15.0, 91.0, 15.0)
 

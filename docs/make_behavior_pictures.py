@@ -82,7 +82,9 @@ def seeds_plate(seeds: Sequence[int]) -> Figure:
             courted[:, :, fish], cmap=colours, vmin=0, vmax=5, aspect="auto",
             interpolation="nearest", extent=(0, LIMIT_S, len(seeds), 0),
         )  # fmt: skip
-        axis.set(title=name, xlabel="s", yticks=np.arange(len(seeds)) + 0.5, yticklabels=seeds)
+        axis.set(
+            title=name, xlabel="time, s", yticks=np.arange(len(seeds)) + 0.5, yticklabels=seeds
+        )
     axes[0].set_ylabel("seed")
     handles = [Patch(color=colours(k), label=name) for k, name in enumerate(COURTSHIP)]
     figure.legend(handles=handles, loc="outside right center")

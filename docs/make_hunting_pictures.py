@@ -93,7 +93,7 @@ def capture() -> Image.Image:
         middle = mouth - 12.0 * ahead
         return middle + 24.0 * ahead + 74.0 * right + (0.0, 0.0, 8.0), middle
 
-    return strip("preying", HUNT_SEED, {caught - ago: beside for ago in (16, 9, 5, 3, 1, -1)}, 3)
+    return strip("preying", HUNT_SEED, {caught - ago: beside for ago in (6, 5, 3, 2, 1, -1)}, 3)
 
 
 def hook() -> Image.Image:

@@ -48,9 +48,10 @@ VISITORS = Shot("visitors", 4, 150, (2, 3), (-178.0, -100.0, 42.0), (0.0, 0.0, 6
 PREYING = Shot("preying", 1, 301, (0, 1), (-138.0, -28.0, 8.0), (-26.0, 0.0, 0.0))
 FIRST, OTHER = (1600, 700), (1120, 500)
 SWIMMING = BAY._replace(tick=400)
-STRIP, TICKS, EVERY, STRIP_QUALITY = (720, 316), 96, 2, 74
+STRIP, TICKS, EVERY, STRIP_QUALITY = (720, 316), 96, 2, 62
 SHARE = (560, 130, 760, 290)  # of a picture, which is shown twice as large for each preset
 LETTERS = 18
+JEWEL = "reef_jewel"  # the species of the tutorial
 
 
 def filmed(shot: Shot, size: tuple[int, int], quality: str = "high", ticks: int = 1) -> list[Array]:
@@ -84,9 +85,10 @@ def one(shot: Shot, size: tuple[int, int]) -> Image.Image:
 def swimming(path: Path) -> None:
     """Some seconds of the bay, as fast as they were."""
     frames = [Image.fromarray(one) for one in filmed(SWIMMING, STRIP, ticks=TICKS)]
+    # Each picture whole: those that tell only what changed show blocks in the water.
     frames[0].save(
-        path, save_all=True, append_images=frames[1:], loop=0, method=6, quality=STRIP_QUALITY,
-        duration=round(1000 * EVERY * TICK_S), minimize_size=True,
+        path, save_all=True, append_images=frames[1:], loop=0, kmin=0, kmax=1,
+        quality=STRIP_QUALITY, duration=round(1000 * EVERY * TICK_S),
     )  # fmt: skip
     print(f"{path}: {path.stat().st_size / 1024:.0f} KiB")
 
@@ -104,32 +106,33 @@ def qualities() -> Image.Image:
     return sheet
 
 
-def by_command(*arguments: str, files: str | None = None) -> Image.Image:
-    """What `subsea film` makes; in a house with `files`, a page's blocks of TOML, if named."""
-    with TemporaryDirectory() as house:
-        if files is not None:
-            furnish(Path(house), files)
-        out = Path(house) / "picture.png"
-        surroundings = os.environ | {"XDG_DATA_HOME": house}
-        subprocess.run(
-            [sys.executable, "-m", "subsea", "film", str(out), *arguments],
-            cwd=house, check=True, env=surroundings | {"PYTHONPATH": str(ROOT)},
-        )  # fmt: skip
-        return Image.open(out).convert("RGB")
+def filmed_by(*arguments: str, page: str | None = None) -> Image.Image:
+    """What `subsea film` makes, in a home with the files that a page builds up."""
+    with TemporaryDirectory() as home:
+        surroundings = os.environ | {"XDG_DATA_HOME": home, "PYTHONPATH": str(ROOT)}
+
+        def run(*command: str) -> None:
+            subprocess.run([sys.executable, "-m", *command], cwd=home, env=surroundings, check=True)
+
+        if page is not None:
+            furnish(Path(home), page)
+            run("capture", "record", JEWEL)
+        run("subsea", "film", "picture.png", *arguments)
+        return Image.open(Path(home) / "picture.png").convert("RGB")
 
 
-def furnish(house: Path, page: str) -> None:
+def furnish(home: Path, page: str) -> None:
     """Write the files that a page builds up, and the species that it copies."""
     text = (Path(__file__).parent / page).read_text(encoding="utf-8")
     for block in re.findall(r"^```toml\n(.*?)^```$", text, re.MULTILINE | re.DOTALL):
         name = re.match(r"# ([\w.]+)", block)
         assert name
-        with (house / name[1]).open("a", encoding="utf-8") as file:
+        with (home / name[1]).open("a", encoding="utf-8") as file:
             file.write(block)
-    species = house / "subsea" / "species"
+    species = home / "subsea" / "species"
     species.mkdir(parents=True)
     wrasse = (ROOT / "assets/species/moon_wrasse.toml").read_text(encoding="utf-8")
-    (species / "reef_jewel.toml").write_text(wrasse, encoding="utf-8")
+    (species / f"{JEWEL}.toml").write_text(wrasse, encoding="utf-8")
 
 
 def main() -> None:
@@ -141,10 +144,10 @@ def main() -> None:
         "qualities": qualities,
         "visitors": lambda: one(VISITORS, OTHER),
         "preying": lambda: one(PREYING, OTHER),
-        "equirectangular": lambda: by_command(
+        "equirectangular": lambda: filmed_by(
             "--display", "equirectangular", "--seconds", "8", "--size", "1600x800"
         ),
-        "lagoon": lambda: by_command(*lagoon, "--size", "1200x500", files="tutorial.md"),
+        "lagoon": lambda: filmed_by(*lagoon, "--size", "1200x500", page="tutorial.md"),
     }
     wanted = sys.argv[2:] or ["swimming", *made]
     for name, make in made.items():

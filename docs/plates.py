@@ -45,7 +45,7 @@ def keep(picture: Image.Image, path: Path) -> None:
     """Write a picture as small as its kind allows, which `path` names by .jpg or .png."""
     picture = picture.convert("RGB")
     if path.suffix == ".jpg":
-        picture.save(path, quality=QUALITY, subsampling="4:4:4", optimize=True, progressive=True)
+        picture.save(path, quality=QUALITY, subsampling="4:2:0", optimize=True, progressive=True)
     else:
         few = picture.quantize(COLOURS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
         few.save(path, optimize=True)

@@ -57,7 +57,7 @@ void main() {
     // One smaller than a pixel or two keeps the light that it sends but not its size.
     float drawn = max(pixels, 2.2);
     v_strength = min(pixels * pixels / (drawn * drawn) , 1.0) * smoothstep(8.0, 16.0, distance);
-    v_small = 1.0 - smoothstep(2.5, 8.0, pixels);
+    v_small = 1.0 - smoothstep(1.8, 5.5, pixels);
     float radius = 0.5 * diameter * drawn / max(pixels, 1e-4);
     v_strength *= step(z + 0.3 * diameter, 0.0) * smoothstep(0.0, 0.1, age);
     // Large ones are flat, and quiver.
