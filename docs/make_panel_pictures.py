@@ -36,6 +36,8 @@ def noting(panel):
 with closing(Dive("peaceful", "mono", SIZE, seed=1, quality="high")) as dive:
     dive.grant("help")
     dive.desk.toggle()
+    for _ in range(10):  # until the help has faded
+        dive.frame(0.15)
     names = sys.argv[1:] or list(PANELS)
     for name in PANELS:
         PANELS[name] = noting(PANELS[name])
