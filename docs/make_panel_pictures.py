@@ -15,7 +15,7 @@ from subsea.app.panels import PANELS
 from subsea.app.panels.physics import simulate
 from subsea.app.panels.placement import Placing
 
-SIZE, FISH, WAIT_S = (1280, 780), 3, 20.0
+SIZE, FISH, RIDDEN, WAIT_S = (1280, 780), 3, 9, 20.0
 PLACED, BESIDE_PX, SIMULATED = ("arch", 0), 330, 6
 SEA_PX = 30, 8, 330, 24  # shown left, above, right and below of a panel
 
@@ -47,7 +47,8 @@ with closing(Dive("peaceful", "mono", SIZE, seed=1, quality="high")) as dive:
         dive.picture.diagrams = {"scaffold", "indices"} if name == "Control" else set()
         dive.picture.look = "identity"
         if name == "Fish view":
-            dive.mount(FISH, behind=True)
+            dive.mount(RIDDEN, behind=True)
+            dive.desk.chosen = RIDDEN
         # The charts of behavior grow meanwhile.
         for _ in range(round(WAIT_S / 0.15) if name == "Behavior" else 8):
             dive.frame(0.15)
@@ -64,9 +65,10 @@ with closing(Dive("peaceful", "mono", SIZE, seed=1, quality="high")) as dive:
             edge + sign * px for edge, sign, px in zip(rect, (-1, -1, 1, 1), SEA_PX, strict=True)
         ]
         edges = [min(max(round(edge), 0), SIZE[k % 2]) for k, edge in enumerate(edges)]
-        if name == "Fish view":  # with what both eyes see
-            edges[0], edges[2] = 0, SIZE[0]
+        if name == "Fish view":  # with the fish, and what both its eyes see
+            edges = [0, 0, *SIZE]
         out = FOLDER / f"panel-{name.lower().replace(' ', '-')}.jpg"
         keep(window_of(dive).crop(edges), out)
         if name == "Fish view":
             dive.mount(None)
+            dive.desk.chosen = FISH
