@@ -20,7 +20,7 @@ from subsea.app.build.window import begun
 
 SIZE = 1280, 800
 RING = ("body", "ring", 1)
-FLANK = 810, 8, 1190, 220  # of a blue tang on the plate of species
+FLANK = 810, 8, 1190, 209  # of a blue tang on the plate of species
 WAIT_S = 60.0  # for checks, at most
 
 folder = folder_asked()
@@ -82,7 +82,7 @@ def main() -> None:
     try:
         with closing(Bench("subsea build", begun("clownfish", over=photo), SIZE)) as bench:
             tracing = bench.craft.tracing
-            tracing.left, tracing.middle, tracing.wide = -0.066, 0.012, 1.144
+            tracing.left, tracing.middle, tracing.wide = -0.066, 0.0286, 1.144
             bench.craft.views.soft = True
             take(bench, "photograph", 3.0)
     finally:
