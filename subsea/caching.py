@@ -14,6 +14,8 @@ from typing import Any
 
 from numba.core import caching
 
+import subsea.compiling  # noqa: F401
+
 ROOT = Path(__file__).resolve().parent.parent
 # Both forms that this project uses: `from a.b import c, d` and the same in parentheses.
 IMPORT = re.compile(r"^\s*from ((?:subsea|capture)[\w.]*) import (\([^)]*\)|[^\n]*)", re.MULTILINE)

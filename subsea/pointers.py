@@ -5,6 +5,7 @@ apart, a second or more for each kernel. A group behind a pointer costs it a twe
 and a call does not take the fifty apart either. Kernels read `group.field` alike.
 """
 
+import hashlib
 from collections.abc import Callable
 from typing import Any, TypeVar
 
@@ -14,6 +15,19 @@ from numba.extending import typeof_impl
 
 T = TypeVar("T")
 
+
+class Kind(types.StructRef):  # type: ignore[misc]
+    """What the compiler calls a group: each has a class of its own, at the top level of a module.
+
+    Numba would name it by all its fields: some thousand characters, part of the names of all
+    kernels that take one, and kept with them.
+    """
+
+    def __init__(self, fields: Any) -> None:
+        super().__init__(fields)
+        self.name = f"{self._typename}.{hashlib.sha256(self.name.encode()).hexdigest()[:16]}"
+
+
 SOURCE = """
 def {name}(arrays):
     group = new(kind)
@@ -22,12 +36,11 @@ def {name}(arrays):
 """
 
 
-def by_pointer(kind: type[types.StructRef]) -> Callable[[type[T]], type[T]]:
+def by_pointer(kind: type[Kind]) -> Callable[[type[T]], type[T]]:
     """Let kernels take instances of a NamedTuple class by pointer: a decorator for the class.
 
-    `kind` is what the compiler calls such a group: a class at the top level of a module, so that
-    compiled code that names it can be kept. The instance stays a named tuple for Python. A kernel
-    cannot replace its fields, only write into those that are arrays.
+    `kind` is what the compiler calls such a group. The instance stays a named tuple for Python. A
+    kernel cannot replace its fields, only write into those that are arrays.
     """
     return lambda group: _pointed(group, structref.register(kind))
 

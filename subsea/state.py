@@ -8,10 +8,9 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import types
 from numpy.typing import NDArray
 
-from subsea.pointers import by_pointer
+from subsea.pointers import Kind, by_pointer
 
 Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
@@ -52,7 +51,7 @@ DORSAL = 5  # 0 folded to 1 erect, dorsal and ventral fin
 TAIL = 6  # how much wider than at rest the tail is spread
 
 
-class FishesKind(types.StructRef):  # type: ignore[misc]
+class FishesKind(Kind):
     """What compiled kernels call `Fishes`."""
 
 
@@ -112,7 +111,7 @@ class Fishes(NamedTuple):
     display: Array  # (n,) float32 in [0, 1], how much it wears its mating colours
 
 
-class MindsKind(types.StructRef):  # type: ignore[misc]
+class MindsKind(Kind):
     """What compiled kernels call `Minds`."""
 
 
@@ -191,7 +190,7 @@ class Minds(NamedTuple):
     betrothed: Ints  # (n,) int32, who alone may court it and be courted by it, or NOBODY
 
 
-class SeaKind(types.StructRef):  # type: ignore[misc]
+class SeaKind(Kind):
     """What compiled kernels call `Sea`."""
 
 

@@ -6,13 +6,13 @@ import sys
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit, types
+from numba import njit, typeof
 
-from subsea.pointers import by_pointer
+from subsea.pointers import Kind, by_pointer
 from subsea.state import empty_fishes
 
 
-class PairKind(types.StructRef):
+class PairKind(Kind):
     """What the compiler calls a pair."""
 
 
@@ -56,6 +56,15 @@ def test_its_arrays_outlive_other_groups():
     for n in (1, 50, 3):
         fishes = empty_fishes(n)
         assert len(fishes.species) == n
+
+
+def test_their_types_have_short_names_that_tell_them_apart():
+    pairs = Pair(np.ones(2), 1.0), Pair(np.ones(3), 2.0), Pair(np.ones(2, np.float32), 1.0)
+    same, too, other = (typeof(pair) for pair in pairs)
+    assert same is too
+    assert same != other
+    assert len({same.name, other.name}) == 2
+    assert max(map(len, (same.name, other.name))) < 40
 
 
 PROGRAM = """

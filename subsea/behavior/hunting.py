@@ -94,15 +94,13 @@ def inhale(fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
     Fishes are drawn by their `drift`, specks of plankton at once. The mouths are few and sorted
     along x, so that each thing looks only at those about it: never all pairs.
     """
-    mouths = np.flatnonzero(
-        (fishes.gape > 0.5) & (minds.kind == PREDATOR) & (minds.intention == EAT) & fishes.alive
-    )
+    mouths, x = _open_mouths(fishes, minds)
     if len(mouths) == 0:
         return
-    x = np.array([mouth_of(fishes, i)[0] for i in mouths])
-    order = np.argsort(x, kind="mergesort")
-    mouths, x = mouths[order], x[order]
-    farthest = SUCK_BL * fishes.length[mouths].max()
+    longest = 0.0
+    for i in mouths:
+        longest = max(longest, fishes.length[i])
+    farthest = SUCK_BL * longest
     for j in range(len(fishes.species)):
         if not fishes.alive[j]:
             continue
@@ -132,6 +130,24 @@ def inhale(fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
             flow = suction(minus(mouth_of(fishes, i), there), fishes.length[i], clock.dt)
             for axis in range(3):
                 sea.plankton[k, axis] += np.float32(flow[axis] * clock.dt)
+
+
+@njit(cache=True, error_model="numpy")
+def _open_mouths(fishes: Fishes, minds: Minds) -> tuple[Ints, Array]:
+    """Hunters whose mouths are open, and where along x these are, in that order."""
+    mouths, x = np.empty(len(fishes.gape), np.int64), np.empty(len(fishes.gape))
+    count = 0
+    for i in range(len(fishes.gape)):
+        hunts = minds.kind[i] == PREDATOR and minds.intention[i] == EAT and fishes.alive[i]
+        if not hunts or fishes.gape[i] <= 0.5:
+            continue
+        here, k = mouth_of(fishes, i)[0], count
+        while k > 0 and x[k - 1] > here:
+            mouths[k], x[k] = mouths[k - 1], x[k - 1]
+            k -= 1
+        mouths[k], x[k] = i, here
+        count += 1
+    return mouths[:count], x[:count]
 
 
 @njit(cache=True, error_model="numpy")

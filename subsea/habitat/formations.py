@@ -229,7 +229,8 @@ def blocks_near(blocks: Array, p: Vector, reach: float) -> Array:
     number = 0
     for k in range(len(blocks)):
         if _at_least(blocks[k], p) < reach:
-            out[number] = blocks[k]
+            for column in range(blocks.shape[1]):
+                out[number, column] = blocks[k, column]
             number += 1
     return out[:number]
 

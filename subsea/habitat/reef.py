@@ -186,17 +186,18 @@ def _mounds(table: ReefTable, sea: Sea, spots: Spots | None, dice: np.random.Gen
 def _apart(offers: Array, fits: Bools, before: Array) -> Array:
     """Of the places (k, tries, COLUMNS) that each growth is offered, the first that is free."""
     room = np.column_stack([before[:, PLACE], before[:, RADIUS]])
-    choice = _first_free(offers[..., PLACE], offers[..., RADIUS], fits, room)
+    taken = np.concatenate([room, np.zeros((len(fits), 4))])
+    choice = _first_free(offers[..., PLACE], offers[..., RADIUS], fits, taken, len(room))
     grown = np.flatnonzero(choice >= 0)
     return np.asarray(offers[grown, choice[grown]])
 
 
 @njit(cache=True, error_model="numpy")
-def _first_free(place: Array, radius: Array, fits: Bools, before: Array) -> Ints:
-    """Which try (k,) of places (k, tries, 3) keeps off `before` (m, 4) and those chosen; or -1."""
-    taken = np.zeros((len(before) + len(place), 4))
-    taken[: len(before)] = before
-    count = len(before)
+def _first_free(place: Array, radius: Array, fits: Bools, taken: Array, count: int) -> Ints:
+    """Which try (k,) of places (k, tries, 3) keeps off those chosen before; or -1.
+
+    `taken` (count + k, 4) has `count` places and radii to keep off, and room for those chosen.
+    """
     choice = np.full(len(place), -1)
     for k in range(len(place)):
         for i in range(place.shape[1]):
@@ -212,7 +213,9 @@ def _first_free(place: Array, radius: Array, fits: Bools, before: Array) -> Ints
                 free = x * x + y * y + z * z >= room * room
             if free:
                 choice[k] = i
-                taken[count, :3], taken[count, 3] = place[k, i], radius[k, i]
+                for axis in range(3):
+                    taken[count, axis] = place[k, i, axis]
+                taken[count, 3] = radius[k, i]
                 count += 1
                 break
     return choice

@@ -117,6 +117,7 @@ def _planted(groups: list[Group], sea: Sea, reef: Reef, seed: int) -> tuple[Arra
     )  # fmt: skip
     sea = sea._replace(seaweed=np.zeros((len(starts) - 1, 6), f))
     _settle(seaweed, sea)
+    seaweed.previous[:] = seaweed.node
     return sea.seaweed, seaweed
 
 
@@ -272,7 +273,6 @@ def _settle(seaweed: Seaweed, sea: Sea) -> None:
             _swing_leaf(seaweed, leaf, still, 0.033)
     for k in range(len(seaweed.first) - 1):
         _enclose(seaweed, sea, k)
-    seaweed.previous[:] = seaweed.node
 
 
 @njit(cache=True, error_model="numpy")

@@ -65,7 +65,6 @@ def choose(
             former[i], level[i], since[i] = level[i], kept, time_s
 
 
-@njit(cache=True)
 def arranged(
     distance: Array, time_s: float, levels: int, memory: Memory
 ) -> tuple[Ints, Array, Ints]:
@@ -77,14 +76,25 @@ def arranged(
     first. Returns the fishes (m,), the shares (m,) as `frame.FADE` has them, and the beginnings
     (v, 2 levels + 1,), each with the end.
     """
+    seen = [np.flatnonzero((row < np.inf) & (memory.level != HIDDEN)) for row in distance]
+    order = [
+        own[np.argsort(-row[own], kind="stable")] for own, row in zip(seen, distance, strict=True)
+    ]
+    first = np.cumsum([0, *map(len, order)])
+    return _grouped(np.concatenate(order), first, time_s, levels, memory)
+
+
+@njit(cache=True)
+def _grouped(
+    order: Ints, first: Ints, time_s: float, levels: int, memory: Memory
+) -> tuple[Ints, Array, Ints]:
+    """As `arranged`; in `order` those of view v are from first[v] to first[v + 1]."""
     level, former, since = memory
-    groups = 2 * levels
-    count = np.zeros(len(distance) * groups + 1, np.int64)
-    for v in range(len(distance)):
+    groups, views = 2 * levels, len(first) - 1
+    count = np.zeros(views * groups + 1, np.int64)
+    for v in range(views):
         own = count[v * groups + 1 :]
-        for i in range(len(level)):
-            if level[i] == HIDDEN or distance[v, i] == np.inf:
-                continue
+        for i in order[first[v] : first[v + 1]]:
             fading = _under_way(since[i], time_s)
             own[_group(level[i], fading, levels)] += 1
             if fading:
@@ -92,14 +102,13 @@ def arranged(
     ends = np.cumsum(count)
     fish = np.empty(ends[-1], np.int64)
     share = np.empty(ends[-1], np.float32)
-    starts = np.empty((len(distance), groups + 1), np.int64)
-    for v in range(len(distance)):
-        starts[v] = ends[v * groups : (v + 1) * groups + 1]
-    for v in range(len(distance)):
+    starts = np.empty((views, groups + 1), np.int64)
+    for v in range(views):
+        for k in range(groups + 1):
+            starts[v, k] = ends[v * groups + k]
+    for v in range(views):
         end = ends[v * groups :]
-        for i in range(len(level)):
-            if level[i] == HIDDEN or distance[v, i] == np.inf:
-                continue
+        for i in order[first[v] : first[v + 1]]:
             fading = _under_way(since[i], time_s)
             k = _group(level[i], fading, levels)
             fish[end[k]], share[end[k]] = i, 0.0
@@ -110,12 +119,6 @@ def arranged(
                 k = _group(former[i], fading, levels)
                 fish[end[k]], share[end[k]] = i, done - 1.0
                 end[k] += 1
-        for k in range(groups):
-            first, last = starts[v, k], starts[v, k + 1]
-            if last - first > 1:
-                order = np.argsort(-distance[v, fish[first:last]])
-                fish[first:last] = fish[first:last][order]
-                share[first:last] = share[first:last][order]
     return fish, share, starts
 
 

@@ -1,0 +1,77 @@
+"""Kernels that only kernels call are compiled without what Python needs to call them.
+
+Numba gives every kernel two wrappers, one that unpacks Python's objects and one for C: with most
+of ours they are more code than the kernel itself, compiled with it and with each of its callers.
+Here a kernel that another one calls gets none. If Python calls it after all, it is compiled again.
+"""
+
+from collections.abc import Callable
+from functools import wraps
+from threading import local
+from typing import Any
+
+from numba.core import dispatcher
+from numba.core.caching import Cache
+from numba.core.compiler_lock import global_compiler_lock
+from numba.core.sigutils import normalize_signature
+
+Numba = dispatcher._DispatcherBase
+
+
+class _Asking(local):
+    """Who asks for a kernel in this thread."""
+
+    kernel = False  # another one, which is being compiled; else Python
+
+
+_asking = _Asking()
+
+
+def _asked(method: Callable[..., Any], kernel: bool) -> Callable[..., Any]:
+    @wraps(method)
+    def call(*given: Any, **named: Any) -> Any:
+        before, _asking.kernel = _asking.kernel, kernel
+        try:
+            return method(*given, **named)
+        finally:
+            _asking.kernel = before
+
+    return call
+
+
+def _compile(self: Any, signature: Any) -> Any:
+    """As numba does it, but for Python never what only kernels can call."""
+    with global_compiler_lock:
+        if not _asking.kernel:
+            types = normalize_signature(signature)[0]
+            if types in self.__dict__.get("inner", ()):
+                self.overloads.pop(types, None)
+        return _compiled(self, signature)
+
+
+def _add(self: Any, result: Any) -> None:
+    """Keep what was compiled; Python does not find what it cannot call."""
+    if not _asking.kernel:
+        return _added(self, result)
+    types = tuple(result.signature.args)
+    self.overloads[types] = self.__dict__.setdefault("inner", {})[types] = result
+    return None
+
+
+def _flags(self: Any, flags: Any) -> Any:
+    if _asking.kernel:
+        flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
+    return flags
+
+
+def _key(self: Any, signature: Any, codegen: Any) -> Any:
+    return *_keyed(self, signature, codegen), _asking.kernel
+
+
+_compiled, _added, _keyed = dispatcher.Dispatcher.compile, Numba.add_overload, Cache._index_key
+Numba.get_call_template = _asked(Numba.get_call_template, True)
+Numba._compile_for_args = _asked(Numba._compile_for_args, False)
+Numba.add_overload = _add
+dispatcher.Dispatcher.compile = _compile
+dispatcher._FunctionCompiler._customize_flags = _flags
+Cache._index_key = _key
