@@ -8,11 +8,14 @@ it. `subsea/__init__.py` has it ask here instead.
 import hashlib
 import re
 import sys
+import tempfile
 from functools import cache
 from pathlib import Path
 from typing import Any
 
-from numba.core import caching
+from llvmlite import binding  # type: ignore[import-untyped]
+from numba.core import caching, codegen
+from numba.np import linalg
 
 import subsea.compiling  # noqa: F401
 
@@ -31,24 +34,39 @@ def stamp(file: Path, root: Path = ROOT) -> str:
             waiting.append(other)
     sha = hashlib.sha256()
     for one in sorted(found):
-        sha.update(_text(one).encode())
+        sha.update(_digest(one))
     return sha.hexdigest()
 
 
 @cache
-def _text(file: Path) -> str:
-    return file.read_text(encoding="utf-8")
+def _digest(file: Path) -> bytes:
+    return hashlib.sha256(file.read_bytes()).digest()
 
 
 @cache
 def _imported(file: Path, root: Path) -> set[Path]:
     """The files of the project that a file imports itself."""
     found = set()
-    for package, names in IMPORT.findall(_text(file)):
+    for package, names in IMPORT.findall(file.read_text(encoding="utf-8")):
         base = root.joinpath(*package.split("."))
         modules = [base / name for name in re.findall(r"\w+", names)]
         found |= {path.with_suffix(".py") for path in [base, *modules]} | {base / "__init__.py"}
     return {path for path in found if path.is_file()}
+
+
+@cache
+def _own(file: str) -> Path | None:
+    """A file of this project, or None."""
+    path = Path(file).resolve()
+    own = path.is_relative_to(ROOT) and path.suffix == ".py" and path.is_file()
+    return path if own else None
+
+
+@cache
+def _make_folder(path: str) -> None:
+    """Make it, or raise an OSError; what can be written into is asked once, not for each kernel."""
+    Path(path).mkdir(parents=True, exist_ok=True)
+    tempfile.TemporaryFile(dir=path).close()
 
 
 class _Stamped:
@@ -57,10 +75,11 @@ class _Stamped:
     _py_file: str
 
     def get_source_stamp(self) -> object:
-        file = Path(self._py_file).resolve()
-        if file.is_relative_to(ROOT) and file.suffix == ".py" and file.is_file():
-            return stamp(file)
-        return super().get_source_stamp()  # type: ignore[misc]
+        own = _own(self._py_file)
+        return super().get_source_stamp() if own is None else stamp(own)  # type: ignore[misc]
+
+    def ensure_cache_path(self) -> None:
+        _make_folder(self.get_cache_path())  # type: ignore[attr-defined]
 
 
 class Provided(_Stamped, caching.UserProvidedCacheLocator):  # type: ignore[misc]
@@ -73,6 +92,52 @@ class InTree(_Stamped, caching.InTreeCacheLocator):  # type: ignore[misc]
 
 class UserWide(_Stamped, caching.UserWideCacheLocator):  # type: ignore[misc]
     """... or else in the user's cache folder."""
+
+
+class Kept(codegen.JITCodeLibrary):  # type: ignore[misc]
+    """The code of a kernel that was kept.
+
+    Numba also reads at once what kernels that call it are linked with, which takes as long as all
+    else about it. Here that waits until such a one is compiled.
+    """
+
+    _shared_module: Any
+
+    def __init__(self, owner: Any, name: str, code: bytes, bitcode: bytes) -> None:
+        super().__init__(owner, name)
+        self._code, self._bitcode = code, bitcode
+        self.enable_object_caching()
+        self._set_compiled_object(code)
+        self._finalize_final_module()
+
+    def _get_module_for_linking(self) -> Any:
+        if self._shared_module is None:
+            self._shared_module = binding.parse_bitcode(self._bitcode)
+        return self._shared_module
+
+    def get_pointer_to_function(self, name: str) -> int:
+        """Where a function of it is, 0 for none."""
+        known = name.encode() in self._code
+        return int(self._codegen._engine.get_function_address(name)) if known else 0
+
+
+_read = codegen.JITCPUCodegen.unserialize_library
+
+
+def _unserialize(self: Any, state: Any) -> Any:
+    name, kind, data = state
+    return Kept(self, name, *data) if kind == "object" else _read(self, state)
+
+
+codegen.JITCPUCodegen.unserialize_library = _unserialize
+
+
+def _no_blas() -> None:
+    """Where scipy is installed, numba would load it for linear algebra: no kernel here has any."""
+    raise ImportError("kernels of this project do without linear algebra")
+
+
+linalg.ensure_blas = _no_blas
 
 
 _save = caching.Cache._save_overload

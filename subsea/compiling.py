@@ -15,7 +15,10 @@ from numba.core.caching import Cache
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.sigutils import normalize_signature
 
-Numba = dispatcher._DispatcherBase
+# What its own hints do not tell, or forbid to replace.
+Base: Any = dispatcher._DispatcherBase
+Dispatcher: Any = dispatcher.Dispatcher
+Compiler: Any = vars(dispatcher)["_FunctionCompiler"]
 
 
 class _Asking(local):
@@ -68,10 +71,10 @@ def _key(self: Any, signature: Any, codegen: Any) -> Any:
     return *_keyed(self, signature, codegen), _asking.kernel
 
 
-_compiled, _added, _keyed = dispatcher.Dispatcher.compile, Numba.add_overload, Cache._index_key
-Numba.get_call_template = _asked(Numba.get_call_template, True)
-Numba._compile_for_args = _asked(Numba._compile_for_args, False)
-Numba.add_overload = _add
-dispatcher.Dispatcher.compile = _compile
-dispatcher._FunctionCompiler._customize_flags = _flags
+_compiled, _added, _keyed = Dispatcher.compile, Base.add_overload, Cache._index_key
+Base.get_call_template = _asked(Base.get_call_template, True)
+Base._compile_for_args = _asked(Base._compile_for_args, False)
+Base.add_overload = _add
+Dispatcher.compile = _compile
+Compiler._customize_flags = _flags
 Cache._index_key = _key

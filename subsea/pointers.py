@@ -25,7 +25,8 @@ class Kind(types.StructRef):  # type: ignore[misc]
 
     def __init__(self, fields: Any) -> None:
         super().__init__(fields)
-        self.name = f"{self._typename}.{hashlib.sha256(self.name.encode()).hexdigest()[:16]}"
+        told = hashlib.sha256(str(self).encode()).hexdigest()
+        self.name = f"{self._typename}.{told[:16]}"
 
 
 SOURCE = """
