@@ -1,10 +1,12 @@
 """What an interrupted recording has done already, so that the next run goes on from there.
 
-Each finished segment lies beside the repertoire to come, in ``.SPECIES.recording/SEGMENT.h5``: a
-repertoire of that one segment. All of it is removed when the whole repertoire is written.
+Each finished segment lies beside the repertoire to come, as ``.SPECIES.SEGMENT.recording``: a
+repertoire of that one segment. All of them are removed when the whole repertoire is written. Two
+processes may record one species at once: a file that one of them removes the other can write
+again, as it could not in a folder that is gone.
 """
 
-import shutil
+from contextlib import suppress
 from pathlib import Path
 
 from capture.record import Recorded, assemble, fingerprint
@@ -26,15 +28,14 @@ def is_up_to_date(folder: Path, name: str, species: Species) -> bool:
 
 def keep(folder: Path, name: str, species: Species, segment: str, recorded: Recorded) -> None:
     """Keep a finished segment; UserError where it cannot be written."""
-    path = _kept(folder, name) / f"{segment}.h5"
-    write_repertoire(path, assemble(name, species, {segment: recorded}))
+    write_repertoire(_kept(folder, name, segment), assemble(name, species, {segment: recorded}))
 
 
 def kept(folder: Path, name: str, species: Species) -> dict[str, Recorded]:
     """The segments kept of a species; what is damaged or of another fish is left out."""
     found = {}
     for segment in SEGMENTS:
-        one = _read(_kept(folder, name) / f"{segment}.h5", name, species)
+        one = _read(_kept(folder, name, segment), name, species)
         if one is not None and segment in one.segments:
             found[segment] = one.segments[segment], one.provenance["warm_up_beats"][segment]
     return found
@@ -42,11 +43,13 @@ def kept(folder: Path, name: str, species: Species) -> dict[str, Recorded]:
 
 def drop(folder: Path, name: str) -> None:
     """Forget what is kept of a species."""
-    shutil.rmtree(_kept(folder, name), ignore_errors=True)
+    for segment in SEGMENTS:
+        with suppress(OSError):  # it is not there, or another process is first
+            _kept(folder, name, segment).unlink()
 
 
-def _kept(folder: Path, name: str) -> Path:
-    return folder / f".{name}.recording"
+def _kept(folder: Path, name: str, segment: str) -> Path:
+    return folder / f".{name}.{segment}.recording"
 
 
 def _read(path: Path, name: str, species: Species) -> Repertoire | None:

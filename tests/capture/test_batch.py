@@ -119,10 +119,10 @@ def test_kept_segments_of_another_fish_or_damaged_ones_are_recorded_again(
         keep(tmp_path, "fusilier", species, segment, recorded)
     assert set(kept(tmp_path, "fusilier", species)) == {"swim_slow", "swim_medium", "swim_fast"}
     assert not kept(tmp_path, "fusilier", changed(species, "swim", lag=1.4))
-    (tmp_path / ".fusilier.recording").rename(tmp_path / ".bluefish.recording")
+    ours, theirs = (tmp_path / f".{fish}.swim_fast.recording" for fish in ("fusilier", "bluefish"))
+    theirs.write_bytes(ours.read_bytes())
     assert not kept(tmp_path, "bluefish", species)
-    (tmp_path / ".bluefish.recording").rename(tmp_path / ".fusilier.recording")
-    (tmp_path / ".fusilier.recording" / "swim_medium.h5").write_bytes(b"half")
+    (tmp_path / ".fusilier.swim_medium.recording").write_bytes(b"half")
     assert set(kept(tmp_path, "fusilier", species)) == {"swim_slow", "swim_fast"}
 
 
