@@ -2,9 +2,21 @@
 
 from difflib import get_close_matches
 
+MOST_LETTERS = 1000  # of an error: a word that it quotes may be as long as its file
+
 
 class UserError(Exception):
     """Something the user can mend, said in one line: which file, which key, what was expected."""
+
+    def __init__(self, words: str) -> None:
+        """Take the words as a terminal may show them, whatever they quote."""
+        whole = len(words) <= MOST_LETTERS
+        super().__init__(printable(words if whole else f"{words[:MOST_LETTERS]} …"))
+
+
+def printable(text: str) -> str:
+    """A text of unknown origin as a terminal may show it: without control characters."""
+    return "".join(c if c.isprintable() else "?" for c in text)
 
 
 def nearest(word: str, choices: list[str]) -> str:

@@ -1,6 +1,7 @@
 """The only module that opens HDF5 files: reads what it can trust, writes whole files or none."""
 
 import math
+import zlib
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,6 +15,10 @@ from subsea.errors import UserError
 from subsea.places import replacing
 
 MAX_DATASET_BYTES = 256 * 2**20  # a repertoire holds a few megabytes; more is a damaged header
+MAX_ATTRIBUTE_BYTES = 2**20
+MAX_INFLATION = 1032  # times the size of what deflate has packed
+SHUFFLE, DEFLATE = h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_DEFLATE
+PACKINGS = ((), (DEFLATE,), (SHUFFLE, DEFLATE))  # of the library's many filters
 Kind = Literal["f", "i", "u", "b"]
 KINDS = {"f": "floating-point", "i": "whole", "u": "unsigned whole", "b": "true or false"}
 LAYOUT = {"libver": ("earliest", "v110"), "track_order": False}  # without timestamps
@@ -27,7 +32,7 @@ def reading(path: Path) -> Iterator[Any]:
     try:
         with h5py.File(path, "r") as file:
             yield file
-    except (OSError, KeyError, RuntimeError, ValueError, TypeError) as fault:
+    except (OSError, KeyError, RuntimeError, ValueError, TypeError, zlib.error) as fault:
         reason = str(fault).splitlines()[0] if str(fault) else type(fault).__name__
         raise UserError(f"{path}: not a readable HDF5 file ({reason})") from fault
 
@@ -172,7 +177,8 @@ def attribute(group: Any, name: str, kind: type, where: str) -> Any:
     if name not in group.attrs:
         raise UserError(f"{where}: attribute {name!r} is missing, expected {kind.__name__}")
     stored = group.attrs.get_id(name)
-    if stored.dtype.kind not in "SbiufO" or stored.dtype.hasobject or stored.shape != ():
+    plain = stored.dtype.kind in "Sbiuf" and stored.shape == ()
+    if not plain or stored.dtype.itemsize > MAX_ATTRIBUTE_BYTES:
         raise UserError(f"{where}: attribute {name!r} is not a plain {kind.__name__}")
     value: Any = group.attrs[name]
     if isinstance(value, bytes):
@@ -193,7 +199,8 @@ def texts(group: Any, name: str, where: str) -> list[str]:
     if name not in group.attrs:
         raise UserError(f"{where}: attribute {name!r} is missing, expected a row of words")
     stored = group.attrs.get_id(name)
-    if stored.dtype.kind != "S" or len(stored.shape) != 1:
+    rows = stored.dtype.kind == "S" and len(stored.shape) == 1
+    if not rows or math.prod(stored.shape) * stored.dtype.itemsize > MAX_ATTRIBUTE_BYTES:
         raise UserError(f"{where}: attribute {name!r} is not a row of words")
     return [word.decode("utf-8", "replace") for word in group.attrs[name]]
 
@@ -215,6 +222,8 @@ def array(
     if not isinstance(group.get(name, getlink=True), h5py.HardLink):
         raise UserError(f"{where}/{name}: missing, expected a dataset")
     dataset = group[name]
+    if isinstance(dataset, h5py.Dataset) and (dataset.is_virtual or dataset.external):
+        raise UserError(f"{where}/{name}: its numbers are in other files, expected them in this")
     expected = "×".join("n" if n is None else str(n) for n in shape)
     if not isinstance(dataset, h5py.Dataset) or dataset.dtype.kind != kind:
         raise UserError(f"{where}/{name}: expected {expected} {KINDS[kind]} numbers")
@@ -225,12 +234,51 @@ def array(
     if not fits:
         found = "×".join(map(str, dataset.shape))
         raise UserError(f"{where}/{name}: shape {found}, expected {expected}")
-    if dataset.size * dataset.dtype.itemsize > most_bytes or dataset.external:
+    if dataset.size * dataset.dtype.itemsize > most_bytes:
         raise UserError(f"{where}/{name}: claims an implausible {dataset.size} numbers")
+    if not _unpacks_within(dataset, most_bytes):
+        raise UserError(f"{where}/{name}: packed in an unusual way, expected plain gzip at most")
     values = np.asarray(dataset[()])
     if not np.isfinite(values).all():
         raise UserError(f"{where}/{name}: contains numbers that are not finite")
     return values
+
+
+def _unpacks_within(dataset: Any, most_bytes: int) -> bool:
+    """Whether the library unpacks the pieces of a dataset without more memory than they claim.
+
+    It inflates them to whatever they hold, and makes room for whole ones even where a dataset has
+    but a corner of them.
+    """
+    if dataset.chunks is None:
+        return True
+    claimed = math.prod(dataset.chunks) * dataset.dtype.itemsize
+    made = dataset.id.get_create_plist()
+    packing = tuple(made.get_filter(k)[0] for k in range(made.get_nfilters()))
+    if claimed > most_bytes or packing not in PACKINGS:
+        return False
+    if not packing or dataset.id.get_storage_size() * MAX_INFLATION <= most_bytes:
+        return True
+    large: list[Any] = []
+    skips = 1 << packing.index(DEFLATE)  # pieces that grew by it are stored without
+    dataset.id.chunk_iter(
+        lambda piece: (
+            large.append(piece.chunk_offset)
+            if piece.size * MAX_INFLATION > most_bytes and not piece.filter_mask & skips
+            else None
+        )
+    )
+    for place in large:
+        inflating = zlib.decompressobj()
+        inflating.decompress(dataset.id.read_direct_chunk(place)[1], claimed)
+        if inflating.unconsumed_tail:
+            return False
+    return True
+
+
+def is_there(group: Any, name: str) -> bool:
+    """Whether `group` has anything of that name; unlike ``in``, this follows no link."""
+    return group.get(name, getlink=True) is not None
 
 
 def subgroup(group: Any, name: str, where: str) -> Any:

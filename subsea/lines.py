@@ -43,7 +43,12 @@ def line_of(lines: dict[Place, int], place: Place) -> int | None:
 
 def place_of(words: str) -> Place:
     """The place that is written as ``fish[0].kind``."""
-    return tuple(int(step) if step.isdecimal() else step for step in _STEP.findall(words))
+    return tuple(int(step) if is_count(step) else step for step in _STEP.findall(words))
+
+
+def is_count(step: str) -> bool:
+    """Whether a word is the number of an entry: no list has one of ten digits."""
+    return step.isdecimal() and len(step) < 10
 
 
 def words_of(place: Place) -> str:

@@ -16,9 +16,15 @@ import platformdirs
 from msgspec import inspect
 
 from subsea.errors import UserError, nearest, unknown
-from subsea.lines import Place, key_lines, line_of, place_of, words_of
+from subsea.lines import Place, is_count, key_lines, line_of, place_of, words_of
 
 T = TypeVar("T")
+
+MOST_BYTES = 1 << 20  # of a TOML file
+# A key of so many tables within tables. The reader's time for one grows with the square of that.
+_FAR_DOWN = re.compile(
+    r"""(?<![\w-])(?:(?:[\w-]++|"(?:\\.|[^"\\\n]){0,200}+"|'[^'\n]{0,200}+')[ \t]*+\.[ \t]*+){32}"""
+)
 
 _PACKAGE = Path(__file__).parent
 _INSTALLED = _PACKAGE / "_data"
@@ -71,11 +77,16 @@ def load_toml(path: Path, kind: type[T], changes: Sequence[str] = ()) -> T:
     such as ``fish.0.species=fusilier``; what these are to blame for has no line.
     """
     text = _text(path)
+    if far := _FAR_DOWN.search(text):
+        line = text.count("\n", 0, far.start()) + 1
+        raise UserError(f"{path}:{line}: not valid TOML (tables within tables, too deep)")
     try:
         content = tomllib.loads(text)
     except tomllib.TOMLDecodeError as fault:
         where, what = _no_toml(str(fault), text)
         raise UserError(f"{path}:{where}: not valid TOML ({what})") from fault
+    except ValueError as fault:
+        raise UserError(f"{path}: not valid TOML (a number of too many digits)") from fault
     except RecursionError as fault:
         raise UserError(f"{path}: not valid TOML (tables within tables, too deep)") from fault
     for setting in changes:
@@ -118,7 +129,11 @@ def telling_lines(content: msgspec.Struct, path: Path) -> Iterator[None]:
 
 def _text(path: Path) -> str:
     try:
-        return path.read_text(encoding="utf-8")
+        with path.open("rb") as file:
+            data = file.read(MOST_BYTES + 1)
+        if len(data) > MOST_BYTES:
+            raise UserError(f"{path}: larger than {MOST_BYTES >> 20} MiB, expected a smaller file")
+        return data.decode("utf-8").replace("\r\n", "\n").replace("\r", "\n")
     except (OSError, UnicodeDecodeError) as fault:
         reason = fault.strerror if isinstance(fault, OSError) else "not UTF-8 text"
         raise UserError(f"{path}: cannot read ({reason})") from fault
@@ -214,15 +229,15 @@ def _set(content: dict[str, Any], setting: str) -> None:
     if not equals or not all(steps):
         raise UserError(f"--set {setting}: expected KEY=VALUE such as fish.0.number=20")
     value: Any = text.strip()
-    with suppress(tomllib.TOMLDecodeError):
+    with suppress(ValueError, RecursionError):
         value = tomllib.loads(f"value = {value}")["value"]
     here: Any = content
     for k, step in enumerate(steps):
         last = k == len(steps) - 1
-        new = value if last else [] if steps[k + 1].isdecimal() else {}
+        new = value if last else [] if is_count(steps[k + 1]) else {}
         above = ".".join(steps[:k])
         if isinstance(here, list):
-            if not step.isdecimal() or int(step) > len(here):
+            if not is_count(step) or int(step) > len(here):
                 expected = f"a number from 0 to {len(here)}" if here else "0"
                 raise UserError(f"--set {setting}: `{above}` is a list, expected {expected} in it")
             if int(step) == len(here):

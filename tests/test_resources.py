@@ -182,6 +182,31 @@ def test_what_is_nowhere_in_the_file_has_no_line(path, text, words):
 
 
 @pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("a." * 20_000 + "a = 1", "reef.toml:1: not valid TOML (tables within tables"),
+        ("x = 1\n[a" + ".'b'" * 40 + "]", "reef.toml:2: not valid TOML (tables within tables"),
+        ("seed = " + "9" * 5000, "reef.toml: not valid TOML (a number of too many digits)"),
+        ("#" * 2**21, "reef.toml: larger than 1 MiB"),
+        ('"two\\nlines\\u001b[2J" = 1', "reef.toml: unknown key `two?lines?[2J`"),
+        ("k" * 100_000 + " = 1", "reef.toml:1: unknown key `kkk"),
+    ],
+)
+def test_what_nobody_writes_by_hand_is_one_short_line_at_once(path, text, words):
+    said = refused(path, text)
+    assert said.startswith(words)
+    assert len(said) < 1100
+    assert said.isprintable()
+
+
+def test_a_change_that_nobody_types_is_one_line(path):
+    for value in ("9" * 5000, "[" * 5000, "[" * 200):
+        assert refused(path, REEF, [f"seed={value}"]).startswith("reef.toml --set seed=")
+    with pytest.raises(UserError, match="^--set fish.9999"):
+        load_toml(path, Scenario, [f"fish.{'9' * 5000}.x=1"])
+
+
+@pytest.mark.parametrize(
     ("change", "said"),
     [
         ("fish.0.number=x", "reef.toml --set fish.0.number=x: Expected `int`, got `str`, at `fish"),

@@ -8,6 +8,7 @@ file of a finding is kept in DIR (default fuzz-findings). Exit code 1 if there i
 """
 
 import argparse
+import io
 import multiprocessing
 import random
 import re
@@ -16,6 +17,8 @@ import signal
 import sys
 import tempfile
 import traceback
+import zipfile
+import zlib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -24,8 +27,9 @@ from typing import Any, NamedTuple
 import h5py
 import msgspec
 import numpy as np
-from PIL import Image
+from PIL import ExifTags, Image
 
+from capture.mesh import read_mesh
 from subsea import snapshot
 from subsea.app.comparison import read_reports
 from subsea.app.dressing import load_mesh, save_mesh
@@ -44,6 +48,8 @@ from subsea.skins.photograph import Photograph
 from subsea.skins.photograph import read as read_photograph
 from subsea.species import load_species
 from subsea.theatre.files import load_theatre
+from subsea.theatre.mpcdi import read_mpcdi
+from subsea.theatre.obj import read_obj
 from subsea.theatre.pfm import read_pfm
 
 SECONDS = 10  # for one file
@@ -59,6 +65,9 @@ DRASTIC = [
     b"0",
     b"1e308",
     b"9" * 40,
+    b"9" * 5000,
+    b"1e400",
+    b"1979-05-27",
     b'"text"',
     b"[]",
     b"{}",
@@ -104,6 +113,34 @@ def floats(unused: Path) -> list[bytes]:
     return [b"PF\n6 4\n-1.0\n" + np.ones((4, 6, 3), np.float32).tobytes()]
 
 
+def archives(folder: Path) -> list[bytes]:
+    """A projector as a calibration program measured it."""
+    Image.effect_noise((16, 12), 60.0).save(folder / "alpha.png")
+    xml = (
+        '<MPCDI profile="2d"><display><buffer id="b">\n'
+        '<region id="r" Xresolution="64" Yresolution="48" x="0" y="0" xsize="1" ysize="1"/>\n'
+        '</buffer></display>\n<files><fileset region="r">\n'
+        "<geometryWarpFile><path>warp.pfm</path></geometryWarpFile>\n<alphaMap>"
+        "<path>alpha.png</path><gammaEmbedded>2.2</gammaEmbedded></alphaMap>\n</fileset></files></MPCDI>\n"
+    )
+    grid = np.stack(
+        [*np.meshgrid(np.linspace(0, 1, 16), np.linspace(0, 1, 12)), np.zeros((12, 16))]
+    )
+    warp = b"PF\n16 12\n-1.0\n" + grid.transpose(1, 2, 0).astype("<f4").tobytes()
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("mpcdi.xml", xml)
+        archive.writestr("warp.pfm", warp)
+        archive.write(folder / "alpha.png", "alpha.png")
+    return [packed.getvalue()]
+
+
+def squares(unused: Path) -> list[bytes]:
+    """A mesh of four corners."""
+    return [b"v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+            b"f 1/1 2/2 3/3\nf 1/1 3/3 4/4\n"]  # fmt: skip
+
+
 class Snapshots:
     """A world, its snapshot, and the way back."""
 
@@ -141,7 +178,13 @@ SEA = Snapshots()
 def photographs(folder: Path) -> list[bytes]:
     """Pictures as cameras and painting programs write them, whatever they are called."""
     picture = Image.effect_noise((160, 120), 60.0)
-    out = []
+    about = Image.Exif()
+    about[ExifTags.Base.Orientation] = 6
+    picture.save(folder / "picture", "JPEG", exif=about)
+    out = [(folder / "picture").read_bytes()]
+    fine = Image.fromarray(np.arange(160 * 120, dtype=np.uint16).reshape(120, 160))
+    fine.save(folder / "picture", "PNG")
+    out.append((folder / "picture").read_bytes())
     for name, mode in (
         ("JPEG", "RGB"),
         ("PNG", "RGBA"),
@@ -196,6 +239,9 @@ KINDS = {
     "sheet": Kind(".png", sheets, sheet.read),
     "meshes": Kind(".json", SKIN.samples, SKIN.read),
     "float-map": Kind(".pfm", floats, read_pfm),
+    "archive": Kind(".mpcdi", archives, read_mpcdi),
+    "warp": Kind(".obj", squares, read_obj),
+    "mesh": Kind(".obj", squares, read_mesh),
 }
 
 
@@ -205,10 +251,14 @@ KINDS = {
 def damaged(sample: bytes, suffix: str, dice: random.Random) -> bytes:
     """A sample after one to four accidents that happen to files of its kind."""
     ways = [cut, flipped, zeroed]
-    if suffix in (".toml", ".json"):
+    if suffix in (".toml", ".json", ".obj"):
         ways += [other_value, other_value, other_value, line_lost, line_twice, odd_line, nested]
     if suffix == ".h5":
         ways += [rebuilt, rebuilt, rebuilt]
+    if suffix == ".mpcdi":
+        ways += [repacked, repacked, repacked, repacked, repacked]
+    if suffix == ".bin":
+        ways += [enclosed]
     for _ in range(dice.randint(1, 4)):
         sample = dice.choice(ways)(sample, dice)
     return sample
@@ -266,6 +316,10 @@ def odd_line(data: bytes, dice: random.Random) -> bytes:
         b"[a.b.c]\n",
         b"\xff\xfe\n",
         b'x = "' + b"a" * 100_000 + b'"\n',
+        b"k" * 100_000 + b" = 1\n",
+        b'"two\\nlines" = 1\n',
+        b"a." * 20_000 + b"a = 1\n",
+        b"x = " + b"{a=" * 50_000 + b"\n",
     ]
     lines = data.splitlines(keepends=True)
     lines.insert(dice.randint(0, len(lines)), dice.choice(odd))
@@ -278,13 +332,19 @@ def nested(data: bytes, dice: random.Random) -> bytes:
     return data + b"\nx = " + b"[" * deep + b"]" * dice.choice([0, deep]) + b"\n"
 
 
+def enclosed(data: bytes, dice: random.Random) -> bytes:
+    """Tables within tables, in MessagePack, behind where a message says what it is."""
+    begin = dice.choice([0, len(messages.MAGIC)])
+    return data[:begin] + dice.choice([b"\x91", b"\x81\xa1x", b"\x81\xa4type"]) * 1300
+
+
 def rebuilt(data: bytes, dice: random.Random) -> bytes:
     """An HDF5 file whose parts are not what they should be; unreadable ones stay as they are."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "file.h5"
         path.write_bytes(data)
         try:
-            with h5py.File(path, "r+", locking=False) as file:
+            with _unheard(), h5py.File(path, "r+", locking=False) as file:
                 names: list[str] = []
                 file.visit(names.append)
                 if names:
@@ -294,11 +354,40 @@ def rebuilt(data: bytes, dice: random.Random) -> bytes:
             return data
 
 
+def bomb() -> bytes:
+    """2.5 MB that deflate unpacks to more than there is memory for."""
+    packing = zlib.compressobj(9)
+    first, next_ = (
+        packing.compress(bytes(2**22)) + packing.flush(zlib.Z_FULL_FLUSH) for _ in range(2)
+    )
+    return first + next_ * (MEMORY // 2**22 + 128)
+
+
+def repacked(data: bytes, dice: random.Random) -> bytes:
+    """A zip archive in which one file has had accidents, or is not where it was."""
+    packed = io.BytesIO()
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as before, zipfile.ZipFile(packed, "w") as after:
+            chosen = dice.choice(before.namelist())
+            for name in before.namelist():
+                content = before.read(name)
+                if name == chosen:
+                    suffix = ".toml" if name.endswith(".xml") else Path(name).suffix
+                    content = damaged(content, suffix, dice)
+                    name = dice.choice([name, name, name, f"../../{name}", f"/etc/{name}"])
+                after.writestr(
+                    name, content, dice.choice([zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED])
+                )
+    except Exception:  # an archive that is damaged already
+        return data
+    return packed.getvalue()
+
+
 def _spoil(file: Any, name: str, dice: random.Random) -> None:
     """Make something else of one part of a file."""
     here = file[name]
     shape = getattr(here, "shape", None) or (3,)
-    way = dice.randrange(9)
+    way = dice.randrange(14)
     if way == 0 and here.attrs:
         key = dice.choice(list(here.attrs))
         here.attrs[key] = dice.choice([np.nan, -1, "text", np.zeros(3), np.bytes_(b"\xff"), 1e300])
@@ -319,6 +408,23 @@ def _spoil(file: Any, name: str, dice: random.Random) -> None:
         file.create_dataset(name, (3,), h5py.string_dtype())
     elif way == 7:
         file.create_group(name)
+    elif way == 8:  # it holds itself
+        file[name] = file["/"]
+    elif way == 9:  # numbers of another file, or its own
+        source = dice.choice(["/etc/passwd", "."])
+        layout = h5py.VirtualLayout(shape, "f8")
+        layout[...] = h5py.VirtualSource(source, name, shape)
+        file.create_virtual_dataset(name, layout)
+    elif way == 10:  # a piece that is far larger than all
+        huge = (2**16, 2**13, *shape[2:])[: len(shape)]
+        file.create_dataset(
+            name, shape, "f8", maxshape=(None,) * len(shape), chunks=huge, compression="gzip"
+        )
+    elif way == 11:  # a piece that holds far more than it should
+        made = file.create_dataset(name, shape, "f4", chunks=shape, compression="gzip")
+        made.id.write_direct_chunk((0,) * len(shape), bomb())
+    elif way == 12:
+        file.create_dataset(name, shape, h5py.enum_dtype({"a": 1}))
     else:
         file.create_dataset(name, shape, dice.choice(["f2", "i8", "c16", "S7", "f4,i2"]))
 
@@ -365,6 +471,9 @@ def _work(kind: Kind, rounds: range, seed: int, folder: Path, told: Any) -> None
     """Read one file after another; tell the number of each before, and what is wrong with it."""
     samples = kind.samples(folder)
     path = folder / f"damaged{kind.suffix}"
+    for sample in samples:  # kernels are compiled, and kept, before anybody watches
+        path.write_bytes(sample)
+        kind.read(path)
     used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
     resource.setrlimit(resource.RLIMIT_AS, (used + MEMORY, -1))
     told.send("ready")
@@ -381,13 +490,15 @@ def _work(kind: Kind, rounds: range, seed: int, folder: Path, told: Any) -> None
 def finding(read: Callable[[Path], object], path: Path) -> str | None:
     """What is wrong with how a reader takes a file, None if nothing is."""
     try:
-        with _unwritten() as written, _in_time():
+        with _unwritten() as written, _in_time(), _unheard() as ignored:
             read(path)
     except UserError as refused:
         if len(str(refused).splitlines()) != 1:
             return f"not one line: {str(refused)[:300]!r}"
     except BaseException:
         return traceback.format_exc(limit=-4)
+    if ignored:
+        return f"told in a traceback, but not raised: {ignored[0]}"
     return f"written: {', '.join(written)}" if written else None
 
 
@@ -422,6 +533,17 @@ def _unwritten() -> Iterator[list[str]]:
         yield found
     finally:
         _written = None
+
+
+@contextmanager
+def _unheard() -> Iterator[list[str]]:
+    """The list of faults within that Python only tells, as those of destructors."""
+    found: list[str] = []
+    before, sys.unraisablehook = sys.unraisablehook, lambda one: found.append(str(one.exc_value))
+    try:
+        yield found
+    finally:
+        sys.unraisablehook = before
 
 
 @contextmanager

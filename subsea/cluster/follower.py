@@ -26,7 +26,6 @@ from subsea.cluster.messages import (
     Swap,
     encode,
     from_master,
-    printable,
     ticks_of,
 )
 from subsea.errors import UserError
@@ -148,8 +147,7 @@ class Follower:
         try:
             snapshot.restore(self.world, state.snapshot)
         except UserError as fault:
-            reason = printable(str(fault))
-            raise UserError(f"the master at {self._address} sent what is {reason}") from fault
+            raise UserError(f"the master at {self._address} sent what is {fault}") from fault
         self._dive, self._number = state.dive, state.number
         self._tell(f"took the state of the dive at tick {self.world.state.tick}")
 
@@ -181,7 +179,7 @@ class Follower:
                 continue
             self._heard_s = time.monotonic()
             if isinstance(message, Refused):
-                raise UserError(printable(message.reason))
+                raise UserError(message.reason)
             return message
         return None
 

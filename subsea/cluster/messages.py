@@ -152,11 +152,6 @@ def _rail_row(rail: Rail) -> RailRow:
     return x, y, z, u, v, w, float(rail.angles[0]), float(rail.angles[1]), bool(rail.cut)
 
 
-def printable(text: str) -> str:
-    """A text that came over the network as a terminal may show it: without control characters."""
-    return "".join(c if c.isprintable() else "?" for c in text)
-
-
 def _decode(data: bytes, decoder: msgspec.msgpack.Decoder[T]) -> T:
     if data[: len(MAGIC) - 1] != MAGIC[:-1] or len(data) < len(MAGIC):
         raise UserError("what was received is no message of subsea")
@@ -164,6 +159,5 @@ def _decode(data: bytes, decoder: msgspec.msgpack.Decoder[T]) -> T:
         raise UserError(f"speaks protocol {data[len(MAGIC) - 1]}, expected {PROTOCOL}")
     try:
         return decoder.decode(data[len(MAGIC) :])
-    except (msgspec.DecodeError, UnicodeDecodeError) as fault:
-        reason = printable(str(fault))
-        raise UserError(f"what was received is no message of subsea ({reason})") from fault
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as fault:
+        raise UserError(f"what was received is no message of subsea ({fault})") from fault

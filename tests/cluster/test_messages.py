@@ -93,6 +93,13 @@ def test_what_is_told_of_a_message_does_not_steer_the_terminal():
     assert str(caught.value).isprintable()
 
 
+@pytest.mark.parametrize("opening", [b"\x91", b"\x81\xa1x", b"\x81\xa4type"])
+def test_tables_within_tables_are_refused(opening):
+    for read in (from_node, from_master):
+        with pytest.raises(UserError, match="no message of subsea"):
+            read(MAGIC + opening * 1300)
+
+
 def test_another_protocol_is_told():
     data = encode(Drawn(1))
     with pytest.raises(UserError, match=r"speaks protocol 9, expected 3"):
