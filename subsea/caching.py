@@ -157,3 +157,33 @@ def _save_if_there_is_room(self: Any, signature: Any, data: Any) -> None:
 
 
 caching.Cache._save_overload = _save_if_there_is_room
+
+
+class Matched(caching.IndexDataCacheFile):  # type: ignore[misc]
+    """The kept code of one kernel: what does not match its index, or is damaged, is none.
+
+    Numba writes first the index and then the code. A process that is killed between the two, or
+    a disk that is full then, would leave an index of today beside the code of yesterday, and two
+    processes that write at once the code of one signature under the name of another.
+    """
+
+    def save(self, key: Any, data: Any) -> None:
+        """Write the code of a signature, and what it belongs to."""
+        super().save(key, (self._source_stamp, key, data))
+
+    def load(self, key: Any) -> Any:
+        """Read it; None where there is none."""
+        try:
+            stamped, of, data = super().load(key)
+        except Exception:  # a pickle that is damaged may raise anything, and None is no three
+            return None
+        return data if (stamped, of) == (self._source_stamp, key) else None
+
+    def _load_index(self) -> Any:
+        try:
+            return super()._load_index()
+        except Exception:
+            return {}
+
+
+caching.IndexDataCacheFile = Matched

@@ -1,6 +1,7 @@
 """Where results go: asked before the work, written whole or not at all."""
 
 import os
+import re
 import tempfile
 import time
 from collections.abc import Iterator
@@ -11,6 +12,7 @@ from pathlib import Path
 from subsea.errors import UserError
 
 FORGOTTEN_S = 86400.0  # so old a part is nobody's any more
+PART = re.compile(r"\.\d+\.part(\.\w+)?$")  # the number of a process; and what a library adds
 
 
 def is_folder(path: Path) -> bool:
@@ -77,7 +79,9 @@ def replacing(path: Path) -> Iterator[Path]:
 def _forget(folder: Path) -> None:
     """Remove what processes have left in a folder long ago; once, for listing it takes time."""
     with suppress(OSError):
-        for part in folder.glob(".*.part"):
+        for part in folder.glob(".*.*.part*"):
+            if not PART.search(part.name):
+                continue
             with suppress(OSError):  # another process may be first
                 if time.time() - part.stat().st_mtime > FORGOTTEN_S:
                     part.unlink()

@@ -2,8 +2,10 @@
 
 from pathlib import Path
 
+import pytest
+
 from subsea.behavior.steering import heed
-from subsea.caching import ROOT, stamp
+from subsea.caching import ROOT, Matched, stamp
 
 
 def _write(folder: Path, **files: str) -> None:
@@ -37,3 +39,39 @@ def test_a_change_of_anything_imported_changes_the_stamp(tmp_path):
 def test_kernels_are_kept_by_that_stamp():
     file = ROOT / "subsea" / "behavior" / "steering.py"
     assert heed._cache._impl.locator.get_source_stamp() == stamp(file)
+    assert isinstance(heed._cache._cache_file, Matched)
+
+
+def test_code_that_does_not_match_its_index_is_not_taken(tmp_path, monkeypatch):
+    def file(stamp):
+        return Matched(str(tmp_path), "kernel", stamp)
+
+    def full(*unused):
+        raise OSError("no room")
+
+    file("old").save("key", "old code")
+    assert file("old").load("key") == "old code"
+    with monkeypatch.context() as patched, pytest.raises(OSError, match="no room"):
+        patched.setattr(Matched, "_save_data", full)
+        file("new").save("key", "new code")
+    assert file("new").load("key") is None
+    file("new").save("key", "new code")
+    assert file("new").load("key") == "new code"
+    one, other = file("new"), file("new")
+    both = {"one": "kernel.2.nbc", "other": "kernel.2.nbc"}  # as two write it who begin at once
+    one._save_index(both)
+    other.save("other", "code of the other")
+    assert one.load("one") is None
+    assert one.load("other") == "code of the other"
+
+
+def test_damaged_files_are_compiled_anew(tmp_path):
+    file = Matched(str(tmp_path), "kernel", "stamp")
+    for length in (0, 9):
+        for suffix in (".nbi", ".nbc"):
+            file.save("key", "code")
+            for part in tmp_path.glob(f"*{suffix}"):
+                part.write_bytes(part.read_bytes()[:length])
+            assert file.load("key") is None
+            file.save("key", "code")
+            assert file.load("key") == "code"

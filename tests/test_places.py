@@ -62,10 +62,14 @@ def test_parts_that_were_left_long_ago_are_removed(tmp_path):
         (".a.txt.7.part", 2 * day),
         (".a.txt.8.part", 60),
         (".b.txt.7.part", 2 * day),
+        (".b.usdc.7.part.usdc", 2 * day),
+        (".my.part", 2 * day),
         (".hidden", 2 * day),
     ):
         (tmp_path / name).write_text("half")
         os.utime(tmp_path / name, (time.time() - age,) * 2)
     with replacing(path) as temporary:
         temporary.write_text("whole")
-    assert {file.name for file in tmp_path.iterdir()} == {"a.txt", ".a.txt.8.part", ".hidden"}
+    assert {file.name for file in tmp_path.iterdir()} == {
+        "a.txt", ".a.txt.8.part", ".hidden", ".my.part"
+    }  # fmt: skip

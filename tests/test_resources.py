@@ -202,7 +202,7 @@ def test_what_nobody_writes_by_hand_is_one_short_line_at_once(path, text, words)
 def test_a_change_that_nobody_types_is_one_line(path):
     for value in ("9" * 5000, "[" * 5000, "[" * 200):
         assert refused(path, REEF, [f"seed={value}"]).startswith("reef.toml --set seed=")
-    with pytest.raises(UserError, match="^--set fish.9999"):
+    with pytest.raises(UserError, match=r"^--set fish\.9999"):
         load_toml(path, Scenario, [f"fish.{'9' * 5000}.x=1"])
 
 

@@ -10,6 +10,7 @@ file of a finding is kept in DIR (default fuzz-findings). Exit code 1 if there i
 import argparse
 import io
 import multiprocessing
+import os
 import random
 import re
 import resource
@@ -343,15 +344,26 @@ def rebuilt(data: bytes, dice: random.Random) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "file.h5"
         path.write_bytes(data)
-        try:
-            with _unheard(), h5py.File(path, "r+", locking=False) as file:
-                names: list[str] = []
-                file.visit(names.append)
-                if names:
-                    _spoil(file, dice.choice(names), dice)
-            return path.read_bytes()
-        except Exception:  # whatever the library says of a file that is damaged already
-            return data
+        # Not even writing to a file that is damaged already is safe with that library.
+        fork = multiprocessing.get_context("fork")
+        maker = fork.Process(target=_rebuild, args=(path, random.Random(dice.getrandbits(64))))
+        maker.start()
+        maker.join(SECONDS)
+        maker.kill()
+        maker.join()
+        return data if maker.exitcode else path.read_bytes()
+
+
+def _rebuild(path: Path, dice: random.Random) -> None:
+    try:
+        with _unheard(), h5py.File(path, "r+", locking=False) as file:
+            names: list[str] = []
+            file.visit(names.append)
+            if names:
+                _spoil(file, dice.choice(names), dice)
+    except Exception:  # whatever the library says of a file that is damaged already
+        os._exit(1)
+    os._exit(0)
 
 
 def bomb() -> bytes:

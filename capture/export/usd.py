@@ -48,7 +48,7 @@ def write_usd(folder: Path, model: Model, clips: list[Clip], baked: bool) -> lis
     with replacing(sheet) as picture, replacing(file) as part:
         picture.write_bytes(sheet_png(model.sheet))
         # The library goes by the suffix, which the name of an unfinished file has not.
-        plain = part.with_suffix(file.suffix)
+        plain = part.with_name(part.name + file.suffix)
         try:
             stage.GetRootLayer().Export(str(plain))
             plain.replace(part)

@@ -9,6 +9,7 @@ import re
 import stat
 import struct
 from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import NamedTuple
 
@@ -53,20 +54,21 @@ def write_keys(folder: Path, names: Sequence[str]) -> list[Path]:
             raise UserError(f"{name!r} was given twice")
     check_folder(folder)
     written = []
-    for name in names:
-        public, secret = (key.decode() for key in zmq.curve_keypair())
-        for suffix, what, mode in (
-            (PUBLIC, "public key", 0o644),
-            (SECRET, "SECRET key, for nobody but that computer,", 0o600),
-        ):
-            text = HEADER.format(what=what, name=name) + f'    public-key = "{public}"\n'
-            if suffix == SECRET:
-                text += f'    secret-key = "{secret}"\n'
-            with replacing(folder / f"{name}{suffix}") as path:
+    with ExitStack() as all_or_none:
+        for name in names:
+            public, secret = (key.decode() for key in zmq.curve_keypair())
+            for suffix, what, mode in (
+                (PUBLIC, "public key", 0o644),
+                (SECRET, "SECRET key, for nobody but that computer,", 0o600),
+            ):
+                text = HEADER.format(what=what, name=name) + f'    public-key = "{public}"\n'
+                if suffix == SECRET:
+                    text += f'    secret-key = "{secret}"\n'
+                written.append(folder / f"{name}{suffix}")
+                path = all_or_none.enter_context(replacing(written[-1]))
                 # Made with its mode, so that no moment is left in which others may read it.
                 path.touch(mode, exist_ok=False)
                 path.write_text(text)
-            written.append(folder / f"{name}{suffix}")
     return written
 
 

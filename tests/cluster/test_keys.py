@@ -3,6 +3,7 @@
 import stat
 
 import pytest
+import zmq
 
 from subsea.app.cli import main
 from subsea.cluster.keys import read_keys, write_keys
@@ -34,6 +35,14 @@ def test_nobody_else_reads_a_secret(folder):
     path.chmod(0o640)
     with pytest.raises(UserError, match=r"others may read it \(mode 640\)"):
         read_keys(folder, "left", [])
+
+
+def test_all_keys_are_made_or_none(folder, monkeypatch):
+    pairs = [zmq.curve_keypair(), zmq.curve_keypair()]
+    monkeypatch.setattr(zmq, "curve_keypair", pairs.pop)  # there is none for the third
+    with pytest.raises(IndexError):
+        write_keys(folder, NAMES)
+    assert not folder.exists()
 
 
 def test_keys_are_not_written_over(folder):
