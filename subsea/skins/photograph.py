@@ -80,14 +80,19 @@ def _decoded(path: Path, image: Image.Image) -> Photograph:
             f"{path}: {width}×{height} pixels, expected a longer side of {LEAST} or more"
         )
     image.draft("RGB", (WORK, WORK))  # a huge JPEG need not be decoded whole
-    upright: Image.Image = ImageOps.exif_transpose(image)
-    if upright.mode.startswith("I") or upright.mode == "F":
-        upright = _eight_bits(upright)
-    elif upright.mode in ("P", "PA", "LA", "La", "RGBa") or "transparency" in upright.info:
+    ImageOps.exif_transpose(image, in_place=True)
+    upright = image
+    if upright.mode in ("P", "PA", "LA", "La", "RGBa") or "transparency" in upright.info:
         upright = upright.convert("RGBA")
-    elif upright.mode not in ("RGB", "RGBA"):
-        upright = upright.convert("RGB")
+    elif upright.mode == "1":
+        upright = upright.convert("L")
+    # Made small before it is anything else: a huge one would take gigabytes.
+    white = _white(upright) if upright.mode.startswith("I") or upright.mode == "F" else None
+    if upright.mode.startswith("I;16"):  # of these Pillow makes no smaller ones
+        upright = upright.convert("I")
     upright.thumbnail((WORK, WORK), Image.Resampling.LANCZOS, reducing_gap=3.0)
+    if white:
+        upright = _eight_bits(upright, white)
     pixels = np.asarray(upright.convert("RGBA" if upright.mode == "RGBA" else "RGB"))
     opacity = np.ascontiguousarray(pixels[..., 3]) if pixels.shape[2] == 4 else None
     if opacity is not None and (opacity < 128).mean() < CLEAR:
@@ -95,13 +100,17 @@ def _decoded(path: Path, image: Image.Image) -> Photograph:
     return Photograph(path, np.ascontiguousarray(pixels[..., :3]), opacity)
 
 
-def _eight_bits(image: Image.Image) -> Image.Image:
-    """Greys of 16 bits or of fractions."""
-    values = np.nan_to_num(np.asarray(image, np.float64))
-    most = values.max(initial=0.0)
-    white = next((white for white in (1.0, 255.0, 65535.0) if most <= white), max(most, 1.0))
+def _white(image: Image.Image) -> float:
+    """What is white among greys of 16 bits or of fractions."""
     if image.mode.startswith("I;16"):
-        white = 65535.0
+        return 65535.0
+    most = float(max(image.getextrema()))  # type: ignore[arg-type]
+    return next((white for white in (1.0, 255.0, 65535.0) if most <= white), most)
+
+
+def _eight_bits(image: Image.Image, white: float) -> Image.Image:
+    """Greys of 16 bits or of fractions in the usual steps."""
+    values = np.nan_to_num(np.asarray(image, np.float64))
     grey = (255.0 * np.clip(values / white, 0.0, 1.0)).round().astype(np.uint8)
     return Image.fromarray(grey).convert("RGB")
 

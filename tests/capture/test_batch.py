@@ -239,7 +239,7 @@ def test_ctrl_c_leaves_the_old_repertoire_and_one_line(
     with subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     ) as running:
-        while running.poll() is None and not list(tmp_path.rglob("swim_medium.h5")):
+        while running.poll() is None and not list(tmp_path.glob(".*.swim_medium.recording")):
             time.sleep(0.02)
         running.send_signal(number)
         out, err = running.communicate(timeout=60)

@@ -38,16 +38,17 @@ def test_pictures_of_many_formats_are_read(tmp_path, ending):
     assert abs(got.colour.astype(int) - ramp()).mean() < 12
 
 
+@pytest.mark.parametrize("width", [160, 6000])
 @pytest.mark.parametrize("mode", ["CMYK", "L", "P", "1", "YCbCr", "LA", "I;16", "F", "PA"])
-def test_pictures_of_any_mode_are_brought_to_colours(tmp_path, mode):
+def test_pictures_of_any_mode_are_brought_to_colours(tmp_path, mode, width):
     path = tmp_path / "fish.tif"
-    grey = np.asarray(Image.fromarray(ramp()).convert("L"))
+    grey = np.asarray(Image.fromarray(ramp(width)).convert("L"))
     if mode == "I;16":
         image = Image.fromarray(grey.astype(np.uint16) * 257)
     elif mode == "F":
         image = Image.fromarray(grey.astype(np.float32) / 255)
     else:
-        image = Image.fromarray(ramp()).convert("P" if mode == "PA" else mode)
+        image = Image.fromarray(ramp(width)).convert("P" if mode == "PA" else mode)
     if mode == "PA":
         path = path.with_suffix(".png")
         image.info["transparency"] = 0
