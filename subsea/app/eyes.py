@@ -317,7 +317,7 @@ def _told_of(path: Path, take: dict[str, Any]) -> int:
     try:
         about = json.loads(path.read_text(encoding="utf-8"))
         return len(about["frames"]) if about["film"] == take else 0
-    except (OSError, ValueError, KeyError, TypeError):
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return 0
 
 

@@ -65,7 +65,7 @@ def _refuse_another(out: Path, wanted: Mapping[str, Any]) -> None:
     elsewhere = f"name another folder, or remove {out}"
     try:
         found = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as fault:
+    except (OSError, ValueError, RecursionError) as fault:
         raise UserError(
             f"{path}: damaged, so that nobody knows what the pictures are of; {elsewhere}"
         ) from fault

@@ -104,7 +104,7 @@ def test_another_film_is_not_mixed_into_it(tmp_path, film, whole, capsys, change
     assert pictures(out) == whole
 
 
-@pytest.mark.parametrize("text", ["", "{", "[]"])
+@pytest.mark.parametrize("text", ["", "{", "[]", "[" * 5000])
 def test_a_damaged_description_is_one_line(tmp_path, capsys, text):
     out = tmp_path / "frames"
     out.mkdir()
