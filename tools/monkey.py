@@ -24,11 +24,12 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from itertools import chain
 from pathlib import Path
 from typing import NamedTuple
 
 SCREEN = 800, 600
-SIZE = 480, 320  # of the window, until it is resized
+SIZE = 480, 320  # of the window in the beginning
 BEGUN = 15  # pictures: while it loads it shows fewer, and then Esc would end it
 START_S, STILL_S, LEAVE_S = 180.0, 60.0, 60.0
 LOOK_S = 1.0  # so often the dive is looked at
@@ -48,8 +49,8 @@ LIKELY = ["Tab", "Escape", "r", "c", "g", "i", "k", "comma", "Return", "space", 
 HELD = ["shift", "ctrl", "alt"]
 TEXTS = ["0", "-1", "12", "1e9", "nan", "0.5", "monkey", "../a", "", "99999999999", "%s", "ä"]
 SHARES = {
-    "key": 25, "likely": 15, "with": 3, "hold": 6, "move": 20, "bar": 10, "click": 20, "drag": 12,
-    "wheel": 6, "text": 4, "size": 2, "place": 1,
+    "key": 15, "likely": 15, "with": 3, "hold": 6, "move": 15, "bar": 5, "click": 15, "drag": 12,
+    "wheel": 6, "text": 4, "size": 2, "place": 1, "menu": 5, "desk": 8,
 }  # fmt: skip
 
 
@@ -82,9 +83,8 @@ def _words(kind: str, dice: random.Random) -> list[tuple[str, ...]]:
     """One thing that hands do, in steps."""
     x, y = (str(dice.randrange(side)) for side in SCREEN)
     button = dice.choices("123", (6, 1, 2))[0]
-    move = ("mousemove", x, y)
-    if kind == "bar":  # of the desk, where its panels are opened
-        move = ("mousemove", str(dice.randrange(SIZE[0])), str(dice.randrange(20)))
+    move, bar = ("mousemove", x, y), ("mousemove", str(dice.randrange(SIZE[0])), "8")
+    click: list[tuple[str, ...]] = [("mousedown", button), ("mouseup", button)]
     match kind:
         case "key":
             return [("key", dice.choice(KEYS))]
@@ -97,8 +97,16 @@ def _words(kind: str, dice: random.Random) -> list[tuple[str, ...]]:
             return [("keydown", key), move, ("keyup", key)]
         case "move":
             return [move]
-        case "bar" | "click":
-            return [move, ("mousedown", button), ("mouseup", button)]
+        case "click":
+            return [move, *click]
+        case "bar":  # of the desk, where its panels are opened
+            return [bar, *click]
+        case "menu":
+            keys = dice.choices(("Down", "Up", "Return"), (3, 1, 2), k=dice.randint(2, 9))
+            return [("key", "Escape"), *(("key", key) for key in keys)]
+        case "desk":
+            steps = (_words(dice.choice(("click", "drag", "text")), dice) for _ in range(5))
+            return [("key", "Tab"), bar, *click, *chain.from_iterable(steps)]
         case "drag":
             to = tuple(str(dice.randrange(side)) for side in SCREEN)
             return [move, ("mousedown", button), ("mousemove", *to), ("mouseup", button)]
@@ -107,9 +115,12 @@ def _words(kind: str, dice: random.Random) -> list[tuple[str, ...]]:
         case "text":
             return [("key", "ctrl+a"), ("type", "--", dice.choice(TEXTS)), ("key", "Return")]
         case "size":
-            sizes = [dice.choice((1, 64, 200, *SIZE, side)) for side in SCREEN]
-            return [("search", "--name", "subsea", "windowsize", "%@", *map(str, sizes))]
-    return [("search", "--name", "subsea", "windowmove", "%@", x, y)]
+            odd = [str(dice.choice((1, 64, 200, side))) for side in SCREEN]
+            usual = [str(dice.randint(side // 2, side)) for side in SCREEN]
+            window = ("search", "--name", "subsea", "windowsize", "%@")
+            return [(*window, *odd), (*window, *usual)]
+    window = ("search", "--name", "subsea", "windowmove", "%@")
+    return [(*window, x, y), (*window, "0", "0")]
 
 
 def send(words: tuple[str, ...]) -> None:
