@@ -10,6 +10,9 @@ from subsea.render.shafts import UNIT as SHAFTS_UNIT
 from subsea.scenario import Water
 from subsea.view.camera import View
 
+# After so long the shaders count time from 0 again, and waves and snow leap once. Their float32
+# tells 1 ms apart up to then, but 8 after a day and 60 after a week: waves would move by jerks.
+TIDE_S = 4 * 3600.0
 CONTRAST_LEFT = 0.02  # at the distance that a scenario calls its visibility
 
 
@@ -24,7 +27,7 @@ def uniforms_of(packet: Packet, view: View, water: Water) -> dict[str, Any]:
         "u_eye": tuple(float(x) for x in view.eye),
         "u_size": (float(view.viewport[2]), float(view.viewport[3])),
         "u_without": float(view.without),
-        "u_time": packet.time_s,
+        "u_time": packet.time_s % TIDE_S,
         "u_fog": water.fog,
         "u_extinction": -np.log(CONTRAST_LEFT) / water.visibility_cm,
         "u_caustics": 1,

@@ -97,6 +97,17 @@ def test_shafts_move_in_the_light_and_are_gone_where_none_are_asked_for(look):
     np.testing.assert_array_equal(look(none, **options), without)
 
 
+def test_after_a_month_the_water_moves_as_evenly_as_at_first(look):
+    options = {"eye": (0, 0, -120), "pitch": 1.2}
+
+    def steps(begin):
+        shown = [look(PLAIN, time_s=begin + k / 60, **options) for k in range(4)]
+        return np.abs(np.diff(shown, axis=0)).mean(axis=(1, 2, 3))
+
+    at_first, later = steps(10.0), steps(30 * 86400.0 + 10.0)
+    assert later.min() > 0.5 * at_first.min() > 0.0
+
+
 def test_no_edge_of_the_surface_is_seen(look):
     """From the horizon up to 15° beyond it rows brighten little by little."""
     for z in (-300.0, -2000.0):
