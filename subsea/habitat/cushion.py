@@ -1,5 +1,6 @@
-"""The water between two bodies, or a body and stone, that come close: it gives way slowly."""
+"""The water between two bodies, or a body and stone or the rim: it gives way slowly."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ Array = NDArray[np.floating[Any]]
 GAP_BL = 0.12  # the cushion begins where skins are so far apart, of the longer body
 FULL_CM_S = 6.0  # how fast two that touch are pushed apart
 STONE_CM, STONE_PER_S = 4.0, 6.0  # so near, and so much faster outward for each cm nearer
+RIM_CM, RIM_PER_S = 12.0, 8.0  # the same at the rim of the sea
 CLOSEST = 2  # so many neighbours are felt, and the fish that threatens
 
 
@@ -48,12 +50,17 @@ def part(fishes: Fishes, minds: Minds) -> None:
 
 @njit(cache=True, error_model="numpy")
 def keep_off(fishes: Fishes, sea: Sea) -> None:
-    """Add to `fishes.drift` what keeps bodies off pillars and rocks.
+    """Add to `fishes.drift` what keeps bodies off pillars and rocks, and within the rim.
 
     Between two stones a fish may turn from one into the other: the water in the cleft holds it.
+    At the rim one that flees may come too fast to turn in time.
     """
     for i in range(len(fishes.length)):
         middle, length = vector(fishes.position[i]), float(fishes.length[i])
+        away = max(math.sqrt(middle[0] * middle[0] + middle[1] * middle[1]), 1e-6)
+        if away > sea.radius - RIM_CM:
+            inward = (-middle[0] / away, -middle[1] / away, 0.0)
+            _give_way(fishes.drift[i], inward, sea.radius - away, RIM_CM, RIM_PER_S)
         ahead = rotate(fishes.orientation[i], (1.0, 0.0, 0.0))
         snout = float(fishes.snout[i])
         for k in range(len(sea.pillars)):
@@ -64,7 +71,7 @@ def keep_off(fishes: Fishes, sea: Sea) -> None:
                     other, near = from_pillar(sea.pillars[k], place)
                     if near < gap:
                         way, gap = other, near
-                _give_way(fishes.drift[i], way, gap)
+                _give_way(fishes.drift[i], way, gap, STONE_CM, STONE_PER_S)
         for k in range(len(sea.rocks)):
             if not far_from_rock(sea.rocks[k], middle, STONE_CM + length):
                 way, gap = from_rock(sea.rocks[k], middle)
@@ -73,14 +80,17 @@ def keep_off(fishes: Fishes, sea: Sea) -> None:
                     other, near = from_rock(sea.rocks[k], place)
                     if near < gap:
                         way, gap = other, near
-                _give_way(fishes.drift[i], way, gap)
+                _give_way(fishes.drift[i], way, gap, STONE_CM, STONE_PER_S)
 
 
 @njit(cache=True, error_model="numpy")
-def _give_way(drift: Array, way: Vector, gap: float) -> None:
-    """Add the water's velocity beside a solid, given the way from it and how far it is."""
-    if gap < STONE_CM:
-        speed = STONE_PER_S * (STONE_CM - gap)
+def _give_way(drift: Array, way: Vector, gap: float, reach: float, rate: float) -> None:
+    """Add the water's velocity beside a solid, given the way from it and how far it is.
+
+    It begins within `reach` cm, and is faster by `rate` for each cm nearer.
+    """
+    if gap < reach:
+        speed = rate * (reach - gap)
         for axis in range(3):
             drift[axis] += np.float32(speed * way[axis])
 

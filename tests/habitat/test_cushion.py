@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from subsea.habitat.cushion import FULL_CM_S, STONE_CM, keep_off, part
+from subsea.habitat.cushion import FULL_CM_S, RIM_CM, STONE_CM, keep_off, part
 from subsea.habitat.solids import clearance
 from subsea.kinematics.vector import vector
 from subsea.state import CIRCLING, PREDATOR
@@ -86,3 +86,18 @@ def test_stone_is_felt_only_near_by(tank):
         t.fishes.drift[:] = 0.0
         keep_off(t.fishes, sea)
         assert (t.fishes.drift[0, 0] < 0.0) == felt
+
+
+@pytest.mark.parametrize("way", [(1.0, 0.0, 0.0), (-0.6, 0.8, 0.0), (0.0, -0.9, 0.4)])
+def test_nobody_is_driven_beyond_the_rim(tank, way):
+    """However one flees toward it, and the current with it."""
+    t = tank(1)
+    outward = np.array(way[:2]) / np.hypot(*way[:2])
+    t.fishes.position[0, :2] = (t.sea.radius - RIM_CM - 1.0) * outward
+    keep_off(t.fishes, t.sea)
+    assert (t.fishes.drift == 0.0).all()
+    for _ in range(100):
+        t.fishes.drift[:] = 0.0
+        keep_off(t.fishes, t.sea)
+        t.fishes.position[0] += 0.033 * (t.fishes.drift[0] + 90.0 * np.array(way, np.float32))
+        assert np.hypot(*t.fishes.position[0, :2]) < t.sea.radius
