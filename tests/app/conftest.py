@@ -56,7 +56,7 @@ class Hands:
     @staticmethod
     def do(*words: object) -> None:
         """Let xdotool do it; returns when the display has taken it."""
-        subprocess.run(["xdotool", *map(str, words)], check=True, timeout=20)
+        subprocess.run(["xdotool", *map(str, words)], check=True, timeout=60)
 
     @staticmethod
     def glide(running: Any, seconds: float) -> None:

@@ -61,7 +61,7 @@ class Node:
 
     def end(self):
         self.process.terminate()
-        return self.process.wait(30.0)
+        return self.process.wait(60.0)
 
 
 def windows():
@@ -125,8 +125,8 @@ def test_three_windows_show_one_sea_whoever_dies(hall):
     assert re.search(r"node left: .*dropped once; rejoined once", master.told)
     before = windows()
     for node in (nodes["right"], again):
-        node.until("waiting for the master at 127.0.0.1", 30.0)
-        end = time.monotonic() + 30.0
+        node.until("waiting for the master at 127.0.0.1", 60.0)
+        end = time.monotonic() + 60.0
         while node.told.count("waiting for the master") < 2:
             assert time.monotonic() < end, node.told
             time.sleep(0.1)

@@ -25,7 +25,7 @@ def test_a_key_for_it_is_a_clean_exit(display, tmp_path):
     running = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     try:
         while running.poll() is None:
-            subprocess.run(["xdotool", "key", "x"], check=True, timeout=20)
+            subprocess.run(["xdotool", "key", "x"], check=True, timeout=60)
             time.sleep(0.2)
         assert running.returncode == 0
     finally:
@@ -84,7 +84,7 @@ def test_leaving_while_it_loads_ends_at_once_and_says_nothing_more(display, hand
         try:
             told = next(text for text in running.stderr if line in text)
             if hands == "Escape":
-                subprocess.run(["xdotool", "key", "Escape"], check=True, timeout=20)
+                subprocess.run(["xdotool", "key", "Escape"], check=True, timeout=60)
             elif hands == "close button":
                 close_windows()
             else:
@@ -111,7 +111,7 @@ class ClientMessage(ctypes.Structure):
 def close_windows():
     """Ask every window of a dive to close, as the button in its frame does."""
     command = ["xdotool", "search", "--name", "subsea"]
-    read = subprocess.run(command, check=True, capture_output=True, text=True, timeout=20)
+    read = subprocess.run(command, check=True, capture_output=True, text=True, timeout=60)
     x = ctypes.CDLL("libX11.so.6")
     x.XOpenDisplay.restype = ctypes.c_void_p
     x.XInternAtom.restype = ctypes.c_ulong

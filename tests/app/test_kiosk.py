@@ -14,10 +14,10 @@ AFTER_S = 4.0
 
 
 @pytest.fixture(scope="module")
-def exhibit(display, hands, quiet):
+def exhibit(display, hands, quiet, coarse):
     settings = Settings(attract=Attract(after_min=0.0))
     with closing(
-        Dive(quiet, "mono", (320, 240), seed=1, quality="low", settings=settings, kiosk=True)
+        Dive(quiet, "mono", (320, 240), seed=1, quality=coarse, settings=settings, kiosk=True)
     ) as running:
         hands.glide(running, 0.5)
         yield running
@@ -60,7 +60,7 @@ def test_it_fills_the_screen_and_stays(exhibit, hands):
     hands.glide(exhibit, 0.5)
     assert exhibit.window.open and exhibit.window.size == (800, 600)
     assert not exhibit.desk.open and not exhibit.picture.pattern and not exhibit.timeline.paused
-    assert exhibit.picture.quality == "low" and exhibit.overlay.hud.mode == "as needed"
+    assert exhibit.picture.quality == "coarse" and exhibit.overlay.hud.mode == "as needed"
     assert not exhibit._shots.filming
 
 

@@ -73,7 +73,7 @@ def boat(display, sea):
 
 
 def hands(*words):
-    subprocess.run(["xdotool", *map(str, words)], check=True, timeout=20)
+    subprocess.run(["xdotool", *map(str, words)], check=True, timeout=60)
 
 
 def glide(running, seconds):
@@ -82,7 +82,7 @@ def glide(running, seconds):
 
 
 def until(running, true):
-    end = time.monotonic() + 10.0
+    end = time.monotonic() + 60.0
     while not true() and time.monotonic() < end:
         running.frame(FRAME_S)
         time.sleep(0.01)
@@ -173,7 +173,7 @@ def test_a_key_in_another_window_steers(boat):
 def focus(running, number):
     found = subprocess.run(
         ["xdotool", "search", "--name", f"^{NAMES[number]}$"],
-        capture_output=True, text=True, check=True, timeout=20,
+        capture_output=True, text=True, check=True, timeout=60,
     )  # fmt: skip
     hands("windowfocus", "--sync", found.stdout.split()[0])
     running.frame(FRAME_S)

@@ -43,7 +43,7 @@ class Process:
 
     def end(self):
         self.process.terminate()
-        return self.process.wait(20.0)
+        return self.process.wait(60.0)
 
 
 @pytest.fixture(scope="module")
