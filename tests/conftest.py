@@ -1,5 +1,6 @@
 """What several tests share: a fish whose motion is known in closed form, and worlds of it."""
 
+import gc
 import os
 from collections.abc import Callable, Iterator
 from tempfile import TemporaryDirectory
@@ -41,9 +42,15 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 def pytest_configure(config: pytest.Config) -> None:
     """No test, nor what it starts, sees the species and scenarios of who runs it."""
+    gc.set_threshold(50_000, 20, 20)  # thousands of tests are many objects to look through
     folder = TemporaryDirectory()
     config.add_cleanup(folder.cleanup)
     os.environ["XDG_DATA_HOME"] = folder.name
+
+
+def pytest_collection_finish() -> None:
+    """The tests themselves are there to the end: the garbage collector leaves them alone."""
+    gc.freeze()
 
 
 @pytest.fixture(scope="session", autouse=True)
