@@ -7,6 +7,7 @@ import os
 import signal
 import sys
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any, NoReturn
 
 from subsea.errors import UserError, unknown
@@ -114,17 +115,31 @@ def parse(
     return options
 
 
-def number(kind: type[int] | type[float], low: float, high: float) -> Callable[[str], float]:
+@dataclass(frozen=True)
+class Number:
     """A reader of numbers in [low, high] for argparse; anything else is a fault in one line."""
-    noun = "a whole number" if kind is int else "a number"
 
-    def read(text: str) -> float:
+    kind: type[int] | type[float]
+    low: float
+    high: float
+
+    @property
+    def expected(self) -> str:
+        """What it reads, in words."""
+        noun = "a whole number" if self.kind is int else "a number"
+        return f"{noun} from {self.low} to {self.high}"
+
+    def __call__(self, text: str) -> float:
+        """The number that is written there."""
         try:
-            value: float = kind(text)
+            value: float = self.kind(text)
         except ValueError:
             value = math.nan
-        if not low <= value <= high:
-            raise argparse.ArgumentTypeError(f"{text!r}: expected {noun} from {low} to {high}")
+        if not self.low <= value <= self.high:
+            raise argparse.ArgumentTypeError(f"{text!r}: expected {self.expected}")
         return value
 
-    return read
+
+def number(kind: type[int] | type[float], low: float, high: float) -> Number:
+    """The reader of such numbers."""
+    return Number(kind, low, high)

@@ -8,6 +8,9 @@ import pytest
 from mkdocs.commands.build import build
 from mkdocs.config import load_config
 
+from subsea.app import records
+from subsea.repertoire import schema
+
 ROOT = Path(__file__).parents[1]
 
 
@@ -41,6 +44,21 @@ def test_the_site_takes_nothing_from_elsewhere(site):
             r'(?:src|href)="(https?://[^"]+\.(?:js|css|woff2?|png))"', page.read_text()
         )
         assert foreign == [], page
+
+
+def test_the_reference_is_as_the_programs_are(monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "docs")
+    import make_reference
+
+    for name in make_reference.MADE:
+        made = make_reference.page(name)
+        assert (ROOT / "docs" / name).read_text() == made, "run python docs/make_reference.py"
+
+
+def test_the_versions_of_files_are_those_that_are_written():
+    page = (ROOT / "docs" / "files.md").read_text()
+    for module in (records, schema):
+        assert f"`{module.FORMAT}` version {module.VERSION} " in page
 
 
 def test_every_file_of_the_project_that_a_page_names_is_there():

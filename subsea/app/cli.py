@@ -500,8 +500,8 @@ def _add_settings(commands: Any) -> None:
         commands,
         "settings",
         "tell where the settings of a dive are, or write them there",
-        "Keys, mouse, gamepad, comfort and the picture, in one commented file; docs/diving.md has\n"
-        "all of it.",
+        "Keys, mouse, gamepad, comfort and the picture, in one commented file; docs/settings.md\n"
+        "has all of it.",
         ["subsea settings", "subsea settings --write"],
     )
     settings.add_argument(

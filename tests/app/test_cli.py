@@ -162,20 +162,3 @@ def test_the_module_is_the_command():
         [sys.executable, "-m", "subsea", "--version"], capture_output=True, text=True, check=True
     )
     assert done.stdout.startswith("subsea ")
-
-
-def test_the_synopses_of_the_documentation_have_every_option_and_no_other(capsys):
-    page = (Path(__file__).parents[2] / "docs" / "diving.md").read_text()
-    synopses = page.split("## Commands")[1].split("```")[1]
-    shared = re.search(r"`dive` and `film` also take `(.*?)`", page, re.DOTALL)[1]
-    told = {}
-    for text in re.split(r"^subsea ", synopses, flags=re.MULTILINE)[1:]:
-        name = text.split()[0]
-        text += shared if name in ("dive", "film") else ""
-        told.setdefault(name, set()).update(re.findall(r"--[a-z-]+", text))
-    assert told.keys() == {*COMMANDS, "theatre"}
-    for name, options in told.items():
-        with pytest.raises(SystemExit):
-            main([name, "--help"])
-        usage = capsys.readouterr().out.split("\n\n")[0]
-        assert options == set(re.findall(r"--[a-z-]+", usage)), name

@@ -103,7 +103,7 @@ SEAS = "dive", "film", "simulate", "benchmark", "soak"
 
 # What reads the blocks of TOML that are not saved under a name, and what goes with them.
 SEA_PAGES = "scenarios.md", "directing.md", "builder.md"
-SETTINGS_PAGES = "diving.md", "settings.md"
+SETTINGS_PAGES = ("settings.md",)
 THEATRE_PAGES = "theatre.md", "cluster.md"
 
 SEA = """
@@ -119,6 +119,9 @@ species = "moon_wrasse"
 number = 60
 [[fish]]
 species = "emperor_angelfish"
+number = 2
+[[fish]]
+species = "clownfish"
 number = 2
 [[tour]]
 name = "reef"
@@ -144,7 +147,8 @@ class Workshop:
 
     def __init__(self, folder):
         self.folder, self.done = folder, set()
-        (folder / "assets").symlink_to(ROOT / "assets")
+        for name in ("assets", "repertoires"):
+            (folder / name).symlink_to(ROOT / name)
         for name in ("made", "my", "some", "kept"):
             (folder / name).mkdir()
         (folder / "sea.toml").write_text(SEA)
@@ -180,6 +184,7 @@ class Workshop:
             motion = replace(read_repertoire(ROOT / "repertoires/moon_wrasse.h5"), species=name)
             write_repertoire(own / f"repertoires/{name}.h5", motion)
         shutil.copy(ROOT / "assets/species/moon_wrasse.toml", self.folder / "some/fish.toml")
+        shutil.copy(self.folder / "some/fish.toml", self.folder / "my_fish.toml")
 
     def take(self, step):
         """Type a command, save a file, or run a block of Python; an AssertionError if it fails."""
@@ -315,7 +320,7 @@ def shortened(words):
     if program == "subsea-capture":
         if words[1:3] == ["plot", "fusilier"]:
             words = [*words[:2], "few.h5", *words[3:]]
-        if words[1:3] == ["learn", "fusilier"]:
+        if words[1:3] == ["learn", "fusilier"] or ("--out" in words[:-1] and name == "learn"):
             short += ["--out", "learned.toml"]
         if name == "record":
             words = words if len(words) > 2 else [*words, "--all"]
@@ -426,8 +431,13 @@ def workshop(display, tmp_path_factory, known_repertoire):
         for name, small in (("SIMULATED_TICKS", 20), ("PLAYED_TICKS", 3), ("REDUCED_PICTURES", 1)):
             patch.setattr(paper, name, small)
         patch.setattr(paper, "SIZE", (160, 120))
-        patch.setattr(paper, "RENDERED", ("peaceful",))
+        patch.setattr(paper, "SCENARIO", "sea.toml")
+        patch.setattr(paper, "RENDERED", ("sea.toml",))
+        patch.setattr(paper, "PLAYED_FISH", 20)
         patch.setattr("subsea.app.benchmark.WARM_UP_FRAMES", 1)
+        patch.setattr("capture.trial.MIN_WARM_UP", 2)
+        patch.setattr("capture.trial.CLOSURE_GOAL", 1e-3)
+        patch.setattr("capture.quality.STEADY_BEATS", 2)
         patch.setattr(cost, "STEPS", 4)
         patch.setattr(cost, "FRAMES", 40)
         patch.setattr(rig, "ROUNDS", 1)
@@ -440,7 +450,8 @@ def workshop(display, tmp_path_factory, known_repertoire):
 @pytest.mark.parametrize("page", PAGES)
 def test_all_that_a_page_tells_to_do_can_be_done(workshop, page, capsys):
     folder = workshop.folder
-    shutil.rmtree(folder / "keys", ignore_errors=True)
+    for name in ("keys", "seen"):  # other pages have others
+        shutil.rmtree(folder / name, ignore_errors=True)
     if page == "theatre.md":  # its my.toml is no sea
         shutil.copy(folder / "hall.toml", folder / "my.toml")
     else:

@@ -163,11 +163,6 @@ def test_what_the_command_line_leaves_open_is_as_the_settings_say(home, tmp_path
     assert [asked[key] for key in ("display", "quality")] == ["mono", "high"]
 
 
-def test_the_documentation_has_all_of_it():
-    page = (Path(__file__).parents[2] / "docs" / "diving.md").read_text()
-    assert f"```toml\n{default_text()}```" in page
-
-
 def test_what_became_of_nonsense_is_told_on_the_terminal_and_in_the_window(
     home, monkeypatch, capsys
 ):

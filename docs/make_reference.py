@@ -1,0 +1,182 @@
+"""The tables of docs/commands.md and docs/settings.md: `python docs/make_reference.py`.
+
+From the programs' own parsers and the settings' own types, so they say what `--help` and `subsea
+settings --write` say. A test tells when a page is not as this makes it.
+"""
+
+import argparse
+import json
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from msgspec import inspect
+
+import capture.cli
+import subsea.app.cli
+from subsea.app.bindings import CONTROLS
+from subsea.app.settings import Settings
+from subsea.commandline import Number
+from subsea.places import replacing
+
+HERE = Path(__file__).parent
+BEGIN, END = "<!-- made by docs/make_reference.py -->\n", "<!-- end of what is made -->\n"
+
+
+def main() -> None:
+    """Rewrite the pages."""
+    for name in MADE:
+        with replacing(HERE / name) as temporary:
+            temporary.write_text(page(name), encoding="utf-8")
+
+
+def page(name: str) -> str:
+    """A page as it should be: its own words, and what is made between the marks."""
+    before, _, rest = (HERE / name).read_text(encoding="utf-8").partition(BEGIN)
+    _, _, after = rest.partition(END)
+    return before + BEGIN + "".join(f"{line}\n" for line in MADE[name]()) + END + after
+
+
+def commands() -> Iterator[str]:
+    """All commands of both programs."""
+    parsers = [
+        parser
+        for program in (subsea.app.cli, capture.cli)
+        for parser in program.parsers()[1].choices.values()
+    ]
+    yield from ("", "| command | what |", "| --- | --- |")
+    for parser in parsers:
+        summary, _ = told(parser)
+        yield f"| [`{parser.prog}`](#{parser.prog.replace(' ', '-')}) | {summary} |"
+    for parser in parsers:
+        yield from command(parser)
+    yield ""
+
+
+def command(parser: argparse.ArgumentParser) -> Iterator[str]:
+    """One command: what it does, its options, examples."""
+    summary, text = told(parser)
+    positional = [usage(action) for action in parser._actions if not action.option_strings]
+    yield from ("", f"## {parser.prog}", "")
+    yield f"{summary}.{' ' * bool(text)}{paragraphs(text)}"
+    yield from ("", "```text", " ".join([parser.prog, *positional, "[OPTION]…"]), "```")
+    for group in parser._action_groups:
+        rows = [action for action in group._group_actions if action.dest != "help"]
+        if not rows:
+            continue
+        title = (group.title or "").capitalize()
+        if group.title not in ("positional arguments", "options"):
+            yield from ("", f"{title}: {linked(group.description or '')}".removesuffix(": "))
+        kind = "argument" if group.title == "positional arguments" else "option"
+        yield from ("", f"| {kind} | what |", "| --- | --- |")
+        for action in rows:
+            yield f"| {names(action)} | {cell(meaning(action))} |"
+    examples = (parser.epilog or "").partition("examples:\n")[2].splitlines()
+    yield from ("", "```sh", *(example.strip() for example in examples), "```")
+
+
+def paragraphs(text: str) -> str:
+    """A description without the line breaks of the terminal; what is indented there is a list."""
+    text = re.sub(r"\n {3,}", " ", text)
+    text = re.sub(r"\n  (\w+) +", r"\n\n- `\1`: ", text)
+    text = re.sub(r"(\n- .*)\n(?=\w)", r"\1\n\n", text)
+    text = re.sub(r"(?<!\n)\n(?!\n)", " ", text)
+    return linked(re.sub(r"(- .*)\n\n(?=- )", r"\1\n", text))
+
+
+def told(parser: argparse.ArgumentParser) -> tuple[str, str]:
+    """A command's summary, and what is said of it besides."""
+    summary, _, text = (parser.description or "").partition("\n\n")
+    return summary.removesuffix("."), text
+
+
+def usage(action: argparse.Action) -> str:
+    """An argument as usage lines write it."""
+    name = str(action.metavar or action.dest)
+    more = {"*": f"[{name}…]", "?": f"[{name}]", "+": f"{name}…"}
+    return more.get(str(action.nargs), name)
+
+
+def names(action: argparse.Action) -> str:
+    """What is typed for an argument or option."""
+    if not action.option_strings:
+        return f"`{cell(usage(action))}`"
+    value = "" if action.nargs == 0 else f" {action.metavar or '|'.join(action.choices or ())}"
+    return ", ".join(f"`{option}{cell(value)}`" for option in action.option_strings)
+
+
+def meaning(action: argparse.Action) -> str:
+    """The help of an argument, its range, and whether it can be left out."""
+    words = [linked(action.help or "")]
+    if isinstance(action.type, Number):
+        words.append(action.type.expected)
+    if action.option_strings and action.required:
+        words.append("must be given")
+    if isinstance(action, argparse._AppendAction) and "several" not in words[0]:
+        words.append("may be given several times")
+    return "; ".join(word for word in words if word)
+
+
+def linked(text: str) -> str:
+    """Pages are linked, not named."""
+    return re.sub(r"docs/([\w-]+)\.md", r"[\1](\1.md)", text)
+
+
+def cell(text: str) -> str:
+    """Text within a table, whose columns are parted by what parts choices elsewhere."""
+    return text.replace("|", " or ")
+
+
+def settings() -> Iterator[str]:
+    """All tables of a settings file."""
+    for table in inspect.type_info(Settings).fields:  # type: ignore[attr-defined]
+        yield from ("", f"## `[{table.encode_name}]`", "")
+        if table.encode_name == "controls":
+            yield from controls()
+            continue
+        yield from (
+            table.type.cls.__doc__,
+            "",
+            "| key | default | range | what |",
+            "| --- " * 4 + "|",
+        )
+        for field in table.type.fields:
+            about = (field.type.extra_json_schema or {})["description"]
+            about = re.sub(r"^[\d.]+ to [\d.]+: ", "", about)
+            default = json.dumps(field.default)
+            yield f"| `{field.encode_name}` | `{default}` | {span(field.type.type)} | {about} |"
+    yield ""
+
+
+def controls() -> Iterator[str]:
+    """What each input does."""
+    yield (
+        "What each input does: a list for each control. Keys are named by their place on a US "
+        "keyboard, alone or as `Ctrl+Shift+Q`; `mouse left`, `right`, `middle`, 4 to 8; the parts "
+        "of a gamepad as here."
+    )
+    yield from ("", "| key | default | what |", "| --- | --- | --- |")
+    for name, control in CONTROLS.items():
+        key = name if name.isidentifier() else json.dumps(name)
+        yield f"| `{key}` | `{json.dumps(list(control.inputs))}` | {control.what} |"
+
+
+def span(kind: Any) -> str:
+    """What a value may be."""
+    match kind:
+        case inspect.BoolType():
+            return "true, false"
+        case inspect.LiteralType(values):
+            return ", ".join(str(value) for value in values)
+        case inspect.TupleType(parts):
+            return f"two numbers, {span(parts[0])}"
+        case inspect.IntType() | inspect.FloatType():
+            return f"{kind.ge:g} to {kind.le:g}"
+    return "text"
+
+
+MADE = {"commands.md": commands, "settings.md": settings}
+
+if __name__ == "__main__":
+    main()
