@@ -43,7 +43,9 @@ from subsea.skins.flank import across
 from subsea.skins.placing import silhouette
 from subsea.species import load_species, shipped_species
 from subsea.theatre.files import load_theatre
-from tests.pages import PAGES, Command, blocks, inline, steps
+from tests.pages import PAGES, PROGRAMS, Command, blocks, inline, prose, steps
+
+pytestmark = pytest.mark.timeout(900)  # a page of many commands may compile all kernels
 
 # What is not typed here, by how it begins, and why.
 NOT_TYPED = {
@@ -171,8 +173,8 @@ class Workshop:
     @staticmethod
     def _photograph():
         plan = load_species("moon_wrasse").surface
-        mask = silhouette(plan, across(150, 100, plan), (100, 150))
-        pixels = np.full((100, 150, 4), (230, 120, 30, 255), np.uint8)
+        mask = silhouette(plan, across(140, 96, plan), (96, 140))
+        pixels = np.full((96, 140, 4), (230, 120, 30, 255), np.uint8)
         pixels[~mask] = (0, 0, 255, 0)
         return Image.fromarray(pixels)
 
@@ -442,6 +444,7 @@ def workshop(display, tmp_path_factory, known_repertoire):
         patch.setattr(cost, "FRAMES", 40)
         patch.setattr(rig, "ROUNDS", 1)
         made = Workshop(folder)
+        made.run(shlex.split("subsea simulate --ticks 4 --out run.h5"), inline=False)
         few = {"swim_fast": known_repertoire.segments["swim_fast"]}
         write_repertoire(folder / "few.h5", replace(known_repertoire, segments=few))
         yield made
@@ -507,3 +510,8 @@ def test_every_block_says_what_it_is():
     for page in PAGES:
         for block in blocks(page):
             assert block.kind in kinds, f"{page}:{block.line}: expected ```sh, ```toml, ```text …"
+        for line in prose(page).splitlines():
+            indented = re.match(r" {4,}(?=\S)", line)
+            assert not (indented and PROGRAMS.match(line[indented.end() :])), (
+                f"{page}: ```sh: {line}"
+            )
