@@ -213,7 +213,7 @@ class Sea(NamedTuple):
 
     # Written by habitat.
     plankton: Array  # (p, 3) float32, cm
-    absent: Array  # (p,) float32, s until a speck that was eaten drifts in again, 0: it is there
+    absent: Array  # (p,) float32, s until a speck that was eaten is there again, 0: it is there
     seaweed: Array  # (c, 6) float32, cm: lowest and highest corner of each cluster's bounding box
 
     # Written by submarine, before the tick.

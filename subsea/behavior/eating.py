@@ -27,7 +27,7 @@ OPEN_BL = 0.5  # the mouth begins to open so far from the speck
 SUCK_BL = 0.28  # the vacuum reaches so far ...
 SUCK_CM_S = 25.0  # ... and draws that fast
 SWALLOW_BL = 0.06  # so near a speck is in the mouth
-ABSENCE_S = (40.0, 90.0)  # until another speck drifts in where one was eaten
+ABSENCE_S = (40.0, 90.0)  # until there is another speck instead of one that was eaten
 ABSENCE_PURPOSE = 60  # key of the random numbers
 
 

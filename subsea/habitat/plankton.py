@@ -18,6 +18,7 @@ Array = NDArray[np.floating[Any]]
 WANDER_CM_S = 4.0  # size of a speck's own random motion
 HOLD_TICKS = 45  # a speck keeps its random direction this long
 CLEARANCE_CM = 12.0  # from the seabed and from the surface
+RETURN_CM, RETURN_HEIGHT_CM = 400.0, 150.0  # so far from where it was eaten a speck is there again
 RETURN_PURPOSE = 110  # key of the random numbers
 TRIES = 100  # places that a speck is offered before it is left in a solid
 NOTHING = np.zeros((0, 7))
@@ -56,8 +57,10 @@ def scatter(
 def drift(sea: Sea, flow: Array, clock: Clock) -> None:
     """Move every speck by one tick with the water where it is, and a little on its own.
 
-    One that leaves the cylinder comes in on the other side; one that was eaten comes in again
-    after its absence, where the current enters. None enters a pillar or a rock: it waits.
+    One that leaves the cylinder comes in on the other side. One that was eaten is there again
+    after its absence, not far from where that was: the current swings and brings nothing from
+    afar, and where fishes feed nothing would be left in half an hour. None enters a pillar or a
+    rock: it waits.
     """
     uniform_flow = vector(flow)
     for k in range(len(sea.plankton)):
@@ -65,13 +68,11 @@ def drift(sea: Sea, flow: Array, clock: Clock) -> None:
         if sea.absent[k] > 0.0:
             sea.absent[k] = max(sea.absent[k] - np.float32(clock.dt), np.float32(0.0))
             if sea.absent[k] == 0.0:
-                angle = np.arctan2(-flow[1], -flow[0])
-                angle += 2.0 * uniform(clock.seed, k, clock.tick, RETURN_PURPOSE) - 1.0
-                x, y = 0.97 * sea.radius * np.cos(angle), 0.97 * sea.radius * np.sin(angle)
-                floor = height_at(sea.floor, sea.half_width, x, y) + CLEARANCE_CM
-                share = uniform(clock.seed, k, clock.tick, RETURN_PURPOSE + 1)
-                entry = (x, y, floor + share * (-CLEARANCE_CM - floor))
-                if is_free(sea.pillars, sea.rocks, entry):
+                entry = _return(sea, k, clock)
+                if (
+                    is_free(sea.pillars, sea.rocks, entry)
+                    and np.hypot(entry[0], entry[1]) < sea.radius
+                ):
                     _put(speck, entry)
                 else:
                     sea.absent[k] = clock.dt  # tries again in the next tick
@@ -92,6 +93,20 @@ def drift(sea: Sea, flow: Array, clock: Clock) -> None:
         # One that a mouth has drawn into a solid must get out again.
         if is_free(sea.pillars, sea.rocks, there) or not is_free(sea.pillars, sea.rocks, here):
             _put(speck, there)
+
+
+@njit(cache=True, error_model="numpy")
+def _return(sea: Sea, k: int, clock: Clock) -> Vector:
+    """A place in the water about that where speck k was eaten."""
+    angle = 2.0 * np.pi * uniform(clock.seed, k, clock.tick, RETURN_PURPOSE)
+    share = uniform(clock.seed, k, clock.tick, RETURN_PURPOSE + 1)
+    distance = RETURN_CM * np.sqrt(uniform(clock.seed, k, clock.tick, RETURN_PURPOSE + 2))
+    x = sea.plankton[k, 0] + distance * np.cos(angle)
+    y = sea.plankton[k, 1] + distance * np.sin(angle)
+    floor = height_at(sea.floor, sea.half_width, x, y) + CLEARANCE_CM
+    low = max(sea.plankton[k, 2] - RETURN_HEIGHT_CM, floor)
+    high = max(min(sea.plankton[k, 2] + RETURN_HEIGHT_CM, -CLEARANCE_CM), low)
+    return x, y, low + share * (high - low)
 
 
 @njit(cache=True, error_model="numpy")

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from subsea.habitat.plankton import CLEARANCE_CM, drift, scatter
+from subsea.habitat.plankton import CLEARANCE_CM, RETURN_CM, drift, scatter
 from subsea.habitat.solids import clearance
 from subsea.kinematics.vector import vector
 from subsea.state import Clock
@@ -68,21 +68,23 @@ def test_the_crowd_moves_with_the_water(make_sea):
     np.testing.assert_allclose((sea.plankton - before).mean(axis=0)[:2], [9.9, 0.0], atol=0.3)
 
 
-def test_what_is_eaten_stays_away_and_comes_in_where_the_current_enters(make_sea):
-    sea = make_sea(_scattered(100))
-    eaten = np.arange(0, 100, 2)
+def test_what_is_eaten_stays_away_and_is_there_again_not_far_off(make_sea):
+    sea = make_sea(_scattered(1000), radius=1000.0)
+    eaten = np.arange(0, 1000, 2)
     sea.absent[eaten] = 1.0  # s
-    held = sea.plankton[eaten].copy()
+    place = np.array([100.0, 0.0, -200.0], np.float32)
+    sea.plankton[eaten] = place
     _pass(sea, (4.0, 3.0, 0.0), 29)
-    assert (sea.absent > 0.0).sum() == 50
-    np.testing.assert_array_equal(sea.plankton[eaten], held)
+    assert (sea.absent > 0.0).sum() == 500
+    assert (sea.plankton[eaten] == place).all()
     _pass(sea, (4.0, 3.0, 0.0), 2, first=29)
     assert (sea.absent == 0.0).all()
-    back = sea.plankton[eaten]
-    np.testing.assert_allclose(np.hypot(back[:, 0], back[:, 1]), 0.97 * RADIUS, rtol=1e-3)
-    upstream = np.array([-0.8, -0.6])
-    assert (back[:, :2] @ upstream > 0.97 * RADIUS * np.cos(1.01)).all()
-    assert len(np.unique(back[:, 2])) == 50
+    x, y, z = (sea.plankton[eaten] - place).T
+    assert z.min() > -100.0 and z.max() < 150.5  # the seabed is near
+    # As many in each quarter of the area, of the height and of the compass: 125, but for chance.
+    turn = np.arctan2(y, x) / (2 * np.pi) + 0.5
+    for share in ((x * x + y * y) / RETURN_CM**2, (z + 88.0) / 238.0, turn):
+        assert (abs(np.histogram(share, 4, (0, 1))[0] - 125) < 40).all()
 
 
 def test_it_goes_on_in_the_same_way_from_the_same_seed(make_sea):
