@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from subsea.habitat.plankton import CLEARANCE_CM, RETURN_CM, drift, scatter
+from subsea.habitat.plankton import CLEARANCE_CM, RETURN_CM, RETURN_HEIGHT_CM, drift, scatter
 from subsea.habitat.solids import clearance
 from subsea.kinematics.vector import vector
 from subsea.state import Clock
@@ -80,10 +80,11 @@ def test_what_is_eaten_stays_away_and_is_there_again_not_far_off(make_sea):
     _pass(sea, (4.0, 3.0, 0.0), 2, first=29)
     assert (sea.absent == 0.0).all()
     x, y, z = (sea.plankton[eaten] - place).T
-    assert z.min() > -100.0 and z.max() < 150.5  # the seabed is near
     # As many in each quarter of the area, of the height and of the compass: 125, but for chance.
     turn = np.arctan2(y, x) / (2 * np.pi) + 0.5
-    for share in ((x * x + y * y) / RETURN_CM**2, (z + 88.0) / 238.0, turn):
+    low = -300.0 + CLEARANCE_CM - place[2]  # the seabed is near
+    height = (z - low) / (RETURN_HEIGHT_CM - low)
+    for share in ((x * x + y * y) / RETURN_CM**2, height, turn):
         assert (abs(np.histogram(share, 4, (0, 1))[0] - 125) < 40).all()
 
 
