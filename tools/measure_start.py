@@ -5,7 +5,7 @@
 Opens the dive N times at 1280x720, quality `low`, in processes of their own, each time both with
 an empty folder for what is kept on the disk ("nothing kept") and with what the time before left
 there ("warm"); with --against also that of another checkout, with its own code and what it keeps,
-in turn. With --first once more with no compiled kernels either: about a minute.
+in turn. With --first once more with no compiled kernels either: a minute or more.
 
 Figures are seconds since the process was started, by processor time of all its threads, and by
 the clock, which means something only if nothing else runs; the least of N. Needs a display.

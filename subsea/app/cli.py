@@ -231,7 +231,7 @@ def _add_theatre_command(commands: Any) -> None:
         "a channel does not work. docs/theatre.md says how to write one.",
         ["subsea theatre three-projectors", "subsea theatre my/theatre.toml"],
     )
-    theatre.add_argument("name", metavar="NAME|FILE")
+    theatre.add_argument("name", metavar="NAME|FILE", help="a theatre's name or a .toml file")
     theatre.set_defaults(run=_theatre)
 
 
