@@ -258,6 +258,21 @@ def test_it_draws_in_a_window_of_one_pixel(table, hands):
         hands.glide(table, 0.3)
 
 
+def test_ctrl_c_in_the_terminal_ends_the_builder(display):
+    command = [sys.executable, "-m", "subsea", "build", "fusilier"]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    try:
+        search = ["xdotool", "search", "--sync", "--all", "--pid", str(process.pid)]
+        subprocess.run([*search, "--name", "subsea"], check=True, timeout=180, capture_output=True)
+        process.send_signal(signal.SIGINT)
+        _, told = process.communicate(timeout=60)
+    finally:
+        process.kill()
+        process.wait()
+    assert process.returncode == 130
+    assert told.splitlines()[-1:] == ["subsea: interrupted"]
+
+
 def test_an_idle_bench_draws_nothing_and_ctrl_c_ends_it(display, tmp_path):
     program = tmp_path / "idle.py"
     program.write_text(

@@ -58,8 +58,10 @@ def test_a_sound_world_is_let_alone(world):
 )
 def test_what_must_never_be_is_found(world, part, name, place, value, told):
     getattr(getattr(world.state, part), name)[place] = value
+    if (part, name) == ("fishes", "position"):  # it has not come there in one tick
+        world.state.fishes.previous_position[place] = value
     found = faults_in(world)
-    assert any(told in fault for fault in found), found
+    assert len(found) == 1 and told in found[0], found
 
 
 def test_who_is_in_stone_is_found(world):
