@@ -21,6 +21,7 @@ void main() {
     vec3 right = vec3(u_view[0][0], u_view[1][0], u_view[2][0]);
     vec3 up = vec3(u_view[0][1], u_view[1][1], u_view[2][1]);
     vec3 normal = v_corner.x * right + v_corner.y * up - sqrt(max(1.0 - square, 0.0)) * ray;
+    normal = normalize(normal);  // beside the middle of the picture they are not at right angles
     vec3 mirrored = reflect(ray, normal);
     vec3 sun = sunlight_at(v_world.z) + lamplight_at(v_world);
     // Mirrored from above it is the sky in Snell's window.

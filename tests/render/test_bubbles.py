@@ -144,6 +144,22 @@ def test_only_vents_in_sight_are_drawn(context, scene, make_packet):
     assert triangles[1] == triangles[3] > triangles[0] == triangles[2]
 
 
+def test_no_glint_burns_out_wherever_in_the_picture_its_bubble_is(context, scene, make_packet):
+    """Small ones would be white blocks, as a glint fills all pixels that are blended with it."""
+    kept = replace(scene, vents=np.array([(0.0, 90.0, 30.0, 3.0)]))
+    low = replace(PRESETS["low"], snow=0)
+    renderer = Renderer(context, kept, display_rig("mono", (320, 180)), low)
+    white = []
+    for heading in (0.5, 0.25, 0.0, -0.25, -0.5):
+        packet = make_packet(
+            [], eye=(0.0, 0.0, -200.0), heading=np.pi / 2 + heading, size=(320, 180), time_s=60.0
+        )
+        renderer.draw(packet)
+        white.append(int((renderer.read_pixels().min(axis=2) > 235).sum()))
+    renderer.release()
+    assert max(white) == 0
+
+
 def test_a_current_that_turns_while_diving_is_that_of_bubbles_and_snow(context, scene, make_packet):
     """As if the scene had had it from the start, and not as it was before."""
     vents = np.array([[0.0, 120.0, 40.0, 3.0]], np.float32)
