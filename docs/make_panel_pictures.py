@@ -18,15 +18,19 @@ from subsea.app.panels.placement import Placing
 SIZE, FISH, RIDDEN, WAIT_S = (1280, 780), 3, 9, 20.0
 PLACED, BESIDE_PX, SIMULATED = ("arch", 0), 330, 6
 SEA_PX = 30, 8, 330, 24  # shown left, above, right and below of a panel
+BELOW_EYES_PX = 20, 386  # of the panel Fish view
+FADED_S = 8.0  # until the instruments have gone
 
 rect = []
 
 
-def noting(panel):
+def noting(name, panel):
     """The panel, which notes where it is drawn."""
 
     def drawn(desk):
         panel(desk)
+        if name == "Fish view":
+            imgui.set_window_pos(BELOW_EYES_PX)
         place, size = imgui.get_window_pos(), imgui.get_window_size()
         rect[:] = place.x, place.y, place.x + size.x, place.y + size.y
 
@@ -40,7 +44,7 @@ with closing(Dive("peaceful", "mono", SIZE, seed=1, quality="high")) as dive:
         dive.frame(0.15)
     names = sys.argv[1:] or list(PANELS)
     for name in PANELS:
-        PANELS[name] = noting(PANELS[name])
+        PANELS[name] = noting(name, PANELS[name])
     dive.desk.chosen = FISH
     for name in names:
         dive.desk.shown = {name}
@@ -50,7 +54,8 @@ with closing(Dive("peaceful", "mono", SIZE, seed=1, quality="high")) as dive:
             dive.mount(RIDDEN, behind=True)
             dive.desk.chosen = RIDDEN
         # The charts of behavior grow meanwhile.
-        for _ in range(round(WAIT_S / 0.15) if name == "Behavior" else 8):
+        wait_s = {"Behavior": WAIT_S, "Fish view": FADED_S}.get(name, 1.2)
+        for _ in range(round(wait_s / 0.15)):
             dive.frame(0.15)
         if name == "Placement":
             dive.desk.of(Placing).chosen = PLACED
