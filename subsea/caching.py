@@ -6,6 +6,7 @@ it. `subsea/__init__.py` has it ask here instead.
 """
 
 import hashlib
+import pickle
 import re
 import sys
 import tempfile
@@ -134,7 +135,7 @@ codegen.JITCPUCodegen.unserialize_library = _unserialize
 
 def _no_blas() -> None:
     """Where scipy is installed, numba would load it for linear algebra: no kernel here has any."""
-    raise ImportError("kernels of this project do without linear algebra")
+    raise ImportError("where subsea was imported kernels do without linear algebra")
 
 
 linalg.ensure_blas = _no_blas
@@ -168,16 +169,20 @@ class Matched(caching.IndexDataCacheFile):  # type: ignore[misc]
     """
 
     def save(self, key: Any, data: Any) -> None:
-        """Write the code of a signature, and what it belongs to."""
-        super().save(key, (self._source_stamp, key, data))
+        """Write the code of a signature, what it belongs to, and a digest of both."""
+        whole = self._dump((self._version, self._source_stamp, key, data))
+        super().save(key, (hashlib.sha256(whole).digest(), whole))
 
     def load(self, key: Any) -> Any:
         """Read it; None where there is none."""
         try:
-            stamped, of, data = super().load(key)
-        except Exception:  # a pickle that is damaged may raise anything, and None is no three
+            digest, whole = super().load(key)
+            if hashlib.sha256(whole).digest() != digest:
+                return None
+            *of, data = pickle.loads(whole)
+        except Exception:  # a pickle that is damaged may raise anything, and None is no two
             return None
-        return data if (stamped, of) == (self._source_stamp, key) else None
+        return data if of == [self._version, self._source_stamp, key] else None
 
     def _load_index(self) -> Any:
         try:

@@ -15,6 +15,8 @@ from numba.core.caching import Cache
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.sigutils import normalize_signature
 
+FORM = 1  # of what is compiled here: another number where that changes, as all of it is kept
+
 # What its own hints do not tell, or forbid to replace.
 Base: Any = dispatcher._DispatcherBase
 Dispatcher: Any = dispatcher.Dispatcher
@@ -47,7 +49,7 @@ def _compile(self: Any, signature: Any) -> Any:
     with global_compiler_lock:
         if not _asking.kernel:
             types = normalize_signature(signature)[0]
-            if types in self.__dict__.get("inner", ()):
+            if self.__dict__.get("inner", {}).pop(types, None) is not None:
                 self.overloads.pop(types, None)
         return _compiled(self, signature)
 
@@ -68,7 +70,7 @@ def _flags(self: Any, flags: Any) -> Any:
 
 
 def _key(self: Any, signature: Any, codegen: Any) -> Any:
-    return *_keyed(self, signature, codegen), _asking.kernel
+    return *_keyed(self, signature, codegen), FORM, _asking.kernel
 
 
 _compiled, _added, _keyed = Dispatcher.compile, Base.add_overload, Cache._index_key

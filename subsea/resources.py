@@ -21,7 +21,8 @@ from subsea.lines import Place, is_count, key_lines, line_of, place_of, words_of
 T = TypeVar("T")
 
 MOST_BYTES = 1 << 20  # of a TOML file
-# A key of so many tables within tables. The reader's time for one grows with the square of that.
+# A key of so many tables within tables, or a comment that reads as one. The reader's time grows
+# with the square of that.
 _FAR_DOWN = re.compile(
     r"""(?<![\w-])(?:(?:[\w-]++|"(?:\\.|[^"\\\n]){0,200}+"|'[^'\n]{0,200}+')[ \t]*+\.[ \t]*+){32}"""
 )

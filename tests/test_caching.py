@@ -75,3 +75,21 @@ def test_damaged_files_are_compiled_anew(tmp_path):
             assert file.load("key") is None
             file.save("key", "code")
             assert file.load("key") == "code"
+    for at in range(3, 200, 7):
+        (part,) = tmp_path.glob("*.nbc")
+        code = bytearray(part.read_bytes())
+        if at < len(code):
+            code[at] ^= 255
+            part.write_bytes(code)
+            assert file.load("key") is None
+            file.save("key", "code")
+
+
+def test_code_of_another_numba_is_not_taken(tmp_path):
+    file = Matched(str(tmp_path), "kernel", "stamp")
+    file._version = "0.60"
+    file.save("key", "code")
+    index = file._load_index()
+    file._version = "0.68"
+    file._save_index(index)
+    assert file.load("key") is None

@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from numba import njit, types
@@ -47,6 +48,17 @@ def test_python_may_call_the_other_one_later():
     assert len(_wrappers(inner)) == 2
     assert inner(np.ones(4)) == 4.0
     assert outer(np.ones(4)) == 8.0
+
+
+def test_it_is_compiled_again_but_once_whoever_asks():
+    inner, outer = _pair()
+    outer(np.ones(3))
+    with ThreadPoolExecutor(4) as pool:
+        assert list(pool.map(inner, [np.ones(3)] * 4)) == [3.0] * 4
+    compiled = inner.overloads[(FLOATS,)]
+    inner.compile((FLOATS,))
+    assert inner(np.ones(3)) == 3.0
+    assert inner.overloads[(FLOATS,)] is compiled
 
 
 def test_python_may_call_the_other_one_first():

@@ -285,10 +285,12 @@ def child(pulse: Path, options: list[str]) -> int:
     from subsea.app.cli import main
 
     swap, shown = glfw.swap_buffers, iter(range(1, sys.maxsize))
+    beat = pulse.with_suffix(".next")
 
     def swapped(handle: object) -> None:
         swap(handle)
-        pulse.write_text(str(next(shown)))
+        beat.write_text(str(next(shown)))
+        beat.replace(pulse)
 
     glfw.swap_buffers = swapped
     return main(options)

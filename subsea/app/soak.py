@@ -46,8 +46,11 @@ CURRENT_CM_S = 30.0
 TIMIDITY = 0.5, 2.0
 SHARES = {"steer": 0.6, "let go": 0.1, "ride": 0.2, "change": 0.1}
 STILL = 180 * SECOND  # who stays where it is so long is stuck
-MEMORY_FROM = 0.25  # the share of a soak from which on memory counts
-GROWTH = 0.02  # of resident memory since then is too much
+# So many minutes of a soak that draws its memory grows, as the driver makes programs for every
+# display at every quality; it is judged if as many follow.
+WARM_UP_MIN = 24
+QUARTER = 0.25  # after that the last quarter is compared with the second
+GROWTH = 0.02  # by which something has grown is too much
 MOST_FAULTS = 10  # then the dive ends
 LARGEST = 100_000_000  # bytes of a report
 
@@ -129,12 +132,12 @@ def soak(
         made = world.state.tick - first
         if older is not None:
             _compare(watch, made, older)
-        judge(watch)
+        judge(watch, draw)
         if out is not None:
             report = about | {"drawn": draw, "ticks": made, **watch._asdict()}
             with replacing(out) as temporary:
                 temporary.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
-        _tell(world, watch, time.monotonic() - begun)
+        _tell(world, watch, draw, time.monotonic() - begun)
 
     try:
         if draw:
@@ -267,9 +270,9 @@ def _compare(watch: Watch, ticks: int, older: _Report) -> None:
             watch.faults.append(f"minute {k + 1}: not the checksum of the older soak")
 
 
-def judge(watch: Watch) -> None:
-    """Add faults for what has grown."""
-    if grown := growth(watch.memory_mb):
+def judge(watch: Watch, drawn: bool) -> None:
+    """Add faults for what has grown; memory of a dive that was drawn only after its warm-up."""
+    if grown := growth(steady(watch, drawn)):
         watch.faults.append(f"memory grew by {grown:.1%}")
     if grown := growth(watch.things):
         watch.faults.append(f"objects of Python grew by {grown:.1%}")
@@ -279,15 +282,22 @@ def judge(watch: Watch) -> None:
             watch.faults.append(f"objects of OpenGL that are not released: {kind}, {numbers}")
 
 
-def growth(memory_mb: Sequence[float]) -> float:
-    """By which share memory has grown beyond what it may, 0 if it has not.
+def steady(watch: Watch, drawn: bool) -> list[float]:
+    """Memory after the warm-up; an empty list of a dive that is too short to judge it."""
+    if not drawn:
+        return watch.memory_mb
+    return watch.memory_mb[WARM_UP_MIN:] if len(watch.memory_mb) >= 2 * WARM_UP_MIN else []
+
+
+def growth(values: Sequence[float]) -> float:
+    """By which share values, one a minute, have grown beyond what they may, 0 if they have not.
 
     The most of the last quarter is compared with the most of the second.
     """
-    quarter = round(MEMORY_FROM * len(memory_mb))
+    quarter = round(QUARTER * len(values))
     if quarter < 1:
         return 0.0
-    grown = max(memory_mb[-quarter:]) / max(memory_mb[quarter : 2 * quarter]) - 1.0
+    grown = max(values[-quarter:]) / max(values[quarter : 2 * quarter]) - 1.0
     return grown if grown > GROWTH else 0.0
 
 
@@ -312,7 +322,7 @@ def _report(path: Path) -> _Report:
         raise UserError(f"{path}: expected what `subsea soak --json` writes ({fault})") from fault
 
 
-def _tell(world: World, watch: Watch, seconds: float) -> None:
+def _tell(world: World, watch: Watch, drawn: bool, seconds: float) -> None:
     number = len(world.state.fishes.species)
     fishes = counted(number, "fish", "fishes")
     print(f"{clock(world.state.tick * TICK_S)} of the sea, {fishes}, in {clock(seconds)}")
@@ -322,7 +332,8 @@ def _tell(world: World, watch: Watch, seconds: float) -> None:
     print(f"time went back {counted(len(watch.replays), 'time', 'times')}")
     if watch.memory_mb:
         first, last = watch.memory_mb[len(watch.memory_mb) // 4], watch.memory_mb[-1]
-        print(f"memory: {first:.1f} MB after a quarter, {last:.1f} at the end")
+        judged = "" if steady(watch, drawn) else ", too short to judge it"
+        print(f"memory: {first:.1f} MB after a quarter, {last:.1f} at the end{judged}")
     if watch.things:
         first, last = watch.things[len(watch.things) // 4], watch.things[-1]
         print(f"objects of Python: {first} after a quarter, {last} at the end")

@@ -54,7 +54,7 @@ def write_keys(folder: Path, names: Sequence[str]) -> list[Path]:
             raise UserError(f"{name!r} was given twice")
     check_folder(folder)
     written = []
-    with ExitStack() as all_or_none:
+    with ExitStack() as undo, ExitStack() as all_at_once:
         for name in names:
             public, secret = (key.decode() for key in zmq.curve_keypair())
             for suffix, what, mode in (
@@ -65,10 +65,13 @@ def write_keys(folder: Path, names: Sequence[str]) -> list[Path]:
                 if suffix == SECRET:
                     text += f'    secret-key = "{secret}"\n'
                 written.append(folder / f"{name}{suffix}")
-                path = all_or_none.enter_context(replacing(written[-1]))
+                undo.callback(written[-1].unlink, missing_ok=True)
+                path = all_at_once.enter_context(replacing(written[-1]))
                 # Made with its mode, so that no moment is left in which others may read it.
                 path.touch(mode, exist_ok=False)
                 path.write_text(text)
+        all_at_once.close()
+        undo.pop_all()
     return written
 
 

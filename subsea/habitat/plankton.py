@@ -106,7 +106,7 @@ def _return(sea: Sea, k: int, clock: Clock) -> Vector:
     floor = height_at(sea.floor, sea.half_width, x, y) + CLEARANCE_CM
     low = max(sea.plankton[k, 2] - RETURN_HEIGHT_CM, floor)
     high = max(min(sea.plankton[k, 2] + RETURN_HEIGHT_CM, -CLEARANCE_CM), low)
-    return x, y, low + share * (high - low)
+    return x, y, min(low + share * (high - low), -CLEARANCE_CM)
 
 
 @njit(cache=True, error_model="numpy")

@@ -104,7 +104,9 @@ def _white(image: Image.Image) -> float:
     """What is white among greys of 16 bits or of fractions."""
     if image.mode.startswith("I;16"):
         return 65535.0
-    most = float(max(image.getextrema()))  # type: ignore[arg-type]
+    most = float(np.fmax.reduce(np.asarray(image), axis=None))  # of what is a number
+    if not most > 0.0:
+        return 1.0
     return next((white for white in (1.0, 255.0, 65535.0) if most <= white), most)
 
 

@@ -185,22 +185,36 @@ def test_memory_that_grows_is_told():
     assert growth([100.0 + k for k in range(60)]) == pytest.approx(159 / 129 - 1)
 
 
-def test_what_grows_is_a_fault():
+@pytest.mark.parametrize("drawn", [False, True])
+def test_what_grows_is_a_fault(drawn):
     steady = [500] * 60
     watch = Watch(*([] for _ in Watch._fields))
     watch.memory_mb.extend(steady)
     watch.things.extend(steady)
     watch.objects.extend([{"Buffer": 2}, {"Buffer": 2}])
-    judge(watch)
+    judge(watch, drawn)
     assert watch.faults == []
     watch.memory_mb[-1] = watch.things[-3] = 600
     watch.objects.append({"Buffer": 3})
-    judge(watch)
+    judge(watch, drawn)
     assert watch.faults == [
         "memory grew by 20.0%",
         "objects of Python grew by 20.0%",
         "objects of OpenGL that are not released: Buffer, [2, 2, 3]",
     ]
+
+
+def test_memory_of_a_dive_that_is_drawn_is_judged_after_its_warm_up():
+    def faults(memory_mb, drawn):
+        watch = Watch(*([] for _ in Watch._fields))._replace(memory_mb=memory_mb)
+        judge(watch, drawn)
+        return watch.faults
+
+    warms_up = [float(min(400 + 25 * k, 1000)) for k in range(60)]
+    assert faults(warms_up, True) == []
+    assert faults(warms_up, False) == ["memory grew by 29.0%"]
+    assert faults([*warms_up[:59], 1100.0], True) == ["memory grew by 10.0%"]
+    assert faults(warms_up[:20], True) == []  # too short to tell
 
 
 @pytest.mark.parametrize(

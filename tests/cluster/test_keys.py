@@ -1,6 +1,7 @@
 """Key files: whose they are, who may read them, what is no key."""
 
 import stat
+from pathlib import Path
 
 import pytest
 import zmq
@@ -43,6 +44,20 @@ def test_all_keys_are_made_or_none(folder, monkeypatch):
     with pytest.raises(IndexError):
         write_keys(folder, NAMES)
     assert not folder.exists()
+
+
+def test_those_that_are_there_go_when_another_cannot_be(folder, monkeypatch):
+    rename, moves = Path.replace, iter(range(9))
+
+    def refused(self, target):
+        if next(moves) == 2:
+            raise PermissionError(13, "Permission denied")
+        return rename(self, target)
+
+    monkeypatch.setattr(Path, "replace", refused)
+    with pytest.raises(UserError, match="Permission denied"):
+        write_keys(folder, NAMES)
+    assert list(folder.iterdir()) == []
 
 
 def test_keys_are_not_written_over(folder):

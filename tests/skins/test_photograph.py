@@ -38,6 +38,16 @@ def test_pictures_of_many_formats_are_read(tmp_path, ending):
     assert abs(got.colour.astype(int) - ramp()).mean() < 12
 
 
+def test_a_pixel_that_is_no_number_is_dark(tmp_path):
+    grey = np.tile(np.linspace(0.0, 1.0, 200, dtype=np.float32), (100, 1))
+    means = []
+    for first in (0.0, np.nan):
+        grey[0, 0] = first
+        Image.fromarray(grey).save(tmp_path / "fish.tif")
+        means.append(read(tmp_path / "fish.tif").colour.mean())
+    assert means[0] == means[1] > 100
+
+
 @pytest.mark.parametrize("width", [160, 6000])
 @pytest.mark.parametrize("mode", ["CMYK", "L", "P", "1", "YCbCr", "LA", "I;16", "F", "PA"])
 def test_pictures_of_any_mode_are_brought_to_colours(tmp_path, mode, width):
