@@ -11,6 +11,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from capture.kept import is_up_to_date
 from capture.quality import replay
 from capture.record import (
     motion_from_provenance,
@@ -234,3 +235,9 @@ def test_a_segment_replayed_from_any_pose_is_the_simulation_from_there(species, 
     else:
         swum = simulate(body, state, steady_contraction(motion, name))
     np.testing.assert_allclose(played, swum, atol=1e-6 * repertoire.body_length_cm)
+
+
+@pytest.mark.parametrize("name", species_names())
+def test_what_is_shipped_is_what_this_program_records(name: str) -> None:
+    """After a change of what swims and records: `subsea-capture record --all`."""
+    assert is_up_to_date(resource_path("repertoires"), name, load_species(name))
