@@ -9,6 +9,7 @@ from contextlib import closing, suppress
 from importlib.metadata import version
 from itertools import count
 from pathlib import Path
+from statistics import median
 from typing import Any, NamedTuple
 
 import msgspec
@@ -293,12 +294,13 @@ def steady(watch: Watch, drawn: bool) -> list[float]:
 def growth(values: Sequence[float]) -> float:
     """By which share values, one a minute, have grown beyond what they may, 0 if they have not.
 
-    The most of the last quarter is compared with the most of the second.
+    The median of the last quarter is compared with that of the second: single minutes differ by a
+    tenth, with the display and the quality that are drawn then.
     """
     quarter = round(QUARTER * len(values))
     if quarter < 1:
         return 0.0
-    grown = max(values[-quarter:]) / max(values[quarter : 2 * quarter]) - 1.0
+    grown = median(values[-quarter:]) / median(values[quarter : 2 * quarter]) - 1.0
     return grown if grown > GROWTH else 0.0
 
 
