@@ -46,6 +46,11 @@ class Frames(NamedTuple):
     triangles: Array  # (F,)
     draw_calls: Array  # (F,)
 
+    @property
+    def rest_s(self) -> Array:
+        """(F,) what is in no stage: the hull, the views, and what others took between stages."""
+        return self.frame_s - np.sum([self.stages_s[name] for name in STAGES], axis=0)
+
 
 def figures(frames: Frames) -> dict[str, Any]:
     """The measured part of a report."""
@@ -63,6 +68,7 @@ def figures(frames: Frames) -> dict[str, Any]:
         "yardstick_ms": summary(frames.yardstick_s)["p50"],
         "fps": 1000.0 / frame_ms["mean"],
         "stages_ms": {name: summary(frames.stages_s[name])["p50"] for name in STAGES},
+        "rest_ms": summary(frames.rest_s)["p50"],
         "parts_ms": {
             "frame": _parts_ms(frames.frame_s),
             "cpu": _parts_ms(frames.cpu_s),
@@ -91,6 +97,7 @@ def print_report(report: dict[str, Any]) -> None:
         print(title)
         for name, value in report[title].items():
             print(f"  {name:<14}{value:>10.3f}")
+    print(f"rest_ms {report['rest_ms']:.2f}, in no stage")
     print(f"host_ms {report['host_ms']:.2f}, at most {report['draw_calls']} drawing calls a frame")
     print(f"triangles {report['triangles_mean']:.0f} a frame, {report['fps']:.1f} frames a second")
 
@@ -143,11 +150,13 @@ def write_csv(path: Path, runs: Sequence[tuple[dict[str, Any], Frames]]) -> None
     with replacing(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
         rows = csv.writer(file)
         rows.writerow(
-            ["fish", "frame", *(f"{name}_ms" for name in ("frame", "host", "cpu", *STAGES)), *SHOWN]
+            ["fish", "frame"]
+            + [f"{name}_ms" for name in ("frame", "host", "cpu", *STAGES, "rest")]
+            + [*SHOWN]
         )
         for report, frames in runs:
             times = [frames.frame_s, frames.host_s, frames.cpu_s]
-            times += [frames.stages_s[name] for name in STAGES]
+            times += [*(frames.stages_s[name] for name in STAGES), frames.rest_s]
             shown = [getattr(frames, name) for name in SHOWN]
             for k in range(len(frames.frame_s)):
                 rows.writerow(

@@ -1,9 +1,11 @@
 """The report has the agreed keys, and its figures agree with each other."""
 
 import csv
+import gc
 import json
 import os
 import re
+import time
 from importlib.metadata import version
 
 import numpy as np
@@ -40,6 +42,7 @@ def test_the_report_has_the_agreed_keys(reports):
         "version", "without", "motor", "simulated_mean", "frame_ms", "fps", "stages_ms", "lod",
         "triangles_mean", "quality", "quality_drawn", "target_ms", "host_ms", "draw_calls",
         "theatre", "set", "tour", "parts_ms", "machine", "cpu_ms", "yardstick_ms",
+        "rest_ms",
     }  # fmt: skip
     assert set(report["frame_ms"]) == {"mean", "p50", "p95", "p99", "max"}
     assert tuple(report["stages_ms"]) == STAGES
@@ -55,6 +58,7 @@ def test_its_figures_agree(reports):
         assert sum(report["lod"].values()) == pytest.approx(report["visible_mean"])
         assert sum(report["stages_ms"].values()) < 1.5 * frame["max"]
         assert 0.0 < report["host_ms"] < frame["p50"]
+        assert 0.0 < report["rest_ms"] < frame["p50"]
         assert report["draw_calls"] >= 5
         assert 0.0 < report["cpu_ms"]["thread"] <= 1.01 * report["cpu_ms"]["all"]
         assert report["cpu_ms"]["thread"] < 1.5 * frame["max"]
@@ -166,10 +170,10 @@ def test_every_frame_is_a_row_of_the_table(ladder):
         assert max(times) == pytest.approx(run["frame_ms"]["max"], abs=1e-3)
         assert float(np.mean([int(row["visible"]) for row in mine])) == run["visible_mean"]
         assert max(int(row["draw_calls"]) for row in mine) == run["draw_calls"]
-        stages = [sum(float(row[f"{name}_ms"]) for name in STAGES) for row in mine]
-        shares = np.divide(stages, times)
-        assert shares.max() <= 1.0
-        assert np.median(shares) > 0.5  # of a single frame a busy machine may take as much
+        for row in mine:
+            stages = sum(float(row[f"{name}_ms"]) for name in STAGES)
+            assert float(row["rest_ms"]) >= 0.0
+            assert stages + float(row["rest_ms"]) == pytest.approx(float(row["frame_ms"]), abs=1e-3)
 
 
 def test_the_picture_shows_a_chart_for_each_run(ladder):
@@ -179,14 +183,33 @@ def test_the_picture_shows_a_chart_for_each_run(ladder):
         assert len(np.unique(np.asarray(picture.convert("L")))) > 10
 
 
-def test_on_a_tour_every_run_sees_the_same(ladder, tmp_path):
-    again = ["--frames", "12", "--size", "160x120", "--fish", "20", "--tour", "reef"]
-    assert main(["benchmark", *again, "--csv", str(tmp_path / "again.csv")]) == 0
-    shown = [
-        [(row["visible"], row["triangles"]) for row in table(file)]
-        for file in (ladder / "frames.csv", tmp_path / "again.csv")
-    ]
-    assert shown[0][12:] == shown[1]
+@pytest.fixture(scope="module")
+def again(ladder):
+    """The rows of the ladder's second run again, all their times counted in processor time.
+
+    By the clock other programs may take any share of a single frame, in a stage or between two.
+    """
+    path = ladder / "again.csv"
+    options = ["--frames", "12", "--size", "160x120", "--fish", "20", "--tour", "reef"]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(time, "perf_counter", time.process_time)
+        gc.disable()  # of what all the tests before have left
+        try:
+            assert main(["benchmark", *options, "--csv", str(path)]) == 0
+        finally:
+            gc.enable()
+    return table(path)
+
+
+def test_on_a_tour_every_run_sees_the_same(ladder, again):
+    rows = table(ladder / "frames.csv")
+    shown = [[(row["visible"], row["triangles"]) for row in run] for run in (rows[12:], again)]
+    assert shown[0] == shown[1]
+
+
+def test_of_no_frame_much_is_in_no_stage(again):
+    for row in again:
+        assert 0.0 <= float(row["rest_ms"]) < 0.2 * float(row["frame_ms"])
 
 
 def test_a_report_stands_against_an_older_one(ladder, tmp_path, capsys):
