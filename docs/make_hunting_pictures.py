@@ -90,10 +90,10 @@ def capture() -> Image.Image:
         mouth = np.array(mouth_of(fishes, 0))
         ahead = np.array(rotate(fishes.orientation[0], (1.0, 0.0, 0.0)))
         right = np.cross(ahead, (0.0, 0.0, 1.0))
-        middle = mouth - 12.0 * ahead
-        return middle + 24.0 * ahead + 74.0 * right + (0.0, 0.0, 8.0), middle
+        middle = mouth - 2.0 * ahead
+        return middle + 34.0 * ahead + 44.0 * right - (0.0, 0.0, 4.0), middle
 
-    return strip("preying", HUNT_SEED, {caught - ago: beside for ago in (6, 5, 3, 2, 1, -1)}, 3)
+    return strip("preying", HUNT_SEED, {caught - ago: beside for ago in (14, 8, 5, 3, 1, -5)}, 3)
 
 
 def hook() -> Image.Image:

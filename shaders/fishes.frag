@@ -1,6 +1,7 @@
 #include "optics.glsl"
 #include "fishes.glsl"
 #include "skin.glsl"
+#include "mouth.glsl"
 #include "show.glsl"
 #ifdef FADING
 #include "fades.glsl"
@@ -23,9 +24,31 @@ flat in vec3 v_shift;    // by how much its mating colours differ
 flat in float v_nick;    // where along the fin its edge is torn, far outside if nowhere
 flat in float v_identity;
 flat in float v_fade;
+#ifndef DISTANT
+flat in float v_gape;  // by how much the lower jaw is turned down, rad
+#endif
 flat in int v_kind;
 
+const vec3 THROAT = vec3(0.025, 0.008, 0.008), FLESH = vec3(0.30, 0.11, 0.09),
+           TOOTH = vec3(0.75, 0.74, 0.68);
 const float SHARPEN = -0.6;  // mipmaps alone blur stripes that can still be told apart
+
+#ifndef DISTANT
+// What is inside of a mouth that is open by `angle`, and how plainly it shows: flesh along the
+// lips, darkness between, and of a hunter its teeth. `u` is the place along the round of the body.
+vec4 inside_mouth(vec2 rest, float u, int kind, float angle) {
+    vec2 at = at_mouth(rest, kind);
+    float wide = 0.6 * smoothstep(0.0, 0.35, angle) * sqrt(clamp(1.0 - at.x, 0.0, 1.0));
+    float sharp = fwidth(at.y), edge = wide - abs(at.y);
+    vec3 colour = mix(FLESH, THROAT, smoothstep(0.0, 0.4, edge / max(wide, sharp)));
+    float teeth = looks[kind].jaws.z;
+    if (teeth > 0.0) {
+        float tooth = 0.9 * wide * abs(fract(teeth * u) - 0.5);
+        colour = mix(colour, TOOTH, smoothstep(sharp, -sharp, edge - tooth));
+    }
+    return vec4(colour, smoothstep(-sharp, sharp, edge) * min(wide / sharp, 1.0));
+}
+#endif
 
 void main() {
 #ifdef FADING
@@ -47,7 +70,7 @@ void main() {
     float web = thin ? 1.0 : 0.0;
 #ifdef DISTANT
     // Scales, eyes and torn edges are too small to be seen.
-    const float seen = 0.0, eye = 0.0;
+    const float seen = 0.0, eye = 0.0, inside = 0.0;
     const vec3 relief = vec3(0.0, 0.0, 1.0);
 #else
     vec4 eye_spot = looks[v_kind].eye;
@@ -60,13 +83,19 @@ void main() {
     skin.rgb *= relief.z;
     vec2 from_eye = (v_rest - eye_spot.xy) / eye_spot.z;
     float eye = thin ? 0.0 : 1.0 - smoothstep(0.75, 1.1, dot(from_eye, from_eye));
+    float inside = 0.0;
+    if (v_gape > 0.0 && !thin) {
+        vec4 within = inside_mouth(v_rest, v_part.x, v_kind, v_gape);
+        inside = within.a;
+        skin.rgb = mix(skin.rgb, within.rgb, inside);
+    }
     vec2 slope = relief.xy + 0.9 * eye * from_eye;
     vec3 up = v_side * cross(normal, v_ahead);
     normal = normalize(normal - slope.x * v_ahead + slope.y * up);
 #endif
 
     // What is bright and without colour is silver.
-    float silver = coat.z * (1.0 - web) * smoothstep(0.05, 0.5, min(skin.r, min(skin.g, skin.b)));
+    float silver = coat.z * (1.0 - web) * (1.0 - inside) * smoothstep(0.05, 0.5, min(skin.r, min(skin.g, skin.b)));
     vec3 sun = sunlight_at(v_world.z) * caustics_at(v_world);
     vec3 light = light_from(sun, v_world, normal, 0.25);
     // What is thin glows with the light that falls on its other side.
@@ -80,13 +109,14 @@ void main() {
     float sharp = mirror * mirror;
     float spark = sharp * sharp;
     spark *= spark;
-    float gloss = mix(coat.x * (0.35 + 0.65 * seen), 0.06, web);
+    float gloss = mix(coat.x * (0.35 + 0.65 * seen), 0.06, web) * (1.0 - inside);
     vec3 sheen = 0.75 + 0.5 * abs(2.0 * fract(1.4 * facing + 0.5 * relief.x + vec3(0.0, 0.3, 0.6)) - 1.0);
     colour += (gloss * sharp * mix(0.3 + 1.2 * skin.rgb, 1.2 * sheen, silver) + 4.0 * eye * spark) * sun;
     // Wet skin mirrors the water around it at grazing angles, silver at all.
     float rim = 1.0 - facing;
     rim *= rim;
     float share = 0.22 * rim * rim + (0.10 + 0.1 * rim) * eye;
+    share *= 1.0 - inside;
     vec3 around = water_radiance(reflect(-view, normal));
     colour += (share + silver * sheen * (0.4 + skin.rgb)) * around;
 #ifdef LIT

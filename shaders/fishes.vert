@@ -2,6 +2,7 @@
 #include "optics.glsl"
 #include "fishes.glsl"
 #include "individual.glsl"
+#include "mouth.glsl"
 
 uniform mat4 u_view;
 uniform mat4 u_projection;
@@ -38,6 +39,9 @@ flat out vec3 v_shift;
 flat out float v_nick;
 flat out float v_identity;
 flat out float v_fade;
+#ifndef DISTANT
+flat out float v_gape;  // by how much the lower jaw is turned down, rad
+#endif
 flat out int v_kind;
 #ifdef MARKS
 uniform float u_mark;  // of fish 0
@@ -45,6 +49,7 @@ flat out float v_mark;
 #endif
 
 const float WING_SPREAD = 0.95, WING_BEAT = 0.2;  // rad that a wing stands out; its share of the beat
+const float JOINT = 0.25;  // of the jaws behind the corner of the mouth, lengths of the mouth
 const float LEAN = 0.35;  // of a paddle's plane, outwards
 
 vec3 control(int point) {
@@ -59,12 +64,32 @@ vec3 turned(vec3 v) {
     return v + i_turn.x * t + cross(i_turn.yzw, t);
 }
 
+#ifndef DISTANT
+// Turn the lower jaw down and the upper one up a little, both less the farther behind they are, and
+// draw in what is between them.
+void open_mouth(inout vec3 place, inout vec3 normal) {
+    vec4 mouth = looks[v_kind].mouth;
+    float reach = mouth.z - mouth.x, size = looks[v_kind].build.x;
+    vec2 at = at_mouth(v_rest, v_kind);
+    float lower = smoothstep(1.0, -1.0, at.y);
+    float jaw = 1.0 - smoothstep(0.8, 3.0, at.x);
+    float snout = 1.0 - smoothstep(0.0, 3.0, at.x);
+    float angle = v_gape * mix(0.3 * snout, -jaw, lower);
+    mat2 turn = mat2(cos(angle), sin(angle), -sin(angle), cos(angle));
+    vec2 arm = size * vec2(mouth.z + JOINT * reach - v_rest.x, v_rest.y - mouth.w);
+    place.xy += turn * arm - arm;
+    float between = 4.0 * lower * (1.0 - lower) * (1.0 - smoothstep(0.0, 1.0, at.x));
+    place -= normal * size * reach * v_gape * between;
+    normal.xy = turn * normal.xy;
+}
+#endif
+
 void main() {
     v_kind = int(i_show.x);
     v_fade = i_show.y;
     vec4 own = texelFetch(u_vertices, ivec2(gl_VertexID, v_kind), 0);
     vec4 build = looks[v_kind].build;
-    float head = looks[v_kind].eye.w, stiff = looks[v_kind].coat.w;
+    float stiff = looks[v_kind].coat.w;
     vec3 place = vec3(0.0), along_u = vec3(0.0), along_v = vec3(0.0), root = vec3(0.0);
     int base = int(own.z), row = int(a_part.w);
     float side = a_part.z;
@@ -86,10 +111,8 @@ void main() {
             along_v += a_u[i] * slope;
         }
         if (a_part.x < 0.5) {
-            // The lower jaw drops, most at its tip; the tail spreads, most at its edge.
-            float jaw = (1.0 - smoothstep(0.0, 0.055 * head, v_rest.x)) * step(0.5, a_part.y);
-            float spread = i_fins.z * (1.0 - stiff) * smoothstep(build.y, 1.0, v_rest.x);
-            place.y += place.y * spread - 0.022 * head * build.x * jaw * i_fins.x;
+            // The tail spreads, most at its edge.
+            place.y *= 1.0 + i_fins.z * (1.0 - stiff) * smoothstep(build.y, 1.0, v_rest.x);
         } else {
             // A folded fin lies closer to its root.
             place = mix(root, place, mix(i_fins.y, 1.0, stiff));
@@ -117,6 +140,10 @@ void main() {
     // At the snout all control points of a row are one: the normal is the way ahead.
     normal = dot(normal, normal) > 1e-8 ? normalize(normal) : vec3(1.0, 0.0, 0.0);
     if (a_part.x < 0.5) normal *= -side;  // outward
+#ifndef DISTANT
+    v_gape = a_part.x < 0.5 ? opening(i_fins.x, v_kind) : 0.0;
+    if (v_gape > 0.0) open_mouth(place, normal);
+#endif
     v_normal = turned(normal);
     v_world = i_place.xyz + turned(i_place.w * place);
     v_identity = i_pose.w;

@@ -44,7 +44,10 @@ SRGB8_ALPHA8 = 0x8C43  # OpenGL's name for the texels of the skins
 GUTTER = 2**COARSEST
 CELL = paint.SIZE[0] + 2 * GUTTER, paint.SIZE[1] + 2 * GUTTER
 
-JAWS_AHEAD = 0.02  # body lengths from the snout to the tip of a mouth that it ends in
+# How far the lower jaw of a predator, and of any other, turns down.
+GAPE_RAD = {"predator": radians(32.0), "prey": radians(22.0), "pacifist": radians(22.0)}
+LIPS = 0.25  # half the width of the border between the jaws, of the length of the mouth
+TEETH = 24.0  # of a predator, in half the round of its body
 
 INSTANCE_FORMAT = "4f4 4f4 4f4 4f4 3f4 4f4"
 INSTANCE_ATTRIBUTES = ("i_place", "i_turn", "i_pose", "i_pectoral", "i_fins", "i_show")
@@ -314,17 +317,21 @@ def look(
     surface, skin = species.surface, species.skin
     top = paint.half_height(surface)
     front, rear = paint.borders(surface)
-    # A jaw that lies beneath the snout does not show when it drops.
-    head = paint.head_size(surface) if skin.mouth[0][0] < JAWS_AHEAD else 1e-3
+    # The mouth of a body with wings lies on its lower side, which is elsewhere on the skin.
+    gape = 0.0 if surface.wing else GAPE_RAD[species.kind]
+    soft = LIPS * (skin.mouth[1][0] - skin.mouth[0][0]) * paint.head_size(surface)
+    teeth = TEETH if species.kind == "predator" else 0.0
     vary, show = skin.variation, skin.display or Display(of=(0, 0, 0), to=(0, 0, 0))
     shift = [to - of for to, of in zip(show.to, show.of, strict=True)]
     return [
         place,
         (front, -top, rear, top),
-        (surface.eye.at, paint.eye_height(surface), surface.eye.radius, head),
+        (surface.eye.at, paint.eye_height(surface), surface.eye.radius, 0.0),
         (skin.gloss, skin.scales, skin.silver, float(surface.stiff_fins)),
         (length_cm, surface.tail.begin, show.brightness, vary.torn),
         (vary.hue, vary.saturation, vary.brightness, vary.pattern),
+        (*skin.mouth[0], *skin.mouth[1]),
+        (gape, soft, teeth, 0.0),
         (*show.of, show.reach**-2),
         (*shift, show.saturation),
         _stand(surface.pectoral),

@@ -31,6 +31,7 @@ Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
 
 BODY, FIN, PECTORAL, PELVIC = range(4)  # parts, as the shaders know them
+HEAD = 12  # samples of the finest table along a body that are in its head
 ABSENT = -1.0  # instead of a control point: this species has no such fin
 
 VERTEX_FORMAT = "3f4 3f4 3f4 3f4 4f4"
@@ -69,23 +70,26 @@ class Mesh(NamedTuple):
 
 @cache
 def finest(controls: int) -> Table:
-    """The one basis that is evaluated: at the ends, at the knots and halfway between two knots.
+    """The one basis that is evaluated: at the knots and at each quarter of the way between two.
 
     Halfway is where a control point pulls most, so that coarser levels are among these samples.
     """
     degree = min(DEGREE, controls - 1)
-    return basis_table(controls, controls if degree == 1 else 2 * (controls - degree) + 1, degree)
+    return basis_table(controls, controls if degree == 1 else 4 * (controls - degree) + 1, degree)
 
 
 def kept(controls: int, thinned: int) -> Ints:
     """Which samples of the finest table a level takes.
 
-    Not thinned: all. Once: one per control point, where that pulls most. Twice: every second.
+    Not thinned: every second, and along the body all in the head, where a mouth opens. Once: one
+    per control point, where that pulls most. Twice: every second of these.
     """
     every = np.arange(len(finest(controls).first))
-    if thinned == 0 or controls == 2:
+    if controls == 2:
         return every
-    pulling = np.concatenate([every[:1], every[1::2], every[-1:]])
+    if thinned == 0:
+        return every[(every % 2 == 0) | ((controls == V) & (every < HEAD))]
+    pulling = np.concatenate([every[:1], every[2::4], every[-1:]])
     if thinned == 1:
         return pulling
     return pulling[np.round(np.linspace(0, controls - 1, (controls + 1) // 2)).astype(int)]

@@ -25,11 +25,20 @@ from subsea.kinematics.surface import (
 )
 from subsea.render import Renderer, fishes
 from subsea.render.fish_speck import speck
-from subsea.render.fishes import INSTANCE_ATTRIBUTES, INSTANCE_FORMAT, frames, look
+from subsea.render.fishes import (
+    GAPE_RAD,
+    INSTANCE_ATTRIBUTES,
+    INSTANCE_FORMAT,
+    frames,
+    look,
+)
 from subsea.render.quality import PRESETS
 from subsea.render.shaders import set_uniforms, source
+from subsea.render.specimen import FINS as AT_EASE
+from subsea.render.specimen import Orbit, Specimen
 from subsea.repertoire import read_repertoire
 from subsea.resources import resource_path
+from subsea.skins import paint
 from subsea.skins.mesh import (
     ABSENT,
     BODY,
@@ -246,6 +255,62 @@ def test_fins_fold_and_the_tail_spreads_unless_they_are_stiff(
     assert change[0.0][fins].max() > 0.5
     assert change[0.0][tail].max() > 0.5
     assert change[1.0].max() == 0.0
+
+
+def test_jaws_turn_about_a_joint_behind_the_corner_of_the_mouth(
+    context, program, scene, make_packet, fish
+):
+    """The lower one down by all of its angle, the upper one up by less, and nothing far behind."""
+    species, size = scene.species[0], scene.recorded_length_cm[0]
+    straight = scene.control_points.copy()
+    straight[:2] = rest_control_points(species.surface, size, 0.0)
+    still = dataclasses.replace(scene, control_points=straight)
+    shut, breath, bite = (make_packet([fish(0, (0, 0, 0), heading=0.0)]) for _ in range(3))
+    breath.instances[0, 16], bite.instances[0, 16] = 0.45, 1.0
+    (before, ahead), (breathing, _), (after, turned) = (
+        shaded(context, program, still, 0, packet) for packet in (shut, breath, bite)
+    )
+    mesh, own = dressed(scene, 0, 0)
+    (tip, high), (corner, low) = species.skin.mouth
+    line = np.interp(own[:, 0], (tip, corner), (high, low))
+    body = (mesh.vertices[:, PART] == BODY) & (own[:, 0] < 0.8 * corner)
+    chin, brow = body & (own[:, 1] < line - 0.006), body & (own[:, 1] > line + 0.012)
+    assert chin.sum() > 10 < brow.sum()
+    joint = size * np.array([-corner - 0.25 * (corner - tip), low])
+    angle = GAPE_RAD["prey"]
+    turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    across = [0, 2]  # the plane in which it turns
+    np.testing.assert_allclose(
+        after[chin][:, across], joint + (before[chin][:, across] - joint) @ turn.T, atol=1e-3
+    )
+    np.testing.assert_allclose(after[chin, 1], before[chin, 1], atol=1e-3)
+    np.testing.assert_allclose(turned[chin][:, across], ahead[chin][:, across] @ turn.T, atol=1e-3)
+    risen = (after - before)[brow, 2]
+    assert 0.0 < risen.max() < 0.5 * (before - after)[chin, 2].max()
+    half = np.linalg.norm(breathing - before, axis=1).max()
+    assert 0.0 < half < 0.3 * np.linalg.norm(after - before, axis=1).max()
+    far = (mesh.vertices[:, PART] != BODY) | (own[:, 0] > 4.0 * corner)
+    np.testing.assert_array_equal(after[far], before[far])
+
+
+@pytest.mark.parametrize("species", ["blacktip_reef_shark", "clownfish", "spotted_eagle_ray"])
+def test_an_open_mouth_is_dark_inside(context, species):
+    """Seen in the face; that of a ray lies below and stays shut."""
+    kind = load_species(species)
+    shown = Specimen(context, kind, paint.paint(kind))
+    points = rest_control_points(kind.surface, kind.length_cm, 0.0)
+
+    def black(gape):
+        fins = (*AT_EASE[:4], gape, *AT_EASE[5:])
+        shown.draw(points, Orbit(turn=np.pi / 2), (320, 180), fins)
+        return (shown.read_pixels().max(axis=2) < 50).sum()
+
+    shut, wide = black(0.0), black(1.0)
+    shown.release()
+    if kind.surface.wing:
+        assert wide == shut
+    else:
+        assert wide > shut + 60
 
 
 @pytest.mark.parametrize("level", range(len(DETAILS)))
