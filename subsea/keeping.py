@@ -12,7 +12,7 @@ import zlib
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, ParamSpec, TypeVar
+from typing import ParamSpec, TypeVar
 
 import numpy as np
 import platformdirs
@@ -39,7 +39,7 @@ def kept(make: Callable[P, T], *given: P.args, **named: P.kwargs) -> T:
     Arguments and result are anything that pickles. Where nothing can be written it is made each
     time.
     """
-    path = _path(make, given, named)
+    path = folder() / f"{name_of(make, *given, **named)}.pickle"
     with suppress(Exception):  # a pickle that is damaged may raise anything
         data = path.read_bytes()
         if zlib.crc32(memoryview(data)[SUM_BYTES:]) == int.from_bytes(data[:SUM_BYTES], "big"):
@@ -57,12 +57,12 @@ def kept(make: Callable[P, T], *given: P.args, **named: P.kwargs) -> T:
     return made
 
 
-def _path(make: Callable[..., object], given: Any, named: Any) -> Path:
-    """The file that is for this code and these arguments, and for nothing else."""
+def name_of(make: Callable[P, object], *given: P.args, **named: P.kwargs) -> str:
+    """The name that is for this code and these arguments, and for nothing else."""
     code = stamp(Path(make.__code__.co_filename).resolve())
     about = pickle.dumps((sys.version_info[:2], np.__version__, given, named))
     name = hashlib.sha256(code.encode() + about).hexdigest()
-    return folder() / f"{make.__name__}-{name[:32]}.pickle"
+    return f"{make.__name__}-{name[:32]}"
 
 
 def _make_room(place: Path) -> None:

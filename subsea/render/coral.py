@@ -14,9 +14,10 @@ from subsea.keeping import kept
 from subsea.render.coral_mesh import Mesh, unit
 from subsea.render.coral_shapes import LEVELS, forms
 from subsea.render.marks import CORAL, mark
+from subsea.render.mipmaps import Texels
 from subsea.render.shaders import program, wanted
 from subsea.render.standing import Shape, Standing
-from subsea.render.textures import nearest_of_cells, tileable_noise, upload
+from subsea.render.textures import halves, nearest_of_cells, repeating, tileable_noise
 from subsea.state import Reef
 from subsea.view.camera import View
 
@@ -159,7 +160,7 @@ class Coral:
         self._context = context
         # Others are made when they are first asked for.
         self._programs: dict[tuple[str, ...], Any] = {(): program(context, "coral")}
-        self._grain = upload(context, kept(grain, 6))
+        self._grain = repeating(context, grained, 6)
         self._standing = Standing(
             context, self._programs[()], LAYOUT, ATTRIBUTES, growths, reach_cm, THRESHOLDS_PX
         )
@@ -309,6 +310,11 @@ def _tints(look: Look, own: Array, hue: Array) -> tuple[Array, Array]:
     pick = np.maximum(grey + SATURATION * (pick - grey), 0.015)
     pick = pick * (bright[:, None] * (1.0 + 0.12 * off))[:, None]
     return pick[:, 0], pick[:, 1]
+
+
+def grained(seed: int) -> Texels:
+    """The grain as a texture."""
+    return halves(grain(seed))
 
 
 def grain(seed: int, size: int = 256) -> list[Array]:

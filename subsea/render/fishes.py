@@ -16,6 +16,7 @@ from subsea.kinematics.surface import PaddlePlan
 from subsea.render import fish_speck
 from subsea.render.fish_speck import COARSEST, Speck, places, speck
 from subsea.render.marks import FISH, double, mark
+from subsea.render.mipmaps import kept_texture, mipmapped
 from subsea.render.shaders import program, set_uniforms, wanted
 from subsea.skins import paint
 from subsea.skins.mesh import (
@@ -26,6 +27,7 @@ from subsea.skins.mesh import (
     fish_mesh,
     outfit,
 )
+from subsea.skins.sheet import sheets
 from subsea.species import Display, Species
 
 Array = NDArray[np.floating[Any]]
@@ -37,7 +39,6 @@ SPECK, OWN_MARKS = ("SPECK",), ("OWN_MARKS",)
 NO_TRIANGLE = np.zeros((1, 3), np.int32)
 NOBODY = np.zeros((1, INSTANCE_COLUMNS), np.float32)
 LOOKS_BINDING = 0  # of the block of uniforms
-SRGB8_ALPHA8 = 0x8C43  # OpenGL's name for the texels of the skins
 
 # Texels around each skin that repeat its border: one at the coarsest mipmap, so that none mixes
 # neighbours on the atlas.
@@ -56,8 +57,13 @@ INSTANCE_ATTRIBUTES = ("i_place", "i_turn", "i_pose", "i_pectoral", "i_fins", "i
 class Fishes:
     """Holds the table of control points, a mesh per level, the skins, and the instances."""
 
-    def __init__(self, context: Any, scene: Scene, skins: list[NDArray[np.uint8]]) -> None:
-        """Make every object; `skins` are those of the scene's species, as `paint` makes them."""
+    def __init__(
+        self, context: Any, scene: Scene, skins: list[NDArray[np.uint8]] | None = None
+    ) -> None:
+        """Make every object.
+
+        The species of the scene wear their own skins, or other ones as `paint` makes them.
+        """
         self._context = context
         kinds = len(scene.species)
         # By whether what they draw is distant, and whether it fades: to discard pixels costs time.
@@ -70,7 +76,7 @@ class Fishes:
         table[..., :3] = scene.control_points
         self._table = _table(context, table)
         self._instances = context.buffer(reserve=INSTANCE_COLUMNS * 4)
-        self._skins = _atlas(context, skins)
+        self._skins = _atlas(context, scene.species, skins)
         self._looks = context.buffer(_looks(scene.species, scene.recorded_length_cm).tobytes())
         self._meshes = [fish_mesh(detail) for detail in DETAILS]
         vertices, triangles, self._first = joined(self._meshes)
@@ -119,7 +125,7 @@ class Fishes:
         self._vertices.write(outfits(species, self._meshes).tobytes())
         self._places.write(speck_places(species, self._shape).tobytes())
         if skins is not None:
-            self._skins.write(_side_by_side(skins).tobytes())
+            self._skins.write(_side_by_side(skins))
             self._skins.build_mipmaps(max_level=COARSEST)
 
     def draw(
@@ -278,13 +284,18 @@ def _looks(species: tuple[Species, ...], length_cm: tuple[float, ...]) -> Array:
     return np.array([*rows, *frames()], "f4")
 
 
-def _atlas(context: Any, skins: list[NDArray[np.uint8]]) -> Any:
-    """Painted skins side by side as one mipmapped sRGB texture."""
-    picture = _side_by_side(skins)
-    size = picture.shape[1], picture.shape[0]
-    texture = context.texture(size, 4, picture.tobytes(), internal_format=SRGB8_ALPHA8)
-    texture.build_mipmaps(max_level=COARSEST)
-    return texture
+def _atlas(
+    context: Any, species: tuple[Species, ...], skins: list[NDArray[np.uint8]] | None
+) -> Any:
+    """Skins side by side as one mipmapped sRGB texture; those that are painted alone are kept."""
+    if skins is None and not any(one.skin.sheet for one in species):
+        return kept_texture(context, COARSEST, True, _painted, species)
+    skins = sheets(species) if skins is None else skins
+    return mipmapped(context, _side_by_side(skins), COARSEST, srgb=True)
+
+
+def _painted(species: tuple[Species, ...]) -> NDArray[np.uint8]:
+    return _side_by_side(paint.paint_all(species))
 
 
 def _side_by_side(skins: list[NDArray[np.uint8]]) -> NDArray[np.uint8]:

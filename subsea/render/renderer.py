@@ -29,10 +29,9 @@ from subsea.render.seaweed import Seaweed
 from subsea.render.shafts import Shafts
 from subsea.render.solids import Solids, pieces
 from subsea.render.target import Resolve, Target, scaled
-from subsea.render.textures import caustics, tileable_noise, upload
+from subsea.render.textures import near_and_far, noise, repeating
 from subsea.render.uniforms import uniforms_of
 from subsea.render.water import Water
-from subsea.skins.sheet import sheets
 from subsea.view.camera import View
 from subsea.view.culling import IN_SIGHT
 from subsea.view.rig import Patch, Rect, Rig
@@ -70,13 +69,8 @@ class Renderer:
             stone = pool.submit(lambda: kept(pieces, *stands))
             ground = pool.submit(lambda: kept(surroundings, *stands))
             growths = pool.submit(bake, scene.reef)
-            skins = pool.submit(sheets, scene.species)
-            near_and_far = [
-                kept(caustics, 1),
-                kept(caustics, 1, waves=(4.0, 14.0), reach=0.040, penumbra=0.010),
-            ]
-            self._caustics = upload(context, near_and_far)
-            self._noise = upload(context, [tileable_noise(2)])
+            self._caustics = repeating(context, near_and_far, 1)
+            self._noise = repeating(context, noise, 2)
             self._shafts = Shafts(context, quality)
             heed()
             self._water = Water(context, scene)
@@ -92,7 +86,7 @@ class Renderer:
             )  # fmt: skip
             self._seaweed = Seaweed(context)
             heed()
-            self._fishes = Fishes(context, scene, skins.result())
+            self._fishes = Fishes(context, scene)
         self._hook = Hook(context)
         heed()
         self._bubbles = Bubbles(context, scene)

@@ -5,7 +5,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.render.textures import tileable_noise
+from subsea.render.mipmaps import Texels
+from subsea.render.textures import in_bytes, tileable_noise
 
 Array = NDArray[np.floating[Any]]
 
@@ -57,6 +58,16 @@ def litter(seed: int, size: int = FINE_SIZE) -> list[Array]:
     inside = np.clip((0.16 + 0.32 * wide**1.5 - away) / 0.05, 0.0, 1.0)
     bulge = inside * (1.0 + 1.2 * (tone - 0.5) * (u + v))
     return [*_slopes(bulge), tone, common * inside]
+
+
+def rippled(seed: int) -> Texels:
+    """Ripple marks as a texture."""
+    return in_bytes(ripples(seed), -SPAN, SPAN)
+
+
+def littered(seed: int) -> Texels:
+    """Litter as a texture."""
+    return in_bytes(litter(seed), LITTER_LOW, LITTER_HIGH)
 
 
 def _slopes(height: Array) -> tuple[Array, Array]:

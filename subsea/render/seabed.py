@@ -8,12 +8,11 @@ from numpy.typing import NDArray
 
 from subsea.frame import Packet, Scene
 from subsea.habitat.formations import formations
-from subsea.keeping import kept
 from subsea.render import ground, sand
 from subsea.render.marks import SEABED, mark
 from subsea.render.shaders import program, set_uniforms, wanted
 from subsea.render.standing import Shape, Standing
-from subsea.render.textures import upload_bytes
+from subsea.render.textures import repeating
 from subsea.view.culling import IN_SIGHT
 
 Array = NDArray[np.floating[Any]]
@@ -47,8 +46,8 @@ class Seabed:
         self._map = (*about.corner, *about.size)
         self._textures = [
             ground.upload(context, about),
-            upload_bytes(context, kept(sand.ripples, 3), -sand.SPAN, sand.SPAN),
-            upload_bytes(context, kept(sand.litter, 4), sand.LITTER_LOW, sand.LITTER_HIGH),
+            repeating(context, sand.rippled, 3),
+            repeating(context, sand.littered, 4),
         ]
 
     @property

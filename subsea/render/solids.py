@@ -10,15 +10,15 @@ from numpy.typing import NDArray
 
 from subsea.frame import Packet, Scene
 from subsea.habitat.formations import first_of_formation, formations
-from subsea.keeping import kept
 from subsea.kinematics.solids import from_pillar, from_rock
 from subsea.kinematics.vector import vector
 from subsea.render.marks import PILLAR, ROCK, mark
+from subsea.render.mipmaps import Texels
 from subsea.render.seabed import drawn_height
 from subsea.render.shaders import program, set_uniforms, wanted
 from subsea.render.standing import Shape, Standing
 from subsea.render.stone import cut, shapes
-from subsea.render.textures import relief, upload_bytes
+from subsea.render.textures import in_bytes, relief, repeating
 from subsea.view.culling import IN_SIGHT
 
 Array = NDArray[np.floating[Any]]
@@ -58,6 +58,11 @@ def _nearest(pillars: Array, rocks: Array, places: Array) -> Ints:
     return out
 
 
+def roughness(seed: int) -> Texels:
+    """The relief of stone as a texture."""
+    return in_bytes(relief(seed), -RELIEF_SPAN, RELIEF_SPAN)
+
+
 class Solids:
     """Holds the shapes of all formations."""
 
@@ -71,7 +76,7 @@ class Solids:
         if not stone:
             return
         self._programs[()] = program(context, "solid")
-        self._relief = upload_bytes(context, kept(relief, 5), -RELIEF_SPAN, RELIEF_SPAN)
+        self._relief = repeating(context, roughness, 5)
         self._standing = Standing(
             context,
             self._programs[()],

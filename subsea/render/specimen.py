@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from subsea.frame import INSTANCE_COLUMNS, Batch, Packet, Scene
 from subsea.kinematics.surface import CONTROL_POINTS, rest_surface
 from subsea.render.fishes import Fishes
+from subsea.render.mipmaps import mipmapped
 from subsea.render.target import Resolve, Target
-from subsea.render.textures import upload
 from subsea.render.uniforms import uniforms_of
 from subsea.scenario import Water
 from subsea.species import Species, Variation
@@ -78,7 +78,7 @@ class Specimen:
             water=WATER,
         )
         self._fishes = Fishes(context, scene, [sheet])
-        self._light = upload(context, [np.full((1, 1), LEVEL_CAUSTICS)] * 2)
+        self._light = mipmapped(context, np.full((1, 1, 2), LEVEL_CAUSTICS, np.float16))
         self._resolve: Resolve | None = None
         self._sized: list[Any] = []
         self.size = (0, 0)

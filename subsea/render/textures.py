@@ -1,10 +1,13 @@
 """Tileable textures, made at start: noise for the sand, caustics for the light."""
 
+from collections.abc import Callable
 from typing import Any
 
 import moderngl
 import numpy as np
 from numpy.typing import NDArray
+
+from subsea.render.mipmaps import ALL, Texels, kept_texture
 
 Array = NDArray[np.floating[Any]]
 
@@ -132,21 +135,30 @@ def nearest_of_cells(seed: int, size: int, cells: int) -> Array:
     return nearest
 
 
-def upload(context: Any, layers: list[Array]) -> Any:
-    """A repeating, mipmapped texture of half floats, of one to four layers (n, n)."""
-    data = np.stack(layers, axis=-1).astype("f2")
-    texture = context.texture(data.shape[1::-1], data.shape[2], data.tobytes(), dtype="f2")
-    texture.build_mipmaps()
+def halves(layers: list[Array]) -> Texels:
+    """One to four layers (n, n) as half floats."""
+    return np.stack(layers, axis=-1).astype(np.float16)
+
+
+def in_bytes(layers: list[Array], low: Array, high: Array) -> Texels:
+    """Layers (n, n) as bytes from `low` to `high`."""
+    data = np.clip((np.stack(layers, axis=-1) - low) / (np.asarray(high) - low), 0.0, 1.0)
+    return (255.0 * data + 0.5).astype(np.uint8)
+
+
+def near_and_far(seed: int) -> Texels:
+    """The caustics of short waves, and of what is left of them far below: long ones, blurred."""
+    return halves([caustics(seed), caustics(seed, waves=(4.0, 14.0), reach=0.040, penumbra=0.010)])
+
+
+def noise(seed: int) -> Texels:
+    """Noise as a texture."""
+    return halves([tileable_noise(seed)])
+
+
+def repeating(context: Any, make: Callable[[int], Texels], seed: int) -> Any:
+    """What `make` returns for a seed as a texture that repeats, kept on the disk."""
+    texture = kept_texture(context, ALL, False, make, seed)
     # Reading two mipmaps for every sample would show little and take a sixth of a picture.
-    texture.filter = moderngl.LINEAR_MIPMAP_NEAREST, moderngl.LINEAR
-    return texture
-
-
-def upload_bytes(context: Any, layers: list[Array], low: Array, high: Array) -> Any:
-    """A repeating, mipmapped texture of four layers, as bytes from `low` to `high`."""
-    data = np.stack(layers, axis=-1)
-    data = np.clip((data - low) / (np.asarray(high) - low), 0.0, 1.0)
-    texture = context.texture(data.shape[1::-1], 4, (255.0 * data + 0.5).astype("u1").tobytes())
-    texture.build_mipmaps()
     texture.filter = moderngl.LINEAR_MIPMAP_NEAREST, moderngl.LINEAR
     return texture

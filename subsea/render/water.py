@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.frame import Scene
-from subsea.keeping import kept
 from subsea.render.marks import SURFACE, Twin
+from subsea.render.mipmaps import Texels
 from subsea.render.quality import Quality
 from subsea.render.shaders import program, set_uniforms, wanted
-from subsea.render.textures import ripples, upload
+from subsea.render.textures import halves, repeating, ripples
 from subsea.view.camera import FAR_CM, View
 from subsea.view.rigs import VERTICAL_FOV
 
@@ -38,7 +38,7 @@ class Water:
         self._cells = COARSE
         self._surface = Twin(context, "surface", SURFACE)
         self._floor = float(np.mean(scene.terrain))
-        self._ripples = upload_ripples(context)
+        self._ripples = repeating(context, rippled, 3)
         self._parts = [context.buffer(part.tobytes()) for part in disc(RINGS, SECTORS)]
         self._disc = self._surface.array([(self._parts[0], "2f4", "a_place")], self._parts[1])
 
@@ -79,13 +79,13 @@ class Water:
             held.release()
 
 
-def upload_ripples(context: Any) -> Any:
+def rippled(seed: int) -> Texels:
     """The slopes of the surface and the square of them, of which mipmaps keep the mean.
 
     Where a mipmap has smoothed the slopes away, their square still tells how rough it is.
     """
-    x, y = kept(ripples, 3)
-    return upload(context, [x, y, x**2 + y**2])
+    x, y = ripples(seed)
+    return halves([x, y, x**2 + y**2])
 
 
 def grid(across: int, down: int) -> NDArray[np.int32]:

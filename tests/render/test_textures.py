@@ -3,13 +3,15 @@
 import numpy as np
 import pytest
 
+from subsea.render.mipmaps import mipmapped
 from subsea.render.textures import (
     caustics,
+    halves,
+    in_bytes,
     nearest_of_cells,
     relief,
     ripples,
     tileable_noise,
-    upload,
 )
 
 
@@ -96,7 +98,13 @@ def test_no_place_is_far_from_the_nearest_point_of_its_cells():
 
 def test_a_texture_keeps_its_values(context):
     values = np.arange(16.0).reshape(4, 4)
-    texture = upload(context, [values, 2 * values])
+    texture = mipmapped(context, halves([values, 2 * values]))
     back = np.frombuffer(texture.read(), np.float16).reshape(4, 4, 2)
     np.testing.assert_array_equal(back[..., 1], 2 * values)
     texture.release()
+
+
+def test_bytes_span_what_they_are_said_to():
+    layers = [np.full((1, 1), value) for value in (-1.0, 0.0, 0.5, 7.0)]
+    found = in_bytes(layers, np.full(4, -1.0), np.full(4, 1.0))
+    assert found.ravel().tolist() == [0, 128, 191, 255]

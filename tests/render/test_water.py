@@ -9,7 +9,7 @@ from subsea.habitat.formations import SUN
 from subsea.render import Renderer
 from subsea.render.quality import PRESETS
 from subsea.render.shaders import set_uniforms, source
-from subsea.render.textures import caustics, upload
+from subsea.render.textures import near_and_far, repeating
 from subsea.render.water import disc, grid
 from subsea.view.rigs import display_rig
 
@@ -118,8 +118,7 @@ def test_no_edge_of_the_surface_is_seen(look):
 @pytest.fixture(scope="module")
 def optics(context):
     """A GLSL expression of `vec3 p`, and places (n, 3) -> its values (n, 3), by `optics.glsl`."""
-    near_and_far = [caustics(1), caustics(1, waves=(4.0, 14.0), reach=0.040, penumbra=0.010)]
-    light = upload(context, near_and_far)
+    light = repeating(context, near_and_far, 1)
     target = context.simple_framebuffer((4, 4))
 
     def optics(expression, places, **uniforms):
