@@ -5,6 +5,7 @@ is missing: its name tells the code and the arguments, and one that is damaged i
 """
 
 import hashlib
+import io
 import os
 import pickle
 import sys
@@ -60,8 +61,11 @@ def kept(make: Callable[P, T], *given: P.args, **named: P.kwargs) -> T:
 def name_of(make: Callable[P, object], *given: P.args, **named: P.kwargs) -> str:
     """The name that is for this code and these arguments, and for nothing else."""
     code = stamp(Path(make.__code__.co_filename).resolve())
-    about = pickle.dumps((sys.version_info[:2], np.__version__, given, named))
-    name = hashlib.sha256(code.encode() + about).hexdigest()
+    about = io.BytesIO()
+    pickler = pickle.Pickler(about)
+    pickler.fast = True  # equal arguments are pickled equally, whatever parts they have in common
+    pickler.dump((sys.version_info[:2], np.__version__, given, named))
+    name = hashlib.sha256(code.encode() + about.getvalue()).hexdigest()
     return f"{make.__name__}-{name[:32]}"
 
 

@@ -76,6 +76,13 @@ def test_other_arguments_and_other_code_make_it_anew(module):
     assert kept(other.squares, 5)[0][2] == 5.0
 
 
+def test_equal_arguments_are_the_same_whatever_they_share(module):
+    maker, row = module(CODE), np.arange(4.0)
+    same = keeping.name_of(maker.squares, [row, row])
+    assert keeping.name_of(maker.squares, [row, row.copy()]) == same
+    assert keeping.name_of(maker.squares, [row, row + 1.0]) != same
+
+
 @pytest.mark.parametrize("harm", ["empty", "short", "flipped", "other"])
 def test_what_is_damaged_is_made_anew(module, place, harm):
     maker = module(CODE)

@@ -1,7 +1,7 @@
 """Corals, sponges and anemones: every growth of a reef in its own place, size and colours."""
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,7 +16,7 @@ from subsea.render.coral_shapes import LEVELS, forms
 from subsea.render.marks import CORAL, mark
 from subsea.render.mipmaps import Texels
 from subsea.render.shaders import program, wanted
-from subsea.render.standing import Shape, Standing
+from subsea.render.standing import Later, Shape, Standing, about
 from subsea.render.textures import halves, nearest_of_cells, repeating, tileable_noise
 from subsea.state import Reef
 from subsea.view.camera import View
@@ -147,7 +147,7 @@ class Coral:
         self,
         context: Any,
         reef: Reef,
-        growths: list[list[Shape]],
+        growths: list[list[Later]],
         reach_cm: float,
         sand: Ground,
     ) -> None:
@@ -162,8 +162,9 @@ class Coral:
         self._programs: dict[tuple[str, ...], Any] = {(): program(context, "coral")}
         self._grain = repeating(context, grained, 6)
         self._standing = Standing(
-            context, self._programs[()], LAYOUT, ATTRIBUTES, growths, reach_cm, THRESHOLDS_PX
-        )
+            context, self._programs[()], LAYOUT, ATTRIBUTES, growths, reach_cm, THRESHOLDS_PX,
+            kept(spheres, reef),
+        )  # fmt: skip
         self._shade = program(context, "shadow")
         # What stands on a mound darkens no sand, and a few sticks none to speak of.
         gap = reef.place[:, 2] - sand(reef.place[:, 0], reef.place[:, 1])
@@ -207,27 +208,28 @@ class Coral:
             held.release()
 
 
-def bake(reef: Reef) -> list[list[Shape]]:
-    """The shapes of all growths, level by level; growths of one form are made together."""
-    shapes: list[list[Shape]] = [[] for _ in reef.kind]
+def bake(reef: Reef) -> list[list[Later]]:
+    """The shapes of all growths, level by level."""
+    shapes: list[list[Later]] = [[] for _ in reef.kind]
     variant = variant_of(reef.own)
     groups = np.unique(np.stack([reef.kind, variant], axis=1), axis=0)
 
     meshes = kept(forms, [(list(KINDS)[kind], int(number)) for kind, number in groups])
-
-    def make(group: Array, levels: list[Mesh]) -> None:
+    for group, levels in zip(groups, meshes, strict=True):
         chosen = np.flatnonzero((reef.kind == group[0]) & (variant == group[1]))
         placed = _Placed(list(KINDS)[group[0]], reef.taken(chosen))
-        for level, mesh in enumerate(levels):
+        for number, k in enumerate(chosen.tolist()):
             # No eye comes so near to a small one that it would need the finest level.
-            small = reef.radius[chosen] < FINEST_CM if level == 0 else np.zeros(len(chosen), bool)
-            for k, vertices in zip(chosen[~small], placed.vertices(mesh, ~small), strict=True):
-                shapes[k].append(Shape(vertices, mesh.triangles))
-
-    # numpy leaves the interpreter to others while it computes.
-    with ThreadPoolExecutor() as pool:
-        list(pool.map(make, groups, meshes))
+            shapes[k] = [
+                Later(partial(placed.vertices, mesh, number), len(mesh.tip), mesh.triangles)
+                for mesh in levels[int(reef.radius[k] < FINEST_CM) :]
+            ]
     return [own if len(own) == LEVELS else [own[0], *own] for own in shapes]
+
+
+def spheres(reef: Reef) -> Array:
+    """The spheres (k, 4) about all growths, as `Standing` takes them."""
+    return about(bake(reef))
 
 
 class _Placed:
@@ -253,26 +255,25 @@ class _Placed:
         self.place, self.radius, self.own = reef.place, reef.radius, reef.own
         self.light = SHADED + (1.0 - SHADED) * reef.light
 
-    def vertices(self, mesh: Mesh, chosen: NDArray[np.bool_]) -> Array:
-        """Vertices (k, n, COLUMNS) of those `chosen`, each in its own place and colours."""
-        tip, sway, light = (x.astype(np.float32) for x in (mesh.tip, mesh.sway, mesh.light))
-        size, look = self.radius[chosen, None], self.look
-        normal = mesh.normal.astype(np.float32) @ self.slants[chosen]
-        normal *= (127.5 / np.sqrt(np.einsum("kni,kni->kn", normal, normal)))[..., None]
-        body, tips = self.body[chosen, None], self.tips[chosen, None]
-        out = np.empty((len(size), len(tip), COLUMNS), np.float32)
-        np.matmul(mesh.place.astype(np.float32), self.axes[chosen], out=out[..., :3])
-        out[..., :3] += self.place[chosen, None]
+    def vertices(self, mesh: Mesh, k: int) -> Array:
+        """Vertices (n, COLUMNS) of the one with this number, in its own place and colours."""
+        tip, size, look = mesh.tip, self.radius[k], self.look
+        normal = mesh.normal @ self.slants[k]
+        normal *= (127.5 / np.sqrt(np.einsum("ni,ni->n", normal, normal)))[:, None]
+        body, tips = self.body[k], self.tips[k]
+        out = np.empty((len(tip), COLUMNS), np.float32)
+        np.matmul(mesh.place, self.axes[k], out=out[:, :3])
+        out[:, :3] += self.place[k]
         words = out.view(np.uint8)
         words[..., 12:15] = normal + 128.0
         most = 255.0 * look.sway_cm / 30.0 / MOST_SWAY_CM
-        words[..., 15] = np.minimum(most * size * sway + 0.5, 255.0)
+        words[..., 15] = np.minimum(most * size * mesh.sway + 0.5, 255.0)
         words[..., 16:19] = 255.0 * (body + tip[:, None] * (tips - body)) + 0.5
         words[..., 19] = 255.0 * look.through * (0.35 + 0.65 * tip) + 0.5
         words[..., 20:23] = np.rint(255.0 * np.array(look.grain))
-        words[..., 23] = 255.0 * self.light[chosen, None] * np.minimum(light, 1.0) + 0.5
-        tiles = mesh.along.astype(np.float32) * (size / TILE_CM)[..., None]
-        tiles += self.own[chosen, None, None]
+        words[..., 23] = 255.0 * self.light[k] * np.minimum(mesh.light, 1.0) + 0.5
+        tiles = mesh.along * (size / TILE_CM)
+        tiles += self.own[k]
         out.view(np.float16)[..., 12:14] = tiles
         return out
 

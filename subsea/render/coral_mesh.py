@@ -25,6 +25,15 @@ class Mesh(NamedTuple):
     triangles: Ints  # (m, 3)
 
 
+def single(mesh: Mesh) -> Mesh:
+    """The same in single precision."""
+    parts = mesh._asdict()
+    triangles = parts.pop("triangles")
+    return Mesh(
+        **{name: part.astype(np.float32) for name, part in parts.items()}, triangles=triangles
+    )
+
+
 def skin(
     place: Array,
     *,

@@ -22,6 +22,7 @@ from subsea.render.coral_mesh import (
     fitted,
     joined,
     plates,
+    single,
     tubes,
     turned,
     unit,
@@ -626,9 +627,13 @@ def lump(kind: str, mesh: Mesh) -> Mesh:
 
 
 def forms(wanted: Sequence[tuple[str, int]]) -> list[list[Mesh]]:
-    """Of kinds and numbers of variants all levels, finest first."""
+    """Of kinds and numbers of variants all levels, finest first, in single precision."""
+
+    def levels(one: tuple[str, int]) -> list[Mesh]:
+        return [single(shape(*one, level)) for level in range(LEVELS)]
+
     with ThreadPoolExecutor() as pool:  # numpy leaves the interpreter to others
-        return list(pool.map(lambda one: [shape(*one, level) for level in range(LEVELS)], wanted))
+        return list(pool.map(levels, wanted))
 
 
 @cache

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.frame import INSTANCE_COLUMNS, Batch, Packet, Scene
+from subsea.keeping import kept
 from subsea.kinematics.surface import PaddlePlan
 from subsea.render import fish_speck
 from subsea.render.fish_speck import COARSEST, Speck, places, speck
@@ -80,7 +81,7 @@ class Fishes:
         self._looks = context.buffer(_looks(scene.species, scene.recorded_length_cm).tobytes())
         self._meshes = [fish_mesh(detail) for detail in DETAILS]
         vertices, triangles, self._first = joined(self._meshes)
-        self._vertices = _table(context, outfits(scene.species, self._meshes))
+        self._vertices = _table(context, kept(outfits, scene.species, self._meshes))
         shape = speck()
         self._places = _table(context, speck_places(scene.species, shape))
         self._shape = shape
@@ -313,7 +314,7 @@ def _side_by_side(skins: list[NDArray[np.uint8]]) -> NDArray[np.uint8]:
 def _table(context: Any, texels: Array) -> Any:
     """Rows of texels (rows, columns, 4) that shaders look up by number."""
     rows, columns = texels.shape[:2]
-    texture = context.texture((columns, rows), 4, texels.astype("f4").tobytes(), dtype="f4")
+    texture = context.texture((columns, rows), 4, np.ascontiguousarray(texels, "f4"), dtype="f4")
     texture.filter = (context.NEAREST, context.NEAREST)
     return texture
 

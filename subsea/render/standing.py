@@ -1,6 +1,6 @@
 """What stands still: all shapes in one buffer, of which a view draws those in sight at once."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import moderngl
@@ -29,6 +29,24 @@ class Shape(NamedTuple):
     vertices: Array  # (n, c) float32; the first three columns are the place, cm
     triangles: Ints  # (m, 3), counter-clockwise from outside
 
+    @property
+    def number(self) -> int:
+        """How many vertices there are."""
+        return len(self.vertices)
+
+
+class Later(NamedTuple):
+    """The same, but its vertices are made whenever they are asked for."""
+
+    make: Callable[[], Array]
+    number: int
+    triangles: Ints
+
+    @property
+    def vertices(self) -> Array:
+        """As those of a shape."""
+        return self.make()
+
 
 class Standing:
     """Holds the vertices of all shapes, and the triangles of those that are drawn now."""
@@ -39,15 +57,16 @@ class Standing:
         compiled: Any,
         layout: str,
         attributes: str,
-        shapes: Sequence[Sequence[Shape]],
+        shapes: Sequence[Sequence[Shape | Later]],
         reach_cm: float,
         thresholds_px: Sequence[float] = (NEAR_PX, MIDDLE_PX),
+        spheres: Array | None = None,
     ) -> None:
-        """Upload `shapes`: per item its levels, finest first; the last one stands for coarser ones.
+        """Make room for `shapes`, per item its levels, finest first; the last stands for coarser.
 
         `compiled` is the program, `layout` and `attributes` are those of moderngl, `reach_cm` is
-        how far one sees. Level k is used from `thresholds_px[k]` pixels on. The program stays
-        the caller's.
+        how far one sees. Level k is used from `thresholds_px[k]` pixels on. The `spheres` (k, 4)
+        about items, centre and radius, need not be given. The program stays the caller's.
         """
         self._reach = reach_cm
         self._thresholds = np.asarray(thresholds_px, np.float64)
@@ -57,9 +76,8 @@ class Standing:
         meshes = list({id(shape.triangles): shape.triangles for shape in flat}.values())
         self._triangles = np.concatenate([np.zeros((0, 3), np.int32), *meshes]).astype("i4")
         self._ranges = _ranges(shapes, len(thresholds_px) + 1, flat, meshes)
-        self._centres, self._radii = np.zeros((len(shapes), 3)), np.zeros(len(shapes))
-        for k, levels in enumerate(shapes):
-            self._centres[k], self._radii[k] = bounding_sphere(levels[0].vertices)
+        spheres = about(shapes) if spheres is None else spheres
+        self._centres, self._radii = spheres[:, :3].copy(), spheres[:, 3].copy()
         self._level = np.full(len(shapes), OUT_OF_SIGHT)
         self._seen = np.zeros((0, len(shapes)), np.bool_)
         self._starts = [0]  # of each view's triangles, with the end
@@ -68,16 +86,15 @@ class Standing:
         self._by: dict[tuple[str, ...], tuple[Any, Any]] = {}
         # Of each shape which item it is, and how many vertices it has.
         item = {id(shape): k for k, levels in enumerate(shapes) for shape in levels}
-        self._owners = [item[id(shape)] for shape in flat], [len(shape.vertices) for shape in flat]
+        self._owners = [item[id(shape)] for shape in flat], [shape.number for shape in flat]
         if not flat:
             return
         self._context = context
-        self._vertices = context.buffer(reserve=sum(4 * shape.vertices.size for shape in flat))
-        place = 0
-        for shape in flat:
-            vertices = np.ascontiguousarray(shape.vertices, "f4")
-            self._vertices.write(vertices, place)
-            place += vertices.nbytes
+        # Most are never seen as finely as they could be: each is uploaded when it is first drawn.
+        first = np.cumsum([0, *self._owners[1]]).tolist()
+        self._waiting = {at: own for at, own in zip(first, flat, strict=False) if own.number}
+        self._stride = sum(int(part[0]) * int(part[2]) for part in layout.split())
+        self._vertices = context.buffer(reserve=self._stride * first[-1])
         self._indices = context.buffer(reserve=12)
         self._content = [(self._vertices, layout, *attributes.split())]
         array = context.vertex_array(compiled, self._content, self._indices)
@@ -111,6 +128,9 @@ class Standing:
             )
         ]
         ranges = [self._ranges[own, level[own]] for own in drawn]
+        for first in {first for own in ranges for first in own[:, 2].tolist()} & set(self._waiting):
+            vertices = np.ascontiguousarray(self._waiting.pop(first).vertices, "f4")
+            self._vertices.write(vertices, self._stride * first)
         self._starts = np.cumsum([0, *((own[:, 1] - own[:, 0]).sum() for own in ranges)]).tolist()
         if self._starts[-1]:
             data = _gathered(self._triangles, np.concatenate(ranges))
@@ -250,14 +270,25 @@ def bounding_sphere(vertices: Array) -> tuple[Array, float]:
     return centre, np.sqrt(square)
 
 
+def about(shapes: Sequence[Sequence[Shape | Later]]) -> Array:
+    """The centres and radii (k, 4) of spheres about items at their finest level."""
+    spheres = np.zeros((len(shapes), 4))
+    for k, levels in enumerate(shapes):
+        spheres[k, :3], spheres[k, 3] = bounding_sphere(levels[0].vertices)
+    return spheres
+
+
 def _ranges(
-    shapes: Sequence[Sequence[Shape]], levels: int, flat: list[Shape], meshes: list[Ints]
+    shapes: Sequence[Sequence[Shape | Later]],
+    levels: int,
+    flat: list[Shape | Later],
+    meshes: list[Ints],
 ) -> Ints:
     """First triangle, end and first vertex (k, levels, 3) of every item at every level.
 
     `flat` are all shapes and `meshes` all triangles, each once, in the order in which they lie.
     """
-    vertices = np.cumsum([0] + [len(shape.vertices) for shape in flat])
+    vertices = np.cumsum([0] + [shape.number for shape in flat])
     triangles = np.cumsum([0] + [len(mesh) for mesh in meshes])
     vertex = dict(zip(map(id, flat), vertices, strict=False))
     first = dict(zip(map(id, meshes), triangles, strict=False))

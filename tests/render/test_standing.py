@@ -8,8 +8,10 @@ from hypothesis import strategies as st
 from subsea.render.standing import (
     HYSTERESIS,
     OUT_OF_SIGHT,
+    Later,
     Shape,
     Standing,
+    about,
     bounding_sphere,
     levels_in_sight,
 )
@@ -97,8 +99,8 @@ def drawn(context):
         pixels = np.frombuffer(target.read(components=1), np.uint8).reshape(SIZE)
         return int((pixels > 0).sum()), triangles
 
-    def make(shapes):
-        return Standing(context, program, "3f4", "a_position", shapes, 1e5, THRESHOLDS)
+    def make(shapes, *spheres):
+        return Standing(context, program, "3f4", "a_position", shapes, 1e5, THRESHOLDS, *spheres)
 
     yield make, drawn
     target.release()
@@ -116,6 +118,29 @@ def test_one_call_draws_each_item_at_its_own_level(drawn):
     assert draw(standing, BACK)[1] == 2 * 8 * 8
     assert draw(standing, AHEAD)[1] == triangles
     assert draw(standing, AHEAD, shown=np.array([True, False, False, True]))[1] == 2 * 64
+    standing.release()
+
+
+def test_what_is_made_later_is_made_when_it_is_first_drawn_and_looks_the_same(drawn):
+    make, draw = drawn
+    made = []
+
+    def later(shape):
+        return Later(
+            lambda: made.append(shape.number) or shape.vertices, shape.number, shape.triangles
+        )
+
+    items = [[quad(x, 10.0, n) for n in (8, 4, 1)] for x in (30.0, 120.0, -50.0)]
+    expected = draw(make(items), AHEAD)
+    standing = make([[later(shape) for shape in levels] for levels in items], about(items))
+    assert made == []
+    assert draw(standing, AHEAD) == expected
+    first = sorted(made)
+    assert first == sorted([9 * 9, 5 * 5])  # not what is behind, nor other levels
+    draw(standing, BACK)
+    assert len(made) == 3
+    assert draw(standing, AHEAD) == expected
+    assert len(made) == 3
     standing.release()
 
 
