@@ -20,6 +20,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from numba import njit
 from numpy.typing import NDArray
+from plates import BLACK, BLUE, GREEN, GREY, ORANGE, PINK, STYLE, keep_plot
 
 from subsea.biomechanics.controllers import ease
 from subsea.kinematics.spine import JOINTS, MIDDLES, UNITS, Spines, Swing, phase, spines, swung
@@ -47,18 +48,6 @@ MEAN = 30
 """Frames over which headings are averaged, some 10 tu: a beat yaws to and fro."""
 RISE_TU = 4.0
 """In which muscles set in, and one controller gives way to the next."""
-BLUE, ORANGE, GREEN, PINK, BLACK, GREY = (
-    "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#222222", "#999999",
-)  # fmt: skip
-STYLE = {
-    "font.size": 10,
-    "axes.titlesize": 10,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "legend.frameon": False,
-    "legend.fontsize": 9,
-    "axes.axisbelow": True,
-}
 
 
 class Effort(NamedTuple):
@@ -677,7 +666,7 @@ def show_body(effort: Effort, folder: Path) -> None:
     for axis in (top, below):
         axis.set(aspect="equal", xlim=(-1.08, 0.06), ylim=(-0.2, 0.2))
         axis.set_ylabel("to the left, L")
-    save(picture, folder / "flat_body.png")
+    keep_plot(picture, folder / "flat_body.png")
 
 
 def in_vacuum(body: Body) -> Body:
@@ -759,7 +748,7 @@ def show_integrators(effort: Effort, folder: Path) -> None:
                 axis.set_title(f"step {k}", fontsize=9)
     rows[0, 0].set_ylabel("explicit")
     rows[1, 0].set_ylabel("implicit")
-    save(picture, folder / "flat_integrators.png")
+    keep_plot(picture, folder / "flat_integrators.png")
     print("a step of            explicit  implicit: body lengths swum in 60 tu")
     for step in (0.0005, 0.002, 0.01, STEP_TU, 0.11, 0.22):
         far = []
@@ -811,7 +800,7 @@ def show_learning(effort: Effort, folder: Path) -> None:
     left.legend(loc="upper left")
     right.set_xticks([0, 1], ["one", "six"])
     right.set(xlabel="frequencies", xlim=(-0.5, 1.5), title=f"after {effort.tries} tries")
-    save(picture, folder / "flat_learning.png")
+    keep_plot(picture, folder / "flat_learning.png")
     one = lessons.swimmer
     print(f"the best: {one.frequency[0]:.3f} beats a tu, amplitudes {np.round(one.amplitude, 3)}, "
           f"phases of left against right "
@@ -857,7 +846,7 @@ def show_swims(effort: Effort, folder: Path) -> None:
         axis.set(aspect="equal", xlim=(-0.22, 0.22), ylim=(-0.75, 0.5), xticks=[], yticks=[])
         axis.spines[:].set_visible(False)
         axis.set_title(f"{k}/8 beat", fontsize=8)
-    save(picture, folder / "flat_swims.png")
+    keep_plot(picture, folder / "flat_swims.png")
 
 
 def show_turns(effort: Effort, folder: Path) -> None:
@@ -897,7 +886,7 @@ def show_turns(effort: Effort, folder: Path) -> None:
     right.plot(*(middle(body, x) / body.long).T, color=ORANGE, linewidth=1.6)
     right.set(aspect="equal", xlabel="ahead, L", ylabel="to the left, L",
               title="the best, a fish each 15 tu")  # fmt: skip
-    save(picture, folder / "flat_turns.png")
+    keep_plot(picture, folder / "flat_turns.png")
 
 
 GOALS_L = ((4.0, 4.0), (-3.5, -4.5))
@@ -951,7 +940,7 @@ def show_switching(effort: Effort, folder: Path) -> None:
     right.set(xlabel="greatest amplitude, share of length", ylabel="passages that fold, %",
               ylim=(-3, 103), title=f"at {effort.moments} moments")  # fmt: skip
     right.legend(title="what passes linearly", title_fontsize=9)
-    save(picture, folder / "flat_switching.png")
+    keep_plot(picture, folder / "flat_switching.png")
 
 
 LEVELS = np.round(np.arange(0.05, 0.61, 0.05), 2)
@@ -996,7 +985,7 @@ def show_folding(effort: Effort, folder: Path) -> None:
               ylim=(0, None), title=f"learned in {effort.tries // 2} tries")  # fmt: skip
     print("bound: learned  " + ", ".join(
         f"{b:g}: {np.median(far):.2f} L" for b, far in found.items()))  # fmt: skip
-    save(picture, folder / "flat_folding.png")
+    keep_plot(picture, folder / "flat_folding.png")
 
 
 # II: motion by rules
@@ -1111,7 +1100,7 @@ def show_rules(effort: Effort, folder: Path) -> None:
     ).max()
     print(f"sinusoidal and linear swing lie {apart:.3f} L apart at most; a wave of "
           f"{float(phase(FISH, np.ones(1))[0] / np.pi):.2f} halves behind the middle")  # fmt: skip
-    save(picture, folder / "flat_rules.png")
+    keep_plot(picture, folder / "flat_rules.png")
 
 
 def even_masses(body: Body) -> Body:
@@ -1140,11 +1129,6 @@ def envelope(body: Body, one: Controller) -> tuple[Floats, Floats]:
     aside -= aside.mean(axis=0)
     place = -midline(body.rest)[:, 0] / body.long
     return place, np.abs(aside).max(axis=0) / body.long
-
-
-def save(picture: Figure, path: Path) -> None:
-    """Write a picture."""
-    picture.savefig(path, dpi=130, metadata={"Software": None})
 
 
 PARTS: dict[str, Callable[[Effort, Path], None]] = {

@@ -5,7 +5,9 @@ Run from the root of a checkout, where there is a display (or by xvfb-run -a -s 
 """
 
 import sys
+from collections.abc import Callable
 from contextlib import closing
+from typing import Any
 
 from imgui_bundle import imgui
 from plates import FOLDER, keep, window_of
@@ -16,18 +18,24 @@ from subsea.app.panels.physics import simulate
 from subsea.app.panels.placement import Placing
 
 SIZE, FISH, RIDDEN, WAIT_S = (1280, 780), 3, 9, 20.0
+# Control tells how long a picture takes: it is shown in a sea so small that a computer without a
+# GPU keeps up, beside the school.
+MEASURED, SMALL = "Control", (860, 470)
+BESIDE = ("submarine.position_cm=[-480, -160, -335]", "submarine.heading_deg=112")
 PLACED, BESIDE_PX, SIMULATED = ("arch", 0), 330, 6
 SEA_PX = 30, 8, 330, 24  # shown left, above, right and below of a panel
 BELOW_EYES_PX = 20, 386  # of the panel Fish view
 FADED_S = 8.0  # until the instruments have gone
+FRAME_S = 0.15
 
-rect = []
+Panel = Callable[[Any], None]
+rect: list[float] = []
 
 
-def noting(name, panel):
+def noting(name: str, panel: Panel) -> Panel:
     """The panel, which notes where it is drawn."""
 
-    def drawn(desk):
+    def drawn(desk: Any) -> None:
         panel(desk)
         if name == "Fish view":
             imgui.set_window_pos(BELOW_EYES_PX)
@@ -37,43 +45,67 @@ def noting(name, panel):
     return drawn
 
 
-with closing(Dive("peaceful", "mono", SIZE, seed=1, quality="high")) as dive:
-    dive.grant("help")
-    dive.desk.toggle()
-    for _ in range(10):  # until the help has faded
-        dive.frame(0.15)
-    names = sys.argv[1:] or list(PANELS)
+def show(names: list[str], sea: str, size: tuple[int, int], quality: str, *changes: str) -> None:
+    """Keep a picture of each of the panels, of a dive of its own."""
+    with closing(Dive(sea, "mono", size, seed=1, quality=quality, changes=changes)) as dive:
+        dive.grant("help")
+        dive.desk.toggle()
+        wait(dive, 1.5)  # until the help has faded
+        dive.desk.chosen = FISH
+        for name in names:
+            arrange(dive, name)
+            edges = [
+                edge + sign * px
+                for edge, sign, px in zip(rect, (-1, -1, 1, 1), SEA_PX, strict=True)
+            ]
+            edges = [min(max(round(edge), 0), size[k % 2]) for k, edge in enumerate(edges)]
+            if name == "Fish view":  # with the fish, and what both its eyes see
+                edges = [0, 0, *size]
+            out = FOLDER / f"panel-{name.lower().replace(' ', '-')}.jpg"
+            keep(window_of(dive).crop(edges), out)
+            if name == "Fish view":
+                dive.mount(None)
+                dive.desk.chosen = FISH
+
+
+def arrange(dive: Dive, name: str) -> None:
+    """Show a panel alone, with something in it."""
+    dive.desk.shown = {name}
+    dive.picture.diagrams = {"scaffold", "indices"} if name == "Control" else set()
+    dive.picture.look = "identity"
+    if name == "Fish view":
+        dive.mount(RIDDEN, behind=True)
+        dive.desk.chosen = RIDDEN
+    # The charts of behavior grow meanwhile.
+    wait(dive, {"Behavior": WAIT_S, "Fish view": FADED_S}.get(name, 1.2))
+    if name == MEASURED:
+        wait(dive, FADED_S, 0.05)
+    if name == "Placement":
+        dive.desk.of(Placing).chosen = PLACED
+        wait(dive, 2 * FRAME_S)
+        rect[2] += BESIDE_PX
+    if name == "Physics" and simulate(dive.desk, SIMULATED):
+        dive.world.physics = dive.world.physics._replace(fish=FISH)
+        wait(dive, 30 * FRAME_S)
+
+
+def wait(dive: Dive, seconds: float, frame_s: float = FRAME_S) -> None:
+    """Let so much time pass in the sea."""
+    for _ in range(round(seconds / frame_s)):
+        dive.frame(frame_s)
+
+
+def main() -> None:
+    """All of them, or those that are named."""
+    asked = sys.argv[1:] or list(PANELS)
     for name in PANELS:
         PANELS[name] = noting(name, PANELS[name])
-    dive.desk.chosen = FISH
-    for name in names:
-        dive.desk.shown = {name}
-        dive.picture.diagrams = {"scaffold", "indices"} if name == "Control" else set()
-        dive.picture.look = "identity"
-        if name == "Fish view":
-            dive.mount(RIDDEN, behind=True)
-            dive.desk.chosen = RIDDEN
-        # The charts of behavior grow meanwhile.
-        wait_s = {"Behavior": WAIT_S, "Fish view": FADED_S}.get(name, 1.2)
-        for _ in range(round(wait_s / 0.15)):
-            dive.frame(0.15)
-        if name == "Placement":
-            dive.desk.of(Placing).chosen = PLACED
-            dive.frame(0.15)
-            dive.frame(0.15)
-            rect[2] += BESIDE_PX
-        if name == "Physics" and simulate(dive.desk, SIMULATED):
-            dive.world.physics = dive.world.physics._replace(fish=FISH)
-            for _ in range(30):
-                dive.frame(0.15)
-        edges = [
-            edge + sign * px for edge, sign, px in zip(rect, (-1, -1, 1, 1), SEA_PX, strict=True)
-        ]
-        edges = [min(max(round(edge), 0), SIZE[k % 2]) for k, edge in enumerate(edges)]
-        if name == "Fish view":  # with the fish, and what both its eyes see
-            edges = [0, 0, *SIZE]
-        out = FOLDER / f"panel-{name.lower().replace(' ', '-')}.jpg"
-        keep(window_of(dive).crop(edges), out)
-        if name == "Fish view":
-            dive.mount(None)
-            dive.desk.chosen = FISH
+    others = [name for name in asked if name != MEASURED]
+    if others:
+        show(others, "peaceful", SIZE, "high")
+    if MEASURED in asked:
+        show([MEASURED], "schooling", SMALL, "low", *BESIDE)
+
+
+if __name__ == "__main__":
+    main()

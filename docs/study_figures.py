@@ -3,40 +3,77 @@
 Records each scenario from each seed, for so many seconds, and prints what `subsea study` measures;
 without arguments all that the page tells of: `peaceful 600 1,2`, `schooling 50 3,4,5` and
 `schooling 200 3,4,5,6`.
+
+`python docs/study_figures.py hungry SCENARIO MINUTES SEEDS` records nothing: every ten minutes it
+counts those that are as hungry as can be.
 """
 
 import sys
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
+
+import numpy as np
 
 from subsea.app.records import read_record
 from subsea.app.simulate import simulate
 from subsea.app.study import measure
 from subsea.app.study_table import table
-from subsea.world import TICK_S
+from subsea.ocean import step
+from subsea.scenario import load_scenario
+from subsea.state import HUNGER
+from subsea.submarine.helm import HANDS_OFF
+from subsea.world import TICK_S, create_world
 
 TOLD = (
     ("peaceful", 600.0, (1, 2)),
     ("schooling", 50.0, (3, 4, 5)),
     ("schooling", 200.0, (3, 4, 5, 6)),
 )
+LOOKS_MIN = 10.0  # minutes between two looks at who is hungry
+
+
+def hungry(scenario: str, minutes: float, seed: int) -> Iterator[str]:
+    """A line each ten minutes: of each species how many are as hungry as can be."""
+    world = create_world(load_scenario(scenario)[0], seed=seed)
+    fishes, minds = world.state.fishes, world.state.minds
+    every = round(60.0 * LOOKS_MIN / TICK_S)
+    for look in range(1, int(minutes / LOOKS_MIN) + 1):
+        for _ in range(every):
+            step(world, HANDS_OFF)
+        hunger = minds.mental[:, HUNGER] >= 1.0
+        counts = [
+            f"{np.sum(hunger & those)} of {np.sum(those)} {one.name}"
+            for k, one in enumerate(world.species)
+            if (those := fishes.alive & (fishes.species == k)).any()
+        ]
+        yield f"after {look * LOOKS_MIN:g} minutes: {', '.join(counts)}"
+
+
+def measured(scenario: str, seconds: float, seed: int) -> Iterator[str]:
+    """What `subsea study` tells of a record."""
+    with tempfile.TemporaryDirectory() as place:
+        file = Path(place) / "record.h5"
+        simulate(round(seconds / TICK_S), file, scenario, None, seed)
+        yield from table(measure(read_record(file)))
 
 
 def main() -> None:
     """A table for each seed."""
+    given = sys.argv[1:]
+    counts = given[:1] == ["hungry"]
     told = TOLD
-    if len(sys.argv) > 1:
-        if len(sys.argv) != 4:
+    if given:
+        if len(given) != 3 + counts:
             raise SystemExit(__doc__)
-        scenario, seconds, seeds = sys.argv[1:]
-        told = ((scenario, float(seconds), tuple(map(int, seeds.split(",")))),)
-    for scenario, seconds, seeds in told:
+        scenario, long, seeds = given[counts:]
+        told = ((scenario, float(long), tuple(map(int, seeds.split(",")))),)
+    for scenario, long, seeds in told:
         for seed in seeds:
-            with tempfile.TemporaryDirectory() as place:
-                file = Path(place) / "record.h5"
-                simulate(round(seconds / TICK_S), file, scenario, None, seed)
-                lines = table(measure(read_record(file)))
-            print("\n".join([f"{scenario}, {seconds:g} s, seed {seed}", *lines, ""]), flush=True)
+            print(f"{scenario}, {long:g} {'minutes' if counts else 's'}, seed {seed}")
+            for line in (hungry if counts else measured)(scenario, long, seed):
+                print(line, flush=True)
+            print()
 
 
 if __name__ == "__main__":

@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Iterator
-from importlib.util import module_from_spec, spec_from_file_location
+from importlib import import_module
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -10,19 +10,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-SCRIPT = Path(__file__).parents[2] / "docs" / "fish_in_two_dimensions.py"
+DOCS = Path(__file__).parents[2] / "docs"
 
 
 @pytest.fixture(scope="module")
 def flat() -> Iterator[ModuleType]:
-    spec = spec_from_file_location("fish_in_two_dimensions", SCRIPT)
-    assert spec
-    assert spec.loader
-    module = module_from_spec(spec)
-    sys.modules["fish_in_two_dimensions"] = module
-    spec.loader.exec_module(module)
-    yield module
-    del sys.modules["fish_in_two_dimensions"]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(DOCS)
+        yield import_module("fish_in_two_dimensions")
+        for name in ("fish_in_two_dimensions", "plates"):
+            del sys.modules[name]
 
 
 @pytest.fixture(scope="module")
