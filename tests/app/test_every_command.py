@@ -20,7 +20,6 @@ from dataclasses import replace
 from io import StringIO
 from pathlib import Path
 
-import moderngl
 import numpy as np
 import pytest
 from dask import config as _  # noqa: F401  (before distributed, which asks for it)
@@ -428,9 +427,6 @@ def workshop(display, tmp_path_factory, known_repertoire):
         patch.setenv("XDG_CONFIG_HOME", str(home / ".config"))
         patch.delenv("XDG_DATA_HOME")
         patch.chdir(folder)
-        # Nothing is looked at closely here: textures need no small copies.
-        for kind in (moderngl.Texture, moderngl.TextureArray, moderngl.TextureCube):
-            patch.setattr(kind, "build_mipmaps", lambda *unused, **named: None)
         for name, small in (("SIMULATED_TICKS", 20), ("PLAYED_TICKS", 3), ("REDUCED_PICTURES", 1)):
             patch.setattr(paper, name, small)
         patch.setattr(paper, "SIZE", (160, 120))
