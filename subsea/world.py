@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from functools import lru_cache
+from hashlib import file_digest
 from pathlib import Path
 from typing import Any
 
@@ -19,13 +20,14 @@ from subsea.habitat.rocks import rock_rows
 from subsea.habitat.sea import make_sea, pillar_rows
 from subsea.habitat.seaweed import plant
 from subsea.habitat.solids import out_of_solids
+from subsea.keeping import kept
 from subsea.kinematics.coupling import Coupling, couple
 from subsea.kinematics.heightfield import height_at
 from subsea.kinematics.solids import from_pillar, from_rock
 from subsea.kinematics.surface import rest_control_points
 from subsea.kinematics.vector import vector
 from subsea.motor.switching import Dynamics, make_dynamics
-from subsea.repertoire import SEGMENTS, Repertoire, read_repertoire
+from subsea.repertoire import SEGMENTS, Repertoire
 from subsea.repertoire.library import Library, pack
 from subsea.resources import telling_lines
 from subsea.scenario import MAX_SIMULATED, MAX_SOLIDS, Scenario, Shoal, check_scenario
@@ -234,12 +236,24 @@ def _repertoire(path: Path, name: str, stamp: object) -> Repertoire:
     """The repertoire of a species, which must be of that species and of this tick; read once."""
     if stamp is None:
         raise UserError(f"{path}: is not there; `subsea-capture record {name}` makes it")
-    repertoire = read_repertoire(path)
+    try:
+        with path.open("rb") as file:
+            content = file_digest(file, "sha256").hexdigest()
+    except OSError:
+        content = ""  # reading it says what is wrong
+    repertoire = kept(_read, path, content)
     if repertoire.species != name:
         raise UserError(f"{path}: holds {repertoire.species!r}, expected {name!r}")
     if abs(repertoire.tick_s - TICK_S) > 1e-6:
         raise UserError(f"{path}: tick_s is {repertoire.tick_s:g}, expected {TICK_S:g}")
     return repertoire
+
+
+def _read(path: Path, content: str) -> Repertoire:
+    """The repertoire in a file of this content."""
+    from subsea.repertoire.files import read_repertoire
+
+    return read_repertoire(path)
 
 
 def _coupling(species: Species, repertoire: Repertoire) -> Coupling:

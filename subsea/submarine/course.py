@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.errors import UserError, unknown
+from subsea.keeping import kept
 from subsea.kinematics.curve import Curve, curve_at, curve_through
 from subsea.kinematics.heightfield import height_at
 from subsea.kinematics.solids import from_pillar, from_rock
@@ -68,17 +69,26 @@ def check_tours(scenario: Scenario, sea: Sea, rocks: list[str], source: str) -> 
 
     `rocks` are the names of the sea's, `source` is the scenario's file.
     """
-    for k, tour in enumerate(scenario.tour):
-        curve = _course(tour, scenario).curve
-        for t in np.arange(0.0, curve.times[-1], PROBE_S):
-            place, velocity = curve_at(curve, float(t))
-            fault = _fault(place, velocity, sea, scenario.bounds, rocks)
-            if fault:
-                leg = int(np.searchsorted(curve.times, t, side="right")) - 1
-                raise UserError(
-                    f"{source}: `tour[{k}]` {tour.name!r} {fault}, {t:.1f} s after its start, "
-                    f"between `waypoint[{leg}]` and `waypoint[{leg + 1}]`"
-                )
+    curves = [_course(tour, scenario).curve for tour in scenario.tour]
+    fault = kept(_first_fault, curves, sea, scenario.bounds, rocks)
+    if fault is not None:
+        k, t, what = fault
+        leg = int(np.searchsorted(curves[k].times, t, side="right")) - 1
+        raise UserError(
+            f"{source}: `tour[{k}]` {scenario.tour[k].name!r} {what}, {t:.1f} s after its start, "
+            f"between `waypoint[{leg}]` and `waypoint[{leg + 1}]`"
+        )
+
+
+def _first_fault(
+    curves: list[Curve], sea: Sea, bounds: Bounds, rocks: list[str]
+) -> tuple[int, float, str] | None:
+    """The first fault of courses: of which, after how many seconds, and in words."""
+    for k, curve in enumerate(curves):
+        for t in np.arange(0.0, curve.times[-1], PROBE_S).tolist():
+            if fault := _fault(*curve_at(curve, t), sea, bounds, rocks):
+                return k, t, fault
+    return None
 
 
 def _course(tour: TourTable, scenario: Scenario) -> Course:
