@@ -12,7 +12,8 @@ import numpy as np
 from PIL import Image
 from plates import FOLDER, keep
 
-from subsea.app.eyes import SIDES, film_eyes
+from subsea.app.eyes import film_eyes
+from subsea.app.retinae import SIDES
 from subsea.view.retina import Gaze
 
 SIZE, GAP = (480, 360), 6

@@ -251,7 +251,7 @@ def _repertoire(path: Path, name: str, stamp: object) -> Repertoire:
 
 def _read(path: Path, content: str) -> Repertoire:
     """The repertoire in a file of this content."""
-    from subsea.repertoire.files import read_repertoire
+    from subsea.repertoire import read_repertoire
 
     return read_repertoire(path)
 

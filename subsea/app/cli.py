@@ -858,8 +858,13 @@ def _dive(settings: Path | None, **options: Any) -> int:
             size, display = options["size"], options["display"]
             opening = opened(display, size, options["fullscreen"], chosen)
             undo.callback(opening.close)
+        fresh = "subsea.app.dive" not in sys.modules
+        gc.disable()
         from subsea.app.dive import dive  # takes longer to load than all before
 
+        if fresh:  # what modules are made of stays: no need to look through it ever again
+            gc.freeze()
+        gc.enable()
         return dive(**options, settings=chosen, opening=opening, notes=notes)
 
 

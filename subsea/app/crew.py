@@ -3,18 +3,15 @@
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from subsea.app.clock import Clock
 from subsea.app.console import say
-from subsea.app.credentials import credentials
 from subsea.app.pilot import Pilot
 from subsea.app.present import Present
 from subsea.app.timeline import Timeline
 from subsea.app.tour import Steer
 from subsea.behavior.reins import Reins
-from subsea.cluster.follower import Follower
-from subsea.cluster.master import Master
 from subsea.ocean import Order
 from subsea.submarine.helm import HANDS_OFF, Helm
 from subsea.submarine.rail import Rail
@@ -22,6 +19,10 @@ from subsea.theatre.files import Theatre
 from subsea.view.rig import Pose
 from subsea.view.rigs import cockpit
 from subsea.world import TICK_S, World
+
+if TYPE_CHECKING:  # those who dive alone need not load it
+    from subsea.cluster.follower import Follower
+    from subsea.cluster.master import Master
 
 PATIENCE_S = 0.02  # for so long a node looks for the next picture before it looks at its window
 HOLD_S = 0.25  # the same while the master is silent: the picture that is held is drawn so often
@@ -143,7 +144,7 @@ class Leading:
     timeline = None
     steered: int | None = None
 
-    def __init__(self, master: Master, pilot: Pilot, tour: Steer | None = None) -> None:
+    def __init__(self, master: "Master", pilot: Pilot, tour: Steer | None = None) -> None:
         self._master, self._clock = master, Clock(TICK_S)
         self._course = _Course(master.world, pilot, tour)
 
@@ -180,7 +181,7 @@ class Following:
     hands, shared, timeline = False, True, None
     steered: int | None = None
 
-    def __init__(self, node: Follower) -> None:
+    def __init__(self, node: "Follower") -> None:
         self._node = node
         self._alpha = 1.0
         self.idle_s = 0.0
@@ -231,6 +232,10 @@ def muster(
     cluster = theatre.cluster
     if node is None or cluster is None:
         return Alone
+    from subsea.app.credentials import credentials
+    from subsea.cluster.follower import Follower
+    from subsea.cluster.master import Master
+
     keys = credentials(cluster, theatre.nodes, node, path)
     address, timeout_s, master = cluster.address, cluster.timeout_s, cluster.master
     others = [name for name in theatre.nodes if name != node]

@@ -4,6 +4,7 @@ import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack, closing, suppress
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from subsea.app import subtitles
 from subsea.app.attract import Attract, tour_named
@@ -15,7 +16,6 @@ from subsea.app.crew import Alone, Crew, muster
 from subsea.app.desk import Desk
 from subsea.app.directed import check_tour, is_directed, is_over, leapt
 from subsea.app.finding import find_fish
-from subsea.app.house import NOT_SHRUNK, House, open_house, told
 from subsea.app.hud import reading
 from subsea.app.kiosk import Kiosk, locked
 from subsea.app.lettering import letter
@@ -49,6 +49,9 @@ from subsea.view.retina import Gaze
 from subsea.view.stereo import EYES, Stereo
 from subsea.view.surround import ALL_ROUND, Surround
 from subsea.world import World, create_world
+
+if TYPE_CHECKING:  # only a theatre needs it
+    from subsea.app.house import House
 
 SHARED_TIME = "several computers show this dive: its time goes on"
 # What is granted while the menu is open.
@@ -111,6 +114,8 @@ def dive(
     installation: Installation | None = None
     crew: Callable[[World, Pilot], Crew] = Alone
     if theatre is not None:
+        from subsea.app.house import open_house, told
+
         house = open_house(theatre, display, stereo, node, shrink)
         view = ""
         if node is not None:  # whose pixels may be its own, and its glasses: which eye is which
@@ -118,6 +123,8 @@ def dive(
         crew = muster(house.theatre, house.path, node, view)
         installation = installed(house)
     elif shrink != 1:
+        from subsea.app.house import NOT_SHRUNK
+
         raise UserError(NOT_SHRUNK)
     elif node is not None:
         raise UserError("--node is one of a theatre's computers, expected --theatre too")
@@ -148,7 +155,7 @@ def dive(
     return 0
 
 
-def installed(house: House) -> Installation:
+def installed(house: "House") -> Installation:
     """A theatre's rig, and the windows that it asks for."""
     screens = [
         Screen(window.name, window.size, window.position, window.monitor)

@@ -22,6 +22,15 @@ from subsea.app.film import instants, length_s, reach
 from subsea.app.finding import find_fish
 from subsea.app.progress import progress
 from subsea.app.reels import frame_rate, kind_of, open_reels
+from subsea.app.retinae import (
+    MOST_FISHES,
+    SIDES,
+    VALUES,
+    codes,
+    seen_brightness,
+    values_of,
+    velocity_of,
+)
 from subsea.app.start import headless, picture_maker, start_world
 from subsea.app.takes import begin, description, missing_frames
 from subsea.app.timing import sentence
@@ -30,7 +39,6 @@ from subsea.errors import UserError
 from subsea.frame import pack
 from subsea.habitat.reef import KINDS as REEF_KINDS
 from subsea.places import replacing
-from subsea.render import Renderer
 from subsea.render.marks import CORAL, FISH, KINDS, PILLAR, ROCK, Seen
 from subsea.render.quality import PRESETS
 from subsea.scenario import load_scenario
@@ -44,23 +52,10 @@ from subsea.world import World
 Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
 
-SIDES = "left", "right"
 PARTS = "", "identity", "coded", "depth"  # folders of the pictures, and of the maps
 CAMERA = "camera.json"
-# Values of identity maps: of the first of each kind; what has no number has one value.
-VALUES = {
-    "water": 0, "surface": 1, "seabed": 2, "seaweed": 3, "bubbles": 4, "hook": 5,
-    "pillar": 100, "rock": 300, "coral": 1000, "fish": 10000,
-}  # fmt: skip
-FIRST = np.array([VALUES[kind] for kind in KINDS], np.int32)
-MOST_FISHES = 2**16 - VALUES["fish"]  # that a map of 16 bits can tell apart
 MM = 10.0  # per cm
-PLAIN = {
-    "surface": (0.20, 0.24, 0.24), "seabed": (0.42, 0.38, 0.26), "seaweed": (0.16, 0.46, 0.14),
-    "bubbles": (0.90, 0.90, 0.90), "hook": (0.95, 0.90, 0.20),
-}  # fmt: skip
 OPENCV = np.diag([1.0, -1.0, -1.0, 1.0])  # from OpenGL's axes of an eye: y up, z backward
-SEEN_SIZE = 48, 48  # pixels of the retinae whose brightness a fish goes by
 CONVENTION = (
     "pinhole, square pixels, origin in the middle of the upper left pixel; x right, y down, "
     "z ahead; `left` and `right` of a frame are 4x4 matrices from the world (cm, z up) to the eye: "
@@ -153,25 +148,13 @@ def film_eyes(
     return 0
 
 
-def seen_brightness(renderer: Renderer, world: World, by: Rider) -> float:
-    """Mean brightness, 0 to 1, of what a fish sees at the present tick, looking ahead (Tu §6.2).
-
-    The mean value of the two pictures as a screen would show them; it depends on nothing but the
-    world and the quality of the renderer, and what that draws next does not depend on it.
-    """
-    rig = retina_rig(SEEN_SIZE, by.half_cm)
-    with renderer.apart(rig):
-        renderer.draw(pack(world, retinal_views(world, by, rig, 1.0), 1.0))
-        return float(np.mean([renderer.read_pixels(side) for side in range(len(SIDES))]) / 255.0)
-
-
 def labelled(pictures: Sequence[NDArray[np.uint8]], seen: Seen) -> dict[str, Any]:
     """What is written of a frame, by the names of its folders; `seen` is of both eyes."""
     value = values_of(seen)
     depth = np.where(np.isfinite(seen.depth), np.rint(MM * seen.depth), 0.0)
     maps: dict[str, NDArray[Any]] = {
         "identity": value.astype(np.uint16),
-        "coded": CODES[value],
+        "coded": codes()[value],
         "depth": np.minimum(depth, 2**16 - 1).astype(np.uint16),
     }
     out: dict[str, Any] = dict(zip(SIDES, pictures, strict=True))
@@ -179,30 +162,6 @@ def labelled(pictures: Sequence[NDArray[np.uint8]], seen: Seen) -> dict[str, Any
         halves = np.split(both, len(SIDES), axis=1)
         out |= {f"{name}/{side}": half for side, half in zip(SIDES, halves, strict=True)}
     return out
-
-
-def values_of(seen: Seen) -> Ints:
-    """The values (h, w) of an identity map."""
-    return np.asarray(FIRST[seen.kind] + seen.number)
-
-
-def coded(value: Ints) -> NDArray[np.uint8]:
-    """Colours (h, w, 3) of identities (h, w): fishes in reds, what stands in blues (Tu §6.7)."""
-    # Neighbours in number are far apart in shade.
-    shade = 0.35 + 0.65 * (value * 0.6180339887 % 1.0)
-    tint = value * 0.7548776662 % 1.0
-    red = np.stack([shade, 0.45 * tint * shade, 0.25 * shade], axis=-1)
-    blue = np.stack([0.25 * tint * shade, 0.45 * tint * shade, shade], axis=-1)
-    violet = np.stack([0.45 * shade, 0.75 * tint * shade, shade], axis=-1)
-    rgb = np.zeros((*value.shape, 3))
-    for name, colour in PLAIN.items():
-        rgb[value == VALUES[name]] = colour
-    for name, colours in (("pillar", blue), ("coral", violet), ("fish", red)):
-        rgb = np.where((value >= VALUES[name])[..., None], colours, rgb)
-    return np.asarray(np.rint(255.0 * rgb), np.uint8)
-
-
-CODES = coded(np.arange(2**16))  # of every value that a map of 16 bits has
 
 
 def described(
@@ -286,12 +245,6 @@ def _numbered(kind: str, number: int) -> dict[str, Any]:
 
 def _species(world: World, fish: int) -> str:
     return world.scenario.species[world.state.fishes.species[fish]]
-
-
-def velocity_of(world: World, fish: int) -> tuple[float, float, float]:
-    """How fast a fish goes, cm/s, world."""
-    x, y, z = world.state.fishes.velocity[fish].tolist()
-    return x, y, z
 
 
 def _write_json(path: Path, content: dict[str, Any]) -> None:

@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from subsea.app import pacing
-from subsea.app.eyes import seen_brightness, velocity_of
 from subsea.app.panes import Pane, panes
 from subsea.app.picking import pick
+from subsea.app.retinae import seen_brightness, velocity_of
 from subsea.app.ride import LOOKS, Look, Ride, joined, pasted, pictured, with_insets
 from subsea.app.sight import Sight, sight
 from subsea.app.wall import Wall
@@ -19,7 +19,6 @@ from subsea.frame import Packet, make_scene, pack
 from subsea.render import Renderer
 from subsea.render.marks import FISH
 from subsea.render.quality import AUTO, CHOICES, LADDER, PRESETS, Quality, first_rung, name_of
-from subsea.theatre.lineup import lineup
 from subsea.view.camera import View
 from subsea.view.levels import nothing_drawn
 from subsea.view.rig import Pose, Rect, Rig, views
@@ -246,6 +245,8 @@ class Picture:
     def _draw_pattern(self) -> None:
         """The test pattern, if it is shown, into the renderer's own pictures: once is enough."""
         if self.pattern:
+            from subsea.theatre.lineup import lineup
+
             self._renderer.show(lineup(self.rig))
 
     def _take_rig(self) -> None:

@@ -7,7 +7,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.app.eyes import CODES, MOST_FISHES, SIDES, VALUES, values_of
+from subsea.app.retinae import MOST_FISHES, SIDES, VALUES, codes, values_of
 from subsea.behavior.table import BEHAVIORS
 from subsea.render.marks import Seen
 from subsea.state import MENTAL_STATES
@@ -189,7 +189,7 @@ def pictured(seen: Seen, look: Look) -> NDArray[np.uint8]:
         value, first = values_of(seen), VALUES["fish"]
         # Of more fishes than have a colour of their own some have the same.
         return np.asarray(
-            CODES[np.where(value < first, value, first + (value - first) % MOST_FISHES)]
+            codes()[np.where(value < first, value, first + (value - first) % MOST_FISHES)]
         )
     grey = np.rint(255.0 * np.exp(-seen.depth / GREY_CM)).astype(np.uint8)
     return np.repeat(grey[..., None], 3, axis=2)

@@ -1,6 +1,19 @@
 """The contract between capture and playback: the repertoire file and its packing."""
 
-from subsea.repertoire.files import read_repertoire, write_repertoire
+from typing import TYPE_CHECKING, Any
+
 from subsea.repertoire.schema import SEGMENTS, Repertoire, Segment
 
+if TYPE_CHECKING:
+    from subsea.repertoire.files import read_repertoire, write_repertoire
+
 __all__ = ["SEGMENTS", "Repertoire", "Segment", "read_repertoire", "write_repertoire"]
+
+
+def __getattr__(name: str) -> Any:
+    """What opens files, loaded when it is first asked for: what a dive needs of them is kept."""
+    if name not in ("read_repertoire", "write_repertoire"):
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from subsea.repertoire import files
+
+    return getattr(files, name)

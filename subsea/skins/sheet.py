@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 import tomlkit
 from numpy.typing import NDArray
-from PIL import Image
 
 from subsea.errors import UserError
 from subsea.keeping import kept
@@ -42,6 +41,8 @@ def read(path: Path) -> Bytes:
     """The sheet in a PNG file; anything else is a UserError."""
     width, height = paint.SIZE
     expected = f"expected a PNG of {width}×{height} pixels with opacity (RGBA)"
+    from PIL import Image  # most species are painted
+
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of huge sizes, which are none that is expected
@@ -59,6 +60,8 @@ def read(path: Path) -> Bytes:
 
 def write(path: Path, sheet: Bytes) -> None:
     """Write a sheet (640, 1024, 4), bottom row first, as a PNG file; whole or not at all."""
+    from PIL import Image
+
     with replacing(path) as temporary:
         Image.fromarray(np.ascontiguousarray(sheet[::-1])).save(temporary, "PNG")
 

@@ -11,8 +11,8 @@ from PIL import Image
 
 from subsea.app import eyes
 from subsea.app.cli import main
-from subsea.app.eyes import VALUES, coded, seen_brightness
 from subsea.app.finding import find_fish
+from subsea.app.retinae import VALUES, coded, seen_brightness
 from subsea.app.start import headless, picture_maker
 from subsea.errors import UserError
 from subsea.kinematics.rotation import from_matrix

@@ -11,10 +11,10 @@ import pytest
 from PIL import ImageGrab
 
 from subsea.app.dive import Dive
-from subsea.app.eyes import MOST_FISHES, VALUES, coded, seen_brightness
 from subsea.app.house import open_house
 from subsea.app.overlay import unbroken
 from subsea.app.panes import panes
+from subsea.app.retinae import MOST_FISHES, VALUES, coded, seen_brightness
 from subsea.app.ride import MOST_PAN_DEG, Ride, nearest_to_middle, pictured, with_insets
 from subsea.ocean import create_world, step
 from subsea.render.marks import FISH, SEABED, WATER, Seen
