@@ -2,6 +2,7 @@
 
 import argparse
 import gc
+import os
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
@@ -823,6 +824,8 @@ def _left_out(text: str) -> frozenset[str]:
 
 
 def _dive(settings: Path | None, **options: Any) -> int:
+    # Read when numpy is loaded: its threads, one a core, would wait for work by turning in circles.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from msgspec.structs import replace
 
     from subsea.app.console import say
