@@ -39,12 +39,17 @@ def test_a_library_that_one_module_owns_is_forbidden_to_all_others(contract, own
     assert forbidden[contract] == modules - {owner} | {"capture"}
 
 
-def test_a_simulation_loads_no_opengl_and_no_window():
-    """`subsea simulate` runs on machines that have neither."""
-    program = (
-        "import sys, subsea.app.simulate; "
-        "print([m for m in ('moderngl', 'glfw', 'imgui_bundle', 'av') if m in sys.modules])"
-    )
+@pytest.mark.parametrize(
+    ("module", "others"),
+    [
+        # `subsea simulate` runs on machines that have neither OpenGL nor windows.
+        ("subsea.app.simulate", ("moderngl", "glfw", "imgui_bundle", "av")),
+        # A dive begins without what few dives need.
+        ("subsea.app.dive", ("h5py", "PIL", "zmq", "tqdm", "av", "scipy.linalg")),
+    ],
+)
+def test_a_command_does_without_what_others_need(module, others):
+    program = f"import sys, {module}; print([m for m in {others} if m in sys.modules])"
     done = subprocess.run(
         [sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True
     )

@@ -1,0 +1,32 @@
+"""What a world is made of, as far as no other test asks."""
+
+import shutil
+
+import h5py
+import pytest
+
+from subsea import keeping, world
+from subsea.errors import UserError
+from subsea.species import repertoire_file
+
+
+def test_a_repertoire_is_read_by_its_content(tmp_path, monkeypatch):
+    monkeypatch.setattr(keeping, "folder", lambda: tmp_path / "kept")
+    path = tmp_path / "clownfish.h5"
+    shutil.copy(repertoire_file("clownfish"), path)
+
+    def read(stamp):  # a stamp that is new: nothing in memory is asked
+        return world._repertoire(path, "clownfish", (stamp, 0))
+
+    first = read(1)
+    assert read(2).body_length_cm == first.body_length_cm
+    assert len(list((tmp_path / "kept").iterdir())) == 1
+    with h5py.File(path, "a") as file:
+        file.attrs["body_length_cm"] = 1.25 * first.body_length_cm
+    assert read(3).body_length_cm == pytest.approx(1.25 * first.body_length_cm)
+    path.write_bytes(path.read_bytes()[:9000])
+    with pytest.raises(UserError, match=str(path)):
+        read(4)
+    path.unlink()
+    with pytest.raises(UserError, match="no such file"):
+        read(5)
