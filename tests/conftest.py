@@ -2,7 +2,9 @@
 
 import gc
 import os
+import sys
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
@@ -46,6 +48,33 @@ def pytest_configure(config: pytest.Config) -> None:
     folder = TemporaryDirectory()
     config.add_cleanup(folder.cleanup)
     os.environ["XDG_DATA_HOME"] = folder.name
+    # Else each of a hundred programs that tests start would compile Python's sources again.
+    sys.dont_write_bytecode = False
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+    config.option.loadscopereorder = False  # of xdist: files are given out in the order below
+
+
+# Files that take longest, the longest first. The first two need kernels of different parts of the
+# program, lest both of two processes compile the same ones.
+LONG = (
+    "app/test_every_command.py",
+    "capture/test_learn.py",
+    "capture/export/test_gltf.py",
+    "capture/test_batch.py",
+    "motor/test_switching.py",
+    "app/test_film.py",
+    "app/test_dive_ends.py",
+    "app/test_skin_window.py",
+    "app/test_cluster_windows.py",
+    "app/test_menu.py",
+)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Long files first: of several processes none is left alone with one in the end."""
+    here = Path(__file__).parent
+    rank = {here / name: place for place, name in enumerate(LONG)}
+    items.sort(key=lambda item: rank.get(item.path, len(LONG)))
 
 
 def pytest_collection_finish() -> None:

@@ -16,10 +16,12 @@ from subsea import ocean
 from subsea.app import benchmark, comparison, machine, timing
 from subsea.app.cli import main
 from subsea.app.figures import STAGES
+from tests.app.scenes import BARE
 
 pytestmark = pytest.mark.usefixtures("one_context")
 
-SMALL = ["benchmark", "--frames", "5", "--size", "160x120", "--fish", "20"]
+SEA = ["--scenario", str(BARE), "--size", "160x120"]
+SMALL = ["benchmark", *SEA, "--frames", "5", "--fish", "20"]
 
 
 @pytest.fixture(scope="module")
@@ -137,7 +139,7 @@ def test_a_quality_that_cannot_be_is_a_fault_in_one_line(capsys, command, messag
 def ladder(tmp_path_factory):
     """A folder with the report, the table and the picture of two runs on a tour."""
     folder = tmp_path_factory.mktemp("ladder")
-    options = ["--frames", "12", "--size", "160x120", "--fish", "5,20", "--tour", "reef"]
+    options = [*SEA, "--frames", "12", "--fish", "5,20", "--tour", "glide"]
     files = ["--json", "old.json", "--csv", "frames.csv", "--plot", "stages.png"]
     files = [str(folder / word) if "." in word else word for word in files]
     assert main(["benchmark", *options, *files]) == 0
@@ -153,7 +155,7 @@ def table(path):
 def test_several_numbers_of_fishes_are_measured_one_after_another(ladder):
     runs = json.loads((ladder / "old.json").read_text())["ladder"]
     assert [run["fish"] for run in runs] == [5, 20]
-    assert {run["tour"] for run in runs} == {"reef"}
+    assert {run["tour"] for run in runs} == {"glide"}
     for run in runs:
         assert len(run["parts_ms"]["frame"]) == 10
         assert min(run["parts_ms"]["frame"]) <= run["frame_ms"]["p50"] <= run["frame_ms"]["max"]
@@ -190,7 +192,7 @@ def again(ladder):
     By the clock other programs may take any share of a single frame, in a stage or between two.
     """
     path = ladder / "again.csv"
-    options = ["--frames", "12", "--size", "160x120", "--fish", "20", "--tour", "reef"]
+    options = [*SEA, "--frames", "12", "--fish", "20", "--tour", "glide"]
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(time, "perf_counter", time.process_time)
         gc.disable()  # of what all the tests before have left
@@ -209,7 +211,7 @@ def test_on_a_tour_every_run_sees_the_same(ladder, again):
 
 def test_of_no_frame_much_is_in_no_stage(again):
     for row in again:
-        assert 0.0 <= float(row["rest_ms"]) < 0.2 * float(row["frame_ms"])
+        assert 0.0 <= float(row["rest_ms"]) < 0.3 * float(row["frame_ms"])
 
 
 def test_a_report_stands_against_an_older_one(ladder, tmp_path, capsys):
@@ -221,7 +223,7 @@ def test_a_report_stands_against_an_older_one(ladder, tmp_path, capsys):
         old["parts_ms"][name] = [1000.0 * value for value in old["parts_ms"][name]]
     slow = tmp_path / "slow.json"
     slow.write_text(json.dumps(old))
-    options = ["--frames", "12", "--size", "160x120", "--fish", "20"]
+    options = [*SEA, "--frames", "12", "--fish", "20"]
     assert main(["benchmark", *options, "--compare", str(slow)]) == 0
     told = capsys.readouterr().out
     assert "not alike: tour\n" in told

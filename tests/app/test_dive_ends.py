@@ -10,13 +10,15 @@ import time
 import pytest
 
 from subsea.app.cli import main
+from tests.app.scenes import BARE
 
-WORDS = ["dive", "--size", "320x240"]
+WORDS = ["dive", "--size", "320x240", "--scenario", str(BARE)]
 DIVE = [sys.executable, "-m", "subsea", *WORDS]
 
 
 def test_it_ends_by_itself(display):
-    done = subprocess.run([*DIVE, "--seconds", "0.5"], capture_output=True, text=True, timeout=120)
+    command = [*DIVE[:3], "dive", "--size", "320x240", "--seconds", "0.5"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stderr
     assert "Traceback" not in done.stderr
 

@@ -20,17 +20,17 @@ from subsea.errors import UserError
 from subsea.frame import pack
 from subsea.ocean import step
 from subsea.render.quality import PRESETS
-from subsea.resources import resource_path
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.rig import views
 from subsea.view.rigs import DISPLAYS, cockpit, display_rig
 from subsea.view.stereo import PAGED
 from subsea.world import TICK_S
-from tests.app.scenes import scene
+from tests.app.scenes import BARE, scene
 
 pytestmark = pytest.mark.usefixtures("one_context")
 
-SMALL = ["--size", "161x120", "--seconds", "0.2", "--fps", "20", "--seed", "1"]
+SEA = ["--scenario", str(BARE)]  # of what is not about the sea: a film of the bay begins slowly
+SMALL = [*SEA, "--size", "161x120", "--seconds", "0.2", "--fps", "20", "--seed", "1"]
 
 
 def decode(path):
@@ -126,7 +126,7 @@ def test_a_film_for_shutter_glasses_is_one_line_with_other_modes(tmp_path, capsy
 def test_the_eyes_are_set_by_options(tmp_path):
     pictures = {}
     for option in ("", "--swap-eyes", "--eye-distance=30", "--screen-distance=400"):
-        arguments = ["--display", "checkerboard", "--size", "64x64", "--seconds", "0.1"]
+        arguments = [*SEA, "--display", "checkerboard", "--size", "64x64", "--seconds", "0.1"]
         assert main(["film", str(tmp_path / "a.png"), *arguments, *filter(None, [option])]) == 0
         pictures[option] = np.asarray(Image.open(tmp_path / "a.png")).tobytes()
     assert len(set(pictures.values())) == len(pictures)
@@ -135,7 +135,7 @@ def test_the_eyes_are_set_by_options(tmp_path):
 @pytest.mark.parametrize("display", ["side-by-side", "top-bottom"])
 def test_stereo_shows_two_different_eyes(tmp_path, display):
     out = tmp_path / "stereo.png"
-    arguments = ["--display", display, "--size", "160x120", "--seconds", "1", "--seed", "1"]
+    arguments = [*SEA, "--display", display, "--size", "160x120", "--seconds", "1"]
     assert main(["film", str(out), *arguments]) == 0
     picture = np.asarray(Image.open(out)).astype(int)
     axis = 1 if display == "side-by-side" else 0
@@ -302,8 +302,8 @@ def test_a_tour_of_the_scenario_is_filmed_to_its_end(tmp_path, capsys):
     place = [f"position_cm = [{x}, -60, -330]" for x in (-460, -430)]
     file = tmp_path / "s.toml"
     file.write_text(
-        resource_path("assets/scenarios/peaceful.toml").read_text()
-        + '[[tour]]\nname = "short"\nwaypoint = [{time_s = 0, look_at_cm = [-460, 800, -330], '
+        BARE.read_text()
+        + '[[tour]]\nname = "short"\nwaypoint = [{time_s = 0, look_at_cm = [-460, 700, -330], '
         + f"{place[0]}}}, {{time_s = 0.6, {place[1]}}}]\n"
     )
     arguments = ["--scenario", str(file), "--size", "64x64", "--fps", "5", "--seed", "1"]
@@ -349,7 +349,7 @@ def test_directions_are_filmed_with_their_captions_until_they_are_over(tmp_path,
 
 
 def test_a_film_may_begin_later(tmp_path):
-    arguments = ["--size", "64x64", "--fps", "5", "--seed", "1"]
+    arguments = [*SEA, "--size", "64x64", "--fps", "5", "--seed", "1"]
     assert main(["film", str(tmp_path / "all"), "--seconds", "1", *arguments]) == 0
     late = [str(tmp_path / "late"), "--start", "0.6", "--seconds", "0.4"]
     assert main(["film", *late, *arguments]) == 0
@@ -370,7 +370,7 @@ def test_what_passes_before_a_film_is_in_no_frame_time(tmp_path, monkeypatch, mo
     monkeypatch.setattr(film, "step", counted)
     monkeypatch.setattr(module, "time", SimpleNamespace(perf_counter=lambda: len(made)))
     monkeypatch.setattr(module, "sentence", lambda durations: told.extend(durations) or "")
-    arguments = [str(tmp_path / "later"), "--size", "64x64", "--quality", "low", "--fps", "10"]
+    arguments = [str(tmp_path / "later"), *SEA, "--size", "64x64", "--fps", "10"]
     assert main(["film", *arguments, "--start", "1.5", "--seconds", "0.5", *more]) == 0
     assert len(made) > 45
     assert told[0] == 0

@@ -12,7 +12,7 @@ from subsea.app.bindings import PAD_BUTTONS
 from subsea.app.dive import Dive
 from subsea.app.gamepad import State
 from subsea.app.menu import DISPLAYS, QUALITIES, scenario_titles
-from subsea.render.quality import CHOICES
+from subsea.render.quality import CHOICES, PRESETS
 from subsea.resources import resource_path
 from subsea.scenario import own_scenarios
 from subsea.view.rigs import DISPLAYS as ALL_DISPLAYS
@@ -21,10 +21,12 @@ SIZE = (480, 360)
 
 
 @pytest.fixture(scope="module")
-def boat(display, hands, quiet):
-    with closing(Dive(quiet, "mono", SIZE, seed=1, quality="medium")) as running:
-        hands.glide(running, 0.2)
-        yield running
+def boat(display, hands, quiet, coarse):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(PRESETS, "medium", PRESETS[coarse])  # the sea is not looked at closely
+        with closing(Dive(quiet, "mono", SIZE, seed=1, quality="medium")) as running:
+            hands.glide(running, 0.2)
+            yield running
 
 
 @pytest.fixture
