@@ -12,14 +12,14 @@ import pytest
 from PIL import ImageGrab
 
 from subsea.app.cli import main
-from subsea.resources import resource_path
+from tests.app.scenes import BARE
 
 SIZE = 200, 150
 NODES = {"left": (-60, -20), "middle": (-20, 20), "right": (20, 60)}
 
 
 def theatre(folder):
-    """A theatre file of three nodes side by side, with their keys; and a sea of few fishes."""
+    """A theatre file of three nodes side by side, with their keys."""
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         port = taken.getsockname()[1]
@@ -34,8 +34,6 @@ def theatre(folder):
         )
     (folder / "hall.toml").write_text(text)
     assert main(["keys", str(folder / "keys"), *NODES]) == 0
-    sea = (resource_path("assets/scenarios") / "schooling.toml").read_text()
-    (folder / "sea.toml").write_text(re.sub(r"^number = \d+", "number = 3", sea, flags=re.M))
 
 
 class Node:
@@ -44,7 +42,7 @@ class Node:
     def __init__(self, folder, name, call):
         self._file = folder / f"{call}.told"
         command = [sys.executable, "-m", "subsea", "dive", "--theatre", str(folder / "hall.toml")]
-        command += ["--node", name, "--scenario", str(folder / "sea.toml"), "--quality", "low"]
+        command += ["--node", name, "--scenario", str(BARE), "--quality", "low"]
         with self._file.open("w") as file:
             self.process = subprocess.Popen(command, stderr=file)
 
