@@ -74,6 +74,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Long files first: of several processes none is left alone with one in the end."""
     here = Path(__file__).parent
     rank = {here / name: place for place, name in enumerate(LONG)}
+    assert all(path.exists() for path in rank), "LONG names a file that is gone"
     items.sort(key=lambda item: rank.get(item.path, len(LONG)))
 
 

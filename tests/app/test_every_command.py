@@ -2,7 +2,8 @@
 
 In this process, in a folder with all that pages take for granted: a photograph, a record, a sea, a
 theatre, a fish of one's own. Seas are small and pictures tiny; what else is short is in `SHORT`. A
-command that stands in a sentence without what it needs (`subsea film`) is read by its parser.
+command that stands in a sentence without what it needs (`subsea film`) is read by its parser; so is
+an example of `commands.md`, which comes last, if it has nothing that was not typed before.
 """
 
 import argparse
@@ -100,6 +101,7 @@ MAY_FAIL = {  # nothing better be learned, a busy machine be slow, no GPU be the
     "subsea doctor": (0, 1),
 }
 PROGRAMS_OF_OURS = {"subsea": cli, "subsea-capture": capture_cli}
+COMMANDS = "commands.md"  # of which examples are made from the programs' own help
 WINDOWS = "subsea build", "subsea skin"  # which a hand would close
 SEAS = "dive", "film", "simulate", "benchmark", "soak"
 
@@ -217,7 +219,7 @@ class Workshop:
         if words[:2] == ["python", "-m"]:
             words[:3] = [{"subsea": "subsea", "capture": "subsea-capture"}[words[2]]]
         if words[0] in ("subsea", "subsea-capture"):
-            self.run(words, command.inline)
+            self.run(words, command.inline, command.page == COMMANDS and self.repeated(words))
         elif words[0] == "python":
             script(words[1:])
         elif words[0] == "make":
@@ -243,8 +245,13 @@ class Workshop:
             given = [word.removeprefix("ARGS=") for word in words[2:]]
             self.run(["subsea", "dive", *shlex.split(" ".join(given))], inline=False)
 
-    def run(self, words, inline):
-        """A command of one of the programs."""
+    def repeated(self, words):
+        """Whether a command has been typed with each of these options, maybe not at once."""
+        like = [options_in(done) for done in self.done if list(done[:2]) == words[:2]]
+        return bool(like) and options_in(words) <= set().union(*like)
+
+    def run(self, words, inline, only_read=False):
+        """A command of one of the programs; `only_read` by its parser."""
         program = PROGRAMS_OF_OURS[words[0]]
         if len(words) == 1:
             return
@@ -260,6 +267,8 @@ class Workshop:
                 raise
             parse(*relaxed(*program.parsers()), words[1:])
             return
+        if only_read:
+            return
         words = shortened(words)
         if tuple(words) in self.done:
             return
@@ -273,6 +282,11 @@ class Workshop:
             code = program.main(words[1:])
         allowed = (130, 0) if name in WINDOWS or "--node" in words else MAY_FAIL.get(name, (0,))
         assert code in allowed, f"exit code {code} of {shlex.join(words)}\n{told.getvalue()}"
+
+
+def options_in(words):
+    """The options of a command."""
+    return {word.partition("=")[0] for word in words if word.startswith("-")}
 
 
 def closing(present):
@@ -447,7 +461,7 @@ def workshop(display, tmp_path_factory, known_repertoire):
         yield made
 
 
-@pytest.mark.parametrize("page", PAGES)
+@pytest.mark.parametrize("page", sorted(PAGES, key=lambda page: page == COMMANDS))
 def test_all_that_a_page_tells_to_do_can_be_done(workshop, page, capsys):
     folder = workshop.folder
     for name in ("keys", "seen"):  # other pages have others
