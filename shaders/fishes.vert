@@ -49,6 +49,7 @@ flat out float v_mark;
 #endif
 
 const float WING_SPREAD = 0.95, WING_BEAT = 0.2;  // rad that a wing stands out; its share of the beat
+const float BEHIND = 3.0;  // behind its tip nothing moves, lengths of the mouth
 const float JOINT = 0.25;  // of the jaws behind the corner of the mouth, lengths of the mouth
 const float LEAN = 0.35;  // of a paddle's plane, outwards
 
@@ -72,8 +73,8 @@ void open_mouth(inout vec3 place, inout vec3 normal) {
     float reach = mouth.z - mouth.x, size = looks[v_kind].build.x;
     vec2 at = at_mouth(v_rest, v_kind);
     float lower = smoothstep(1.0, -1.0, at.y);
-    float jaw = 1.0 - smoothstep(0.8, 3.0, at.x);
-    float snout = 1.0 - smoothstep(0.0, 3.0, at.x);
+    float jaw = 1.0 - smoothstep(0.8, BEHIND, at.x);
+    float snout = 1.0 - smoothstep(0.0, BEHIND, at.x);
     float angle = v_gape * mix(0.3 * snout, -jaw, lower);
     mat2 turn = mat2(cos(angle), sin(angle), -sin(angle), cos(angle));
     vec2 arm = size * vec2(mouth.z + JOINT * reach - v_rest.x, v_rest.y - mouth.w);
@@ -141,7 +142,8 @@ void main() {
     normal = dot(normal, normal) > 1e-8 ? normalize(normal) : vec3(1.0, 0.0, 0.0);
     if (a_part.x < 0.5) normal *= -side;  // outward
 #ifndef DISTANT
-    v_gape = a_part.x < 0.5 ? opening(i_fins.x, v_kind) : 0.0;
+    bool head = a_part.x < 0.5 && at_mouth(v_rest, v_kind).x < BEHIND;
+    v_gape = head ? opening(i_fins.x, v_kind) : 0.0;
     if (v_gape > 0.0) open_mouth(place, normal);
 #endif
     v_normal = turned(normal);

@@ -31,7 +31,7 @@ Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
 
 BODY, FIN, PECTORAL, PELVIC = range(4)  # parts, as the shaders know them
-HEAD = 12  # samples of the finest table along a body that are in its head
+HEAD = 9  # samples of the finest table along a body that are in its head
 ABSENT = -1.0  # instead of a control point: this species has no such fin
 
 VERTEX_FORMAT = "3f4 3f4 3f4 3f4 4f4"
