@@ -16,9 +16,10 @@ from typing import Any
 
 from llvmlite import binding  # type: ignore[import-untyped]
 from numba.core import caching, codegen
+from numba.core.registry import cpu_target
 from numba.np import linalg
 
-import subsea.compiling  # noqa: F401
+from subsea.compiling import asked_by
 
 ROOT = Path(__file__).resolve().parent.parent
 # Both forms that this project uses: `from a.b import c, d` and the same in parentheses.
@@ -192,3 +193,16 @@ class Matched(caching.IndexDataCacheFile):  # type: ignore[misc]
 
 
 caching.IndexDataCacheFile = Matched
+
+
+def is_kept(kernel: Any, signature: tuple[Any, ...], inner: bool) -> bool:
+    """Whether code of today's source of a kernel for these types of numba is on the disk.
+
+    An `inner` one is that which only kernels call (`subsea/compiling.py`).
+    """
+    kept = kernel._cache
+    if not isinstance(kept, caching.FunctionCache):
+        return False
+    with asked_by(inner):
+        key = kept._index_key(signature, cpu_target.target_context.codegen())
+    return key in kept._cache_file._load_index()

@@ -5,7 +5,8 @@ of ours they are more code than the kernel itself, compiled with it and with eac
 Here a kernel that another one calls gets none. If Python calls it after all, it is compiled again.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import wraps
 from threading import local
 from typing import Any
@@ -32,14 +33,21 @@ class _Asking(local):
 _asking = _Asking()
 
 
+@contextmanager
+def asked_by(kernel: bool) -> Iterator[None]:
+    """A kernel asks for what is compiled in here, or else Python."""
+    before, _asking.kernel = _asking.kernel, kernel
+    try:
+        yield
+    finally:
+        _asking.kernel = before
+
+
 def _asked(method: Callable[..., Any], kernel: bool) -> Callable[..., Any]:
     @wraps(method)
     def call(*given: Any, **named: Any) -> Any:
-        before, _asking.kernel = _asking.kernel, kernel
-        try:
+        with asked_by(kernel):
             return method(*given, **named)
-        finally:
-            _asking.kernel = before
 
     return call
 

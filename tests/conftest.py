@@ -13,9 +13,11 @@ import pytest
 from hypothesis import settings
 from numpy.typing import NDArray
 
+from subsea.app.console import say
 from subsea.behavior.table import BEHAVIORS, DESIRES
 from subsea.kinematics.frame import body_frame, to_body
 from subsea.kinematics.rotation import from_matrix
+from subsea.precompiling import precompile
 from subsea.repertoire import SEGMENTS, Repertoire, Segment
 from subsea.scenario import Temper
 from subsea.state import (
@@ -48,14 +50,16 @@ def pytest_configure(config: pytest.Config) -> None:
     folder = TemporaryDirectory()
     config.add_cleanup(folder.cleanup)
     os.environ["XDG_DATA_HOME"] = folder.name
+    if config.getoption("numprocesses", None):  # else each of them would compile the same kernels
+        precompile(say)
     # Else each of a hundred programs that tests start would compile Python's sources again.
     sys.dont_write_bytecode = False
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     config.option.loadscopereorder = False  # of xdist: files are given out in the order below
 
 
-# Files that take longest, the longest first. The first two need kernels of different parts of the
-# program, lest both of two processes compile the same ones.
+# Files that take longest, the longest first. The kernels of a dive are compiled before; the first two
+# need others of different parts of the program, lest both of two processes compile the same ones.
 LONG = (
     "app/test_every_command.py",
     "capture/test_learn.py",

@@ -5,15 +5,17 @@
 Opens the dive N times at 1280x720, quality `low`, in processes of their own, each time both with
 an empty folder for what is kept on the disk ("nothing kept") and with what the time before left
 there ("warm"); with --against also that of another checkout, with its own code and what it keeps,
-in turn. With --first once more with no compiled kernels either: a minute or more.
+in turn. With --first once more with no compiled kernels either: a minute or more each.
 
-Figures are seconds since the process was started, by processor time of all its threads, and by
-the clock, which means something only if nothing else runs; the least of N. Needs a display.
+Figures are seconds since the process was started, by processor time of all its threads and of the
+processes it began, and by the clock, which means something only if nothing else runs; the least of
+N. Needs a display.
 """
 
 import argparse
 import json
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -30,7 +32,7 @@ def child(scenario: str, begin: float) -> None:
     marks: list[tuple[str, float, float]] = []
 
     def mark(what: str) -> None:
-        marks.append((what, time.process_time(), time.monotonic() - begin))
+        marks.append((what, sum(os.times()[:4]), time.monotonic() - begin))
 
     from subsea.app import console
     from subsea.app.cli import main
@@ -39,7 +41,7 @@ def child(scenario: str, begin: float) -> None:
     say = console.say
 
     def told(message: str) -> None:
-        mark(message.partition(" (")[0])
+        mark(re.split("[:(]", message)[0].strip())
         say(message)
 
     console.say = told
@@ -102,9 +104,12 @@ def main() -> None:
         return
     runs: dict[str, list[dict[str, tuple[float, float]]]] = {}
     with tempfile.TemporaryDirectory() as folder:
-        if options.first:
-            places = {"NUMBA_CACHE_DIR": f"{folder}/kernels", "XDG_CACHE_HOME": f"{folder}/first"}
-            runs["the very first"] = [opened(HERE, options.scenario, **places)]
+        for number, checkout in enumerate([HERE, *([options.against] if options.against else [])]):
+            if options.first:
+                kernels, kept = f"{folder}/kernels{number}", f"{folder}/first{number}"
+                places = {"NUMBA_CACHE_DIR": kernels, "XDG_CACHE_HOME": kept}
+                name = f"the very first{f' of {checkout}' if number else ''}"
+                runs[name] = [opened(checkout, options.scenario, **places)]
         for number in range(options.times):
             kept = {"XDG_CACHE_HOME": f"{folder}/{number}"}
             runs.setdefault("nothing kept", []).append(opened(HERE, options.scenario, **kept))

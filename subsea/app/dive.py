@@ -36,7 +36,7 @@ from subsea.app.settings import USUAL, Settings
 from subsea.app.shelf import held
 from subsea.app.shots import Shots, pictures_folder
 from subsea.app.sign import sign_of
-from subsea.app.start import wake
+from subsea.app.start import awake
 from subsea.app.staying import carry
 from subsea.app.timeline import RATES, Timeline
 from subsea.app.tour import guide
@@ -318,12 +318,7 @@ class Dive:
     def _made(self, scenario: Scenario, source: Path, seed: int | None) -> World:
         """The world that a scenario begins with, awake."""
 
-        def make(tell: Callable[[str], None]) -> World:
-            world = create_world(scenario, seed, progress=tell, source=str(source))
-            wake(world, tell)
-            return world
-
-        return meanwhile(make, self._wait)
+        return meanwhile(lambda tell: awake(scenario, source, seed, tell), self._wait)
 
     def _live_in(
         self,

@@ -8,11 +8,11 @@ from pathlib import Path
 from subsea import interrupts
 from subsea.app.console import say
 from subsea.app.directed import directed, is_over
-from subsea.app.start import wake
+from subsea.app.start import awake
 from subsea.errors import UserError
 from subsea.ocean import step
 from subsea.scenario import Scenario
-from subsea.world import TICK_S, create_world
+from subsea.world import TICK_S
 
 MOST_S = 900.0
 
@@ -24,8 +24,7 @@ def rehearsed_s(scenario: Scenario, source: Path, seed: int | None) -> float:
     """
     say("rehearsing the directions, to know how long the film is")
     with interrupts.deferred() as check:
-        world = create_world(scenario, seed, source=str(source))
-        wake(world, say)
+        world = awake(scenario, source, seed)
         steer = directed(world)
         while not is_over(world):
             check()

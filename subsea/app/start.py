@@ -4,24 +4,24 @@ import math
 import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from subsea.app.console import say
 from subsea.frame import make_scene, pack
 from subsea.ocean import step
-from subsea.scenario import load_scenario
+from subsea.precompiling import precompile
+from subsea.scenario import Scenario, load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.rig import Rig
 from subsea.view.rigs import cockpit, views_for
-from subsea.world import World, create_world
+from subsea.world import LIVE_REACH_CM, World, create_world
 
 if TYPE_CHECKING:
     from subsea.render import Renderer
     from subsea.render.quality import Quality
 
 Say = Callable[[str], None]
-
-WAKING = "waking the fishes (the very first start compiles their code: half a minute to a minute)"
 
 
 def start_world(
@@ -36,19 +36,25 @@ def start_world(
     chosen, path = load_scenario(scenario, changes)
     number = sum(shoal.number for shoal in chosen.fish) if fish is None else fish
     if motor is None:
-        world = create_world(chosen, seed, fish, tell, source=str(path))
-    else:
-        live = number if motor == "dynamics" else 0
-        world = create_world(chosen, seed, fish, tell, live, math.inf, str(path))
-    wake(world, tell)
-    return world
+        return awake(chosen, path, seed, tell, fish)
+    live = number if motor == "dynamics" else 0
+    return awake(chosen, path, seed, tell, fish, live, math.inf)
 
 
-def wake(world: World, tell: Say = say) -> None:
-    """Make the first tick of a world and a packet of it: every kernel is compiled then."""
-    tell(WAKING)
+def awake(
+    scenario: Scenario, source: Path, seed: int | None = None, tell: Say = say,
+    fish: int | None = None, live: int | None = None, live_reach_cm: float = LIVE_REACH_CM,
+) -> World:  # fmt: skip
+    """The world of a scenario after its first tick and packet: every kernel is compiled.
+
+    `source` is the scenario's file; all else is what :func:`subsea.world.create_world` takes.
+    """
+    precompile(tell)
+    world = create_world(scenario, seed, fish, tell, live, live_reach_cm, str(source))
+    tell("waking the fishes")
     step(world, HANDS_OFF)
     pack(world, views_for("mono", (64, 64), cockpit(world.state.submarine, 1.0)), 1.0)
+    return world
 
 
 @contextmanager

@@ -1,0 +1,166 @@
+"""Several processes compile what a dive needs, which then compiles nothing itself."""
+
+import json
+import os
+import resource
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from subsea import precompiling
+from subsea.precompiling import kernels, precompile
+
+START = """
+import sys
+import subsea
+from numba.core import event
+from subsea.app import start
+from subsea.precompiling import kernels, precompile
+
+class Compiled(event.Listener):
+    def on_start(self, event):
+        function = event.data["dispatcher"].py_func
+        if not function.__name__.startswith("make_"):
+            print(function.__module__, function.__name__, "is compiled, but is not in the list")
+
+    def on_end(self, event):
+        pass
+
+precompile()
+for kernel in kernels():
+    if not kernel.is_kept:
+        print(kernel.name, "is in the list, but cannot be compiled or kept")
+with event.install_listener("numba:compile", Compiled()):
+    start.start_world("peaceful")
+"""
+
+
+def test_a_dive_compiles_nothing_then():
+    """Else `tools/list_kernels.py` is to be run."""
+    run = subprocess.run([sys.executable, "-c", START], capture_output=True, text=True, check=True)
+    assert run.stdout == ""
+
+
+def test_each_kernel_comes_after_those_that_it_calls():
+    for number, kernel in enumerate(kernels()):
+        assert all(called < number for called in kernel.calls)
+        assert all(kernels()[called].inner for called in kernel.calls)
+
+
+SOME = """
+import subsea.precompiling as precompiling
+from subsea.precompiling import kernels
+
+SMALL = ("vector", "plus", "dot", "times", "norm", "unit")
+some = [n for n, k in enumerate(kernels())
+        if k.module == "subsea.kinematics.vector" and k.name.rpartition(".")[2] in SMALL]
+assert len(some) > 10
+"""
+
+
+def _program(tmp_path: Path, text: str, **how: object) -> "subprocess.Popen[str]":
+    """A process of its own group, in which nothing is kept yet."""
+    return subprocess.Popen(
+        [sys.executable, "-c", SOME + text], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        text=True, start_new_session=True, env=os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)},
+        **how,
+    )  # fmt: skip
+
+
+def test_what_is_missing_is_shared_out(tmp_path):
+    program = _program(
+        tmp_path,
+        """
+calls, asked = {n: kernels()[n].calls for n in some}, {}
+ask = precompiling._ask
+def asking(worker, number):
+    asked.setdefault(worker.pid, []).append(number)
+    assert not any(not kernels()[called].is_kept for called in calls[number] if called in calls)
+    return ask(worker, number)
+precompiling._ask = asking
+precompiling._share_out(kernels(), some, 2, print)
+assert all(kernels()[n].is_kept for n in some)
+assert sorted(sum(asked.values(), [])) == some
+assert len(asked) == 2
+precompiling.FEW = 0
+precompiling.kernels = lambda: [kernels()[n] for n in some]
+precompiling.precompile(print, 2)  # it is all there
+""",
+    )
+    told, faults = program.communicate(timeout=200)
+    assert program.returncode == 0, faults
+    lines = told.splitlines()
+    assert len(lines) == 10
+    assert lines[0].startswith("compiling the fishes' code, once: 0 of ")
+
+
+def test_where_nothing_can_be_kept_nothing_is_compiled_in_vain(tmp_path):
+    program = _program(
+        tmp_path,
+        "precompiling._share_out(kernels(), some, 2, print)",
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0)),
+    )
+    told, faults = program.communicate(timeout=200)
+    assert program.returncode == 0, faults
+    assert len(told.splitlines()) == 1
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
+def test_nobody_is_left_who_compiles(tmp_path, number):
+    """After Ctrl-C, which the whole group hears, or when the first process was killed."""
+    program = _program(
+        tmp_path,
+        """
+begin = precompiling._begun
+def begun(stack):
+    worker = begin(stack)
+    print(worker.pid, flush=True)
+    return worker
+precompiling._begun = begun
+precompiling._share_out(kernels(), some, 2, lambda line: print(line, flush=True))
+""",
+    )
+    workers = [int(program.stdout.readline()) for _ in range(2)]
+    program.stdout.readline()
+    if number == signal.SIGINT:
+        os.killpg(program.pid, number)
+    else:
+        program.kill()
+    program.communicate(timeout=60)
+    assert program.returncode != 0
+    end = time.monotonic() + 60
+    while any(_lives(worker) for worker in workers):
+        assert time.monotonic() < end
+        time.sleep(0.05)
+
+
+def _lives(process: int) -> bool:
+    try:
+        return ") Z" not in Path(f"/proc/{process}/stat").read_text()
+    except OSError:
+        return False
+
+
+def test_a_list_of_other_code_does_no_harm(tmp_path, monkeypatch):
+    told: list[str] = []
+    kernel = ["subsea.kinematics.vector.no_longer_there", [0], False, []]
+    other = tmp_path / "kernels.json"
+    other.write_text(json.dumps({"types": ["float64"], "kernels": [kernel]}))
+    monkeypatch.setattr(precompiling, "LIST", other)
+    kernels.cache_clear()
+    try:
+        precompile(told.append, 2)
+    finally:
+        kernels.cache_clear()
+    assert told == []
+
+
+def test_a_single_core_compiles_when_a_kernel_is_called(monkeypatch):
+    told: list[str] = []
+    monkeypatch.setattr(precompiling.Kernel, "is_kept", False)
+    precompile(told.append, 1)
+    assert len(told) == 1
