@@ -2,11 +2,12 @@
 
 .venv/bin/python tools/list_kernels.py
 
-Opens each scenario that is shipped, with nothing compiled yet, and notes what is compiled until the
-first tick is made and packed for a picture: for which types, and which kernel calls which. Takes a
-minute or two. Run it after kernels were added, removed, or given other types.
+Makes two pictures of each scenario that is shipped, with nothing compiled yet, and notes what is
+compiled for them: for which types, and which kernel calls which. Takes a minute or two. Run it
+after kernels were added, removed, or given other types.
 """
 
+import argparse
 import json
 import os
 import sys
@@ -105,7 +106,8 @@ def write() -> None:
     start.precompile = lambda tell: None
     with event.install_listener("numba:compile", noted):
         for scenario in resource_names(SHIPPED, ".toml"):
-            main(["benchmark", "--scenario", scenario, "--frames", "2", "--size", "64x64"])
+            if main(["benchmark", "--scenario", scenario, "--frames", "2", "--size", "64x64"]):
+                sys.exit(f"list_kernels: no picture of {scenario}")
             print(f"{scenario}: {len(noted.kernels)} kernels by now")
     kernels = [[*key, calls] for key, calls in noted.kernels.items()]
     with replacing(LIST) as part:
@@ -120,6 +122,8 @@ def _rows(values: list[Any]) -> str:
 
 
 if __name__ == "__main__":
+    argparse.ArgumentParser(description=__doc__).parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        config.CACHE_DIR = os.environ["XDG_CACHE_HOME"] = folder
+        os.environ["NUMBA_CACHE_DIR"] = os.environ["XDG_CACHE_HOME"] = folder
+        config.reload_config()
         write()
