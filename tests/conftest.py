@@ -58,7 +58,7 @@ def pytest_configure(config: pytest.Config) -> None:
     config.option.loadscopereorder = False  # of xdist: files are given out in the order below
 
 
-# Files that take longest, the longest first. The kernels of a dive are compiled before; the first two
+# Files that take longest, the longest first. A dive's kernels are compiled before; the first two
 # need others of different parts of the program, lest both of two processes compile the same ones.
 LONG = (
     "app/test_every_command.py",
