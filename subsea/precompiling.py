@@ -27,7 +27,7 @@ from subsea.pointers import Kind
 from subsea.resources import resource_path
 
 LIST = resource_path("assets/kernels.json")
-MOST = 8  # processes: each takes some 200 MB
+MOST = 8  # processes: each takes 200 to 400 MB, the more the fewer there are
 FEW = 20  # kernels: so many are compiled before another process has begun
 
 Worker = subprocess.Popen[str]
