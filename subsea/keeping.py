@@ -6,6 +6,7 @@ is missing: its name tells the code and the arguments, and one that is damaged i
 
 import hashlib
 import io
+import mmap
 import os
 import pickle
 import sys
@@ -13,7 +14,7 @@ import zlib
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from typing import ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 import platformdirs
@@ -26,7 +27,9 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 MOST_BYTES = 256 << 20  # of all files; those that were not used for longest go first
-SUM_BYTES = 4  # of the checksum that a file begins with
+SUM_BYTES, SIZE_BYTES = 4, 4  # of the checksum that a file begins with, and of the size after it
+ALIGNED = 64  # each part begins at a multiple of so many bytes: kernels want their arrays so
+LARGE_BYTES = 1 << 20  # such files are mapped
 
 
 def folder() -> Path:
@@ -42,20 +45,52 @@ def kept(make: Callable[P, T], *given: P.args, **named: P.kwargs) -> T:
     """
     path = folder() / f"{name_of(make, *given, **named)}.pickle"
     with suppress(Exception):  # a pickle that is damaged may raise anything
-        data = path.read_bytes()
-        if zlib.crc32(memoryview(data)[SUM_BYTES:]) == int.from_bytes(data[:SUM_BYTES], "big"):
-            made: T = pickle.loads(memoryview(data)[SUM_BYTES:])
-            with suppress(OSError):  # another's file, or a disk that is only read
-                os.utime(path)
-            return made
+        made: T = _unpacked(_content(path))
+        with suppress(OSError):  # another's file, or a disk that is only read
+            os.utime(path)
+        return made
     made = make(*given, **named)
-    data = pickle.dumps(made, pickle.HIGHEST_PROTOCOL)
+    data = _packed(made)
     with suppress(UserError), replacing(path) as temporary:
-        with temporary.open("wb") as file:
-            file.write(zlib.crc32(data).to_bytes(SUM_BYTES, "big"))
-            file.write(data)
+        temporary.write_bytes(data)
         _make_room(path.parent)
     return made
+
+
+def _packed(made: object) -> bytearray:
+    """A checksum, the sizes of what follows, then that: a pickle, and the arrays in it."""
+    arrays: list[memoryview] = []
+    head = pickle.dumps(made, 5, buffer_callback=lambda array: arrays.append(array.raw()))
+    sizes = pickle.dumps([len(head), *(array.nbytes for array in arrays)])
+    data = bytearray()
+    first = bytes(SUM_BYTES) + len(sizes).to_bytes(SIZE_BYTES) + sizes
+    for part in (memoryview(first), memoryview(head), *arrays):
+        data += part
+        data += bytes(-len(data) % ALIGNED)
+    data[:SUM_BYTES] = zlib.crc32(memoryview(data)[SUM_BYTES:]).to_bytes(SUM_BYTES)
+    return data
+
+
+def _content(path: Path) -> memoryview:
+    """What is in a file, to be changed at will; what is large is not copied before that."""
+    with path.open("rb") as file:
+        if os.fstat(file.fileno()).st_size < LARGE_BYTES:
+            return memoryview(bytearray(file.read()))
+        return memoryview(mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_COPY))
+
+
+def _unpacked(data: memoryview) -> Any:
+    """What was packed; what is damaged is an exception of any kind."""
+    if zlib.crc32(data[SUM_BYTES:]) != int.from_bytes(data[:SUM_BYTES]):
+        raise ValueError("damaged")
+    start = SUM_BYTES + SIZE_BYTES
+    place = start + int.from_bytes(data[SUM_BYTES:start])
+    parts = []
+    for size in pickle.loads(data[start:place]):
+        place += -place % ALIGNED
+        parts.append(data[place : place + size])
+        place += size
+    return pickle.loads(parts[0], buffers=parts[1:])
 
 
 def name_of(make: Callable[P, object], *given: P.args, **named: P.kwargs) -> str:

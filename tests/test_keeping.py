@@ -76,6 +76,18 @@ def test_other_arguments_and_other_code_make_it_anew(module):
     assert kept(other.squares, 5)[0][2] == 5.0
 
 
+@pytest.mark.parametrize("n", [5, 300_000])  # the latter is mapped
+def test_what_is_read_is_one_s_own(module, n):
+    maker = module(CODE)
+    kept(maker.squares, n)
+    for _ in range(2):
+        row = kept(maker.squares, n)[0]
+        assert row[2] == 4.0 and len(row) == n
+        assert row.flags.aligned and row.ctypes.data % 16 == 0
+        row[:] = 0.0
+    assert maker.made == [n]
+
+
 def test_equal_arguments_are_the_same_whatever_they_share(module):
     maker, row = module(CODE), np.arange(4.0)
     same = keeping.name_of(maker.squares, [row, row])

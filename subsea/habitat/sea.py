@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 from subsea.habitat import hook, plankton
 from subsea.habitat.rocks import Floor, rock_rows
 from subsea.habitat.terrain import crest, drifted, half_width, make_terrain
+from subsea.keeping import kept
 from subsea.kinematics.heightfield import height_at
 from subsea.scenario import Scenario
 from subsea.state import NOBODY, STOWED, Sea
@@ -30,7 +31,7 @@ def make_sea(scenario: Scenario, rng: np.random.Generator) -> Sea:
 
     pillars = pillar_rows(scenario, floor)
     rocks, _ = rock_rows(scenario, floor)
-    heights = drifted(heights, width, pillars, rocks, water.current_cm_s)
+    heights = kept(drifted, heights, width, pillars, rocks, water.current_cm_s)
     surface_c, depth_c = water.temperature_c
     return Sea(
         heights=heights,

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.habitat.solids import clearances
-from subsea.scenario import Scenario
+from subsea.keeping import kept
+from subsea.scenario import Bounds, Scenario, Terrain
 
 Array = NDArray[np.floating[Any]]
 
@@ -33,11 +34,15 @@ def make_terrain(scenario: Scenario) -> Array:
     a slower one: long dunes, steep in their lee, with small ones on them. No part is higher than
     half the depth.
     """
-    rng = np.random.default_rng([scenario.terrain.seed, 0x7E44A1])
-    w = half_width(scenario)
+    return kept(_dunes, scenario.terrain, scenario.bounds)
+
+
+def _dunes(terrain: Terrain, bounds: Bounds) -> Array:
+    rng = np.random.default_rng([terrain.seed, 0x7E44A1])
+    w = MARGIN * bounds.radius_cm
     axis = np.linspace(-w, w, SAMPLES)
     x, y = np.meshgrid(axis, axis)
-    base = 2 * np.pi / scenario.terrain.dune_length_cm
+    base = 2 * np.pi / terrain.dune_length_cm
     bend = 60.0 * np.sin(0.37 * base * y + rng.uniform(0, 2 * np.pi))
     heights = np.zeros_like(x)
     for octave in rng.uniform(-1.2, 1.3, WAVES):
@@ -47,14 +52,14 @@ def make_terrain(scenario: Scenario) -> Array:
         along = (x + bend) * np.cos(angle) + y * np.sin(angle)
         heights += 2.0 ** (-1.7 * octave) * _dune(wave * along + phase)
     # From crest to trough a sine of this deviation is as high as asked.
-    heights *= scenario.terrain.dune_height_cm / (8**0.5 * max(float(heights.std()), 1e-9))
-    if SAMPLED * (axis[1] - axis[0]) < SMALL_CM and scenario.terrain.dune_height_cm > 0.0:
+    heights *= terrain.dune_height_cm / (8**0.5 * max(float(heights.std()), 1e-9))
+    if SAMPLED * (axis[1] - axis[0]) < SMALL_CM and terrain.dune_height_cm > 0.0:
         patch = np.clip(0.5 + np.sin(0.61 * base * x + 2.0) * np.sin(0.83 * base * y), 0.0, 1.0)
         along = 0.9 * x + 0.45 * y + 0.4 * bend + 25.0 * np.sin(x / 171.0 - y / 233.0)
         heights += 0.5 * SMALL_HIGH_CM * patch * _dune(2 * np.pi / SMALL_CM * along)
-    rim = np.clip(np.hypot(x, y) / scenario.bounds.radius_cm - 0.75, 0.0, 1.0)
-    heights = heights + RIM_CM * rim**2 - scenario.bounds.depth_cm
-    return np.minimum(heights, -0.5 * scenario.bounds.depth_cm).astype(np.float32)
+    rim = np.clip(np.hypot(x, y) / bounds.radius_cm - 0.75, 0.0, 1.0)
+    heights = heights + RIM_CM * rim**2 - bounds.depth_cm
+    return np.minimum(heights, -0.5 * bounds.depth_cm).astype(np.float32)
 
 
 def _dune(phase: Array) -> Array:
