@@ -55,6 +55,9 @@ def pytest_configure(config: pytest.Config) -> None:
     # Else each of a hundred programs that tests start would compile Python's sources again.
     sys.dont_write_bytecode = False
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+    # numpy's second thread doubles the processor time of small matrices, and gains nothing where
+    # several processes test. This one has numpy already, those that it starts have not.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     config.option.loadscopereorder = False  # of xdist: files are given out in the order below
 
 

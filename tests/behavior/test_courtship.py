@@ -66,7 +66,7 @@ def _swim(world: World, seconds: float) -> Iterator[None]:
 def _assert_agreed(world: World) -> None:
     """Nobody courts nobody, and from circling on both of a pair do the same."""
     minds = world.state.minds
-    np.testing.assert_array_equal(minds.partner == NOBODY, minds.courtship == NO_COURTSHIP)
+    assert ((minds.partner == NOBODY) == (minds.courtship == NO_COURTSHIP)).all()
     for i in np.flatnonzero(minds.courtship >= CIRCLING):
         j = minds.partner[i]
         assert minds.partner[j] == i
