@@ -225,19 +225,26 @@ def test_a_winner_that_fails_verification_gives_way_to_the_next(
     monkeypatch: pytest.MonkeyPatch, lesson: Lesson
 ) -> None:
     fish = load_detuned(lesson)
-    verified = []
+    verified, turned = [], []
 
     def faults(body: object, swim: object, seed: int) -> list[str]:
         verified.append(swim)
         return ["it circles"] if len(verified) <= 3 else []
 
+    def refitted(body: object, swim: object, turn: object, *rest: object) -> object:
+        turned.append(swim)
+        return turn if len(turned) == 2 else None
+
     monkeypatch.setattr(learn_swim, "gait_faults", lambda body, swim: [])
     monkeypatch.setattr(learn_swim, "swim_faults", faults)
+    monkeypatch.setattr("capture.learn.refitted", refitted)
     found = learn(fish.muscles, only="swim", budget=12, ticks=14)
-    # The old controller, two winners, and the next that passed and can turn.
-    assert len(verified) >= 4
-    assert found.swim == verified[-1]
+    # The old controller, two winners that circle, one that cannot turn, and the next.
+    assert len(verified) == 5
+    assert turned == verified[-2:]
+    assert (found.swim, found.turn) == (verified[-1], fish.turn)
     assert sum("rejected: it circles" in note for note in found.notes) == 2
+    assert sum("rejected: it cannot turn" in note for note in found.notes) == 1
 
 
 def test_an_interrupted_lesson_tells_the_best_and_leaves_the_file(
