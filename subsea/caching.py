@@ -134,6 +134,21 @@ def _unserialize(self: Any, state: Any) -> Any:
 codegen.JITCPUCodegen.unserialize_library = _unserialize
 
 
+def _load(self: Any, signature: Any, target: Any) -> Any:
+    """The code of a kernel that was kept, without all that its compiler knows: 0.07 s.
+
+    Who compiles has it loaded; what runs needs numba's memory alone.
+    """
+    from numba.core.runtime.nrt import rtsys
+
+    rtsys.initialize(target)
+    with self._guard_against_spurious_io_errors():
+        return self._load_overload(signature, target)
+
+
+caching.Cache.load_overload = _load
+
+
 def _no_blas() -> None:
     """Where scipy is installed, numba would load it for linear algebra: no kernel here has any."""
     raise ImportError("where subsea was imported kernels do without linear algebra")
