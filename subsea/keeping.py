@@ -6,7 +6,6 @@ is missing: its name tells the code and the arguments, and one that is damaged i
 
 import hashlib
 import io
-import mmap
 import os
 import pickle
 import sys
@@ -29,7 +28,6 @@ T = TypeVar("T")
 MOST_BYTES = 256 << 20  # of all files; those that were not used for longest go first
 SUM_BYTES, SIZE_BYTES = 4, 4  # of the checksum that a file begins with, and of the size after it
 ALIGNED = 64  # each part begins at a multiple of so many bytes: kernels want their arrays so
-LARGE_BYTES = 1 << 20  # such files are mapped
 
 
 def folder() -> Path:
@@ -45,7 +43,7 @@ def kept(make: Callable[P, T], *given: P.args, **named: P.kwargs) -> T:
     """
     path = folder() / f"{name_of(make, *given, **named)}.pickle"
     with suppress(Exception):  # a pickle that is damaged may raise anything
-        made: T = _unpacked(_content(path))
+        made: T = _unpacked(np.fromfile(path, np.uint8).data)
         with suppress(OSError):  # another's file, or a disk that is only read
             os.utime(path)
         return made
@@ -69,14 +67,6 @@ def _packed(made: object) -> bytearray:
         data += bytes(-len(data) % ALIGNED)
     data[:SUM_BYTES] = zlib.crc32(memoryview(data)[SUM_BYTES:]).to_bytes(SUM_BYTES)
     return data
-
-
-def _content(path: Path) -> memoryview:
-    """What is in a file, to be changed at will; what is large is not copied before that."""
-    with path.open("rb") as file:
-        if os.fstat(file.fileno()).st_size < LARGE_BYTES:
-            return memoryview(bytearray(file.read()))
-        return memoryview(mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_COPY))
 
 
 def _unpacked(data: memoryview) -> Any:

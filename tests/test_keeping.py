@@ -76,8 +76,8 @@ def test_other_arguments_and_other_code_make_it_anew(module):
     assert kept(other.squares, 5)[0][2] == 5.0
 
 
-@pytest.mark.parametrize("n", [5, 300_000])  # the latter is mapped
-def test_what_is_read_is_one_s_own(module, n):
+@pytest.mark.parametrize("n", [5, 300_000])
+def test_what_is_read_is_one_s_own(module, place, n):
     maker = module(CODE)
     kept(maker.squares, n)
     for _ in range(2):
@@ -86,6 +86,11 @@ def test_what_is_read_is_one_s_own(module, n):
         assert row.flags.aligned and row.ctypes.data % 16 == 0
         row[:] = 0.0
     assert maker.made == [n]
+    row = kept(maker.squares, n)[0]
+    (file,) = place.iterdir()
+    with file.open("r+b") as harmed:  # in place, not as a new file of this name
+        harmed.write(b"\xff" * file.stat().st_size)
+    np.testing.assert_array_equal(row, np.arange(n, dtype=np.float32) ** 2)
 
 
 def test_equal_arguments_are_the_same_whatever_they_share(module):
