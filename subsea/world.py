@@ -236,12 +236,7 @@ def _repertoire(path: Path, name: str, stamp: object) -> Repertoire:
     """The repertoire of a species, which must be of that species and of this tick; read once."""
     if stamp is None:
         raise UserError(f"{path}: is not there; `subsea-capture record {name}` makes it")
-    try:
-        with path.open("rb") as file:
-            content = file_digest(file, "sha256").hexdigest()
-    except OSError:
-        content = ""  # reading it says what is wrong
-    repertoire = kept(_read, path, content)
+    repertoire = kept(_read, path, _content(path))
     if repertoire.species != name:
         raise UserError(f"{path}: holds {repertoire.species!r}, expected {name!r}")
     if abs(repertoire.tick_s - TICK_S) > 1e-6:
@@ -249,11 +244,23 @@ def _repertoire(path: Path, name: str, stamp: object) -> Repertoire:
     return repertoire
 
 
+def _content(path: Path) -> str:
+    """A digest of a file."""
+    try:
+        with path.open("rb") as file:
+            return file_digest(file, "sha256").hexdigest()
+    except OSError:
+        return ""  # reading it says what is wrong
+
+
 def _read(path: Path, content: str) -> Repertoire:
     """The repertoire in a file of this content."""
     from subsea.repertoire import read_repertoire
 
-    return read_repertoire(path)
+    repertoire = read_repertoire(path)
+    if _content(path) != content:  # else another's would be kept by its name
+        raise UserError(f"{path}: was written anew while it was read; start again")
+    return repertoire
 
 
 def _coupling(species: Species, repertoire: Repertoire) -> Coupling:

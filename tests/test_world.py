@@ -7,6 +7,7 @@ import pytest
 
 from subsea import keeping, world
 from subsea.errors import UserError
+from subsea.repertoire import files
 from subsea.species import repertoire_file
 
 
@@ -30,3 +31,23 @@ def test_a_repertoire_is_read_by_its_content(tmp_path, monkeypatch):
     path.unlink()
     with pytest.raises(UserError, match="no such file"):
         read(5)
+
+
+def test_a_repertoire_that_changes_while_it_is_read_is_not_kept(tmp_path, monkeypatch):
+    monkeypatch.setattr(keeping, "folder", lambda: tmp_path / "kept")
+    path = tmp_path / "clownfish.h5"
+    shutil.copy(repertoire_file("clownfish"), path)
+    whole, read = path.read_bytes(), files.read_repertoire
+
+    def late(path):
+        with h5py.File(path, "a") as file:
+            file.attrs["body_length_cm"] = 1.25 * file.attrs["body_length_cm"]
+        return read(path)
+
+    monkeypatch.setattr(files, "read_repertoire", late)
+    with pytest.raises(UserError, match="while it was read"):
+        world._repertoire(path, "clownfish", (1, 0))
+    monkeypatch.setattr(files, "read_repertoire", read)
+    path.write_bytes(whole)
+    found = world._repertoire(path, "clownfish", (2, 0))
+    assert found.body_length_cm == read(path).body_length_cm
