@@ -159,10 +159,13 @@ def _share_out(
 
 
 def _begun(stack: ExitStack) -> Worker:
-    """Another process, at the end of this file; it ends with this one, or with the stack."""
+    """Another process, at the end of this file; it ends with this one, or with the stack.
+
+    -P: it loads nothing from the folder that the visitor happens to be in.
+    """
     paths = [str(ROOT), os.environ.get("PYTHONPATH", "")]
     worker = subprocess.Popen(
-        [sys.executable, "-m", "subsea.precompiling"],
+        [sys.executable, "-P", "-m", "subsea.precompiling"],
         stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
         env=os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, paths))},
     )  # fmt: skip

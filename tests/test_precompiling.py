@@ -18,6 +18,7 @@ START = """
 import sys
 import subsea
 from numba.core import event
+from numba.core.dispatcher import Dispatcher
 from subsea.app.cli import main
 from subsea.precompiling import _share_out, kernels
 
@@ -36,7 +37,16 @@ for kernel in kernels():
     if not kernel.is_kept:
         sys.exit(f"{kernel.name} is in the list, but cannot be compiled or kept")
 with event.install_listener("numba:compile", Compiled()):
-    sys.exit(main(["benchmark", "--frames", "2", "--size", "64x64"]))
+    code = main(["benchmark", "--frames", "2", "--size", "64x64"])
+listed = {(kernel.name, kernel.signature) for kernel in kernels()}
+for name, module in list(sys.modules.items()):
+    for called in vars(module).values() if name.startswith("subsea.") else ():
+        if isinstance(called, Dispatcher):
+            function = called.py_func
+            for types in called.overloads:  # compiled in here, or kept
+                if (f"{function.__module__}.{function.__name__}", types) not in listed:
+                    sys.exit(f"{function.__module__}.{function.__name__} is not in the list")
+sys.exit(code)
 """
 
 
@@ -66,13 +76,16 @@ assert len(some) > 10
 def _program(tmp_path: Path, text: str, **how: object) -> "subprocess.Popen[str]":
     """A process of its own group, in which nothing is kept yet."""
     return subprocess.Popen(
-        [sys.executable, "-c", SOME + text], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        [sys.executable, "-P", "-c", SOME + text], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
         text=True, start_new_session=True, env=os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)},
         **how,
     )  # fmt: skip
 
 
 def test_what_is_missing_is_shared_out(tmp_path):
+    stranger = tmp_path / "folder" / "subsea.py"  # in the folder that it is started in
+    stranger.parent.mkdir()
+    stranger.write_text("raise SystemExit")
     program = _program(
         tmp_path,
         """
@@ -91,6 +104,7 @@ precompiling.FEW = 0
 precompiling.kernels = lambda: [kernels()[n] for n in some]
 precompiling.precompile(print, 2)  # it is all there
 """,
+        cwd=stranger.parent,
     )
     told, faults = program.communicate(timeout=200)
     assert program.returncode == 0, faults
