@@ -23,8 +23,8 @@ def rehearsed_s(scenario: Scenario, source: Path, seed: int | None) -> float:
     A UserError if it is not within a quarter of an hour. `source` is the scenario's file.
     """
     say("rehearsing the directions, to know how long the film is")
+    world = awake(scenario, source, seed)
     with interrupts.deferred() as check:
-        world = awake(scenario, source, seed)
         steer = directed(world)
         while not is_over(world):
             check()

@@ -1,5 +1,7 @@
 """Cameras that directions cue: where they are, how they get there, and that nothing stops them."""
 
+import signal
+
 import msgspec
 import numpy as np
 import pytest
@@ -261,6 +263,17 @@ def test_a_film_is_over_when_a_direction_says_so_or_all_was_shown(tmp_path):
     assert is_over(world)
     scenario, source = load_scenario(str(scene(tmp_path, *lasting)))
     assert rehearsed_s(scenario, source, None) == pytest.approx(2.5, abs=0.1)
+
+
+def test_ctrl_c_is_heard_at_once_while_a_rehearsal_compiles(tmp_path, monkeypatch):
+    def awake(*given):
+        signal.raise_signal(signal.SIGINT)
+        pytest.fail("compiled on")
+
+    monkeypatch.setattr("subsea.app.rehearsal.awake", awake)
+    scenario, source = load_scenario(str(scene(tmp_path, CUT)))
+    with pytest.raises(KeyboardInterrupt):
+        rehearsed_s(scenario, source, None)
 
 
 def test_a_film_that_would_not_end_is_one_line(tmp_path, monkeypatch):
