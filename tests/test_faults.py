@@ -4,6 +4,7 @@ Every writer is a process of its own here, as a visitor starts it.
 """
 
 import json
+import os
 import random
 import signal
 import subprocess
@@ -37,9 +38,12 @@ def command(name, folder):
 
 
 def start(words, **more):
+    # Where a disk is full Python may leave a part of a module's compiled code, and trip over it.
+    environment = os.environ | {"PYTHONDONTWRITEBYTECODE": "1"}
     return subprocess.Popen(
-        words, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **more
-    )
+        words, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        env=environment, **more,
+    )  # fmt: skip
 
 
 def no_room(size=SMALL):
