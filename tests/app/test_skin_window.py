@@ -22,6 +22,7 @@ from subsea.skins.lift import drawn
 from subsea.skins.photograph import read
 from subsea.skins.sheet import sheet_of
 from subsea.species import load_species, own_species, species_file
+from tests.app.scenes import BARE
 
 SIZE = 800, 600
 PICTURE = 520, 380  # width and height of the photograph
@@ -311,7 +312,7 @@ def test_a_mesh_is_kept_and_taken_up_again(scene, hands, spots):
     rest(bench)
 
 
-def test_saved_under_a_name_of_its_own_a_world_shows_it(scene, hands, spots, tmp_path, quiet):
+def test_saved_under_a_name_of_its_own_a_world_shows_it(scene, hands, spots, tmp_path):
     bench, _ = scene
     table = bench.craft
     hands.glide(bench, 0.2)
@@ -346,7 +347,7 @@ def test_saved_under_a_name_of_its_own_a_world_shows_it(scene, hands, spots, tmp
     # Magenta, as no other fish is.
     out = tmp_path / "sea.png"
     name = "moorish_jewel"
-    shown = "--scenario", quiet, "--set", f"fish.1.species={name}", "--follow", name
+    shown = "--scenario", str(BARE), "--set", f"fish.1.species={name}", "--follow", name
     short = "--size", "160x120", "--seconds", "0.05", "--quality", "low"
     command = [sys.executable, "-m", "subsea", "film", str(out), *shown, *short]
     subprocess.run(command, check=True, timeout=250)
