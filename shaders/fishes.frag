@@ -39,12 +39,12 @@ const float SHARPEN = -0.6;  // mipmaps alone blur stripes that can still be tol
 vec4 inside_mouth(vec2 rest, float u, int kind, float angle) {
     vec2 at = at_mouth(rest, kind);
     float wide = 0.6 * smoothstep(0.0, 0.35, angle) * sqrt(clamp(1.0 - at.x, 0.0, 1.0));
-    float sharp = fwidth(at.y), edge = wide - abs(at.y);
+    float sharp = max(fwidth(at.y), 1e-4), edge = wide - abs(at.y);
     vec3 colour = mix(FLESH, THROAT, smoothstep(0.0, 0.4, edge / max(wide, sharp)));
     float teeth = looks[kind].jaws.z;
     if (teeth > 0.0) {
         float tooth = 0.9 * wide * abs(fract(teeth * u) - 0.5);
-        colour = mix(colour, TOOTH, smoothstep(sharp, -sharp, edge - tooth));
+        colour = mix(colour, TOOTH, 1.0 - smoothstep(-sharp, sharp, edge - tooth));
     }
     return vec4(colour, smoothstep(-sharp, sharp, edge) * min(wide / sharp, 1.0));
 }
@@ -63,7 +63,7 @@ void main() {
     vec4 skin = texture(u_skins, v_skin, SHARPEN);
     vec4 wear = looks[v_kind].wear;
     vec3 off = skin.rgb - wear.rgb;
-    skin.rgb += v_shift * smoothstep(1.0, 0.0, dot(off, off) * wear.w);
+    skin.rgb += v_shift * (1.0 - smoothstep(0.0, 1.0, dot(off, off) * wear.w));
     skin.rgb = toned(skin.rgb, v_tone);
 
     // How far a place is a web of skin between rays, and not body.

@@ -72,7 +72,7 @@ void open_mouth(inout vec3 place, inout vec3 normal) {
     vec4 mouth = looks[v_kind].mouth;
     float reach = mouth.z - mouth.x, size = looks[v_kind].build.x;
     vec2 at = at_mouth(v_rest, v_kind);
-    float lower = smoothstep(1.0, -1.0, at.y);
+    float lower = 1.0 - smoothstep(-1.0, 1.0, at.y);
     float jaw = 1.0 - smoothstep(0.8, BEHIND, at.x);
     float snout = 1.0 - smoothstep(0.0, BEHIND, at.x);
     float angle = v_gape * mix(0.3 * snout, -jaw, lower);

@@ -1,6 +1,7 @@
 """The preprocessor of the shaders."""
 
 import re
+from contextlib import suppress
 
 import numpy as np
 import pytest
@@ -45,6 +46,18 @@ def test_every_uniform_is_read_somewhere():
             text = shaders.resource_path(f"shaders/{name}{suffix}").read_text(encoding="utf-8")
             for uniform in re.findall(r"^uniform \w+ (\w+);", text, re.MULTILINE):
                 assert len(re.findall(rf"\b{uniform}\b", text)) > 1, f"{name}{suffix}: {uniform}"
+
+
+def test_no_step_goes_down():
+    """What `smoothstep` is from a number to a smaller one, OpenGL leaves to the driver."""
+    for suffix in (".vert", ".frag", ".glsl"):
+        for name in resource_names("shaders", suffix):
+            text = shaders.resource_path(f"shaders/{name}{suffix}").read_text(encoding="utf-8")
+            for low, high in re.findall(r"\bsmoothstep\(([-\w.]+), ([-\w.]+),", text):
+                down = high == f"-{low}"
+                with suppress(ValueError):  # a name
+                    down = float(low) >= float(high)
+                assert not down, f"{name}{suffix}: smoothstep({low}, {high}, …)"
 
 
 def numbers(name, pattern):
