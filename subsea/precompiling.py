@@ -75,11 +75,13 @@ def precompile(
     except (AttributeError, ImportError):  # the list is not of today's code
         return
     processes = min(_cores() if processes is None else processes, MOST)
-    if processes < 2:
-        tell("compiling the fishes' code, which is done once (a minute or more)")
-    elif len(missing) > FEW:
+    if len(missing) <= FEW:
+        return
+    if processes > 1:
         with suppress(OSError):  # no more processes may begin
-            _share_out(known, missing, processes, tell)
+            if _share_out(known, missing, processes, tell):
+                return
+    tell("compiling the fishes' code (a minute or more)")
 
 
 def _cores() -> int:
@@ -127,10 +129,11 @@ def _named(name: str) -> Any:
 
 def _share_out(
     known: list[Kernel], missing: list[int], processes: int, tell: Callable[[str], None]
-) -> None:
+) -> bool:
     """Have processes compile the missing kernels, none before those that it calls.
 
-    Whatever ends this early ends them, too.
+    Whether they did: False if one of them was ended, or its kernel could not be kept. Whatever ends
+    this early ends them, too.
     """
     waiting, open_ = list(missing), set(missing)
     at_it: dict[Future[bool], tuple[int, Worker]] = {}
@@ -153,9 +156,10 @@ def _share_out(
             for answer in wait(at_it, return_when=FIRST_COMPLETED).done:
                 number, worker = at_it.pop(answer)
                 if not answer.result():
-                    return
+                    return False
                 open_.remove(number)
                 free.append(worker)
+    return True
 
 
 def _begun(stack: ExitStack) -> Worker:
