@@ -2,7 +2,8 @@
 
 Compiling is numba's own Python, which one process can only do one kernel after another. But a dive
 needs some hundreds, and few wait for many others: on a machine with four cores four processes take
-a quarter of the time. What they compile is kept on the disk, where the one that asked finds it.
+little more than a quarter of the time. What they compile is kept on the disk, where the one that
+asked finds it.
 
 Which kernels these are, for which types, and which of them call which, stands in
 `assets/kernels.json`, written by `tools/list_kernels.py`. What is missing there, or no longer
