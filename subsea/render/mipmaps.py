@@ -42,6 +42,7 @@ def kept_texture(
 ) -> Any:
     """The same of what `make` returns for these arguments, as `kept` keeps it, mipmaps and all."""
 
+    # What it is of, and the driver that makes it, are asked for as parts of the name it is kept by.
     def levels(of: str, driver: tuple[str, ...], last: int, srgb: bool) -> list[Texels]:
         base = make(*given, **named)
         texture = mipmapped(context, base, last, srgb)
