@@ -66,14 +66,20 @@ def pytest_configure(config: pytest.Config) -> None:
 LONG = (
     "app/test_every_command.py",
     "capture/test_learn.py",
+    "app/test_cluster_windows.py",
+    "motor/test_switching.py",
+    "app/build/test_window.py",
+    "app/test_skin_window.py",
+    "app/test_fish_panels.py",
+    "behavior/test_courtship.py",
     "capture/export/test_gltf.py",
     "capture/test_batch.py",
-    "motor/test_switching.py",
     "app/test_film.py",
+    "test_faults.py",
     "app/test_dive_ends.py",
-    "app/test_skin_window.py",
-    "app/test_cluster_windows.py",
+    "app/test_dive.py",
     "app/test_menu.py",
+    "behavior/test_reins.py",
 )
 
 
