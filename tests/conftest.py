@@ -61,19 +61,19 @@ def pytest_configure(config: pytest.Config) -> None:
     config.option.loadscopereorder = False  # of xdist: files are given out in the order below
 
 
-# Files that take longest, the longest first. A dive's kernels are compiled before; the first two
-# need others of different parts of the program, lest both of two processes compile the same ones.
+# Files that take long, about the longest first; but those after the first need other kernels than
+# that one, lest two processes that find none kept compile the same ones.
 LONG = (
     "app/test_every_command.py",
     "capture/test_learn.py",
+    "capture/export/test_gltf.py",
+    "capture/test_batch.py",
     "app/test_cluster_windows.py",
     "motor/test_switching.py",
     "app/build/test_window.py",
     "app/test_skin_window.py",
     "app/test_fish_panels.py",
     "behavior/test_courtship.py",
-    "capture/export/test_gltf.py",
-    "capture/test_batch.py",
     "app/test_film.py",
     "test_faults.py",
     "app/test_dive_ends.py",

@@ -12,7 +12,7 @@ from subsea.render import Renderer
 
 pytestmark = pytest.mark.usefixtures("one_context")
 
-FILM = ["--size", "320x240", "--start", "2.6", "--seconds", "1.2", "--fps", "10", "--seed", "1"]
+FILM = ["--size", "160x120", "--start", "2.6", "--seconds", "1.2", "--fps", "10", "--seed", "1"]
 
 
 def pictures(folder):
@@ -84,7 +84,7 @@ def test_pictures_that_were_lost_are_made_again(tmp_path, film, whole):
         (["--tour", "reef", "--seconds", "1.2"], '`tour` is "auto" there and "reef" here'),
         (["--seed", "2"], "`seed` is 1 there and 2 here"),
         (None, "`seed` is 1 there and the scenario's own here"),
-        (["--size", "320x180"], "`size` is [320, 240] there and [320, 180] here"),
+        (["--size", "320x180"], "`size` is [160, 120] there and [320, 180] here"),
         (["--eye-distance", "7"], "`separation_cm` is not given there and 7.0 here"),
         (["--scenario", "visitors"], '`scenario` is "peaceful.toml" there'),
     ],
