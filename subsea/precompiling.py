@@ -14,9 +14,9 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from functools import cache
 from importlib import import_module
 from typing import Any, NamedTuple
@@ -24,6 +24,7 @@ from typing import Any, NamedTuple
 from numba import types
 
 from subsea.caching import ROOT, is_kept
+from subsea.keeping import folder
 from subsea.pointers import Kind
 from subsea.resources import resource_path
 
@@ -70,19 +71,42 @@ def precompile(
         known = kernels()
         # Those that Python calls are enough to know, of the modules that this program has.
         outer = [kernel for kernel in known if not kernel.inner and kernel.module in sys.modules]
-        if all(kernel.is_kept for kernel in outer):
+        if all(kernel.is_kept for kernel in outer) or len(_missing(known)) <= FEW:
             return
-        missing = [number for number, kernel in enumerate(known) if not kernel.is_kept]
     except (AttributeError, ImportError):  # the list is not of today's code
         return
     processes = min(_cores() if processes is None else processes, MOST)
-    if len(missing) <= FEW:
-        return
     if processes > 1:
-        with suppress(OSError):  # no more processes may begin
-            if _share_out(known, missing, processes, tell):
+        with _one_at_a_time(tell), suppress(OSError):  # no more processes may begin
+            left = _missing(known)
+            if len(left) <= FEW or _share_out(known, left, processes, tell):
                 return
     tell("compiling the fishes' code (a minute or more)")
+
+
+def _missing(known: list[Kernel]) -> list[int]:
+    return [number for number, kernel in enumerate(known) if not kernel.is_kept]
+
+
+@contextmanager
+def _one_at_a_time(tell: Callable[[str], None]) -> Iterator[None]:
+    """Wait while another start compiles, and go on with what it has left.
+
+    Where a system or a folder has no locks nobody waits. Whoever ends gives its lock back.
+    """
+    with ExitStack() as stack:
+        with suppress(ImportError, OSError):
+            from fcntl import LOCK_EX, LOCK_NB, flock
+
+            place = folder().parent
+            place.mkdir(parents=True, exist_ok=True)
+            lock = stack.enter_context((place / "compiling").open("w"))
+            try:
+                flock(lock, LOCK_EX | LOCK_NB)
+            except BlockingIOError:
+                tell("waiting for another dive, which compiles the fishes' code")
+                flock(lock, LOCK_EX)
+        yield
 
 
 def _cores() -> int:

@@ -75,10 +75,10 @@ assert len(some) > 10
 
 def _program(tmp_path: Path, text: str, **how: object) -> "subprocess.Popen[str]":
     """A process of its own group, in which nothing is kept yet."""
+    kept = {"NUMBA_CACHE_DIR": str(tmp_path / "kernels"), "XDG_CACHE_HOME": str(tmp_path)}
     return subprocess.Popen(
         [sys.executable, "-P", "-c", SOME + text], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-        text=True, start_new_session=True, env=os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)},
-        **how,
+        text=True, start_new_session=True, env=os.environ | kept, **how,
     )  # fmt: skip
 
 
@@ -111,6 +111,23 @@ precompiling.precompile(print, 2)  # it is all there
     lines = told.splitlines()
     assert len(lines) == 10
     assert lines[0].startswith("compiling the fishes' code, once: 0 of ")
+
+
+def test_of_two_at_once_one_waits_for_what_the_other_compiles(tmp_path):
+    text = """
+precompiling.FEW = 0
+precompiling._missing = lambda known: [n for n in some if not known[n].is_kept]
+precompiling.precompile(lambda line: print(line, flush=True), 2)
+assert not precompiling._missing(kernels())
+"""
+    first = _program(tmp_path, text)
+    assert "once: 0 of" in first.stdout.readline()
+    second = _program(tmp_path, text)
+    told, faults = second.communicate(timeout=200)
+    assert second.returncode == 0, faults
+    assert told == "waiting for another dive, which compiles the fishes' code\n"
+    _, faults = first.communicate(timeout=200)
+    assert first.returncode == 0, faults
 
 
 def test_where_nothing_can_be_kept_nothing_is_compiled_in_vain(tmp_path):
