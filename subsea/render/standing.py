@@ -93,6 +93,7 @@ class Standing:
         # Most are never seen as finely as they could be: each is uploaded when it is first drawn.
         first = np.cumsum([0, *self._owners[1]]).tolist()
         self._waiting = {at: own for at, own in zip(first, flat, strict=False) if own.number}
+        self._absent = np.isin(self._ranges[..., 2], [*self._waiting])  # (k, levels), of the items
         self._stride = sum(int(part[0]) * int(part[2]) for part in layout.split())
         self._vertices = context.buffer(reserve=self._stride * first[-1])
         self._indices = context.buffer(reserve=12)
@@ -128,9 +129,11 @@ class Standing:
             )
         ]
         ranges = [self._ranges[own, level[own]] for own in drawn]
-        for first in {first for own in ranges for first in own[:, 2].tolist()} & set(self._waiting):
-            vertices = np.ascontiguousarray(self._waiting.pop(first).vertices, "f4")
-            self._vertices.write(vertices, self._stride * first)
+        for own, rows in zip(drawn, ranges, strict=True):
+            for first in {*rows[self._absent[own, level[own]], 2].tolist()}:
+                vertices = np.ascontiguousarray(self._waiting.pop(first).vertices, "f4")
+                self._vertices.write(vertices, self._stride * first)
+                self._absent &= self._ranges[..., 2] != first
         self._starts = np.cumsum([0, *((own[:, 1] - own[:, 0]).sum() for own in ranges)]).tolist()
         if self._starts[-1]:
             data = _gathered(self._triangles, np.concatenate(ranges))
