@@ -55,6 +55,7 @@ Array = NDArray[np.floating[Any]]
 
 LIVE_REACH_CM = 500.0  # how near to the submarine a fish must be to be simulated
 
+MOST_BYTES = 64 << 20  # of a repertoire that is kept once it is checked; those here have 2 at most
 ROOM_BL = 0.6  # so many body lengths off every rock a fish begins
 FLAT_BL = 0.4  # a body at least this tall, over its length, rows with its pectoral fins
 RESOLVE_S = 60.0  # for so long fishes keep to the place that they are bound for first
@@ -236,7 +237,8 @@ def _repertoire(path: Path, name: str, stamp: object) -> Repertoire:
     """The repertoire of a species, which must be of that species and of this tick; read once."""
     if stamp is None:
         raise UserError(f"{path}: is not there; `subsea-capture record {name}` makes it")
-    repertoire = kept(_read, path, _content(path))
+    content = _content(path)
+    repertoire = kept(_read, path, content) if content else _read(path, content)
     if repertoire.species != name:
         raise UserError(f"{path}: holds {repertoire.species!r}, expected {name!r}")
     if abs(repertoire.tick_s - TICK_S) > 1e-6:
@@ -245,12 +247,14 @@ def _repertoire(path: Path, name: str, stamp: object) -> Repertoire:
 
 
 def _content(path: Path) -> str:
-    """A digest of a file."""
+    """A digest of a file; an empty one of what is no file, cannot be read or is far too large."""
     try:
+        if not path.is_file() or path.stat().st_size > MOST_BYTES:
+            return ""  # reading it says what is wrong
         with path.open("rb") as file:
             return file_digest(file, "sha256").hexdigest()
     except OSError:
-        return ""  # reading it says what is wrong
+        return ""
 
 
 def _read(path: Path, content: str) -> Repertoire:

@@ -1,5 +1,6 @@
 """What a world is made of, as far as no other test asks."""
 
+import os
 import shutil
 
 import h5py
@@ -51,3 +52,17 @@ def test_a_repertoire_that_changes_while_it_is_read_is_not_kept(tmp_path, monkey
     path.write_bytes(whole)
     found = world._repertoire(path, "clownfish", (2, 0))
     assert found.body_length_cm == read(path).body_length_cm
+
+
+def test_what_claims_to_be_huge_or_is_no_file_is_not_read_through(tmp_path, monkeypatch):
+    monkeypatch.setattr(keeping, "folder", lambda: tmp_path / "kept")
+    path = tmp_path / "clownfish.h5"
+    shutil.copy(repertoire_file("clownfish"), path)
+    with path.open("r+b") as file:
+        file.truncate(1 << 40)  # it has holes: a digest of all of it would take an hour
+    assert world._repertoire(path, "clownfish", (1, 0)).species == "clownfish"
+    path.unlink()
+    os.mkfifo(path)  # who opens it waits for somebody who writes
+    with pytest.raises(UserError, match=str(path)):
+        world._repertoire(path, "clownfish", (2, 0))
+    assert not (tmp_path / "kept").exists()
