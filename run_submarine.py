@@ -2,7 +2,7 @@
 
 import sys
 
-from subsea.app.cli import main
+from subsea.cli.main import main
 
 if __name__ == "__main__":
     sys.exit(main(["dive", *sys.argv[1:]]))

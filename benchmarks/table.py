@@ -6,7 +6,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from subsea.places import replacing
+from subsea.core.atomic_io import replacing
 
 HERE = Path(__file__).parent
 PAGE = HERE.parent / "docs" / "performance.md"

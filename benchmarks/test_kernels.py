@@ -13,7 +13,6 @@ from scipy.linalg import solveh_banded
 from scipy.ndimage import map_coordinates
 from scipy.spatial import cKDTree
 
-from subsea.app.paper import place_nodes
 from subsea.biomechanics.body import (
     HALF_BANDWIDTH,
     NODES,
@@ -25,23 +24,24 @@ from subsea.biomechanics.body import (
 from subsea.biomechanics.simulation import at_rest, simulate
 from subsea.biomechanics.solver import ROWS, STEPS_PER_TICK, factorize, substitute
 from subsea.biomechanics.water import add_water_force
-from subsea.frame import pack
+from subsea.fish.species import load_species
+from subsea.frame.packet import pack
+from subsea.geometry.height_field import height_at
+from subsea.geometry.spline import DEGREE, basis_table
+from subsea.geometry.vector import vector
 from subsea.habitat.current import flow_at
 from subsea.habitat.plankton import drift
 from subsea.habitat.seaweed import sway
-from subsea.kinematics.heightfield import height_at
-from subsea.kinematics.spline import DEGREE, basis_table
-from subsea.kinematics.vector import vector
 from subsea.motor.playback import play
-from subsea.ocean import create_world, step
 from subsea.perception.grid import make_grid, nearest
-from subsea.scenario import load_scenario
-from subsea.species import load_species
+from subsea.profiling.paper_tables import place_nodes
+from subsea.scenario.schema import load_scenario
 from subsea.state import Clock
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.culling import OUT_OF_SIGHT, covered
-from subsea.view.rigs import cockpit, views_for
-from subsea.world import TICK_S
+from subsea.view.display_rigs import cockpit, views_for
+from subsea.world.step import create_world, step
+from subsea.world.world import TICK_S
 
 MANY = 10_000
 NEAREST = 6

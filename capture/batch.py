@@ -7,8 +7,8 @@ from pathlib import Path
 from capture.jobs import Check, Workers
 from capture.kept import drop, is_up_to_date, keep, kept, repertoire_path
 from capture.record import Recorded, assemble
+from subsea.fish.species import load_species
 from subsea.repertoire import SEGMENTS, write_repertoire
-from subsea.species import load_species
 
 
 def record_all(

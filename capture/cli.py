@@ -7,11 +7,11 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from subsea.commandline import answer, command, number, parse, program
-from subsea.errors import UserError, unknown
-from subsea.interrupts import deferred
-from subsea.places import check_folder
-from subsea.resources import resource_path
+from subsea.core.atomic_io import check_folder
+from subsea.core.command_line import answer, command, number, parse, program
+from subsea.core.errors import UserError, unknown
+from subsea.core.interrupts import deferred
+from subsea.core.resources import resource_path
 
 MAX_JOBS = 64
 
@@ -232,8 +232,8 @@ def _record(options: argparse.Namespace) -> int:
     from capture.batch import record_all
     from capture.jobs import here, processes
     from capture.kept import repertoire_path
+    from subsea.fish.species import shipped_species, species_names
     from subsea.repertoire import SEGMENTS
-    from subsea.species import shipped_species, species_names
 
     known = species_names()
     for name in options.species:
@@ -285,7 +285,7 @@ def _record(options: argparse.Namespace) -> int:
 
 def _repertoires_of(name: str) -> Path:
     """Where a species is recorded to; what came with an installed package stays as it is."""
-    from subsea.species import is_shipped, repertoire_folder
+    from subsea.fish.species import is_shipped, repertoire_folder
 
     if is_shipped(name) and not resource_path("pyproject.toml").is_file():
         raise UserError("name the folder to write to: --out DIR")
@@ -310,15 +310,15 @@ def _learn(options: argparse.Namespace) -> int:
 
 def _inspect(options: argparse.Namespace) -> int:
     from capture.inspect import report
-    from subsea.species import repertoire_file
+    from subsea.fish.species import repertoire_file
 
     return 0 if report(repertoire_file(options.file), lambda line: print(line, flush=True)) else 1
 
 
 def _plot(options: argparse.Namespace) -> int:
     from capture.plot import plot_repertoire
+    from subsea.fish.species import repertoire_file
     from subsea.repertoire import read_repertoire
-    from subsea.species import repertoire_file
 
     repertoire = read_repertoire(repertoire_file(options.file))
     check_folder(options.out)
@@ -331,8 +331,8 @@ def _mesh(options: argparse.Namespace) -> int:
     from tqdm import trange
 
     from capture.mesh import bind_mesh, write_mesh
+    from subsea.fish.species import repertoire_file
     from subsea.repertoire import read_repertoire
-    from subsea.species import repertoire_file
 
     repertoire = read_repertoire(repertoire_file(options.file))
     if options.segment not in repertoire.segments:

@@ -8,8 +8,8 @@ from typing import Any
 
 from capture.jobs import POLL_S, Check, Job, Results, Workers, record_job
 from capture.record import Recorded, fingerprint
-from subsea.errors import UserError
-from subsea.species import Species
+from subsea.core.errors import UserError
+from subsea.fish.species import Species
 
 CONNECT_S = 4.0
 FETCH_S = 5.0

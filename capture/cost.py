@@ -9,7 +9,7 @@ from numba import njit
 from subsea.biomechanics.body import MUSCLES, NODES, Body, Floats
 from subsea.biomechanics.simulation import State, copy_state, simulate
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, advance
-from subsea.kinematics.rotation import matrix
+from subsea.geometry.rotation import matrix
 from subsea.repertoire import Segment
 
 ROUNDS = 25

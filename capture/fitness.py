@@ -34,19 +34,12 @@ from capture.trial import (
     way,
 )
 from subsea.biomechanics.body import LOWER_TAIL, NODES, UPPER_TAIL, Body, Floats
-from subsea.biomechanics.controllers import (
-    LEFT,
-    RIGHT,
-    S_MAX,
-    WIDEST_TURN,
-    ease,
-    turn_contraction,
-)
-from subsea.biomechanics.plan import SwimPlan, TurnPlan
+from subsea.biomechanics.body_frame import body_frame
+from subsea.biomechanics.body_plan import SwimPlan, TurnPlan
+from subsea.biomechanics.controllers import LEFT, RIGHT, S_MAX, WIDEST_TURN, ease, turn_contraction
 from subsea.biomechanics.simulation import State, at_rest, copy_state, is_sound, simulate
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK
-from subsea.errors import UserError
-from subsea.kinematics.frame import body_frame
+from subsea.core.errors import UserError
 
 HORIZON = 60
 """Beats that a candidate swims at each amplitude."""

@@ -4,17 +4,12 @@ import numpy as np
 
 from capture.trial import beat_phase, sharp_turn, way
 from subsea.biomechanics.body import MUSCLES, UNITS, Body, Floats
-from subsea.biomechanics.controllers import (
-    LEFT,
-    muscle_lengths,
-    swim_contraction,
-    turn_contraction,
-)
+from subsea.biomechanics.body_frame import body_frame
+from subsea.biomechanics.body_plan import SwimPlan, TurnPlan
+from subsea.biomechanics.controllers import LEFT, muscle_lengths, swim_contraction, turn_contraction
 from subsea.biomechanics.fins import UP
-from subsea.biomechanics.plan import SwimPlan, TurnPlan
 from subsea.biomechanics.simulation import NO_FORCE, STILL, State, copy_state, is_sound, simulate
 from subsea.biomechanics.solver import STEP, advance
-from subsea.kinematics.frame import body_frame
 
 ENTRY_PHASES = 7
 NOWHERE = 1e-9

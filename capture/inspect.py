@@ -9,7 +9,7 @@ from capture.quality import measure
 from capture.record import motion_from_provenance
 from capture.rules import measure_rules
 from capture.targets import Measure
-from subsea.errors import UserError
+from subsea.core.errors import UserError
 from subsea.repertoire import SEGMENTS, Repertoire, read_repertoire
 
 HEADINGS = (

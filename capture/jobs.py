@@ -12,8 +12,8 @@ from contextlib import contextmanager
 from multiprocessing import get_context
 
 from capture.record import Recorded, record_segment
-from subsea.errors import UserError
-from subsea.species import Species
+from subsea.core.errors import UserError
+from subsea.fish.species import Species
 
 Job = tuple[str, str]  # names of species and segment
 Check = Callable[[], object]

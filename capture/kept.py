@@ -10,9 +10,9 @@ from contextlib import suppress
 from pathlib import Path
 
 from capture.record import Recorded, assemble, fingerprint
-from subsea.errors import UserError
+from subsea.core.errors import UserError
+from subsea.fish.species import Species
 from subsea.repertoire import SEGMENTS, Repertoire, read_repertoire, write_repertoire
-from subsea.species import Species
 
 
 def repertoire_path(folder: Path, name: str) -> Path:

@@ -16,7 +16,7 @@ from capture.learn_swim import swim_winners
 from capture.learn_turn import refitted, turn_winner
 from capture.search import Tried, search
 from subsea.biomechanics.body import Floats, build_body
-from subsea.biomechanics.plan import Muscles, SwimPlan, TurnPlan
+from subsea.biomechanics.body_plan import Muscles, SwimPlan, TurnPlan
 
 
 class Learned(NamedTuple):

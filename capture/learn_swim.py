@@ -10,10 +10,10 @@ from capture.fitness import UNSOUND, gait_faults, swim_faults, swim_loss
 from capture.search import Hunt, distinct
 from capture.trial import speed_map
 from subsea.biomechanics.body import MUSCLES, Body, Floats
+from subsea.biomechanics.body_plan import SwimPlan
 from subsea.biomechanics.controllers import S_MAX, swim_amplitude
-from subsea.biomechanics.plan import SwimPlan
 from subsea.biomechanics.solver import STEPS_PER_TICK
-from subsea.errors import UserError
+from subsea.core.errors import UserError
 
 TICKS = (8, 24)
 """Ticks of a beat that are searched, unless the number is given."""

@@ -18,10 +18,10 @@ from capture.learn_swim import BETTER, VERIFIED
 from capture.search import Hunt, distinct
 from capture.trial import beat_contraction, steady_beat
 from subsea.biomechanics.body import Body, Floats
+from subsea.biomechanics.body_plan import Steering, SwimPlan, TurnPlan
 from subsea.biomechanics.controllers import S_MAX
-from subsea.biomechanics.plan import Steering, SwimPlan, TurnPlan
 from subsea.biomechanics.simulation import State
-from subsea.errors import UserError
+from subsea.core.errors import UserError
 
 BENDS = (0.03, 0.35)
 BEND_TICKS = (4.0, 20.0)

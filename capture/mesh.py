@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from subsea.biomechanics.body import Floats
-from subsea.errors import UserError
-from subsea.kinematics.tetrahedra import tetrahedral_weights
-from subsea.places import replacing
+from subsea.core.atomic_io import replacing
+from subsea.core.errors import UserError
+from subsea.geometry.tetrahedra import tetrahedral_weights
 from subsea.repertoire import Repertoire
 from subsea.repertoire.schema import Array
 

@@ -6,8 +6,8 @@ import numpy as np
 
 from capture.topview import Played, above, across, midline, play, spectrum, speeds
 from subsea.biomechanics.body import Floats
+from subsea.biomechanics.body_plan import TurnPlan
 from subsea.biomechanics.controllers import SpeedMap
-from subsea.biomechanics.plan import TurnPlan
 from subsea.repertoire import SEGMENTS, Repertoire, Segment
 
 CYCLES = 3

@@ -12,8 +12,8 @@ from capture.record import Motion, motion_from_provenance, run_trial, spine_from
 from capture.spine import perform
 from capture.trial import deformation, speed_map
 from subsea.biomechanics.body import Floats, build_body
-from subsea.errors import UserError
-from subsea.places import replacing
+from subsea.core.atomic_io import replacing
+from subsea.core.errors import UserError
 from subsea.repertoire import Repertoire, Segment
 
 DPI = 100

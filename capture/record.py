@@ -16,13 +16,13 @@ from capture.spine import nodes_at_rest, record_by_spine
 from capture.trial import STRAIGHT, Trial, beat_contraction, sharp_turn, steady_beat
 from subsea import biomechanics
 from subsea.biomechanics.body import Floats, build_body
+from subsea.biomechanics.body_plan import BodyPlan, Muscles, SwimPlan, TurnPlan
 from subsea.biomechanics.controllers import LEFT, RIGHT
-from subsea.biomechanics.plan import BodyPlan, Muscles, SwimPlan, TurnPlan
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, TICK_S, TIME_UNIT_S
-from subsea.kinematics.spine import SpinePlan
-from subsea.kinematics.surface import SurfacePlan
+from subsea.fish.species import Species
+from subsea.fish.spine import SpinePlan
+from subsea.fish.surface import SurfacePlan
 from subsea.repertoire import SEGMENTS, Repertoire, Segment
-from subsea.species import Species
 
 Motion = Muscles
 """The three plans that decide how a species moves."""
@@ -161,7 +161,7 @@ def _code() -> str:
     """A hash of the modules that swim and record."""
     capture, subsea = Path(__file__).parent, Path(biomechanics.__file__).parents[1]
     modules = [capture / f"{name}.py" for name in ("record", "segment", "skin", "spine", "trial")]
-    for package in ("biomechanics", "kinematics", "repertoire"):
+    for package in ("biomechanics", "fish", "geometry", "repertoire"):
         modules += sorted((subsea / package).glob("*.py"))
     return hashlib.sha256(b"\0".join(path.read_bytes() for path in modules)).hexdigest()
 

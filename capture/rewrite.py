@@ -5,11 +5,11 @@ from typing import Any
 
 import msgspec
 
-from subsea.biomechanics.plan import SwimPlan, TurnPlan
-from subsea.errors import UserError
-from subsea.places import replacing
-from subsea.resources import load_toml
-from subsea.species import Species
+from subsea.biomechanics.body_plan import SwimPlan, TurnPlan
+from subsea.core.atomic_io import replacing
+from subsea.core.errors import UserError
+from subsea.core.resources import load_toml
+from subsea.fish.species import Species
 
 
 def write_controllers(source: Path, target: Path, swim: SwimPlan, turn: TurnPlan) -> None:

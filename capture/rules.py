@@ -8,9 +8,9 @@ from capture.quality import REPLAYED_CYCLES, replay
 from capture.record import spine_from_provenance
 from capture.spine import perform
 from capture.targets import Measure, judge, least, most, off
-from subsea.kinematics.frame import body_frame
-from subsea.kinematics.spine import SpinePlan
-from subsea.kinematics.surface import SurfacePlan
+from subsea.biomechanics.body_frame import body_frame
+from subsea.fish.spine import SpinePlan
+from subsea.fish.surface import SurfacePlan
 from subsea.repertoire import Repertoire
 
 

@@ -10,7 +10,7 @@ from typing import NamedTuple, Protocol, TypeVar
 import numpy as np
 
 from subsea.biomechanics.body import Floats
-from subsea.errors import UserError
+from subsea.core.errors import UserError
 
 METHODS = ("cma", "annealing")
 SPREAD = 0.2

@@ -3,10 +3,10 @@
 import numpy as np
 
 from subsea.biomechanics.body import Floats
+from subsea.biomechanics.body_frame import body_frame, to_body
 from subsea.biomechanics.solver import TICK_S
-from subsea.kinematics.coupling import Coupling, place
-from subsea.kinematics.frame import body_frame, to_body
-from subsea.kinematics.rotation import from_matrix
+from subsea.fish.coupling import Coupling, place
+from subsea.geometry.rotation import from_matrix
 from subsea.repertoire import Segment
 
 

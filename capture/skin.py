@@ -1,9 +1,9 @@
 """The control points of the drawn surface, from the nodes (SMC eq. 9, Tu §5.4)."""
 
 from subsea.biomechanics.body import build_body
-from subsea.biomechanics.plan import BodyPlan
-from subsea.kinematics.coupling import Coupling, couple
-from subsea.kinematics.surface import SurfacePlan, rest_control_points
+from subsea.biomechanics.body_plan import BodyPlan
+from subsea.fish.coupling import Coupling, couple
+from subsea.fish.surface import SurfacePlan, rest_control_points
 
 
 def surface_coupling(surface: SurfacePlan, body: BodyPlan) -> Coupling:

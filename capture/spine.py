@@ -9,9 +9,9 @@ import numpy as np
 
 from capture.segment import make_segment
 from subsea.biomechanics.body import NODES, RING_LEFT, RING_UP, Floats
-from subsea.biomechanics.plan import NODES_AT_STATION
-from subsea.kinematics.spine import MIDDLES, Array, Gait, SpinePlan, carried, flapped, spines
-from subsea.kinematics.surface import SurfacePlan, along, fitted, rest_surface
+from subsea.biomechanics.body_plan import NODES_AT_STATION
+from subsea.fish.spine import MIDDLES, Array, Gait, SpinePlan, carried, flapped, spines
+from subsea.fish.surface import SurfacePlan, along, fitted, rest_surface
 from subsea.repertoire import Segment
 
 PATH_STEPS = 20000  # in which the path of a segment is added up

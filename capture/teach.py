@@ -21,11 +21,11 @@ from capture.learn import Learned, learn
 from capture.rewrite import write_controllers
 from capture.trial import beat_contraction, steady_beat
 from subsea.biomechanics.body import build_body
-from subsea.biomechanics.plan import Muscles, SwimPlan, TurnPlan
-from subsea.errors import UserError
-from subsea.places import check_file
-from subsea.resources import load_toml, resource_path
-from subsea.species import SHIPPED, Species, species_file
+from subsea.biomechanics.body_plan import Muscles, SwimPlan, TurnPlan
+from subsea.core.atomic_io import check_file
+from subsea.core.errors import UserError
+from subsea.core.resources import load_toml, resource_path
+from subsea.fish.species import SHIPPED, Species, species_file
 
 LIBRARIES = ("cma", "scipy")
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from capture.quality import replay
 from subsea.biomechanics.body import LOWER_TAIL, RINGS, UPPER_TAIL, Floats
-from subsea.kinematics.frame import Array, body_frame
+from subsea.biomechanics.body_frame import Array, body_frame
 from subsea.repertoire import Segment
 
 Complex = NDArray[np.complex128]

@@ -9,6 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from subsea.biomechanics.body import Body, Floats
+from subsea.biomechanics.body_frame import body_frame, to_body
+from subsea.biomechanics.body_plan import SwimPlan, TurnPlan
 from subsea.biomechanics.controllers import (
     LEFT,
     SpeedMap,
@@ -17,11 +19,9 @@ from subsea.biomechanics.controllers import (
     swim_contraction,
     turn_contraction,
 )
-from subsea.biomechanics.plan import SwimPlan, TurnPlan
 from subsea.biomechanics.simulation import State, at_rest, copy_state, is_sound, simulate
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK
-from subsea.errors import UserError
-from subsea.kinematics.frame import body_frame, to_body
+from subsea.core.errors import UserError
 
 MIN_WARM_UP = 24
 MAX_WARM_UP = 1000

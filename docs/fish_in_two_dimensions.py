@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 from plates import BLACK, BLUE, GREEN, GREY, ORANGE, PINK, STYLE, keep_plot
 
 from subsea.biomechanics.controllers import ease
-from subsea.kinematics.spine import JOINTS, MIDDLES, UNITS, Spines, Swing, phase, spines, swung
-from subsea.species import load_species
+from subsea.fish.species import load_species
+from subsea.fish.spine import JOINTS, MIDDLES, UNITS, Spines, Swing, phase, spines, swung
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from subsea.ocean import step
-from subsea.scenario import load_scenario
+from subsea.scenario.schema import load_scenario
 from subsea.state import EAT, ESCAPE, FEAR, HOOKED, LANDED, PACIFIST, PREDATOR, PREY
 from subsea.submarine.helm import HANDS_OFF
-from subsea.world import TICK_S, World, create_world
+from subsea.world.step import step
+from subsea.world.world import TICK_S, World, create_world
 
 SECONDS = {"preying": 180.0, "go-fish": 75.0}
 

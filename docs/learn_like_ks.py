@@ -23,12 +23,12 @@ from capture.search import search
 from capture.trial import beat_contraction, beat_phase, steady_beat
 from subsea.biomechanics import simulation, solver, water
 from subsea.biomechanics.body import MUSCLES, TRIANGLE_WEIGHTS, TRIANGLES, Body, Floats, build_body
+from subsea.biomechanics.body_frame import body_frame
+from subsea.biomechanics.body_plan import SwimPlan, TurnPlan
 from subsea.biomechanics.controllers import ease, swim_contraction, turn_contraction
-from subsea.biomechanics.plan import SwimPlan, TurnPlan
 from subsea.biomechanics.simulation import State, at_rest, copy_state, is_sound, simulate
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK
-from subsea.kinematics.frame import body_frame
-from subsea.species import load_species
+from subsea.fish.species import load_species
 
 SIDES = 6
 """Muscles as KS's flat fish has them: upper and lower one as one, left and right apart."""

@@ -17,18 +17,18 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 from plates import STYLE, folder_asked, keep, keep_plot
 
-from subsea.app.start import headless, picture_maker
-from subsea.frame import pack
-from subsea.kinematics.rotation import matrix
-from subsea.ocean import create_world, step
+from subsea.dive.start import headless, picture_maker
+from subsea.frame.packet import pack
+from subsea.geometry.rotation import matrix
 from subsea.render import Renderer
-from subsea.render.quality import PRESETS
-from subsea.scenario import load_scenario
+from subsea.render.output.quality import PRESETS
+from subsea.scenario.schema import load_scenario
 from subsea.state import ASCENDING, CIRCLING, COURTSHIP, LOOPING, NO_COURTSHIP, NUZZLING
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.camera import NEAR_CM, View, look, off_axis
-from subsea.view.rigs import display_rig
-from subsea.world import TICK_S, World
+from subsea.view.display_rigs import display_rig
+from subsea.world.step import create_world, step
+from subsea.world.world import TICK_S, World
 
 Array = NDArray[np.floating[Any]]
 

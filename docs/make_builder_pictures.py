@@ -12,11 +12,11 @@ from functools import partial
 from PIL import Image
 from plates import FOLDER, folder_asked, keep
 
-from subsea.app.bench import Bench
-from subsea.app.build import draft as drafts
-from subsea.app.build.draft import Draft
-from subsea.app.build.naming import Naming
-from subsea.app.build.window import begun
+from subsea.ui.fish_builder import draft as drafts
+from subsea.ui.fish_builder.draft import Draft
+from subsea.ui.fish_builder.new_species import Naming
+from subsea.ui.fish_builder.window import begun
+from subsea.ui.tool_window import Bench
 
 SIZE = 1280, 800
 RING = ("body", "ring", 1)

@@ -11,8 +11,8 @@ from PIL import Image
 from plates import folder_asked, keep
 
 from capture.plot import plot_repertoire
+from subsea.core.resources import resource_path
 from subsea.repertoire import read_repertoire
-from subsea.resources import resource_path
 
 SHOWN = {
     "fusilier": ("fusilier", "fusilier_swim_fast", "fusilier_turn_left_sharp"),

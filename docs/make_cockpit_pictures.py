@@ -9,7 +9,7 @@ from contextlib import closing
 from PIL import Image
 from plates import folder_asked, keep, window_of
 
-from subsea.app.dive import Dive
+from subsea.ui.dive import Dive
 
 SIZE, SMALL = (1280, 720), (960, 540)
 

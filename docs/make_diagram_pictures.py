@@ -8,16 +8,16 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 from plates import folder_asked, keep
 
-from subsea.app.film import lettered
-from subsea.app.start import headless, picture_maker, start_world
-from subsea.app.tour import Tour
-from subsea.diagrams import Sketcher, written
-from subsea.frame import pack
-from subsea.kinematics.heightfield import height_at
-from subsea.ocean import step
-from subsea.render.quality import PRESETS
+from subsea.dive.start import headless, picture_maker, start_world
+from subsea.dive.tour import Tour
+from subsea.frame.diagrams import Sketcher, written
+from subsea.frame.packet import pack
+from subsea.geometry.height_field import height_at
+from subsea.media.film import lettered
+from subsea.render.output.quality import PRESETS
+from subsea.view.display_rigs import cockpit, display_rig
 from subsea.view.rig import pose, views
-from subsea.view.rigs import cockpit, display_rig
+from subsea.world.step import step
 
 SIZE = (640, 360)
 TICKS = 250

@@ -15,22 +15,22 @@ from msgspec import structs
 from PIL import Image
 from plates import folder_asked, keep
 
-from subsea.frame import make_scene, pack
-from subsea.kinematics.rotation import rotate
-from subsea.ocean import step
+from subsea.fish.color_sheet import write
+from subsea.fish.photo.deformable_mesh import BODY, Net, meshes
+from subsea.fish.photo.fitting import aligned, found
+from subsea.fish.photo.lift import lifted
+from subsea.fish.photo.photograph import Photograph, small
+from subsea.fish.photo.side_view import laid, outlines
+from subsea.frame.packet import make_scene, pack
+from subsea.geometry.rotation import rotate
 from subsea.render import Renderer, headless_context
-from subsea.render.quality import PRESETS
-from subsea.scenario import load_scenario
-from subsea.skins.deformable import BODY, Net, meshes
-from subsea.skins.flank import laid, outlines
-from subsea.skins.lift import lifted
-from subsea.skins.photograph import Photograph, small
-from subsea.skins.placing import aligned, found
-from subsea.skins.sheet import write
+from subsea.render.output.quality import PRESETS
+from subsea.scenario.schema import load_scenario
 from subsea.submarine.helm import HANDS_OFF
+from subsea.view.display_rigs import display_rig, views_for
 from subsea.view.rig import Pose
-from subsea.view.rigs import display_rig, views_for
-from subsea.world import World, create_world
+from subsea.world.step import step
+from subsea.world.world import World, create_world
 
 SCENARIO, SEED, TICKS, LATER = "peaceful", 1, 60, 12
 FISH = "Emperor angelfish"

@@ -17,17 +17,17 @@ from PIL import Image
 from plates import STYLE, folder_asked, keep, keep_plot
 
 from subsea.behavior.chasing import mouth_of
-from subsea.frame import make_scene, pack
-from subsea.kinematics.rotation import rotate
-from subsea.ocean import step
+from subsea.frame.packet import make_scene, pack
+from subsea.geometry.rotation import rotate
 from subsea.render import Renderer, headless_context
-from subsea.render.quality import PRESETS
-from subsea.scenario import load_scenario
+from subsea.render.output.quality import PRESETS
+from subsea.scenario.schema import load_scenario
 from subsea.state import ESCAPE, HOOKED, PREDATOR, PREY
 from subsea.submarine.helm import HANDS_OFF
+from subsea.view.display_rigs import display_rig, views_for
 from subsea.view.rig import Pose
-from subsea.view.rigs import display_rig, views_for
-from subsea.world import TICK_S, World, create_world
+from subsea.world.step import step
+from subsea.world.world import TICK_S, World, create_world
 
 Array = NDArray[np.floating[Any]]
 

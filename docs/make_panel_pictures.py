@@ -12,10 +12,10 @@ from typing import Any
 from imgui_bundle import imgui
 from plates import FOLDER, keep, window_of
 
-from subsea.app.dive import Dive
-from subsea.app.panels import PANELS
-from subsea.app.panels.physics import simulate
-from subsea.app.panels.placement import Placing
+from subsea.ui.dive import Dive
+from subsea.ui.panels import PANELS
+from subsea.ui.panels.physics import simulate
+from subsea.ui.panels.placement import Placing
 
 SIZE, FISH, RIDDEN, WAIT_S = (1280, 780), 3, 9, 20.0
 # Control tells how long a picture takes: it is shown in a sea so small that a computer without a

@@ -12,18 +12,18 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 from plates import folder_asked, keep
 
-from subsea.frame import INSTANCE_COLUMNS, Batch, Packet, Scene
-from subsea.kinematics.coupling import couple, place
-from subsea.kinematics.rotation import multiply
-from subsea.kinematics.surface import rest_control_points
+from subsea.core.resources import resource_path
+from subsea.fish.coupling import couple, place
+from subsea.fish.species import Species, load_species, shipped_species
+from subsea.fish.surface import rest_control_points
+from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, Scene
+from subsea.geometry.rotation import multiply
 from subsea.render import Renderer, headless_context
-from subsea.render.quality import PRESETS
+from subsea.render.output.quality import PRESETS
 from subsea.repertoire import read_repertoire
-from subsea.resources import resource_path
-from subsea.scenario import Water
-from subsea.species import Species, load_species, shipped_species
+from subsea.scenario.schema import Water
 from subsea.view.camera import NEAR_CM, View, look, off_axis
-from subsea.view.rigs import display_rig
+from subsea.view.display_rigs import display_rig
 
 Array = NDArray[np.floating[Any]]
 

@@ -7,16 +7,16 @@ import numpy as np
 from PIL import Image, ImageDraw
 from plates import folder_asked, keep
 
-from subsea.frame import INSTANCE_COLUMNS, Packet, Scene
+from subsea.fish.species import load_species
+from subsea.fish.surface import rest_control_points
+from subsea.frame.packet import INSTANCE_COLUMNS, Packet, Scene
 from subsea.habitat.reef import KINDS
-from subsea.kinematics.surface import rest_control_points
 from subsea.render import Renderer, headless_context
-from subsea.render.quality import PRESETS
-from subsea.scenario import Water
-from subsea.species import load_species
+from subsea.render.output.quality import PRESETS
+from subsea.scenario.schema import Water
 from subsea.state import Reef
+from subsea.view.display_rigs import display_rig, views_for
 from subsea.view.rig import pose
-from subsea.view.rigs import display_rig, views_for
 
 SIZE = (1280, 520)
 DEPTH_CM = 420.0

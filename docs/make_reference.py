@@ -14,11 +14,11 @@ from typing import Any
 from msgspec import inspect
 
 import capture.cli
-import subsea.app.cli
-from subsea.app.bindings import CONTROLS
-from subsea.app.settings import Settings
-from subsea.commandline import Number
-from subsea.places import replacing
+import subsea.cli.main
+from subsea.core.atomic_io import replacing
+from subsea.core.command_line import Number
+from subsea.dive.bindings import CONTROLS
+from subsea.dive.settings import Settings
 
 HERE = Path(__file__).parent
 BEGIN, END = "<!-- made by docs/make_reference.py -->\n", "<!-- end of what is made -->\n"
@@ -42,7 +42,7 @@ def commands() -> Iterator[str]:
     """All commands of both programs."""
     parsers = [
         parser
-        for program in (subsea.app.cli, capture.cli)
+        for program in (subsea.cli.main, capture.cli)
         for parser in program.parsers()[1].choices.values()
     ]
     yield from ("", "| command | what |", "| --- | --- |")

@@ -12,8 +12,8 @@ import numpy as np
 from PIL import Image
 from plates import FOLDER, keep
 
-from subsea.app.eyes import film_eyes
-from subsea.app.retinae import SIDES
+from subsea.dive.retina_images import SIDES
+from subsea.media.eye_frames import film_eyes
 from subsea.view.retina import Gaze
 
 SIZE, GAP = (480, 360), 6

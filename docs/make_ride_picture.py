@@ -8,7 +8,7 @@ from contextlib import closing
 
 from plates import folder_asked, keep, window_of
 
-from subsea.app.dive import Dive
+from subsea.ui.dive import Dive
 
 SIZE, FISH, FEMALE = (960, 540), 9, 0
 WAIT_S, RIDE_S, COURTED_S, STEER_S = 5.0, 2.4, 7.0, 3.0

@@ -18,16 +18,16 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 from plates import folder_asked, keep
 
-from subsea.app.start import headless, picture_maker
-from subsea.frame import pack
-from subsea.ocean import step
-from subsea.render.quality import PRESETS
-from subsea.resources import ROOT
-from subsea.scenario import load_scenario
+from subsea.core.resources import ROOT
+from subsea.dive.start import headless, picture_maker
+from subsea.frame.packet import pack
+from subsea.render.output.quality import PRESETS
+from subsea.scenario.schema import load_scenario
 from subsea.submarine.helm import HANDS_OFF
+from subsea.view.display_rigs import display_rig, views_for
 from subsea.view.rig import Pose
-from subsea.view.rigs import display_rig, views_for
-from subsea.world import TICK_S, create_world
+from subsea.world.step import step
+from subsea.world.world import TICK_S, create_world
 
 Array = NDArray[np.floating[Any]]
 

@@ -13,12 +13,12 @@ from PIL import Image
 from plates import folder_asked, keep
 from skin_accuracy import CASES, made
 
-from subsea.app.bench import Bench
-from subsea.app.skin import hands
-from subsea.app.skin.hands import Node
-from subsea.app.skin.window import Dressing
-from subsea.skins.deformable import BODY
-from subsea.skins.photograph import read
+from subsea.fish.photo.deformable_mesh import BODY
+from subsea.fish.photo.photograph import read
+from subsea.ui.skin_editor import mesh_edit
+from subsea.ui.skin_editor.mesh_edit import Node
+from subsea.ui.skin_editor.window import Dressing
+from subsea.ui.tool_window import Bench
 
 SIZE, FRAME_S = (1280, 800), 0.04
 CASE, SPECIES = "gravel", "blue_tang"
@@ -94,20 +94,20 @@ with tempfile.TemporaryDirectory() as temporary:
         for tip, half in zip(TIPS, (rows < rows.mean(), rows > rows.mean()), strict=True):
             far = columns[half].argmax()
             there = share * np.array([columns[half][far], rows[half][far]])
-            here = hands.places(table.net, [tip])[0]
+            here = mesh_edit.places(table.net, [tip])[0]
             hand.drag(here, there, let_go=False)
             if tip == TIPS[1]:
                 hand.save("window")
             hand.press(False)
-            table.net = hands.with_anchor(table.net, tip, tuple(there))
+            table.net = mesh_edit.with_anchor(table.net, tip, tuple(there))
             table.did()
         hand.rest()
         # The whole is moved and turned.
-        table.net = hands.without_anchors(table.net)
+        table.net = mesh_edit.without_anchors(table.net)
         table.easel.hand = "whole"
-        frame = hands.frame(table.net)
+        frame = mesh_edit.frame(table.net)
         hand.drag(frame.middle, frame.middle + (5.0, -7.0))
-        frame = hands.frame(table.net)
+        frame = mesh_edit.frame(table.net)
         hand.drag(frame.knob, frame.knob + (6.0, 0.0), let_go=False)
         hand.save("whole", view)
         hand.press(False)

@@ -14,16 +14,16 @@ from matplotlib.figure import Figure
 from PIL import Image
 from plates import BLUE, ORANGE, STYLE, folder_asked, keep, keep_plot
 
-from subsea.frame import INSTANCE_COLUMNS, Batch, Packet, Scene
-from subsea.kinematics.spine import MIDDLES, UNITS, spines, swung
+from subsea.core.resources import resource_path
+from subsea.fish.species import load_species, shipped_species
+from subsea.fish.spine import MIDDLES, UNITS, spines, swung
+from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, Scene
 from subsea.render import Renderer, headless_context
-from subsea.render.quality import PRESETS
+from subsea.render.output.quality import PRESETS
 from subsea.repertoire import read_repertoire
-from subsea.resources import resource_path
-from subsea.scenario import Water
-from subsea.species import load_species, shipped_species
+from subsea.scenario.schema import Water
 from subsea.view.camera import NEAR_CM, View, look, off_axis
-from subsea.view.rigs import display_rig
+from subsea.view.display_rigs import display_rig
 
 SPECIES = "ribbon_eel"
 MOMENTS = 9

@@ -9,11 +9,11 @@ from pathlib import Path
 
 from PIL import Image
 
-from subsea.app.records import read_record
-from subsea.app.simulate import simulate
-from subsea.app.study import measure
-from subsea.app.study_plots import plot
-from subsea.app.study_table import table
+from subsea.study.plots import plot
+from subsea.study.record import read_record
+from subsea.study.report import measure
+from subsea.study.simulate import simulate
+from subsea.study.table import table
 
 SHOWN = {
     ("peaceful", 18182): ("time_budget", "minds", "schools", "clearance"),

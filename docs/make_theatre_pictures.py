@@ -7,16 +7,16 @@ import numpy as np
 from PIL import Image
 from plates import folder_asked, keep
 
-from subsea.app.house import open_house
-from subsea.app.start import headless, picture_maker, start_world
-from subsea.app.tour import Tour
-from subsea.frame import pack
-from subsea.ocean import step
-from subsea.render.quality import PRESETS
-from subsea.theatre.lineup import lineup
+from subsea.dive.start import headless, picture_maker, start_world
+from subsea.dive.theatre_setup import open_house
+from subsea.dive.tour import Tour
+from subsea.frame.packet import pack
+from subsea.render.output.quality import PRESETS
+from subsea.view.display_rigs import cockpit
 from subsea.view.rig import views
-from subsea.view.rigs import cockpit
-from subsea.world import TICK_S
+from subsea.view.theatre.lineup import lineup
+from subsea.world.step import step
+from subsea.world.world import TICK_S
 
 SECONDS = 12.0
 SHRINK = 3

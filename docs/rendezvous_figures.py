@@ -9,13 +9,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from subsea.app.directed import directed
-from subsea.ocean import step
-from subsea.scenario import load_scenario
+from subsea.dive.directed_camera import directed
+from subsea.scenario.schema import load_scenario
 from subsea.state import EAT, LOOPING, MATE
+from subsea.view.display_rigs import VERTICAL_FOV, cockpit
 from subsea.view.rig import Pose
-from subsea.view.rigs import VERTICAL_FOV, cockpit
-from subsea.world import TICK_S, World, create_world
+from subsea.world.step import step
+from subsea.world.world import TICK_S, World, create_world
 
 PAIR, SCHOOL, SHARK = slice(0, 2), slice(2, 38), 38  # the numbers of the scenario's fishes
 ASPECT = 16 / 9

@@ -13,14 +13,14 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
-from subsea.kinematics.spline import basis_at, dense
-from subsea.kinematics.surface import DORSAL, FIN_V, LEFT, VENTRAL, U, V, rest_control_points
-from subsea.skins import paint
-from subsea.skins.flank import outlines
-from subsea.skins.lift import drawn
-from subsea.skins.photograph import Photograph
-from subsea.skins.placing import found, outline_error
-from subsea.species import load_species
+from subsea.fish import paint
+from subsea.fish.photo.fitting import found, outline_error
+from subsea.fish.photo.lift import drawn
+from subsea.fish.photo.photograph import Photograph
+from subsea.fish.photo.side_view import outlines
+from subsea.fish.species import load_species
+from subsea.fish.surface import DORSAL, FIN_V, LEFT, VENTRAL, U, V, rest_control_points
+from subsea.geometry.spline import basis_at, dense
 
 FINER = 3  # pixels are made of so many each way
 MOST = 0.015  # body lengths that outlines may be off

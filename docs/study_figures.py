@@ -15,15 +15,15 @@ from pathlib import Path
 
 import numpy as np
 
-from subsea.app.records import read_record
-from subsea.app.simulate import simulate
-from subsea.app.study import measure
-from subsea.app.study_table import table
-from subsea.ocean import step
-from subsea.scenario import load_scenario
+from subsea.scenario.schema import load_scenario
 from subsea.state import HUNGER
+from subsea.study.record import read_record
+from subsea.study.report import measure
+from subsea.study.simulate import simulate
+from subsea.study.table import table
 from subsea.submarine.helm import HANDS_OFF
-from subsea.world import TICK_S, create_world
+from subsea.world.step import step
+from subsea.world.world import TICK_S, create_world
 
 TOLD = (
     ("peaceful", 600.0, (1, 2)),

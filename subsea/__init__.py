@@ -5,6 +5,6 @@ import os
 # Read by numba when it is first imported.
 os.environ.setdefault(
     "NUMBA_CACHE_LOCATOR_CLASSES",
-    "subsea.caching.Provided,subsea.caching.InTree,subsea.caching.UserWide,"
+    "subsea.core.kernels.cache.Provided,subsea.core.kernels.cache.InTree,subsea.core.kernels.cache.UserWide,"
     "IPythonCacheLocator,ZipCacheLocator",
 )

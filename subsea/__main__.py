@@ -2,6 +2,6 @@
 
 import sys
 
-from subsea.app.cli import main
+from subsea.cli.main import main
 
 sys.exit(main())

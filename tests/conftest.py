@@ -13,13 +13,13 @@ import pytest
 from hypothesis import settings
 from numpy.typing import NDArray
 
-from subsea.app.console import say
 from subsea.behavior.table import BEHAVIORS, DESIRES
-from subsea.kinematics.frame import body_frame, to_body
-from subsea.kinematics.rotation import from_matrix
-from subsea.precompiling import precompile
+from subsea.biomechanics.body_frame import body_frame, to_body
+from subsea.core.console import say
+from subsea.core.kernels.warm_up import precompile
+from subsea.geometry.rotation import from_matrix
 from subsea.repertoire import SEGMENTS, Repertoire, Segment
-from subsea.scenario import Temper
+from subsea.scenario.schema import Temper
 from subsea.state import (
     NOBODY,
     STOWED,
@@ -31,6 +31,8 @@ from subsea.state import (
     empty_fishes,
     empty_minds,
 )
+
+pytest_plugins = ["tests.support.windows"]
 
 # The first example of a test may compile a kernel, so time is no measure of a failure.
 settings.register_profile("subsea", deadline=None, derandomize=True)
@@ -64,22 +66,22 @@ def pytest_configure(config: pytest.Config) -> None:
 # Files that take long, about the longest first; but those after the first need other kernels than
 # that one, lest two processes that find none kept compile the same ones.
 LONG = (
-    "app/test_every_command.py",
+    "docs/test_every_command.py",
     "capture/test_learn.py",
     "capture/export/test_gltf.py",
     "capture/test_batch.py",
-    "app/test_cluster_windows.py",
+    "ui/test_cluster_windows.py",
     "motor/test_switching.py",
-    "app/build/test_window.py",
-    "app/test_skin_window.py",
-    "app/test_fish_panels.py",
+    "ui/fish_builder/test_window.py",
+    "ui/skin_editor/test_window.py",
+    "ui/panels/test_fish_panels.py",
     "behavior/test_courtship.py",
-    "app/test_film.py",
+    "media/test_film.py",
     "test_faults.py",
-    "app/test_dive_ends.py",
-    "app/test_dive.py",
-    "app/test_menu.py",
-    "behavior/test_reins.py",
+    "ui/test_dive_ends.py",
+    "ui/test_dive.py",
+    "ui/test_menu.py",
+    "behavior/test_teleop.py",
 )
 
 

@@ -3,7 +3,6 @@
 import re
 import subprocess
 import sys
-import tomllib
 from pathlib import Path
 
 import pytest
@@ -21,31 +20,12 @@ def test_imports_only_go_up_the_list_of_folders():
 
 
 @pytest.mark.parametrize(
-    ("contract", "owner"),
-    [
-        ("Only render imports moderngl", "subsea.render"),
-        ("Only app imports glfw and the panel library", "subsea.app"),
-        ("Only one module opens HDF5 files", "subsea.hdf5"),
-        ("Only one package speaks to other computers", "subsea.cluster"),
-    ],
-)
-def test_a_library_that_one_module_owns_is_forbidden_to_all_others(contract, owner):
-    """The contracts name every module and folder of the package, so a new one is guarded too."""
-    settings = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]
-    forbidden = {c["name"]: set(c.get("source_modules", ())) for c in settings["contracts"]}
-    package = ROOT / "subsea"
-    modules = {f"subsea.{path.stem}" for path in package.glob("*.py") if path.stem[0] != "_"}
-    modules |= {f"subsea.{path.parent.name}" for path in package.glob("*/__init__.py")}
-    assert forbidden[contract] == modules - {owner} | {"capture"}
-
-
-@pytest.mark.parametrize(
     ("module", "others"),
     [
         # `subsea simulate` runs on machines that have neither OpenGL nor windows.
-        ("subsea.app.simulate", ("moderngl", "glfw", "imgui_bundle", "av")),
+        ("subsea.study.simulate", ("moderngl", "glfw", "imgui_bundle", "av")),
         # A dive begins without what few dives need.
-        ("subsea.app.dive", ("h5py", "PIL", "zmq", "tqdm", "av", "scipy.linalg")),
+        ("subsea.ui.dive", ("h5py", "PIL", "zmq", "tqdm", "av", "scipy.linalg")),
     ],
 )
 def test_a_command_does_without_what_others_need(module, others):

@@ -31,27 +31,27 @@ import numpy as np
 from PIL import ExifTags, Image
 
 from capture.mesh import read_mesh
-from subsea import snapshot
-from subsea.app.comparison import read_reports
-from subsea.app.dressing import load_mesh, save_mesh
-from subsea.app.records import read_record
-from subsea.app.settings import default_text, read_settings
-from subsea.app.simulate import simulate
-from subsea.cluster import messages
-from subsea.errors import UserError
-from subsea.ocean import create_world
+from subsea.core.errors import UserError
+from subsea.core.resources import resource_path
+from subsea.dive.cluster import messages
+from subsea.dive.settings import default_text, read_settings
+from subsea.fish import color_sheet
+from subsea.fish.photo.dress import load_mesh, save_mesh
+from subsea.fish.photo.photograph import Photograph
+from subsea.fish.photo.photograph import read as read_photograph
+from subsea.fish.photo.side_view import across, laid
+from subsea.fish.species import load_species
+from subsea.profiling.comparison import read_reports
 from subsea.repertoire import read_repertoire
-from subsea.resources import resource_path
-from subsea.scenario import load_scenario
-from subsea.skins import sheet
-from subsea.skins.flank import across, laid
-from subsea.skins.photograph import Photograph
-from subsea.skins.photograph import read as read_photograph
-from subsea.species import load_species
-from subsea.theatre.files import load_theatre
-from subsea.theatre.mpcdi import read_mpcdi
-from subsea.theatre.obj import read_obj
-from subsea.theatre.pfm import read_pfm
+from subsea.scenario.schema import load_scenario
+from subsea.study.record import read_record
+from subsea.study.simulate import simulate
+from subsea.view.theatre.mpcdi import read_mpcdi
+from subsea.view.theatre.obj import read_obj
+from subsea.view.theatre.pfm import read_pfm
+from subsea.view.theatre.theatre_file import load_theatre
+from subsea.world import snapshot
+from subsea.world.step import create_world
 
 SECONDS = 10  # for one file
 PATIENCE = 6  # times that, until a process is killed that a library does not come back to
@@ -208,7 +208,7 @@ def photographs(folder: Path) -> list[bytes]:
 
 def sheets(folder: Path) -> list[bytes]:
     """The sheet of a species."""
-    sheet.write(folder / "sheet.png", np.zeros((640, 1024, 4), np.uint8))
+    color_sheet.write(folder / "sheet.png", np.zeros((640, 1024, 4), np.uint8))
     return [(folder / "sheet.png").read_bytes()]
 
 
@@ -245,7 +245,7 @@ KINDS = {
     "from-master": Kind(".bin", from_masters, lambda p: messages.from_master(p.read_bytes())),
     "report": Kind(".json", reports, read_reports),
     "photograph": Kind(".png", photographs, read_photograph),
-    "sheet": Kind(".png", sheets, sheet.read),
+    "sheet": Kind(".png", sheets, color_sheet.read),
     "meshes": Kind(".json", SKIN.samples, SKIN.read),
     "float-map": Kind(".pfm", floats, read_pfm),
     "archive": Kind(".mpcdi", archives, read_mpcdi),

@@ -1,4 +1,4 @@
-"""Write down which kernels a dive needs, for `subsea/precompiling.py`: `assets/kernels.json`.
+"""List the kernels of a dive in `assets/kernels.json`, for `core/kernels/warm_up.py`.
 
 .venv/bin/python tools/list_kernels.py
 
@@ -96,12 +96,12 @@ def write() -> None:
         return found
 
     dispatcher._DispatcherBase.get_call_template = get_call_template
-    from subsea.app import start
-    from subsea.app.cli import main
-    from subsea.places import replacing
-    from subsea.precompiling import LIST
-    from subsea.resources import resource_names
-    from subsea.scenario import SHIPPED
+    from subsea.cli.main import main
+    from subsea.core.atomic_io import replacing
+    from subsea.core.kernels.warm_up import LIST
+    from subsea.core.resources import resource_names
+    from subsea.dive import start
+    from subsea.scenario.schema import SHIPPED
 
     start.precompile = lambda tell: None
     with event.install_listener("numba:compile", noted):

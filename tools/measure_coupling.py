@@ -14,11 +14,11 @@ from typing import Any, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.kinematics.coupling import Way, couple, place
-from subsea.kinematics.spline import basis_at, dense
-from subsea.kinematics.surface import LEFT, RIGHT, U, V, rest_control_points
+from subsea.fish.coupling import Way, couple, place
+from subsea.fish.species import load_species, repertoire_file
+from subsea.fish.surface import LEFT, RIGHT, U, V, rest_control_points
+from subsea.geometry.spline import basis_at, dense
 from subsea.repertoire import read_repertoire
-from subsea.species import load_species, repertoire_file
 
 Array = NDArray[np.floating[Any]]
 

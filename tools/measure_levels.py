@@ -12,15 +12,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from subsea.app.tour import Tour
-from subsea.frame import Batch, Packet, make_scene, pack
-from subsea.ocean import step
+from subsea.dive.tour import Tour
+from subsea.frame.packet import Batch, Packet, make_scene, pack
 from subsea.render import Renderer, headless_context
-from subsea.render.quality import PRESETS
-from subsea.scenario import load_scenario
+from subsea.render.output.quality import PRESETS
+from subsea.scenario.schema import load_scenario
+from subsea.view.display_rigs import cockpit, display_rig, views_for
 from subsea.view.levels import LEVELS, nothing_drawn
-from subsea.view.rigs import cockpit, display_rig, views_for
-from subsea.world import World, create_world
+from subsea.world.step import step
+from subsea.world.world import World, create_world
 
 SIZE = (1280, 720)
 QUALITY = PRESETS["low"]

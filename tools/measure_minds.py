@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea import ocean
-from subsea.scenario import load_scenario
+from subsea.scenario.schema import load_scenario
 from subsea.state import Clock, Fishes, Minds, Sea
 from subsea.submarine.helm import HANDS_OFF
-from subsea.world import create_world
+from subsea.world import step
+from subsea.world.world import create_world
 
 NUMBERS = (60, 1000, 3000, 10_000, 30_000, 50_000)
 STAGES = ("perception", "behavior")
@@ -37,7 +37,7 @@ def medians_ms(number: int) -> list[float]:
     world = create_world(load_scenario("open-ocean")[0], fish=number)
     rows = []
     for tick in range(SETTLED + TICKS):
-        ocean.step(world, HANDS_OFF)
+        step.step(world, HANDS_OFF)
         if tick >= SETTLED:
             rows.append([1000.0 * world.stages_s[stage] for stage in STAGES])
     return [float(value) for value in np.median(rows, axis=0)]
@@ -46,15 +46,15 @@ def medians_ms(number: int) -> list[float]:
 def main() -> None:
     """Print a row for each number of fishes: with turns, then everybody in every tick."""
     numbers = [int(word) for word in sys.argv[1:]] or list(NUMBERS)
-    taking_turns = ocean.whose_turn
-    ocean.time = SimpleNamespace(perf_counter=time.thread_time)
+    taking_turns = step.whose_turn
+    step.time = SimpleNamespace(perf_counter=time.thread_time)
     medians_ms(60)  # compiles
     print(f"{'':8s}{'taking turns, ms':>30s}{'everybody, ms':>30s}")
     print(f"{'fishes':8s}" + 2 * f"{'perception':>12s}{'behavior':>10s}{'both':>8s}")
     for number in numbers:
         cells = ""
         for turns in (taking_turns, everybody):
-            ocean.whose_turn = turns
+            step.whose_turn = turns
             perception, behavior = medians_ms(number)
             cells += f"{perception:12.2f}{behavior:10.2f}{perception + behavior:8.2f}"
         print(f"{number:<8d}{cells}", flush=True)

@@ -12,8 +12,8 @@ import numpy as np
 from subsea.motor.controller import command
 from subsea.motor.fins import flap
 from subsea.motor.playback import play
-from subsea.scenario import load_scenario
-from subsea.world import TICK_S, create_world
+from subsea.scenario.schema import load_scenario
+from subsea.world.world import TICK_S, create_world
 
 REPEATS = 20
 TOUCHED = (

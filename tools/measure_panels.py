@@ -16,9 +16,9 @@ from contextlib import closing
 
 import numpy as np
 
-from subsea.app.dive import Dive
-from subsea.app.panels import PANELS
-from subsea.world import TICK_S
+from subsea.ui.dive import Dive
+from subsea.ui.panels import PANELS
+from subsea.world.world import TICK_S
 
 SETTLE = 3  # frames after a panel was opened that are not counted
 COUNTED = 3  # frames of each choice in a round

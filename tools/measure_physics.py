@@ -15,16 +15,9 @@ from capture.trial import beat_contraction, steady_beat
 from subsea.biomechanics.body import HALF_BANDWIDTH, MUSCLES, NODES, Body, Floats, build_body
 from subsea.biomechanics.controllers import muscle_lengths
 from subsea.biomechanics.simulation import STILL, State, at_rest, is_sound
-from subsea.biomechanics.solver import (
-    ROWS,
-    STEP,
-    advance,
-    assemble,
-    factorize,
-    substitute,
-)
+from subsea.biomechanics.solver import ROWS, STEP, advance, assemble, factorize, substitute
 from subsea.biomechanics.water import add_water_force
-from subsea.species import load_species, muscular_names
+from subsea.fish.species import load_species, muscular_names
 
 BEATS = 60
 PRECISION = {"semi-implicit": 0.001, "explicit": 0.0001}  # tu

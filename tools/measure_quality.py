@@ -13,13 +13,13 @@ from collections.abc import Callable
 from dataclasses import asdict, replace
 from typing import Any
 
-from subsea.app.start import headless, start_world
-from subsea.app.tour import Tour
-from subsea.frame import Packet, make_scene, pack
-from subsea.ocean import step
+from subsea.dive.start import headless, start_world
+from subsea.dive.tour import Tour
+from subsea.frame.packet import Packet, make_scene, pack
 from subsea.render import Renderer
-from subsea.render.quality import LADDER, PRESETS, Quality
-from subsea.view.rigs import cockpit, display_rig, views_for
+from subsea.render.output.quality import LADDER, PRESETS, Quality
+from subsea.view.display_rigs import cockpit, display_rig, views_for
+from subsea.world.step import step
 
 PARTS = {  # of the renderer, and the methods that draw them
     "stone": ("_solids", "draw"), "corals": ("_coral", "draw"), "sand": ("_seabed", "draw"),

@@ -34,8 +34,8 @@ def child(scenario: str, begin: float) -> None:
     def mark(what: str) -> None:
         marks.append((what, sum(os.times()[:4]), time.monotonic() - begin))
 
-    from subsea.app import console
-    from subsea.app.cli import main
+    from subsea.cli.main import main
+    from subsea.core import console
 
     mark("the interpreter")
     say = console.say

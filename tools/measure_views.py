@@ -17,17 +17,17 @@ from typing import Any
 
 import numpy as np
 
-from subsea.app.start import headless, start_world
-from subsea.app.tour import Tour
-from subsea.frame import Packet, make_scene, pack
-from subsea.ocean import step
+from subsea.dive.start import headless, start_world
+from subsea.dive.tour import Tour
+from subsea.frame.packet import Packet, make_scene, pack
 from subsea.render import Renderer
-from subsea.render.quality import PRESETS
+from subsea.render.output.quality import PRESETS
 from subsea.view.camera import NEAR_CM, off_axis
+from subsea.view.display_rigs import cockpit, display_rig
 from subsea.view.levels import Memory, nothing_drawn
 from subsea.view.rig import Eye, Patch, Rig, views
-from subsea.view.rigs import cockpit, display_rig
-from subsea.world import World
+from subsea.world.step import step
+from subsea.world.world import World
 
 Size = tuple[int, int]
 

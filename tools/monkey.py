@@ -282,7 +282,7 @@ def child(pulse: Path, options: list[str]) -> int:
     """The dive itself, which counts its pictures."""
     import glfw
 
-    from subsea.app.cli import main
+    from subsea.cli.main import main
 
     swap, shown = glfw.swap_buffers, iter(range(1, sys.maxsize))
     beat = pulse.with_suffix(".next")

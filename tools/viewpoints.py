@@ -12,17 +12,17 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from subsea.app.start import headless, picture_maker, start_world
-from subsea.frame import pack
-from subsea.kinematics.heightfield import height_at
-from subsea.ocean import step
-from subsea.places import check_folder
-from subsea.render.quality import PRESETS
-from subsea.resources import resource_names
+from subsea.core.atomic_io import check_folder
+from subsea.core.resources import resource_names
+from subsea.dive.start import headless, picture_maker, start_world
+from subsea.frame.packet import pack
+from subsea.geometry.height_field import height_at
+from subsea.render.output.quality import PRESETS
 from subsea.submarine.helm import HANDS_OFF
+from subsea.view.display_rigs import display_rig, views_for
 from subsea.view.rig import Pose, pose
-from subsea.view.rigs import display_rig, views_for
-from subsea.world import TICK_S, World
+from subsea.world.step import step
+from subsea.world.world import TICK_S, World
 
 Array = NDArray[np.float64]
 

@@ -11,26 +11,16 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.errors import UserError
-from subsea.kinematics.coupling import couple, place
-from subsea.kinematics.rotation import matrix, multiply, normalised
-from subsea.kinematics.surface import CONTROL_POINTS, PaddlePlan, SurfacePlan, rest_control_points
+from subsea.core.errors import UserError
+from subsea.core.resources import is_path
+from subsea.fish import paint
+from subsea.fish.color_sheet import sheet_of
+from subsea.fish.coupling import couple, place
+from subsea.fish.mesh import ABSENT, BODY, DETAILS, FIN, PECTORAL, PELVIC, Mesh, fish_mesh, outfit
+from subsea.fish.species import Species, load_species, own_species, repertoire_file
+from subsea.fish.surface import CONTROL_POINTS, PaddlePlan, SurfacePlan, rest_control_points
+from subsea.geometry.rotation import matrix, multiply, normalised
 from subsea.repertoire import SEGMENTS, Repertoire, Segment, read_repertoire
-from subsea.resources import is_path
-from subsea.skins import paint
-from subsea.skins.mesh import (
-    ABSENT,
-    BODY,
-    DETAILS,
-    FIN,
-    PECTORAL,
-    PELVIC,
-    Mesh,
-    fish_mesh,
-    outfit,
-)
-from subsea.skins.sheet import sheet_of
-from subsea.species import Species, load_species, own_species, repertoire_file
 
 Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]

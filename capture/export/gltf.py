@@ -15,8 +15,8 @@ from capture.export.clips import Clip, Model, carried, see_through
 from capture.export.glb import CLAMPED, INDICES, VERTICES, Buffer, glb, material
 from capture.export.png import sheet_png
 from capture.export.rig import MOST, Rig
-from subsea.kinematics.rotation import from_matrix, matrix
-from subsea.places import replacing
+from subsea.core.atomic_io import replacing
+from subsea.geometry.rotation import from_matrix, matrix
 
 Array = NDArray[np.floating[Any]]
 Json = dict[str, Any]

@@ -28,7 +28,7 @@ from capture.export.axes import METRES, Y_UP, Z_UP, brought, turned
 from capture.export.clips import Clip, Model, carried
 from capture.export.glb import CLAMPED, INDICES, VERTICES, Buffer, glb, material
 from capture.export.png import png16, sheet_png
-from subsea.places import replacing
+from subsea.core.atomic_io import replacing
 
 Array = NDArray[np.floating[Any]]
 

@@ -6,8 +6,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from subsea.kinematics.rotation import rotate
-from subsea.kinematics.vector import dot, minus, norm, plus, times, unit, vector
+from subsea.geometry.rotation import rotate
+from subsea.geometry.vector import dot, minus, norm, plus, times, unit, vector
 from subsea.state import (
     ASCEND,
     DESCEND,

@@ -5,7 +5,7 @@ from numba import njit
 
 from subsea.behavior.chasing import chase, mouth_of
 from subsea.behavior.death import hand_over, remove
-from subsea.kinematics.vector import Vector, minus, norm, vector
+from subsea.geometry.vector import Vector, minus, norm, vector
 from subsea.state import (
     BAIT,
     EAT,

@@ -3,8 +3,8 @@
 import numpy as np
 from numba import njit
 
-from subsea.kinematics.rotation import rotate
-from subsea.kinematics.vector import Vector, dot, minus, norm, plus, times, vector
+from subsea.geometry.rotation import rotate
+from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, vector
 from subsea.state import Fishes, Minds
 
 NEAR_BL = 1.5  # within this distance a fish slows down, to have more control

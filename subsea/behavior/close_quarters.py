@@ -9,8 +9,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from subsea.kinematics.rotation import rotate
-from subsea.kinematics.vector import Vector, plus, vector
+from subsea.geometry.rotation import rotate
+from subsea.geometry.vector import Vector, plus, vector
 from subsea.state import Fishes, Minds
 
 Array = NDArray[np.floating[Any]]

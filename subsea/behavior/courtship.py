@@ -26,19 +26,9 @@ from subsea.behavior.close_quarters import (
     wrapped,
 )
 from subsea.behavior.nuzzling import nuzzle, nuzzled
-from subsea.kinematics.rotation import rotate
-from subsea.kinematics.vector import Vector, minus, norm, plus, vector
-from subsea.state import (
-    ASCENDING,
-    CIRCLING,
-    LOOPING,
-    MATE,
-    NOBODY,
-    Clock,
-    Fishes,
-    Minds,
-    Sea,
-)
+from subsea.geometry.rotation import rotate
+from subsea.geometry.vector import Vector, minus, norm, plus, vector
+from subsea.state import ASCENDING, CIRCLING, LOOPING, MATE, NOBODY, Clock, Fishes, Minds, Sea
 
 Array = NDArray[np.floating[Any]]
 Flags = NDArray[np.bool_]

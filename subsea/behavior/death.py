@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from subsea.kinematics.vector import dot, minus, norm, vector
+from subsea.geometry.vector import dot, minus, norm, vector
 from subsea.state import MATE, NO_COURTSHIP, NOBODY, PREDATOR, Fishes, Minds
 
 Ints = NDArray[np.integer[Any]]

@@ -12,9 +12,9 @@ from subsea.behavior.hunting import EAGER, hunt
 from subsea.behavior.hunting import hunger as hunters_hunger
 from subsea.behavior.schooling import straggles
 from subsea.behavior.wandering import cruise, heading
-from subsea.kinematics.keyed import uniform
-from subsea.kinematics.rotation import rotate
-from subsea.kinematics.vector import ZERO, dot, minus, norm, vector
+from subsea.geometry.keyed_random import uniform
+from subsea.geometry.rotation import rotate
+from subsea.geometry.vector import ZERO, dot, minus, norm, vector
 from subsea.state import EAT, HUNGER, PREDATOR, Clock, Fishes, Minds, Nature, Sea
 
 Array = NDArray[np.floating[Any]]

@@ -7,8 +7,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from subsea.behavior.schooling import has_school
-from subsea.kinematics.rotation import rotate
-from subsea.kinematics.vector import Vector, dot, minus, norm, vector
+from subsea.geometry.rotation import rotate
+from subsea.geometry.vector import Vector, dot, minus, norm, vector
 from subsea.state import FEAR, NOBODY, PREY, SUBMARINE, Clock, Fishes, Minds, Nature, Sea
 
 Array = NDArray[np.floating[Any]]

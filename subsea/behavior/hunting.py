@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from subsea.behavior.chasing import chase, mouth_of
 from subsea.behavior.death import remove
 from subsea.behavior.wandering import cruise, heading
-from subsea.kinematics.rotation import rotate
-from subsea.kinematics.vector import Vector, dot, minus, norm, times, vector
+from subsea.geometry.rotation import rotate
+from subsea.geometry.vector import Vector, dot, minus, norm, times, vector
 from subsea.state import EAT, HUNGER, PREDATOR, PREY, Clock, Fishes, Minds, Nature, Sea
 
 Array = NDArray[np.floating[Any]]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from subsea.behavior.chasing import chase
 from subsea.behavior.courtship import ALONE_S, LIMIT_S, STATES, enter
 from subsea.behavior.wandering import cruise, heading
-from subsea.kinematics.vector import Vector, minus, norm, plus, times, vector
+from subsea.geometry.vector import Vector, minus, norm, plus, times, vector
 from subsea.state import (
     APPROACHING,
     CIRCLING,

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from subsea.behavior.chasing import mouth_of
 from subsea.behavior.close_quarters import CLOSE_RAD, abdomen_of, careful, hover, steer
-from subsea.kinematics.vector import Vector, minus, norm, plus
+from subsea.geometry.vector import Vector, minus, norm, plus
 from subsea.state import MATE, Clock, Fishes, Minds, Sea
 
 Flags = NDArray[np.bool_]

@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from subsea.kinematics.vector import ZERO, Vector
+from subsea.geometry.vector import ZERO, Vector
 
 Array = NDArray[np.floating[Any]]
 

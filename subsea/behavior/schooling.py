@@ -7,7 +7,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from subsea.behavior.passing import past
-from subsea.kinematics.vector import ZERO, Vector, dot, minus, norm, plus, times, vector
+from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, times, vector
 from subsea.state import FEAR, PREY, Clock, Fishes, Minds, Nature, Sea
 
 Array = NDArray[np.floating[Any]]

@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from subsea.kinematics.keyed import uniform
+from subsea.geometry.keyed_random import uniform
 from subsea.state import HOOKED, Clock, Fishes, Minds, Nature, Sea
 
 Array = NDArray[np.floating[Any]]

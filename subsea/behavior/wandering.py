@@ -7,10 +7,10 @@ from numba import njit
 from numpy.typing import NDArray
 
 from subsea.behavior.schooling import leaves_behind
-from subsea.kinematics.heightfield import height_at
-from subsea.kinematics.keyed import uniform
-from subsea.kinematics.solids import from_pillar, from_rock, ray_meets_pillar, ray_meets_rock
-from subsea.kinematics.vector import Vector, dot, minus, norm, times, vector
+from subsea.geometry.height_field import height_at
+from subsea.geometry.keyed_random import uniform
+from subsea.geometry.solids import from_pillar, from_rock, ray_meets_pillar, ray_meets_rock
+from subsea.geometry.vector import Vector, dot, minus, norm, times, vector
 from subsea.state import Clock, Fishes, Minds, Nature, Sea
 
 Array = NDArray[np.floating[Any]]

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.biomechanics.plan import NODES_AT_STATION, BodyPlan
+from subsea.biomechanics.body_plan import NODES_AT_STATION, BodyPlan
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

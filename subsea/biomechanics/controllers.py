@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from subsea.biomechanics.body import MUSCLE_LEFT, MUSCLE_SEGMENT, MUSCLES, Body, Floats
-from subsea.biomechanics.plan import Steering, SwimPlan, TurnPlan
+from subsea.biomechanics.body_plan import Steering, SwimPlan, TurnPlan
 from subsea.biomechanics.solver import STEPS_PER_TICK
 
 S_MAX = 0.075

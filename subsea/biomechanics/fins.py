@@ -8,8 +8,8 @@ anew every tick.
 import numpy as np
 
 from subsea.biomechanics.body import NODES, RING_LEFT, TRIANGLE_WEIGHTS, TRIANGLES, Body, Floats
+from subsea.biomechanics.body_frame import body_frame
 from subsea.biomechanics.simulation import State
-from subsea.kinematics.frame import body_frame
 
 EDGE_ON = np.pi / 2
 """Orientation at which a fin cuts the water and exerts nothing."""

@@ -9,7 +9,7 @@ with a longer step h the stiffest mode grows. Water only takes energy from it.
 import numpy as np
 
 from subsea.biomechanics.body import NODES, UNITS, Body, Floats, build_body
-from subsea.biomechanics.plan import NODES_AT_STATION, BodyPlan
+from subsea.biomechanics.body_plan import NODES_AT_STATION, BodyPlan
 from subsea.biomechanics.solver import STEP
 
 ROUNDS = 4

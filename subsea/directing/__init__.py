@@ -23,7 +23,7 @@ import numpy as np
 from subsea.directing.events import due
 from subsea.directing.influences import begin, goes_on
 from subsea.directing.script import Scene, Script, make_script
-from subsea.scenario import Scenario
+from subsea.scenario.schema import Scenario
 from subsea.state import Clock, Nature, State
 
 __all__ = ["Script", "direct", "latest", "make_script"]

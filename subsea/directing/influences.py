@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from subsea.behavior.hunting import STALK
 from subsea.behavior.mating import REST_S
-from subsea.behavior.temper import HABITS, set_hunger, set_libido, urge_to_mate
+from subsea.behavior.temperament import HABITS, set_hunger, set_libido, urge_to_mate
 from subsea.directing.script import Act, Scene, hunger_of, now_s
-from subsea.direction import INFLUENCES, MOVES, Whose
+from subsea.scenario.directions import INFLUENCES, MOVES, Whose
 from subsea.state import (
     ANYONE,
     CIRCLING,

@@ -5,9 +5,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.behavior.temper import urge_to_eat
-from subsea.direction import Direction, Shoals, Whose, numbers_of
-from subsea.scenario import Scenario
+from subsea.behavior.temperament import urge_to_eat
+from subsea.scenario.directions import Direction, Shoals, Whose, numbers_of
+from subsea.scenario.schema import Scenario
 from subsea.state import Clock, Nature, State
 
 Ints = NDArray[np.integer[Any]]

@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from subsea.kinematics.vector import Vector, dot, minus, norm, plus, times, unit, vector
+from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, unit, vector
 from subsea.state import HULL_CM, Fishes, Sea
 
 Array = NDArray[np.floating[Any]]

@@ -6,8 +6,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from subsea.kinematics.solids import far_from_rock, from_pillar, from_rock
-from subsea.kinematics.vector import Vector, plus, times, vector
+from subsea.geometry.solids import far_from_rock, from_pillar, from_rock
+from subsea.geometry.vector import Vector, plus, times, vector
 from subsea.state import Fishes, Sea
 
 Array = NDArray[np.floating[Any]]

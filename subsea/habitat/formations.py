@@ -1,7 +1,7 @@
 """Rock formations: solids that overlap are one weathered stone, given by a signed distance.
 
 The stone that is drawn, and on which corals grow, lies inside what the fishes avoid
-(`kinematics/solids.py`): by a shell in which there is room for growth, and by what strata,
+(`geometry/solids.py`): by a shell in which there is room for growth, and by what strata,
 cracks, bored holes and worn faces have taken away.
 
 A formation is an array of blocks (k, 11): x, y, z, half axes a, b, c, cosine and sine of the yaw,
@@ -18,8 +18,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from subsea.kinematics.noise import fractal, noise
-from subsea.kinematics.vector import Vector, vector
+from subsea.geometry.noise import fractal, noise
+from subsea.geometry.vector import Vector, vector
 
 Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]

@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from subsea.scenario import Hook
+from subsea.scenario.schema import Hook
 from subsea.state import HANGING, HOOKED, LANDED, SINKING, STOWED, Clock, Sea
 
 OUT_CM = 60.0  # so high above the surface it is out of sight

@@ -6,11 +6,11 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from subsea.geometry.height_field import height_at
+from subsea.geometry.keyed_random import uniform
+from subsea.geometry.vector import Vector, plus, times, vector
 from subsea.habitat.current import flow_near
 from subsea.habitat.solids import is_free
-from subsea.kinematics.heightfield import height_at
-from subsea.kinematics.keyed import uniform
-from subsea.kinematics.vector import Vector, plus, times, vector
 from subsea.state import Clock, Sea
 
 Array = NDArray[np.floating[Any]]

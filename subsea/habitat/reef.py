@@ -6,12 +6,12 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from subsea.core.disk_cache import kept
 from subsea.habitat.formations import samples
 from subsea.habitat.mounds import HEIGHT, dome, variant_of
 from subsea.habitat.solids import clearances
 from subsea.habitat.terrain import heights_at
-from subsea.keeping import kept
-from subsea.scenario import ReefTable, Scenario
+from subsea.scenario.schema import ReefTable, Scenario
 from subsea.state import Reef, Sea
 
 Array = NDArray[np.floating[Any]]

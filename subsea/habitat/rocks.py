@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.scenario import Arch, Outcrop, Rock, Scenario
+from subsea.scenario.schema import Arch, Outcrop, Rock, Scenario
 
 Array = NDArray[np.floating[Any]]
 Floor = Callable[[float, float], float]  # x and y in cm -> height of the seabed in cm

@@ -3,12 +3,12 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.core.disk_cache import kept
+from subsea.geometry.height_field import height_at
 from subsea.habitat import hook, plankton
 from subsea.habitat.rocks import Floor, rock_rows
 from subsea.habitat.terrain import crest, drifted, half_width, make_terrain
-from subsea.keeping import kept
-from subsea.kinematics.heightfield import height_at
-from subsea.scenario import Scenario
+from subsea.scenario.schema import Scenario
 from subsea.state import NOBODY, STOWED, Sea
 
 

@@ -6,16 +6,16 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from subsea.core.disk_cache import kept
+from subsea.geometry.height_field import height_at
+from subsea.geometry.vector import Vector, minus, norm, plus, times, vector
 from subsea.habitat.bow_wave import bow_wave
 from subsea.habitat.current import flow_near
 from subsea.habitat.formations import formations, stone_above
 from subsea.habitat.reef import MOUND, RUBBLE
 from subsea.habitat.solids import clearance
-from subsea.keeping import kept
-from subsea.kinematics.heightfield import height_at
-from subsea.kinematics.vector import Vector, minus, norm, plus, times, vector
-from subsea.scenario import Scenario
-from subsea.scenario import Seaweed as Group
+from subsea.scenario.schema import Scenario
+from subsea.scenario.schema import Seaweed as Group
 from subsea.state import HULL_CM, Clock, Fishes, Reef, Sea, Seaweed
 
 Array = NDArray[np.floating[Any]]

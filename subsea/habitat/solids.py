@@ -6,9 +6,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from subsea.kinematics.heightfield import height_at
-from subsea.kinematics.solids import from_pillar, from_rock
-from subsea.kinematics.vector import Vector, norm, plus, times, vector
+from subsea.geometry.height_field import height_at
+from subsea.geometry.solids import from_pillar, from_rock
+from subsea.geometry.vector import Vector, norm, plus, times, vector
 from subsea.state import Sea
 
 Array = NDArray[np.floating[Any]]

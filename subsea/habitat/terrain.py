@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.core.disk_cache import kept
 from subsea.habitat.solids import clearances
-from subsea.keeping import kept
-from subsea.scenario import Bounds, Scenario, Terrain
+from subsea.scenario.schema import Bounds, Scenario, Terrain
 
 Array = NDArray[np.floating[Any]]
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numba import njit
 
-from subsea.kinematics.rotation import Quaternion, about, multiply, rotate
+from subsea.geometry.rotation import Quaternion, about, multiply, rotate
 from subsea.state import Fishes
 
 ROLL_TIME_S = 0.25  # time constant of the smoothed roll: a steady beat wobbles by ±3°

@@ -6,8 +6,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from subsea.kinematics.keyed import uniform
-from subsea.kinematics.rotation import rotate
+from subsea.geometry.keyed_random import uniform
+from subsea.geometry.rotation import rotate
 from subsea.motor.playback import TEMPO
 from subsea.repertoire.library import Library
 from subsea.state import Fishes

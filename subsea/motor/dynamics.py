@@ -14,22 +14,15 @@ from numba import njit
 from numpy.typing import NDArray
 
 from subsea.biomechanics.body import MUSCLE_LEFT, MUSCLE_SEGMENT, MUSCLES, NODES, Body, build_body
+from subsea.biomechanics.body_plan import Muscles
 from subsea.biomechanics.fins import PITCH_GAIN, ROLL_GAIN, STEEPEST
-from subsea.biomechanics.plan import Muscles
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, TICK_S, advance
-from subsea.kinematics.rotation import (
-    Quaternion,
-    fraction,
-    multiply,
-    normalised,
-    of_axes,
-    rotate,
-)
-from subsea.kinematics.vector import Vector, cross, dot, unit
+from subsea.fish.species import Species
+from subsea.geometry.rotation import Quaternion, fraction, multiply, normalised, of_axes, rotate
+from subsea.geometry.vector import Vector, cross, dot, unit
 from subsea.motor.controller import STEER_GAIN
 from subsea.repertoire import SEGMENTS
 from subsea.repertoire.library import Library
-from subsea.species import Species
 from subsea.state import Fishes, Live, Physics
 
 Array = NDArray[np.floating[Any]]

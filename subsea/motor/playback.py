@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from subsea.kinematics.rotation import (
+from subsea.geometry.rotation import (
     Quaternion,
     about,
     fraction,
@@ -15,7 +15,7 @@ from subsea.kinematics.rotation import (
     normalised,
     rotate,
 )
-from subsea.kinematics.vector import Vector, vector
+from subsea.geometry.vector import Vector, vector
 from subsea.motor.balance import balanced
 from subsea.repertoire.library import Library
 from subsea.state import Fishes

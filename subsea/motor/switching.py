@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.biomechanics.solver import STRAIN_LIMITS, TIME_UNIT_S
-from subsea.kinematics.heightfield import height_at
-from subsea.kinematics.rotation import matrix
+from subsea.fish.species import Species
+from subsea.geometry.height_field import height_at
+from subsea.geometry.rotation import matrix
 from subsea.motor.balance import roll_of
 from subsea.motor.controller import RIGHT_GRADUAL
 from subsea.motor.dynamics import TICK_TU, Bodies, make_bodies, swim_live, under
@@ -27,7 +28,6 @@ from subsea.repertoire.transitions import (
     rotation_vectors,
     usual_change,
 )
-from subsea.species import Species
 from subsea.state import Fishes, Live, Physics, Sea
 
 Array = NDArray[np.floating[Any]]

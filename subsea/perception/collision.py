@@ -7,8 +7,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from subsea.kinematics.rotation import rotate
-from subsea.kinematics.solids import (
+from subsea.geometry.rotation import rotate
+from subsea.geometry.solids import (
     NEVER,
     from_pillar,
     from_rock,
@@ -16,7 +16,7 @@ from subsea.kinematics.solids import (
     ray_meets_rock,
     ray_meets_seabed,
 )
-from subsea.kinematics.vector import Vector, dot, minus, norm, plus, times, vector
+from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, vector
 from subsea.perception.grid import Grid, near_slots
 from subsea.perception.vision import FIELD_COS, Bodies, Scene, ahead_of, along_body, eye_of
 from subsea.state import (

@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from subsea.kinematics.vector import minus, norm, vector
+from subsea.geometry.vector import minus, norm, vector
 from subsea.perception.grid import Grid, insert, near_slots
 from subsea.perception.vision import (
     SUBMARINE_CM,

@@ -6,10 +6,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from subsea.kinematics.heightfield import height_at
-from subsea.kinematics.rotation import rotate
-from subsea.kinematics.solids import far_from_rock, from_pillar, from_rock
-from subsea.kinematics.vector import Vector, dot, minus, norm, times, vector
+from subsea.geometry.height_field import height_at
+from subsea.geometry.rotation import rotate
+from subsea.geometry.solids import far_from_rock, from_pillar, from_rock
+from subsea.geometry.vector import Vector, dot, minus, norm, times, vector
 from subsea.perception.collision import ANTENNA_BL, ENLARGED
 from subsea.perception.foraging import cost_of, is_in_school, perceives
 from subsea.perception.vision import (

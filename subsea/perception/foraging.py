@@ -7,7 +7,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from subsea.kinematics.vector import Vector, dot, minus, norm, vector
+from subsea.geometry.vector import Vector, dot, minus, norm, vector
 from subsea.perception.grid import Grid, insert, near_slots, nearest
 from subsea.perception.vision import Bodies, Scene, ahead_of, eye_of, sees_fish, sight
 from subsea.state import PREDATOR, Minds, Nature, Sea

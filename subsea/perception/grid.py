@@ -7,7 +7,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from subsea.kinematics.vector import Vector, dot, minus, vector
+from subsea.geometry.vector import Vector, dot, minus, vector
 
 Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]

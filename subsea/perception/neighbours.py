@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from subsea.kinematics.vector import vector
+from subsea.geometry.vector import vector
 from subsea.perception.grid import Grid, make_grid, nearest
 from subsea.state import Fishes, Minds
 

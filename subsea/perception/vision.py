@@ -7,9 +7,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from subsea.kinematics.rotation import rotate
-from subsea.kinematics.solids import ray_meets_pillar, ray_meets_rock, ray_meets_seabed
-from subsea.kinematics.vector import Vector, dot, minus, norm, plus, times, vector
+from subsea.geometry.rotation import rotate
+from subsea.geometry.solids import ray_meets_pillar, ray_meets_rock, ray_meets_seabed
+from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, vector
 from subsea.state import Fishes, Nature, Sea
 
 Array = NDArray[np.floating[Any]]

@@ -2,8 +2,8 @@
 
 from typing import TYPE_CHECKING, Any
 
-from subsea.render.context import headless_context, living, page_switch, window_context
-from subsea.render.presenter import Presenter
+from subsea.render.gl.context import headless_context, living, page_switch, window_context
+from subsea.render.output.presenter import Presenter
 
 if TYPE_CHECKING:
     from subsea.render.renderer import Renderer

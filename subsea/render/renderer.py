@@ -12,26 +12,26 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.errors import UserError
-from subsea.frame import Packet, Scene
-from subsea.keeping import kept
-from subsea.render.blobs import Blobs
-from subsea.render.bubbles import Bubbles
-from subsea.render.coral import Coral, bake
-from subsea.render.fishes import Fishes
-from subsea.render.hook import Hook
-from subsea.render.lines import Lines
-from subsea.render.marks import Marks, Seen
-from subsea.render.particles import Particles
-from subsea.render.quality import PRESETS, Quality
-from subsea.render.seabed import Seabed, drawn_height, surroundings
-from subsea.render.seaweed import Seaweed
-from subsea.render.shafts import Shafts
-from subsea.render.solids import Solids, pieces
-from subsea.render.target import Resolve, Target, scaled
-from subsea.render.textures import near_and_far, noise, repeating
-from subsea.render.uniforms import uniforms_of
-from subsea.render.water import Water
+from subsea.core.disk_cache import kept
+from subsea.core.errors import UserError
+from subsea.frame.packet import Packet, Scene
+from subsea.render.fish.fishes import Fishes
+from subsea.render.fish.soft_shadows import Blobs
+from subsea.render.gl.id_buffer import Marks, Seen
+from subsea.render.gl.textures import near_and_far, noise, repeating
+from subsea.render.output.lines import Lines
+from subsea.render.output.quality import PRESETS, Quality
+from subsea.render.output.target import Resolve, Target, scaled
+from subsea.render.output.uniforms import uniforms_of
+from subsea.render.reef.coral import Coral, bake
+from subsea.render.reef.rocks import Solids, pieces
+from subsea.render.reef.seaweed import Seaweed
+from subsea.render.sea.bubbles import Bubbles
+from subsea.render.sea.hook import Hook
+from subsea.render.sea.light_shafts import Shafts
+from subsea.render.sea.particles import Particles
+from subsea.render.sea.seabed import Seabed, drawn_height, surroundings
+from subsea.render.sea.water import Water
 from subsea.view.camera import View
 from subsea.view.culling import IN_SIGHT
 from subsea.view.rig import Patch, Rect, Rig

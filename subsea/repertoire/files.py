@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from subsea import hdf5
-from subsea.errors import UserError
+from subsea.core import hdf5
+from subsea.core.errors import UserError
 from subsea.repertoire.schema import (
     CONTROL_POINTS,
     FORMAT,

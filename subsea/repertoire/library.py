@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.errors import UserError
-from subsea.kinematics.coupling import Coupling, place
+from subsea.core.errors import UserError
+from subsea.fish.coupling import Coupling, place
 from subsea.repertoire.schema import SEGMENTS, Array, Repertoire, Transitions
 from subsea.repertoire.transitions import plan_transitions
 

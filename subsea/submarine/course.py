@@ -7,13 +7,13 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.errors import UserError, unknown
-from subsea.keeping import kept
-from subsea.kinematics.curve import Curve, curve_at, curve_through
-from subsea.kinematics.heightfield import height_at
-from subsea.kinematics.solids import from_pillar, from_rock
-from subsea.kinematics.vector import vector
-from subsea.scenario import AUTOPILOT, Bounds, Scenario, TourTable, Waypoint
+from subsea.core.disk_cache import kept
+from subsea.core.errors import UserError, unknown
+from subsea.geometry.curve import Curve, curve_at, curve_through
+from subsea.geometry.height_field import height_at
+from subsea.geometry.solids import from_pillar, from_rock
+from subsea.geometry.vector import vector
+from subsea.scenario.schema import AUTOPILOT, Bounds, Scenario, TourTable, Waypoint
 from subsea.state import HULL_CM, Sea, State
 from subsea.submarine.hull import AHEAD_CM_S
 from subsea.submarine.rail import Rail

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.kinematics.solids import from_pillar, from_rock
-from subsea.scenario import Bounds
+from subsea.geometry.solids import from_pillar, from_rock
+from subsea.scenario.schema import Bounds
 from subsea.state import HULL_CM, Submarine
 from subsea.submarine.helm import Helm
 

@@ -6,14 +6,14 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from subsea.geometry.height_field import height_at
+from subsea.geometry.rotation import rotate
+from subsea.geometry.vector import Vector, minus, plus, times, vector
 from subsea.habitat.solids import clearance, out_of_solids
-from subsea.kinematics.heightfield import height_at
-from subsea.kinematics.rotation import rotate
-from subsea.kinematics.vector import Vector, minus, plus, times, vector
 from subsea.state import Sea
 from subsea.view.retina import body_at
 from subsea.view.rig import Pose
-from subsea.world import TICK_S, World
+from subsea.world.world import TICK_S, World
 
 Array = NDArray[np.floating[Any]]
 

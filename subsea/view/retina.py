@@ -1,6 +1,6 @@
 """Through the eyes of a fish: where they are, and the rig that hangs on them (Tu §6.7, §9.3).
 
-Both eyes lie on the skin as it is drawn, where `skins/paint.py` paints them, and look where the
+Both eyes lie on the skin as it is drawn, where `fish/paint.py` paints them, and look where the
 fish is heading: along the x axis of its body frame, with its back up, however it rolls. They turn
 together (pan, tilt). A retina is a perspective picture, flat, as wide as it is high or not.
 
@@ -14,14 +14,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.body.pose import pose_at
-from subsea.kinematics.coupling import Coupling, place
-from subsea.kinematics.rotation import matrix
-from subsea.kinematics.spline import basis_at, dense
-from subsea.kinematics.surface import LEFT, RIGHT, SurfacePlan, U, V, rest_control_points
+from subsea.fish.coupling import Coupling, place
+from subsea.fish.surface import LEFT, RIGHT, SurfacePlan, U, V, rest_control_points
+from subsea.geometry.rotation import matrix
+from subsea.geometry.spline import basis_at, dense
+from subsea.motor.pose import pose_at
 from subsea.view.camera import View, axes_of, off_axis
 from subsea.view.rig import Eye, Patch, Pose, Rect, Rig, views
-from subsea.world import World
+from subsea.world.world import World
 
 Array = NDArray[np.floating[Any]]
 

@@ -7,17 +7,7 @@ from subsea.behavior import eating, struggling
 from subsea.behavior.biting import BITE_BL, FOLLOWS, OUT_BL, TEMPTING, YANK_CM_S, bite
 from subsea.behavior.intention import choose
 from subsea.behavior.table import BEHAVIOR_OF_DESIRE, BEHAVIORS, LEVEL_OF_DESIRE, TIRES
-from subsea.state import (
-    BAIT,
-    EAT,
-    HANGING,
-    HOOKED,
-    HUNGER,
-    NOBODY,
-    PREDATOR,
-    SINKING,
-    STOWED,
-)
+from subsea.state import BAIT, EAT, HANGING, HOOKED, HUNGER, NOBODY, PREDATOR, SINKING, STOWED
 
 RISE = 30.0
 BAITED = np.array([0.0, 0.0, -300.0])

@@ -11,19 +11,11 @@ from subsea.behavior.chasing import mouth_of
 from subsea.behavior.close_quarters import abdomen_of
 from subsea.behavior.courtship import POINTS, RISE_BL, TURNS
 from subsea.behavior.nuzzling import NUDGES, TOUCH_BL
-from subsea.ocean import TICK_S, create_world, step
-from subsea.scenario import Scenario, load_scenario
-from subsea.state import (
-    APPROACHING,
-    ASCENDING,
-    CIRCLING,
-    LOOPING,
-    NO_COURTSHIP,
-    NOBODY,
-    NUZZLING,
-)
+from subsea.scenario.schema import Scenario, load_scenario
+from subsea.state import APPROACHING, ASCENDING, CIRCLING, LOOPING, NO_COURTSHIP, NOBODY, NUZZLING
 from subsea.submarine.helm import HANDS_OFF
-from subsea.world import World
+from subsea.world.step import TICK_S, create_world, step
+from subsea.world.world import World
 
 DANCE = [APPROACHING, LOOPING, CIRCLING, ASCENDING, NUZZLING]
 

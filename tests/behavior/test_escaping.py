@@ -29,7 +29,7 @@ from subsea.state import (
     empty_fishes,
     empty_minds,
 )
-from subsea.world import heading_quaternion
+from subsea.world.world import heading_quaternion
 
 DREAD = 200.0
 FAR, NEAR = -0.5, 0.4

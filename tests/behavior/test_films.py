@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from subsea.ocean import create_world, step
-from subsea.scenario import load_scenario
+from subsea.scenario.schema import load_scenario
 from subsea.state import BAIT, EAT, ESCAPE, FEAR, HOOKED, LANDED, NOBODY, PACIFIST, PREY
 from subsea.submarine.helm import HANDS_OFF
+from subsea.world.step import create_world, step
 
 
 @pytest.fixture(scope="module", params=[1, 2, 3])

@@ -23,7 +23,7 @@ from subsea.behavior.hunting import (
     suction,
 )
 from subsea.behavior.table import BEHAVIORS, DESIRES
-from subsea.scenario import Shoal, load_scenario
+from subsea.scenario.schema import Shoal, load_scenario
 from subsea.state import (
     AVOID,
     EAT,
@@ -35,7 +35,7 @@ from subsea.state import (
     empty_fishes,
     empty_minds,
 )
-from subsea.world import create_world, heading_quaternion
+from subsea.world.world import create_world, heading_quaternion
 
 LENGTH, SNOUT = 100.0, 30.0
 MOUTH = np.array([SNOUT, 0.0, -300.0])

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.behavior.passing import AWAY, BERTH_BL, HEADROOM_BL, LOOK_BL, past
-from subsea.kinematics.vector import ZERO
+from subsea.geometry.vector import ZERO
 
 LENGTH = 20.0
 BERTH = BERTH_BL * LENGTH

@@ -1,6 +1,6 @@
 import pytest
 
-from subsea.species import Species, load_species, muscular_names
+from subsea.fish.species import Species, load_species, muscular_names
 
 
 @pytest.fixture(params=muscular_names())

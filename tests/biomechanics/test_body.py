@@ -11,8 +11,8 @@ from subsea.biomechanics.body import (
     build_body,
     rest_nodes,
 )
-from subsea.kinematics.frame import body_frame
-from subsea.species import Species
+from subsea.biomechanics.body_frame import body_frame
+from subsea.fish.species import Species
 
 MIRROR = np.array([0, *(1 + 4 * ring + k for ring in range(5) for k in (1, 0, 3, 2)), 21, 22])
 

@@ -16,7 +16,7 @@ from subsea.biomechanics.controllers import (
     turn_share,
 )
 from subsea.biomechanics.solver import STEPS_PER_TICK
-from subsea.species import Species
+from subsea.fish.species import Species
 
 left, right = MUSCLE_LEFT > 0, MUSCLE_LEFT < 0
 PHASES = np.linspace(0, 2 * np.pi, 61)

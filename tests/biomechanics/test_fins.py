@@ -4,8 +4,8 @@ import pytest
 from subsea.biomechanics.body import build_body
 from subsea.biomechanics.fins import EDGE_ON, STEEPEST, balance, pectoral_force
 from subsea.biomechanics.simulation import State, at_rest
-from subsea.kinematics.rotation import about, matrix
-from subsea.species import Species
+from subsea.fish.species import Species
+from subsea.geometry.rotation import about, matrix
 
 STILL = np.zeros(3)
 SPEED = 1.5

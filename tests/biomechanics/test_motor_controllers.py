@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from subsea.biomechanics.body import Body, Floats, build_body
+from subsea.biomechanics.body_frame import body_frame
 from subsea.biomechanics.controllers import (
     ease,
     glide_contraction,
@@ -11,18 +12,10 @@ from subsea.biomechanics.controllers import (
     turn_contraction,
 )
 from subsea.biomechanics.fins import ascend, backward, balance, brake, descend, pectoral_force
-from subsea.biomechanics.simulation import (
-    STILL,
-    State,
-    at_rest,
-    copy_state,
-    is_sound,
-    simulate,
-)
+from subsea.biomechanics.simulation import STILL, State, at_rest, copy_state, is_sound, simulate
 from subsea.biomechanics.solver import STEPS_PER_TICK
-from subsea.kinematics.frame import body_frame
-from subsea.kinematics.rotation import about, matrix
-from subsea.species import Species
+from subsea.fish.species import Species
+from subsea.geometry.rotation import about, matrix
 
 RELAXED = np.zeros((STEPS_PER_TICK, 12))
 

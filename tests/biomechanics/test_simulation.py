@@ -5,7 +5,7 @@ from subsea.biomechanics.body import MUSCLES, Floats, build_body
 from subsea.biomechanics.controllers import LEFT, RIGHT, bend_contraction, ease, swim_contraction
 from subsea.biomechanics.simulation import State, at_rest, copy_state, is_sound, simulate
 from subsea.biomechanics.solver import STEPS_PER_TICK
-from subsea.species import Species
+from subsea.fish.species import Species
 
 MIRROR = np.array([0, *(1 + 4 * ring + k for ring in range(5) for k in (1, 0, 3, 2)), 21, 22])
 

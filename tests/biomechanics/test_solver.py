@@ -7,18 +7,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.linalg import eigh, solveh_banded
 
-from subsea.biomechanics.body import (
-    HALF_BANDWIDTH,
-    MUSCLES,
-    NODES,
-    UNITS,
-    Body,
-    Floats,
-    build_body,
-)
+from subsea.biomechanics.body import HALF_BANDWIDTH, MUSCLES, NODES, UNITS, Body, Floats, build_body
 from subsea.biomechanics.simulation import State, at_rest, copy_state, simulate
 from subsea.biomechanics.solver import ROWS, STEP, advance, assemble, factorize, substitute
-from subsea.species import Species, load_species
+from subsea.fish.species import Species, load_species
 
 
 def to_band(matrix: Floats) -> Floats:

@@ -5,7 +5,7 @@ from subsea.biomechanics.body import LOWER_TAIL, MUSCLES, UPPER_TAIL, build_body
 from subsea.biomechanics.simulation import at_rest, is_sound, simulate
 from subsea.biomechanics.solver import STEP
 from subsea.biomechanics.stability import check_step, longest_step
-from subsea.species import Species, load_species, muscular_names
+from subsea.fish.species import Species, load_species, muscular_names
 
 
 @pytest.mark.parametrize("name", muscular_names())

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from subsea.biomechanics.body import TRIANGLE_WEIGHTS, TRIANGLES, Floats, build_body
 from subsea.biomechanics.simulation import at_rest, simulate
 from subsea.biomechanics.water import add_water_force
-from subsea.species import Species, load_species
+from subsea.fish.species import Species, load_species
 
 MIRROR = np.array([0, *(1 + 4 * ring + k for ring in range(5) for k in (1, 0, 3, 2)), 21, 22])
 

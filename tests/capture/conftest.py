@@ -3,8 +3,8 @@ from pathlib import Path
 import pytest
 
 from capture.record import record_species
+from subsea.fish.species import Species, load_species
 from subsea.repertoire import Repertoire, write_repertoire
-from subsea.species import Species, load_species
 
 NAMES = ["emperor_angelfish", "fusilier"]
 

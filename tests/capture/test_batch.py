@@ -22,9 +22,9 @@ from capture.cli import main
 from capture.jobs import here, processes
 from capture.kept import keep, kept
 from capture.record import fingerprint, record_segment
-from subsea.errors import UserError
+from subsea.core.errors import UserError
+from subsea.fish.species import Species, load_species, species_names
 from subsea.repertoire import SEGMENTS, Repertoire, write_repertoire
-from subsea.species import Species, load_species, species_names
 
 NAMES = ["emperor_angelfish", "fusilier"]
 

@@ -17,9 +17,9 @@ from capture import cluster as module
 from capture.batch import record_all
 from capture.cli import main
 from capture.cluster import cluster
-from subsea.errors import UserError
+from subsea.core.errors import UserError
+from subsea.fish.species import load_species
 from subsea.repertoire import Repertoire, write_repertoire
-from subsea.species import load_species
 
 NAMES = ["emperor_angelfish", "fusilier"]
 DASK = [sys.executable, "-m", "dask"]

@@ -10,7 +10,7 @@ from subsea.biomechanics.controllers import muscle_lengths
 from subsea.biomechanics.simulation import NO_FORCE, STILL, State, copy_state
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, advance
 from subsea.biomechanics.water import add_water_force
-from subsea.species import Species
+from subsea.fish.species import Species
 
 STEPS = 400
 

@@ -26,8 +26,8 @@ from capture.search import APART, METHODS, Tried, distinct, search
 from capture.trial import beat_contraction, steady_beat
 from subsea.biomechanics.body import build_body
 from subsea.biomechanics.controllers import S_MAX
-from subsea.resources import load_toml, resource_path
-from subsea.species import Species, load_species
+from subsea.core.resources import load_toml, resource_path
+from subsea.fish.species import Species, load_species
 
 SHIPPED = resource_path("assets/species/fusilier.toml")
 NUMBERS = re.compile(

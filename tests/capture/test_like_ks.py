@@ -11,7 +11,7 @@ import pytest
 
 from subsea.biomechanics.body import TRIANGLES, build_body
 from subsea.biomechanics.simulation import at_rest, simulate
-from subsea.species import load_species
+from subsea.fish.species import load_species
 
 SCRIPT = Path(__file__).parents[2] / "docs" / "learn_like_ks.py"
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from capture.plot import plot_repertoire
-from subsea.errors import UserError
+from subsea.core.errors import UserError
 from subsea.repertoire import Repertoire
 
 

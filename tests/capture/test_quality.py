@@ -2,8 +2,8 @@ import numpy as np
 
 from capture.quality import measure, replay
 from capture.record import motion_of
+from subsea.fish.species import Species
 from subsea.repertoire import Repertoire
-from subsea.species import Species
 
 
 def test_every_measure_reaches_what_is_asked(repertoire: Repertoire, species: Species) -> None:

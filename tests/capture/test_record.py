@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from capture.record import motion_from_provenance, motion_of, run_trial
+from subsea.fish.species import Species
 from subsea.repertoire import Repertoire
-from subsea.species import Species
 
 MIRROR = np.array([0, *(1 + 4 * ring + k for ring in range(5) for k in (1, 0, 3, 2)), 21, 22])
 

@@ -7,11 +7,11 @@ import pytest
 from capture.quality import replay
 from capture.record import motion_of, run_trial
 from capture.segment import heading_change, make_segment
-from subsea.kinematics.coupling import Coupling
-from subsea.kinematics.frame import body_frame
-from subsea.kinematics.rotation import about, matrix
+from subsea.biomechanics.body_frame import body_frame
+from subsea.fish.coupling import Coupling
+from subsea.fish.species import Species
+from subsea.geometry.rotation import about, matrix
 from subsea.repertoire import Repertoire
-from subsea.species import Species
 
 TURNED = matrix(np.array([0.5, -0.5, 0.1, 0.7]) / np.linalg.norm([0.5, -0.5, 0.1, 0.7]))
 MOVED = np.array([10.0, -20.0, 30.0])

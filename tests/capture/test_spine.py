@@ -12,12 +12,12 @@ from capture.cli import main
 from capture.quality import replay
 from capture.record import record_segment, record_species
 from capture.spine import perform
-from subsea.kinematics.frame import to_world
-from subsea.kinematics.rotation import matrix
-from subsea.kinematics.spine import SpinePlan, Turn
-from subsea.kinematics.spline import basis_table, dense
+from subsea.biomechanics.body_frame import to_world
+from subsea.fish.species import load_species, species_names
+from subsea.fish.spine import SpinePlan, Turn
+from subsea.geometry.rotation import matrix
+from subsea.geometry.spline import basis_table, dense
 from subsea.repertoire import SEGMENTS, write_repertoire
-from subsea.species import load_species, species_names
 
 OTHER_TURN = {"gradual": 30.0, "sharp": 30.0, "sharp_beats": 6}
 NAMES = [name for name in species_names() if load_species(name).spine]
@@ -76,7 +76,7 @@ def test_a_beat_takes_the_fish_forward_by_its_slip(species, recorded):
 def test_the_wave_runs_backward_faster_than_the_fish_swims(species):
     """So the crest goes backward in still water, where it is not swallowed by the head."""
     if species.spine.wings:
-        return  # their wave runs along the chord: tests/kinematics/test_spine.py
+        return  # their wave runs along the chord: tests/fish/test_spine.py
     points = perform(species.spine, species.surface, "swim_fast").points
     ridge = dense(basis_table(21, 2001), 21) @ points[:, :21]
     rear = ridge[:, 900:1900]

@@ -15,8 +15,8 @@ from capture.trial import (
 from subsea.biomechanics.body import build_body
 from subsea.biomechanics.controllers import LEFT, RIGHT, steering, swim_amplitude, turn_beats
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK
-from subsea.errors import UserError
-from subsea.species import Species
+from subsea.core.errors import UserError
+from subsea.fish.species import Species
 
 
 def test_a_right_turning_fish_is_half_a_beat_ahead(species: Species) -> None:

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from subsea.habitat.bow_wave import BEAM_BL, SPAN, bow_wave, push
 from subsea.habitat.sea import make_sea
-from subsea.scenario import load_scenario
+from subsea.scenario.schema import load_scenario
 from subsea.state import HULL_CM, empty_fishes
 
 RADIUS = 50.0

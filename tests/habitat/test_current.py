@@ -4,8 +4,8 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
+from subsea.geometry.solids import from_pillar, from_rock
 from subsea.habitat.current import PERIOD_S, SOURCE_CM, SPAN, carry, flow_at, flow_near
-from subsea.kinematics.solids import from_pillar, from_rock
 from subsea.state import empty_fishes
 
 FLOW = (3.0, 1.0, 0.0)

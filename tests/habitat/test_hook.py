@@ -5,7 +5,7 @@ import pytest
 
 from subsea.habitat.hook import OUT_CM, lower, tackle
 from subsea.habitat.sea import make_sea
-from subsea.scenario import Hook, load_scenario
+from subsea.scenario.schema import Hook, load_scenario
 from subsea.state import HANGING, HOOKED, LANDED, NOBODY, SINKING, STOWED, Clock
 
 PLAN = Hook(position_cm=(40.0, -10.0), depth_cm=300.0, speed_cm_s=30.0, start_s=2.0)

@@ -4,9 +4,9 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from subsea.geometry.vector import vector
 from subsea.habitat.plankton import CLEARANCE_CM, RETURN_CM, RETURN_HEIGHT_CM, drift, scatter
 from subsea.habitat.solids import clearance
-from subsea.kinematics.vector import vector
 from subsea.state import Clock
 
 DT = 0.033

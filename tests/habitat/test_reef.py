@@ -4,14 +4,14 @@ import msgspec
 import numpy as np
 import pytest
 
-from subsea.errors import UserError
+from subsea.core.errors import UserError
+from subsea.geometry.vector import vector
 from subsea.habitat.formations import drawn_distance, formations
 from subsea.habitat.mounds import dome, variant_of
 from subsea.habitat.reef import DEEPEST, KINDS, MOUND, PACKED, SUNK, floor_over, grow, tops
 from subsea.habitat.sea import make_sea
 from subsea.habitat.terrain import heights_at
-from subsea.kinematics.vector import vector
-from subsea.scenario import GrowthKind, ReefTable, load_scenario
+from subsea.scenario.schema import GrowthKind, ReefTable, load_scenario
 
 TABLES = [
     ReefTable(position_cm=(-150.0, 205.0), spread_cm=200.0, number=120, seed=1),

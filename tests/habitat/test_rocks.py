@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 from subsea.habitat.formations import formations
 from subsea.habitat.rocks import arch, outcrop, rock_rows, single
 from subsea.habitat.solids import clearances
-from subsea.ocean import create_world, step
-from subsea.scenario import (
+from subsea.scenario.schema import (
     Arch,
     Outcrop,
     Rock,
@@ -23,6 +22,7 @@ from subsea.scenario import (
 from subsea.state import HULL_CM, Submarine
 from subsea.submarine.helm import HANDS_OFF, Helm
 from subsea.submarine.hull import step_hull
+from subsea.world.step import create_world, step
 
 NO_PILLARS = np.zeros((0, 4))
 SEED = st.integers(0, 2**32 - 1)

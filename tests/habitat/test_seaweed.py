@@ -22,7 +22,7 @@ from subsea.habitat.seaweed import (
     plant,
     sway,
 )
-from subsea.scenario import Seaweed, load_scenario
+from subsea.scenario.schema import Seaweed, load_scenario
 from subsea.state import HULL_CM, Clock, Reef, empty_fishes, empty_reef
 
 DT = 0.033

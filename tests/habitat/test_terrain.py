@@ -4,9 +4,9 @@ import msgspec
 import numpy as np
 import pytest
 
+from subsea.geometry.height_field import height_at
 from subsea.habitat.terrain import MOAT_CM, MOUND_CM, crest, drifted, half_width, make_terrain
-from subsea.kinematics.heightfield import height_at
-from subsea.scenario import load_scenario
+from subsea.scenario.schema import load_scenario
 
 
 @pytest.fixture

@@ -5,16 +5,16 @@ from functools import cache
 import numpy as np
 import pytest
 
-from subsea.body.pose import nodes_world
-from subsea.kinematics.coupling import couple
+from subsea.core.resources import resource_path
+from subsea.fish.coupling import couple
+from subsea.fish.species import load_species
 from subsea.motor.controller import command
 from subsea.motor.playback import play
+from subsea.motor.pose import nodes_world
 from subsea.motor.switching import make_dynamics, swim, to_live
 from subsea.repertoire import read_repertoire
 from subsea.repertoire.library import Library, pack
 from subsea.repertoire.schema import SEGMENTS
-from subsea.resources import resource_path
-from subsea.species import load_species
 from subsea.state import Fishes, empty_fishes, empty_live
 
 TICK = 0.033

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from subsea.kinematics.rotation import about, multiply
+from subsea.geometry.rotation import about, multiply
 from subsea.motor.balance import roll_of
 from subsea.motor.playback import play
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.kinematics.rotation import about, matrix, multiply
+from subsea.geometry.rotation import about, matrix, multiply
 from subsea.motor.controller import command
 from subsea.motor.playback import play
 from subsea.repertoire import SEGMENTS

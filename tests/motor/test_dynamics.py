@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from subsea.biomechanics.body import build_body
+from subsea.biomechanics.body_frame import body_frame
 from subsea.biomechanics.controllers import (
     LEFT,
     RIGHT,
@@ -14,18 +15,10 @@ from subsea.biomechanics.controllers import (
 from subsea.biomechanics.fins import balance, pectoral_force
 from subsea.biomechanics.simulation import State, simulate
 from subsea.biomechanics.solver import STEPS_PER_TICK, STRAIN_LIMITS
-from subsea.kinematics.frame import body_frame
-from subsea.kinematics.rotation import about, from_matrix, matrix, multiply
+from subsea.fish.species import load_species, muscular_names
+from subsea.geometry.rotation import about, from_matrix, matrix, multiply
 from subsea.motor.balance import roll_of
-from subsea.motor.dynamics import (
-    SCULL_SPEED,
-    contract,
-    fin_force,
-    frame_of,
-    roll_rate,
-    swim_live,
-)
-from subsea.species import load_species, muscular_names
+from subsea.motor.dynamics import SCULL_SPEED, contract, fin_force, frame_of, roll_rate, swim_live
 
 TICK = 0.033
 STILL = np.zeros(3)

@@ -4,12 +4,12 @@ import msgspec
 import numpy as np
 import pytest
 
-from subsea import snapshot
-from subsea.kinematics.heightfield import height_at
-from subsea.ocean import create_world, step
-from subsea.scenario import Shoal, load_scenario
+from subsea.geometry.height_field import height_at
+from subsea.scenario.schema import Shoal, load_scenario
 from subsea.state import Physics
 from subsea.submarine.helm import HANDS_OFF
+from subsea.world import snapshot
+from subsea.world.step import create_world, step
 
 LITTLE = "water.plankton=300", "seaweed=[]"  # of what drifts and sways
 

@@ -5,10 +5,10 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from subsea.body.pose import nodes_world
-from subsea.kinematics.frame import body_frame
-from subsea.kinematics.rotation import about, from_matrix, matrix, multiply
+from subsea.biomechanics.body_frame import body_frame
+from subsea.geometry.rotation import about, from_matrix, matrix, multiply
 from subsea.motor.playback import advance, play
+from subsea.motor.pose import nodes_world
 from subsea.repertoire.schema import SEGMENTS
 from subsea.state import empty_fishes
 

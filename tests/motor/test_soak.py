@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from subsea.kinematics.coupling import couple
-from subsea.kinematics.rotation import about
+from subsea.core.resources import resource_path
+from subsea.fish.coupling import couple
+from subsea.geometry.rotation import about
 from subsea.motor.balance import roll_of
 from subsea.motor.controller import command
 from subsea.motor.playback import play
 from subsea.repertoire import read_repertoire
 from subsea.repertoire.library import pack
-from subsea.resources import resource_path
 from subsea.state import empty_fishes
 
 TICK = 0.033

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from subsea.body.pose import control_points_world
-from subsea.kinematics.coupling import couple
+from subsea.core.resources import resource_path
+from subsea.fish.coupling import couple
+from subsea.fish.species import load_species, species_names
 from subsea.motor.controller import command
 from subsea.motor.playback import play
+from subsea.motor.pose import control_points_world
 from subsea.repertoire import read_repertoire
 from subsea.repertoire.library import pack
-from subsea.resources import resource_path
-from subsea.species import load_species, species_names
 from subsea.state import empty_fishes
 
 TICK = 0.033

@@ -4,14 +4,14 @@ import msgspec
 import numpy as np
 import pytest
 
-from subsea.body.pose import nodes_world
+from subsea.fish.species import muscular_names
+from subsea.motor.pose import nodes_world
 from subsea.motor.switching import HOVERING, KEEP, MAX_WAIT_TICKS, MIN_STAY_S, may_go_live
-from subsea.ocean import create_world, step
 from subsea.repertoire import SEGMENTS
-from subsea.scenario import Shoal, load_scenario
-from subsea.species import muscular_names
+from subsea.scenario.schema import Shoal, load_scenario
 from subsea.state import digest
 from subsea.submarine.helm import HANDS_OFF, Helm
+from subsea.world.step import create_world, step
 
 TICK = 0.033
 LIMIT = 2.0  # times the largest change of velocity that playback itself makes

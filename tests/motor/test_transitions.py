@@ -5,13 +5,13 @@ from itertools import product
 import numpy as np
 import pytest
 
-from subsea.body.pose import nodes_world
-from subsea.kinematics.coupling import couple
+from subsea.core.resources import resource_path
+from subsea.fish.coupling import couple
+from subsea.fish.species import species_names
 from subsea.motor.playback import advance
+from subsea.motor.pose import nodes_world
 from subsea.repertoire import SEGMENTS, read_repertoire
 from subsea.repertoire.library import pack
-from subsea.resources import resource_path
-from subsea.species import species_names
 from subsea.state import empty_fishes
 
 LIMIT = 2.0  # times the largest change of velocity inside the two segments, or ...

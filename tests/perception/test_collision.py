@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from subsea.kinematics.rotation import from_matrix
+from subsea.geometry.rotation import from_matrix
 from subsea.perception.collision import (
     ENLARGED,
     HELD,

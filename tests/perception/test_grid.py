@@ -5,13 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from subsea.perception.grid import (
-    CELLS_EACH,
-    CELLS_MORE,
-    make_grid,
-    near_slots,
-    nearest,
-)
+from subsea.perception.grid import CELLS_EACH, CELLS_MORE, make_grid, near_slots, nearest
 
 SEEDS = st.integers(0, 2**32 - 1)
 

@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from subsea.frame import INSTANCE_COLUMNS, Batch, Packet, Scene
-from subsea.kinematics.coupling import couple, place
-from subsea.kinematics.rotation import from_matrix
-from subsea.kinematics.surface import rest_control_points
+from subsea.fish.coupling import couple, place
+from subsea.fish.species import load_species
+from subsea.fish.surface import rest_control_points
+from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, Scene
+from subsea.geometry.rotation import from_matrix
 from subsea.render import headless_context
-from subsea.scenario import Water
-from subsea.species import load_species
+from subsea.scenario.schema import Water
+from subsea.view.display_rigs import views_for
 from subsea.view.levels import LEVELS
 from subsea.view.rig import pose, views
-from subsea.view.rigs import views_for
 
 PICTURES = Path(__file__).parent / "pictures"
 SIZE = (320, 180)

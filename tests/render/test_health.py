@@ -9,14 +9,14 @@ from pathlib import Path
 
 import pytest
 
-from subsea.app.start import start_world
-from subsea.app.tour import Tour
-from subsea.frame import make_scene, pack
-from subsea.ocean import step
+from subsea.dive.start import start_world
+from subsea.dive.tour import Tour
+from subsea.frame.packet import make_scene, pack
 from subsea.render import Renderer
-from subsea.render.quality import LADDER, PRESETS
+from subsea.render.output.quality import LADDER, PRESETS
+from subsea.view.display_rigs import cockpit, display_rig, views_for
 from subsea.view.levels import nothing_drawn
-from subsea.view.rigs import cockpit, display_rig, views_for
+from subsea.world.step import step
 
 KINDS = (
     "Buffer", "Framebuffer", "Program", "Query", "Renderbuffer", "Sampler", "Shader", "Texture",

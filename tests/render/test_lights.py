@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from subsea.app.start import start_world
-from subsea.frame import lamps_of, make_scene, pack
+from subsea.dive.start import start_world
+from subsea.frame.packet import lamps_of, make_scene, pack
 from subsea.render import Renderer
+from subsea.view.display_rigs import cockpit, display_rig, views_for
 from subsea.view.levels import LEVELS
 from subsea.view.rig import pose
-from subsea.view.rigs import cockpit, display_rig, views_for
 
 SIZE = (320, 180)
 DEEP_CM = 900.0  # below the sea of other tests

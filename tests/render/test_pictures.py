@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from subsea.render import Renderer
+from subsea.view.display_rigs import display_rig
 from subsea.view.levels import LEVELS
-from subsea.view.rigs import display_rig
 
 SIZE = (320, 180)
 

@@ -6,11 +6,11 @@ import moderngl
 import numpy as np
 import pytest
 
-from subsea.errors import UserError
+from subsea.core.errors import UserError
 from subsea.render import Renderer
-from subsea.render.fish_speck import speck
-from subsea.render.quality import PRESETS, Quality
-from subsea.view.rigs import display_rig
+from subsea.render.fish.speck import speck
+from subsea.render.output.quality import PRESETS, Quality
+from subsea.view.display_rigs import display_rig
 
 
 @pytest.fixture

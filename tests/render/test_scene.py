@@ -5,17 +5,17 @@ import os
 import msgspec
 import pytest
 
-from subsea.app.start import start_world
-from subsea.app.tour import Tour
-from subsea.frame import KIND, make_scene, pack
-from subsea.ocean import step
+from subsea.dive.start import start_world
+from subsea.dive.tour import Tour
+from subsea.fish.species import species_names
+from subsea.frame.packet import KIND, make_scene, pack
 from subsea.render import Renderer
-from subsea.render.quality import PRESETS
-from subsea.scenario import Shoal
-from subsea.species import species_names
+from subsea.render.output.quality import PRESETS
+from subsea.scenario.schema import Shoal
 from subsea.submarine.helm import HANDS_OFF
-from subsea.view.rigs import cockpit, display_rig, views_for
-from subsea.world import create_world
+from subsea.view.display_rigs import cockpit, display_rig, views_for
+from subsea.world.step import step
+from subsea.world.world import create_world
 
 SIZE = (320, 180)
 MOST_CALLS = 40

@@ -11,8 +11,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from subsea.errors import UserError
-from subsea.kinematics.coupling import couple
+from subsea.core.errors import UserError
+from subsea.fish.coupling import couple
 from subsea.repertoire import SEGMENTS, read_repertoire, write_repertoire
 from subsea.repertoire.library import pack
 from subsea.repertoire.schema import VERSION
@@ -222,7 +222,7 @@ def test_truncated_or_flipped_files_are_read_or_refused(tmp_path_factory, damage
 ZEROED = """
 import random, sys
 from pathlib import Path
-from subsea.errors import UserError
+from subsea.core.errors import UserError
 from subsea.repertoire import read_repertoire
 whole, place = Path(sys.argv[1]).read_bytes(), Path(sys.argv[2])
 rng = random.Random(6)

@@ -5,8 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from subsea.errors import UserError
-from subsea.kinematics.coupling import couple, place
+from subsea.core.errors import UserError
+from subsea.fish.coupling import couple, place
 from subsea.repertoire import SEGMENTS
 from subsea.repertoire.library import pack
 

@@ -6,15 +6,15 @@ import msgspec
 import numpy as np
 import pytest
 
-from subsea.app.tour import guide
-from subsea.errors import UserError
-from subsea.ocean import create_world, step
-from subsea.resources import resource_path
-from subsea.scenario import TourTable, load_scenario
+from subsea.core.errors import UserError
+from subsea.core.resources import resource_path
+from subsea.dive.tour import guide
+from subsea.scenario.schema import TourTable, load_scenario
 from subsea.state import HULL_CM, digest
 from subsea.submarine.course import check_tours, course_of, rail_at
 from subsea.submarine.hull import AHEAD_CM_S
-from subsea.world import TICK_S
+from subsea.world.step import create_world, step
+from subsea.world.world import TICK_S
 
 PEACEFUL = resource_path("assets/scenarios/peaceful.toml").read_text().split("\n[[tour]]")[0]
 NORTH, EAST = (0.0, 500.0, -300.0), (900.0, 0.0, -300.0)

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from subsea.kinematics.solids import from_pillar, from_rock
-from subsea.scenario import Bounds
+from subsea.geometry.solids import from_pillar, from_rock
+from subsea.scenario.schema import Bounds
 from subsea.state import Submarine
 from subsea.submarine import hull
 from subsea.submarine.helm import HANDS_OFF, Helm

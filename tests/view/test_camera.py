@@ -7,14 +7,16 @@ from hypothesis import strategies as st
 
 from subsea.state import Submarine
 from subsea.view.camera import axes_of
-from subsea.view.rig import pose
-from subsea.view.rigs import DISPLAYS, SURROUNDS, VERTICAL_FOV, cockpit, display_rig, views_for
-from subsea.view.stereo import (
-    EYE_SEPARATION_CM,
-    LAYOUTS,
-    SCREEN_DISTANCE_CM,
-    Stereo,
+from subsea.view.display_rigs import (
+    DISPLAYS,
+    SURROUNDS,
+    VERTICAL_FOV,
+    cockpit,
+    display_rig,
+    views_for,
 )
+from subsea.view.rig import pose
+from subsea.view.stereo import EYE_SEPARATION_CM, LAYOUTS, SCREEN_DISTANCE_CM, Stereo
 
 EYE = np.array([10.0, 20.0, -300.0])
 

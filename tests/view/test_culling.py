@@ -5,17 +5,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from subsea.frame import ENLARGED
-from subsea.kinematics.coupling import couple, place
-from subsea.kinematics.rotation import matrix
-from subsea.kinematics.surface import rest_control_points
+from subsea.core.resources import resource_path
+from subsea.fish.coupling import couple, place
+from subsea.fish.mesh import BODY, DETAILS, FIN, fish_mesh, outfit, surface_points
+from subsea.fish.species import load_species
+from subsea.fish.surface import rest_control_points
+from subsea.frame.packet import ENLARGED
+from subsea.geometry.rotation import matrix
 from subsea.repertoire import read_repertoire
-from subsea.resources import resource_path
-from subsea.skins.mesh import BODY, DETAILS, FIN, fish_mesh, outfit, surface_points
-from subsea.species import load_species
 from subsea.view.culling import OUT_OF_SIGHT, covered, pixels_per_radian
+from subsea.view.display_rigs import DISPLAYS, views_for
 from subsea.view.rig import pose
-from subsea.view.rigs import DISPLAYS, views_for
 
 EYE = np.array([0.0, 0.0, -300.0])
 

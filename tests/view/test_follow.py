@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
+from subsea.geometry.height_field import height_at
+from subsea.geometry.rotation import rotate
 from subsea.habitat.solids import clearances
-from subsea.kinematics.heightfield import height_at
-from subsea.kinematics.rotation import rotate
-from subsea.ocean import create_world, step
-from subsea.scenario import load_scenario
+from subsea.scenario.schema import load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.follow import BACK_BL, BACK_CM, ROOM_CM, followed
+from subsea.world.step import create_world, step
 
 NEAR_CM = 8.0  # what the corners of the near plane need
 

@@ -5,15 +5,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from subsea.body.pose import control_points_world
-from subsea.frame import pack
-from subsea.kinematics.rotation import matrix
-from subsea.kinematics.surface import LEFT, RIGHT, rest_control_points
-from subsea.ocean import create_world, step
-from subsea.scenario import load_scenario
-from subsea.species import load_species, species_names
+from subsea.fish.species import load_species, species_names
+from subsea.fish.surface import LEFT, RIGHT, rest_control_points
+from subsea.frame.packet import pack
+from subsea.geometry.rotation import matrix
+from subsea.motor.pose import control_points_world
+from subsea.scenario.schema import load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.retina import Gaze, eye_weights, retina_rig, retinal_views, ridden, rider, turned
+from subsea.world.step import create_world, step
 
 SIZE = (64, 48)
 

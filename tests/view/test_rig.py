@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from subsea.view.camera import off_axis
+from subsea.view.display_rigs import DISPLAYS, display_rig
 from subsea.view.rig import (
     Eye,
     Patch,
@@ -17,7 +18,6 @@ from subsea.view.rig import (
     seen_part,
     views,
 )
-from subsea.view.rigs import DISPLAYS, display_rig
 from subsea.view.stereo import LAYOUTS
 from subsea.view.surround import ALL_ROUND, directions
 

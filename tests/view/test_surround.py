@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from subsea.view.display_rigs import display_rig, views_for
 from subsea.view.rig import pose, views
-from subsea.view.rigs import display_rig, views_for
 from subsea.view.surround import ALL_ROUND, MARGIN_PX, Surround, directions, face_size
 
 SIZES = {"equirectangular": (400, 200), "dome": (300, 300), "panorama": (400, 100)}

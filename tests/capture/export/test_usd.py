@@ -11,8 +11,8 @@ from pxr import Usd, UsdGeom, UsdShade, UsdUtils, UsdValidation
 from capture.export.axes import Y_UP, brought
 from capture.export.clips import Clip, Model, make_clips, placed
 from capture.export.usd import write_usd
-from subsea.errors import UserError
-from subsea.kinematics.rotation import matrix
+from subsea.core.errors import UserError
+from subsea.geometry.rotation import matrix
 
 
 def written(folder: Path, model: Model, clips: list[Clip], baked: bool) -> Usd.Stage:

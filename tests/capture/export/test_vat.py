@@ -15,8 +15,8 @@ from capture.export.axes import Y_UP, brought
 from capture.export.clips import Clip, Model, make_clips, placed
 from capture.export.png import png16
 from capture.export.vat import write_vat
-from subsea.errors import UserError
-from subsea.kinematics.rotation import matrix
+from subsea.core.errors import UserError
+from subsea.geometry.rotation import matrix
 from subsea.render import headless_context
 
 

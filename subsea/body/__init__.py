@@ -1,1 +1,0 @@
-"""The pose of what is visible, as plain numpy: the oracle for the shaders."""

@@ -1,0 +1,290 @@
+"""The only module that opens HDF5 files: reads what it can trust, writes whole files or none."""
+
+import math
+import zlib
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, Literal
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.core.atomic_io import replacing
+from subsea.core.errors import UserError
+
+MAX_DATASET_BYTES = 256 * 2**20  # a repertoire holds a few megabytes; more is a damaged header
+MAX_ATTRIBUTE_BYTES = 2**20
+MAX_INFLATION = 1032  # times the size of what deflate has packed
+SHUFFLE, DEFLATE = h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_DEFLATE
+PACKINGS = ((), (DEFLATE,), (SHUFFLE, DEFLATE))  # of the library's many filters
+Kind = Literal["f", "i", "u", "b"]
+KINDS = {"f": "floating-point", "i": "whole", "u": "unsigned whole", "b": "true or false"}
+LAYOUT = {"libver": ("earliest", "v110"), "track_order": False}  # without timestamps
+
+
+@contextmanager
+def reading(path: Path) -> Iterator[Any]:
+    """Open `path` for reading; any fault of the file becomes one line that names it."""
+    if not path.is_file():
+        raise UserError(f"{path}: no such file")
+    try:
+        with h5py.File(path, "r") as file:
+            yield file
+    except (OSError, KeyError, RuntimeError, ValueError, TypeError, zlib.error) as fault:
+        reason = str(fault).splitlines()[0] if str(fault) else type(fault).__name__
+        raise UserError(f"{path}: not a readable HDF5 file ({reason})") from fault
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[Any]:
+    """Write a small file `path` whole or not at all; the same input gives the same bytes.
+
+    The file is composed in memory: a disk that is full in the middle of it is a fault of one
+    plain write then, and none inside the HDF5 library.
+    """
+    with replacing(path) as temporary:
+        with h5py.File(temporary, "w", driver="core", backing_store=False, **LAYOUT) as file:
+            yield file
+            file.flush()
+            image = file.id.get_file_image()
+        temporary.write_bytes(image)
+
+
+@contextmanager
+def recording(
+    path: Path,
+    attributes: Mapping[str, Any],
+    constants: Mapping[str, NDArray[Any]],
+    notes: Mapping[str, Mapping[str, Any]] | None = None,
+) -> Iterator[Callable[[Mapping[str, NDArray[Any]]], None]]:
+    """Write a file whose datasets grow along their first axis.
+
+    Yields `append`, which takes a block of rows for every dataset. `notes` are the attributes of
+    each dataset, by its name. Ctrl-C keeps the blocks so far as a whole file and goes on as
+    KeyboardInterrupt; with no rows, or on any other fault, nothing is left.
+    """
+    notes = notes or {}
+    interrupted: KeyboardInterrupt | None = None
+    with (
+        replacing(path) as temporary,
+        temporary.open("w+b", buffering=0) as raw,
+        _forgiving(raw) as disk,
+        h5py.File(disk, "w", **LAYOUT) as file,
+    ):
+        growing: dict[str, Any] = {}
+        rows: dict[str, int] = {}
+
+        def append(block: Mapping[str, NDArray[Any]]) -> None:
+            for name, values in block.items():
+                if name not in growing:
+                    growing[name] = file.create_dataset(
+                        name,
+                        shape=(0, *values.shape[1:]),
+                        maxshape=(None, *values.shape[1:]),
+                        chunks=(max(len(values), 1), *values.shape[1:]),
+                        dtype=values.dtype,
+                        compression="gzip",
+                        compression_opts=1,
+                        shuffle=True,
+                    )
+                    growing[name].attrs.update(notes.get(name, {}))
+                begin = rows.get(name, 0)
+                growing[name].resize(begin + len(values), axis=0)
+                growing[name][begin:] = values
+            rows.update({name: rows.get(name, 0) + len(values) for name, values in block.items()})
+            disk.check()
+
+        file.attrs.update(attributes)
+        for name, values in constants.items():
+            file[name] = values
+            file[name].attrs.update(notes.get(name, {}))
+        try:
+            yield append
+        except KeyboardInterrupt as interrupt:
+            if not any(rows.values()):
+                raise
+            interrupted = interrupt
+        for name, dataset in growing.items():
+            dataset.resize(rows.get(name, 0), axis=0)  # an interruption may have cut a block short
+    if interrupted:
+        raise interrupted
+
+
+class _Disk:
+    """A file that takes everything that the HDF5 library writes, and keeps its first fault.
+
+    The library cannot live with a disk that is full: it tries again from destructors, and in the
+    end crashes the process.
+    """
+
+    def __init__(self, raw: Any) -> None:
+        self.fault: OSError | None = None
+        self.raw = raw
+
+    def check(self) -> None:
+        """Raise the first fault."""
+        if self.fault:
+            raise self.fault
+
+    def write(self, data: memoryview) -> int:
+        """Write all of it, or nothing any more."""
+        left = memoryview(data).cast("B")
+        try:
+            while len(left) and not self.fault:
+                left = left[self.raw.write(left) :]
+        except OSError as fault:
+            self.fault = fault
+        return len(data)
+
+    def truncate(self, size: int) -> int:
+        """Make the file so long."""
+        try:
+            return int(self.raw.truncate(size))
+        except OSError as fault:
+            self.fault = self.fault or fault
+            return size
+
+    def __getattr__(self, name: str) -> Any:
+        """What cannot fail for want of room is the file's own."""
+        return getattr(self.raw, name)
+
+
+@contextmanager
+def _forgiving(raw: Any) -> Iterator[_Disk]:
+    """A file for the HDF5 library, and its first fault in the end."""
+    disk = _Disk(raw)
+    try:
+        yield disk
+    except Exception:
+        disk.check()  # whatever the library says then is not the reason
+        raise
+    disk.check()
+
+
+def text(value: str) -> np.bytes_:
+    """A string as `attribute` reads it: UTF-8 of fixed length."""
+    return np.bytes_(value.encode("utf-8"))
+
+
+def attribute(group: Any, name: str, kind: type, where: str) -> Any:
+    """The attribute `name` of a group as a plain Python value of the given `kind`.
+
+    Strings must be of fixed length: those of variable length lie in a heap of the file, and in
+    a damaged heap the HDF5 library searches for ever.
+    """
+    if name not in group.attrs:
+        raise UserError(f"{where}: attribute {name!r} is missing, expected {kind.__name__}")
+    stored = group.attrs.get_id(name)
+    plain = stored.dtype.kind in "Sbiuf" and stored.shape == ()
+    if not plain or stored.dtype.itemsize > MAX_ATTRIBUTE_BYTES:
+        raise UserError(f"{where}: attribute {name!r} is not a plain {kind.__name__}")
+    value: Any = group.attrs[name]
+    if isinstance(value, bytes):
+        value = value.decode("utf-8", "replace")
+    if isinstance(value, np.generic):
+        value = value.item()
+    if kind is float and isinstance(value, int) and not isinstance(value, bool):
+        value = float(value)
+    if not isinstance(value, kind):
+        raise UserError(f"{where}: attribute {name!r} is {value!r}, expected {kind.__name__}")
+    if isinstance(value, float) and not math.isfinite(value):
+        raise UserError(f"{where}: attribute {name!r} is {value!r}, expected a finite number")
+    return value
+
+
+def texts(group: Any, name: str, where: str) -> list[str]:
+    """The attribute `name` of a group that is a row of strings of fixed length."""
+    if name not in group.attrs:
+        raise UserError(f"{where}: attribute {name!r} is missing, expected a row of words")
+    stored = group.attrs.get_id(name)
+    rows = stored.dtype.kind == "S" and len(stored.shape) == 1
+    if not rows or math.prod(stored.shape) * stored.dtype.itemsize > MAX_ATTRIBUTE_BYTES:
+        raise UserError(f"{where}: attribute {name!r} is not a row of words")
+    return [word.decode("utf-8", "replace") for word in group.attrs[name]]
+
+
+def array(
+    group: Any,
+    name: str,
+    shape: tuple[int | None, ...],
+    where: str,
+    kind: Kind = "f",
+    least: int = 1,
+    most_bytes: int = MAX_DATASET_BYTES,
+) -> NDArray[Any]:
+    """The dataset `name` of finite numbers of a kind, checked before it is read.
+
+    `shape` gives each length, None for any length of at least `least`. Links that lead out of the
+    file or the group, other types, other shapes, and implausible sizes are refused.
+    """
+    if not isinstance(group.get(name, getlink=True), h5py.HardLink):
+        raise UserError(f"{where}/{name}: missing, expected a dataset")
+    dataset = group[name]
+    if isinstance(dataset, h5py.Dataset) and (dataset.is_virtual or dataset.external):
+        raise UserError(f"{where}/{name}: its numbers are in other files, expected them in this")
+    expected = "×".join("n" if n is None else str(n) for n in shape)
+    if not isinstance(dataset, h5py.Dataset) or dataset.dtype.kind != kind:
+        raise UserError(f"{where}/{name}: expected {expected} {KINDS[kind]} numbers")
+    fits = len(dataset.shape) == len(shape) and all(
+        have == want if want is not None else have >= least
+        for have, want in zip(dataset.shape, shape, strict=True)
+    )
+    if not fits:
+        found = "×".join(map(str, dataset.shape))
+        raise UserError(f"{where}/{name}: shape {found}, expected {expected}")
+    if dataset.size * dataset.dtype.itemsize > most_bytes:
+        raise UserError(f"{where}/{name}: claims an implausible {dataset.size} numbers")
+    if not _unpacks_within(dataset, most_bytes):
+        raise UserError(f"{where}/{name}: packed in an unusual way, expected plain gzip at most")
+    values = np.asarray(dataset[()])
+    if not np.isfinite(values).all():
+        raise UserError(f"{where}/{name}: contains numbers that are not finite")
+    return values
+
+
+def _unpacks_within(dataset: Any, most_bytes: int) -> bool:
+    """Whether the library unpacks the pieces of a dataset without more memory than they claim.
+
+    It inflates them to whatever they hold, and makes room for whole ones even where a dataset has
+    but a corner of them.
+    """
+    if dataset.chunks is None:
+        return True
+    claimed = math.prod(dataset.chunks) * dataset.dtype.itemsize
+    made = dataset.id.get_create_plist()
+    packing = tuple(made.get_filter(k)[0] for k in range(made.get_nfilters()))
+    if claimed > most_bytes or packing not in PACKINGS:
+        return False
+    if not packing or dataset.id.get_storage_size() * MAX_INFLATION <= most_bytes:
+        return True
+    large: list[Any] = []
+    skips = 1 << packing.index(DEFLATE)  # pieces that grew by it are stored without
+    dataset.id.chunk_iter(
+        lambda piece: (
+            large.append(piece.chunk_offset)
+            if piece.size * MAX_INFLATION > most_bytes and not piece.filter_mask & skips
+            else None
+        )
+    )
+    for place in large:
+        inflating = zlib.decompressobj()
+        inflating.decompress(dataset.id.read_direct_chunk(place)[1], claimed)
+        if inflating.unconsumed_tail:
+            return False
+    return True
+
+
+def is_there(group: Any, name: str) -> bool:
+    """Whether `group` has anything of that name; unlike ``in``, this follows no link."""
+    return group.get(name, getlink=True) is not None
+
+
+def subgroup(group: Any, name: str, where: str) -> Any:
+    """The group `name` inside `group`, never one that a link brings in from elsewhere."""
+    if not isinstance(group.get(name, getlink=True), h5py.HardLink) or not isinstance(
+        group[name], h5py.Group
+    ):
+        raise UserError(f"{where}/{name}: missing, expected a group")
+    return group[name]

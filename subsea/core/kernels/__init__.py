@@ -1,0 +1,1 @@
+"""Compiled kernels: the cache on disk, struct references, warm-up."""

@@ -1,0 +1,1 @@
+"""A dive without its windows: clock, ticks, pilot, tours, settings."""

@@ -1,0 +1,212 @@
+"""What inputs mean: keys, mouse buttons and the parts of a gamepad, each by its name.
+
+An input's name is what a settings file calls it: ``W``, ``PageUp``, ``Ctrl+Shift+Q``,
+``mouse left``, ``pad right trigger``. Nothing here knows the window library.
+"""
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import Literal, NamedTuple, TypeGuard, get_args
+
+from subsea.core.errors import UserError, nearest, unknown
+
+# What is asked for as long as an input is held.
+Action = Literal["ahead", "astern", "left", "right", "up", "down", "rise", "dive", "full stop"]
+# What is asked for once, when an input goes down.
+Wish = Literal[
+    "help", "menu", "desk", "quality", "pattern", "ride", "look", "follow", "reins", "alight",
+    "lights", "instruments", "fullscreen", "pause", "slower", "faster", "tick", "rewind",
+    "picture", "film", "leave",
+]  # fmt: skip
+Meaning = Action | Wish
+ACTIONS: tuple[Action, ...] = get_args(Action)
+WISHES: tuple[Wish, ...] = get_args(Wish)
+REPEATING: tuple[Wish, ...] = ("rewind", "tick")  # again and again while a key is held
+
+
+def is_action(meaning: Meaning) -> TypeGuard[Action]:
+    """Whether it is asked for as long as its input is held."""
+    return meaning in ACTIONS
+
+
+def is_wish(meaning: Meaning) -> TypeGuard[Wish]:
+    """Whether it is asked for once."""
+    return meaning in WISHES
+
+
+class Control(NamedTuple):
+    """What a control does, in words, and the inputs that mean it unless told otherwise."""
+
+    what: str
+    inputs: tuple[str, ...]
+
+
+CONTROLS: dict[Meaning, Control] = {
+    "ahead": Control("go ahead while held", ("W", "mouse left", "pad left stick up")),
+    "astern": Control("go astern while held", ("S", "mouse right", "pad left stick down")),
+    "left": Control("turn left", ("A", "Left", "pad left stick left")),
+    "right": Control("turn right", ("D", "Right", "pad left stick right")),
+    "up": Control("nose up", ("Up", "pad right stick up")),
+    "down": Control("nose down", ("Down", "pad right stick down")),
+    "rise": Control("rise", ("E", "PageUp", "pad right trigger")),
+    "dive": Control("dive", ("Q", "PageDown", "pad left trigger")),
+    "full stop": Control("stop, and stay", ("Space", "mouse middle", "pad A")),
+    "help": Control("show or hide the help", ("H", "F1", "pad back")),
+    "menu": Control("the menu", ("Esc", "pad start")),
+    "desk": Control("open or close the desk with its panels", ("Tab",)),
+    "quality": Control("quality of the picture", ("P",)),
+    "pattern": Control("test pattern", ("T",)),
+    "ride": Control("ride the fish ahead, or the next", ("R", "pad Y")),
+    "look": Control("on a fish: colours, identities or ranges", ("I", "pad X")),
+    "follow": Control("on a fish: from behind it, or through its eyes", ("C",)),
+    "reins": Control("on a fish: take its reins, or give them back", ("G", "pad right bumper")),
+    "alight": Control("leave the fish; its inputs may mean something else elsewhere",
+                      ("Esc", "pad B")),
+    "lights": Control("the submarine's lights", ("B", "pad up")),
+    "instruments": Control("show or hide the instruments", ("U",)),
+    "fullscreen": Control("full screen, and back", ("F", "F11")),
+    "pause": Control("let time stand still, and go on", ("K",)),
+    "slower": Control("let time go slower", ("J",)),
+    "faster": Control("let time go faster", ("L",)),
+    "tick": Control("one tick further", (".",)),
+    "rewind": Control("a second back", (",",)),
+    "picture": Control("take a picture", ("F12",)),
+    "film": Control("start a film, and end it", ("F10",)),
+    "leave": Control("end the dive at once", ()),
+}  # fmt: skip
+
+# The window library's numbers of keys (glfw3.h). A letter is its place on a US keyboard.
+KEYS: dict[int, str] = {
+    32: "Space", 39: "'", 44: ",", 45: "-", 46: ".", 47: "/", 59: ";", 61: "=", 91: "[", 92: "\\",
+    93: "]", 96: "`", 256: "Esc", 257: "Enter", 258: "Tab", 259: "Backspace", 260: "Insert",
+    261: "Delete", 262: "Right", 263: "Left", 264: "Down", 265: "Up", 266: "PageUp",
+    267: "PageDown", 268: "Home", 269: "End", 280: "CapsLock", 281: "ScrollLock", 282: "NumLock",
+    283: "Print", 284: "Pause", 330: "Num.", 331: "Num/", 332: "Num*", 333: "Num-", 334: "Num+",
+    335: "NumEnter", 336: "Num=", 340: "LeftShift", 341: "LeftCtrl", 342: "LeftAlt",
+    343: "LeftSuper", 344: "RightShift", 345: "RightCtrl", 346: "RightAlt", 347: "RightSuper",
+    348: "Menu",
+    **{ord(sign): sign for sign in "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ"},
+    **{289 + k: f"F{k}" for k in range(1, 26)},
+    **{320 + k: f"Num{k}" for k in range(10)},
+}  # fmt: skip
+MODIFIERS = {2: "Ctrl", 4: "Alt", 1: "Shift", 8: "Super"}  # in the order in which they are named
+BUTTONS = ("left", "right", "middle", "4", "5", "6", "7", "8")  # of a mouse
+# Of a gamepad, in the order of the window library.
+PAD_BUTTONS = (
+    "A", "B", "X", "Y", "left bumper", "right bumper", "back", "start", "guide", "left thumb",
+    "right thumb", "up", "right", "down", "left",
+)  # fmt: skip
+# Where its axes lead at 1 and at -1: down and right are positive. A trigger at rest is at -1.
+PAD_AXES = (
+    ("left stick right", "left stick left"), ("left stick down", "left stick up"),
+    ("right stick right", "right stick left"), ("right stick down", "right stick up"),
+    ("left trigger", ""), ("right trigger", ""),
+)  # fmt: skip
+
+EXPECTED = ", expected one such as 'W', 'PageUp', 'Ctrl+Q', 'mouse left' or 'pad right trigger'"
+
+_NAMES = {
+    name.casefold(): name
+    for name in (
+        *KEYS.values(),
+        *(f"mouse {name}" for name in BUTTONS),
+        *(f"pad {name}" for name in PAD_BUTTONS),
+        *(f"pad {way}" for axis in PAD_AXES for way in axis if way),
+    )
+} | {"escape": "Esc", "return": "Enter", "del": "Delete"}
+
+
+class Bindings(NamedTuple):
+    """What each input means, by its name."""
+
+    meanings: Mapping[str, tuple[Meaning, ...]]  # of an input; several only with "alight"
+
+    def meaning(self, name: str, riding: bool = False) -> Meaning | None:
+        """What an input asks for now; "alight" only of one who is riding a fish."""
+        found = self.meanings.get(name, ())
+        if riding and "alight" in found:
+            return "alight"
+        return next((one for one in found if one != "alight"), None)
+
+    def key(self, key: int, modifiers: int, riding: bool = False) -> Meaning | None:
+        """What a key of the window library means together with Ctrl and its like.
+
+        A key alone counts with Shift or Ctrl held as well, unless the two together mean something
+        else; with Alt and Super it is the desktop's.
+        """
+        name = key_name(key, modifiers)
+        if modifiers & 12 or name in self.meanings:
+            return self.meaning(name, riding)
+        return self.meaning(KEYS.get(key, ""), riding)
+
+    def inputs(self, meaning: Meaning) -> tuple[str, ...]:
+        """The names of the inputs that mean it."""
+        return tuple(name for name, found in self.meanings.items() if meaning in found)
+
+
+def key_name(key: int, modifiers: int = 0) -> str:
+    """The name of a key with what is held beside it: ``Ctrl+Shift+Q``; "" for an unknown one."""
+    if key not in KEYS:
+        return ""
+    return "+".join([*(word for bit, word in MODIFIERS.items() if modifiers & bit), KEYS[key]])
+
+
+def input_name(text: str) -> str:
+    """The proper name of an input: letters of any size, words apart by blanks, hyphens or scores.
+
+    A UserError if there is none such, with the nearest that there is.
+    """
+    parts = re.fullmatch(
+        r"\s*((?:(?:ctrl|alt|shift|super)\s*\+\s*)*)(.*?)\s*", text.casefold(), re.DOTALL
+    )
+    held, rest = parts.groups() if parts else ("", "")
+    words = " ".join(re.split(r"[\s_-]+", rest))
+    tries = (rest, words, words.replace(" ", ""))
+    name = next((_NAMES[one] for one in tries if one in _NAMES), None)
+    if name is None:
+        hint = nearest(text, sorted(set(_NAMES.values())))
+        raise UserError(f"unknown input {text!r}{hint or EXPECTED}")
+    beside = [word for word in MODIFIERS.values() if word.casefold() in held]
+    if beside and name not in KEYS.values():
+        raise UserError(f"{text!r}: only keys go with {beside[0]}")
+    return "+".join([*beside, name])
+
+
+def bindings_of(controls: Mapping[str, Sequence[str]]) -> Bindings:
+    """The bindings of a settings file's table: the inputs of each action and wish that it names.
+
+    What it does not name keeps its usual inputs, but those that the table gives to another. An
+    unknown name, or an input that is to mean two things, is a UserError. Only "alight" may share
+    its inputs: it counts on a fish, the other elsewhere.
+    """
+    chosen: dict[str, list[Meaning]] = {}
+    for word, texts in controls.items():
+        if word not in CONTROLS:
+            raise unknown("control", word, list(CONTROLS))
+        meaning = _meaning(word)
+        for text in texts:
+            try:
+                name = input_name(text)
+            except UserError as fault:
+                raise UserError(f"{word!r}: {fault}") from None
+            others = chosen.setdefault(name, [])
+            if meaning in others:
+                continue
+            if meaning != "alight" and (rivals := [one for one in others if one != "alight"]):
+                raise UserError(f"{name!r} cannot be both {rivals[0]!r} and {word!r}")
+            others.append(meaning)
+    taken = {name for name, found in chosen.items() if found != ["alight"]}
+    for meaning, control in CONTROLS.items():
+        if meaning in controls:
+            continue
+        for name in control.inputs:
+            if meaning == "alight" or name not in taken:
+                chosen.setdefault(name, []).append(meaning)
+    return Bindings({name: tuple(found) for name, found in chosen.items()})
+
+
+def _meaning(word: str) -> Meaning:
+    return next(meaning for meaning in CONTROLS if meaning == word)
+
+
+USUAL = bindings_of({})

@@ -1,0 +1,137 @@
+"""Lines of text that directions show at the foot of the picture: which, how visible, and where.
+
+`subtitles.py` draws them in a window, `titled` here on the pictures of a film.
+"""
+
+import importlib.util
+from collections.abc import Callable
+from functools import lru_cache
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.directing import latest
+from subsea.view.rig import Rig, Shape, front
+from subsea.view.text_viewports import panes
+from subsea.world.world import TICK_S, World
+
+Pixels = NDArray[np.uint8]
+
+FADE_S = 0.6
+READ_S, LETTER_S = 2.5, 0.06  # how long a caption is up if nobody says: to be read without haste
+TALL, NARROW = 0.045, 0.034  # of letters: share of the screen's height, or less of its width
+ROOM = 0.8  # share of the screen's width that lines may have
+FOOT = 0.85  # where the last line ends, share of the screen's height
+LEADING = 1.3  # from line to line, in heights of letters
+INK, SHADE = (0.97, 0.98, 1.0), (0.0, 0.04, 0.06)
+# Of a picture all round this is before the viewer: left, top, width, height.
+BEFORE = 0.35, 0.25, 0.3, 0.42
+
+
+class Caption(NamedTuple):
+    """What is to be read now."""
+
+    words: str = ""
+    opacity: float = 0.0  # from 0 to 1: it comes and goes softly
+
+
+def shown_s(words: str, for_s: float | None) -> float:
+    """How long a caption is up: as long as its direction says, else as long as reading takes."""
+    return READ_S + LETTER_S * len(words) if for_s is None else for_s
+
+
+def caption_of(world: World, alpha: float) -> Caption:
+    """That of a world, `alpha` of the way from the last tick to the present one."""
+    cue = latest(world.scenario, world.state, "caption")
+    if cue is None:
+        return Caption()
+    one = world.scenario.direction[cue]
+    words = one.caption or ""
+    since_s = (world.state.tick - 1 + alpha - int(world.state.directions.began[cue])) * TICK_S
+    left_s = shown_s(words, one.for_s) - since_s
+    share = min(max(min(since_s, left_s) / FADE_S, 0.0), 1.0)
+    return Caption(words, share * share * (3.0 - 2.0 * share))
+
+
+def room_of(rig: Rig) -> tuple[float, float, float, float]:
+    """Left, top, width and height of what is before the viewer, shares of the screen ahead."""
+    return BEFORE if front(rig).shape == Shape.EQUIRECTANGULAR else (0.0, 0.0, 1.0, 1.0)
+
+
+def letters_of(width: float, height: float) -> float:
+    """How tall the letters of a caption are in a room of that size."""
+    return min(TALL * height, NARROW * width)
+
+
+def lines_of(words: str, room: float, width_of: Callable[[str], float]) -> list[str]:
+    """The words in as few lines as have room, about equally long; a longer word has its own."""
+
+    def broken(room: float) -> list[str]:
+        lines: list[str] = []
+        for word in words.split():
+            longer = f"{lines[-1]} {word}" if lines else word
+            if lines and width_of(longer) <= room:
+                lines[-1] = longer
+            else:
+                lines.append(word)
+        return lines
+
+    low, high = 0.0, room
+    for _ in range(10):  # to the least room in which there are no more lines
+        middle = (low + high) / 2
+        fits = len(broken(middle)) <= len(broken(room))
+        low, high = (low, middle) if fits else (middle, high)
+    return broken(high)
+
+
+def titled(picture: Pixels, rig: Rig, output: int, caption: Caption) -> Pixels:
+    """The picture (h, w, 3) of a rig's `output` with the caption on it, for each eye."""
+    if output != front(rig).output or caption.opacity == 0.0 or not caption.words:
+        return picture
+    from PIL import Image
+
+    image = Image.fromarray(picture)
+    width, height = rig.outputs[output]
+    left, top, across, down = room_of(rig)
+    for pane in (one for one in panes(rig) if one.number == 0):
+        screen = pane.screen[0] * width * across, pane.screen[1] * height * down
+        seen = pane.width * width * across, pane.height * height * down
+        sign = _sign(caption.words, (round(screen[0]), round(screen[1])))
+        sign = sign.resize((max(round(seen[0]), 1), max(round(seen[1]), 1)))
+        faded = sign.getchannel("A").point(lambda value: round(caption.opacity * value))
+        place = (pane.x + left * pane.width) * width, (pane.y + top * pane.height) * height
+        image.paste(sign, (round(place[0]), round(place[1])), faded)
+    return np.asarray(image)
+
+
+@lru_cache(maxsize=4)
+def _sign(words: str, size: tuple[int, int]):  # type: ignore[no-untyped-def]
+    """A picture (RGBA) of that size with the words near its foot, in a shade that is soft."""
+    from PIL import Image, ImageDraw, ImageFilter, ImageFont
+
+    width, height = max(size[0], 1), max(size[1], 1)
+    tall = max(letters_of(width, height), 4.0)
+    font = ImageFont.truetype(str(_font()), tall)
+    lines = lines_of(words, ROOM * width, font.getlength)
+    shade, ink = (tuple(round(255 * value) for value in rgb) for rgb in (SHADE, INK))
+    sign = Image.new("RGBA", (width, height), (*shade, 0))
+    for blur, stroke, rgb in ((0.35, 0.12, shade), (0.0, 0.06, shade), (0.0, 0.0, ink)):
+        layer = Image.new("RGBA", (width, height), (*rgb, 0))
+        canvas = ImageDraw.Draw(layer)
+        for k, line in enumerate(reversed(lines)):
+            foot = FOOT * height - k * LEADING * tall
+            canvas.text((width / 2, foot), line, (*rgb, 255), font, anchor="ms",
+                        stroke_width=round(stroke * tall))  # fmt: skip
+        if blur:
+            layer = layer.filter(ImageFilter.GaussianBlur(blur * tall))
+        sign = Image.alpha_composite(sign, layer)
+    return sign
+
+
+def _font() -> Path:
+    """The letters of the windows' texts."""
+    found = importlib.util.find_spec("imgui_bundle")
+    assert found is not None and found.origin is not None  # it is a dependency
+    return Path(found.origin).parent / "assets" / "fonts" / "Roboto" / "Roboto-Regular.ttf"

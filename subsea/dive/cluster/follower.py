@@ -1,0 +1,206 @@
+"""A computer that follows the master's dive: it makes the same ticks and shows its own windows."""
+
+import math
+import time
+from collections import deque
+from contextlib import suppress
+from typing import Any
+
+import zmq
+
+from subsea.core.errors import UserError
+from subsea.dive.cluster import link
+from subsea.dive.cluster.identity import identity_of
+from subsea.dive.cluster.keys import Keys
+from subsea.dive.cluster.master import Say
+from subsea.dive.cluster.messages import (
+    SMALL,
+    Diverged,
+    Drawn,
+    FromMaster,
+    FromNode,
+    Hello,
+    Picture,
+    Refused,
+    State,
+    Swap,
+    encode,
+    from_master,
+    ticks_of,
+)
+from subsea.world import snapshot
+from subsea.world.step import step
+from subsea.world.world import World
+
+CALL_S = 1.0  # so often a node that hears nothing calls the master
+SILENT_S = 1.0  # a master that draws slowly is not yet a silent one
+HURRY_S = 0.25  # for so long ticks are made without a picture by a node that is behind
+
+
+class Follower:
+    """Call `picture`; if there is one draw it, call `swap` and show it."""
+
+    def __init__(
+        self,
+        world: World,
+        name: str,
+        master: str,
+        address: str,
+        keys: Keys | None = None,
+        timeout_s: float = 2.0,
+        tell: Say = lambda message: None,
+        view: str = "",
+    ) -> None:
+        """Call the node `master` at `address` as the node `name`.
+
+        Whoever is not heard for `timeout_s` is waited for no more. With `keys` the master must
+        have the key that is known of it. Its `view` must be the master's. What cannot be is a
+        UserError.
+        """
+        self.world = world
+        self.waiting = ""  # what this node waits for, in words for its windows
+        self._name, self._address, self._timeout_s, self._tell = name, address, timeout_s, tell
+        self._identity = identity_of(world, view)
+        self._dive = ""  # the dive that it takes part in
+        self._number = 0  # of the last picture
+        self._alpha = 1.0
+        self._heard: deque[FromMaster] = deque()
+        self._heard_s = self._called_s = -math.inf
+        self._garbled = False
+        self._context: Any = zmq.Context()
+        try:
+            limit = snapshot.size_limit(world) + SMALL
+            self._socket = link.calling(self._context, address, keys, master, limit)
+        except BaseException:
+            self._context.term()
+            raise
+        self._failures = link.failures(self._socket)
+        self._wait_for(f"waiting for the master at {address}")
+
+    def picture(self, patience_s: float) -> float | None:
+        """Make the ticks of the next picture; the point between the last two at which to draw.
+
+        None if there is none within `patience_s`; `waiting` then says why, once the master was
+        silent for too long. One that is behind makes the ticks of all pictures that it has
+        missed, and draws the last. If the master refuses this node, or its key, that is a
+        UserError.
+        """
+        start, made = time.monotonic(), False
+        while True:
+            spent = time.monotonic() - start
+            message = self._next(0.0 if made else patience_s - spent)
+            if message is None:
+                break
+            if isinstance(message, State):
+                self._take(message)
+                made = False
+            elif isinstance(message, Picture) and self._dive:
+                made |= self._make(message)
+            if made and spent > HURRY_S:
+                self._wait_for("catching up with the others")
+                return None
+        if made:
+            self._wait_for("")
+            return self._alpha
+        self._call()
+        return None
+
+    def swap(self) -> None:
+        """Tell the master that the picture is drawn, and wait until all show theirs."""
+        self._say(Drawn(self._number))
+        end = time.monotonic() + self._timeout_s
+        while (message := self._next(end - time.monotonic())) is not None:
+            if isinstance(message, Swap) and message.number >= self._number:
+                return
+            if not isinstance(message, Swap):  # the others have gone on
+                self._heard.appendleft(message)
+                return
+
+    def close(self) -> None:
+        """Hang up."""
+        self._failures.close(0)
+        self._socket.disable_monitor()
+        self._socket.close()
+        self._context.term()
+
+    def _make(self, picture: Picture) -> bool:
+        """Make the ticks of the next picture; False if it is not the next, or not of this world."""
+        if picture.number <= self._number:
+            return False
+        if picture.number > self._number + 1:
+            self._dive, self._called_s = "", -math.inf  # something was lost: the state is needed
+            return False
+        state = self.world.state
+        state.submarine.lights[:] = picture.lights
+        differs = picture.checksum and picture.checksum != snapshot.checksum(self.world)
+        if differs or picture.tick != state.tick:
+            self._tell(f"this world differs from the master's at tick {picture.tick}")
+            self._say(Diverged(picture.tick))
+            self._dive, self._called_s = "", time.monotonic()
+            return False
+        for one in ticks_of(picture):
+            step(self.world, one)
+        self._number, self._alpha = picture.number, picture.alpha
+        return True
+
+    def _take(self, state: State) -> None:
+        try:
+            snapshot.restore(self.world, state.snapshot)
+        except UserError as fault:
+            raise UserError(f"the master at {self._address} sent what is {fault}") from fault
+        self._dive, self._number = state.dive, state.number
+        self._tell(f"took the state of the dive at tick {self.world.state.tick}")
+
+    def _call(self) -> None:
+        """Call the master, if it is silent or if its state is needed."""
+        now = time.monotonic()
+        silent = now - self._heard_s > max(self._timeout_s, SILENT_S)
+        if silent:
+            self._wait_for(f"waiting for the master at {self._address}")
+        if (silent or not self._dive) and now - self._called_s > CALL_S:
+            self._called_s = now
+            self._say(Hello(self._name, self._identity, self._dive))
+
+    def _next(self, wait_s: float) -> FromMaster | None:
+        """The next thing that the master says within so many seconds; None if there is none."""
+        self._refuse_failures()
+        if self._heard:
+            return self._heard.popleft()
+        while self._socket.poll(math.ceil(1000.0 * max(wait_s, 0.0))):
+            frames = self._socket.recv_multipart()
+            try:
+                if len(frames) != 1:
+                    raise UserError("what was received is no message of subsea")
+                message = from_master(frames[0])
+            except UserError as fault:
+                if not self._garbled:
+                    self._tell(f"the master at {self._address}: {fault}")
+                self._garbled = True
+                continue
+            self._heard_s = time.monotonic()
+            if isinstance(message, Refused):
+                raise UserError(message.reason)
+            return message
+        return None
+
+    def _refuse_failures(self) -> None:
+        """A UserError if master and node cannot agree on keys."""
+        while why := link.failed(self._failures):
+            if why == link.AUTH:
+                raise UserError(
+                    f"the master at {self._address} does not know the key of node {self._name}"
+                )
+            if why == link.PROTOCOL:
+                raise UserError(
+                    f"at {self._address} there is no master that this node can talk to: one uses "
+                    "keys and the other does not, or it is another program"
+                )
+
+    def _say(self, message: FromNode) -> None:
+        with suppress(zmq.Again):  # nobody is there: it will be called again
+            self._socket.send(encode(message), zmq.NOBLOCK)
+
+    def _wait_for(self, words: str) -> None:
+        if words and words != self.waiting:
+            self._tell(words)
+        self.waiting = words

@@ -1,0 +1,118 @@
+"""Key pairs by which master and nodes know each other (CURVE, as ZeroMQ has it).
+
+A folder holds NAME.key, which everybody may see, and NAME.key_secret, which only the computer
+NAME may have. Files are ZeroMQ's certificates.
+"""
+
+import os
+import re
+import stat
+import struct
+from collections.abc import Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from typing import NamedTuple
+
+import zmq
+import zmq.auth
+from zmq.utils import z85
+
+from subsea.core.atomic_io import check_folder, replacing
+from subsea.core.errors import UserError
+from subsea.view.theatre.node_names import NAME
+
+PUBLIC, SECRET = ".key", ".key_secret"
+HEADER = "# subsea: {what} of {name}\nmetadata\ncurve\n"
+
+
+class Keys(NamedTuple):
+    """What one computer needs."""
+
+    public: bytes  # Z85, 40 bytes, as all of them
+    secret: bytes
+    others: dict[str, bytes]  # public keys of those that it is to know, by name
+
+
+def write_keys(folder: Path, names: Sequence[str]) -> list[Path]:
+    """A new key pair for each computer; the files, public and secret in turn.
+
+    Secret files can be read by nobody but their owner. A name that cannot be a file's, or one
+    that has keys already, is a UserError, and nothing is written.
+    """
+    _check_curve()
+    for name in names:
+        if not re.search(NAME, name):
+            raise UserError(f"{name!r}: expected a name of letters, digits, - and _, 64 at most")
+        for suffix in (PUBLIC, SECRET):
+            if (folder / f"{name}{suffix}").exists():
+                raise UserError(
+                    f"{folder / name}{suffix}: is there already; remove it on every computer "
+                    "before making another"
+                )
+    for name in names:
+        if names.count(name) > 1:
+            raise UserError(f"{name!r} was given twice")
+    check_folder(folder)
+    written = []
+    with ExitStack() as undo, ExitStack() as all_at_once:
+        for name in names:
+            public, secret = (key.decode() for key in zmq.curve_keypair())
+            for suffix, what, mode in (
+                (PUBLIC, "public key", 0o644),
+                (SECRET, "SECRET key, for nobody but that computer,", 0o600),
+            ):
+                text = HEADER.format(what=what, name=name) + f'    public-key = "{public}"\n'
+                if suffix == SECRET:
+                    text += f'    secret-key = "{secret}"\n'
+                written.append(folder / f"{name}{suffix}")
+                undo.callback(written[-1].unlink, missing_ok=True)
+                path = all_at_once.enter_context(replacing(written[-1]))
+                # Made with its mode, so that no moment is left in which others may read it.
+                path.touch(mode, exist_ok=False)
+                path.write_text(text)
+        all_at_once.close()
+        undo.pop_all()
+    return written
+
+
+def read_keys(folder: Path, name: str, others: Sequence[str]) -> Keys:
+    """The pair of `name` and the public keys of `others`; what is missing is a UserError."""
+    _check_curve()
+    path = folder / f"{name}{SECRET}"
+    public, secret = _read(path)
+    if secret is None:
+        raise UserError(f"{path}: holds no secret key")
+    mode = stat.S_IMODE(path.stat().st_mode)
+    if os.name == "posix" and mode & 0o077:
+        raise UserError(f"{path}: others may read it (mode {mode:o}); `chmod 600 {path}`")
+    return Keys(public, secret, {other: _read(folder / f"{other}{PUBLIC}")[0] for other in others})
+
+
+def _read(path: Path) -> tuple[bytes, bytes | None]:
+    try:
+        public, secret = zmq.auth.load_certificate(path)
+    except OSError as fault:
+        raise UserError(
+            f"{path}: cannot read (no such key); `subsea keys {path.parent} NAME...` makes them"
+            if not path.exists()
+            else f"{path}: cannot read ({fault.strerror})"
+        ) from fault
+    except (ValueError, IndexError) as fault:  # no such line, or nothing in it
+        raise UserError(f"{path}: holds no key") from fault
+    for key in (public, secret):
+        if key is not None and not _is_key(key):
+            raise UserError(f"{path}: holds no key of 40 letters, as Z85 has them")
+    return public, secret
+
+
+def _is_key(text: bytes) -> bool:
+    """Whether it is 32 bytes in Z85, which not all 40 letters are."""
+    try:
+        return len(z85.decode(text)) == 32
+    except (ValueError, KeyError, struct.error):
+        return False
+
+
+def _check_curve() -> None:
+    if not zmq.has("curve"):
+        raise UserError("this ZeroMQ was built without CURVE; `pip install pyzmq` brings one")

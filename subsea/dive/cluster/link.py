@@ -1,0 +1,104 @@
+"""Sockets of master and nodes: who may listen where, with which keys and which limits."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import zmq
+from zmq.utils.monitor import parse_monitor_message
+
+from subsea.core.errors import UserError
+from subsea.dive.cluster.keys import Keys
+from subsea.view.theatre.node_names import parse_address
+
+HEARTBEAT_MS, HEARTBEAT_TIMEOUT_MS = 1000, 4000  # a cable that was pulled is noticed
+LINGER_MS = 300  # the last words may still leave
+HANDSHAKE_MS = 5000
+BACKLOG = 2000  # messages for a node that takes none: eight seconds at 120 pictures a second
+
+AUTH = int(zmq.EVENT_HANDSHAKE_FAILED_AUTH)
+PROTOCOL = int(zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL)
+NO_DETAIL = int(zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL)
+
+
+def endpoint(address: str, keys: Keys | None) -> str:
+    """ZeroMQ's name of an address such as ``127.0.0.1:5560``.
+
+    What is no IP address with a port is a UserError, and so is one beyond this computer without
+    keys.
+    """
+    try:
+        ip, port = parse_address(address)
+    except ValueError as fault:
+        raise UserError(str(fault)) from fault
+    if ip.is_unspecified:
+        raise UserError(f"address {address!r}: no node can call it; expected the master's own")
+    if not ip.is_loopback and keys is None:
+        raise UserError(
+            f"address {address!r}: other computers reach it, so keys are needed; "
+            '`subsea keys DIR NAME...` makes them, `keys = "DIR"` in the theatre file uses them'
+        )
+    return f"tcp://[{ip}]:{port}" if ip.version == 6 else f"tcp://{ip}:{port}"
+
+
+def listening(context: "zmq.Context[Any]", address: str, keys: Keys | None, limit: int) -> Any:
+    """The master's socket; messages of more than `limit` bytes end a connection."""
+    where = endpoint(address, keys)
+    socket = _socket(context, zmq.ROUTER, limit)
+    with _closed_if_not(socket, f"address {address}: cannot listen there"):
+        # Sending to a node that is gone, or that takes nothing any more, is then told.
+        socket.router_mandatory = True
+        if keys:
+            socket.curve_server = True
+            socket.curve_publickey, socket.curve_secretkey = keys.public, keys.secret
+        socket.bind(where)
+    return socket
+
+
+def calling(
+    context: "zmq.Context[Any]", address: str, keys: Keys | None, master: str, limit: int
+) -> Any:
+    """A node's socket, which calls until the master answers."""
+    where = endpoint(address, keys)
+    socket = _socket(context, zmq.DEALER, limit)
+    with _closed_if_not(socket, f"address {address}: cannot call there"):
+        socket.immediate = True  # what is said while nobody listens is not kept
+        socket.reconnect_ivl, socket.reconnect_ivl_max = 100, 1000
+        if keys:
+            socket.curve_serverkey = keys.others[master]
+            socket.curve_publickey, socket.curve_secretkey = keys.public, keys.secret
+        socket.connect(where)
+    return socket
+
+
+def failures(socket: Any) -> Any:
+    """A socket that tells of handshakes that failed; see `failed`."""
+    return socket.get_monitor_socket(AUTH | PROTOCOL | NO_DETAIL)
+
+
+def failed(monitor: Any) -> int:
+    """Why the next handshake failed: AUTH, PROTOCOL or NO_DETAIL; 0 if none did."""
+    if not monitor.poll(0):
+        return 0
+    return int(parse_monitor_message(monitor.recv_multipart())["event"])
+
+
+@contextmanager
+def _closed_if_not(socket: Any, fault: str) -> Iterator[None]:
+    """What ZeroMQ refuses is a UserError; the socket is closed, else its context waits for ever."""
+    try:
+        yield
+    except zmq.ZMQError as reason:
+        socket.close(0)
+        raise UserError(f"{fault} ({reason.strerror})") from reason
+
+
+def _socket(context: "zmq.Context[Any]", kind: int, limit: int) -> Any:
+    socket: Any = context.socket(kind)
+    socket.ipv6 = True
+    socket.linger = LINGER_MS
+    socket.maxmsgsize = limit
+    socket.sndhwm = socket.rcvhwm = BACKLOG
+    socket.handshake_ivl = HANDSHAKE_MS
+    socket.heartbeat_ivl, socket.heartbeat_timeout = HEARTBEAT_MS, HEARTBEAT_TIMEOUT_MS
+    return socket

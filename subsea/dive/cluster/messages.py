@@ -1,0 +1,163 @@
+"""What master and nodes say to each other: small structures with strict types and limits.
+
+Every message begins with MAGIC and the number of the protocol, so that another version is told
+in words and anything else is known for garbage at once. The rest is MessagePack, decoded into
+these structures and nothing else.
+"""
+
+from collections.abc import Sequence
+from typing import Annotated, TypeVar
+
+import msgspec
+import numpy as np
+
+from subsea.core.errors import UserError
+from subsea.submarine.helm import Helm
+from subsea.submarine.rail import Rail
+
+PROTOCOL = 3
+MAGIC = b"subsea\x00" + PROTOCOL.to_bytes(1, "little")
+SMALL = 4096  # bytes; all messages but the state of a dive are smaller
+MAX_HELMS = 16  # ticks in a picture
+
+T = TypeVar("T")
+Name = Annotated[str, msgspec.Meta(pattern=r"^[\w.+-]{1,64}\Z")]
+Words = Annotated[str, msgspec.Meta(max_length=1000)]
+Hash = Annotated[str, msgspec.Meta(max_length=64)]
+Count = Annotated[int, msgspec.Meta(ge=0, le=2**48)]
+Share = Annotated[float, msgspec.Meta(ge=0, le=1)]
+Command = Annotated[float, msgspec.Meta(ge=-1, le=1)]
+Amount = Annotated[float, msgspec.Meta(ge=-1e6, le=1e6)]  # cm, cm/s or rad
+HelmRow = tuple[Command, Command, Command, Command, bool]
+RailRow = tuple[Amount, Amount, Amount, Amount, Amount, Amount, Amount, Amount, bool]
+
+
+class Message(msgspec.Struct, forbid_unknown_fields=True, tag=str.lower):
+    """What all have in common."""
+
+
+class Identity(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """What must be equal for two computers to show one dive: see `dive/cluster/identity.py`."""
+
+    version: Name  # of subsea
+    title: Annotated[str, msgspec.Meta(max_length=200)]  # of the scenario, to be told
+    scenario: Hash
+    seed: Count
+    species: Hash
+    repertoires: Hash
+    sea: Hash  # of everything that was made of those
+    view: Hash  # of all that decides how pictures of it meet
+
+
+class Hello(Message):
+    """From a node: it wants the state, unless it is in this `dive` already."""
+
+    node: Name
+    identity: Identity
+    dive: Hash = ""
+
+
+class Drawn(Message):
+    """From a node: its picture of this number is ready to be shown."""
+
+    number: Count
+
+
+class Diverged(Message):
+    """From a node: its world is not the master's, and it wants the state."""
+
+    tick: Count
+
+
+class State(Message):
+    """To a node: the world after the picture of this number; see `subsea/world/snapshot.py`."""
+
+    dive: Hash
+    number: Count
+    snapshot: bytes
+
+
+class Picture(Message):
+    """To all nodes: the ticks to make, what the pilot asks for in each, and when to look."""
+
+    number: Count
+    tick: Count  # before them
+    alpha: Share  # the point between the last two ticks at which to draw
+    helms: Annotated[list[HelmRow], msgspec.Meta(max_length=MAX_HELMS)]
+    # Of a tour: position, velocity, heading, pitch and cut after each tick; these come first.
+    rails: Annotated[list[RailRow], msgspec.Meta(max_length=MAX_HELMS)] = []
+    checksum: Hash = ""  # of the world before them, or nothing
+    lights: bool = False  # of the submarine, whether they are on
+
+
+class Swap(Message):
+    """To all nodes: show the picture of this number. Told again while the others are waited for."""
+
+    number: Count
+
+
+class Refused(Message):
+    """To a node: why it may not take part."""
+
+    reason: Words
+
+
+FromNode = Hello | Drawn | Diverged
+FromMaster = State | Picture | Swap | Refused
+
+_from_node: msgspec.msgpack.Decoder[FromNode] = msgspec.msgpack.Decoder(FromNode)
+_from_master: msgspec.msgpack.Decoder[FromMaster] = msgspec.msgpack.Decoder(FromMaster)
+
+
+def encode(message: FromNode | FromMaster) -> bytes:
+    """The bytes that are sent."""
+    return MAGIC + msgspec.msgpack.encode(message)
+
+
+def from_node(data: bytes) -> FromNode:
+    """What a node said; anything else is a UserError."""
+    return _decode(data, _from_node)
+
+
+def from_master(data: bytes) -> FromMaster:
+    """What the master said; anything else is a UserError."""
+    return _decode(data, _from_master)
+
+
+def ticks_of(picture: Picture) -> list[Helm | Rail]:
+    """What the submarine does in each tick."""
+    carried = [
+        Rail(np.array(row[:3]), np.array(row[3:6]), row[6:8], row[8]) for row in picture.rails
+    ]
+    return [*carried, *(Helm(*row) for row in picture.helms)]
+
+
+def picture_of(
+    number: int, tick: int, alpha: float, ticks: Sequence[Helm | Rail], checksum: str,
+    lights: bool = False,
+) -> Picture:  # fmt: skip
+    """The message that says so; rails after a helm are not foreseen."""
+    rails = [_rail_row(one) for one in ticks if isinstance(one, Rail)]
+    helms = [_helm_row(one) for one in ticks if isinstance(one, Helm)]
+    return Picture(number, tick, float(alpha), helms, rails, checksum, lights)
+
+
+def _helm_row(helm: Helm) -> HelmRow:
+    surge, yaw, pitch, heave = (min(max(float(share), -1.0), 1.0) for share in helm[:4])
+    return surge, yaw, pitch, heave, bool(helm.full_stop)
+
+
+def _rail_row(rail: Rail) -> RailRow:
+    (x, y, z), (u, v, w) = map(float, rail.position), map(float, rail.velocity)
+    return x, y, z, u, v, w, float(rail.angles[0]), float(rail.angles[1]), bool(rail.cut)
+
+
+def _decode(data: bytes, decoder: msgspec.msgpack.Decoder[T]) -> T:
+    if data[: len(MAGIC) - 1] != MAGIC[:-1] or len(data) < len(MAGIC):
+        raise UserError("what was received is no message of subsea")
+    if data[len(MAGIC) - 1] != PROTOCOL:
+        raise UserError(f"speaks protocol {data[len(MAGIC) - 1]}, expected {PROTOCOL}")
+    try:
+        return decoder.decode(data[len(MAGIC) :])
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as fault:
+        raise UserError(f"what was received is no message of subsea ({fault})") from fault

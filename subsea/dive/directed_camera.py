@@ -1,0 +1,247 @@
+"""The camera that directions cue: where each wants it, and a soft way there.
+
+Nothing is remembered here. What is cued is in the state of the world, and the way goes on from
+where the submarine is, as fast as it is: after time went back, and after a hand had the helm, too.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.core.errors import UserError, unknown
+from subsea.directing import latest
+from subsea.dive.captions import shown_s
+from subsea.dive.tour import DETOUR_CM, DETOURS, MARGIN_CM, Steer, guide, hidden
+from subsea.geometry.height_field import height_at
+from subsea.geometry.rotation import matrix
+from subsea.geometry.vector import vector
+from subsea.habitat.solids import clearance, out_of_solids
+from subsea.scenario.directions import Camera, Direction
+from subsea.scenario.schema import AUTOPILOT, DIRECTED, Scenario
+from subsea.state import HULL_CM, Submarine
+from subsea.submarine.course import Course, angles_of, course_of, middle_of, rail_at
+from subsea.submarine.helm import STATION, Helm
+from subsea.submarine.hull import ACCELERATION_CM_S2, AHEAD_CM_S, keep_clear
+from subsea.submarine.rail import Rail, board
+from subsea.view.rig import Pose
+from subsea.world.world import TICK_S, World
+
+Array = NDArray[np.floating[Any]]
+
+LOOK_S = 6.0  # so long a camera that has arrived is looked through, if nobody says
+SHORTEST_S = 1.2  # in which what is left of a way is gone at least: so softly it follows fishes
+LEAP_CM = 30.0
+ON_RAILS_CM = 0.5  # who is so near to a tour follows it to the letter
+HASTE = 1.6  # a way that is begun and ended softly is so much faster in between than on average
+AROUND = [math.radians(side * turn) for turn in range(0, 181, 20) for side in (1, -1)]
+RISES = (0.0, 0.4, 0.9)  # tangents: so much higher it looks on where something is in its way
+SLOPES = -0.15, 0.35  # of what it looks at, as seen from the side it is on: neither far ...
+BEHIND = 0.25  # ... and from behind
+
+
+class Wish(NamedTuple):
+    """Where the camera of a cue is to be, how it moves there, and how it looks."""
+
+    place: Array  # (3,) cm
+    velocity: Array  # (3,) cm/s
+    target: Array | None  # (3,) cm, what it looks at ...
+    angles: tuple[float, float] = (0.0, 0.0)  # ... or rad, heading and pitch
+
+
+def is_directed(scenario: Scenario) -> bool:
+    """Whether a direction of the scenario cues a camera."""
+    return any(one.camera is not None for one in scenario.direction)
+
+
+def check_tour(scenario: Scenario, tour: str) -> None:
+    """A UserError unless there is such a tour: the autopilot, by directions, or by name."""
+    if tour == DIRECTED and not is_directed(scenario):
+        raise UserError("tour 'directed': no [[direction]] of this scenario has a `camera`")
+    known = [AUTOPILOT, *[DIRECTED] * is_directed(scenario), *(one.name for one in scenario.tour)]
+    if tour not in known:
+        raise unknown("tour", tour, known)
+
+
+def guided(world: World, tour: str) -> Steer:
+    """Who takes the submarine along on a tour that `check_tour` lets pass, from its beginning."""
+    if tour == DIRECTED:
+        return directed(world)
+    return guide(world, None if tour == AUTOPILOT else course_of(world.scenario, tour))
+
+
+def is_over(world: World) -> bool:
+    """Whether a direction has ended the film, or all cameras and captions were shown to their end.
+
+    Those that come again and again need not do so.
+    """
+    scenario, log = world.scenario, world.state.directions
+    if any(one.end for one in scenario.direction):
+        return any(one.end and log.began[k] >= 0 for k, one in enumerate(scenario.direction))
+    for k, one in enumerate(scenario.direction):
+        if one.camera is None and one.caption is None:
+            continue
+        gone_s = (world.state.tick - int(log.began[k])) * TICK_S
+        repeats = one.every_s is not None or not one.once
+        if log.began[k] < 0 or (gone_s < _lasts_s(scenario, one) and not repeats):
+            return False
+    return True
+
+
+def leapt(before: Pose | None, now: Pose, elapsed_s: float) -> bool:
+    """Whether an eye was elsewhere `elapsed_s` ago than from where a hull comes: a cut."""
+    if before is None:
+        return False
+    return bool(np.linalg.norm(now.eye - before.eye) > LEAP_CM + 2.0 * AHEAD_CM_S * elapsed_s)
+
+
+def _lasts_s(scenario: Scenario, one: Direction) -> float:
+    """How long what a direction shows is worth seeing."""
+    words_s = 0.0 if one.caption is None else shown_s(one.caption, one.for_s)
+    if one.camera is None:
+        return words_s
+    if one.camera.tour is not None:
+        return max(words_s, course_of(scenario, one.camera.tour).seconds)
+    return max(words_s, one.camera.over_s + (LOOK_S if one.for_s is None else one.for_s))
+
+
+def directed(world: World) -> Steer:
+    """Who takes the submarine where the latest direction wants its camera; station before that.
+
+    Where the first is a cut it is there at once.
+    """
+    tours = {one.camera.tour for one in world.scenario.direction if one.camera is not None}
+    courses = {name: course_of(world.scenario, name) for name in tours if name is not None}
+
+    def steer(world: World) -> Helm | Rail:
+        cue = latest(world.scenario, world.state, "camera")
+        return STATION if cue is None else _toward(world, cue, courses)
+
+    begin = steer(world)
+    if isinstance(begin, Rail) and begin.cut:
+        board(world.state.submarine, begin, begin)
+    return steer
+
+
+def _toward(world: World, cue: int, courses: Mapping[str, Course]) -> Rail:
+    """Where the submarine is a tick later on its way to where a direction wants it."""
+    camera = world.scenario.direction[cue].camera
+    assert camera is not None
+    since = world.state.tick - int(world.state.directions.began[cue])  # ticks, 1 at first
+    wish = _wish(world, cue, camera, courses)
+    cut = since == 1 and camera.over_s == 0.0
+    if camera.tour is not None and not cut:
+        gone_s = since * TICK_S  # a tick ago, for those that are on their rails
+        on = rail_at(courses[camera.tour], world.state, gone_s).position
+        if float(np.linalg.norm(on - world.state.submarine.position)) < ON_RAILS_CM:
+            return Rail(wish.place, wish.velocity, wish.angles)
+    place, velocity = _clear(world, wish.place), wish.velocity
+    if not cut:
+        place, velocity = _nearer(world, wish, camera.over_s - since * TICK_S)
+    angles = wish.angles
+    if wish.target is not None:
+        angles = angles_of(wish.target - place, world.state)
+    return Rail(place, velocity, angles, cut)
+
+
+def _wish(world: World, cue: int, camera: Camera, courses: Mapping[str, Course]) -> Wish:
+    """What a direction's camera is to be now; where it is, if there is nothing left to follow."""
+    boat, log = world.state.submarine, world.state.directions
+    if camera.tour is not None:
+        gone_s = (world.state.tick + 1 - int(log.began[cue])) * TICK_S
+        rail = rail_at(courses[camera.tour], world.state, gone_s)
+        return Wish(rail.position, rail.velocity, None, rail.angles)
+    still = np.zeros(3)
+    stands = None if camera.position_cm is None else np.array(camera.position_cm)
+    if camera.look_at_cm is not None:
+        assert stands is not None
+        return Wish(stands, still, np.array(camera.look_at_cm))
+    fishes = world.state.fishes
+    shown = log.cast[cue] if camera.follow == "cast" else world.script.acts[cue].shown
+    shown = shown[shown >= 0]
+    shown = shown[fishes.alive[shown]]
+    if not len(shown):
+        angles = float(boat.angles[0]), float(boat.angles[1])
+        return Wish(boat.position.copy() if stands is None else stands, still, None, angles)
+    target = middle_of(fishes.position[shown], boat.position if stands is None else stands)
+    if stands is not None:
+        return Wish(stands, still, target)
+    if camera.behind:
+        ahead = matrix(fishes.orientation[shown])[..., 0]
+        way, slope = -ahead.sum(axis=0), BEHIND
+    else:
+        way = boat.position - target
+        slope = float(np.clip(way[2] / max(math.hypot(way[0], way[1]), 1.0), *SLOPES))
+    place = _beside(world, target, way, slope, camera.distance_cm)
+    velocity = fishes.velocity[shown].astype(np.float64).mean(axis=0)
+    return Wish(place, velocity, target)
+
+
+def _beside(world: World, target: Array, way: Array, slope: float, far: float) -> Array:
+    """A free place `far` from a target, about the `way` from it, from where the target is seen.
+
+    Where there is none, that where the submarine is.
+    """
+    sea, bounds = world.state.sea, world.scenario.bounds
+    bearing = math.atan2(way[1], way[0])
+    for rise in RISES:
+        for turn in AROUND:
+            side = np.array([math.cos(bearing + turn), math.sin(bearing + turn), slope + rise])
+            place = target + far / np.linalg.norm(side) * side
+            floor = height_at(sea.floor, sea.half_width, place[0], place[1])
+            place[2] = min(max(place[2], floor + HULL_CM + MARGIN_CM), -HULL_CM)
+            free = clearance(sea.pillars, sea.rocks, vector(place)) > HULL_CM + MARGIN_CM
+            inside = math.hypot(place[0], place[1]) < bounds.radius_cm - HULL_CM
+            if free and inside and not hidden(world, vector(place), vector(target), MARGIN_CM):
+                return place
+    return world.state.submarine.position.copy()
+
+
+def _nearer(world: World, wish: Wish, left_s: float) -> tuple[Array, Array]:
+    """Place and velocity a tick later on the softest way to a wish that takes so long, or longer.
+
+    The way is the cubic through both ends with their velocities; nothing solid is touched.
+    """
+    boat, sea = world.state.submarine, world.state.sea
+    place, speed = wish.place, wish.velocity
+    if hidden(world, vector(place), vector(boat.position), HULL_CM):
+        place, speed = _detour(world, place), np.zeros(3)
+    gap = place - boat.position
+    left = max(left_s, HASTE * float(np.linalg.norm(gap)) / AHEAD_CM_S, SHORTEST_S)
+    push = 6.0 * (gap + left * speed) / left**2 - (4.0 * boat.velocity + 2.0 * speed) / left
+    push *= min(1.0, ACCELERATION_CM_S2 / max(float(np.linalg.norm(push)), 1e-9))
+    velocity = boat.velocity + TICK_S * push
+    velocity *= min(1.0, AHEAD_CM_S / max(float(np.linalg.norm(velocity)), 1e-9))
+    later = Submarine(position=boat.position.copy(), velocity=velocity)
+    keep_clear(
+        later, lambda x, y: height_at(sea.floor, sea.half_width, x, y), world.scenario.bounds,
+        sea.pillars, sea.rocks,
+    )  # fmt: skip
+    return _clear(world, boat.position + TICK_S * later.velocity), later.velocity
+
+
+def _clear(world: World, place: Array) -> Array:
+    """The place, or the nearest that touches nothing."""
+    half = 0.5 * HULL_CM
+    return np.array(out_of_solids(world.state.sea, vector(place), half, half, half))
+
+
+def _detour(world: World, place: Array) -> Array:
+    """A place on a free way round what stands between the submarine and a place."""
+    sea, boat = world.state.sea, world.state.submarine
+    ahead = (place - boat.position) / np.linalg.norm(place - boat.position)
+    left = np.array([-ahead[1], ahead[0], 0.0]) / max(math.hypot(ahead[0], ahead[1]), 1e-6)
+    sides = sorted(
+        (np.cross(ahead, left), left, -left), key=lambda side: -round(float(side @ boat.velocity))
+    )
+    for angle in DETOURS:
+        for side in sides:  # rather on where it goes round it already
+            tip = boat.position + DETOUR_CM * (math.cos(angle) * ahead + math.sin(angle) * side)
+            floor = height_at(sea.floor, sea.half_width, tip[0], tip[1])
+            free = floor + HULL_CM < tip[2] < -HULL_CM
+            free = free and math.hypot(tip[0], tip[1]) < world.scenario.bounds.radius_cm - HULL_CM
+            if free and not hidden(world, vector(tip), vector(boat.position), HULL_CM):
+                return np.asarray(tip)
+    return place

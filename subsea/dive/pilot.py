@@ -1,0 +1,206 @@
+"""From hands to helm: what pointer, buttons, wheel, keys and sticks ask of the submarine.
+
+Nothing here knows the window library. The pilot hears which inputs ask for which actions, and of
+a pointer in [-1, 1] from the middle of the window (x right, y up), and gives one Helm a tick.
+"""
+
+import math
+from copy import copy
+
+from subsea.dive.bindings import Action
+from subsea.dive.settings import USUAL, Settings
+from subsea.submarine.helm import Helm
+
+DEAD_ZONE = 0.10  # of half the window: here the submarine keeps its course
+CURVE = 1.6  # exponent of the answer: fine near the middle, strong at the edge
+MOUSE_PITCH = 0.75  # the pointer at the edge asks for this share of the steepest pitch
+WHEEL_STEP = 0.125  # of full thrust a notch
+TAKE_S = 1.2  # the pointer takes the helm gradually, so entering the window is no jolt
+RELEASE_S = 0.35
+SMOOTH_S = 0.12  # keys are on or off; the helm is not
+HAND_MOVED = 0.01  # of half the window: less is a nudged table
+STICK_MOVED = 0.15  # of its way: less is no hand that asks for something else after a full stop
+
+
+class Pilot:
+    """Holds what the visitor's hands do now, and hands out the helm.
+
+    The last hand to move steers: a steering key takes the helm from a resting pointer, a
+    moved pointer takes it back. A full stop holds until any hand asks for something else.
+    """
+
+    def __init__(self, settings: Settings = USUAL) -> None:
+        """Hands off: no pointer, nothing held, no speed set."""
+        self.settings, self.bindings = settings, settings.bindings
+        self._pointer: tuple[float, float] | None = None
+        self._rested: tuple[float, float] | None = None  # where the pointer lost the helm
+        self._held: dict[str, tuple[Action, float]] = {}  # by inputs: what they ask, how much
+        self._stopped: dict[str, float] = {}  # inputs that were held when a full stop began
+        self._throttle = 0.0
+        self._stopping = False
+        self._grip = 0.0
+        self._smooth = Helm()
+        self._stirred = False
+        self._riding = False
+
+    @property
+    def riding(self) -> bool:
+        """Whether the submarine is left alone, and hands turn the gaze of a fish."""
+        return self._riding
+
+    def ride(self, riding: bool) -> None:
+        """Mount a fish, or come back: the submarine stops and waits."""
+        self._riding = riding
+        self.full_stop()
+
+    @property
+    def glance(self) -> tuple[float, float]:
+        """How fast the keys turn the gaze of who is ridden: right and up, in [-1, 1]."""
+        return self._axis("right", "left"), self._axis("up", "down")
+
+    @property
+    def throttle(self) -> float:
+        """The speed set with the wheel, as a share of full thrust in [-1, 1]."""
+        return self._throttle
+
+    @property
+    def stopping(self) -> bool:
+        """Whether a full stop holds."""
+        return self._stopping
+
+    def point(self, x: float, y: float) -> None:
+        """The pointer is at (x, y) in [-1, 1]² from the middle of the window."""
+        here = (min(max(x, -1.0), 1.0), min(max(y, -1.0), 1.0))
+        if self._pointer is None:
+            self._rested = here  # it entered, or was there at the start: wait for a movement
+        self._pointer = here
+        if self._rested is not None and math.dist(here, self._rested) > HAND_MOVED:
+            self._rested = None
+            self._stopping = False
+
+    def leave(self) -> None:
+        """The pointer has left the window."""
+        self._pointer = None
+        self._rested = None
+
+    def wheel(self, notches: float) -> None:
+        """The wheel turned by `notches`, away from the hand positive: set a lasting speed."""
+        self._stopping = False
+        self._throttle = min(max(self._throttle + notches * WHEEL_STEP, -1.0), 1.0)
+
+    def hold(self, action: Action, name: str, amount: float = 1.0) -> None:
+        """The input `name` asks for `action`, with `amount` in [0, 1] of its strength."""
+        if amount <= 0.0:
+            self.release(name)
+            return
+        if abs(amount - self._stopped.get(name, math.inf)) < STICK_MOVED:
+            return
+        self._stopped.pop(name, None)
+        if action == "full stop":
+            self._held[name] = action, amount
+            self.full_stop()
+            return
+        self._held[name] = action, min(amount, 1.0)
+        self._stopping = False
+        if action in ("ahead", "astern"):
+            self._throttle = 0.0  # a hand that goes ahead outranks the speed set before
+        if action in ("left", "right", "up", "down"):
+            self._rested = self._pointer
+
+    def release(self, name: str) -> None:
+        """The input `name` asks for nothing any more."""
+        self._held.pop(name, None)
+        self._stopped.pop(name, None)
+
+    def stir(self) -> None:
+        """A hand has done something, whatever that means."""
+        self._stirred = True
+
+    def stirred(self) -> bool:
+        """Whether a hand has done anything since the last call."""
+        stirred, self._stirred = self._stirred, False
+        return stirred
+
+    def hands_off(self) -> None:
+        """Nobody is at the helm: nothing is set, held or pointed at until a hand moves."""
+        self.full_stop()
+        self._stopping, self._smooth = False, Helm()
+
+    def full_stop(self) -> None:
+        """Brake, level, hold the heading, until a hand asks for something else."""
+        self._stopping = True
+        self._throttle = 0.0
+        self._rested = self._pointer
+        self._grip = 0.0
+        self._stopped |= {name: amount for name, (_, amount) in self._held.items()}
+        self._held.clear()
+
+    def let_go(self) -> None:
+        """The window lost the keyboard: nothing counts as held any more."""
+        self._held.clear()
+        self._stopped.clear()
+        self.leave()
+
+    def helm(self, dt: float) -> Helm:
+        """What the submarine is asked for over the next `dt` seconds."""
+        if self._riding:
+            self._smooth = Helm(full_stop=True)
+            return self._smooth
+        return self.asked(dt)
+
+    def foreseen(self, dt: float) -> Helm:
+        """What `helm` would say, without that any time has passed."""
+        return copy(self).helm(dt)
+
+    def asked(self, dt: float) -> Helm:
+        """What the hands ask for over the next `dt` seconds, of whatever they steer."""
+        if self._stopping:
+            self._smooth = Helm(full_stop=True)
+            return self._smooth
+        steering = self._pointer is not None and self._rested is None
+        step = dt / TAKE_S if steering else -dt / RELEASE_S
+        self._grip = min(max(self._grip + step, 0.0), 1.0)
+        x, y = self._pointer or (0.0, 0.0)
+        # With both buttons down the pointer lifts and lowers.
+        lift = {"ahead", "astern"} <= {
+            action for name, (action, _) in self._held.items() if name.startswith("mouse")
+        }
+        mouse, share = self.settings.mouse, self.settings.comfort.acceleration
+        across, up = (self._grip * _answer(mouse.sensitivity * offset) for offset in (x, y))
+        turn = across if mouse.steer else 0.0
+        nose = up if mouse.steer and not lift else 0.0
+        surge = 0.0 if lift else self._axis("ahead", "astern")
+        asked = Helm(
+            surge=share * _limited(self._throttle + surge),
+            yaw=share * _limited(self._axis("left", "right") - turn),
+            pitch=_limited(
+                self._axis("up", "down") + MOUSE_PITCH * (-nose if mouse.invert_pitch else nose)
+            ),
+            heave=share * _limited(self._axis("rise", "dive") + (up if lift else 0.0)),
+        )
+        eased = 1.0 - math.exp(-dt / SMOOTH_S)
+        old = self._smooth
+        self._smooth = Helm(
+            surge=old.surge + eased * (asked.surge - old.surge),
+            yaw=old.yaw + eased * (asked.yaw - old.yaw),
+            pitch=old.pitch + eased * (asked.pitch - old.pitch),
+            heave=old.heave + eased * (asked.heave - old.heave),
+        )
+        return self._smooth
+
+    def _axis(self, positive: Action, negative: Action) -> float:
+        return self._amount(positive) - self._amount(negative)
+
+    def _amount(self, action: Action) -> float:
+        """How much the input asks that asks most for it."""
+        return max((share for held, share in self._held.values() if held == action), default=0.0)
+
+
+def _answer(offset: float) -> float:
+    """The helm in [-1, 1] for a pointer at `offset`; zero in the dead zone, smooth."""
+    beyond = max(min(abs(offset), 1.0) - DEAD_ZONE, 0.0) / (1.0 - DEAD_ZONE)
+    return math.copysign(beyond**CURVE, offset)
+
+
+def _limited(value: float) -> float:
+    return min(max(value, -1.0), 1.0)

@@ -1,0 +1,75 @@
+"""What pictures of a fish's eyes tell: what each pixel shows, as numbers and colours; the light."""
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.frame.packet import pack
+from subsea.render import Renderer
+from subsea.render.gl.id_buffer import KINDS, Seen
+from subsea.view.retina import Rider, retina_rig, retinal_views
+from subsea.world.world import World
+
+Array = NDArray[np.floating[Any]]
+Ints = NDArray[np.integer[Any]]
+
+SIDES = "left", "right"
+# Values of identity maps: of the first of each kind; what has no number has one value.
+VALUES = {
+    "water": 0, "surface": 1, "seabed": 2, "seaweed": 3, "bubbles": 4, "hook": 5,
+    "pillar": 100, "rock": 300, "coral": 1000, "fish": 10000,
+}  # fmt: skip
+FIRST = np.array([VALUES[kind] for kind in KINDS], np.int32)
+MOST_FISHES = 2**16 - VALUES["fish"]  # that a map of 16 bits can tell apart
+PLAIN = {
+    "surface": (0.20, 0.24, 0.24), "seabed": (0.42, 0.38, 0.26), "seaweed": (0.16, 0.46, 0.14),
+    "bubbles": (0.90, 0.90, 0.90), "hook": (0.95, 0.90, 0.20),
+}  # fmt: skip
+SEEN_SIZE = 48, 48  # pixels of the retinae whose brightness a fish goes by
+
+
+def seen_brightness(renderer: Renderer, world: World, by: Rider) -> float:
+    """Mean brightness, 0 to 1, of what a fish sees at the present tick, looking ahead (Tu §6.2).
+
+    The mean value of the two pictures as a screen would show them; it depends on nothing but the
+    world and the quality of the renderer, and what that draws next does not depend on it.
+    """
+    rig = retina_rig(SEEN_SIZE, by.half_cm)
+    with renderer.apart(rig):
+        renderer.draw(pack(world, retinal_views(world, by, rig, 1.0), 1.0))
+        return float(np.mean([renderer.read_pixels(side) for side in range(len(SIDES))]) / 255.0)
+
+
+def velocity_of(world: World, fish: int) -> tuple[float, float, float]:
+    """How fast a fish goes, cm/s, world."""
+    x, y, z = world.state.fishes.velocity[fish].tolist()
+    return x, y, z
+
+
+def values_of(seen: Seen) -> Ints:
+    """The values (h, w) of an identity map."""
+    return np.asarray(FIRST[seen.kind] + seen.number)
+
+
+def coded(value: Ints) -> NDArray[np.uint8]:
+    """Colours (h, w, 3) of identities (h, w): fishes in reds, what stands in blues (Tu §6.7)."""
+    # Neighbours in number are far apart in shade.
+    shade = 0.35 + 0.65 * (value * 0.6180339887 % 1.0)
+    tint = value * 0.7548776662 % 1.0
+    red = np.stack([shade, 0.45 * tint * shade, 0.25 * shade], axis=-1)
+    blue = np.stack([0.25 * tint * shade, 0.45 * tint * shade, shade], axis=-1)
+    violet = np.stack([0.45 * shade, 0.75 * tint * shade, shade], axis=-1)
+    rgb = np.zeros((*value.shape, 3))
+    for name, colour in PLAIN.items():
+        rgb[value == VALUES[name]] = colour
+    for name, colours in (("pillar", blue), ("coral", violet), ("fish", red)):
+        rgb = np.where((value >= VALUES[name])[..., None], colours, rgb)
+    return np.asarray(np.rint(255.0 * rgb), np.uint8)
+
+
+@cache
+def codes() -> NDArray[np.uint8]:
+    """The colours (65536, 3) of every value that a map of 16 bits has."""
+    return coded(np.arange(2**16))

@@ -1,0 +1,212 @@
+"""A ride on a fish: the sea from between its eyes, and what both of them see (Tu §6.7, §9.3)."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.behavior.table import BEHAVIORS
+from subsea.dive.retina_images import MOST_FISHES, SIDES, VALUES, codes, values_of
+from subsea.render.gl.id_buffer import Seen
+from subsea.state import MENTAL_STATES
+from subsea.view.camera import View
+from subsea.view.follow import Camera, followed
+from subsea.view.retina import Gaze, body_at, retina_rig, ridden, rider
+from subsea.view.rig import (
+    Patch,
+    Pose,
+    Rect,
+    Rig,
+    brought_together,
+    front,
+    seen_part,
+    views,
+)
+from subsea.world.world import TICK_S, World
+
+Array = NDArray[np.floating[Any]]
+Look = Literal["colours", "identity", "range"]
+LOOKS: tuple[Look, ...] = ("colours", "identity", "range")
+
+WIDE, ASPECT, EDGE = 0.27, 4 / 3, 0.02  # of an inset: share of the screen; its shape; its margin
+STEADY_S, LEVEL_S = 0.35, 0.8  # in which the view follows the way the fish heads, and its roll
+GLANCE_DEG_S = 60.0
+MOST_PAN_DEG, MOST_TILT_DEG = 120.0, 70.0
+LINE = np.array([[[0.0, 0.0, 0.0, 0.75]]])  # the mask of the frame round an inset: all is light
+GREY_CM = 250.0  # over which what is farther gets darker by a factor e
+
+
+class Ride:
+    """Whom the visitor rides, where its eyes look, and how that is shown."""
+
+    def __init__(self, world: World, fish: int, behind: bool = False) -> None:
+        """On a fish of the world, looking straight ahead; or `behind` it, following."""
+        self.by = rider(world, fish)
+        self.gaze = Gaze()
+        self.behind = behind  # whether it is followed, rather than looked through its eyes
+        self._camera: Camera | None = None  # that follows it
+        self._at_s = 0.0
+        self._axes: Array | None = None  # forward and up, as they are followed
+
+    def look_from(self, behind: bool) -> None:
+        """See it from behind, or what it sees."""
+        self.behind, self._camera, self._axes = behind, None, None
+
+    def glance(self, right: float, up: float, dt: float) -> None:
+        """Turn the gaze, at shares of full speed in [-1, 1], for `dt` seconds."""
+        pan = self.gaze.pan_deg + right * GLANCE_DEG_S * dt
+        tilt = self.gaze.tilt_deg + up * GLANCE_DEG_S * dt
+        self.gaze = Gaze(
+            float(np.clip(pan, -MOST_PAN_DEG, MOST_PAN_DEG)),
+            float(np.clip(tilt, -MOST_TILT_DEG, MOST_TILT_DEG)),
+        )
+
+    def observer(self, world: World, alpha: float) -> Pose:
+        """Between the fish's eyes, as calm as a rider wants it: beat and roll are damped.
+
+        Or behind it, if it is followed.
+        """
+        if self.behind:
+            self._camera, pose = followed(world, self.by.fish, alpha, self._camera)
+            return pose
+        now = (world.state.tick - 1 + alpha) * TICK_S
+        looking = ridden(world, self.by, alpha)
+        axes = np.stack([looking.forward, looking.up])
+        if self._axes is None or not 0.0 <= now - self._at_s < 1.0:
+            self._axes = np.stack([looking.forward, [0.0, 0.0, 1.0]])  # level at first
+            self._at_s = now
+        share = 1.0 - np.exp(-(now - self._at_s) / np.array([STEADY_S, LEVEL_S]))
+        self._axes = self._axes + share[:, None] * (axes - self._axes)
+        self._at_s = now
+        forward = self._axes[0] / np.linalg.norm(self._axes[0])
+        up = self._axes[1] - forward * (self._axes[1] @ forward)
+        if np.linalg.norm(up) < 1e-3:  # it went over head and heels
+            self._axes, forward, up = axes, looking.forward, looking.up
+        up = up / np.linalg.norm(up)
+        origin, _ = body_at(world, self.by.fish, alpha)
+        # The head swings about the body: on its mean way it is straight ahead.
+        return Pose(origin + ((looking.eye - origin) @ looking.forward) * forward, forward, up)
+
+    def views(
+        self, world: World, rig: Rig, insets: Sequence[Rect], alpha: float
+    ) -> tuple[View, ...]:
+        """Those of a rig that hangs on the fish, then those of its eyes in the `insets`, if any.
+
+        Eyes of a rig that looks through the fish's are no farther apart than these: two that are
+        could not be brought to bear on its neighbours.
+        """
+        near = rig if self.behind else brought_together(rig, self.by.half_cm)
+        seen = [
+            view if self.behind else replace(view, without=self.by.fish)
+            for view in views(near, self.observer(world, alpha))
+        ]
+        if insets:
+            eyes = retina_rig(insets[0][2:], self.by.half_cm, self.gaze)
+            for view, inset in zip(views(eyes, ridden(world, self.by, alpha)), insets, strict=True):
+                seen.append(replace(view, viewport=inset, without=self.by.fish))
+        return tuple(seen)
+
+    def text(self, world: World, look: Look, steered: bool = False) -> str:
+        """Whom one rides and what it has in mind, or who steers it, in one line."""
+        fishes, minds, fish = world.state.fishes, world.state.minds, self.by.fish
+        name = world.species[fishes.species[fish]].name
+        state = [f"{one} {x:.0%}" for one, x in zip(MENTAL_STATES, minds.mental[fish], strict=True)]
+        doing = "in your hands" if steered else BEHAVIORS[minds.intention[fish]].name
+        parts = [f"{name} {fish}: {doing}", *state]
+        if self.gaze != Gaze():
+            parts.append(f"gaze {self.gaze.pan_deg:+.0f}° {self.gaze.tilt_deg:+.0f}°")
+        return "   ".join(parts if look == "colours" else [*parts, look])
+
+
+def with_insets(rig: Rig) -> tuple[Rig, tuple[Rect, ...]]:
+    """A rig with a picture of each eye in the upper corners of the screen ahead, for each viewer.
+
+    And where on its canvas both are to be drawn: above all else that is there. Each picture lies
+    on a patch that is a little larger and all light: its frame.
+    """
+    ahead = front(rig)
+    screen = ahead.output, ahead.channel
+    wide = seen_part(ahead)[2] * ahead.squeezed[0]
+    across, up = max(int(WIDE * wide), 16), max(int(WIDE * wide / ASPECT), 12)
+    bottom = rig.canvas[1]
+    insets = tuple((k * across, bottom, across, up) for k in range(len(SIDES)))
+    patches = [
+        Patch(part, inset, inset, output=patch.output, page=patch.page, mask=mask)
+        for patch in rig.patches
+        if (patch.output, patch.channel) == screen
+        for place, inset in zip(places(patch, (across, up)), insets, strict=True)
+        for part, mask in ((framed(place), LINE), (place, None))
+    ]
+    canvas = max(rig.canvas[0], len(SIDES) * across), bottom + up
+    return rig._replace(canvas=canvas, patches=(*rig.patches, *patches)), insets
+
+
+def places(patch: Patch, size: tuple[int, int]) -> tuple[Rect, Rect]:
+    """Where insets of `size` lie over a patch, as squeezed as it is; left and right."""
+    x, y, across, up = seen_part(patch)
+    width, height = (round(a / b) for a, b in zip(size, patch.squeezed, strict=True))
+    aside = round(EDGE * across)
+    below = round(EDGE * across * patch.squeezed[0] / patch.squeezed[1])
+    bottom = y + up - below - height
+    return (x + aside, bottom, width, height), (x + across - aside - width, bottom, width, height)
+
+
+def framed(place: Rect) -> Rect:
+    """A place with the thin line round it."""
+    x, y, width, height = place
+    line = max(height // 150, 1)
+    return x - line, y - line, width + 2 * line, height + 2 * line
+
+
+def joined(insets: Sequence[Rect]) -> Rect:
+    """The part of the canvas in which the insets lie beside each other."""
+    left, bottom, width, height = insets[0]
+    return left, bottom, len(insets) * width, height
+
+
+def pasted(drawn: Rig, rig: Rig, picture: NDArray[np.uint8]) -> tuple[Patch, ...]:
+    """The insets' patches, which `drawn` has more than `rig`, as taken from a picture of both."""
+    height, width = picture.shape[0], picture.shape[1] // len(SIDES)
+    patches = []
+    pictures = (patch for patch in drawn.patches[len(rig.patches) :] if patch.mask is None)
+    for k, patch in enumerate(pictures):
+        source: Rect = (k % len(SIDES) * width, 0, width, height)
+        patches.append(patch._replace(left=source, right=source))
+    return tuple(patches)
+
+
+def pictured(seen: Seen, look: Look) -> NDArray[np.uint8]:
+    """What a map shows, in colours (h, w, 3): identities, or ranges, the farther the darker."""
+    if look == "identity":
+        value, first = values_of(seen), VALUES["fish"]
+        # Of more fishes than have a colour of their own some have the same.
+        return np.asarray(
+            codes()[np.where(value < first, value, first + (value - first) % MOST_FISHES)]
+        )
+    grey = np.rint(255.0 * np.exp(-seen.depth / GREY_CM)).astype(np.uint8)
+    return np.repeat(grey[..., None], 3, axis=2)
+
+
+def nearest_to_middle(world: World, view: View) -> int | None:
+    """The fish that a visitor means who looks at it: nearest to the middle of the picture.
+
+    Of those that the water does not hide; of all, if none of them is in sight. None: there is no
+    living fish but that whose view it is.
+    """
+    fishes = world.state.fishes
+    alive = fishes.alive.copy()
+    if view.without >= 0:
+        alive[view.without] = False
+    if not alive.any():
+        return None
+    way = fishes.position - np.asarray(view.eye, np.float64)
+    x, y, z = view.view[:3, :3].astype(np.float64) @ way.T
+    far = np.linalg.norm(way, axis=1)
+    off = np.hypot(x, y) / np.maximum(-z, 1e-6)
+    seen = alive & (z < 0.0) & (far < world.scenario.water.visibility_cm)
+    seen &= off < np.hypot(1.0 / view.projection[0, 0], 1.0 / view.projection[1, 1])
+    if seen.any():
+        return int(np.argmin(np.where(seen, off, np.inf)))
+    return int(np.argmin(np.where(alive, far, np.inf)))

@@ -1,0 +1,235 @@
+"""The visitor's settings: `settings.toml` in the platform's usual place, or a file by its name."""
+
+import json
+import re
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import msgspec
+import platformdirs
+from msgspec import Meta, inspect
+
+from subsea.core.atomic_io import replacing
+from subsea.core.errors import UserError
+from subsea.core.resources import at_key, load_toml
+from subsea.dive.bindings import CONTROLS, Bindings, bindings_of, input_name
+
+Pixels = Annotated[int, Meta(ge=64, le=8192)]
+
+
+class Mouse(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """The pointer at the helm; its buttons are in `[controls]`."""
+
+    steer: Annotated[bool, Meta(description="whether the submarine turns to the pointer")] = True
+    invert_pitch: Annotated[
+        bool, Meta(description="whether the pointer below the middle lifts the nose")
+    ] = False
+    sensitivity: Annotated[
+        float,
+        Meta(ge=0.2, le=5, description="0.2 to 5: above 1 the pointer need not go to the edge"),
+    ] = 1.0
+
+
+class Gamepad(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """The sticks of a gamepad; what they and its buttons do is in `[controls]`."""
+
+    dead_zone: Annotated[
+        float, Meta(ge=0, le=0.9, description="0 to 0.9: how far a stick moves before it counts")
+    ] = 0.15
+    invert_pitch: Annotated[
+        bool, Meta(description="whether pulling the stick back lifts the nose")
+    ] = False
+    sensitivity: Annotated[
+        float, Meta(ge=0.2, le=5, description="0.2 to 5: above 1 less than a full push is all")
+    ] = 1.0
+
+
+class Comfort(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """For those whom motion on a screen makes ill. The hull never rolls and never jerks."""
+
+    vignette: Annotated[
+        float, Meta(ge=0, le=1, description="0 to 1: how much the rim darkens in fast turns")
+    ] = 0.0
+    horizon: Annotated[bool, Meta(description="a line where the horizon is, when it tilts")] = True
+    acceleration: Annotated[
+        float,
+        Meta(ge=0.1, le=1, description="0.1 to 1: share of the thrust and rudder that hands get"),
+    ] = 1.0
+
+
+class Display(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """The picture, where the command line says nothing else."""
+
+    mode: Annotated[str, Meta(description="as --display: mono, a mode for two eyes, or dome …")] = (
+        "mono"
+    )
+    quality: Annotated[
+        Literal["auto", "low", "medium", "high"],
+        Meta(description="auto, low, medium or high"),
+    ] = "auto"
+    fullscreen: Annotated[bool, Meta(description="whether the dive begins on the full screen")] = (
+        False
+    )
+    size: Annotated[
+        tuple[Pixels, Pixels], Meta(description="of the window: width and height in pixels")
+    ] = (1280, 720)
+
+
+class Attract(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """The tour that begins by itself when nobody steers."""
+
+    after_min: Annotated[
+        float, Meta(ge=0, le=1440, description="minutes without any input; 0: never")
+    ] = 3.0
+    tour: Annotated[
+        str,
+        Meta(description="one of the scenario's, directed, or auto: where something happens"),
+    ] = "auto"
+
+
+class Kiosk(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """What holds with --kiosk only."""
+
+    leave: Annotated[str, Meta(description="the operator's key, which ends the dive")] = (
+        "Ctrl+Shift+Q"
+    )
+
+
+class Pictures(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Pictures and films that are taken during a dive."""
+
+    folder: Annotated[
+        str, Meta(description="where they go; empty: subsea in the user's pictures")
+    ] = ""
+
+
+class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Everything that a settings file may say, with its defaults."""
+
+    # Only what the file names: see `bindings`.
+    controls: dict[str, list[str]] = msgspec.field(default_factory=dict)
+    mouse: Mouse = Mouse()
+    gamepad: Gamepad = Gamepad()
+    comfort: Comfort = Comfort()
+    display: Display = Display()
+    attract: Attract = Attract()
+    kiosk: Kiosk = Kiosk()
+    pictures: Pictures = Pictures()
+
+    @property
+    def bindings(self) -> Bindings:
+        """What every input means."""
+        return bindings_of(self.controls)
+
+
+USUAL = Settings()
+
+
+def settings_path() -> Path:
+    """Where the settings are unless a file is named; it need not be there."""
+    return platformdirs.user_config_path("subsea", appauthor=False) / "settings.toml"
+
+
+def read_settings(path: Path) -> Settings:
+    """The settings of a file. Any fault is a UserError: which key, what was expected."""
+    settings = load_toml(path, Settings)
+    for place, check in (
+        ("controls", lambda: settings.bindings),
+        ("display.mode", lambda: _check_mode(settings.display.mode)),
+        ("kiosk.leave", lambda: input_name(settings.kiosk.leave)),
+    ):
+        try:
+            check()
+        except UserError as fault:
+            named = re.findall(r"'([^']*)'", str(fault)) if place == "controls" else []
+            key = next((f".{one}" for one in reversed(named) if one in settings.controls), "")
+            raise UserError(f"{at_key(path, place + key)}: {fault}, at `{place}`") from None
+    return settings
+
+
+def usual_settings(tell: Callable[[str], None]) -> Settings:
+    """The settings in the usual place, or the defaults.
+
+    A file that makes no sense is kept aside under another name and told in one line; one that
+    cannot be read is told, and left where it is.
+    """
+    path = settings_path()
+    try:
+        path.read_bytes()
+    except (FileNotFoundError, NotADirectoryError):
+        return USUAL
+    except OSError as fault:
+        tell(f"{path}: cannot read ({fault.strerror}); the defaults are used")
+        return USUAL
+    try:
+        return read_settings(path)
+    except UserError as fault:
+        tell(f"{fault}; {_kept_aside(path)}")
+        return USUAL
+
+
+def write_settings(path: Path) -> None:
+    """Write a file with every setting, each as it is by default; one that is there is kept."""
+    if path.exists():
+        raise UserError(f"{path}: is there already, and is kept; delete or rename it first")
+    with replacing(path) as part:
+        part.write_text(default_text(), encoding="utf-8")
+
+
+def default_text() -> str:
+    """A settings file that says what every key is for, and changes nothing."""
+    lines = [
+        "# The settings of subsea. Every line below is as it is without this file:",
+        "# take its first # away and change it.",
+    ]
+    for table in inspect.type_info(Settings).fields:  # type: ignore[attr-defined]
+        lines += ["", f"[{table.encode_name}]", *_rows(table)]
+    return "\n".join(lines) + "\n"
+
+
+def show_settings(write: bool) -> int:
+    """`subsea settings`: say where they are, or write the defaults there; exit code 0."""
+    path = settings_path()
+    if write:
+        write_settings(path)
+    elif path.exists():
+        read_settings(path)
+    print(path if path.exists() else f"{path} (not there; --write makes it)")
+    return 0
+
+
+def _rows(table: Any) -> Iterator[str]:
+    """The lines of a table: what it is for, and its keys."""
+    if table.encode_name == "controls":
+        yield "# What each input does. Keys are named by their place on a US keyboard, alone or as"
+        yield "# Ctrl+Shift+Q; mouse left, right, middle, 4 to 8; the parts of a gamepad as below."
+        for name, control in CONTROLS.items():
+            key = name if name.isidentifier() else json.dumps(name)
+            inputs = json.dumps(list(control.inputs))
+            yield f"# {key} = {inputs}  # {control.what}"
+        return
+    yield f"# {table.type.cls.__doc__}"
+    for field in table.type.fields:
+        default = field.default
+        value = json.dumps(list(default) if isinstance(default, tuple) else default)
+        about = field.type.extra_json_schema or {}
+        yield f"# {field.encode_name} = {value}  # {about['description']}"
+
+
+def _check_mode(mode: str) -> None:
+    from subsea.view.display_rigs import check_display
+
+    check_display(mode)
+
+
+def _kept_aside(path: Path) -> str:
+    """Rename a file to the first `kept-N` that is free; what became of it, in words."""
+    number = 1
+    while (other := path.with_name(f"{path.name}.kept-{number}")).exists():
+        number += 1
+    try:
+        path.rename(other)
+    except OSError as fault:
+        return f"the defaults are used (it cannot be renamed: {fault.strerror})"
+    return f"it is kept as {other.name}, and the defaults are used"

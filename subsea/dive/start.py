@@ -1,0 +1,91 @@
+"""From a scenario's name to a world that is awake, and to pictures without a window."""
+
+import math
+import os
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from subsea.core.console import say
+from subsea.core.kernels.warm_up import precompile
+from subsea.frame.packet import make_scene, pack
+from subsea.scenario.schema import Scenario, load_scenario
+from subsea.submarine.helm import HANDS_OFF
+from subsea.view.display_rigs import cockpit, views_for
+from subsea.view.rig import Rig
+from subsea.world.step import step
+from subsea.world.world import LIVE_REACH_CM, World, create_world
+
+if TYPE_CHECKING:
+    from subsea.render import Renderer
+    from subsea.render.output.quality import Quality
+
+Say = Callable[[str], None]
+
+
+def start_world(
+    scenario: str, seed: int | None = None, fish: int | None = None, tell: Say = say,
+    motor: str | None = None, changes: Sequence[str] = (),
+) -> World:  # fmt: skip
+    """The world of a scenario after its first tick and packet: every kernel is compiled.
+
+    The motor "playback" simulates no fish, "dynamics" every one as soon as its motion allows,
+    None those that the scenario says. `changes` are those of `--set`.
+    """
+    chosen, path = load_scenario(scenario, changes)
+    number = sum(shoal.number for shoal in chosen.fish) if fish is None else fish
+    if motor is None:
+        return awake(chosen, path, seed, tell, fish)
+    live = number if motor == "dynamics" else 0
+    return awake(chosen, path, seed, tell, fish, live, math.inf)
+
+
+def awake(
+    scenario: Scenario, source: Path, seed: int | None = None, tell: Say = say,
+    fish: int | None = None, live: int | None = None, live_reach_cm: float = LIVE_REACH_CM,
+) -> World:  # fmt: skip
+    """The world of a scenario after its first tick and packet: every kernel is compiled.
+
+    `source` is the scenario's file; all else is what :func:`subsea.world.world.create_world` takes.
+    """
+    precompile(tell)
+    world = create_world(scenario, seed, fish, tell, live, live_reach_cm, str(source))
+    tell("waking the fishes")
+    step(world, HANDS_OFF)
+    pack(world, views_for("mono", (64, 64), cockpit(world.state.submarine, 1.0)), 1.0)
+    return world
+
+
+@contextmanager
+def headless() -> Iterator[Any]:
+    """An OpenGL context without a window, released in the end; no OpenGL is a UserError."""
+    # Mesa's remarks would hide the one line that tells what to install.
+    os.environ.setdefault("EGL_LOG_LEVEL", "fatal")
+    from subsea.render import headless_context
+
+    context = headless_context()
+    try:
+        yield context
+    finally:
+        # Leaving it takes the context off this thread: while it is there, no window can open.
+        with context:
+            pass
+        context.release()
+
+
+@contextmanager
+def picture_maker(
+    context: Any,
+    world: World,
+    rig: Rig,
+    quality: "Quality",
+) -> Iterator["Renderer"]:
+    """A renderer for the pictures of a rig, released in the end."""
+    from subsea.render import Renderer
+
+    renderer = Renderer(context, make_scene(world), rig, quality)
+    try:
+        yield renderer
+    finally:
+        renderer.release()

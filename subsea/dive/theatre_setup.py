@@ -1,0 +1,209 @@
+"""A theatre as a command finds it: which channels work, on which windows, with which rig."""
+
+from collections.abc import Sequence
+from hashlib import file_digest, sha256
+from pathlib import Path
+from typing import NamedTuple
+
+import msgspec
+
+from subsea.core.console import counted, say
+from subsea.core.errors import UserError, unknown
+from subsea.core.resources import at_key
+from subsea.dive.cluster.credentials import cluster_faults
+from subsea.view.display_rigs import display_rig
+from subsea.view.rig import Rig
+from subsea.view.stereo import EYES, Stereo
+from subsea.view.surround import ALL_ROUND, Surround
+from subsea.view.theatre.channels import Lighted, channels
+from subsea.view.theatre.theatre_file import FEWEST_PIXELS, Channel, Theatre, Window, load_theatre
+from subsea.view.theatre.theatre_rig import seen_channels, theatre_rig
+from subsea.view.theatre.warp import describe_warp
+
+NOT_SHRUNK = "--shrink is of a --theatre; take a smaller --size"
+
+
+class House(NamedTuple):
+    """What is to be shown of a theatre."""
+
+    theatre: Theatre
+    path: Path
+    windows: tuple[Window, ...]  # one for each output of the rig
+    rig: Rig
+
+
+def open_house(
+    name: str,
+    display: str = "mono",
+    stereo: Stereo = EYES,
+    node: str | None = None,
+    shrink: int = 1,
+) -> House:
+    """The theatre called `name`, with what does not work told and left out.
+
+    `node` asks for the windows of one computer, None for all; `shrink` for so many times fewer
+    pixels a side. A theatre of which nothing can be shown is a UserError.
+    """
+    theatre, path = load_theatre(name)
+    if node is not None and theatre.cluster is None:
+        raise UserError(f"{path}: has no [cluster]; drop --node")
+    if node is not None and node not in theatre.nodes:
+        raise UserError(f"{path}: {unknown('node', node, list(theatre.nodes))}")
+    theatre = shrunk(theatre, shrink)
+    found, faults = channels(theatre, path)
+    found, unseen = seen_channels(theatre, found, display, stereo)
+    unseen = tuple(f"{_channel_at(theatre, path, fault)}: {fault}" for fault in unseen)
+    if not found:
+        raise UserError(unseen[0])
+    for fault in (*faults, *unseen):
+        say(f"{fault}; left out")
+    numbers = shown_windows(theatre, found, node)
+    if not numbers:
+        raise UserError(f"{path}: node {node!r} has no window with a channel that works")
+    rig = theatre_rig(theatre, found, numbers, display, stereo)
+    return House(theatre, path, tuple(theatre.window[number] for number in numbers), rig)
+
+
+def chosen_rig(
+    display: str,
+    size: tuple[int, int],
+    stereo: Stereo = EYES,
+    surround: Surround = ALL_ROUND,
+    theatre: str | None = None,
+    shrink: int = 1,
+) -> tuple[Rig, tuple[str, ...]]:
+    """The rig of a theatre, or of a display mode for one picture of `size` if none is named.
+
+    Also what its outputs are called: "" if there is only one.
+    """
+    if theatre is not None:
+        house = open_house(theatre, display, stereo, shrink=shrink)
+        names = tuple(window.name for window in house.windows)
+        return house.rig, names if len(names) > 1 else ("",)
+    if shrink != 1:
+        raise UserError(NOT_SHRUNK)
+    return display_rig(display, size, stereo, surround), ("",)
+
+
+def told(name: str | None) -> str | None:
+    """What decides how a theatre looks: its whole file, and the calibration data that it names."""
+    if name is None:
+        return None
+    theatre, path = load_theatre(name)
+    named = [channel.warp for channel in theatre.channel if channel.warp is not None]
+    named += [archive.file for archive in theatre.mpcdi]
+    whole = sha256()
+    for file in (path, *(path.parent / one for one in named)):
+        try:
+            with file.open("rb") as data:
+                whole.update(file_digest(data, "sha256").digest())
+        except (OSError, ValueError):  # which is told where it is used
+            whole.update(b"none")
+    return whole.hexdigest()
+
+
+def shown_windows(theatre: Theatre, found: Sequence[Lighted], node: str | None) -> list[int]:
+    """The numbers of a computer's windows, None: of all, in which there is something to see."""
+    return [
+        number
+        for number, window in enumerate(theatre.window)
+        if node in (None, window.node) and any(one.window == number for one in found)
+    ]
+
+
+def shrunk(theatre: Theatre, times: int) -> Theatre:
+    """The same theatre with so many times fewer pixels a side.
+
+    A UserError if of a window or a part of one less would be left than its file may say.
+    """
+    if times == 1:
+        return theatre
+
+    def less(window: Window) -> Window:
+        size = window.size[0] // times, window.size[1] // times
+        _check_left(times, size, f"window {window.name!r}")
+        place = None if window.position is None else tuple(x // times for x in window.position)
+        return msgspec.structs.replace(window, size=size, position=place)
+
+    def smaller(channel: Channel) -> Channel:
+        if channel.viewport is None:
+            return channel
+        x, y, width, height = channel.viewport
+        left, top = x // times, y // times  # edges that meet go on to meet
+        size = (x + width) // times - left, (y + height) // times - top
+        _check_left(times, size, f"channel {channel.name!r}")
+        return msgspec.structs.replace(channel, viewport=(left, top, *size))
+
+    return msgspec.structs.replace(
+        theatre,
+        window=[less(window) for window in theatre.window],
+        channel=[smaller(channel) for channel in theatre.channel],
+    )
+
+
+def _check_left(times: int, size: tuple[int, int], what: str) -> None:
+    if min(size) < FEWEST_PIXELS:
+        raise UserError(
+            f"--shrink {times} leaves {size[0]}x{size[1]} pixels of {what}, expected "
+            f"{FEWEST_PIXELS} or more a side"
+        )
+
+
+def _channel_at(theatre: Theatre, path: Path, fault: str) -> str:
+    """The file, and the line of the channel that a fault begins with."""
+    names = (f"channel {channel.name!r}: " for channel in theatre.channel)
+    number = next((k for k, name in enumerate(names) if fault.startswith(name)), None)
+    return f"{path}" if number is None else at_key(path, f"channel[{number}]")
+
+
+def describe(name: str) -> int:
+    """Print what a theatre has and what of it does not work: exit code 0 if all works, else 1."""
+    theatre, path = load_theatre(name)
+    print(f"{path}: {theatre.title or 'a theatre'}")
+    found: Sequence[Lighted]
+    try:
+        found, faults = channels(theatre, path)
+    except UserError as fault:
+        found, faults = (), (str(fault),)
+    for number, window in enumerate(theatre.window):
+        where = "where the desktop puts it"
+        if window.monitor is not None:
+            where = f"on monitor {window.monitor!r}"
+        elif window.position is not None:
+            where = f"at {window.position[0]}, {window.position[1]}"
+        if len(theatre.nodes) > 1:
+            where += f" of {window.node}"
+        print(f"window {window.name}: {window.size[0]}x{window.size[1]} pixels {where}")
+        for one in found:
+            if one.window == number:
+                print(f"  channel {one.name}: {_words(one)}")
+    if found:
+        rig = theatre_rig(theatre, found, shown_windows(theatre, found, None))
+        drawn = sum(eye.viewport[2] * eye.viewport[3] for eye in rig.eyes)
+        shown = sum(width * height for width, height in rig.outputs)
+        views = counted(len(rig.eyes), "view", "views")
+        print(
+            f"{views}, {drawn / 1e6:.1f} million pixels drawn for "
+            f"{shown / 1e6:.1f} million shown, on a canvas of {rig.canvas[0]}x{rig.canvas[1]}"
+        )
+    if theatre.cluster is not None:
+        master, address = theatre.cluster.master, theatre.cluster.address
+        others = ", ".join(node for node in theatre.nodes if node != master) or "nobody else"
+        print(f"master {master} at {address}, with {others}")
+        faults = (*faults, *cluster_faults(theatre.cluster, theatre.nodes, path))
+    for line in faults:
+        print(f"does not work: {line}")
+    return 1 if faults else 0
+
+
+def _words(one: Lighted) -> str:
+    """What a channel is, in a few words."""
+    parts = [f"{one.place[2]}x{one.place[3]} pixels, {type(one.screen).__name__.lower()}"]
+    if one.screen is None:
+        parts = [f"{one.place[2]}x{one.place[3]} pixels, {one.shape.name.lower()}"]
+    parts.append(f"{one.distance_cm:.0f} cm away")
+    if one.warp is not None:
+        parts.append(f"warped by {describe_warp(one.warp)}")
+    if one.mask is not None:
+        parts.append("blended")
+    return ", ".join(parts)

@@ -1,0 +1,234 @@
+"""Who steers in films and benchmarks: a tour of the scenario, or an autopilot that goes where
+something happens and keeps a polite distance."""
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.geometry.solids import ray_meets_pillar, ray_meets_rock
+from subsea.geometry.vector import Vector, vector
+from subsea.state import (
+    APPROACHING,
+    CIRCLING,
+    COURTSHIP,
+    EAT,
+    HOOKED,
+    HULL_CM,
+    NOBODY,
+    PREDATOR,
+    SINKING,
+)
+from subsea.submarine.course import Course, rail_at
+from subsea.submarine.helm import Helm
+from subsea.submarine.hull import MAX_PITCH, hull_axes
+from subsea.submarine.rail import Rail, board
+from subsea.world.world import TICK_S, World
+
+Array = NDArray[np.float64]
+
+# What the tour looks at, the most interesting first.
+HOOK, HUNT, PAIR, SHOAL = range(4)
+KEEP_S = 4.0  # so long it looks on when its subject has ended, lest it is only interrupted
+FAITH = 0.5  # the present hunter or pair counts as so much nearer
+TURN_S = 2.0  # so long it takes to look at something else
+DIPPED_CM = 30.0  # so deep a hook is worth looking at
+COURT_CM = 350.0  # from farther away a pair is too small to be sought out
+
+# Close enough to see a fish's eye, far enough not to crowd it: a pair stops dancing if it is.
+SHOAL_CM, HOOK_CM, NEAREST_CM, FARTHEST_CM = 200.0, 140.0, 115.0, 350.0
+# Three slow swings with periods that do not meet keep the view moving while the fishes hover.
+NEARER, NEARER_S = 0.35, 31.0
+ASIDE_RAD, ASIDE_S = 0.20, 23.0
+ABOVE, ABOVE_S = 0.22, 17.0
+LOOKAHEAD_S = 1.5  # the hull slips so long: begin to brake before it is there
+
+MARGIN_CM = 10.0  # what passes a pillar or rock so closely is hidden by it
+DETOURS = np.radians([20.0, 35.0, 50.0, 65.0, 80.0])  # tried in turn to come round what hides
+DETOUR_CM, DETOUR_SURGE = 300.0, 0.3
+
+
+Steer = Callable[[World], Helm | Rail]  # what to ask of the submarine; to be called once a tick
+
+
+def guide(world: World, course: Course | None) -> Steer:
+    """Who takes the submarine along a course, on which it is put at once; None: the autopilot."""
+    if course is None:
+        return Tour().helm
+    tick = world.state.tick
+    board(
+        world.state.submarine,
+        rail_at(course, world.state, max(tick - 1, 0) * TICK_S),
+        rail_at(course, world.state, tick * TICK_S),
+    )
+    return lambda world: rail_at(course, world.state, (world.state.tick + 1) * TICK_S)
+
+
+class Subject(NamedTuple):
+    """What to look at: HOOK to SHOAL, and of whom.
+
+    Members are the catch of a hook, if there is one; a hunter and its prey; a male and a female;
+    of a shoal its species and how many are alive.
+    """
+
+    kind: int
+    members: tuple[int, ...] = ()
+
+
+class Tour:
+    """What a pilot with time to look asks for, tick by tick; the same for the same dive.
+
+    It faces its subject and follows it, now nearer, now farther, a little to the side, a little
+    above, and comes round what stands between. Without fishes it cruises.
+    """
+
+    def __init__(self) -> None:
+        self.subject: Subject | None = None
+        self.aim = np.zeros(4)  # cm: the place that it looks at, and how far off it keeps
+        self._seen = 0.0  # s, world time, when the subject was last there ...
+        self._changed = 0.0  # ... and when anything about it last changed
+        self._offset = np.zeros(4)  # from the subject to the aim, at that moment
+        self._side = 0.0  # on which it goes round what hides the subject: 1 left, -1 right
+
+    def helm(self, world: World) -> Helm:
+        """The commands for this tick; ask once a tick."""
+        now = world.state.tick * TICK_S
+        subject = self._choose(world, now)
+        if subject is None:
+            return Helm(surge=0.3, yaw=0.1)
+        aim = _aim(world, subject)
+        if subject != self.subject:
+            self._offset = self.aim - aim if self.subject else np.zeros(4)
+            self.subject, self._changed = subject, now
+        self.aim = aim + _faded((now - self._changed) / TURN_S) * self._offset
+        return self._steer(world, now)
+
+    def _choose(self, world: World, now: float) -> Subject | None:
+        """The most interesting subject; the present one for a while after its end.
+
+        The end of a hook is no interruption: it has left the water.
+        """
+        found = _subjects(world, self.subject)
+        kind = self.subject.kind if self.subject else HOOK
+        worse = found and found[0].kind > kind > HOOK
+        if worse and now - self._seen < KEEP_S:
+            return self.subject
+        self._seen = now
+        return found[0] if found else None
+
+    def _steer(self, world: World, now: float) -> Helm:
+        boat = world.state.submarine
+        x, y, z = self.aim[:3] - boat.position
+        level = math.hypot(x, y)
+        wanted = self.aim[3] * (1.0 - NEARER * _swing(now, NEARER_S))
+        wanted = max(wanted, NEAREST_CM)
+        aside = self._detour(world, math.atan2(y, x))
+        ahead = float(boat.velocity @ hull_axes(boat.angles[0], 0.0)[0])
+        surge = _within((level - wanted - LOOKAHEAD_S * ahead) / 200.0, -0.4, 0.5)
+        if aside:
+            surge = max(surge, DETOUR_SURGE)
+        else:
+            aside = ASIDE_RAD * _swing(now, ASIDE_S)
+        bearing = math.remainder(math.atan2(y, x) + aside - boat.angles[0], math.tau)
+        pitch = math.atan2(z, max(level, wanted))
+        above = ABOVE * self.aim[3] * _swing(now, ABOVE_S)
+        return Helm(
+            surge=surge * math.cos(bearing / 2.0),
+            yaw=_within(0.9 * bearing - 0.5 * boat.rates[0], -0.6, 0.6),
+            pitch=_within(pitch / MAX_PITCH, -0.5, 0.5),
+            heave=_within((z + above) / 200.0, -0.4, 0.4),
+        )
+
+    def _detour(self, world: World, bearing: float) -> float:
+        """How far left of the subject to steer (rad) to see it again, 0 while it is in sight."""
+        boat = vector(world.state.submarine.position)
+        if not hidden(world, boat, vector(self.aim[:3]), MARGIN_CM):
+            self._side = 0.0
+            return 0.0
+        for angle in DETOURS:
+            for side in (self._side,) if self._side else (1.0, -1.0):
+                way = bearing + side * angle
+                x, y, z = boat
+                tip = x + DETOUR_CM * math.cos(way), y + DETOUR_CM * math.sin(way), z
+                if not hidden(world, tip, boat, HULL_CM):
+                    self._side = side
+                    return float(side * angle)
+        return float((self._side or 1.0) * DETOURS[-1])
+
+
+def _subjects(world: World, present: Subject | None) -> list[Subject]:
+    """All that may be looked at, the most interesting first.
+
+    Of hunts the nearest, of pairs the furthest on comes first; the present ones are preferred,
+    a pair that dances together to its end. Hunts count within sight of the submarine, pairs
+    within COURT_CM.
+    """
+    fishes, minds, sea = world.state.fishes, world.state.minds, world.state.sea
+    if len(fishes.position) == 0:
+        return []
+    found = []
+    state, catch = (int(value) for value in sea.catch)
+    if SINKING <= state <= HOOKED and sea.hook[2] < -DIPPED_CM:
+        found.append(Subject(HOOK, (catch,) if catch >= 0 else ()))
+    away = np.linalg.norm(fishes.position - world.state.submarine.position, axis=1)
+    lead = present.members[0] if present and present.kind in (HUNT, PAIR) else NOBODY
+    if lead != NOBODY:
+        away[lead] *= FAITH
+    near = fishes.alive & (away < world.scenario.water.visibility_cm)
+    hunting = near & (minds.kind == PREDATOR) & (minds.intention == EAT) & (minds.target >= 0)
+    hunting[hunting] = fishes.alive[minds.target[hunting]]
+    hunters = sorted(np.flatnonzero(hunting), key=lambda i: away[i])
+    found += [Subject(HUNT, (int(i), int(minds.target[i]))) for i in hunters]
+    courting = fishes.alive & (away < COURT_CM) & minds.male
+    courting &= (minds.courtship > APPROACHING) & (minds.partner >= 0)
+    stage = minds.courtship.astype(int)
+    if lead != NOBODY and stage[lead] >= CIRCLING:
+        stage[lead] = len(COURTSHIP)
+    males = sorted(np.flatnonzero(courting), key=lambda i: (-stage[i], away[i]))
+    found += [Subject(PAIR, (int(i), int(minds.partner[i]))) for i in males]
+    counts = np.bincount(fishes.species[fishes.alive])
+    if len(counts):
+        found.append(Subject(SHOAL, (int(counts.argmax()), int(counts.max()))))
+    return found
+
+
+def _aim(world: World, subject: Subject) -> Array:
+    """Where a subject is, and from how far to look at it: (4,), cm."""
+    fishes = world.state.fishes
+    if subject.kind == HOOK:
+        return np.array([*world.state.sea.hook, HOOK_CM])
+    if subject.kind == SHOAL:
+        # The median ignores a straggler that would drag the mean away from the shoal.
+        shoal = fishes.species == subject.members[0]
+        living = shoal & fishes.alive
+        shoal = living if living.any() else shoal
+        return np.array([*np.median(fishes.position[shoal], axis=0), SHOAL_CM])
+    members = list(subject.members)
+    one, other = fishes.position[members].astype(np.float64)
+    apart = float(np.linalg.norm(one - other))
+    distance = 2.0 * float(fishes.length[members].max()) + 0.6 * apart
+    return np.array([*(one + other) / 2.0, _within(distance, NEAREST_CM, FARTHEST_CM)])
+
+
+def hidden(world: World, a: Vector, b: Vector, margin: float) -> bool:
+    """Whether a pillar or rock stands between a and b, other than one within which b lies."""
+    sea = world.state.sea
+    return any(0.0 < ray_meets_pillar(row, margin, b, a) <= 1.0 for row in sea.pillars) or any(
+        0.0 < ray_meets_rock(row, margin, b, a) <= 1.0 for row in sea.rocks
+    )
+
+
+def _faded(share: float) -> float:
+    """1 at 0, 0 from 1 on, with a level start and end."""
+    t = min(max(share, 0.0), 1.0)
+    return 1.0 - t * t * (3.0 - 2.0 * t)
+
+
+def _swing(now: float, period: float) -> float:
+    return math.sin(math.tau * now / period)
+
+
+def _within(value: float, low: float, high: float) -> float:
+    return min(max(value, low), high)

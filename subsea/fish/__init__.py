@@ -1,0 +1,1 @@
+"""What a fish is: its surface, mesh, colours, spine and species file."""

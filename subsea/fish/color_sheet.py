@@ -1,0 +1,94 @@
+"""The sheet that a species wears: painted from its colours, or a picture in a file of its own.
+
+In the file the upper row is the first, as picture viewers have it; in arrays the bottom row is,
+as OpenGL wants it.
+"""
+
+import warnings
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import tomlkit
+from numpy.typing import NDArray
+
+from subsea.core.atomic_io import replacing
+from subsea.core.disk_cache import kept
+from subsea.core.errors import UserError
+from subsea.core.resources import load_toml
+from subsea.fish import paint
+from subsea.fish.species import Species
+
+Bytes = NDArray[np.uint8]
+
+
+def sheet_of(species: Species) -> Bytes:
+    """The sheet (640, 1024, 4) of one species, as `sheets` has it."""
+    return read(Path(species.skin.sheet)) if species.skin.sheet else paint.paint(species)
+
+
+def sheets(species: Sequence[Species]) -> list[Bytes]:
+    """The sheets of many species, those that are painted kept on the disk.
+
+    A file that is missing, damaged or no sheet is a UserError.
+    """
+    painted = [one for one in species if not one.skin.sheet]
+    done = iter(kept(paint.paint_all, tuple(painted)) if painted else [])
+    return [read(Path(one.skin.sheet)) if one.skin.sheet else next(done) for one in species]
+
+
+def read(path: Path) -> Bytes:
+    """The sheet in a PNG file; anything else is a UserError."""
+    width, height = paint.SIZE
+    expected = f"expected a PNG of {width}×{height} pixels with opacity (RGBA)"
+    from PIL import Image  # most species are painted
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of huge sizes, which are none that is expected
+            with Image.open(path, formats=("PNG",)) as image:
+                if image.size != paint.SIZE or image.mode != "RGBA":
+                    about = f"{image.width}×{image.height} pixels, {image.mode}"
+                    raise UserError(f"{path}: {about}; {expected}")
+                return np.ascontiguousarray(np.asarray(image, np.uint8)[::-1])
+    except OSError as fault:
+        reason = fault.strerror if fault.errno else "no picture, or damaged"
+        raise UserError(f"{path}: cannot read the sheet ({reason}); {expected}") from fault
+    except (ValueError, SyntaxError, TypeError, EOFError, Image.DecompressionBombError) as fault:
+        raise UserError(f"{path}: damaged ({fault}); {expected}") from fault
+
+
+def write(path: Path, sheet: Bytes) -> None:
+    """Write a sheet (640, 1024, 4), bottom row first, as a PNG file; whole or not at all."""
+    from PIL import Image
+
+    with replacing(path) as temporary:
+        Image.fromarray(np.ascontiguousarray(sheet[::-1])).save(temporary, "PNG")
+
+
+def picture_of(path: Path) -> Path:
+    """Where the sheet lies that the species in the file `path` is to wear: a PNG of its name.
+
+    A file that is there and is no sheet of it is somebody's own: a UserError, as is a faulty one.
+    """
+    picture = path.with_suffix(".png")
+    if load_toml(path, Species).skin.sheet != picture.name and picture.exists():
+        raise UserError(
+            f"{picture}: is there already, and no sheet of {path.name}; move it elsewhere"
+        )
+    return picture
+
+
+def wear(path: Path, sheet: Bytes) -> Path:
+    """Let the species in the file `path` wear a sheet: a PNG of its name beside it, and the key.
+
+    All else in the file stays, comments too. Returns the path of the PNG. What `picture_of` refuses
+    is a UserError.
+    """
+    picture = picture_of(path)
+    document = tomlkit.parse(path.read_text(encoding="utf-8"))
+    document["skin"]["sheet"] = picture.name
+    write(picture, sheet)
+    with replacing(path) as temporary:
+        temporary.write_text(tomlkit.dumps(document), encoding="utf-8", newline="\n")
+    return picture

@@ -1,0 +1,49 @@
+"""How points of a drawn surface hang on the 23 nodes, and where they are when the nodes move.
+
+Three ways are to choose from: cross-sections interpolated along the body (`skin.py`), the
+bilinear patches of Tu §5.4 (`patches.py`), and the tetrahedra of KS III.A (`tetrahedra.py`).
+All are a weighted sum of the nodes; Tu's adds an offset in the axes of a face of the hull.
+"""
+
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.fish.patches import bind_to_patches, face_axes
+from subsea.fish.skinning import skin_weights
+from subsea.geometry.tetrahedra import tetrahedral_weights
+
+Array = NDArray[np.floating[Any]]
+Ints = NDArray[np.integer[Any]]
+
+Way = Literal["sections", "patches", "tetrahedra"]
+
+
+class Coupling(NamedTuple):
+    """What p points take from the nodes."""
+
+    weights: Array  # (p, 23) of the nodes; rows sum to one
+    face: Ints  # (p,) face of the hull whose axes the offset is in
+    offset: Array  # (p, 3) cm; zero but for patches
+
+
+def couple(way: Way, rest_nodes: Array, rest_points: Array) -> Coupling:
+    """Hang points (p, 3) on nodes (23, 3), both at rest and in the same axes.
+
+    The rings of the nodes must be planes of constant x, as at rest they are.
+    """
+    if way == "patches":
+        return Coupling(*bind_to_patches(rest_nodes, rest_points))
+    weigh = skin_weights if way == "sections" else tetrahedral_weights
+    none = np.zeros(rest_points.shape)
+    return Coupling(weigh(rest_nodes, rest_points), np.zeros(len(none), np.int32), none)
+
+
+def place(coupling: Coupling, nodes: Array) -> Array:
+    """Where the points (…, p, 3) are for nodes (…, 23, 3), in the axes of the nodes."""
+    points = coupling.weights @ nodes
+    if coupling.offset.any():
+        axes = face_axes(nodes)[..., coupling.face, :, :]
+        points = points + (axes @ coupling.offset[:, :, None])[..., 0]
+    return np.asarray(points)

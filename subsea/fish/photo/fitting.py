@@ -1,0 +1,382 @@
+"""Laying deformable meshes over the fish in a photograph, without a hand (Tu §5.2.1).
+
+The meshes begin in the shape of the species. They are turned, scaled, flattened and mirrored until
+they cover best what was told apart from the background; as that is told apart better where it is
+known about where the fish is, both are done in turn. Then the meshes take hold of its outline: from
+afar of what was told apart, at last of the edges of the photograph itself, but of those alone that
+lie near.
+
+Needs the extra `skin` (OpenCV).
+"""
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.core.errors import UserError
+from subsea.fish.photo.deformable_mesh import LAW, Field, Net, field, relax, settle, transform
+from subsea.fish.photo.eye_detection import eye_near
+from subsea.fish.photo.lift import covered
+from subsea.fish.photo.photograph import Photograph, cleaned, guesses, small, told_apart
+from subsea.fish.photo.side_view import across, at_rest, finer, laid, placed
+from subsea.fish.surface import SurfacePlan
+
+Array = NDArray[np.floating[Any]]
+Bytes = NDArray[np.uint8]
+Mask = NDArray[np.bool_]
+
+ALIKE = 128  # pixels of the longer side, where shapes are compared
+UNIT = 200.0  # pixels of a body length of the shape that is compared
+SOFT = 2.5  # by so many pixels both are blurred
+TILTS = np.radians([-60, -40, -20, 0, 20, 40, 60])  # that are tried first
+STEEP = 0.04  # what the likeness loses at a tilt of a right angle: fishes are upright
+FLATTER = 0.25  # what it loses for each logarithm of flatter or deeper than the species
+SMALLEST, LARGEST = 0.003, 0.75  # shares of the picture that a fish may fill
+SURE = 0.955  # likeness above which no other guess is tried
+LIKELY = 0.95, 0.6  # sizes of fishes in pictures, of the largest that has room
+BLANK = 1.0  # deviation of the colours, of 255, below which there is nothing in a picture
+EYE = 0.25  # what the plainness of an eye counts beside the likeness of shapes
+PLAIN = 0.12  # an eye is one from which on
+OFF = 2.2  # radii from where it is expected, at most
+HOLDING = 1.0  # λ of the anchors that hold the border meanwhile
+POOR = 0.55  # likeness below which no fish was found
+ROUNDS = 2  # of telling apart once more, where it is known about where the fish is
+# Body lengths: so deep inside a silhouette all is fish, so far outside of it nothing is, while the
+# fish is looked for, when it was found, and when meshes hold it.
+WIDE, CLOSER, HELD = (0.12, 0.16), (0.05, 0.07), (0.03, 0.02)
+AFAR = 0.03, 0.015, 0.008  # widths of the smoothing in body lengths, one after the other
+NEAR = 0.008  # the photograph's own edges are felt so near to what was told apart
+CLOSE = 0.005  # and smoothed so much
+
+
+class Found(NamedTuple):
+    """A fish in a photograph."""
+
+    net: Net  # over the photograph
+    mask: Mask  # (h, w) of the photograph: what was told apart
+    likeness: float  # of the species' shape to that, 0 to 1
+
+
+def found(photograph: Photograph, plan: SurfacePlan, flip: bool = False) -> Found:
+    """The fish in a photograph, with meshes on its outline; if there is none, a UserError.
+
+    Which way it heads follows from its shape and its eye; `flip` takes the other one.
+    """
+    colour, share = small(photograph)
+    if photograph.opacity is None:
+        mask, matrix, likeness = _told(colour, plan)
+    else:
+        size = colour.shape[1::-1]
+        opacity = cv2.resize(photograph.opacity, size, interpolation=cv2.INTER_AREA)
+        mask = cleaned(opacity > 127)
+        matrix, likeness = aligned(plan, mask)
+    if likeness < POOR:
+        raise UserError(
+            f"{photograph.path}: no fish of this shape found; lay the mesh by hand, without --auto,"
+            " or cut the fish out: clear pixels around it are taken for the background"
+        )
+    ways = [(matrix, likeness), aligned(plan, mask, not _heads_right(matrix))]
+    plain = [like + EYE * _eye(photograph, plan, one, share)[1] for one, like in ways]
+    matrix, likeness = ways[int(plain[1] > plain[0]) ^ int(flip)]
+    if photograph.opacity is None:
+        mask, matrix, likeness = _closer(colour, plan, mask, matrix, likeness)
+    net = laid(plan, matrix)
+    hold(net, colour, mask)
+    # Middles of pixels are at whole numbers, in the small picture and the large one.
+    middle = np.full(2, 0.5 / share - 0.5)
+    transform(net, np.eye(2) / share, np.zeros(2), middle)
+    take_eye(net, photograph, plan)
+    return Found(net, _enlarged(mask, photograph), likeness)
+
+
+def take_eye(net: Net, photograph: Photograph, plan: SurfacePlan) -> None:
+    """Let the inside of the meshes follow the eye in a photograph, if a plain one is near.
+
+    So it comes to lie where the species has its eye, which bulges; the border stays.
+    """
+    body, rest = net.body, at_rest(plan).body
+    column = float(np.interp(plan.eye.at, rest[4, :15, 0], np.arange(15)))
+    j, t = int(column), column % 1.0
+    heights = (1.0 - t) * rest[:, j, 1] + t * rest[:, j + 1, 1]
+    row = float(np.interp(-plan.eye.height, -heights, np.arange(len(heights))))
+    k, s = min(int(row), len(heights) - 2), row - min(int(row), len(heights) - 2)
+    upper, lower = ((1.0 - t) * body.nodes[i, j] + t * body.nodes[i, j + 1] for i in (k, k + 1))
+    here = (1.0 - s) * upper + s * lower
+    radius = plan.eye.radius * float(np.hypot(*(body.nodes[4, 0] - body.nodes[4, -1])))
+    there, plain = eye_near(photograph.colour, here, radius)
+    if plain < PLAIN or np.hypot(*(there - here)) > OFF * radius:
+        return
+    held = np.zeros(body.feels.shape, bool)
+    held[[0, -1]] = held[:, [0, -1]] = True
+    body.anchors[held] = body.nodes[held]
+    inside = [(a, b) for a in (k, k + 1) for b in (j, j + 1) if not held[a, b]]
+    for at in inside:
+        body.anchors[at] = body.nodes[at] + there - here
+    relax(net, None, LAW._replace(anchor=HOLDING), still=0.01, most=600)
+    body.anchors[:] = np.nan
+    settle(net)
+
+
+def _eye(
+    photograph: Photograph, plan: SurfacePlan, matrix: Array, share: float
+) -> tuple[Array, float]:
+    """The eye, and how plain it is, if the species lies so in the small picture."""
+    place = placed(matrix, np.array([plan.eye.at, plan.eye.height]))
+    radius = plan.eye.radius * float(np.hypot(*matrix[:, 0]))
+    return eye_near(photograph.colour, (place + 0.5) / share - 0.5, radius / share)
+
+
+def _heads_right(matrix: Array) -> bool:
+    return bool(np.linalg.det(matrix[:, :2]) > 0.0)
+
+
+def under(photograph: Photograph, net: Net) -> Mask:
+    """The fish (h, w) that is told apart where meshes lie over a photograph, by hand or by `found`.
+
+    It ends near them: the meshes are believed.
+    """
+    colour, share = small(photograph)
+    inside = covered(net, photograph.colour.shape)
+    size = colour.shape[1::-1]
+    there = cv2.resize(inside.astype(np.float32), size, interpolation=cv2.INTER_AREA) > 0.5
+    length = float(np.hypot(*(net.body.nodes[4, 0] - net.body.nodes[4, -1]))) * share
+    mask = told_apart(colour, _about(there, length, *HELD)) if there.any() else there
+    return _enlarged(mask, photograph) if mask.any() else inside
+
+
+def _enlarged(mask: Mask, photograph: Photograph) -> Mask:
+    """A mask of the small picture at the photograph's size; its opacity knows better."""
+    if photograph.opacity is not None:
+        return np.asarray(photograph.opacity > 127)
+    size = photograph.colour.shape[1::-1]
+    large = cv2.resize(mask.astype(np.float32), size, interpolation=cv2.INTER_CUBIC)
+    return np.asarray(large > 0.5)
+
+
+def _told(colour: Bytes, plan: SurfacePlan) -> tuple[Mask, Array, float]:
+    """What is told apart in a small picture, the species' place in it, and their likeness."""
+    best: tuple[Mask, Array, float] = (np.zeros(colour.shape[:2], bool), np.eye(3)[:2], 0.0)
+    blank = colour.std(axis=(0, 1)).max() < BLANK
+    for guess in () if blank else (*guesses(colour), *_likely(colour, plan)):
+        if best[2] > SURE:
+            break
+        for _ in range(1 + ROUNDS):
+            mask = told_apart(colour, guess)
+            if not SMALLEST < mask.mean() < LARGEST:
+                break
+            matrix, likeness = aligned(plan, mask)
+            likeness -= _cut_off(mask)
+            if likeness > best[2]:
+                best = mask, matrix, likeness
+            guess = _shaped(plan, matrix, mask.shape, WIDE)
+    return best
+
+
+def _closer(
+    colour: Bytes, plan: SurfacePlan, mask: Mask, matrix: Array, likeness: float
+) -> tuple[Mask, Array, float]:
+    """The same once more, where it is known about where the fish is and which way it heads."""
+    right = _heads_right(matrix)
+    for _ in range(ROUNDS):
+        closer = told_apart(colour, _shaped(plan, matrix, mask.shape, CLOSER))
+        if not closer.any():
+            break
+        mask = closer
+        matrix, likeness = aligned(plan, mask, right)
+    return mask, matrix, likeness
+
+
+def _cut_off(mask: Mask) -> float:
+    """Which share of a mask's outline is the picture's border: there water ends, not a fish."""
+    k = 1 + max(1, round(0.01 * min(mask.shape)))  # what `guesses` leaves out
+    rim = np.concatenate([mask[k], mask[-k - 1], mask[:, k], mask[:, -k - 1]])
+    return float(rim.sum()) / max(1, int(_border(mask).sum()))
+
+
+def _likely(colour: Bytes, plan: SurfacePlan) -> Iterator[Bytes]:
+    """The shape of the species in the middle of the picture, heading either way, large or not."""
+    height, width = colour.shape[:2]
+    middle = np.array([width / 2, height / 2])
+    for size in LIKELY:
+        for mirror in (1.0, -1.0):
+            matrix = across(width, height, plan)
+            matrix[:, 2] -= middle
+            matrix = np.diag([mirror * size, size]) @ matrix
+            matrix[:, 2] += middle
+            yield _shaped(plan, matrix, colour.shape, WIDE)
+
+
+def _shaped(
+    plan: SurfacePlan, matrix: Array, shape: tuple[int, ...], reach: tuple[float, float]
+) -> Bytes:
+    """The guess that the species lies so."""
+    return _about(silhouette(plan, matrix, shape), float(np.hypot(*matrix[:, 0])), *reach)
+
+
+def _about(inside: Mask, length: float, core: float, halo: float) -> Bytes:
+    """Where the fish is and is not if it lies about there, in GrabCut's words.
+
+    All is fish `core` body lengths within, and nothing `halo` body lengths without.
+    """
+    here = inside.astype(np.uint8)
+    deep = cv2.distanceTransform(here, cv2.DIST_L2, 5)
+    far = cv2.distanceTransform(1 - here, cv2.DIST_L2, 5)
+    guess = np.where(inside, cv2.GC_PR_FGD, cv2.GC_PR_BGD).astype(np.uint8)
+    guess[deep > min(core * length, 0.7 * deep.max())] = cv2.GC_FGD
+    guess[far > halo * length] = cv2.GC_BGD
+    return guess
+
+
+def silhouette(plan: SurfacePlan, matrix: Array, shape: tuple[int, ...]) -> Mask:
+    """Which pixels (h, w) the species covers in its own shape."""
+    out = np.zeros(shape[:2], np.uint8)
+    rest = at_rest(plan)
+    body = finer(rest.body)
+    rings = [np.concatenate([body[0], body[1:, -1], body[-1, -2::-1], body[-2:0:-1, 0]])]
+    rings += [
+        np.concatenate([one.root, finer(np.stack([one.root, one.edge]))[1, ::-1]])
+        for one in rest.fins.values()
+    ]
+    for ring in rings:
+        pixels = np.round(placed(matrix, ring) * 16.0).astype(np.int32)
+        cv2.fillPoly(out, [pixels], 1, shift=4)
+    return out.astype(bool)
+
+
+def aligned(plan: SurfacePlan, mask: Mask, heads_right: bool | None = None) -> tuple[Array, float]:
+    """The matrix (2, 3) that lays the species best over a mask, and their likeness, 0 to 1.
+
+    Tried from many tilts, heading either way or as is said.
+    """
+    share = min(1.0, ALIKE / max(mask.shape))
+    size = round(mask.shape[1] * share), round(mask.shape[0] * share)
+    there = cv2.resize(mask.astype(np.float32), size, interpolation=cv2.INTER_AREA)
+    there = np.asarray(cv2.GaussianBlur(there, (0, 0), SOFT))
+    shape = _Shape(plan)
+    y, x = np.nonzero(there > 0.5)
+    if len(x) < 10:
+        return np.eye(3)[:2], 0.0
+    middle = x.mean(), y.mean()
+    zoom = float(np.log(np.sqrt(len(x) / shape.area)))
+    shape.soften(zoom)
+    spread = np.cov(np.stack([x, y]))
+    axis = 0.5 * np.arctan2(2.0 * spread[0, 1], spread[0, 0] - spread[1, 1])
+    best: tuple[float, Array, bool] = (-1.0, np.zeros(5), False)
+    for right in (False, True) if heads_right is None else (heads_right,):
+        tries = []
+        for tilt in {*TILTS.tolist(), float(axis)}:
+            start = np.array([*middle, zoom, 0.0, tilt])
+            tries.append(_climbed(shape, there, start, right, 1))
+        tries.sort(key=lambda one: -one[0])
+        for _, values in tries[:3]:
+            best = max(
+                best, (*_climbed(shape, there, values, right, 5), right), key=lambda one: one[0]
+            )
+    likeness, values, right = best
+    matrix = shape.matrix(values, right)
+    # From pixels of the comparison to those of the mask.
+    matrix = matrix / share
+    matrix[:, 2] += 0.5 / share - 0.5
+    return matrix, likeness
+
+
+class _Shape:
+    """The silhouette of a species as a soft picture."""
+
+    def __init__(self, plan: SurfacePlan) -> None:
+        own = np.array([[UNIT, 0.0, 0.15 * UNIT], [0.0, -UNIT, 0.65 * UNIT]])
+        plain = silhouette(plan, own, (int(1.3 * UNIT), int(1.4 * UNIT)))
+        y, x = np.nonzero(plain)
+        self.area = len(x) / UNIT**2  # body lengths²
+        self.middle = (x.mean() / UNIT - 0.15, 0.65 - y.mean() / UNIT)  # body lengths
+        self.back = np.linalg.inv(np.vstack([own, [0.0, 0.0, 1.0]]))
+        self.plain = plain.astype(np.float32)
+        self.picture = self.plain
+
+    def soften(self, zoom: float) -> None:
+        """Blur the picture as much as one is that has `zoom` as the logarithm of its size."""
+        blur = SOFT * UNIT / float(np.exp(zoom))
+        self.picture = np.asarray(cv2.GaussianBlur(self.plain, (0, 0), blur))
+
+    def matrix(self, values: Array, heads_right: bool) -> Array:
+        """From body lengths to pixels: middle x and y, logarithms of size and depth, tilt."""
+        x, y, zoom, deep, tilt = values
+        cos, sin = np.cos(tilt), np.sin(tilt)
+        size = np.exp(zoom) * np.array([np.exp(-0.5 * deep), np.exp(0.5 * deep)])
+        size[0] *= -1.0 if heads_right else 1.0
+        turn = np.array([[cos, -sin], [sin, cos]]) @ np.diag(size * (1.0, -1.0))
+        return np.column_stack([turn, np.array([x, y]) - turn @ self.middle])
+
+    def likeness(self, there: Array, values: Array, heads_right: bool) -> float:
+        """Twice what both have in common over what they have together (Dice)."""
+        matrix = self.matrix(values, heads_right)
+        onto = matrix[:, :2] @ self.back[:2]
+        onto[:, 2] += matrix[:, 2]
+        here = cv2.warpAffine(self.picture, onto, there.shape[::-1], flags=cv2.INTER_LINEAR)
+        # What lies beyond the picture counts too: fishes are seen whole.
+        own = self.area * float(np.exp(2.0 * values[2]))
+        both = 2.0 * float(np.minimum(here, there).sum()) / (own + float(there.sum()))
+        return both - STEEP * (values[4] / (0.5 * np.pi)) ** 2 - FLATTER * values[3] ** 2
+
+
+def _climbed(
+    shape: _Shape, there: Array, values: Array, heads_right: bool, rounds: int
+) -> tuple[float, Array]:
+    """Values from which no small change of one leads higher, and their likeness."""
+    steps = np.array([4.0, 4.0, 0.12, 0.12, 0.15])
+    best = shape.likeness(there, values, heads_right)
+    for _ in range(rounds):
+        before = -np.inf
+        while best > before + 1e-3:
+            before = best
+            for k in range(len(values)):
+                for sign in (1.0, -1.0):
+                    while True:
+                        other = values.copy()
+                        other[k] += sign * steps[k]
+                        now = shape.likeness(there, other, heads_right)
+                        if now <= best + 1e-5:
+                            break
+                        best, values = now, other
+        steps = steps / 2.0
+    return best, values
+
+
+def hold(net: Net, colour: Bytes, mask: Mask) -> None:
+    """Let meshes that lie about right take hold of the outline of a fish in a picture (h, w, 3).
+
+    ``mask`` (h, w) is what was told apart from the background.
+    """
+    body = net.body.nodes
+    length = float(np.hypot(*(body[4, 0] - body[4, -1])))
+    for width in AFAR:
+        relax(net, field(mask, max(width * length, 1.0)), still=0.02, most=600)
+        settle(net)
+    outline = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8))
+    off = cv2.distanceTransform(1 - outline, cv2.DIST_L2, 5)
+    near = np.exp(-0.5 * (off / max(NEAR * length, 1.5)) ** 2).astype(np.float32)
+    seen = field(colour, max(CLOSE * length, 1.0))
+    height = seen.height * near
+    down, right = np.gradient(height)
+    relax(net, Field(height, np.dstack([right, down]).astype(np.float32)), LAW, 0.02, 600)
+
+
+def outline_error(net: Net, mask: Mask) -> float:
+    """Mean distance of the outlines of meshes and of a mask (h, w), both ways, body lengths."""
+    first, second = _border(covered(net, mask.shape)), _border(mask)
+    if not first.any() or not second.any():
+        return np.inf
+    far = [
+        cv2.distanceTransform((~one).astype(np.uint8), cv2.DIST_L2, 5) for one in (first, second)
+    ]
+    body = net.body.nodes
+    length = float(np.hypot(*(body[4, 0] - body[4, -1])))
+    return float(0.5 * (far[0][second].mean() + far[1][first].mean()) / length)
+
+
+def _border(mask: Mask) -> Mask:
+    eroded = cv2.erode(mask.astype(np.uint8), np.ones((3, 3), np.uint8))
+    return np.asarray(mask & (eroded == 0))

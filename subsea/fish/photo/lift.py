@@ -1,0 +1,343 @@
+"""From a photograph under deformable meshes to the sheet that a species wears (Tu §5.2).
+
+The meshes say which place of the photograph each place of the flank and of the fins is: colours are
+taken from there. What lies behind the fish is removed first, and the fish's own colours go on
+beyond its outline, so that neither its edge nor a coarse mipmap shows the water that it swam in.
+What a photograph from the side does not show, the paired fins, is painted in the colours that it
+has. The sheet is one flank; the other one is drawn as its mirror image.
+
+Needs the extra `skin` (OpenCV).
+"""
+
+from typing import Any, NamedTuple
+
+import cv2
+import numpy as np
+from msgspec import structs
+from numba import njit
+from numpy.typing import NDArray
+
+from subsea.fish import paint
+from subsea.fish.photo.deformable_mesh import DORSAL, VENTRAL, Mesh, Net
+from subsea.fish.photo.side_view import Rest, RestFin, at_rest, finer, outlines
+from subsea.fish.species import Colour, SkinPlan, Species
+from subsea.fish.surface import FIN_V, SurfacePlan
+from subsea.geometry.spline import basis_at, dense, greville, through
+
+Array = NDArray[np.floating[Any]]
+Bytes = NDArray[np.uint8]
+Mask = NDArray[np.bool_]
+
+RIM = 0.006  # body lengths inside the outline where the background still shines through
+NEAR = 0.035  # so near to it the fish told apart is asked, farther inside the meshes alone
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722], np.float32)
+TIERS = 10  # levels from belly to back whose brightness is compared
+EVENED = 0.8  # of what a back is brighter than the belly
+STEEPEST = 2.0
+WEB = 0.04  # body lengths behind its root over which the tail becomes a fin
+FINE_MESH = 8  # times as many places as nodes, of the meshes that colours are taken through
+
+
+class _Source(NamedTuple):
+    """The photograph about the fish, without what lies behind it."""
+
+    picture: Array  # (h, w, 4) linear light, and whether it is the fish
+    corner: Array  # (2,) its place in the photograph
+
+
+class _Flank(NamedTuple):
+    """The body's part of a sheet."""
+
+    picture: Array  # (h, w, 4) linear light and opacity
+    level: Array  # (h, w) from belly to back, 0 to 1
+    trunk: Mask  # (h, w) the body without its tail
+    low: Array  # (2,) the place of its lower left corner, body lengths
+    size: Array  # (2,) texels in a body length
+    steep: float  # how much light from above was in it
+
+
+def lifted(colour: Bytes, net: Net, species: Species, fish: Mask | None = None) -> Bytes:
+    """The sheet (640, 1024, 4) of a species, bottom row first, from a photograph (h, w, 3).
+
+    ``fish`` (h, w) is what was told apart from the background: near the outline only colours from
+    there are taken, and fins have gaps where it has. Without it the meshes alone decide.
+    """
+    surface, skin = species.surface, species.skin
+    rest = at_rest(surface)
+    source = _source(colour, net, surface, fish)
+    planes = np.zeros((4, *paint.SIZE[::-1]), np.float32)
+    flank, tail = _lift_flank(source, net, rest, surface, skin)
+    paint.framed(planes, paint.BODY)[:] = flank.picture.transpose(2, 0, 1)
+    typical = [tail]
+    for name, frame, plan, look, ridge in (
+        (VENTRAL, paint.VENTRAL, surface.ventral, skin.ventral, surface.belly),
+        (DORSAL, paint.DORSAL, surface.dorsal, skin.dorsal, surface.back),
+    ):
+        if plan and look:
+            part = paint.framed(planes, frame)
+            made, tone = _lift_fin(
+                source, flank, net.fins[name].mesh, rest.fins[name],
+                np.dstack(paint.fin_places(plan, ridge, *_shares(part.shape[1:]))),
+                look.opacity, float(name == DORSAL),
+            )  # fmt: skip
+            part[:] = made.transpose(2, 0, 1)
+            typical.append(tone)
+    sheet = paint.encoded(planes)
+    fins = next((tone for tone in typical[::-1] if tone), None)
+    plain = structs.replace(species, skin=_plain(skin, flank, fins))
+    painted = paint.paint(plain).transpose(2, 0, 1)
+    for frame in (paint.PECTORAL, paint.PELVIC):
+        paint.framed(sheet.transpose(2, 0, 1), frame)[:] = paint.framed(painted, frame)
+    return sheet
+
+
+def _source(colour: Bytes, net: Net, surface: SurfacePlan, fish: Mask | None) -> _Source:
+    """The part of a photograph that the meshes lie in, the fish's own colours all over it."""
+    length = float(np.hypot(*(net.body.nodes[4, 0] - net.body.nodes[4, 14]))) / surface.tail.begin
+    window, corner = _around(colour, net, length)
+    within = covered(net, colour.shape)[window]
+    there = within if fish is None else fish[window]
+    light = bled(_linear(colour[window]), _sure(within, there, length).astype(np.float32))
+    opaque = cv2.GaussianBlur(np.asarray(there | _deep(within, length), np.float32), (0, 0), 1.0)
+    return _Source(np.dstack([light, opaque]), corner)
+
+
+def _lift_flank(
+    source: _Source, net: Net, rest: Rest, surface: SurfacePlan, skin: SkinPlan
+) -> tuple[_Flank, Colour | None]:
+    """Body and tail, and the typical colour of the latter."""
+    height, width = paint.framed(np.empty((4, *paint.SIZE[::-1])), paint.BODY).shape[1:]
+    front, rear = paint.borders(surface)
+    top, tail = paint.half_height(surface), surface.tail.begin
+    low = np.array([front, -top])
+    size = np.array([width / (rear - front), height / (2.0 * top)])
+    texels = (finer(rest.body, FINE_MESH) - low) * size - 0.5
+    places = drawn(texels, finer(net.body.nodes, FINE_MESH) - source.corner, (height, width))
+    inside = np.isfinite(places[..., 0])
+    picture = _looked_up(source.picture, places)
+    picture[..., :3] = bled(picture[..., :3], inside.astype(np.float32))
+    s = front + (np.arange(width) + 0.5) / size[0]
+    trunk = inside & (s < tail)
+    level = _level(trunk)
+    steep = _lit_from_above(picture[..., :3], level)
+    picture[..., :3] *= _evened(steep, level)[..., None]
+    web = _smooth((s - tail) / WEB)  # how far the body has become a fin
+    clear = (1.0 - skin.tail.opacity) * _smooth((s - tail) / (1.0 - tail))
+    picture[..., 3] = 1.0 + web * (np.where(inside, picture[..., 3], 1.0) * (1.0 - clear) - 1.0)
+    typical = _typical(picture[..., :3], inside & (s > tail + WEB))
+    return _Flank(picture, level, trunk, low, size, steep), typical
+
+
+def _lift_fin(
+    source: _Source, flank: _Flank, fin: Mesh, rest: RestFin, places: Array, opacity: float,
+    level: float,
+) -> tuple[Array, Colour | None]:  # fmt: skip
+    """A fin (h, w, 4) whose texels lie at `places` (h, w, 2) on the fish, and its typical colour.
+
+    What of it lies within the body has the body's colours.
+    """
+    share, up = _shares(places.shape[:2])
+    rise = _risen(rest, share, up)
+    weights = dense(basis_at(FIN_V, share), FIN_V)
+    root, edge = (weights @ through(row) - source.corner for row in fin.nodes)
+    beyond = _looked_up(source.picture, root + np.maximum(rise, 0.0)[..., None] * (edge - root))
+    beyond[..., :3] *= _evened(flank.steep, np.float32(level))
+    within = _looked_up(flank.picture, (places - flank.low) * flank.size - 0.5)
+    out = rise > 0.0
+    picture = np.where(out[..., None], beyond, within)
+    seen = ~out | (picture[..., 3] > 0.5)
+    picture[..., :3] = bled(picture[..., :3], seen.astype(np.float32))
+    clear = (1.0 - opacity) * _smooth(rise)
+    picture[..., 3] = np.where(out, picture[..., 3] * (1.0 - clear), 1.0)
+    return picture, _typical(picture[..., :3], seen & (rise > 0.2))
+
+
+def _shares(shape: tuple[int, ...]) -> tuple[Array, Array]:
+    """Shares of a fin's frame (h, w): along its base (w,), and from its root to its edge (h, 1)."""
+    height, width = shape
+    return (np.arange(width) + 0.5) / width, ((np.arange(height) + 0.5) / height)[:, None]
+
+
+def covered(net: Net, shape: tuple[int, ...]) -> Mask:
+    """Which pixels (h, w) lie under the meshes."""
+    mask = np.zeros(shape[:2], np.uint8)
+    for ring in outlines(net):
+        cv2.fillPoly(mask, [np.round(ring * 16.0).astype(np.int32)], 1, shift=4)
+    return mask.astype(bool)
+
+
+def bled(values: Array, share: Array) -> Array:
+    """Values (h, w, k) where `share` (h, w) is 1; elsewhere those around go on, ever more blurred.
+
+    By a pyramid of means, as mipmaps are made (push and pull).
+    """
+    values = np.asarray(values, np.float32)
+    levels = [(values * share[..., None], np.asarray(share, np.float32))]
+    while min(levels[-1][1].shape) > 1 and not levels[-1][1].min() > 0.0:
+        last, weight = levels[-1]
+        size = (weight.shape[1] + 1) // 2, (weight.shape[0] + 1) // 2
+        levels.append(
+            tuple(cv2.resize(a, size, interpolation=cv2.INTER_AREA) for a in (last, weight))
+        )
+    last, weight = levels[-1]
+    filled = np.asarray(last / np.maximum(weight, 1e-6)[..., None])
+    for sums, weight in levels[-2::-1]:
+        wide = cv2.resize(filled, weight.shape[::-1], interpolation=cv2.INTER_LINEAR)
+        filled = sums + (1.0 - weight)[..., None] * wide
+    return np.asarray(filled)
+
+
+def drawn(corners: Array, values: Array, shape: tuple[int, int]) -> Array:
+    """Values (h, w, k) on texels under a mesh with `corners` (m, n, 2) and `values` (m, n, k).
+
+    Linear on its triangles; nan outside.
+    """
+    out = np.full((*shape, values.shape[2]), np.nan, np.float32)
+    _draw(np.ascontiguousarray(corners), np.ascontiguousarray(values, np.float64), out)
+    return out
+
+
+@njit(cache=True)
+def _draw(corners: Any, values: Any, out: Any) -> None:
+    h, w, count = out.shape
+    m, n, _ = corners.shape
+    for cell in range(2 * (m - 1) * (n - 1)):
+        k, j = (cell // 2) // (n - 1), (cell // 2) % (n - 1)
+        a, b, c = (k, j), (k + 1, j + 1), (k + 1, j) if cell % 2 else (k, j + 1)
+        ax, ay = corners[a][0], corners[a][1]
+        bx, by = corners[b][0] - ax, corners[b][1] - ay
+        cx, cy = corners[c][0] - ax, corners[c][1] - ay
+        area = bx * cy - by * cx
+        if abs(area) < 1e-12:
+            continue
+        left, right = min(0.0, bx, cx) + ax, max(0.0, bx, cx) + ax
+        low, high = min(0.0, by, cy) + ay, max(0.0, by, cy) + ay
+        for row in range(max(0, int(np.ceil(low - 1e-6))), min(h, int(np.floor(high + 1e-6)) + 1)):
+            for column in range(
+                max(0, int(np.ceil(left - 1e-6))), min(w, int(np.floor(right + 1e-6)) + 1)
+            ):
+                x, y = column - ax, row - ay
+                s, t = (x * cy - y * cx) / area, (bx * y - by * x) / area
+                if s >= -1e-6 and t >= -1e-6 and s + t <= 1.0 + 1e-6:
+                    for i in range(count):
+                        out[row, column, i] = (
+                            (1.0 - s - t) * values[a][i] + s * values[b][i] + t * values[c][i]
+                        )
+
+
+def _around(colour: Bytes, net: Net, length: float) -> tuple[tuple[slice, slice], Array]:
+    """The part of a photograph that the meshes lie in, and its corner."""
+    every = np.concatenate(outlines(net))
+    margin = 0.1 * length
+    low = np.maximum(np.floor(every.min(axis=0) - margin), 0).astype(int)
+    high = np.ceil(every.max(axis=0) + margin).astype(int)
+    low = np.minimum(low, (colour.shape[1] - 2, colour.shape[0] - 2))
+    high = np.maximum(high, low + 2)
+    return (slice(low[1], high[1]), slice(low[0], high[0])), low.astype(float)
+
+
+def _sure(within: Mask, there: Mask, length: float) -> Mask:
+    """Where the colours are the fish's own: inside the meshes, away from any outline."""
+    inner = _far_inside(within & (there | _deep(within, length)))
+    sure = inner > RIM * length
+    return np.asarray(sure if sure.any() else within)
+
+
+def _deep(within: Mask, length: float) -> Mask:
+    """Farther inside the meshes than the fish told apart is asked."""
+    return np.asarray(_far_inside(within) > NEAR * length)
+
+
+def _far_inside(mask: Mask) -> Array:
+    """Distance (h, w) to the nearest pixel outside a mask; what lies beyond the picture is none."""
+    return np.asarray(cv2.distanceTransform(mask.astype(np.uint8), cv2.DIST_L2, 5))
+
+
+def _looked_up(picture: Array, places: Array) -> Array:
+    """Values (h, w, k) of a picture at places (h, w, 2), pixels; 0 where these are nan."""
+    x, y = np.nan_to_num(places.astype(np.float32), nan=-9.0).transpose(2, 0, 1)
+    found = cv2.remap(
+        np.asarray(picture, np.float32),
+        np.ascontiguousarray(x),
+        np.ascontiguousarray(y),
+        cv2.INTER_LINEAR,
+        borderMode=cv2.BORDER_REPLICATE,
+    )
+    return np.asarray(found)
+
+
+def _risen(rest: RestFin, share: Array, up: Array) -> Array:
+    """How far texels (h, w) of a fin's frame are from where it leaves the body, 0, to its edge, 1.
+
+    Negative within the body, and all along where the fin does not show.
+    """
+    at = greville(FIN_V)
+    left = np.interp(share, at, rest.leaves)
+    return np.asarray((up - left) / np.maximum(1.0 - left, 1e-3)).clip(-1.0, 1.0)
+
+
+def _typical(light: Array, where: Mask) -> Colour | None:
+    """The median colour (linear light) of those places."""
+    if not where.any():
+        return None
+    return tuple(float(c) for c in np.median(light[where], axis=0).clip(0.0, 1.0))  # type: ignore[return-value]
+
+
+def _level(trunk: Mask) -> Array:
+    """How high texels (h, w) are from belly to back, 0 to 1, and on the tail as at its root.
+
+    ``trunk`` is where the body without its tail is.
+    """
+    rows = np.arange(len(trunk))[:, None]
+    count = trunk.sum(axis=0)
+    known = np.flatnonzero(count)
+    every = np.arange(trunk.shape[1])
+    first = np.interp(every, known, trunk.argmax(axis=0)[known])
+    count = np.interp(every, known, count[known])
+    return np.asarray(((rows - first) / count).clip(0.0, 1.0), np.float32)
+
+
+def _lit_from_above(light: Array, level: Array) -> float:
+    """By which power of e the back is brighter than the belly; 0 if the belly is the brighter one.
+
+    Fishes are pale below, so that the light from above leaves them even. Where the belly of a
+    photograph is the darker one, that light is in it, and it would fall on the fish twice.
+    """
+    tall = np.log(np.maximum(light @ LUMINANCE, 1e-3))
+    inner = (level > 0.05) & (level < 0.95)
+    within = np.minimum((level[inner] * TIERS).astype(int), TIERS - 1)
+    tiers = [np.median(tall[inner][within == k]) for k in range(TIERS)]
+    slope = np.polyfit((np.arange(TIERS) + 0.5) / TIERS, tiers, 1)[0]
+    return float(np.clip(slope, 0.0, STEEPEST))
+
+
+def _evened(steep: float, level: Array | np.float32) -> Array:
+    """What colours at a level are to be multiplied with."""
+    return np.exp(np.float32(-EVENED * steep) * (level - np.float32(0.5)))
+
+
+def _plain(skin: SkinPlan, flank: _Flank, fins: Colour | None) -> SkinPlan:
+    """A skin in the colours of the photograph, without patterns: for what that does not show."""
+    light, level = flank.picture[..., :3], flank.level
+    tones = {
+        name: _typical(light, flank.trunk & (level >= low) & (level <= high)) or getattr(skin, name)
+        for name, low, high in (("belly", 0, 0.25), ("flank", 0.25, 0.75), ("back", 0.75, 1))
+    }
+    paddles = skin.paddles and structs.replace(
+        skin.paddles, colour=fins or skin.paddles.colour, rim=None
+    )
+    return structs.replace(
+        skin, **tones, stripes=None, cape=None, patches=[], spots=None, paddles=paddles
+    )
+
+
+def _linear(colour: Bytes) -> Array:
+    """Linear light (h, w, 3), 0 to 1, of sRGB."""
+    value = np.arange(256) / 255.0
+    table = np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
+    return table.astype(np.float32)[colour]
+
+
+def _smooth(t: Array) -> Array:
+    t = np.clip(t, 0.0, 1.0)
+    return np.asarray(t * t * (3.0 - 2.0 * t))

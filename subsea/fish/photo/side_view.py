@@ -1,0 +1,161 @@
+"""A fish at rest seen from its left, and the deformable meshes that stand for it in a picture.
+
+Places on a fish are (distance from the snout, height) in body lengths, places in a picture pixels,
+x to the right and y down. A matrix (2, 3) takes the first to the second.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.core.errors import UserError
+from subsea.fish.photo.deformable_mesh import BODY, DORSAL, VENTRAL, Net, fin, mesh, meshes
+from subsea.fish.surface import (
+    FIN_V,
+    RIGHT,
+    SUNK,
+    FinPlan,
+    SurfacePlan,
+    U,
+    V,
+    along,
+    rest_surface,
+    travelled,
+)
+from subsea.geometry.spline import basis_at, dense, greville, through
+
+Array = NDArray[np.floating[Any]]
+
+FINER = 4  # times as many places as nodes, where a mesh is looked at closely
+SHOWS = 0.006  # body lengths by which the edge of a fin stands out where it is drawn
+
+
+class RestFin(NamedTuple):
+    """A dorsal or ventral fin; its twelve stations are at shares `greville(12)` of its base."""
+
+    row: int  # of the body that it is rooted on
+    places: Array  # (12,) along that row, in nodes, where it leaves the body
+    root: Array  # (12, 2) there
+    leaves: Array  # (12,) the share of the way from its row in the body to its edge, there
+    edge: Array  # (12, 2)
+    shows: NDArray[np.bool_]  # (12,) whether it stands out there, or runs within the body
+
+
+class Rest(NamedTuple):
+    """Nodes of the flank and its fins, which lie where the drawn surface lies at rest."""
+
+    body: Array  # (9, 21, 2): rows from the back to the belly, columns from the snout
+    fins: dict[str, RestFin]
+
+
+def at_rest(plan: SurfacePlan) -> Rest:
+    """The side of a fish; one with wings has none, which is a UserError."""
+    if plan.wing:
+        raise UserError("a body with wings needs a photograph from above, which is not supported")
+    half = rest_surface(plan)[RIGHT].reshape(U, V, 3)
+    even = np.linspace(1.0, -1.0, U)[:, None]
+    middle, reach = (half[0, :, 1] + half[-1, :, 1]) / 2, (half[0, :, 1] - half[-1, :, 1]) / 2
+    control = np.stack([half[..., 0], middle + even * reach], axis=2)
+    # Across the body these are control points: the nodes lie where the surface passes them.
+    body = np.tensordot(dense(basis_at(U, greville(U)), U), control, 1)
+    fins = {}
+    for name, row, one, ridge in (
+        (DORSAL, 0, plan.dorsal, plan.back),
+        (VENTRAL, U - 1, plan.ventral, plan.belly),
+    ):
+        if one:
+            fins[name] = _rest_fin(one, row, body[row], np.asarray(ridge, np.float64))
+    return Rest(body, fins)
+
+
+def _rest_fin(plan: FinPlan, row: int, line: Array, ridge: Array) -> RestFin:
+    """A fin, from where the way from its sunk root to its edge crosses the ridge."""
+    share = greville(FIN_V)
+    base = plan.base[0] + (plan.base[1] - plan.base[0]) * share
+    sunk = np.stack([base, SUNK * along(ridge, base)], axis=1)
+    edge = travelled(plan.edge, share)
+    up = np.linspace(0.0, 1.0, 129)[:, None]
+    x = sunk[:, 0] + up * (edge[:, 0] - sunk[:, 0])
+    y = sunk[:, 1] + up * (edge[:, 1] - sunk[:, 1])
+    out = np.abs(y) - np.abs(along(ridge, x))
+    shows = out[-1] > SHOWS
+    left = np.where(shows, np.argmax(out > 0.0, axis=0), len(up) - 1)
+    # Roots follow one another, as the nodes do whose springs they share.
+    root_x = np.maximum.accumulate(np.where(shows, x[left, np.arange(FIN_V)], base))
+    places = np.interp(root_x, line[:, 0], np.arange(V))
+    root = np.stack([np.interp(places, np.arange(V), axis) for axis in line.T], axis=1)
+    return RestFin(row, places, root, up[left, 0], edge, shows)
+
+
+def laid(plan: SurfacePlan, matrix: Array) -> Net:
+    """Meshes in a picture, at rest in the species' own shape. They feel what can be an outline.
+
+    That is neither the back under a fin nor the belly where pelvic fins hang down, nor where the
+    edge of a fin runs within the body.
+    """
+    rest = at_rest(plan)
+    body = mesh(placed(matrix, rest.body))
+    if plan.pelvic:
+        begin, end = plan.pelvic.at - 0.02, plan.pelvic.at + plan.pelvic.length
+        under = (rest.body[-1, :, 0] > begin) & (rest.body[-1, :, 0] < end)
+        body.feels[-1, under] = 0.0
+    fins = {}
+    for name, one in rest.fins.items():
+        fins[name] = fin(body, one.row, one.places, placed(matrix, one.edge))
+        fins[name].mesh.feels[1, ~one.shows] = 0.0
+        column = np.arange(V)
+        under = (column > one.places[0]) & (column < one.places[-1])
+        hidden = np.interp(column, one.places, one.shows.astype(float)) < 0.5
+        body.feels[one.row, under & hidden] = 1.0  # the back between two fins
+    return Net(body, fins)
+
+
+def placed(matrix: Array, places: Array) -> Array:
+    """Places (…, 2) on a fish at rest, in the picture."""
+    return np.asarray(places @ np.asarray(matrix)[:, :2].T + np.asarray(matrix)[:, 2])
+
+
+def across(width: float, height: float, plan: SurfacePlan) -> Array:
+    """The matrix of a fish that heads left in the middle of a picture and fills most of it."""
+    rest = at_rest(plan)
+    every = np.concatenate([rest.body.reshape(-1, 2), *(one.edge for one in rest.fins.values())])
+    low, high = every.min(axis=0), every.max(axis=0)
+    length = 0.8 * min(width / (high - low)[0], height / (high - low)[1])
+    middle = (low + high) / 2
+    return np.array(
+        [
+            [length, 0.0, width / 2 - length * middle[0]],
+            [0.0, -length, height / 2 + length * middle[1]],
+        ]
+    )
+
+
+def finer(nodes: Array, times: int = FINER) -> Array:
+    """A mesh (m, n, 2) with `times` as many places between nodes each way, by smooth curves.
+
+    They meet the nodes, as the drawn surface meets those it is made from.
+    """
+    for axis in (0, 1):
+        count = nodes.shape[axis]
+        if count < 3:
+            continue
+        at = np.arange(times * (count - 1) + 1) / times
+        t = np.interp(at, np.arange(count), greville(count))
+        weights = dense(basis_at(count, t), count)
+        solved = through(np.moveaxis(nodes, axis, 0))
+        nodes = np.moveaxis(np.tensordot(weights, solved, 1), 0, axis)
+    return nodes
+
+
+def outlines(net: Net, times: int = FINER) -> list[Array]:
+    """Closed outlines (k, 2) of all meshes, which overlap where a fin is rooted."""
+    out = []
+    for name, one in meshes(net).items():
+        nodes = finer(one.nodes, times)
+        if name == BODY:
+            ring = [nodes[0], nodes[1:, -1], nodes[-1, -2::-1], nodes[-2:0:-1, 0]]
+        else:
+            ring = [nodes[0], nodes[-1, ::-1]]
+        out.append(np.concatenate(ring))
+    return out

@@ -1,0 +1,1 @@
+"""World and views in, packet out: all that drawing sees of the world."""

@@ -1,0 +1,352 @@
+"""World and views in, packet out: all that drawing ever sees of the world."""
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from subsea.fish.coupling import Coupling, place
+from subsea.fish.species import Species
+from subsea.frame.diagrams import NO_LINES, Lines
+from subsea.habitat.seaweed import KINDS as SEAWEED_KINDS
+from subsea.motor.pose import pose_at
+from subsea.scenario.schema import Water
+from subsea.state import HANGING, HOOKED, LANDED, SINKING, STOWED, Fishes, Reef, Sea, empty_reef
+from subsea.view.camera import View
+from subsea.view.culling import IN_SIGHT, OUT_OF_SIGHT, covered
+from subsea.view.display_rigs import cockpit
+from subsea.view.levels import LEVELS, THRESHOLDS_PX, Memory, arranged, choose, nothing_drawn
+from subsea.view.rig import Pose
+from subsea.world.world import TICK_S, World
+
+Array = NDArray[np.floating[Any]]
+Ints = NDArray[np.integer[Any]]
+
+# Columns of an instance record: 23 float32, 92 bytes, six attributes in the shader.
+POSITION = slice(0, 3)  # cm, world, interpolated between the last two ticks
+SCALE = 3  # length of the fish over length of the recorded one (α of SMC eq. 12)
+ORIENTATION = slice(4, 8)  # w, x, y, z, body to world
+ROW_A, ROW_B, WEIGHT = 8, 9, 10  # a pose mixes two rows of the control-point table
+IDENTITY = 11  # constant per fish, in [0, 1): individual variation
+FINS = slice(12, 19)  # as `state.Fishes.fins`: sweeps, lifts, mouth, dorsal fin, tail
+KIND = 19  # which species of the scene it is
+# Of the pixels, in an even pattern, the share that is drawn while two levels cross-fade; 0: all.
+# A share f > 0 takes the first f of the pattern, f < 0 the last -f.
+FADE = 20
+DISPLAY = 21  # how much it wears its mating colours, 0 to 1
+FISH = 22  # which fish of the world it is
+INSTANCE_COLUMNS = 23
+
+# Texels of a leaf of seaweed: its nodes from the root to the tip, then what it looks like.
+LEAF_NODES = 8
+LEAF_TEXELS = LEAF_NODES + 2  # width, facing, twist, own number; colour, length
+LEAF_NEAR_PX = 260.0  # a leaf that covers fewer pixels is drawn coarsely ...
+LEAF_LEAST_PX = 7.0  # ... and not at all if it covers fewer
+LEAF_MOST_CM = 150.0  # of a cluster count
+BLADE = 9.0  # length of the longest blade of kelp over its width, as in `seaweed.vert`
+KELP = SEAWEED_KINDS.index("kelp")
+GOLDEN = 0.6180339887  # multiples of it fill [0, 1) evenly
+
+# The lamps: so far aside, above and before the pilot's eye, and turned inward and down, rad.
+LAMPS_CM, LAMPS_TURNED = (48.0, -26.0, 10.0), (0.06, 0.02)
+
+PLANKTON_REACH_CM = 1400.0  # a speck has faded there
+SPECK_CM = 4.0  # from its place, which it hops about, to the farthest that is drawn of its middle
+
+# A fish's sphere holds its nodes; its surface, with a tail that spreads, reaches a little farther.
+ENLARGED = 1.1
+NEVER_COARSE = np.zeros(len(LEVELS) - 1)  # thresholds of those who want no levels
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What drawing needs once: constant for a dive."""
+
+    species: tuple[Species, ...]
+    control_points: Array  # (rows, 426, 3) float32 cm: all species and frames, then live fishes
+    recorded_length_cm: tuple[float, ...]  # per species
+    terrain: Array  # (n, n) float32 cm, height of the seabed, row i is y, column j is x
+    terrain_half_width_cm: float  # the grid spans [-w, w] in x and y
+    water: Water
+    pillars: Array = field(default_factory=lambda: np.zeros((0, 4)))  # (k, 4) as `state.Sea` has it
+    rocks: Array = field(default_factory=lambda: np.zeros((0, 7)))  # (k, 7) likewise
+    # (k, 4): x and y in cm, bubbles a second, the largest one's diameter in cm
+    vents: Array = field(default_factory=lambda: np.zeros((0, 4)))
+    reef: Reef = field(default_factory=empty_reef)
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Consecutive instances of a view that share a level of detail, the farthest first."""
+
+    level: int
+    first: int
+    count: int
+    fading: bool = False  # each is there twice, at two levels; specks that fade are not apart
+
+
+class Lamps(NamedTuple):
+    """The lights of the submarine: left and right."""
+
+    places: Array  # (2, 3) cm
+    ways: Array  # (2, 3) unit vectors, the axes of their beams
+
+
+@dataclass(frozen=True)
+class Packet:
+    """One frame."""
+
+    time_s: float  # world time, interpolated
+    views: tuple[View, ...]
+    # (m, 23) float32, sorted by batch; who is in sight of several views is there for each of them
+    instances: Array
+    # Of each view those at rest, coarsest first, then those that fade.
+    batches: tuple[tuple[Batch, ...], ...]
+    plankton: Array  # (p, 3) float32 cm: all that there is
+    hidden: int  # fishes culled away
+    # Control points (r, 426, 3) float32 cm that replace rows of the scene's from `live_row` on:
+    # those of fishes that are simulated.
+    live_points: Array = field(default_factory=lambda: np.zeros((0, 426, 3), np.float32))
+    live_row: int = 0
+    passing_cm_s: tuple[float, float, float] = (0.0, 0.0, 0.0)  # velocity of the submarine
+    vessel: Array | None = None  # (3,) cm, where the submarine is; None: where the views' eyes are
+    hook: Array | None = None  # (3,) cm, of the bend; None: no hook is in the water
+    bait: bool = False  # whether it is still on the hook
+    # Leaves of seaweed in sight, those to be drawn finely first, how many these are, and which of
+    # all of them (v, k) each view sees; None: each sees all.
+    leaves: Array = field(default_factory=lambda: np.zeros((0, LEAF_TEXELS, 4), np.float32))
+    fine_leaves: int = 0
+    leaves_seen: NDArray[np.bool_] | None = None
+    # Of each view which specks of the plankton it sees; None: each sees all.
+    plankton_seen: tuple[Ints, ...] | None = None
+    lines: Lines = NO_LINES  # of diagrams ...
+    lined: int | None = None  # ... in so many of the views, the first ones; None: in all
+    current_cm_s: tuple[float, float] | None = None  # of the water; None: as in the scene
+    lamps: Lamps | None = None  # of the submarine, None while they are off
+
+
+def make_scene(world: World) -> Scene:
+    """The constant part of a world, for the renderer to upload once."""
+    return Scene(
+        species=world.species,
+        control_points=world.library.control_points,
+        recorded_length_cm=tuple(float(x) for x in world.library.recorded_length),
+        terrain=world.state.sea.heights,
+        terrain_half_width_cm=world.state.sea.half_width,
+        water=world.scenario.water,
+        pillars=world.state.sea.pillars,
+        rocks=world.state.sea.rocks,
+        vents=np.array(
+            [(*v.position_cm, v.rate_per_s, v.size_cm) for v in world.scenario.vent]
+        ).reshape(-1, 4),
+        reef=world.state.reef,
+    )
+
+
+def pack(
+    world: World,
+    views: Sequence[View],
+    alpha: float,
+    *,
+    culling: bool = True,
+    lod: bool = True,
+    detail: float = 1.0,
+    growth: float = 1.0,
+    memory: Memory | None = None,
+    lines: Lines = NO_LINES,
+    pilot: Pose | None = None,
+) -> Packet:
+    """The frame that lies `alpha` (0 to 1) of the way from the last tick to the present one.
+
+    `detail` is a factor on the pixels that a fish or a leaf is taken to cover when its level is
+    chosen, `growth` the share of the clusters of seaweed that is drawn. `memory` is that of the
+    frame before, and becomes that of this one; without it no fish fades from one level to another.
+    The `pilot` is where the submarine is drawn, None: between the two ticks too. The times of the
+    stages "cull" and "pose" are added to `world.stages_s`.
+    """
+    pilot = cockpit(world.state.submarine, alpha) if pilot is None else pilot
+    fishes, library = world.state.fishes, world.library
+    start = time.perf_counter()
+    centres = fishes.previous_position + np.float32(alpha) * (
+        fishes.position - fishes.previous_position
+    )
+    time_s = (world.state.tick - 1 + alpha) * TICK_S
+    radii = ENLARGED * library.bounding_radius[fishes.species] * fishes.length
+    reach = IN_SIGHT * world.scenario.water.visibility_cm
+    pixels, distance = covered(centres, radii, fishes.length, views, reach, culling)
+    pixels[~fishes.alive] = OUT_OF_SIGHT
+    # Where a whole wave runs along a body coarse levels would cut its crests, of body and fins at
+    # different places: it is drawn one level finer.
+    wavy = np.array([one.spine is not None for one in world.species])[fishes.species]
+    memory = nothing_drawn(len(pixels)) if memory is None else memory
+    choose(pixels, wavy, THRESHOLDS_PX / detail if lod else NEVER_COARSE, time_s, memory)
+    order, share, starts = arranged(distance, time_s, len(LEVELS), memory)
+    culled = time.perf_counter()
+    leaves, fine_leaves, leaves_seen = _leaves_in_sight(world, views, culling, lod, detail, growth)
+    instances = np.empty((len(order), INSTANCE_COLUMNS), np.float32)
+    _write_instances(fishes, centres, order, share, alpha, instances)
+    live_points = _skin_live(world, order)
+    world.stages_s["cull"] = culled - start
+    world.stages_s["pose"] = time.perf_counter() - culled
+    batches = tuple(
+        tuple(
+            Batch(len(LEVELS) - 1 - k % len(LEVELS), first, end - first, k >= len(LEVELS))
+            for k, (first, end) in enumerate(pairwise(own))
+            if end > first
+        )
+        for own in starts.tolist()
+    )
+    return Packet(
+        time_s=time_s,
+        views=tuple(views),
+        instances=instances,
+        batches=batches,
+        plankton=world.state.sea.plankton.copy(),
+        plankton_seen=_plankton_in_sight(world.state.sea, views, culling),
+        hidden=int((pixels < 0.0).sum()),
+        live_points=live_points,
+        live_row=len(library.entry),
+        passing_cm_s=_velocity(world),
+        vessel=pilot.eye,
+        hook=_hook(world.state.sea, alpha),
+        bait=bool(world.state.sea.catch[0] in (SINKING, HANGING)),
+        leaves=_leaves(world, leaves, alpha),
+        fine_leaves=fine_leaves,
+        leaves_seen=leaves_seen,
+        lines=lines,
+        current_cm_s=world.flowing_cm_s,
+        lamps=lamps_of(pilot) if world.state.submarine.lights[0] else None,
+    )
+
+
+def lamps_of(pilot: Pose) -> Lamps:
+    """Where the lights of a submarine are whose pilot is there, and how they shine."""
+    axes = np.stack([np.cross(pilot.forward, pilot.up), pilot.up, pilot.forward])
+    side = np.array([[-1.0], [1.0]])
+    places = pilot.eye + (side * (1.0, 0.0, 0.0) * LAMPS_CM + (0.0, *LAMPS_CM[1:])) @ axes
+    turn, down = LAMPS_TURNED
+    ways = np.concatenate([-side * np.sin(turn), 0 * side - np.sin(down), 0 * side + 1.0], axis=1)
+    ways /= np.linalg.norm(ways, axis=1)[:, None]
+    return Lamps(places, ways @ axes)
+
+
+def _velocity(world: World) -> tuple[float, float, float]:
+    """How fast the submarine went between the last tick and the present one, cm/s."""
+    submarine = world.state.submarine
+    x, y, z = (submarine.position - submarine.previous_position) / TICK_S
+    return float(x), float(y), float(z)
+
+
+def _hook(sea: Sea, alpha: float) -> Array | None:
+    """Where the hook is between two ticks, None if it is out of the water."""
+    state = sea.catch[0]
+    if state in (STOWED, LANDED):
+        return None
+    velocity = {SINKING: -sea.tackle[3], HOOKED: sea.tackle[3]}.get(int(state), 0.0)
+    return np.asarray(sea.hook - (0.0, 0.0, (1.0 - alpha) * TICK_S * velocity))
+
+
+def _plankton_in_sight(sea: Sea, views: Sequence[View], culling: bool) -> tuple[Ints, ...]:
+    """Of each view the specks in sight. They keep their numbers: a speck looks as that tells."""
+    size = np.full(len(sea.plankton), SPECK_CM)
+    _, distance = covered(sea.plankton, size, size, views, PLANKTON_REACH_CM, culling)
+    present = sea.absent == 0.0
+    return tuple(np.flatnonzero(np.isfinite(own) & present).astype(np.int32) for own in distance)
+
+
+def _leaves_in_sight(
+    world: World, views: Sequence[View], culling: bool, lod: bool, detail: float, growth: float
+) -> tuple[Ints, int, NDArray[np.bool_]]:
+    """Leaves (k,) of those clusters whose centroid is in some view, or nearly.
+
+    The near ones first, and how many these are; and which of them (v, k) each view sees.
+    """
+    box, seaweed = world.state.sea.seaweed, world.state.seaweed
+    centres, size = (box[:, :3] + box[:, 3:]) / 2, box[:, 3:] - box[:, :3]
+    # A leaf is wider than its chain, and between two ticks outside of its box; blades of kelp
+    # stand off from it.
+    blades = np.where(seaweed.kind == KELP, BLADE * seaweed.look[:, 0], 0.0)
+    blades = np.maximum.reduceat(blades, seaweed.first[:-1]) if len(box) else np.zeros(0)
+    radii = np.linalg.norm(size, axis=1) / 2 + 10.0 + blades
+    reach = IN_SIGHT * world.scenario.water.visibility_cm
+    # However tall a plant is: it is made of parts.
+    covers = np.minimum(2 * radii, LEAF_MOST_CM)
+    pixels, distance = covered(centres, radii, covers, views, reach, culling)
+    pixels *= np.float32(detail)
+    near = pixels > LEAF_NEAR_PX if lod else pixels >= 0.0
+    shown = np.arange(len(box)) * GOLDEN % 1.0 < growth
+    cluster = np.repeat(np.arange(len(box)), np.diff(seaweed.first))
+    fine, coarse = shown & near, shown & ~near & (pixels > LEAF_LEAST_PX)
+    fine_leaves = np.flatnonzero(fine[cluster])
+    leaves = np.concatenate([fine_leaves, np.flatnonzero(coarse[cluster])])
+    return leaves, len(fine_leaves), np.isfinite(distance)[:, cluster[leaves]]
+
+
+def _leaves(world: World, order: Ints, alpha: float) -> Array:
+    """The texels of the leaves `order`, `alpha` of the way from the last tick to the present."""
+    seaweed = world.state.seaweed
+    out = np.zeros((len(order), LEAF_TEXELS, 4), np.float32)
+    before, after = seaweed.previous[order], seaweed.node[order]
+    out[:, :LEAF_NODES, :3] = before + np.float32(alpha) * (after - before)
+    out[:, 0, 3] = seaweed.kind[order]
+    out[:, LEAF_NODES:] = seaweed.look[order].reshape(-1, 2, 4)
+    return out
+
+
+def _skin_live(world: World, order: Ints) -> Array:
+    """Control points (r, 426, 3) of the slots' poses, up to the last slot that is in use.
+
+    They are written to the library's own rows, where the oracle of `motor/pose.py` finds them.
+    Slots of fishes that are not in sight keep what they held.
+    """
+    live, library = world.state.live, world.library
+    table = library.control_points[len(library.entry) :]
+    if not len(table):
+        return table
+    seen = np.isin(live.fish, order)
+    pairs = table.reshape(len(seen), 2, *table.shape[1:])
+    nodes = live.nodes.reshape(len(seen), 2, *live.nodes.shape[1:])
+    kinds = world.state.fishes.species[live.fish[seen]]
+    for kind in np.unique(kinds):
+        slots = np.flatnonzero(seen)[kinds == kind]
+        coupling = Coupling(*(part[kind] for part in library.coupling))
+        pairs[slots] = place(coupling, nodes[slots])
+    used = np.flatnonzero(live.fish >= 0)
+    return table[: 2 * (used[-1] + 1)] if len(used) else table[:0]
+
+
+@njit(cache=True)
+def _write_instances(
+    fishes: Fishes, centres: Array, order: Ints, share: Array, alpha: float, out: Array
+) -> None:
+    # Number by number: results of whole rows would be allocated, which costs more than all else.
+    for k in range(len(order)):
+        i, row = order[k], out[k]
+        row[POSITION] = centres[i]
+        row[SCALE] = fishes.scale[i]
+        before, after = fishes.previous_orientation[i], fishes.orientation[i]
+        turn, fins = row[ORIENTATION], row[FINS]
+        dot, size = 0.0, 0.0
+        for axis in range(4):
+            dot += before[axis] * after[axis]
+        old = 1.0 - alpha if dot >= 0.0 else alpha - 1.0
+        for axis in range(4):
+            turn[axis] = old * before[axis] + alpha * after[axis]
+            size += turn[axis] ** 2
+        for axis in range(4):
+            turn[axis] /= np.sqrt(size)
+        a, b, weight = pose_at(fishes, i, alpha)
+        row[ROW_A], row[ROW_B], row[WEIGHT] = a, b, weight
+        row[IDENTITY] = fishes.identity[i]
+        before, after = fishes.previous_fins[i], fishes.fins[i]
+        for fin in range(len(fins)):
+            fins[fin] = (1.0 - alpha) * before[fin] + alpha * after[fin]
+        row[KIND] = fishes.species[i]
+        row[FADE] = share[k]
+        row[DISPLAY] = fishes.display[i]
+        row[FISH] = i

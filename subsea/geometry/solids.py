@@ -1,0 +1,191 @@
+"""What stands in the sea as pure geometry: how far from it a point is, and where a ray meets it.
+
+A pillar is a row x, y, radius, height of its top: an upright cylinder that goes on below the
+seabed. A rock is a row x, y, z, a, b, c, yaw: an ellipsoid turned about the vertical. The seabed
+is a height field (`heightfield.py`). Lengths are cm.
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from subsea.geometry.height_field import height_at
+from subsea.geometry.vector import Vector
+
+Array = NDArray[np.floating[Any]]
+
+NEVER = math.inf  # where a ray meets what it doesn't meet
+NEARLY_CM = 0.01  # more than rounding errors come to
+
+
+@njit(cache=True, error_model="numpy")
+def from_pillar(pillar: Array, p: Vector) -> tuple[Vector, float]:
+    """Direction away from a pillar at p, and how far p is from it (cm, negative inside)."""
+    dx, dy = p[0] - pillar[0], p[1] - pillar[1]
+    away = math.sqrt(dx * dx + dy * dy)
+    side, above = away - pillar[2], p[2] - pillar[3]
+    outward = (dx / away, dy / away, 0.0) if away > 1e-9 else (1.0, 0.0, 0.0)
+    if above <= 0.0 or side <= 0.0:
+        if above > side:
+            return (0.0, 0.0, 1.0), above
+        return outward, side
+    distance = math.sqrt(side * side + above * above)
+    normal = (outward[0] * side / distance, outward[1] * side / distance, above / distance)
+    return normal, distance
+
+
+@njit(cache=True, error_model="numpy")
+def from_rock(rock: Array, p: Vector) -> tuple[Vector, float]:
+    """Direction away from a rock at p, and about how far p is from it (cm, negative inside).
+
+    The distance is exact on the surface and to first order beside it.
+    """
+    c, s = math.cos(rock[6]), math.sin(rock[6])
+    dx, dy, dz = p[0] - rock[0], p[1] - rock[1], p[2] - rock[2]
+    x, y, z = (c * dx + s * dy) / rock[3], (c * dy - s * dx) / rock[4], dz / rock[5]
+    scaled = math.sqrt(x * x + y * y + z * z)
+    gx, gy, gz = x / rock[3], y / rock[4], z / rock[5]
+    slope = math.sqrt(gx * gx + gy * gy + gz * gz)
+    if slope < 1e-9:  # in its very middle
+        return (0.0, 0.0, 1.0), -min(rock[3], rock[4], rock[5])
+    normal = ((c * gx - s * gy) / slope, (s * gx + c * gy) / slope, gz / slope)
+    return normal, scaled * (scaled - 1.0) / slope
+
+
+@njit(cache=True, error_model="numpy")
+def far_from_rock(rock: Array, p: Vector, gap: float) -> bool:
+    """Whether p is so far from a rock that `from_rock` tells more than `gap` (≥ 0) cm.
+
+    Without the turn of the rock, so of some that are it says that they are not.
+    """
+    x, y, z = p[0] - rock[0], p[1] - rock[1], p[2] - rock[2]
+    wide = max(rock[3], rock[4])
+    # With s the size of p in half axes, of which m is the shortest, the gap is ≥ m (s - 1).
+    size = 1.0 + gap / min(rock[3], rock[4], rock[5])
+    tall = rock[5] * rock[5]
+    wide *= wide
+    return (x * x + y * y) * tall + z * z * wide > 1.000001 * size * size * wide * tall
+
+
+@njit(cache=True, error_model="numpy")
+def ray_meets_pillar(pillar: Array, margin: float, a: Vector, b: Vector) -> float:
+    """Where the ray from a to b enters a pillar that is `margin` cm larger: t of a + t (b - a).
+
+    0 if a lies inside, NEVER if no part of the ray does. The stretch inside the circle and the
+    stretch below the top are found in turn (Tu §6.4.1), and must have a part in common: unlike
+    his test this holds for rays through the top and for those that begin or end inside too.
+    """
+    x, y = a[0] - pillar[0], a[1] - pillar[1]
+    dx, dy, dz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
+    first, last = _inside_ball(dx * dx + dy * dy, x * dx + y * dy, x * x + y * y,
+                               pillar[2] + margin)  # fmt: skip
+    above = a[2] - (pillar[3] + margin)
+    if dz == 0.0:
+        return first if above <= 0.0 and first <= last else NEVER
+    if dz < 0.0:
+        first = max(first, -above / dz)
+    else:
+        last = min(last, -above / dz)
+    return first if first <= last else NEVER
+
+
+@njit(cache=True, error_model="numpy")
+def ray_meets_rock(rock: Array, margin: float, a: Vector, b: Vector) -> float:
+    """Where the ray from a to b enters a rock whose half axes are `margin` cm longer.
+
+    t of a + t (b - a): 0 if a lies inside, NEVER if no part of the ray does.
+    """
+    # Most rocks are nowhere near: a box about rock and ray tells, before the rock's turn is asked.
+    reach = max(rock[3], rock[4], rock[5]) + margin + NEARLY_CM
+    for axis in range(3):
+        if min(a[axis], b[axis]) - rock[axis] > reach or rock[axis] - max(a[axis], b[axis]) > reach:
+            return NEVER
+    c, s = math.cos(rock[6]), math.sin(rock[6])
+    wx, wy, wz = rock[3] + margin, rock[4] + margin, rock[5] + margin
+    px, py, pz = a[0] - rock[0], a[1] - rock[1], a[2] - rock[2]
+    x, y, z = (c * px + s * py) / wx, (c * py - s * px) / wy, pz / wz
+    ex, ey, ez = b[0] - a[0], b[1] - a[1], b[2] - a[2]
+    dx, dy, dz = (c * ex + s * ey) / wx, (c * ey - s * ex) / wy, ez / wz
+    first, last = _inside_ball(
+        dx * dx + dy * dy + dz * dz, x * dx + y * dy + z * dz, x * x + y * y + z * z, 1.0
+    )
+    return first if first <= last else NEVER
+
+
+@njit(cache=True, error_model="numpy")
+def _inside_ball(dd: float, xd: float, xx: float, radius: float) -> tuple[float, float]:
+    """The part of t in [0, 1] with |x + t d| ≤ radius, from d·d, x·d and x·x; (1, 0) for none."""
+    inside = xx - radius * radius
+    if dd < 1e-18:
+        return (0.0, 1.0) if inside <= 0.0 else (1.0, 0.0)
+    square = xd * xd - dd * inside
+    if square < 0.0:
+        return 1.0, 0.0
+    root = math.sqrt(square)
+    first, last = max((-xd - root) / dd, 0.0), min((-xd + root) / dd, 1.0)
+    return (first, last) if first <= last else (1.0, 0.0)
+
+
+@njit(cache=True, error_model="numpy")
+def ray_meets_seabed(
+    heights: Array, half_width: float, clearance: float, a: Vector, b: Vector
+) -> float:
+    """Where the ray from a to b comes within `clearance` cm above the seabed, t of a + t (b - a).
+
+    0 if a lies there, NEVER if no part of the ray does. The ray is followed from one line of
+    the grid to the next; between two of them the height above a bilinear field is a parabola
+    in t, whose first root is taken.
+    """
+    step = 2.0 * half_width / (heights.shape[0] - 1)
+    u, v = (a[0] + half_width) / step, (a[1] + half_width) / step
+    du, dv = (b[0] - a[0]) / step, (b[1] - a[1]) / step
+    before = _above(heights, half_width, a, b, 0.0) - clearance
+    if before <= 0.0:
+        return 0.0
+    t = 0.0
+    while t < 1.0:
+        end = min(_next_line(u, du, t), _next_line(v, dv, t), 1.0)
+        middle = _above(heights, half_width, a, b, 0.5 * (t + end)) - clearance
+        after = _above(heights, half_width, a, b, end) - clearance
+        share = _first_root(before, middle, after)
+        if share <= 1.0:
+            return t + share * (end - t)
+        before, t = after, end
+    return NEVER
+
+
+@njit(cache=True, error_model="numpy")
+def _above(heights: Array, half_width: float, a: Vector, b: Vector, t: float) -> float:
+    """Height above the seabed at a + t (b - a)."""
+    x, y = a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])
+    return a[2] + t * (b[2] - a[2]) - height_at(heights, half_width, x, y)
+
+
+@njit(cache=True, error_model="numpy")
+def _next_line(u: float, du: float, t: float) -> float:
+    """The first t beyond `t` at which u + t du is whole."""
+    if du == 0.0:
+        return NEVER
+    here = u + (t + 1e-9) * du
+    line = math.floor(here) + 1.0 if du > 0.0 else math.ceil(here) - 1.0
+    return max((line - u) / du, t + 1e-9)
+
+
+@njit(cache=True, error_model="numpy")
+def _first_root(before: float, middle: float, after: float) -> float:
+    """Where in [0, 1] the parabola through three values, the first above 0, first falls to 0."""
+    a = 2.0 * (before + after) - 4.0 * middle
+    b = after - before - a
+    square = b * b - 4.0 * a * before
+    if square < 0.0:
+        return NEVER
+    # The stable form, which holds for a straight line too.
+    low = -b + math.sqrt(square)
+    if low > 0.0:
+        share = 2.0 * before / low
+        if share <= 1.0:
+            return share
+    return 1.0 if after <= 0.0 else NEVER

@@ -1,0 +1,115 @@
+"""The water between two bodies, or a body and stone or the rim: it gives way slowly."""
+
+import math
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from subsea.geometry.rotation import rotate
+from subsea.geometry.solids import far_from_rock, from_pillar, from_rock
+from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, vector
+from subsea.state import APPROACHING, NOBODY, PREDATOR, Fishes, Minds, Sea
+
+Array = NDArray[np.floating[Any]]
+
+GAP_BL = 0.12  # the cushion begins where skins are so far apart, of the longer body
+FULL_CM_S = 6.0  # how fast two that touch are pushed apart
+STONE_CM, STONE_PER_S = 4.0, 6.0  # so near, and so much faster outward for each cm nearer
+RIM_CM, RIM_PER_S = 12.0, 8.0  # the same at the rim of the sea
+CLOSEST = 2  # so many neighbours are felt, and the fish that threatens
+
+
+@njit(cache=True, error_model="numpy")
+def part(fishes: Fishes, minds: Minds) -> None:
+    """Add to `fishes.drift` what parts bodies that are about to touch.
+
+    Partners in a dance are let alone, and so is what a predator hunts.
+    """
+    for i in range(len(fishes.length)):
+        if not fishes.alive[i] or minds.courtship[i] > APPROACHING or minds.kind[i] == PREDATOR:
+            continue
+        for k in range(CLOSEST + 1):
+            j = minds.neighbour[i, k] if k < CLOSEST else minds.threat[i]
+            felt = k == CLOSEST and (j == minds.neighbour[i, 0] or j == minds.neighbour[i, 1])
+            if j == NOBODY or felt or not fishes.alive[j] or minds.kind[j] == PREDATOR:
+                continue
+            away = _between(fishes.position, fishes.orientation, fishes.snout, fishes.length, i, j)
+            distance = norm(away)
+            longer = max(fishes.length[i], fishes.length[j])
+            touching = 0.25 * (
+                fishes.girth[i, 0] + fishes.girth[i, 1] + fishes.girth[j, 0] + fishes.girth[j, 1]
+            )
+            close = 1.0 - (distance - touching) / (GAP_BL * longer)
+            if close > 0.0 and distance > 1e-6:
+                speed = FULL_CM_S * min(close, 1.0) / distance
+                for axis in range(3):
+                    fishes.drift[i, axis] += np.float32(speed * away[axis])
+
+
+@njit(cache=True, error_model="numpy")
+def keep_off(fishes: Fishes, sea: Sea) -> None:
+    """Add to `fishes.drift` what keeps bodies off pillars and rocks, and within the rim.
+
+    Between two stones a fish may turn from one into the other: the water in the cleft holds it.
+    At the rim one that flees may come too fast to turn in time.
+    """
+    for i in range(len(fishes.length)):
+        middle, length = vector(fishes.position[i]), float(fishes.length[i])
+        away = max(math.sqrt(middle[0] * middle[0] + middle[1] * middle[1]), 1e-6)
+        if away > sea.radius - RIM_CM:
+            inward = (-middle[0] / away, -middle[1] / away, 0.0)
+            _give_way(fishes.drift[i], inward, sea.radius - away, RIM_CM, RIM_PER_S)
+        ahead = rotate(fishes.orientation[i], (1.0, 0.0, 0.0))
+        snout = float(fishes.snout[i])
+        for k in range(len(sea.pillars)):
+            way, gap = from_pillar(sea.pillars[k], middle)
+            if gap < STONE_CM + length:
+                for half in range(3):  # snout, middle and tail
+                    place = plus(middle, times(snout - 0.5 * half * length, ahead))
+                    other, near = from_pillar(sea.pillars[k], place)
+                    if near < gap:
+                        way, gap = other, near
+                _give_way(fishes.drift[i], way, gap, STONE_CM, STONE_PER_S)
+        for k in range(len(sea.rocks)):
+            if not far_from_rock(sea.rocks[k], middle, STONE_CM + length):
+                way, gap = from_rock(sea.rocks[k], middle)
+                for half in range(3):  # snout, middle and tail
+                    place = plus(middle, times(snout - 0.5 * half * length, ahead))
+                    other, near = from_rock(sea.rocks[k], place)
+                    if near < gap:
+                        way, gap = other, near
+                _give_way(fishes.drift[i], way, gap, STONE_CM, STONE_PER_S)
+
+
+@njit(cache=True, error_model="numpy")
+def _give_way(drift: Array, way: Vector, gap: float, reach: float, rate: float) -> None:
+    """Add the water's velocity beside a solid, given the way from it and how far it is.
+
+    It begins within `reach` cm, and is faster by `rate` for each cm nearer.
+    """
+    if gap < reach:
+        speed = rate * (reach - gap)
+        for axis in range(3):
+            drift[axis] += np.float32(speed * way[axis])
+
+
+@njit(cache=True, error_model="numpy")
+def _between(
+    position: Array, orientation: Array, snout: Array, length: Array, i: int, j: int
+) -> Vector:
+    """From the nearest point of the straight centre line of j to that of i, cm."""
+    a = rotate(orientation[i], (1.0, 0.0, 0.0))
+    b = rotate(orientation[j], (1.0, 0.0, 0.0))
+    half_a, half_b = 0.5 * float(length[i]), 0.5 * float(length[j])
+    middle_a = plus(vector(position[i]), times(float(snout[i]) - half_a, a))
+    middle_b = plus(vector(position[j]), times(float(snout[j]) - half_b, b))
+    gap = minus(middle_a, middle_b)
+    # The closest points of two lines, each then held to its body.
+    slant, along_a, along_b = dot(a, b), dot(a, gap), dot(b, gap)
+    square = max(1.0 - slant * slant, 1e-6)
+    s = min(max((slant * along_b - along_a) / square, -half_a), half_a)
+    t = min(max(slant * s + along_b, -half_b), half_b)
+    s = min(max(slant * t - along_a, -half_a), half_a)
+    return minus(plus(gap, times(s, a)), times(t, b))

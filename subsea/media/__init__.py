@@ -1,0 +1,1 @@
+"""Films, pictures, and what fishes see as labelled frames."""

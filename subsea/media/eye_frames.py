@@ -1,0 +1,279 @@
+"""`subsea film --eyes`: what a fish sees, as labelled frames for research on vision (Tu §6.7).
+
+A folder gets for each frame and each eye the picture, an identity map, the same in colours to look
+at, and a depth map; `camera.json` tells how to read them. docs/fish-view.md describes all of it.
+"""
+
+import json
+import time
+from collections.abc import Sequence
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.behavior.table import BEHAVIORS
+from subsea.core import interrupts
+from subsea.core.atomic_io import replacing
+from subsea.core.console import counted, say
+from subsea.core.durations import sentence
+from subsea.core.errors import UserError
+from subsea.core.progress import progress
+from subsea.dive.directed_camera import check_tour, guided
+from subsea.dive.retina_images import (
+    MOST_FISHES,
+    SIDES,
+    VALUES,
+    codes,
+    seen_brightness,
+    values_of,
+    velocity_of,
+)
+from subsea.dive.start import headless, picture_maker, start_world
+from subsea.frame.packet import pack
+from subsea.habitat.reef import KINDS as REEF_KINDS
+from subsea.media.film import instants, length_s, reach
+from subsea.media.frame_writers import frame_rate, kind_of, open_reels
+from subsea.media.resume_manifest import begin, description, missing_frames
+from subsea.render.gl.id_buffer import CORAL, FISH, KINDS, PILLAR, ROCK, Seen
+from subsea.render.output.quality import PRESETS
+from subsea.scenario.fish_lookup import find_fish
+from subsea.scenario.schema import load_scenario
+from subsea.state import MENTAL_STATES
+from subsea.view.camera import View
+from subsea.view.levels import nothing_drawn
+from subsea.view.retina import Gaze, Rider, body_at, retina_rig, retinal_views, rider
+from subsea.view.rig import Rig
+from subsea.world.world import World
+
+Array = NDArray[np.floating[Any]]
+Ints = NDArray[np.integer[Any]]
+
+PARTS = "", "identity", "coded", "depth"  # folders of the pictures, and of the maps
+CAMERA = "camera.json"
+MM = 10.0  # per cm
+OPENCV = np.diag([1.0, -1.0, -1.0, 1.0])  # from OpenGL's axes of an eye: y up, z backward
+CONVENTION = (
+    "pinhole, square pixels, origin in the middle of the upper left pixel; x right, y down, "
+    "z ahead; `left` and `right` of a frame are 4x4 matrices from the world (cm, z up) to the eye: "
+    "pixel = (fx x/z + cx, fy y/z + cy)"
+)
+
+
+def film_eyes(
+    out: Path,
+    eyes: str,
+    gaze: Gaze,
+    field_deg: float,
+    see_brightness: bool,
+    scenario: str,
+    seconds: float | None,
+    start: float,
+    fps: float,
+    size: tuple[int, int],
+    quality: str,
+    seed: int | None,
+    tour: str,
+    changes: Sequence[str] = (),
+) -> int:
+    """Film `seconds` of what the fish called `eyes` sees into the folder `out`; the exit code.
+
+    The dive is that which `subsea film` shows with the same scenario, seed, tour and start.
+    A folder that holds a part of the film gets what it lacks. With `see_brightness` the fish goes
+    by the light in its eyes, see `seen_brightness`.
+    """
+    if kind_of(out) != "folder":
+        raise UserError(f"{out}: labelled frames need the name of a folder")
+    chosen, source = load_scenario(scenario, changes)
+    fish = find_fish(eyes, chosen)
+    check_tour(chosen, tour)
+    if seconds is None:
+        seconds = length_s(chosen, source, seed, start, tour)
+    rate = frame_rate(fps)
+    times = instants(start, seconds, rate)
+    take = description(
+        source, changes, tour=tour, seed=seed, start=start, seconds=seconds, fps=fps, size=size,
+        quality=quality, eyes=eyes, gaze=gaze, field_deg=field_deg, see_brightness=see_brightness,
+    )  # fmt: skip
+    windows = [f"{part}/{side}" if part else side for part in PARTS for side in SIDES]
+    missing = missing_frames(out, take, windows, len(times))
+    if not missing and _told_of(out / CAMERA, take) == len(times):
+        print(f"{out}: complete, {counted(len(times), 'frame', 'frames')}")
+        return 0
+    durations: list[float] = []
+    frames: list[dict[str, Any]] = []
+    with ExitStack() as stack:
+        context = stack.enter_context(headless())
+        world = start_world(scenario, seed, changes=changes)
+        steer = guided(world, tour)
+        by = rider(world, fish)
+        rig = retina_rig(size, by.half_cm, gaze, field_deg)
+        check = stack.enter_context(interrupts.deferred())
+        renderer = stack.enter_context(picture_maker(context, world, rig, PRESETS[quality]))
+        begin(out, take)
+        stack.callback(_report, out, durations)
+        about = described(world, take, by, rig, gaze, field_deg)
+        stack.callback(_tell_more, out / CAMERA, about | {"frames": frames})
+        write = stack.enter_context(open_reels(out, dict.fromkeys(windows, size), rate))
+        say(f"filming what fish {fish} sees, {_species(world, fish)}, to {out}")
+        done = stack.enter_context(progress(len(times), "frame", len(times) - len(missing)))
+        memory = nothing_drawn(len(world.state.fishes.species))
+        preset, wanted = PRESETS[quality], set(missing)
+
+        def see() -> None:
+            if see_brightness:
+                world.seen_light[fish] = seen_brightness(renderer, world, by)
+
+        reach(world, times[0], steer, check, see)
+        for k, instant in enumerate(times):
+            begun = time.perf_counter()
+            alpha = reach(world, instant, steer, check, see)
+            views = retinal_views(world, by, rig, alpha)
+            packet = pack(
+                world, views, alpha, detail=preset.detail, growth=preset.growth, memory=memory
+            )
+            packet = replace(packet, passing_cm_s=velocity_of(world, fish))
+            if k in wanted:
+                renderer.draw(packet)
+                pictures = [renderer.read_pixels(side) for side in range(len(SIDES))]
+                write(k, labelled(pictures, renderer.look_up(packet)))
+                durations.append(time.perf_counter() - begun)
+                done()
+            else:
+                renderer.choose(packet)
+            frames.append(told(world, by, views, k, instant, alpha))
+    return 0
+
+
+def labelled(pictures: Sequence[NDArray[np.uint8]], seen: Seen) -> dict[str, Any]:
+    """What is written of a frame, by the names of its folders; `seen` is of both eyes."""
+    value = values_of(seen)
+    depth = np.where(np.isfinite(seen.depth), np.rint(MM * seen.depth), 0.0)
+    maps: dict[str, NDArray[Any]] = {
+        "identity": value.astype(np.uint16),
+        "coded": codes()[value],
+        "depth": np.minimum(depth, 2**16 - 1).astype(np.uint16),
+    }
+    out: dict[str, Any] = dict(zip(SIDES, pictures, strict=True))
+    for name, both in maps.items():
+        halves = np.split(both, len(SIDES), axis=1)
+        out |= {f"{name}/{side}": half for side, half in zip(SIDES, halves, strict=True)}
+    return out
+
+
+def described(
+    world: World, take: dict[str, Any], by: Rider, rig: Rig, gaze: Gaze, field_deg: float
+) -> dict[str, Any]:
+    """All of the camera file but its frames."""
+    width, height = rig.outputs[0]
+    p = rig.eyes[0].projection.astype(float)
+    if len(world.state.fishes.species) > MOST_FISHES:
+        raise UserError(f"an identity map tells at most {MOST_FISHES} fishes apart")
+    return {
+        "film": take,
+        "seed": world.state.seed,
+        "fish": {"number": by.fish, "species": _species(world, by.fish)},
+        "camera": {
+            "width": width,
+            "height": height,
+            "fx": p[0, 0] * width / 2,
+            "fy": p[1, 1] * height / 2,
+            "cx": (width - 1) / 2,
+            "cy": (height - 1) / 2,
+            "field_deg": field_deg,
+            "gaze_deg": gaze._asdict(),
+            "baseline_cm": 2 * by.half_cm,
+            "convention": CONVENTION,
+        },
+        "depth": {"unit": "mm", "of": "z, along the optical axis", "nothing": 0},
+        "identities": identities(world),
+    }
+
+
+def identities(world: World) -> list[dict[str, Any]]:
+    """What each value of an identity map stands for."""
+    fishes, sea, reef = world.state.fishes, world.state.sea, world.state.reef
+    out: list[dict[str, Any]] = [
+        {"value": VALUES[kind], "kind": kind}
+        for number, kind in enumerate(KINDS)
+        if number not in (PILLAR, ROCK, CORAL, FISH)
+    ]
+    for kind, places in (("pillar", sea.pillars), ("rock", sea.rocks)):
+        for k, row in enumerate(places):
+            out.append(_numbered(kind, k) | {"x_cm": float(row[0]), "y_cm": float(row[1])})
+    growths = list(REEF_KINDS)
+    out += [_numbered("coral", k) | {"form": growths[kind]} for k, kind in enumerate(reef.kind)]
+    for k, length in enumerate(fishes.length):
+        out.append(
+            _numbered("fish", k) | {"species": _species(world, k), "length_cm": float(length)}
+        )
+    return out
+
+
+def told(
+    world: World, by: Rider, views: Sequence[View], frame: int, instant: float, alpha: float
+) -> dict[str, Any]:
+    """What the camera file says of a frame; states of mind are those of the present tick."""
+    fishes, minds, i = world.state.fishes, world.state.minds, by.fish
+    place, turn = body_at(world, i, alpha)
+    return {
+        "frame": frame,
+        "time_s": instant,
+        "tick": world.state.tick,
+        **{
+            side: (OPENCV @ view.view.astype(np.float64)).tolist()
+            for side, view in zip(SIDES, views, strict=True)
+        },
+        "fish": {
+            "alive": bool(fishes.alive[i]),
+            "position_cm": place.tolist(),
+            "orientation_wxyz": turn.tolist(),
+            "velocity_cm_s": fishes.velocity[i].tolist(),
+            "intention": BEHAVIORS[minds.intention[i]].name,
+            **dict(zip(MENTAL_STATES, minds.mental[i].tolist(), strict=True)),
+            "light": float(minds.light[i]),
+        },
+    }
+
+
+def _numbered(kind: str, number: int) -> dict[str, Any]:
+    return {"value": VALUES[kind] + number, "kind": kind, "number": number}
+
+
+def _species(world: World, fish: int) -> str:
+    return world.scenario.species[world.state.fishes.species[fish]]
+
+
+def _write_json(path: Path, content: dict[str, Any]) -> None:
+    """Each entry of a list on a line of its own."""
+    parts = []
+    for key, value in content.items():
+        text = json.dumps(value)
+        if isinstance(value, list) and value:
+            text = "[\n  " + ",\n  ".join(json.dumps(entry) for entry in value) + "\n ]"
+        parts.append(f" {json.dumps(key)}: {text}")
+    with replacing(path) as temporary:
+        temporary.write_text("{\n" + ",\n".join(parts) + "\n}\n", encoding="utf-8")
+
+
+def _tell_more(path: Path, about: dict[str, Any]) -> None:
+    """Write a camera file, unless the one that is there tells of more frames of the same film."""
+    if len(about["frames"]) >= _told_of(path, about["film"]):
+        _write_json(path, about)
+
+
+def _told_of(path: Path, take: dict[str, Any]) -> int:
+    """Of how many frames of a film a camera file tells; 0 where there is none."""
+    try:
+        about = json.loads(path.read_text(encoding="utf-8"))
+        return len(about["frames"]) if about["film"] == take else 0
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        return 0
+
+
+def _report(out: Path, durations: list[float]) -> None:
+    if durations:
+        print(f"{out}: {sentence(durations)}")

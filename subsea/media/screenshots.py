@@ -1,0 +1,135 @@
+"""Pictures and films that a visitor takes during a dive, of what is on the screen."""
+
+from collections.abc import Callable
+from contextlib import ExitStack
+from datetime import datetime
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import platformdirs
+from numpy.typing import NDArray
+
+from subsea.core.atomic_io import check_file
+from subsea.core.errors import UserError
+from subsea.media.frame_writers import Write, film_reel, fitting, write_png
+
+Pixels = NDArray[np.uint8]  # (height, width, 3), top row first
+
+FPS = 30
+STUCK_S = 3.0  # a dive that shows nothing new for longer is not filmed meanwhile
+
+
+def pictures_folder(named: str = "") -> Path:
+    """Where they go: the folder that the settings name, else subsea in the user's pictures."""
+    return Path(named).expanduser() if named else platformdirs.user_pictures_path() / "subsea"
+
+
+class Shots:
+    """Writes the files, and tells their names. Whatever a disk does, the dive goes on."""
+
+    def __init__(
+        self,
+        folder: Path,
+        tell: Callable[[str], None],
+        now: Callable[[], datetime] = datetime.now,
+    ) -> None:
+        """Into `folder`, which is made when it is first needed; `tell` shows a line."""
+        self._folder, self._tell, self._now = folder, tell, now
+        self._film: ExitStack | None = None  # while one is being taken
+        self._write: Write
+        self._path = folder
+        self._size = 0, 0
+        self._seconds = 0.0  # of the film so far ...
+        self._frames = 0  # ... and its frames
+
+    @property
+    def filming(self) -> bool:
+        """Whether a film is being taken: then `frame` wants every picture."""
+        return self._film is not None
+
+    def picture(self, pixels: Pixels) -> None:
+        """Write a picture of what the screen shows now."""
+        path = self._new(".png")
+        try:
+            write_png(path, pixels)
+        except UserError as fault:
+            self._tell(str(fault))
+        else:
+            self._tell(f"picture: {path}")
+
+    def film(self, size: tuple[int, int]) -> None:
+        """Begin a film of a screen of `size` (width, height), or end the one that there is."""
+        if self._film is not None:
+            self.end()
+            return
+        self._path, self._size = self._new(".mp4"), fitting("film", size)
+        self._seconds, self._frames = 0.0, 0
+        stack = ExitStack()
+        try:
+            if min(self._size) < 2:
+                raise UserError("the window is too small for a film")
+            check_file(self._path)
+            reel = film_reel(self._path, self._size, Fraction(FPS))
+            self._write = stack.enter_context(reel)
+        except UserError as fault:
+            self._tell(str(fault))
+            return
+        self._film = stack
+        self._tell(f"filming: {self._path}")
+
+    def frame(self, pixels: Pixels, elapsed_s: float) -> None:
+        """The screen shows these pixels, `elapsed_s` after it showed the last ones.
+
+        Films have FPS frames a second, whatever the dive has.
+        """
+        if self._film is None:
+            return
+        width, height = self._size
+        if (fitting("film", (pixels.shape[1], pixels.shape[0]))) != self._size:
+            self.end("the window has another size now")
+            return
+        if self._frames:
+            self._seconds += min(elapsed_s, STUCK_S)
+        try:
+            while self._frames <= self._seconds * FPS:
+                self._write(self._frames, pixels[:height, :width])
+                self._frames += 1
+        except OSError as fault:
+            self._give_up(fault)
+
+    def end(self, why: str = "") -> None:
+        """End the film, if one is being taken, and tell its name."""
+        if self._film is None:
+            return
+        if not self._frames:
+            self._give_up(UserError(f"{self._path}: ended before its first picture"))
+            return
+        film, self._film = self._film, None
+        try:
+            film.close()
+        except (UserError, OSError) as fault:
+            self._tell(str(fault))
+            return
+        length = f"{self._frames / FPS:.1f} s"
+        self._tell(f"film of {length}{': ' * bool(why)}{why}: {self._path}")
+
+    def _give_up(self, fault: Exception) -> None:
+        """Leave nothing of the film, and tell why."""
+        film, self._film = self._film, None
+        try:
+            if film is not None:
+                film.__exit__(type(fault), fault, fault.__traceback__)
+        except (UserError, OSError) as told:
+            self._tell(str(told))
+        else:
+            self._tell(str(fault))
+
+    def _new(self, suffix: str) -> Path:
+        """A name with date and time that nothing has."""
+        stem = f"subsea-{self._now():%Y-%m-%d-%H%M%S}"
+        path, number = self._folder / f"{stem}{suffix}", 1
+        while path.exists():
+            number += 1
+            path = self._folder / f"{stem}-{number}{suffix}"
+        return path

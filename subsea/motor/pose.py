@@ -1,0 +1,77 @@
+"""The pose of every fish between two ticks: which two rows it mixes, and by how much."""
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from subsea.geometry.rotation import matrix, rotate
+from subsea.geometry.vector import plus, times, vector
+from subsea.repertoire.library import Library
+from subsea.state import Fishes
+
+Array = NDArray[np.floating[Any]]
+Ints = NDArray[np.integer[Any]]
+
+TAIL_TIPS = 21, 22  # the nodes at the upper and lower tip of the tail
+
+
+@njit(cache=True)
+def pose_at(fishes: Fishes, i: int, alpha: float) -> tuple[int, int, float]:
+    """Rows a and b and the weight of b for fish i, `alpha` of the way to the present tick.
+
+    The pose travels from (a, b, w) of the last tick over b, which the present a follows or is,
+    to the (a, b, w) of now. Lengths on this path are frames, so a glide, whose two rows lie N
+    frames apart, is travelled as evenly as playback.
+    """
+    a0, b0 = fishes.previous_row_a[i], fishes.previous_row_b[i]
+    a1, b1 = fishes.row_a[i], fishes.row_b[i]
+    w0, w1 = np.float64(fishes.previous_weight[i]), np.float64(fishes.weight[i])
+    if a0 == a1 and b0 == b1:
+        return a0, b0, w0 + alpha * (w1 - w0)
+    rest = (1.0 - w0) * fishes.previous_span[i]
+    skipped = 0.0 if b0 == a1 else 1.0
+    begun = w1 * fishes.span[i]
+    way = alpha * (rest + skipped + begun)
+    if way < rest:
+        return a0, b0, w0 + way / fishes.previous_span[i]
+    way -= rest
+    if way < skipped:
+        return b0, a1, way
+    return a1, b1, (way - skipped) / fishes.span[i]
+
+
+def nodes_world(fishes: Fishes, library: Library, i: int) -> Array:
+    """The 23 nodes (23, 3) of fish i at the present tick, cm, world (SMC eq. 12)."""
+    return _points_world(fishes, library.nodes, i)
+
+
+def control_points_world(fishes: Fishes, library: Library, i: int) -> Array:
+    """The 426 control points (426, 3) of fish i at the present tick, cm, world (SMC eq. 13)."""
+    return _points_world(fishes, library.control_points, i)
+
+
+@njit(cache=True)
+def ends_world(fishes: Fishes, nodes: Array, snout: Array, tail: Array) -> None:
+    """Set the tip of the snout and the middle of the tail's edge (n, 3) of all fishes, cm, world.
+
+    `nodes` are the library's.
+    """
+    upper, lower = TAIL_TIPS
+    for i in range(len(fishes.species)):
+        w, a, b = fishes.weight[i], fishes.row_a[i], fishes.row_b[i]
+        body = fishes.scale[i] * ((1.0 - w) * nodes[a] + w * nodes[b])
+        nose = vector(body[0])
+        edge = times(0.5, plus(vector(body[upper]), vector(body[lower])))
+        for out, point in ((snout, nose), (tail, edge)):
+            moved = plus(vector(fishes.position[i]), rotate(fishes.orientation[i], point))
+            for axis in range(3):
+                out[i, axis] = moved[axis]
+
+
+def _points_world(fishes: Fishes, table: Array, i: int) -> Array:
+    w = fishes.weight[i]
+    body = (1 - w) * table[fishes.row_a[i]] + w * table[fishes.row_b[i]]
+    R = matrix(fishes.orientation[i].astype(np.float64))
+    return np.asarray(fishes.position[i] + (fishes.scale[i] * body) @ R.T)

@@ -1,0 +1,1 @@
+"""Benchmarks, comparisons, paper tables, soak tests."""

@@ -1,0 +1,143 @@
+"""A benchmark beside an older one: how many times faster, and whether that is to be believed."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from subsea.core.errors import UserError
+
+SETTINGS = (
+    "renderer", "size", "theatre", "display", "quality", "scenario", "set", "tour", "seed",
+    "frames", "without", "motor",
+)  # fmt: skip
+MACHINE = "cpu", "cores", "driver"
+LEAST = 1.05  # runs of the same code differ by less, but for what the yardstick shows
+LARGEST = 100_000_000  # bytes of a report
+
+
+class Report(msgspec.Struct, frozen=True):
+    """What a comparison needs of a report that was written before."""
+
+    fish: int
+    version: str
+    frame_ms: dict[str, float]
+    stages_ms: dict[str, float]
+    renderer: str
+    size: list[Any]
+    display: str
+    scenario: str
+    seed: int
+    frames: int
+    without: list[str]
+    theatre: str | None = None
+    quality: str = "low"
+    set: list[str] = []
+    tour: str = "auto"
+    motor: str = "playback"
+    parts_ms: dict[str, list[float]] = {}
+    cpu_ms: dict[str, float] = {}
+    yardstick_ms: float | None = None
+    machine: dict[str, Any] = {}
+
+
+def read_reports(path: Path) -> list[Report]:
+    """The reports in a file of `subsea benchmark --json`; a UserError names what is wrong."""
+    try:
+        with path.open("rb") as file:
+            content = file.read(LARGEST + 1)
+    except OSError as fault:
+        raise UserError(f"{path}: cannot read ({fault.strerror})") from fault
+    try:
+        if len(content) > LARGEST:
+            raise ValueError("too large")
+        found = msgspec.json.decode(content)
+        if isinstance(found, dict):
+            found = found.get("ladder", [found])
+        reports = msgspec.convert(found, list[Report])
+        if not reports or any("p50" not in report.frame_ms for report in reports):
+            raise ValueError("missing `frame_ms.p50`")
+    except (ValueError, RecursionError) as fault:
+        raise UserError(
+            f"{path}: expected what `subsea benchmark --json` writes ({fault})"
+        ) from fault
+    return reports
+
+
+def compare(reports: Sequence[dict[str, Any]], older: Sequence[Report], path: Path) -> None:
+    """Print the figures of both for each number of fishes, and what else is not alike."""
+    before = {report.fish: report for report in older}
+    for report in reports:
+        old = before.get(report["fish"])
+        if old is None:
+            if len(reports) > 1 or len(older) > 1:
+                print(f"\n{path} has no {report['fish']} fishes")
+                continue
+            old = older[0]
+        print(f"\n{report['fish']} fishes, against {path} (subsea {old.version})")
+        others = [name for name in ("fish", *SETTINGS) if getattr(old, name) != report[name]]
+        others += [
+            name
+            for name in MACHINE
+            if name in old.machine and old.machine[name] != report["machine"][name]
+        ]
+        if others:
+            print(f"not alike: {', '.join(others)}")
+        parts = old.parts_ms
+        machine = spread(parts.get("yardstick", []), report["parts_ms"]["yardstick"])
+        print(f"{'ms':<14}{'then':>10}{'now':>10}{'times faster':>14}{'in most parts':>20}")
+        for name, then, now in _rows(report, old):
+            own = spread(parts.get(name, []), report["parts_ms"][name])
+            ratio = f"{then / now:.2f}" if now > 0.0 else "-"
+            part = f"{own[0]:.2f} to {own[1]:.2f}" if own else "-"
+            # Processor time is not lengthened by what others do.
+            told = "" if name == "yardstick" else verdict(own, None if name == "cpu" else machine)
+            print(f"{name:<14}{then:>10.3f}{now:>10.3f}{ratio:>14}{part:>20}  {told}".rstrip())
+
+
+def _rows(report: dict[str, Any], old: Report) -> Iterator[tuple[str, float, float]]:
+    """Name, and medians then and now, of all that both have."""
+    then = {
+        "frame": old.frame_ms["p50"],
+        "cpu": old.cpu_ms.get("all"),
+        **old.stages_ms,
+        "yardstick": old.yardstick_ms,
+    }
+    now = {
+        "frame": report["frame_ms"]["p50"],
+        "cpu": report["cpu_ms"]["all"],
+        **report["stages_ms"],
+        "yardstick": report["yardstick_ms"],
+    }
+    for name, mine in now.items():
+        before = then.get(name)
+        if before is not None:
+            yield name, before, mine
+
+
+def spread(then: Sequence[float], now: Sequence[float]) -> tuple[float, float] | None:
+    """The 10th and 90th percentile of the ratios of parts that lie at the same place of a tour.
+
+    None unless there are as many of both, and more than one.
+    """
+    if len(then) != len(now) or len(now) < 2 or min(now) <= 0.0:
+        return None
+    low, high = np.percentile(np.array(then) / np.array(now), [10, 90])
+    return float(low), float(high)
+
+
+def verdict(own: tuple[float, float] | None, machine: tuple[float, float] | None) -> str:
+    """The words for ratios in most parts, and those of the yardstick.
+
+    Different is what lies beyond 1 by at least `LEAST`, and beyond what the machine itself did
+    meanwhile. Empty where a report has no parts.
+    """
+    if own is None:
+        return ""
+    usual = 1.0, *(machine or ())
+    low, high = min(usual), max(usual)
+    if own[0] > high * LEAST:
+        return "faster"
+    return "slower" if own[1] * LEAST < low else "no difference"

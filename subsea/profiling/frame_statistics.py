@@ -1,0 +1,166 @@
+"""What the frames of a benchmark say: docs/diving.md has the formulas."""
+
+import csv
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.core.atomic_io import replacing
+from subsea.core.durations import summary
+from subsea.profiling.machine import sentence
+from subsea.view.levels import LEVELS
+
+Array = NDArray[np.floating[Any]]
+
+STAGES = (
+    "perception",
+    "behavior",
+    "motor",
+    "habitat",
+    "pose",
+    "cull",
+    "upload",
+    "draw",
+    "present",
+)
+PARTS = 10  # of a run, the medians of which tell how even it was
+SHOWN = ("visible", "simulated", "triangles", "draw_calls")
+
+
+class Frames(NamedTuple):
+    """What each of F frames took, in seconds, and showed."""
+
+    frame_s: Array  # (F,) all of it
+    host_s: Array  # (F,) without the time in which drawing calls run or are waited for
+    cpu_s: Array  # (F,) processor time of all threads
+    thread_s: Array  # (F,) processor time of the calling thread
+    yardstick_s: Array  # (F,) what a fixed work took beside it, see `machine.yardstick`
+    stages_s: dict[str, Array]  # (F,) each
+    visible: Array  # (F,) fishes drawn
+    simulated: Array  # (F,) fishes simulated
+    levels: Array  # (F, L) fishes drawn at each level of detail
+    triangles: Array  # (F,)
+    draw_calls: Array  # (F,)
+
+    @property
+    def rest_s(self) -> Array:
+        """(F,) what is in no stage: the hull, the views, and what others took between stages."""
+        return self.frame_s - np.sum([self.stages_s[name] for name in STAGES], axis=0)
+
+
+def figures(frames: Frames) -> dict[str, Any]:
+    """The measured part of a report."""
+    frame_ms = summary(frames.frame_s)
+    return {
+        "frames": len(frames.frame_s),
+        "visible_mean": float(frames.visible.mean()),
+        "simulated_mean": float(frames.simulated.mean()),
+        "frame_ms": frame_ms,
+        "host_ms": summary(frames.host_s)["p50"],
+        "cpu_ms": {
+            "all": summary(frames.cpu_s)["p50"],
+            "thread": summary(frames.thread_s)["p50"],
+        },
+        "yardstick_ms": summary(frames.yardstick_s)["p50"],
+        "fps": 1000.0 / frame_ms["mean"],
+        "stages_ms": {name: summary(frames.stages_s[name])["p50"] for name in STAGES},
+        "rest_ms": summary(frames.rest_s)["p50"],
+        "parts_ms": {
+            "frame": _parts_ms(frames.frame_s),
+            "cpu": _parts_ms(frames.cpu_s),
+            "yardstick": _parts_ms(frames.yardstick_s),
+            **{name: _parts_ms(frames.stages_s[name]) for name in STAGES},
+        },
+        "lod": dict(zip(LEVELS, frames.levels.mean(axis=0).tolist(), strict=True)),
+        "triangles_mean": float(frames.triangles.mean()),
+        "draw_calls": int(frames.draw_calls.max()),
+    }
+
+
+def _parts_ms(durations_s: Array) -> list[float]:
+    """Medians, ms, of the tenths of a run one after another; fewer of less than ten frames."""
+    parts = np.array_split(durations_s, min(PARTS, len(durations_s)))
+    return [1000.0 * float(np.median(part)) for part in parts]
+
+
+def print_report(report: dict[str, Any]) -> None:
+    """The report for people: one figure a line."""
+    print(f"{report['fish']} fishes, {report['visible_mean']:.1f} visible, {_pixels(report)}")
+    print(f"motor {report['motor']}, {report['simulated_mean']:.1f} simulated")
+    print(_drawn_by(report))
+    print(sentence(report["machine"]))
+    for title in ("frame_ms", "cpu_ms", "stages_ms", "lod"):
+        print(title)
+        for name, value in report[title].items():
+            print(f"  {name:<14}{value:>10.3f}")
+    print(f"rest_ms {report['rest_ms']:.2f}, in no stage")
+    print(f"host_ms {report['host_ms']:.2f}, at most {report['draw_calls']} drawing calls a frame")
+    print(f"triangles {report['triangles_mean']:.0f} a frame, {report['fps']:.1f} frames a second")
+
+
+def print_ladder(reports: Sequence[dict[str, Any]]) -> None:
+    """Several reports for people: one a line, medians in ms."""
+    print(f"{reports[0]['scenario']}, motor {reports[0]['motor']}, {_pixels(reports[0])}")
+    print(_drawn_by(reports[0]))
+    print(sentence(reports[0]["machine"]))
+    names = ("fishes", "visible", "fps", "frame", "p95", "cpu", *STAGES)
+    print("".join(f"{name:>{_wide(name)}}" for name in names))
+    for report in reports:
+        values = (
+            report["fps"],
+            report["frame_ms"]["p50"],
+            report["frame_ms"]["p95"],
+            report["cpu_ms"]["all"],
+            *report["stages_ms"].values(),
+        )
+        print(
+            f"{report['fish']:>{_wide('fishes')}}{report['visible_mean']:>{_wide('visible')}.0f}"
+            + "".join(
+                f"{value:>{_wide(name)}.2f}" for name, value in zip(names[2:], values, strict=True)
+            )
+        )
+
+
+def _wide(name: str) -> int:
+    return max(len(name), 7) + 2
+
+
+def _pixels(report: dict[str, Any]) -> str:
+    sizes = report["size"] if report["theatre"] else [report["size"]]
+    return " + ".join(f"{width}x{height}" for width, height in sizes)
+
+
+def _drawn_by(report: dict[str, Any]) -> str:
+    return f"{report['renderer']}, quality {report['quality']} ({report['quality_drawn']})"
+
+
+def write_json(path: Path, reports: Sequence[dict[str, Any]]) -> None:
+    """A report as JSON; several as the list `ladder`."""
+    content = reports[0] if len(reports) == 1 else {"ladder": [*reports]}
+    with replacing(path) as temporary:
+        temporary.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
+
+
+def write_csv(path: Path, runs: Sequence[tuple[dict[str, Any], Frames]]) -> None:
+    """A row for every frame: fishes in all, its number from 0, times in ms, what it showed."""
+    with replacing(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
+        rows = csv.writer(file)
+        rows.writerow(
+            ["fish", "frame"]
+            + [f"{name}_ms" for name in ("frame", "host", "cpu", *STAGES, "rest")]
+            + [*SHOWN]
+        )
+        for report, frames in runs:
+            times = [frames.frame_s, frames.host_s, frames.cpu_s]
+            times += [*(frames.stages_s[name] for name in STAGES), frames.rest_s]
+            shown = [getattr(frames, name) for name in SHOWN]
+            for k in range(len(frames.frame_s)):
+                rows.writerow(
+                    [report["fish"], k]
+                    + [f"{1000.0 * column[k]:.4f}" for column in times]
+                    + [int(column[k]) for column in shown]
+                )

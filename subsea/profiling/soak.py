@@ -1,0 +1,355 @@
+"""`subsea soak`: hours of a dive with hands at random, watched for what must never happen."""
+
+import ctypes
+import gc
+import json
+import time
+from collections.abc import Generator, Iterator, Sequence
+from contextlib import closing, suppress
+from importlib.metadata import version
+from itertools import count
+from pathlib import Path
+from statistics import median
+from typing import Any, NamedTuple
+
+import msgspec
+import numpy as np
+
+from subsea.behavior.teleop import Reins
+from subsea.core import interrupts
+from subsea.core.atomic_io import check_file, replacing
+from subsea.core.console import counted, say
+from subsea.core.errors import UserError
+from subsea.core.progress import clock, progress
+from subsea.core.resources import resource_names
+from subsea.dive.start import headless, picture_maker, start_world
+from subsea.dive.theatre_setup import chosen_rig
+from subsea.frame.packet import pack
+from subsea.profiling.invariants import faults_in, reach_now, starving, stuck, widen
+from subsea.render.output.quality import PRESETS
+from subsea.submarine.helm import HANDS_OFF, Helm
+from subsea.view.display_rigs import DISPLAYS, cockpit, display_rig
+from subsea.view.rig import Rig, views
+from subsea.view.stereo import PAGED
+from subsea.view.theatre.theatre_file import FOLDER
+from subsea.world import snapshot
+from subsea.world.step import Order, step
+from subsea.world.tunables import constants_of, put_back
+from subsea.world.world import TICK_S, World
+
+SECOND = round(1.0 / TICK_S)  # ticks, about
+MINUTE = round(60.0 / TICK_S)
+SIZE = (320, 180)
+SHRINK = 6  # of theatres
+ROUNDS = 8  # of all displays and theatres in a soak, if it has the time
+PICTURES = 5, 30  # at least and at most in each of them, a second apart
+REPLAY_EVERY, REPLAYED = MINUTE, 3 * SECOND  # so often time goes back so far
+SPELL_S = 0.5, 8.0  # how long hands do one thing
+CURRENT_CM_S = 30.0
+TIMIDITY = 0.5, 2.0
+SHARES = {"steer": 0.6, "let go": 0.1, "ride": 0.2, "change": 0.1}
+STILL = 180 * SECOND  # who stays where it is so long is stuck
+# So many minutes of a soak that draws its memory grows, as the driver makes programs for every
+# display at every quality; it is judged if as many follow.
+WARM_UP_MIN = 24
+QUARTER = 0.25  # after that the last quarter is compared with the second
+GROWTH = 0.02  # by which something has grown is too much
+MOST_FAULTS = 10  # then the dive ends
+LARGEST = 100_000_000  # bytes of a report
+
+
+class Hands(NamedTuple):
+    """What a visitor does in a tick."""
+
+    order: Order
+    lights: bool
+    current_cm_s: tuple[float, float]
+    timidity: float
+
+
+class _Report(msgspec.Struct):
+    """What a soak is compared with."""
+
+    scenario: str
+    set: list[str]
+    seed: int
+    fish: int
+    version: str
+    ticks: int
+    checksums: list[str]
+
+
+class Watch(NamedTuple):
+    """What was seen so far."""
+
+    checksums: list[str]  # after every minute of the sea
+    memory_mb: list[float]  # then; empty where the system does not tell
+    things: list[int]  # then: objects that the garbage collector knows
+    alive: list[int]  # then: fishes
+    starving: list[int]  # then: fishes as hungry as can be
+    objects: list[dict[str, int]]  # of OpenGL, after every round of displays
+    replays: list[int]  # ticks at which time had gone back and come again
+    faults: list[str]
+
+
+def soak(
+    scenario: str,
+    minutes: float,
+    fish: int | None,
+    seed: int | None,
+    draw: bool,
+    out: Path | None,
+    against: Path | None,
+    changes: Sequence[str] = (),
+) -> int:
+    """Dive `minutes` of the sea's own time with hands at random, and print what was seen.
+
+    Faults are: what `soundness` finds; fishes that stay where they are; a past that does not come
+    again equally; what no tick changes, and has changed; memory and objects that grow; empty
+    pictures; checksums other than those of the same dive in the report `against`. With `draw` a
+    picture is made every second, in one display mode or theatre after another and at every
+    quality. The report goes to `out` as JSON.
+
+    Returns 0 if all was sound, 1 if not. The same arguments make the same dive.
+    """
+    if out is not None:
+        check_file(out)
+    older = None if against is None else _report(against)
+    world = start_world(scenario, seed, fish, changes=changes)
+    watch, ticks = Watch(*([] for _ in Watch._fields)), max(round(minutes * MINUTE), 1)
+    about = {
+        "scenario": scenario,
+        "set": [*changes],
+        "seed": world.state.seed,
+        "fish": len(world.state.fishes.species),
+        "version": version("subsea"),
+    }
+    if older is not None:
+        for name, value in about.items():
+            if (theirs := getattr(older, name)) != value:
+                raise UserError(f"{against}: a soak with {name} {theirs!r}, expected {value!r}")
+    begun, first = time.monotonic(), world.state.tick
+
+    def conclude() -> None:
+        """Judge what was seen, write it and tell it: also of a soak that was interrupted."""
+        made = world.state.tick - first
+        if older is not None:
+            _compare(watch, made, older)
+        judge(watch, draw)
+        if out is not None:
+            report = about | {"drawn": draw, "ticks": made, **watch._asdict()}
+            with replacing(out) as temporary:
+                temporary.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+        _tell(world, watch, draw, time.monotonic() - begun)
+
+    try:
+        if draw:
+            with (
+                headless() as context,
+                closing(_painting(world, context, watch, ticks)) as painting,
+            ):
+                _dive(world, ticks, watch, painting)
+        else:
+            _dive(world, ticks, watch)
+    except KeyboardInterrupt:
+        conclude()
+        raise
+    conclude()
+    return 1 if watch.faults else 0
+
+
+def _dive(
+    world: World, ticks: int, watch: Watch, painting: Generator[None, None, None] | None = None
+) -> None:
+    doing = hands(world, np.random.default_rng(world.state.seed))
+    done: list[Hands] = []  # since the moment to which time goes back
+    before, reach = None, reach_now(world)
+    fixed = snapshot.checksum_of(snapshot.constant(world))
+    with interrupts.deferred() as check, progress(ticks, "tick") as made:
+        for k in range(1, ticks + 1):
+            check()
+            if k % REPLAY_EVERY == REPLAY_EVERY - REPLAYED:
+                before, done = (snapshot.take(world), constants_of(world)), []
+            done.append(next(doing))
+            act(world, done[-1])
+            if before and k % REPLAY_EVERY == 0:
+                after = snapshot.checksum(world)
+                put_back(world, before[1])
+                snapshot.restore(world, before[0])
+                for one in done:
+                    act(world, one)
+                if snapshot.checksum(world) != after:
+                    watch.faults.append(f"tick {world.state.tick}: the past did not come again")
+                watch.replays.append(world.state.tick)
+                before = None
+            if k % SECOND == 0:
+                widen(reach, world)
+                found = faults_in(world)
+                if k % STILL == 0:
+                    found.extend(f"fish {i} is stuck" for i in stuck(reach, world))
+                    reach = reach_now(world)
+                watch.faults.extend(f"tick {world.state.tick}: {what}" for what in found)
+                if painting:
+                    next(painting)
+            if k % MINUTE == 0 or k == ticks:
+                if snapshot.checksum_of(snapshot.constant(world)) != fixed:
+                    watch.faults.append(
+                        f"tick {world.state.tick}: what stays as it began has changed"
+                    )
+                watch.checksums.append(snapshot.checksum(world))
+                watch.memory_mb.extend(resident_mb())
+                watch.things.append(len(gc.get_objects()))
+                watch.alive.append(int(world.state.fishes.alive.sum()))
+                watch.starving.append(starving(world))
+            made()
+            if len(watch.faults) >= MOST_FAULTS:
+                break
+
+
+def hands(world: World, dice: np.random.Generator) -> Iterator[Hands]:
+    """What hands at random do, tick by tick: steer, let go, take a fish's reins, change things."""
+    current, timidity, lights = world.current_cm_s, world.nature.timidity, False
+    while True:
+        order: Order = HANDS_OFF
+        what = dice.choice(list(SHARES), p=list(SHARES.values()))
+        ask = dice.uniform(-1.0, 1.0, 4)
+        ticks = round(dice.uniform(*SPELL_S) / TICK_S)
+        living = np.flatnonzero(world.state.fishes.alive)
+        if what == "steer":
+            order = Helm(*ask.tolist())
+        elif what == "ride" and len(living):
+            order = Reins(int(dice.choice(living)), *ask[:3].tolist())
+        elif what == "change":
+            current = float(CURRENT_CM_S * ask[0]), float(CURRENT_CM_S * ask[1])
+            timidity, lights = float(dice.uniform(*TIMIDITY)), not lights
+        for _ in range(ticks):
+            yield Hands(order, lights, current, timidity)
+
+
+def act(world: World, doing: Hands) -> None:
+    """Make one tick of the world with these hands in it."""
+    world.state.submarine.lights[0] = doing.lights
+    world.current_cm_s = doing.current_cm_s
+    world.nature = world.nature._replace(timidity=doing.timidity)
+    step(world, doing.order)
+
+
+def rigs() -> list[Rig]:
+    """Of every display mode that needs no special window, and of every theatre, shrunk."""
+    theatres = resource_names(FOLDER, ".toml")
+    return [
+        *(display_rig(display, SIZE) for display in DISPLAYS if display != PAGED),
+        *(chosen_rig("mono", SIZE, theatre=name, shrink=SHRINK)[0] for name in theatres),
+    ]
+
+
+def _painting(world: World, context: Any, watch: Watch, ticks: int) -> Generator[None, None, None]:
+    """Make a picture at every call, with one rig after another, at one quality after another."""
+    from subsea.render import living
+
+    shown = rigs()
+    pictures = int(np.clip(ticks // (SECOND * ROUNDS * len(shown)), *PICTURES))
+    for number in count():
+        rig = shown[number % len(shown)]
+        quality = list(PRESETS.values())[(number + number // len(shown)) % len(PRESETS)]
+        with picture_maker(context, world, rig, quality) as renderer:
+            for _ in range(pictures):
+                seen = views(rig, cockpit(world.state.submarine, 1.0))
+                renderer.draw(pack(world, seen, 1.0, detail=quality.detail, growth=quality.growth))
+                for output in range(len(rig.outputs)):
+                    if np.ptp(renderer.read_pixels(output)) == 0:
+                        watch.faults.append(f"tick {world.state.tick}: an empty picture")
+                yield
+        if rig is shown[-1]:
+            watch.objects.append(living(context))
+
+
+def _compare(watch: Watch, ticks: int, older: _Report) -> None:
+    """Add a fault for each minute that both have, and the end if it is one, that is not alike."""
+    both = min(ticks, older.ticks) // MINUTE
+    pairs = list(zip(watch.checksums, older.checksums, strict=False))
+    for k, (mine, theirs) in enumerate(pairs if ticks == older.ticks else pairs[:both]):
+        if mine != theirs:
+            watch.faults.append(f"minute {k + 1}: not the checksum of the older soak")
+
+
+def judge(watch: Watch, drawn: bool) -> None:
+    """Add faults for what has grown; memory of a dive that was drawn only after its warm-up."""
+    if grown := growth(steady(watch, drawn)):
+        watch.faults.append(f"memory grew by {grown:.1%}")
+    if grown := growth(watch.things):
+        watch.faults.append(f"objects of Python grew by {grown:.1%}")
+    for kind in watch.objects[0] if watch.objects else ():
+        numbers = [objects[kind] for objects in watch.objects]
+        if numbers[-1] > numbers[0]:
+            watch.faults.append(f"objects of OpenGL that are not released: {kind}, {numbers}")
+
+
+def steady(watch: Watch, drawn: bool) -> list[float]:
+    """Memory after the warm-up; an empty list of a dive that is too short to judge it."""
+    if not drawn:
+        return watch.memory_mb
+    return watch.memory_mb[WARM_UP_MIN:] if len(watch.memory_mb) >= 2 * WARM_UP_MIN else []
+
+
+def growth(values: Sequence[float]) -> float:
+    """By which share values, one a minute, have grown beyond what they may, 0 if they have not.
+
+    The median of the last quarter is compared with that of the second: single minutes differ by a
+    tenth, with the display and the quality that are drawn then.
+    """
+    quarter = round(QUARTER * len(values))
+    if quarter < 1:
+        return 0.0
+    grown = median(values[-quarter:]) / median(values[quarter : 2 * quarter]) - 1.0
+    return grown if grown > GROWTH else 0.0
+
+
+def resident_mb() -> list[float]:
+    """The resident memory of this process, MB, in a list; an empty one where nobody tells.
+
+    What the allocator holds free it gives back before: of a dive that is drawn, up to half.
+    """
+    with suppress(AttributeError, OSError, TypeError):  # of another C library than glibc
+        ctypes.CDLL(None).malloc_trim(0)
+    try:
+        status = Path("/proc/self/status").read_text(encoding="ascii")
+    except OSError:
+        return []
+    line = next(line for line in status.splitlines() if line.startswith("VmRSS"))
+    return [int(line.split()[1]) / 1024]
+
+
+def _report(path: Path) -> _Report:
+    """An older report."""
+    try:
+        with path.open("rb") as file:
+            return msgspec.json.decode(file.read(LARGEST), type=_Report)
+    except OSError as fault:
+        raise UserError(f"{path}: cannot read ({fault.strerror})") from fault
+    except (ValueError, RecursionError) as fault:
+        raise UserError(f"{path}: expected what `subsea soak --json` writes ({fault})") from fault
+
+
+def _tell(world: World, watch: Watch, drawn: bool, seconds: float) -> None:
+    number = len(world.state.fishes.species)
+    fishes = counted(number, "fish", "fishes")
+    print(f"{clock(world.state.tick * TICK_S)} of the sea, {fishes}, in {clock(seconds)}")
+    if watch.checksums:
+        print(f"checksum at the end: {watch.checksums[-1]}")
+        print(f"alive at the end: {watch.alive[-1]} of {number}, {watch.starving[-1]} starving")
+    print(f"time went back {counted(len(watch.replays), 'time', 'times')}")
+    if watch.memory_mb:
+        first, last = watch.memory_mb[len(watch.memory_mb) // 4], watch.memory_mb[-1]
+        judged = "" if steady(watch, drawn) else ", too short to judge it"
+        print(f"memory: {first:.1f} MB after a quarter, {last:.1f} at the end{judged}")
+    if watch.things:
+        first, last = watch.things[len(watch.things) // 4], watch.things[-1]
+        print(f"objects of Python: {first} after a quarter, {last} at the end")
+    if watch.objects:
+        for when, objects in (("first", watch.objects[0]), ("last", watch.objects[-1])):
+            kinds = ", ".join(f"{kind} {number}" for kind, number in objects.items())
+            print(f"objects of OpenGL after the {when} round of displays: {kinds}")
+    for fault in watch.faults:
+        say(fault)
+    print(counted(len(watch.faults), "fault", "faults") if watch.faults else "sound")

@@ -1,0 +1,364 @@
+"""Fishes: B-spline surfaces from pre-evaluated tables, evaluated in the vertex shader (SMC §7).
+
+All species are drawn by the same calls: their skins lie side by side on one atlas, what else is
+constant per species is one block of uniforms, and each instance says which species it is.
+"""
+
+from math import ceil, cos, radians, sin, sqrt
+from typing import Any
+
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.core.disk_cache import kept
+from subsea.fish import paint
+from subsea.fish.color_sheet import sheets
+from subsea.fish.mesh import DETAILS, VERTEX_ATTRIBUTES, VERTEX_FORMAT, Mesh, fish_mesh, outfit
+from subsea.fish.species import Display, Species
+from subsea.fish.surface import PaddlePlan
+from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, Scene
+from subsea.render.fish import speck as fish_speck
+from subsea.render.fish.speck import COARSEST, Speck, places, speck
+from subsea.render.gl.id_buffer import FISH, double, mark
+from subsea.render.gl.mipmaps import kept_texture, mipmapped
+from subsea.render.gl.shaders import program, set_uniforms, wanted
+
+Array = NDArray[np.floating[Any]]
+
+SKINS_UNIT, VERTICES_UNIT, PLACES_UNIT = 3, 9, 10  # of textures
+FINE = 2  # levels whose fins are drawn after all bodies
+# What a program is wanted for; see `shaders/fishes.frag` and `shaders/show.glsl`.
+SPECK, OWN_MARKS = ("SPECK",), ("OWN_MARKS",)
+NO_TRIANGLE = np.zeros((1, 3), np.int32)
+NOBODY = np.zeros((1, INSTANCE_COLUMNS), np.float32)
+LOOKS_BINDING = 0  # of the block of uniforms
+
+# Texels around each skin that repeat its border: one at the coarsest mipmap, so that none mixes
+# neighbours on the atlas.
+GUTTER = 2**COARSEST
+CELL = paint.SIZE[0] + 2 * GUTTER, paint.SIZE[1] + 2 * GUTTER
+
+# How far the lower jaw of a predator, and of any other, turns down.
+GAPE_RAD = {"predator": radians(32.0), "prey": radians(22.0), "pacifist": radians(22.0)}
+LIPS = 0.25  # half the width of the border between the jaws, of the length of the mouth
+TEETH = 24.0  # of a predator, in half the round of its body
+
+INSTANCE_FORMAT = "4f4 4f4 4f4 4f4 3f4 4f4"
+INSTANCE_ATTRIBUTES = ("i_place", "i_turn", "i_pose", "i_pectoral", "i_fins", "i_show")
+
+
+class Fishes:
+    """Holds the table of control points, a mesh per level, the skins, and the instances."""
+
+    def __init__(
+        self, context: Any, scene: Scene, skins: list[NDArray[np.uint8]] | None = None
+    ) -> None:
+        """Make every object.
+
+        The species of the scene wear their own skins, or other ones as `paint` makes them.
+        """
+        self._context = context
+        kinds = len(scene.species)
+        # By whether what they draw is distant, and whether it fades: to discard pixels costs time.
+        # Those that write marks are made when they are first asked for.
+        self._kinds = kinds
+        self._programs: dict[tuple[str, ...], Any] = {}
+        self._content: dict[bool, tuple[Any, ...]] = {}  # of arrays: of specks, and of others
+        rows, points = scene.control_points.shape[:2]
+        table = np.zeros((rows, points, 4), "f4")
+        table[..., :3] = scene.control_points
+        self._table = _table(context, table)
+        self._instances = context.buffer(reserve=INSTANCE_COLUMNS * 4)
+        self._skins = _atlas(context, scene.species, skins)
+        self._looks = context.buffer(_looks(scene.species, scene.recorded_length_cm).tobytes())
+        self._meshes = [fish_mesh(detail) for detail in DETAILS]
+        vertices, triangles, self._first = joined(self._meshes)
+        self._vertices = _table(context, kept(outfits, scene.species, self._meshes))
+        shape = speck()
+        self._places = _table(context, speck_places(scene.species, shape))
+        self._shape = shape
+        buffers = [context.buffer(part.tobytes()) for part in (vertices, triangles)]
+        self._content[False] = [(buffers[0], VERTEX_FORMAT, *VERTEX_ATTRIBUTES)], buffers[1]
+        self._speck_triangles = len(shape.triangles)
+        listed = np.concatenate([shape.triangles, NO_TRIANGLE]).astype("i4")
+        speck_buffers = [context.buffer(part.tobytes()) for part in (shape.vertices, listed)]
+        layout = fish_speck.VERTEX_FORMAT, *fish_speck.VERTEX_ATTRIBUTES
+        self._content[True] = [(speck_buffers[0], *layout)], speck_buffers[1]
+        self._held = [
+            *buffers, *speck_buffers, self._instances, self._looks,
+            self._table, self._vertices, self._places, self._skins,
+        ]  # fmt: skip
+        self._arrays: dict[Any, Any] = {}
+        # For drivers that build a program when it first draws: the last triangle has no area.
+        plain = (), ("DISTANT",), ("FADING",), ("DISTANT", "FADING")
+        self._cold = {self._made(wants): len(triangles) - 1 for wants in plain}
+        self._cold[self._made(SPECK)] = self._speck_triangles
+
+    def upload(self, packet: Packet) -> None:
+        """Send instance records, and the control points of fishes that are simulated.
+
+        The old instances are orphaned, never waited for.
+        """
+        # An empty packet too leaves a record behind, which the first calls of a program read.
+        records = packet.instances if len(packet.instances) else NOBODY
+        self._instances.orphan(records.nbytes)
+        self._instances.write(records.tobytes())
+        rows, points = packet.live_points.shape[:2]
+        if rows:
+            texels = np.zeros((rows, points, 4), "f4")
+            texels[..., :3] = packet.live_points
+            self._table.write(texels.tobytes(), viewport=(0, packet.live_row, points, rows))
+
+    def dress(
+        self, species: tuple[Species, ...], length_cm: tuple[float, ...],
+        skins: list[NDArray[np.uint8]] | None = None,
+    ) -> None:  # fmt: skip
+        """Other shapes, and other skins if there are any, for as many species as before."""
+        self._looks.write(_looks(species, length_cm).tobytes())
+        self._vertices.write(outfits(species, self._meshes).tobytes())
+        self._places.write(speck_places(species, self._shape).tobytes())
+        if skins is not None:
+            self._skins.write(_side_by_side(skins))
+            self._skins.build_mipmaps(max_level=COARSEST)
+
+    def draw(
+        self, packet: Packet, number: int, uniforms: dict[str, Any], marked: bool = False
+    ) -> int:
+        """Draw the fishes of a view, or their marks; the number of triangles.
+
+        Coarse levels, which are mostly far away, come first, each in one call: fins have triangles
+        on both sides there. Of fine levels all bodies come before all fins, which are translucent
+        but write depth: so every body behind a fin shows.
+        """
+        self._table.use(0)
+        self._skins.use(SKINS_UNIT)
+        self._vertices.use(VERTICES_UNIT)
+        self._places.use(PLACES_UNIT)
+        self._looks.bind_to_uniform_block(LOOKS_BINDING)
+        units = {
+            "u_table": 0,
+            "u_skins": SKINS_UNIT,
+            "u_vertices": VERTICES_UNIT,
+            "u_places": PLACES_UNIT,
+        }
+        batches = packet.batches[number]
+        wants = wanted(uniforms, marked) + OWN_MARKS * marked
+        for compiled in {*self._cold, *(self._program(batch, wants) for batch in batches)}:
+            set_uniforms(compiled, **units, **uniforms, u_mark=mark(FISH))
+        while self._cold:  # so that no picture later on waits for what it is the first to need
+            compiled, nothing = self._cold.popitem()
+            self._render(compiled, nothing, 1, 0, 1)
+        total = 0
+        fine = []
+        self._context.enable(moderngl.CULL_FACE)
+        for batch in batches:
+            if batch.level == len(DETAILS):
+                first, triangles = 0, self._speck_triangles
+            else:
+                mesh, first = self._meshes[batch.level], self._first[batch.level]
+                triangles = len(mesh.triangles)
+                if batch.level < FINE and not batch.fading:
+                    triangles = mesh.body
+                    fine.append(batch)
+            self._render(self._program(batch, wants), first, triangles, batch.first, batch.count)
+            total += triangles * batch.count
+        self._context.disable(moderngl.CULL_FACE)
+        if fine:  # which follow each other, and have the same fins
+            mesh, first = self._meshes[0], self._first[0] + self._meshes[0].body
+            count = sum(batch.count for batch in fine)
+            self._render(self._made(wants), first, mesh.fins, min(b.first for b in fine), count)
+            total += mesh.fins * count
+        return total
+
+    def _program(self, batch: Batch, wants: tuple[str, ...]) -> Any:
+        own = ("DISTANT",) * (batch.level >= FINE) + ("FADING",) * batch.fading
+        if batch.level == len(DETAILS):
+            own = SPECK
+        return self._made(own + wants)
+
+    def _made(self, wants: tuple[str, ...]) -> Any:
+        """The program with these definitions, which has an array from now on."""
+        if wants not in self._programs:
+            name = "fish_speck" if SPECK[0] in wants else "fishes"
+            defined = dict.fromkeys(wants, 1) | {"SPECIES": self._kinds, "COARSEST": COARSEST}
+            compiled = program(self._context, name, **defined)
+            compiled["Looks"].binding = LOOKS_BINDING
+            self._programs[wants] = compiled
+            self._arrays[compiled] = double(
+                self._context, compiled, *self._content[SPECK[0] in wants]
+            )
+        return self._programs[wants]
+
+    def _render(self, compiled: Any, first: int, triangles: int, record: int, count: int) -> None:
+        """Draw `triangles` from the `first` on, for `count` instances from `record` on.
+
+        3.3 core has no base instance: the attributes are told where to begin, those that the
+        program has.
+        """
+        array = self._arrays[compiled]
+        stride = INSTANCE_COLUMNS * 4
+        offset = record * stride
+        formats = INSTANCE_FORMAT.split()
+        for name, kind in zip(INSTANCE_ATTRIBUTES, formats, strict=True):
+            if name in compiled:
+                array.bind(compiled[name].location, "f", self._instances, kind, offset, stride, 1)
+            offset += 4 * int(kind[0])
+        array.render(vertices=3 * triangles, first=3 * first, instances=count)
+
+    def release(self) -> None:
+        """Free every OpenGL object."""
+        for held in (*self._arrays.values(), *self._arrays, *self._held):
+            held.release()
+
+
+def joined(meshes: list[Mesh]) -> tuple[Array, NDArray[np.int32], list[int]]:
+    """All vertices and triangles of all levels, and the first triangle of each.
+
+    The last triangle is none: its corners are one.
+    """
+    starts = np.cumsum([0] + [len(mesh.vertices) for mesh in meshes])
+    triangles = [mesh.triangles + start for mesh, start in zip(meshes, starts, strict=False)]
+    first = np.cumsum([0] + [len(those) for those in triangles])[:-1]
+    return (
+        np.concatenate([mesh.vertices for mesh in meshes]),
+        np.concatenate([*triangles, NO_TRIANGLE]).astype("i4"),
+        first.tolist(),
+    )
+
+
+def outfits(species: tuple[Species, ...], meshes: list[Mesh]) -> Array:
+    """What the vertices of all levels have of their own, (species, n, 4) float32."""
+    return np.array(
+        [
+            np.concatenate(
+                [outfit(one.surface, *pair) for pair in zip(meshes, DETAILS, strict=True)]
+            )
+            for one in species
+        ],
+        "f4",
+    )
+
+
+def speck_places(species: tuple[Species, ...], shape: Speck) -> Array:
+    """Of the vertices of specks, (species, n, 4) float32: place on the atlas, ABSENT or 0."""
+    out = np.zeros((len(species), len(shape.points), 4), "f4")
+    for k, one in enumerate(species):
+        left, bottom, width, height = cell(k, len(species))
+        out[k, :, :3] = places(one.surface, shape)
+        out[k, :, :2] = (left, bottom) + out[k, :, :2] * (width, height)
+    return out
+
+
+def cell(kind: int, kinds: int) -> tuple[float, float, float, float]:
+    """Where the skin of a species lies on the atlas: left, bottom, width, height, of its size."""
+    columns, rows = _columns(kinds), ceil(kinds / _columns(kinds))
+    row, column = divmod(kind, columns)
+    width, height = columns * CELL[0], rows * CELL[1]
+    return (
+        (column * CELL[0] + GUTTER) / width,
+        (row * CELL[1] + GUTTER) / height,
+        paint.SIZE[0] / width,
+        paint.SIZE[1] / height,
+    )
+
+
+def _columns(kinds: int) -> int:
+    """How many skins lie beside each other, so that the atlas is about square."""
+    return ceil(sqrt(kinds * CELL[1] / CELL[0]))
+
+
+def _looks(species: tuple[Species, ...], length_cm: tuple[float, ...]) -> Array:
+    """The block of uniforms: what is constant per species, and the frames of a skin."""
+    rows = [
+        row
+        for k, one in enumerate(zip(species, length_cm, strict=True))
+        for row in look(*one, cell(k, len(species)))
+    ]
+    return np.array([*rows, *frames()], "f4")
+
+
+def _atlas(
+    context: Any, species: tuple[Species, ...], skins: list[NDArray[np.uint8]] | None
+) -> Any:
+    """Skins side by side as one mipmapped sRGB texture; those that are painted alone are kept."""
+    if skins is None and not any(one.skin.sheet for one in species):
+        return kept_texture(context, COARSEST, True, _painted, species)
+    skins = sheets(species) if skins is None else skins
+    return mipmapped(context, _side_by_side(skins), COARSEST, srgb=True)
+
+
+def _painted(species: tuple[Species, ...]) -> NDArray[np.uint8]:
+    return _side_by_side(paint.paint_all(species))
+
+
+def _side_by_side(skins: list[NDArray[np.uint8]]) -> NDArray[np.uint8]:
+    """Skins on one picture, each with a gutter around it."""
+    columns = _columns(len(skins))
+    picture = np.zeros((ceil(len(skins) / columns) * CELL[1], columns * CELL[0], 4), np.uint8)
+    around = (GUTTER, GUTTER)
+    for k, skin in enumerate(skins):
+        row, column = divmod(k, columns)
+        place = picture[row * CELL[1] :, column * CELL[0] :][: CELL[1], : CELL[0]]
+        place[:] = np.pad(skin, (around, around, (0, 0)), "edge")
+    return picture
+
+
+def _table(context: Any, texels: Array) -> Any:
+    """Rows of texels (rows, columns, 4) that shaders look up by number."""
+    rows, columns = texels.shape[:2]
+    texture = context.texture((columns, rows), 4, np.ascontiguousarray(texels, "f4"), dtype="f4")
+    texture.filter = (context.NEAREST, context.NEAREST)
+    return texture
+
+
+def look(
+    species: Species, length_cm: float, place: tuple[float, float, float, float]
+) -> list[tuple[float, ...]]:
+    """What is constant per species, row by row as `fishes.glsl` names it.
+
+    `length_cm` is that of the recorded fish, `place` where its skin lies on the atlas.
+    """
+    surface, skin = species.surface, species.skin
+    top = paint.half_height(surface)
+    front, rear = paint.borders(surface)
+    # The mouth of a body with wings lies on its lower side, which is elsewhere on the skin.
+    gape = 0.0 if surface.wing else GAPE_RAD[species.kind]
+    soft = LIPS * (skin.mouth[1][0] - skin.mouth[0][0]) * paint.head_size(surface)
+    teeth = TEETH if species.kind == "predator" else 0.0
+    vary, show = skin.variation, skin.display or Display(of=(0, 0, 0), to=(0, 0, 0))
+    shift = [to - of for to, of in zip(show.to, show.of, strict=True)]
+    return [
+        place,
+        (front, -top, rear, top),
+        (surface.eye.at, paint.eye_height(surface), surface.eye.radius, 0.0),
+        (skin.gloss, skin.scales, skin.silver, float(surface.stiff_fins)),
+        (length_cm, surface.tail.begin, show.brightness, vary.torn),
+        (vary.hue, vary.saturation, vary.brightness, vary.pattern),
+        (*skin.mouth[0], *skin.mouth[1]),
+        (gape, soft, teeth, 0.0),
+        (*show.of, show.reach**-2),
+        (*shift, show.saturation),
+        _stand(surface.pectoral),
+        _stand(surface.pelvic),
+    ]
+
+
+def frames() -> list[tuple[float, ...]]:
+    """Left, bottom, width and height of the parts of a skin, shares of it, for `fishes.glsl`.
+
+    Those of the fins are a little smaller on all sides: so none takes on a neighbour's colour.
+    """
+    inset = np.array([4.0, 1.0]) / paint.SIZE
+    parts = np.array([paint.DORSAL, paint.VENTRAL, paint.PECTORAL, paint.PELVIC, paint.BODY])
+    low, high = parts[:, :2], parts[:, 2:]
+    low[:4], high[:4] = low[:4] + inset, high[:4] - inset
+    return [tuple(row) for row in np.concatenate([low, high - low], axis=1)]
+
+
+def _stand(plan: PaddlePlan | None) -> tuple[float, ...]:
+    """How a paired fin stands: cosine and sine of its droop, and whether it is a wing."""
+    if plan is None:
+        return (0.0,) * 4
+    droop = radians(plan.droop)
+    return cos(droop), sin(droop), float(plan.wing), 0.0

@@ -1,0 +1,209 @@
+"""One fish in clear water and even light, seen from an orbit about it: what the tools show.
+
+The shaders that draw it in the sea draw it here, from control points that may change with every
+picture, and a shape and a sheet that may change with every edit.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from msgspec import structs
+from numpy.typing import NDArray
+
+from subsea.fish.species import Species, Variation
+from subsea.fish.surface import CONTROL_POINTS, rest_surface
+from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, Scene
+from subsea.render.fish.fishes import Fishes
+from subsea.render.gl.mipmaps import mipmapped
+from subsea.render.output.target import Resolve, Target
+from subsea.render.output.uniforms import uniforms_of
+from subsea.scenario.schema import Water
+from subsea.view.camera import View, look, off_axis
+from subsea.view.display_rigs import display_rig
+
+Array = NDArray[np.floating[Any]]
+
+BACKDROP = (0.012, 0.048, 0.068)  # linear light
+WATER = Water(fog=(0.03, 0.10, 0.14), visibility_cm=1e5)  # what silver mirrors; it veils nothing
+HALF_FIELD = 0.16  # tangent of half the angle of view across: little perspective
+ROOM = 1.16  # the picture's width, or height, over the fish's
+LEAST_TALL = 0.3  # body lengths that the picture is high at least, or an eel would be all of it
+NEAREST, FARTHEST = 0.25, 8.0  # of the zoom
+STEEPEST = np.radians(89.0)
+ALIKE = Variation(hue=0.0, saturation=0.0, brightness=0.0, pattern=0.0, torn=0.0)
+UPRIGHT = np.sqrt([0.5, 0.5, 0.0, 0.0])  # body to world: heading along x, its back up
+DRAWN_CM = 20.0  # its length in the picture's sea, whatever its own: light depends on depth
+DEPTH_CM = 450.0  # where daylight is as in the scenarios
+FINS = (0.5, 0.55, 0.0, 0.0, 0.0, 1.0, 0.0)  # held as a fish at ease does: `frame.FINS`
+SAMPLES = 4
+LEVEL_CAUSTICS = 1 / 1.85  # light without waves, as `optics.glsl` scales it
+
+
+@dataclass(frozen=True)
+class Orbit:
+    """Where the eye is about the fish, which heads left where `turn` is 0."""
+
+    turn: float = 0.0  # rad, about the vertical: a quarter turn looks it in the face
+    tilt: float = 0.0  # rad, up
+    zoom: float = 1.0  # how many times larger than what fits
+
+    def moved(self, turn: float, tilt: float) -> "Orbit":
+        """Farther round and farther up by so many rad, never over the top."""
+        return replace(
+            self,
+            turn=(self.turn + turn) % (2 * np.pi),
+            tilt=float(np.clip(self.tilt + tilt, -STEEPEST, STEEPEST)),
+        )
+
+    def zoomed(self, times: float) -> "Orbit":
+        """So many times as large, within limits."""
+        return replace(self, zoom=float(np.clip(self.zoom * times, NEAREST, FARTHEST)))
+
+
+class Specimen:
+    """A fish on the GPU, and the texture that it is drawn into."""
+
+    def __init__(self, context: Any, species: Species, sheet: NDArray[np.uint8]) -> None:
+        """Make every object for a fish that wears a `sheet`, as `skins.paint` makes it."""
+        self._context = context
+        self._measure(species)
+        one = _without_variation(species)
+        scene = Scene(
+            species=(one,),
+            control_points=np.zeros((1, CONTROL_POINTS, 3), np.float32),
+            recorded_length_cm=(species.length_cm,),
+            terrain=np.zeros((2, 2), np.float32),
+            terrain_half_width_cm=1.0,
+            water=WATER,
+        )
+        self._fishes = Fishes(context, scene, [sheet])
+        self._light = mipmapped(context, np.full((1, 1, 2), LEVEL_CAUSTICS, np.float16))
+        self._resolve: Resolve | None = None
+        self._sized: list[Any] = []
+        self.size = (0, 0)
+        self.texture: Any = None  # the picture, bottom row first
+
+    def dress(self, species: Species, sheet: NDArray[np.uint8] | None = None) -> None:
+        """Another shape from the next picture on, and another sheet if there is one."""
+        self._measure(species)
+        self._fishes.dress(
+            (_without_variation(species),),
+            (species.length_cm,),
+            None if sheet is None else [sheet],
+        )
+
+    def draw(
+        self,
+        points: Array,
+        orbit: Orbit = Orbit(),
+        size: tuple[int, int] = (640, 360),
+        fins: tuple[float, ...] = FINS,
+        courting: float = 0.0,
+    ) -> Any:
+        """Draw control points (426, 3), cm in body axes; the texture of `size` pixels.
+
+        `fins` are those of an instance record (`frame.FINS`), `courting` how much it wears its
+        mating colours. The texture is the same one until another size is asked for.
+        """
+        if size != self.size:
+            self._resize(size)
+        context = self._context
+        view = self._view(orbit, size)
+        record = np.zeros((1, INSTANCE_COLUMNS), np.float32)
+        record[0, 2:8] = -DEPTH_CM, self._scale, *UPRIGHT
+        record[0, 11], record[0, 12:19], record[0, 21] = 0.5, fins, courting
+        batches = ((Batch(0, 0, 1),),)
+        packet = Packet(
+            0.0, (view,), record, batches, np.zeros((0, 3), np.float32), 0,
+            live_points=np.asarray(points, np.float32)[None],
+        )  # fmt: skip
+        self._fishes.upload(packet)
+        framebuffer = self._target.framebuffer
+        framebuffer.use()
+        context.viewport = (0, 0, *size)
+        context.scissor = None
+        framebuffer.clear(*BACKDROP)
+        context.enable(context.DEPTH_TEST | context.BLEND)
+        context.disable(context.CULL_FACE)
+        context.depth_func = "<="
+        context.blend_func = context.SRC_ALPHA, context.ONE_MINUS_SRC_ALPHA
+        self._light.use(1)
+        self._fishes.draw(packet, 0, uniforms_of(packet, view, WATER))
+        assert self._resolve
+        self._resolve.draw(self._target.picture(), self._shown, size, 0)
+        context.detect_framebuffer(0).use()
+        return self.texture
+
+    def read_pixels(self) -> NDArray[np.uint8]:
+        """The last picture (h, w, 3), top row first."""
+        data = self._shown.read(components=3, alignment=1)
+        return np.frombuffer(data, np.uint8).reshape(*self.size[::-1], 3)[::-1]
+
+    def release(self) -> None:
+        """Free every OpenGL object."""
+        self._release_sized()
+        if self._resolve:
+            self._resolve.release()
+        self._fishes.release()
+        self._light.release()
+
+    def _view(self, orbit: Orbit, size: tuple[int, int]) -> View:
+        across = ROOM * DRAWN_CM * max(1.0, self._tall * size[0] / size[1]) / orbit.zoom
+        away = across / 2 / HALF_FIELD
+        toward = np.array(
+            [
+                np.cos(orbit.tilt) * np.sin(orbit.turn),
+                np.cos(orbit.tilt) * np.cos(orbit.turn),
+                np.sin(orbit.tilt),
+            ]
+        )
+        middle = self._scale * self.middle[[0, 2, 1]] * (1, -1, 1) + (0, 0, -DEPTH_CM)
+        eye = middle + away * toward
+        near = 0.05 * away
+        half = near * HALF_FIELD * np.array([1.0, size[1] / size[0]])
+        projection = off_axis(-half[0], half[0], -half[1], half[1], near, 4.0 * away)
+        return View((0, 0, *size), look(eye, -toward, np.array([0, 0, 1.0])), projection, eye)
+
+    @property
+    def _scale(self) -> float:
+        return DRAWN_CM / self._species.length_cm
+
+    def _measure(self, species: Species) -> None:
+        """How tall the fish is, or wide, fins and all, and what the eye is to look at."""
+        surface, length = species.surface, species.length_cm
+        points = rest_surface(surface)
+        low, high = float(points[:, 1].min()), float(points[:, 1].max())
+        for fin in (surface.pectoral, surface.pelvic):
+            if fin:
+                tip = fin.height - fin.length * np.sin(np.radians(fin.droop))
+                low, high = min(low, tip - fin.width / 2), max(high, tip + fin.width / 2)
+        snout = species.body.stations[2] if species.body else 0.5 * length
+        self._species = species
+        self._tall = max(high - low, 2 * float(points[:, 2].max()), LEAST_TALL)
+        self.middle = np.array([snout - 0.5 * length, length * (low + high) / 2, 0.0])  # body axes
+
+    def _resize(self, size: tuple[int, int]) -> None:
+        self._release_sized()
+        self._target = Target(self._context, size, min(SAMPLES, self._context.max_samples))
+        self.texture = self._context.texture(size, 4)
+        self._shown = self._context.framebuffer([self.texture])
+        self._sized = [self._target, self._shown, self.texture]
+        patches = display_rig("mono", size).patches
+        if self._resolve is None:
+            self._resolve = Resolve(self._context, patches)
+        else:
+            self._resolve.arrange(patches)
+        self.size = size
+
+    def _release_sized(self) -> None:
+        # moderngl binds the last framebuffer again when it makes one; it must not be a freed one.
+        self._context.detect_framebuffer(0).use()
+        for held in self._sized:
+            held.release()
+        self._sized = []
+
+
+def _without_variation(species: Species) -> Species:
+    """The species as none of its individuals is: nothing added to what its file says."""
+    return structs.replace(species, skin=structs.replace(species.skin, variation=ALIKE))

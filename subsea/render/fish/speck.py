@@ -1,0 +1,132 @@
+"""The coarsest level of a fish: some of its control points themselves, lit at these alone.
+
+A speck is a few pixels large: 28 of the 426 control points, without weights, slopes or paired fins.
+Its colours are those of the coarsest mipmap of the skin, so that it does not flicker.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.fish import paint
+from subsea.fish.mesh import ABSENT
+from subsea.fish.surface import (
+    DORSAL,
+    FIN_V,
+    RIGHT,
+    TAIL_COLUMNS,
+    VENTRAL,
+    SurfacePlan,
+    U,
+    V,
+    rest_control_points,
+)
+from subsea.geometry.spline import greville
+
+Array = NDArray[np.floating[Any]]
+Ints = NDArray[np.integer[Any]]
+
+VERTEX_FORMAT = "3f4 3f4"
+VERTEX_ATTRIBUTES = ("a_normal", "a_part")
+
+RINGS = 3, 6, 9  # columns of the body of which four points are taken; the last runs to a wing's tip
+ROOT, EDGE = V - TAIL_COLUMNS - 1, V - 1  # columns where the tail fin begins and ends
+# Length of the normals on back and belly: flanks are flat, and bend only near these.
+RIDGE = 0.6
+COARSEST = 5  # mipmap of the skins: the last there is, and what specks wear
+FIN_COLUMNS = 3, 8  # of the free edge of a dorsal or ventral fin
+
+
+class Speck(NamedTuple):
+    """Vertices and triangles of a speck, the same for all species."""
+
+    points: Ints  # (n,) the control point of each vertex
+    roots: Ints  # (n,) the one from which it rises if it is of the edge of a fin, else the same
+    normals: Array  # (n, 3) in body axes; of what is thin either side
+    thin: NDArray[np.bool_]  # (n,) whether it belongs to a fin
+    fin: Ints  # (n,) 0, or 1 for the dorsal and 2 for the ventral fin, which a species may lack
+    triangles: Ints  # (m, 3) int32, both sides of what is thin
+
+    @property
+    def vertices(self) -> Array:
+        """(n, 6) float32, columns as VERTEX_FORMAT."""
+        return np.column_stack([self.normals, self.points, self.roots, self.thin]).astype("f4")
+
+
+def speck() -> Speck:
+    """Snout, three rings of back, flanks and belly, the root of the tail, and flat fins."""
+    ahead, up, right = np.eye(3)
+    back, flank, belly = 0, V * (U // 2), V * (U - 1)  # the first points of these rows
+    points, normals = [flank], [ahead]
+    for column in RINGS:
+        points += [back + column, RIGHT.start + flank + column, belly + column, flank + column]
+        normals += [RIDGE * up, right, -RIDGE * up, -right]
+    points += [back + ROOT, belly + ROOT]
+    normals += [RIDGE * up, -RIDGE * up]
+    body = len(points)
+    points += [row + ROOT for row in (back, belly)] + [row + EDGE for row in (back, flank, belly)]
+    for fin in (DORSAL, VENTRAL):
+        root, edge = fin.start, fin.start + FIN_V
+        points += [root, *(edge + column for column in FIN_COLUMNS), root + FIN_V - 1]
+    risen = np.isin(
+        points, np.add.outer([DORSAL.start, VENTRAL.start], FIN_V + np.array(FIN_COLUMNS))
+    )
+    normals += [right] * (len(points) - body)
+    count = np.arange(len(points))
+    sides = [(k, (k + 1) % 4) for k in range(4)]  # all counter-clockwise from outside
+    first = 1 + 4 * np.arange(len(RINGS))
+    closed = [(0, first[0] + a, first[0] + b) for a, b in sides]
+    for ring in first[:-1]:
+        for a, b in sides:
+            closed += [(ring + a, ring + 4 + a, ring + b), (ring + b, ring + 4 + a, ring + 4 + b)]
+    top, right_side, bottom, left_side = first[-1] + np.arange(4)
+    over, under = body - 2, body - 1
+    closed += [
+        (top, over, right_side), (right_side, over, under), (right_side, under, bottom),
+        (bottom, under, left_side), (left_side, under, over), (left_side, over, top),
+    ]  # fmt: skip
+    flat = [(0, 2, 3), (0, 3, 1), (1, 3, 4)] + [
+        (begin + a, begin + b, begin + c) for begin in (5, 9) for a, b, c in ((0, 1, 2), (0, 2, 3))
+    ]
+    thin = body + np.array(flat)
+    return Speck(
+        points=np.array(points),
+        roots=np.array(points) - FIN_V * risen,
+        normals=np.array(normals),
+        thin=count >= body,
+        fin=np.where(count < body + 5, 0, np.where(count < body + 9, 1, 2)),
+        triangles=np.concatenate([np.array(closed), thin, thin[:, ::-1]]).astype("i4"),
+    )
+
+
+def places(plan: SurfacePlan, shape: Speck) -> Array:
+    """Where a species' vertices (n, 3) lie on its skin, in shares of its sheet, and ABSENT or 0.
+
+    They keep off the borders of the sheet's frames by half a texel of the coarsest mipmap.
+    """
+    rest = rest_control_points(plan, 1.0, 0.0)[shape.points]
+    height = rest[:, 1]
+    if plan.wing:
+        height = paint.unfolded(plan, rest[:, 2], np.where(shape.normals[:, 1] < 0.0, 0.0, 1.0))
+    front, rear = paint.borders(plan)
+    top = paint.half_height(plan)
+    out = np.zeros((len(rest), 3))
+    within = np.stack([(-rest[:, 0] - front) / (rear - front), (height + top) / (2.0 * top)], 1)
+    out[:, :2] = _framed(paint.BODY, within)
+    for number, start, fin, frame in (
+        (1, DORSAL.start, plan.dorsal, paint.DORSAL),
+        (2, VENTRAL.start, plan.ventral, paint.VENTRAL),
+    ):
+        mine = shape.fin == number
+        row, column = np.divmod(shape.points[mine] - start, FIN_V)
+        out[mine, :2] = _framed(frame, np.stack([greville(FIN_V)[column], row], 1))
+        out[mine, 2] = 0.0 if fin else ABSENT
+    return out
+
+
+def _framed(frame: paint.Frame, within: Array) -> Array:
+    """Places (n, 2) on the sheet of places in a frame, 0 to 1 both ways."""
+    half = 0.5 * 2**COARSEST / np.array(paint.SIZE)
+    low, high = np.array(frame[:2]) + half, np.array(frame[2:]) - half
+    return np.clip(low - half + within * (high - low + 2.0 * half), low, high)

@@ -1,0 +1,1 @@
+"""OpenGL basics: contexts, shaders, textures, batches, the id buffer."""

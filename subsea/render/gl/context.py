@@ -1,0 +1,143 @@
+"""OpenGL contexts: without a window through EGL, or on a window that somebody else made."""
+
+import ctypes
+import time
+from collections.abc import Callable
+from typing import Any
+
+import moderngl
+
+from subsea.core.errors import UserError
+
+BACK_BUFFERS = (0x0402, 0x0403)  # OpenGL's names for the left and right one
+REQUIRED = 330  # OpenGL 3.3 core
+INSTALL = "sudo apt-get install --no-install-recommends libegl1 libgl1 libgl1-mesa-dri"
+
+
+def headless_context() -> Any:
+    """A context without a window. Missing or too old OpenGL is a UserError."""
+    try:  # what fails here, a driver or a missing library, is raised as plain Exception
+        context = _create(standalone=True, backend="egl")
+    except Exception as egl_fault:
+        # EGL is Linux's way; other systems have their own hidden windows.
+        try:
+            context = _create(standalone=True)
+        except Exception:
+            raise _no_opengl(egl_fault) from egl_fault
+    return _prepared(context)
+
+
+class _Loader:
+    """moderngl finds OpenGL's functions through the window library's own look-up."""
+
+    def __init__(self, get_proc_address: Callable[[str], int | None]) -> None:
+        self._look_up = get_proc_address
+
+    def load_opengl_function(self, name: str) -> int:
+        """The address of a function, 0 if there is none."""
+        return self._look_up(name) or 0
+
+    def release(self) -> None:
+        """The window owns the context."""
+
+    def __enter__(self) -> "_Loader":
+        return self
+
+    def __exit__(self, *arguments: object) -> None:
+        """It has returned."""
+        pass
+
+
+def window_context(get_proc_address: Callable[[str], int | None]) -> Any:
+    """A context on the current window, for example with ``glfw.get_proc_address``."""
+    try:
+        context = _create(context=_Loader(get_proc_address))
+    except Exception as fault:
+        raise _no_opengl(fault) from fault
+    return _prepared(context)
+
+
+def living(context: Any) -> dict[str, int]:
+    """How many objects of each kind there are in a context without a window.
+
+    Asked name by name, up to one that is given now. Empty where EGL cannot be asked.
+    """
+    try:
+        look_up = ctypes.CDLL("libEGL.so.1").eglGetProcAddress
+    except OSError:
+        return {}
+    look_up.restype, look_up.argtypes = ctypes.c_void_p, [ctypes.c_char_p]
+    made = {
+        "Buffer": context.buffer(reserve=4),
+        "Texture": context.texture((1, 1), 1),
+        "Renderbuffer": context.renderbuffer((1, 1)),
+        "Program": context.program(
+            vertex_shader="#version 330\nvoid main() { gl_Position = vec4(0.0); }"
+        ),
+    }
+    found = {}
+    for kind, one in made.items():
+        is_one = ctypes.CFUNCTYPE(ctypes.c_ubyte, ctypes.c_uint)(look_up(f"glIs{kind}".encode()))
+        found[kind] = sum(bool(is_one(name)) for name in range(1, one.glo))
+        one.release()
+    return found
+
+
+def page_switch(get_proc_address: Callable[[str], Any]) -> Callable[[int], None]:
+    """A function that chooses the left (0) or right (1) back buffer of the current window.
+
+    moderngl has no word for it. It holds for the framebuffer of the window, while that is in use.
+    """
+    address = ctypes.cast(get_proc_address("glDrawBuffer"), ctypes.c_void_p).value
+    draw_buffer = ctypes.CFUNCTYPE(None, ctypes.c_uint)(address or 0)
+
+    def choose(number: int) -> None:
+        draw_buffer(BACK_BUFFERS[number])
+
+    return choose
+
+
+def _create(**settings: Any) -> Any:
+    return moderngl.create_context(require=REQUIRED, **settings)
+
+
+class Tally:
+    """Drawing calls in a context since it was made, and the seconds that they took to return.
+
+    moderngl enters the `scope` of a vertex array about each of its drawing calls: this is it.
+    """
+
+    def __init__(self) -> None:
+        """Nothing drawn yet."""
+        self.calls = 0
+        self.seconds = 0.0
+        self._start = 0.0
+
+    def __enter__(self) -> None:
+        """A drawing call begins."""
+        self._start = time.perf_counter()
+
+    def __exit__(self, *arguments: object) -> None:
+        """It has returned."""
+        self.calls += 1
+        self.seconds += time.perf_counter() - self._start
+
+
+def _prepared(context: Any) -> Any:
+    """The context with memory that is freed, and a Tally of its vertex arrays as `extra`."""
+    context.gc_mode = "auto"  # without it dropped objects are never freed
+    context.extra = tally = Tally()
+    make = context.vertex_array
+
+    def counted(*arguments: Any, **settings: Any) -> Any:
+        array = make(*arguments, **settings)
+        array.scope = tally
+        return array
+
+    context.vertex_array = counted
+    return context
+
+
+def _no_opengl(fault: Exception) -> UserError:
+    reason = str(fault).splitlines()[0] if str(fault) else type(fault).__name__
+    return UserError(f"no OpenGL 3.3 ({reason}); on Debian or Ubuntu: {INSTALL}")

@@ -1,0 +1,71 @@
+"""Shader sources: `#include "file"` once each, and line numbers that stay true."""
+
+import re
+from typing import Any
+
+from subsea.core.errors import UserError
+from subsea.core.resources import resource_path
+
+VERSION = "#version 330 core\n"
+_INCLUDE = re.compile(r'^\s*#include\s+"([^"]+)"\s*$')
+
+
+def program(context: Any, name: str, **constants: int) -> Any:
+    """The program of `shaders/NAME.vert` and `shaders/NAME.frag`, with `constants` defined."""
+    return context.program(
+        vertex_shader=source(f"{name}.vert", **constants),
+        fragment_shader=source(f"{name}.frag", **constants),
+    )
+
+
+def wanted(uniforms: dict[str, Any], marked: bool = False) -> tuple[str, ...]:
+    """What a program is to be compiled with for these uniforms, besides what it always has.
+
+    MARKS for who asks what is where, LIT where the submarine's lights are on. So a picture without
+    them costs nothing more: a software renderer would walk every branch for every pixel.
+    """
+    return ("MARKS",) if marked else ("LIT",) if "u_lamps" in uniforms else ()
+
+
+def source(name: str, **constants: int) -> str:
+    """One shader with its includes, ready to compile; `constants` are defined before it."""
+    defined = "".join(f"#define {key} {value}\n" for key, value in constants.items())
+    return VERSION + defined + "\n".join(_lines(name, {})) + "\n"
+
+
+def _lines(name: str, seen: dict[str, int]) -> list[str]:
+    """The lines of a file; each file has a number, which `#line` reports in errors."""
+    number = seen.setdefault(name, len(seen))
+    out = [f"#line 1 {number}"]
+    path = resource_path(f"shaders/{name}")
+    try:
+        text = path.read_text(encoding="utf-8")
+    except OSError as fault:
+        raise UserError(
+            f"{path}: cannot read this part of the program ({fault.strerror})"
+        ) from fault
+    for count, line in enumerate(text.splitlines(), start=1):
+        include = _INCLUDE.match(line)
+        if include is None:
+            out.append(line)
+        elif include[1] not in seen:
+            out += [*_lines(include[1], seen), f"#line {count + 1} {number}"]
+    return out
+
+
+def set_uniforms(target: Any, **values: Any) -> None:
+    """Set those uniforms that the compiler has kept and that have another value.
+
+    Nothing else sets any: the last value is kept as moderngl's `extra`, as are the program's own.
+    """
+    if target.extra is None:
+        target.extra = {name: target[name] for name in target}
+    known = target.extra
+    for name, value in values.items():
+        uniform = known.get(name)
+        if uniform is not None and uniform.extra != value:
+            uniform.extra = value
+            if isinstance(value, bytes):
+                uniform.write(value)
+            else:
+                uniform.value = value

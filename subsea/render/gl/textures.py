@@ -1,0 +1,164 @@
+"""Tileable textures, made at start: noise for the sand, caustics for the light."""
+
+from collections.abc import Callable
+from typing import Any
+
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.render.gl.mipmaps import ALL, Texels, kept_texture
+
+Array = NDArray[np.floating[Any]]
+
+SIZE = 256
+WIND = 0.6  # rad, which way most waves run
+
+
+def tileable_noise(seed: int, size: int = SIZE, roughness: float = 1.6) -> Array:
+    """Smooth noise (size, size) with mean 0 and deviation 1 whose edges meet.
+
+    Random phases over a spectrum that falls with wave number to the power `roughness`.
+    """
+    rng = np.random.default_rng([seed, 0x401])
+    k = np.fft.fftfreq(size) * size
+    wave = np.hypot(k[:, None], k[None, :])
+    wave[0, 0] = 1.0
+    spectrum = wave**-roughness * np.exp(2j * np.pi * rng.uniform(size=(size, size)))
+    spectrum[0, 0] = 0.0
+    noise = np.fft.ifft2(spectrum).real
+    return np.asarray(noise / noise.std())
+
+
+def caustics(
+    seed: int,
+    size: int = SIZE,
+    waves: tuple[float, float] = (4.0, 24.0),
+    reach: float = 0.020,
+    penumbra: float = 0.0035,
+) -> Array:
+    """Brightness (size, size), mean 1, of light that a rippled surface focuses on the ground.
+
+    A grid of vertical rays is bent by the slope of a tileable wave field and gathered where it
+    lands: bright lines are where neighbouring rays meet. The waves run mostly one way; `waves` are
+    how many of the longest and of the shortest fit into the tile, `reach` how far a ray of mean
+    slope is carried and `penumbra` how far the sun's disc blurs it, shares of the tile.
+    """
+    fine = 2 * size
+    n = np.fft.fftfreq(size) * size
+    wave = np.hypot(n[:, None], n[None, :])
+    wave[0, 0] = 1.0
+    rng = np.random.default_rng([seed, 0xCA])
+    along = np.cos(np.arctan2(n[:, None], n[None, :]) - WIND) ** 2
+    slope = np.where(wave < waves[0], (wave / waves[0]) ** 2, waves[0] / wave) * (
+        0.25 + 0.75 * along
+    )
+    band = slope * np.exp(-((wave / waves[1]) ** 2) + 2j * np.pi * rng.uniform(size=wave.shape))
+    slopes = []
+    for share in (n[None, :] / wave, n[:, None] / wave):
+        padded = np.zeros((fine, fine), complex)
+        padded[np.ix_(n.astype(int), n.astype(int))] = 1j * share * band
+        slopes.append(np.fft.ifft2(padded).real)
+    mean = np.sqrt((slopes[0] ** 2 + slopes[1] ** 2).mean())
+    grid = np.arange(fine) * size / fine
+    x = grid[None, :] + reach * size / mean * slopes[0]
+    y = grid[:, None] + reach * size / mean * slopes[1]
+    blur = np.exp(-2.0 * (np.pi * penumbra * wave) ** 2)
+    light = np.maximum(np.fft.ifft2(np.fft.fft2(_gathered(x, y, size)) * blur).real, 0.0)
+    return np.asarray(light / light.mean())
+
+
+def _gathered(x: Array, y: Array, size: int) -> Array:
+    """How many points fall on each texel (size, size); each is shared among the nearest four."""
+    column, row = np.floor(x).astype(np.int64), np.floor(y).astype(np.int64)
+    right, down = x - column, y - row
+    out = np.zeros(size * size)
+    for i, share_y in ((0, 1.0 - down), (1, down)):
+        for j, share_x in ((0, 1.0 - right), (1, right)):
+            texel = (row + i) % size * size + (column + j) % size
+            out += np.bincount(texel.ravel(), (share_y * share_x).ravel(), size * size)
+    return out.reshape(size, size)
+
+
+def ripples(seed: int, size: int = SIZE) -> list[Array]:
+    """Slopes of a wind-blown surface along x and y, each (size, size), tileable, deviation 1.
+
+    Mean square slopes of waves fall slowly with their number (Cox and Munk), so that each scale
+    shows; and again the waves run mostly one way.
+    """
+    rng = np.random.default_rng([seed, 0x51])
+    n = np.fft.fftfreq(size) * size
+    wave = np.hypot(n[:, None], n[None, :])
+    wave[0, 0] = 1.0
+    along = np.cos(np.arctan2(n[:, None], n[None, :]) - WIND) ** 2
+    slope = wave**-1.35 * (1.0 - np.exp(-((wave / 3.0) ** 2))) * (0.3 + 0.7 * along)
+    slope = slope * np.exp(2j * np.pi * rng.uniform(size=wave.shape))
+    both = [
+        np.fft.ifft2(1j * share * slope).real for share in (n[None, :] / wave, n[:, None] / wave)
+    ]
+    mean = np.sqrt((both[0] ** 2 + both[1] ** 2).mean() / 2)
+    return [both[0] / mean, both[1] / mean]
+
+
+def relief(seed: int, size: int = SIZE, cells: int = 24) -> list[Array]:
+    """Stone that corals grew on, four tileable layers (size, size).
+
+    Its height, about 0, with the slopes of that along x and y, per texel times `size`; and how
+    near the middle of a polyp is, 0 to 1.
+    """
+    polyps = np.clip(1.0 - 1.4 * nearest_of_cells(seed, size, cells), 0.0, 1.0)
+    rough = tileable_noise(seed + 1, size, 1.9)
+    cracks = np.minimum(np.abs(tileable_noise(seed + 2, size, 2.2)), 0.45)
+    grown = np.clip(0.9 * tileable_noise(seed + 3, size, 2.2) - 0.1, 0.0, 1.0)  # where polyps are
+    height = 0.45 * rough + 1.1 * cracks + 0.45 * grown * polyps**0.7
+    height -= height.mean()
+    slope_x, slope_y = (
+        size / 2 * (np.roll(height, -1, axis) - np.roll(height, 1, axis)) for axis in (1, 0)
+    )
+    return [height, slope_x, slope_y, polyps]
+
+
+def nearest_of_cells(seed: int, size: int, cells: int) -> Array:
+    """Distance (size, size), in cells, to the nearest of one random point in each cell (Worley)."""
+    rng = np.random.default_rng([seed, 0x33])
+    points = rng.uniform(0.1, 0.9, (cells, cells, 2))
+    at = (np.arange(size) + 0.5) * cells / size
+    cell = at.astype(int)
+    nearest = np.full((size, size), np.inf)
+    for down in (-1, 0, 1):
+        for right in (-1, 0, 1):
+            row, column = cell + down, cell + right
+            point = points[(row % cells)[:, None], (column % cells)[None, :]]
+            y = (row[:, None] + point[..., 1]) - at[:, None]
+            x = (column[None, :] + point[..., 0]) - at[None, :]
+            nearest = np.minimum(nearest, np.hypot(x, y))
+    return nearest
+
+
+def halves(layers: list[Array]) -> Texels:
+    """One to four layers (n, n) as half floats."""
+    return np.stack(layers, axis=-1).astype(np.float16)
+
+
+def in_bytes(layers: list[Array], low: Array, high: Array) -> Texels:
+    """Layers (n, n) as bytes from `low` to `high`."""
+    data = np.clip((np.stack(layers, axis=-1) - low) / (np.asarray(high) - low), 0.0, 1.0)
+    return (255.0 * data + 0.5).astype(np.uint8)
+
+
+def near_and_far(seed: int) -> Texels:
+    """The caustics of short waves, and of what is left of them far below: long ones, blurred."""
+    return halves([caustics(seed), caustics(seed, waves=(4.0, 14.0), reach=0.040, penumbra=0.010)])
+
+
+def noise(seed: int) -> Texels:
+    """Noise as a texture."""
+    return halves([tileable_noise(seed)])
+
+
+def repeating(context: Any, make: Callable[[int], Texels], seed: int) -> Any:
+    """What `make` returns for a seed as a texture that repeats, kept on the disk."""
+    texture = kept_texture(context, ALL, False, make, seed)
+    # Reading two mipmaps for every sample would show little and take a sixth of a picture.
+    texture.filter = moderngl.LINEAR_MIPMAP_NEAREST, moderngl.LINEAR
+    return texture

@@ -1,0 +1,1 @@
+"""Drawing the reef: corals, rocks, seaweed."""

@@ -1,0 +1,123 @@
+"""Seaweed: ribbons along the chains of its leaves, bent in the vertex shader."""
+
+from typing import Any
+
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.frame.packet import LEAF_TEXELS, Packet
+from subsea.render.gl.id_buffer import SEAWEED, Twin
+
+Array = NDArray[np.floating[Any]]
+
+LEAVES_UNIT = 5  # texture unit
+FINE, COARSE = (13, 3), (7, 2)  # samples along a leaf and across it
+
+
+# Numbers of the fronds that are drawn along and on the chain of each kind, near and far.
+FRONDS = {
+    "ribbon": ([0], [0]),
+    "kelp": ([*range(25)], [0, *range(1, 25, 2)]),
+    "grass": ([*range(7)], [0, 2, 4]),
+    "red": ([*range(12)], [0, *range(1, 12, 2)]),
+}
+
+
+class Seaweed:
+    """Holds two ribbons, the texture of the leaves in sight, a row each, and what grows on them."""
+
+    def __init__(self, context: Any) -> None:
+        """Make the ribbons; the leaves come with each packet."""
+        self._context = context
+        self._drawn = Twin(context, "seaweed", SEAWEED)
+        self._held: list[Any] = [self._drawn]
+        self._ribbons = []
+        for size in (FINE, COARSE):
+            places, triangles = ribbon(*size)
+            buffers = [context.buffer(part.tobytes()) for part in (places, triangles)]
+            fronds = context.buffer(reserve=8, dynamic=True)
+            layout = [(buffers[0], "2f4", "a_place"), (fronds, "2f4/i", "a_frond")]
+            array = self._drawn.array(layout, buffers[1])
+            self._ribbons.append((array, len(triangles), fronds))
+            self._held += [*buffers, fronds]
+        self._starts = [[0], [0]]  # of each view's fronds, with the end
+        self._rows = 0
+        self._leaves = self._texture(64)
+
+    def _texture(self, rows: int) -> Any:
+        texture = self._context.texture((LEAF_TEXELS, rows), 4, dtype="f4")
+        texture.filter = moderngl.NEAREST, moderngl.NEAREST
+        self._rows = rows
+        return texture
+
+    def upload(self, packet: Packet) -> None:
+        """Send the leaves in sight, and the fronds on them."""
+        number = len(packet.leaves)
+        if number > self._rows:
+            self._leaves.release()
+            self._leaves = self._texture(2 * number)
+        if number:
+            self._leaves.write(
+                np.ascontiguousarray(packet.leaves, "f4"), viewport=(0, 0, LEAF_TEXELS, number)
+            )
+        ends = (0, packet.fine_leaves), (packet.fine_leaves, number)
+        for level, (first, end) in enumerate(ends):
+            fronds = fronds_of(packet.leaves[first:end], level)
+            fronds[:, 0] += first
+            if packet.leaves_seen is None:
+                fronds = np.tile(fronds, (len(packet.views), 1))
+                lengths = [len(fronds) // len(packet.views)] * len(packet.views)
+            else:
+                seen = packet.leaves_seen[:, fronds[:, 0].astype(int)]
+                lengths = seen.sum(axis=1)
+                fronds = fronds[np.nonzero(seen)[1]]
+            self._starts[level] = np.cumsum([0, *lengths]).tolist()
+            if len(fronds):
+                buffer = self._ribbons[level][2]
+                buffer.orphan(fronds.nbytes)
+                buffer.write(fronds.tobytes())
+
+    def draw(
+        self, packet: Packet, number: int, uniforms: dict[str, Any], marked: bool = False
+    ) -> int:
+        """Draw a view's fronds, the near ones finely, or their marks; the number of triangles."""
+        self._leaves.use(LEAVES_UNIT)
+        total = 0
+        for (array, triangles, fronds), starts in zip(self._ribbons, self._starts, strict=True):
+            first, end = starts[number : number + 2]
+            if end > first:
+                array = self._drawn.ready(array, marked, u_leaves=LEAVES_UNIT, **uniforms)
+                at = array.program["a_frond"].location
+                array.bind(at, "f", fronds, "2f4", 8 * first, 8, 1)
+                array.render(moderngl.TRIANGLES, instances=end - first)
+                total += triangles * (end - first)
+        return total
+
+    def release(self) -> None:
+        """Free every OpenGL object."""
+        for held in (*self._held, self._leaves):
+            held.release()
+
+
+def fronds_of(leaves: Array, level: int) -> Array:
+    """Row and number (m, 2) float32 of the fronds on leaves (k, LEAF_TEXELS, 4)."""
+    kind = leaves[:, 0, 3].astype(int)
+    parts = [np.zeros((0, 2), np.float32)]
+    for number, fronds in enumerate(FRONDS.values()):
+        rows = np.flatnonzero(kind == number)
+        if not len(rows):
+            continue
+        own = fronds[level]
+        parts.append(np.stack([np.repeat(rows, len(own)), np.tile(own, len(rows))], axis=1))
+    return np.concatenate(parts).astype(np.float32)
+
+
+def ribbon(along: int, across: int) -> tuple[Array, NDArray[np.integer[Any]]]:
+    """Places (n, 2) in [0, 1] along a leaf and [-1, 1] across it, and triangles (m, 3)."""
+    t, u = np.meshgrid(np.linspace(0, 1, along), np.linspace(-1, 1, across), indexing="ij")
+    k, j = (a.ravel() for a in np.meshgrid(range(along - 1), range(across - 1), indexing="ij"))
+    a = k * across + j
+    b, c, d = a + 1, a + across, a + across + 1
+    triangles = np.concatenate([np.stack([a, c, b], 1), np.stack([b, c, d], 1)])
+    return np.stack([t.ravel(), u.ravel()], 1).astype("f4"), triangles.astype("i4")

@@ -1,0 +1,1 @@
+"""Drawing the sea: water, seabed, light shafts, particles."""

@@ -1,0 +1,103 @@
+"""The hook on its line: a bent wire with a worm on it."""
+
+from typing import Any
+
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.frame.packet import Packet
+from subsea.render.gl.id_buffer import HOOK, Twin
+
+Array = NDArray[np.floating[Any]]
+Ints = NDArray[np.integer[Any]]
+
+METAL, BAIT, LINE = range(3)
+SIDES = 10
+BEND_CM, SHANK_CM, POINT_CM, WIRE_CM = 1.3, 4.2, 1.6, 0.16
+WORM_CM = 0.42
+LINE_CM = 0.05  # the shader draws it no thinner than a pixel, but fainter
+TOP_CM = 80.0  # the line goes on above the surface
+
+
+class Hook:
+    """Holds the shape; its place comes with each packet."""
+
+    def __init__(self, context: Any) -> None:
+        """Bend the wire."""
+        vertices, triangles = shape()
+        self._count = triangles.size
+        self._drawn = Twin(context, "hook", HOOK)
+        self._vertices = context.buffer(vertices.astype("f4").tobytes())
+        self._triangles = context.buffer(triangles.astype("i4").tobytes())
+        self._array = self._drawn.array(
+            [(self._vertices, "3f4 3f4 1f4 1f4", "a_middle", "a_normal", "a_radius", "a_kind")],
+            self._triangles,
+        )
+
+    def draw(
+        self, packet: Packet, number: int, uniforms: dict[str, Any], marked: bool = False
+    ) -> int:
+        """Draw it, or its mark, where it is in the water; the number of triangles."""
+        if packet.hook is None:
+            return 0
+        place = tuple(float(x) for x in packet.hook)
+        own = {"u_hook": place, "u_top": TOP_CM, "u_bait": packet.bait}
+        self._drawn.ready(self._array, marked, **uniforms, **own).render(moderngl.TRIANGLES)
+        return self._count // 3
+
+    def release(self) -> None:
+        """Free every OpenGL object."""
+        for held in (self._drawn, self._vertices, self._triangles):
+            held.release()
+
+
+def shape() -> tuple[Array, Ints]:
+    """Vertices (n, 8) and triangles (m, 3): middle, normal, radius, kind; cm, origin in the bend.
+
+    The line's upper end is given as height 1: the shader draws it out to the surface.
+    """
+    bend = np.linspace(np.pi, 2 * np.pi, 17)
+    arc = BEND_CM * np.stack([np.cos(bend), 0 * bend, np.sin(bend) + 1], axis=1)
+    eye, point = arc[0] + (0, 0, SHANK_CM), arc[-1] + (0, 0, POINT_CM)
+    barb = point + (-0.45, 0, -0.75)
+    ring = np.linspace(-0.5 * np.pi, 1.5 * np.pi, 13)
+    loop = eye + 0.35 * np.stack([np.cos(ring), 0 * ring, np.sin(ring) + 1], axis=1)
+    wire = np.concatenate([loop[::-1], arc, [point]])
+    thick = np.full(len(wire), WIRE_CM)
+    thick[:13], thick[-1] = 0.7 * WIRE_CM, 0.02
+    worm = arc[1:-1] + np.array([0, 0, -0.03])
+    bulge = WORM_CM * (1 + 0.16 * np.sin(np.arange(len(worm)) * 2.2))
+    bulge[[0, -1]] = 0.03
+    bulge[[1, -2]] *= 0.75
+    line = np.array([loop[6], loop[6] + (0, 0, 1)])
+    parts = [
+        _tube(wire, thick, METAL),
+        _tube(np.array([point, barb]), np.array([0.02, 0.1]), METAL),
+        _tube(worm, bulge, BAIT),
+        _tube(line, np.full(2, LINE_CM), LINE),
+    ]
+    starts = np.cumsum([0] + [len(vertices) for vertices, _ in parts])
+    vertices = np.concatenate([vertices for vertices, _ in parts])
+    triangles = np.concatenate(
+        [triangles + start for (_, triangles), start in zip(parts, starts, strict=False)]
+    )
+    return vertices, triangles
+
+
+def _tube(path: Array, radius: Array, kind: int) -> tuple[Array, Ints]:
+    """A tube about a path (n, 3) in the plane y = 0 with a radius (n,) at each point."""
+    along = np.gradient(path, axis=0)
+    along /= np.linalg.norm(along, axis=1)[:, None]
+    aside = np.stack([along[:, 2], 0 * along[:, 0], -along[:, 0]], axis=1)
+    angle = 2 * np.pi * np.arange(SIDES) / SIDES
+    normal = np.cos(angle)[:, None] * aside[:, None] + np.sin(angle)[:, None] * (0.0, 1.0, 0.0)
+    n = len(path)
+    vertices = np.empty((n, SIDES, 8))
+    vertices[..., :3], vertices[..., 3:6] = path[:, None], normal
+    vertices[..., 6], vertices[..., 7] = radius[:, None], kind
+    row, side = np.divmod(np.arange((n - 1) * SIDES), SIDES)
+    a, b = row * SIDES + side, row * SIDES + (side + 1) % SIDES
+    c, d = a + SIDES, b + SIDES
+    triangles = np.concatenate([np.stack([a, b, c], axis=1), np.stack([b, d, c], axis=1)])
+    return vertices.reshape(-1, 8), triangles

@@ -1,0 +1,102 @@
+"""Sand close up, as tileable textures: ripple marks, and the litter that lies on it."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.render.gl.mipmaps import Texels
+from subsea.render.gl.textures import in_bytes, tileable_noise
+
+Array = NDArray[np.floating[Any]]
+
+SIZE, FINE_SIZE = 384, 256
+RIPPLES = 12  # ripples across a texture, on average
+CELLS = 26  # bits of litter across a texture
+
+# What the bytes of the textures span: deviations, and of litter its tone and how common it is.
+SPAN = np.array([3.0, 3.0, 3.0, 4.0])
+LITTER_LOW, LITTER_HIGH = np.array([-3.5, -3.5, 0.0, 0.0]), np.array([3.5, 3.5, 1.0, 1.0])
+
+
+def ripples(seed: int, size: int = SIZE) -> list[Array]:
+    """Ripple marks, crests along y: slopes along x and y, height, grain; about 0, deviation 1.
+
+    Noise of one band of waves wanders, forks and ends as ripples do; a steep side and a gentle
+    one make it sand that a current has driven along x.
+    """
+    rng = np.random.default_rng([seed, 0x21])
+    k = np.fft.fftfreq(size) * size
+    along, across = k[None, :], k[:, None]
+    # Both signs: one alone would be no wave but a phase.
+    spectrum = np.exp(-(((along - RIPPLES) / 2.0) ** 2) - (across / 3.3) ** 2).astype(complex)
+    spectrum *= np.exp(2j * np.pi * rng.uniform(size=(size, size)))
+    wave = np.fft.ifft2(spectrum)
+    strength, phase = np.abs(wave), np.angle(wave)
+    strength = np.clip(strength / np.median(strength), 0.25, 1.3)
+    skewed = phase + 0.55 * np.cos(phase)
+    height = strength * (np.sin(skewed) + 0.22 * np.sin(2 * skewed - 0.6))
+    height += 0.10 * tileable_noise(seed + 1, size, 1.6)
+    grain = tileable_noise(seed + 2, size, 0.45)
+    return [*_slopes(height), _even(height), grain]
+
+
+def litter(seed: int, size: int = FINE_SIZE) -> list[Array]:
+    """Bits of shell and coral: slopes along x and y, tone 0 to 1, and how common each is, 0 to 1.
+
+    Between the bits nothing is common: 0.
+    """
+    x, y, which = _nearest(seed, size, CELLS)
+    rng = np.random.default_rng([seed, 0x11])
+    tone, common, turn, long, wide = rng.uniform(size=(5, CELLS * CELLS))[:, which]
+    # Chips: turned anyhow, some long, their outline broken.
+    rough = [0.09 * tileable_noise(seed + k, size, 1.5) for k in (1, 2)]
+    c, s = np.cos(2 * np.pi * turn), np.sin(2 * np.pi * turn)
+    u = (c * x + s * y + rough[0]) * (1.0 + 1.4 * long)
+    v = c * y - s * x + rough[1]
+    away = np.maximum(np.hypot(u, v), 0.8 * (np.abs(u) + np.abs(v)))
+    inside = np.clip((0.16 + 0.32 * wide**1.5 - away) / 0.05, 0.0, 1.0)
+    bulge = inside * (1.0 + 1.2 * (tone - 0.5) * (u + v))
+    return [*_slopes(bulge), tone, common * inside]
+
+
+def rippled(seed: int) -> Texels:
+    """Ripple marks as a texture."""
+    return in_bytes(ripples(seed), -SPAN, SPAN)
+
+
+def littered(seed: int) -> Texels:
+    """Litter as a texture."""
+    return in_bytes(litter(seed), LITTER_LOW, LITTER_HIGH)
+
+
+def _slopes(height: Array) -> tuple[Array, Array]:
+    """Slopes along x and y, of deviation 1 together."""
+    x, y = (np.roll(height, -1, axis) - np.roll(height, 1, axis) for axis in (1, 0))
+    size = float(np.sqrt((x**2 + y**2).mean()))
+    return x / size, y / size
+
+
+def _even(values: Array) -> Array:
+    return np.asarray((values - values.mean()) / values.std())
+
+
+def _nearest(seed: int, size: int, cells: int) -> tuple[Array, Array, NDArray[np.integer[Any]]]:
+    """From the nearest of one point in each cell, the way (size, size), in cells; its number."""
+    rng = np.random.default_rng([seed, 0x33])
+    points = rng.uniform(0.1, 0.9, (cells * cells, 2))
+    at = (np.arange(size) + 0.5) * cells / size
+    cell = at.astype(int)
+    nearest, owner = np.full((size, size), np.inf), np.zeros((size, size), np.int64)
+    way_x, way_y = np.zeros((size, size)), np.zeros((size, size))
+    for down in (-1, 0, 1):
+        for right in (-1, 0, 1):
+            row, column = cell + down, cell + right
+            which = (row % cells)[:, None] * cells + (column % cells)[None, :]
+            y = (at - row)[:, None] - points[which, 1]
+            x = (at - column)[None, :] - points[which, 0]
+            away = x * x + y * y
+            closer = away < nearest
+            nearest[closer], owner[closer] = away[closer], which[closer]
+            way_x[closer], way_y[closer] = x[closer], y[closer]
+    return way_x, way_y, owner

@@ -1,0 +1,1 @@
+"""Scenarios: who lives where, read, saved and looked up."""

@@ -1,0 +1,313 @@
+"""Directions: what is to happen in a scenario, and when, from its tables `[[direction]]`.
+
+A direction begins when all that it says of *when* is so. `directing` makes it happen.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Annotated, Any, Literal, NamedTuple
+
+import msgspec
+from msgspec.structs import replace
+
+from subsea.core.errors import UserError, unknown
+from subsea.fish.surface import Share
+
+MAX_DIRECTIONS = 200
+Coordinate = Annotated[float, msgspec.Meta(ge=-1e5, le=1e5)]
+Place = tuple[Coordinate, Coordinate, Coordinate]
+Flow = Annotated[float, msgspec.Meta(ge=-200, le=200)]
+Habit = Literal["brightness", "darkness", "cold", "warmth"]
+Number = Annotated[int, msgspec.Meta(ge=0, lt=100_000)]
+Seconds = Annotated[float, msgspec.Meta(ge=0, le=1e5)]
+Event = Literal[
+    "courting", "spawned", "eaten", "caught", "sated", "fleeing", "hunting", "passes"
+]  # fmt: skip
+
+MOVES = ("path_cm", "hunger", "libido", "fear", "likes", "hunts", "rests")
+"""What moves fishes, those that `who` names."""
+
+INFLUENCES = (*MOVES, "pair", "current_cm_s", "hook", "lights", "camera", "caption", "end")
+
+
+class Whose(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Fishes: those of a shoal, one, or all of a species."""
+
+    shoal: Number | None = None  # its number, from 0
+    fish: Number | None = None  # its number, as shoals count from 0
+    species: str | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse none, and two at once."""
+        given = (self.shoal is not None) + (self.fish is not None) + (self.species is not None)
+        if given != 1:
+            raise ValueError("expected one of `shoal`, `fish` and `species`")
+
+
+class Camera(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """What a directed camera shows: a tour, or a place from where, or what it looks at."""
+
+    tour: str | None = None  # the name of one, begun anew
+    position_cm: Place | None = None  # where it is; none: `distance_cm` from what it looks at
+    look_at_cm: Place | None = None
+    follow: Whose | Literal["cast"] | None = None  # fishes; "cast": whom the event is about
+    distance_cm: Annotated[float, msgspec.Meta(ge=60, le=5000)] = 200.0
+    behind: bool = False  # from behind those that it follows, rather than from where it comes
+    over_s: Seconds = 3.0  # so long the way there takes, or longer if it is far; 0: a cut
+
+    def __post_init__(self) -> None:
+        """Refuse to show two things at once, or nothing."""
+        if self.look_at_cm is not None and self.follow is not None:
+            raise ValueError("only one of `look_at_cm` and `follow` can be looked at")
+        looks = self.look_at_cm is not None or self.follow is not None
+        if self.tour is not None and (looks or self.position_cm is not None):
+            raise ValueError("a `tour` says itself where it is and what it looks at")
+        if self.tour is None and not looks:
+            raise ValueError("expected `tour`, `look_at_cm` or `follow`")
+        if self.look_at_cm is not None and self.position_cm is None:
+            raise ValueError("`look_at_cm` needs a `position_cm`")
+        if self.behind and (self.follow is None or self.position_cm is not None):
+            raise ValueError("`behind` is for `follow` without a `position_cm`")
+
+
+class Direction(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """One thing that is to happen: when, and what."""
+
+    # By which others follow it, and records tell it.
+    name: Annotated[str, msgspec.Meta(max_length=60)] = ""
+
+    # When: as soon as all of this is so; of nothing at once.
+    at_s: Seconds | None = None  # not before
+    after: str | None = None  # not before the direction of this name has begun ...
+    delay_s: Seconds = 0.0  # ... and so many s have passed
+    event: Event | None = None
+    of: Whose | None = None  # whose event; none: anybody's, and of "passes" the submarine's
+    gate_cm: Place | None = None  # what is passed, ...
+    radius_cm: Annotated[float, msgspec.Meta(gt=0, le=1e5)] = 100.0  # ... at most so far away
+    fewer_than: Annotated[int, msgspec.Meta(ge=1, le=100_000)] | None = None  # of them are alive
+    once: bool = True  # else each time that it becomes so
+    every_s: Annotated[float, msgspec.Meta(ge=0.1, le=1e5)] | None = None  # again while it is so
+
+    # What, of whom, and for how long.
+    who: Whose | None = None  # whom it moves
+    path_cm: Annotated[list[Place], msgspec.Meta(min_length=1, max_length=200)] | None = None
+    loop: bool = False  # the path is gone round and round
+    speed_cm_s: Annotated[float, msgspec.Meta(gt=0, le=1000)] | None = None  # none: cruising
+    hunger: Share | None = None
+    libido: Share | None = None
+    fear: Share | None = None
+    over_s: Seconds = 0.0  # so long a change takes
+    for_s: Seconds | None = None  # and so long it is held
+    likes: list[Habit] | None = None  # Tu §7.3
+    hunts: Whose | Literal["any"] | None = None  # predators: whom they may hunt; they start
+    rests: bool = False  # predators: they hunt nobody
+    pair: tuple[Number, Number] | Literal["nearest"] | None = None  # two are to court ...
+    place_cm: Place | None = None  # ... there
+    current_cm_s: tuple[Flow, Flow] | None = None
+    hook: Literal["down", "up"] | None = None
+    lights: bool | None = None  # of the submarine
+    camera: Camera | None = None
+    caption: Annotated[str, msgspec.Meta(min_length=1, max_length=300)] | None = None
+    end: bool = False  # of the film that is directed
+
+    @property
+    def influences(self) -> tuple[str, ...]:
+        """The names of what it does."""
+        values = {name: getattr(self, name) for name in INFLUENCES}
+        values |= {"rests": self.rests or None, "end": self.end or None}
+        return tuple(name for name, value in values.items() if value is not None)
+
+
+class Shoals(NamedTuple):
+    """What directions may refer to: of each shoal the species, and the kind of each fish."""
+
+    species: Sequence[str]
+    numbers: Sequence[int]
+    kind: Sequence[str]  # of each fish
+
+
+def check_directions(
+    source: str,
+    directions: Sequence[Direction],
+    shoals: Shoals,
+    tours: Sequence[str],
+    hook: bool,
+    inside: Callable[[str, Place], None],
+) -> None:
+    """A UserError of one line for a direction that cannot be followed.
+
+    `tours` are the names of those that the scenario has, `hook` whether it has one; `inside` has
+    a UserError for a place outside the sea, of which it is told the key.
+    """
+    names: dict[str, int] = {}
+    for k, one in enumerate(directions):
+        if one.name and names.setdefault(one.name, k) != k:
+            raise UserError(
+                f"{source}: `direction[{k}].name`: the name {one.name!r} is taken, expected another"
+            )
+    for k, one in enumerate(directions):
+        here = f"direction[{k}]"
+        for key, fault in _faults(one, shoals, tours, hook):
+            raise UserError(f"{source}: `{here}{key and f'.{key}'}`: {fault}")
+        if one.after is not None and one.after not in names:
+            raise UserError(
+                f"{source}: `{here}.after`: {unknown('direction', one.after, list(names))}"
+            )
+        for key in ("gate_cm", "place_cm"):
+            if (place := getattr(one, key)) is not None:
+                inside(f"{here}.{key}", place)
+        for i, place in enumerate(one.path_cm or []):
+            inside(f"{here}.path_cm[{i}]", place)
+        for key in ("position_cm", "look_at_cm"):
+            if one.camera is not None and (place := getattr(one.camera, key)) is not None:
+                inside(f"{here}.camera.{key}", place)
+    for k in range(len(directions)):
+        chain = [k]
+        while (after := directions[chain[-1]].after) is not None:
+            if (before := names[after]) in chain:
+                raise UserError(
+                    f"{source}: `direction[{k}].after`: it waits for itself, "
+                    f"by way of {after!r}, expected a direction that can begin before it"
+                )
+            chain.append(before)
+
+
+def _faults(
+    one: Direction, shoals: Shoals, tours: Sequence[str], hook: bool
+) -> list[tuple[str, str]]:
+    """Key and fault of what cannot be in a direction, whatever the others are."""
+    faults: list[tuple[str, str]] = []
+    wholes = [("of", one.of), ("who", one.who)]
+    wholes += [("hunts", one.hunts)] if isinstance(one.hunts, Whose) else []
+    if one.camera is not None and isinstance(one.camera.follow, Whose):
+        wholes.append(("camera.follow", one.camera.follow))
+    for key, whose in wholes:
+        if whose is not None:
+            faults += [(f"{key}.{which}", fault) for which, fault in _strangers(whose, shoals)]
+    if faults:
+        return faults
+    if not one.influences and not one.name:
+        expected = f"expected one of {', '.join(INFLUENCES)}, or a name that others follow"
+        faults.append(("", f"nothing happens: {expected}"))
+    moved = [name for name in MOVES if name in one.influences]
+    if moved and one.who is None:
+        faults.append(("who", f"missing: whom `{moved[0]}` is about"))
+    if one.who is not None and not moved and one.pair != "nearest":
+        faults.append(("who", f"nothing moves them: expected one of {', '.join(MOVES)}"))
+    if one.pair == "nearest" and one.who is None:
+        faults.append(("who", "missing: among whom the nearest two are to be found"))
+    if isinstance(one.pair, tuple) and max(one.pair) >= len(shoals.kind):
+        faults.append(("pair", _no_fish(max(one.pair), shoals)))
+    elif isinstance(one.pair, tuple) and one.pair[0] == one.pair[1]:
+        faults.append(("pair", "a fish cannot court itself, expected two"))
+    if isinstance(one.pair, tuple):
+        faults += [
+            ("pair", f"fish {i} is a {shoals.kind[i]}, expected two pacifists: only they court")
+            for i in one.pair
+            if i < len(shoals.kind) and shoals.kind[i] != "pacifist"
+        ]
+    if (one.event == "passes") != (one.gate_cm is not None):
+        faults.append(("gate_cm", 'goes with `event = "passes"`, and that with it'))
+    if one.of is not None and one.event is None and one.fewer_than is None:
+        faults.append(("of", "expected an `event` or `fewer_than` that is theirs"))
+    if one.delay_s and one.after is None:
+        faults.append(
+            ("delay_s", "expected the direction `after` which it waits, or a later `at_s`")
+        )
+    for key in ("speed_cm_s", "loop"):
+        if getattr(one, key) and one.path_cm is None:
+            faults.append((key, "expected a `path_cm`"))
+    if one.place_cm is not None and one.pair is None:
+        faults.append(("place_cm", "expected a `pair`"))
+    if one.pair is not None and one.path_cm is not None:
+        faults.append(("pair", "who courts goes no path, expected `place_cm`"))
+    if one.hunts is not None and one.rests:
+        faults.append(("rests", "who `hunts` does not rest, expected one of them"))
+    if one.hook is not None and not hook:
+        faults.append(("hook", "expected a table [hook] that says where it hangs"))
+    if one.camera is not None and one.camera.tour is not None and one.camera.tour not in tours:
+        faults.append(("camera.tour", str(unknown("tour", one.camera.tour, list(tours)))))
+    about = one.event is not None or one.after is not None or one.pair is not None
+    if one.camera is not None and one.camera.follow == "cast" and not about:
+        faults.append(("camera.follow", 'of "cast": expected an `event`, `pair` or `after`'))
+    for name, kind in (("hunts", "predator"), ("rests", "predator"), ("fear", "prey"),
+                       ("libido", "pacifist"), ("pair", "pacifist")):  # fmt: skip
+        if name == "pair" and one.pair != "nearest":
+            continue  # those two are not among `who`
+        if one.who is not None and name in one.influences:
+            kinds = {shoals.kind[i] for i in numbers_of(one.who, shoals)}
+            if kinds and kind not in kinds:
+                faults.append((name, f"there is no {kind} among them, expected one"))
+    return faults
+
+
+def numbers_of(whose: Whose, shoals: Shoals) -> range | list[int]:
+    """The numbers of the fishes that are meant, as far as there are such."""
+    if whose.fish is not None:
+        return range(whose.fish, min(whose.fish + 1, sum(shoals.numbers)))
+    if whose.shoal is not None:
+        if whose.shoal >= len(shoals.numbers):
+            return range(0)
+        first = sum(shoals.numbers[: whose.shoal])
+        return range(first, first + shoals.numbers[whose.shoal])
+    found: list[int] = []
+    first = 0
+    for species, number in zip(shoals.species, shoals.numbers, strict=True):
+        if species == whose.species:
+            found += range(first, first + number)
+        first += number
+    return found
+
+
+def renumbered(
+    directions: Sequence[Direction], fish: Callable[[int], int], shoal: Callable[[int], int]
+) -> list[Direction]:
+    """The directions once fishes and shoals have the numbers that these give for theirs.
+
+    Who is gone has -1: directions about it are left out, and those that come after them.
+    """
+
+    def now(whose: Any) -> Any:
+        if isinstance(whose, Whose) and whose.fish is not None:
+            return replace(whose, fish=fish(whose.fish))
+        if isinstance(whose, Whose) and whose.shoal is not None:
+            return replace(whose, shoal=shoal(whose.shoal))
+        return whose
+
+    def is_gone(whose: Any) -> bool:
+        return isinstance(whose, Whose) and -1 in (whose.fish, whose.shoal)
+
+    left: list[Direction] = []
+    gone: set[str] = set()
+    for one in directions:
+        if one.camera is not None:
+            one = replace(one, camera=replace(one.camera, follow=now(one.camera.follow)))
+        if isinstance(one.pair, tuple):
+            one = replace(one, pair=(fish(one.pair[0]), fish(one.pair[1])))
+        one = replace(one, of=now(one.of), who=now(one.who), hunts=now(one.hunts))
+        follow = one.camera.follow if one.camera is not None else None
+        lost = any(map(is_gone, (one.of, one.who, one.hunts, follow)))
+        if lost or (isinstance(one.pair, tuple) and -1 in one.pair):
+            gone.add(one.name)
+        else:
+            left.append(one)
+    while orphans := [one for one in left if one.after is not None and one.after in gone]:
+        gone |= {one.name for one in orphans}
+        left = [one for one in left if one not in orphans]
+    return left
+
+
+def _strangers(whose: Whose, shoals: Shoals) -> list[tuple[str, str]]:
+    """Key and fault of fishes that there are not."""
+    if whose.shoal is not None and whose.shoal >= len(shoals.species):
+        last = len(shoals.species) - 1
+        return [("shoal", f"{whose.shoal}: there is no such shoal, expected 0 to {last}")]
+    if whose.fish is not None and whose.fish >= len(shoals.kind):
+        return [("fish", _no_fish(whose.fish, shoals))]
+    if whose.species is not None and whose.species not in shoals.species:
+        return [("species", str(unknown("fish", whose.species, sorted(set(shoals.species)))))]
+    return []
+
+
+def _no_fish(fish: int, shoals: Shoals) -> str:
+    last = len(shoals.kind) - 1
+    return f"{fish}: there is no such fish, expected " + (f"0 to {last}" if last >= 0 else "none")

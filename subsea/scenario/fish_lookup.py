@@ -1,0 +1,30 @@
+"""Which fish is called so."""
+
+import numpy as np
+
+from subsea.core.errors import UserError, unknown
+from subsea.scenario.schema import Scenario
+
+
+def find_fish(name: str, scenario: Scenario) -> int:
+    """The number that a scenario's world gives the fish called so; another one is a UserError.
+
+    A fish is called by its number, its species, or SPECIES:NUMBER. Those of a species are counted
+    from 0, in the order of their numbers.
+    """
+    kinds = np.repeat(
+        [shoal.species for shoal in scenario.fish], [shoal.number for shoal in scenario.fish]
+    )
+    found, of, count = np.arange(len(kinds)), "", name
+    if not name.isdecimal():
+        species, colon, count = name.partition(":")
+        if species not in (known := scenario.species):
+            raise unknown("fish", species, known)
+        if colon and not count.isdecimal():
+            raise UserError(f"fish {name!r}: expected a number, a species or SPECIES:NUMBER")
+        found, of = np.flatnonzero(kinds == species), f" of {species}"
+    number = int(count or 0)
+    if number >= len(found):
+        last = f"0 to {len(found) - 1}" if len(found) else "none, there is no such fish"
+        raise UserError(f"no fish {number}{of}: expected {last}")
+    return int(found[number])

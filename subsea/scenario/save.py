@@ -1,0 +1,271 @@
+"""Scenarios written as files that people read, and that differ from old ones by what changed.
+
+A file is taken apart at headers such as ``[[rock]]``. What did not change keeps its bytes, comments
+and all; in a table that did, tomlkit replaces single values; tables come and go whole.
+"""
+
+import re
+import tomllib
+from contextlib import suppress
+from difflib import SequenceMatcher
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import msgspec
+import tomlkit
+from tomlkit.items import InlineTable
+
+from subsea.core.atomic_io import replacing
+from subsea.core.errors import UserError
+from subsea.core.resources import load_toml
+from subsea.scenario.schema import Scenario, check_scenario
+
+Content = dict[str, Any]  # of a table: what differs from the defaults, as TOML has it
+
+KEYS = [field.encode_name for field in msgspec.structs.fields(Scenario)]
+WIDE = 100  # characters: a longer list of tables has a line for each
+_HEADER = re.compile(r"\s*(\[\[?)\s*([A-Za-z0-9_-]+)(\s*\.[^\]]*)?\]\]?\s*(#.*)?")
+_MISSING = object()
+
+
+def save_scenario(scenario: Scenario, path: Path, like: Path | None = None) -> None:
+    """Write a scenario so that `load_scenario` gives it back.
+
+    `like` is the file that it came from: comments, order and what did not change stay as they are
+    there. The file appears whole or not at all; a scenario that could not be loaded, and a place
+    where no file can be written, are UserErrors.
+    """
+    text = scenario_text(scenario, like)
+    with replacing(path) as temporary:
+        temporary.write_bytes(text.encode("utf-8"))
+
+
+def scenario_text(scenario: Scenario, like: Path | None = None) -> str:
+    """What `save_scenario` writes."""
+    check_scenario(scenario, "the scenario")
+    if like is not None:
+        # Where the old file is gone, or is written in a way that cannot be edited: a new one.
+        with suppress(UserError, OSError, ValueError, tomlkit.exceptions.TOMLKitError):
+            old = load_toml(like, Scenario)
+            text = _edited(like.read_bytes().decode("utf-8"), _short(old), _short(scenario))
+            if _read(text) == scenario:
+                return text
+    text = _fresh(_short(scenario))
+    try:
+        _read(text)
+    except msgspec.ValidationError as fault:
+        raise UserError(f"the scenario cannot be saved: {fault}") from fault
+    return text
+
+
+def _read(text: str) -> Scenario:
+    return msgspec.convert(tomllib.loads(text), Scenario)
+
+
+def _short(struct: msgspec.Struct) -> Content:
+    """The content of a struct without what is as it is by default."""
+    content: Content = {}
+    for field in msgspec.structs.fields(struct):
+        value = getattr(struct, field.name)
+        default = field.default
+        if default is msgspec.NODEFAULT and field.default_factory is not msgspec.NODEFAULT:
+            default = field.default_factory()
+        if field.required or value != default:
+            content[field.encode_name] = _plain(value)
+    return content
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, msgspec.Struct):
+        return _short(value)
+    return [_plain(one) for one in value] if isinstance(value, list | tuple) else value
+
+
+def _tables(value: Any) -> list[Content]:
+    """The tables that a key of the scenario stands for: of a list all, else the one."""
+    return value if isinstance(value, list) else [value]
+
+
+def _is_table(value: Any) -> bool:
+    return isinstance(value, dict) or (isinstance(value, list) and isinstance(value[0], dict))
+
+
+def _fresh(content: Content) -> str:
+    """A file without comments, its tables in the order of `Scenario`."""
+    head = {key: value for key, value in content.items() if not _is_table(value)}
+    parts = [_lines(head)]
+    for key, value in content.items():
+        if key not in head:
+            parts += [_block(key, value, table) for table in _tables(value)]
+    return "\n".join(parts)
+
+
+def _block(key: str, value: Any, table: Content) -> str:
+    """A table of the scenario with its header."""
+    header = f"[[{key}]]" if isinstance(value, list) else f"[{key}]"
+    return f"{header}\n{_lines(table)}"
+
+
+def _lines(content: Content) -> str:
+    return "".join(f"{key} = {_text(value)}\n" for key, value in content.items())
+
+
+def _text(value: Any) -> str:
+    """A value in TOML."""
+    if isinstance(value, list):
+        parts = [_text(one) for one in value]
+        line = f"[{', '.join(parts)}]"
+        if len(line) > WIDE and isinstance(value[0], dict):
+            return "[\n" + "".join(f"    {part},\n" for part in parts) + "]"
+        return line
+    if isinstance(value, dict):
+        return f"{{ {', '.join(f'{key} = {_text(one)}' for key, one in value.items())} }}"
+    text: str = tomlkit.item(value).as_string()
+    return text
+
+
+class _Piece(NamedTuple):
+    """Some lines of a file: a header, what is under it, and comments just above it."""
+
+    key: str  # of the scenario, "" for what comes before the first header
+    begins: bool  # whether its header is that of a table of the scenario, not of one within
+    text: str
+
+
+def _edited(text: str, old: Content, new: Content) -> str:
+    """The text of the scenario `old` changed to that of `new`."""
+    ends = "\r\n" if text.count("\r\n") == text.count("\n") > 0 else "\n"
+    head, pieces = _taken_apart(text.replace(ends, "\n"))
+    in_head = tomllib.loads(head)
+    for key in KEYS:
+        was, now = old.get(key, _MISSING), new.get(key, _MISSING)
+        if was == now:
+            continue
+        present = was if now is _MISSING else now
+        if key in in_head or not _is_table(present):
+            changes = ({} if one is _MISSING else {key: one} for one in (was, now))
+            head = _changed(head, (), *changes)
+        else:
+            tables = [[] if one is _MISSING else _tables(one) for one in (was, now)]
+            _exchange(pieces, key, tables[0], tables[1], isinstance(present, list))
+    return (head + "".join(piece.text for piece in pieces)).replace("\n", ends)
+
+
+def _taken_apart(text: str) -> tuple[str, list[_Piece]]:
+    """What comes before the first header, and one piece for each table of the scenario."""
+    lines = text.splitlines(keepends=True)
+    cuts = []
+    for k, line in enumerate(lines):
+        if header := _HEADER.fullmatch(line.rstrip("\n")):
+            begin = k
+            while begin > 0 and lines[begin - 1].lstrip().startswith("#"):
+                begin -= 1
+            cuts.append((begin, header[2], header[3] is None))
+    starts = [begin for begin, _, _ in cuts]
+    pieces: list[_Piece] = []
+    for (begin, key, begins), end in zip(cuts, [*starts[1:], len(lines)], strict=True):
+        piece = _Piece(key, begins, "".join(lines[begin:end]))
+        if not begins and pieces and pieces[-1].key == key:
+            pieces[-1] = pieces[-1]._replace(text=pieces[-1].text + piece.text)
+        else:
+            pieces.append(piece)
+    return "".join(lines[: starts[0] if starts else len(lines)]), pieces
+
+
+def _exchange(
+    pieces: list[_Piece], key: str, was: list[Content], now: list[Content], listed: bool
+) -> None:
+    """Change, take out and put in tables of a key, so that what is as it was stays in its place."""
+    old, new = ([repr(sorted(table.items())) for table in tables] for tables in (was, now))
+    places = [k for k, piece in enumerate(pieces) if piece.key == key and piece.begins]
+    if len(places) != len(was):  # written in a way that is not known here
+        places = []
+    # From the last to the first, so that places stay true.
+    for what, i, j, m, n in reversed(SequenceMatcher(None, old, new, autojunk=False).get_opcodes()):
+        if what == "equal":
+            continue
+        both = min(j - i, n - m)
+        for table in reversed(now[m + both : n]):
+            before = places[i + both - 1] + 1 if i + both else _room(pieces, places, key)
+            _put_in(pieces, before, _Piece(key, True, _block(key, [] if listed else {}, table)))
+        for place in reversed(places[i + both : j]):
+            _take_out(pieces, place)
+        for k in reversed(range(both)):
+            place = places[i + k]
+            path = (key, 0) if listed else (key,)
+            text = _changed(pieces[place].text, path, was[i + k], now[m + k])
+            pieces[place] = pieces[place]._replace(text=text)
+
+
+def _room(pieces: list[_Piece], places: list[int], key: str) -> int:
+    """Where the first table of a key goes: before the others, or behind the keys before it."""
+    if places:
+        return places[0]
+    order = {name: k for k, name in enumerate(KEYS)}
+    earlier = [k for k, piece in enumerate(pieces) if order.get(piece.key, 0) < order[key]]
+    return earlier[-1] + 1 if earlier else 0
+
+
+def _put_in(pieces: list[_Piece], place: int, piece: _Piece) -> None:
+    """Put in a piece with a blank line before it and one behind it."""
+    if place > 0:
+        above = pieces[place - 1]
+        text = above.text if above.text.endswith("\n") else f"{above.text}\n"
+        pieces[place - 1] = above._replace(text=text)
+        blank = text.endswith("\n\n")
+    else:
+        blank = True
+    text = f"{piece.text}\n" if blank else f"\n{piece.text}"
+    pieces.insert(place, piece._replace(text=text))
+
+
+def _take_out(pieces: list[_Piece], place: int) -> None:
+    """Take out a piece; of the last one the blank line above it too."""
+    last = place == len(pieces) - 1
+    del pieces[place]
+    if last and pieces:
+        pieces[-1] = pieces[-1]._replace(text=pieces[-1].text.rstrip("\n") + "\n")
+
+
+def _changed(text: str, path: tuple[str | int, ...], was: Content, now: Content) -> str:
+    """Text of TOML in which the table at `path` is changed."""
+    # What follows the last value is left aside: new values go before it.
+    lines = text.splitlines(keepends=True)
+    end = len(lines)
+    while end > 0 and (not lines[end - 1].strip() or lines[end - 1].lstrip().startswith("#")):
+        end -= 1
+    if end and not lines[end - 1].endswith("\n"):
+        lines[end - 1] += "\n"
+    document: Any = tomlkit.parse("".join(lines[:end]))
+    table = document
+    for step in path:
+        table = table[step]
+    _change(table, was, now)
+    return tomlkit.dumps(document) + "".join(lines[end:])
+
+
+def _change(table: Any, was: Content, now: Content) -> None:
+    """Set the values of a tomlkit table that differ."""
+    for key in {**was, **now}:
+        old, new = was.get(key, _MISSING), now.get(key, _MISSING)
+        if old == new:
+            continue
+        if new is _MISSING:
+            table.pop(key, None)
+        else:
+            _set(table, key, old, new)
+
+
+def _set(container: Any, key: Any, old: Any, new: Any) -> None:
+    """Set one value of a tomlkit table or array, and of lists and tables what differs."""
+    there = isinstance(key, int) or key in container
+    lists = there and isinstance(old, list) and isinstance(new, list) and len(old) == len(new)
+    tables = there and isinstance(old, dict) and isinstance(new, dict)
+    if lists:
+        for k, (one, other) in enumerate(zip(old, new, strict=True)):
+            if one != other:
+                _set(container[key], k, one, other)
+    elif tables and (old.keys() == new.keys() or not isinstance(container[key], InlineTable)):
+        _change(container[key], old, new)
+    else:
+        container[key] = tomlkit.parse(f"value = {_text(new)}\n")["value"]

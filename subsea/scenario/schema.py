@@ -1,0 +1,474 @@
+"""Scenarios: who lives where, from `assets/scenarios/NAME.toml`."""
+
+import math
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Annotated, Literal
+
+import msgspec
+
+from subsea.core.errors import UserError, unknown
+from subsea.core.resources import (
+    is_path,
+    load_toml,
+    own_path,
+    resource_names,
+    resource_path,
+    stems,
+    telling_lines,
+)
+from subsea.fish.species import BodyLength, load_species, species_names
+from subsea.scenario.directions import (
+    MAX_DIRECTIONS,
+    Coordinate,
+    Direction,
+    Flow,
+    Habit,
+    Shoals,
+    check_directions,
+)
+
+SHIPPED = "assets/scenarios"  # the folder of those that come with the program
+MAX_FISHES = 100_000
+# Two rows each in a texture, whose height OpenGL drivers limit to 16384 or less.
+MAX_SIMULATED = 4000
+MAX_SOLIDS = 200  # pillars, and as many rocks
+MAX_CLUSTERS, MAX_LEAVES = 500, 40  # of seaweed in a group, of leaves in a cluster
+MAX_VENTS = 50
+MAX_GROWTHS = 2000  # in all reefs
+MAX_SEAWEED = 8000  # leaves in all: their nodes must fit into a texture
+AUTOPILOT, DIRECTED = "auto", "directed"  # no tour of a scenario may have these names
+MAX_WAYPOINTS = 200  # of a tour
+Positive = Annotated[float, msgspec.Meta(gt=0, le=1e5)]
+MAX_SEED = 2**32 - 1
+Seed = Annotated[int, msgspec.Meta(ge=0, le=MAX_SEED)]
+Rate = Annotated[float, msgspec.Meta(ge=0, le=1)]
+Size = Annotated[float, msgspec.Meta(gt=0, le=1000)]
+Celsius = Annotated[float, msgspec.Meta(ge=-2, le=40)]
+Share = Annotated[float, msgspec.Meta(ge=0, le=1)]
+Colour = tuple[Share, Share, Share]
+Factor = Annotated[float, msgspec.Meta(ge=0, le=100)]
+Dread = Annotated[float, msgspec.Meta(ge=0, le=5000)]
+Kind = Literal["pacifist", "prey", "predator"]
+Weight = Annotated[float, msgspec.Meta(ge=0, le=1000)]
+GrowthKind = Literal[
+    "staghorn", "bush", "table", "brain", "lettuce", "finger", "leather", "soft", "fan", "pipes",
+    "barrel", "anemone", "rubble",
+]  # fmt: skip
+
+
+class Bounds(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """The sea is a cylinder: from the seabed at about -depth_cm up to the surface at z = 0."""
+
+    radius_cm: Annotated[float, msgspec.Meta(ge=300, le=20000)]
+    depth_cm: Annotated[float, msgspec.Meta(ge=200, le=5000)]
+
+
+class Water(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """How the water looks and moves."""
+
+    fog: Colour  # linear RGB of the far water, seen level
+    visibility_cm: Annotated[
+        float, msgspec.Meta(ge=50, le=1e5)
+    ]  # distance at which contrast has fallen to 2%
+    current_cm_s: tuple[Flow, Flow] = (0.0, 0.0)  # uniform flow along x and y
+    plankton: Annotated[int, msgspec.Meta(ge=0, le=100000)] = 0
+    temperature_c: tuple[Celsius, Celsius] = (27.0, 21.0)  # at the surface and at `depth_cm`
+    light_depth_cm: Positive = 700.0  # where the light has fallen to 1/e
+
+
+class Terrain(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """The height field of the seabed."""
+
+    dune_height_cm: Annotated[float, msgspec.Meta(ge=0, le=400)]
+    dune_length_cm: Annotated[float, msgspec.Meta(ge=50, le=1e5)]
+    seed: Seed = 0
+
+
+class Shoal(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Fishes of one species that start together."""
+
+    species: str
+    number: Annotated[int, msgspec.Meta(ge=0, le=MAX_FISHES)]
+    size_cm: tuple[BodyLength, BodyLength] | None = None  # smallest and largest; none: the species'
+    position_cm: tuple[Coordinate, Coordinate, Coordinate] | None = (
+        None  # centre; none: spread over the sea
+    )
+    spread_cm: Positive = 150.0
+    heading_deg: Coordinate | None = None  # none: the dice decide
+    toward_cm: tuple[Coordinate, Coordinate, Coordinate] | None = None  # where they are bound first
+    leader_cm: BodyLength | None = None  # of the first fish, which leads; none: as the others
+    kind: Kind | None = None  # none: as the species is
+    male_share: Share = 0.5
+    likes: list[Habit] = []  # Tu §7.3
+    schooling: bool | None = None  # none: as the species does
+    hunger: Share | None = None  # at the start, the urge within; none: the dice decide
+    libido: Share | None = None
+    digestion: Rate | None = None  # p0 of Tu §7.4, 1/s
+    libido_rate: Rate | None = None  # p1, 1/s
+    dread_cm: Dread | None = None  # D0
+
+
+class Pillar(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A round pillar that stands on the seabed."""
+
+    position_cm: tuple[Coordinate, Coordinate]
+    radius_cm: Annotated[float, msgspec.Meta(gt=0, le=1000)]
+    height_cm: Annotated[float, msgspec.Meta(gt=0, le=5000)]  # above the seabed at its middle
+
+
+class Rock(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A boulder: an ellipsoid of whose height `sunk` is below the seabed."""
+
+    position_cm: tuple[Coordinate, Coordinate]
+    size_cm: tuple[Size, Size, Size]  # half axes
+    yaw_deg: Coordinate = 0.0
+    sunk: Share = 0.3
+    height_cm: Coordinate | None = None  # of its middle above the seabed, instead of `sunk`
+
+
+class Outcrop(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A knoll of rocks that overlap: so many, the same for the same seed."""
+
+    position_cm: tuple[Coordinate, Coordinate]
+    size_cm: tuple[Size, Size, Size]  # half length, half width, height above the seabed
+    rocks: Annotated[int, msgspec.Meta(ge=1, le=MAX_SOLIDS)] = 6
+    yaw_deg: Coordinate = 0.0
+    seed: Seed = 0
+
+
+class Arch(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Rocks on rocks: two legs and a bow, under which the submarine and schools swim through."""
+
+    position_cm: tuple[Coordinate, Coordinate]  # of the middle between the legs
+    # The opening: wide enough for the hull, with the room that it keeps on both sides.
+    span_cm: Annotated[float, msgspec.Meta(ge=220, le=3000)]
+    height_cm: Annotated[float, msgspec.Meta(ge=160, le=3000)]
+    thickness_cm: Annotated[float, msgspec.Meta(ge=30, le=600)] = 90.0
+    yaw_deg: Coordinate = 0.0  # of the line from leg to leg; 90 opens it along x
+    seed: Seed = 0
+
+
+class Hook(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A baited hook that descends on a line (Tu §10.1)."""
+
+    position_cm: tuple[Coordinate, Coordinate]
+    depth_cm: Annotated[float, msgspec.Meta(gt=0, le=5000)]  # how deep it hangs
+    speed_cm_s: Annotated[float, msgspec.Meta(gt=0, le=200)] = 30.0  # down, and up with the catch
+    start_s: Annotated[float, msgspec.Meta(ge=0, le=1e6)] = 0.0
+
+    @property
+    def bait_cm(self) -> tuple[float, float, float]:
+        """Where the bait hangs in the end."""
+        return (*self.position_cm, -self.depth_cm)
+
+
+class Seaweed(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Clusters of leaves that are rooted in the seabed, or on a solid that stands there."""
+
+    # Broad leaves, tall stipes with blades, short tufts, branched red algae: each along a chain.
+    kind: Literal["ribbon", "kelp", "grass", "red"] = "ribbon"
+    position_cm: tuple[Coordinate, Coordinate] | None = None  # none: scattered over the sea
+    spread_cm: Positive = 120.0  # how far the clusters stand from it
+    clusters: Annotated[int, msgspec.Meta(ge=0, le=MAX_CLUSTERS)] = 1
+    leaves: Annotated[int, msgspec.Meta(ge=1, le=MAX_LEAVES)] = 6  # of each cluster
+    height_cm: Annotated[float, msgspec.Meta(ge=5, le=1000)] = 90.0
+    width_cm: Annotated[float, msgspec.Meta(gt=0, le=100)] | None = None  # none: by kind and height
+    colour: Colour | None = None  # linear RGB; none: as the kind is
+
+
+class Vent(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Where air bubbles leave the seabed (Tu §8.2)."""
+
+    position_cm: tuple[Coordinate, Coordinate]
+    rate_per_s: Annotated[float, msgspec.Meta(gt=0, le=100)] = 12.0
+    size_cm: Annotated[float, msgspec.Meta(ge=0.05, le=10)] = 1.2  # across, the largest
+
+
+class ReefTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Corals, sponges and anemones on the sand and on what stands there."""
+
+    position_cm: tuple[Coordinate, Coordinate] | None = None  # none: all over the sea
+    spread_cm: Positive = 200.0  # how far they grow from it
+    number: Annotated[int, msgspec.Meta(ge=0, le=MAX_GROWTHS)] = 100  # at most: as many as fit
+    kinds: dict[GrowthKind, Weight] = {}  # weights; none: all kinds, as they suit the ground
+    size: Annotated[float, msgspec.Meta(ge=0.3, le=3)] = 1.0  # factor on the usual sizes
+    rock: Share = 0.65  # share of the places that are on rocks and pillars, where there are any
+    seed: Seed = 0
+
+    def __post_init__(self) -> None:
+        """Refuse a table of which nothing may grow."""
+        if self.kinds and not any(self.kinds.values()):
+            raise ValueError("`kinds` must give a weight above 0 to one of them")
+
+
+class Start(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Where the submarine begins."""
+
+    position_cm: tuple[Coordinate, Coordinate, Coordinate]
+    heading_deg: Coordinate = 0.0
+    lights: bool = False  # whether they are on
+
+
+class Waypoint(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A place on a tour, and what is looked at from there; nothing: as before and after it."""
+
+    time_s: Annotated[float, msgspec.Meta(ge=0, le=3600)]
+    position_cm: tuple[Coordinate, Coordinate, Coordinate]
+    look_at_cm: tuple[Coordinate, Coordinate, Coordinate] | None = None
+    follow: str | None = None  # a species
+    ahead: bool = False  # along the path
+
+    def __post_init__(self) -> None:
+        """Refuse to look at two things at once."""
+        if (self.look_at_cm is not None) + (self.follow is not None) + self.ahead > 1:
+            raise ValueError("only one of `look_at_cm`, `follow` and `ahead` can be looked at")
+
+    @property
+    def looks(self) -> bool:
+        """Whether it says what to look at."""
+        return self.ahead or self.look_at_cm is not None or self.follow is not None
+
+
+class TourTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A path on which the submarine is carried for films."""
+
+    name: Annotated[str, msgspec.Meta(min_length=1)]
+    waypoint: Annotated[list[Waypoint], msgspec.Meta(min_length=2, max_length=MAX_WAYPOINTS)]
+    loop: bool = False  # the last waypoint is the first again, and it goes on
+
+
+class Temper(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Constants of perception and behavior, as `state.Nature` explains them."""
+
+    vision_cm: Positive = 500.0
+    smell_cm: Positive = 600.0
+    standard_cm: Positive = 20.0
+    hunger_stimulus: Share = 0.8
+    libido_stimulus: Share = 0.5
+    alarmed: Share = 0.5
+    panicked: Share = 0.8
+    keen: Share = 0.25
+    devotion_cm: Annotated[float, msgspec.Meta(ge=0, le=1e4)] = 25.0
+    fatigue_s: Positive = 40.0
+    timidity: Annotated[float, msgspec.Meta(ge=0.1, le=5)] = 1.0
+    submarine_cm: Annotated[float, msgspec.Meta(ge=0, le=5000)] = 80.0
+    curiosity_cm: Annotated[float, msgspec.Meta(ge=0, le=5000)] = 350.0
+
+    def __post_init__(self) -> None:
+        """Refuse thresholds in the wrong order (Tu §7.5)."""
+        if self.alarmed >= self.panicked:
+            raise ValueError("`alarmed` must be less than `panicked`")
+        if self.vision_cm > self.smell_cm:
+            raise ValueError("`vision_cm` must not be more than `smell_cm`")
+
+
+class Individual(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """What one fish has of its own, whatever its shoal says; no dice are thrown for it."""
+
+    fish: Annotated[int, msgspec.Meta(ge=0, lt=MAX_FISHES)]  # its number, as shoals count from 0
+    kind: Kind | None = None
+    male: bool | None = None
+    likes: list[Habit] | None = None  # Tu §7.3
+    schooling: bool | None = None
+    hunger: Share | None = None  # the urge within
+    libido: Share | None = None
+    appetite: Annotated[float, msgspec.Meta(ge=1, le=1000)] | None = None  # meals that fill it
+    digestion: Rate | None = None  # p0 of Tu §7.4, 1/s
+    libido_rate: Rate | None = None  # p1, 1/s
+    dread_cm: Dread | None = None  # D0
+
+
+class PhysicsTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """The physics of fishes that are simulated (Tu §9.2), as `state.Physics` explains it."""
+
+    unit_mass: Annotated[float, msgspec.Meta(ge=0.1, le=10)] = 1.0
+    viscosity: Factor = 1.0
+    stiffness: Annotated[float, msgspec.Meta(ge=0.01, le=100)] = 1.0
+    water_viscosity: Factor = 1.0
+    hydrodynamics: bool = True
+    time_step: Annotated[float, msgspec.Meta(ge=0.05, le=50)] = 1.0
+    iterations: Annotated[int, msgspec.Meta(ge=1, le=60)] = 6
+    fish: Annotated[int, msgspec.Meta(ge=-1, lt=MAX_FISHES)] = -1  # is simulated before all others
+
+
+class Scenario(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Everything that a dive starts from."""
+
+    title: str
+    seed: Seed
+    bounds: Bounds
+    water: Water
+    terrain: Terrain
+    submarine: Start
+    fish: Annotated[list[Shoal], msgspec.Meta(min_length=1)]
+    pillar: Annotated[list[Pillar], msgspec.Meta(max_length=MAX_SOLIDS)] = []
+    rock: Annotated[list[Rock], msgspec.Meta(max_length=MAX_SOLIDS)] = []
+    outcrop: Annotated[list[Outcrop], msgspec.Meta(max_length=MAX_SOLIDS)] = []
+    arch: Annotated[list[Arch], msgspec.Meta(max_length=MAX_SOLIDS)] = []
+    hook: Hook | None = None
+    seaweed: list[Seaweed] = []
+    vent: Annotated[list[Vent], msgspec.Meta(max_length=MAX_VENTS)] = []
+    reef: list[ReefTable] = []
+    tour: list[TourTable] = []
+    direction: Annotated[list[Direction], msgspec.Meta(max_length=MAX_DIRECTIONS)] = []
+    nature: Temper = Temper()
+    individual: list[Individual] = []
+    physics: PhysicsTable = PhysicsTable()
+    # So many of the nearest fishes are simulated instead of played back.
+    simulated: Annotated[int, msgspec.Meta(ge=0, le=MAX_SIMULATED)] = 0
+
+    @property
+    def species(self) -> list[str]:
+        """The species that live here, as they are numbered in its world."""
+        return sorted({shoal.species for shoal in self.fish})
+
+
+def own_scenarios() -> Path:
+    """The folder of the visitor's own scenarios, which need not be there yet."""
+    return own_path("scenarios")
+
+
+def scenario_names() -> list[str]:
+    """Names that `load_scenario` knows: those that are shipped, then the visitor's own."""
+    shipped = resource_names(SHIPPED, ".toml")
+    return shipped + [name for name in stems(own_scenarios(), ".toml") if name not in shipped]
+
+
+def scenario_file(name: str) -> Path:
+    """The file of the scenario called `name`, or the file `name`; an unknown name is a UserError.
+
+    A word without a slash or the ending ``.toml`` is a name.
+    """
+    if is_path(name, ".toml"):
+        return Path(name)
+    if name not in (known := scenario_names()):
+        raise unknown("scenario", name, known)
+    shipped = resource_path(SHIPPED) / f"{name}.toml"
+    return shipped if shipped.exists() else own_scenarios() / f"{name}.toml"
+
+
+def load_scenario(name: str, changes: Sequence[str] = ()) -> tuple[Scenario, Path]:
+    """The scenario called `name`, or the one in the file `name`, and the file it came from.
+
+    `changes` such as ``fish.0.number=20`` are made to it. Every fault is a UserError of one line.
+    """
+    path = scenario_file(name)
+    scenario = load_toml(path, Scenario, changes)
+    with telling_lines(scenario, path):
+        check_scenario(scenario, " --set ".join([str(path), *changes]))
+    return scenario, path
+
+
+def check_scenario(scenario: Scenario, source: str) -> None:
+    """A UserError for what one table alone does not show: places, names and numbers in all.
+
+    What only a world shows, `world.create_world` refuses: things inside one another.
+    """
+    bounds, known = scenario.bounds, species_names()
+    for key, place in _places(scenario):
+        _inside(source, key, place, bounds)
+    for k, shoal in enumerate(scenario.fish):
+        if shoal.species not in known:
+            fault = unknown("species", shoal.species, known)
+            raise UserError(f"{source}: `fish[{k}].species`: {fault}")
+        if shoal.size_cm is not None and shoal.size_cm[0] > shoal.size_cm[1]:
+            sizes = list(shoal.size_cm)
+            raise UserError(f"{source}: `fish[{k}].size_cm` {sizes}: expected the smallest first")
+    leaves = sum(group.clusters * group.leaves for group in scenario.seaweed)
+    if leaves > MAX_SEAWEED:
+        raise UserError(f"{source}: `seaweed` has {leaves} leaves, expected at most {MAX_SEAWEED}")
+    growths = sum(table.number for table in scenario.reef)
+    if growths > MAX_GROWTHS:
+        raise UserError(f"{source}: `reef` has {growths} growths, expected at most {MAX_GROWTHS}")
+    _check_tours(source, scenario)
+    number = sum(shoal.number for shoal in scenario.fish)
+    if number > MAX_FISHES:
+        raise UserError(f"{source}: {number} fishes in all, expected at most {MAX_FISHES}")
+    met: set[int] = set()
+    for k, one in enumerate(scenario.individual):
+        key = f"`individual[{k}].fish` {one.fish}"
+        if one.fish >= number:
+            expected = f"expected 0 to {number - 1}" if number else "but there are none"
+            raise UserError(f"{source}: {key}: there is no such fish, {expected}")
+        if one.fish in met:
+            raise UserError(f"{source}: {key}: has a table already, expected one for each fish")
+        met.add(one.fish)
+    if scenario.direction:
+        check_directions(
+            source,
+            scenario.direction,
+            shoals_of(scenario),
+            [tour.name for tour in scenario.tour],
+            scenario.hook is not None,
+            lambda key, place: _inside(source, key, place, bounds),
+        )
+
+
+def shoals_of(scenario: Scenario) -> Shoals:
+    """What directions may refer to."""
+    kinds: list[str] = []
+    for shoal in scenario.fish:
+        kinds += [shoal.kind or load_species(shoal.species).kind] * shoal.number
+    for one in scenario.individual:
+        kinds[one.fish] = one.kind or kinds[one.fish]
+    numbers = [shoal.number for shoal in scenario.fish]
+    return Shoals([shoal.species for shoal in scenario.fish], numbers, kinds)
+
+
+def _places(scenario: Scenario) -> Iterator[tuple[str, tuple[float, ...]]]:
+    """Key and place of everything but tours that a scenario puts somewhere."""
+    yield "submarine.position_cm", scenario.submarine.position_cm
+    if scenario.hook is not None:
+        yield "hook", scenario.hook.bait_cm
+    for name in ("fish", "pillar", "rock", "outcrop", "arch", "vent", "reef", "seaweed"):
+        for k, one in enumerate(getattr(scenario, name)):
+            if one.position_cm is not None:
+                yield f"{name}[{k}].position_cm", one.position_cm
+            if getattr(one, "toward_cm", None) is not None:
+                yield f"{name}[{k}].toward_cm", one.toward_cm
+
+
+def _check_tours(source: str, scenario: Scenario) -> None:
+    """A UserError for a tour that cannot be followed, whatever the sea is like."""
+    living = scenario.species
+    for k, tour in enumerate(scenario.tour):
+        here = f"{source}: `tour[{k}]`"
+        if tour.name in (AUTOPILOT, DIRECTED, *(other.name for other in scenario.tour[:k])):
+            raise UserError(f"{here}: the name {tour.name!r} is taken, expected another")
+        before = None
+        for i, point in enumerate(tour.waypoint):
+            key = f"tour[{k}].waypoint[{i}]"
+            _inside(source, f"{key}.position_cm", point.position_cm, scenario.bounds)
+            if before is None and point.time_s != 0.0:
+                raise UserError(
+                    f"{source}: `{key}.time_s` {point.time_s:g}: expected 0 at the first"
+                )
+            if before is not None and point.time_s <= before:
+                raise UserError(
+                    f"{source}: `{key}.time_s` {point.time_s:g}: expected more than {before:g}, "
+                    "that of the one before"
+                )
+            before = point.time_s
+            if point.look_at_cm is not None:
+                _inside(source, f"{key}.look_at_cm", point.look_at_cm, scenario.bounds)
+            if point.follow is not None and point.follow not in living:
+                raise UserError(
+                    f"{source}: `{key}.follow`: {unknown('fish', point.follow, living)}"
+                )
+        first, last = tour.waypoint[0].position_cm, tour.waypoint[-1].position_cm
+        if tour.loop and (first != last or len(tour.waypoint) < 4):
+            raise UserError(
+                f"{here} is a loop: expected four waypoints or more, the last where the first is, "
+                f"at {first}"
+            )
+
+
+def _inside(source: str, key: str, place: tuple[float, ...], bounds: Bounds) -> None:
+    """A UserError unless `place` lies in the cylinder; one of three between floor and surface."""
+    expected = f"at most {bounds.radius_cm:g} cm from the middle"
+    if len(place) == 3:
+        expected += f" and 0 to {-bounds.depth_cm:g} cm high"
+    height_fits = all(-bounds.depth_cm <= z <= 0 for z in place[2:])
+    if math.hypot(*place[:2]) > bounds.radius_cm or not height_fits:
+        raise UserError(f"{source}: `{key}` {place} lies outside the sea: expected {expected}")

@@ -1,0 +1,1 @@
+"""Records of simulations: made, measured, plotted."""

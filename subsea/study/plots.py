@@ -1,0 +1,314 @@
+"""Plots of a record: who does what, how schools hold together, what moves a mind, ways and room."""
+
+from collections.abc import Callable
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.core.atomic_io import replacing
+from subsea.core.errors import UserError
+from subsea.study import measures
+from subsea.study.record import Record
+
+Array = NDArray[np.floating[Any]]
+
+DPI = 100
+STYLE = {
+    "font.size": 9,
+    "axes.titlesize": 10,
+    "axes.titlelocation": "left",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "legend.frameon": False,
+    "legend.fontsize": 8,
+}
+# Okabe and Ito's colours, which nobody mistakes for one another; then others for what is new.
+INTENTION_COLOURS = {
+    "avoid": "#E69F00",
+    "escape": "#D55E00",
+    "school": "#0072B2",
+    "eat": "#009E73",
+    "mate": "#CC79A7",
+    "leave": "#F0E442",
+    "wander": "#BFC7CE",
+}
+MORE_COLOURS = ("#56B4E9", "#7F3C8D", "#8C564B", "#17324D", "#A5AA99")
+LINES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#7F3C8D", "#8C564B")
+MENTAL_COLOURS = ("#009E73", "#CC79A7", "#D55E00")
+BARRIER_COLOURS = ("#17324D", "#56B4E9", "#C9A66B", "#8C564B", "#7F7F7F")
+SAND, DEEP, STONE = "#F3E9D2", "#9DB8C7", "#6B6259"
+SHOWN_SCHOOLS, SHOWN_MINDS, SHOWN_PATHS = 6, 4, 300
+RECENT_S = 20.0  # the last part of a path is drawn in full
+SMOOTH_S = 2.0  # over which the lines of schools are smoothed
+
+
+def check_plots() -> None:
+    """A UserError unless matplotlib is there."""
+    try:
+        import matplotlib  # noqa: F401
+    except ImportError as fault:
+        raise UserError("plots need matplotlib: install subsea[plot]") from fault
+
+
+def plots_in(folder: Path) -> list[Path]:
+    """The files that `plot` may write into `folder`."""
+    return [folder / f"{name}.png" for name in _PAGES]
+
+
+def plot(record: Record, folder: Path, check: Callable[[], None] = lambda: None) -> list[Path]:
+    """Write the plots of a record into `folder` as PNG, all or none; returns the files.
+
+    Schools are left out of a record that has none. `check` is called between two plots, and may
+    raise.
+    """
+    check_plots()
+    from matplotlib import rc_context
+    from matplotlib.figure import Figure
+
+    written = []
+    with rc_context(STYLE), ExitStack() as whole:
+        for path, draw in zip(plots_in(folder), _PAGES.values(), strict=True):
+            check()
+            if draw is _schools_page and not measures.schools(record):
+                continue
+            page = Figure(dpi=DPI, layout="constrained")
+            draw(page, record)
+            temporary = whole.enter_context(replacing(path))
+            page.savefig(temporary, format="png", metadata={"Software": None})
+            written.append(path)
+        check()
+    return written
+
+
+def _colours(record: Record) -> list[str]:
+    more = iter(MORE_COLOURS * len(record.intention_names))
+    return [INTENTION_COLOURS.get(name) or next(more) for name in record.intention_names]
+
+
+def _budget_page(page: Any, record: Record) -> None:
+    """Share of time per intention, a bar for each species."""
+    budget, colours = measures.time_budget(record), _colours(record)
+    number = len(budget)
+    page.set_size_inches(9, 1.3 + 0.42 * number)
+    axis = page.subplots()
+    left = np.zeros(number)
+    for k, name in enumerate(record.intention_names):
+        if budget[:, k].max() < 0.0005:
+            continue
+        axis.barh(range(number), budget[:, k], left=left, color=colours[k], label=name, height=0.72)
+        for row, share in enumerate(budget[:, k]):
+            if share >= 0.06:
+                axis.text(
+                    left[row] + share / 2, row, f"{share:.0%}", ha="center", va="center",
+                    fontsize=8, color="white" if name in ("school", "escape", "eat") else "0.15",
+                )  # fmt: skip
+        left += budget[:, k]
+    counts = [int((record.species == k).sum()) for k in range(number)]
+    labels = [f"{name} ({n})" for name, n in zip(record.species_names, counts, strict=True)]
+    axis.set_yticks(range(number), labels)
+    axis.invert_yaxis()
+    axis.set(xlim=(0, 1), xlabel="share of time")
+    axis.xaxis.set_major_formatter("{x:.0%}")
+    axis.tick_params(axis="y", length=0)
+    axis.spines["left"].set_visible(False)
+    page.suptitle(f"What fishes do, {_span(record)}", x=0.01, ha="left", fontsize=11)
+    page.legend(loc="outside upper right", ncols=len(record.intention_names))
+
+
+def _span(record: Record) -> str:
+    seconds = len(record.time) * record.tick_s
+    return f"{seconds / 60:.1f} minutes" if seconds >= 120 else f"{seconds:.0f} s"
+
+
+def _schools_page(page: Any, record: Record) -> None:
+    """Polarisation, distance to the nearest and what hangs together, over time."""
+    largest = sorted(measures.schools(record), key=lambda s: -int(s.members.max()))[:SHOWN_SCHOOLS]
+    page.set_size_inches(10, 6.2)
+    top, middle, bottom = page.subplots(3, 1, sharex=True, height_ratios=(3, 3, 2))
+    for school, colour in zip(largest, LINES, strict=False):
+        species = record.species_names[record.species[school.leader]]
+        label = f"{int(school.members.max())} {species}"
+        for axis, values in ((top, school.polarisation), (middle, school.nearest)):
+            axis.plot(school.time, values, color=colour, alpha=0.22, linewidth=0.7)
+            shown = np.where(school.cruises, values, np.nan)
+            axis.plot(school.time, _smooth(shown), color=colour, linewidth=1.6, label=label)
+        bottom.plot(school.time, school.together, color=colour, linewidth=1.2)
+    top.axhline(0.8, color="0.6", linestyle="--", linewidth=0.8)
+    top.set(ylim=(0, 1.02), ylabel="polarisation")
+    top.set_title("Length of the mean heading: 1 is all alike")
+    middle.axhspan(0.6, 1.6, color="0.93", zorder=0)
+    middle.set(ylim=(0, 3), ylabel="body lengths")
+    middle.set_title("Distance to the nearest companion (median)")
+    bottom.axhline(measures.WHOLE, color="0.6", linestyle="--", linewidth=0.8)
+    bottom.set(ylim=(0, 1.05), xlim=(0, record.time[-1]), xlabel="time, s", ylabel="share")
+    bottom.set_title(f"Largest part that hangs together (within {measures.LINK_BL:g} body lengths)")
+    page.legend(
+        *top.get_legend_handles_labels(), loc="outside upper right", ncols=min(3, len(largest))
+    )
+    page.suptitle("Schools; bold while they cruise", x=0.01, ha="left", fontsize=11)
+
+
+def _smooth(values: Array) -> Array:
+    """A running mean that leaves gaps where there is nothing."""
+    width = max(round(SMOOTH_S / measures.SAMPLE_S), 1)
+    there = np.isfinite(values)
+    kernel = np.ones(min(width, len(values)))
+    total = np.convolve(np.where(there, values, 0.0), kernel, "same")
+    count = np.convolve(there, kernel, "same")
+    return np.where(there, total / np.maximum(count, 1), np.nan)
+
+
+def _minds_page(page: Any, record: Record) -> None:
+    """Hunger, libido and fear of some fishes, each above a strip of its intentions."""
+    from matplotlib.colors import ListedColormap
+
+    chosen = _eventful(record)
+    colours = _colours(record)
+    page.set_size_inches(10, 0.9 + 1.75 * len(chosen))
+    axes = page.subplots(
+        2 * len(chosen), 1, sharex=True, squeeze=False, height_ratios=(5, 1) * len(chosen)
+    )[:, 0]
+    step = max(len(record.time) // 3000, 1)
+    for k, fish in enumerate(chosen):
+        lines, strip = axes[2 * k], axes[2 * k + 1]
+        alive = record.alive[::step, fish]
+        for state, name in enumerate(record.mental_state_names):
+            values = np.where(alive, record.mental_state[::step, fish, state], np.nan)
+            lines.plot(
+                record.time[::step], values, color=MENTAL_COLOURS[state], label=name, linewidth=1.1
+            )
+        eaten = record.time[measures.meals(record)[:, fish]]
+        lines.plot(eaten, np.full(len(eaten), 1.06), "|", color="0.25", markersize=5, label="meal")
+        lines.set(ylim=(-0.02, 1.12), yticks=(0, 0.5, 1))
+        lines.set_title(f"{record.species_names[record.species[fish]]}, fish {fish}")
+        doing = np.where(alive, record.intention[::step, fish].astype(float), np.nan)
+        strip.imshow(
+            doing[None], aspect="auto", interpolation="nearest", cmap=ListedColormap(colours),
+            vmin=-0.5, vmax=len(colours) - 0.5,
+            extent=(record.time[0] - record.tick_s, record.time[-1], 0, 1),
+        )  # fmt: skip
+        strip.set(yticks=[])
+        strip.spines[:].set_visible(False)
+    axes[-1].set(xlabel="time, s")
+    done = [code for code in np.unique(record.intention[:, chosen]) if code < len(colours)]
+    from matplotlib.patches import Patch
+
+    handles, labels = axes[0].get_legend_handles_labels()
+    handles += [Patch(color=colours[code]) for code in done]
+    labels += [record.intention_names[code] for code in done]
+    page.legend(handles, labels, loc="outside upper right", ncols=len(labels))
+    page.suptitle("Minds", x=0.01, ha="left", fontsize=11)
+
+
+def _eventful(record: Record) -> list[int]:
+    """The fishes whose minds move most, of different species where there are such."""
+    change = record.mental_state.std(axis=0).sum(axis=1)
+    variety = np.array([len(np.unique(one)) for one in record.intention.T])
+    by_interest = np.argsort(-(change + 0.15 * variety), kind="stable")
+    chosen: list[int] = []
+    for fish in by_interest:
+        if record.species[fish] not in record.species[chosen]:
+            chosen.append(int(fish))
+    chosen += [int(fish) for fish in by_interest if fish not in chosen]
+    return sorted(chosen[:SHOWN_MINDS])
+
+
+def _paths_page(page: Any, record: Record) -> None:
+    """The ways of the fishes from above, over the seabed and what stands on it."""
+    from matplotlib.colors import LinearSegmentedColormap
+    from matplotlib.patches import Circle, Ellipse
+
+    page.set_size_inches(8.6, 7.4)
+    axis = page.subplots()
+    across = np.linspace(-record.half_width_cm, record.half_width_cm, len(record.heights))
+    inside = np.hypot(across[:, None], across) < 1.05 * record.radius_cm
+    seabed = np.where(inside, record.heights, np.nan)
+    low, high = np.nanmin(seabed) / 100, np.nanmax(seabed) / 100
+    shade = axis.contourf(
+        across / 100, across / 100, record.heights / 100, extend="both", zorder=0,
+        levels=np.linspace(low, max(high, low + 0.1), 13),
+        cmap=LinearSegmentedColormap.from_list("seabed", [DEEP, SAND]),
+    )  # fmt: skip
+    wall = Circle((0, 0), record.radius_cm / 100, fill=False, color="0.2", linewidth=1.2)
+    axis.add_patch(wall)
+    shade.set_clip_path(wall)
+    for x, y, radius, _ in record.pillars / 100:
+        axis.add_patch(Circle((x, y), radius, color=STONE, zorder=4))
+    for rock in record.rocks:
+        x, y, a, b = rock[[0, 1, 3, 4]] / 100
+        axis.add_patch(
+            Ellipse((x, y), 2 * a, 2 * b, angle=np.degrees(rock[6]), color=STONE, alpha=0.6,
+                    zorder=2)
+        )  # fmt: skip
+    every = max(round(measures.SAMPLE_S / record.tick_s), 1)
+    recent = round(RECENT_S / record.tick_s)
+    fishes = np.unique(np.linspace(0, len(record.species) - 1, SHOWN_PATHS).round().astype(int))
+    for k, name in enumerate(record.species_names):
+        colour = LINES[k % len(LINES)]
+        those = fishes[record.species[fishes] == k]
+        for fish in those:
+            way = np.where(record.alive[:, fish, None], record.position[:, fish, :2] / 100, np.nan)
+            axis.plot(*way[::every].T, color=colour, linewidth=0.5, alpha=0.3, zorder=3)
+            axis.plot(*way[-recent::every].T, color=colour, linewidth=1.1, alpha=0.9, zorder=5)
+        if len(those):
+            last = np.where(record.alive[-1, those, None], record.position[-1, those, :2], np.nan)
+            axis.plot(*last.T / 100, ".", color=colour, markersize=5, label=name, zorder=6)
+    (left, right), (low, high) = _frame(record)
+    axis.set(xlim=(left, right), ylim=(low, high), aspect="equal", xlabel="x, m", ylabel="y, m")
+    axis.spines[:].set_visible(False)
+    page.colorbar(shade, ax=axis, label="seabed, m", format="%.1f", shrink=0.5, aspect=25)
+    page.legend(loc="outside lower center", ncols=min(4, len(record.species_names)))
+    page.suptitle(
+        f"Ways from above, {_span(record)}; the last {RECENT_S:g} s in full", x=0.01, ha="left",
+        fontsize=11,
+    )  # fmt: skip
+
+
+def _frame(record: Record) -> tuple[Array, Array]:
+    """Limits in x and y, m, of a square around all ways; of the whole sea if that is not larger."""
+    whole = 1.03 * record.radius_cm / 100
+    places = record.position[record.alive][:, :2] / 100
+    low, high = places.min(axis=0), places.max(axis=0)
+    half = 0.6 * float((high - low).max()) + 1.0
+    if half >= 0.8 * whole:
+        return np.array([-whole, whole]), np.array([-whole, whole])
+    x, y = 0.5 * (low + high)
+    return np.array([x - half, x + half]), np.array([y - half, y + half])
+
+
+def _clearance_page(page: Any, record: Record) -> None:
+    """How often which clearance from bounds and obstacles occurs."""
+    clearance, which = measures.clearances(record)
+    page.set_size_inches(9, 4)
+    axis = page.subplots()
+    there = np.isfinite(clearance)
+    most = float(np.percentile(clearance[there], 99.5)) if there.any() else 1.0
+    least = min(float(clearance[there].min()), 0.0) if there.any() else 0.0
+    width = max((most - least) / 60, 0.5)
+    bins = np.arange(np.floor(least / width) * width, most + width, width)
+    parts = [clearance[there & (which == k)] for k in range(len(measures.BARRIERS))]
+    shown = [k for k, part in enumerate(parts) if len(part)]
+    axis.hist(
+        [parts[k] for k in shown], bins=bins, stacked=True, log=True,
+        color=[BARRIER_COLOURS[k] for k in shown], label=[measures.BARRIERS[k] for k in shown],
+    )  # fmt: skip
+    axis.axvline(0, color="#D55E00", linewidth=1.2)
+    axis.set(xlabel="clearance of snout, middle or tail, whichever is least, cm")
+    axis.set_ylabel("fish-ticks")
+    inside = int((clearance < 0).sum())
+    axis.set_title(
+        f"Room to bounds and obstacles: {inside:,} of {there.sum():,} fish-ticks below 0"
+    )
+    axis.legend(title="nearest")
+
+
+_PAGES = {
+    "time_budget": _budget_page,
+    "minds": _minds_page,
+    "paths": _paths_page,
+    "clearance": _clearance_page,
+    "schools": _schools_page,
+}

@@ -1,0 +1,250 @@
+"""The record of a simulation: what it holds, and reading one back (docs/records.md)."""
+
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.core import hdf5
+from subsea.core.errors import UserError
+from subsea.fish.surface import SurfacePlan, along
+
+Array = NDArray[np.floating[Any]]
+Ints = NDArray[np.integer[Any]]
+Flags = NDArray[np.bool_]
+
+FORMAT, VERSION = "subsea-record", 2
+STATIONS = 13  # places along a body, from the snout to the tail's edge, where its outline is given
+MAX_FISH_TICKS = 20_000_000  # what a study holds in memory: some 2 GB
+
+
+class Field(NamedTuple):
+    """One dataset."""
+
+    type: type
+    shape: tuple[str | int, ...]  # lengths; the letters are explained in docs/records.md
+    unit: str  # "1" for what has none
+    meaning: str
+
+
+_BY_TICK, _BY_FISH, _BY_EVENT = ("T",), ("n",), ("e",)
+_CODES = "position in the file's attribute "
+FIELDS = {
+    "time": Field(np.float64, _BY_TICK, "s", "end of the tick, from the start of the dive"),
+    "fish/position": Field(np.float32, ("T", "n", 3), "cm", "origin of the body frame"),
+    "fish/orientation": Field(
+        np.float32, ("T", "n", 4), "1",
+        "unit quaternion w, x, y, z from body axes (x to the snout, y to the back, z right) to the"
+        " world's",
+    ),
+    "fish/velocity": Field(np.float32, ("T", "n", 3), "cm/s", "of that origin"),
+    "fish/snout": Field(np.float32, ("T", "n", 3), "cm", "tip of the snout, as the body is bent"),
+    "fish/tail": Field(np.float32, ("T", "n", 3), "cm", "middle of the tail's edge"),
+    "fish/intention": Field(np.uint8, ("T", "n"), "1", _CODES + "intention_names"),
+    "fish/segment": Field(
+        np.uint8, ("T", "n"), "1", "recorded motion it plays: " + _CODES + "segment_names"
+    ),
+    "fish/mental_state": Field(
+        np.float32, ("T", "n", 3), "1", "hunger, libido and fear, 0 to 1: mental_state_names"
+    ),
+    "fish/alive": Field(np.bool_, ("T", "n"), "1", "false from when it was eaten or landed"),
+    "fish/leader": Field(
+        np.int32, ("T", "n"), "1", "fish that it follows in a school, -1 for leaders and loners"
+    ),
+    "fish/target": Field(
+        np.int32, ("T", "n"), "1",
+        "what its intention is about: a fish, or of what eats plankton a speck: target_names;"
+        " -1 nothing, -2 the submarine, -3 a bait",
+    ),
+    "fish/partner": Field(np.int32, ("T", "n"), "1", "fish with which it courts, -1 for none"),
+    "fish/courtship": Field(np.uint8, ("T", "n"), "1", _CODES + "courtship_names"),
+    "fish/last_meal": Field(
+        np.float32, ("T", "n"), "s", "time of its latest meal, 0 before the first"
+    ),
+    "fish/species": Field(
+        np.uint8, _BY_FISH, "1", _CODES + "species_names (for people), species_keys (files)"
+    ),
+    "fish/kind": Field(np.uint8, _BY_FISH, "1", _CODES + "kind_names"),
+    "fish/male": Field(np.bool_, _BY_FISH, "1", "its sex"),
+    "fish/schools": Field(np.bool_, _BY_FISH, "1", "whether it likes schooling"),
+    "fish/length": Field(np.float32, _BY_FISH, "cm", "from the snout to the tail's edge"),
+    "fish/snout_reach": Field(
+        np.float32, _BY_FISH, "cm", "from the tip of the snout to the origin of the body frame"
+    ),
+    "species/half_width": Field(
+        np.float32, ("s", STATIONS), "body lengths",
+        "of the body without fins, at even distances from the snout to the tail's edge",
+    ),
+    "species/half_height": Field(
+        np.float32, ("s", STATIONS), "body lengths", "there too, with the tail fin"
+    ),
+    "sea/heights": Field(
+        np.float32, ("m", "m"), "cm",
+        "of the seabed (z, the surface is 0): row i along y, column j along x, even over the"
+        " square from -sea_half_width_cm to sea_half_width_cm",
+    ),
+    "sea/pillars": Field(
+        np.float64, ("p", 4), "cm", "x, y, radius and height of the top (z) of each pillar"
+    ),
+    "sea/rocks": Field(
+        np.float64, ("r", 7), "cm",
+        "centre x, y, z and half axes of each ellipsoid; then, in rad, its turn to the left",
+    ),
+    "plankton/count": Field(np.int32, _BY_TICK, "1", "specks that are there"),
+    "submarine/position": Field(np.float64, ("T", 3), "cm", "of the vessel"),
+    "direction/time": Field(
+        np.float64, _BY_EVENT, "s", "end of the tick in which a direction began, as in time"
+    ),
+    "direction/number": Field(
+        np.uint8, _BY_EVENT, "1", "which: among those of the scenario and in direction_names"
+    ),
+    "direction/cast": Field(
+        np.int32, ("e", 2), "1",
+        "whom it is about: fishes, -1 nobody, -2 the submarine; of a pair he and she, of a hunt"
+        " the hunter and its prey, of who was eaten it and by whom, of who flees it and from whom",
+    ),
+}  # fmt: skip
+
+
+class Record(NamedTuple):
+    """What a study needs of a record: T ticks of n fishes of s species."""
+
+    time: Array  # (T,) s
+    position: Array  # (T, n, 3) cm
+    orientation: Array  # (T, n, 4)
+    snout: Array  # (T, n, 3) cm
+    tail: Array  # (T, n, 3) cm
+    intention: Ints  # (T, n)
+    mental_state: Array  # (T, n, 3)
+    alive: Flags  # (T, n)
+    leader: Ints  # (T, n)
+    target: Ints  # (T, n)
+    partner: Ints  # (T, n)
+    courtship: Ints  # (T, n)
+    last_meal: Array  # (T, n) s
+    species: Ints  # (n,)
+    kind: Ints  # (n,)
+    male: Flags  # (n,)
+    length: Array  # (n,) cm
+    snout_reach: Array  # (n,) cm
+    half_width: Array  # (s, STATIONS) body lengths
+    half_height: Array  # (s, STATIONS) body lengths
+    heights: Array  # (m, m) cm
+    pillars: Array  # (p, 4) cm
+    rocks: Array  # (r, 7) cm and rad
+    plankton: Ints  # (T,)
+    tick_s: float
+    seed: int
+    radius_cm: float
+    half_width_cm: float  # of the seabed's square
+    alarmed: float  # f0: more fear than that is alarm
+    species_names: list[str]
+    intention_names: list[str]
+    mental_state_names: list[str]
+    courtship_names: list[str]
+    kind_names: list[str]
+
+
+# Fields of Record that are datasets, and where their names differ from the end of the path.
+_RENAMED = {"plankton/count": "plankton"}
+_READ = {
+    name: path
+    for path in FIELDS
+    if (name := _RENAMED.get(path, path.rpartition("/")[2])) in Record._fields
+    and not path.startswith(("submarine/", "direction/"))
+}
+_CODED = (
+    ("intention", "intention_names"), ("courtship", "courtship_names"),
+    ("species", "species_names"), ("kind", "kind_names"),
+)  # fmt: skip
+
+
+def outline(surface: SurfacePlan) -> tuple[Array, Array]:
+    """Half-widths and half-heights (STATIONS,) of a body at rest, in body lengths.
+
+    Fins but the tail are left out; wings, as rays have, count as body.
+    """
+    at = np.linspace(0.0, 1.0, STATIONS)
+    width = along(surface.width, at)
+    if surface.wing:
+        behind, right = np.array(surface.wing.outline).T
+        width = np.maximum(width, np.interp(at, behind, right, right=0.0))
+    height = 0.5 * (along(surface.back, at) - along(surface.belly, at))
+    return np.maximum(width, 0.0), np.maximum(height, 0.0)
+
+
+def read_record(path: Path) -> Record:
+    """The record in the file `path`; a damaged or foreign file is a UserError in one line."""
+    where = str(path)
+    with hdf5.reading(path) as file:
+        if hdf5.attribute(file, "format", str, where) != FORMAT:
+            raise UserError(f"{where}: not a record of a simulation (`subsea simulate` makes them)")
+        version = hdf5.attribute(file, "version", int, where)
+        if version != VERSION:
+            raise UserError(
+                f"{where}: version {version} of the format, expected {VERSION}; record it anew"
+            )
+        lengths: dict[str, int] = {}
+        first = ("time", "fish/species", *_READ.values())
+        read = {dataset: _dataset(file, dataset, lengths, where) for dataset in first}
+        record = Record(
+            **{name: read[dataset] for name, dataset in _READ.items()},
+            tick_s=hdf5.attribute(file, "tick_s", float, where),
+            seed=hdf5.attribute(file, "seed", int, where),
+            radius_cm=hdf5.attribute(file, "radius_cm", float, where),
+            half_width_cm=hdf5.attribute(file, "sea_half_width_cm", float, where),
+            alarmed=hdf5.attribute(file, "nature_alarmed", float, where),
+            species_names=hdf5.texts(file, "species_names", where),
+            intention_names=hdf5.texts(file, "intention_names", where),
+            mental_state_names=hdf5.texts(file, "mental_state_names", where),
+            courtship_names=hdf5.texts(file, "courtship_names", where),
+            kind_names=hdf5.texts(file, "kind_names", where),
+        )
+    _check(record, where)
+    return record
+
+
+def _dataset(file: Any, path: str, lengths: dict[str, int], where: str) -> NDArray[Any]:
+    """A dataset as FIELDS has it; `lengths` T, n, s … that the first ones have bind the rest."""
+    field = FIELDS[path]
+    shape = tuple(k if isinstance(k, int) else lengths.get(k) for k in field.shape)
+    folder, _, name = path.rpartition("/")
+    group = hdf5.subgroup(file, folder, where) if folder else file
+    values = hdf5.array(
+        group, name, shape, f"{where}/{folder}" if folder else where,
+        kind=np.dtype(field.type).kind,  # type: ignore[arg-type]
+        least=0 if folder == "sea" else 1,
+        most_bytes=16 * MAX_FISH_TICKS,
+    )  # fmt: skip
+    found = zip(field.shape, values.shape, strict=True)
+    lengths.update({letter: k for letter, k in found if isinstance(letter, str)})
+    if lengths.get("T", 0) * lengths.get("n", 0) > MAX_FISH_TICKS:
+        raise UserError(
+            f"{where}: {lengths['T']} ticks of {lengths['n']} fishes are too much for one study, "
+            f"expected at most {MAX_FISH_TICKS:,} ticks × fishes"
+        )
+    return values
+
+
+def _check(record: Record, where: str) -> None:
+    """Refuse codes without a name, companions that don't exist, and sizes that make no sense."""
+    for field, names in _CODED:
+        most = int(getattr(record, field).max())
+        if most >= len(getattr(record, names)):
+            raise UserError(f"{where}/fish/{field}: code {most} has no name in `{names}`")
+    n = record.position.shape[1]
+    for field in ("leader", "partner"):
+        values = getattr(record, field)
+        if values.min() < -2 or values.max() >= n:
+            raise UserError(f"{where}/fish/{field}: expected fishes from 0 to {n - 1}, or -1")
+    if len(record.species_names) != len(record.half_width):
+        raise UserError(f"{where}/species/half_width: expected a row for each of `species_names`")
+    if record.length.min() <= 0 or record.snout_reach.min() <= 0:
+        raise UserError(f"{where}/fish/length: expected lengths above 0")
+    if record.tick_s <= 0 or record.radius_cm <= 0 or record.half_width_cm <= 0:
+        raise UserError(f"{where}: `tick_s`, `radius_cm` and `sea_half_width_cm` must be above 0")
+    if min(record.heights.shape) < 2:
+        raise UserError(f"{where}/sea/heights: expected at least 2×2 heights")
+    if len(record.time) > 1 and np.diff(record.time).min() <= 0:
+        raise UserError(f"{where}/time: expected times that rise")

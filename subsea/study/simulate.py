@@ -1,0 +1,189 @@
+"""`subsea simulate`: what every fish does, for those who study them. No OpenGL."""
+
+from collections.abc import Sequence
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from tqdm import tqdm
+
+from subsea.behavior.table import INTENTIONS
+from subsea.core import hdf5, interrupts
+from subsea.core.atomic_io import check_file
+from subsea.core.console import counted, say
+from subsea.core.errors import UserError
+from subsea.dive.start import start_world
+from subsea.motor.pose import ends_world
+from subsea.repertoire import SEGMENTS
+from subsea.scenario.save import scenario_text
+from subsea.scenario.schema import load_scenario
+from subsea.state import COURTSHIP, KINDS, MENTAL_STATES
+from subsea.study.record import FIELDS, FORMAT, VERSION, outline
+from subsea.submarine.helm import HANDS_OFF
+from subsea.world.step import step
+from subsea.world.world import TICK_S, World
+
+SUFFIXES = (".h5", ".hdf5")
+BLOCK_FISH_TICKS = 200_000  # what is held in memory between two writes: some 16 MB
+
+Rows = dict[str, NDArray[Any]]
+Event = tuple[float, int, tuple[int, int]]  # when, which direction, whom it is about
+EVENTS = ("direction/time", "direction/number", "direction/cast")
+
+# What `minds.target` means to each intention; one that is not named has no target.
+TARGETS = {
+    "avoid": "fish",
+    "escape": "fish",
+    "eat": "speck of plankton; of predators a fish",
+    "mate": "fish",
+}
+_NOTES = {
+    name: {"unit": hdf5.text(field.unit), "meaning": hdf5.text(field.meaning)}
+    for name, field in FIELDS.items()
+}
+
+
+def simulate(
+    ticks: int, out: Path, scenario: str, fish: int | None, seed: int | None,
+    changes: Sequence[str] = (),
+) -> int:  # fmt: skip
+    """Record `ticks` ticks of a world into `out`; returns the exit code.
+
+    `changes` are made to the scenario, whose text is kept as they leave it. The submarine drifts
+    where it starts. Ctrl-C leaves a valid file with the ticks so far.
+    """
+    if out.suffix.lower() not in SUFFIXES:
+        raise UserError(f"{out}: expected a name that ends in {' or '.join(SUFFIXES)}")
+    check_file(out)
+    chosen, source = load_scenario(scenario, changes)
+    if not any(shoal.number for shoal in chosen.fish):
+        raise UserError(f"{source}: holds no fishes, there is nothing to record")
+    world = start_world(scenario, seed, fish, changes=changes)
+    number = len(world.state.fishes.species)
+    length = int(np.clip(BLOCK_FISH_TICKS // number, 1, min(64, ticks)))
+    block = _empty_block(length, number)
+    held, happened = 0, []
+    attributes = _attributes(world, scenario_text(chosen, source))
+    with (
+        interrupts.deferred() as check,
+        hdf5.recording(out, attributes, _constants(world), _NOTES) as append,
+    ):
+        try:
+            for k in tqdm(range(ticks), unit="tick", disable=None):
+                check()
+                if k:  # the world is at its first tick when it has started
+                    step(world, HANDS_OFF)
+                _note(world, block, held)
+                happened += _begun(world)
+                held += 1
+                if held == length or k == ticks - 1:
+                    append({name: rows[:held] for name, rows in block.items()} | _table(happened))
+                    held, happened = 0, []
+        except KeyboardInterrupt:
+            if held:
+                append({name: rows[:held] for name, rows in block.items()} | _table(happened))
+            if not k:
+                raise
+            raise KeyboardInterrupt(f"{out}: {_extent(k, number)} kept") from None
+    for line in world.notices:
+        say(line)
+    print(f"{out}: {_extent(ticks, number)}")
+    return 0
+
+
+def _extent(ticks: int, fishes: int) -> str:
+    return f"{counted(ticks, 'tick', 'ticks')} of {counted(fishes, 'fish', 'fishes')}"
+
+
+def _empty_block(length: int, n: int) -> Rows:
+    """Room for `length` ticks of `n` fishes."""
+    sizes = {"T": length, "n": n}
+    return {
+        name: np.zeros([sizes[k] if isinstance(k, str) else k for k in field.shape], field.type)
+        for name, field in FIELDS.items()
+        if field.shape[0] == "T"
+    }
+
+
+def _note(world: World, block: Rows, row: int) -> None:
+    """Write the present tick into a row of the block."""
+    state = world.state
+    block["time"][row] = state.tick * TICK_S
+    for name in ("position", "orientation", "velocity", "segment", "alive"):
+        block[f"fish/{name}"][row] = getattr(state.fishes, name)
+    ends_world(state.fishes, world.library.nodes, block["fish/snout"][row], block["fish/tail"][row])
+    block["fish/mental_state"][row] = state.minds.mental
+    for name in ("intention", "leader", "target", "partner", "courtship", "last_meal"):
+        block[f"fish/{name}"][row] = getattr(state.minds, name)
+    block["plankton/count"][row] = (state.sea.absent == 0.0).sum()
+    block["submarine/position"][row] = state.submarine.position
+
+
+def _begun(world: World) -> list[Event]:
+    """The directions that began in the tick that was made last."""
+    log, tick = world.state.directions, world.state.tick
+    return [
+        (tick * TICK_S, int(k), (int(log.cast[k, 0]), int(log.cast[k, 1])))
+        for k in np.flatnonzero(log.began == tick - 1)
+    ]
+
+
+def _table(happened: list[Event]) -> Rows:
+    """What has happened as rows of the record."""
+    columns = zip(*happened, strict=True) if happened else ([], [], [])
+    return {
+        name: np.array([*column], FIELDS[name].type).reshape(-1, *FIELDS[name].shape[1:])
+        for name, column in zip(EVENTS, columns, strict=True)
+    }
+
+
+def _constants(world: World) -> Rows:
+    fishes, minds, sea = world.state.fishes, world.state.minds, world.state.sea
+    outlines = [outline(species.surface) for species in world.species]
+    values = {
+        "fish/species": fishes.species,
+        "fish/kind": minds.kind,
+        "fish/male": minds.male,
+        "fish/schools": minds.schools,
+        "fish/length": fishes.length,
+        "fish/snout_reach": fishes.snout,
+        "species/half_width": np.array([width for width, _ in outlines]),
+        "species/half_height": np.array([height for _, height in outlines]),
+        "sea/heights": sea.heights,
+        "sea/pillars": sea.pillars,
+        "sea/rocks": sea.rocks,
+    }
+    return {name: np.asarray(given, FIELDS[name].type) for name, given in values.items()}
+
+
+def _attributes(world: World, scenario_text: str) -> dict[str, Any]:
+    """The names behind every code, and all that is needed to run the same again."""
+    bounds = world.scenario.bounds
+    names = {
+        "species_keys": world.scenario.species,
+        "species_names": [species.name for species in world.species],
+        "kind_names": KINDS,
+        "intention_names": INTENTIONS,
+        "target_names": [TARGETS.get(name, "nothing") for name in INTENTIONS],
+        "segment_names": SEGMENTS,
+        "mental_state_names": MENTAL_STATES,
+        "courtship_names": COURTSHIP,
+        "direction_names": [one.name for one in world.scenario.direction],
+    }
+    return {
+        "format": hdf5.text(FORMAT),
+        "version": VERSION,
+        "program": hdf5.text(f"subsea {version('subsea')}"),
+        "tick_s": TICK_S,
+        "seed": world.state.seed,
+        "fish": len(world.state.fishes.species),
+        "scenario": scenario_text,
+        "radius_cm": bounds.radius_cm,
+        "depth_cm": bounds.depth_cm,
+        "sea_half_width_cm": float(world.state.sea.half_width),
+        **{name: np.array([word.encode("utf-8") for word in words], "S")
+           for name, words in names.items()},
+        **{f"nature_{name}": value for name, value in world.nature._asdict().items()},
+    }  # fmt: skip

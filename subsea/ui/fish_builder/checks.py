@@ -1,0 +1,330 @@
+"""What is asked of a fish that is being built, in plain sentences that say what to do.
+
+Numbers of the file are judged at once; how it swims is tried in a test swim with its controllers,
+which takes some hundredths of a second once its kernels are compiled.
+"""
+
+from enum import IntEnum
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.biomechanics.body import KINDS, TRIANGLES, UNITS, Body, Floats, build_body
+from subsea.biomechanics.body_frame import body_frame
+from subsea.biomechanics.body_plan import DENSITIES, NODES_AT_STATION, Muscles, SwimPlan
+from subsea.biomechanics.controllers import (
+    S_MAX,
+    ease,
+    muscle_lengths,
+    swim_contraction,
+    turn_contraction,
+)
+from subsea.biomechanics.simulation import State, at_rest, is_sound, simulate
+from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, STRAIN_LIMITS, TICK_S
+from subsea.biomechanics.stability import longest_step
+from subsea.fish.species import Species
+from subsea.fish.surface import SurfacePlan, along
+
+Array = NDArray[np.floating[Any]]
+
+
+class Mark(IntEnum):
+    """How well a remark speaks of the fish."""
+
+    GOOD = 0
+    MIND = 1  # it works, but is not as it might be
+    BAD = 2  # it will not work
+
+
+class Remark(NamedTuple):
+    """A sentence about the fish."""
+
+    mark: Mark
+    text: str
+
+
+GOOD, MIND, BAD = Mark
+AFLOAT = (0.7, 1.4)  # mass over that of the displaced water
+SLENDER_STEP = 1.05  # the longest stable step over the usual one
+OUTSIDE = (1.05, 1.05, 1.05, 1.3, 1.8)  # a ring's height over the outline's that is usual
+REAR = 0.02  # body lengths by which the centre of mass lies behind the fins
+PER_BEAT = 0.35  # body lengths in fast swimming: docs/biomechanics.md
+DRIFT_DEG, ASIDE = 1.0, 0.02  # in the beats that are measured
+BEATS, MEASURED = 40, 10  # of a test swim, the last of them
+SWEEP = (0.12, 0.3)  # of the tail, body lengths
+TURN_OFF_DEG = 10.0
+UNIT_NAMES = ("muscle", "cross unit", "unit")
+NODE_PLACES = (
+    "the nose",
+    *(f"ring {ring}" for ring in range(1, 6) for _ in range(4)),
+    *["the tail"] * 2,
+)
+
+
+def standing(species: Species) -> list[Remark]:
+    """What can be told without a swim."""
+    remarks = _shape(species.surface)
+    if species.body:
+        body = build_body(species.body)
+        remarks += [*_faces(body), *_rings(species), *_buoyancy(species), *_material(species, body)]
+    return remarks
+
+
+def displaced_cm3(species: Species) -> float:
+    """Volume of the drawn body without fins at the length of its model, cm³."""
+    surface = species.surface
+    x = np.linspace(0.0, surface.tail.begin, 200)
+    tall = np.clip(along(surface.back, x) - along(surface.belly, x), 0.0, None)
+    wide = np.clip(along(surface.width, x), 0.0, None)
+    return float(np.trapezoid(0.5 * np.pi * tall * wide, x)) * species.length_cm**3
+
+
+def _shape(surface: SurfacePlan) -> list[Remark]:
+    x = np.linspace(0.01, surface.tail.begin, 120)
+    width = along(surface.width, x)
+    if (width <= 0.0).any():
+        at = float(x[int(np.argmin(width))])
+        return [Remark(BAD, f"The body has no width at {at:.2f}: raise the line in the top view.")]
+    for name in ("dorsal", "ventral"):
+        fin = getattr(surface, name)
+        sign = 1.0 if name == "dorsal" else -1.0
+        ridge = surface.back if name == "dorsal" else surface.belly
+        if fin:
+            edge = np.array(fin.edge)
+            above = sign * (edge[:, 1] - along(ridge, edge[:, 0]))
+            if (above < 0.005).all():
+                return [
+                    Remark(MIND, f"The {name} fin lies inside the body: drag its edge outward.")
+                ]
+    return [Remark(GOOD, "The outline is whole: back above belly, and width all along.")]
+
+
+def _faces(body: Body) -> list[Remark]:
+    """Hull faces that look inward: a ring that is drawn through another."""
+    a, b, c = (body.rest[TRIANGLES[:, k]] for k in range(3))
+    middle = (a + b + c) / 3
+    outward = middle * (0.0, 1.0, 1.0)
+    facing = (np.cross(b - a, c - a) * outward).sum(axis=1)
+    wrong = np.flatnonzero(facing < -1e-6)
+    if len(wrong):
+        place = NODE_PLACES[int(TRIANGLES[wrong[0]].min())]
+        return [
+            Remark(BAD, f"The scaffold is folded behind {place}: its faces look inward. "
+                   "Make the rings there more alike, or move them apart.")
+        ]  # fmt: skip
+    return [Remark(GOOD, "No ring is inverted: all 78 faces of the scaffold look outward.")]
+
+
+def _rings(species: Species) -> list[Remark]:
+    body, surface = species.body, species.surface
+    assert body
+    at = np.array(body.stations[1:6]) / body.length
+    half = np.minimum(along(surface.back, at), -along(surface.belly, at)) * body.length
+    over = np.array(body.half_heights) / np.maximum(half, 1e-6) / OUTSIDE
+    if (over > 1.0).any():
+        ring = int(over.argmax())
+        return [
+            Remark(MIND, f"Ring {ring + 1} stands out of the body: "
+                   f"{body.half_heights[ring]:.2f} cm against {half[ring]:.2f} cm. "
+                   "Lower it in the side view.")
+        ]  # fmt: skip
+    return [Remark(GOOD, "The scaffold lies inside the outline, as far as fishes' do.")]
+
+
+def _buoyancy(species: Species) -> list[Remark]:
+    body = species.body
+    assert body
+    water = displaced_cm3(species)
+    share = body.mass / water
+    dense = body.mass / body.hull_volume
+    told = f"{body.mass:.0f} g on the nodes, {water:.0f} g of water displaced"
+    remarks = []
+    if AFLOAT[0] <= share <= AFLOAT[1]:
+        remarks.append(Remark(GOOD, f"About neutrally buoyant: {told}."))
+    else:
+        way = "light: it would rise" if share < 1.0 else "heavy: it would sink"
+        remarks.append(
+            Remark(MIND, f"Too {way}. There are {told}; Neutral, in tab Body, sets its masses.")
+        )
+    low, high = DENSITIES
+    if dense < 1.5 * low or dense > high / 1.5:
+        remarks.append(
+            Remark(MIND, f"{dense:.1f} g for each cm³ between the nodes is near the limit of "
+                   f"{low:g} to {high:g}.")
+        )  # fmt: skip
+    heart = float(np.average(body.stations, weights=np.multiply(body.masses, NODES_AT_STATION)))
+    behind = (heart - body.stations[2]) / body.length
+    if behind < REAR:
+        remarks.append(
+            Remark(MIND, "Its weight lies too far forward: the fins push on ring 2, and the centre "
+                   f"of mass should lie {REAR:g} lengths behind it or more (now {behind:.2f}). "
+                   "Move mass to ring 3.")
+        )  # fmt: skip
+    return remarks
+
+
+def _material(species: Species, body: Body) -> list[Remark]:
+    limit, node = longest_step(body)
+    spare = limit / STEP
+    if spare < SLENDER_STEP:
+        return [
+            Remark(MIND, f"The step of the simulation is only {100 * (spare - 1):.0f}% below the "
+                   f"longest that the body bears. Make {NODE_PLACES[node]} heavier, or the units "
+                   "softer.")
+        ]  # fmt: skip
+    return [Remark(GOOD, f"Stable: it bears steps {100 * (spare - 1):.0f}% longer than are taken.")]
+
+
+class Swum(NamedTuple):
+    """What a test swim showed."""
+
+    sound: bool
+    strain: tuple[float, float]  # least and greatest length of any unit over its length at rest
+    worst: str  # which unit came nearest to a limit, in words
+    speed_bl_s: float
+    per_beat: float  # body lengths
+    drift_deg: float  # of the heading, over the beats that were measured
+    aside: float  # off the straight line, body lengths
+    sweep: float  # of the tail, body lengths
+    turned_deg: float  # in a sharp turn to the left; NaN where it lost its shape
+    step_cm: float  # greatest change of a muscle's length in one step
+
+
+def beat_of(swim: SwimPlan, amplitude: float = 1.0) -> Floats:
+    """Contractions (6 T, 12) of a beat from phase 0."""
+    steps = swim.ticks_per_beat * STEPS_PER_TICK
+    return swim_contraction(swim, 2 * np.pi * np.arange(steps) / steps, amplitude)
+
+
+def tried(muscles: Muscles) -> Swum:
+    """Swim fast from rest, straight on; then turn sharply out of medium speed."""
+    plan, swim, _ = muscles
+    body = build_body(plan)
+    with np.errstate(all="ignore"):  # a body that loses its shape may end in numbers that are none
+        frames, state = _from_rest(body, beat_of(swim), BEATS)
+        measured = frames[-MEASURED * swim.ticks_per_beat - 1 :]
+        sound = is_sound(state)
+        strain, worst = _strain(body, frames, state)
+        per_beat = float(np.linalg.norm((measured[-1] - measured[0]).mean(axis=0))) / MEASURED
+        drift, aside = _straight(measured, swim.ticks_per_beat)
+        beat_s = swim.ticks_per_beat * TICK_S
+        step = float(np.abs(np.diff(muscle_lengths(body, beat_of(swim)), axis=0)).max())
+        return Swum(
+            sound, strain, worst, per_beat / plan.length / beat_s, per_beat / plan.length,
+            drift, aside / plan.length, _sweep(measured[-swim.ticks_per_beat - 1 :]) / plan.length,
+            _turned(body, muscles), step,
+        )  # fmt: skip
+
+
+def told(swum: Swum, muscles: Muscles) -> list[Remark]:
+    """The same in sentences."""
+    low, high = STRAIN_LIMITS
+    stretch = f"units keep within {swum.strain[0]:.2f} to {swum.strain[1]:.2f} of their length"
+    if not swum.sound:
+        return [
+            Remark(BAD, f"It loses its shape: {swum.worst} leaves {low:g} to {high:g} of its "
+                   "length at rest. Contract the muscles less, or make the ring there wider.")
+        ]  # fmt: skip
+    remarks = [Remark(GOOD, f"It keeps its shape in fast swimming: {stretch}.")]
+    speed = f"{swum.speed_bl_s:.2f} body lengths a second, {swum.per_beat:.2f} a beat"
+    if swum.per_beat < PER_BEAT:
+        remarks.append(
+            Remark(MIND, f"It swims slowly: {speed}; {PER_BEAT:g} a beat are asked. Learn finds "
+                   "better controllers.")
+        )  # fmt: skip
+    else:
+        remarks.append(Remark(GOOD, f"It swims {speed}."))
+    if swum.drift_deg > DRIFT_DEG or swum.aside > ASIDE:
+        remarks.append(
+            Remark(MIND, f"It drifts by {swum.drift_deg:.1f}° in {MEASURED} beats: it has not "
+                   "settled. Raise the viscosity a little.")
+        )  # fmt: skip
+    else:
+        remarks.append(Remark(GOOD, f"It swims straight: {swum.drift_deg:.2f}° of drift."))
+    if not SWEEP[0] <= swum.sweep <= SWEEP[1]:
+        much = "little" if swum.sweep < SWEEP[0] else "far"
+        remarks.append(
+            Remark(MIND, f"Its tail sweeps {much}: {swum.sweep:.2f} body lengths; fishes' sweep "
+                   "about 0.2.")
+        )  # fmt: skip
+    asked = muscles.turn.sharp
+    if not np.isfinite(swum.turned_deg):
+        remarks.append(
+            Remark(BAD, "It loses its shape in a sharp turn. Contract the turning muscles less.")
+        )
+    elif abs(swum.turned_deg - asked) > TURN_OFF_DEG:
+        remarks.append(
+            Remark(MIND, f"A sharp turn of {asked:.0f}° turns it by {swum.turned_deg:.0f}°. Learn "
+                   "fits the steering map to this body.")
+        )  # fmt: skip
+    else:
+        remarks.append(
+            Remark(GOOD, f"A sharp turn of {asked:.0f}° turns it by {swum.turned_deg:.0f}°.")
+        )
+    if swum.step_cm > S_MAX * 1.01:
+        remarks.append(
+            Remark(MIND, f"Its muscles contract by {swum.step_cm:.3f} cm a step, faster than the "
+                   f"{S_MAX:g} cm that muscles can. Contract less, or take more ticks a beat.")
+        )  # fmt: skip
+    return remarks
+
+
+def _from_rest(body: Body, beat: Floats, beats: int) -> tuple[Floats, State]:
+    """Nodes (T, 23, 3) tick by tick; the first beat raises all from nothing."""
+    state = at_rest(body)
+    first = simulate(body, state, ease(np.arange(len(beat)) / len(beat))[:, None] * beat)
+    rest = simulate(body, state, np.tile(beat, (beats - 1, 1)))
+    return np.concatenate([first, rest]), state
+
+
+def _strain(body: Body, frames: Floats, state: State) -> tuple[tuple[float, float], str]:
+    """The extremes, and the unit that came nearest to a limit."""
+    i, j = UNITS.T
+    ratio = np.linalg.norm(frames[:, j] - frames[:, i], axis=2) / body.length
+    least, most = ratio.min(axis=0), ratio.max(axis=0)
+    low, high = STRAIN_LIMITS
+    near = np.where(
+        np.isfinite(least), np.maximum((1 - least) / (1 - low), (most - 1) / (high - 1)), 9
+    )
+    unit = int(near.argmax())
+    a, b = (NODE_PLACES[int(node)] for node in UNITS[unit])
+    between = f"of {a}" if a == b else f"between {a} and {b}"
+    return (float(state.watch[0]), float(state.watch[1])), f"a {UNIT_NAMES[KINDS[unit]]} {between}"
+
+
+def _straight(frames: Floats, ticks: int) -> tuple[float, float]:
+    """Degrees between the ways of the first and the last beat, and cm off the line."""
+    centres = frames[::ticks].mean(axis=1)
+    ways = np.diff(centres, axis=0)
+    cos = ways[0] @ ways[-1] / max(float(np.linalg.norm(ways[0]) * np.linalg.norm(ways[-1])), 1e-12)
+    line = centres[-1] - centres[0]
+    line = line / max(float(np.linalg.norm(line)), 1e-12)
+    off = centres - centres[0]
+    aside = np.linalg.norm(off - np.outer(off @ line, line), axis=1).max()
+    return float(np.degrees(np.arccos(np.clip(cos, -1.0, 1.0)))), float(aside)
+
+
+def _sweep(frames: Floats) -> float:
+    """Peak to peak of the tail across the way of a beat, cm."""
+    way = frames[-1].mean(axis=0) - frames[0].mean(axis=0)
+    way = way / max(float(np.linalg.norm(way)), 1e-12)
+    aside = np.cross((0.0, 1.0, 0.0), way)
+    across = frames[:, 21:].mean(axis=1) @ aside
+    return float(np.ptp(across - np.linspace(0.0, across[-1] - across[0], len(across))))
+
+
+def _turned(body: Body, muscles: Muscles) -> float:
+    """Degrees by which a sharp turn to the left changes the mean heading of a beat."""
+    _, swim, turn = muscles
+    beat = beat_of(swim, swim.medium)
+    frames, state = _from_rest(body, beat, BEATS)
+    before = frames[-swim.ticks_per_beat :]
+    bent = simulate(body, state, turn_contraction(swim, turn, turn.sharp))
+    after = simulate(body, state, np.tile(beat, (4, 1)))
+    if not is_sound(state):
+        return float("nan")
+    forward = body_frame(np.concatenate([before, bent, after]))[1][:, :, 0]
+    heading = np.degrees(np.unwrap(np.arctan2(-forward[:, 2], forward[:, 0])))
+    count = swim.ticks_per_beat
+    return float(heading[-count:].mean() - heading[:count].mean())

@@ -1,0 +1,169 @@
+"""The fish that swims in the builder: by simulation with its own controllers, or by its spine.
+
+It keeps swimming while it is changed; where it loses its shape it begins anew. What is shown stays
+in place: its axes neither sway nor yaw with the beat, but go along.
+"""
+
+from collections import deque
+from typing import Any, Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.biomechanics.body import MUSCLES, Body, build_body
+from subsea.biomechanics.body_frame import body_frame
+from subsea.biomechanics.body_plan import Muscles
+from subsea.biomechanics.controllers import LEFT, RIGHT, bend_contraction, swim_contraction
+from subsea.biomechanics.simulation import State, at_rest, is_sound, simulate
+from subsea.biomechanics.solver import STEPS_PER_TICK, TICK_S
+from subsea.fish.coupling import couple, place
+from subsea.fish.species import Species
+from subsea.fish.spine import MIDDLES, Gait, SpinePlan, carried, flapped, spines
+from subsea.fish.surface import SurfacePlan, along, fitted, rest_control_points, rest_surface
+
+Array = NDArray[np.floating[Any]]
+
+Way = Literal["rest", "slow", "medium", "fast", "left", "right"]
+WAYS: tuple[Way, ...] = get_args(Way)
+EASE = 0.06  # of the way to another amplitude or bend, each tick
+MOST_TICKS = 4  # made up for after a slow picture
+QUIET_CM = 1e-3  # so little contraction is none
+
+
+class Swimmer:
+    """A fish in motion, as control points from tick to tick."""
+
+    def __init__(self, species: Species) -> None:
+        """At rest, and about to swim at grade medium."""
+        self.way: Way = "medium"
+        self._left_s = 0.0  # time that is not made yet
+        self._phase, self._amplitude, self._bend = 0.0, 0.0, 0.0
+        self._state: State | None = None
+        self._beat: deque[tuple[Array, Array]] = deque(maxlen=1)  # origins, ways ahead
+        self.contraction = np.zeros(MUSCLES)  # at present, shares of the rest length
+        self.reshape(species)
+
+    def reshape(self, species: Species) -> None:
+        """Go on as this species; one with another scaffold begins at rest where it must."""
+        self._muscles, self._spine, self._surface = species.muscles, species.spine, species.surface
+        if self._muscles:
+            body = build_body(self._muscles.body)
+            if self._state is None or np.ptp(body.rest[:, 0]) != np.ptp(self._body.rest[:, 0]):
+                self._begin(body)
+            self._body: Body = body
+            rest = rest_control_points(species.surface, species.length_cm, body.rest[0, 0])
+            self._coupling = couple(species.surface.coupling, body.rest, rest)
+            ticks = self._muscles.swim.ticks_per_beat
+            if self._beat.maxlen != ticks + 1:
+                self._beat = deque(self._beat, maxlen=ticks + 1)
+        self._now = self._then = self._points()
+
+    def rest(self) -> None:
+        """Begin anew, lying still."""
+        self._phase, self._amplitude, self._bend = 0.0, 0.0, 0.0
+        if self._muscles:
+            self._begin(self._body)
+        self._now = self._then = self._points()
+
+    def swum(self, elapsed_s: float) -> Array:
+        """Control points (426, 3) after so much more time, cm, ahead, up and right of the fish."""
+        self._left_s = min(self._left_s + elapsed_s, MOST_TICKS * TICK_S)
+        while self._left_s >= TICK_S:
+            self._left_s -= TICK_S
+            self._then = self._now
+            self._tick()
+            self._now = self._points()
+        share = self._left_s / TICK_S
+        return np.asarray((1.0 - share) * self._then + share * self._now)
+
+    @property
+    def turns(self) -> bool:
+        """Whether it can be seen to turn: what its spine moves swims straight on here."""
+        return self._muscles is not None
+
+    @property
+    def moves(self) -> bool:
+        """Whether it will look different by itself."""
+        return self.way != "rest" or self._amplitude > QUIET_CM or abs(self._bend) > QUIET_CM
+
+    def _begin(self, body: Body) -> None:
+        self._state = at_rest(body)
+        self._beat.clear()
+        self.contraction = np.zeros(MUSCLES)
+
+    def _tick(self) -> None:
+        goal, bend = self._goal()
+        self._amplitude += EASE * (goal - self._amplitude)
+        self._bend += EASE * (bend - self._bend)
+        if self._muscles:
+            self._swim(self._muscles)
+        elif self._spine:
+            self._phase += 1.0 / self._gait(self._spine).ticks_per_beat
+
+    def _goal(self) -> tuple[float, float]:
+        """The amplitude and the bend that it eases to."""
+        if self.way == "rest":
+            return 0.0, 0.0
+        if self._spine:
+            return self._gait(self._spine).amplitude, 0.0
+        assert self._muscles
+        swim = self._muscles.swim
+        grades = {"slow": swim.slow, "fast": 1.0}
+        sides = {"left": LEFT, "right": RIGHT}
+        return grades.get(self.way, swim.medium), sides.get(self.way, 0.0)
+
+    def _gait(self, spine: SpinePlan) -> Gait:
+        return {"slow": spine.slow, "fast": spine.fast}.get(self.way, spine.medium)
+
+    def _swim(self, muscles: Muscles) -> None:
+        """One tick of the simulation; a body that loses its shape begins anew."""
+        assert self._state is not None
+        per_beat = muscles.swim.ticks_per_beat * STEPS_PER_TICK
+        phase = self._phase + 2 * np.pi * np.arange(STEPS_PER_TICK) / per_beat
+        self._phase = float(self._phase + 2 * np.pi * STEPS_PER_TICK / per_beat) % (2 * np.pi)
+        contraction = swim_contraction(muscles.swim, phase, self._amplitude)
+        side = LEFT if self._bend >= 0 else RIGHT
+        contraction += abs(self._bend) * bend_contraction(muscles.turn.gradual, side)
+        with np.errstate(all="ignore"):
+            simulate(self._body, self._state, contraction)
+        self.contraction = contraction[-1]
+        if not is_sound(self._state):
+            self._amplitude = self._bend = 0.0
+            self._begin(self._body)
+
+    def _points(self) -> Array:
+        if self._muscles:
+            assert self._state is not None
+            origin, rotation = body_frame(self._state.x)
+            ahead = rotation[:, 0] * (1.0, 0.0, 1.0)
+            self._beat.append((origin, ahead / max(float(np.linalg.norm(ahead)), 1e-9)))
+            middle, axes = self._frame()
+            return np.asarray((place(self._coupling, self._state.x) - middle) @ axes)
+        assert self._spine
+        return by_spine(self._spine, self._surface, self._phase, self._amplitude)
+
+    def _frame(self) -> tuple[Array, Array]:
+        """Origin and axes (columns ahead, up, right) that go along evenly, from the last beat's."""
+        origins = np.array([one for one, _ in self._beat])
+        middle = origins.mean(axis=0)
+        if len(origins) > 1:  # half a beat ahead of the mean is where it is now
+            middle = middle + 0.5 * (origins[-1] - origins[0])
+        ahead = np.mean([one for _, one in self._beat], axis=0)
+        ahead = ahead / max(float(np.linalg.norm(ahead)), 1e-9)
+        up = np.array([0.0, 1.0, 0.0])
+        return middle, np.stack([ahead, up, np.cross(ahead, up)], axis=1)
+
+
+def by_spine(plan: SpinePlan, surface: SurfacePlan, beat: float, amplitude: float) -> Array:
+    """Control points (426, 3), cm, of a fish that its spine moves, swimming straight on (KS II)."""
+    rest = rest_surface(surface)
+    at = np.array([beat])
+    tall = along(surface.back, MIDDLES) - along(surface.belly, MIDDLES)
+    heavy = along(surface.width, MIDDLES) * tall
+    spine = spines(plan, at, amplitude, np.zeros((1, len(MIDDLES))), heavy)
+    body = rest
+    if plan.wings and surface.wing:
+        body = flapped(plan.wings, rest, surface.wing.span, at, amplitude)
+    points = fitted(carried(spine, body))[0] * plan.length
+    points[:, 0] += (0.5 - plan.centre) * plan.length  # the middle of the fish is the origin's
+    return np.asarray(points)

@@ -1,0 +1,186 @@
+"""Gamepads: what their sticks, triggers and buttons ask for, looked at once a picture.
+
+A part of a gamepad is an input like any key, with a name, but it may be moved by a part of its way
+only. Which part of which model is which, mappings tell: the window library's own, those in
+`assets/gamecontrollerdb.txt`, and the user's.
+"""
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import glfw
+import imgui_bundle  # noqa: F401  # before glfw: it brings the one libglfw that both share
+
+from subsea.core.resources import resource_path
+from subsea.dive.bindings import PAD_AXES, PAD_BUTTONS, Wish, is_action, is_wish
+from subsea.dive.pilot import Pilot
+from subsea.dive.settings import Gamepad, settings_path
+from subsea.ui.window import Listener
+
+MAPPINGS = "gamecontrollerdb.txt"  # the name that such files have everywhere
+IN_ENVIRONMENT = "SDL_GAMECONTROLLERCONFIG"  # more mappings, as games know it
+CURVE = 1.5  # exponent of the answer of a stick: fine near the middle
+STEP = 0.01  # of its way: a part that moves by less has not moved
+PRESSED, RELEASED = 0.5, 0.3  # of its way: beyond, and below, an axis is a button
+
+
+class State(NamedTuple):
+    """A gamepad as it is now, in the window library's order of buttons and axes."""
+
+    name: str
+    buttons: Sequence[int]  # 1 where pressed
+    axes: Sequence[float]  # in [-1, 1]; down and right positive, a trigger at rest -1
+
+
+Read = Callable[[], Mapping[int, State | None]]  # by their numbers; None: no known gamepad
+
+
+class Gamepads:
+    """All gamepads there are steer the same submarine. They may come and go at any time."""
+
+    def __init__(self, pilot: Pilot, wishes: list[Wish], read: Read | None = None) -> None:
+        """What is asked for goes to the `pilot`, and is added to the `wishes`."""
+        self._pilot, self._wishes = pilot, wishes
+        self._read = _there if read is None else read
+        self._amounts: dict[str, float] = {}  # of inputs, as the pilot knows them
+        self._down: set[str] = set()  # inputs beyond PRESSED
+        self._names: dict[int, str | None] = {}
+
+    def poll(self, listener: Listener | None = None) -> list[str]:
+        """Hand on what has moved since the last call, to the `listener` first; what is to be told
+        of those that came or went, in lines.
+        """
+        there = self._read()
+        lines = self._told({number: state and state.name for number, state in there.items()})
+        now: dict[str, float] = {}
+        for state in there.values():
+            if state is not None:
+                for name, amount in amounts(state, self._pilot.settings.gamepad).items():
+                    now[name] = max(amount, now.get(name, 0.0))
+        for name in sorted({*now, *self._amounts}):
+            self._move(name, now.get(name, 0.0), listener)
+        return lines
+
+    def _told(self, names: dict[int, str | None]) -> list[str]:
+        before, self._names = self._names, names
+        lines = [
+            f"the gamepad {name!r} is gone"
+            for number, name in before.items()
+            if name is not None and names.get(number) is None
+        ]
+        for number, name in names.items():
+            if number in before and before[number] == name:
+                continue
+            if name is not None:
+                lines.append(f"the gamepad {name!r} steers")
+            else:
+                own = settings_path().parent / MAPPINGS
+                lines.append(
+                    f"unknown gamepad {_text(glfw.get_joystick_name(number))!r}: {own} may map it, "
+                    f"by its number {_text(glfw.get_joystick_guid(number))}"
+                )
+        return lines
+
+    def _move(self, name: str, amount: float, listener: Listener | None) -> None:
+        """The input `name` is at `amount` of its way."""
+        before = self._amounts.get(name, 0.0)
+        if abs(amount - before) < STEP and (amount > 0.0) == (before > 0.0):
+            return
+        self._pilot.stir()
+        self._amounts[name] = amount
+        if amount <= 0.0:
+            del self._amounts[name]
+        crossed = amount > PRESSED and name not in self._down
+        if crossed:
+            self._down.add(name)
+        elif amount < RELEASED:
+            self._down.discard(name)
+        pilot = self._pilot
+        heard = listener is not None and listener.moved(name, amount)
+        meaning = pilot.bindings.meaning(name, pilot.riding)
+        if pilot.settings.gamepad.invert_pitch and "stick" in name and meaning in ("up", "down"):
+            meaning = "down" if meaning == "up" else "up"
+        if heard or meaning is None or amount <= 0.0:
+            pilot.release(name)
+        elif is_action(meaning):
+            if meaning != "full stop" or crossed:
+                pilot.hold(meaning, name, amount)
+        elif crossed and is_wish(meaning):
+            self._wishes.append(meaning)
+
+
+def amounts(state: State, settings: Gamepad) -> dict[str, float]:
+    """How far each part of a gamepad is moved that is: its input's name, in (0, 1]."""
+    found = {}
+    for name, down in zip(PAD_BUTTONS, state.buttons, strict=True):
+        if down:
+            found[f"pad {name}"] = 1.0
+    for (positive, negative), value in zip(PAD_AXES, state.axes, strict=True):
+        if not negative:  # a trigger
+            offset = (value + 1.0) / 2.0
+            share = _beyond(offset, settings)
+        else:
+            offset = value
+            share = _beyond(abs(value), settings) ** CURVE
+        if share > 0.0:
+            found[f"pad {positive if offset > 0.0 else negative}"] = share
+    return found
+
+
+def add_mappings(tell: Callable[[str], None]) -> None:
+    """Teach the window library, which must have started, all mappings; later ones go before."""
+    texts = [resource_path(f"assets/{MAPPINGS}").read_text(encoding="utf-8")]
+    own = settings_path().parent / MAPPINGS
+    if own.exists():
+        texts.append(_text_of(own, tell))
+    texts.append(os.environ.get(IN_ENVIRONMENT, ""))
+    for text in texts:
+        # Line by line: one that the library cannot read must not take the others with it.
+        for line in text.splitlines():
+            if line and not line.startswith("#") and not _add(line):
+                tell(f"no mapping of a gamepad: {line[:60]}")
+
+
+def _there() -> dict[int, State | None]:
+    """The gamepads that the window library sees now."""
+    found: dict[int, State | None] = {}
+    for number in range(glfw.JOYSTICK_1, glfw.JOYSTICK_LAST + 1):
+        if not glfw.joystick_present(number):
+            continue
+        state = glfw.get_gamepad_state(number) if glfw.joystick_is_gamepad(number) else None
+        found[number] = None
+        if state:
+            name = _text(glfw.get_gamepad_name(number))
+            found[number] = State(name, list(state.buttons), list(state.axes))
+    return found
+
+
+def _text(words: Any) -> str:
+    return words.decode("utf-8", "replace") if isinstance(words, bytes) else str(words)
+
+
+def _beyond(offset: float, settings: Gamepad) -> float:
+    """How far a part is moved beyond the dead zone, in [0, 1]."""
+    zone = settings.dead_zone
+    return min(max(offset - zone, 0.0) / (1.0 - zone) * settings.sensitivity, 1.0)
+
+
+def _text_of(path: Path, tell: Callable[[str], None]) -> str:
+    try:
+        return path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as fault:
+        tell(f"{path}: cannot read ({getattr(fault, 'strerror', None) or 'not UTF-8 text'})")
+        return ""
+
+
+def _add(line: str) -> bool:
+    """Teach the window library a mapping; whether it is one."""
+    guid = line.partition(",")[0]
+    if len(guid) != 32 or not set(guid) <= set("0123456789abcdef"):
+        return guid == "xinput"
+    try:
+        return bool(glfw.update_gamepad_mappings(line))
+    except glfw.GLFWError:
+        return False

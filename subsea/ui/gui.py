@@ -1,0 +1,334 @@
+"""Dear ImGui in the pilot's window: its frames, what hands do in them, and where they are drawn."""
+
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import glfw
+import imgui_bundle
+from imgui_bundle import imgui
+
+from subsea.view.text_viewports import WHOLE, Pane
+
+TEXT_PT = 18.0
+ROOM = 34.0, 20.0  # what the help needs of the screen at least, in heights of its letters
+SQUEEZED = 1.2  # how much larger, and bold, text is whose strokes would be lost
+INK = (0.93, 0.97, 1.0)
+QUIET = (0.62, 0.76, 0.84)
+DEEP = (0.02, 0.13, 0.20)
+GLASS = (0.01, 0.06, 0.10)  # what panels are made of
+LIT = (0.16, 0.52, 0.66)
+MARK = (0.55, 0.90, 1.0)  # of what is chosen, and of curves
+SHADE = (0.0, 0.05, 0.08)  # behind what stands over the sea itself
+
+KEYS = {
+    glfw.KEY_TAB: imgui.Key.tab,
+    glfw.KEY_LEFT: imgui.Key.left_arrow,
+    glfw.KEY_RIGHT: imgui.Key.right_arrow,
+    glfw.KEY_UP: imgui.Key.up_arrow,
+    glfw.KEY_DOWN: imgui.Key.down_arrow,
+    glfw.KEY_PAGE_UP: imgui.Key.page_up,
+    glfw.KEY_PAGE_DOWN: imgui.Key.page_down,
+    glfw.KEY_HOME: imgui.Key.home,
+    glfw.KEY_END: imgui.Key.end,
+    glfw.KEY_INSERT: imgui.Key.insert,
+    glfw.KEY_DELETE: imgui.Key.delete,
+    glfw.KEY_BACKSPACE: imgui.Key.backspace,
+    glfw.KEY_SPACE: imgui.Key.space,
+    glfw.KEY_ENTER: imgui.Key.enter,
+    glfw.KEY_KP_ENTER: imgui.Key.keypad_enter,
+    glfw.KEY_ESCAPE: imgui.Key.escape,
+    # What text fields know with Ctrl: all, copy, paste, cut, redo, undo; and what saves.
+    glfw.KEY_A: imgui.Key.a,
+    glfw.KEY_C: imgui.Key.c,
+    glfw.KEY_V: imgui.Key.v,
+    glfw.KEY_X: imgui.Key.x,
+    glfw.KEY_Y: imgui.Key.y,
+    glfw.KEY_Z: imgui.Key.z,
+    glfw.KEY_S: imgui.Key.s,
+}
+PRESSED = {
+    imgui.Key.mod_ctrl: (glfw.KEY_LEFT_CONTROL, glfw.KEY_RIGHT_CONTROL),
+    imgui.Key.mod_shift: (glfw.KEY_LEFT_SHIFT, glfw.KEY_RIGHT_SHIFT),
+}
+MODIFIERS = (
+    (glfw.MOD_CONTROL, imgui.Key.mod_ctrl),
+    (glfw.MOD_SHIFT, imgui.Key.mod_shift),
+    (glfw.MOD_ALT, imgui.Key.mod_alt),
+    (glfw.MOD_SUPER, imgui.Key.mod_super),
+)
+# The parts of a gamepad that go from one entry to the next, choose it, and go back.
+PADS = {
+    "pad A": imgui.Key.gamepad_face_down,
+    "pad B": imgui.Key.gamepad_face_right,
+    **{
+        f"pad {stick}{way}": key
+        for stick in ("", "left stick ")
+        for way, key in (
+            ("up", imgui.Key.gamepad_dpad_up),
+            ("down", imgui.Key.gamepad_dpad_down),
+            ("left", imgui.Key.gamepad_dpad_left),
+            ("right", imgui.Key.gamepad_dpad_right),
+        )
+    },
+}
+PUSHED = 0.5  # of its way: so far a part of a gamepad is moved that is meant
+
+
+class Gui:
+    """One frame of it after another over the present picture, drawn with its OpenGL 3 backend.
+
+    What hands do reaches it while it is `open`: then the pointer is its own, and does not steer,
+    and so are the keys while something is being typed.
+    """
+
+    def __init__(self) -> None:
+        """Attach to the window whose OpenGL context is current."""
+        self.open = False
+        self.heard = 0  # how many things hands have done that reached it
+        self._navigated = False
+        self._unsure = 0  # frames until it is known whether the last click was on a field of text
+        self._context = imgui.create_context()
+        self._io = imgui.get_io()
+        self._io.set_ini_filename(None)
+        self._io.config_error_recovery_enable_debug_log = False  # see `mended`
+        self._io.config_error_recovery_enable_tooltip = False
+        fonts = Path(imgui_bundle.__file__).parent / "assets" / "fonts" / "Roboto"
+        self._plain, self._bold = (
+            self._io.fonts.add_font_from_file_ttf(str(fonts / f"Roboto-{weight}.ttf"), TEXT_PT)
+            for weight in ("Regular", "Bold")
+        )
+        imgui.backends.opengl3_init("#version 330")
+        self._window = 1.0, 1.0
+        self._panes: Sequence[Pane] = (WHOLE,)
+        self._last = time.perf_counter()
+        _dress(imgui.get_style())
+
+    def begin(
+        self, points: tuple[int, int], pixels: tuple[int, int], scale: float,
+        panes: Sequence[Pane] = (WHOLE,),
+    ) -> None:  # fmt: skip
+        """Begin a frame on a window of so many pointer units and pixels.
+
+        What follows goes to each of the `panes`, in the same place for both eyes: at the screen.
+        """
+        imgui.backends.opengl3_new_frame()
+        now = time.perf_counter()
+        self._io.delta_time, self._last = max(now - self._last, 1e-4), now
+        self._window, self._panes = (float(points[0]), float(points[1])), panes
+        pane = panes[0]
+        width, height = (
+            share * size for share, size in zip(pane.screen, self._window, strict=True)
+        )
+        self._io.display_size = imgui.ImVec2(width, height)
+        self._io.display_framebuffer_scale = imgui.ImVec2(
+            pixels[0] / points[0], pixels[1] / points[1]
+        )
+        imgui.new_frame()
+        self._unsure = max(self._unsure - 1, 0)
+        tall = min(
+            TEXT_PT * scale * (SQUEEZED if pane.squeezed else 1.0),
+            width / ROOM[0],
+            height / ROOM[1],
+        )
+        imgui.push_font(self._bold if pane.squeezed else self._plain, max(tall, 1.0))
+
+    def end(self) -> None:
+        """End the frame and draw it."""
+        imgui.pop_font()
+        imgui.render()
+        data = imgui.get_draw_data()
+        scale = data.framebuffer_scale
+        across, down = scale.x, scale.y
+        for pane in self._panes:
+            pane.page(pane.number)
+            # What would fill the screen is drawn as the pane's part of a larger window.
+            wider, higher = pane.screen[0] / pane.width, pane.screen[1] / pane.height
+            width, height = wider * self._window[0], higher * self._window[1]
+            data.display_pos = imgui.ImVec2(-pane.x * width, -pane.y * height)
+            data.display_size = imgui.ImVec2(width, height)
+            data.framebuffer_scale = imgui.ImVec2(across / wider, down / higher)
+            imgui.backends.opengl3_render_draw_data(data)
+
+    def navigate(self, on: bool) -> None:
+        """Whether arrows, Enter and a gamepad go from one thing to the next, and choose it."""
+        flags = imgui.ConfigFlags_
+        keys = flags.nav_enable_keyboard.value | flags.nav_enable_gamepad.value
+        self._io.config_flags = self._io.config_flags & ~keys | (keys if on else 0)
+        self._navigated = on
+        self._io.backend_flags |= imgui.BackendFlags_.has_gamepad.value
+
+    @property
+    def on_panel(self) -> bool:
+        """Whether the pointer is on a panel, or drags what began on one."""
+        return bool(self._io.want_capture_mouse)
+
+    @property
+    def pointer(self) -> tuple[float, float]:
+        """Where the pointer is on the screen, in shares of it from the upper left corner."""
+        place, size = self._io.mouse_pos, self._io.display_size
+        return place.x / size.x, place.y / size.y
+
+    def pointed(self, x: float, y: float) -> bool:
+        """The pointer is there, in pointer units of the window; whether that is for panels."""
+        self.heard += 1
+        # Two eyes see one pointer: where it is on the screen that their panes show squeezed.
+        share_x, share_y = x / self._window[0], y / self._window[1]
+        pane = next((one for one in self._panes if _within(one, share_x, share_y)), self._panes[0])
+        self._io.add_mouse_pos_event(
+            (share_x - pane.x) / pane.width * pane.screen[0] * self._window[0],
+            (share_y - pane.y) / pane.height * pane.screen[1] * self._window[1],
+        )
+        return self.open
+
+    def pressed(self, button: int, down: bool) -> bool:
+        """A mouse button went down or up; whether that is for panels."""
+        self.heard += 1
+        if self.open and down:
+            self._unsure = 2
+        if (self.open or not down) and button < imgui.MouseButton_.count.value:
+            self._io.add_mouse_button_event(button, down)
+        return self.open
+
+    def scrolled(self, dx: float, dy: float) -> bool:
+        """The wheel turned; whether that is for panels."""
+        self.heard += 1
+        if self.open:
+            self._io.add_mouse_wheel_event(dx, dy)
+        return self.open
+
+    def keyed(self, key: int, down: bool, modifiers: int) -> bool:
+        """A key went down or up; whether that is for a field in which something is typed.
+
+        Or may be: just after a click nobody knows yet whether there is one under the pointer.
+        """
+        self.heard += 1
+        if self.open or not down:
+            for bit, name in MODIFIERS:
+                self._io.add_key_event(name, bool(modifiers & bit))
+            # The modifiers of an event are those of before it.
+            for name, keys in PRESSED.items():
+                if key in keys:
+                    self._io.add_key_event(name, down)
+            if key in KEYS:
+                self._io.add_key_event(KEYS[key], down)
+        return self.open and (bool(self._io.want_text_input) or self._unsure > 0)
+
+    def moved(self, name: str, amount: float) -> bool:
+        """A part of a gamepad moved; whether that is for what it navigates. Else it steers on."""
+        if not self._navigated or name not in PADS:
+            return False
+        self._io.add_key_event(PADS[name], amount > PUSHED)
+        return True
+
+    def typed(self, character: int) -> None:
+        """A character was typed."""
+        self.heard += 1
+        if self.open:
+            self._io.add_input_character(character)
+
+    def let_go(self) -> None:
+        """The window lost the keyboard, or the panels were put away."""
+        self.heard += 1
+        for button in range(3):
+            self._io.add_mouse_button_event(button, False)
+        for name in (*KEYS.values(), *PADS.values(), *(modifier for _, modifier in MODIFIERS)):
+            self._io.add_key_event(name, False)
+
+    def close(self) -> None:
+        """Release what it holds; the window's context must still be current."""
+        imgui.backends.opengl3_shutdown()
+        imgui.destroy_context(self._context)
+
+
+@contextmanager
+def mended() -> Iterator[None]:
+    """What is drawn in it may fail: what it has begun and not ended is ended then."""
+    before, io = imgui.internal.ErrorRecoveryState(), imgui.get_io()
+    imgui.internal.error_recovery_store_state(before)
+    try:
+        yield
+    except Exception:
+        io.config_error_recovery_enable_assert = False
+        imgui.internal.error_recovery_try_to_recover_state(before)
+        io.config_error_recovery_enable_assert = True
+        raise
+
+
+def fill(text: str) -> None:
+    """Fill the window with one line of text on deep water, in the present frame."""
+    size = imgui.get_io().display_size
+    box = imgui.calc_text_size(text)
+    canvas = imgui.get_background_draw_list()
+    canvas.add_rect_filled((0.0, 0.0), size, colour(DEEP))
+    canvas.add_text(((size.x - box.x) / 2, (size.y - box.y) / 2), colour(INK), text)
+
+
+def colour(rgb: tuple[float, float, float], alpha: float = 1.0) -> int:
+    """A colour as draw lists want it."""
+    packed: int = imgui.get_color_u32((*rgb, alpha))
+    return packed
+
+
+def shadowed(
+    place: tuple[float, float], text: str, size: float, rgb: tuple[float, float, float],
+    alpha: float = 1.0, share: float = 0.0,
+) -> None:  # fmt: skip
+    """Text over the sea, letters of `size`; `share` of its width lies left of the place."""
+    canvas = imgui.get_background_draw_list()
+    imgui.push_font(None, size)
+    x, y = place[0] - share * imgui.calc_text_size(text).x, place[1]
+    for off, ink in (
+        (max(0.06 * size, 1.0), colour(SHADE, 0.75 * alpha)),
+        (0.0, colour(rgb, alpha)),
+    ):
+        canvas.add_text((x + off, y + off), ink, text)
+    imgui.pop_font()
+
+
+def _within(pane: Pane, x: float, y: float) -> bool:
+    return pane.x <= x < pane.x + pane.width and pane.y <= y < pane.y + pane.height
+
+
+def _dress(style: Any) -> None:
+    """How panels look: dark glass over the sea, one light colour for what is chosen."""
+    style.window_rounding, style.frame_rounding, style.grab_rounding = 8.0, 4.0, 4.0
+    style.popup_rounding, style.scrollbar_rounding, style.tab_rounding = 6.0, 6.0, 4.0
+    style.window_border_size, style.popup_border_size = 0.0, 0.0
+    style.window_padding, style.frame_padding = (12.0, 10.0), (7.0, 3.0)
+    style.item_spacing = (8.0, 5.0)
+    names = imgui.Col_
+    for name, rgb, alpha in (
+        (names.text, INK, 1.0),
+        (names.text_disabled, QUIET, 0.8),
+        (names.window_bg, GLASS, 0.86),
+        (names.popup_bg, GLASS, 0.94),
+        (names.menu_bar_bg, GLASS, 0.78),
+        (names.title_bg, GLASS, 0.9),
+        (names.title_bg_active, (0.04, 0.17, 0.24), 0.95),
+        (names.title_bg_collapsed, GLASS, 0.6),
+        (names.frame_bg, (0.13, 0.27, 0.34), 0.55),
+        (names.frame_bg_hovered, (0.18, 0.38, 0.47), 0.7),
+        (names.frame_bg_active, (0.18, 0.42, 0.52), 0.85),
+        (names.button, (0.11, 0.31, 0.41), 0.8),
+        (names.button_hovered, (0.16, 0.43, 0.55), 0.95),
+        (names.button_active, LIT, 1.0),
+        (names.header, (0.11, 0.34, 0.44), 0.75),
+        (names.header_hovered, (0.16, 0.43, 0.55), 0.9),
+        (names.header_active, LIT, 1.0),
+        (names.check_mark, MARK, 1.0),
+        (names.slider_grab, (0.40, 0.75, 0.86), 0.9),
+        (names.slider_grab_active, (0.60, 0.92, 1.0), 1.0),
+        (names.separator, QUIET, 0.25),
+        (names.nav_cursor, MARK, 0.9),
+        (names.tab, (0.08, 0.22, 0.30), 0.8),
+        (names.tab_hovered, (0.16, 0.43, 0.55), 0.95),
+        (names.tab_selected, (0.11, 0.36, 0.47), 0.95),
+        (names.tab_selected_overline, MARK, 0.8),
+        (names.modal_window_dim_bg, SHADE, 0.6),
+        (names.plot_lines, MARK, 1.0),
+        (names.plot_histogram, (0.40, 0.75, 0.86), 1.0),
+    ):
+        style.set_color_(name.value, (*rgb, alpha))

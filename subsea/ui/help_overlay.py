@@ -1,0 +1,168 @@
+"""The sign beside the exhibit: a mouse, with what each part of it does, and the keys that matter.
+
+What it tells are the inputs that the settings bind.
+"""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from imgui_bundle import imgui
+
+from subsea.dive.bindings import Bindings, Meaning
+from subsea.ui.gui import GLASS, INK, LIT, QUIET, colour, shadowed
+
+WIDE, HIGH = 32.0, 15.6  # of the sign, in heights of letters
+ROW = 1.38
+KEYS_X, WORDS_X = 17.0, 21.8  # where the columns of keys and of their words begin
+CAP = 1.15  # how high a key is drawn
+ARROWS = {"Left": (-1.0, 0.0), "Right": (1.0, 0.0), "Up": (0.0, -1.0), "Down": (0.0, 1.0)}
+
+# What the parts of the mouse are called beside it.
+BESIDE_MOUSE: dict[Meaning, str] = {
+    "ahead": "ahead", "astern": "back", "full stop": "stop", "left": "left", "right": "right",
+    "up": "nose up", "down": "nose down", "rise": "rise", "dive": "dive",
+}  # fmt: skip
+PAIRS: tuple[tuple[tuple[Meaning, ...], str], ...] = (
+    (("ahead", "astern"), "ahead and back"),
+    (("left", "right"), "turn"),
+    (("up", "down"), "nose up and down"),
+    (("rise", "dive"), "rise and dive"),
+    (("full stop",), "stop"),
+    (("ride",), "ride a fish"),
+    (("lights",), "lights"),
+    (("desk",), "panels"),
+    (("menu",), "menu"),
+    (("help",), "this help"),
+)
+
+
+class Row(NamedTuple):
+    """Keys, and what they do."""
+
+    keys: tuple[str, ...]
+    what: str
+
+
+class Sign(NamedTuple):
+    """What is on it."""
+
+    left: str  # what the buttons of the mouse do, by a word each
+    right: str
+    wheel: str
+    moving: str
+    both: str
+    rows: tuple[Row, ...]
+
+
+def sign_of(bindings: Bindings, steers: bool = True, without: Sequence[Meaning] = ()) -> Sign:
+    """The sign for these bindings, whose pointer `steers`; `without` what cannot be done here."""
+    left, right, middle = (
+        BESIDE_MOUSE.get(meaning, "") if (meaning := bindings.meaning(f"mouse {name}")) else ""
+        for name in ("left", "right", "middle")
+    )
+    rows = []
+    for meanings, what in PAIRS:
+        keys = tuple(key for one in meanings if (key := _key(bindings, one)))
+        if keys and not set(meanings) & set(without):
+            rows.append(Row(keys, what))
+    lifts = {left, right} == {"ahead", "back"} and steers
+    return Sign(
+        left,
+        right,
+        f"wheel: speed, press: {middle}" if middle else "wheel: speed",
+        "move: look and turn" if steers else "",
+        "both buttons and move: rise, dive" if lifts else "",
+        tuple(rows),
+    )
+
+
+def draw_sign(sign: Sign, opacity: float, foot: float) -> None:
+    """Draw it in the present frame, at the right, its lower edge at `foot`."""
+    size = imgui.get_io().display_size
+    line = min(imgui.get_font_size(), foot / (HIGH + 1.2), size.x / (WIDE + 2.4))
+    if line < 1.0:
+        return  # the window is too small for any letter
+    canvas = imgui.get_background_draw_list()
+    x, y = size.x - (WIDE + 1.2) * line, foot - HIGH * line
+    canvas.add_rect_filled(
+        (x, y), (x + WIDE * line, foot), colour(GLASS, 0.62 * opacity), 0.6 * line
+    )
+    _mouse(canvas, sign, x + 8.0 * line, y + 0.3 * line, line, opacity)
+    top = y + (HIGH - ROW * len(sign.rows)) / 2 * line
+    for number, row in enumerate(sign.rows):
+        high, at = top + (ROW * number + (ROW - CAP) / 2) * line, x + KEYS_X * line
+        for key in row.keys:
+            at += _cap(canvas, key, at, high, line, opacity) + 0.3 * line
+        words = x + WORDS_X * line, high + (CAP - 1.0) / 2 * line
+        shadowed(words, row.what, line, INK, opacity)
+
+
+def _mouse(canvas: Any, sign: Sign, x: float, y: float, line: float, opacity: float) -> None:
+    """A mouse seen from above, its middle at x, with words around it."""
+    wide, high = 5.2 * line, 7.6 * line
+    top = y + 3.3 * line
+    cut = top + 0.42 * high  # where its buttons end
+    left, right, foot = x - wide / 2, x + wide / 2, top + high
+    flags = imgui.ImDrawFlags_
+    round_, thick = 2.5 * line, max(0.13 * line, 1.5)
+    ink, glow = colour(INK, opacity), colour(LIT, 0.75 * opacity)
+    canvas.add_rect_filled((left, top), (right, foot), colour(GLASS, 0.6 * opacity), round_)
+    for lit, begin, end, corner in (
+        (sign.left, left, x, flags.round_top_left),
+        (sign.right, x, right, flags.round_top_right),
+    ):
+        if lit:
+            canvas.add_rect_filled((begin, top), (end, cut), glow, round_, corner.value)
+    canvas.add_rect((left, top), (right, foot), ink, round_, thick)
+    canvas.add_line((left, cut), (right, cut), ink, thick)
+    canvas.add_line((x, top), (x, cut), ink, thick)
+    canvas.add_rect_filled(
+        (x - 0.38 * line, top + 0.7 * line), (x + 0.38 * line, top + 2.2 * line), ink, 0.38 * line
+    )
+    beside, gap = top + 0.9 * line, 0.7 * line
+    shadowed((left - gap, beside), sign.left, 1.1 * line, INK, opacity, 1.0)
+    shadowed((right + gap, beside), sign.right, 1.1 * line, INK, opacity)
+    shadowed((x, y + 1.5 * line), sign.wheel, line, INK, opacity, 0.5)
+    if sign.moving:
+        middle = cut + 0.5 * (foot - cut)
+        for way in ARROWS.values():
+            _arrow(canvas, x + 1.15 * way[0] * line, middle + 1.15 * way[1] * line, way, line, ink)
+        shadowed((x, foot + 0.55 * line), sign.moving, 1.15 * line, INK, opacity, 0.5)
+    shadowed((x, foot + 2.0 * line), sign.both, 0.85 * line, QUIET, opacity, 0.5)
+
+
+def _cap(canvas: Any, key: str, x: float, y: float, line: float, opacity: float) -> float:
+    """A key with its name; how wide it is."""
+    imgui.push_font(None, 0.8 * line)
+    text = imgui.calc_text_size(key)
+    imgui.pop_font()
+    wide = CAP * line if key in ARROWS else max(CAP * line, text.x + 0.7 * line)
+    corners = (x, y), (x + wide, y + CAP * line)
+    canvas.add_rect_filled(*corners, colour(INK, 0.14 * opacity), 0.25 * line)
+    canvas.add_rect(*corners, colour(INK, 0.5 * opacity), 0.25 * line)
+    middle = x + wide / 2, y + CAP / 2 * line
+    if key in ARROWS:
+        _arrow(canvas, *middle, ARROWS[key], 0.8 * line, colour(INK, opacity))
+    else:
+        shadowed((middle[0], middle[1] - 0.4 * line), key, 0.8 * line, INK, opacity, 0.5)
+    return wide
+
+
+def _arrow(
+    canvas: Any, x: float, y: float, way: tuple[float, float], line: float, ink: int
+) -> None:
+    """A triangle about (x, y) that points there."""
+    (dx, dy), long, half = way, 0.34 * line, 0.36 * line
+    canvas.add_triangle_filled(
+        (x + long * dx, y + long * dy),
+        (x - long * dx - half * dy, y - long * dy + half * dx),
+        (x - long * dx + half * dy, y - long * dy - half * dx),
+        ink,
+    )
+
+
+def _key(bindings: Bindings, meaning: Meaning) -> str:
+    """The first key that means it; nothing if only the mouse or a gamepad does."""
+    return next(
+        (name for name in bindings.inputs(meaning) if not name.startswith(("mouse ", "pad "))), ""
+    )

@@ -1,0 +1,178 @@
+"""The instruments: a compass, depth and speed at the foot of the picture.
+
+They fade while nothing changes, and come back when something does.
+"""
+
+import math
+from itertools import pairwise
+from typing import Any, Literal, NamedTuple
+
+from imgui_bundle import imgui
+
+from subsea.state import Submarine
+from subsea.submarine.hull import AHEAD_CM_S, ASTERN_CM_S, hull_axes
+from subsea.ui.gui import INK, MARK, QUIET, SHADE, colour, shadowed
+
+STILL_S = 6.0  # nothing has changed for so long when they fade
+FADE_S, SHOW_S = 1.5, 0.3
+TAPE = 15.0  # the compass is so wide, in heights of letters ...
+SPAN_DEG = 60.0  # ... and shows so much to either side
+BAR = 5.5  # so long is the bar of speed
+HIGH = 4.4  # all is so high
+POINTS = {0: "N", 90: "E", 180: "S", 270: "W"}
+
+Mode = Literal["as needed", "always", "never"]
+MODES: tuple[Mode, ...] = ("as needed", "always", "never")
+
+
+class Reading(NamedTuple):
+    """What the instruments show."""
+
+    depth_m: float
+    heading_deg: float  # by the compass: clockwise from the x axis of the world, [0, 360)
+    ahead_m_s: float
+    set_share: float  # the speed that the wheel has set, of full thrust
+    stopping: bool
+
+    def differs(self, other: "Reading") -> bool:
+        """Whether somebody would see it."""
+        turned = abs(math.remainder(self.heading_deg - other.heading_deg, 360.0))
+        return (
+            abs(self.depth_m - other.depth_m) > 0.15
+            or turned > 3.0
+            or abs(self.ahead_m_s - other.ahead_m_s) > 0.08
+            or (self.set_share, self.stopping) != (other.set_share, other.stopping)
+        )
+
+
+def reading(submarine: Submarine, throttle: float, stopping: bool) -> Reading:
+    """The instruments of a submarine, whose wheel has set `throttle`."""
+    heading, pitch = submarine.angles
+    ahead = float(submarine.velocity @ hull_axes(heading, pitch)[0])
+    compass = -math.degrees(heading) % 360.0
+    return Reading(-submarine.position[2] / 100.0, compass, ahead / 100.0, throttle, stopping)
+
+
+class Hud:
+    """How visible the instruments are, and their drawing."""
+
+    def __init__(self) -> None:
+        """Visible at first, and then as needed."""
+        self.mode: Mode = "as needed"
+        self.opacity = 1.0
+        self._noted: Reading | None = None
+        self._still_s = 0.0
+
+    def turn(self) -> Mode:
+        """To the next of `MODES`."""
+        self.mode = MODES[(MODES.index(self.mode) + 1) % len(MODES)]
+        self._still_s = 0.0
+        return self.mode
+
+    def look(self, now: Reading, dt: float, wanted: bool = True) -> None:
+        """Fade or come back, `dt` seconds after the last look; away if they are not `wanted`."""
+        self._still_s += dt
+        if self._noted is None or now.differs(self._noted):
+            self._noted, self._still_s = now, 0.0
+        needed = self.mode == "always" or self._still_s < STILL_S
+        shown = wanted and needed and self.mode != "never"
+        step = dt / SHOW_S if shown else -dt / FADE_S
+        self.opacity = min(max(self.opacity + step, 0.0), 1.0)
+
+    def draw(self, now: Reading) -> None:
+        """Draw them in the present frame of the gui."""
+        if self.opacity == 0.0:
+            return
+        size, line = imgui.get_io().display_size, imgui.get_font_size()
+        canvas = imgui.get_background_draw_list()
+        wide = min(TAPE * line, 0.42 * size.x)
+        middle, foot = size.x / 2, size.y - 1.1 * line
+        _backing(canvas, middle, wide, size, self.opacity)
+        _compass(canvas, middle, foot, wide, now.heading_deg, self.opacity)
+        gap = wide / 2 + 1.6 * line
+        _depth(canvas, middle - gap, foot, now.depth_m, self.opacity)
+        _speed(canvas, middle + gap, foot, now, self.opacity)
+
+
+def _backing(canvas: Any, middle: float, wide: float, size: Any, opacity: float) -> None:
+    """A shade under all that, darkest at the foot of the middle, without an edge."""
+    line = imgui.get_font_size()
+    clear, shade = colour(SHADE, 0.0), colour(SHADE, 0.6 * opacity)
+    top, reach = size.y - 1.5 * HIGH * line, wide / 2 + (BAR + 9.0) * line
+    white = imgui.get_font_tex_uv_white_pixel()
+    foot = middle, size.y
+    arc = [
+        (
+            middle - reach * math.cos(k * math.pi / 24),
+            size.y - (size.y - top) * math.sin(k * math.pi / 24),
+        )
+        for k in range(25)
+    ]
+    canvas.prim_reserve(72, 72)
+    for one, other in pairwise(arc):
+        for place, tint in ((foot, shade), (one, clear), (other, clear)):
+            canvas.prim_vtx(place, white, tint)
+
+
+def _compass(
+    canvas: Any, x: float, foot: float, wide: float, heading: float, opacity: float
+) -> None:
+    """A tape of headings that passes under a mark."""
+    line = imgui.get_font_size()
+    high = foot - 1.25 * line
+    first = math.ceil((heading - SPAN_DEG) / 10.0) * 10
+    for mark in range(first, first + int(2 * SPAN_DEG), 10):
+        off = (mark - heading) / SPAN_DEG
+        if abs(off) > 1.0:
+            continue
+        shown = opacity * (1.0 - off**4)
+        at, large = x + off * wide / 2, mark % 30 == 0
+        top = high - (0.55 if large else 0.3) * line
+        canvas.add_line((at + 1, top + 1), (at + 1, high + 1), colour(SHADE, shown), 2.0)
+        tint = colour(INK, (1.0 if large else 0.7) * shown)
+        canvas.add_line((at, top), (at, high), tint, max(0.09 * line, 1.0))
+        if large:
+            name = POINTS.get(mark % 360)
+            rgb = MARK if name == "N" else INK
+            text = name or f"{mark % 360}"
+            shadowed((at, high + 0.15 * line), text, 0.85 * line, rgb, shown, 0.5)
+    tip = high - 0.75 * line
+    points = (x - 0.32 * line, tip - 0.42 * line), (x + 0.32 * line, tip - 0.42 * line), (x, tip)
+    canvas.add_triangle_filled(*points, colour(MARK, opacity))
+    number = f"{round(heading) % 360:03d}°"
+    shadowed((x, tip - 1.65 * line), number, 1.15 * line, INK, opacity, 0.5)
+
+
+def _depth(canvas: Any, right: float, foot: float, depth_m: float, opacity: float) -> None:
+    line = imgui.get_font_size()
+    shadowed((right, foot - 2.35 * line), f"{depth_m:.1f} m", 1.45 * line, INK, opacity, 1.0)
+    shadowed((right, foot - 0.75 * line), "depth", 0.85 * line, INK, opacity, 1.0)
+
+
+def _speed(canvas: Any, left: float, foot: float, now: Reading, opacity: float) -> None:
+    """In figures, and as a bar from astern to ahead on which a mark is what the wheel has set."""
+    line = imgui.get_font_size()
+    figures = f"{abs(now.ahead_m_s):.1f} m/s"
+    shadowed((left, foot - 2.35 * line), figures, 1.45 * line, INK, opacity, 0.0)
+    moving = "ahead" if now.ahead_m_s > 0.05 else "astern" if now.ahead_m_s < -0.05 else "speed"
+    words = "full stop" if now.stopping else moving
+    shadowed((left, foot - 0.75 * line), words, 0.85 * line, INK, opacity, 0.0)
+    slow, fast = -ASTERN_CM_S / 100.0, AHEAD_CM_S / 100.0
+    begin, y = left + 4.2 * line, foot - 0.32 * line
+
+    def at(speed: float) -> float:
+        share = (min(max(speed, slow), fast) - slow) / (fast - slow)
+        return begin + share * (BAR - 2.2) * line
+
+    thick = max(0.16 * line, 2.0)
+    canvas.add_line((at(slow), y), (at(fast), y), colour(QUIET, 0.35 * opacity), thick)
+    canvas.add_line((at(0.0), y), (at(now.ahead_m_s), y), colour(MARK, opacity), 1.6 * thick)
+    zero = at(0.0)
+    canvas.add_line(
+        (zero, y - 0.25 * line), (zero, y + 0.25 * line), colour(INK, 0.8 * opacity), 1.5
+    )
+    if now.set_share:
+        mark = at(now.set_share * (fast if now.set_share > 0.0 else -slow))
+        tip = y - 0.2 * line
+        points = (mark - 0.22 * line, tip - 0.4 * line), (mark + 0.22 * line, tip - 0.4 * line)
+        canvas.add_triangle_filled(*points, (mark, tip), colour(INK, opacity))

@@ -1,0 +1,222 @@
+"""The desk: a bar over the world from which panels are opened (Tu §9.3), and what they may do.
+
+While it is open the pointer is the desk's: on a panel the panel's, elsewhere it picks and drags
+what is in the sea. Keys steer on.
+"""
+
+import itertools
+import traceback
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any, TypeVar
+
+import numpy as np
+from imgui_bundle import imgui
+
+from subsea.core.background import LeftError
+from subsea.core.errors import UserError
+from subsea.ui.context import Host
+from subsea.ui.gui import GLASS, MARK, colour, mended
+from subsea.ui.panels import PANELS
+from subsea.ui.panels.intention import name_of
+
+T = TypeVar("T")
+
+RING = 0.62  # radius of the ring about the chosen fish, in lengths of it ...
+LEAST_RING = 0.6  # ... and at least, in heights of letters
+MARGIN, BAR = 0.7, 1.9  # about panels, and the bar's height, in heights of letters
+LIKELY = 26.0, 20.0  # how large a panel is taken to be before it was drawn, in the same
+BACK = "To the helm"  # the bar's last entry
+LEAST_SHARE = 0.1  # of the bar's letters, in a window in which nothing could be read
+LEAST_GAP = 2.0  # on either side of the bar's entries, in pointer units
+PANEL = imgui.WindowFlags_.always_auto_resize.value | imgui.WindowFlags_.horizontal_scrollbar.value
+STEP = 1.6  # by which further panels are moved where there is no room beside the others
+
+
+class Desk:
+    """What panels see and may do. A panel is drawn within a frame, and acts at once on the world
+    that it finds here; what would replace that waits until the frame has ended.
+    """
+
+    def __init__(self, host: Host) -> None:
+        """Closed, in this dive."""
+        self.host = host
+        self.shown: set[str] = set()  # the panels that are open
+        self.chosen: int | None = None  # the fish that panels are about
+        self._later: list[Callable[[], object]] = []
+        self.taken = False  # whether the pointer has taken hold of something that is no fish
+        self._changed = False
+        self._taken: dict[str, tuple[float, float, float, float]] = {}  # where panels are
+        self._kept: dict[type, Any] = {}
+
+    def of(self, kind: type[T]) -> T:
+        """What a panel remembers from frame to frame: the one thing of its class."""
+        return self._kept.setdefault(kind, kind())
+
+    @property
+    def open(self) -> bool:
+        """Whether the pointer is the desk's."""
+        return self.host.gui.open
+
+    def toggle(self) -> None:
+        """Open or close it; its panels are where they were when it is opened again."""
+        gui = self.host.gui
+        gui.open = not gui.open
+        if gui.open:
+            self.host.overlay.hide_help()  # it tells of a pointer that steers
+        else:
+            gui.let_go()
+
+    def enter(self) -> None:
+        """There is another world: forget what was chosen in the last."""
+        self.chosen = None
+        self._changed = False
+
+    def draw(self) -> None:
+        """The bar and the panels that are open, in the present frame of the gui."""
+        self._let_the_dead_go()
+        if not self.open:
+            return
+        self._mark_chosen()
+        self._bar()
+        for name, panel in PANELS.items():
+            if name not in self.shown:
+                self._taken.pop(name, None)
+                continue
+            if name not in self._taken:
+                imgui.set_next_window_pos(self._room(), imgui.Cond_.first_use_ever.value)
+            _keep_inside(name)
+            drawn, stays = imgui.begin(name, True, PANEL)
+            if drawn:
+                with self._contained(name), mended():
+                    panel(self)
+            (x, y), (width, height) = imgui.get_window_pos(), imgui.get_window_size()
+            self._taken[name] = x, y, width, height
+            imgui.end()
+            if not stays:
+                self.shown.discard(name)
+        if imgui.is_mouse_released(0) and not self.host.gui.on_panel:
+            dragged = imgui.get_mouse_drag_delta(0)
+            if not (dragged.x or dragged.y or self.taken):
+                self._choose_at(*self.host.gui.pointer)
+        self.taken &= imgui.is_mouse_down(0)
+
+    def _bar(self) -> None:
+        """An entry for each panel, and one that leads back; closer together where it is narrow."""
+        words = [*PANELS, BACK]
+        screen, style = imgui.get_io().display_size, imgui.get_style()
+        wide, gaps = sum(imgui.calc_text_size(word).x for word in words), 3 * len(words)
+        room = screen.x - 2.0 * style.window_padding.x
+        gap = min(max((room - wide) / gaps, LEAST_GAP), style.item_spacing.x)
+        shrunk = min(max((room - gaps * gap) / wide, LEAST_SHARE), 1.0)
+        imgui.push_font(None, imgui.get_font_size() * shrunk)
+        imgui.push_style_var(imgui.StyleVar_.item_spacing.value, (gap, style.item_spacing.y))
+        if imgui.begin_main_menu_bar():
+            for name in PANELS:
+                if imgui.menu_item(name, "", name in self.shown)[0]:
+                    self.shown ^= {name}
+            imgui.separator()
+            if imgui.menu_item(BACK, "", False)[0]:
+                self.toggle()
+            imgui.end_main_menu_bar()
+        imgui.pop_style_var()
+        imgui.pop_font()
+
+    @contextmanager
+    def _contained(self, what: str) -> Iterator[None]:
+        """A fault in it is told, and costs the visitor that panel, if it is one, but no dive."""
+        try:
+            yield
+        except LeftError:
+            raise
+        except UserError as fault:
+            self.host.note(str(fault))
+            self.shown.discard(what)
+        except Exception as fault:
+            self.host.note(f"{what} failed: {type(fault).__name__}: {fault}")
+            self.shown.discard(what)
+            warnings.warn(traceback.format_exc(), RuntimeWarning, stacklevel=3)
+
+    def _room(self) -> tuple[float, float]:
+        """Where one more panel hides none of those that are open, if there is room."""
+        line, size = imgui.get_font_size(), imgui.get_io().display_size
+        margin, taken = MARGIN * line, self._taken.values()
+        columns = sorted([margin, *(x + width + margin for x, _, width, _ in taken)])
+        rows = sorted([BAR * line, *(y + height + margin for _, y, _, height in taken)])
+        for share in (1.0, 0.5, 0.25):
+            wide, high = (share * length * line for length in LIKELY)
+            for x, y in itertools.product(columns, rows):
+                fits = x + wide <= size.x and y + high <= size.y
+                if fits and not any(
+                    x < left + width and left < x + wide and y < top + height and top < y + high
+                    for left, top, width, height in taken
+                ):
+                    return x, y
+        step = STEP * line * len(self._taken)
+        return margin + step, BAR * line + step
+
+    def changed(self) -> None:
+        """What a tick would not have changed was, by a panel: to be called whenever that happens.
+
+        Time that goes back needs to know.
+        """
+        self._changed = True
+
+    def later(self, act: Callable[[], object]) -> None:
+        """Do it when the present frame has ended."""
+        self._later.append(act)
+
+    def afterwards(self) -> None:
+        """Do what waited for the end of the frame."""
+        if self._changed and self.host.timeline:
+            self.host.timeline.touch()
+        self._changed = False
+        waiting, self._later = self._later, []
+        for act in waiting:
+            with self._contained("That"):
+                act()
+
+    def _choose_at(self, x: float, y: float) -> None:
+        """Choose the fish that is seen at a place on the screen; none where there is none."""
+        self.chosen = self.host.picture.fish_at(x, y)
+
+    def _let_the_dead_go(self) -> None:
+        world = self.host.world
+        if self.chosen is not None and not world.state.fishes.alive[self.chosen]:
+            self.host.overlay.note(f"{name_of(world, self.chosen)} is no more")
+            self.chosen = None
+
+    def _mark_chosen(self) -> None:
+        """A thin ring about the chosen fish, under all panels."""
+        sight, ride = self.host.picture.sight, self.host.picture.ride
+        if self.chosen is None or sight is None or (ride and ride.by.fish == self.chosen):
+            return
+        fishes = self.host.world.state.fishes
+        before = fishes.previous_position[self.chosen].astype(np.float64)
+        place = before + self.host.picture.alpha * (fishes.position[self.chosen] - before)
+        up = sight.view.view[1, :3].astype(np.float64)
+        rim = place + RING * float(fishes.length[self.chosen]) * up
+        size = imgui.get_io().display_size
+        seen = sight.places(np.stack([place, rim])) * (size.x, size.y)
+        if not np.isfinite(seen).all():
+            return
+        middle = float(seen[0, 0]), float(seen[0, 1])
+        line = imgui.get_font_size()
+        radius = max(float(np.linalg.norm(seen[1] - seen[0])), LEAST_RING * line)
+        canvas = imgui.get_background_draw_list()
+        for wide, ink in ((0.16, colour(GLASS, 0.5)), (0.07, colour(MARK, 0.95))):
+            canvas.add_circle(middle, radius, ink, 0, max(wide * line, 1.0))
+
+
+def _keep_inside(name: str) -> None:
+    """Have a panel that is about to be drawn lie within the screen, and be no larger."""
+    screen, window = imgui.get_io().display_size, imgui.internal.find_window_by_name(name)
+    margin, bar = (heights * imgui.get_font_size() for heights in (MARGIN, BAR))
+    most = screen.x - 2.0 * margin, screen.y - bar - margin
+    imgui.set_next_window_size_constraints((0.0, 0.0), most)
+    if window is not None:
+        (x, y), (width, height) = window.pos, window.size
+        inside = max(min(x, screen.x - width), 0.0), max(min(y, screen.y - height), bar)
+        if inside != (x, y):
+            imgui.set_next_window_pos(inside)

@@ -1,0 +1,256 @@
+"""The menu: what a visitor may choose without knowing a key, large enough for three metres.
+
+The sea goes on behind it, dimmed, and the submarine holds station. The mouse chooses, or the
+arrows and Enter, or a gamepad.
+"""
+
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import NamedTuple
+
+import msgspec
+from imgui_bundle import imgui
+
+from subsea.core.errors import UserError
+from subsea.core.resources import load_toml
+from subsea.render.output.quality import CHOICES
+from subsea.scenario.schema import MAX_SEED, load_scenario, scenario_file, scenario_names
+from subsea.ui.context import Host
+from subsea.ui.gui import DEEP, LIT, QUIET, colour
+from subsea.ui.panels.fields import typed_whole
+
+APPEAR_S = 0.25
+DIM = 0.5  # how much of the sea behind it is lost
+LARGE = 2.0  # its letters, in those of other text, where there is room ...
+LEAST = 0.8  # ... and where there is not; what has no room then is scrolled to
+ROW = 1.75  # an entry is so high, in heights of letters
+WIDE = 17.0  # and so wide
+
+DISPLAYS = {
+    "mono": "One picture",
+    "side-by-side": "3D, side by side",
+    "top-bottom": "3D, one above the other",
+    "anaglyph": "3D, red and cyan",
+    "anaglyph-comfort": "3D, red and cyan, calm",
+    "interlaced": "3D, rows by turns",
+    "checkerboard": "3D, checkerboard",
+    "panorama": "Panorama",
+    "dome": "Dome",
+    "equirectangular": "All round",
+    "stereo": "3D, shutter glasses",
+}
+QUALITIES = {"auto": "Automatic", "low": "Low", "medium": "Medium", "high": "High"}
+
+
+class Entry(NamedTuple):
+    """A line of the menu."""
+
+    text: str
+    act: Callable[[], object]
+    aside: str = ""  # at its right end
+    chosen: bool = False
+
+
+class Menu:
+    """Pages of entries. What an entry does waits for the end of the frame."""
+
+    def __init__(self, host: Host, kiosk: bool = False) -> None:
+        """Closed. In a `kiosk` it has no entry by which an exhibit could be stranded."""
+        self.host, self.kiosk = host, kiosk
+        self.open = False
+        self.seed = 0  # in its field
+        self._page = ""
+        self._opacity = 0.0
+        self._at_the_desk = False
+        self._titles: dict[Path, str] = {}
+        self._pages: dict[str, Callable[[], Iterator[Entry]]] = {
+            "": self._first,
+            "Display": self._displays,
+            "Quality": self._qualities,
+            "Scenario": self._scenarios,
+        }
+
+    def show(self) -> None:
+        """Open it: from now on the pointer, the arrows and Enter are its own."""
+        self.open, self._page, self._opacity = True, "", 0.0
+        self.seed = self.host.world.state.seed
+        self._titles = scenario_titles()
+        self._at_the_desk = self.host.gui.open
+        self.host.gui.open = True
+        self.host.gui.navigate(True)
+
+    def hide(self) -> None:
+        """Close it, and go back to the helm or the desk."""
+        self.open = False
+        self.host.gui.navigate(False)
+        self.host.gui.let_go()
+        self.host.gui.open = self._at_the_desk
+
+    def back(self) -> None:
+        """To the first page, or out of it."""
+        if self._page:
+            self._turn("")
+        else:
+            self.hide()
+
+    def draw(self, dt: float) -> None:
+        """Draw it in the present frame, `dt` seconds after the last."""
+        self._opacity = min(self._opacity + dt / APPEAR_S, 1.0)
+        size = imgui.get_io().display_size
+        shade = colour(DEEP, DIM * self._opacity)
+        imgui.get_background_draw_list().add_rect_filled((0.0, 0.0), size, shade)
+        entries = list(self._pages[self._page]())
+        seeded = self._page == "Scenario" and not self.kiosk
+        rows = len(entries) + 2.5 + seeded
+        letters = imgui.get_font_size()
+        high, least = size.y / (ROW * rows + 1.0), LEAST * letters
+        line = min(LARGE * letters, max(high, least), size.x / (WIDE + 4.0))
+        imgui.push_font(None, line)
+        imgui.push_style_var(imgui.StyleVar_.alpha.value, self._opacity)
+        imgui.push_style_var(imgui.StyleVar_.window_rounding.value, 0.5 * line)
+        imgui.push_style_var(imgui.StyleVar_.window_padding.value, (0.9 * line, 0.8 * line))
+        imgui.push_style_var(imgui.StyleVar_.frame_rounding.value, 0.3 * line)
+        imgui.push_style_var(imgui.StyleVar_.item_spacing.value, (0.4 * line, 0.12 * line))
+        imgui.push_style_var(imgui.StyleVar_.button_text_align.value, (0.0, 0.5))
+        imgui.push_style_var(imgui.StyleVar_.frame_padding.value, (0.7 * line, 0.25 * line))
+        imgui.set_next_window_pos((size.x / 2, size.y / 2), 0, (0.5, 0.5))
+        imgui.set_next_window_size_constraints((0.0, 0.0), (size.x, size.y))
+        flags = imgui.WindowFlags_
+        # A name for each page: each begins where it says, rather than where the last one was left.
+        imgui.begin(
+            f"menu {self._page}",
+            None,
+            flags.no_title_bar.value
+            | flags.no_move.value
+            | flags.always_auto_resize.value
+            | (flags.no_scrollbar.value if line <= high else 0)  # the page has room
+            | flags.no_saved_settings.value,
+        )
+        imgui.text_colored((*QUIET, 1.0), self._page or self.host.scenario.title)
+        imgui.dummy((WIDE * line, 0.15 * line))
+        default = next((k for k, entry in enumerate(entries) if entry.chosen), 0)
+        for number, entry in enumerate(entries):
+            if seeded and number == len(entries) - 2:
+                self._seed_field(line)
+            self._entry(entry, line)
+            if number == default:
+                imgui.set_item_default_focus()
+        imgui.end()
+        if imgui.is_key_pressed(imgui.Key.gamepad_face_right):
+            self.host.desk.later(self.back)
+        imgui.pop_style_var(7)
+        imgui.pop_font()
+
+    def _entry(self, entry: Entry, line: float) -> None:
+        clear = (0.0, 0.0, 0.0, 0.0)
+        imgui.push_style_color(imgui.Col_.button.value, (*LIT, 0.35) if entry.chosen else clear)
+        pressed = imgui.button(f"{entry.text}##{entry.aside}", (WIDE * line, (ROW - 0.12) * line))
+        imgui.pop_style_color()
+        low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
+        if entry.aside:
+            imgui.push_font(None, 0.7 * line)
+            box = imgui.calc_text_size(entry.aside)
+            place = high.x - box.x - 0.7 * line, (low.y + high.y - box.y) / 2
+            imgui.get_window_draw_list().add_text(place, colour(QUIET), entry.aside)
+            imgui.pop_font()
+        if pressed:
+            self.host.desk.later(entry.act)
+
+    def _seed_field(self, line: float) -> None:
+        imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + 0.7 * line)
+        imgui.align_text_to_frame_padding()
+        imgui.text("Seed")
+        imgui.same_line()
+        imgui.set_next_item_width(WIDE * line - 4.5 * line)
+        self.seed = typed_whole("##seed", self.seed, 0, MAX_SEED)
+
+    def _first(self) -> Iterator[Entry]:
+        host = self.host
+        yield Entry("Continue", self.hide)
+        if not self.kiosk and host.picture.displays:
+            yield Entry("Display", lambda: self._turn("Display"), DISPLAYS[host.picture.display])
+        if not self.kiosk:
+            now = QUALITIES[host.picture.quality]
+            yield Entry("Quality", lambda: self._turn("Quality"), now)
+        if not host.shared:
+            yield Entry("Scenario", lambda: self._turn("Scenario"), host.scenario.title)
+        if not self.kiosk and host.can_fill:
+            yield Entry("Full screen", host.fill_screen)
+        yield Entry("Help", self._help)
+        if not self.kiosk:
+            yield Entry("Leave", host.leave)
+
+    def _displays(self) -> Iterator[Entry]:
+        for name in self.host.picture.displays:
+
+            def show(name: str = name) -> None:
+                self.host.picture.show_as(name)
+
+            yield Entry(DISPLAYS[name], show, chosen=name == self.host.picture.display)
+        yield self._back()
+
+    def _qualities(self) -> Iterator[Entry]:
+        for name in CHOICES:
+
+            def choose(name: str = name) -> None:
+                self.host.picture.choose(name)
+
+            yield Entry(QUALITIES[name], choose, chosen=name == self.host.picture.quality)
+        yield self._back()
+
+    def _scenarios(self) -> Iterator[Entry]:
+        host = self.host
+        if host.source.resolve() not in self._titles:
+            yield Entry(host.scenario.title, self._anew, host.source.name, chosen=True)
+        for path, title in self._titles.items():
+
+            def start(path: Path = path) -> None:
+                self._enter(path)
+
+            here = path == host.source.resolve()
+            yield Entry(title, start, path.stem, chosen=here)
+        if not self.kiosk:
+            yield Entry("Start anew", self._anew, f"with seed {self.seed}")
+        yield self._back()
+
+    def _back(self) -> Entry:
+        return Entry("Back", lambda: self._turn(""))
+
+    def _turn(self, page: str) -> None:
+        self._page = page
+
+    def _help(self) -> None:
+        self.hide()
+        self.host.overlay.show_help()
+
+    def _enter(self, path: Path) -> None:
+        self.hide()
+        try:
+            scenario, source = load_scenario(str(path))
+        except UserError as fault:
+            self.host.overlay.note(str(fault))
+        else:
+            self.host.enter(scenario, source)
+
+    def _anew(self) -> None:
+        self.hide()
+        self.host.enter(self.host.scenario, self.host.source, self.seed)
+
+
+class _Titled(msgspec.Struct, frozen=True):
+    title: str = ""
+
+
+def scenario_titles() -> dict[Path, str]:
+    """The files of the scenarios that have names, and their titles.
+
+    One that cannot be read goes by its name: choosing it tells why.
+    """
+    return {(path := scenario_file(name).resolve()): _title(path) for name in scenario_names()}
+
+
+def _title(path: Path) -> str:
+    with suppress(UserError):
+        return load_toml(path, _Titled).title or path.stem
+    return path.stem

@@ -1,0 +1,152 @@
+"""Where windows open: the display, its monitors, and what is asked of them."""
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any, NamedTuple
+
+import glfw
+import imgui_bundle  # noqa: F401  # before glfw: it brings the one libglfw that both share
+
+from subsea.core.errors import UserError
+from subsea.view.rig import Rig
+
+FILM = "`subsea film dive.mp4` makes a film"  # what can be done without a display
+PLATFORMS = {
+    glfw.PLATFORM_X11: "X11",
+    glfw.PLATFORM_WAYLAND: "Wayland",
+    glfw.PLATFORM_COCOA: "macOS",
+    glfw.PLATFORM_WIN32: "Windows",
+}
+
+
+class Screen(NamedTuple):
+    """What is asked of a window: a monitor that it fills, else a position, else what comes."""
+
+    name: str
+    size: tuple[int, int]  # pixels
+    position: tuple[int, int] | None = None  # upper left corner, pixels of the desktop
+    monitor: str | int | None = None  # by its name, or its number from 1
+
+    @property
+    def fixed(self) -> bool:
+        """Whether it has a place of its own: then it has no border, and stays there."""
+        return self.position is not None or self.monitor is not None
+
+
+class Installation(NamedTuple):
+    """A rig that stays as it is whatever becomes of its windows, one for each of its outputs."""
+
+    rig: Rig
+    screens: Sequence[Screen]
+    source: str = ""  # the file that asks for them
+
+
+class Monitor(NamedTuple):
+    """A monitor that there is."""
+
+    number: int  # from 1, the primary one
+    name: str
+    position: tuple[int, int]  # of its upper left corner on the desktop
+    size: tuple[int, int]  # pixels
+    rate: int  # Hz, 0 if unknown
+    handle: Any = None
+
+    def __str__(self) -> str:
+        """Number, name and size: what a theatre file may call it."""
+        return f"{self.number} {self.name!r} {self.size[0]}x{self.size[1]}"
+
+
+class Display(NamedTuple):
+    """Where windows open."""
+
+    platform: str  # "X11", "Wayland", …
+    monitors: list[Monitor]
+
+
+@contextmanager
+def on_display(without: str = FILM) -> Iterator[Display]:
+    """Start the window library, and stop it in the end.
+
+    No display is a UserError that tells what can be done `without` one.
+    """
+    glfw.ERROR_REPORTING = "exception"
+    try:
+        if not glfw.init():
+            raise glfw.GLFWError("the window library cannot start")
+    except glfw.GLFWError as fault:
+        raise UserError(
+            f"no display to open a window on ({reason(fault)}); without one, {without}"
+        ) from fault
+    try:
+        yield Display(PLATFORMS.get(glfw.get_platform(), "unknown"), monitors())
+    finally:
+        glfw.terminate()
+
+
+def monitors() -> list[Monitor]:
+    """The monitors of the display that is open."""
+    found = []
+    for number, handle in enumerate(glfw.get_monitors(), start=1):
+        mode = glfw.get_video_mode(handle)
+        name = monitor_name(handle)
+        size = mode.size.width, mode.size.height
+        left, top = glfw.get_monitor_pos(handle)
+        found.append(Monitor(number, name, (left, top), size, mode.refresh_rate, handle))
+    return found
+
+
+def monitor_name(handle: Any) -> str:
+    """What a monitor calls itself."""
+    name: Any = glfw.get_monitor_name(handle)
+    return name.decode("utf-8", "replace") if isinstance(name, bytes) else str(name)
+
+
+def placed(
+    screens: Sequence[Screen],
+    there: Sequence[Monitor],
+    source: str = "",
+    tell: Callable[[str], None] = lambda message: None,
+) -> list[tuple[int, Monitor | None]]:
+    """The screens that can be shown, by their numbers, and their monitors if they ask for one.
+
+    A screen whose monitor is missing, or another's, is left out and told; if no other is left it
+    is a UserError.
+    """
+    found: list[tuple[int, Monitor | None]] = []
+    faults = []
+    taken: dict[int, str] = {}  # the windows that monitors have, by the monitors' numbers
+    for number, screen in enumerate(screens):
+        if screen.monitor is None:
+            found.append((number, None))
+            continue
+        fits = [m for m in there if screen.monitor in (m.number, m.name)]
+        window = f"{source}: window '{screen.name}'" if source else f"window '{screen.name}'"
+        if len(fits) == 1 and fits[0].number in taken:
+            faults.append(f"{window}: monitor {fits[0]} has window '{taken[fits[0].number]}'")
+        elif len(fits) == 1:
+            taken[fits[0].number] = screen.name
+            found.append((number, fits[0]))
+            if fits[0].size != tuple(screen.size):
+                width, height = screen.size
+                tell(f"{window}: its {width}x{height} pixels are stretched over monitor {fits[0]}")
+        elif fits:
+            number_one = f"{len(fits)} monitors are called {screen.monitor!r}, take a number"
+            faults.append(f"{window}: {number_one}; there are: {_list(there)}")
+        else:
+            faults.append(f"{window}: no monitor {screen.monitor!r}; there are: {_list(there)}")
+    if not found:
+        raise UserError(faults[0])
+    for fault in faults:
+        tell(f"{fault}; this window is left out")
+    return found
+
+
+def reason(fault: Exception) -> str:
+    """The window library's own words, without its error number, quotes and final stop."""
+    text = str(fault)
+    words = text.partition(") ")[2] or text
+    return words.removeprefix("b").strip("'\"").rstrip(".")
+
+
+def _list(there: Sequence[Monitor]) -> str:
+    return ", ".join(map(str, there)) or "none"

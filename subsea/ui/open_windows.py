@@ -1,0 +1,75 @@
+"""The windows of a dive, open before the world is there, and before what makes it is loaded.
+
+Nothing here imports the world: so a visitor sees within half a second that something happens.
+"""
+
+from collections.abc import Callable
+from contextlib import ExitStack
+from typing import NamedTuple
+
+from subsea.core.console import say
+from subsea.dive.pilot import Pilot
+from subsea.dive.settings import USUAL, Settings
+from subsea.ui.gui import Gui, fill
+from subsea.ui.monitors import FILM, Installation, Screen, on_display, placed
+from subsea.ui.window_set import Wall
+from subsea.view.rig import Rig, front, part_of
+from subsea.view.stereo import PAGED
+
+
+class Opening(NamedTuple):
+    """Windows, what is drawn over pictures in the first of them, and whose hands are heard."""
+
+    wall: Wall
+    gui: Gui
+    pilot: Pilot
+    rig: Rig | None  # that stays, whatever the size of windows; None: there is one window
+    close: Callable[[], None]  # may be called twice
+
+    def show(self, text: str) -> None:
+        """Fill the pilot's window with one line of text on deep water."""
+        window = self.wall.front
+        self.gui.begin(window.points, window.size, window.text_scale)
+        fill(text)
+        self.gui.end()
+        self.wall.present()
+
+
+def opened(
+    display: str,
+    size: tuple[int, int],
+    fullscreen: bool = False,
+    settings: Settings = USUAL,
+    installation: Installation | None = None,
+    title: str = "subsea",
+    without: str = FILM,
+) -> Opening:
+    """Open one window for pictures of a `display` mode, or those of an `installation`.
+
+    A single window has the `title`. Where there is no display it is told what can be done `without`
+    one. Whatever fails, all that was opened is closed again.
+    """
+    pilot, rig = Pilot(settings), None
+    with ExitStack() as undo:
+        there = undo.enter_context(on_display(without)).monitors
+        if installation is None:
+            wall = Wall([(Screen(title, size), None)], pilot, display == PAGED)
+        else:
+            rig, screens, source = installation
+            shown = placed(screens, there, source, say)
+            rig = part_of(rig, [number for number, _ in shown])
+            wall = Wall(
+                [(screens[number], monitor) for number, monitor in shown],
+                pilot,
+                rig.pages > 1,
+                front(rig).output,
+            )
+        undo.callback(wall.close)
+        if fullscreen and installation is None:
+            wall.front.toggle_fullscreen()
+        gui = Gui()
+        undo.callback(gui.close)
+        wall.front.listener = gui
+        opening = Opening(wall, gui, pilot, rig, undo.pop_all().close)
+    opening.show("loading")
+    return opening

@@ -1,0 +1,113 @@
+"""What stands over the water: the help, the instruments, and a word while loading."""
+
+import math
+import re
+from typing import Any
+
+from imgui_bundle import imgui
+
+from subsea.ui.gui import INK, SHADE, colour, fill
+from subsea.ui.help_overlay import Sign, draw_sign
+from subsea.ui.hud import HIGH, Hud, Reading
+
+FADE_S = 1.5
+NOTE_S = 4.0
+MOVED_CM = 60.0  # how far the visitor must have gone by herself before the help fades
+
+
+class Overlay:
+    """Text over the picture, drawn in a frame of the gui.
+
+    The help shows at the start, fades when the visitor gets under way, and comes and goes with
+    `toggle_help`.
+    """
+
+    def __init__(self, sign: Sign) -> None:
+        """With this sign for its help."""
+        self.sign, self.hud = sign, Hud()
+        self._help = 1.0  # opacity
+        self._pinned = False
+        self._shown = True
+        self._gone_cm = 0.0
+        self._note = ""
+        self._note_s = 0.0
+
+    def note(self, text: str) -> None:
+        """Show a few words for a while, above the instruments."""
+        self._note, self._note_s = text, NOTE_S
+
+    def show_help(self) -> None:
+        """Show the help until told otherwise."""
+        self._shown = self._pinned = True
+        self._gone_cm = math.inf
+
+    def greet(self) -> None:
+        """Show the help to somebody who has just come, until she is under way."""
+        self._shown, self._pinned, self._gone_cm = True, False, 0.0
+
+    def hide_help(self) -> None:
+        """Have the help fade."""
+        self._shown = self._pinned = False
+
+    def toggle_help(self) -> None:
+        """Show the help until told otherwise, or hide it."""
+        self._shown = not self._shown
+        self._pinned = self._shown
+        self._gone_cm = math.inf
+
+    @property
+    def help_opacity(self) -> float:
+        """How visible the help is, from 0 to 1."""
+        return self._help
+
+    def message(self, text: str) -> None:
+        """Fill the window with one line of text on deep water."""
+        fill(text)
+
+    def draw(self, now: Reading, dt: float, circumstances: str = "", away: bool = False) -> None:
+        """Draw help and instruments over the present picture; `dt` is the time since the last.
+
+        `circumstances` are told as long as there are any. Who is `away` from the helm has no
+        instruments.
+        """
+        self._note_s -= dt
+        self._fade(abs(now.ahead_m_s) * 100.0 * dt, dt, away)
+        self.hud.look(now, dt, wanted=not away)
+        self.hud.draw(now)
+        size, line = imgui.get_io().display_size, imgui.get_font_size()
+        # Words stand above the instruments, also while those are not needed: they do not jump.
+        foot = size.y - (1.2 if away else 1.2 + HIGH) * line
+        note = self._note if self._note_s > 0.0 else ""
+        words = "   ".join(filter(None, (circumstances, note)))
+        if words:
+            foot = self._line(unbroken(words), size, foot)
+        if self._help > 0.0:
+            draw_sign(self.sign, self._help, foot)
+
+    def caption(self, text: str) -> None:
+        """Draw one line at the foot of the present picture."""
+        if text:
+            size = imgui.get_io().display_size
+            self._line(text, size, size.y - 1.2 * imgui.get_font_size())
+
+    def _fade(self, gone_cm: float, dt: float, away: bool) -> None:
+        self._gone_cm += math.inf if away else gone_cm  # under way, if not by submarine
+        if self._gone_cm > MOVED_CM and not self._pinned:
+            self._shown = False
+        step = dt / FADE_S if self._shown else -dt / FADE_S
+        self._help = min(max(self._help + step, 0.0), 1.0)
+
+    def _line(self, text: str, size: Any, foot: float) -> float:
+        """Text that ends at `foot`, in as many lines as it needs; where it begins, less a gap."""
+        line, font = imgui.get_font_size(), imgui.get_font()
+        room = size.x - 2.4 * line
+        x, y = 1.2 * line, foot - imgui.calc_text_size(text, wrap_width=room).y
+        canvas = imgui.get_background_draw_list()
+        for off, ink in ((1.0, colour(SHADE, 0.6)), (0.0, colour(INK, 0.85))):
+            canvas.add_text(font, line, (x + off, y + off), ink, text, wrap_width=room)
+        return y - 0.6 * line
+
+
+def unbroken(text: str) -> str:
+    """The same text, whose lines end between its parts only: three blanks are between them."""
+    return re.sub(r"(?<! ) (?! )", "\u00a0", text)

@@ -1,0 +1,32 @@
+"""The panels of the desk (Tu ch. 9): one module each, with a function that draws it and acts."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from subsea.ui.panels import (
+    behavior,
+    control,
+    fish_view,
+    habits,
+    initialisation,
+    physics,
+    placement,
+    time,
+)
+
+if TYPE_CHECKING:
+    from subsea.ui.inspector import Desk
+
+Panel = Callable[["Desk"], None]
+
+PANELS: dict[str, Panel] = {
+    "Initialisation": initialisation.panel,
+    "Placement": placement.panel,
+    "Physics": physics.panel,
+    "Behavior": behavior.panel,
+    "Habits": habits.panel,
+    "Control": control.panel,
+    "Fish view": fish_view.panel,
+    "Time": time.panel,
+}
+"""Every panel by the name that the bar has for it, in its order."""

@@ -1,0 +1,236 @@
+"""Behavior (Tu fig. 9.4): what goes on in the chosen fish, and what makes it so."""
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import msgspec
+import numpy as np
+from imgui_bundle import imgui
+from numpy.typing import NDArray
+
+from subsea.behavior.table import INTENTIONS
+from subsea.behavior.temperament import alter
+from subsea.scenario.schema import Individual
+from subsea.state import COURTSHIP, HUNGER, LIBIDO, MENTAL_STATES, Nature
+from subsea.ui.gui import GLASS, INK, LIT, MARK, QUIET, colour
+from subsea.ui.panels.fish_picker import whom
+from subsea.ui.panels.intention import focus
+from subsea.ui.panels.mental_chart import SPAN, Chart
+from subsea.world.world import TICK_S, World
+
+if TYPE_CHECKING:
+    from subsea.ui.inspector import Desk
+
+WIDE, HIGH = 24.0, 3.0  # of a chart, in heights of letters
+DIRECTIONS = ("left", "right", "ahead", "back", "up", "down")  # columns of `minds.preference`
+WARM = (0.98, 0.70, 0.45)  # what warns
+CLAMP = imgui.SliderFlags_.always_clamp.value
+LOGARITHMIC = imgui.SliderFlags_.logarithmic.value | CLAMP
+
+
+class Slider(NamedTuple):
+    """A number that can be set."""
+
+    name: str
+    label: str
+    low: float
+    high: float
+    form: str
+    flags: int = CLAMP
+
+
+TEMPER = (
+    Slider("appetite", "meals that fill it", 1.0, 60.0, "%.0f"),
+    Slider("digestion", "digestion, 1/s", 0.0005, 0.2, "%.4f", LOGARITHMIC),
+    Slider("libido_rate", "libido grows, 1/s", 0.0005, 0.2, "%.4f", LOGARITHMIC),
+    Slider("dread_cm", "dreads from, cm", 0.0, 1000.0, "%.0f"),
+)
+"""What makes the mental state of one fish what it is: keys of `Individual` (Tu §7.4)."""
+COLUMNS = {"dread_cm": "dread"}  # of `state.Minds`, where these are called otherwise
+
+NATURE = (
+    Slider("vision_cm", "sees as far as, cm", 20.0, 2000.0, "%.0f"),
+    Slider("smell_cm", "smells as far as, cm", 20.0, 2000.0, "%.0f"),
+    Slider("standard_cm", "size of what it sees so far, cm", 2.0, 100.0, "%.0f"),
+    Slider("hunger_stimulus", "food in sight makes hungry by", 0.0, 1.0, "%.2f"),
+    Slider("libido_stimulus", "a mate in sight tempts by", 0.0, 1.0, "%.2f"),
+    Slider("alarmed", "is alarmed by fear of", 0.0, 0.99, "%.2f"),
+    Slider("panicked", "flees from fear of", 0.01, 1.0, "%.2f"),
+    Slider("keen", "eats and mates for", 0.0, 1.0, "%.2f"),
+    Slider("devotion_cm", "leaves a target for a nearer one, cm", 0.0, 500.0, "%.0f"),
+    Slider("fatigue_s", "is tired of it after, s", 1.0, 600.0, "%.0f", LOGARITHMIC),
+    Slider("timidity", "keeps clear by, times the usual", 0.1, 5.0, "%.2f"),
+    Slider("submarine_cm", "dreads the submarine from, cm", 0.0, 1000.0, "%.0f"),
+    Slider("curiosity_cm", "is curious from, cm", 0.0, 2000.0, "%.0f"),
+)
+"""What holds for all fishes: every member of `state.Nature`."""
+
+
+class Seen:
+    """The chart of the fish that the panel is about."""
+
+    def __init__(self) -> None:
+        """Of nobody."""
+        self.world: World | None = None
+        self.chart = Chart(-1)
+
+    def of(self, world: World, fish: int) -> Chart:
+        """The chart of a fish up to now; another fish begins another one."""
+        if self.world is not world or self.chart.fish != fish:
+            self.world, self.chart = world, Chart(fish)
+        self.chart.follow(world)
+        return self.chart
+
+
+def panel(desk: "Desk") -> None:
+    """Draw it, and act on the world."""
+    world = desk.host.world
+    fish = whom(desk)
+    if fish is not None:
+        _charts(desk.of(Seen).of(world, fish).values, world.nature)
+        _intentions(world, fish)
+        _preferences(world.state.minds.preference[fish])
+        _temper(desk, fish)
+    if imgui.collapsing_header("Constants of all fishes"):
+        _nature(desk)
+
+
+def _charts(values: NDArray[np.floating], nature: Nature) -> None:
+    """Each mental state over the last minute, with what it must exceed to matter."""
+    line = imgui.get_font_size()
+    canvas, size = imgui.get_window_draw_list(), (WIDE * line, HIGH * line)
+    marks = ((nature.keen,), (nature.keen,), (nature.alarmed, nature.panicked))
+    imgui.push_style_color(imgui.Col_.frame_bg.value, (0.0, 0.0, 0.0, 0.0))
+    imgui.push_style_var(imgui.StyleVar_.frame_padding.value, (0.0, 0.0))
+    imgui.push_style_var(imgui.StyleVar_.disabled_alpha.value, 1.0)
+    imgui.begin_disabled()  # a chart tells nothing more under the pointer
+    for name, row, thresholds in zip(MENTAL_STATES, values, marks, strict=True):
+        corner = imgui.get_cursor_screen_pos()
+        end = corner.x + size[0], corner.y + size[1]
+        canvas.add_rect_filled(corner, end, colour((0.13, 0.27, 0.34), 0.4), 4.0)
+        for level in thresholds:
+            y = end[1] - level * size[1]
+            canvas.add_line((corner.x, y), (end[0], y), colour(WARM, 0.55), 1.0)
+        share = len(row) / SPAN
+        imgui.set_cursor_screen_pos((end[0] - share * size[0], corner.y))
+        imgui.plot_lines(f"##{name}", row, 0, None, 0.0, 1.0, (max(share * size[0], 1.0), size[1]))
+        imgui.set_cursor_screen_pos(corner)
+        imgui.dummy(size)
+        canvas.add_text(
+            (corner.x + 0.4 * line, corner.y + 0.2 * line), colour(INK), f"{name} {row[-1]:.0%}"
+        )
+    imgui.end_disabled()
+    imgui.pop_style_var(2)
+    imgui.pop_style_color()
+
+
+def _intentions(world: World, fish: int) -> None:
+    """All intentions, the present one lit, and what it is about."""
+    minds, line = world.state.minds, imgui.get_font_size()
+    names = imgui.Col_
+    imgui.push_style_var(imgui.StyleVar_.disabled_alpha.value, 1.0)
+    imgui.push_style_var(imgui.StyleVar_.item_spacing.value, (0.25 * line, 0.25 * line))
+    imgui.begin_disabled()  # they tell, and can't be pressed
+    for code, name in enumerate(INTENTIONS):
+        lit = code == minds.intention[fish]
+        imgui.push_style_color(names.button.value, (*LIT, 1.0) if lit else (*GLASS, 0.5))
+        imgui.push_style_color(names.text.value, (*(INK if lit else QUIET), 1.0))
+        imgui.button(name, (WIDE * line / 5.0 - 0.2 * line, 0.0))
+        imgui.pop_style_color(2)
+        if code % 5 < 4 and code < len(INTENTIONS) - 1:
+            imgui.same_line()
+    imgui.end_disabled()
+    imgui.pop_style_var(2)
+    what, far = focus(world, fish)
+    about = f"about {what}" if far is None else f"about {what}, {far / 100.0:.2f} m away"
+    if minds.courtship[fish]:
+        about += f"; {COURTSHIP[minds.courtship[fish]]}"
+    if minds.memory[fish] >= 0:
+        about += f"; then {INTENTIONS[minds.memory[fish]]} again"
+    imgui.text(about)
+
+
+def _preferences(preference: NDArray[np.floating]) -> None:
+    """Motor preferences (Tu §6.5.2): to the right what is recommended, to the left warnings."""
+    line = imgui.get_font_size()
+    canvas, corner = imgui.get_window_draw_list(), imgui.get_cursor_screen_pos()
+    across, down, text = WIDE * line / 3.0, 1.25 * line, 3.0 * line
+    half = (across - text - 0.6 * line) / 2.0
+    for k, (name, share) in enumerate(zip(DIRECTIONS, preference, strict=True)):
+        x, y = corner.x + k // 2 * across, corner.y + k % 2 * down
+        canvas.add_text((x, y), colour(QUIET), name)
+        middle = x + text + half
+        canvas.add_rect_filled(
+            (middle - half, y + 0.25 * line), (middle + half, y + 0.95 * line),
+            colour((0.13, 0.27, 0.34), 0.4), 2.0,
+        )  # fmt: skip
+        tip = middle + half * float(np.clip(share, -1.0, 1.0))
+        canvas.add_rect_filled(
+            (min(middle, tip), y + 0.25 * line), (max(middle, tip), y + 0.95 * line),
+            colour(MARK if share > 0.0 else WARM), 2.0,
+        )  # fmt: skip
+        canvas.add_line((middle, y + 0.15 * line), (middle, y + 1.05 * line), colour(QUIET, 0.6))
+    imgui.dummy((WIDE * line, 2.0 * down))
+
+
+def _temper(desk: "Desk", fish: int) -> None:
+    """Hunger and libido as they are, and what they come from: each a slider."""
+    world = desk.host.world
+    minds = world.state.minds
+    imgui.push_item_width(0.5 * WIDE * imgui.get_font_size())
+    set_to: dict[str, float] = {}
+    for row in (HUNGER, LIBIDO):
+        name = MENTAL_STATES[row]
+        value = float(minds.mental[fish, row])
+        moved, value = imgui.slider_float(name, value, 0.0, 1.0, "%.2f", CLAMP)
+        if moved:
+            set_to[name] = minds.mental[fish, row] = value  # shown until it thinks again
+    for slider in TEMPER:
+        values = getattr(minds, COLUMNS.get(slider.name, slider.name))
+        moved, value = _slider(slider, float(values[fish]))
+        if moved:
+            set_to[slider.name] = value
+    if set_to:
+        one = msgspec.structs.replace(Individual(fish=fish), **set_to)
+        alter(world.state.fishes, minds, one, world.state.tick * TICK_S)
+        desk.changed()
+    imgui.pop_item_width()
+
+
+def _nature(desk: "Desk") -> None:
+    """Every constant of perception and behavior, and back to the scenario's."""
+    world = desk.host.world
+    imgui.push_item_width(0.4 * WIDE * imgui.get_font_size())
+    for slider in NATURE:
+        moved, value = _slider(slider, getattr(world.nature, slider.name))
+        if moved:
+            world.nature = ordered(world.nature, slider.name, value)
+            desk.changed()
+    imgui.pop_item_width()
+    before = Nature(**msgspec.structs.asdict(world.scenario.nature))
+    imgui.begin_disabled(world.nature == before)
+    if imgui.button("As in the scenario"):
+        world.nature = before
+        desk.changed()
+    imgui.end_disabled()
+
+
+def _slider(slider: Slider, value: float) -> tuple[bool, float]:
+    """Whether it was moved, and where it is, as exactly as it tells."""
+    moved, value = imgui.slider_float(
+        slider.label, value, slider.low, slider.high, slider.form, slider.flags
+    )
+    return moved, float(slider.form % value)
+
+
+def ordered(nature: Nature, name: str, value: float) -> Nature:
+    """With another value of one constant; one that must be more or less than it gives way."""
+    nature = nature._replace(**{name: value})
+    if name == "vision_cm":
+        return nature._replace(smell_cm=max(nature.smell_cm, value))
+    if name == "smell_cm":
+        return nature._replace(vision_cm=min(nature.vision_cm, value))
+    if name == "alarmed":
+        return nature._replace(panicked=max(nature.panicked, round(value + 0.01, 2)))
+    if name == "panicked":
+        return nature._replace(alarmed=min(nature.alarmed, round(value - 0.01, 2)))
+    return nature

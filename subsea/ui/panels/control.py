@@ -1,0 +1,112 @@
+"""Control (Tu fig. 9.6): what is drawn over the sea, pictures, the camera, and how fast all is."""
+
+from typing import TYPE_CHECKING
+
+import glfw
+import numpy as np
+from imgui_bundle import imgui
+
+from subsea.frame.diagrams import DIAGRAMS
+from subsea.view.camera import View
+from subsea.world.world import TICK_S
+
+if TYPE_CHECKING:
+    from subsea.ui.inspector import Desk
+
+ACROSS = 8.0  # of a column of diagrams, in heights of letters
+AHEAD_CM = 200.0  # where a waypoint looks at
+CALM = 0.05  # share of the newest in what is told of times: else nobody could read them
+
+
+class Times:
+    """How long each stage of a tick takes, smoothed."""
+
+    def __init__(self) -> None:
+        """Nothing is known yet."""
+        self.ms: dict[str, float] = {}
+
+    def follow(self, stages_s: dict[str, float]) -> None:
+        """Take in the last tick's."""
+        for name, seconds in stages_s.items():
+            new = 1000.0 * seconds
+            self.ms[name] = new + (1.0 - CALM) * (self.ms.get(name, new) - new)
+
+
+def panel(desk: "Desk") -> None:
+    """Draw it, and act on the dive."""
+    _drawn(desk)
+    imgui.separator()
+    _pictures(desk)
+    imgui.separator()
+    _camera(desk)
+    imgui.separator()
+    _speed(desk)
+
+
+def _drawn(desk: "Desk") -> None:
+    """Drawing modes, and diagrams over the sea."""
+    host, line = desk.host, imgui.get_font_size()
+    for number, (name, meaning) in enumerate(DIAGRAMS.items()):
+        if number % 3:
+            imgui.same_line(1.0 + number % 3 * ACROSS * line)
+        changed, shown = imgui.checkbox(name, name in host.picture.diagrams)
+        imgui.set_item_tooltip(meaning)
+        if changed:
+            (host.picture.diagrams.add if shown else host.picture.diagrams.discard)(name)
+    _, host.picture.wireframe = imgui.checkbox("wireframe", host.picture.wireframe)
+    imgui.same_line(1.0 + ACROSS * line)
+    if imgui.checkbox("lights", bool(host.world.state.submarine.lights[0]))[0]:
+        host.grant("lights")
+
+
+def _pictures(desk: "Desk") -> None:
+    """What is put into files: a picture of the screen, a film of it."""
+    if imgui.button("take a picture"):
+        desk.host.grant("picture")
+    imgui.same_line()
+    if imgui.button("film, or end the film"):
+        desk.host.grant("film")
+
+
+def _camera(desk: "Desk") -> None:
+    """Where the camera is and looks, as a tour could go there."""
+    host = desk.host
+    sight = host.picture.sight
+    if sight is None:
+        imgui.text_disabled("All round, the camera looks everywhere.")
+        return
+    (x, y, z), (heading, pitch) = sight.view.eye, angles_deg(sight.view)
+    imgui.text(f"camera {x:.0f}, {y:.0f}, {z:.0f} cm; heading {heading:.0f}°, pitch {pitch:+.0f}°")
+    if imgui.button("copy it as a waypoint of a tour"):
+        text = waypoint(sight.view, host.world.state.tick * TICK_S)
+        glfw.set_clipboard_string(None, text)  # type: ignore[arg-type]  # any window is deprecated
+        host.overlay.note("the waypoint can be pasted into a scenario")
+
+
+def _speed(desk: "Desk") -> None:
+    """How long a picture takes, the stages of a tick of it, and how much there is."""
+    times, line = desk.of(Times), imgui.get_font_size()
+    times.follow(desk.host.world.stages_s)
+    rate = max(imgui.get_io().framerate, 1e-3)
+    imgui.text(f"{1000.0 / rate:.1f} ms a picture, {rate:.0f} pictures a second")
+    for number, (name, ms) in enumerate(times.ms.items()):
+        if number % 3:
+            imgui.same_line(1.0 + number % 3 * ACROSS * line)
+        imgui.text_disabled(f"{name} {ms:.2f} ms")
+    counts = desk.host.picture.counts
+    imgui.text(", ".join(f"{number:,} {name}" for name, number in counts.items()))
+
+
+def angles_deg(view: View) -> tuple[float, float]:
+    """Heading, left of the x axis, in [0, 360), and pitch, up, of where a view looks."""
+    ahead = -view.view[2, :3].astype(np.float64)
+    heading = np.degrees(np.arctan2(ahead[1], ahead[0])) % 360.0
+    return float(heading), float(np.degrees(np.arcsin(np.clip(ahead[2], -1.0, 1.0))))
+
+
+def waypoint(view: View, time_s: float) -> str:
+    """A waypoint of a tour in a scenario's file: there, looking the same way."""
+    eye = np.asarray(view.eye, np.float64)
+    ahead = eye - AHEAD_CM * view.view[2, :3].astype(np.float64)
+    position, target = (", ".join(f"{value:.1f}" for value in place) for place in (eye, ahead))
+    return f"{{ time_s = {time_s:.1f}, position_cm = [{position}], look_at_cm = [{target}] }},\n"

@@ -1,0 +1,54 @@
+"""Which fish a panel is about: the head of all panels about one fish."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from imgui_bundle import imgui
+from numpy.typing import NDArray
+
+from subsea.world.world import World
+
+if TYPE_CHECKING:
+    from subsea.ui.inspector import Desk
+
+
+def whom(desk: "Desk") -> int | None:
+    """The chosen fish, who it is, and fields to choose another; None while none is chosen."""
+    fishes, fish = desk.host.world.state.fishes, desk.chosen
+    line = imgui.get_font_size()
+    for name, way, step in (("previous", imgui.Dir.left, -1), ("next", imgui.Dir.right, 1)):
+        if imgui.arrow_button(name, way):
+            desk.chosen = beside(fish, step, fishes.alive)
+        imgui.set_item_tooltip(f"the {name} fish")
+        imgui.same_line()
+    imgui.set_next_item_width(4.5 * line)
+    entered, number = imgui.input_int(
+        "fish", -1 if fish is None else fish, 0, 0, imgui.InputTextFlags_.enter_returns_true.value
+    )
+    if entered and 0 <= number < len(fishes.alive) and fishes.alive[number]:
+        desk.chosen = number
+    if desk.chosen is None:
+        imgui.text_disabled("None is chosen: click one in the sea.")
+        return None
+    imgui.same_line(0.0, line)
+    imgui.text(told(desk.host.world, desk.chosen))
+    return desk.chosen
+
+
+def told(world: World, fish: int) -> str:
+    """A fish's species, length and sex, in words."""
+    fishes, minds = world.state.fishes, world.state.minds
+    name = world.species[fishes.species[fish]].name
+    sex = "male" if minds.male[fish] else "female"
+    return f"{name}, {fishes.length[fish]:.1f} cm, {sex}"
+
+
+def beside(fish: int | None, step: int, alive: NDArray[np.bool_]) -> int | None:
+    """The next one that is alive, `step` of 1 upward or -1 downward, all round; None of no fish."""
+    living = np.flatnonzero(alive)
+    if not len(living):
+        return None
+    if fish is None:
+        return int(living[0 if step > 0 else -1])
+    at = np.searchsorted(living, fish, side="right" if step > 0 else "left")
+    return int(living[(at if step > 0 else at - 1) % len(living)])

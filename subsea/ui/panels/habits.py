@@ -1,0 +1,92 @@
+"""Habits (Tu fig. 9.5): sex, what it likes, and its kind; of one fish or all of its species."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from imgui_bundle import imgui
+
+from subsea.behavior.temperament import HABITS, alter
+from subsea.scenario.schema import Individual
+from subsea.state import KINDS
+from subsea.ui.panels.fish_picker import whom
+from subsea.world.world import TICK_S
+
+if TYPE_CHECKING:
+    from subsea.ui.inspector import Desk
+
+PAIRS = ((0, 1, "light"), (2, 3, "temperature"))  # two columns of `minds.likes`, and of what
+INDENT = 7.0  # of what can be chosen, in heights of letters
+
+
+class Whose:
+    """Whether habits are set of the chosen fish alone."""
+
+    def __init__(self) -> None:
+        """Of it alone."""
+        self.all_of_species = False
+
+
+def panel(desk: "Desk") -> None:
+    """Draw it, and act on the world."""
+    fish = whom(desk)
+    if fish is None:
+        return
+    world = desk.host.world
+    minds, whose = world.state.minds, desk.of(Whose)
+    name = world.species[world.state.fishes.species[fish]].name
+    _row("of")
+    for label, every in (("this fish alone", False), (f"all of {name}", True)):
+        if imgui.radio_button(label, whose.all_of_species == every):
+            whose.all_of_species = every
+        imgui.same_line()
+    imgui.new_line()
+    imgui.separator()
+    _row("sex")
+    for label, male in (("female", False), ("male", True)):
+        if imgui.radio_button(label, bool(minds.male[fish]) == male):
+            _set(desk, fish, male=male)
+        imgui.same_line()
+    imgui.new_line()
+    _row("kind")
+    for code, kind in enumerate(KINDS):
+        if imgui.radio_button(kind, int(minds.kind[fish]) == code):
+            _set(desk, fish, kind=kind)
+        imgui.same_line()
+    imgui.new_line()
+    _row("company")
+    changed, schools = imgui.checkbox("likes schooling", bool(minds.schools[fish]))
+    if changed:
+        _set(desk, fish, schooling=schools)
+    for one, other, what in PAIRS:
+        _row(what)
+        for column in (one, other):
+            changed, liked = imgui.checkbox(HABITS[column], bool(minds.likes[fish, column]))
+            if changed:
+                likes = minds.likes[fish].copy()
+                likes[column] = liked
+                names = [name for name, on in zip(HABITS, likes, strict=True) if on]
+                _set(desk, fish, likes=names)
+            imgui.same_line()
+        if minds.likes[fish, one] == minds.likes[fish, other]:
+            imgui.text_disabled("doesn't care")
+        else:
+            imgui.new_line()
+
+
+def _row(name: str) -> None:
+    """The name of a line of choices, which come after it, all from the same place on."""
+    imgui.align_text_to_frame_padding()
+    imgui.text_disabled(name)
+    imgui.same_line(INDENT * imgui.get_font_size())
+
+
+def _set(desk: "Desk", fish: int, **habits: Any) -> None:
+    """Give these to the chosen fish, or to all of its species that are alive."""
+    world = desk.host.world
+    fishes, minds = world.state.fishes, world.state.minds
+    those = np.array([fish])
+    if desk.of(Whose).all_of_species:
+        those = np.flatnonzero((fishes.species == fishes.species[fish]) & fishes.alive)
+    for one in those:
+        alter(fishes, minds, Individual(fish=int(one), **habits), world.state.tick * TICK_S)
+    desk.changed()

@@ -1,0 +1,196 @@
+"""The panel *Initialisation* (Tu §9.1): how many of everything, and the files."""
+
+import random
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from imgui_bundle import imgui
+from msgspec.structs import replace
+
+from subsea.core.errors import UserError
+from subsea.scenario import storage
+from subsea.scenario.schema import (
+    MAX_FISHES,
+    MAX_LEAVES,
+    MAX_SEAWEED,
+    MAX_SEED,
+    MAX_SOLIDS,
+    Scenario,
+    check_scenario,
+    scenario_names,
+)
+from subsea.ui.panels.fields import typed_whole
+from subsea.world.inventory import KINDS, Counts, counts, with_counts
+from subsea.world.to_scenario import as_it_is
+
+if TYPE_CHECKING:
+    from subsea.ui.inspector import Desk
+
+MAX_PLANKTON = 100_000
+NUMBER, SEED, NAME = 6.5, 9.0, 14.0  # how wide fields are, in heights of letters
+
+
+@dataclass
+class Draft:
+    """What is entered, until the dive begins with it."""
+
+    base: Scenario | None = None  # whose numbers these were
+    counts: Counts | None = None
+    names: list[str] = field(default_factory=list)  # of scenarios that there are
+    wanted: str = ""  # the name or path to open
+    title: str = ""  # the name or path to save as
+    said: str = ""  # how the last of it went
+
+    def begin(self, scenario: Scenario, seed: int) -> Counts:
+        """From a scenario, with the seed that its dive has."""
+        self.base, self.counts = scenario, counts(scenario)
+        self.counts.seed, self.names = seed, scenario_names()
+        return self.counts
+
+
+def panel(desk: "Desk") -> None:
+    """Numbers of everything, and the files of scenarios."""
+    draft, host = desk.of(Draft), desk.host
+    wanted = draft.counts
+    if wanted is None or draft.base is not host.scenario:
+        wanted = draft.begin(host.scenario, host.world.state.seed)
+    imgui.text(host.scenario.title)
+    imgui.same_line()
+    imgui.text_disabled(host.source.name)
+    if imgui.begin_table("numbers", 2):
+        imgui.table_next_column()
+        _fishes(wanted)
+        imgui.table_next_column()
+        _sea(wanted)
+        imgui.end_table()
+    if imgui.button("Start anew"):
+        desk.later(partial(start_anew, desk, wanted))
+    imgui.same_line()
+    if imgui.button("Revert"):
+        draft.begin(host.scenario, host.world.state.seed)
+    imgui.same_line()
+    imgui.text(f"{sum(wanted.fishes.values())} fishes in all")
+    imgui.separator()
+    _files(desk, draft)
+    if draft.said:
+        imgui.push_text_wrap_pos(38.0 * imgui.get_font_size())
+        imgui.text_wrapped(draft.said)
+        imgui.pop_text_wrap_pos()
+
+
+def start_anew(desk: "Desk", wanted: Counts) -> bool:
+    """Begin the dive with these numbers; whether that was possible. If not, it is told."""
+    draft, host = desk.of(Draft), desk.host
+    scenario = with_counts(present(desk), wanted)
+    try:
+        check_scenario(scenario, "the numbers")
+    except UserError as fault:
+        draft.said = str(fault)
+        host.note(draft.said)
+        return False
+    if not host.enter(scenario, host.source):
+        draft.said = "That dive cannot begin."
+        return False
+    draft.said = ""
+    return True
+
+
+def open_file(desk: "Desk", name: str) -> bool:
+    """Begin the dive of another scenario, by name or path; whether that was possible."""
+    draft, host = desk.of(Draft), desk.host
+    try:
+        scenario, path = storage.opened(name)
+    except UserError as fault:
+        draft.said = str(fault)
+        host.note(draft.said)
+        return False
+    draft.said, known = "", storage.held(path)
+    if not host.enter(scenario, path):
+        return False
+    host.known = known
+    return True
+
+
+def save(desk: "Desk", name: str = "") -> Path | None:
+    """Save the dive's scenario as it is, under a name or where it belongs; where, if it was."""
+    draft, host = desk.of(Draft), desk.host
+    try:
+        path = storage.place_named(name.strip()) if name else storage.place_of(host.source)
+        storage.save(present(desk), path, host.source, host.known)
+    except UserError as fault:
+        draft.said = str(fault)
+        host.note(draft.said)
+        return None
+    host.source, host.known = path, storage.held(path)
+    draft.names, draft.said = scenario_names(), f"saved as {path}"
+    host.note(draft.said)
+    return path
+
+
+def present(desk: "Desk") -> Scenario:
+    """The dive's scenario with what panels have changed."""
+    world = desk.host.world
+    return replace(as_it_is(world), seed=world.state.seed)
+
+
+def _fishes(wanted: Counts) -> None:
+    """A line for each species that there is."""
+    for species, number in wanted.fishes.items():
+        wanted.fishes[species] = _number(species.replace("_", " "), number, MAX_FISHES)
+
+
+def _sea(wanted: Counts) -> None:
+    """What floats, grows and stands there, and the dice."""
+    wanted.plankton = _number("plankton", wanted.plankton, MAX_PLANKTON, 100)
+    for kind in KINDS:
+        wanted.clusters[kind] = _number(f"##{kind}", wanted.clusters[kind], MAX_SEAWEED)
+        imgui.same_line()
+        wanted.leaves[kind] = _number(f"{kind} × leaves", wanted.leaves[kind], MAX_LEAVES, low=1)
+        imgui.set_item_tooltip("clusters of seaweed, and the leaves of each")
+    wanted.pillars = _number("pillars", wanted.pillars, MAX_SOLIDS)
+    wanted.seed = _number("seed", wanted.seed, MAX_SEED, wide=SEED)
+    imgui.same_line()
+    if imgui.button("Dice"):
+        wanted.seed = random.randrange(1_000_000)
+    imgui.set_item_tooltip("another seed: other places, sizes and whims")
+
+
+def _number(
+    name: str, value: int, high: int, step: int = 1, low: int = 0, wide: float = NUMBER
+) -> int:
+    imgui.set_next_item_width(wide * imgui.get_font_size())
+    return typed_whole(name, value, low, high, step)
+
+
+def _files(desk: "Desk", draft: Draft) -> None:
+    """Open another scenario, save this one."""
+    line = imgui.get_font_size()
+    imgui.set_next_item_width(NAME * line)
+    chosen = imgui.begin_combo("##there", "scenarios", imgui.ComboFlags_.height_large.value)
+    if chosen:
+        for name in draft.names:
+            if imgui.selectable(name, name == desk.host.source.stem)[0]:
+                desk.later(partial(open_file, desk, name))
+        imgui.end_combo()
+    imgui.same_line()
+    draft.wanted, entered = _line("##wanted", "or the path of a file", draft.wanted)
+    imgui.same_line()
+    if (imgui.button("Open") or entered) and draft.wanted.strip():
+        desk.later(partial(open_file, desk, draft.wanted.strip()))
+    if imgui.button("Save"):
+        desk.later(partial(save, desk))
+    imgui.set_item_tooltip(str(storage.place_of(desk.host.source)))
+    imgui.same_line()
+    draft.title, entered = _line("##title", "name or path", draft.title)
+    imgui.same_line()
+    if (imgui.button("Save as") or entered) and draft.title.strip():
+        desk.later(partial(save, desk, draft.title))
+
+
+def _line(name: str, hint: str, text: str) -> tuple[str, bool]:
+    """A field for a line of text: what it holds, and whether it was ended with Enter."""
+    imgui.set_next_item_width(NAME * imgui.get_font_size())
+    _, text = imgui.input_text_with_hint(name, hint, text)
+    return text, imgui.is_item_deactivated() and imgui.is_key_pressed(imgui.Key.enter)

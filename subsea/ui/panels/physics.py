@@ -1,0 +1,199 @@
+"""The panel *Physics* (Tu fig. 9.3): bodies and water of simulated fishes, and the current."""
+
+import math
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from imgui_bundle import imgui
+from msgspec.structs import replace
+
+from subsea.scenario.schema import MAX_SIMULATED
+from subsea.state import Physics
+from subsea.ui.gui import MARK, QUIET, colour
+from subsea.ui.panels.fish_picker import whom
+
+if TYPE_CHECKING:
+    from subsea.ui.inspector import Desk
+
+WIDE, DIAL = 13.0, 5.0  # of a slider and across the dial, in heights of letters
+STRONGEST_CM_S = 60.0  # that can be set here
+SOME_CM_S = 6.0  # a current that is switched on where there was none
+LOG = imgui.SliderFlags_.logarithmic.value | imgui.SliderFlags_.always_clamp.value
+
+
+class Slider(NamedTuple):
+    """A factor of `state.Physics`."""
+
+    name: str
+    label: str
+    low: float
+    high: float
+    meaning: str
+
+
+SLIDERS = (
+    Slider("unit_mass", "unit mass", 0.1, 10.0, "factor on the mass of every node"),
+    Slider("viscosity", "viscosity", 0.01, 100.0, "factor on the viscosity of every spring"),
+    Slider("stiffness", "stiffness", 0.01, 100.0, "factor on the spring constants"),
+    Slider("water_viscosity", "water viscosity", 0.01, 100.0, "factor on what the water does"),
+    Slider("time_step", "time step", 0.05, 50.0, "factor on the solver's 5.5 ms"),
+)
+
+
+@dataclass
+class Still:
+    """The current that was switched off."""
+
+    current_cm_s: tuple[float, float] = (SOME_CM_S, 0.0)
+
+
+def panel(desk: "Desk") -> None:
+    """Whom it is about, what they are made of, and what moves them."""
+    _whom(desk)
+    imgui.separator()
+    _factors(desk)
+    imgui.separator()
+    _current(desk)
+
+
+def _whom(desk: "Desk") -> None:
+    """How many fishes are simulated, and whether the chosen one is."""
+    host = desk.host
+    world, line = host.world, imgui.get_font_size()
+    live = np.flatnonzero(world.state.fishes.live)
+    imgui.align_text_to_frame_padding()
+    imgui.text(f"{len(live)} of {len(world.state.fishes.alive)} fishes are simulated; at most")
+    imgui.same_line()
+    imgui.set_next_item_width(5.5 * line)
+    _, most = imgui.input_int("##most", len(world.state.live.fish))
+    if imgui.is_item_deactivated_after_edit():
+        desk.later(partial(simulate, desk, min(max(most, 0), MAX_SIMULATED)))
+    imgui.text_disabled("Physics acts on these: those nearest to the submarine.")
+    fish = whom(desk)
+    if fish is None:
+        return
+    if not world.dynamics.muscular[world.state.fishes.species[fish]]:
+        imgui.text_disabled("Its species has no muscles: it is played back.")
+        return
+    changed, first = imgui.checkbox("simulate it before all others", world.physics.fish == fish)
+    imgui.same_line()
+    imgui.text_disabled("it is simulated" if fish in live else "it is played back")
+    if changed:
+        world.physics = world.physics._replace(fish=fish if first else -1)
+        desk.changed()
+        if first and not len(world.state.live.fish):
+            desk.later(partial(simulate, desk, 1))
+
+
+def simulate(desk: "Desk", most: int) -> bool:
+    """Let so many fishes be simulated at most; whether that was possible."""
+    host = desk.host
+    if most == len(host.world.state.live.fish):
+        return True
+    scenario, chosen = replace(host.scenario, simulated=most), desk.chosen
+    entered = host.enter(scenario, host.source, host.world.state.seed, stay=True)
+    desk.chosen = chosen if entered else desk.chosen
+    return entered
+
+
+def _factors(desk: "Desk") -> None:
+    """A slider for each, and back to what is usual."""
+    world, line = desk.host.world, imgui.get_font_size()
+    before = physics = world.physics
+    for slider in SLIDERS:
+        imgui.set_next_item_width(WIDE * line)
+        value = getattr(physics, slider.name)
+        moved, value = imgui.slider_float(slider.label, value, slider.low, slider.high, "%.3g", LOG)
+        imgui.set_item_tooltip(slider.meaning)
+        if moved:
+            factor: dict[str, Any] = {slider.name: float(f"{value:.3g}")}
+            physics = physics._replace(**factor)
+    imgui.set_next_item_width(WIDE * line)
+    moved, number = imgui.slider_int("iterations", physics.iterations, 1, 60)
+    imgui.set_item_tooltip("steps of the solver in a tick; of 6 a fish lives as fast as others")
+    if moved:
+        physics = physics._replace(iterations=min(max(number, 1), 60))
+    moved, on = imgui.checkbox("hydrodynamics", physics.hydrodynamics)
+    imgui.set_item_tooltip("without it the tail beats, and the fish does not go")
+    if moved:
+        physics = physics._replace(hydrodynamics=on)
+    imgui.same_line()
+    imgui.begin_disabled(physics == Physics(fish=physics.fish))
+    if imgui.button("Defaults"):
+        physics = Physics(fish=physics.fish)
+    imgui.end_disabled()
+    if physics != before:
+        world.physics = physics
+        desk.changed()
+    burst = sorted(fish for fish, under in world.told if under == world.physics)
+    if burst:
+        those = ", ".join(map(str, burst[:8])) + (" …" if len(burst) > 8 else "")
+        imgui.text_disabled(
+            f"exploded like that: {'fish' if len(burst) == 1 else 'fishes'} {those}"
+        )
+
+
+def _current(desk: "Desk") -> None:
+    """A dial for where the current flows, how strong it is, and whether there is any."""
+    world, still, line = desk.host.world, desk.of(Still), imgui.get_font_size()
+    x, y = world.current_cm_s
+    on = bool(x or y)
+    if on:
+        still.current_cm_s = x, y
+    x, y = still.current_cm_s
+    strength, angle = math.hypot(x, y), math.atan2(y, x)
+    before = on, strength, angle
+    angle = _dial(angle, strength if on else 0.0, float(world.state.submarine.angles[0]))
+    imgui.same_line()
+    imgui.begin_group()
+    _, on = imgui.checkbox("current", on)
+    imgui.set_next_item_width(0.7 * WIDE * line)
+    clamp = imgui.SliderFlags_.always_clamp.value
+    moved, wanted = imgui.slider_float(
+        "strength", strength, 0.0, max(STRONGEST_CM_S, strength), "%.1f cm/s", clamp
+    )
+    strength = max(float(f"{wanted:.3g}"), 0.1) if moved else strength
+    imgui.text_disabled(f"toward {round(-math.degrees(angle)) % 360:03d}° by the compass")
+    imgui.end_group()
+    if (on, strength, angle) != before:
+        still.current_cm_s = (
+            float(f"{strength * math.cos(angle):.4g}"), float(f"{strength * math.sin(angle):.4g}"),
+        )  # fmt: skip
+        world.current_cm_s = still.current_cm_s if on else (0.0, 0.0)
+        desk.changed()
+
+
+def _dial(angle: float, strength: float, heading: float) -> float:
+    """The sea from above, x to the right: an arrow that the pointer turns, and the submarine."""
+    line = imgui.get_font_size()
+    corner, size = imgui.get_cursor_screen_pos(), DIAL * line
+    imgui.invisible_button("dial", (size, size))
+    imgui.set_item_tooltip("where the current flows, from above; the mark is your heading")
+    middle, radius = (corner.x + size / 2, corner.y + size / 2), 0.46 * size
+    pointer = imgui.get_io().mouse_pos
+    if imgui.is_item_active():
+        away = pointer.x - middle[0], middle[1] - pointer.y
+        if math.hypot(*away) > 0.1 * size:
+            angle = math.radians(round(math.degrees(math.atan2(away[1], away[0]))))
+    canvas = imgui.get_window_draw_list()
+    canvas.add_circle_filled(middle, radius, colour((0.13, 0.27, 0.34), 0.55))
+    canvas.add_circle(middle, radius, colour(QUIET, 0.6))
+
+    def at(turn: float, share: float) -> tuple[float, float]:
+        return (
+            middle[0] + share * radius * math.cos(turn),
+            middle[1] - share * radius * math.sin(turn),
+        )
+
+    canvas.add_triangle_filled(
+        at(heading, 1.0), at(heading + 0.16, 0.78), at(heading - 0.16, 0.78), colour(QUIET, 0.8)
+    )
+    ink = colour(MARK, 0.95 if strength else 0.3)
+    far = 0.35 + 0.4 * min(strength / STRONGEST_CM_S, 1.0) ** 0.5
+    canvas.add_line(at(angle + math.pi, far), at(angle, far), ink, 0.14 * line)
+    canvas.add_triangle_filled(
+        at(angle, far + 0.22), at(angle + 0.35, far - 0.05), at(angle - 0.35, far - 0.05), ink
+    )
+    return angle

@@ -1,0 +1,335 @@
+"""The panel *Placement* (Tu §9.1): what stands where, dragged in the view or set by numbers.
+
+While it is open a click in the sea takes the thing under the pointer; it follows until it is let
+go of, and the world is made anew around the submarine then.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from imgui_bundle import imgui
+from msgspec.structs import replace
+
+from subsea.core.errors import UserError
+from subsea.core.undo import History
+from subsea.fish.species import species_names
+from subsea.scenario.schema import Scenario
+from subsea.state import Sea
+from subsea.ui.gui import GLASS, MARK, colour
+from subsea.ui.panels import fields
+from subsea.world import placement
+from subsea.world.placement import Grip, Handle
+from subsea.world.world import check_in
+
+if TYPE_CHECKING:
+    from subsea.ui.inspector import Desk
+    from subsea.view.unproject import Sight
+
+REFUSED = (1.0, 0.42, 0.34)  # what cannot be
+WIDE, ROWS = 20.0, 7.5  # of the list, in heights of letters
+BIGGER, TURN_DEG = 1.08, 5.0  # of a step of the wheel
+HIGHER = 3.0  # how many times e as high, from the foot of the screen to its head
+REST_S = 0.5  # after the wheel's last step the world is made anew
+NEAR_CM = 60.0  # what is so near to the eye is not taken hold of: one is inside
+
+
+@dataclass
+class Placing:
+    """What is being placed, and what was before."""
+
+    history: History[Scenario] | None = None
+    chosen: tuple[str, int] | None = None  # kind and number of a thing
+    held: Grip | None = None  # while it is dragged
+    begun: tuple[float, float] = (0.0, 0.0)  # where on the screen that began
+    trial: Scenario | None = None  # what the dive would be if it were let go of now
+    fault: str = ""  # why that cannot be
+    rest_s: float = 0.0  # since the wheel has turned
+    said: str = ""  # why the last one could not be
+    seen: tuple[Scenario, Sea, list[Handle]] | None = None  # of what things were made, and these
+    frame: int = 0  # of the gui, that it was drawn in last
+
+    def things(self, scenario: Scenario, sea: Sea) -> list[Handle]:
+        """All that may be placed: made anew when something has changed."""
+        if not self.seen or self.seen[0] is not scenario or self.seen[1] is not sea:
+            self.seen = scenario, sea, placement.handles(scenario, sea)
+        return self.seen[2]
+
+    def try_out(self, scenario: Scenario, sea: Sea, source: str) -> None:
+        """Show how it would be, and whether it may."""
+        self.trial, self.fault = scenario, ""
+        try:
+            check_in(scenario, sea, source)
+        except UserError as fault:
+            self.fault = str(fault)
+
+    def let_go(self) -> None:
+        """Nothing is tried out any more."""
+        self.trial, self.held, self.fault, self.rest_s = None, None, "", 0.0
+
+
+def panel(desk: "Desk") -> None:
+    """The list, the numbers of what is chosen, and the hand in the sea."""
+    placing, host = desk.of(Placing), desk.host
+    if placing.history is None or placing.history.present is not host.scenario:
+        placing.history, placing.chosen = History(host.scenario), None
+        placing.let_go()
+    frame = imgui.get_frame_count()
+    if frame > placing.frame + 1:  # it was hidden, and what was held meanwhile nobody has dropped
+        placing.let_go()
+    placing.frame = frame
+    sea, scenario = host.world.state.sea, placing.trial or host.scenario
+    things = placing.things(scenario, sea)
+    _list(placing, scenario, things)
+    _buttons(desk, placing)
+    _numbers(desk, placing, scenario, sea)
+    said = placing.fault or placing.said
+    if said:
+        imgui.push_text_wrap_pos(WIDE * 1.4 * imgui.get_font_size())
+        imgui.text_colored((*REFUSED, 1.0), said)
+        imgui.pop_text_wrap_pos()
+    sight = host.picture.sight
+    if sight is None:
+        imgui.text_disabled("Things are dragged in flat pictures.")
+        return
+    within = [thing for thing in things if math.dist(thing.place, sight.view.eye) > NEAR_CM]
+    over = _hand(desk, placing, sight, within)
+    for thing in within:
+        if (thing.kind, thing.number) == placing.chosen:
+            _show(sight, thing, REFUSED if placing.fault else MARK, 0.1)
+        elif thing is over:
+            _show(sight, thing, MARK, 0.05)
+
+
+def name_of(scenario: Scenario, kind: str, number: int) -> str:
+    """A thing in words: how many of them came before it, and what it is."""
+    words = placement.KINDS[kind]
+    if kind in placement.SINGLE:
+        return words
+    one = getattr(scenario, kind)[number]
+    what = f"{one.number} {one.species}" if kind == "fish" else getattr(one, "kind", "")
+    more = f": {what.replace('_', ' ')}" if what else ""
+    return f"{words.split(' ', 1)[-1]} {number + 1}{more}"
+
+
+def place(desk: "Desk", scenario: Scenario) -> bool:
+    """Have the dive go on with things placed otherwise; whether that may be. If not, it is told."""
+    placing, host = desk.of(Placing), desk.host
+    placing.let_go()
+    if scenario == host.scenario:
+        return True
+    if not _enter(desk, scenario):
+        return False
+    assert placing.history is not None
+    placing.history.do(host.scenario)
+    return True
+
+
+def back(desk: "Desk", forth: bool = False) -> bool:
+    """Undo what was placed last, or with `forth` what was undone last; whether there was any."""
+    history = desk.of(Placing).history
+    if history is None or not (history.may_redo if forth else history.may_undo):
+        return False
+    desk.of(Placing).let_go()
+    scenario = history.redo() if forth else history.undo()
+    if not _enter(desk, scenario):
+        _ = history.undo() if forth else history.redo()
+        return False
+    return True
+
+
+def _enter(desk: "Desk", scenario: Scenario) -> bool:
+    placing, host = desk.of(Placing), desk.host
+    placing.said = ""
+    try:
+        placement.check(scenario, str(host.source), host.world.state.seed)
+    except UserError as fault:
+        placing.said = str(fault)
+        host.note(placing.said)
+        return False
+    return host.enter(scenario, host.source, host.world.state.seed, stay=True)
+
+
+def _list(placing: Placing, scenario: Scenario, things: list[Handle]) -> None:
+    """All that may be placed; one is chosen."""
+    line = imgui.get_font_size()
+    if imgui.begin_list_box("##things", (WIDE * line, ROWS * line)):
+        for thing in things:
+            which = thing.kind, thing.number
+            if imgui.selectable(name_of(scenario, *which), which == placing.chosen)[0]:
+                placing.chosen = which
+        imgui.end_list_box()
+
+
+def _buttons(desk: "Desk", placing: Placing) -> None:
+    """Add, remove, undo and redo; the last two by the usual keys, too."""
+    history, chosen, host = placing.history, placing.chosen, desk.host
+    assert history is not None
+    if imgui.button("Add"):
+        imgui.open_popup("add")
+    if imgui.begin_popup("add"):
+        for kind, words in placement.KINDS.items():
+            if kind != "submarine" and imgui.selectable(words, False)[0]:
+                desk.later(partial(_add, desk, kind))
+        imgui.end_popup()
+    imgui.same_line()
+    imgui.begin_disabled(chosen is None)
+    if imgui.button("Remove") and chosen is not None:
+        desk.later(partial(_remove, desk, *chosen))
+    imgui.end_disabled()
+    typing = imgui.get_io().want_text_input
+    ctrl = imgui.Key.mod_ctrl.value
+    for words, letter, key, forth, may in (
+        ("Undo", "Z", imgui.Key.z, False, history.may_undo),
+        ("Redo", "Y", imgui.Key.y, True, history.may_redo),
+    ):
+        imgui.same_line()
+        imgui.begin_disabled(not may)
+        pressed = imgui.button(words)
+        imgui.end_disabled()
+        imgui.set_item_tooltip(f"Ctrl+{letter}")
+        if (pressed or (imgui.is_key_chord_pressed(ctrl | key.value) and not typing)) and may:
+            desk.later(partial(back, desk, forth))
+    if host.picture.sight is not None:
+        imgui.text_disabled("Drag in the sea. Shift: height, or near and far.")
+        imgui.text_disabled("Wheel: size. Ctrl and wheel: turn.")
+
+
+def _add(desk: "Desk", kind: str) -> None:
+    """One more thing before the submarine."""
+    host, placing = desk.host, desk.of(Placing)
+    sight, sea = host.picture.sight, host.world.state.sea
+    submarine = host.world.state.submarine
+    if sight is None:
+        heading = float(submarine.angles[0])
+        way = np.array([math.cos(heading), math.sin(heading), -0.3])
+        eye = submarine.position
+    else:
+        eye, way = sight.ray(0.5, 0.6)
+    at = placement.before(sea, eye, way)
+    if place(desk, placement.added(host.scenario, kind, at, sea)):
+        those = getattr(host.scenario, kind)
+        placing.chosen = kind, 0 if kind in placement.SINGLE else len(those) - 1
+
+
+def _remove(desk: "Desk", kind: str, number: int) -> None:
+    placing, host = desk.of(Placing), desk.host
+    things = placement.handles(host.scenario, host.world.state.sea)
+    for thing in things:
+        if (thing.kind, thing.number) == (kind, number):
+            try:
+                rest = placement.removed(host.scenario, thing)
+            except UserError as fault:
+                placing.said = str(fault)
+                host.note(placing.said)
+                return
+            if place(desk, rest):
+                placing.chosen = None
+            return
+
+
+def _numbers(desk: "Desk", placing: Placing, scenario: Scenario, sea: Sea) -> None:
+    """A field for each number of what is chosen."""
+    if placing.chosen is None:
+        return
+    kind, number = placing.chosen
+    one = placement.thing(scenario, kind, number)
+    if one is None:
+        placing.chosen = None
+        return
+    imgui.separator_text(name_of(scenario, kind, number))
+    imgui.push_id(f"{kind} {number}")
+    new, settled = one, False
+    if kind == "fish":
+        species = fields.choice("species", one.species, species_names())
+        new, settled = replace(new, species=species.value), species.settled
+    new, entered = fields.table(new)
+    imgui.pop_id()
+    if new != one:
+        changed = placement.exchanged(scenario, kind, number, new)
+        placing.try_out(changed, sea, str(desk.host.source))
+    if (settled or entered) and placing.trial is not None:
+        desk.later(partial(place, desk, placing.trial))
+
+
+def _hand(desk: "Desk", placing: Placing, sight: "Sight", things: list[Handle]) -> Handle | None:
+    """What the pointer does in the sea; the thing that is under it."""
+    host, io = desk.host, imgui.get_io()
+    sea, source, pointer = host.world.state.sea, str(host.source), host.gui.pointer
+    over = None
+    if placing.held is None and not host.gui.on_panel:
+        over = placement.pick(things, sea, *sight.ray(*pointer))
+        if imgui.is_mouse_clicked(0) and over is not None:
+            placing.chosen, desk.taken = (over.kind, over.number), True
+            placing.held, placing.begun = placement.grip(over, *sight.ray(*pointer)), pointer
+            placing.said = ""
+        _turn_wheel(desk, placing, things)
+    held = placing.held
+    if held is None:
+        return over
+    if imgui.is_mouse_released(0) or not imgui.is_mouse_down(0):
+        placing.held = None
+        if placing.trial is not None:
+            _drop(desk, placing)
+        return over
+    if imgui.is_mouse_dragging(0):
+        now = host.scenario
+        if io.key_shift and held.handle.kind not in placement.FREE:
+            up = HIGHER * (placing.begun[1] - pointer[1])
+            new: Scenario | None = placement.raised(now, held.handle, math.exp(up))
+        else:
+            at = placement.aim(held, sea, *sight.ray(*pointer), level=io.key_shift)
+            new = None if at is None else placement.moved(now, held.handle, at)
+        if new is not None and new != placing.trial:
+            placing.try_out(new, sea, source)
+    return held.handle
+
+
+def _turn_wheel(desk: "Desk", placing: Placing, things: list[Handle]) -> None:
+    """The wheel makes the chosen thing larger, or with Ctrl turns it, and rests."""
+    io, host = imgui.get_io(), desk.host
+    chosen = [thing for thing in things if (thing.kind, thing.number) == placing.chosen]
+    if io.mouse_wheel and chosen:
+        before = placing.trial or host.scenario
+        if io.key_ctrl:
+            new = placement.turned(before, chosen[0], TURN_DEG * io.mouse_wheel)
+        else:
+            new = placement.resized(before, chosen[0], BIGGER**io.mouse_wheel)
+        placing.try_out(new, host.world.state.sea, str(host.source))
+        placing.rest_s = REST_S
+    elif placing.rest_s > 0.0:
+        placing.rest_s -= io.delta_time
+        if placing.rest_s <= 0.0 and placing.trial is not None:
+            _drop(desk, placing)
+
+
+def _drop(desk: "Desk", placing: Placing) -> None:
+    """Let go of what was tried out: the dive goes on with it, or as it was."""
+    if placing.fault:
+        placing.said = placing.fault
+        desk.host.note(placing.said)
+        placing.let_go()
+    elif placing.trial is not None:
+        desk.later(partial(place, desk, placing.trial))
+
+
+def _show(sight: "Sight", thing: Handle, ink: tuple[float, float, float], wide: float) -> None:
+    """The outline of a thing, under all panels."""
+    size, line = imgui.get_io().display_size, imgui.get_font_size()
+    canvas = imgui.get_background_draw_list()
+    lines = sight.lines(thing.outline) * (size.x, size.y)
+    if not len(lines):
+        return
+    many = len(thing.body) > 1
+    tint, wide = colour(ink, 0.95), max((0.5 if many else 1.0) * wide * line, 1.2)
+    # One call for each curve: lines that follow one another.
+    ends = np.flatnonzero((lines[1:, 0] != lines[:-1, 1]).any(axis=1)) + 1
+    for curve in np.split(lines, ends):
+        points: list[Any] = [
+            imgui.ImVec2(*point) for point in [*curve[:, 0].tolist(), curve[-1, 1].tolist()]
+        ]
+        if not many:
+            canvas.add_polyline(points, colour(GLASS, 0.45), wide + 1.5, 0)
+        canvas.add_polyline(points, tint, wide, 0)

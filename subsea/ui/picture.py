@@ -1,0 +1,268 @@
+"""What a dive shows: the sea in the rig of its windows, as finely as there is time for."""
+
+import gc
+import traceback
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from subsea.dive import adaptive_quality
+from subsea.dive.picking import pick
+from subsea.dive.retina_images import seen_brightness, velocity_of
+from subsea.dive.ride import LOOKS, Look, Ride, joined, pasted, pictured, with_insets
+from subsea.frame.diagrams import Label, Sketcher
+from subsea.frame.packet import Packet, make_scene, pack
+from subsea.render import Renderer
+from subsea.render.gl.id_buffer import FISH
+from subsea.render.output.quality import (
+    AUTO,
+    CHOICES,
+    LADDER,
+    PRESETS,
+    Quality,
+    first_rung,
+    name_of,
+)
+from subsea.ui.window_set import Wall
+from subsea.view.camera import View
+from subsea.view.display_rigs import DISPLAYS, display_rig
+from subsea.view.levels import nothing_drawn
+from subsea.view.rig import Pose, Rect, Rig, views
+from subsea.view.stereo import PAGED, Stereo
+from subsea.view.surround import Surround
+from subsea.view.text_viewports import Pane, panes
+from subsea.view.unproject import Sight, sight
+from subsea.world.world import World
+
+
+class Picture:
+    """Draws one world after another for the windows of a wall.
+
+    From the submarine, whose `eye` is told, or from a fish that is ridden; with diagrams, with what
+    a fish's eyes see in the corners, or the test pattern instead of all.
+    """
+
+    def __init__(
+        self,
+        wall: Wall,
+        fixed: Rig | None,
+        display: str,
+        stereo: Stereo,
+        surround: Surround,
+        quality: str,
+        target_ms: float | None,
+    ) -> None:
+        """Of no world yet. The rig is the one that is `fixed`, else that of a display mode.
+
+        `quality` is one of `render.quality.CHOICES`; "auto" holds `target_ms`, None: what the
+        renderer suggests.
+        """
+        self.display = display
+        self.quality = quality
+        self.alpha = 1.0  # the point between the last two ticks that is shown
+        self.eye: Pose
+        self.ride: Ride | None = None
+        self.pattern = False  # whether the test pattern is shown
+        self.look: Look = "colours"  # of the pictures of a fish's eyes ...
+        self.eyes_shown = True  # ... and whether there are any
+        self.diagrams: set[str] = set()  # names of `diagrams.DIAGRAMS` that are drawn
+        self.wireframe = False  # whether the sea is drawn as the edges of its triangles
+        self.labels: Sequence[Label] = ()  # of diagrams
+        self.panes: tuple[Pane, ...]  # where text goes
+        self._wall, self._fixed, self._stereo, self._surround = wall, fixed, stereo, surround
+        self._insets: tuple[Rect, ...] = ()  # where pictures of a fish's eyes are on the canvas
+        self._drawn: Packet | None = None
+        self._seen: tuple[View, ...] = ()  # the views of the present picture
+        self._context = wall.context
+        renderer = self._context.info["GL_RENDERER"]
+        self._target_ms = target_ms or adaptive_quality.target_for(renderer)
+        self._take_rig()
+        self._pace = adaptive_quality.start(first_rung(renderer), self.rig.exact)
+
+    def enter(self, world: World, heed: Callable[[], object] = lambda: None) -> None:
+        """Draw this world from now on; the one before was left.
+
+        That takes a while, in which `heed` is called, and may raise.
+        """
+        try:
+            self._renderer = Renderer(
+                self._context, make_scene(world), self.rig, self._chosen(), self._wall.page, heed
+            )
+        except BaseException as fault:
+            # What was made of it goes while its context is there: later it would be a crash.
+            traceback.clear_frames(fault.__traceback__)
+            gc.collect()
+            raise
+        self._world, self._drawn, self._seen, self.ride = world, None, (), None
+        self._sketcher = Sketcher(world)
+        self.jump()
+
+    def leave(self) -> None:
+        """Release what is there for the world."""
+        self._renderer.release()
+
+    def jump(self) -> None:
+        """What comes is seen from elsewhere, or at another time: nothing fades into it."""
+        self._memory = nothing_drawn(len(self._world.state.fishes.species))
+
+    def draw(self, clear: bool, chosen: int | None) -> None:
+        """The sea, as the windows show it now.
+
+        What a fish's eyes see needs a `clear` corner. Of the fish that is `chosen`, or ridden,
+        diagrams are stronger.
+        """
+        if self._fixed is None and self._wall.front.size != self.rig.outputs[0]:
+            self._take_rig()
+            self.arrange(clear)
+        elif bool(self._insets) != self._with_insets(clear):
+            self.arrange(clear)
+        if not self.pattern:
+            self._draw(chosen)
+        if self.pattern or not self._direct:
+            self._wall.show(self._renderer.pictures)
+
+    def arrange(self, clear: bool = True) -> None:
+        """Have the renderer draw what is to be seen: the rig, what a fish's eyes see, a pattern."""
+        rig, self._insets = with_insets(self.rig) if self._with_insets(clear) else (self.rig, ())
+        self._seen = ()
+        self._renderer.arrange(rig)
+        self._draw_pattern()
+
+    def show_pattern(self, clear: bool) -> None:
+        """The test pattern, or again the sea."""
+        self.pattern = not self.pattern
+        self._pace = adaptive_quality.resumed(self._pace)
+        self.arrange(clear)
+
+    def show_as(self, display: str) -> None:
+        """In another display mode from now on, one of `displays`."""
+        self.display = display
+        self._take_rig()
+        self._pace = adaptive_quality.start(self._pace.rung, self.rig.exact)
+        self.arrange()
+
+    @property
+    def displays(self) -> tuple[str, ...]:
+        """The display modes that it may be shown in from now on; none where that is fixed."""
+        if self._fixed is not None or self.display == PAGED:
+            return ()
+        return tuple(name for name in DISPLAYS if name != PAGED)
+
+    def choose(self, quality: str) -> None:
+        """Draw with this quality from now on, one of `render.quality.CHOICES`."""
+        self.quality = quality
+        self._pace = adaptive_quality.resumed(self._pace)
+        self._renderer.adapt(self._chosen())
+        self._draw_pattern()
+
+    def choose_next(self) -> None:
+        """The next quality, and after the finest the first again."""
+        self.choose(CHOICES[(CHOICES.index(self.quality) + 1) % len(CHOICES)])
+
+    def look_otherwise(self) -> None:
+        """The next look of what a fish's eyes see."""
+        self.look = LOOKS[(LOOKS.index(self.look) + 1) % len(LOOKS)]
+
+    @property
+    def fineness(self) -> str:
+        """How it is drawn, in words."""
+        name = name_of(self._renderer.quality)
+        return f"picture {name}" if self.quality != AUTO else f"picture auto: {name}"
+
+    def pace(self, spent_s: Callable[[], float]) -> None:
+        """Adapt the quality that chooses itself to how long this picture took until now."""
+        if self.quality != AUTO or self.pattern:
+            return
+        self._context.finish()  # the time of the picture, without waiting for the display
+        self._pace = adaptive_quality.paced(self._pace, 1000.0 * spent_s(), self._target_ms)
+        if self._chosen() != self._renderer.quality:
+            self._renderer.adapt(self._chosen())
+
+    def finish(self) -> None:
+        """Return when all that was asked for is drawn."""
+        self._context.finish()
+
+    def views(self) -> tuple[View, ...]:
+        """What is seen from the submarine, or from the fish that is ridden."""
+        if self.ride is None:
+            return views(self.rig, self.eye)
+        return self.ride.views(self._world, self.rig, self._insets, self.alpha)
+
+    @property
+    def sight(self) -> Sight | None:
+        """What the screen ahead shows now; None where that is no flat picture."""
+        return sight(self.rig, self._seen or self.views())
+
+    def fish_at(self, x: float, y: float) -> int | None:
+        """The fish that is seen at a place on the screen, in shares of it from its upper left."""
+        if self._drawn is None or self.pattern:
+            return None
+        picked = pick(self._renderer, self._drawn, x, y)
+        self._context.screen.use()  # text goes on being drawn over the picture
+        return picked.number if picked is not None and picked.kind == FISH else None
+
+    def brightness(self, ride: Ride) -> float:
+        """How bright it is in the eyes of the fish that is ridden, in [0, 1]."""
+        light = seen_brightness(self._renderer, self._world, ride.by)
+        self._draw_pattern()  # seeing has emptied the renderer's own pictures
+        return light
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How many of what there is, and of that in the present picture."""
+        fishes, drawn = self._world.state.fishes, self._drawn
+        return {
+            "fishes": int(np.count_nonzero(fishes.alive)),
+            "simulated": int(np.count_nonzero(fishes.live)),
+            "in sight": 0 if drawn is None else len(fishes.alive) - drawn.hidden,
+            "triangles": self._renderer.triangles,
+        }
+
+    @property
+    def _direct(self) -> bool:
+        """Whether the one window there is has the size of the picture: no need to copy it."""
+        return self.rig.outputs == (self._wall.front.size,)
+
+    def _with_insets(self, clear: bool) -> bool:
+        return self.ride is not None and self.eyes_shown and clear and not self.pattern
+
+    def _draw(self, chosen: int | None) -> None:
+        """The sea, into the window or into the renderer's own pictures."""
+        quality, ride = self._renderer.quality, self.ride
+        self._seen = seen = self.views()
+        own = len(seen) - len(self._insets)  # what a fish's eyes see has no diagrams
+        marked = chosen if ride is None else ride.by.fish
+        lines, self.labels = self._sketcher.draw(self.diagrams, seen[:own], self.alpha, marked)
+        self._renderer.wireframe = self.wireframe
+        packet = pack(
+            self._world, seen, self.alpha, detail=quality.detail, growth=quality.growth,
+            memory=self._memory, lines=lines, pilot=self.eye,
+        )  # fmt: skip
+        into = self._context.screen if self._direct else None
+        if ride is not None:
+            passing = velocity_of(self._world, ride.by.fish)
+            packet = replace(packet, passing_cm_s=passing, lined=own)
+        self._renderer.draw(packet, into)
+        self._drawn = packet
+        if self._insets and self.look != "colours":
+            maps = self._renderer.look_up(packet, range(own, len(seen)), joined(self._insets))
+            picture = pictured(maps, self.look)
+            self._renderer.paste(picture, pasted(self._renderer.rig, self.rig, picture), into)
+
+    def _draw_pattern(self) -> None:
+        """The test pattern, if it is shown, into the renderer's own pictures: once is enough."""
+        if self.pattern:
+            from subsea.view.theatre.lineup import lineup
+
+            self._renderer.show(lineup(self.rig))
+
+    def _take_rig(self) -> None:
+        """The rig that is for the windows as they are now, and where text goes on it."""
+        self.rig = self._fixed or display_rig(
+            self.display, self._wall.front.size, self._stereo, self._surround
+        )
+        self.panes = panes(self.rig, self._wall.page)
+
+    def _chosen(self) -> Quality:
+        return LADDER[self._pace.rung] if self.quality == AUTO else PRESETS[self.quality]

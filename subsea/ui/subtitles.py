@@ -1,0 +1,49 @@
+"""Captions in a window: in a frame of the gui, so for each eye on the screen ahead."""
+
+import math
+
+from imgui_bundle import imgui
+
+from subsea.dive.captions import (
+    FOOT,
+    INK,
+    LEADING,
+    ROOM,
+    SHADE,
+    Caption,
+    letters_of,
+    lines_of,
+    room_of,
+)
+from subsea.ui.gui import colour
+from subsea.view.rig import Rig
+
+CLEAR = 7.4  # so far above the foot stand captions, in heights of the gui's letters: above notes
+SOFT = tuple(
+    (reach * math.cos(k * math.tau / 12), reach * math.sin(k * math.tau / 12), alpha)
+    for reach, alpha in ((0.16, 0.05), (0.1, 0.09), (0.05, 0.22))
+    for k in range(12)
+)  # where letters are written again, in their heights, and how dark: a shade without an edge
+
+
+def draw(caption: Caption, rig: Rig) -> None:
+    """Write a caption near the foot of the present picture of a rig."""
+    if caption.opacity == 0.0 or not caption.words:
+        return
+    size = imgui.get_io().display_size
+    left, top, across, down = room_of(rig)
+    left, top, width, height = left * size.x, top * size.y, across * size.x, down * size.y
+    tall = letters_of(width, height)
+    foot = min(top + FOOT * height, size.y - CLEAR * imgui.get_font_size())
+    canvas = imgui.get_background_draw_list()
+    imgui.push_font(None, tall)
+    lines = lines_of(caption.words, ROOM * width, lambda line: imgui.calc_text_size(line).x)
+    box = imgui.calc_text_size("x").y
+    for k, line in enumerate(reversed(lines)):
+        x = left + (width - imgui.calc_text_size(line).x) / 2
+        y = foot - k * LEADING * tall - box
+        for aside, below, alpha in SOFT:
+            shade = colour(SHADE, alpha * caption.opacity)
+            canvas.add_text((x + aside * tall, y + below * tall), shade, line)
+        canvas.add_text((x, y), colour(INK, caption.opacity), line)
+    imgui.pop_font()

@@ -1,0 +1,187 @@
+"""The windows of a dive: one for each picture, the first of them the pilot's.
+
+All drawing is done in the context of the front window, which is the pilot's. Every other window
+has a small context that shares its textures, and shows one.
+"""
+
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
+from typing import Any, NamedTuple
+
+import glfw
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.dive.bindings import Wish
+from subsea.dive.pilot import Pilot
+from subsea.render import Presenter, page_switch, window_context
+from subsea.ui.gamepad import Gamepads, add_mappings
+from subsea.ui.monitors import Monitor, Screen, monitor_name, monitors
+from subsea.ui.window import Reach, Window
+from subsea.view.text_viewports import one_page
+
+
+class _Shown(NamedTuple):
+    """A window and what shows pictures in it."""
+
+    window: Window
+    context: Any
+    presenter: Presenter
+
+
+class Wall:
+    """Opens the windows of `screens`, in the order of the outputs that they show."""
+
+    def __init__(
+        self,
+        screens: Sequence[tuple[Screen, Monitor | None]],
+        pilot: Pilot,
+        paged: bool = False,
+        front: int = 0,
+    ) -> None:
+        """`front` is the number of the pilot's window; `paged` asks for a buffer for each eye.
+
+        No OpenGL is a UserError; whatever fails, all that was opened is closed again.
+        """
+        self.pilot = pilot
+        self._wishes: list[Wish] = []
+        shown: dict[int, _Shown] = {}
+        with ExitStack() as undo:
+            others = [number for number in range(len(screens)) if number != front]
+            for number in (front, *others):
+                share = shown[front].window if shown else None
+                screen, monitor = screens[number]
+                window = Window(screen, pilot, self._wishes, monitor, paged, share)
+                undo.callback(window.close)
+                context = window_context(window.get_proc_address)
+                self.page = page_switch(window.get_proc_address) if paged else one_page
+                shown[number] = _Shown(window, context, Presenter(context, self.page))
+                # Freed while its window is there and current: later it would be a crash.
+                undo.callback(shown[number].presenter.release)
+                undo.callback(window.make_current)
+                # Only the last to be presented waits for its display: else a frame would take as
+                # many refreshes as there are windows.
+                glfw.swap_interval(1 if number == (others or [front])[-1] else 0)
+                context.clear()
+                window.present()
+            self._monitors_changed = False
+            glfw.set_monitor_callback(self._on_monitor)
+            nobody: Any = None
+            undo.callback(glfw.set_monitor_callback, nobody)
+            self._undo = undo.pop_all()
+        # From here on a hiccup of the desktop must not end the dive.
+        glfw.ERROR_REPORTING = "ignore"
+        self._front, self._others = shown[front], [(k, shown[k]) for k in others]
+        self._number = front
+        self.front, self.context = self._front.window, self._front.context
+        self.windows = [shown[number].window for number in range(len(screens))]
+        if others:
+            glfw.focus_window(self.front.handle)
+        self.front.make_current()
+        self._notes: list[str] = []
+        add_mappings(self._notes.append)
+        self._gamepads = Gamepads(pilot, self._wishes)
+
+    @property
+    def open(self) -> bool:
+        """Whether nobody has asked to close any of them."""
+        return all(window.open for window in self.windows)
+
+    def poll(self, wait_s: float = 0.0) -> list[Wish]:
+        """Hand all events since the last call to the pilot; what else the visitor wants.
+
+        If there are none it waits for one, at most for so long.
+        """
+        if len(self.windows) > 1:
+            self._reach()
+        inside, focused = self._hands()
+        if wait_s > 0.0:
+            glfw.wait_events_timeout(wait_s)
+        else:
+            glfw.poll_events()
+        now_inside, now_focused = self._hands()
+        if inside and not now_inside:
+            self.pilot.leave()
+        if focused and not now_focused:
+            self.pilot.let_go()
+        if self._monitors_changed:
+            self._settle()
+        self._notes += self._gamepads.poll(self.front.listener)
+        wishes = list(self._wishes)
+        self._wishes.clear()
+        return wishes
+
+    def notes(self) -> list[str]:
+        """What is to be told of monitors and inputs since the last call, in lines."""
+        lines, self._notes = self._notes, []
+        return lines
+
+    def show(self, pictures: Mapping[tuple[int, int], Any]) -> None:
+        """Fill every window with its pictures, by output and page; `present` makes them seen.
+
+        The front window is current then, for what is to lie over its picture.
+        """
+        self.context.finish()
+        for number, shown in [*self._others, (self._number, self._front)]:
+            shown.window.make_current()
+            pages = [picture for (output, _), picture in pictures.items() if output == number]
+            shown.presenter.show(pages, shown.window.size)
+            if shown is not self._front:
+                shown.context.finish()
+
+    def present(self) -> None:
+        """Make seen what is in all windows, at about the same time."""
+        self.front.present()
+        for _, shown in self._others:
+            shown.window.make_current()
+            shown.window.present()
+        if self._others:
+            self.front.make_current()
+
+    def picture(self) -> NDArray[np.uint8]:
+        """What is about to be seen in the front window: (h, w, 3), top row first."""
+        width, height = self.front.size
+        data = self.context.screen.read((0, 0, width, height), components=3, alignment=1)
+        self.context.error  # moderngl asks for an attachment that a window has not  # noqa: B018
+        return np.frombuffer(data, np.uint8).reshape(height, width, 3)[::-1]
+
+    def close(self) -> None:
+        """Destroy the windows."""
+        self._undo.close()
+
+    def _on_monitor(self, handle: Any, event: int) -> None:
+        what = "is gone" if event == glfw.DISCONNECTED else "is there"
+        self._notes.append(f"the monitor {monitor_name(handle)!r} {what}")
+        self._monitors_changed = True
+
+    def _settle(self) -> None:
+        """Give every window its place on the monitors that there are now."""
+        self._monitors_changed = False
+        for window in self.windows:
+            filled = [other.filled for other in self.windows]
+            window.settle([one for one in monitors() if one.position not in filled])
+
+    def _hands(self) -> tuple[bool, bool]:
+        """Whether the pointer is in one of the windows, and whether one has the keyboard."""
+        return (
+            any(window.inside for window in self.windows),
+            any(window.focused for window in self.windows),
+        )
+
+    def _reach(self) -> None:
+        """The pointer moves over all windows; straight ahead is the middle of the front one."""
+        corners = [window.position for window in self.windows]
+        ends = [
+            (x + window.points[0], y + window.points[1])
+            for (x, y), window in zip(corners, self.windows, strict=True)
+        ]
+        left, top = min(x for x, _ in corners), min(y for _, y in corners)
+        right, bottom = max(x for x, _ in ends), max(y for _, y in ends)
+        (x, y), (across, down) = self.front.position, self.front.points
+        middle = x + across / 2, y + down / 2
+        for window, (own_x, own_y) in zip(self.windows, corners, strict=True):
+            window.reach = Reach(
+                (left - own_x, top - own_y),
+                (middle[0] - own_x, middle[1] - own_y),
+                (right - own_x, bottom - own_y),
+            )

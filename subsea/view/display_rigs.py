@@ -1,0 +1,149 @@
+"""Rigs of the display modes: one eye, two eyes, or all round."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.core.errors import unknown
+from subsea.view.camera import NEAR_CM, View, off_axis
+from subsea.view.rig import Eye, Patch, Pose, Rect, Rig, Shape, pose, views
+from subsea.view.stereo import EYES, LAYOUTS, Stereo, canvas_of, halves, patches_of
+from subsea.view.surround import (
+    ALL_ROUND,
+    COLUMNS,
+    FACES,
+    MARGIN_PX,
+    ROWS,
+    Surround,
+    face_size,
+    half_tangent,
+    looked_at,
+)
+
+if TYPE_CHECKING:  # the words of display modes are known before any world is loaded
+    from subsea.state import Submarine
+
+Array = NDArray[np.floating[Any]]
+
+SURROUNDS = {
+    "panorama": Shape.PANORAMA,
+    "dome": Shape.DOME,
+    "equirectangular": Shape.EQUIRECTANGULAR,
+}
+LEVEL = ("equirectangular", "dome")  # displays whose horizon stays level
+DISPLAYS = ("mono", *LAYOUTS, *SURROUNDS)
+
+AHEAD = np.eye(3)  # axes of an eye that looks where the observer does
+VERTICAL_FOV = np.radians(55.0)
+WINDOW_AHEAD_CM = 20.0  # the eye sits this far before the hull's centre
+
+
+def check_display(name: str) -> str:
+    """The name of a display mode; another one is a UserError."""
+    if name not in DISPLAYS:
+        raise unknown("display", name, list(DISPLAYS))
+    return name
+
+
+def cockpit(submarine: "Submarine", alpha: float) -> Pose:
+    """The pilot's eye, `alpha` of the way from the last tick to the present one."""
+    position = submarine.previous_position + alpha * (
+        submarine.position - submarine.previous_position
+    )
+    turn = submarine.angles - submarine.previous_angles
+    turn[0] = (turn[0] + np.pi) % (2 * np.pi) - np.pi
+    heading, pitch = submarine.previous_angles + alpha * turn
+    looking = pose(position, float(heading), float(pitch))
+    return looking._replace(eye=position + WINDOW_AHEAD_CM * looking.forward)
+
+
+def display_rig(
+    display: str,
+    size: tuple[int, int],
+    stereo: Stereo = EYES,
+    surround: Surround = ALL_ROUND,
+) -> Rig:
+    """The rig of a display mode for one picture of `size` pixels (width, height).
+
+    The left eye comes first. A picture of all directions keeps its horizon level.
+    """
+    place: Rect = (0, 0, *size)
+    if display in SURROUNDS:
+        face = face_size(display, size, surround)
+        canvas = COLUMNS * face, ROWS * face
+        patch = Patch(
+            place,
+            (0, 0, *canvas),
+            (0, 0, *canvas),
+            shape=SURROUNDS[display],
+            wide=surround.wide,
+        )
+        eyes = cube((0, 0), face, looked_at(display, size, surround))
+        return Rig(canvas, (size,), eyes, (patch,), level=display in LEVEL)
+    # Where both eyes share the picture each is stretched over it, so the picture's aspect counts.
+    aspect = size[0] / size[1]
+    if display == "mono":
+        eye = _eye(place, aspect, 0.0, stereo)
+        return Rig(size, (size,), (eye,), (Patch(place, place, place),))
+    layout = LAYOUTS[display]
+    canvas = canvas_of(layout, size)
+    whole: Rect = (0, 0, *canvas)
+    window = 2.0 * stereo.screen_cm * aspect * np.tan(VERTICAL_FOV / 2)
+    half = stereo.eyes(float(window)) / 2 * (-1 if stereo.swapped else 1)
+    left, right = halves(whole, layout.beside)
+    return Rig(
+        canvas,
+        (size,),
+        (_eye(left, aspect, -half, stereo), _eye(right, aspect, half, stereo)),
+        patches_of(layout, Patch(place, left, right)),
+    )
+
+
+def views_for(
+    display: str,
+    size: tuple[int, int],
+    observer: Pose,
+    stereo: Stereo = EYES,
+    surround: Surround = ALL_ROUND,
+) -> tuple[View, ...]:
+    """The views of a display mode's rig, see `display_rig`, from where the observer is."""
+    return views(display_rig(display, size, stereo, surround), observer)
+
+
+def cube(
+    corner: tuple[int, int], face: int, shown: list[Array | None], offset: Array | None = None
+) -> tuple[Eye, ...]:
+    """Eyes through the faces of a cube of `face` pixels, whose canvas begins at `corner`.
+
+    Of each face only the part that is `shown` (`surround.looked_at`) is drawn, and a margin.
+    """
+    eyes, half = [], half_tangent(face)
+    for number, (part, (forward, up)) in enumerate(zip(shown, FACES.values(), strict=True)):
+        if part is None:
+            continue
+        pixels = face / 2 * (1.0 + part / half)  # from the face's lower left corner
+        low, high = np.floor(pixels[::2]) - MARGIN_PX, np.ceil(pixels[1::2]) + MARGIN_PX
+        low, high = np.maximum(low, 0).astype(int), np.minimum(high, face).astype(int)
+        left, bottom = NEAR_CM * half * (2.0 * low / face - 1.0)
+        right, top = NEAR_CM * half * (2.0 * high / face - 1.0)
+        x = corner[0] + number % COLUMNS * face + int(low[0])
+        y = corner[1] + number // COLUMNS * face + int(low[1])
+        axes = np.array([np.cross(up, forward), up, forward])
+        eyes.append(
+            Eye(
+                (x, y, int(high[0] - low[0]), int(high[1] - low[1])),
+                np.zeros(3) if offset is None else offset,
+                axes,
+                off_axis(float(left), float(right), float(bottom), float(top)),
+            )
+        )
+    return tuple(eyes)
+
+
+def _eye(viewport: Rect, aspect: float, offset: float, stereo: Stereo) -> Eye:
+    """An eye `offset` cm right of the observer; its frustum leans back to the common screen."""
+    top = NEAR_CM * np.tan(VERTICAL_FOV / 2)
+    lean = -offset * NEAR_CM / stereo.screen_cm
+    projection = off_axis(lean - aspect * top, lean + aspect * top, -top, top)
+    return Eye(viewport, np.array([offset, 0.0, 0.0]), AHEAD, projection)

@@ -1,0 +1,118 @@
+"""Zip archives and XML of unknown origin: read in memory, never unpacked, limited in size."""
+
+import struct
+import zipfile
+import zlib
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import BinaryIO
+from xml.etree.ElementTree import Element, TreeBuilder
+from xml.parsers import expat
+
+from subsea.core.errors import UserError
+
+Fetch = Callable[[str, int], bytes | None]  # a file by its path, of at most so many bytes
+
+MAX_ARCHIVE = 2**30  # bytes
+MAX_DIRECTORY = 2**20  # bytes of its list of files, which `zipfile` reads before anything else
+MAX_XML = 2**20
+
+_END = b"PK\x05\x06"  # before the record at the end of an archive
+_END_64 = b"PK\x06\x07"  # before it, in one of more than 4 GB or 65,535 files
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[Fetch]:
+    """A function for the files of the archive `path`, None for one that is not in it.
+
+    Paths are compared without capitals, and with either slash. Faults of the archive, here and
+    later, are UserErrors of one line.
+    """
+    with ExitStack() as stack:
+        try:
+            file = stack.enter_context(path.open("rb"))
+            _check_length(file, path)
+            archive = stack.enter_context(zipfile.ZipFile(file))
+        except OSError as fault:
+            raise UserError(f"{path}: cannot read ({fault.strerror or line(fault)})") from fault
+        except (zipfile.BadZipFile, NotImplementedError, struct.error, ValueError) as fault:
+            raise UserError(f"{path}: not a readable zip archive ({line(fault)})") from fault
+        known = {plain(one.filename): one for one in archive.infolist()}
+
+        def fetch(name: str, most: int) -> bytes | None:
+            one = known.get(plain(name))
+            return None if one is None else _inflated(archive, one, most, f"{path}: {name[:80]!r}")
+
+        yield fetch
+
+
+def parsed_xml(data: bytes, where: str) -> Element:
+    """The root of a document; names of elements and attributes have no capitals any more.
+
+    A document type, and with it any entity, is refused.
+    """
+    builder = TreeBuilder()
+    parser = expat.ParserCreate()
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        builder.start(tag.lower(), {key.lower(): value for key, value in attributes.items()})
+
+    def refuse(*_: object) -> None:
+        raise UserError(f"{where}: has a document type, expected plain XML")
+
+    parser.StartElementHandler = start
+    parser.EndElementHandler = lambda tag: builder.end(tag.lower())
+    parser.CharacterDataHandler = builder.data
+    parser.StartDoctypeDeclHandler = refuse
+    try:
+        parser.Parse(data, True)
+        return builder.close()
+    except (expat.ExpatError, LookupError, ValueError) as fault:
+        raise UserError(f"{where}: not readable XML ({line(fault)})") from fault
+
+
+def plain(name: str) -> str:
+    """A path as it is compared: no capitals, one kind of slash, nothing before it."""
+    return name.strip().replace("\\", "/").removeprefix("./").lower()
+
+
+def line(fault: BaseException) -> str:
+    """The first line of what an error says."""
+    return str(fault).partition("\n")[0][:200] or type(fault).__name__
+
+
+def _check_length(file: BinaryIO, path: Path) -> None:
+    """Refuse a file that is no archive, or one that would fill the memory when it is opened."""
+    length = file.seek(0, 2)
+    file.seek(max(length - 2**16 - 42, 0))
+    end = file.read()
+    at = end.rfind(_END)
+    if not 0 <= at <= len(end) - 22:
+        raise UserError(f"{path}: not a zip archive")
+    (directory,) = struct.unpack_from("<I", end, at + 12)
+    crowded = directory > MAX_DIRECTORY or end[max(at - 20, 0) : at].startswith(_END_64)
+    if length > MAX_ARCHIVE or crowded:
+        raise UserError(f"{path}: too large an archive, or one of too many files")
+
+
+def _inflated(archive: zipfile.ZipFile, one: zipfile.ZipInfo, most: int, where: str) -> bytes:
+    if one.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED) or one.flag_bits & 1:
+        raise UserError(f"{where}: packed in an unusual way or encrypted, expected plain zip")
+    try:
+        with archive.open(one) as file:
+            data = file.read(most + 1)  # what it says of its own size may be false
+    except (
+        zipfile.BadZipFile,
+        NotImplementedError,
+        RuntimeError,
+        EOFError,
+        OSError,
+        ValueError,
+        struct.error,
+        zlib.error,
+    ) as fault:
+        raise UserError(f"{where}: cannot be unpacked ({line(fault)})") from fault
+    if len(data) > most:
+        raise UserError(f"{where}: larger than {most / 2**20:.0f} MB, expected a smaller file")
+    return data

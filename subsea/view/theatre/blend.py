@@ -1,0 +1,107 @@
+"""Blending: where projectors light the same part of a screen they share its light.
+
+At every point of the screen the shares of all projectors add up to one. A projector's share falls
+smoothly to nothing toward those of its edges that lie within another one's picture.
+"""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.view.theatre.screens import Screen, places_on, points_on
+
+Array = NDArray[np.floating[Any]]
+
+WITHIN = 1e-6  # of a screen: what lies so near an edge is on it
+LEAST = 1e-4  # of a screen: as far from its edges counts what is on them, if nobody else is there
+EDGE = np.linspace(0.02, 0.98, 49)  # places along an edge at which is asked who else is there
+
+
+class Projector(NamedTuple):
+    """What counts for the light on the screen."""
+
+    screen: Screen
+    gamma: float
+    black: float  # share of its white that it shines when dark
+
+
+def shares(projectors: Sequence[Projector], number: int, places: Array) -> Array:
+    """Which share (n,) of the light at places (n, 2) of its screen comes from projector `number`.
+
+    The places are shares of its own screen.
+    """
+    points = points_on(projectors[number].screen, places)
+    weights = np.stack(
+        [
+            _weight(projectors, other, places_on(one.screen, points) if other != number else places)
+            for other, one in enumerate(projectors)
+        ]
+    )
+    total = weights.sum(axis=0)
+    return np.where(total > 0.0, weights[number] / np.where(total > 0.0, total, 1.0), 1.0)
+
+
+def depth(projectors: Sequence[Projector], number: int, places: Array) -> NDArray[np.int_]:
+    """How many projectors light places (n, 2) of the screen of projector `number`, (n,)."""
+    points = points_on(projectors[number].screen, places)
+    return np.sum(
+        [_within(places_on(one.screen, points)) for one in projectors], axis=0, dtype=np.int_
+    )
+
+
+def mask_of(projectors: Sequence[Projector], number: int, places: Array) -> Array:
+    """Factors and what is added (n, 4) at places (n, 2) of the screen of projector `number`.
+
+    They act on the values that go to the projector: value · factor + added. Where fewer projectors
+    shine than elsewhere, those that do are lifted to the black of the places where most do.
+    """
+    one = projectors[number]
+    light = shares(projectors, number, places)
+    here = depth(projectors, number, places)
+    most = max(_deepest(projectors), int(here.max(initial=1)))
+    lifted = one.black * (most - here) / np.maximum(here, 1)
+    added = lifted ** (1.0 / one.gamma)
+    # Exact for black and for white; with a lifted black grey is a little darker than it should be.
+    factor = (light * (1.0 - lifted) + lifted) ** (1.0 / one.gamma) - added
+    return np.column_stack([factor, factor, factor, added])
+
+
+def _weight(projectors: Sequence[Projector], number: int, places: Array) -> Array:
+    """How strongly a projector shines at places (n, 2) of its screen: nothing beyond its edges."""
+    s, t = places.T
+    weight = _within(places).astype(np.float64)
+    for blended, inside in zip(_blended(projectors, number), (s, 1 - s, t, 1 - t), strict=True):
+        if blended:
+            weight *= np.square(np.clip(np.nan_to_num(inside), LEAST, 1.0))
+    return weight
+
+
+def _blended(projectors: Sequence[Projector], number: int) -> tuple[bool, ...]:
+    """Whether a projector's left, right, lower and upper edge lie within another's picture."""
+    one = projectors[number].screen
+    zero, whole = np.zeros_like(EDGE), np.ones_like(EDGE)
+    edges = (zero, EDGE), (whole, EDGE), (EDGE, zero), (EDGE, whole)
+    found = []
+    for edge in edges:
+        points = points_on(one, np.column_stack(edge))
+        found.append(
+            any(
+                bool(_within(places_on(other.screen, points), -1e-3).any())
+                for k, other in enumerate(projectors)
+                if k != number
+            )
+        )
+    return tuple(found)
+
+
+def _deepest(projectors: Sequence[Projector]) -> int:
+    """The largest number of projectors that light one place."""
+    steps = np.stack(np.meshgrid(EDGE, EDGE), axis=-1).reshape(-1, 2)
+    return max(int(depth(projectors, k, steps).max()) for k in range(len(projectors)))
+
+
+def _within(places: Array, beyond: float = WITHIN) -> NDArray[np.bool_]:
+    with np.errstate(invalid="ignore"):
+        return np.asarray(((places >= -beyond) & (places <= 1.0 + beyond)).all(axis=1))

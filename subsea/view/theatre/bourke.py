@@ -1,0 +1,76 @@
+"""Warp meshes in the text format of Paul Bourke, as domes with a spherical mirror use.
+
+The first line is 1 for a polar or 2 for a rectangular mesh, the second its columns and rows; then
+comes a node a line: x y u v and a brightness (paulbourke.net/dataformats/meshwarp). y runs from -1
+to 1 and x from -a to a, a the aspect ratio of the projector; u and v from 0 to 1; both from the
+lower left. A node of negative brightness is not used. The columns of a polar mesh close to a ring.
+"""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.core.errors import UserError
+from subsea.view.rig import Warp
+from subsea.view.theatre.limited_read import numbered_lines, whole
+from subsea.view.theatre.warp import checked, mesh, painted
+
+Array = NDArray[np.floating[Any]]
+
+MAX_BYTES = 32 * 2**20
+POLAR, RECTANGULAR = 1, 2
+MASK_SIDE = 512  # pixels of the longer one: brightness is smooth
+
+
+def read_bourke(path: Path, size: tuple[int, int]) -> tuple[Warp, NDArray[np.float32]]:
+    """The warp of a file for a projector of `size` pixels, and its brightness; else a UserError.
+
+    Brightness is a mask (height, width, 4), upper row first: factors on red, green and blue code
+    values, and zero.
+    """
+    return parse_bourke(whole(path, MAX_BYTES), size, str(path))
+
+
+def parse_bourke(
+    data: bytes, size: tuple[int, int], where: str
+) -> tuple[Warp, NDArray[np.float32]]:
+    """As `read_bourke`, from bytes; `where` names them in errors."""
+    lines = list(numbered_lines(data, where))
+    try:
+        (kind,), (columns, rows) = ([int(word) for word in words] for _, words in lines[:2])
+        if kind not in (POLAR, RECTANGULAR) or min(columns, rows) < 2:
+            raise ValueError
+    except ValueError as fault:
+        raise UserError(
+            f"{where}: expected a line '1' or '2' and a line of columns and rows"
+        ) from fault
+    if len(lines) - 2 != columns * rows:
+        raise UserError(f"{where}: expected {columns} times {rows} nodes, got {len(lines) - 2}")
+    nodes = np.empty((columns * rows, 5))
+    for k, (number, words) in enumerate(lines[2:]):
+        try:
+            if len(words) != 5:  # of a single one numpy would make five
+                raise ValueError
+            nodes[k] = [float(word) for word in words]
+        except ValueError as fault:
+            raise UserError(f"{where}: line {number}: expected x y u v and brightness") from fault
+    x, y, u, v, brightness = nodes.T
+    aspect = size[0] / size[1]
+    places = np.stack([(x / aspect + 1) / 2, (y + 1) / 2], axis=1)
+    used = brightness >= 0
+    left, top = (one.ravel() for one in np.meshgrid(np.arange(columns), np.arange(rows - 1)))
+    right = (left + 1) % columns
+    if kind == RECTANGULAR:
+        left, right, top = left[right > 0], right[right > 0], top[right > 0]
+    a, b = top * columns + left, (top + 1) * columns + left
+    c, d = (top + 1) * columns + right, top * columns + right
+    triangles = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
+    triangles = triangles[used[triangles].all(axis=1)]
+    whole_mesh = mesh(places, np.stack([u, v], axis=1), triangles)
+    warp = checked(whole_mesh, where)
+    wide, high = (max(round(MASK_SIDE * side / max(size)), 1) for side in size)
+    mask = np.zeros((high, wide, 4), np.float32)
+    mask[..., :3] = painted(whole_mesh, np.clip(brightness, 0.0, 1.0), (wide, high))[..., None]
+    return warp, mask

@@ -1,0 +1,253 @@
+"""Channels: what a theatre file says of each projector, checked, with its mesh and its mask."""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.core.errors import UserError, unknown
+from subsea.core.resources import at_key
+from subsea.view.rig import Rect, Shape, Warp
+from subsea.view.surround import ALL_ROUND, Surround
+from subsea.view.theatre.blend import Projector, mask_of
+from subsea.view.theatre.mpcdi import Region, read_mpcdi
+from subsea.view.theatre.mpcdi import mask as calibrated_mask
+from subsea.view.theatre.screens import (
+    Flat,
+    Screen,
+    distance_to,
+    frustum_of,
+    part_of,
+    points_on,
+    screen_of,
+)
+from subsea.view.theatre.theatre_file import (
+    SCREENS,
+    Angles,
+    Archive,
+    Channel,
+    Lit,
+    Theatre,
+    Window,
+    overlap,
+    viewport,
+)
+from subsea.view.theatre.warp import divided, painted, straight, within
+from subsea.view.theatre.warp_files import read_warp
+
+Array = NDArray[np.floating[Any]]
+Ints = NDArray[np.integer[Any]]
+
+COARSER = 4  # pixels of a projector a side for one of its blending mask
+PIECE = math.radians(1.0)  # of a curved screen: seen straight between its edges ...
+TALL = 8  # ... in so many pieces upwards
+
+
+@dataclass(frozen=True)
+class Lighted:
+    """A projector that can be used: lengths in centimetres of the sea."""
+
+    name: str
+    window: int  # number of its window in the theatre
+    place: Rect  # in its window, origin lower left
+    distance_cm: float  # of its screen, or of the plane in which that lies, from the eyes
+    gamma: float
+    black: float
+    screen: Screen | None = None  # None: of those that show all round
+    shape: Shape = Shape.FLAT
+    surround: Surround = ALL_ROUND  # angle of a panorama, tilt of a dome
+    warp: Warp | None = None  # what of the screen each point of the picture shows
+    mask: Array | None = None  # (h, w, 4) as `rig.Patch` has it
+    blend: bool = False
+
+
+def channels(theatre: Theatre, path: Path) -> tuple[tuple[Lighted, ...], tuple[str, ...]]:
+    """The channels that work, and a line for each thing that does not.
+
+    A theatre of which nothing works is a UserError.
+    """
+    found: list[Lighted] = []
+    faults: list[str] = []
+    for k, channel in enumerate(theatre.channel):
+        try:
+            found.append(_alone(_of_channel(theatre, channel, path.parent), found))
+        except UserError as fault:
+            faults.append(f"{at_key(path, f'channel[{k}]')}: channel {channel.name!r}: {fault}")
+    for k, archive in enumerate(theatre.mpcdi):
+        where = at_key(path, f"mpcdi[{k}]")
+        try:
+            read = read_mpcdi(path.parent / archive.file)
+        except UserError as fault:
+            faults.append(f"{where}: {fault}")
+            continue
+        faults += [f"{where}: {fault}" for fault in read.faults]
+        for region in read.regions:
+            if archive.buffer not in (None, region.buffer):
+                continue
+            try:
+                found.append(_alone(_of_region(theatre, archive, region), found))
+            except UserError as fault:
+                faults.append(f"{where}: {archive.file}: region {region.name!r}: {fault}")
+    if not found:
+        raise UserError(faults[0] if faults else f"{path}: no channel is left")
+    return tuple(_blended(found)), tuple(faults)
+
+
+def mesh_of(lighted: Lighted) -> tuple[Array, Ints]:
+    """Places (n, 2) and what of the screen they show (n, 2), as columns (n, 4), and triangles."""
+    assert lighted.screen is not None  # what shows all round has no mesh
+    grid = grid_of(lighted.screen)
+    up, across = grid.shape[0] - 1, grid.shape[1] - 1
+    if lighted.warp is not None:
+        warp = divided(lighted.warp, across, up)
+        return warp.vertices[:, :4].astype(np.float64), warp.triangles
+    k = (np.arange(up)[:, None] * (across + 1) + np.arange(across)).ravel()
+    low = np.stack([k, k + 1, k + across + 2], axis=1)
+    high = np.stack([k, k + across + 2, k + across + 1], axis=1)
+    places = grid.reshape(-1, 2)
+    return np.hstack([places, places]), np.concatenate([low, high]).astype(np.int32)
+
+
+def grid_of(screen: Screen) -> Array:
+    """Places (rows, columns, 2) on a screen, so near that it is as good as flat between them."""
+    across, up = 1, 1
+    if not isinstance(screen, Flat):
+        across, up = math.ceil((screen.right - screen.left) / PIECE), TALL
+    x, y = np.meshgrid(np.linspace(0, 1, across + 1), np.linspace(0, 1, up + 1))
+    return np.stack([x, y], axis=-1)
+
+
+def _alone(new: Lighted, found: Sequence[Lighted]) -> Lighted:
+    """The new one, if none of the others fills its place; else a UserError."""
+    for other in found:
+        if other.window == new.window and overlap(other.place, new.place):
+            raise UserError(f"lies on {other.name!r} in its window; expected places side by side")
+    return new
+
+
+def _of_channel(theatre: Theatre, channel: Channel, folder: Path) -> Lighted:
+    names = [window.name for window in theatre.window]
+    number = names.index(channel.window)
+    window = theatre.window[number]
+    x, y, width, height = viewport(channel, window)
+    lighted = _lit(theatre, channel, channel.name, number, (x, y, width, height), None)
+    if channel.blend and lighted.screen is None:
+        kind = lighted.shape.name.lower()
+        raise UserError(f"`blend` is of a `plane`, `cylinder` or `angles`, not of a {kind}")
+    lighted = replace(lighted, blend=channel.blend)
+    if channel.warp is None:
+        return lighted
+    warp, mask = read_warp(folder / channel.warp, (width, height))
+    return replace(lighted, warp=warp, mask=mask)
+
+
+def _of_region(theatre: Theatre, archive: Archive, region: Region) -> Lighted:
+    """A region of an archive: the part of the screen that is its place in the buffer.
+
+    One with a frustum shows that instead, at the distance of the screen.
+    """
+    shown = region.name if archive.windows is None else archive.windows.get(region.name)
+    names = [window.name for window in theatre.window]
+    if shown is None:
+        raise UserError("`windows` gives it none, so it is left out")
+    if shown not in names:
+        raise unknown("window", shown, names)
+    number = names.index(shown)
+    place = 0, 0, *theatre.window[number].size
+    if region.frustum is not None:
+        turn, edges = region.frustum[:3], region.frustum[3:]
+        own = Angles(
+            heading_deg=turn[0], pitch_deg=turn[1], roll_deg=turn[2],
+            left_deg=edges[0], right_deg=edges[1], down_deg=edges[2], up_deg=edges[3],
+        )  # fmt: skip
+        if (far := _far(theatre, archive)) is not None:
+            own = msgspec.structs.replace(own, distance_cm=far)
+        lit = Lit(angles=own, gamma=archive.gamma, black=archive.black)
+        lighted = _lit(theatre, lit, region.name, number, place, None)
+    elif not any(getattr(archive, kind) for kind in SCREENS):
+        raise UserError(f"has no frustum of its own, expected one of {', '.join(SCREENS[:3])}")
+    else:
+        lighted = _lit(theatre, archive, region.name, number, place, region.place)
+    warp = region.warp
+    if lighted.shape == Shape.PANORAMA:
+        raise UserError("`panorama` is for uncalibrated screens, expected a `cylinder`")
+    if lighted.screen is None:
+        warp = within(warp or straight(), region.place)
+    return replace(lighted, warp=warp, mask=calibrated_mask(region, archive.gamma, place[2:]))
+
+
+def _far(theatre: Theatre, archive: Archive) -> float | None:
+    """How far away an archive's screen is in real centimetres, None if it has none."""
+    wide = archive.panorama or archive.dome or archive.equirectangular
+    if wide is not None:
+        return wide.distance_cm
+    flat = archive.plane or archive.cylinder or archive.angles
+    return None if flat is None else distance_to(screen_of(flat, np.array(theatre.eye_cm), 1.0))
+
+
+def _lit(
+    theatre: Theatre,
+    lit: Lit,
+    name: str,
+    number: int,
+    place: tuple[int, int, int, int],
+    part: tuple[float, float, float, float] | None,
+) -> Lighted:
+    """What a channel or a region lights: `place` from the window's upper left corner."""
+    x, y, width, height = place
+    window: Window = theatre.window[number]
+    common = Lighted(
+        name, number, (x, window.size[1] - y - height, width, height), 1.0, lit.gamma, lit.black
+    )
+    for table, shape in (
+        (lit.panorama, Shape.PANORAMA),
+        (lit.dome, Shape.DOME),
+        (lit.equirectangular, Shape.EQUIRECTANGULAR),
+    ):
+        if table is not None:
+            far = theatre.scale * table.distance_cm
+            surround = Surround(
+                getattr(table, "angle_deg", ALL_ROUND.angle_deg),
+                getattr(table, "tilt_deg", ALL_ROUND.tilt_deg),
+            )
+            return replace(common, distance_cm=far, shape=shape, surround=surround)
+    flat = lit.plane or lit.cylinder or lit.angles
+    assert flat is not None  # one of six, as `Lit` has checked
+    screen = screen_of(flat, np.array(theatre.eye_cm), theatre.scale)
+    screen = screen if part is None else part_of(screen, part)
+    frustum_of(screen, np.zeros(3), points_on(screen, grid_of(screen).reshape(-1, 2)))  # whether
+    return replace(common, screen=screen, distance_cm=distance_to(screen))
+
+
+def _blended(found: list[Lighted]) -> Iterator[Lighted]:
+    """The channels with their masks, where they ask for one and another lights the same place."""
+    together = [one for one in found if one.blend and one.screen is not None]
+    lamps = [Projector(one.screen, one.gamma, one.black) for one in together if one.screen]
+    for one in found:
+        if not one.blend or one.screen is None or len(together) < 2:
+            yield one
+            continue
+        size = max(one.place[2] // COARSER, 1), max(one.place[3] // COARSER, 1)
+        x, y = (np.arange(n) + 0.5 for n in size)
+        places = np.stack(np.meshgrid(x / size[0], 1.0 - y / size[1]), axis=-1).reshape(-1, 2)
+        if one.warp is not None:
+            shown = one.warp.vertices[:, 2:4].T.astype(np.float64)
+            places = np.stack([painted(one.warp, values, size).ravel() for values in shown], axis=1)
+        mask = mask_of(lamps, together.index(one), places).reshape(size[1], size[0], 4)
+        if one.mask is not None:  # the mesh's own brightness
+            mask = mask * _resized(one.mask, size)
+        yield replace(one, mask=mask.astype(np.float32))
+
+
+def _resized(mask: Array, size: tuple[int, int]) -> Array:
+    """The nearest of a mask's values for another size; what is added is taken from the other."""
+    rows = (np.arange(size[1]) * mask.shape[0]) // size[1]
+    columns = (np.arange(size[0]) * mask.shape[1]) // size[0]
+    found = mask[rows][:, columns].copy()
+    found[..., 3] = 1.0
+    return found

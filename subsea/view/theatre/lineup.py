@@ -1,0 +1,56 @@
+"""What is shown in place of the sea to line up projectors: a numbered pattern for each."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.view.rig import CUBES, Rect, Rig
+from subsea.view.surround import COLUMNS, FACES, MARGIN_PX, ROWS
+from subsea.view.theatre.test_pattern import pattern
+
+Picture = NDArray[np.uint8]
+
+
+def lineup(rig: Rig) -> Picture:
+    """A canvas (h, w, 3), top row first, with a pattern wherever a patch takes something from.
+
+    Channels are numbered from 1; where the eyes differ L or R is added, and to the faces of a
+    cube where they look.
+    """
+    width, height = rig.canvas
+    canvas = np.zeros((height, width, 3), np.uint8)
+    for patch in rig.patches:
+        eyes = _eyes(rig, patch.channel)
+        for source in (patch.left, patch.right):
+            eye = "LR"[eyes.index(source)] if len(eyes) == 2 else ""
+            if patch.shape in CUBES:
+                wide, high = source[2] // COLUMNS, source[3] // ROWS
+                for face, word in enumerate(FACES):
+                    x, y = source[0] + face % COLUMNS * wide, source[1] + face // COLUMNS * high
+                    square = (
+                        x + MARGIN_PX,
+                        y + MARGIN_PX,
+                        wide - 2 * MARGIN_PX,
+                        high - 2 * MARGIN_PX,
+                    )
+                    _paste(canvas, square, patch.channel + 1, f"{word} {eye}".strip())
+            else:
+                _paste(canvas, source, patch.channel + 1, eye)
+    return canvas
+
+
+def _eyes(rig: Rig, channel: int) -> list[Rect]:
+    """What a channel's patches take from the canvas: one rectangle, or the left and right eye's."""
+    sources = [
+        source
+        for patch in rig.patches
+        if patch.channel == channel
+        for source in (patch.left, patch.right)
+    ]
+    return list(dict.fromkeys(sources))
+
+
+def _paste(canvas: Picture, place: Rect, number: int, word: str) -> None:
+    """Draw a pattern into a rectangle whose origin is the lower left corner."""
+    x, y, width, height = place
+    top = canvas.shape[0] - y - height
+    canvas[top : top + height, x : x + width] = pattern((width, height), number, word)

@@ -1,0 +1,52 @@
+"""Portable float maps: rows of three numbers (``PF``) or of one (``Pf``), as warps are stored in.
+
+The header is three lines: ``PF``, width and height, and a scale whose sign tells the order of
+bytes, negative for little-endian. Numbers of 32 bits follow, the lowest row first
+(netpbm.sourceforge.net/doc/pfm.html). In memory the upper row is the first, as in all pictures
+here.
+"""
+
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.core.errors import UserError
+from subsea.view.theatre.limited_read import whole
+
+MAX_POINTS = 2**23  # a projector of 4096 by 2048 pixels, a point for each
+MAX_BYTES = 12 * MAX_POINTS + 256
+
+_HEADER = re.compile(rb"(P[Ff])\s+(\d{1,9})\s+(\d{1,9})\s+([-+.\deE]{1,40})(\s)")
+
+
+def read_pfm(path: Path) -> NDArray[np.float32]:
+    """The numbers (height, width, 3 or 1) of a file, the upper row first; else a UserError."""
+    return parse_pfm(whole(path, MAX_BYTES), str(path))
+
+
+def parse_pfm(data: bytes, where: str) -> NDArray[np.float32]:
+    """As `read_pfm`, from bytes; `where` names them in errors. Numbers may be NaN or infinite."""
+    header = _HEADER.match(data[:256])
+    if not header:
+        raise UserError(f"{where}: not a PFM file, expected 'PF', width, height and scale")
+    kind, width, height = header[1], int(header[2]), int(header[3])
+    if not 0 < width * height <= MAX_POINTS:
+        raise UserError(f"{where}: {width}×{height} points, expected 1 to {MAX_POINTS} of them")
+    try:
+        scale = float(header[4])
+    except ValueError:
+        scale = 0.0
+    if scale == 0.0 or not math.isfinite(scale):
+        raise UserError(f"{where}: scale {header[4].decode()!r}, expected a number such as -1.0")
+    channels = 3 if kind == b"PF" else 1
+    begin, expected = header.end(), 4 * width * height * channels
+    if len(data) - begin == expected + 1 and data[begin - 1 : begin + 1] == b"\r\n":
+        begin += 1
+    if len(data) - begin != expected:
+        raise UserError(f"{where}: {len(data) - begin} bytes of numbers, expected {expected}")
+    numbers = np.frombuffer(data, "<f4" if scale < 0 else ">f4", offset=begin)
+    rows = numbers.reshape(height, width, channels)[::-1]
+    return np.ascontiguousarray(rows, np.float32)

@@ -1,0 +1,283 @@
+"""Theatre files: windows, projectors and the screens that they light, from TOML.
+
+Lengths are real centimetres in the axes of somebody who looks ahead: x right, y up, z ahead.
+"""
+
+from itertools import combinations
+from pathlib import Path
+from typing import Annotated, ClassVar
+
+import msgspec
+
+from subsea.core.errors import UserError, unknown
+from subsea.core.resources import at_key, load_toml, named_or_file
+from subsea.view.surround import ALL_ROUND
+from subsea.view.theatre.node_names import NAME, parse_address
+
+FOLDER = "assets/theatres"
+MOST_WINDOWS = 32
+MAIN = "main"  # the node of windows that name none
+
+FEWEST_PIXELS = 16  # a side of a window or of a part of one
+Pixels = Annotated[int, msgspec.Meta(ge=FEWEST_PIXELS, le=16384)]
+Offset = Annotated[int, msgspec.Meta(ge=-100_000, le=100_000)]
+Positive = Annotated[float, msgspec.Meta(gt=0, le=1e5)]
+Away = Annotated[float, msgspec.Meta(ge=50, le=1e5)]  # of what is all round: both eyes are within
+Coordinate = Annotated[float, msgspec.Meta(ge=-1e5, le=1e5)]
+Point = tuple[Coordinate, Coordinate, Coordinate]
+Angle = Annotated[float, msgspec.Meta(ge=-360, le=360)]
+Name = Annotated[str, msgspec.Meta(pattern=NAME)]
+Share = Annotated[float, msgspec.Meta(ge=0, le=1)]
+
+
+class _Table(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A table of a theatre file."""
+
+
+class Plane(_Table, frozen=True, kw_only=True):
+    """A flat screen by three of its corners."""
+
+    lower_left: Point
+    lower_right: Point
+    upper_left: Point
+
+
+class Cylinder(_Table, frozen=True, kw_only=True):
+    """A part of an upright cylinder about the point `axis_cm` (x, z), seen from within."""
+
+    radius_cm: Positive
+    left_deg: Angle  # from straight ahead, right positive
+    right_deg: Angle
+    bottom_cm: Coordinate
+    top_cm: Coordinate
+    axis_cm: tuple[Coordinate, Coordinate] = (0.0, 0.0)
+
+
+class Angles(_Table, frozen=True, kw_only=True):
+    """A flat screen by the angles under which the eye sees it."""
+
+    left_deg: Annotated[float, msgspec.Meta(gt=-89, lt=89)]
+    right_deg: Annotated[float, msgspec.Meta(gt=-89, lt=89)]
+    down_deg: Annotated[float, msgspec.Meta(gt=-89, lt=89)]
+    up_deg: Annotated[float, msgspec.Meta(gt=-89, lt=89)]
+    heading_deg: Angle = 0.0  # right positive
+    pitch_deg: Angle = 0.0  # up positive
+    roll_deg: Angle = 0.0  # clockwise positive
+    distance_cm: Positive = 300.0  # counts for two eyes only
+
+
+class Panorama(_Table, frozen=True, kw_only=True):
+    """A cylinder that no projector bends: every column of pixels is an equal angle."""
+
+    angle_deg: Annotated[float, msgspec.Meta(ge=30, lt=360)] = ALL_ROUND.angle_deg
+    distance_cm: Away = 300.0
+
+
+class Dome(_Table, frozen=True, kw_only=True):
+    """An equidistant fisheye of 180 degrees, tilted to the front, which is below."""
+
+    tilt_deg: Annotated[float, msgspec.Meta(ge=0, le=90)] = ALL_ROUND.tilt_deg
+    distance_cm: Away = 500.0
+
+
+class Equirectangular(_Table, frozen=True, kw_only=True):
+    """All directions, the front in the middle."""
+
+    distance_cm: Away = 300.0
+
+
+SCREENS = ("plane", "cylinder", "angles", "panorama", "dome", "equirectangular")
+
+
+class Lit(_Table, frozen=True, kw_only=True):
+    """What is common to channels and archives: the screen, one of six kinds, and its light."""
+
+    plane: Plane | None = None
+    cylinder: Cylinder | None = None
+    angles: Angles | None = None
+    panorama: Panorama | None = None
+    dome: Dome | None = None
+    equirectangular: Equirectangular | None = None
+    # Of the projector: light is the value that it gets to this power.
+    gamma: Annotated[float, msgspec.Meta(ge=0.5, le=4)] = 2.2
+    # The share of its white that the projector shines when it should be dark.
+    black: Annotated[float, msgspec.Meta(ge=0, le=0.05)] = 0.0
+
+    _needs_screen: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        """Refuse none and two screens."""
+        given = [name for name in SCREENS if getattr(self, name) is not None]
+        if len(given) > 1 or (not given and self._needs_screen):
+            what = " and ".join(f"`{name}`" for name in given) or "none"
+            raise ValueError(f"expected one of {', '.join(SCREENS)}, got {what}")
+
+
+class Window(_Table, frozen=True, kw_only=True):
+    """A picture: a window at a place of the desktop, or one that fills a monitor."""
+
+    name: Name
+    size: tuple[Pixels, Pixels]
+    position: tuple[Offset, Offset] | None = None  # of its upper left corner, in pixels
+    monitor: str | Annotated[int, msgspec.Meta(ge=1, le=64)] | None = None  # by name, or 1, 2, …
+    node: Name = MAIN  # the computer that shows it
+
+
+class Channel(Lit, frozen=True, kw_only=True):
+    """What one projector lights, or one part of a window shows."""
+
+    name: Name
+    window: Name
+    # x, y, width, height in pixels from the window's upper left corner; None: all of it
+    viewport: tuple[Annotated[int, msgspec.Meta(ge=0)], Annotated[int, msgspec.Meta(ge=0)],
+                    Pixels, Pixels] | None = None  # fmt: skip
+    blend: bool = False  # with all others that light the same part of the screen
+    warp: str | None = None  # a mesh: .obj, .pfm or .data, beside the theatre file
+
+
+class Archive(Lit, frozen=True, kw_only=True):
+    """Channels from a calibration tool's MPCDI archive.
+
+    The screen is that of a whole buffer; regions that have a frustum of their own need none.
+    """
+
+    _needs_screen: ClassVar[bool] = False
+
+    file: str
+    # Which window shows which region; None: each the window of its own name.
+    windows: dict[str, Name] | None = None
+    buffer: str | None = None  # None: all of them
+
+
+class Cluster(_Table, frozen=True, kw_only=True):
+    """Several computers: who leads, and where the others find it."""
+
+    master: Name
+    address: str = "127.0.0.1:5560"
+    timeout_s: Annotated[float, msgspec.Meta(ge=0.05, le=60)] = 2.0
+    keys: str | None = None  # a folder made by `subsea keys`
+
+    def __post_init__(self) -> None:
+        """Refuse what is no address."""
+        parse_address(self.address)
+
+
+class Theatre(_Table, frozen=True, kw_only=True):
+    """All that there is in a theatre."""
+
+    title: str = ""
+    scale: Annotated[float, msgspec.Meta(ge=0.01, le=100)] = 1.0  # cm of the sea per real cm
+    eye_cm: Point = (0.0, 0.0, 0.0)  # between the eyes of who sits best
+    eye_distance_cm: Annotated[float, msgspec.Meta(ge=0, le=20)] = 6.4
+    level: bool = False  # the horizon stays level, whatever the submarine's pitch
+    window: Annotated[list[Window], msgspec.Meta(min_length=1, max_length=MOST_WINDOWS)]
+    channel: Annotated[list[Channel], msgspec.Meta(max_length=MOST_WINDOWS)] = []
+    mpcdi: Annotated[list[Archive], msgspec.Meta(max_length=MOST_WINDOWS)] = []
+    cluster: Cluster | None = None
+
+    @property
+    def nodes(self) -> tuple[str, ...]:
+        """The computers, in the order in which windows name them."""
+        return tuple(dict.fromkeys(window.node for window in self.window))
+
+
+def load_theatre(name: str) -> tuple[Theatre, Path]:
+    """The theatre called `name`, or the one in the file `name`, and the file it came from.
+
+    What is wrong with the whole is a UserError; screens are checked where they are built.
+    """
+    path = named_or_file(name, FOLDER, ".toml", "theatre")
+    theatre = load_toml(path, Theatre)
+    _distinct(path, "window", [window.name for window in theatre.window])
+    _distinct(path, "channel", [channel.name for channel in theatre.channel])
+    if not theatre.channel and not theatre.mpcdi:
+        raise UserError(f"{path}: shows nothing, expected at least one `channel` or `mpcdi`")
+    for k, window in enumerate(theatre.window):
+        if window.position is not None and window.monitor is not None:
+            where = at_key(path, f"window[{k}].position")
+            raise UserError(
+                f"{where}: window {window.name!r} has a `position` and a `monitor`, expected one"
+            )
+    _apart(path, theatre)
+    windows = {window.name: window for window in theatre.window}
+    for k, channel in enumerate(theatre.channel):
+        if channel.window not in windows:
+            fault = unknown("window", channel.window, list(windows))
+            where = at_key(path, f"channel[{k}].window")
+            raise UserError(f"{where}: channel {channel.name!r}: {fault}")
+        _inside(path, k, channel, windows[channel.window])
+    for (_, one), (k, other) in combinations(enumerate(theatre.channel), 2):
+        if one.window == other.window and overlap(
+            viewport(one, windows[one.window]), viewport(other, windows[other.window])
+        ):
+            raise UserError(
+                f"{at_key(path, f'channel[{k}]')}: channels {one.name!r} and {other.name!r} lie on "
+                "one another in window "
+                f"{one.window!r}; expected viewports side by side"
+            )
+    for k, archive in enumerate(theatre.mpcdi):
+        for region, shown in (archive.windows or {}).items():
+            if shown not in windows:
+                fault = unknown("window", shown, list(windows))
+                where = at_key(path, f"mpcdi[{k}].windows.{region}")
+                raise UserError(f"{where}: region {region!r} of {archive.file}: {fault}")
+    cluster = theatre.cluster
+    if cluster is None and len(theatre.nodes) > 1:
+        raise UserError(
+            f"{path}: windows are on the nodes {', '.join(theatre.nodes)}, expected a table "
+            "[cluster] that says which of them is the `master`"
+        )
+    if cluster is not None and cluster.master not in theatre.nodes:
+        fault = unknown("node", cluster.master, list(theatre.nodes))
+        raise UserError(f"{at_key(path, 'cluster.master')}: `cluster.master`: {fault}")
+    return theatre, path
+
+
+def viewport(channel: Channel, window: Window) -> tuple[int, int, int, int]:
+    """Where a channel lies in its window: x, y from the upper left corner, width, height."""
+    return channel.viewport or (0, 0, *window.size)
+
+
+def overlap(one: tuple[int, int, int, int], other: tuple[int, int, int, int]) -> bool:
+    """Whether two rectangles (x, y, width, height) share a pixel."""
+    return all(one[k] < other[k] + other[k + 2] and other[k] < one[k] + one[k + 2] for k in (0, 1))
+
+
+def _distinct(path: Path, kind: str, names: list[str]) -> None:
+    for k, name in enumerate(names):
+        if name in names[:k]:
+            where = at_key(path, f"{kind}[{k}].name")
+            raise UserError(f"{where}: {names.count(name)} {kind}s are called {name!r}, expected 1")
+
+
+def _apart(path: Path, theatre: Theatre) -> None:
+    """No two windows of a computer may lie on the same monitor or on one another."""
+    for (_, one), (k, other) in combinations(enumerate(theatre.window), 2):
+        if one.node != other.node:
+            continue
+        if one.monitor is not None and one.monitor == other.monitor:
+            raise UserError(
+                f"{at_key(path, f'window[{k}].monitor')}: windows {one.name!r} and {other.name!r} "
+                f"both fill monitor {one.monitor!r}; expected one window a monitor, with several "
+                "channels if need be"
+            )
+        if (
+            one.position is not None
+            and other.position is not None
+            and overlap((*one.position, *one.size), (*other.position, *other.size))
+        ):
+            raise UserError(
+                f"{at_key(path, f'window[{k}].position')}: windows {one.name!r} and "
+                f"{other.name!r} lie on one another; expected "
+                "places side by side"
+            )
+
+
+def _inside(path: Path, k: int, channel: Channel, window: Window) -> None:
+    x, y, width, height = viewport(channel, window)
+    if x + width > window.size[0] or y + height > window.size[1]:
+        where = at_key(path, f"channel[{k}].viewport")
+        raise UserError(
+            f"{where}: channel {channel.name!r}: `viewport` {list(channel.viewport or ())} reaches "
+            f"out of window {window.name!r} of {window.size[0]}x{window.size[1]} pixels"
+        )

@@ -1,0 +1,324 @@
+"""Warps: which point of a picture lights which point of a projector, as a mesh of triangles.
+
+A place is a pair of shares of the projector's picture, x to the right and y up, (0, 0) its lower
+left corner; a source is such a pair (u, v) of the picture that is shown.
+"""
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from subsea.core.errors import UserError
+from subsea.view.rig import Warp
+
+Array = NDArray[np.floating[Any]]
+Ints = NDArray[np.integer[Any]]
+
+TOLERANCE_PX = 0.2  # by which a mesh may miss a point of the grid it was made from
+SLACK = 1e-3  # beyond 0 and 1, which is the rounding of other programs
+FOLDED = 1e-3  # share of a mesh that may be folded over: a wrinkle at the rim of a measurement
+FARTHEST = 1e6  # of any coordinate
+_AREA = 1e-12  # of a triangle that lights nothing
+_ONE_COLOUR = 1e-6  # share of a picture: a thousandth of its sides
+
+
+def mesh(places: Array, sources: Array, triangles: Ints) -> Warp:
+    """A warp of places (n, 2) and sources (n, 2), the same for both eyes; not yet checked."""
+    with np.errstate(over="ignore"):
+        vertices = np.column_stack([places, sources, sources]).astype(np.float32)
+    return Warp(vertices, np.asarray(triangles, np.int32).reshape(-1, 3))
+
+
+def from_grid(sources: Array, size: tuple[int, int]) -> Warp:
+    """The warp of sources (h, w, 2) at the middles of a projector's cells, upper row first.
+
+    Where a grid is smooth its mesh is coarse: no point is missed by more than a fifth of a pixel
+    of a picture of `size`. Cells that touch a point that is none (`only_points`) stay dark. The
+    outermost points are carried on by half a cell to the border.
+    """
+    grid, x = _to_the_border(only_points(sources), axis=1)
+    grid, y = _to_the_border(grid, axis=0)
+    y = 1.0 - y
+    blocks = _blocks(grid * np.array(size, np.float64), x, y, TOLERANCE_PX)
+    left, top, right, bottom = blocks.T
+    width = grid.shape[1]
+    corners = np.stack([top * width + left, bottom * width + left])
+    corners = np.concatenate([corners, [bottom * width + right, top * width + right]])
+    used, numbers = np.unique(corners, return_inverse=True)
+    a, b, c, d = numbers.reshape(4, -1)
+    triangles = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
+    places = np.stack([x[used % width], y[used // width]], axis=1)
+    return mesh(places, grid.reshape(-1, 2)[used], triangles)
+
+
+def straight() -> Warp:
+    """The warp that shows a picture as it is."""
+    corners = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    return mesh(corners, corners, np.array([[0, 1, 2], [0, 2, 3]]))
+
+
+def within(warp: Warp, part: tuple[float, float, float, float]) -> Warp:
+    """The warp of a whole picture of which one shows a part: x, y, width, height in shares."""
+    x, y, width, height = part
+    vertices = warp.vertices.copy()
+    vertices[:, 2:] = vertices[:, 2:] * ([width, height] * 2) + ([x, y] * 2)
+    return warp._replace(vertices=vertices)
+
+
+def only_points(sources: Array) -> Array:
+    """A grid (h, w, 2) of sources with NaN for those that say that there is none.
+
+    Programs write infinities for that, or numbers that are far from any picture, or more than one
+    (0, 0).
+    """
+    with np.errstate(invalid="ignore"):  # some NaN warn when they are made longer
+        grid = np.array(sources, np.float64)
+    u, v = grid[..., 0], grid[..., 1]
+    zero = (u == 0) & (v == 0)
+    none = ~((u > -1) & (u < 2) & (v > -1) & (v < 2)) | (zero & (zero.sum() > 1))
+    grid[none] = np.nan
+    return grid
+
+
+def checked(warp: Warp, where: str) -> Warp:
+    """The triangles that light something, cut where they leave the picture; else a UserError.
+
+    An error tells how many points or triangles are wrong: points outside of the picture where
+    three quarters of the mesh are, triangles without area if most are, or triangles folded over.
+    A mesh that shows next to nothing of the picture is an error too.
+    `where` names the file.
+    """
+    vertices, triangles = warp
+    used = np.unique(triangles)
+    points, count = vertices[used], len(used)
+    if not count:
+        raise UserError(f"{where}: an empty mesh, expected triangles that show something")
+    if bad := int((~(np.abs(points) < FARTHEST)).any(axis=1).sum()):
+        raise UserError(f"{where}: {bad} of {count} points of its mesh are nowhere near a picture")
+    areas = np.abs(_areas(vertices[:, :2], triangles))
+    lit = areas > _AREA
+    if 2 * lit.sum() < len(lit):
+        raise UserError(f"{where}: {(~lit).sum()} of {len(lit)} triangles have no area")
+    vertices, triangles = _within_picture(vertices, triangles[lit])
+    if np.abs(_areas(vertices[:, :2], triangles)).sum() < areas.sum() / 4:
+        out = ((points[:, 2:] < -SLACK) | (points[:, 2:] > 1 + SLACK)).any(axis=1)
+        raise UserError(f"{where}: {out.sum()} of {count} points have u or v outside 0 to 1")
+    on = vertices[triangles][..., :2]
+    seen = ((on.max(axis=1) > 0) & (on.min(axis=1) < 1)).all(axis=1)
+    if not seen.any():
+        raise UserError(f"{where}: none of its {len(lit)} triangles lies on the projector")
+    places, sources = _areas(vertices[:, :2], triangles), _areas(vertices[:, 2:4], triangles)
+    if np.abs(sources).sum() < _ONE_COLOUR:
+        raise UserError(f"{where}: its u and v have no area, expected some of the picture")
+    turn = np.sign(places) * np.sign(sources)
+    folded = turn * np.sign(np.sum(turn * np.abs(places))) < 0
+    if np.abs(places[folded]).sum() > FOLDED * np.abs(places).sum():
+        raise UserError(f"{where}: {folded.sum()} of {len(folded)} triangles are folded over")
+    return Warp(vertices, triangles)
+
+
+def divided(warp: Warp, across: int, up: int) -> Warp:
+    """The same warp with its triangles cut along equal columns and rows of the left eye's source.
+
+    What a mesh shows is linear in each triangle. A large one may not stand for a part of a curved
+    screen; one that lies within a column of a few degrees may.
+    """
+    vertices, triangles = warp
+    for column, pieces in ((2, across), (3, up)):
+        for k in range(1, pieces):
+            halves = []
+            for side in (1.0, -1.0):
+                depth = side * (vertices[:, column] - k / pieces)
+                vertices, half = _cut(vertices, triangles, depth)
+                halves.append(half[np.abs(_areas(vertices[:, :2], half)) > _AREA])
+            triangles = np.concatenate(halves)
+    used, numbers = np.unique(triangles, return_inverse=True)
+    return Warp(vertices[used], numbers.reshape(-1, 3).astype(np.int32))
+
+
+def sources_at(warp: Warp, places: Array, eye: int = 0) -> Array:
+    """What places (k, 2) show, (k, 2), to the left eye or to the right; NaN where dark."""
+    shown = warp.vertices[:, 2 + 2 * eye : 4 + 2 * eye]
+    return _through(warp.vertices[:, :2], shown, warp.triangles, places)
+
+
+def is_mirrored(warp: Warp) -> bool:
+    """Whether it shows the picture as in a mirror, as no projector on a stand or ceiling does."""
+    places = _areas(warp.vertices[:, :2], warp.triangles)
+    shown = _areas(warp.vertices[:, 2:4], warp.triangles)
+    return bool(np.sum(np.sign(places) * shown) < 0)
+
+
+def describe_warp(warp: Warp) -> str:
+    """A few words: its size, how much of the projector it lights, and whether it mirrors."""
+    lit = min(np.abs(_areas(warp.vertices[:, :2], warp.triangles)).sum(), 1.0)
+    mirrored = ", mirrored" if is_mirrored(warp) else ""
+    count = len(warp.triangles)
+    return f"a mesh of {count} triangle{'s' * (count != 1)}, {100 * lit:.0f}% lit{mirrored}"
+
+
+def painted(warp: Warp, values: Array, size: tuple[int, int]) -> Array:
+    """Values (n,) of the vertices over all pixels (h, w), upper row first; 0 where dark."""
+    picture = np.zeros((size[1], size[0]))
+    _paint(warp.vertices[:, :2].astype(np.float64), warp.triangles, values, picture)
+    return picture[::-1]
+
+
+def _to_the_border(grid: Array, axis: int) -> tuple[Array, Array]:
+    """The grid with a first and a last row more, on the borders, and where its rows are."""
+    rows = np.moveaxis(grid, axis, 0)
+    count = len(rows)
+    edges = []
+    for outer, inner in ((0, 1), (-1, -2)):
+        edge = rows[outer] + (rows[outer] - rows[inner]) / 2 if count > 1 else rows[outer]
+        edge = np.where(np.isnan(edge), rows[outer], edge)
+        lowest, highest = np.minimum(rows[outer], 0.0), np.maximum(rows[outer], 1.0)
+        edges.append(np.clip(edge, lowest, highest)[None])
+    rows = np.concatenate([edges[0], rows, edges[1]])
+    at = np.concatenate([[0.0], (np.arange(count) + 0.5) / count, [1.0]])
+    return np.ascontiguousarray(np.moveaxis(rows, 0, axis)), at
+
+
+@njit(cache=True)
+def _blocks(grid: Array, x: Array, y: Array, tolerance: float) -> Ints:
+    """Blocks (k, 4) of cells, left, top, right, bottom, that two triangles show well enough.
+
+    Blocks are halved until they do. They lie side by side, with corners on each other's straight
+    edges: no gap opens there.
+    """
+    found = [(0, 0, 0, 0)]
+    found.pop()
+    waiting = [(0, 0, grid.shape[1] - 1, grid.shape[0] - 1)]
+    while len(waiting) > 0:
+        left, top, right, bottom = waiting.pop()
+        if _is_flat(grid, x, y, left, top, right, bottom, tolerance):
+            found.append((left, top, right, bottom))
+        elif right - left > 1 and right - left >= bottom - top:
+            middle = (left + right) // 2
+            waiting.append((left, top, middle, bottom))
+            waiting.append((middle, top, right, bottom))
+        elif bottom - top > 1:
+            middle = (top + bottom) // 2
+            waiting.append((left, top, right, middle))
+            waiting.append((left, middle, right, bottom))
+    blocks = np.empty((len(found), 4), np.int64)
+    for k in range(len(found)):
+        blocks[k, 0], blocks[k, 1], blocks[k, 2], blocks[k, 3] = found[k]
+    return blocks
+
+
+@njit(cache=True)
+def _is_flat(
+    grid: Array, x: Array, y: Array, left: int, top: int, right: int, bottom: int, tolerance: float
+) -> bool:
+    """Whether all points of a block exist and lie on its two triangles, up to a tolerance."""
+    a, b = grid[top, left], grid[bottom, left]
+    c, d = grid[bottom, right], grid[top, right]
+    for row in range(top, bottom + 1):
+        down = (y[row] - y[top]) / (y[bottom] - y[top])
+        for column in range(left, right + 1):
+            across = (x[column] - x[left]) / (x[right] - x[left])
+            away = 0.0
+            for k in range(2):
+                if down >= across:
+                    on = a[k] + down * (b[k] - a[k]) + across * (c[k] - b[k])
+                else:
+                    on = a[k] + across * (d[k] - a[k]) + down * (c[k] - d[k])
+                away += (grid[row, column, k] - on) ** 2
+            if not away <= tolerance * tolerance:  # nor where it is NaN
+                return False
+    return True
+
+
+@njit(cache=True)
+def _paint(places: Array, triangles: Ints, values: Array, picture: Array) -> None:
+    """Interpolate values over the pixels (height, width), lower row first, by their middles."""
+    height, width = picture.shape
+    for k in range(len(triangles)):
+        i, j, m = triangles[k]
+        ax, ay = places[i, 0] * width - 0.5, places[i, 1] * height - 0.5
+        bx, by = places[j, 0] * width - 0.5 - ax, places[j, 1] * height - 0.5 - ay
+        cx, cy = places[m, 0] * width - 0.5 - ax, places[m, 1] * height - 0.5 - ay
+        area = bx * cy - by * cx
+        if area == 0.0:
+            continue
+        first = max(int(np.ceil(ay + min(0.0, by, cy) - 1e-6)), 0)
+        last = min(int(np.floor(ay + max(0.0, by, cy) + 1e-6)), height - 1)
+        begin = max(int(np.ceil(ax + min(0.0, bx, cx) - 1e-6)), 0)
+        end = min(int(np.floor(ax + max(0.0, bx, cx) + 1e-6)), width - 1)
+        for row in range(first, last + 1):
+            for column in range(begin, end + 1):
+                px, py = column - ax, row - ay
+                s = (px * cy - py * cx) / area
+                t = (bx * py - by * px) / area
+                if s >= -1e-6 and t >= -1e-6 and s + t <= 1 + 1e-6:
+                    picture[row, column] = (
+                        values[i] + s * (values[j] - values[i]) + t * (values[m] - values[i])
+                    )
+
+
+def _areas(points: Array, triangles: Ints) -> Array:
+    """Signed areas (m,) of triangles of points (n, 2)."""
+    a, b, c = np.moveaxis(points[triangles].astype(np.float64), 1, 0)
+    across, up = b - a, c - a
+    return np.asarray((across[:, 0] * up[:, 1] - across[:, 1] * up[:, 0]) / 2)
+
+
+def _within_picture(vertices: Array, triangles: Ints) -> tuple[Array, Ints]:
+    """The parts of triangles whose sources lie within 0 to 1; what is a little out is moved in."""
+    shown = vertices[:, 2:]
+    near = (shown > -SLACK) & (shown < 1 + SLACK)
+    vertices = vertices.copy()
+    vertices[:, 2:] = np.where(near, np.clip(shown, 0.0, 1.0), shown)
+    for column in range(2, 6):
+        vertices, triangles = _cut(vertices, triangles, vertices[:, column])
+        vertices, triangles = _cut(vertices, triangles, 1 - vertices[:, column])
+    vertices[:, 2:] = np.clip(vertices[:, 2:], 0.0, 1.0)
+    return vertices, triangles
+
+
+def _cut(vertices: Array, triangles: Ints, depth: Array) -> tuple[Array, Ints]:
+    """The parts of triangles where `depth` (n,) is not negative; a cut edge gets a vertex."""
+    inside = depth[triangles] >= 0
+    count = inside.sum(axis=1)
+    kept = [triangles[count == 3]]
+    for inner in (1, 2):
+        some, within = triangles[count == inner], inside[count == inner]
+        alone = np.argmax(within if inner == 1 else ~within, axis=1)
+        order = (alone[:, None] + np.arange(3)) % 3
+        a, b, c = np.take_along_axis(some, order, axis=1).T
+        new = []
+        for other in (b, c):
+            low, high = np.minimum(a, other), np.maximum(a, other)  # alike for both neighbours
+            share = (depth[low] / (depth[low] - depth[high]))[:, None]
+            new.append(len(vertices) + np.arange(len(a), dtype=np.int32))
+            cut = vertices[low] + share * (vertices[high] - vertices[low])
+            vertices = np.concatenate([vertices, cut.astype(np.float32)])
+        if inner == 1:
+            kept.append(np.stack([a, new[0], new[1]], axis=1))
+        else:
+            kept.append(np.stack([new[0], b, c], axis=1))
+            kept.append(np.stack([new[0], c, new[1]], axis=1))
+    return vertices, np.concatenate(kept).astype(np.int32)
+
+
+def _through(start: Array, end: Array, triangles: Ints, points: Array) -> Array:
+    """Carry points (k, 2) by the triangles from their corners in `start` to those in `end`."""
+    points = np.asarray(points, np.float64)
+    from_, to = (side.astype(np.float64)[triangles] for side in (start, end))  # (m, 3, 2)
+    a, across, up = from_[:, 0], from_[:, 1] - from_[:, 0], from_[:, 2] - from_[:, 0]
+    area = across[:, 0] * up[:, 1] - across[:, 1] * up[:, 0]
+    real = np.abs(area) > 2 * _AREA
+    a, across, up, area, to = a[real], across[real], up[real], area[real], to[real]
+    carried = np.full(points.shape, np.nan)
+    for number, point in enumerate(points):
+        x, y = (point - a).T
+        s = (x * up[:, 1] - y * up[:, 0]) / area
+        t = (across[:, 0] * y - across[:, 1] * x) / area
+        worst = np.minimum(np.minimum(s, t), 1 - s - t)
+        if len(worst) and worst[best := int(np.argmax(worst))] > -1e-6:
+            weights = np.array([1 - s[best] - t[best], s[best], t[best]])
+            carried[number] = weights @ to[best]
+    return carried

@@ -1,0 +1,80 @@
+"""From a place on the pilot's screen to a ray into the sea, and back."""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.view.camera import View
+from subsea.view.rig import Rig, Shape, front, seen_by, seen_part
+
+Array = NDArray[np.floating[Any]]
+
+
+NEAR_CM = 4.0  # from the eye: lines are drawn from there on
+
+
+class Sight(NamedTuple):
+    """A view, and what of it the screen ahead shows: places there are shares, from its upper left.
+
+    `low` and `high` are the lower left and upper right corner of that, in [-1, 1] of the view.
+    """
+
+    view: View
+    low: tuple[float, float]
+    high: tuple[float, float]
+
+    def ray(self, x: float, y: float) -> tuple[Array, Array]:
+        """Where the eye is, cm, and the unit vector to what is seen at a place on the screen."""
+        across = self.low[0] + x * (self.high[0] - self.low[0])
+        up = self.high[1] - y * (self.high[1] - self.low[1])
+        p = self.view.projection.astype(np.float64)
+        way = np.array([(across + p[0, 2]) / p[0, 0], (up + p[1, 2]) / p[1, 1], -1.0])
+        way = way @ self.view.view[:3, :3].astype(np.float64)
+        return np.asarray(self.view.eye, np.float64), way / np.linalg.norm(way)
+
+    def places(self, points: Array) -> Array:
+        """Where points (n, 3), cm, are seen: (n, 2); not a number for what is behind the eye."""
+        p = self.view.projection.astype(np.float64)
+        away = np.asarray(points, np.float64) - np.asarray(self.view.eye, np.float64)
+        seen = away @ self.view.view[:3, :3].astype(np.float64).T
+        ahead = np.where(seen[:, 2] < -1e-6, -seen[:, 2], np.nan)
+        across = p[0, 0] * seen[:, 0] / ahead - p[0, 2]
+        up = p[1, 1] * seen[:, 1] / ahead - p[1, 2]
+        return np.stack(
+            [
+                (across - self.low[0]) / (self.high[0] - self.low[0]),
+                (self.high[1] - up) / (self.high[1] - self.low[1]),
+            ],
+            axis=1,
+        )
+
+    def lines(self, segments: Array) -> Array:
+        """Where lines (n, 2, 3), cm, are seen: (k, 2, 2), as far as they are before the eye."""
+        ends = np.asarray(segments, np.float64)
+        ahead = -(ends - np.asarray(self.view.eye, np.float64)) @ self.view.view[2, :3]
+        share = (NEAR_CM - ahead) / np.where(ahead[:, ::-1] == ahead, 1.0, ahead[:, ::-1] - ahead)
+        share = np.where(ahead < NEAR_CM, share, 0.0)[..., None]
+        cut = (ends + share * (ends[:, ::-1] - ends))[(ahead > NEAR_CM).any(axis=1)]
+        return self.places(cut.reshape(-1, 3)).reshape(-1, 2, 2)
+
+
+def sight(rig: Rig, views: Sequence[View]) -> Sight | None:
+    """Through the screen ahead, of a stereo with the left eye; None where that is no flat picture.
+
+    `views` are those of the rig's eyes, in their order.
+    """
+    ahead = front(rig)
+    if ahead.shape != Shape.FLAT:
+        return None
+    (x, y, across, up), (left, foot, width, height) = seen_part(ahead), ahead.place
+    low = 2.0 * (x - left) / width - 1.0, 2.0 * (y - foot) / height - 1.0
+    return Sight(
+        views[front_view(rig)], low, (low[0] + 2.0 * across / width, low[1] + 2.0 * up / height)
+    )
+
+
+def front_view(rig: Rig) -> int:
+    """The number of the view that a visitor looks at."""
+    return next(k for k, eye in enumerate(rig.eyes) if eye is seen_by(rig, front(rig))[0])

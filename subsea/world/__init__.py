@@ -1,0 +1,1 @@
+"""A world: how it begins, advances by a tick, and is saved."""

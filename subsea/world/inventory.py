@@ -1,0 +1,143 @@
+"""How many of everything a scenario has (Tu §9.1), and the same scenario with other numbers.
+
+Where several shoals are of a species, or several groups of seaweed of a kind, a number is that of
+all of them, and another number is shared out as the former was.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import get_args
+
+import numpy as np
+from msgspec.structs import replace
+
+from subsea.fish.species import species_names
+from subsea.scenario.schema import Pillar, Scenario, Seaweed, Shoal
+from subsea.state import HULL_CM
+from subsea.world.placement import numbered
+
+ROOM_CM = 3.0 * HULL_CM  # between a new pillar and what is there
+KINDS: tuple[str, ...] = get_args(Seaweed.__annotations__["kind"])
+USUAL = Seaweed()
+SPREAD = 0.7549, 0.5698  # places at multiples of both lie far from one another
+TRIES = 400
+
+
+@dataclass
+class Counts:
+    """How many there are of everything that a scenario begins with, and its dice."""
+
+    fishes: dict[str, int]  # by species: all that there are
+    plankton: int
+    clusters: dict[str, int]  # of seaweed, by kind
+    leaves: dict[str, int]  # of each cluster, or of most of a kind
+    pillars: int
+    seed: int
+
+
+def counts(scenario: Scenario) -> Counts:
+    """The numbers of a scenario."""
+    # One of the visitor's own may have been deleted since the scenario was read.
+    numbers = dict.fromkeys([*species_names(), *scenario.species], 0)
+    for shoal in scenario.fish:
+        numbers[shoal.species] += shoal.number
+    groups = {kind: [g for g in scenario.seaweed if g.kind == kind] for kind in KINDS}
+    return Counts(
+        fishes=numbers,
+        plankton=scenario.water.plankton,
+        clusters={kind: sum(group.clusters for group in groups[kind]) for kind in KINDS},
+        leaves={
+            kind: max(groups[kind], key=lambda group: group.clusters, default=USUAL).leaves
+            for kind in KINDS
+        },
+        pillars=len(scenario.pillar),
+        seed=scenario.seed,
+    )
+
+
+def with_counts(scenario: Scenario, wanted: Counts) -> Scenario:
+    """The scenario with other numbers; what they do not change stays as it is."""
+    was = counts(scenario)
+    for species, number in wanted.fishes.items():
+        if number != was.fishes[species]:
+            scenario = with_fishes(scenario, species, number)
+    for kind in KINDS:
+        both = wanted.clusters[kind], wanted.leaves[kind]
+        if both != (was.clusters[kind], was.leaves[kind]):
+            scenario = with_seaweed(scenario, kind, *both)
+    if wanted.pillars != was.pillars:
+        scenario = with_pillars(scenario, wanted.pillars)
+    water = replace(scenario.water, plankton=wanted.plankton)
+    return replace(scenario, water=water, seed=wanted.seed)
+
+
+def with_fishes(scenario: Scenario, species: str, number: int) -> Scenario:
+    """So many fishes of a species; where there was no shoal of it a new one, all over the sea.
+
+    What single fishes have of their own stays with them, as long as they are there.
+    """
+    shoals = [*scenario.fish]
+    if number and not any(shoal.species == species for shoal in shoals):
+        shoals.append(Shoal(species=species, number=0))
+    these = [k for k, shoal in enumerate(shoals) if shoal.species == species]
+    scenario = replace(scenario, fish=shoals)
+    for k, share in zip(these, _shared(number, [shoals[k].number for k in these]), strict=True):
+        scenario = numbered(scenario, k, share)
+    return scenario
+
+
+def with_seaweed(scenario: Scenario, kind: str, clusters: int, leaves: int) -> Scenario:
+    """So many clusters of a kind, of so many leaves each; new ones are all over the sea."""
+    groups = [*scenario.seaweed]
+    if clusters and not any(group.kind == kind for group in groups):
+        high = {"kelp": 400.0, "grass": 32.0, "red": 32.0}.get(kind, 90.0)
+        groups.append(Seaweed(kind=kind, clusters=0, height_cm=high))  # type: ignore[arg-type]
+    these = [k for k, group in enumerate(groups) if group.kind == kind]
+    shares = _shared(clusters, [groups[k].clusters for k in these])
+    for k, share in zip(these, shares, strict=True):
+        groups[k] = replace(groups[k], clusters=share, leaves=leaves)
+    return replace(scenario, seaweed=groups)
+
+
+def with_pillars(scenario: Scenario, number: int) -> Scenario:
+    """So many pillars: the last ones go, new ones stand where there is room."""
+    pillars, radius, high = scenario.pillar[:number], 35.0, round(0.4 * scenario.bounds.depth_cm)
+    for k in range(1, TRIES):
+        if len(pillars) >= number:
+            break
+        far = 0.8 * scenario.bounds.radius_cm * math.sqrt(SPREAD[0] * k % 1.0)
+        angle = 2.0 * math.pi * (SPREAD[1] * k % 1.0)
+        place = (float(round(far * math.cos(angle))), float(round(far * math.sin(angle))))
+        taken = _taken(replace(scenario, pillar=pillars))
+        if all(math.dist(place, other) > room + radius for other, room in taken):
+            pillars = [*pillars, Pillar(position_cm=place, radius_cm=radius, height_cm=high)]
+    return replace(scenario, pillar=pillars)
+
+
+def _taken(scenario: Scenario) -> list[tuple[tuple[float, ...], float]]:
+    """Places (x, y) beside which nothing new may stand, and how far from them, cm."""
+    taken: list[tuple[tuple[float, ...], float]]
+    places = [scenario.submarine.position_cm]
+    places += [at for shoal in scenario.fish for at in (shoal.position_cm, shoal.toward_cm) if at]
+    taken = [(place[:2], ROOM_CM) for place in places]
+    taken += [(p.position_cm, p.radius_cm + ROOM_CM) for p in scenario.pillar]
+    taken += [(r.position_cm, max(r.size_cm[:2]) + ROOM_CM) for r in scenario.rock]
+    taken += [(r.position_cm, max(r.size_cm[:2]) + ROOM_CM) for r in scenario.outcrop]
+    taken += [(a.position_cm, a.span_cm + ROOM_CM) for a in scenario.arch]
+    if scenario.hook is not None:
+        taken.append((scenario.hook.position_cm, ROOM_CM))
+    taken += [(p.position_cm[:2], ROOM_CM) for tour in scenario.tour for p in tour.waypoint]
+    return taken
+
+
+def _shared(number: int, shares: Sequence[int]) -> list[int]:
+    """A number shared out in whole parts as it was before: (len(shares),), by largest remainder."""
+    if not shares:
+        return []
+    old = np.array(shares, float) if any(shares) else np.ones(len(shares))
+    exact = number * old / old.sum()
+    parts = np.floor(exact).astype(int)
+    for k in np.argsort(parts - exact, kind="stable")[: number - int(parts.sum())]:
+        parts[k] += 1
+    return [int(part) for part in parts]

@@ -1,0 +1,398 @@
+"""Placement (Tu §9.1): what stands where in a scenario, taken with the pointer and moved.
+
+Nothing here changes a world: every act gives another scenario, to be checked, kept in a `History`
+and dived in. Rays are those of `sight.Sight.ray`: an eye in cm and a unit vector.
+"""
+
+import math
+from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.core.errors import UserError
+from subsea.geometry.height_field import height_at
+from subsea.geometry.solids import NEVER, ray_meets_pillar, ray_meets_rock, ray_meets_seabed
+from subsea.geometry.vector import vector
+from subsea.habitat.rocks import rock_rows
+from subsea.scenario.directions import renumbered
+from subsea.scenario.schema import (
+    Arch,
+    Hook,
+    Outcrop,
+    Pillar,
+    ReefTable,
+    Rock,
+    Scenario,
+    Seaweed,
+    Shoal,
+    Vent,
+    check_scenario,
+)
+from subsea.state import HULL_CM, Sea
+from subsea.world.world import check_world
+
+Array = NDArray[np.floating[Any]]
+Place = tuple[float, float, float]  # x, y, z in cm
+
+KINDS = {
+    "fish": "a school", "pillar": "a pillar", "rock": "a rock", "outcrop": "a knoll",
+    "arch": "an arch", "seaweed": "seaweed", "reef": "a reef", "vent": "a vent of bubbles",
+    "hook": "the hook", "submarine": "where the submarine starts",
+}  # fmt: skip
+"""The tables of a scenario that may be placed, and in words what they are."""
+
+FREE = ("fish", "hook", "submarine")  # these hang in the water; all others stand on the seabed
+SINGLE = ("hook", "submarine")  # of these there is one at most
+KNOB_CM = 18.0  # radius of what is taken hold of in things without a body
+GROUPS_ABOVE_CM = 25.0  # how high the knobs of what grows are over the seabed
+SIDES = 32  # of a circle
+AHEAD_CM = 420.0  # how far away at most something new is put
+NEW_ABOVE_CM = 90.0  # the seabed: where something that hangs in the water is put on it
+
+
+class Handle(NamedTuple):
+    """Something that may be placed: ``scenario.KIND[number]``."""
+
+    kind: str  # one of `KINDS`
+    number: int  # in the scenario's list, 0 for the hook and the submarine
+    place: Place  # where it is: its foot on the seabed, or its middle in the water
+    body: Array  # (k, 7) ellipsoids as `Sea.rocks`, or (1, 4) as `Sea.pillars`: what rays meet
+    outline: Array  # (n, 2, 3) cm, lines that show it
+
+
+class Grip(NamedTuple):
+    """A handle that was taken hold of: it follows the pointer, wherever on it that was."""
+
+    handle: Handle
+    offset: Array  # (3,) from the pointer's ray to the one that goes through its place
+    facing: Array  # (3,) level unit vector from the eye: what hangs in the water moves across it
+
+
+def handles(scenario: Scenario, sea: Sea) -> list[Handle]:
+    """All that may be placed, on the seabed of `sea`; not what is spread over all of it."""
+    rows, names = rock_rows(scenario, lambda x, y: _floor(sea, x, y))
+    out = [
+        _handle("submarine", 0, scenario.submarine.position_cm, HULL_CM, sea),
+        *_each("fish", scenario.fish, sea, lambda one: one.spread_cm),
+        *_each("seaweed", scenario.seaweed, sea, lambda one: one.spread_cm),
+        *_each("reef", scenario.reef, sea, lambda one: one.spread_cm),
+        *_each("vent", scenario.vent, sea, lambda one: KNOB_CM),
+    ]
+    if scenario.hook is not None:
+        out.append(_handle("hook", 0, scenario.hook.bait_cm, KNOB_CM, sea))
+    for kind in ("rock", "outcrop", "arch"):
+        for k, one in enumerate(getattr(scenario, kind)):
+            body = rows[[name == f"`{kind}[{k}]`" for name in names]]
+            out.append(Handle(kind, k, _foot(one, sea), body, _ellipses(body)))
+    for k, pillar in enumerate(scenario.pillar):
+        x, y, z = foot = _foot(pillar, sea)
+        top = z + pillar.height_cm
+        rings = [_circle((x, y, height), pillar.radius_cm) for height in (z, top)]
+        posts = np.stack([ring[:: SIDES // 4, 0] for ring in rings], axis=1)
+        body = np.array([[x, y, pillar.radius_cm, top]])
+        out.append(Handle("pillar", k, foot, body, np.concatenate([*rings, posts])))
+    return out
+
+
+def pick(those: list[Handle], sea: Sea, eye: Array, way: Array) -> Handle | None:
+    """The first of those that a ray meets, unless the seabed is before it."""
+    a, b = _ray(sea, eye, way)
+    nearest = ray_meets_seabed(sea.heights, sea.half_width, 0.0, a, b)
+    found = None
+    for handle in those:
+        meets = ray_meets_pillar if handle.body.shape[1] == 4 else ray_meets_rock
+        for row in handle.body:
+            t = meets(row, 0.0, a, b)
+            if t < nearest:
+                nearest, found = t, handle
+    return found
+
+
+def grip(handle: Handle, eye: Array, way: Array) -> Grip:
+    """Take hold of a handle with the pointer."""
+    toward = np.array(handle.place) - eye
+    facing = toward * (1.0, 1.0, 0.0)
+    size = np.linalg.norm(facing)
+    facing = facing / size if size > 1e-6 else np.array([1.0, 0.0, 0.0])
+    return Grip(handle, toward / max(float(np.linalg.norm(toward)), 1e-6) - way, facing)
+
+
+def aim(held: Grip, sea: Sea, eye: Array, way: Array, level: bool = False) -> Place | None:
+    """Where the pointer moves what it holds; None: to nowhere in the sea.
+
+    What stands on the seabed goes along that. What hangs in the water goes up and down and
+    sideways; with `level` near and far at its depth.
+    """
+    way = way + held.offset
+    way = way / max(float(np.linalg.norm(way)), 1e-9)
+    if held.handle.kind not in FREE:
+        a, b = _ray(sea, eye, way)
+        t = ray_meets_seabed(sea.heights, sea.half_width, 0.0, a, b)
+        if t == NEVER:
+            return None
+    else:
+        facing = np.array([0.0, 0.0, 1.0]) if level else held.facing
+        along = float(way @ facing)
+        t = float((np.array(held.handle.place) - eye) @ facing) / along if along else -1.0
+        if t <= 0.0:
+            return None
+        a, b = vector(eye), vector(eye + way)
+    x, y, z = (a[axis] + t * (b[axis] - a[axis]) for axis in range(3))
+    if held.handle.kind in FREE:
+        z = min(max(z, _floor(sea, x, y)), 0.0)
+    return (x, y, z) if math.hypot(x, y) < sea.radius else None
+
+
+def moved(scenario: Scenario, handle: Handle, place: Place) -> Scenario:
+    """The scenario with a thing elsewhere, to the centimetre."""
+    x, y, z = (float(round(value)) for value in place)
+    if handle.kind == "hook":
+        return _with(scenario, handle, position_cm=(x, y), depth_cm=_clamped(Hook, "depth_cm", -z))
+    return _with(scenario, handle, position_cm=(x, y, z) if handle.kind in FREE else (x, y))
+
+
+SIZES = {
+    "fish": ("spread_cm",), "seaweed": ("spread_cm",), "reef": ("spread_cm",), "vent": ("size_cm",),
+    "pillar": ("radius_cm", "height_cm"), "rock": ("size_cm",), "outcrop": ("size_cm",),
+    "arch": ("span_cm", "height_cm", "thickness_cm"),
+}  # fmt: skip
+"""What of each kind a change of its size changes."""
+
+TURNS = {"fish": "heading_deg", "submarine": "heading_deg", "rock": "yaw_deg",
+         "outcrop": "yaw_deg", "arch": "yaw_deg"}  # fmt: skip
+"""What of each kind a turn changes."""
+
+
+def resized(scenario: Scenario, handle: Handle, factor: float) -> Scenario:
+    """The scenario with a thing so many times as large, as far as it may be."""
+    one = thing(scenario, handle.kind, handle.number)
+    changes: dict[str, Any] = {}
+    for key in SIZES.get(handle.kind, ()):
+        value = getattr(one, key)
+        if isinstance(value, tuple):
+            changes[key] = tuple(_clamped(type(one), key, factor * part) for part in value)
+        else:
+            changes[key] = _clamped(type(one), key, factor * value)
+    return _with(scenario, handle, **changes)
+
+
+def turned(scenario: Scenario, handle: Handle, degrees: float) -> Scenario:
+    """The scenario with a thing turned left by so many degrees, if it has a front."""
+    key = TURNS.get(handle.kind)
+    if key is None:
+        return scenario
+    angle = float(
+        round((getattr(thing(scenario, handle.kind, handle.number), key) or 0.0) + degrees)
+    )
+    return _with(scenario, handle, **{key: (angle + 180.0) % 360.0 - 180.0})
+
+
+HEIGHTS = {"pillar": "height_cm", "arch": "height_cm", "seaweed": "height_cm"}
+"""Which key says how high things of a kind are; of rocks and knolls the last of `size_cm`."""
+
+
+def raised(scenario: Scenario, handle: Handle, factor: float) -> Scenario:
+    """The scenario with what stands on the seabed so many times as high, as far as it may be."""
+    one = thing(scenario, handle.kind, handle.number)
+    if handle.kind in HEIGHTS:
+        key = HEIGHTS[handle.kind]
+        high = _clamped(type(one), key, factor * getattr(one, key))
+        return _with(scenario, handle, **{key: high})
+    if handle.kind in ("rock", "outcrop"):
+        wide, deep, high = one.size_cm
+        high = _clamped(type(one), "size_cm", factor * high)
+        return _with(scenario, handle, size_cm=(wide, deep, high))
+    return scenario
+
+
+def before(sea: Sea, eye: Array, way: Array) -> Place:
+    """The place on the seabed that a ray goes to, at most `AHEAD_CM` away, inside the sea."""
+    a, b = _ray(sea, eye, way)
+    t = ray_meets_seabed(sea.heights, sea.half_width, 0.0, a, b)
+    far = float(np.linalg.norm(np.subtract(b, a))) * t if t < NEVER else np.inf
+    x, y, _ = np.asarray(eye) + min(far, AHEAD_CM) * np.asarray(way) / np.linalg.norm(way)
+    inward = min(1.0, 0.95 * sea.radius / max(math.hypot(x, y), 1e-6))
+    x, y = inward * float(x), inward * float(y)
+    return x, y, _floor(sea, x, y)
+
+
+def added(scenario: Scenario, kind: str, place: Place, sea: Sea) -> Scenario:
+    """The scenario with one more thing of a kind, the last of its list, at a place."""
+    x, y, z = (float(round(value)) for value in place)
+    # Whatever is put on the seabed but swims, or hangs, is put over it.
+    high = max(z, min(round(_floor(sea, x, y) + NEW_ABOVE_CM), -NEW_ABOVE_CM))
+    on, number = (x, y), 0 if kind in SINGLE else len(getattr(scenario, kind))
+    new: dict[str, msgspec.Struct] = {
+        "fish": Shoal(
+            species=scenario.fish[-1].species, number=8, position_cm=(x, y, high), spread_cm=80.0
+        ),
+        "pillar": Pillar(position_cm=on, radius_cm=25.0, height_cm=150.0),
+        "rock": Rock(position_cm=on, size_cm=(45.0, 35.0, 30.0)),
+        "outcrop": Outcrop(position_cm=on, size_cm=(120.0, 90.0, 80.0), seed=number),
+        "arch": Arch(position_cm=on, span_cm=350.0, height_cm=250.0, seed=number),
+        "seaweed": Seaweed(position_cm=on, spread_cm=60.0, clusters=4),
+        "reef": ReefTable(position_cm=on, spread_cm=120.0, number=40, seed=number),
+        "vent": Vent(position_cm=on),
+        "hook": Hook(position_cm=on, depth_cm=-high),
+    }
+    if kind == "submarine":
+        start = msgspec.structs.replace(scenario.submarine, position_cm=(x, y, high))
+        return msgspec.structs.replace(scenario, submarine=start)
+    if kind == "hook":
+        return msgspec.structs.replace(scenario, hook=new[kind])
+    return msgspec.structs.replace(scenario, **{kind: [*getattr(scenario, kind), new[kind]]})
+
+
+def removed(scenario: Scenario, handle: Handle) -> Scenario:
+    """The scenario without a thing; the submarine and the last school are UserErrors."""
+    if handle.kind == "submarine" or (handle.kind == "fish" and len(scenario.fish) == 1):
+        raise UserError(f"{KINDS[handle.kind]} cannot be taken away: a dive begins with it")
+    if handle.kind == "hook":
+        return msgspec.structs.replace(scenario, hook=None)
+    if handle.kind == "fish":
+        scenario = numbered(scenario, handle.number, 0)
+        gone = handle.number
+        directions = renumbered(
+            scenario.direction, lambda fish: fish, lambda k: -1 if k == gone else k - (k > gone)
+        )
+        scenario = msgspec.structs.replace(scenario, direction=directions)
+    rest = list(getattr(scenario, handle.kind))
+    del rest[handle.number]
+    return msgspec.structs.replace(scenario, **{handle.kind: rest})
+
+
+def numbered(scenario: Scenario, index: int, number: int) -> Scenario:
+    """The scenario with so many fishes in a shoal; what is about single fishes goes with them."""
+    first = sum(shoal.number for shoal in scenario.fish[:index])
+    last, more = first + scenario.fish[index].number, number - scenario.fish[index].number
+
+    def then(fish: int) -> int:
+        """The number that this fish gets; -1 for one that goes."""
+        if fish >= last:
+            return fish + more
+        return fish if fish < first + number else -1
+
+    own = [msgspec.structs.replace(one, fish=then(one.fish)) for one in scenario.individual]
+    shoals = list(scenario.fish)
+    shoals[index] = msgspec.structs.replace(shoals[index], number=number)
+    return msgspec.structs.replace(
+        scenario,
+        fish=shoals,
+        individual=[one for one in own if one.fish >= 0],
+        direction=renumbered(scenario.direction, then, lambda shoal: shoal),
+        physics=msgspec.structs.replace(scenario.physics, fish=then(scenario.physics.fish)),
+    )
+
+
+def check(scenario: Scenario, source: str = "the scenario", seed: int | None = None) -> None:
+    """A UserError of one line for what could not be dived in; takes up to a second."""
+    try:
+        msgspec.json.decode(msgspec.json.encode(scenario), type=Scenario)
+    except msgspec.ValidationError as fault:
+        raise UserError(f"{source}: {fault}") from fault
+    check_scenario(scenario, source)
+    check_world(scenario, source, seed)
+
+
+def thing(scenario: Scenario, kind: str, number: int) -> Any:
+    """The table of a thing; None where there is no such thing."""
+    those = getattr(scenario, kind)
+    if kind in SINGLE:
+        return those
+    return those[number] if number < len(those) else None
+
+
+def exchanged(scenario: Scenario, kind: str, number: int, one: msgspec.Struct) -> Scenario:
+    """The scenario with another table for a thing."""
+    if kind in SINGLE:
+        return msgspec.structs.replace(scenario, **{kind: one})
+    if isinstance(one, Shoal):
+        scenario = numbered(scenario, number, one.number)
+    those = list(getattr(scenario, kind))
+    those[number] = one
+    return msgspec.structs.replace(scenario, **{kind: those})
+
+
+def _with(scenario: Scenario, handle: Handle, **changes: Any) -> Scenario:
+    """The scenario with a thing changed."""
+    one = msgspec.structs.replace(thing(scenario, handle.kind, handle.number), **changes)
+    return exchanged(scenario, handle.kind, handle.number, one)
+
+
+def _clamped(table: type[msgspec.Struct], key: str, value: float) -> float:
+    """The nearest that a key of a table, a length, may be; large ones to the centimetre."""
+    value = float(round(value)) if value >= 20.0 else round(value, 1)
+    for limit in _limits(get_type_hints(table, include_extras=True)[key]):
+        value = max(value, limit.ge if limit.ge is not None else value)
+        value = max(value, limit.gt + 0.1 if limit.gt is not None else value)
+        value = min(value, limit.le if limit.le is not None else value)
+    return float(value)
+
+
+def _limits(kind: Any) -> list[msgspec.Meta]:
+    """All limits that stand in a type."""
+    own = [part for part in getattr(kind, "__metadata__", ()) if isinstance(part, msgspec.Meta)]
+    inner = get_args(kind)[:1] if get_origin(kind) in (Annotated, tuple) else ()
+    return own + [limit for part in inner for limit in _limits(part)]
+
+
+def _floor(sea: Sea, x: float, y: float) -> float:
+    return float(height_at(sea.heights, sea.half_width, x, y))
+
+
+def _foot(one: Any, sea: Sea) -> Place:
+    x, y = one.position_cm
+    return x, y, _floor(sea, x, y)
+
+
+def _ray(sea: Sea, eye: Array, way: Array) -> tuple[Any, Any]:
+    """Both ends of a ray that goes as far as the sea does."""
+    return vector(eye), vector(np.asarray(eye) + 2.5 * sea.half_width * np.asarray(way))
+
+
+def _each(kind: str, those: Any, sea: Sea, reach: Any) -> list[Handle]:
+    """Handles of a list of tables that have a place."""
+    out = []
+    for k, one in enumerate(those):
+        if one.position_cm is not None:
+            place = one.position_cm if kind in FREE else _foot(one, sea)
+            out.append(_handle(kind, k, place, reach(one), sea))
+    return out
+
+
+def _handle(kind: str, index: int, place: Place, reach: float, sea: Sea) -> Handle:
+    """A knob to take hold of, and a circle as wide as the thing; on the seabed it follows that."""
+    x, y, z = place
+    middle = place if kind in FREE else (x, y, z + GROUPS_ABOVE_CM)
+    knob = np.array([[*middle, KNOB_CM, KNOB_CM, KNOB_CM, 0.0]])
+    circle = _circle(place, reach)
+    if kind not in FREE:
+        for corner in circle.reshape(-1, 3):
+            corner[2] = _floor(sea, corner[0], corner[1]) + 2.0
+    line = [[place, middle]] if kind not in FREE else [[(x, y, 0.0), place]] * (kind == "hook")
+    lines = np.array(line, np.float64).reshape(-1, 2, 3)
+    return Handle(kind, index, place, knob, np.concatenate([circle, _ellipses(knob), lines]))
+
+
+def _circle(middle: Place, radius: float) -> Array:
+    """Lines (SIDES, 2, 3) of a level circle."""
+    turn = np.linspace(0.0, 2.0 * np.pi, SIDES + 1)
+    flat = np.stack([np.cos(turn), np.sin(turn), np.zeros(SIDES + 1)], axis=1)
+    points = np.array(middle) + radius * flat
+    return np.stack([points[:-1], points[1:]], axis=1)
+
+
+def _ellipses(rows: Array) -> Array:
+    """Lines (3 k SIDES, 2, 3): of each ellipsoid the ellipses along its axes."""
+    turn = np.linspace(0.0, 2.0 * np.pi, SIDES + 1)
+    c, s, o = np.cos(turn), np.sin(turn), np.zeros(SIDES + 1)
+    unit = np.stack([np.stack(axes, axis=1) for axes in ((c, s, o), (c, o, s), (o, c, s))])
+    out = []
+    for x, y, z, *half, yaw in rows:
+        across = np.array([[np.cos(yaw), np.sin(yaw), 0.0], [-np.sin(yaw), np.cos(yaw), 0.0],
+                           [0.0, 0.0, 1.0]])  # fmt: skip
+        points = (unit * half) @ across + (x, y, z)
+        out.append(np.stack([points[:, :-1], points[:, 1:]], axis=2).reshape(-1, 2, 3))
+    return np.concatenate(out) if out else np.zeros((0, 2, 3))

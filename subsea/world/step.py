@@ -1,0 +1,122 @@
+"""The order of a tick."""
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from subsea.behavior import biting, eating, hunting, schooling, steering
+from subsea.behavior.colouring import colour
+from subsea.behavior.intention import choose
+from subsea.behavior.mating import review
+from subsea.behavior.mental import feel
+from subsea.behavior.table import BEHAVIOR_OF_DESIRE, LEVEL_OF_DESIRE, TIRES, act, want
+from subsea.behavior.teleop import Reins, obey
+from subsea.directing import direct
+from subsea.geometry.height_field import height_at
+from subsea.habitat import hook, plankton
+from subsea.habitat.bow_wave import push
+from subsea.habitat.current import carry, flow_at
+from subsea.habitat.seaweed import sway
+from subsea.habitat.separation import keep_off, part
+from subsea.motor.controller import command
+from subsea.motor.fins import flap
+from subsea.motor.playback import play
+from subsea.motor.switching import swim
+from subsea.perception.focusser import focus
+from subsea.perception.senses import sense
+from subsea.perception.turns import whose_turn
+from subsea.state import Clock, Submarine
+from subsea.submarine.helm import STATION, Helm
+from subsea.submarine.hull import hull_axes, step_hull
+from subsea.submarine.rail import Rail, ride
+from subsea.world.world import TICK_S, World, create_world
+
+__all__ = ["TICK_S", "Order", "World", "create_world", "steer", "step"]
+
+Order = Helm | Rail | Reins  # what is steered in a tick, and how
+
+
+def step(world: World, order: Order) -> None:
+    """Advance the world by one tick: direct, flow, perceive, want, focus, act, move, steer.
+
+    The submarine answers to a helm, or is carried on a rail. With reins it keeps station, and a
+    fish is steered: its brain yields.
+
+    Fishes take turns to think: those far from the submarine do it less often.
+    """
+    state, nature = world.state, world.nature
+    fishes, minds, sea = state.fishes, state.minds, state.sea
+    clock = Clock(state.seed, state.tick, TICK_S)
+    world.stages_s.clear()
+    with _stage(world, "behavior"):
+        direct(world.script, state, nature, world.current_cm_s, clock)
+    flow = flow_at(world.flowing_cm_s, state.tick * TICK_S)
+    with _stage(world, "habitat"):
+        sea.submarine[:3], sea.submarine[3:6] = state.submarine.position, state.submarine.velocity
+        sea.submarine[6:] = hull_axes(*state.submarine.angles)[0]
+        plankton.drift(sea, flow, clock)
+        carry(fishes, sea, flow)
+        push(fishes, sea)
+        part(fishes, minds)
+        keep_off(fishes, sea)
+        hook.lower(sea, clock)
+        sway(state.seaweed, fishes, sea, flow, world.scenario.water.visibility_cm, clock)
+    with _stage(world, "perception"):
+        who = whose_turn(fishes, minds, sea, world.scenario.water.visibility_cm, clock)
+        sense(who, fishes, minds, sea, nature, clock)
+        for fish, light in world.seen_light.items():
+            minds.light[fish] = light
+    with _stage(world, "behavior"):
+        schooling.join(who, fishes.alive, minds)
+        feel(who, fishes, minds, nature, clock)
+        review(who, fishes, minds)
+        want(who, fishes, minds, sea, nature, clock)
+        free = who[who != order.fish] if isinstance(order, Reins) else who
+        choose(free, minds, nature, LEVEL_OF_DESIRE, BEHAVIOR_OF_DESIRE, TIRES)
+    with _stage(world, "perception"):
+        focus(free, fishes, minds, sea, nature, clock)
+    with _stage(world, "behavior"):
+        fishes.gape[free] = 0.0
+        act(free, fishes, minds, sea, nature, clock)
+        steering.keep_clear(free, fishes, minds, sea)
+        if isinstance(order, Reins) and fishes.alive[order.fish]:
+            obey(*order, fishes, minds, sea)
+        steering.heed(fishes, minds, clock)
+        eating.ingest(fishes, minds, sea, clock)
+        hunting.inhale(fishes, minds, sea, clock)
+        biting.bite(fishes, minds, sea, clock)
+        colour(fishes, minds, clock)
+        minds.pause[who] = 0.0
+    with _stage(world, "motor"):
+        command(fishes, world.library, state.seed, state.tick, TICK_S)
+        burst = swim(
+            fishes, world.library, world.dynamics, state.live,
+            state.submarine.position, state.tick, TICK_S, world.physics, sea,
+        )  # fmt: skip
+        world.tell_burst(burst)
+        play(fishes, world.library, TICK_S)
+        flap(fishes, TICK_S)
+    if isinstance(order, Rail):
+        ride(state.submarine, order, TICK_S)
+    else:
+        steer(world, state.submarine, order if isinstance(order, Helm) else STATION)
+    state.tick += 1
+
+
+def steer(world: World, submarine: Submarine, helm: Helm) -> None:
+    """Advance a submarine in the sea of a world by one tick, in place."""
+    sea = world.state.sea
+    step_hull(
+        submarine, helm, TICK_S,
+        lambda x, y: height_at(sea.floor, sea.half_width, x, y), world.scenario.bounds,
+        sea.pillars, sea.rocks,
+    )  # fmt: skip
+
+
+@contextmanager
+def _stage(world: World, name: str) -> Iterator[None]:
+    """Measure the wall-clock time of one stage of the tick; parts of a stage add up."""
+    start = time.perf_counter()
+    yield
+    spent = time.perf_counter() - start
+    world.stages_s[name] = world.stages_s.get(name, 0.0) + spent

@@ -1,0 +1,215 @@
+"""A fish that is steered: what it is asked for it does, through its repertoire and clear of all."""
+
+import numpy as np
+import pytest
+
+from subsea.behavior.teleop import Reins
+from subsea.geometry.height_field import height_at
+from subsea.geometry.rotation import rotate
+from subsea.habitat.solids import clearances
+from subsea.repertoire import SEGMENTS
+from subsea.scenario.schema import load_scenario
+from subsea.state import EAT, ESCAPE, FEAR, MATE, NOBODY, PREDATOR, PREY, WANDER
+from subsea.submarine.helm import HANDS_OFF
+from subsea.world import snapshot
+from subsea.world.step import TICK_S, create_world, step
+
+FISH = 5
+
+
+@pytest.fixture(scope="module")
+def begun():
+    """The peaceful bay after two seconds, as bytes: every test begins there."""
+    world = create_world(load_scenario("peaceful")[0], fish=60)
+    for _ in range(60):
+        step(world, HANDS_OFF)
+    return world, snapshot.take(world)
+
+
+@pytest.fixture
+def world(begun):
+    world, whole = begun
+    snapshot.restore(world, whole)
+    return world
+
+
+def steered(world, seconds, fish=FISH, **asked):
+    """Steer for so long; degrees that it turned left, and the segments that it swam."""
+    fishes, turned, segments = world.state.fishes, 0.0, set()
+    before = heading(fishes, fish)
+    for _ in range(round(seconds / TICK_S)):
+        step(world, Reins(fish, **asked))
+        now = heading(fishes, fish)
+        turned += (now - before + np.pi) % (2 * np.pi) - np.pi
+        before = now
+        segments.add(SEGMENTS[fishes.segment[fish]])
+    return np.degrees(turned), segments
+
+
+def ahead(fishes, fish):
+    return np.array(rotate(fishes.orientation[fish], (1.0, 0.0, 0.0)))
+
+
+def heading(fishes, fish):
+    x, y, _ = ahead(fishes, fish)
+    return np.arctan2(y, x)
+
+
+def speed(world, fish=FISH):
+    """Along its body, through the water, lengths a second."""
+    fishes = world.state.fishes
+    own = fishes.velocity[fish] - fishes.drift[fish]
+    return own @ ahead(fishes, fish) / fishes.length[fish]
+
+
+def test_it_turns_and_rises_as_asked_by_its_own_strokes(world):
+    steered(world, 2.0, speed=0.6)
+    straight, _ = steered(world, 2.0, speed=0.6)
+    assert abs(straight) < 8.0
+    for side, name in ((1.0, "turn_left_gradual"), (-1.0, "turn_right_gradual")):
+        little, _ = steered(world, 2.0, speed=0.6, turn=0.3 * side)
+        much, segments = steered(world, 2.0, speed=0.6, turn=side)
+        assert 10.0 < side * little < side * much
+        assert side * much > 45.0
+        assert name in segments
+        steered(world, 1.0, speed=0.6)
+    fishes = world.state.fishes
+    for way in (1.0, -1.0):
+        steered(world, 2.0, speed=0.6)
+        before = fishes.position[FISH, 2]
+        steered(world, 2.5, speed=0.6, rise=way)
+        assert way * (fishes.position[FISH, 2] - before) > 5.0
+        assert 25.0 < way * np.degrees(np.arcsin(ahead(fishes, FISH)[2])) < 45.0
+    steered(world, 2.0, speed=0.6)
+    assert abs(ahead(fishes, FISH)[2]) < 0.1  # let go, it swims level
+
+
+def test_it_speeds_up_stops_and_backs_off(world):
+    _, segments = steered(world, 2.5, speed=0.3)
+    slow = speed(world)
+    assert segments & {"swim_slow", "swim_medium"}
+    _, segments = steered(world, 2.5, speed=1.0)
+    assert "swim_fast" in segments
+    assert speed(world) > 1.5 * slow > 0.3
+    steered(world, 3.0)
+    assert abs(speed(world)) < 0.1
+    steered(world, 2.0, speed=-1.0)
+    backing = []
+    for _ in range(30):
+        steered(world, TICK_S, speed=-1.0)
+        backing.append(speed(world))
+    assert max(backing) < 0.0
+    assert np.mean(backing) < -0.1
+
+
+@pytest.mark.parametrize("name", ["peaceful", "visitors"])
+def test_it_keeps_clear_of_stone_sand_and_the_sea_s_bounds_however_it_is_steered(name):
+    # What drifts and sways takes its time and has no say in this.
+    scenario, _ = load_scenario(name, ["water.plankton=0", "seaweed=[]"])
+    world = create_world(scenario, fish=40)
+    fishes, sea = world.state.fishes, world.state.sea
+    rng = np.random.default_rng(3)
+    for fish in (0, 17, 39):
+        # Into the ground, into the surface, anywhere, astern.
+        for asked in ({"rise": -1.0}, {"rise": 1.0}, {}, {"speed": -1.0}):
+            for _ in range(4):
+                asked = {"speed": 1.0, "turn": rng.uniform(-0.4, 0.4)} | asked
+                for _ in range(40):
+                    step(world, Reins(fish, **asked))
+                    place = fishes.position[fish].astype(np.float64)
+                    assert clearances(sea.pillars, sea.rocks, place[None])[0] > 0.0
+                    floor = height_at(sea.heights, sea.half_width, place[0], place[1])
+                    assert floor + 1.0 < place[2] < -1.0
+                    assert np.hypot(*place[:2]) < sea.radius
+
+
+def test_its_brain_yields_and_comes_back(world):
+    minds, fishes = world.state.minds, world.state.fishes
+    minds.kind[FISH], minds.dread[FISH] = PREY, 400.0
+    enemy = FISH + 1
+    minds.kind[enemy], minds.intention[FISH] = PREDATOR, MATE
+    minds.partner[FISH] = FISH + 2
+    for _ in range(40):
+        fishes.position[enemy] = fishes.position[FISH] + 40.0 * ahead(fishes, FISH)
+        minds.eaten[FISH] = 0.0
+        step(world, Reins(FISH, speed=0.4))
+        assert minds.intention[FISH] == WANDER
+        assert minds.target[FISH] == NOBODY
+    assert minds.mental[FISH, FEAR] > 0.3  # it feels as ever
+    assert (fishes.goal_speed[FISH], fishes.gape[FISH]) == (pytest.approx(0.4), 0.0)
+    snapshot.restore(world, snapshot.take(world))  # of what no tick writes none would be taken
+    for _ in range(10):
+        step(world, HANDS_OFF)
+    assert minds.intention[FISH] != WANDER
+    assert minds.intention[FISH] != EAT
+    # Put back where it was at ease, it is again.
+    minds.kind[FISH] = minds.kind[enemy] = 0
+
+
+def test_others_know_nothing_of_the_reins_and_the_submarine_keeps_station(world, begun):
+    others = np.arange(60) != FISH
+    step(world, HANDS_OFF)
+    free = {name: array.copy() for name, array in snapshot.changing(world).items()}
+    snapshot.restore(world, begun[1])
+    step(world, Reins(FISH, turn=1.0, speed=1.0))
+    for name, array in snapshot.changing(world).items():
+        if name.startswith(("fishes.", "minds.")) and len(array) == 60:
+            np.testing.assert_array_equal(array[others], free[name][others], err_msg=name)
+    assert not np.array_equal(world.state.minds.urge[FISH], free["minds.urge"][FISH])
+    submarine = world.state.submarine
+    submarine.velocity[:] = 60.0, 0.0, 0.0
+    steered(world, 4.0, speed=1.0)
+    assert np.linalg.norm(submarine.velocity) < 1.0
+
+
+def test_the_same_reins_give_the_same_world_from_a_snapshot_on(world):
+    def ridden(ticks):
+        for k in range(ticks):
+            step(world, Reins(FISH, np.sin(0.1 * k), 0.3, 0.8))
+        return snapshot.checksum(world)
+
+    ridden(20)
+    whole = snapshot.take(world)
+    first = ridden(40)
+    snapshot.restore(world, whole)
+    assert ridden(40) == first
+
+
+def test_who_is_dead_is_not_steered_and_who_is_none_is_a_fault(world):
+    world.state.fishes.alive[FISH] = False
+    before = world.state.minds.urge[FISH].copy()
+    step(world, Reins(FISH, 1.0, 1.0, 1.0))
+    np.testing.assert_array_equal(world.state.minds.urge[FISH], before)
+    with pytest.raises(IndexError):
+        step(world, Reins(60))
+
+
+def test_a_school_follows_its_leader_that_is_steered_and_prey_flees_its_predator():
+    world = create_world(load_scenario("schooling")[0])
+    fishes, minds = world.state.fishes, world.state.minds
+    for _ in range(60):
+        step(world, HANDS_OFF)
+    leader = int(np.bincount(minds.leader[minds.leader >= 0]).argmax())
+    school = np.flatnonzero(minds.leader == leader)
+    before = fishes.velocity[school].mean(axis=0)
+    steered(world, 5.0, leader, speed=0.6, turn=1.0)
+    steered(world, 6.0, leader, speed=0.6)
+    after = fishes.velocity[school].mean(axis=0)
+    way = ahead(fishes, leader)
+    assert before @ way < 0.3 * np.linalg.norm(before)  # it turned far away from where all went ...
+    assert after @ way > 0.6 * np.linalg.norm(after)  # ... and they with it
+    assert len(school) > 10
+
+    world = create_world(load_scenario("preying")[0])
+    fishes, minds = world.state.fishes, world.state.minds
+    predator = int(np.flatnonzero(minds.kind == PREDATOR)[0])
+    prey = int(np.flatnonzero(minds.kind == PREY)[0])
+    fishes.position[predator] = 500.0, 0.0, -250.0
+    aside = np.cross(ahead(fishes, predator), (0.0, 0.0, 1.0))
+    fishes.position[prey] = fishes.position[predator] + 90.0 * aside
+    world.state.submarine.position[:] = -700.0, 0.0, -250.0  # which prey fears too
+    fleeing = 0
+    for _ in range(40):
+        step(world, Reins(predator, speed=0.6))
+        fleeing += minds.predator[prey] == predator and minds.intention[prey] == ESCAPE
+    assert fleeing > 20

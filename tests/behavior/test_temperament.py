@@ -1,0 +1,78 @@
+"""What single fishes have of their own, from the start and while diving."""
+
+import msgspec
+import numpy as np
+import pytest
+
+from subsea.behavior.temperament import alter
+from subsea.scenario.schema import Individual, Shoal, load_scenario
+from subsea.state import NOBODY
+from subsea.submarine.helm import HANDS_OFF
+from subsea.world import snapshot
+from subsea.world.step import TICK_S, create_world, step
+
+
+def bay(**options):
+    scenario = load_scenario("peaceful")[0]
+    shoal = Shoal(species="fusilier", number=8, position_cm=scenario.submarine.position_cm)
+    changed = {"fish": [shoal], "tour": [], **options}
+    return create_world(msgspec.structs.replace(scenario, **changed))
+
+
+def test_an_individual_has_its_own_and_nobody_elses_dice_change():
+    """No random number is drawn for it."""
+    plain = bay()
+    own = Individual(
+        fish=2, kind="predator", male=True, likes=["cold"], schooling=False, hunger=0.9,
+        digestion=0.5, libido_rate=0.4, dread_cm=7.0,
+    )  # fmt: skip
+    world = bay(individual=[own, Individual(fish=5, kind="pacifist", libido=0.75, hunger=0.25)])
+    minds, was = world.state.minds, plain.state.minds
+    for name, array in snapshot.changing(plain).items():
+        if not name.startswith("minds."):
+            np.testing.assert_array_equal(snapshot.changing(world)[name], array, err_msg=name)
+    others = np.array([0, 1, 3, 4, 6, 7])
+    for name in ("kind", "male", "likes", "schools", "appetite", "eaten", "dread", "last_mating"):
+        np.testing.assert_array_equal(getattr(minds, name)[others], getattr(was, name)[others])
+    assert (minds.kind[2], bool(minds.male[2]), bool(minds.schools[2])) == (2, True, False)
+    assert minds.likes[2].tolist() == [False, False, True, False]
+    assert (minds.digestion[2], minds.dread[2]) == (0.5, 7.0)
+    world.state.minds.digestion[:] = 0.0
+    step(world, HANDS_OFF)
+    assert minds.mental[2, 0] == pytest.approx(0.9, abs=0.01)
+    assert minds.mental[5, :2] == pytest.approx([0.25, 0.75], abs=0.03)
+
+
+@pytest.mark.parametrize("name", ["peaceful", "mating", "preying"])
+def test_fishes_may_become_others_while_diving(name):
+    """Of another kind or sex, whatever they are about: no index means what it does not."""
+    world = create_world(load_scenario(name)[0], fish=12, live=0)
+    state = world.state
+    for tick in range(360):
+        step(world, HANDS_OFF)
+        i, now = tick % 12, state.tick * TICK_S
+        kind = ("pacifist", "prey", "predator")[(tick // 12) % 3]
+        own = Individual(
+            fish=i, kind=kind, male=bool(tick % 2), schooling=bool(tick % 5), hunger=1.0
+        )
+        if tick % 4 == 0:
+            alter(state.fishes, state.minds, own, now)
+            assert state.minds.partner[i] == NOBODY
+            assert not (state.minds.partner == i).any()
+    snapshot.restore(world, snapshot.take(world))  # no value that a tick could not have written
+
+
+def test_hunger_and_libido_are_those_of_now():
+    world = bay()
+    state = world.state
+    for _ in range(60):
+        step(world, HANDS_OFF)
+    lone = Individual(fish=1, kind="pacifist", hunger=0.125, libido=0.5)
+    alter(state.fishes, state.minds, lone, state.tick * TICK_S)
+    step(world, HANDS_OFF)
+    assert state.minds.mental[1, :2] == pytest.approx([0.125, 0.5], abs=0.02)
+    # What is not named stays.
+    alter(state.fishes, state.minds, Individual(fish=1, dread_cm=3.0), state.tick * TICK_S)
+    step(world, HANDS_OFF)
+    assert state.minds.mental[1, :2] == pytest.approx([0.125, 0.5], abs=0.03)
+    assert state.minds.dread[1] == 3.0

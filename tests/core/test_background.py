@@ -1,0 +1,79 @@
+"""Work beside the windows: its lines, its result, its faults, and leaving before its end."""
+
+import atexit
+import subprocess
+import sys
+import threading
+
+import pytest
+
+from subsea.core.background import LeftError, meanwhile
+from subsea.core.errors import UserError
+
+
+def test_its_lines_come_in_order_and_then_its_result():
+    heard = []
+
+    def work(tell):
+        tell("one")
+        tell("two")
+        return threading.current_thread()
+
+    worker = meanwhile(work, heard.append)
+    assert [line for line in heard if line is not None] == ["one", "two"]
+    assert worker is not threading.current_thread()
+
+
+def test_the_windows_are_looked_at_while_it_works():
+    go = threading.Event()
+    looks = []
+
+    def look(line):
+        looks.append(line)
+        if len(looks) == 3:
+            go.set()
+
+    assert meanwhile(lambda tell: go.wait(20.0), look)
+
+
+def test_its_fault_is_the_callers():
+    def work(tell):
+        raise UserError("no such reef")
+
+    with pytest.raises(UserError, match="no such reef"):
+        meanwhile(work, lambda line: None)
+
+
+def test_who_leaves_does_not_wait(monkeypatch):
+    ends, go = [], threading.Event()
+    monkeypatch.setattr(atexit, "register", lambda *call: ends.append(call))
+
+    def look(line):
+        raise LeftError
+
+    with pytest.raises(LeftError):
+        meanwhile(lambda tell: go.wait(20.0), look)
+    ((_, worker, code),) = ends
+    assert (worker.is_alive(), code) == (True, 0)
+    go.set()
+    worker.join()
+
+
+LEAVE = """
+import time
+from subsea.core.background import LeftError, meanwhile
+def look(line):
+    raise {0}
+try:
+    meanwhile(lambda tell: time.sleep(60.0), look)
+except {0}:
+    print("left")
+"""
+
+
+@pytest.mark.parametrize(("why", "code"), [("LeftError", 0), ("KeyboardInterrupt", 130)])
+def test_the_process_ends_while_the_work_goes_on(why, code):
+    done = subprocess.run(
+        [sys.executable, "-c", LEAVE.format(why)], capture_output=True, text=True, timeout=30
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (code, "left\n", "")

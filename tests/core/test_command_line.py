@@ -1,0 +1,63 @@
+"""Exit codes and the one line of every fault, whatever program asks."""
+
+import errno
+import signal
+
+import pytest
+
+from subsea.core.command_line import answer
+from subsea.core.errors import UserError
+
+
+@pytest.mark.parametrize(
+    ("fault", "code", "line"),
+    [
+        (UserError("reef.toml: `seed` is -1"), 2, "diver: reef.toml: `seed` is -1"),
+        (KeyboardInterrupt(), 130, "diver: interrupted"),
+        (KeyboardInterrupt("7 of 9 are kept"), 130, "diver: interrupted: 7 of 9 are kept"),
+        (
+            ModuleNotFoundError("No module named 'av'", name="av"),
+            2,
+            "diver: No module named 'av'; `make run` in a checkout installs what is missing",
+        ),
+        (
+            OSError(errno.ENOSPC, "No space left on device", "/cache/x.nbi"),
+            2,
+            "diver: /cache/x.nbi: No space left on device",
+        ),
+    ],
+)
+def test_what_a_person_can_mend_is_one_line(fault, code, line, capsys):
+    def run():
+        raise fault
+
+    assert answer("diver", run) == code
+    assert capsys.readouterr() == ("", line + "\n")
+
+
+@pytest.mark.parametrize(
+    "fault",
+    [
+        ZeroDivisionError(),
+        ModuleNotFoundError("No module named 'subsea.x'", name="subsea.x"),
+        OSError(errno.EBADF, "Bad file descriptor"),
+    ],
+)
+def test_a_fault_of_the_program_keeps_its_traceback(fault):
+    def run():
+        raise fault
+
+    with pytest.raises(type(fault)):
+        answer("diver", run)
+
+
+def test_a_polite_kill_is_an_interruption(capsys):
+    before = signal.getsignal(signal.SIGTERM)
+    try:
+        assert answer("diver", lambda: signal.raise_signal(signal.SIGTERM)) == 130
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def test_the_code_of_the_command_is_passed_on():
+    assert answer("diver", lambda: 1) == 1

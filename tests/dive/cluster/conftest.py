@@ -1,0 +1,133 @@
+"""Small seas that stay equal, addresses nobody uses, and nodes that run in threads."""
+
+import socket
+import threading
+import time
+from contextlib import ExitStack, closing
+
+import pytest
+
+from subsea.core.errors import UserError
+from subsea.dive.cluster.follower import Follower
+from subsea.dive.cluster.master import Master
+from subsea.scenario.schema import load_scenario
+from subsea.submarine.helm import HANDS_OFF, Helm
+from subsea.world import snapshot
+from subsea.world.step import create_world, step
+
+TIMEOUT_S = 5.0  # a busy machine is not to be told from a node that is late too soon
+
+
+def small_sea(fish=4, seed=None):
+    world = create_world(load_scenario("schooling")[0], seed=seed, fish=fish)
+    step(world, HANDS_OFF)
+    return world
+
+
+@pytest.fixture(scope="session")
+def seas():
+    """Three equal worlds, for a master and two nodes; they go on from test to test."""
+    return [small_sea() for _ in range(3)]
+
+
+@pytest.fixture(scope="session")
+def make_address():
+    return free_address
+
+
+@pytest.fixture
+def address():
+    return free_address()
+
+
+def free_address():
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        return f"127.0.0.1:{taken.getsockname()[1]}"
+
+
+class Crew(threading.Thread):
+    """A node at work: `seen` has tick and checksum after each of its pictures, by number."""
+
+    def __init__(self, node):
+        super().__init__(daemon=True)
+        self.node, self.seen, self.fault = node, {}, None
+        self.on_duty, self.asleep, self._resting = True, False, threading.Event()
+        self.start()
+
+    def run(self):
+        try:
+            while self.on_duty:
+                if self.asleep:
+                    self._resting.set()
+                    time.sleep(0.01)
+                elif self.node.picture(0.02) is not None:
+                    world = self.node.world
+                    self.seen[self.node._number] = world.state.tick, snapshot.checksum(world)
+                    self.node.swap()
+        except UserError as fault:
+            self.fault = str(fault)
+        finally:
+            self.node.close()
+
+    def rest(self):
+        """Do nothing from now on, until it is not `asleep` any more."""
+        self._resting.clear()
+        self.asleep = True
+        assert self._resting.wait(60.0)
+
+    def close(self):
+        self.on_duty = False
+        self.join(60.0)
+        assert not self.is_alive()
+
+
+class Bridge:
+    """A master whose dive is made picture by picture, and what it has told."""
+
+    def __init__(self, world, address, nodes=("left", "right"), keys=None, timeout_s=TIMEOUT_S):
+        self.told, self.seen, self._timeout_s = [], {}, timeout_s
+        self.address, self._stack = address, ExitStack()
+        self.master = Master(world, nodes, address, keys, timeout_s, self.told.append)
+        self._stack.callback(self.master.close)
+
+    def node(self, world, name, keys=None, told=None):
+        """A new node at work."""
+        tell = (lambda words: None) if told is None else told.append
+        node = Follower(world, name, "master", self.address, keys, self._timeout_s, tell)
+        return self._stack.enter_context(closing(Crew(node)))
+
+    def sail(self, pictures=1, ticks=1):
+        for _ in range(pictures):
+            self.master.picture([Helm(surge=0.5, yaw=0.3)] * ticks, 0.25)
+            self.master.swap()
+            world = self.master.world
+            self.seen[self.master._number] = world.state.tick, snapshot.checksum(world)
+
+    def sail_until(self, true, seconds=60.0):
+        end = time.monotonic() + seconds
+        while not true() and time.monotonic() < end:
+            self.sail()
+            time.sleep(0.002)
+        assert true()
+
+    def close(self):
+        self._stack.close()
+
+
+@pytest.fixture
+def bridges():
+    """A maker of bridges that are left in the end."""
+    with ExitStack() as stack:
+        yield lambda *given, **more: stack.enter_context(closing(Bridge(*given, **more)))
+
+
+@pytest.fixture
+def bridge(bridges, seas, address):
+    return bridges(seas[0], address)
+
+
+@pytest.fixture(scope="session")
+def make_sea():
+    """A small sea of so many fishes: `make_sea(fish=4, seed=None)`."""
+    return small_sea

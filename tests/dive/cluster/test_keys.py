@@ -1,0 +1,114 @@
+"""Key files: whose they are, who may read them, what is no key."""
+
+import stat
+from pathlib import Path
+
+import pytest
+import zmq
+
+from subsea.cli.main import main
+from subsea.core.errors import UserError
+from subsea.dive.cluster.keys import read_keys, write_keys
+
+NAMES = ["master", "left", "right"]
+
+
+@pytest.fixture
+def folder(tmp_path):
+    return tmp_path / "keys"
+
+
+def test_everybody_gets_a_pair_of_their_own(folder):
+    files = write_keys(folder, NAMES)
+    assert sorted(files) == sorted(folder.iterdir())
+    keys = {name: read_keys(folder, name, NAMES) for name in NAMES}
+    assert len({key.secret for key in keys.values()} | {k.public for k in keys.values()}) == 6
+    for one in keys.values():
+        assert one.others == {name: keys[name].public for name in NAMES}
+
+
+def test_nobody_else_reads_a_secret(folder):
+    for file in write_keys(folder, NAMES):
+        secret = file.suffix == ".key_secret"
+        assert stat.S_IMODE(file.stat().st_mode) & 0o077 == 0 or not secret
+        assert ("secret-key" in file.read_text()) == secret
+    path = folder / "left.key_secret"
+    path.chmod(0o640)
+    with pytest.raises(UserError, match=r"others may read it \(mode 640\)"):
+        read_keys(folder, "left", [])
+
+
+def test_all_keys_are_made_or_none(folder, monkeypatch):
+    pairs = [zmq.curve_keypair(), zmq.curve_keypair()]
+    monkeypatch.setattr(zmq, "curve_keypair", pairs.pop)  # there is none for the third
+    with pytest.raises(IndexError):
+        write_keys(folder, NAMES)
+    assert not folder.exists()
+
+
+def test_those_that_are_there_go_when_another_cannot_be(folder, monkeypatch):
+    rename, moves = Path.replace, iter(range(9))
+
+    def refused(self, target):
+        if next(moves) == 2:
+            raise PermissionError(13, "Permission denied")
+        return rename(self, target)
+
+    monkeypatch.setattr(Path, "replace", refused)
+    with pytest.raises(UserError, match="Permission denied"):
+        write_keys(folder, NAMES)
+    assert list(folder.iterdir()) == []
+
+
+def test_keys_are_not_written_over(folder):
+    write_keys(folder, ["left"])
+    before = (folder / "left.key").read_bytes()
+    with pytest.raises(UserError, match=r"left\.key: is there already"):
+        write_keys(folder, ["right", "left"])
+    assert (folder / "left.key").read_bytes() == before
+    assert not (folder / "right.key").exists()
+
+
+@pytest.mark.parametrize("name", ["", "../left", "a b", ".left", "-left", "ä", "a\n", "x" * 65])
+def test_a_name_must_do_for_a_file(folder, name):
+    with pytest.raises(UserError, match="expected a name"):
+        write_keys(folder, ["left", name])
+    assert not folder.exists()
+
+
+def test_no_name_twice(folder):
+    with pytest.raises(UserError, match="twice"):
+        write_keys(folder, ["left", "left"])
+
+
+def test_what_is_no_key_is_told(folder):
+    with pytest.raises(UserError, match=r"left\.key_secret: cannot read .*subsea keys"):
+        read_keys(folder, "left", [])
+    write_keys(folder, NAMES)
+    with pytest.raises(UserError, match=r"wing\.key: cannot read"):
+        read_keys(folder, "left", ["wing"])
+    public = folder / "right.key"
+    for nothing in ("nothing\n", "public-key\n"):
+        public.write_text(nothing)
+        with pytest.raises(UserError, match="holds no key"):
+            read_keys(folder, "left", ["right"])
+    public.write_text('public-key = "short"\n')
+    with pytest.raises(UserError, match="no key of 40"):
+        read_keys(folder, "left", ["right"])
+    for no_z85 in ("," * 40, "#" * 40, "a" * 45):  # no letters of it, too large a number, too long
+        public.write_text(f"    public-key = '{no_z85}'\n")
+        with pytest.raises(UserError, match="no key of 40"):
+            read_keys(folder, "left", ["right"])
+    secret = folder / "left.key_secret"
+    secret.write_text((folder / "left.key").read_text())
+    with pytest.raises(UserError, match="no secret key"):
+        read_keys(folder, "left", [])
+
+
+def test_a_command_makes_them(folder, capsys):
+    assert main(["keys", str(folder), "left", "right"]) == 0
+    printed = capsys.readouterr().out.split()
+    assert sorted(printed) == sorted(map(str, folder.iterdir()))
+    read_keys(folder, "left", ["right"])
+    assert main(["keys", str(folder), "left"]) == 2
+    assert "is there already" in capsys.readouterr().err

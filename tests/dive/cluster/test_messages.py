@@ -1,0 +1,141 @@
+"""Messages are what they say, or refused."""
+
+import math
+
+import msgspec
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from subsea.core.errors import UserError
+from subsea.dive.cluster import messages
+from subsea.dive.cluster.messages import (
+    MAGIC,
+    Diverged,
+    Drawn,
+    Hello,
+    Identity,
+    Picture,
+    Refused,
+    State,
+    Swap,
+    encode,
+    from_master,
+    from_node,
+    picture_of,
+    ticks_of,
+)
+from subsea.submarine.helm import Helm
+
+IDENTITY = Identity("0.1.0", "Peaceful bay", "ab", 7, "cd", "ef", "01", "23")
+FROM_NODE = [Hello("left", IDENTITY, "dive"), Drawn(12), Diverged(900)]
+FROM_MASTER = [
+    State("dive", 3, b"\x00bytes"),
+    Picture(4, 77, 0.5, [(0.1, -1.0, 1.0, 0.0, True)], [(*(1.0,) * 8, True)], "checksum", True),
+    Swap(4),
+    Refused("because"),
+]
+
+
+@pytest.mark.parametrize("message", FROM_NODE)
+def test_what_a_node_says_arrives(message):
+    assert from_node(encode(message)) == message
+    with pytest.raises(UserError, match="no message of subsea"):
+        from_master(encode(message))
+
+
+@pytest.mark.parametrize("message", FROM_MASTER)
+def test_what_the_master_says_arrives(message):
+    assert from_master(encode(message)) == message
+    with pytest.raises(UserError, match="no message of subsea"):
+        from_node(encode(message))
+
+
+def test_a_picture_steers():
+    carried, steered = ticks_of(FROM_MASTER[1])
+    assert steered == Helm(0.1, -1.0, 1.0, 0.0, True)
+    assert [*carried.position, *carried.velocity, *carried.angles] == [1.0] * 8
+    assert carried.cut
+    rebuilt = picture_of(
+        4, 77, np.float32(0.5), [carried, steered._replace(yaw=-7)], "checksum", True
+    )
+    assert rebuilt == FROM_MASTER[1]
+
+
+@given(st.binary(max_size=300))
+def test_garbage_is_refused_in_words(data):
+    for read in (from_node, from_master):
+        for bytes_ in (data, MAGIC + data):
+            try:
+                message = read(bytes_)
+            except UserError as fault:
+                assert "expected" in str(fault) or "no message of subsea" in str(fault)
+            else:  # a few bytes may be a message; it must be a whole one then
+                assert read(encode(message)) == message
+
+
+@given(st.integers(0, 200), st.binary(min_size=1, max_size=4))
+def test_no_message_is_cut_or_goes_on(at, more):
+    for message, read in zip([*FROM_NODE, *FROM_MASTER], [from_node] * 3 + [from_master] * 4,
+                             strict=True):  # fmt: skip
+        data = encode(message)
+        for wrong in (data[: at % len(data)], data + more):
+            with pytest.raises(UserError):
+                read(wrong)
+
+
+def test_what_is_told_of_a_message_does_not_steer_the_terminal():
+    content = {"type": "drawn", "number": 1, "\x1b[2J": 1}
+    with pytest.raises(UserError, match="no message of subsea") as caught:
+        from_node(MAGIC + msgspec.msgpack.encode(content))
+    assert "?[2J" in str(caught.value)
+    assert str(caught.value).isprintable()
+
+
+@pytest.mark.parametrize("opening", [b"\x91", b"\x81\xa1x", b"\x81\xa4type"])
+def test_tables_within_tables_are_refused(opening):
+    for read in (from_node, from_master):
+        with pytest.raises(UserError, match="no message of subsea"):
+            read(MAGIC + opening * 1300)
+
+
+def test_another_protocol_is_told():
+    data = encode(Drawn(1))
+    with pytest.raises(UserError, match=r"speaks protocol 9, expected 3"):
+        from_node(data[: len(MAGIC) - 1] + b"\x09" + data[len(MAGIC) :])
+
+
+@pytest.mark.parametrize(
+    ("kind", "fields"),
+    [
+        ("picture", {"alpha": 1.5}),
+        ("picture", {"alpha": math.nan}),
+        ("picture", {"helms": [[0.0, 0.0, 0.0, math.nan, False]]}),
+        ("picture", {"helms": [[0.0, 0.0, 0.0, 1.01, False]]}),
+        ("picture", {"helms": [[0.0, 0.0, 0.0, 0.0]]}),
+        ("picture", {"helms": [[0.0, 0.0, 0.0, 0.0, 1]]}),
+        ("picture", {"helms": [[0.0, 0.0, 0.0, 0.0, False]] * (messages.MAX_HELMS + 1)}),
+        ("picture", {"rails": [[0.0] * 8]}),
+        ("picture", {"rails": [[0.0] * 7 + [math.inf, False]]}),
+        ("picture", {"rails": [[0.0] * 8 + [1]]}),
+        ("picture", {"rails": [[0.0] * 8 + [False]] * (messages.MAX_HELMS + 1)}),
+        ("picture", {"number": -1}),
+        ("picture", {"number": True}),
+        ("picture", {"tick": 2**60}),
+        ("picture", {"checksum": "a" * 100}),
+        ("picture", {"surprise": 1}),
+        ("hello", {"node": ""}),
+        ("hello", {"node": "left\n"}),
+        ("hello", {"node": "\x1b[2J"}),
+        ("hello", {"node": "n" * 65}),
+        ("hello", {"identity": {}}),
+    ],
+)
+def test_values_out_of_their_limits_are_refused(kind, fields):
+    good = {"picture": FROM_MASTER[1], "hello": FROM_NODE[0]}[kind]
+    read = {"picture": from_master, "hello": from_node}[kind]
+    content = {"type": kind} | msgspec.to_builtins(good)
+    assert read(MAGIC + msgspec.msgpack.encode(content)) == good
+    with pytest.raises(UserError, match="no message of subsea"):
+        read(MAGIC + msgspec.msgpack.encode(content | fields))

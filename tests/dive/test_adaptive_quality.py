@@ -1,0 +1,155 @@
+"""A choice by itself settles, does not swing, and comes back, on made-up sequences of frames."""
+
+import numpy as np
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+from subsea.dive.adaptive_quality import (
+    BRIEF,
+    LONG,
+    QUICK,
+    TOO_SLOW,
+    paced,
+    resumed,
+    start,
+    target_for,
+)
+from subsea.render.output.quality import LADDER, PRESETS
+
+TARGET_MS = 20.0
+LOW, HIGH = LADDER.index(PRESETS["low"]), len(LADDER) - 1
+
+
+def costs(low_ms, fixed, medium, high):
+    """The time of a frame at every rung: a fixed share, the rest by pixels; then the presets."""
+    scale = np.array([rung.scale for rung in LADDER[: LOW + 1]])
+    scaled = low_ms * (fixed + (1 - fixed) * scale**2)
+    return np.array([*scaled, low_ms * medium, low_ms * medium * high])
+
+
+def run(pace, cost, frames, seed, noise=0.05, spikes=0.02):
+    """The pace after so many frames, and the rung at each."""
+    rng = np.random.default_rng(seed)
+    rungs = []
+    for _ in range(frames):
+        ms = cost[pace.rung] * np.exp(noise * rng.standard_normal())
+        if rng.uniform() < spikes:
+            ms *= 10.0
+        pace = paced(pace, ms, TARGET_MS)
+        rungs.append(pace.rung)
+    return pace, np.array(rungs)
+
+
+def turns(rungs):
+    """How often it went back: changes of direction among the steps."""
+    steps = np.diff(rungs)
+    steps = steps[steps != 0]
+    return int((np.diff(np.sign(steps)) != 0).sum())
+
+
+machines = st.builds(
+    costs,
+    low_ms=st.floats(2.0, 100.0),
+    fixed=st.floats(0.1, 0.9),
+    medium=st.floats(1.02, 3.0),
+    high=st.floats(1.02, 3.0),
+)
+
+
+@settings(max_examples=20, deadline=None)
+@given(cost=machines, begin=st.sampled_from([0, LOW, HIGH]), seed=st.integers(0, 2**31))
+@example(cost=costs(9.4, 0.5, 2.4, 1.1), begin=LOW, seed=1)  # medium looks affordable, and is not
+def test_it_comes_to_rest_where_the_target_is_held(cost, begin, seed):
+    pace, rungs = run(start(begin), cost, 4000, seed)
+    assert (np.abs(np.diff(rungs)) <= 1).all()
+    assert turns(rungs) <= 3
+    rest = np.diff(rungs[-1500:])
+    assert np.abs(rest).sum() <= 1  # on the very limit noise may still lead down once
+    assert cost[pace.rung] < (TOO_SLOW + 0.05) * TARGET_MS or pace.rung == 0
+    if pace.rung < HIGH:  # there was no room for more
+        assert cost[pace.rung] * max(pace.ratios[pace.rung], 1.0) > (QUICK - 0.06) * TARGET_MS
+
+
+@settings(max_examples=8, deadline=None)
+@given(cost=machines, seed=st.integers(0, 2**31))
+def test_it_recovers_when_the_load_is_gone(cost, seed):
+    before, _ = run(start(LOW), cost, 2000, seed)
+    loaded, _ = run(before, 3.0 * cost, 1500, seed + 1)
+    assert loaded.rung <= before.rung
+    after, rungs = run(loaded, cost, 6000, seed + 2)
+    assert turns(rungs) <= 3
+    # Unless the next rung would leave no room.
+    assert after.rung >= before.rung or cost[after.rung + 1] > (QUICK - 0.06) * TARGET_MS
+
+
+def test_it_goes_all_the_way_back_where_there_is_room():
+    cost = costs(9.0, 0.3, 1.4, 1.5)
+    before, _ = run(start(LOW), cost, 2000, 1)
+    loaded, _ = run(before, 4.0 * cost, 1500, 2)
+    after, _ = run(loaded, cost, 6000, 3)
+    assert (before.rung, after.rung) == (LOW + 1, LOW + 1)
+    assert loaded.rung < LOW
+
+
+def test_a_rung_that_held_is_not_blamed_for_what_comes_later():
+    """It is tried again as soon as before, since it was not too slow of itself."""
+    cost = costs(9.0, 0.3, 1.4, 1.5)
+    risen, rungs = run(start(LOW), cost, 2000, 1, noise=0.0, spikes=0.0)
+    assert rungs[-1] == LOW + 1
+    loaded, _ = run(risen, 2.5 * cost, 60, 2, noise=0.0, spikes=0.0)
+    assert loaded.rung < risen.rung
+    assert loaded.patience == risen.patience
+
+
+def test_when_it_chooses_again_what_was_drawn_meanwhile_tells_nothing():
+    pace, _ = run(start(LOW), costs(9.0, 0.3, 1.4, 1.5), 50, 1)
+    again = resumed(pace)
+    assert (again.rung, again.ratios, again.patience) == (pace.rung, pace.ratios, pace.patience)
+    for _ in range(BRIEF):  # that settle, and are too few for a median
+        again = paced(again, 5 * TARGET_MS, TARGET_MS)
+    assert again.rung == pace.rung
+
+
+def test_a_swinging_load_is_followed_ever_more_seldom():
+    cost = costs(7.0, 0.3, 1.5, 1.8)
+    pace, steps = start(HIGH), []
+    for k in range(60):
+        pace, rungs = run(pace, cost * (1.0 if k % 2 else 1.5), 400, k)
+        steps.append(np.abs(np.diff(rungs)).sum())
+    assert sum(steps[-20:]) < sum(steps[:20]) / 2 or sum(steps) <= 4
+
+
+@pytest.mark.parametrize("rung", [0, LOW, HIGH])
+def test_one_long_frame_changes_nothing(rung):
+    pace = start(rung)
+    for k in range(5 * LONG):
+        pace = paced(pace, 0.95 * TARGET_MS if k % BRIEF else 5000.0, TARGET_MS)
+        assert pace.rung == rung
+
+
+def test_frames_that_are_too_long_lead_down_within_a_second_and_not_below_the_lowest():
+    pace = start(HIGH)
+    for _ in range(30):
+        pace = paced(pace, 3 * TARGET_MS, TARGET_MS)
+    assert pace.rung == HIGH - 1
+    for _ in range(1000):
+        pace = paced(pace, 3 * TARGET_MS, TARGET_MS)
+    assert pace.rung == 0
+
+
+def test_the_target_follows_the_renderer():
+    assert target_for("llvmpipe (LLVM 15.0.6, 256 bits)") == 50.0
+    assert target_for("AMD Radeon RX 6600") == pytest.approx(1000 / 60)
+
+
+@pytest.mark.parametrize("display", ["side-by-side", "panorama"])
+def test_where_the_canvas_is_exact_only_presets_are_chosen(display):
+    pace = start(LOW, display)
+    for _ in range(400):
+        pace = paced(pace, 900.0, 50.0)
+    assert pace.rung == LOW
+    pace = start(LOW)
+    for _ in range(400):
+        pace = paced(pace, 900.0, 50.0)
+    assert pace.rung < LOW

@@ -1,0 +1,156 @@
+"""The submarine is drawn in the present, without a jerk, and a hand shows in the next picture."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from subsea.dive.pilot import Pilot
+from subsea.dive.prediction import CATCH_UP_S, Present
+from subsea.dive.tick_source import Alone
+from subsea.scenario.schema import load_scenario
+from subsea.submarine.helm import HANDS_OFF, Helm
+from subsea.submarine.hull import AHEAD_CM_S, HEAVE_CM_S, YAW_RAD_S
+from subsea.submarine.rail import Rail
+from subsea.view.display_rigs import cockpit
+from subsea.world import snapshot
+from subsea.world.step import create_world, steer, step
+from subsea.world.world import TICK_S
+
+FASTEST_CM_S = math.hypot(AHEAD_CM_S, HEAVE_CM_S) + 20.0 * YAW_RAD_S  # of an eye before the hull
+SHARES = st.floats(-1.0, 1.0)
+HELMS = st.builds(Helm, SHARES, SHARES, SHARES, SHARES, st.booleans())
+
+
+@pytest.fixture(scope="module")
+def world():
+    made = create_world(load_scenario("schooling")[0], fish=3)
+    step(made, HANDS_OFF)
+    return made
+
+
+@pytest.fixture(scope="module")
+def begin(world):
+    return snapshot.take(world)
+
+
+def pictures(crew, rate, seconds):
+    """Where the eye is in each picture of a display that shows `rate` of them a second."""
+    for _ in range(round(rate * seconds)):
+        crew.picture(1.0 / rate)
+        yield crew.eye()
+
+
+def apart(one, other):
+    """How far two poses are apart: cm and rad."""
+    turn = np.linalg.norm(np.cross(one.forward, other.forward))
+    return float(np.linalg.norm(one.eye - other.eye)), float(np.arcsin(min(turn, 1.0)))
+
+
+@settings(max_examples=30)
+@given(helm=HELMS, late=st.floats(0.0, 1.0), ticks=st.integers(1, 40))
+def test_the_picture_is_where_the_tick_will_be(world, begin, helm, late, ticks):
+    snapshot.restore(world, begin)
+    present, submarine = Present(), world.state.submarine
+    present.go_on(0.0, known=False)
+    present.go_on(CATCH_UP_S * (1.0 - late), known=True)
+    for _ in range(ticks):
+        steer(world, submarine, helm)
+    before = snapshot.checksum(world)
+    last = present.eye(world, 1.0, helm)
+    assert snapshot.checksum(world) == before  # looking ahead changes nothing
+    steer(world, submarine, helm)
+    first = present.eye(world, 0.0, helm)
+    assert apart(first, last) == pytest.approx((0.0, 0.0), abs=1e-7)
+    if late == 0.0:
+        assert apart(first, cockpit(submarine, 1.0)) == pytest.approx((0.0, 0.0), abs=1e-7)
+
+
+@pytest.mark.parametrize("rate", [24.0, 60.0, 144.0])
+@pytest.mark.parametrize("held", ["ahead", "left", "up", "dive"])
+def test_under_a_hand_that_holds_still_nothing_jerks(world, begin, rate, held):
+    snapshot.restore(world, begin)
+    pilot = Pilot()
+    pilot.hold(held, "W")
+    seen = list(pictures(Alone(world, pilot), rate, 2.0))
+    moves = np.array([apart(*pair) for pair in pairwise(seen)])
+    assert (moves[:, 0] < FASTEST_CM_S / rate).all()
+    assert (moves[:, 1] < 1.05 * YAW_RAD_S / rate).all()
+    assert max(moves[-1, 0] * rate / 20.0, moves[-1, 1] * rate / 0.1) > 1.0  # it does move
+    # A picture moves on as the one before did, but for what the helm adds in a tick.
+    eye = np.diff([one.eye for one in seen], n=2, axis=0)
+    assert np.linalg.norm(eye, axis=1).max() * rate < 0.1 * FASTEST_CM_S
+
+
+@pytest.mark.parametrize("rate", [60.0, 144.0])
+@pytest.mark.parametrize("held", ["ahead", "left", "up", "dive"])
+@pytest.mark.parametrize("phase", [0.0, 0.3, 0.5, 0.999])
+def test_a_key_shows_after_two_pictures_at_most(world, begin, rate, held, phase):
+    still = []
+    for hands in (False, True):
+        snapshot.restore(world, begin)
+        pilot = Pilot()
+        crew = Alone(world, pilot)
+        crew.picture((1.0 + phase) * TICK_S)
+        if hands:
+            pilot.hold(held, "W")
+        still.append(list(pictures(crew, rate, 2.0 / rate)))
+    changed = [max(apart(*pair)) > 1e-5 for pair in zip(*still, strict=True)]
+    assert changed[1]  # the second picture, and mostly the first
+
+
+def test_most_keys_show_in_the_first_picture(world, begin):
+    shown = 0
+    for phase in np.arange(20) / 20.0:
+        eyes = []
+        for hands in (False, True):
+            snapshot.restore(world, begin)
+            pilot = Pilot()
+            crew = Alone(world, pilot)
+            crew.picture((1.0 + phase) * TICK_S)
+            if hands:
+                pilot.hold("left", "A")
+            crew.picture(1.0 / 60.0)
+            eyes.append(crew.eye())
+        shown += max(apart(*eyes)) > 1e-5
+    assert shown >= 19
+
+
+def test_on_a_tour_it_is_drawn_as_fishes_are_and_catches_up_gently(world, begin):
+    snapshot.restore(world, begin)
+    start, way = world.state.submarine.position.copy(), np.array([60.0, 0.0, 0.0])
+
+    def tour(world):
+        return Rail(start + (world.state.tick + 1) * TICK_S * way, way, (0.0, 0.0))
+
+    pilot, rate = Pilot(), 60.0
+    crew = Alone(world, pilot, tour)
+    for eye in pictures(crew, rate, 1.0):
+        late = cockpit(world.state.submarine, crew.timeline.alpha)
+        assert apart(eye, late) == pytest.approx((0.0, 0.0), abs=1e-7)
+    pilot.hold("ahead", "W")
+    seen = [eye.eye[0] for eye in pictures(crew, rate, 1.0)]
+    moves = np.diff(seen) * rate
+    assert (moves > 0.0).all() and moves.max() < 1.2 * AHEAD_CM_S
+    assert apart(crew.eye(), cockpit(world.state.submarine, 0.0))[0] > 0.0
+    ahead = crew.eye().eye[0] - cockpit(world.state.submarine, 1.0).eye[0]
+    assert ahead == pytest.approx(moves[-1] * crew.timeline.alpha * TICK_S, rel=0.05, abs=1e-3)
+
+
+def test_while_time_stands_still_so_does_the_eye(world, begin):
+    snapshot.restore(world, begin)
+    pilot = Pilot()
+    crew = Alone(world, pilot)
+    pilot.hold("ahead", "W")
+    list(pictures(crew, 60.0, 1.0))
+    crew.timeline.pause()
+    seen = list(pictures(crew, 60.0, 0.5))
+    assert all(apart(one, seen[0])[0] == 0.0 for one in seen)
+    assert apart(seen[0], cockpit(world.state.submarine, 1.0)) == pytest.approx((0.0, 0.0))
+    crew.timeline.pause()
+    again = [*seen[-1:], *pictures(crew, 60.0, 0.5)]
+    moves = [apart(*pair)[0] for pair in pairwise(again)]
+    assert max(moves) < FASTEST_CM_S / 60.0

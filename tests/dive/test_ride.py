@@ -1,0 +1,362 @@
+"""Riding a fish: whom the visitor means, a calm view, and both its eyes in the corners."""
+
+import os
+import re
+import subprocess
+import time
+from contextlib import closing
+
+import numpy as np
+import pytest
+from PIL import ImageGrab
+
+from subsea.core.resources import resource_path
+from subsea.dive.retina_images import MOST_FISHES, VALUES, coded, seen_brightness
+from subsea.dive.ride import MOST_PAN_DEG, Ride, nearest_to_middle, pictured, with_insets
+from subsea.dive.theatre_setup import open_house
+from subsea.render.gl.id_buffer import FISH, SEABED, WATER, Seen
+from subsea.scenario.schema import load_scenario
+from subsea.submarine.helm import HANDS_OFF
+from subsea.ui.dive import Dive
+from subsea.ui.overlay import unbroken
+from subsea.view.display_rigs import display_rig
+from subsea.view.retina import Gaze, ridden
+from subsea.view.rig import front, pose, seen_part, views
+from subsea.view.text_viewports import panes
+from subsea.world.step import create_world, step
+
+SIZE = (400, 300)
+
+
+@pytest.fixture(scope="module")
+def world():
+    world = create_world(load_scenario("peaceful")[0], fish=60)
+    for _ in range(20):
+        step(world, HANDS_OFF)
+    return world
+
+
+def test_who_is_nearest_to_the_middle_is_meant(world):
+    fishes = world.state.fishes
+    rig = display_rig("mono", SIZE)
+    eye = np.array([0.0, 0.0, -200.0])
+    for chosen in (3, 11):
+        before = fishes.position[chosen].copy()
+        fishes.position[chosen] = eye + (5.0, 300.0, 4.0)
+        (view,) = views(rig, pose(eye, np.pi / 2, 0.0))
+        assert nearest_to_middle(world, view) == chosen
+        (other,) = Ride(world, chosen).views(world, rig, ((0, 0, 8, 6),) * 2, 1.0)[:1]
+        assert nearest_to_middle(world, other) != chosen  # the next one
+        fishes.alive[chosen] = False
+        assert nearest_to_middle(world, view) != chosen
+        fishes.alive[chosen], fishes.position[chosen] = True, before
+
+
+def test_where_no_fish_is_in_sight_the_nearest_is_meant_and_of_none_nobody(world):
+    fishes = world.state.fishes
+    (away,) = views(display_rig("mono", SIZE), pose(np.array([0.0, 0.0, 3000.0]), 0.0, 1.2))
+    distance = np.linalg.norm(fishes.position - away.eye, axis=1)
+    assert nearest_to_middle(world, away) == np.argmin(distance)
+    alive = fishes.alive.copy()
+    fishes.alive[:] = False
+    assert nearest_to_middle(world, away) is None
+    fishes.alive[:] = alive
+
+
+def test_the_view_of_a_rider_is_calmer_than_the_head(world):
+    world = create_world(load_scenario("peaceful")[0], fish=60)
+    rides = [Ride(world, fish) for fish in range(0, 60, 6)]
+    swung, followed, apart = [], [], []
+    for _ in range(90):
+        step(world, HANDS_OFF)
+        pair = [(ridden(world, r.by, 1.0), r.observer(world, 1.0)) for r in rides]
+        swung.append([raw.forward for raw, _ in pair])
+        followed.append([calm.forward for _, calm in pair])
+        apart.append([np.linalg.norm(raw.eye - calm.eye) for raw, calm in pair])
+        for _, calm in pair:
+            assert calm.forward @ calm.up == pytest.approx(0.0, abs=1e-9)
+            assert np.linalg.norm(calm.forward) == pytest.approx(1.0)
+    # How much the way one looks is shaken: its second differences.
+    shaken = [np.linalg.norm(np.diff(way, 2, axis=0), axis=2).mean() for way in (swung, followed)]
+    assert shaken[1] < 0.3 * shaken[0]
+    assert np.sum(np.array(swung) * followed, axis=2).min() > 0.5  # but it follows
+    assert np.mean(apart) < 3.0
+
+
+def test_who_mounts_or_comes_from_another_time_begins_level(world):
+    fishes = world.state.fishes
+    before, tick = fishes.orientation[5].copy(), world.state.tick
+    rolled = np.cos(0.4), np.sin(0.4), 0.0, 0.0  # 46° to a side, about the way it heads
+    fishes.orientation[5] = fishes.previous_orientation[5] = rolled
+    ride = Ride(world, 5)
+    for then in (tick, tick + 1000, 2):
+        world.state.tick = then
+        calm = ride.observer(world, 1.0)
+        assert calm.forward == pytest.approx((1.0, 0.0, 0.0), abs=1e-6)
+        assert calm.up == pytest.approx((0.0, 0.0, 1.0), abs=1e-6)
+    world.state.tick += 30
+    assert ride.observer(world, 1.0).up[2] < 0.95  # and goes along with it
+    fishes.orientation[5] = fishes.previous_orientation[5] = before
+    world.state.tick = tick
+
+
+def test_the_gaze_turns_with_the_keys_and_has_an_end(world):
+    ride = Ride(world, 5)
+    ride.glance(1.0, -0.5, 0.5)
+    assert ride.gaze.pan_deg > 10.0 > 0.0 > ride.gaze.tilt_deg
+    ride.glance(1.0, 0.0, 60.0)
+    assert ride.gaze.pan_deg == MOST_PAN_DEG
+    assert "gaze +120°" in ride.text(world, "range")
+
+
+@pytest.mark.parametrize("display", ["mono", "side-by-side", "top-bottom", "anaglyph", "dome"])
+def test_insets_lie_over_their_pictures_in_their_shape_and_apart_on_the_canvas(display):
+    rig = display_rig(display, SIZE)
+    more, insets = with_insets(rig)
+    assert more.outputs == rig.outputs
+    assert more.eyes == rig.eyes
+    added = more.patches[len(rig.patches) :]
+    frames, pictures = added[::2], added[1::2]
+    assert len(frames) == len(pictures) == 2 * len(rig.patches)
+    for frame, patch in zip(frames, pictures, strict=True):  # a line all round, and below it
+        assert frame.mask is not None
+        assert np.subtract(patch.place[:2], frame.place[:2]).tolist() == [1, 1]
+        assert np.subtract(frame.place[2:], patch.place[2:]).tolist() == [2, 2]
+    for k, patch in enumerate(pictures):
+        under = rig.patches[k // 2]
+        assert patch.left == patch.right == insets[k % 2]
+        x, y, width, height = patch.place
+        left, bottom, across, up = seen_part(under)
+        assert left < x < x + width < left + across
+        assert bottom + 0.4 * up < y < y + height < bottom + up
+        shape = width * under.squeezed[0] / (height * under.squeezed[1])
+        assert shape == pytest.approx(4 / 3, rel=0.05)
+    assert insets[0][1] == insets[1][1] == rig.canvas[1]
+    assert insets[0][0] + insets[0][2] == insets[1][0]
+    assert more.canvas[1] == rig.canvas[1] + insets[0][3]
+
+
+def test_insets_lie_where_no_other_projector_shines():
+    rig = open_house("three-projectors", shrink=4).rig
+    more, _ = with_insets(rig)
+    ahead = front(rig)
+    x, _, width, _ = seen_part(ahead)
+    assert x >= 36  # 40 pixels overlap on either side; the last of these are next to nothing
+    assert 250 <= width <= ahead.place[2] - 36 - x
+    added = more.patches[len(rig.patches) :]
+    assert len(added) == 4
+    for patch in added:
+        assert patch.output == ahead.output
+        assert x < patch.place[0]
+        assert patch.place[0] + patch.place[2] < x + width
+    (pane,) = panes(rig, lambda page: None)
+    assert (pane.x, pane.width) == (x / 360, width / 360)
+    assert not pane.squeezed
+
+
+def test_on_a_fish_a_persons_eyes_are_as_near_each_other_as_its_own(world):
+    ride = Ride(world, 5)
+    one, other = ride.views(world, display_rig("side-by-side", SIZE), (), 1.0)
+    assert np.linalg.norm(one.eye - other.eye) == pytest.approx(2 * ride.by.half_cm, rel=1e-6)
+    assert 2 * ride.by.half_cm < 6.4
+
+
+def test_lines_of_instruments_end_between_their_parts():
+    assert unbroken("depth 2 m   full stop").split(" ") == [
+        "depth\u00a02\u00a0m",
+        "",
+        "",
+        "full\u00a0stop",
+    ]
+
+
+def test_maps_are_shown_as_colours_and_greys():
+    seen = Seen(
+        np.array([[FISH, SEABED, WATER]], np.uint8), np.array([[7, 0, 0]], np.int32),
+        np.array([[50.0, 400.0, np.inf]], np.float32),
+    )  # fmt: skip
+    np.testing.assert_array_equal(
+        pictured(seen, "identity"), coded(np.array([[VALUES["fish"] + 7, VALUES["seabed"], 0]]))
+    )
+    many = seen._replace(number=np.where(seen.kind == FISH, MOST_FISHES + 7, 0).astype(np.int32))
+    np.testing.assert_array_equal(pictured(many, "identity"), pictured(seen, "identity"))
+    grey = pictured(seen, "range")[0, :, 0]
+    assert grey[0] > grey[1] > grey[2] == 0
+
+
+@pytest.fixture(scope="module")
+def boat(display, tmp_path_factory):
+    text = (resource_path("assets/scenarios") / "peaceful.toml").read_text()
+    quiet = tmp_path_factory.mktemp("sea") / "quiet.toml"
+    quiet.write_text(re.sub(r"^number = \d+", "number = 3", text, flags=re.MULTILINE))
+    with closing(Dive(str(quiet), "mono", SIZE, seed=1, quality="low")) as running:
+        yield running
+
+
+def until(running, true):
+    """Frames until the display has brought what hands did."""
+    end = time.monotonic() + 60.0
+    while not true() and time.monotonic() < end:
+        running.frame(0.1)
+    assert true()
+
+
+def corner(running):
+    """What the left eye sees, as the display shows it."""
+    import glfw
+
+    running.frame(0.01)
+    time.sleep(0.2)
+    left, top = glfw.get_window_pos(running.window.handle)
+    picture = np.asarray(ImageGrab.grab(xdisplay=os.environ["DISPLAY"]))[top:, left:, :3]
+    return picture[12:80, 12:105].astype(int)
+
+
+def key(*names):
+    subprocess.run(["xdotool", "key", *names], check=True, timeout=60)
+
+
+def test_keys_mount_a_fish_turn_its_eyes_show_maps_and_come_back(boat):
+    key("r")
+    until(boat, lambda: boat.pilot.riding)
+    until(boat, lambda: boat.overlay.help_opacity == 0.0)  # who rides is under way
+    first = boat.picture.ride.by.fish
+    colours = corner(boat)
+    beside = np.asarray(boat.picture._renderer.rig.canvas) - boat.picture.rig.canvas
+    assert beside[1] > 60
+    subprocess.run(["xdotool", "keydown", "Right"], check=True, timeout=60)
+    until(boat, lambda: boat.picture.ride.gaze.pan_deg > 20.0)
+    subprocess.run(["xdotool", "keyup", "Right"], check=True, timeout=60)
+    key("i")
+    until(boat, lambda: boat.picture.look == "identity")
+    codes = {tuple(code) for code in coded(np.arange(2**16)).tolist()}
+    found = corner(boat).reshape(-1, 3)
+    assert np.mean([tuple(pixel) in codes for pixel in found.tolist()]) > 0.99
+    key("i")
+    until(boat, lambda: boat.picture.look == "range")
+    grey = corner(boat)
+    assert np.abs(grey - colours).mean() > 10.0
+    assert (np.ptp(grey, axis=2) <= 1).mean() > 0.99
+    key("r")
+    until(boat, lambda: boat.picture.ride.by.fish != first)
+    key("Escape")
+    until(boat, lambda: not boat.pilot.riding)
+    assert boat.window.open
+    assert boat.picture._renderer.rig is boat.picture.rig
+
+
+def test_who_is_ridden_may_go_by_the_light_ahead_of_it_wherever_it_gazes(boat):
+    boat.see_brightness, boat.picture.look = True, "colours"
+    key("r")
+    until(boat, lambda: boat.pilot.riding)
+    fish, minds = boat.picture.ride.by.fish, boat.world.state.minds
+    for gaze in (Gaze(0.0, 60.0), Gaze(0.0, -60.0)):
+        boat.picture.ride.gaze = gaze
+        ahead = seen_brightness(boat.picture._renderer, boat.world, boat.picture.ride.by)
+        assert 0.05 < ahead < 0.95
+        boat.frame(0.1)
+        assert boat.world.seen_light[fish] == ahead
+        assert minds.light[fish] == pytest.approx(ahead)
+    assert boat.world.seen_light.keys() == {fish}
+    assert (corner(boat) > 0).mean() > 0.9  # the picture itself is shown as ever
+    key("Escape")
+    until(boat, lambda: not boat.pilot.riding)
+    assert not boat.world.seen_light
+    boat.see_brightness = False
+
+
+def words(running):
+    """Where text is over the picture: (h, w) of what it changes."""
+    with_text = whole(running)
+    draw, running.overlay.draw = running.overlay.draw, lambda *rest: None
+    without = whole(running)
+    running.overlay.draw = draw
+    return np.abs(with_text - without).max(axis=2) > 60
+
+
+def whole(running):
+    import glfw
+
+    for _ in range(2):
+        running.frame(0.0)
+    time.sleep(0.2)
+    left, top = glfw.get_window_pos(running.window.handle)
+    width, height = running.window.size
+    picture = np.asarray(ImageGrab.grab(xdisplay=os.environ["DISPLAY"]))
+    return picture[top : top + height, left : left + width, :3].astype(int)
+
+
+def test_the_help_stands_alone_and_so_does_the_pattern_after_which_the_ride_goes_on(boat):
+    key("r")
+    until(boat, lambda: boat.pilot.riding and boat.picture._insets)
+    ride = boat.picture.ride
+    key("h")
+    until(boat, lambda: boat.overlay.help_opacity == 1.0)
+    assert not boat.picture._insets
+    assert boat.picture._renderer.rig is boat.picture.rig
+    key("t")
+    until(boat, lambda: boat.picture.pattern)
+    assert not words(boat).any()
+    pattern = whole(boat)
+    key("h", "p")  # neither help nor instruments
+    until(boat, lambda: boat.picture.fineness == "picture medium")
+    np.testing.assert_array_equal(whole(boat), pattern)
+    key("t")
+    until(boat, lambda: not boat.picture.pattern)
+    assert boat.picture.ride is ride
+    key("h")
+    until(boat, lambda: boat.overlay.help_opacity == 0.0)
+    boat.frame(0.1)
+    assert boat.picture._insets
+    key("p", "p", "p")
+    until(boat, lambda: boat.picture.fineness == "picture low")
+    key("Escape")
+    until(boat, lambda: not boat.pilot.riding)
+
+
+def test_a_line_that_is_too_long_is_several(boat):
+    import glfw
+
+    key("r")
+    until(boat, lambda: boat.pilot.riding)
+    boat.picture.ride.gaze, boat.picture.look = Gaze(30.0, 20.0), "identity"  # which is told too
+    for size, lines in (((240, 180), 2), ((700, 300), 1)):
+        glfw.set_window_size(boat.window.handle, *size)
+        until(boat, lambda size=size: boat.window.size == size)
+        until(boat, lambda: boat.overlay.help_opacity == 0.0)
+        found = words(boat)
+        rows = found.any(axis=1).astype(int)
+        assert (np.diff(rows, prepend=0) == 1).sum() >= lines
+        columns = np.flatnonzero(found.any(axis=0))
+        assert columns[0] >= 8
+        assert columns[-1] < size[0] - 8
+    boat.picture.look = "colours"
+    glfw.set_window_size(boat.window.handle, *SIZE)
+    until(boat, lambda: boat.window.size == SIZE)
+    key("Escape")
+    until(boat, lambda: not boat.pilot.riding)
+
+
+def test_who_is_eaten_carries_nobody(boat):
+    key("r")
+    until(boat, lambda: boat.pilot.riding)
+    boat.world.state.fishes.alive[boat.picture.ride.by.fish] = False
+    until(boat, lambda: not boat.pilot.riding)
+    assert boat.picture.ride is None
+
+
+def test_the_window_may_change_its_size_during_a_ride(boat):
+    import glfw
+
+    key("r")
+    until(boat, lambda: boat.pilot.riding)
+    for size in ((240, 180), SIZE):
+        glfw.set_window_size(boat.window.handle, *size)
+        until(boat, lambda size=size: boat.window.size == size)
+        boat.frame(0.1)
+        assert boat.picture._renderer.rig.outputs == (size,)
+        assert (
+            len(boat.picture._renderer.rig.patches) == 5
+        )  # the sea, two pictures and their frames
+    key("Escape")
+    until(boat, lambda: not boat.pilot.riding)

@@ -1,0 +1,180 @@
+"""The settings file: where it is, what it may say, and what becomes of nonsense."""
+
+import re
+from pathlib import Path
+from types import SimpleNamespace
+
+import msgspec
+import pytest
+
+from subsea.cli import main as cli
+from subsea.cli.main import main
+from subsea.core.errors import UserError
+from subsea.dive import settings
+from subsea.dive.bindings import ACTIONS, WISHES
+from subsea.dive.settings import Settings, default_text, read_settings, usual_settings
+from subsea.render.output.quality import CHOICES
+
+
+@pytest.fixture
+def home(tmp_path, monkeypatch):
+    """Where the settings are, in a home of its own."""
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    return settings.settings_path()
+
+
+def written(path, text):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text)
+    return path
+
+
+def test_the_file_of_defaults_changes_nothing_and_names_everything(tmp_path):
+    text = default_text()
+    path = written(tmp_path / "settings.toml", text)
+    assert read_settings(path) == Settings()
+    # With every line in force it says the same again.
+    path.write_text(re.sub(r'(?m)^# (?=("[^"]+"|\w+) = )', "", text))
+    full = read_settings(path)
+    assert set(full.controls) == {*ACTIONS, *WISHES}
+    assert full.bindings == Settings().bindings
+    assert msgspec.structs.replace(full, controls={}) == Settings()
+    for table in msgspec.structs.fields(Settings):
+        assert f"[{table.name}]" in text
+        for field in getattr(table.type, "__struct_fields__", ()):
+            assert f"\n# {field} = " in text
+
+
+def test_limits_and_choices_are_those_of_the_command_line():
+    with pytest.raises(msgspec.ValidationError):
+        msgspec.convert({"size": [cli.MIN_SIZE - 1, cli.MIN_SIZE]}, settings.Display)
+    msgspec.convert({"size": [cli.MIN_SIZE, cli.MAX_SIZE]}, settings.Display)
+    for choice in CHOICES:
+        msgspec.convert({"quality": choice}, settings.Display)
+    assert settings.Display().size == cli.SIZE
+
+
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        ("[mouse]\nster = true", "unknown key `ster`, at `mouse`; did you mean 'steer'?"),
+        ("[mouse]\nsensitivity = 0", "at `mouse.sensitivity`"),
+        ("[display]\nmode = 'domme'", "did you mean 'dome'?, at `display.mode`"),
+        ("[display]\nmode = 'hologram'", "; there are: mono, "),  # nothing is near it
+        ("[display]\nquality = 'best'", "at `display.quality`"),
+        ("[controls]\nahead = 'W'", "at `controls"),
+        ("[controls]\n'full stop' = ['Wheel']", "at `controls`"),
+        ("[controls]\nahaed = ['W']", "unknown control 'ahaed'; did you mean 'ahead'?"),
+        ("[kiosk]\nleave = ''", "at `kiosk.leave`"),
+        ("[", "not valid TOML"),
+        ("\0", "not valid TOML"),
+    ],
+)
+def test_nonsense_is_told_in_one_line_with_the_key(tmp_path, text, fault):
+    path = written(tmp_path / "mine.toml", text)
+    with pytest.raises(UserError) as told:
+        read_settings(path)
+    assert fault in str(told.value)
+    line = 1 if text in "[\0" else 2
+    assert str(told.value).startswith(f"{path}:{line}: ")
+    assert "\n" not in str(told.value)
+
+
+def test_a_file_of_nonsense_is_kept_aside_and_told(home):
+    lines = []
+    for number in (1, 2):
+        written(home, f"nonsense {number}")
+        assert usual_settings(lines.append) == Settings()
+        assert not home.exists()
+        kept = home.with_name(f"settings.toml.kept-{number}")
+        assert kept.read_text() == f"nonsense {number}"
+        assert len(lines) == number
+        assert kept.name in lines[-1]
+    assert usual_settings(lines.append) == Settings()
+    assert len(lines) == 2
+
+
+def test_what_cannot_be_read_stays_where_it_is_and_is_told(home, monkeypatch):
+    lines = []
+    home.mkdir(parents=True)  # a folder of that name
+    assert usual_settings(lines.append) == Settings()
+    home.rmdir()
+    written(home, "[mouse]\nsteer = false\n")
+
+    def refuse(self, *args, **named):
+        raise PermissionError(13, "Permission denied")
+
+    with monkeypatch.context() as patch:
+        for name in ("open", "exists", "read_bytes", "read_text"):
+            patch.setattr(Path, name, refuse)
+        assert usual_settings(lines.append) == Settings()
+    assert [line.split(": ", 1)[1] for line in lines] == [
+        "cannot read (Is a directory); the defaults are used",
+        "cannot read (Permission denied); the defaults are used",
+    ]
+    assert [file.name for file in home.parent.iterdir()] == [home.name]
+    assert not usual_settings(lines.append).mouse.steer
+
+
+def test_where_nothing_can_be_renamed_the_defaults_are_used_all_the_same(home, monkeypatch):
+    def refuse(self, other):
+        raise PermissionError(13, "Permission denied")
+
+    lines = []
+    written(home, "nonsense")
+    monkeypatch.setattr(Path, "rename", refuse)
+    assert usual_settings(lines.append) == Settings()
+    assert "Permission denied" in lines[0]
+    assert home.exists()
+
+
+def test_the_command_tells_where_they_are_and_writes_them_once(home, capsys):
+    assert main(["settings"]) == 0
+    assert str(home) in capsys.readouterr().out
+    assert not home.exists()
+    assert main(["settings", "--write"]) == 0
+    assert capsys.readouterr().out == f"{home}\n"
+    assert home.read_text() == default_text()
+    assert main(["settings", "--write"]) == 2
+    assert "is kept" in capsys.readouterr().err
+
+
+def test_what_the_command_line_leaves_open_is_as_the_settings_say(home, tmp_path, monkeypatch):
+    asked = {}
+    monkeypatch.setattr("subsea.ui.dive.dive", lambda **options: asked.update(options) or 0)
+    window = SimpleNamespace(close=lambda: None)
+    monkeypatch.setattr(
+        "subsea.ui.open_windows.opened", lambda *given: asked.update(opened=given) or window
+    )
+    written(home, "[display]\nmode = 'dome'\nquality = 'low'\nfullscreen = true\nsize = [300, 200]")
+    main(["dive"])
+    assert [asked[key] for key in ("display", "quality", "fullscreen", "size")] == [
+        "dome", "low", True, (300, 200),
+    ]  # fmt: skip
+    assert asked["opened"][:3] == ("dome", (300, 200), True)
+    assert asked["opening"] is window
+    main(["dive", "--display", "mono", "--no-fullscreen", "--size", "400x300"])
+    assert [asked[key] for key in ("display", "quality", "fullscreen", "size")] == [
+        "mono", "low", False, (400, 300),
+    ]  # fmt: skip
+    main(["dive", "--theatre", "cave"])  # which says itself what its windows are
+    assert [asked[key] for key in ("display", "fullscreen")] == ["mono", False]
+    other = written(tmp_path / "other.toml", "[display]\nquality = 'high'")
+    main(["dive", "--settings", str(other)])
+    assert [asked[key] for key in ("display", "quality")] == ["mono", "high"]
+
+
+def test_what_became_of_nonsense_is_told_on_the_terminal_and_in_the_window(
+    home, monkeypatch, capsys
+):
+    asked = {}
+    monkeypatch.setattr("subsea.ui.dive.dive", lambda **options: asked.update(options) or 0)
+    window = SimpleNamespace(close=lambda: None)
+    monkeypatch.setattr("subsea.ui.open_windows.opened", lambda *given: window)
+    written(home, "[mouse]\nster = true")
+    assert main(["dive"]) == 0
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"subsea: {home}:2: unknown key `ster`, at `mouse`")
+    (note,) = asked["notes"]
+    assert note.startswith("settings.toml:2: unknown key")
+    assert note.endswith("kept as settings.toml.kept-1, and the defaults are used")

@@ -1,0 +1,252 @@
+"""Theatres on the command line: what works is shown, what does not is one line."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from subsea.cli import main
+from subsea.core.errors import UserError
+from subsea.core.resources import resource_names
+from subsea.dive.cluster.credentials import cluster_faults, credentials
+from subsea.dive.cluster.keys import write_keys
+from subsea.dive.theatre_setup import chosen_rig, describe, open_house, shrunk, told
+from subsea.view.stereo import Stereo
+from subsea.view.theatre.theatre_file import (
+    FOLDER,
+    Channel,
+    Cluster,
+    Dome,
+    Theatre,
+    Window,
+    load_theatre,
+)
+
+BAD = """
+[[window]]
+name = "a"
+size = [64, 48]
+position = [0, 0]
+
+[[window]]
+name = "b"
+size = [64, 48]
+position = [64, 0]
+
+[[channel]]
+name = "good"
+window = "a"
+dome = {}
+
+[[channel]]
+name = "behind"
+window = "b"
+plane = { lower_left = [1, 0, 1], lower_right = [0, 0, 1], upper_left = [1, 1, 1] }
+"""
+
+NEAR = """
+plane = { lower_left = [-50, 0, 40], lower_right = [-50, 0, 140], upper_left = [-50, 9, 40] }
+"""
+OTHER = '[[channel]]\nname = "behind"\nwindow = "b"\n'
+
+
+def line_of(path, text):
+    """The line of a file that is this text."""
+    return path.read_text().splitlines().index(text) + 1
+
+
+@pytest.mark.parametrize("name", resource_names(FOLDER, ".toml"))
+def test_a_theatre_tells_what_it_has(capsys, name):
+    assert describe(name) == 0
+    told = capsys.readouterr().out
+    theatre, path = load_theatre(name)
+    assert told.startswith(f"{path}: {theatre.title}\n")
+    for window in theatre.window:
+        assert f"window {window.name}: {window.size[0]}x{window.size[1]} pixels" in told
+    for channel in theatre.channel:
+        assert f"  channel {channel.name}: " in told
+
+
+def test_what_does_not_work_is_told_and_the_rest_goes_on(tmp_path, capsys):
+    path = tmp_path / "bad.toml"
+    path.write_text(BAD)
+    assert main.main(["theatre", str(path)]) == 1
+    out, line = capsys.readouterr().out, line_of(path, 'name = "behind"') - 1
+    assert f"does not work: {path}:{line}: channel 'behind': the eye is behind the screen" in out
+    house = open_house(str(path))
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert "channel 'behind': the eye is behind the screen" in said
+    assert said.rstrip().endswith("left out")
+    assert [window.name for window in house.windows] == ["a"]
+    assert house.rig.outputs == ((64, 48),)
+
+
+def test_a_screen_that_one_eye_cannot_see_is_left_out(tmp_path, capsys):
+    path = tmp_path / "near.toml"
+    path.write_text(BAD[: BAD.rindex("plane")] + NEAR)
+    assert len(open_house(str(path), "anaglyph").windows) == 2
+    assert capsys.readouterr().err == ""
+    house = open_house(str(path), "anaglyph", Stereo(separation_cm=110.0))
+    assert [window.name for window in house.windows] == ["a"]
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    line = line_of(path, 'name = "behind"') - 1
+    assert f"{path}:{line}: channel 'behind': the eye is behind the screen" in said
+    path.write_text("".join(path.read_text().partition("[[channel]]")[0]) + OTHER + NEAR)
+    with pytest.raises(UserError, match=r"near\.toml:\d+: channel 'behind': the eye is behind"):
+        open_house(str(path), "anaglyph", Stereo(separation_cm=110.0))
+
+
+@pytest.mark.parametrize("change", ["theatre.toml", "left.obj", "all.mpcdi"])
+def test_new_calibration_data_make_another_theatre(tmp_path, change):
+    path = tmp_path / "theatre.toml"
+    path.write_text(BAD + 'warp = "left.obj"\n[[mpcdi]]\nfile = "all.mpcdi"\n')
+    (tmp_path / "left.obj").write_bytes(b"one")
+    before = told(str(path))
+    assert before != told("cave")
+    (tmp_path / "all.mpcdi").write_bytes(b"two")
+    both = told(str(path))
+    assert both not in (before, None)
+    assert both == told(str(path))
+    with (tmp_path / change).open("ab") as file:
+        file.write(b" ")
+    assert told(str(path)) != both
+    assert told(None) is None
+
+
+@given(
+    edge=st.integers(16, 284),
+    size=st.tuples(st.integers(300, 700), st.integers(16, 900)),
+    times=st.integers(1, 64),
+)
+def test_parts_of_a_window_meet_and_stay_within_it_when_shrunk(edge, size, times):
+    sides = ((0, 0, edge, size[1]), (edge, 0, size[0] - edge, size[1]))
+    theatre = Theatre(
+        window=[Window(name="a", size=size)],
+        channel=[
+            Channel(name=str(k), window="a", viewport=side, dome=Dome())
+            for k, side in enumerate(sides)
+        ],
+    )
+    try:
+        small = shrunk(theatre, times)
+    except UserError as fault:
+        assert f"--shrink {times} leaves" in str(fault)
+        assert min(edge, size[0] - edge, size[1]) < 17 * times
+        return
+    (x, y, wide, high), (right, _, rest, _) = (one.viewport for one in small.channel)
+    assert (x, y) == (0, 0)
+    assert right == wide
+    assert right + rest <= small.window[0].size[0]
+    assert high <= small.window[0].size[1]
+    assert min(wide, high, rest) >= 16
+    assert abs(wide - edge / times) < 1
+
+
+def test_a_part_of_which_nothing_is_left_is_one_line(tmp_path, capsys):
+    path = tmp_path / "a.toml"
+    path.write_text(BAD.replace('"good"', '"good"\nviewport = [0, 0, 30, 48]'))
+    for times, left in ((2, "15x24 pixels of channel 'good'"), (4, "16x12 pixels of window 'a'")):
+        assert main.main(["film", "x.mp4", "--theatre", str(path), "--shrink", str(times)]) == 2
+        told = capsys.readouterr().err
+        assert f"--shrink {times} leaves {left}, expected 16 or more a side" in told
+        assert told.count("\n") == 1
+    assert open_house("three-projectors", shrink=62).rig.outputs[0] == (23, 16)
+    with pytest.raises(UserError, match=r"--shrink 64 leaves 22x15 pixels of window 'left'"):
+        open_house("three-projectors", shrink=64)
+
+
+def test_shrinking_keeps_the_geometry():
+    whole, small = (open_house("three-projectors", shrink=n) for n in (1, 4))
+    assert small.rig.outputs == ((360, 250),) * 3
+    assert [w.position for w in small.windows] == [(0, 0), (360, 0), (720, 0)]
+    for one, other in zip(whole.rig.eyes, small.rig.eyes, strict=True):
+        np.testing.assert_allclose(one.axes, other.axes)
+    for one, other in zip(whole.rig.patches, small.rig.patches, strict=True):
+        np.testing.assert_allclose(one.warp.vertices, other.warp.vertices)
+    assert chosen_rig("mono", (64, 48))[0].outputs == ((64, 48),)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["theatre", "domes"], "unknown theatre 'domes'; did you mean 'dome'?"),
+        (["theatre", "no/such.toml"], "no/such.toml: cannot read"),
+        (
+            ["benchmark", "--theatre", "cave", "--display", "dome"],
+            "--display dome: the displays of a theatre",
+        ),
+        (["benchmark", "--shrink", "2"], "--shrink is of a --theatre"),
+        (["dive", "--shrink", "2"], "--shrink is of a --theatre"),
+        (
+            ["dive", "--theatre", "cave", "--fullscreen"],
+            "dive: the --theatre file says itself what --fullscreen says",
+        ),
+        (["dive", "--theatre", "cave", "--size", "1280x720"], "what --size says"),
+        (["benchmark", "--theatre", "cave", "--size", "640x360"], "benchmark: the --theatre file"),
+        (["film", "a.png", "--theatre", "cave", "--dome-tilt", "0"], "what --dome-tilt says"),
+        (["film", "a.png", "--theatre", "cave", "--panorama-angle", "90"], "--panorama-angle says"),
+        (["film", "a.png", "--theatre", "cave", "--screen-width", "90"], "--screen-width says"),
+        (["dive", "--theatre", "cave", "--screen-distance", "90"], "--screen-distance says"),
+        (["dive", "--theatre", "cave", "--node", "left"], "cave.toml: has no [cluster]; drop"),
+        (["dive", "--theatre", "cavern"], "unknown theatre 'cavern'; did you mean 'cave'?"),
+    ],
+)
+def test_wrong_options_are_one_line(capsys, arguments, said):
+    assert main.main(arguments) == 2
+    told = capsys.readouterr().err
+    assert said in told
+    assert told.count("\n") == 1
+
+
+def test_a_node_that_is_not_there():
+    with pytest.raises(UserError, match=r"unknown node 'rigth'; did you mean 'right'\?"):
+        open_house("three-computers", node="rigth")
+    assert open_house("three-computers", node="left").windows[0].name == "left"
+
+
+CLUSTER = """
+[cluster]
+master = "main"
+address = "192.0.2.7:5560"
+"""
+
+
+def test_a_cluster_that_cannot_be_is_told(tmp_path, capsys):
+    def judged(more):
+        path.write_text(BAD.partition('\n[[channel]]\nname = "behind"')[0] + CLUSTER + more)
+        code = main.main(["theatre", str(path)])
+        return code, capsys.readouterr().out.partition("does not work: ")[2].rstrip()
+
+    path = tmp_path / "hall.toml"
+    code, fault = judged("")
+    assert (code, fault.count("\n")) == (1, 0)
+    assert fault.startswith(
+        f"{path}:{line_of(path, '[cluster]')}: [cluster]: address '192.0.2.7:5560': "
+    )
+    code, fault = judged('keys = "ours"')
+    assert code == 1
+    assert f": [cluster]: {tmp_path / 'ours' / 'main.key_secret'}: cannot read" in fault
+    write_keys(tmp_path / "ours", ["main"])
+    assert judged('keys = "ours"') == (0, "")
+    (tmp_path / "ours" / "main.key_secret").chmod(0o644)
+    code, fault = judged('keys = "ours"')
+    assert code == 1
+    assert "others may read it" in fault
+
+
+def test_only_keys_that_are_here_are_judged(tmp_path):
+    cluster = Cluster(master="middle", address="192.0.2.7:5560", keys="ours")
+    nodes, path, ours = ("left", "middle", "right"), tmp_path / "hall.toml", tmp_path / "ours"
+    write_keys(ours, nodes)
+    assert cluster_faults(cluster, nodes, path) == ()
+    for node in ("middle", "right"):
+        (ours / f"{node}.key_secret").unlink()
+    (ours / "right.key").unlink()
+    assert cluster_faults(cluster, nodes, path) == ()  # left needs the master's and its own
+    (ours / "middle.key").unlink()
+    [fault] = cluster_faults(cluster, nodes, path)
+    assert "middle.key: cannot read" in fault
+    with pytest.raises(UserError, match=r"hall\.toml: \[cluster\]: .*middle\.key: cannot read"):
+        credentials(cluster, nodes, "left", path)

@@ -1,0 +1,205 @@
+"""Whose clock and hands make the ticks of a dive."""
+
+import socket
+import threading
+import time
+
+import numpy as np
+import pytest
+
+from subsea.cli import main
+from subsea.core.errors import UserError
+from subsea.dive.cluster.follower import Follower
+from subsea.dive.cluster.keys import write_keys
+from subsea.dive.cluster.master import Master
+from subsea.dive.pilot import Pilot
+from subsea.dive.tick_source import Alone, Following, Leading, muster
+from subsea.scenario.schema import load_scenario
+from subsea.submarine.helm import HANDS_OFF
+from subsea.submarine.rail import Rail
+from subsea.ui import dive
+from subsea.view.theatre.theatre_file import load_theatre
+from subsea.world import snapshot
+from subsea.world.step import create_world, step
+from subsea.world.world import TICK_S
+
+
+@pytest.fixture(scope="module")
+def worlds():
+    made = [create_world(load_scenario("schooling")[0], fish=3) for _ in range(2)]
+    for world in made:
+        step(world, HANDS_OFF)
+    return made
+
+
+def pressed(action):
+    pilot = Pilot()
+    pilot.hold(action, "W")
+    return pilot
+
+
+def test_alone_the_clock_makes_the_ticks_and_the_hands_steer(worlds):
+    world = worlds[0]
+    crew, tick = Alone(world, pressed("ahead")), world.state.tick
+    assert crew.picture(2.5 * TICK_S) == pytest.approx(0.5)
+    assert world.state.tick == tick + 2
+    assert crew.picture(0.25 * TICK_S) == pytest.approx(0.75)
+    assert world.state.tick == tick + 2
+    crew.swap(None)
+    crew.picture(4 * TICK_S)
+    assert np.linalg.norm(world.state.submarine.velocity) > 1.0
+    assert (crew.hands, crew.shared, crew.waiting, crew.idle_s) == (True, False, "", 0.0)
+    assert crew.close() == []
+
+
+def along(world):
+    """A tour that looks at the world: just over the first fish."""
+    x, y, z = world.state.fishes.position[0].astype(float)
+    return Rail(np.array([x, y, z + 100.0]), np.array([1.0, 0.0, 0.0]), (0.5, 0.0))
+
+
+def cued(world):
+    """A tour that cuts to and fro, as directions may have it."""
+    rail = along(world)
+    return rail._replace(cut=True) if world.state.tick % 7 == 0 else rail
+
+
+@pytest.mark.parametrize("tour", [None, along, cued])
+def test_one_leads_and_another_follows(worlds, tour):
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        address = f"127.0.0.1:{taken.getsockname()[1]}"
+    pilot = Pilot() if tour else pressed("left")
+    lead = Leading(Master(worlds[0], ["left"], address, timeout_s=5.0), pilot, tour)
+    assert pilot.helm(TICK_S) == HANDS_OFF or not tour
+    follow = Following(Follower(worlds[1], "left", "middle", address, timeout_s=0.5))
+    shown, drawn, ended = [], [], threading.Event()
+
+    def node():
+        while not ended.is_set():
+            alpha = follow.picture(100.0)  # its own time does not count
+            if alpha is not None:
+                shown.append((alpha, worlds[1].state.tick, snapshot.checksum(worlds[1])))
+                follow.swap(lambda: drawn.append("node"))
+
+    assert follow.picture(1.0) is None
+    assert follow.waiting == f"waiting for the master at {address}"
+    thread = threading.Thread(target=node)
+    thread.start()
+    try:
+        led, end = [], time.monotonic() + 60.0
+        while len(shown) < 30 and time.monotonic() < end:
+            alpha = lead.picture(0.7 * TICK_S)
+            led.append((alpha, worlds[0].state.tick, snapshot.checksum(worlds[0])))
+            lead.swap(lambda: drawn.append("master"))
+            time.sleep(0.001)
+    finally:
+        ended.set()
+        thread.join(60.0)
+    assert len(shown) >= 30
+    assert (drawn.count("node"), drawn.count("master")) == (len(shown), len(led))
+    assert set(shown) <= set(led)  # all that the node showed, pictures between ticks too
+    assert shown[-20:] == led[led.index(shown[-20]) :][:20]  # and none was left out in the end
+    if tour:
+        over = worlds[0].state.submarine.position - worlds[0].state.fishes.position[0]
+        assert np.linalg.norm(over - (0.0, 0.0, 100.0)) < 30.0
+    assert follow.waiting == ""
+    assert follow.idle_s > 0.0
+    assert follow.close() == []
+    [line] = lead.close()
+    assert line.startswith("node left: ")
+
+
+THEATRE = """
+[[window]]
+name = "west"
+node = "left"
+size = [64, 48]
+
+[[window]]
+name = "east"
+node = "right"
+size = [64, 48]
+
+[[channel]]
+name = "west"
+window = "west"
+panorama = {}
+
+[cluster]
+master = "right"
+address = "ADDRESS"
+"""
+
+
+def theatre(folder, address, more=""):
+    path = folder / "hall.toml"
+    path.write_text(THEATRE.replace("ADDRESS", address) + more)
+    return load_theatre(str(path))
+
+
+def test_a_theatre_says_who_leads_and_who_follows(tmp_path, worlds):
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        found = theatre(tmp_path, f"127.0.0.1:{taken.getsockname()[1]}")
+    for node, kind, hands in (("right", Leading, True), ("left", Following, False)):
+        crew = muster(*found, node)(worlds[0], Pilot())
+        assert isinstance(crew, kind)
+        assert (crew.hands, crew.shared) == (hands, True)
+        crew.close()
+
+
+def test_a_node_that_would_look_otherwise_is_refused(tmp_path, worlds):
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        found = theatre(tmp_path, f"127.0.0.1:{taken.getsockname()[1]}")
+    lead = muster(*found, "right", view="mono")(worlds[0], Pilot())
+    follow = muster(*found, "left", view="anaglyph")(worlds[1], Pilot())
+    end = time.monotonic() + 60.0
+    try:
+        with pytest.raises(UserError, match=r"refuses node left: .* another theatre file or calib"):
+            while time.monotonic() < end:
+                follow.picture(0.1)
+                lead.picture(0.0)
+                lead.swap(lambda: None)
+    finally:
+        follow.close()
+        lead.close()
+
+
+def test_what_decides_how_pictures_meet(tmp_path, monkeypatch):
+    def caught(found, path, node, view):
+        raise UserError(view)
+
+    def view(*options):
+        with pytest.raises(UserError) as met:
+            main._run(["dive", "--theatre", str(path), "--node", "left", *options])
+        return str(met.value)
+
+    monkeypatch.setattr(dive, "muster", caught)
+    _, path = theatre(tmp_path, "127.0.0.1:5560")
+    ours = view()
+    assert view("--swap-eyes", "--shrink", "2", "--quality", "low") == ours
+    others = [
+        view("--display", "anaglyph"),
+        view("--eye-distance", "7"),
+        view("--comfort", "1"),
+    ]
+    theatre(tmp_path, "127.0.0.1:5561")
+    assert len({ours, view(), *others}) == 5
+
+
+def test_faults_of_a_cluster_are_told_before_there_is_a_world(tmp_path, worlds):
+    found = theatre(tmp_path, "127.0.0.1:5560")
+    assert isinstance(muster(*found, None)(worlds[0], Pilot()), Alone)
+    with pytest.raises(UserError, match=r"hall\.toml:\d+: \[cluster\]: address .* keys are needed"):
+        muster(*theatre(tmp_path, "192.0.2.7:5560"), "left")
+    found = theatre(tmp_path, "192.0.2.7:5560", 'keys = "ours"\n')
+    with pytest.raises(UserError, match=r"ours/right\.key_secret: cannot read"):
+        muster(*found, "right")
+    write_keys(tmp_path / "ours", ["left", "right"])
+    muster(*found, "right")
+    (tmp_path / "ours" / "left.key").unlink()
+    with pytest.raises(UserError, match=r"ours/left\.key: cannot read"):
+        muster(*found, "right")
+    muster(*found, "left")  # which needs the master's key, and its own

@@ -1,0 +1,282 @@
+"""Time that stands still, goes tick by tick, slower, faster and back, to the very same worlds."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from subsea.behavior.teleop import Reins
+from subsea.dive import timeline as module
+from subsea.dive.pilot import Pilot
+from subsea.dive.tick_source import Alone
+from subsea.dive.timeline import RATES, Timeline
+from subsea.scenario.schema import load_scenario
+from subsea.submarine.helm import Helm
+from subsea.submarine.rail import Rail
+from subsea.world import snapshot
+from subsea.world.step import TICK_S, create_world
+from subsea.world.tunables import constants_of, put_back, same
+
+REACH, KEPT = 50, 7  # ticks; as in a dive, but sooner at an end
+
+
+@pytest.fixture(scope="module")
+def begun():
+    """A world with a simulated fish, its beginning, and time that reaches back less far."""
+    world = create_world(load_scenario("peaceful")[0], fish=9, live=1, live_reach_cm=np.inf)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "REACH_TICKS", REACH)
+        patch.setattr(module, "KEPT_TICKS", KEPT)
+        yield world, snapshot.take(world), constants_of(world)
+
+
+@pytest.fixture
+def world(begun):
+    return afresh(begun)
+
+
+def afresh(begun):
+    world, whole, constants = begun
+    put_back(world, constants)
+    snapshot.restore(world, whole)
+    return world
+
+
+share = st.floats(-1.0, 1.0, width=16)
+orders = st.one_of(
+    st.builds(Helm, share, share, share, share, st.booleans()),
+    st.builds(Reins, st.integers(0, 8), share, share, share),
+    st.builds(
+        lambda x, pan: Rail(np.array([x, 0.0, -200.0]), np.array([30.0, 0.0, 0.0]), (pan, 0.1)),
+        st.floats(-100.0, 100.0), share,
+    ),
+)  # fmt: skip
+deeds = st.one_of(
+    st.tuples(st.just("play"), st.lists(orders, min_size=1, max_size=4), st.integers(1, 12)),
+    st.tuples(st.just("go"), st.integers(-20, 70)),
+    st.tuples(st.just("single"), orders),
+    st.tuples(st.just("rewind"), st.integers(1, 3)),
+    st.tuples(st.just("nature"), st.floats(0.05, 0.9)),
+    st.tuples(st.just("physics"), st.floats(0.5, 2.0)),
+    st.tuples(st.just("hunger"), st.integers(0, 8)),
+    st.tuples(st.just("light"), st.floats(0.0, 1.0)),
+)
+
+
+@settings(max_examples=20)
+@given(st.lists(deeds, min_size=2, max_size=12), st.randoms(use_true_random=False))
+def test_a_tick_of_the_past_is_the_one_that_was(begun, what, chance):
+    world = afresh(begun)
+    time = Timeline(world)
+    was = {0: (snapshot.checksum(world), constants_of(world))}  # what each tick has been
+
+    def as_it_was():
+        checksum, constants = was[time.tick]
+        assert snapshot.checksum(world) == checksum
+        assert same(constants_of(world), constants)
+
+    def changed():
+        for tick in [tick for tick in was if tick > time.tick]:
+            del was[tick]
+        was[time.tick] = snapshot.checksum(world), constants_of(world)
+
+    def made(order):
+        time.make(order)
+        changed()
+
+    for name, *given_ in what:
+        if name == "play":
+            steered, ticks = given_
+            for k in range(ticks):
+                made(steered[k % len(steered)])
+        elif name == "go":
+            time.go(given_[0])
+        elif name == "single":
+            before, latest, time.paused = time.tick, time.latest, True
+            time.single()
+            new = time.due(0.1)
+            assert new == (before == latest)
+            if new:
+                made(given_[0])
+            assert time.tick == before + 1
+        elif name == "rewind":
+            for _ in range(given_[0]):
+                time.rewind(10 * TICK_S)
+            back, time.paused = max(time.tick - 10 * given_[0], time.earliest), True
+            time.due(0.0)
+            assert time.tick == back
+        else:
+            if name == "nature":
+                world.nature = world.nature._replace(keen=given_[0])
+            elif name == "physics":
+                world.physics = world.physics._replace(water_viscosity=given_[0])
+            elif name == "hunger":
+                world.state.minds.eaten[given_[0]] = 0.0
+            else:
+                world.seen_light[3] = given_[0]
+            time.touch()
+            changed()
+        as_it_was()
+        assert time.earliest <= max(time.latest - REACH, 0)
+        assert time.latest - time.earliest < REACH + KEPT
+        assert time.latest == max(was)
+    there = range(time.earliest, time.latest + 1)
+    for tick in chance.sample(there, min(5, len(there))):
+        time.go(tick)
+        assert time.tick == tick
+        as_it_was()
+
+
+def test_playing_on_with_the_same_hands_gives_the_same_again(world):
+    time = Timeline(world)
+    hands = [Helm(surge=0.5, yaw=0.1 * (k % 5 - 2)) for k in range(20)]
+    hands += [Reins(4, 0.5, 0.2, 0.8)] * 20
+    first = []
+    for order in hands:
+        time.make(order)
+        first.append(snapshot.checksum(world))
+    time.go(5)
+    again = []
+    for order in hands[5:]:
+        time.make(order)
+        again.append(snapshot.checksum(world))
+    assert again == first[5:]
+    time.go(5)
+    time.make(Helm(surge=-1.0))
+    assert time.latest == 6  # what came later is forgotten
+    assert snapshot.checksum(world) != first[5]
+
+
+def test_memory_is_bounded_and_time_goes_back_less_far_where_it_is_short(world):
+    time = Timeline(world)
+    one = time.bytes
+    for k in range(3 * REACH):
+        time.make(Helm())
+        if k > REACH and k % 3 == 0:
+            time.touch()  # as a slider that is dragged
+    assert time.bytes > 10 * one
+    short = Timeline(world, most_bytes=4 * one)
+    for _ in range(3 * REACH):
+        short.make(Helm())
+        assert short.bytes <= 4 * one
+    assert 2 * KEPT <= short.latest - short.earliest <= 4 * KEPT
+    last = snapshot.checksum(world)
+    short.go(0)
+    assert short.tick == short.earliest > 0
+    short.go(10**6)
+    assert snapshot.checksum(world) == last
+
+
+def test_a_slider_that_is_dragged_takes_little_of_the_time_that_can_be_had_again(world):
+    time = Timeline(world)
+    one, was = time.bytes, {}
+    time = Timeline(world, most_bytes=(4 + 3 * REACH // KEPT) * one)
+    for k in range(2 * REACH):
+        time.make(Helm(surge=0.5))
+        world.nature = world.nature._replace(keen=0.1 + 0.8 * (k % 9) / 9)
+        world.state.minds.eaten[k % 9] = 0.0
+        time.touch()
+        was[time.tick] = snapshot.checksum(world), constants_of(world)
+    assert time.bytes <= (4 + 3 * REACH // KEPT) * one
+    assert time.latest - time.earliest >= REACH - KEPT
+
+    def there():
+        checksum, constants = was[time.tick]
+        assert snapshot.checksum(world) == checksum
+        assert same(constants_of(world), constants)
+
+    for asked in [*range(time.latest, time.earliest, -3), *range(time.earliest, time.latest)]:
+        before = time.tick
+        time.go(asked)
+        assert abs(time.tick - asked) < KEPT
+        assert (time.tick - asked) * (asked - before) >= 0  # never stuck on the way
+        there()
+    time.go(time.earliest)
+    time.paused = True
+    seen = [time.tick]
+    while time.tick < time.latest:  # step by step it comes through
+        time.single()
+        assert time.due(0.1) == 0
+        there()
+        seen.append(time.tick)
+    assert max(np.diff(seen)) <= KEPT and min(np.diff(seen)) >= 1
+    time.go(time.latest - KEPT)  # what is made from there on is all had again
+    begin = time.tick
+    for _ in range(KEPT):
+        time.make(Helm(surge=-0.5))
+        was[time.tick] = snapshot.checksum(world), constants_of(world)
+    for tick in range(begin, time.latest + 1):
+        time.go(tick)
+        assert time.tick == tick
+        there()
+
+
+class Hands(Pilot):
+    """A pilot who counts how often it is asked."""
+
+    asked = 0
+
+    def helm(self, dt):
+        self.asked += 1
+        return Helm(surge=0.02 * self.asked)
+
+
+def test_a_dive_stands_still_goes_tick_by_tick_slower_and_faster(world):
+    crew = Alone(world, hands := Hands())
+    time = crew.timeline
+    for _ in range(10):
+        crew.picture(TICK_S)
+    at = time.tick
+    assert at == hands.asked == pytest.approx(10, abs=1)
+    time.pause()
+    assert crew.picture(5.0) == 1.0
+    assert (time.tick, time.text) == (at, "paused")
+    time.single()
+    crew.picture(5.0)
+    crew.picture(5.0)
+    assert time.tick == at + 1
+    time.pause()
+    assert crew.picture(0.25 * TICK_S) == pytest.approx(0.25)  # it goes on from what was shown
+    assert time.tick == at + 2
+    assert time.text == ""
+    for call, expected in ((time.slower, RATES[1::-1]), (time.faster, RATES[1:])):
+        for rate in (*expected, expected[-1]):
+            call()
+            assert time.rate == rate
+            assert time.text == ("" if rate == 1.0 else f"time ×{rate:g}")
+            before = time.tick
+            for _ in range(16):
+                crew.picture(TICK_S)
+            assert time.tick - before == pytest.approx(16 * rate, abs=1)
+
+
+def test_time_goes_back_without_asking_hands_or_the_tour(world):
+    hands, legs = Hands(), []
+
+    def tour(there):
+        legs.append(there.state.tick)
+        return Helm(yaw=0.5)
+
+    hands.helm = lambda dt: Helm()
+    crew = Alone(world, hands, tour)
+    time = crew.timeline
+    was = []
+    for _ in range(45):
+        crew.picture(TICK_S)
+        was.append(snapshot.checksum(world))
+    asked = len(legs)
+    time.pause()
+    for seconds in (1.0, 0.1):
+        time.rewind(seconds)
+    crew.picture(0.0)
+    back = round(1.0 / TICK_S) + round(0.1 / TICK_S)
+    assert snapshot.checksum(world) == was[-1 - back]
+    assert time.text == f"paused, {back * TICK_S:.1f} s back"
+    time.single()
+    crew.picture(0.0)
+    assert snapshot.checksum(world) == was[-back]
+    assert len(legs) == asked
+    time.pause()
+    crew.picture(0.0)  # the tick that was shown already, of the tour
+    assert len(legs) == asked + 1
+    assert time.latest == time.tick

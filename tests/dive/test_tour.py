@@ -1,0 +1,191 @@
+"""The autopilot finds what happens and keeps its distance."""
+
+import math
+
+import numpy as np
+import pytest
+
+from subsea.dive.pilot import Pilot
+from subsea.dive.start import start_world
+from subsea.dive.tick_source import Alone
+from subsea.dive.tour import (
+    HOOK,
+    HUNT,
+    KEEP_S,
+    NEAREST_CM,
+    PAIR,
+    SHOAL,
+    TURN_S,
+    Subject,
+    Tour,
+    guide,
+)  # fmt: skip
+from subsea.scenario.schema import load_scenario
+from subsea.state import CIRCLING, EAT, HANGING, HOOKED, LANDED, LOOPING, NOBODY, PREDATOR, digest
+from subsea.submarine.course import course_of, rail_at
+from subsea.world.step import create_world, step
+from subsea.world.world import TICK_S
+
+
+@pytest.fixture
+def world():
+    """A sea without solids where nothing happens but what a test writes into it."""
+    world = create_world(load_scenario("peaceful")[0], seed=1, fish=12)
+    state = world.state
+    state.sea = state.sea._replace(
+        pillars=np.zeros((0, 4)), rocks=np.zeros((0, 7)), catch=state.sea.catch.copy()
+    )
+    state.sea.catch[:] = LANDED, NOBODY
+    state.minds.target[:] = NOBODY
+    state.minds.partner[:] = NOBODY
+    state.minds.courtship[:] = 0
+    scattered = state.fishes.position - state.fishes.position.mean(axis=0)
+    state.fishes.position[:] = state.submarine.position + 0.1 * scattered
+    return world
+
+
+def pair(world, he, she, courtship):
+    minds = world.state.minds
+    minds.male[he], minds.male[she] = True, False
+    minds.partner[he], minds.partner[she] = she, he
+    minds.courtship[[he, she]] = courtship
+
+
+def hunt(world, hunter, prey):
+    minds = world.state.minds
+    minds.kind[hunter], minds.intention[hunter], minds.target[hunter] = PREDATOR, EAT, prey
+
+
+def hook(world, place, state, catch=NOBODY):
+    sea = world.state.sea
+    world.state.sea = sea._replace(hook=np.array(place))
+    world.state.sea.catch[:] = state, catch
+
+
+def ask(world, tour, seconds=0.0):
+    """Let the tour look at a sea that stands still; its aims (ticks, 4)."""
+    aims = []
+    for _ in range(max(round(seconds / TICK_S), 1)):
+        tour.helm(world)
+        aims.append(tour.aim.copy())
+        world.state.tick += 1
+    return np.array(aims)
+
+
+def test_a_hook_comes_before_a_hunt_before_a_pair_before_the_shoal(world):
+    tour, seen = Tour(), []
+    for happens in (
+        lambda: None,
+        lambda: pair(world, 0, 1, LOOPING),
+        lambda: hunt(world, 2, 3),
+        lambda: hook(world, (50.0, 0.0, -200.0), HANGING),
+    ):
+        happens()
+        ask(world, tour)
+        seen.append(tour.subject.kind)
+    assert seen == [SHOAL, PAIR, HUNT, HOOK]
+    hook(world, (0.0, 0.0, 10.0), HOOKED, 4)  # in the air it is no sight
+    ask(world, tour)
+    assert tour.subject == Subject(HUNT, (2, 3))
+    world.state.fishes.alive[3] = False
+    ask(world, tour, KEEP_S / 2)
+    assert tour.subject == Subject(HUNT, (2, 3))  # it may be only interrupted
+    ask(world, tour, KEEP_S / 2 + 0.1)
+    assert tour.subject == Subject(PAIR, (0, 1))
+
+
+def test_it_chooses_the_pair_that_is_furthest_on_and_stays_to_the_end(world):
+    pair(world, 0, 1, LOOPING)
+    pair(world, 2, 3, CIRCLING)
+    tour = Tour()
+    ask(world, tour)
+    assert tour.subject.members == (2, 3)
+    pair(world, 0, 1, CIRCLING + 1)
+    ask(world, tour, KEEP_S + 0.1)
+    assert tour.subject.members == (2, 3)
+    pair(world, 2, 3, 0)
+    ask(world, tour, KEEP_S + 0.1)
+    assert tour.subject.members == (0, 1)
+
+
+def test_it_looks_between_a_hunter_and_its_prey_from_where_it_sees_both(world):
+    fishes = world.state.fishes
+    hunt(world, 2, 3)
+    tour = Tour()
+    fishes.position[3] = fishes.position[2] + np.float32([90.0, 0.0, 20.0])
+    near = ask(world, tour)[-1]
+    np.testing.assert_allclose(near[:3], fishes.position[[2, 3]].mean(axis=0), atol=1e-3)
+    fishes.position[3, 0] += 250.0
+    assert ask(world, tour)[-1][3] > near[3] >= NEAREST_CM
+
+
+def test_the_aim_glides_from_one_subject_to_the_next(world):
+    tour = Tour()
+    start = ask(world, tour)[-1]
+    place = start[:3] + (400.0, 100.0, 50.0)
+    hook(world, place, HANGING)
+    aims = np.vstack([start, ask(world, tour, TURN_S + 0.2)])
+    steps = np.linalg.norm(np.diff(aims[:, :3], axis=0), axis=1)
+    # An even change would take `way / TURN_S`; a level start and end, half as fast again.
+    way = np.linalg.norm(place - start[:3])
+    assert steps.max() < 1.6 * way * TICK_S / TURN_S
+    assert steps[0] < 0.1 * steps.max()
+    np.testing.assert_allclose(aims[-1, :3], place)
+
+
+def test_it_turns_aside_for_a_pillar_that_hides_and_back_when_it_does_not(world):
+    boat, tour = world.state.submarine, Tour()
+    hook(world, boat.position + (600.0, 0.0, 0.0), HANGING)
+    boat.angles[:] = 0.0
+    free = tour.helm(world)
+    x, y, _ = boat.position
+    world.state.sea = world.state.sea._replace(pillars=np.array([[x + 250.0, y - 10.0, 40.0, 0.0]]))
+    hidden = tour.helm(world)
+    assert hidden.yaw > free.yaw + 0.1  # left, where less of the pillar stands
+    assert hidden.surge > 0.0
+    world.state.sea = world.state.sea._replace(pillars=np.array([[x - 250.0, y, 40.0, 0.0]]))
+    assert tour.helm(world) == free
+
+
+def test_it_comes_near_the_largest_shoal_and_looks_at_it():
+    world, tour = start_world("peaceful", seed=1), Tour()
+    largest = np.bincount(world.state.fishes.species).argmax()
+    seen = []
+    for tick in range(900):
+        step(world, tour.helm(world))
+        if tick > 300 and tour.subject.kind == SHOAL:
+            boat, fishes = world.state.submarine, world.state.fishes
+            middle = np.median(fishes.position[fishes.species == largest], axis=0)
+            offset = middle - boat.position
+            ahead = offset[:2] @ (math.cos(boat.angles[0]), math.sin(boat.angles[0]))
+            seen.append(ahead > 0.75 * np.hypot(*offset[:2]))
+            assert np.linalg.norm(offset) < 900.0
+    assert len(seen) > 300
+    assert np.mean(seen) > 0.8
+
+
+def test_the_same_tour_each_time():
+    digests = []
+    for _ in range(2):
+        world, tour = start_world("peaceful", seed=5, fish=10), Tour()
+        for _ in range(30):
+            step(world, tour.helm(world))
+        digests.append(digest(world.state))
+    assert digests[0] == digests[1]
+
+
+def test_a_visitor_is_taken_along_until_a_hand_moves():
+    world = create_world(load_scenario("peaceful")[0], seed=3, fish=12)
+    course, pilot = course_of(world.scenario, "reef"), Pilot()
+    boat, crew = world.state.submarine, Alone(world, pilot, guide(world, course))
+    for _ in range(5):
+        crew.picture(1.5 * TICK_S)
+    there = rail_at(course, world.state, world.state.tick * TICK_S).position
+    np.testing.assert_array_equal(boat.position, there)
+    pilot.hold("ahead", "W")
+    crew.picture(1.1 * TICK_S)
+    pilot.release("W")
+    crew.picture(5.1 * TICK_S)
+    taken = rail_at(course, world.state, world.state.tick * TICK_S)
+    assert np.linalg.norm(boat.position - taken.position) > 0.01
+    assert np.linalg.norm(boat.position - there) < 10.0  # it goes on from where it was

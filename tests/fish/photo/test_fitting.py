@@ -1,0 +1,137 @@
+"""Meshes find the fish in a photograph by themselves."""
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import cv2
+import numpy as np
+import pytest
+from msgspec import structs
+
+from subsea.core.errors import UserError
+from subsea.fish import paint
+from subsea.fish.photo.deformable_mesh import meshes
+from subsea.fish.photo.fitting import aligned, found, outline_error, silhouette, under
+from subsea.fish.photo.lift import covered, lifted
+from subsea.fish.photo.photograph import Photograph
+from subsea.fish.photo.side_view import across, laid, outlines, placed
+from subsea.fish.species import load_species
+
+
+# The worst of all, which heads right, and a faint one; the script itself bounds the others.
+@pytest.mark.parametrize("name", ["black and white, reef", "low contrast, shark"])
+def test_outlines_are_found(accuracy, name):
+    case = accuracy.CASES[name]
+    photograph, truth = accuracy.made(case)
+    one = found(photograph, load_species(case.species).surface)
+    assert outline_error(one.net, truth) < accuracy.MOST
+    head, tail = one.net.body.nodes[4, [0, -1], 0]
+    assert (head > tail) == case.right
+
+
+@pytest.mark.parametrize("off, code", [(0.0149, 0), (0.0151, 1), (np.nan, 1)])
+def test_the_table_fails_where_an_outline_is_off_too_far(
+    accuracy, clownfish_photo, off, code, monkeypatch
+):
+    monkeypatch.setattr(accuracy, "CASES", {"one": accuracy.Case("clownfish")})
+    monkeypatch.setattr(accuracy, "made", lambda case: clownfish_photo)
+    monkeypatch.setattr(accuracy, "found", lambda photograph, plan: SimpleNamespace(net=None))
+    monkeypatch.setattr(accuracy, "outline_error", lambda net, truth: off)
+    monkeypatch.setattr("sys.argv", ["skin_accuracy.py"])
+    assert accuracy.main() == code
+
+
+@pytest.mark.parametrize("name", ["fusilier", "bluecheek_butterflyfish"])
+@pytest.mark.parametrize("tilt, right", [(0.0, False), (20.0, True), (-35.0, False)])
+def test_shapes_are_laid_over_masks(name, tilt, right):
+    plan = load_species(name).surface
+    tilt = np.radians(tilt)
+    turn = np.array([[np.cos(tilt), -np.sin(tilt)], [np.sin(tilt), np.cos(tilt)]])
+    matrix = np.column_stack(
+        [190.0 * turn @ np.diag([-1.0 if right else 1.0, -1.0]), (300.0 if right else 130.0, 200)]
+    )
+    mask = silhouette(plan, matrix, (400, 440))
+    got, likeness = aligned(plan, mask)
+    assert likeness > 0.93
+    both = silhouette(plan, got, mask.shape)
+    assert (both & mask).sum() > 0.93 * (both | mask).sum()
+    assert (got[0, 0] < 0) == right
+    other, less = aligned(plan, mask, heads_right=not right)
+    assert (other[0, 0] > 0) == right and less < likeness
+
+
+def test_an_opacity_tells_the_fish_apart(clownfish_photo):
+    photograph, truth = clownfish_photo
+    plan = load_species("clownfish").surface
+    # The colours are no help here: there are none.
+    cut = photograph._replace(
+        colour=np.full_like(photograph.colour, 90), opacity=np.where(truth, 255, 0).astype(np.uint8)
+    )
+    assert outline_error(found(cut, plan).net, truth) < 0.01
+
+
+def test_no_fish_is_one_line(clownfish_photo):
+    plan = load_species("clownfish").surface
+    photograph = clownfish_photo.photograph
+    blank = photograph._replace(colour=np.full_like(photograph.colour, 128))
+    with pytest.raises(UserError, match="no fish of this shape"):
+        found(blank, plan)
+    clear = np.zeros(photograph.colour.shape[:2], np.uint8)
+    with pytest.raises(UserError, match="no fish of this shape"):
+        found(photograph._replace(opacity=clear), plan)
+
+
+def test_what_lies_under_meshes_is_told_apart(clownfish_photo):
+    photograph, truth = clownfish_photo
+    plan = load_species("clownfish").surface
+    net = found(photograph, plan).net
+    mask = under(photograph, net)
+    assert (mask & truth).sum() > 0.95 * (mask | truth).sum()
+
+
+def test_the_outline_error_is_a_distance():
+    plan = load_species("clownfish").surface
+    net = laid(plan, across(800, 600, plan))
+    mask = covered(net, (600, 800))
+    assert outline_error(net, mask) < 1e-6
+    for one in meshes(net).values():
+        one.nodes[:] += (0.0, 8.0)
+    length = np.ptp(outlines(net)[0][:, 0])
+    # Up and down the whole way, along the flanks less.
+    assert 0.5 * 8 / length < outline_error(net, mask) < 8 / length
+
+
+@pytest.mark.parametrize("right", [False, True])
+def test_the_eye_tells_which_way_a_fish_heads(right):
+    # A fish without a tail, alike fore and aft.
+    y, x = np.mgrid[:200, :320]
+    shape = np.hypot((x - 160) / 110, (y - 100) / 42) < 1
+    colour = np.full((200, 320, 3), (210, 120, 40), np.uint8)
+    plan = load_species("clownfish").surface
+    matrix, _ = aligned(plan, shape, right)
+    eye = np.round(placed(matrix, np.array([plan.eye.at, plan.eye.height]))).astype(int)
+    cv2.circle(colour, eye.tolist(), 4, (5, 5, 5), -1, cv2.LINE_AA)
+    photograph = Photograph(Path("fish.png"), colour, np.where(shape, 255, 0).astype(np.uint8))
+    for flip in (False, True):
+        nodes = found(photograph, plan, flip).net.body.nodes
+        assert (nodes[4, 0, 0] > nodes[4, -1, 0]) == (right ^ flip)
+
+
+def test_the_meshes_follow_the_eye(accuracy):
+    case = accuracy.Case("clownfish", length=420.0, size=(600, 420), other=0.0)
+    photograph, truth = accuracy.made(case)
+    species = load_species("clownfish")
+    # A species that has its eye elsewhere.
+    eye = structs.replace(species.surface.eye, at=0.14, height=0.035)
+    other = structs.replace(species, surface=structs.replace(species.surface, eye=eye))
+    one = found(photograph, other.surface)
+    assert outline_error(one.net, truth) < 0.01
+    body = paint.framed(
+        lifted(photograph.colour, one.net, other, one.mask).transpose(2, 0, 1), paint.BODY
+    )
+    front, rear = paint.borders(other.surface)
+    top = paint.half_height(other.surface)
+    column = int((eye.at - front) / (rear - front) * body.shape[2])
+    row = int((eye.height + top) / (2 * top) * body.shape[1])
+    assert body[:3, row, column].max() < 90  # the pupil, in an orange face
+    assert body[0, row, column + 40] > 150

@@ -1,0 +1,127 @@
+"""Sheets in files, and the species that wear them."""
+
+import shutil
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from subsea.core.errors import UserError
+from subsea.dive.cluster.identity import _anywhere
+from subsea.fish import paint
+from subsea.fish.color_sheet import read, sheet_of, sheets, wear, write
+from subsea.fish.species import load_species, own_species, species_file, species_names
+
+
+@pytest.fixture
+def own():
+    """A species of one's own, a copy of a shipped one."""
+    path = own_species() / "guppy.toml"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    shutil.copy(species_file("moon_wrasse"), path)
+    yield path
+    path.unlink()
+    path.with_suffix(".png").unlink(missing_ok=True)
+
+
+def picture():
+    rng = np.random.default_rng(5)
+    return rng.integers(0, 256, (*paint.SIZE[::-1], 4), np.uint8)
+
+
+def test_a_sheet_is_read_as_it_was_written_with_its_upper_row_first(tmp_path):
+    sheet = picture()
+    write(tmp_path / "sheet.png", sheet)
+    np.testing.assert_array_equal(read(tmp_path / "sheet.png"), sheet)
+    with Image.open(tmp_path / "sheet.png") as image:
+        assert image.size == paint.SIZE and image.mode == "RGBA"
+        np.testing.assert_array_equal(np.asarray(image)[0], sheet[-1])
+
+
+def test_a_species_wears_it_and_all_else_in_its_file_stays(own):
+    before = own.read_text()
+    sheet = picture()
+    assert sheet_of(load_species("guppy")).tobytes() != sheet.tobytes()
+    assert wear(own, sheet) == own.with_suffix(".png")
+    after = own.read_text().splitlines()
+    added = [line for line in after if line not in before.splitlines()]
+    assert added == ['sheet = "guppy.png"']
+    assert [line for line in after if line not in added] == before.splitlines()
+    species = load_species("guppy")
+    assert species.skin.sheet == str(own.with_suffix(".png"))
+    np.testing.assert_array_equal(sheet_of(species), sheet)
+    wear(own, sheet[::-1])  # once more
+    assert own.read_text().splitlines() == after
+    np.testing.assert_array_equal(sheet_of(load_species("guppy")), sheet[::-1])
+
+
+@pytest.mark.parametrize("name", species_names())
+def test_any_species_file_takes_the_key(name, tmp_path):
+    path = tmp_path / f"{name}.toml"
+    shutil.copy(species_file(name), path)
+    wear(path, picture())
+    dressed = load_species(str(path))
+    assert dressed.skin.sheet == str(tmp_path / f"{name}.png")
+    assert dressed.surface == load_species(name).surface
+
+
+def test_a_species_that_was_damaged_meanwhile_is_a_fault_in_one_line(own):
+    whole = own.read_bytes()
+    skinless = whole.replace(b"[skin", b"[hide")
+    for content in (b"name = [", skinless, b"\xff\xfe", None):
+        own.unlink() if content is None else own.write_bytes(content)
+        with pytest.raises(UserError) as fault:
+            wear(own, picture())
+        assert str(fault.value).startswith(str(own)) and "\n" not in str(fault.value)
+        assert not own.with_suffix(".png").exists()
+    own.write_bytes(whole)
+
+
+def test_sheets_of_files_lie_among_painted_ones(own):
+    sheet = picture()
+    wear(own, sheet)
+    three = [load_species(name) for name in ("fusilier", "guppy", "clownfish")]
+    first, second, third = sheets(three)
+    np.testing.assert_array_equal(second, sheet)
+    np.testing.assert_array_equal(first, paint.paint(three[0]))
+    np.testing.assert_array_equal(third, paint.paint(three[2]))
+    wear(own, sheet[::-1])  # no old one is kept
+    np.testing.assert_array_equal(sheets(three)[1], sheet[::-1])
+
+
+def test_faulty_sheets_get_one_line(own):
+    wear(own, picture())
+    path = own.with_suffix(".png")
+    data = path.read_bytes()
+
+    def fails(*words):
+        with pytest.raises(UserError) as fault:
+            sheets([load_species("guppy")])
+        text = str(fault.value)
+        assert "\n" not in text
+        for word in (str(path), "1024×640", *words):
+            assert word in text
+
+    Image.new("RGB", paint.SIZE).save(path)
+    fails("RGB", "RGBA")
+    Image.new("RGBA", (512, 320)).save(path)
+    fails("512×320")
+    path.write_bytes(data[:5000])
+    fails("damaged")
+    path.write_text("no picture")
+    fails()
+    path.unlink()
+    fails("No such file")
+
+
+@pytest.mark.parametrize("name", ["../guppy.png", "/tmp/guppy.png", "guppy.jpg", ".png"])
+def test_the_key_names_a_png_beside_the_file(own, name):
+    wear(own, picture())
+    own.write_text(own.read_text().replace("guppy.png", name))
+    with pytest.raises(UserError, match="sheet"):
+        load_species("guppy")
+
+
+def test_computers_may_keep_it_in_other_folders(own):
+    wear(own, picture())
+    assert _anywhere(load_species("guppy")).skin.sheet == "guppy.png"

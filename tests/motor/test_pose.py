@@ -1,0 +1,53 @@
+"""The pose between two ticks."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from subsea.motor.pose import pose_at
+from subsea.state import empty_fishes
+
+
+def _fish(before, after):
+    """One fish whose pose was (a, b, weight, span) and is now another."""
+    fishes = empty_fishes(1)
+    for prefix, pose in (("previous_", before), ("", after)):
+        for name, value in zip(("row_a", "row_b", "weight", "span"), pose, strict=True):
+            getattr(fishes, prefix + name)[0] = value
+    return fishes
+
+
+CASES = [
+    ((3, 4, 0.2, 1), (3, 4, 0.9, 1)),  # inside a row
+    ((3, 4, 0.2, 1), (4, 5, 0.3, 1)),  # into the next
+    ((3, 4, 0.8, 1), (5, 6, 0.5, 1)),  # a quick fish skips one
+    ((3, 4, 0.5, 1), (4, 9, 0.1, 5)),  # a glide begins
+    ((4, 9, 0.9, 5), (9, 10, 0.5, 1)),  # and ends
+]
+
+
+@pytest.mark.parametrize(("before", "after"), CASES)
+def test_the_ends_are_the_ticks(before, after):
+    fishes = _fish(before, after)
+    assert pose_at(fishes, 0, 0.0) == pytest.approx(before[:3], abs=1e-6)
+    a, b, w = pose_at(fishes, 0, 1.0)
+    end = {a: 1 - w, b: w}
+    for row, weight in ((after[0], 1 - after[2]), (after[1], after[2])):
+        assert end.get(row, 0.0) == pytest.approx(weight, abs=1e-6)
+
+
+@pytest.mark.parametrize(("before", "after"), CASES)
+@given(alpha=st.floats(0, 0.999))
+def test_the_pose_flows_without_a_leap(before, after, alpha):
+    """A thousandth of a tick later the mix of rows is nearly the same."""
+    fishes = _fish(before, after)
+
+    def mix(at):
+        a, b, w = pose_at(fishes, 0, at)
+        out = np.zeros(12)
+        out[a] += 1 - w
+        out[b] += w
+        return out
+
+    assert np.abs(mix(alpha + 0.001) - mix(alpha)).max() < 0.004

@@ -1,0 +1,334 @@
+"""The report has the agreed keys, and its figures agree with each other."""
+
+import csv
+import gc
+import json
+import os
+import re
+import time
+from importlib.metadata import version
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from subsea.cli.main import main
+from subsea.core import durations
+from subsea.profiling import benchmark, comparison, machine
+from subsea.profiling.frame_statistics import STAGES
+from subsea.world import step as ocean
+from tests.support.scenes import BARE
+
+pytestmark = pytest.mark.usefixtures("one_context")
+
+SEA = ["--scenario", str(BARE), "--size", "160x120"]
+SMALL = ["benchmark", *SEA, "--frames", "5", "--fish", "20"]
+
+
+@pytest.fixture(scope="module")
+def reports(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("reports")
+    options = {
+        "with": [],
+        "without": ["--without", "culling,lod"],
+        "live": ["--motor", "dynamics"],
+    }
+    for name, more in options.items():
+        assert main([*SMALL, "--json", str(folder / f"{name}.json"), *more]) == 0
+    return {name: json.loads((folder / f"{name}.json").read_text()) for name in options}
+
+
+def test_the_report_has_the_agreed_keys(reports):
+    report = reports["with"]
+    assert set(report) == {
+        "renderer", "size", "display", "scenario", "fish", "visible_mean", "frames", "seed",
+        "version", "without", "motor", "simulated_mean", "frame_ms", "fps", "stages_ms", "lod",
+        "triangles_mean", "quality", "quality_drawn", "target_ms", "host_ms", "draw_calls",
+        "theatre", "set", "tour", "parts_ms", "machine", "cpu_ms", "yardstick_ms",
+        "rest_ms",
+    }  # fmt: skip
+    assert set(report["frame_ms"]) == {"mean", "p50", "p95", "p99", "max"}
+    assert tuple(report["stages_ms"]) == STAGES
+    assert report["size"] == [160, 120]
+    assert (report["fish"], report["frames"]) == (20, 5)
+
+
+def test_its_figures_agree(reports):
+    for report in reports.values():
+        frame = report["frame_ms"]
+        assert frame["p50"] <= frame["p95"] <= frame["p99"] <= frame["max"]
+        assert report["fps"] == pytest.approx(1000.0 / frame["mean"])
+        assert sum(report["lod"].values()) == pytest.approx(report["visible_mean"])
+        assert sum(report["stages_ms"].values()) < 1.5 * frame["max"]
+        assert 0.0 < report["host_ms"] < frame["p50"]
+        assert 0.0 < report["rest_ms"] < frame["p50"]
+        assert report["draw_calls"] >= 5
+        assert 0.0 < report["cpu_ms"]["thread"] <= 1.01 * report["cpu_ms"]["all"]
+        assert report["cpu_ms"]["thread"] < 1.5 * frame["max"]
+        assert (report["quality"], report["quality_drawn"]) == ("low", "low")
+        assert report["target_ms"] is None
+
+
+def test_the_report_tells_on_what_it_was_measured(reports, capsys):
+    told = reports["with"]["machine"]
+    assert set(told) == {
+        "cpu", "cores", "load", "system", "driver", "python", "packages", "commit",
+    }  # fmt: skip
+    assert told["cores"] == len(os.sched_getaffinity(0))
+    assert told["packages"]["numba"] == version("numba")
+    line = machine.sentence(told)
+    assert told["cpu"] in line
+    assert told["driver"] in line
+    assert "commit" not in machine.sentence(told | {"commit": None})
+
+
+def test_without_culling_and_levels_all_fishes_are_drawn_in_full(reports):
+    full = reports["without"]
+    assert full["visible_mean"] == 20.0
+    assert full["lod"]["tessellated"] == 20.0
+    assert full["triangles_mean"] > reports["with"]["triangles_mean"]
+
+
+def test_with_dynamics_every_fish_is_simulated(reports):
+    assert (reports["with"]["motor"], reports["live"]["motor"]) == ("playback", "dynamics")
+    assert reports["with"]["simulated_mean"] == 0.0
+    assert reports["live"]["simulated_mean"] == 20.0
+    assert reports["live"]["stages_ms"]["motor"] > 3 * reports["with"]["stages_ms"]["motor"]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--motor", "steam"], "unknown motor 'steam'"),
+        (["--motor", "dynamics", "--fish", "4001"], "at most 4000"),
+    ],
+)
+def test_a_motor_that_cannot_be_is_a_fault_in_one_line(capsys, options, message):
+    assert main(["benchmark", *options]) == 2
+    fault = capsys.readouterr().err.splitlines()[-1]
+    assert message in fault
+
+
+def test_auto_climbs_down_to_hold_its_target(tmp_path):
+    report = tmp_path / "auto.json"
+    options = ["--quality", "auto", "--target-ms", "1", "--json", str(report)]
+    assert main([*SMALL, "--frames", "30", *options]) == 0
+    figures = json.loads(report.read_text())
+    assert (figures["quality"], figures["target_ms"]) == ("auto", 1.0)
+    assert re.fullmatch(r"low at [59]\d%", figures["quality_drawn"])
+
+
+@pytest.mark.parametrize(
+    ("command", "message"),
+    [
+        (["benchmark", "--quality", "medum"], "unknown quality 'medum'; did you mean 'medium'?"),
+        (["dive", "--quality", "best"], "there are: auto, low, medium, high"),
+        (["dive", "--target-ms", "0"], "'0': expected a number from 1.0 to 1000.0"),
+        (["dive", "--quality", "low", "--target-ms", "20"], "what --quality auto holds"),
+        (["benchmark", "--target-ms", "20"], "what --quality auto holds, and this is low"),
+        (["film", "x.png", "--quality", "auto"], "--quality low, medium or high"),
+    ],
+)
+def test_a_quality_that_cannot_be_is_a_fault_in_one_line(capsys, command, message):
+    assert main(command) == 2
+    fault = capsys.readouterr().err.splitlines()
+    assert len(fault) == 1
+    assert message in fault[0]
+
+
+@pytest.fixture(scope="module")
+def ladder(tmp_path_factory):
+    """A folder with the report, the table and the picture of two runs on a tour."""
+    folder = tmp_path_factory.mktemp("ladder")
+    options = [*SEA, "--frames", "12", "--fish", "5,20", "--tour", "glide"]
+    files = ["--json", "old.json", "--csv", "frames.csv", "--plot", "stages.png"]
+    files = [str(folder / word) if "." in word else word for word in files]
+    assert main(["benchmark", *options, *files]) == 0
+    return folder
+
+
+def table(path):
+    """The rows of a CSV file, each a dictionary."""
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_several_numbers_of_fishes_are_measured_one_after_another(ladder):
+    runs = json.loads((ladder / "old.json").read_text())["ladder"]
+    assert [run["fish"] for run in runs] == [5, 20]
+    assert {run["tour"] for run in runs} == {"glide"}
+    for run in runs:
+        assert len(run["parts_ms"]["frame"]) == 10
+        assert min(run["parts_ms"]["frame"]) <= run["frame_ms"]["p50"] <= run["frame_ms"]["max"]
+
+
+def test_every_frame_is_a_row_of_the_table(ladder):
+    rows = table(ladder / "frames.csv")
+    assert [(row["fish"], row["frame"]) for row in rows] == [
+        (str(fish), str(k)) for fish in (5, 20) for k in range(12)
+    ]
+    runs = json.loads((ladder / "old.json").read_text())["ladder"]
+    for run, mine in zip(runs, (rows[:12], rows[12:]), strict=True):
+        times = [float(row["frame_ms"]) for row in mine]
+        assert max(times) == pytest.approx(run["frame_ms"]["max"], abs=1e-3)
+        assert float(np.mean([int(row["visible"]) for row in mine])) == run["visible_mean"]
+        assert max(int(row["draw_calls"]) for row in mine) == run["draw_calls"]
+        for row in mine:
+            stages = sum(float(row[f"{name}_ms"]) for name in STAGES)
+            assert float(row["rest_ms"]) >= 0.0
+            assert stages + float(row["rest_ms"]) == pytest.approx(float(row["frame_ms"]), abs=1e-3)
+
+
+def test_the_picture_shows_a_chart_for_each_run(ladder):
+    with Image.open(ladder / "stages.png") as picture:
+        assert picture.format == "PNG"
+        assert picture.size == (900, 580)
+        assert len(np.unique(np.asarray(picture.convert("L")))) > 10
+
+
+@pytest.fixture(scope="module")
+def again(ladder):
+    """The rows of the ladder's second run again, all their times counted in processor time.
+
+    By the clock other programs may take any share of a single frame, in a stage or between two.
+    """
+    path = ladder / "again.csv"
+    options = [*SEA, "--frames", "12", "--fish", "20", "--tour", "glide"]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(time, "perf_counter", time.process_time)
+        gc.disable()  # of what all the tests before have left
+        try:
+            assert main(["benchmark", *options, "--csv", str(path)]) == 0
+        finally:
+            gc.enable()
+    return table(path)
+
+
+def test_on_a_tour_every_run_sees_the_same(ladder, again):
+    rows = table(ladder / "frames.csv")
+    shown = [[(row["visible"], row["triangles"]) for row in run] for run in (rows[12:], again)]
+    assert shown[0] == shown[1]
+
+
+def test_of_no_frame_much_is_in_no_stage(again):
+    for row in again:
+        assert 0.0 <= float(row["rest_ms"]) < 0.3 * float(row["frame_ms"])
+
+
+def test_a_report_stands_against_an_older_one(ladder, tmp_path, capsys):
+    old = json.loads((ladder / "old.json").read_text())["ladder"][1]
+    for table in (old["frame_ms"], old["stages_ms"]):
+        for name in table:
+            table[name] *= 1000.0
+    for name in ("frame", *STAGES):
+        old["parts_ms"][name] = [1000.0 * value for value in old["parts_ms"][name]]
+    slow = tmp_path / "slow.json"
+    slow.write_text(json.dumps(old))
+    options = [*SEA, "--frames", "12", "--fish", "20"]
+    assert main(["benchmark", *options, "--compare", str(slow)]) == 0
+    told = capsys.readouterr().out
+    assert "not alike: tour\n" in told
+    name, then, now, ratio, low, to, high, told = re.search(r"^frame .*", told, re.M)[0].split()
+    assert (name, to, told) == ("frame", "to", "faster")
+    assert float(then) == pytest.approx(old["frame_ms"]["p50"], abs=1e-3)
+    assert float(ratio) == pytest.approx(float(then) / float(now), rel=0.01)
+    assert 100.0 < float(low) < float(high)
+
+
+def compared(reports, older, path, capsys):
+    """What is told of each row of a comparison: its last word."""
+    path.write_text(json.dumps(older))
+    comparison.compare(reports, comparison.read_reports(path), path)
+    rows = capsys.readouterr().out.partition("in most parts\n")[2].splitlines()
+    return {row.split()[0]: row.split()[-1] for row in rows}
+
+
+def test_runs_that_a_busier_machine_slows_do_not_differ(reports, tmp_path, capsys):
+    now, path = reports["with"], tmp_path / "old.json"
+    same = compared([now], now, path, capsys)
+    assert {same[name] for name in ("frame", "cpu", *STAGES)} == {"difference"}
+    slow = json.loads(json.dumps(now))
+    for name in ("frame", "motor", "cpu"):
+        slow["parts_ms"][name] = [2.0 * value for value in slow["parts_ms"][name]]
+    told = compared([now], slow, path, capsys)
+    assert (told["frame"], told["motor"], told["pose"]) == ("faster", "faster", "difference")
+    assert compared([slow], now, path, capsys)["motor"] == "slower"
+    slow["parts_ms"]["yardstick"] = [2.1 * value for value in slow["parts_ms"]["yardstick"]]
+    told = compared([now], slow, path, capsys)
+    assert (told["frame"], told["motor"]) == ("difference", "difference")
+    assert told["cpu"] == "faster"  # processor time needs no yardstick
+
+
+def test_reports_without_a_yardstick_are_compared(reports, tmp_path, capsys):
+    old = json.loads(json.dumps(reports["with"]))
+    for name in ("machine", "cpu_ms", "yardstick_ms", "parts_ms"):
+        del old[name]
+    rows = compared([reports["with"]], old, tmp_path / "old.json", capsys)
+    assert {"frame", *STAGES} == set(rows)
+    assert set(rows.values()) == {"-"}
+
+
+def test_parts_that_took_half_as_long_were_twice_as_fast():
+    assert comparison.spread([4.0] * 10, [2.0] * 10) == (2.0, 2.0)
+    low, high = comparison.spread([1.0, 2.0, 3.0], [1.0, 1.0, 1.0])
+    assert 1.0 < low < 2.0 < high < 3.0
+    assert comparison.spread([1.0] * 9, [1.0] * 10) is None
+    assert comparison.spread([1.0], [1.0]) is None
+    assert comparison.spread([1.0, 1.0], [0.0, 1.0]) is None
+
+
+def test_what_is_interrupted_leaves_nothing(tmp_path, monkeypatch, capsys):
+    steps = []
+
+    def step(*arguments):
+        steps.append(arguments)
+        if len(steps) > 33:
+            raise KeyboardInterrupt
+        ocean.step(*arguments)
+
+    monkeypatch.setattr(benchmark, "step", step)
+    files = ["--json", str(tmp_path / "a.json"), "--csv", str(tmp_path / "a.csv")]
+    assert main([*SMALL, *files]) == 130
+    assert capsys.readouterr().err.splitlines()[-1] == "subsea: interrupted"
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    "content",
+    ["", "{", "[]", "{}", '{"ladder": 3}', '{"ladder": []}', '{"fish": "many"}', "\x00\xff"],
+)
+def test_what_is_no_report_is_a_fault_in_one_line(tmp_path, capsys, content):
+    path = tmp_path / "old.json"
+    path.write_text(content)
+    assert main([*SMALL, "--compare", str(path)]) == 2
+    fault = capsys.readouterr().err.splitlines()
+    assert len(fault) == 1
+    assert "old.json: expected what `subsea benchmark --json` writes" in fault[0]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--compare", "none.json"], "none.json: cannot read (No such file or directory)"),
+        (["--tour", "reaf"], "unknown tour 'reaf'; did you mean 'reef'?"),
+        (["--fish", "5,5"], "'5,5': expected every number once"),
+        (["--fish", "5,0"], "'0': expected a whole number from 1 to 100000"),
+        (["--csv", "."], "is a folder"),
+        (["--plot", "."], "is a folder"),
+        (["--json", "a", "--csv", "./a"], "a: two results cannot go into one file"),
+    ],
+)
+def test_a_run_that_cannot_be_is_a_fault_in_one_line(
+    tmp_path, monkeypatch, capsys, options, message
+):
+    monkeypatch.chdir(tmp_path)
+    assert main(["benchmark", *options]) == 2
+    fault = capsys.readouterr().err.splitlines()
+    assert message in fault[-1]
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_summary_of_known_durations():
+    figures = durations.summary([0.001 * k for k in range(1, 102)])
+    expected = {"mean": 51.0, "p50": 51.0, "p95": 96.0, "p99": 100.0, "max": 101.0}
+    assert figures == pytest.approx(expected)

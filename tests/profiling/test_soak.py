@@ -1,0 +1,235 @@
+"""A short soak is sound, comes again equally, and one that is spoilt is told."""
+
+import json
+from contextlib import nullcontext
+
+import numpy as np
+import pytest
+
+from subsea.behavior.teleop import Reins
+from subsea.cli.main import main
+from subsea.core.resources import resource_names
+from subsea.dive.theatre_setup import chosen_rig
+from subsea.profiling import soak
+from subsea.profiling.soak import Hands, Watch, act, growth, hands, judge
+from subsea.scenario.schema import load_scenario
+from subsea.submarine.helm import HANDS_OFF, Helm
+from subsea.view.display_rigs import DISPLAYS, display_rig
+from subsea.view.theatre.theatre_file import FOLDER
+from subsea.world import snapshot
+from subsea.world.step import create_world
+
+SHORT = ["soak", "--scenario", "preying", "--minutes", "1.01"]
+MINUTE = 360  # ticks: a shorter one
+
+
+@pytest.fixture(scope="module", autouse=True)
+def short_minutes():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(soak, "MINUTE", MINUTE)
+        patch.setattr(soak, "REPLAY_EVERY", MINUTE)
+        yield
+
+
+@pytest.fixture
+def world():
+    return create_world(load_scenario("peaceful")[0], fish=20)
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory):
+    """What a drawn soak of little more than a minute wrote, and what it printed."""
+    path = tmp_path_factory.mktemp("soak") / "soak.json"
+    with pytest.MonkeyPatch.context() as patch:
+        shown = [display_rig(name, soak.SIZE) for name in ("mono", "anaglyph", "dome")]
+        shown += [chosen_rig("mono", soak.SIZE, theatre="cave", shrink=soak.SHRINK)[0]]
+        patch.setattr(soak, "rigs", lambda: shown)
+        patch.setattr(soak, "PICTURES", (1, 1))  # so that there are three rounds
+        assert main([*SHORT, "--json", str(path)]) == 0
+    return path
+
+
+def test_a_soak_is_sound(report):
+    seen = json.loads(report.read_text())
+    assert seen["faults"] == []
+    assert seen["ticks"] == round(1.01 * MINUTE)
+    assert len(seen["checksums"]) == 2
+    assert seen["replays"] == [MINUTE + 1]
+    assert [len(seen[name]) for name in ("things", "alive", "starving", "memory_mb")] == [2] * 4
+    assert seen["alive"][-1] > 10
+    first, *_, last = seen["objects"]
+    assert first == last
+    assert set(first) == {"Buffer", "Texture", "Renderbuffer", "Program"}
+
+
+def test_the_same_soak_comes_again_without_pictures(report, capsys):
+    assert main([*SHORT, "--no-draw", "--compare", str(report)]) == 0
+    assert capsys.readouterr().out.splitlines()[-1] == "sound"
+
+
+def test_a_longer_soak_is_compared_by_the_minutes_that_both_have(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(soak, "MINUTE", 40)
+    report = tmp_path / "soak.json"
+    words = ["soak", "--fish", "3", "--no-draw"]
+    assert main([*words, "--minutes", "1.5", "--json", str(report)]) == 0
+    assert main([*words, "--minutes", "2.5", "--compare", str(report)]) == 0
+    seen = json.loads(report.read_text())
+    report.write_text(json.dumps(seen | {"checksums": ["other", "end"]}))
+    assert main([*words, "--minutes", "2.5", "--compare", str(report)]) == 1
+    told = capsys.readouterr()
+    assert told.out.splitlines()[-1] == "1 fault"
+    assert "minute 1: not the checksum of the older soak" in told.err
+
+
+def test_another_dive_is_not_compared(report, capsys):
+    assert main([*SHORT, "--no-draw", "--seed", "5", "--compare", str(report)]) == 2
+    fault = capsys.readouterr().err.splitlines()[-1]
+    assert f"{report}: a soak with seed" in fault
+    assert fault.endswith("expected 5")
+
+
+def test_an_interrupted_soak_is_told_and_written(tmp_path, monkeypatch, capsys):
+    def interrupted(world, doing):
+        if world.state.tick > 70:
+            raise KeyboardInterrupt
+        act(world, doing)
+
+    monkeypatch.setattr(soak, "act", interrupted)
+    report = tmp_path / "soak.json"
+    assert main(["soak", "--fish", "3", "--no-draw", "--json", str(report)]) == 130
+    assert json.loads(report.read_text())["ticks"] == 70
+    assert "sound" in capsys.readouterr().out
+
+
+def test_hands_do_all_that_hands_may(world):
+    doing = hands(world, np.random.default_rng(3))
+    seen = [next(doing) for _ in range(20_000)]
+    orders = {type(one.order) for one in seen}
+    assert orders == {Helm, Reins}
+    assert any(one.order == HANDS_OFF for one in seen)
+    assert {one.lights for one in seen} == {True, False}
+    assert len({one.current_cm_s for one in seen}) > 5
+
+
+def test_time_that_does_not_come_again_is_a_fault(monkeypatch, capsys):
+    ran = iter(range(10**9))
+
+    def drifting(world, doing):
+        act(world, doing)
+        world.state.submarine.position[2] -= 1e-4 * next(ran)
+
+    monkeypatch.setattr(soak, "act", drifting)
+    monkeypatch.setattr(soak, "REPLAY_EVERY", 150)
+    assert main(["soak", "--minutes", "0.5", "--fish", "3", "--no-draw"]) == 1
+    assert "the past did not come again" in capsys.readouterr().err
+
+
+def test_a_fish_that_stays_where_it_is_is_a_fault(monkeypatch, capsys):
+    def holding(world, doing):
+        there = world.state.fishes.position[1].copy()
+        act(world, doing)
+        world.state.fishes.position[1] = there
+
+    monkeypatch.setattr(soak, "act", holding)
+    monkeypatch.setattr(soak, "STILL", 120)
+    assert main(["soak", "--minutes", "0.5", "--fish", "3", "--no-draw"]) == 1
+    assert capsys.readouterr().err.splitlines()[-1].endswith("tick 121: fish 1 is stuck")
+
+
+def test_a_constant_that_changes_is_a_fault(monkeypatch, capsys):
+    def spoiling(world, doing):
+        act(world, doing)
+        world.state.sea.heights[0, 0] = world.state.tick
+
+    monkeypatch.setattr(soak, "act", spoiling)
+    assert main(["soak", "--minutes", "0.2", "--fish", "3", "--no-draw"]) == 1
+    assert "tick 73: what stays as it began has changed" in capsys.readouterr().err
+
+
+def test_a_picture_of_nothing_is_a_fault(monkeypatch, capsys):
+    class Blank:
+        def draw(self, packet):
+            pass
+
+        def read_pixels(self, output):
+            return np.full((18, 32, 3), 7, np.uint8)
+
+    monkeypatch.setattr(soak, "headless", lambda: nullcontext())
+    monkeypatch.setattr(soak, "picture_maker", lambda *made: nullcontext(Blank()))
+    monkeypatch.setattr(soak, "rigs", lambda: [display_rig("mono", soak.SIZE)])
+    assert main(["soak", "--minutes", "0.1", "--fish", "3"]) == 1
+    assert "tick 31: an empty picture" in capsys.readouterr().err
+
+
+def test_every_display_and_theatre_has_its_turn():
+    shown = soak.rigs()
+    assert len(shown) == len(DISPLAYS) - 1 + len(resource_names(FOLDER, ".toml"))
+    assert {len(rig.outputs) for rig in shown} == {1, 3}
+    assert all(max(max(size) for size in rig.outputs) < 800 for rig in shown)
+
+
+def test_hands_leave_the_world_that_a_snapshot_takes(world):
+    doing = Hands(HANDS_OFF, True, (4.0, 5.0), 1.5)
+    before = snapshot.checksum(world)
+    act(world, doing)
+    assert snapshot.checksum(world) != before
+    assert world.state.submarine.lights[0]
+    assert world.current_cm_s == (4.0, 5.0)
+    assert world.nature.timidity == 1.5
+
+
+def test_memory_that_grows_is_told():
+    assert growth([]) == growth([5.0]) == 0.0
+    assert growth([100.0] * 60) == 0.0
+    assert growth([50.0] * 10 + [100.0] * 50) == 0.0  # while it warms up
+    assert growth([100.0 + k for k in range(60)]) == pytest.approx(152 / 122 - 1)
+
+
+@pytest.mark.parametrize("drawn", [False, True])
+def test_what_grows_is_a_fault(drawn):
+    steady = [500] * 60
+    watch = Watch(*([] for _ in Watch._fields))
+    watch.memory_mb.extend(steady)
+    watch.things.extend(steady)
+    watch.objects.extend([{"Buffer": 2}, {"Buffer": 2}])
+    judge(watch, drawn)
+    assert watch.faults == []
+    watch.memory_mb[-9:] = watch.things[-9:] = [600] * 9
+    watch.objects.append({"Buffer": 3})
+    judge(watch, drawn)
+    assert watch.faults == [
+        "memory grew by 20.0%",
+        "objects of Python grew by 20.0%",
+        "objects of OpenGL that are not released: Buffer, [2, 2, 3]",
+    ]
+
+
+def test_memory_of_a_dive_that_is_drawn_is_judged_after_its_warm_up():
+    def faults(memory_mb, drawn):
+        watch = Watch(*([] for _ in Watch._fields))._replace(memory_mb=memory_mb)
+        judge(watch, drawn)
+        return watch.faults
+
+    warms_up = [float(min(400 + 25 * k, 1000)) for k in range(50)]
+    assert faults(warms_up, True) == []
+    assert faults(warms_up, False) == ["memory grew by 19.4%"]
+    assert faults([*warms_up[:46], *[1100.0] * 4], True) == ["memory grew by 10.0%"]
+    assert faults(warms_up[:20], True) == []  # too short to tell
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--minutes", "0"], "expected a number from 0.01"),
+        (["--compare", "none.json"], "none.json: cannot read (No such file or directory)"),
+        (["--compare", "bad.json"], "bad.json: expected what `subsea soak --json` writes"),
+        (["--json", "."], "is a folder"),
+    ],
+)
+def test_a_soak_that_cannot_be_is_a_fault_in_one_line(
+    tmp_path, monkeypatch, capsys, options, message
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "bad.json").write_text("[3]")
+    assert main(["soak", *options]) == 2
+    assert message in capsys.readouterr().err.splitlines()[-1]

@@ -1,0 +1,276 @@
+"""`subsea study`: reading records, the table, JSON and plots."""
+
+import json
+import re
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from PIL import Image
+
+from subsea.cli.main import main
+from subsea.core.errors import UserError
+from subsea.fish.species import load_species, species_names
+from subsea.study import plots
+from subsea.study import report as study
+from subsea.study.record import FIELDS, outline, read_record
+
+DOCS = Path(__file__).parents[2] / "docs"
+
+
+@pytest.fixture(scope="module")
+def record(tmp_path_factory):
+    out = tmp_path_factory.mktemp("study") / "run.h5"
+    assert main(["simulate", "--ticks", "40", "--fish", "12", "--out", str(out)]) == 0
+    return out
+
+
+@pytest.fixture
+def damaged(record, tmp_path):
+    """A copy to spoil."""
+    copy = tmp_path / "copy.h5"
+    copy.write_bytes(record.read_bytes())
+    return copy
+
+
+def test_a_record_is_read_as_it_was_written(record):
+    read = read_record(record)
+    with h5py.File(record) as file:
+        for name in ("position", "intention", "mental_state", "alive", "leader", "male", "length"):
+            assert np.array_equal(getattr(read, name), file[f"fish/{name}"][()])
+        assert np.array_equal(read.plankton, file["plankton/count"])
+        assert np.array_equal(read.heights, file["sea/heights"])
+    assert read.intention_names[:7] == [
+        "avoid", "escape", "school", "eat", "mate", "leave", "wander",
+    ]  # fmt: skip
+    assert read.alarmed == 0.5
+
+
+def test_the_command_prints_writes_and_draws(record, tmp_path, capsys):
+    out, report = tmp_path / "plots", tmp_path / "report.json"
+    assert main(["study", str(record), "--out", str(out), "--json", str(report)]) == 0
+    text = capsys.readouterr().out
+    found = json.loads(report.read_text())
+    assert text.startswith("40 ticks (1.32 s) of 12 fishes")
+    assert f"{found['sea']['least_clearance_cm']:.1f} cm from the" in text
+    for name, number in found["species"].items():
+        assert f"{number} {name}" in text
+        shares = found["minds"]["time_budget"][name].values()
+        assert sum(shares) == pytest.approx(1.0 if number else 0.0, abs=0.001)
+    drawn = {path.stem: np.asarray(Image.open(path)) for path in out.iterdir()}
+    assert {"time_budget", "minds", "paths", "clearance", "schools"} == set(drawn)
+    assert all(picture.std() > 5 and picture.shape[1] >= 600 for picture in drawn.values())
+
+
+def test_a_study_of_nothing_much_has_an_answer_too(tmp_path, capsys):
+    """One tick of one fish."""
+    out = tmp_path / "one.h5"
+    assert main(["simulate", "--ticks", "1", "--fish", "1", "--out", str(out)]) == 0
+    assert main(["study", str(out), "--out", str(tmp_path / "plots")]) == 0
+    recorded, studied = capsys.readouterr().out.splitlines()[:2]
+    assert recorded == f"{out}: 1 tick of 1 fish"
+    assert studied.startswith("1 tick (0.033 s) of 1 fish, seed")
+
+
+def spoil_type(file):
+    del file["fish/position"]
+    file["fish/position"] = np.zeros((40, 12, 3), "S3")
+
+
+def spoil_length(file):
+    del file["fish/alive"]
+    file["fish/alive"] = np.ones((39, 12), bool)
+
+
+def spoil_numbers(file):
+    file["fish/snout"][3, 4, 1] = np.nan
+
+
+def spoil_code(file):
+    file["fish/intention"][5, 5] = 200
+
+
+def spoil_leader(file):
+    file["fish/leader"][5, 5] = 12
+
+
+def spoil_order(file):
+    file["time"][5] = 99.0
+
+
+def spoil_version(file):
+    file.attrs["version"] = 1
+
+
+def spoil_format(file):
+    file.attrs["format"] = np.bytes_(b"subsea-repertoire")
+
+
+def spoil_names(file):
+    file.attrs["kind_names"] = 3
+
+
+def spoil_tick(file):
+    file.attrs["tick_s"] = np.nan
+
+
+def spoil_link(file):
+    del file["sea/heights"]
+    file["sea/heights"] = h5py.ExternalLink("other.h5", "/x")
+
+
+@pytest.mark.parametrize(
+    ("spoil", "words"),
+    [
+        (spoil_type, "fish/position: expected"),
+        (spoil_length, "fish/alive: shape 39×12, expected 40×12"),
+        (spoil_numbers, "fish/snout: contains numbers that are not finite"),
+        (spoil_code, "fish/intention: code 200 has no name"),
+        (spoil_leader, "fish/leader: expected fishes from 0 to 11"),
+        (spoil_order, "time: expected times that rise"),
+        (spoil_version, "version 1 of the format, expected 2"),
+        (spoil_format, "not a record of a simulation"),
+        (spoil_names, "'kind_names' is not a row of words"),
+        (spoil_tick, "'tick_s' is nan"),
+        (spoil_link, "sea/heights: missing"),
+    ],
+)
+def test_a_damaged_record_is_one_line(damaged, spoil, words, capsys):
+    with h5py.File(damaged, "r+") as file:
+        spoil(file)
+    assert main(["study", str(damaged)]) == 2
+    err = capsys.readouterr().err
+    assert words in err and str(damaged) in err
+    assert len(err.splitlines()) == 1
+
+
+@pytest.mark.parametrize("content", [b"", b"no HDF5", b"\x89HDF\r\n\x1a\n" + bytes(100)])
+def test_a_foreign_file_is_one_line(tmp_path, content, capsys):
+    path = tmp_path / "foreign.h5"
+    path.write_bytes(content)
+    assert main(["study", str(path)]) == 2
+    assert len(capsys.readouterr().err.splitlines()) == 1
+
+
+def test_half_a_file_is_one_line(damaged, capsys):
+    damaged.write_bytes(damaged.read_bytes()[: damaged.stat().st_size // 2])
+    assert main(["study", str(damaged)]) == 2
+    assert len(capsys.readouterr().err.splitlines()) == 1
+
+
+def test_a_record_of_another_program_and_one_that_is_too_long(tmp_path, damaged, capsys):
+    repertoire = DOCS.parent / "repertoires" / "fusilier.h5"
+    assert main(["study", str(repertoire)]) == 2
+    assert "not a record of a simulation" in capsys.readouterr().err
+    with h5py.File(damaged, "r+") as file:
+        del file["time"]
+        file["time"] = np.arange(1, 2_000_001, dtype=float)
+    assert main(["study", str(damaged)]) == 2
+    assert "too much for one study" in capsys.readouterr().err
+
+
+def test_no_room_for_results_is_said_before_the_work(record, tmp_path, capsys):
+    blocked = tmp_path / "file"
+    blocked.write_text("")
+    for option in (["--out", str(blocked / "plots")], ["--json", str(blocked / "x.json")]):
+        assert main(["study", str(record), *option]) == 2
+        out = capsys.readouterr()
+        assert not out.out and len(out.err.splitlines()) == 1
+
+
+def test_a_result_never_takes_the_place_of_the_record(damaged, tmp_path, monkeypatch, capsys):
+    before = damaged.read_bytes()
+    monkeypatch.chdir(tmp_path)
+    drawn = tmp_path / "plots" / "minds.png"
+    drawn.parent.mkdir()
+    drawn.write_bytes(before)
+    for options in (
+        [str(damaged), "--json", f"../{tmp_path.name}/copy.h5"],
+        [str(drawn), "--out", "plots"],
+        [str(damaged), "--out", "plots", "--json", "plots/paths.png"],
+    ):
+        assert main(["study", *options]) == 2
+        out = capsys.readouterr()
+        assert not out.out and len(out.err.splitlines()) == 1
+        assert "too, expected another name" in out.err
+    assert damaged.read_bytes() == drawn.read_bytes() == before
+    assert list(drawn.parent.iterdir()) == [drawn]
+
+
+@pytest.mark.parametrize("when", ["measuring", "drawing"])
+def test_ctrl_c_leaves_no_result(record, tmp_path, monkeypatch, capsys, when):
+    """It comes in the middle of a measure or of a plot, and is heeded after it."""
+    done = []
+
+    def disturbed(*given):
+        signal.raise_signal(signal.SIGINT)
+        done.append(when)
+
+    if when == "measuring":
+        monkeypatch.setattr(study, "_minds", disturbed)
+    else:
+        monkeypatch.setitem(plots._PAGES, "paths", disturbed)
+    places = ["--out", str(tmp_path / "plots"), "--json", str(tmp_path / "report.json")]
+    assert main(["study", str(record), *places]) == 130
+    assert done == [when]
+    assert capsys.readouterr().err == "subsea: interrupted\n"
+    assert not list(tmp_path.iterdir())
+
+
+def test_without_matplotlib_the_table_works_and_plots_are_one_line(record, tmp_path):
+    program = (
+        "import sys; sys.modules['matplotlib'] = None; from subsea.cli.main import main; "
+        f"a = main(['study', {str(record)!r}]); "
+        f"b = main(['study', {str(record)!r}, '--out', {str(tmp_path / 'plots')!r}]); print(a, b)"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert done.stdout.splitlines()[-1] == "0 2"
+    assert done.stderr.strip() == "subsea: plots need matplotlib: install subsea[plot]"
+    assert not (tmp_path / "plots").exists()
+
+
+@pytest.mark.parametrize("name", species_names())
+def test_outlines_are_those_of_the_species(name):
+    species = load_species(name)
+    width, height = outline(species.surface)
+    assert (width >= 0).all() and (height >= 0).all()
+    wing = species.surface.wing
+    widest = wing.span if wing else max(w for _, w in species.surface.width)
+    # A wing's tip may lie between two of the thirteen places.
+    assert (0.7 if wing else 0.9) * widest < width.max() <= 1.001 * widest
+    # The tail fin may be as tall as the body.
+    assert 2 * height[:9].max() == pytest.approx(species.surface.depth, rel=0.12)
+
+
+def test_a_scenario_of_any_length_fits_beside_the_data(record):
+    """The text is an attribute, of which HDF5's compact ones hold 64 KB at most."""
+    with h5py.File(record) as file:
+        assert file.attrs.get_id("scenario").dtype.hasobject
+
+
+def test_the_documentation_lists_every_dataset():
+    page = (DOCS / "records.md").read_text(encoding="utf-8")
+    for name, field in FIELDS.items():
+        shape = " × ".join(map(str, field.shape))
+        cells = (f"`{name}`", shape, np.dtype(field.type).name, field.unit, field.meaning)
+        assert f"| {' | '.join(cells)} |" in page
+    assert len(re.findall(r"^\| `[a-z_]+(/[a-z_]+)?` \| [TnsmpreT]", page, re.M)) == len(FIELDS)
+
+
+def test_the_example_of_the_documentation_runs(record, monkeypatch, capsys):
+    example = re.search(r"```python\n(.*?)```", (DOCS / "records.md").read_text(), re.S)
+    monkeypatch.chdir(record.parent)
+    exec(compile(example[1], "docs/records.md", "exec"), {})
+    first, second = capsys.readouterr().out.splitlines()
+    intentions = read_record(record).intention_names
+    assert any(name in first for name in intentions) and first.endswith("fish-seconds")
+    assert second.endswith("cm")
+
+
+def test_a_user_error_names_a_missing_file():
+    with pytest.raises(UserError, match="no such file"):
+        read_record(Path("nowhere.h5"))

@@ -1,0 +1,66 @@
+"""What records of the scenarios show, at reduced length: figures at full length in behavior.md."""
+
+import pytest
+
+from subsea.cli.main import main
+from subsea.study.record import read_record
+from subsea.study.report import measure
+
+MINUTE, FIFTY_SECONDS = 1900, 1515  # ticks
+
+
+@pytest.fixture(scope="module")
+def studied(tmp_path_factory):
+    """What is measured in the first minute of the peaceful bay, and among pillars."""
+    folder = tmp_path_factory.mktemp("scenarios")
+    found = {}
+    for scenario, ticks in (("peaceful", MINUTE), ("schooling", FIFTY_SECONDS)):
+        out = folder / f"{scenario}.h5"
+        options = ["--scenario", scenario, "--ticks", str(ticks), "--out", str(out)]
+        assert main(["simulate", *options]) == 0
+        found[scenario] = measure(read_record(out))
+    return found
+
+
+@pytest.mark.parametrize("scenario", ["peaceful", "schooling"])
+def test_nobody_leaves_the_sea_or_enters_what_stands_in_it(studied, scenario):
+    assert studied[scenario]["sea"]["out_of_bounds_or_inside"] == 0
+
+
+@pytest.mark.parametrize("scenario", ["peaceful", "schooling"])
+def test_bodies_hardly_ever_overlap(studied, scenario):
+    assert studied[scenario]["sea"]["overlap_share"] < 0.005
+
+
+@pytest.mark.parametrize("scenario", ["peaceful", "schooling"])
+def test_nobody_dithers(studied, scenario):
+    minds = studied[scenario]["minds"]
+    assert 0.0 < minds["changes_per_second"] <= 1.0
+
+
+def test_nobody_stays_hungry_where_there_is_plankton(studied):
+    assert studied["peaceful"]["minds"]["hunger_saturated_share"] == 0.0
+
+
+def test_a_minute_of_peace_has_room_for_more_than_wandering(studied):
+    budgets = studied["peaceful"]["minds"]["time_budget"]
+    assert budgets["Yellowback fusilier"]["school"] > 0.3
+    assert sum(budget["eat"] for budget in budgets.values()) > 0.05
+    assert studied["peaceful"]["food"]["meals"] > 0
+
+
+def test_a_school_is_polarised_and_evenly_spaced_while_it_cruises(studied):
+    for school in studied["peaceful"]["schools"]:
+        assert school["polarisation_median"] >= 0.8
+        assert 0.6 <= school["nearest_bl"]["p50"] <= 1.6
+    (school,) = studied["schooling"]["schools"]
+    assert school["cruising_share"] > 0.9
+    assert school["polarisation_median"] >= 0.8
+    assert 0.6 <= school["nearest_bl"]["p50"] <= 1.6
+
+
+def test_a_school_splits_at_the_pillar_and_rejoins(studied):
+    (school,) = studied["schooling"]["schools"]
+    met = [split for split in school["each_split"] if split["start_s"] > 5.0]
+    assert met and max(split["apart_share"] for split in met) >= 0.1
+    assert all(split["rejoined"] and split["lasted_s"] <= 15.0 for split in met)

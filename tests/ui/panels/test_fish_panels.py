@@ -1,0 +1,339 @@
+"""Panels about fishes and time in a real window, by real mouse events."""
+
+import re
+import tomllib
+from contextlib import closing
+
+import glfw
+import msgspec
+import numpy as np
+import pytest
+
+from subsea.behavior.table import INTENTIONS
+from subsea.core.resources import resource_path
+from subsea.scenario.schema import Waypoint
+from subsea.state import EAT, ESCAPE, FEAR, SUBMARINE
+from subsea.ui.dive import Dive
+from subsea.ui.gui import LIT
+from subsea.ui.panels import PANELS
+from subsea.ui.panels.behavior import Seen
+from subsea.ui.panels.control import angles_deg
+from subsea.ui.panels.intention import focus
+from subsea.ui.panels.mental_chart import Chart
+from subsea.view.retina import Gaze
+from subsea.world import snapshot
+from subsea.world.world import TICK_S
+
+SIZE = (780, 590)
+
+
+@pytest.fixture(scope="module")
+def boat(display, hands, coarse, tmp_path_factory):
+    text = (resource_path("assets/scenarios") / "peaceful.toml").read_text()
+    few = tmp_path_factory.mktemp("sea") / "few.toml"
+    few.write_text(re.sub(r"^number = \d+", "number = 3", text, flags=re.MULTILINE))
+    with closing(Dive(str(few), "mono", SIZE, seed=1, quality=coarse)) as running:
+        running.grant("help")
+        hands.glide(running, 0.2)
+        hands.do("key", "Tab")
+        hands.until(running, lambda: running.desk.open)
+        yield running
+
+
+@pytest.fixture
+def still(boat, hands):
+    """Time stands still, no panel is open, no fish is chosen."""
+    boat.desk.shown.clear()
+    boat.mount(None)
+    boat.desk.chosen = None
+    if not boat.timeline.paused:
+        boat.timeline.pause()
+    hands.glide(boat, 0.2)
+    return boat
+
+
+def opened(boat, hands, name, fish=None):
+    boat.desk.shown.add(name)
+    boat.desk.chosen = fish
+    hands.glide(boat, 0.3)
+
+
+def put(boat, fish, x, y, far_cm):
+    """A fish where a place on the screen is seen."""
+    eye, way = boat.picture.sight.ray(x, y)
+    fishes = boat.world.state.fishes
+    fishes.position[fish] = fishes.previous_position[fish] = eye + far_cm * way
+
+
+def click(boat, hands, x, y):
+    left, top = boat.window.position
+    hands.do("mousemove", round(left + x * SIZE[0]), round(top + y * SIZE[1]))
+    hands.glide(boat, 0.2)
+    for word in ("mousedown", "mouseup"):
+        hands.do(word, 1)
+        hands.glide(boat, 0.2)
+
+
+def test_a_click_in_the_sea_chooses_the_fish_that_is_drawn_there(still, hands):
+    put(still, 4, 0.3, 0.4, 90.0)
+    put(still, 7, 0.7, 0.6, 120.0)
+    put(still, 1, 0.7, 0.6, 260.0)  # behind it
+    hands.glide(still, 0.1)
+    click(still, hands, 0.3, 0.4)
+    assert still.desk.chosen == 4
+    click(still, hands, 0.7, 0.6)
+    assert still.desk.chosen == 7
+    ringed = hands.screen(still)
+    still.desk.chosen = None
+    still.frame(0.0)
+    plain = hands.screen(still)
+    still.desk.chosen = 7
+    rows, columns = np.nonzero(np.abs(ringed - plain).sum(axis=2) > 60)  # the ring about it
+    assert abs(columns.mean() / SIZE[0] - 0.7) < 0.02 and abs(rows.mean() / SIZE[1] - 0.6) < 0.02
+    assert np.hypot(columns - 0.7 * SIZE[0], rows - 0.6 * SIZE[1]).min() > 10.0
+    click(still, hands, 0.98, 0.96)  # where there is no fish
+    assert still.desk.chosen is None
+
+
+def test_fishes_are_chosen_on_the_panel_one_after_another_or_by_number(still, hands, spots):
+    opened(still, hands, "Habits")
+    spots.click(still, "next")
+    spots.click(still, "next")
+    assert still.desk.chosen == 1
+    spots.click(still, "previous")
+    spots.click(still, "previous")
+    assert still.desk.chosen == len(still.world.state.fishes.alive) - 1
+    spots.click(still, "fish", 0.2)
+    hands.do("key", "ctrl+a", "5", "Return")
+    hands.until(still, lambda: still.desk.chosen == 5)
+
+
+def test_a_fish_that_is_no_more_is_not_chosen_any_more(still, hands):
+    still.desk.chosen = 2
+    still.world.state.fishes.alive[2] = False
+    hands.glide(still, 0.1)
+    assert still.desk.chosen is None
+    still.world.state.fishes.alive[2] = True
+
+
+def test_a_slider_changes_the_digestion_of_one_fish_and_a_rewind_gives_it_back(still, hands, spots):
+    time, digestion = still.timeline, still.world.state.minds.digestion
+    time.single()
+    opened(still, hands, "Behavior", 3)
+    before, tick = digestion.copy(), time.tick
+    time.single()
+    hands.glide(still, 0.1)
+    spots.drag(still, "digestion, 1/s", 0.1, 0.5)
+    after = digestion.copy()
+    assert after[3] > 2.0 * before[3]
+    np.testing.assert_array_equal(np.delete(after, 3), np.delete(before, 3))
+    time.stand_at(tick)
+    hands.glide(still, 0.1)
+    np.testing.assert_array_equal(digestion, before)
+
+
+def test_hunger_and_libido_are_set_now(still, hands, spots):
+    minds = still.world.state.minds
+    opened(still, hands, "Behavior", 3)
+    spots.click(still, "hunger", 0.02)
+    assert minds.mental[3, 0] < 0.1
+    assert minds.eaten[3] > 0.85 * minds.appetite[3]
+    spots.click(still, "libido", 0.5)
+    assert minds.mental[3, 1] > 0.5
+    assert minds.last_mating[3] < still.world.state.tick * TICK_S
+
+
+def test_constants_of_all_fishes_are_set_keep_their_order_and_go_back(still, hands, spots):
+    opened(still, hands, "Behavior")
+    before = still.world.nature
+    spots.click(still, "Constants of all fishes")
+    hands.glide(still, 0.2)
+    spots.drag(still, "is alarmed by fear of", 0.3, 0.9)
+    assert still.world.nature.alarmed > 0.8 > before.alarmed
+    assert still.world.nature.panicked > still.world.nature.alarmed
+    spots.click(still, "As in the scenario")
+    assert still.world.nature == before
+    spots.click(still, "Constants of all fishes")
+
+
+def test_the_intention_that_is_lit_is_the_state_s(still, hands, spots):
+    minds = still.world.state.minds
+    opened(still, hands, "Behavior", 3)
+    for code in (ESCAPE, EAT):
+        minds.intention[3], minds.target[3] = code, 0
+        hands.glide(still, 0.2)
+        picture = hands.screen(still)
+        blue = {}
+        for name in INTENTIONS:
+            x, y = (int(v) for v in spots[name][:2])
+            blue[name] = picture[y + 8 : y + 12, x + 4 : x + 8].mean(axis=(0, 1))
+        lit = max(blue, key=lambda name: blue[name].sum())
+        assert lit == INTENTIONS[code]
+        np.testing.assert_allclose(blue[lit], np.multiply(LIT, 255.0), atol=8.0)
+
+
+def test_what_a_fish_is_about_is_told(still):
+    world = still.world
+    minds, fishes = world.state.minds, world.state.fishes
+    minds.intention[3], minds.predator[3] = ESCAPE, SUBMARINE
+    far = np.linalg.norm(fishes.position[3] - world.state.submarine.position)
+    assert focus(world, 3) == ("the submarine", pytest.approx(far))
+    minds.predator[3] = 8
+    assert focus(world, 3)[0] == f"{world.species[fishes.species[8]].name} 8"
+    minds.intention[3], minds.target[3] = EAT, -1
+    assert focus(world, 3) == ("nothing", None)
+
+
+def test_charts_hold_what_the_state_had(still, hands):
+    minds, seen = still.world.state.minds, []
+    opened(still, hands, "Behavior", 0)
+    still.timeline.pause()
+    for _ in range(20):
+        still.frame(TICK_S)
+        seen.append((still.world.state.tick, minds.mental[0].copy()))
+    minds.mental[0, FEAR] = 0.625
+    still.frame(0.0)
+    chart = still.desk.of(Seen).chart
+    assert isinstance(chart, Chart) and chart.fish == 0
+    seen[-1][1][FEAR] = 0.625
+    for tick, mental in seen:
+        back = still.world.state.tick - tick
+        np.testing.assert_array_equal(chart.values[:, -1 - back], mental)
+
+
+def test_habits_are_set_of_one_fish_or_of_all_its_species(still, hands, spots):
+    minds, fishes = still.world.state.minds, still.world.state.fishes
+    opened(still, hands, "Habits", 4)
+    kin = fishes.species == fishes.species[4]
+    male = minds.male.copy()
+    spots.click(still, "female" if male[4] else "male", 0.1)
+    assert minds.male[4] != male[4]
+    np.testing.assert_array_equal(np.delete(minds.male, 4), np.delete(male, 4))
+    spots.click(still, "cold", 0.2)
+    spots.click(still, "warmth", 0.2)
+    assert minds.likes[4].tolist() == [False, False, True, True]
+    name = still.world.species[fishes.species[4]].name
+    spots.click(still, f"all of {name}", 0.1)
+    spots.click(still, "prey" if minds.kind[4] == 0 else "pacifist", 0.1)
+    assert len(set(minds.kind[kin])) == 1
+    schools = minds.schools.copy()
+    spots.click(still, "likes schooling", 0.1)
+    assert (minds.schools[kin] != schools[4]).all()
+    np.testing.assert_array_equal(minds.schools[~kin], schools[~kin])
+    spots.click(still, "this fish alone", 0.1)
+
+
+def test_time_stands_still_goes_on_by_ticks_and_back(still, hands, spots):
+    time, world = still.timeline, still.world
+    opened(still, hands, "Time")
+    spots.click(still, "go on")
+    assert not time.paused
+    hands.glide(still, 1.5)
+    spots.click(still, "pause")
+    assert time.paused
+    tick, sums = time.tick, snapshot.checksum(world)
+    spots.click(still, "one tick")
+    assert time.tick == tick + 1
+    spots.drag(still, "##back", 0.99, 0.5)
+    assert time.tick < tick - 20
+    time.stand_at(tick)
+    hands.glide(still, 0.1)
+    assert snapshot.checksum(world) == sums
+    spots.click(still, "×2", 0.2)
+    assert time.rate == 2.0
+    spots.click(still, "×1", 0.2)
+
+
+def test_diagrams_and_wireframe_are_ticked_and_drawn(still, hands, spots):
+    opened(still, hands, "Control")
+    plain = hands.screen(still)
+    for label in ("bounds", "wireframe"):
+        spots.click(still, label, 0.1)
+    assert still.picture.diagrams == {"bounds"} and still.picture.wireframe
+    hands.do("mousemove", 400, 585)
+    hands.glide(still, 0.2)
+    beside = np.abs(hands.screen(still) - plain)[:, 560:].sum(axis=2)
+    assert (beside > 60).mean() > 0.1
+    for label in ("bounds", "wireframe"):
+        spots.click(still, label, 0.1)
+    assert not still.picture.diagrams and not still.picture.wireframe
+    lights = still.world.state.submarine.lights
+    spots.click(still, "lights", 0.1)
+    assert lights.all()
+    spots.click(still, "lights", 0.1)
+    assert not lights.any()
+
+
+def test_the_camera_is_copied_as_a_waypoint_that_a_tour_can_have(still, hands, spots):
+    submarine = still.world.state.submarine
+    opened(still, hands, "Control")
+    spots.click(still, "copy it as a waypoint of a tour")
+    text = glfw.get_clipboard_string(None).decode()
+    (entry,) = tomllib.loads(f"waypoint = [{text}]")["waypoint"]
+    point = msgspec.convert(entry, Waypoint)
+    ahead = np.subtract(point.look_at_cm, point.position_cm)
+    np.testing.assert_allclose(point.position_cm, submarine.position, atol=60.0)
+    heading, pitch = angles_deg(still.picture.sight.view)
+    level = np.cos(np.radians(pitch)) * np.linalg.norm(ahead)
+    expected = [np.cos(np.radians(heading)) * level, np.sin(np.radians(heading)) * level]
+    np.testing.assert_allclose(ahead[:2], expected, atol=0.2)
+
+
+def test_what_is_told_of_the_picture_is_so(still, hands):
+    opened(still, hands, "Control")
+    counts = still.picture.counts
+    assert counts["fishes"] == np.count_nonzero(still.world.state.fishes.alive)
+    assert 0 < counts["in sight"] <= counts["fishes"]
+    assert counts["triangles"] == still.picture._renderer.triangles > 1000
+
+
+def test_a_fish_is_ridden_followed_and_left_and_its_eyes_turned(still, hands, spots):
+    opened(still, hands, "Fish view", 5)
+    spots.click(still, "the fish's eyes", 0.1)
+    assert still.picture.ride.by.fish == 5 and not still.picture.ride.behind
+    assert still.picture._insets
+    spots.drag(still, "pan", 0.42, 0.7)
+    assert still.picture.ride.gaze.pan_deg > 30.0 and still.picture.ride.gaze.tilt_deg == 0.0
+    spots.click(still, "look ahead")
+    assert still.picture.ride.gaze == Gaze()
+    spots.click(still, "identity", 0.1)
+    assert still.picture.look == "identity"
+    spots.click(still, "colours", 0.1)
+    spots.click(still, "pictures of both eyes", 0.1)
+    assert not still.picture._insets
+    spots.click(still, "pictures of both eyes", 0.1)
+    spots.click(still, "behind the fish", 0.1)
+    assert still.picture.ride.behind
+    spots.click(still, "next")
+    assert still.picture.ride.by.fish == still.desk.chosen == 6 and still.picture.ride.behind
+    spots.click(still, "its reins are in your hands", 0.05)
+    assert still.steers_fish
+    spots.click(still, "goes by the light in its eyes", 0.05)
+    still.timeline.single()
+    hands.glide(still, 0.2)
+    assert set(still.world.seen_light) == {6}
+    spots.click(still, "goes by the light in its eyes", 0.05)
+    assert not still.world.seen_light
+    spots.click(still, "the submarine", 0.1)
+    assert still.picture.ride is None and still.desk.chosen == 6
+
+
+def test_panels_that_nobody_touches_change_nothing(still, hands):
+    time, world = still.timeline, still.world
+    hands.do("mousemove", 400, 585)
+    time.pause()
+    hands.glide(still, 2.0)  # nothing that hands did before goes on
+    time.pause()
+    begin, sums = time.tick, []
+    for panels in ((), PANELS):
+        still.desk.shown = set(panels)
+        still.desk.chosen = 3 if panels else None
+        time.stand_at(begin)
+        hands.glide(still, 0.1)
+        assert time.tick == begin
+        time.pause()
+        while time.tick < begin + 30:
+            still.frame(TICK_S / 2)
+        time.pause()
+        sums.append(snapshot.checksum(world))
+    assert sums[0] == sums[1]

@@ -1,0 +1,137 @@
+"""Three computers of a theatre, here three processes on one display; one of them dies."""
+
+import os
+import re
+import socket
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from PIL import ImageGrab
+
+from subsea.cli.main import main
+from tests.support.scenes import BARE
+
+SIZE = 200, 150
+NODES = {"left": (-60, -20), "middle": (-20, 20), "right": (20, 60)}
+
+
+def theatre(folder):
+    """A theatre file of three nodes side by side, with their keys."""
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        port = taken.getsockname()[1]
+    text = f'[cluster]\nmaster = "middle"\naddress = "127.0.0.1:{port}"\nkeys = "keys"\n'
+    text += "timeout_s = 10.0\n"  # a busy machine is not to be told from a dead one too soon
+    for k, (name, (left, right)) in enumerate(NODES.items()):
+        text += (
+            f'[[window]]\nname = "{name}"\nnode = "{name}"\nsize = {list(SIZE)}\n'
+            f'position = [{k * SIZE[0]}, 0]\n[[channel]]\nname = "{name}"\nwindow = "{name}"\n'
+            f"cylinder = {{ radius_cm = 275, left_deg = {left}, right_deg = {right}, "
+            "bottom_cm = -75, top_cm = 75 }\n"
+        )
+    (folder / "hall.toml").write_text(text)
+    assert main(["keys", str(folder / "keys"), *NODES]) == 0
+
+
+class Node:
+    """`subsea dive --node NAME` in a process of its own, and what it has told."""
+
+    def __init__(self, folder, name, call):
+        self._file = folder / f"{call}.told"
+        command = [sys.executable, "-m", "subsea", "dive", "--theatre", str(folder / "hall.toml")]
+        command += ["--node", name, "--scenario", str(BARE), "--quality", "low"]
+        with self._file.open("w") as file:
+            self.process = subprocess.Popen(command, stderr=file)
+
+    @property
+    def told(self):
+        return self._file.read_text()
+
+    def until(self, words, seconds=150.0):
+        end = time.monotonic() + seconds
+        while words not in self.told:
+            assert self.process.poll() is None, self.told
+            assert time.monotonic() < end, self.told
+            time.sleep(0.1)
+
+    def end(self):
+        self.process.terminate()
+        return self.process.wait(60.0)
+
+
+def windows():
+    """What the display shows of the three, each (150, 200, 3)."""
+    picture = np.asarray(ImageGrab.grab(xdisplay=os.environ["DISPLAY"]).convert("RGB"))
+    return {
+        name: picture[: SIZE[1], k * SIZE[0] : (k + 1) * SIZE[0]].astype(float)
+        for k, name in enumerate(NODES)
+    }
+
+
+@pytest.fixture(scope="module")
+def hall(display, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("hall")
+    theatre(folder)
+    nodes = {}
+
+    def start(name, call):
+        nodes[call] = Node(folder, name, call)
+        return nodes[call]
+
+    try:
+        for name in NODES:
+            start(name, name)
+        yield nodes, start
+    finally:
+        for node in nodes.values():
+            node.process.kill()
+            node.process.wait()
+
+
+def sea(picture):
+    """Whether it shows water: mostly blue, and no two corners alike."""
+    red, _, blue = picture.reshape(-1, 3).mean(axis=0)
+    return blue > red + 30.0 and picture.std() > 4.0
+
+
+def test_three_windows_show_one_sea_whoever_dies(hall):
+    nodes, start = hall
+    master = nodes["middle"]
+    for name in ("left", "right"):
+        master.until(f"node {name}: is in step")
+    time.sleep(1.0)
+    shown = windows()
+    assert all(sea(picture) for picture in shown.values())
+    # Where windows meet the picture goes on; the help lies over the middle one's other edge.
+    seam = np.abs(shown["middle"][:100, -1] - shown["right"][:100, 0]).mean()
+    assert seam < 3.0  # of 255
+
+    nodes["left"].process.kill()
+    master.until("node left: is gone; going on without it")
+    again = start("left", "left again")
+    master.until("node left: is in step again")
+    assert "took the state of the dive at tick" in again.told
+    time.sleep(1.0)
+    assert all(sea(picture) for picture in windows().values())
+
+    assert master.end() == 130
+    for name in ("left", "right"):
+        assert re.search(rf"node {name}: \d+ pictures, waited for .* p95 .* ms", master.told)
+    assert re.search(r"node left: .*dropped once; rejoined once", master.told)
+    before = windows()
+    for node in (nodes["right"], again):
+        node.until("waiting for the master at 127.0.0.1", 60.0)
+        end = time.monotonic() + 60.0
+        while node.told.count("waiting for the master") < 2:
+            assert time.monotonic() < end, node.told
+            time.sleep(0.1)
+    time.sleep(1.0)
+    after = windows()
+    for name in ("left", "right"):  # the picture is held, with a line of text over its foot
+        assert np.abs(after[name][:100] - before[name][:100]).mean() < 3.0
+        assert np.abs(after[name][100:] - before[name][100:]).max() > 60.0
+    assert (nodes["right"].end(), again.end()) == (130, 130)
+    assert not any("differs" in node.told for node in nodes.values())

@@ -1,0 +1,89 @@
+"""Directions in a window: the camera until a hand moves, captions, time that goes back."""
+
+from contextlib import closing
+
+import numpy as np
+import pytest
+
+from subsea.dive.captions import caption_of
+from subsea.dive.settings import Attract, Settings
+from subsea.ui.dive import Dive
+from subsea.world import snapshot
+from subsea.world.world import TICK_S
+from tests.support.scenes import scene
+
+SIZE = (480, 320)
+AFTER_S = 2.0
+PATIENT = Settings(attract=Attract(after_min=AFTER_S / 60.0, tour="directed"))
+LOOK = "look_at_cm = [-300.0, 0.0, -250.0]"
+CUES = (
+    f"camera = {{ position_cm = [-480.0, -200.0, -250.0], {LOOK}, over_s = 0.0 }}\n"
+    "caption = 'A school of four.'\nfor_s = 1000.0",
+    "at_s = 8.0\ncamera = { follow = { species = 'fusilier' }, over_s = 0.0 }\nlights = true",
+)
+
+
+@pytest.fixture(scope="module")
+def boat(display, hands, tmp_path_factory):
+    file = scene(tmp_path_factory.mktemp("scene"), *CUES)
+    with closing(
+        Dive(str(file), "mono", SIZE, seed=1, settings=PATIENT, tour="directed", quality="low")
+    ) as running:
+        yield running
+
+
+def test_it_goes_where_directions_want_it_and_the_caption_stands_over_the_sea(
+    boat, hands, monkeypatch
+):
+    hands.glide(boat, 4.0)
+    place = boat.world.state.submarine.position
+    assert np.linalg.norm(place - (-480.0, -200.0, -250.0)) < 1.0
+    assert boat.attract.touring and caption_of(boat.world, 1.0).opacity == 1.0
+    boat.timeline.pause()  # nothing but the caption differs
+    boat.frame(0.0)
+    told = hands.screen(boat)
+    monkeypatch.setattr("subsea.ui.dive.subtitles.draw", lambda caption, rig: None)
+    boat.frame(0.0)
+    differs = np.abs(told - hands.screen(boat)).sum(axis=2) > 100
+    rows, columns = np.flatnonzero(differs.any(axis=1)), np.flatnonzero(differs.any(axis=0))
+    height, width = differs.shape
+    assert 0.6 * height < rows.min() and rows.max() < 0.8 * height  # above the instruments
+    assert (columns.min() + columns.max()) / 2 == pytest.approx(width / 2, abs=0.02 * width)
+    assert told[differs].sum(axis=1).max() > 650  # light letters
+    boat.timeline.pause()
+
+
+def test_time_goes_back_and_the_camera_comes_the_same_way_again(boat, hands):
+    hands.glide(boat, 5.0)
+    boat.timeline.pause()
+    assert boat.world.state.submarine.lights[0]
+    late = boat.world.state.tick, snapshot.checksum(boat.world)
+    while boat.world.state.tick * TICK_S > 6.0:
+        before = boat.world.state.tick
+        hands.do("key", "comma")
+        hands.until(boat, lambda before=before: boat.world.state.tick < before)
+    assert not boat.world.state.submarine.lights[0]
+    assert np.linalg.norm(boat.world.state.submarine.position - (-480.0, -200.0, -250.0)) < 1.0
+    assert caption_of(boat.world, 1.0).opacity == 1.0
+    boat.attract._idle_s = 0.0
+    boat._crew.carry(boat._taken(boat.world))  # the key was a hand: who was there has left again
+    boat.attract.begin()
+    boat.timeline.pause()
+    while boat.world.state.tick < late[0]:
+        boat.frame(min(0.1, (late[0] - boat.world.state.tick) * TICK_S))
+    assert (boat.world.state.tick, snapshot.checksum(boat.world)) == late
+
+
+def test_a_hand_has_the_helm_and_later_it_comes_back_softly(boat, hands):
+    hands.glide(boat, 1.0)
+    hands.do("key", "w")
+    hands.until(boat, lambda: not boat.attract.touring)
+    assert boat._crew._course.tour is None
+    hands.glide(boat, AFTER_S + 0.5)
+    assert boat.attract.touring and boat.attract.shade == 0.0  # without the dark: it is no leap
+    fastest, before = 0.0, boat.world.state.submarine.position.copy()
+    for _ in range(60):
+        boat.frame(TICK_S)
+        place = boat.world.state.submarine.position
+        fastest, before = max(fastest, np.linalg.norm(place - before)), place.copy()
+    assert fastest < 5.0

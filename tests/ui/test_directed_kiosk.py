@@ -1,0 +1,50 @@
+"""A kiosk that shows a directed scene, again and again until somebody comes."""
+
+from contextlib import closing
+
+import numpy as np
+
+from subsea.dive.captions import caption_of
+from subsea.dive.settings import Attract, Settings
+from subsea.ui.dive import Dive
+from subsea.world.world import TICK_S
+from tests.support.scenes import scene
+
+AFTER_S, END_S = 1.5, 3.0
+CUES = (
+    "camera = { position_cm = [-480.0, -200.0, -250.0], look_at_cm = [-300.0, 0.0, -250.0], "
+    "over_s = 0.0 }\ncaption = 'Again.'",
+    f"at_s = {END_S}\nend = true",
+)
+
+
+def test_the_scene_begins_anew_when_it_is_over_and_when_a_visitor_has_left(
+    display, hands, tmp_path
+):
+    settings = Settings(attract=Attract(after_min=AFTER_S / 60.0))
+    with closing(
+        Dive(
+            str(scene(tmp_path, *CUES)), "mono", (320, 240), seed=1, quality="low",
+            settings=settings, kiosk=True, tour="directed",
+        )
+    ) as exhibit:  # fmt: skip
+        hands.glide(exhibit, 0.5)
+        assert exhibit.attract.touring  # the pointer that it opened under is no hand
+        begun = []
+        for _ in range(70):
+            before = exhibit.world
+            exhibit.frame(0.1)
+            if exhibit.world is not before:
+                begun.append(before.state.tick * TICK_S)
+        assert len(begun) >= 2 and np.allclose(begun, END_S, atol=0.2)
+        assert exhibit.attract.touring
+        hands.do("key", "w")
+        hands.until(exhibit, lambda: not exhibit.attract.touring)
+        before = exhibit.world
+        hands.glide(exhibit, AFTER_S - 0.5)
+        assert exhibit.world is before  # a visitor is in no scene that ends
+        hands.glide(exhibit, 3.0)
+        assert exhibit.world is not before and exhibit.attract.touring
+        assert caption_of(exhibit.world, 1.0).words == "Again."
+        place = exhibit.world.state.submarine.position
+        assert np.linalg.norm(place - (-480.0, -200.0, -250.0)) < 1.0

@@ -1,0 +1,254 @@
+"""The desk in a real window: who has the pointer, and worlds that change while windows stay."""
+
+import math
+from contextlib import closing
+
+import msgspec
+import numpy as np
+import pytest
+from imgui_bundle import imgui
+
+from subsea.core.errors import UserError
+from subsea.ui.dive import Dive
+from subsea.ui.panels import PANELS
+
+SIZE = (640, 480)
+
+
+@pytest.fixture(scope="module")
+def boat(display, hands, quiet, coarse):
+    with closing(Dive(quiet, "mono", SIZE, seed=1, quality=coarse)) as running:
+        hands.glide(running, 0.2)
+        yield running
+
+
+@pytest.fixture
+def at_the_desk(boat, hands):
+    """The submarine lies still, the desk is open."""
+    submarine = boat.world.state.submarine
+    boat.pilot.full_stop()
+    hands.until(boat, lambda: np.linalg.norm(submarine.velocity) < 1.0)
+    hands.until(boat, lambda: np.abs(submarine.rates).max() < 1e-3)
+    hands.do("key", "Tab")
+    hands.until(boat, lambda: boat.desk.open)
+    boat.pilot.hold("ahead", "W")
+    boat.pilot.release("W")  # no full stop holds: what steers would be seen
+    hands.glide(boat, 0.3)
+    yield boat
+    if boat.desk.open:
+        hands.do("key", "Tab")
+        hands.until(boat, lambda: not boat.desk.open)
+
+
+def heading(boat):
+    return boat.world.state.submarine.angles[0]
+
+
+def test_at_the_desk_the_pointer_and_its_buttons_do_not_steer(at_the_desk, hands):
+    boat, submarine = at_the_desk, at_the_desk.world.state.submarine
+    before, place = heading(boat), submarine.position.copy()
+    hands.point(boat, 0.9, 0.6)
+    hands.do("mousedown", 1)
+    hands.glide(boat, 1.0)
+    hands.do("mouseup", 1, "click", 4, "click", 4)
+    hands.glide(boat, 1.0)
+    assert abs(heading(boat) - before) < math.radians(1.0)
+    assert boat.pilot.throttle == 0.0
+    assert np.linalg.norm(submarine.position - place) < 5.0
+
+
+def test_a_drag_that_begins_on_the_bar_never_steers_not_even_after_it_is_closed(at_the_desk, hands):
+    boat = at_the_desk
+    left, top = boat.window.position
+    hands.do("mousemove", left + 200, top + 8)
+    hands.until(boat, lambda: boat.gui.on_panel)
+    hands.do("mousedown", 1)
+    hands.do("mousemove", left + 460, top + 300)
+    hands.glide(boat, 0.5)
+    hands.do("key", "Tab")
+    hands.until(boat, lambda: not boat.desk.open)
+    hands.glide(boat, 0.5)
+    assert not boat.pilot._held
+    assert abs(boat.pilot.helm(0.0).surge) < 0.01
+    hands.do("mouseup", 1)
+    hands.glide(boat, 0.2)
+
+
+def test_keys_steer_at_the_desk(at_the_desk, hands):
+    boat = at_the_desk
+    hands.do("keydown", "a")
+    before = heading(boat)
+    hands.until(boat, lambda: heading(boat) - before > math.radians(5.0))
+    hands.do("keyup", "a")
+    hands.glide(boat, 0.3)
+
+
+def test_a_panel_is_opened_from_the_bar_drawn_and_closed(at_the_desk, spots, monkeypatch):
+    boat, drawn = at_the_desk, []
+    monkeypatch.setitem(PANELS, "Spare", drawn.append)
+    boat.frame(0.0)
+    spots.click(boat, "Spare")
+    assert boat.desk.shown == {"Spare"}
+    assert drawn and drawn[-1] is boat.desk
+    spots.click(boat, "Spare")
+    assert not boat.desk.shown
+    drawn.clear()
+    boat.frame(0.0)
+    assert not drawn
+
+
+def test_panels_open_beside_one_another_where_there_is_room(at_the_desk, monkeypatch):
+    boat = at_the_desk
+    for name in ("One", "Other"):
+        monkeypatch.setitem(PANELS, name, lambda desk: imgui.dummy((60.0, 40.0)))
+        boat.desk.shown.add(name)
+        boat.frame(0.0)
+        boat.frame(0.0)
+    (x, y, width, height), (other_x, other_y, *_) = (
+        boat.desk._taken[name] for name in ("One", "Other")
+    )
+    assert other_x >= x + width or other_y >= y + height
+    boat.desk.shown.clear()
+    boat.frame(0.0)
+
+
+def test_back_at_the_helm_the_pointer_steers_again(boat, hands):
+    assert not boat.desk.open
+    before = heading(boat)
+    hands.point(boat, -0.9, 0.0)
+    hands.until(boat, lambda: heading(boat) - before > math.radians(10.0))
+    hands.do("key", "space")
+    hands.glide(boat, 2.0)
+
+
+def test_another_world_is_entered_while_the_window_stays(boat, hands):
+    handle, before = boat.window.handle, boat.world
+    fewer = msgspec.structs.replace(boat.scenario, fish=boat.scenario.fish[:1])
+    assert boat.enter(fewer, boat.source, seed=5)
+    hands.glide(boat, 0.5)
+    assert boat.window.handle is handle and boat.world is not before
+    assert boat.world.state.seed == 5
+    assert len(boat.world.state.fishes.species) == 2
+    assert boat.scenario is fewer
+    assert boat.world.state.tick > 1
+
+
+def test_a_world_that_cannot_be_leaves_the_dive_as_it_is(boat, capsys):
+    rock = boat.scenario.rock[0]
+    start = msgspec.structs.replace(
+        boat.scenario.submarine, position_cm=(*rock.position_cm, -600.0)
+    )
+    world = boat.world
+    assert not boat.enter(msgspec.structs.replace(boat.scenario, submarine=start), boat.source)
+    assert boat.world is world
+    assert "submarine.position_cm" in capsys.readouterr().err
+    boat.frame(0.1)
+
+
+def test_the_display_mode_changes_while_it_runs(boat, hands):
+    for display in ("side-by-side", "dome", "mono"):
+        boat.picture.show_as(display)
+        hands.glide(boat, 0.2)
+        assert len(boat.picture.rig.eyes) == {"side-by-side": 2, "dome": 5}.get(display, 1)
+        assert hands.screen(boat).std() > 5.0
+
+
+def test_panels_lie_within_the_screen_and_so_does_the_bar(at_the_desk, monkeypatch, spots):
+    boat = at_the_desk
+    monkeypatch.setitem(PANELS, "Huge", lambda desk: imgui.dummy((1500.0, 1200.0)))
+    monkeypatch.setitem(PANELS, "Small", lambda desk: imgui.dummy((60.0, 40.0)))
+
+    def inside(name):
+        boat.frame(0.0)
+        boat.frame(0.0)
+        x, y, width, height = boat.desk._taken[name]
+        return x >= 0 and y > 0 and x + width <= SIZE[0] and y + height <= SIZE[1]
+
+    for name in ("Huge", "Small"):
+        boat.desk.shown.add(name)
+        boat.frame(0.0)
+        assert inside(name)
+    for place in ((-200.0, -90.0), (600.0, 100.0), (200.0, 460.0)):
+        imgui.internal.find_window_by_name("Small").pos = place
+        assert inside("Small")
+    assert spots["To the helm"][2] <= SIZE[0]
+    boat.desk.shown.clear()
+    boat.frame(0.0)
+
+
+def test_a_panel_that_fails_is_closed_and_the_dive_goes_on(at_the_desk, monkeypatch, capsys):
+    boat = at_the_desk
+
+    def broken(desk):
+        imgui.push_id("half")
+        imgui.begin_disabled()
+        raise TypeError("no such thing")
+
+    def refused(desk):
+        raise UserError("nothing to read")
+
+    monkeypatch.setitem(PANELS, "Broken", broken)
+    monkeypatch.setitem(PANELS, "Refused", refused)
+    boat.desk.shown |= {"Broken", "Refused"}
+    with pytest.warns(RuntimeWarning, match="in broken"):
+        boat.frame(0.0)
+    told = capsys.readouterr().err
+    assert "Broken failed: TypeError: no such thing" in told and "nothing to read" in told
+    assert not boat.desk.shown
+    boat.desk.later(lambda: 1 / 0)
+    with pytest.warns(RuntimeWarning, match="ZeroDivisionError"):
+        boat.frame(0.0)
+    boat.desk.shown.add("Time")
+    boat.frame(0.0)
+    boat.frame(0.0)
+    assert boat.desk.shown == {"Time"} and boat.window.open
+    boat.desk.shown.clear()
+
+
+def test_a_side_button_of_the_mouse_does_no_harm(at_the_desk, hands):
+    boat = at_the_desk
+    hands.do("click", 10)
+    hands.glide(boat, 0.2)
+    hands.do("key", "Tab")
+    hands.until(boat, lambda: not boat.desk.open)
+    hands.do("click", 10)
+    hands.glide(boat, 0.2)
+    assert boat.window.open
+
+
+def test_letters_typed_at_once_after_a_click_into_a_field_stay_there(
+    at_the_desk, hands, monkeypatch
+):
+    boat, text = at_the_desk, [""]
+
+    def typing(desk):
+        imgui.set_window_pos((100.0, 100.0))
+        text[0] = imgui.input_text("##words", text[0])[1]
+
+    monkeypatch.setitem(PANELS, "Typing", typing)
+    boat.desk.shown.add("Typing")
+    hands.glide(boat, 0.3)
+    left, top = boat.window.position
+    x, y, width, height = boat.desk._taken["Typing"]
+    place = round(left + x + 0.5 * width), round(top + y + 0.75 * height)
+    hands.do("mousemove", *place)
+    hands.glide(boat, 0.2)
+    hands.do("click", 1, "type", "--delay", 12, "kr")
+    hands.until(boat, lambda: "kr" in text[0])
+    assert not boat.timeline.paused and boat.picture.ride is None
+    hands.do("key", "Escape")
+    hands.glide(boat, 0.3)
+    boat.desk.shown.clear()
+    hands.glide(boat, 0.2)
+
+
+def test_the_help_makes_way_for_the_desk(boat, hands):
+    boat.overlay.show_help()
+    hands.glide(boat, 2.0)
+    assert boat.overlay.help_opacity == 1.0
+    hands.do("key", "Tab")
+    hands.until(boat, lambda: boat.desk.open)
+    hands.glide(boat, 2.0)
+    assert boat.overlay.help_opacity == 0.0
+    hands.do("key", "Tab")
+    hands.until(boat, lambda: not boat.desk.open)

@@ -1,0 +1,259 @@
+"""The menu in a real window: by keys, by mouse, and what it does to the dive behind it."""
+
+import math
+from contextlib import closing
+
+import msgspec
+import numpy as np
+import pytest
+from imgui_bundle import imgui
+
+from subsea.core.resources import resource_path
+from subsea.dive.bindings import PAD_BUTTONS
+from subsea.render.output.quality import CHOICES, PRESETS
+from subsea.scenario.schema import own_scenarios
+from subsea.ui.dive import Dive
+from subsea.ui.gamepad import State
+from subsea.ui.menu import DISPLAYS, QUALITIES, scenario_titles
+from subsea.view.display_rigs import DISPLAYS as ALL_DISPLAYS
+
+SIZE = (480, 360)
+
+
+@pytest.fixture(scope="module")
+def boat(display, hands, quiet, coarse):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(PRESETS, "medium", PRESETS[coarse])  # the sea is not looked at closely
+        with closing(Dive(quiet, "mono", SIZE, seed=1, quality="medium")) as running:
+            hands.glide(running, 0.2)
+            yield running
+
+
+@pytest.fixture
+def menu(boat, hands):
+    hands.do("key", "Escape")
+    hands.until(boat, lambda: boat.menu.open)
+    hands.glide(boat, 0.5)
+    yield boat.menu
+    for _ in range(2):
+        if boat.menu.open:
+            boat.menu.back()
+
+
+def press(boat, hands, *keys):
+    """Keys, each of which the menu answers before the next."""
+    for key in keys:
+        hands.do("key", key)
+        hands.glide(boat, 0.4)
+
+
+def click(boat, hands, monkeypatch, text, release=True):
+    """Press the left button on the entry that begins so."""
+    found, draw = {}, boat.menu._entry
+
+    def noted(entry, line):
+        draw(entry, line)
+        found[entry.text] = imgui.get_item_rect_min(), imgui.get_item_rect_max()
+
+    with monkeypatch.context() as patch:
+        patch.setattr(boat.menu, "_entry", noted)
+        hands.glide(boat, 0.2)
+    low, high = next(box for name, box in found.items() if name.startswith(text))
+    left, top = boat.window.position
+    hands.do("mousemove", int(left + (low.x + high.x) / 2), int(top + (low.y + high.y) / 2))
+    hands.glide(boat, 0.3)
+    hands.do("mousedown", 1)
+    hands.glide(boat, 0.3)
+    if release:
+        hands.do("mouseup", 1)
+        hands.glide(boat, 0.4)
+
+
+def heading(boat):
+    return boat.world.state.submarine.angles[0]
+
+
+def test_every_mode_and_quality_has_its_words():
+    assert DISPLAYS.keys() == set(ALL_DISPLAYS)
+    assert list(QUALITIES) == list(CHOICES)
+    titles = scenario_titles()
+    assert titles[(resource_path("assets/scenarios") / "mating.toml").resolve()] == "Courtship"
+
+
+def test_while_it_is_open_the_sea_goes_on_and_the_submarine_holds_station(boat, menu, hands):
+    tick, before = boat.world.state.tick, heading(boat)
+    lit = hands.screen(boat).mean()
+    hands.do("keydown", "a", "keydown", "w")
+    hands.point(boat, 0.9, 0.5)
+    hands.glide(boat, 1.0)
+    hands.do("keyup", "a", "keyup", "w", "key", "r", "key", "Tab", "key", "t")
+    hands.glide(boat, 0.5)
+    assert boat.world.state.tick > tick + 20
+    assert abs(heading(boat) - before) < math.radians(1.0)
+    assert np.linalg.norm(boat.world.state.submarine.velocity) < 1.0
+    assert not boat.pilot.riding and not boat.picture.pattern
+    press(boat, hands, "Escape")
+    assert not boat.menu.open and not boat.desk.open
+    assert hands.screen(boat).mean() > 1.2 * lit
+    hands.glide(boat, 1.0)
+    assert abs(heading(boat) - before) < math.radians(1.0)  # until a hand asks for more
+
+
+def test_arrows_and_enter_change_the_quality(boat, menu, hands):
+    press(boat, hands, "Down", "Down", "Return")
+    assert boat.menu._page == "Quality"
+    press(boat, hands, "Up", "Return")
+    assert boat.picture.quality == "low"
+    assert boat.picture.fineness == "picture low"
+    press(boat, hands, "Escape")
+    assert boat.menu.open and boat.menu._page == ""
+
+
+def test_a_gamepad_chooses_and_goes_back(boat, hands, monkeypatch):
+    def push(*pressed):
+        for down in (pressed, (), ()):  # a picture each: what is held long comes again
+            buttons = [int(name in down) for name in PAD_BUTTONS]
+            state = State("Pad", buttons, [0.0, 0.0, 0.0, 0.0, -1.0, -1.0])
+            monkeypatch.setattr(boat.wall._gamepads, "_read", lambda now=state: {0: now})
+            boat.frame(0.1)
+
+    push("start")
+    assert boat.menu.open
+    for button in ("down", "down", "A"):
+        push(button)
+    assert boat.menu._page == "Quality"
+    for button in ("down", "A"):
+        push(button)
+    assert boat.picture.quality == "medium"
+    push("B")
+    assert boat.menu.open and boat.menu._page == ""
+    push("B")
+    assert not boat.menu.open
+    assert np.linalg.norm(boat.world.state.submarine.velocity) < 1.0
+
+
+def test_the_mouse_changes_the_display(boat, menu, hands, monkeypatch):
+    click(boat, hands, monkeypatch, "Display")
+    click(boat, hands, monkeypatch, "3D, side")
+    assert boat.picture.display == "side-by-side"
+    assert len(boat.picture.rig.eyes) == 2
+    left, right = np.split(hands.screen(boat)[60:300], 2, axis=1)
+    assert np.abs(left - right).mean() < 5.0 < left.std()
+    boat.picture.show_as("mono")
+
+
+def test_a_drag_that_begins_on_it_never_steers(boat, menu, hands, monkeypatch):
+    click(boat, hands, monkeypatch, "Continue", release=False)
+    left, top = boat.window.position
+    hands.do("mousemove", left + 20, top + 20)
+    hands.glide(boat, 0.3)
+    press(boat, hands, "Escape")
+    assert not boat.menu.open
+    hands.glide(boat, 0.5)
+    assert np.linalg.norm(boat.world.state.submarine.velocity) < 1.0
+    hands.do("mouseup", 1)
+    hands.glide(boat, 0.3)
+    assert not boat.menu.open
+
+
+def test_escape_leaves_a_fish_first(boat, hands):
+    hands.do("key", "r")
+    hands.until(boat, lambda: boat.pilot.riding)
+    press(boat, hands, "Escape")
+    assert not boat.pilot.riding and not boat.menu.open
+
+
+def test_it_closes_to_the_desk_where_that_was_open(boat, hands):
+    press(boat, hands, "Tab")
+    press(boat, hands, "Escape")
+    assert boat.menu.open
+    press(boat, hands, "Escape")
+    assert boat.desk.open and not boat.menu.open
+    press(boat, hands, "Tab")
+    assert not boat.desk.open
+
+
+def test_it_begins_anew_and_in_another_scenario(boat, menu, hands, monkeypatch):
+    handle, boat.menu.seed = boat.window.handle, 2**32 - 7
+    click(boat, hands, monkeypatch, "Scenario")
+    click(boat, hands, monkeypatch, "Start anew")
+    assert boat.world.state.seed == 2**32 - 7 and not boat.menu.open
+    press(boat, hands, "Escape")
+    click(boat, hands, monkeypatch, "Scenario")
+    click(boat, hands, monkeypatch, "Courtship")
+    assert boat.scenario.title == "Courtship" and boat.source.stem == "mating"
+    assert boat.window.handle is handle and not boat.menu.open
+
+
+def test_it_offers_the_visitors_own_scenarios_and_a_broken_one_costs_nothing(
+    boat, hands, monkeypatch, tmp_path
+):
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    own_scenarios().mkdir(parents=True)
+    mine = boat.source.read_text().replace('title = "', 'title = "My ', 1)
+    assert mine != boat.source.read_text()
+    (own_scenarios() / "mine.toml").write_text(mine)
+    for number in range(20):  # more than have room: they are scrolled to
+        (own_scenarios() / f"torn-{number:02}.toml").write_text("[")
+    before = boat.world
+    press(boat, hands, "Escape")
+    click(boat, hands, monkeypatch, "Scenario")
+    click(boat, hands, monkeypatch, "torn-00")
+    assert boat.world is before and not boat.menu.open
+    assert "torn-00.toml:1: not valid TOML" in boat.overlay._note
+    press(boat, hands, "Escape")
+    click(boat, hands, monkeypatch, "Scenario")
+    click(boat, hands, monkeypatch, "My ")
+    assert boat.source == own_scenarios() / "mine.toml"
+    assert imgui.internal.find_window_by_name("menu Scenario").scrollbar_y
+    for path in own_scenarios().glob("torn-*"):
+        path.unlink()
+    press(boat, hands, "Escape")
+    click(boat, hands, monkeypatch, "Scenario")
+    assert not imgui.internal.find_window_by_name("menu Scenario").scrollbar_y
+    press(boat, hands, "Escape", "Escape")
+
+
+def test_a_line_is_where_the_horizon_is_and_the_rim_darkens_if_wished(boat, hands, monkeypatch):
+    def screen():
+        boat.frame(0.0)
+        boat.frame(0.0)
+        return hands.screen(boat)
+
+    monkeypatch.setattr(boat._crew, "picture", lambda elapsed_s: 1.0)  # time stands still
+    boat.overlay.hud.opacity, boat.overlay._help = 0.0, 0.0
+    boat.world.state.submarine.angles[1] = math.radians(-15.0)
+    boat.world.state.submarine.previous_angles[1] = math.radians(-15.0)
+    comfort, rim = boat._settings.comfort, boat._vignette
+    plain = msgspec.structs.replace(
+        boat._settings, comfort=msgspec.structs.replace(comfort, horizon=False)
+    )
+    with_line = screen()
+    monkeypatch.setattr(boat, "_settings", plain)
+    without = screen()
+    rows = np.abs(with_line - without).max(axis=2).max(axis=1)
+    submarine = boat.world.state.submarine
+    far = submarine.position + 1e6 * np.array(
+        [math.cos(heading(boat)), math.sin(heading(boat)), 0.0]
+    )
+    ((_, y),) = boat.picture.sight.places(far[None])
+    found = np.flatnonzero(rows > 20)
+    assert abs(found[0] - y * SIZE[1]) < 4 and found[-1] - found[0] < 20
+    rim.most, rim.amount = 1.0, 1.0
+    dark = screen()
+    rim.most = 0.0
+    assert dark[:20, :20].mean() < 0.3 * without[:20, :20].mean()
+    middle = slice(140, 220), slice(180, 300)
+    np.testing.assert_array_equal(dark[middle], without[middle])
+
+
+def test_help_is_shown_from_it(boat, menu, hands, monkeypatch):
+    click(boat, hands, monkeypatch, "Help")
+    hands.until(boat, lambda: boat.overlay.help_opacity == 1.0)
+    assert not boat.menu.open
+    press(boat, hands, "h")
+
+
+def test_leaving_is_its_last_entry(boat, menu, hands):
+    press(boat, hands, *["Down"] * 6, "Return")
+    assert not boat.window.open

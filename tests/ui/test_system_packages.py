@@ -1,0 +1,28 @@
+"""What faults tell to type is what the set-up installs."""
+
+import re
+import tomllib
+from pathlib import Path
+
+from subsea.render.gl import context
+from subsea.ui import system_packages
+
+SETUP = (Path(__file__).parents[2] / "tools" / "setup.sh").read_text(encoding="utf-8")
+
+
+def test_the_libraries_are_those_of_the_setup():
+    lists = dict(re.findall(r'^([A-Z]+)="(.*)"$', SETUP, re.MULTILINE))
+    assert (lists["HEADLESS"], lists["WINDOW"]) == (
+        system_packages.HEADLESS,
+        system_packages.WINDOW,
+    )
+    assert context.INSTALL.endswith(system_packages.HEADLESS)
+    assert system_packages.INSTALL.startswith(context.INSTALL)
+
+
+def test_the_makers_bench_has_every_extra_but_that_of_clusters():
+    project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())
+    [line] = re.findall(r'^bench\) groups="(.*?)"', SETUP, re.MULTILINE)
+    extras = set(project["project"]["optional-dependencies"])
+    assert set(re.findall(r"--extra (\w+)", line)) == extras - {"cluster"}
+    assert "--no-dev" in line

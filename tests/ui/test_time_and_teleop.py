@@ -1,0 +1,166 @@
+"""In a real window: time stands still and goes back, a fish is followed, steered and picked."""
+
+import re
+from contextlib import closing
+
+import numpy as np
+import pytest
+
+from subsea.behavior.teleop import Reins
+from subsea.core.resources import resource_path
+from subsea.geometry.rotation import rotate
+from subsea.state import WANDER
+from subsea.ui.dive import SHARED_TIME, Dive
+from subsea.view.retina import Gaze
+from subsea.world import snapshot
+
+SIZE = (400, 300)
+
+
+@pytest.fixture(scope="module")
+def boat(display, hands, coarse, tmp_path_factory):
+    text = (resource_path("assets/scenarios") / "peaceful.toml").read_text()
+    quiet = tmp_path_factory.mktemp("sea") / "quiet.toml"
+    quiet.write_text(re.sub(r"^number = \d+", "number = 3", text, flags=re.MULTILINE))
+    with closing(Dive(str(quiet), "mono", SIZE, seed=1, quality=coarse)) as running:
+        hands.glide(running, 0.2)
+        yield running
+
+
+def pressed(boat, hands, key, true):
+    hands.do("key", key)
+    hands.until(boat, true)
+
+
+def heading(world, fish):
+    x, y, _ = rotate(world.state.fishes.orientation[fish], (1.0, 0.0, 0.0))
+    return np.arctan2(y, x)
+
+
+def test_keys_stop_time_and_take_it_back_to_the_very_same_world(boat, hands):
+    world, time = boat.world, boat.timeline
+    was = {}
+    for _ in range(30):
+        boat.frame(0.033)
+        was[world.state.tick] = snapshot.checksum(world)
+    pressed(boat, hands, "k", lambda: time.paused)
+    now = world.state.tick
+    hands.glide(boat, 0.5)
+    assert (world.state.tick, boat.picture.alpha) == (now, 1.0)
+    was[now] = snapshot.checksum(world)
+    assert "paused" in boat._circumstances
+    pressed(boat, hands, "comma", lambda: world.state.tick == max(now - 30, time.earliest))
+    back = world.state.tick
+    assert back in was or back < min(was)
+    pressed(boat, hands, "period", lambda: world.state.tick == back + 1)
+    for tick in sorted(was)[::6]:
+        while world.state.tick < tick:
+            pressed(boat, hands, "period", lambda at=world.state.tick: world.state.tick > at)
+        assert snapshot.checksum(world) == was[tick]
+    assert "s back" in boat._circumstances
+    pressed(boat, hands, "j", lambda: time.rate == 0.5)
+    pressed(boat, hands, "l", lambda: time.rate == 1.0)
+    pressed(boat, hands, "k", lambda: not time.paused)
+    hands.until(boat, lambda: world.state.tick > now)
+
+
+def test_a_fish_is_followed_from_behind_and_looked_through_in_turn(boat, hands, monkeypatch):
+    told = []
+    monkeypatch.setattr(boat.overlay, "note", told.append)
+    pressed(boat, hands, "c", lambda: boat.picture.ride is not None and boat.picture.ride.behind)
+    fish = boat.picture.ride.by.fish
+    hands.glide(boat, 0.3)
+    (view,) = boat.picture.views()[:1]
+    assert view.without != fish
+    assert told == ["C through its eyes   G steer it   Esc back"]
+    away = boat.world.state.fishes.position[fish] - view.eye
+    assert -(view.view[2, :3] @ away) > 0.9 * np.linalg.norm(away)  # it is ahead, and seen
+    pressed(boat, hands, "c", lambda: not boat.picture.ride.behind)
+    assert boat.picture.views()[0].without == fish
+    pressed(boat, hands, "c", lambda: boat.picture.ride.behind)
+
+
+def test_hands_steer_the_fish_while_the_submarine_keeps_station(boat, hands):
+    world, fish = boat.world, boat.picture.ride.by.fish
+    submarine, fishes = world.state.submarine, world.state.fishes
+    pressed(boat, hands, "g", lambda: boat._crew.steered == fish)
+    hands.glide(boat, 3.0)
+    station = submarine.position.copy()
+    assert "in your hands" in boat._circumstances
+    assert abs(fishes.goal_speed[fish]) < 0.01  # nothing is asked for: it hovers
+    hands.do("keydown", "w", "keydown", "a")
+    hands.until(boat, lambda: fishes.goal_speed[fish] > 0.5)
+    before = heading(world, fish)
+    hands.glide(boat, 2.0)
+    turned = (heading(world, fish) - before + np.pi) % (2 * np.pi) - np.pi
+    assert turned > np.radians(20.0)
+    assert boat.picture.ride.gaze.pan_deg == 0.0  # keys steer: they do not turn its eyes
+    hands.do("keyup", "w", "keyup", "a")
+    assert world.state.minds.intention[fish] == WANDER
+    assert isinstance(boat.timeline._made[-1].order, Reins)
+    assert np.linalg.norm(submarine.position - station) < 3.0
+    pressed(boat, hands, "g", lambda: boat._crew.steered is None)
+    assert "in your hands" not in boat._circumstances
+    pressed(boat, hands, "Escape", lambda: boat.picture.ride is None)
+    assert boat._crew.steered is None
+
+
+def test_the_fish_under_the_pointer_is_the_one_at_its_place(boat, hands):
+    world = boat.world
+    hands.glide(boat, 0.2)
+    sight, fishes = boat.picture.sight, world.state.fishes
+    fish = 4
+    eye, way = sight.ray(0.3, 0.4)
+    fishes.position[fish] = fishes.previous_position[fish] = eye + 90.0 * way
+    boat.timeline.touch()
+    boat.timeline.pause()
+    boat.frame(0.0)
+    x, y = boat.picture.sight.places(fishes.position[fish][None])[0]
+    assert boat.picture.fish_at(x, y) == fish
+    assert boat.picture.fish_at(x + 0.45, y + 0.5) != fish
+    boat.frame(0.0)  # it goes on being drawn
+    assert hands.screen(boat).std() > 5.0
+    boat.timeline.pause()
+
+
+def test_a_fish_of_a_number_is_followed(boat, hands):
+    boat.mount(7, True)
+    assert (boat.picture.ride.by.fish, boat.picture.ride.behind) == (7, True)
+    boat.frame(0.1)
+    boat.grant("alight")
+    assert boat.picture.ride is None
+
+
+def test_options_begin_a_ride_as_keys_would(boat):
+    boat.mount(5, behind=False)
+    boat.show_ride((30.0, -10.0), "identity", reins=True)
+    assert boat.picture.ride.gaze == Gaze(30.0, -10.0) and boat.picture.look == "identity"
+    assert boat.steers_fish and boat._crew.steered == 5
+    boat.go_at(0.25)
+    assert boat.timeline.rate == 0.25 and not boat.timeline.paused
+    boat.go_at(0.0)
+    tick = boat.world.state.tick
+    boat.frame(1.0)
+    assert boat.timeline.paused and boat.world.state.tick == tick
+    boat.timeline.pause()
+    boat.go_at(1.0)
+    boat.picture.look = "colours"
+    boat.grant("alight")
+
+
+def test_a_tour_when_nobody_is_there_goes_at_the_usual_pace(boat):
+    boat.mount(7, True)
+    boat.timeline.run_at(4.0)
+    boat._take_tour()
+    assert (boat.picture.ride, boat.timeline.rate) == (None, 1.0)
+    boat._crew.carry(None)
+    boat.frame(0.1)
+
+
+def test_shared_time_is_nobodys_to_stop(boat, hands, monkeypatch):
+    monkeypatch.setattr(boat._crew, "timeline", None)
+    told = []
+    monkeypatch.setattr(boat.overlay, "note", told.append)
+    for wish in ("pause", "slower", "faster", "tick", "rewind"):
+        boat.grant(wish)
+    assert told == [SHARED_TIME] * 5

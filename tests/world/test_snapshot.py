@@ -1,0 +1,180 @@
+"""Everything that changes in a world, as bytes and back."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from subsea.core.errors import UserError
+from subsea.scenario.schema import load_scenario
+from subsea.state import digest
+from subsea.submarine.helm import Helm
+from subsea.world import snapshot
+from subsea.world.step import create_world, step
+
+AHEAD = Helm(surge=0.6, yaw=0.2, heave=-0.1)
+# Schools, courtship, hunting, a hook; the last with some fishes that are simulated.
+SCENARIOS = [
+    ("peaceful", 40, 0),
+    ("mating", None, 0),
+    ("preying", None, 0),
+    ("go-fish", None, 0),
+    ("peaceful", 12, 3),
+]
+
+
+def made(name, fish, live):
+    return create_world(load_scenario(name)[0], fish=fish, live=live, live_reach_cm=np.inf)
+
+
+def went_on(world, ticks):
+    for _ in range(ticks):
+        step(world, AHEAD)
+    return world
+
+
+@pytest.mark.parametrize(("name", "fish", "live"), SCENARIOS)
+def test_a_world_that_takes_a_snapshot_goes_on_alike(name, fish, live):
+    world, other = made(name, fish, live), made(name, fish, live)
+    first = {key: array.copy() for key, array in snapshot.constant(world).items()}
+    for _ in range(4):
+        went_on(world, 150)
+        snapshot.restore(other, snapshot.take(world))
+        for _ in range(25):
+            assert snapshot.checksum(other) == snapshot.checksum(world)
+            assert digest(other.state) == digest(world.state)
+            step(world, AHEAD)
+            step(other, AHEAD)
+    assert world.state.fishes.live.any() == (live > 0)
+    # What is taken for constant is.
+    for key, array in snapshot.constant(world).items():
+        np.testing.assert_array_equal(array, first[key], err_msg=key)
+
+
+@pytest.fixture(scope="module")
+def small():
+    """A world, another one in another state, and a snapshot of the first."""
+    world, other = went_on(made("peaceful", 3, 1), 30), went_on(made("peaceful", 3, 1), 7)
+    return world, other, snapshot.take(world)
+
+
+def refused(world, data, words="not a snapshot of this dive"):
+    before = snapshot.checksum(world)
+    with pytest.raises(UserError, match=words):
+        snapshot.restore(world, data)
+    assert snapshot.checksum(world) == before
+
+
+@given(st.data())
+def test_mangled_bytes_are_refused_and_change_nothing(small, data):
+    _, other, whole = small
+    at = data.draw(st.integers(0, len(whole) - 1))
+    kind = data.draw(st.sampled_from(["flip", "cut", "insert", "head"]))
+    if kind == "flip":
+        bit = 1 << data.draw(st.integers(0, 7))
+        mangled = whole[:at] + bytes([whole[at] ^ bit]) + whole[at + 1 :]
+    elif kind == "cut":
+        mangled = whole[:at]
+    elif kind == "insert":
+        mangled = whole[:at] + data.draw(st.binary(min_size=1, max_size=20)) + whole[at:]
+        if mangled == whole:
+            return
+    else:
+        mangled = data.draw(st.binary(max_size=200)) + whole[at:]
+        if mangled == whole:
+            return
+    refused(other, mangled)
+
+
+def test_the_header_is_mangled_in_every_byte(small):
+    _, other, whole = small
+    end = whole.index(b"}]}") + 3
+    for at in range(0, end, 7):
+        refused(other, whole[:at] + bytes([whole[at] ^ 1]) + whole[at + 1 :])
+
+
+def test_another_world_does_not_take_it(small):
+    *_, whole = small
+    refused(made("peaceful", 4, 1), whole, "fishes.position")
+    refused(made("peaceful", 3, 2), whole, r"live\.fish .*where.*was expected")
+    refused(made("mating", None, 0), whole)
+    other_seed = create_world(load_scenario("peaceful")[0], seed=99, fish=3, live=1)
+    refused(other_seed, whole, "of seed")
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("fishes.row_a", 10**6),
+        ("fishes.row_b", -1),
+        ("fishes.segment", 7),
+        ("minds.neighbour", 3),
+        ("minds.target", 10**6),
+        ("minds.food", -2),
+        ("live.fish", 3),
+        ("sea.catch", 5),
+        ("fishes.position", np.nan),
+        ("fishes.position", np.inf),
+        ("sea.plankton", 1e20),
+        ("minds.food_distance", np.nan),
+    ],
+)
+def test_a_sound_snapshot_of_an_unsound_world_is_refused(small, name, value):
+    """With a right checksum, but with what compiled code would follow out of its arrays."""
+    world, other, whole = small
+    array = snapshot.changing(world)[name]
+    array.reshape(-1)[0] = value
+    try:
+        refused(other, snapshot.take(world), name.replace(".", r"\.") + r"\[0.*no tick writes")
+    finally:
+        snapshot.restore(world, whole)
+
+
+def test_a_pose_that_is_not_the_motors_is_refused(small):
+    world, other, whole = small
+    recorded = len(world.library.entry)
+    world.state.fishes.live[:] = False
+    world.state.fishes.row_b[:] = recorded
+    refused(other, snapshot.take(world), "not among the rows of its motor")
+    snapshot.restore(world, whole)
+
+
+def test_truth_is_true_or_false(small):
+    world, other, whole = small
+    world.state.fishes.alive.view(np.uint8)[0] = 2
+    refused(other, snapshot.take(world), "fishes.alive")
+    snapshot.restore(world, whole)
+
+
+def test_the_submarines_lights_go_along(small):
+    world, other, whole = small
+    lights = world.state.submarine.lights
+    lights[:] = True
+    assert not other.state.submarine.lights[0]
+    snapshot.restore(other, snapshot.take(world))
+    assert other.state.submarine.lights[0]
+    assert snapshot.checksum(other) == snapshot.checksum(world)
+    lights[:] = False
+    assert snapshot.checksum(other) != snapshot.checksum(world)
+    snapshot.restore(other, whole)
+
+
+def test_the_light_that_a_fish_was_told_to_see_goes_along(small):
+    world, other, whole = small
+    before = snapshot.checksum(world)
+    world.seen_light[1] = np.float32(0.3)
+    assert snapshot.checksum(world) != before
+    seen = snapshot.take(world)
+    snapshot.restore(other, seen)
+    assert other.seen_light == {1: float(np.float32(0.3))}
+    assert snapshot.checksum(other) == snapshot.checksum(world)
+    world.seen_light[3] = 0.5
+    refused(other, snapshot.take(world), "a fish that is none")
+    for one in (world, other):
+        snapshot.restore(one, whole)
+        assert not one.seen_light
+
+
+def test_no_snapshot_is_larger_than_its_limit(small):
+    world, _, whole = small
+    assert len(whole) <= snapshot.size_limit(world)

@@ -1,0 +1,181 @@
+"""The whole world, tick by tick."""
+
+import hashlib
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from subsea.geometry.height_field import height_at
+from subsea.motor.balance import roll_of
+from subsea.scenario.schema import load_scenario
+from subsea.state import HULL_CM, LOOPING, digest
+from subsea.submarine.helm import Helm
+from subsea.world.step import TICK_S, create_world, step
+
+AHEAD = Helm(surge=0.4, yaw=0.1)
+
+
+def _world(seed=None, fish=None):
+    return create_world(load_scenario("peaceful")[0], seed=seed, fish=fish)
+
+
+@pytest.fixture(scope="module")
+def voyage():
+    """A minute of the peaceful bay: the world, the ways (T, n, 3) of fishes, (T, 3) of the hull."""
+    world = _world()
+    path, hull = [], []
+    for _ in range(1800):
+        step(world, AHEAD)
+        path.append(world.state.fishes.position.copy())
+        hull.append(world.state.submarine.position.copy())
+    return world, np.array(path), np.array(hull)
+
+
+@pytest.fixture(scope="module")
+def minute(voyage):
+    """The world and the fishes of that."""
+    return voyage[:2]
+
+
+def test_the_sea_has_the_fishes_of_the_scenario():
+    world = _world()
+    assert len(world.state.fishes.species) == sum(s.number for s in world.scenario.fish)
+
+
+@pytest.mark.parametrize("fish", [0, 1, 7, 61, 500])
+def test_any_number_of_fishes_can_be_asked_for(fish):
+    world = _world(fish=fish)
+    step(world, AHEAD)
+    assert len(world.state.fishes.species) == fish
+
+
+def test_a_courting_male_grows_colourful():
+    world = _world(fish=7)
+    minds, display = world.state.minds, world.state.fishes.display
+    minds.male[:2] = True, False
+    for _ in range(10):
+        minds.courtship[:2] = LOOPING  # nobody is there to court: behavior ends it at each thought
+        minds.pause[:2] = 0.0
+        step(world, Helm())
+    assert display[0] > 0.0
+    assert display[1] == 0.0
+
+
+def test_nobody_leaves_the_sea(minute):
+    world, path = minute
+    bounds = world.scenario.bounds
+    assert np.isfinite(path).all()
+    assert np.hypot(path[..., 0], path[..., 1]).max() < bounds.radius_cm
+    assert path[..., 2].max() < 0
+    sea = world.state.sea
+    depth = [
+        p[2] - height_at(sea.heights, sea.half_width, p[0], p[1]) for p in path[::10].reshape(-1, 3)
+    ]
+    assert min(depth) > 3.0
+
+
+def test_fishes_move_like_fishes(voyage):
+    """No leaps, no standing still. A small fish beats faster, so it goes farther for its length.
+
+    Whom the bow wave of the submarine, which goes ahead all the time, carries along is not counted.
+    """
+    world, path, hull = voyage
+    speed = np.linalg.norm(np.diff(path, axis=0), axis=2) / TICK_S
+    lengths = world.state.fishes.length
+    free = np.linalg.norm(path - hull[:, None], axis=2)[1:] > 2 * HULL_CM
+    assert (speed / lengths * np.sqrt(lengths / 20.0))[free].max() < 2.5
+    assert (speed / lengths).mean(axis=0).min() > 0.15
+
+
+def test_schools_stay_together(minute):
+    world, path = minute
+    schooling = world.state.minds.leader >= 0
+    leaders = world.state.minds.leader[schooling]
+    assert len(set(leaders)) == 2
+    gap = np.linalg.norm(path[600:, schooling] - path[600:, leaders], axis=2)
+    assert np.median(gap) < 150
+    assert (gap < 350).mean() > 0.98
+
+
+def test_schooling_fishes_keep_their_distance(minute):
+    world, path = minute
+    schooling = world.state.minds.leader >= 0
+    places = path[900::60, schooling]
+    gap = np.linalg.norm(places[:, :, None] - places[:, None], axis=3)
+    gap += 1e9 * np.eye(gap.shape[1])
+    nearest = gap.min(axis=2) / world.state.fishes.length[schooling].mean()
+    assert np.median(nearest) > 0.5
+
+
+def test_backs_stay_up(minute):
+    world, _ = minute
+    rolls = [abs(roll_of(q)) for q in world.state.fishes.orientation.astype(float)]
+    assert np.degrees(np.median(rolls)) < 5
+    assert np.degrees(max(rolls)) < 40
+
+
+def test_equal_seeds_are_equal_worlds_and_others_are_not():
+    worlds = [_world(seed=5, fish=40), _world(seed=5, fish=40), _world(seed=6, fish=40)]
+    for _ in range(120):
+        for world in worlds:
+            step(world, AHEAD)
+    first, second, other = (digest(world.state) for world in worlds)
+    assert first == second
+    assert first != other
+
+
+PROGRAM = """
+from subsea.motor.balance import roll_of
+from subsea.world.step import create_world, step
+from subsea.scenario.schema import load_scenario
+from subsea.state import digest
+from subsea.submarine.helm import Helm
+world = create_world(load_scenario("peaceful")[0], seed=3, fish=60)
+for _ in range(200):
+    step(world, Helm(surge=0.3))
+print(digest(world.state))
+"""
+
+
+def test_the_number_of_threads_does_not_matter():
+    def run(threads):
+        environment = dict(os.environ, NUMBA_NUM_THREADS=threads, OMP_NUM_THREADS=threads)
+        done = subprocess.run(
+            [sys.executable, "-c", PROGRAM], env=environment, capture_output=True, text=True,
+            check=True,
+        )  # fmt: skip
+        return done.stdout.strip()
+
+    assert run("1") == run("2")
+
+
+def test_the_digest_sees_every_array():
+    world = _world(fish=3)
+    before = digest(world.state)
+    world.state.fishes.fins[2, 1] += 1e-3
+    assert digest(world.state) != before
+    assert len(before) == len(hashlib.sha256().hexdigest())
+
+
+GOLDEN = Path(__file__).parent / "golden_positions.npy"
+GOLDEN_TICKS = 150
+
+
+def test_the_world_is_the_one_it_was(request):
+    """Positions after 150 ticks are those on file: a change of behaviour is a change on purpose.
+
+    Within a millimetre, for processors and their mathematical libraries differ in the last bit.
+    """
+    world = _world(seed=11)
+    for _ in range(GOLDEN_TICKS):
+        step(world, AHEAD)
+    positions = np.concatenate(
+        [world.state.fishes.position, world.state.submarine.position[None].astype(np.float32)]
+    )
+    if request.config.getoption("--regenerate"):
+        np.save(GOLDEN, positions)
+    np.testing.assert_allclose(positions, np.load(GOLDEN), atol=0.1)

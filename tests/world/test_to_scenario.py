@@ -1,0 +1,61 @@
+"""A dive is saved as it is: a world made of what was saved has its constants."""
+
+import numpy as np
+import pytest
+from msgspec.structs import replace
+
+from subsea.behavior.temperament import alter
+from subsea.scenario.save import save_scenario
+from subsea.scenario.schema import Individual, load_scenario
+from subsea.world.to_scenario import as_it_is
+from subsea.world.tunables import constants_of, same
+from subsea.world.world import create_world
+
+
+@pytest.fixture(scope="module")
+def few():
+    scenario, _ = load_scenario("peaceful")
+    shoals = [replace(shoal, number=3) for shoal in scenario.fish]
+    return replace(scenario, fish=shoals, individual=[Individual(fish=2, hunger=0.5)])
+
+
+@pytest.fixture
+def world(few):
+    return create_world(few)
+
+
+def set_of(world, **own):
+    one = Individual(**own)
+    alter(world.state.fishes, world.state.minds, one, 0.0)
+
+
+def test_what_nobody_changed_is_the_same_scenario(world, few):
+    assert as_it_is(world) == few
+
+
+def test_a_world_of_it_has_the_same_constants(world, few, tmp_path):
+    set_of(world, fish=1, male=True, likes=["cold", "warmth"], dread_cm=70.0)
+    set_of(world, fish=4, kind="predator", digestion=0.0123, appetite=7.0, schooling=True)
+    for fish in (6, 7, 8):
+        set_of(world, fish=fish, kind="prey", male=False, libido_rate=0.04)
+    world.nature = world.nature._replace(keen=0.4, timidity=1.5)
+    world.current_cm_s = (3.0, -2.0)
+    world.physics = world.physics._replace(viscosity=2.0)
+    saved = as_it_is(world)
+    save_scenario(saved, tmp_path / "saved.toml")
+    again = create_world(load_scenario(str(tmp_path / "saved.toml"))[0])
+    assert same(constants_of(again), constants_of(world))
+    # What a shoal has in common is told once.
+    assert [one.fish for one in saved.individual] == [1, 2, 4]
+    assert (saved.fish[2].kind, saved.fish[2].male_share) == ("prey", 0.0)
+    assert saved.individual[1] == few.individual[0]
+    assert as_it_is(again) == saved
+
+
+def test_what_was_changed_and_back_again_leaves_no_trace(world, few):
+    male = bool(world.state.minds.male[5])
+    set_of(world, fish=5, male=not male)
+    assert as_it_is(world).individual[1] == Individual(fish=5, male=not male)
+    set_of(world, fish=5, male=male)
+    assert as_it_is(world) == few
+    np.testing.assert_array_equal(world.state.minds.male[5], male)

@@ -1,0 +1,76 @@
+"""What only a panel changes: as it was, back, and acting at once."""
+
+import numpy as np
+
+from subsea.scenario.schema import load_scenario
+from subsea.submarine.helm import HANDS_OFF
+from subsea.world import snapshot
+from subsea.world.step import create_world, step
+from subsea.world.tunables import constants_of, put_back, same
+from subsea.world.world import MINDS
+
+
+def made():
+    return create_world(load_scenario("mating")[0])
+
+
+def went_on(world, ticks):
+    for _ in range(ticks):
+        step(world, HANDS_OFF)
+    return snapshot.checksum(world)
+
+
+def meddled(world):
+    """Change every constant there is."""
+    world.nature = world.nature._replace(keen=0.05, vision_cm=200.0)
+    world.current_cm_s = (80.0, -20.0)
+    for name in MINDS:
+        values = getattr(world.state.minds, name)
+        if values.dtype == np.bool_:
+            values[...] = ~values
+        elif name == "kind":
+            values[...] = (values + 1) % 2
+        else:
+            values[...] *= 1.5
+
+
+def test_a_world_with_its_constants_back_goes_on_as_it_would_have():
+    world, twin = made(), made()
+    went_on(world, 40), went_on(twin, 40)
+    then, bytes_then = constants_of(world), snapshot.take(world)
+    meddled(world)
+    assert went_on(world, 30) != went_on(twin, 30)
+    for name in MINDS:
+        assert (getattr(world.state.minds, name) != then.minds[name]).any(), name
+    put_back(world, then)
+    snapshot.restore(world, bytes_then)
+    assert went_on(world, 30) == snapshot.checksum(twin)
+    assert same(constants_of(world), then)
+
+
+def test_each_constant_counts_as_a_difference():
+    world = made()
+    before = constants_of(world)
+    assert same(before, constants_of(world))
+    for change in (
+        {"nature": world.nature._replace(keen=0.1)},
+        {"current_cm_s": (1.0, 0.0)},
+        {"physics": world.physics._replace(stiffness=2.0)},
+        *({"minds": before.minds | {name: before.minds[name] + 1}} for name in MINDS[4:]),
+        *({"minds": before.minds | {name: before.minds[name] ^ 1}} for name in MINDS[:4]),
+    ):
+        assert not same(before, before._replace(**change)), change
+
+
+def test_the_current_turns_while_diving():
+    world = made()
+    went_on(world, 60)
+    drifts = []
+    for current in ((0.0, 0.0), (40.0, 0.0), (0.0, -40.0)):
+        world.current_cm_s = current
+        step(world, HANDS_OFF)
+        drifts.append(world.state.fishes.drift.mean(axis=0))
+    still, east, south = drifts
+    assert abs(still).max() == 0.0
+    assert east[0] > 20.0 * abs(east[1])
+    assert south[1] < -20.0 * abs(south[0])

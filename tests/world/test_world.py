@@ -1,0 +1,69 @@
+"""What a world is made of, as far as no other test asks."""
+
+import os
+import shutil
+
+import h5py
+import pytest
+
+from subsea.core import disk_cache
+from subsea.core.errors import UserError
+from subsea.fish.species import repertoire_file
+from subsea.repertoire import files
+from subsea.world import world
+
+
+def test_a_repertoire_is_read_by_its_content(tmp_path, monkeypatch):
+    monkeypatch.setattr(disk_cache, "folder", lambda: tmp_path / "kept")
+    path = tmp_path / "clownfish.h5"
+    shutil.copy(repertoire_file("clownfish"), path)
+
+    def read(stamp):  # a stamp that is new: nothing in memory is asked
+        return world._repertoire(path, "clownfish", (stamp, 0))
+
+    first = read(1)
+    assert read(2).body_length_cm == first.body_length_cm
+    assert len(list((tmp_path / "kept").iterdir())) == 1
+    with h5py.File(path, "a") as file:
+        file.attrs["body_length_cm"] = 1.25 * first.body_length_cm
+    assert read(3).body_length_cm == pytest.approx(1.25 * first.body_length_cm)
+    path.write_bytes(path.read_bytes()[:9000])
+    with pytest.raises(UserError, match=str(path)):
+        read(4)
+    path.unlink()
+    with pytest.raises(UserError, match="no such file"):
+        read(5)
+
+
+def test_a_repertoire_that_changes_while_it_is_read_is_not_kept(tmp_path, monkeypatch):
+    monkeypatch.setattr(disk_cache, "folder", lambda: tmp_path / "kept")
+    path = tmp_path / "clownfish.h5"
+    shutil.copy(repertoire_file("clownfish"), path)
+    whole, read = path.read_bytes(), files.read_repertoire
+
+    def late(path):
+        with h5py.File(path, "a") as file:
+            file.attrs["body_length_cm"] = 1.25 * file.attrs["body_length_cm"]
+        return read(path)
+
+    monkeypatch.setattr(files, "read_repertoire", late)
+    with pytest.raises(UserError, match="while it was read"):
+        world._repertoire(path, "clownfish", (1, 0))
+    monkeypatch.setattr(files, "read_repertoire", read)
+    path.write_bytes(whole)
+    found = world._repertoire(path, "clownfish", (2, 0))
+    assert found.body_length_cm == read(path).body_length_cm
+
+
+def test_what_claims_to_be_huge_or_is_no_file_is_not_read_through(tmp_path, monkeypatch):
+    monkeypatch.setattr(disk_cache, "folder", lambda: tmp_path / "kept")
+    path = tmp_path / "clownfish.h5"
+    shutil.copy(repertoire_file("clownfish"), path)
+    with path.open("r+b") as file:
+        file.truncate(1 << 40)  # it has holes: a digest of all of it would take an hour
+    assert world._repertoire(path, "clownfish", (1, 0)).species == "clownfish"
+    path.unlink()
+    os.mkfifo(path)  # who opens it waits for somebody who writes
+    with pytest.raises(UserError, match=str(path)):
+        world._repertoire(path, "clownfish", (2, 0))
+    assert not (tmp_path / "kept").exists()
