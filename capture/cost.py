@@ -4,11 +4,11 @@ from collections.abc import Callable
 from time import perf_counter
 
 import numpy as np
-from numba import njit
 
 from subsea.biomechanics.body import MUSCLES, NODES, Body, Floats
 from subsea.biomechanics.simulation import State, copy_state, simulate
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, advance
+from subsea.core.kernels import kernel
 from subsea.geometry.rotation import matrix
 from subsea.repertoire import Segment
 
@@ -58,7 +58,7 @@ def fastest_us(run: Callable[[], object], rounds: int = ROUNDS) -> float:
     return min(times) * 1e6
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _replay(turns: Floats, steps: Floats, nodes: Floats, frames: int, out: Floats) -> float:
     origin = np.zeros(3)
     rotation = np.eye(3)

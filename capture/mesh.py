@@ -7,11 +7,11 @@ from typing import NamedTuple
 import numpy as np
 
 from subsea.biomechanics.body import Floats
+from subsea.core.arrays import Array
 from subsea.core.atomic_io import replacing
 from subsea.core.errors import UserError
 from subsea.geometry.tetrahedra import tetrahedral_weights
 from subsea.repertoire import Repertoire
-from subsea.repertoire.schema import Array
 
 MAX_BYTES = 256 * 2**20
 FARTHEST = 3.0

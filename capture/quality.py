@@ -13,11 +13,12 @@ from capture.record import Motion, run_trial, steady_contraction
 from capture.targets import Measure, Range, judge, least, most, off
 from capture.trial import Trial, beat_contraction, speed_map, way
 from subsea.biomechanics.body import LOWER_TAIL, UPPER_TAIL, Body, Floats, build_body
-from subsea.biomechanics.body_frame import Array, body_frame, to_world
+from subsea.biomechanics.body_frame import body_frame, to_world
 from subsea.biomechanics.controllers import S_MAX
 from subsea.biomechanics.fins import balance, pectoral_force
 from subsea.biomechanics.simulation import STILL, State, at_rest, copy_state, simulate
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK
+from subsea.core.arrays import Array
 from subsea.core.errors import UserError
 from subsea.geometry.rotation import matrix
 from subsea.repertoire import Repertoire, Segment

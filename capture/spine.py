@@ -10,7 +10,8 @@ import numpy as np
 from capture.segment import make_segment
 from subsea.biomechanics.body import NODES, RING_LEFT, RING_UP, Floats
 from subsea.biomechanics.body_plan import NODES_AT_STATION
-from subsea.fish.spine import MIDDLES, Array, Gait, SpinePlan, carried, flapped, spines
+from subsea.core.arrays import Array
+from subsea.fish.spine import MIDDLES, Gait, SpinePlan, carried, flapped, spines
 from subsea.fish.surface import SurfacePlan, along, fitted, rest_surface
 from subsea.repertoire import Segment
 

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from capture.quality import replay
 from subsea.biomechanics.body import LOWER_TAIL, RINGS, UPPER_TAIL, Floats
-from subsea.biomechanics.body_frame import Array, body_frame
+from subsea.biomechanics.body_frame import body_frame
+from subsea.core.arrays import Array
 from subsea.repertoire import Segment
 
 Complex = NDArray[np.complex128]

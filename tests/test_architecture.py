@@ -1,8 +1,10 @@
 """The house of docs/architecture.md: data travels down the folders, imports only go up."""
 
+import ast
 import re
 import subprocess
 import sys
+from collections import defaultdict
 from pathlib import Path
 
 import pytest
@@ -17,6 +19,43 @@ def test_imports_only_go_up_the_list_of_folders():
         [str(program), "--no-cache"], cwd=ROOT, capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+MOST_PARAMETERS = 8
+MOST_LINES = 400
+LONG = "# Over 400 lines: "  # begins the line with which a longer module says why
+MODULES = [*ROOT.glob("subsea/**/*.py"), *ROOT.glob("capture/**/*.py")]
+
+
+def definitions(kind):
+    """Each definition of a kind of syntax node, with its place."""
+    for path in MODULES:
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, kind):
+                yield f"{path.relative_to(ROOT)}:{node.lineno} {node.name}", node
+
+
+def test_a_function_takes_at_most_eight_parameters():
+    crowded = []
+    for where, function in definitions(ast.FunctionDef | ast.AsyncFunctionDef):
+        given = function.args
+        names = {one.arg for one in (*given.posonlyargs, *given.args, *given.kwonlyargs)}
+        if len(names - {"self", "cls"}) > MOST_PARAMETERS:
+            crowded.append(where)
+    assert not crowded
+
+
+def test_a_module_has_at_most_400_lines_or_says_why():
+    texts = {path: path.read_text(encoding="utf-8").splitlines() for path in MODULES}
+    long = [path for path, lines in texts.items() if len(lines) > MOST_LINES]
+    assert not [path for path in long if not any(line.startswith(LONG) for line in texts[path])]
+
+
+def test_a_class_name_stands_once_in_the_project():
+    places = defaultdict(list)
+    for where, node in definitions(ast.ClassDef):
+        places[node.name].append(where)
+    assert not [where for where in places.values() if len(where) > 1]
 
 
 @pytest.mark.parametrize(

@@ -1,11 +1,8 @@
 """Body axes (x anterior, y dorsal, z right) and centimetres as other programs have them."""
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.floating[Any]]
+from subsea.core.arrays import Array
 
 METRES = 0.01
 # Rows: where each axis points. glTF and USD: x left, y up, z ahead.

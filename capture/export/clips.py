@@ -6,11 +6,12 @@ one by a factor α, and slower by √α, as playback has it.
 """
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.core.arrays import Array, Ints
 from subsea.core.errors import UserError
 from subsea.core.resources import is_path
 from subsea.fish import paint
@@ -21,9 +22,6 @@ from subsea.fish.species import Species, load_species, own_species, repertoire_f
 from subsea.fish.surface import CONTROL_POINTS, PaddlePlan, SurfacePlan, rest_control_points
 from subsea.geometry.rotation import matrix, multiply, normalised
 from subsea.repertoire import SEGMENTS, Repertoire, Segment, read_repertoire
-
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
 
 SWEEP_RAD = 0.35  # of paired fins at ease, away from the body
 # As `shaders/fishes.vert` has them: how far a wing stands out, its share of the sweep, and how much

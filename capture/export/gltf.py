@@ -15,10 +15,10 @@ from capture.export.clips import Clip, Model, carried, see_through
 from capture.export.glb import CLAMPED, INDICES, VERTICES, Buffer, glb, material
 from capture.export.png import sheet_png
 from capture.export.rig import MOST, Rig
+from subsea.core.arrays import Array
 from subsea.core.atomic_io import replacing
 from subsea.geometry.rotation import from_matrix, matrix
 
-Array = NDArray[np.floating[Any]]
 Json = dict[str, Any]
 
 LINEAR_MIPMAPS = 9987

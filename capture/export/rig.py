@@ -6,16 +6,14 @@ at once. Weights are not negative and sum to one, and no vertex has more than fo
 """
 
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from capture.export.clips import Clip, Model
-
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
+from subsea.core.arrays import Array, Ints
+from subsea.core.kernels import kernel
 
 MOST = 4  # joints that a vertex may hang on: what the formats and engines have room for
 NEAR = 8  # joints that it may choose them from, so that none moves what is far
@@ -179,7 +177,7 @@ def _fit_weights(rest: Array, goal: Array, motion: Array, near: Ints) -> Array:
     return out
 
 
-@njit(cache=True)
+@kernel
 def best_shares(gram: Array, most: int) -> Array:
     """Shares w ≥ 0 that sum to one, `most` of them not zero, with a small w·G·w.
 
@@ -209,7 +207,7 @@ def best_shares(gram: Array, most: int) -> Array:
     return w
 
 
-@njit(cache=True)
+@kernel
 def _least(gram: Array, allowed: NDArray[np.bool_], w: Array) -> Array:
     """The least w·G·w of shares, from some on: what is best passed on from one to another."""
     w = w.copy()

@@ -15,10 +15,9 @@ from numpy.typing import NDArray
 from capture.export.axes import Y_UP, brought, turned
 from capture.export.clips import ROUGHNESS, Clip, Model, carried, see_through
 from capture.export.png import sheet_png
+from subsea.core.arrays import Array
 from subsea.core.atomic_io import replacing
 from subsea.core.errors import UserError
-
-Array = NDArray[np.floating[Any]]
 
 SOLID, CLEAR = "solid", "clear"  # materials
 

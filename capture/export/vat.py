@@ -28,9 +28,8 @@ from capture.export.axes import METRES, Y_UP, Z_UP, brought, turned
 from capture.export.clips import Clip, Model, carried
 from capture.export.glb import CLAMPED, INDICES, VERTICES, Buffer, glb, material
 from capture.export.png import png16, sheet_png
+from subsea.core.arrays import Array
 from subsea.core.atomic_io import replacing
-
-Array = NDArray[np.floating[Any]]
 
 FULL = 65535  # the greatest value of a texel
 ALPHA_CUTOFF = 0.3  # one material serves the body and fins: what is clearer is left out

@@ -1,11 +1,7 @@
 """Avoiding a collision, with another fish or with what stands in the way (Tu §7.8.1)."""
 
-from typing import Any
-
-import numpy as np
-from numba import njit
-from numpy.typing import NDArray
-
+from subsea.core.arrays import Array, Ints
+from subsea.core.kernels import kernel
 from subsea.geometry.rotation import rotate
 from subsea.geometry.vector import dot, minus, norm, plus, times, unit, vector
 from subsea.state import (
@@ -24,9 +20,6 @@ from subsea.state import (
     Sea,
 )
 
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
-
 ASIDE = 1.5  # how hard a fish turns away, over how much it keeps its course
 MAKING_ROOM = 0.6  # the same in a school, which it means to stay with
 SLOWED = 0.35  # share of the fastest speed at which it lets another pass that is ahead
@@ -34,7 +27,7 @@ CAREFUL = 0.6  # and at which it rounds an obstacle, at most
 PASSING_BL = 0.05  # an obstacle whose middle is less far aside is straight ahead
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
@@ -45,7 +38,7 @@ def desire(
         out[i] = 1.0 if yields or minds.barrier[i] != -1 else 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
     """Turn aside, to where the motor preferences point if both sides are as good."""
     for i in who:
@@ -80,7 +73,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
             fishes.goal_speed[i] = min(max(fishes.goal_speed[i], SLOWED), least)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _side(minds: Minds, i: int) -> float:
     """1 for left, -1 for right: the preferred one, else one that each fish has for itself."""
     difference = minds.preference[i, LEFT] - minds.preference[i, RIGHT]

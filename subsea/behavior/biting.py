@@ -1,10 +1,10 @@
 """The bait on a hook: the hungry come for it, and the first to bite is caught (Tu §10.1)."""
 
 import numpy as np
-from numba import njit
 
 from subsea.behavior.chasing import chase, mouth_of
 from subsea.behavior.death import hand_over, remove
+from subsea.core.kernels import kernel
 from subsea.geometry.vector import Vector, minus, norm, vector
 from subsea.state import (
     BAIT,
@@ -29,20 +29,20 @@ YANK_CM_S = 150.0  # at most
 OUT_BL = 0.6  # a catch whose middle is so far above the surface is gone
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def is_offered(sea: Sea) -> bool:
     """Whether a bait that nobody has bitten is in the water."""
     return sea.catch[0] in (SINKING, HANGING) and sea.hook[2] < -COVER_CM
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def in_reach(fishes: Fishes, minds: Minds, i: int, sea: Sea, nature: Nature) -> bool:
     """Whether fish i, no predator, smells the bait that is offered, and no speck is much nearer."""
     distance = norm(minus(vector(sea.hook), mouth_of(fishes, i)))
     return distance < nature.smell_cm and distance < TEMPTING * minds.food_distance[i]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def approach(fishes: Fishes, minds: Minds, i: int, sea: Sea) -> None:
     """Head for the bait, with an open mouth once it is near."""
     minds.target[i] = BAIT
@@ -50,7 +50,7 @@ def approach(fishes: Fishes, minds: Minds, i: int, sea: Sea) -> None:
     fishes.gape[i] = 1.0 if distance < OPEN_BL * fishes.length[i] else 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def bite(fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
     """Catch the first fish whose mouth is at the bait, and pull at the one that is caught.
 
@@ -82,7 +82,7 @@ def bite(fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
             remove(fishes, minds, i)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _motion(sea: Sea) -> Vector:
     """Velocity of the bait, cm/s."""
     return (0.0, 0.0, -sea.tackle[3] if sea.catch[0] == SINKING else 0.0)

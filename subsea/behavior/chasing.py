@@ -1,8 +1,8 @@
 """Chasing a target: the part that eating, hunting, schooling and mating share (Tu §7.8.2)."""
 
 import numpy as np
-from numba import njit
 
+from subsea.core.kernels import kernel
 from subsea.geometry.rotation import rotate
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, vector
 from subsea.state import Fishes, Minds
@@ -15,7 +15,7 @@ TURNING = 0.12  # share of the fastest speed with which it turns toward what is 
 FORESIGHT_S = 2.0  # how far ahead a target's motion is reckoned with
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def chase(fishes: Fishes, minds: Minds, i: int, target: Vector, velocity: Vector) -> float:
     """Head for a target (cm) that moves at `velocity` (cm/s); returns its distance from the mouth.
 
@@ -43,7 +43,7 @@ def chase(fishes: Fishes, minds: Minds, i: int, target: Vector, velocity: Vector
     return distance
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def mouth_of(fishes: Fishes, i: int) -> Vector:
     """Where the tip of the snout of fish i is, cm, world."""
     along = rotate(fishes.orientation[i], (float(fishes.snout[i]), 0.0, 0.0))

@@ -3,24 +3,19 @@
 A fish that plays back recorded motion turns and climbs only so fast (SMC §6.2).
 """
 
-from typing import Any
-
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
+from subsea.core.kernels import kernel
 from subsea.geometry.rotation import rotate
 from subsea.geometry.vector import Vector, plus, vector
 from subsea.state import Fishes, Minds
-
-Array = NDArray[np.floating[Any]]
 
 CLOSE_RAD = np.radians(40.0)  # with recorded turns and careful alignment a fish turns fastest here
 TURNING_RAD, TURNING_SPEED = np.radians((15.0, 45.0, 90.0)), np.array((1.0, 0.35, 0.1))
 BELLY_BACK_BL, BELLY_DOWN_BL = 0.05, 0.15  # of her abdomen, behind and below her origin
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def steer(fishes: Fishes, minds: Minds, i: int, toward: Vector) -> float:
     """Turn to what is near as hard as the motor system can; returns the angle left, rad.
 
@@ -32,7 +27,7 @@ def steer(fishes: Fishes, minds: Minds, i: int, toward: Vector) -> float:
     return float(abs(turn))
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def careful(turn: float) -> float:
     """The share of its speed that a fish keeps which has to turn by so many rad.
 
@@ -41,7 +36,7 @@ def careful(turn: float) -> float:
     return float(np.interp(turn, TURNING_RAD, TURNING_SPEED))
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def hover(fishes: Fishes, minds: Minds, i: int, slope: float) -> None:
     """Stand still and keep the heading, with the head up or down by a slope."""
     heading = heading_of(fishes, i)
@@ -49,7 +44,7 @@ def hover(fishes: Fishes, minds: Minds, i: int, slope: float) -> None:
     fishes.goal_speed[i] = 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def bend(fishes: Fishes, minds: Minds, i: int, toward: Vector, turn: float) -> None:
     """Want to turn left by `turn` rad, and upward or downward as `toward` leads."""
     level = np.sqrt(toward[0] * toward[0] + toward[1] * toward[1])
@@ -57,40 +52,40 @@ def bend(fishes: Fishes, minds: Minds, i: int, toward: Vector, turn: float) -> N
     want(minds, i, (level * np.cos(course), level * np.sin(course), toward[2]))
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def want(minds: Minds, i: int, urge: Vector) -> None:
     """Let `urge` be where fish i wants to go."""
     for axis in range(3):
         minds.urge[i, axis] = urge[axis]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def turn_to(fishes: Fishes, i: int, toward: Vector) -> float:
     """The angle, rad, by which fish i would have to turn left to head along `toward`."""
     return wrapped(np.arctan2(toward[1], toward[0]) - heading_of(fishes, i))
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def heading_of(fishes: Fishes, i: int) -> float:
     """The angle, rad, that the body heads left of the world's x axis."""
     x = rotate(fishes.orientation[i], (1.0, 0.0, 0.0))
     return float(np.arctan2(x[1], x[0]))
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def wrapped(angle: float) -> float:
     """The same angle between -π and π."""
     return float(angle - 2.0 * np.pi * np.round(angle / (2.0 * np.pi)))
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def tail_of(fishes: Fishes, j: int) -> Vector:
     """Where the tail of fish j is, cm, world, were it straight."""
     along = fishes.snout[j] - fishes.length[j]
     return plus(vector(fishes.position[j]), rotate(fishes.orientation[j], (along, 0.0, 0.0)))
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def abdomen_of(fishes: Fishes, j: int) -> Vector:
     """Where the belly of fish j is, cm, world."""
     length = fishes.length[j]

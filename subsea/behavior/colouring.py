@@ -1,14 +1,14 @@
 """Mating colours: a male grows colourful while he courts (Tu §5.3)."""
 
 import numpy as np
-from numba import njit
 
+from subsea.core.kernels import kernel
 from subsea.state import NO_COURTSHIP, Clock, Fishes, Minds
 
 EASE_S = 0.7  # time constant: after 2 s all but a twentieth of a change is done
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def colour(fishes: Fishes, minds: Minds, clock: Clock) -> None:
     """Ease the display of all fishes toward 1 where a male courts, toward 0 elsewhere."""
     share = 1.0 - np.exp(-clock.dt / EASE_S)

@@ -5,11 +5,9 @@ fish, times in those of the recorded fish: a smaller one beats and turns faster.
 """
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
 from subsea.behavior.chasing import chase, mouth_of
 from subsea.behavior.close_quarters import (
@@ -26,13 +24,11 @@ from subsea.behavior.close_quarters import (
     wrapped,
 )
 from subsea.behavior.nuzzling import nuzzle, nuzzled
+from subsea.core.arrays import Bools, Ints
+from subsea.core.kernels import kernel
 from subsea.geometry.rotation import rotate
 from subsea.geometry.vector import Vector, minus, norm, plus, vector
 from subsea.state import ASCENDING, CIRCLING, LOOPING, MATE, NOBODY, Clock, Fishes, Minds, Sea
-
-Array = NDArray[np.floating[Any]]
-Flags = NDArray[np.bool_]
-Ints = NDArray[np.integer[Any]]
 
 AHEAD_BL, ABOVE_BL = 1.15, 0.25  # where before her head he shows off, in their mean body length
 DISPLAY_BL = 1.5  # so near that place he begins to
@@ -58,7 +54,7 @@ BELOW_BL = 0.3  # and so far under it he keeps, in his
 # Sets urge and goal speed of each of the fishes `who`.
 Component = Callable[[Ints, Fishes, Minds, Sea, Clock], None]
 # Whether each of the fishes `who` has completed its state.
-Transition = Callable[[Ints, Fishes, Minds, Sea], Flags]
+Transition = Callable[[Ints, Fishes, Minds, Sea], Bools]
 
 
 class State(NamedTuple):
@@ -70,7 +66,7 @@ class State(NamedTuple):
     alone_s: float  # ... or when the partner has minded somebody or something else for so long
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def approach(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
     """Chase her, or the place before her head where he will show off if she has a mind to mate."""
     for i in who:
@@ -84,8 +80,8 @@ def approach(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) ->
             fishes.goal_speed[i] = min(fishes.goal_speed[i], 0.3)
 
 
-@njit(cache=True, error_model="numpy")
-def arrived(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Flags:
+@kernel
+def arrived(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Bools:
     """He is where he can show off, and she has a mind to look."""
     done = np.zeros(len(who), np.bool_)
     for k in range(len(who)):
@@ -97,7 +93,7 @@ def arrived(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Flags:
     return done
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def loop(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
     """He chases a point before her head that moves up and down; she hovers and bobs her head."""
     for i in who:
@@ -121,7 +117,7 @@ def loop(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> Non
         _impress(fishes, minds, i, j)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _impress(fishes: Fishes, minds: Minds, i: int, j: int) -> None:
     """Let her favour the male that loops before her if he is better than whom she favours."""
     best = minds.partner[j]
@@ -134,7 +130,7 @@ def _impress(fishes: Fishes, minds: Minds, i: int, j: int) -> None:
     minds.partner[j] = i
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def preferred(fishes: Fishes, j: int, i: int, best: int) -> bool:
     """Whether female j prefers male i: her own species first, then size (Tu §7.9.3)."""
     own, other = fishes.species[i] == fishes.species[j], fishes.species[best] == fishes.species[j]
@@ -143,8 +139,8 @@ def preferred(fishes: Fishes, j: int, i: int, best: int) -> bool:
     return bool(fishes.length[i] > LARGER * fishes.length[best])
 
 
-@njit(cache=True, error_model="numpy")
-def chosen(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Flags:
+@kernel
+def chosen(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Bools:
     """He has reached the point often enough, and it is him that she favours."""
     done = np.zeros(len(who), np.bool_)
     for k in range(len(who)):
@@ -154,7 +150,7 @@ def chosen(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Flags:
     return done
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def circle(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
     """Each chases the other's tail, both the same way round; her turns are counted."""
     for i in who:
@@ -177,7 +173,7 @@ def circle(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> N
         minds.courtship_count[i] += gained / (2.0 * np.pi)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _make_room(fishes: Fishes, i: int, j: int, upward: bool) -> Vector:
     """How far, cm, one of two passes above the other while their middles are too near."""
     gap = norm(minus(vector(fishes.position[i]), vector(fishes.position[j])))
@@ -185,8 +181,8 @@ def _make_room(fishes: Fishes, i: int, j: int, upward: bool) -> Vector:
     return 0.0, 0.0, room if upward else -room
 
 
-@njit(cache=True, error_model="numpy")
-def circled(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Flags:
+@kernel
+def circled(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Bools:
     """She has turned round often enough."""
     done = np.zeros(len(who), np.bool_)
     for k in range(len(who)):
@@ -194,7 +190,7 @@ def circled(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Flags:
     return done
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def ascend(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
     """She ascends fast, then hovers; he follows her abdomen."""
     for i in who:
@@ -214,8 +210,8 @@ def ascend(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> N
             fishes.goal_speed[i] = min(max(2.0 - 0.5 * gap / fishes.length[i], LEAST_RISE), 1.0)
 
 
-@njit(cache=True, error_model="numpy")
-def ascended(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Flags:
+@kernel
+def ascended(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Bools:
     """She hovers at the peak of her ascent, and he is there."""
     done = np.zeros(len(who), np.bool_)
     for k in range(len(who)):
@@ -228,7 +224,7 @@ def ascended(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Flags:
     return done
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _at_top(fishes: Fishes, minds: Minds, i: int) -> bool:
     """Whether she has risen as far as she wants, or as the surface lets her."""
     height = fishes.position[i, 2]
@@ -236,18 +232,18 @@ def _at_top(fishes: Fishes, minds: Minds, i: int) -> bool:
     return bool(height > min(minds.courtship_mark[i] + RISE_BL * fishes.length[i], ceiling))
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def idle(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
     """Nothing: no courtship."""
 
 
-@njit(cache=True, error_model="numpy")
-def never(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Flags:
+@kernel
+def never(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Bools:
     """Nobody completes this state."""
     return np.zeros(len(who), np.bool_)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def enter(fishes: Fishes, minds: Minds, i: int, code: int) -> None:
     """Begin a state: nothing counted yet."""
     minds.courtship[i] = code
@@ -262,7 +258,7 @@ def enter(fishes: Fishes, minds: Minds, i: int, code: int) -> None:
     minds.fatigue[MATE, i] = 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def stage(fishes: Fishes, i: int, j: int) -> Vector:
     """The place in front of and slightly above the head of fish j where fish i shows off."""
     x = rotate(fishes.orientation[j], (1.0, 0.0, 0.0))
@@ -273,7 +269,7 @@ def stage(fishes: Fishes, i: int, j: int) -> Vector:
     return plus(vector(fishes.position[j]), offset)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _beat(fishes: Fishes, i: int, hertz: float, clock: Clock) -> float:
     """Phase of an oscillation that has this frequency in a fish of recorded size."""
     return 2.0 * np.pi * hertz * fishes.rate[i] * clock.tick * clock.dt

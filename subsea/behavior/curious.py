@@ -1,18 +1,13 @@
 """Curiosity: pacifists come to the submarine's window and watch it for a while (SMC §9.1)."""
 
-from typing import Any
-
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
 from subsea.behavior.chasing import chase
+from subsea.core.arrays import Array, Ints
+from subsea.core.kernels import kernel
 from subsea.geometry.rotation import rotate
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, vector
 from subsea.state import PACIFIST, Clock, Fishes, Minds, Nature, Sea
-
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
 
 CURIOUS = 7  # its place in `table.py`, where its fatigue is counted
 
@@ -27,7 +22,7 @@ THERE_BL, CLOSE = 2.0, 0.75  # it is there within so many lengths; and backs off
 WATCHES, BACKS_OFF = 0.05, -0.4  # shares of the fastest speed
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
@@ -47,7 +42,7 @@ def desire(
         out[i] = INTEREST if drawn and _sees(toward, ahead, nature.curiosity_cm) else 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
     """Come to a place of its own before the window, keep pace with it, and face it."""
     hull, pace = vector(sea.submarine[:3]), vector(sea.submarine[3:6])
@@ -63,7 +58,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
             fishes.goal_speed[i] = BACKS_OFF if too_close else WATCHES
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def place_before(sea: Sea, length: float, identity: float) -> Vector:
     """Where fish of that length watches, cm from the middle of the hull: each has its own place."""
     gaze = vector(sea.submarine[6:9])
@@ -74,7 +69,7 @@ def place_before(sea: Sea, length: float, identity: float) -> Vector:
     return plus(times(WATCH_CM + length, ahead), (0.0, 0.0, tier))
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _sees(toward: Vector, ahead: Vector, reach: float) -> bool:
     """Whether what lies `toward` (cm) a fish is within `reach` cm and not behind it."""
     distance = norm(toward)

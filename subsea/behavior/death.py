@@ -1,18 +1,14 @@
 """What becomes of the others when a fish is gone: eaten, or landed."""
 
-from typing import Any
-
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Ints
+from subsea.core.kernels import kernel
 from subsea.geometry.vector import dot, minus, norm, vector
 from subsea.state import MATE, NO_COURTSHIP, NOBODY, PREDATOR, Fishes, Minds
 
-Ints = NDArray[np.integer[Any]]
 
-
-@njit(cache=True, error_model="numpy")
+@kernel
 def remove(fishes: Fishes, minds: Minds, dead: int) -> None:
     """Fish `dead` is no longer alive; nobody follows, courts, hunts or fears it any more.
 
@@ -24,7 +20,7 @@ def remove(fishes: Fishes, minds: Minds, dead: int) -> None:
     forget(minds, dead)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def forget(minds: Minds, dead: int) -> None:
     """Let nobody court, hunt, fear, avoid or accompany fish `dead` any more."""
     for i in range(len(minds.leader)):
@@ -54,7 +50,7 @@ def forget(minds: Minds, dead: int) -> None:
         _strike(minds.neighbour[i], dead)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _strike(row: Ints, dead: int) -> None:
     """Take `dead` out of a list that ends at the first NOBODY: those who come after move up."""
     kept = 0
@@ -65,7 +61,7 @@ def _strike(row: Ints, dead: int) -> None:
     row[kept:] = NOBODY
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def hand_over(fishes: Fishes, minds: Minds, leader: int) -> None:
     """Let the frontmost of those who follow fish `leader` lead them; it follows nobody itself."""
     heir = _frontmost(fishes, minds, leader)
@@ -79,7 +75,7 @@ def hand_over(fishes: Fishes, minds: Minds, leader: int) -> None:
         minds.leads[heir] = (minds.leader == heir).any()
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _frontmost(fishes: Fishes, minds: Minds, leader: int) -> int:
     """Of the living followers of `leader` the one farthest ahead along its heading, or NOBODY."""
     ahead, there = vector(fishes.goal_direction[leader]), vector(fishes.position[leader])

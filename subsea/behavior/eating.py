@@ -1,10 +1,6 @@
 """Eating: predators hunt, the others chase a speck of plankton and suck it in (Tu §7.8)."""
 
-from typing import Any
-
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
 from subsea.behavior.biting import approach, in_reach, is_offered
 from subsea.behavior.chasing import chase, mouth_of
@@ -12,13 +8,12 @@ from subsea.behavior.hunting import EAGER, hunt
 from subsea.behavior.hunting import hunger as hunters_hunger
 from subsea.behavior.schooling import straggles
 from subsea.behavior.wandering import cruise, heading
+from subsea.core.arrays import Array, Ints
+from subsea.core.kernels import kernel
 from subsea.geometry.keyed_random import uniform
 from subsea.geometry.rotation import rotate
 from subsea.geometry.vector import ZERO, dot, minus, norm, vector
 from subsea.state import EAT, HUNGER, PREDATOR, Clock, Fishes, Minds, Nature, Sea
-
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
 
 STILL_KEEN = 0.6  # of `keen`: a fish that eats goes on until its hunger is below that share of it
 # In a school, even at its head, a fish turns aside only for food so near and so far ahead.
@@ -31,7 +26,7 @@ ABSENCE_S = (40.0, 90.0)  # until there is another speck instead of one that was
 ABSENCE_PURPOSE = 60  # key of the random numbers
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
@@ -51,7 +46,7 @@ def desire(
         out[i] = max(hunger, EAGER * nature.keen) if hunger > least and food else 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _on_the_way(fishes: Fishes, minds: Minds, i: int, sea: Sea, eats: bool, now: float) -> bool:
     """Whether the nearest speck is worth it for a fish in a school: near, and ahead.
 
@@ -67,7 +62,7 @@ def _on_the_way(fishes: Fishes, minds: Minds, i: int, sea: Sea, eats: bool, now:
     return distance < reach and dot(toward, ahead) > aside * distance
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
     """Hunt, or chase the speck that has the fish's attention; once it is near, open the mouth."""
     bait = is_offered(sea)
@@ -90,7 +85,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         fishes.gape[i] = min(max(near, 0.0), 1.0)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def ingest(fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
     """Draw specks into open mouths, every tick; what is in the mouth is eaten."""
     for i in range(len(minds.intention)):

@@ -1,18 +1,15 @@
 """Escaping from a predator by eleven rules (Tu §7.9.2)."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
 from subsea.behavior.schooling import has_school
+from subsea.core.arrays import Array, Ints
+from subsea.core.kernels import kernel
 from subsea.geometry.rotation import rotate
 from subsea.geometry.vector import Vector, dot, minus, norm, vector
 from subsea.state import FEAR, NOBODY, PREY, SUBMARINE, Clock, Fishes, Minds, Nature, Sea
-
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
 
 CLOSE = 0.6  # of D0: a predator nearer than this is close
 FRONT_RAD = np.radians(45.0)  # it is in front within this angle of the fish's heading ...
@@ -35,7 +32,7 @@ class Danger(NamedTuple):
     above: float  # sine of the angle by which it is higher
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
@@ -53,7 +50,7 @@ def desire(
         )
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
     """Turn as the rule says, at full speed; and up or down, away from the predator."""
     for i in who:
@@ -69,7 +66,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         fishes.goal_speed[i] = 1.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def danger_of(fishes: Fishes, minds: Minds, i: int, sea: Sea, nature: Nature) -> Danger:
     """What fish i sees of `minds.predator[i]`, which must not be NOBODY."""
     j = minds.predator[i]
@@ -96,7 +93,7 @@ def danger_of(fishes: Fishes, minds: Minds, i: int, sea: Sea, nature: Nature) ->
     )
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def rule_of(danger: Danger) -> int:
     """Which of the eleven rules holds, 1 to 11: four for a predator that is far, seven if close."""
     in_front = abs(danger.bearing) < FRONT_RAD
@@ -119,7 +116,7 @@ def rule_of(danger: Danger) -> int:
     return 10 if to_the_left else 11  # turn away from it
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def turn_of(rule: int, danger: Danger) -> float:
     """The turn that a rule asks for, rad, left positive."""
     from_it = -1.0 if danger.bearing > 0.0 else 1.0
@@ -137,7 +134,7 @@ def turn_of(rule: int, danger: Danger) -> float:
     return 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _angle(a: Vector, b: Vector) -> float:
     """The horizontal angle from a to b, rad in (-π, π], left positive."""
     return np.arctan2(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1])

@@ -1,20 +1,15 @@
 """Hunting: chase a prey, open the mouth and suck it in (Tu §7.8.2, §7.9.1)."""
 
-from typing import Any
-
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
 from subsea.behavior.chasing import chase, mouth_of
 from subsea.behavior.death import remove
 from subsea.behavior.wandering import cruise, heading
+from subsea.core.arrays import Array, Ints
+from subsea.core.kernels import kernel
 from subsea.geometry.rotation import rotate
 from subsea.geometry.vector import Vector, dot, minus, norm, times, vector
 from subsea.state import EAT, HUNGER, PREDATOR, PREY, Clock, Fishes, Minds, Nature, Sea
-
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
 
 STILL_HUNGRY = 0.6  # of `keen`: a hunter goes on until its hunger is below that share of it
 EAGER = 1.5  # of `keen`: the least desire of one that hunts, so that it doesn't waver
@@ -35,7 +30,7 @@ MOUTH_BL, MIDDLE = 0.05, 0.2  # a prey is in the mouth when its middle is within
 # hunter's length and of its own
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def hunger(minds: Minds, i: int, nature: Nature) -> float:
     """How much a predator wants to hunt: its hunger, if it isn't tired from the last chase."""
     hunts = minds.intention[i] == EAT or minds.memory[i] == EAT
@@ -46,7 +41,7 @@ def hunger(minds: Minds, i: int, nature: Nature) -> float:
     return max(minds.mental[i, HUNGER], EAGER * nature.keen if hunts else 0.0)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def hunt(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
     """Come up, burst forward once near, and open the mouth before the prey.
 
@@ -80,14 +75,14 @@ def hunt(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
     fishes.gape[i] = 1.0 if distance < OPEN_BL * length else 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _aside(fishes: Fishes, minds: Minds, i: int) -> float:
     """The angle between where fish i heads and where it wants to go, rad."""
     ahead, urge = rotate(fishes.orientation[i], (1.0, 0.0, 0.0)), vector(minds.urge[i])
     return np.arccos(min(max(dot(ahead, urge) / max(norm(urge), 1e-9), -1.0), 1.0))
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def inhale(fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
     """Draw what is near toward the open mouths of hunters, every tick; prey in them is eaten.
 
@@ -132,7 +127,7 @@ def inhale(fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
                 sea.plankton[k, axis] += np.float32(flow[axis] * clock.dt)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _open_mouths(fishes: Fishes, minds: Minds) -> tuple[Ints, Array]:
     """Hunters whose mouths are open, and where along x these are, in that order."""
     mouths, x = np.empty(len(fishes.gape), np.int64), np.empty(len(fishes.gape))
@@ -150,7 +145,7 @@ def _open_mouths(fishes: Fishes, minds: Minds) -> tuple[Ints, Array]:
     return mouths[:count], x[:count]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def suction(toward: Vector, length: float, dt: float) -> Vector:
     """Velocity, cm/s, of what lies `toward` (cm) the open mouth of a hunter so long (cm).
 
@@ -163,7 +158,7 @@ def suction(toward: Vector, length: float, dt: float) -> Vector:
     return times(speed / distance, toward)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _swallow(fishes: Fishes, minds: Minds, i: int, j: int, clock: Clock) -> None:
     """Hunter i eats prey j."""
     remove(fishes, minds, j)

@@ -1,16 +1,10 @@
 """The intention generator: a hierarchy of desires, with memory, inhibition and fatigue."""
 
-from typing import Any
-
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array, Bools, Ints
+from subsea.core.kernels import kernel
 from subsea.state import Minds, Nature
-
-Array = NDArray[np.floating[Any]]
-Flags = NDArray[np.bool_]
-Ints = NDArray[np.integer[Any]]
 
 # Share of the active desire's strength that its rivals lose: of one that was resumed (Tu §7.7.2),
 # and of any other, so that two equal desires that tire do not take turns at every thought.
@@ -22,9 +16,9 @@ MEMORY_S = 12.0  # what was interrupted for longer is forgotten
 LASTING = 2  # level from which an intention is worth remembering: earlier ones are reactions
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def choose(
-    who: Ints, minds: Minds, nature: Nature, level: Ints, behavior: Ints, tires: Flags
+    who: Ints, minds: Minds, nature: Nature, level: Ints, behavior: Ints, tires: Bools
 ) -> None:
     """Set the intention of the fishes `who` (Tu fig. 7.4, of which 7.9 and 7.12 are cases).
 
@@ -82,13 +76,13 @@ def choose(
         minds.intention[i] = wanted
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def tiredness(fatigue: float, half: float) -> float:
     """What remains of a desire after so many s: nearly all at first, half of it after `half`."""
     return 0.5 ** ((fatigue / half) ** 2) if fatigue > 0.0 else 1.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _rival(desire: Array, level: Ints, behavior: Ints, row: int, now: int) -> float:
     """Strength of the desire that is being followed, if `row` is another one on its level."""
     if behavior[row] == now:
@@ -100,7 +94,7 @@ def _rival(desire: Array, level: Ints, behavior: Ints, row: int, now: int) -> fl
     return most
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _strongest(strength: Array, level: Ints, behavior: Ints, now: int) -> int:
     """Row of the desire that wins; of equals the one that is being followed, else the first."""
     best, most = len(level) - 1, 0.0
@@ -113,7 +107,7 @@ def _strongest(strength: Array, level: Ints, behavior: Ints, now: int) -> int:
     return best
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _row_of(strength: Array, behavior: Ints, code: int) -> int:
     """The first row by which behavior `code` is still wanted, -1 if it isn't."""
     for row in range(len(behavior)):

@@ -1,12 +1,8 @@
 """Leaving a place that is too bright, dark, cold or warm (Tu §7.3, §7.5)."""
 
-from typing import Any
-
-import numpy as np
-from numba import njit
-from numpy.typing import NDArray
-
 from subsea.behavior.wandering import cruise, heading
+from subsea.core.arrays import Array, Ints
+from subsea.core.kernels import kernel
 from subsea.state import (
     BRIGHTNESS,
     COLD,
@@ -20,16 +16,13 @@ from subsea.state import (
     Sea,
 )
 
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
-
 DUSK = 0.4  # less light than that is dark
 MILD_C = 23.0  # water below that is cold
 CLIMB = 0.8  # how steeply a fish leaves upward or downward
 BRISK = 0.7  # share of the fastest speed
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
@@ -39,7 +32,7 @@ def desire(
         out[i] = 0.015 if upset else 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
     """Wander, but upward to light and warmth, downward to darkness and cold."""
     for i in who:
@@ -50,7 +43,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         fishes.goal_speed[i] = max(cruise(fishes, minds, i), BRISK)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _wanted_rise(minds: Minds, i: int) -> float:
     """1 if fish i wants upward to be content, -1 if downward, 0 if it is or if they cancel."""
     rise, light, temperature = 0.0, minds.light[i], minds.temperature[i]
@@ -67,7 +60,7 @@ def _wanted_rise(minds: Minds, i: int) -> float:
     return min(max(rise, -1.0), 1.0)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _likes(minds: Minds, i: int, habit: int) -> bool:
     """Whether fish i has a habit: its own, or what a direction gives it instead."""
     fancy = int(minds.fancy[i])

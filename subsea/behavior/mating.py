@@ -3,15 +3,11 @@
 `behavior/courtship.py` is the dance itself.
 """
 
-from typing import Any
-
-import numpy as np
-from numba import njit
-from numpy.typing import NDArray
-
 from subsea.behavior.chasing import chase
 from subsea.behavior.courtship import ALONE_S, LIMIT_S, STATES, enter
 from subsea.behavior.wandering import cruise, heading
+from subsea.core.arrays import Array, Ints
+from subsea.core.kernels import kernel
 from subsea.geometry.vector import Vector, minus, norm, plus, times, vector
 from subsea.state import (
     APPROACHING,
@@ -30,9 +26,6 @@ from subsea.state import (
     Sea,
 )
 
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
-
 STILL_KEEN = 0.6  # of `keen`: who courts goes on until its libido is below that share of it
 DEVOTED = 1.5  # times `keen`: the least desire of who courts
 COY = 0.15  # share of the fastest speed of a female to whom a male is on his way
@@ -43,7 +36,7 @@ APART_CM = 260.0  # how far off the place is to which it turns away
 PARTING_S = 12.0  # and for how long it is bound there
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
@@ -75,7 +68,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
                 proceed(those[done], fishes, minds, clock)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def choose_partner(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
     """Take up with the most desirable one in sight, unless there is a partner already.
 
@@ -106,7 +99,7 @@ def choose_partner(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clo
             fishes.goal_speed[i] = min(fishes.goal_speed[i], COY)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def review(who: Ints, fishes: Fishes, minds: Minds) -> None:
     """End the courtships of the fishes `who` that cannot or should not go on.
 
@@ -136,7 +129,7 @@ def review(who: Ints, fishes: Fishes, minds: Minds) -> None:
             _part(fishes, minds, i)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _is_alone(fishes: Fishes, minds: Minds, i: int) -> bool:
     """Whether the partner minds something or somebody else, or is out of sight."""
     j = minds.partner[i]
@@ -148,7 +141,7 @@ def _is_alone(fishes: Fishes, minds: Minds, i: int) -> bool:
     return away > LOST_CM
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def proceed(who: Ints, fishes: Fishes, minds: Minds, clock: Clock) -> None:
     """The next state for the fishes `who` and, where it is mutual, their partners.
 
@@ -169,7 +162,7 @@ def proceed(who: Ints, fishes: Fishes, minds: Minds, clock: Clock) -> None:
             _part(fishes, minds, i)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _may_court(fishes: Fishes, minds: Minds, i: int, j: int) -> bool:
     """Whether fish j is somebody for fish i: alive, of the other sex, not shunned, not taken."""
     if j < 0 or j == minds.shunned[i]:
@@ -179,7 +172,7 @@ def _may_court(fishes: Fishes, minds: Minds, i: int, j: int) -> bool:
     return bool(fishes.alive[j] and minds.kind[j] == PACIFIST and minds.male[j] != minds.male[i])
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _part(fishes: Fishes, minds: Minds, i: int) -> None:
     """Courtship is over: turn away from the partner and leave it alone for a while."""
     j = minds.partner[i]

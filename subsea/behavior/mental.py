@@ -1,14 +1,8 @@
 """Hunger, libido and fear (Tu §7.4)."""
 
-from typing import Any
-
-import numpy as np
-from numba import njit
-from numpy.typing import NDArray
-
+from subsea.core.arrays import Ints
+from subsea.core.kernels import kernel
 from subsea.state import FEAR, HUNGER, LIBIDO, PACIFIST, PREY, Clock, Fishes, Minds, Nature
-
-Ints = NDArray[np.integer[Any]]
 
 # Tu's p0 = 0.00067 and p1 = 0.0025, read per unit of his time, which is 0.1 s.
 DIGESTION = 0.0067  # 1/s: a meal is digested after 149 s
@@ -18,7 +12,7 @@ FOOD_STIMULUS = (0.05, 0.2)  # q1, q2 in 1/cm: food is tempting from 20 cm, irre
 MATE_STIMULUS = (0.025, 0.1)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def feel(who: Ints, fishes: Fishes, minds: Minds, nature: Nature, clock: Clock) -> None:
     """Renew `minds.mental` of the fishes `who` from what they perceive and remember.
 
@@ -43,7 +37,7 @@ def feel(who: Ints, fishes: Fishes, minds: Minds, nature: Nature, clock: Clock) 
         minds.mental[i, FEAR] = min(fear, 1.0) if minds.kind[i] == PREY else 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def stimulus(distance: float, low: float, high: float) -> float:
     """S of a thing at `distance` cm: 0 while 1/distance is below `low`, 1 above `high` (1/cm)."""
     strength = 1.0 / max(distance, 1e-6)

@@ -1,18 +1,13 @@
 """Nuzzling: nudging the abdomen of a hovering female from below (Tu §7.9.3)."""
 
-from typing import Any
-
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
 from subsea.behavior.chasing import mouth_of
 from subsea.behavior.close_quarters import CLOSE_RAD, abdomen_of, careful, hover, steer
+from subsea.core.arrays import Bools, Ints
+from subsea.core.kernels import kernel
 from subsea.geometry.vector import Vector, minus, norm, plus
 from subsea.state import MATE, Clock, Fishes, Minds, Sea
-
-Flags = NDArray[np.bool_]
-Ints = NDArray[np.integer[Any]]
 
 BELOW_BL = 0.6  # so far under her abdomen who comes from elsewhere goes first
 GATHER_BL = 1.1  # nearer than this he sees to it that he comes ...
@@ -27,7 +22,7 @@ BACKING = -0.4  # speed of the retreat
 NUDGES = 3
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def nuzzle(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
     """She hovers; he nudges her abdomen from below, retreats, waits and comes again."""
     for i in who:
@@ -47,7 +42,7 @@ def nuzzle(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> N
             _nudge(fishes, minds, i, toward, distance)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _nudge(fishes: Fishes, minds: Minds, i: int, toward: Vector, distance: float) -> None:
     """To the abdomen, from below and straight; a try that comes otherwise is broken off."""
     length = fishes.length[i]
@@ -65,7 +60,7 @@ def _nudge(fishes: Fishes, minds: Minds, i: int, toward: Vector, distance: float
         minds.courtship_mark[i] = RETREAT_S + WAIT_S
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _retreat(fishes: Fishes, minds: Minds, i: int, toward: Vector) -> None:
     """Back off with the eyes on her: with the nose up, which leads down, or level if too steep.
 
@@ -82,14 +77,14 @@ def _retreat(fishes: Fishes, minds: Minds, i: int, toward: Vector) -> None:
         minds.courtship_mark[i] = max(minds.courtship_mark[i], WAIT_S + MORE_S)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _slope(toward: Vector) -> float:
     level = np.sqrt(toward[0] * toward[0] + toward[1] * toward[1])
     return float(toward[2] / max(level, 1e-6))
 
 
-@njit(cache=True, error_model="numpy")
-def nuzzled(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Flags:
+@kernel
+def nuzzled(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Bools:
     """He has nudged her often enough."""
     done = np.zeros(len(who), np.bool_)
     for k in range(len(who)):

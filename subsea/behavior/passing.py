@@ -1,14 +1,10 @@
 """On which side a fish of a school passes what stands in its way (Tu §7.9.2)."""
 
-from typing import Any
-
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
+from subsea.core.kernels import kernel
 from subsea.geometry.vector import ZERO, Vector
-
-Array = NDArray[np.floating[Any]]
 
 LOOK_BL = 12.0  # so far ahead a fish sees that it has to pass something
 BERTH_BL = 1.2  # how far from it a fish means to pass
@@ -16,7 +12,7 @@ AWAY = 4.0  # what an angle counts by which it would turn away from where it wan
 HEADROOM_BL = 0.6  # so much above or below something it swims over or under it
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def past(
     wish: Vector, heading: Vector, here: Vector, length: float, pillars: Array, rocks: Array
 ) -> Vector:
@@ -68,7 +64,7 @@ def past(
     return best
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _circle(
     k: int, here: Vector, length: float, pillars: Array, rocks: Array
 ) -> tuple[float, float, float, float]:
@@ -91,7 +87,7 @@ def _circle(
     return dx, dy, radius + BERTH_BL * length, gap if gap <= look else np.inf
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _tangent(circle: Array, side: float) -> Vector:
     """Unit vector past a circle (x, y, radius) on its left (1) or right (-1); abeam from inside."""
     away = max(np.sqrt(circle[0] * circle[0] + circle[1] * circle[1]), 1e-6)
@@ -102,14 +98,14 @@ def _tangent(circle: Array, side: float) -> Vector:
     return ux * cosine - uy * sine, uy * cosine + ux * sine, 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _turn(way: Vector, other: Vector) -> float:
     """Angle, rad, from a way to a level unit vector, seen from above."""
     across = way[0] * other[1] - way[1] * other[0]
     return float(abs(np.arctan2(across, way[0] * other[0] + way[1] * other[1])))
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _leads_into(way: Vector, dx: float, dy: float, around: float) -> bool:
     """Whether a way leads, seen from above, into a circle of radius `around` about (dx, dy)."""
     level = np.sqrt(way[0] * way[0] + way[1] * way[1])

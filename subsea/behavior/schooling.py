@@ -1,17 +1,13 @@
 """Schooling: with a leader, heading like the neighbours, one body length apart (Tu §7.9.2)."""
 
-from typing import Any
-
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from subsea.behavior.passing import past
+from subsea.core.arrays import Array, Ints
+from subsea.core.kernels import kernel
 from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, times, vector
 from subsea.state import FEAR, PREY, Clock, Fishes, Minds, Nature, Sea
-
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
 
 SPACING_BL = 1.0  # schooling fishes keep one body length apart
 FOLLOW_BL = 5.0  # a follower farther than this from its leader catches up
@@ -27,7 +23,7 @@ STRAGGLING_BL, COMPANIONS = 10.0, 4
 REACH_BL, LEFT_BEHIND = 3.0, 0.1
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
@@ -37,7 +33,7 @@ def desire(
         out[i] = 0.02 if has_school(minds, i, now) else 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def alarmed_desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
@@ -50,14 +46,14 @@ def alarmed_desire(
         out[i] = fear if afraid and calm_enough and has_school(minds, i, now) else 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def has_school(minds: Minds, i: int, now: float) -> bool:
     """Whether fish i likes schooling, has a leader, and knows where that or company is."""
     knows = now - minds.leader_seen[i] < LOST_S or minds.neighbour[i, 0] >= 0
     return minds.schools[i] and minds.leader[i] >= 0 and knows
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
     """Follow the leader in company; one that is out of sight, to where it was seen last."""
     now = clock.tick * clock.dt
@@ -84,7 +80,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         fishes.goal_speed[i] = _pace(toward, ahead, length, pace + whim)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _pull(toward: Vector, length: float) -> Vector:
     """Toward the leader, more the farther it is."""
     distance = norm(toward)
@@ -92,7 +88,7 @@ def _pull(toward: Vector, length: float) -> Vector:
     return times(min(lag * lag, 2.5) / max(distance, 1.0), toward)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _company(
     position: Array, velocity: Array, length: Array, neighbour: Ints, i: int, spacing: float
 ) -> Vector:
@@ -115,7 +111,7 @@ def _company(
     return plus(out, times(0.7 / max(count, 1), ahead))
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _pace(toward: Vector, ahead: Vector, length: float, pace: float) -> float:
     """Faster when behind the leader or far away, slower when ahead of it, but never idle there."""
     behind = max(dot(toward, ahead) / (FOLLOW_BL * length), -1.0)
@@ -123,7 +119,7 @@ def _pace(toward: Vector, ahead: Vector, length: float, pace: float) -> float:
     return min(max(pace + 0.25 * behind + 0.5 * max(distance - 1.5, 0.0), 0.08), 1.0)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def straggles(fishes: Fishes, minds: Minds, i: int, now: float) -> bool:
     """Whether fish i is far from where it knows its leader to be, and has little company."""
     if minds.neighbour[i, COMPANIONS - 1] >= 0:
@@ -134,7 +130,7 @@ def straggles(fishes: Fishes, minds: Minds, i: int, now: float) -> bool:
     return norm(toward) > STRAGGLING_BL * fishes.length[i]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def leaves_behind(fishes: Fishes, minds: Minds, leader: int, now: float) -> bool:
     """Whether more than a tenth of a school is farther from its leader than such a school reaches.
 
@@ -151,13 +147,13 @@ def leaves_behind(fishes: Fishes, minds: Minds, leader: int, now: float) -> bool
     return behind > LEFT_BEHIND * followers
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _is_followed_by(fishes: Fishes, minds: Minds, leader: int, i: int, now: float) -> bool:
     """Whether fish i is alive, belongs to the school of a leader and knows where that is."""
     return minds.leader[i] == leader and fishes.alive[i] and now - minds.leader_seen[i] < LOST_S
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def join(who: Ints, alive: NDArray[np.bool_], minds: Minds) -> None:
     """Let fishes that like schooling but have no school join their companions: inception.
 

@@ -1,18 +1,14 @@
 """From what a routine wants to what the motor system is asked for, inside the sea (SMC §6.2)."""
 
-from typing import Any
-
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Ints
+from subsea.core.kernels import kernel
 from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import rotate
 from subsea.geometry.solids import far_from_rock, from_pillar, from_rock
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, unit, vector
 from subsea.state import HULL_CM, LEFT, RIGHT, Clock, Fishes, Minds, Sea
-
-Ints = NDArray[np.integer[Any]]
 
 EASE = 4.0  # 1/s: how fast a wish may change, so that no fish twitches
 ROOM_BL = 4.0  # a fish needs so many body lengths to turn away from what it heads for
@@ -22,7 +18,7 @@ HULL_AHEAD_S = 1.5  # how far ahead fishes reckon with the submarine's motion
 SLOPE_CM = 20.0  # over which the seabed's slope is taken
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def keep_clear(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> None:
     """Turn `minds.urge` of the fishes `who` away from the bounds of the sea and what stands in it.
 
@@ -48,7 +44,7 @@ def keep_clear(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> None:
             minds.urge[i, axis] = urge[axis]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _inside(fishes: Fishes, i: int, sea: Sea, urge: Vector) -> Vector:
     """The wish constrained by wall, surface and floor."""
     p = vector(fishes.position[i])
@@ -68,7 +64,7 @@ def _inside(fishes: Fishes, i: int, sea: Sea, urge: Vector) -> Vector:
     return urge
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _around(fishes: Fishes, i: int, sea: Sea, urge: Vector) -> Vector:
     """The wish constrained by pillars and rocks."""
     p = vector(fishes.position[i])
@@ -87,7 +83,7 @@ def _around(fishes: Fishes, i: int, sea: Sea, urge: Vector) -> Vector:
     return urge
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _off_the_hull(
     here: Vector, length: float, hull: Vector, velocity: Vector, urge: Vector
 ) -> Vector:
@@ -107,7 +103,7 @@ def _off_the_hull(
     return constrained(urge, normal, distance - reach, room)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def constrained(urge: Vector, normal: Vector, distance: float, room: float) -> Vector:
     """A unit wish that heads for a boundary no harder than `distance` over `room` allows.
 
@@ -127,7 +123,7 @@ def constrained(urge: Vector, normal: Vector, distance: float, room: float) -> V
     return plus(times(least, normal), times(np.sqrt(1.0 - least * least) / size, along))
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def heed(fishes: Fishes, minds: Minds, clock: Clock) -> None:
     """Turn every fish's goal direction toward its urge by a share of the angle, every tick.
 

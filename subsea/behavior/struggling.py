@@ -1,16 +1,11 @@
 """Struggling on the hook: nothing comes before that (Tu §10.1)."""
 
-from typing import Any
-
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array, Ints
+from subsea.core.kernels import kernel
 from subsea.geometry.keyed_random import uniform
 from subsea.state import HOOKED, Clock, Fishes, Minds, Nature, Sea
-
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
 
 HOLD_TICKS = 14  # it fights in one direction for half a second
 DIVE = 0.3, 0.6  # how steeply downward, against a level stroke
@@ -18,7 +13,7 @@ GASP = 0.6  # how far the mouth is held open
 HEADING_PURPOSE, DIVE_PURPOSE = 70, 71  # keys of the random numbers
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
@@ -27,7 +22,7 @@ def desire(
         out[i] = 2.0 if sea.catch[0] == HOOKED and sea.catch[1] == i else 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
     """Beat as fast as it can, downward, every half second in another direction."""
     for i in who:

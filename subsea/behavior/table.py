@@ -1,10 +1,9 @@
 """What fishes can do: one row for each behavior. A new one is a file and a row."""
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from subsea.behavior import (
     avoiding,
@@ -17,10 +16,8 @@ from subsea.behavior import (
     struggling,
     wandering,
 )
+from subsea.core.arrays import Array, Ints
 from subsea.state import Clock, Fishes, Minds, Nature, Sea
-
-Ints = NDArray[np.integer[Any]]
-Array = NDArray[np.floating[Any]]
 
 # Writes into `out` (n,) how strongly each of the fishes `who` wants something: 0 not at all, to 1.
 Desire = Callable[[Ints, Fishes, Minds, Sea, Nature, Clock, Array], None]

@@ -8,9 +8,9 @@ of its bounds; the motor system turns the rest into segments, tempo and thrust a
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from subsea.behavior.steering import keep_clear
+from subsea.core.kernels import kernel
 from subsea.geometry.rotation import rotate
 from subsea.geometry.vector import dot, times, vector
 from subsea.state import WANDER, Fishes, Minds, Sea
@@ -30,7 +30,7 @@ class Reins(NamedTuple):
     speed: float = 0.0  # share of its fastest; below 0 it backs off
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def obey(
     i: int, turn: float, rise: float, speed: float, fishes: Fishes, minds: Minds, sea: Sea
 ) -> None:

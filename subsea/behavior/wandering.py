@@ -1,20 +1,15 @@
 """Wandering about: from waypoint to waypoint, what a contented fish does (Tu §7.8)."""
 
-from typing import Any
-
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
 from subsea.behavior.schooling import leaves_behind
+from subsea.core.arrays import Array, Ints
+from subsea.core.kernels import kernel
 from subsea.geometry.height_field import height_at
 from subsea.geometry.keyed_random import uniform
 from subsea.geometry.solids import from_pillar, from_rock, ray_meets_pillar, ray_meets_rock
 from subsea.geometry.vector import Vector, dot, minus, norm, times, vector
 from subsea.state import Clock, Fishes, Minds, Nature, Sea
-
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
 
 ROAM = 0.8  # share of the sea's radius in which waypoints lie
 SLOPE = 0.3  # of the way to a waypoint
@@ -33,7 +28,7 @@ WAITING = 0.2  # and waits for it while no companion is near, or many are left b
 ANGLE_PURPOSE, RADIUS_PURPOSE, DEPTH_PURPOSE, PATIENCE_PURPOSE = range(4)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
@@ -42,7 +37,7 @@ def desire(
         out[i] = BOUND if minds.errand[i] > 0.0 else 0.01
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
     """Swim to the waypoint at a cruising speed."""
     for i in who:
@@ -56,7 +51,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         fishes.goal_speed[i] = speed
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def heading(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> Vector:
     """Unit vector to the waypoint, drawn anew when it is reached or was pursued too long.
 
@@ -72,7 +67,7 @@ def heading(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> Vec
     return times(1.0 / max(norm(toward), 1.0), toward)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _draw(minds: Minds, i: int, here: Vector, sea: Sea, clock: Clock) -> None:
     """A new waypoint in free water, at most a gentle climb or dive away, and patience for it."""
     for attempt in range(LEADERS_ATTEMPTS if minds.leads[i] else ATTEMPTS):
@@ -96,7 +91,7 @@ def _draw(minds: Minds, i: int, here: Vector, sea: Sea, clock: Clock) -> None:
     minds.patience[i] = low + (high - low) * share
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _is_free(sea: Sea, p: Vector) -> bool:
     """Whether no pillar or rock is near p."""
     free = True
@@ -107,7 +102,7 @@ def _is_free(sea: Sea, p: Vector) -> bool:
     return free
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def is_broad(sea: Sea, here: Vector, there: Vector) -> bool:
     """Whether the straight way comes no nearer than BROAD_CM to any pillar or rock.
 
@@ -125,7 +120,7 @@ def is_broad(sea: Sea, here: Vector, there: Vector) -> bool:
     return True
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def cruise(fishes: Fishes, minds: Minds, i: int) -> float:
     """The speed of the swim recommended against monotony, else the present one, if it cruises.
 

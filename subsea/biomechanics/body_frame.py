@@ -1,11 +1,8 @@
 """The body-centred coordinate system B of a fish (SMC eqs. 1-5)."""
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.floating[Any]]
+from subsea.core.arrays import Array
 
 
 def body_frame(nodes: Array) -> tuple[Array, Array]:

@@ -7,10 +7,10 @@ needs to know where the matrix ends.
 """
 
 import numpy as np
-from numba import njit
 
 from subsea.biomechanics.body import HALF_BANDWIDTH, MUSCLES, NODES, UNITS, Floats
 from subsea.biomechanics.water import add_water_force
+from subsea.core.kernels import kernel
 
 STEP = 0.055
 """Time step in tu (Tu §4.5.2): 5.5 ms."""
@@ -25,7 +25,7 @@ ROWS = NODES + HALF_BANDWIDTH
 """Rows of the padded band and of the load."""
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def factorize(band: Floats) -> float:
     """Replace a banded matrix by its factors L and D (Tu eq. 4.12).
 
@@ -50,7 +50,7 @@ def factorize(band: Floats) -> float:
     return smallest
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def substitute(band: Floats, load: Floats) -> None:
     """Solve L D Lᵀ V = G in place: ``load`` (30, 3) is G and becomes V (Tu eqs. 4.13, 4.14)."""
     for i in range(NODES):
@@ -72,7 +72,7 @@ def substitute(band: Floats, load: Floats) -> None:
         load[i, 0], load[i, 1], load[i, 2] = x, y, z
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def assemble(
     x: Floats,
     v: Floats,
@@ -124,7 +124,7 @@ def assemble(
             load[i, axis] += inertia * v[i, axis]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def advance(
     x: Floats,
     v: Floats,

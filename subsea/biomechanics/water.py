@@ -1,12 +1,12 @@
 """The force of the water on the hull (Tu eq. 4.3)."""
 
 import numpy as np
-from numba import njit
 
 from subsea.biomechanics.body import TRIANGLE_WEIGHTS, TRIANGLES, Floats
+from subsea.core.kernels import kernel
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def add_water_force(x: Floats, v: Floats, water: Floats, drag: float, force: Floats) -> None:
     """Add to ``force`` (23, 3) what the water does to the hull (Tu eq. 4.3).
 

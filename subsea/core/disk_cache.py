@@ -20,7 +20,7 @@ import platformdirs
 
 from subsea.core.atomic_io import replacing
 from subsea.core.errors import UserError
-from subsea.core.kernels.cache import stamp
+from subsea.core.source_stamp import stamp
 
 P = ParamSpec("P")
 T = TypeVar("T")

@@ -1,10 +1,8 @@
 """When directions begin: what they wait for, and whom that is about."""
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Ints
 from subsea.directing.script import Act, Scene, hunger_of
 from subsea.state import (
     EAT,
@@ -18,8 +16,6 @@ from subsea.state import (
     SUBMARINE,
 )
 
-Ints = NDArray[np.integer[Any]]
-Array = NDArray[np.floating[Any]]
 Cast = tuple[int, int]
 
 PULSES = ("spawned", "eaten")  # events of a single tick

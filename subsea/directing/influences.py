@@ -4,11 +4,11 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from subsea.behavior.hunting import STALK
 from subsea.behavior.mating import REST_S
 from subsea.behavior.temperament import HABITS, set_hunger, set_libido, urge_to_mate
+from subsea.core.arrays import Array, Ints
 from subsea.directing.script import Act, Scene, hunger_of, now_s
 from subsea.scenario.directions import INFLUENCES, MOVES, Whose
 from subsea.state import (
@@ -30,8 +30,6 @@ from subsea.state import (
     STOWED,
 )
 
-Ints = NDArray[np.integer[Any]]
-Array = NDArray[np.floating[Any]]
 Cast = tuple[int, int]
 
 CRUISING = 0.62  # share of its fastest speed at which a fish that is sent goes, if nothing is said

@@ -1,17 +1,14 @@
 """Directions in the numbers of a world: of which fishes, and in which order."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from subsea.behavior.temperament import urge_to_eat
+from subsea.core.arrays import Array, Ints
 from subsea.scenario.directions import Direction, Shoals, Whose, numbers_of
 from subsea.scenario.schema import Scenario
 from subsea.state import Clock, Nature, State
-
-Ints = NDArray[np.integer[Any]]
-Array = NDArray[np.floating[Any]]
 
 
 class Act(NamedTuple):

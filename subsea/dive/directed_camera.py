@@ -6,11 +6,11 @@ where the submarine is, as fast as it is: after time went back, and after a hand
 
 import math
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
 from subsea.core.errors import UserError, unknown
 from subsea.directing import latest
 from subsea.dive.captions import shown_s
@@ -28,8 +28,6 @@ from subsea.submarine.hull import ACCELERATION_CM_S2, AHEAD_CM_S, keep_clear
 from subsea.submarine.rail import Rail, board
 from subsea.view.rig import Pose
 from subsea.world.world import TICK_S, World
-
-Array = NDArray[np.floating[Any]]
 
 LOOK_S = 6.0  # so long a camera that has arrived is looked through, if nobody says
 SHORTEST_S = 1.2  # in which what is left of a way is gone at least: so softly it follows fishes

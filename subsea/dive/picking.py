@@ -8,8 +8,8 @@ Where two eyes share the screen, what the left one sees counts.
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
 from subsea.frame.packet import Packet
 from subsea.render import Renderer
 from subsea.render.gl.id_buffer import FISH, WATER
@@ -18,8 +18,6 @@ from subsea.view.display_rigs import SURROUNDS
 from subsea.view.rig import CUBES, Patch, Rect, Rig, Shape, front, seen_part
 from subsea.view.surround import COLUMNS, ROWS, Surround, directions, half_tangent, on_faces
 from subsea.view.theatre.warp import sources_at
-
-Array = NDArray[np.floating[Any]]
 
 NEAR_PX = 4  # a fish so near to the pointer is meant, where there is none under it
 DISPLAYS = {shape: display for display, shape in SURROUNDS.items()}

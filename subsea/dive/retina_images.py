@@ -1,19 +1,16 @@
 """What pictures of a fish's eyes tell: what each pixel shows, as numbers and colours; the light."""
 
 from functools import cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.core.arrays import Ints
 from subsea.frame.packet import pack
 from subsea.render import Renderer
 from subsea.render.gl.id_buffer import KINDS, Seen
 from subsea.view.retina import Rider, retina_rig, retinal_views
 from subsea.world.world import World
-
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
 
 SIDES = "left", "right"
 # Values of identity maps: of the first of each kind; what has no number has one value.

@@ -2,12 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from subsea.behavior.table import BEHAVIORS
+from subsea.core.arrays import Array
 from subsea.dive.retina_images import MOST_FISHES, SIDES, VALUES, codes, values_of
 from subsea.render.gl.id_buffer import Seen
 from subsea.state import MENTAL_STATES
@@ -26,7 +27,6 @@ from subsea.view.rig import (
 )
 from subsea.world.world import TICK_S, World
 
-Array = NDArray[np.floating[Any]]
 Look = Literal["colours", "identity", "range"]
 LOOKS: tuple[Look, ...] = ("colours", "identity", "range")
 

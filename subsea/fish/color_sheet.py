@@ -10,16 +10,14 @@ from pathlib import Path
 
 import numpy as np
 import tomlkit
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Bytes
 from subsea.core.atomic_io import replacing
 from subsea.core.disk_cache import kept
 from subsea.core.errors import UserError
 from subsea.core.resources import load_toml
 from subsea.fish import paint
 from subsea.fish.species import Species
-
-Bytes = NDArray[np.uint8]
 
 
 def sheet_of(species: Species) -> Bytes:

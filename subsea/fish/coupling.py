@@ -5,17 +5,14 @@ bilinear patches of Tu §5.4 (`patches.py`), and the tetrahedra of KS III.A (`te
 All are a weighted sum of the nodes; Tu's adds an offset in the axes of a face of the hull.
 """
 
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array, Ints
 from subsea.fish.patches import bind_to_patches, face_axes
 from subsea.fish.skinning import skin_weights
 from subsea.geometry.tetrahedra import tetrahedral_weights
-
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
 
 Way = Literal["sections", "patches", "tetrahedra"]
 

@@ -6,11 +6,12 @@ lacks has vertices too; they are told to hide.
 """
 
 from functools import cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.core.arrays import Array, Ints
 from subsea.fish import paint
 from subsea.fish.surface import (
     DORSAL,
@@ -26,9 +27,6 @@ from subsea.fish.surface import (
     rest_control_points,
 )
 from subsea.geometry.spline import DEGREE, Table, basis_table, decimated
-
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
 
 BODY, FIN, PECTORAL, PELVIC = range(4)  # parts, as the shaders know them
 HEAD = 9  # samples of the finest table along a body that are in its head

@@ -11,11 +11,12 @@ in linear light and stored in sRGB; alpha is the opacity, 1 on the body.
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
-from typing import Any, NamedTuple, TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
 from subsea.fish.species import Colour, FinSkin, Patch, SkinPlan, Species, Spots, Stripes
 from subsea.fish.surface import (
     SUNK,
@@ -28,7 +29,6 @@ from subsea.fish.surface import (
     travelled,
 )
 
-Array = NDArray[np.floating[Any]]
 Sheet = TypeVar("Sheet", Array, NDArray[np.uint8])
 
 

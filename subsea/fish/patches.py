@@ -6,13 +6,10 @@ nodes, in axes that move with the face: its normal, and the line along its middl
 """
 
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
+from subsea.core.arrays import Array, Ints
 
 NODES, NOSE, TAIL_UPPER, TAIL_LOWER = 23, 0, 21, 22
 PATCHES = 4  # along and across a face

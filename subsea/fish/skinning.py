@@ -7,12 +7,9 @@ centre line and the cross-sections' axes are linear in the nodes, hence so is ev
 point: recorded, replayed and live fishes are skinned by the same product.
 """
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.floating[Any]]
+from subsea.core.arrays import Array
 
 RINGS = tuple(range(1, 21, 4))  # the first node of each ring: upper left, clockwise from behind
 TAIL_UPPER, TAIL_LOWER = 21, 22

@@ -12,15 +12,13 @@ Bodies at rest have the axes (distance behind the snout, up, right).
 """
 
 from itertools import pairwise
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
 from subsea.fish.surface import along
-
-Array = NDArray[np.floating[Any]]
 
 UNITS = 240  # of a spine: so many that no picture shows one
 WING_UNITS = 32  # from the spine to any point of a wing

@@ -8,16 +8,14 @@ The surface, not its control mesh, meets the outline.
 
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import Annotated, Any
+from typing import Annotated
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
 from subsea.fish.coupling import Way
 from subsea.geometry.spline import greville, through
-
-Array = NDArray[np.floating[Any]]
 
 U, V = 9, 21
 FIN_U, FIN_V = 2, 12

@@ -10,9 +10,9 @@ from collections.abc import Callable, Collection, Iterable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from subsea.biomechanics.body import KINDS, UNITS
+from subsea.core.arrays import Array, Ints
 from subsea.core.errors import unknown
 from subsea.fish.surface import DORSAL, FIN_U, FIN_V, LEFT, RIGHT, VENTRAL, U, V
 from subsea.geometry.height_field import height_at
@@ -29,8 +29,6 @@ from subsea.view.retina import Rider, control_points_at, retina_rig, retinal_vie
 from subsea.view.rig import Rig, Shape
 from subsea.world.world import World
 
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
 Colour = tuple[float, float, float]  # as it is to appear on the screen, sRGB, 0 to 1
 
 DIAGRAMS = {

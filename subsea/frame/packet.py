@@ -4,12 +4,13 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from subsea.core.arrays import Array, Ints
+from subsea.core.kernels import kernel
 from subsea.fish.coupling import Coupling, place
 from subsea.fish.species import Species
 from subsea.frame.diagrams import NO_LINES, Lines
@@ -23,9 +24,6 @@ from subsea.view.display_rigs import cockpit
 from subsea.view.levels import LEVELS, THRESHOLDS_PX, Memory, arranged, choose, nothing_drawn
 from subsea.view.rig import Pose
 from subsea.world.world import TICK_S, World
-
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
 
 # Columns of an instance record: 23 float32, 92 bytes, six attributes in the shader.
 POSITION = slice(0, 3)  # cm, world, interpolated between the last two ticks
@@ -320,7 +318,7 @@ def _skin_live(world: World, order: Ints) -> Array:
     return table[: 2 * (used[-1] + 1)] if len(used) else table[:0]
 
 
-@njit(cache=True)
+@kernel
 def _write_instances(
     fishes: Fishes, centres: Array, order: Ints, share: Array, alpha: float, out: Array
 ) -> None:

@@ -5,12 +5,11 @@ camera on it moves as if it had weight. Between places that are unevenly far apa
 it may swing out: whoever lays one looks where it leads.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.floating[Any]]
+from subsea.core.arrays import Array
 
 
 class Curve(NamedTuple):

@@ -1,15 +1,10 @@
 """A height field over a square: bilinear lookup for compiled kernels."""
 
-from typing import Any
-
-import numpy as np
-from numba import njit
-from numpy.typing import NDArray
-
-Array = NDArray[np.floating[Any]]
+from subsea.core.arrays import Array
+from subsea.core.kernels import kernel
 
 
-@njit(cache=True)
+@kernel
 def height_at(heights: Array, half_width: float, x: float, y: float) -> float:
     """Height in cm at (x, y); outside the square [-w, w]² the edge's height goes on.
 

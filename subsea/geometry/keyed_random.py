@@ -1,10 +1,12 @@
 """Random numbers keyed by what they are for, so that order and threads do not matter."""
 
 import numpy as np
-from numba import njit, uint64
+from numba import uint64
+
+from subsea.core.kernels import kernel
 
 
-@njit(cache=True)
+@kernel
 def uniform(seed: int, fish: int, tick: int, purpose: int) -> float:
     """A number in [0, 1) that depends only on the four keys (SplitMix64 finaliser)."""
     z = uint64(seed) * uint64(0x9E3779B97F4A7C15)

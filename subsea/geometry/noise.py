@@ -2,10 +2,10 @@
 
 import math
 
-from numba import njit
+from subsea.core.kernels import kernel
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@kernel
 def noise(x: float, y: float, z: float) -> float:
     """Gradient noise (Perlin 2002) about 0, seldom beyond ±0.7, whose waves are about 1.5 long."""
     fx, fy, fz = math.floor(x), math.floor(y), math.floor(z)
@@ -26,7 +26,7 @@ def noise(x: float, y: float, z: float) -> float:
     return _mix(w, low, high)
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@kernel
 def fractal(x: float, y: float, z: float, octaves: int) -> float:
     """Noise over ever shorter waves, each octave half as long and half as strong; about ±0.8."""
     total, share = 0.0, 1.0
@@ -36,17 +36,17 @@ def fractal(x: float, y: float, z: float, octaves: int) -> float:
     return total
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@kernel
 def _eased(t: float) -> float:
     return t * t * t * (t * (6.0 * t - 15.0) + 10.0)
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@kernel
 def _mix(share: float, a: float, b: float) -> float:
     return a + share * (b - a)
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@kernel
 def _corner(i: int, j: int, k: int, x: float, y: float, z: float) -> float:
     """The slope of a corner of the lattice, from a hash, times the way from it."""
     h = (i * 374761393 + j * 668265263 + k * 1440662683) & 0xFFFFFFFF

@@ -6,21 +6,19 @@ times as much as the arithmetic.
 """
 
 import math
-from typing import Any
 
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
+from subsea.core.kernels import kernel
 from subsea.geometry.vector import Vector
 
-Array = NDArray[np.floating[Any]]
 Quaternion = tuple[float, float, float, float]
 
 SMALL = 0.25  # sine of half an angle below which a short series is exact to rounding
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def multiply(a: Quaternion, b: Quaternion) -> Quaternion:
     """The Hamilton product a·b: first b, then a."""
     return (
@@ -31,7 +29,7 @@ def multiply(a: Quaternion, b: Quaternion) -> Quaternion:
     )
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def rotate(q: Quaternion, v: Vector) -> Vector:
     """The vector v turned by the unit quaternion q."""
     tx = 2.0 * (q[2] * v[2] - q[3] * v[1])
@@ -44,14 +42,14 @@ def rotate(q: Quaternion, v: Vector) -> Vector:
     )
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def normalised(q: Quaternion) -> Quaternion:
     """The quaternion q at unit length."""
     k = 1.0 / math.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
     return q[0] * k, q[1] * k, q[2] * k, q[3] * k
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def mixed(a: Quaternion, b: Quaternion, weight: float) -> Quaternion:
     """Between the near rotations a and b, at the weight of b: linear, at unit length."""
     k = 1.0 - weight
@@ -65,7 +63,7 @@ def mixed(a: Quaternion, b: Quaternion, weight: float) -> Quaternion:
     )
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def fraction(q: Quaternion, f: float) -> Quaternion:
     """The part f of the rotation q: the power q**f along the shorter arc."""
     sign = -1.0 if q[0] < 0.0 else 1.0
@@ -86,7 +84,7 @@ def fraction(q: Quaternion, f: float) -> Quaternion:
     return math.cos(half), k * x, k * y, k * z
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def about(x: float, y: float, z: float, angle: float) -> Quaternion:
     """The rotation by `angle` radians about the unit axis (x, y, z)."""
     half = 0.5 * angle
@@ -99,7 +97,7 @@ def about(x: float, y: float, z: float, angle: float) -> Quaternion:
     return c, s * x, s * y, s * z
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def of_axes(x: Vector, y: Vector, z: Vector) -> Quaternion:
     """The rotation whose body axes are x, y and z: :func:`from_matrix` of one, compiled."""
     w = 1.0 + x[0] + y[1] + z[2]

@@ -6,22 +6,17 @@ is a height field (`heightfield.py`). Lengths are cm.
 """
 
 import math
-from typing import Any
 
-import numpy as np
-from numba import njit
-from numpy.typing import NDArray
-
+from subsea.core.arrays import Array
+from subsea.core.kernels import kernel
 from subsea.geometry.height_field import height_at
 from subsea.geometry.vector import Vector
-
-Array = NDArray[np.floating[Any]]
 
 NEVER = math.inf  # where a ray meets what it doesn't meet
 NEARLY_CM = 0.01  # more than rounding errors come to
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def from_pillar(pillar: Array, p: Vector) -> tuple[Vector, float]:
     """Direction away from a pillar at p, and how far p is from it (cm, negative inside)."""
     dx, dy = p[0] - pillar[0], p[1] - pillar[1]
@@ -37,7 +32,7 @@ def from_pillar(pillar: Array, p: Vector) -> tuple[Vector, float]:
     return normal, distance
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def from_rock(rock: Array, p: Vector) -> tuple[Vector, float]:
     """Direction away from a rock at p, and about how far p is from it (cm, negative inside).
 
@@ -55,7 +50,7 @@ def from_rock(rock: Array, p: Vector) -> tuple[Vector, float]:
     return normal, scaled * (scaled - 1.0) / slope
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def far_from_rock(rock: Array, p: Vector, gap: float) -> bool:
     """Whether p is so far from a rock that `from_rock` tells more than `gap` (≥ 0) cm.
 
@@ -70,7 +65,7 @@ def far_from_rock(rock: Array, p: Vector, gap: float) -> bool:
     return (x * x + y * y) * tall + z * z * wide > 1.000001 * size * size * wide * tall
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def ray_meets_pillar(pillar: Array, margin: float, a: Vector, b: Vector) -> float:
     """Where the ray from a to b enters a pillar that is `margin` cm larger: t of a + t (b - a).
 
@@ -92,7 +87,7 @@ def ray_meets_pillar(pillar: Array, margin: float, a: Vector, b: Vector) -> floa
     return first if first <= last else NEVER
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def ray_meets_rock(rock: Array, margin: float, a: Vector, b: Vector) -> float:
     """Where the ray from a to b enters a rock whose half axes are `margin` cm longer.
 
@@ -115,7 +110,7 @@ def ray_meets_rock(rock: Array, margin: float, a: Vector, b: Vector) -> float:
     return first if first <= last else NEVER
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _inside_ball(dd: float, xd: float, xx: float, radius: float) -> tuple[float, float]:
     """The part of t in [0, 1] with |x + t d| ≤ radius, from d·d, x·d and x·x; (1, 0) for none."""
     inside = xx - radius * radius
@@ -129,7 +124,7 @@ def _inside_ball(dd: float, xd: float, xx: float, radius: float) -> tuple[float,
     return (first, last) if first <= last else (1.0, 0.0)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def ray_meets_seabed(
     heights: Array, half_width: float, clearance: float, a: Vector, b: Vector
 ) -> float:
@@ -157,14 +152,14 @@ def ray_meets_seabed(
     return NEVER
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _above(heights: Array, half_width: float, a: Vector, b: Vector, t: float) -> float:
     """Height above the seabed at a + t (b - a)."""
     x, y = a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])
     return a[2] + t * (b[2] - a[2]) - height_at(heights, half_width, x, y)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _next_line(u: float, du: float, t: float) -> float:
     """The first t beyond `t` at which u + t du is whole."""
     if du == 0.0:
@@ -174,7 +169,7 @@ def _next_line(u: float, du: float, t: float) -> float:
     return max((line - u) / du, t + 1e-9)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _first_root(before: float, middle: float, after: float) -> float:
     """Where in [0, 1] the parabola through three values, the first above 0, first falls to 0."""
     a = 2.0 * (before + after) - 4.0 * middle

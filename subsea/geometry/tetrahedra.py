@@ -7,13 +7,10 @@ in the tetrahedron that holds it, or, outside the scaffold, in the one that it i
 """
 
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
+from subsea.core.arrays import Array, Ints
 
 NODES, NOSE, TAIL_UPPER, TAIL_LOWER = 23, 0, 21, 22
 

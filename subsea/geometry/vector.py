@@ -5,49 +5,46 @@ as the arithmetic.
 """
 
 import math
-from typing import Any
 
-import numpy as np
-from numba import njit
-from numpy.typing import NDArray
+from subsea.core.arrays import Array
+from subsea.core.kernels import kernel
 
-Array = NDArray[np.floating[Any]]
 Vector = tuple[float, float, float]
 
 ZERO: Vector = (0.0, 0.0, 0.0)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def vector(row: Array) -> Vector:
     """Three numbers of any precision as a vector."""
     return float(row[0]), float(row[1]), float(row[2])
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def plus(a: Vector, b: Vector) -> Vector:
     """The sum a + b."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def minus(a: Vector, b: Vector) -> Vector:
     """The difference a - b."""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def times(k: float, a: Vector) -> Vector:
     """The vector a, k times as long."""
     return k * a[0], k * a[1], k * a[2]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def dot(a: Vector, b: Vector) -> float:
     """The scalar product a·b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def cross(a: Vector, b: Vector) -> Vector:
     """The vector product a × b."""
     return (
@@ -57,13 +54,13 @@ def cross(a: Vector, b: Vector) -> Vector:
     )
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def norm(a: Vector) -> float:
     """The length of a."""
     return math.sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def unit(a: Vector) -> Vector:
     """The direction of a, which must not be zero."""
     return times(1.0 / norm(a), a)

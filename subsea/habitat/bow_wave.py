@@ -1,21 +1,16 @@
 """The water that the submarine pushes aside as it moves, and the fishes with it."""
 
-from typing import Any
-
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
+from subsea.core.kernels import kernel
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, unit, vector
 from subsea.state import HULL_CM, Fishes, Sea
-
-Array = NDArray[np.floating[Any]]
 
 BEAM_BL = 0.25  # the hull is felt as so much larger, of a fish's length: it does not touch it
 SPAN = 4.0  # radii, beyond which the wave has less than 2% of the hull's speed
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def push(fishes: Fishes, sea: Sea) -> None:
     """Add the bow wave to `fishes.drift`: no hull, however fast, runs into a fish."""
     hull, velocity = vector(sea.submarine[:3]), vector(sea.submarine[3:6])
@@ -30,7 +25,7 @@ def push(fishes: Fishes, sea: Sea) -> None:
             fishes.drift[i, axis] += np.float32(wave[axis])
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def bow_wave(place: Vector, velocity: Vector, radius: float) -> Vector:
     """Velocity of the water at `place` (cm from the middle of a sphere that moves), cm/s.
 

@@ -1,16 +1,12 @@
 """The water's flow: a uniform current that swings, and around each solid a source (Tu §8.1)."""
 
-from typing import Any
-
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
+from subsea.core.kernels import kernel
 from subsea.geometry.solids import far_from_rock, from_pillar, from_rock
 from subsea.geometry.vector import Vector, plus, times, vector
 from subsea.state import Fishes, Sea
-
-Array = NDArray[np.floating[Any]]
 
 PERIOD_S = 14.0
 SOURCE_CM = 40.0  # so near to a solid its source is as strong as the current: none flows in
@@ -23,7 +19,7 @@ def flow_at(current_cm_s: tuple[float, float], time_s: float) -> Array:
     return np.array([current_cm_s[0] * swing, current_cm_s[1] * swing, 0.0])
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def flow_near(pillars: Array, rocks: Array, flow: Vector, p: Vector) -> Vector:
     """Velocity of the water at p, cm/s: the uniform `flow` and the sources of the solids near.
 
@@ -54,7 +50,7 @@ def flow_near(pillars: Array, rocks: Array, flow: Vector, p: Vector) -> Vector:
     return plus(flow, times(1.0 / total, sent)) if total > 0.0 else flow
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _source(strength: float, gap: float) -> float:
     """Speed of the water that a source sends out, `gap` cm from its solid."""
     gap = gap / SOURCE_CM
@@ -63,7 +59,7 @@ def _source(strength: float, gap: float) -> float:
     return strength / max(gap, 1.0) ** 2
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def carry(fishes: Fishes, sea: Sea, flow: Array) -> None:
     """Set `fishes.drift`: the velocity of the water where each fish is."""
     uniform = vector(flow)

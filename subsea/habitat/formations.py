@@ -12,17 +12,14 @@ infinite.
 import math
 from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array, Ints
+from subsea.core.kernels import kernel
 from subsea.geometry.noise import fractal, noise
 from subsea.geometry.vector import Vector, vector
-
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
 
 SHELL_CM, SHELL = 9.0, 0.13  # room for growth, at most, and as a share of a solid's least half axis
 RELIEF_CM, RELIEF = 28.0, 0.32  # depth of the deepest hollow, likewise
@@ -151,7 +148,7 @@ def _on_pillar(block: Array, per_m2: float, rng: np.random.Generator) -> Array:
     )
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@kernel
 def on_the_surface(blocks: Array, places: Array, steps: int) -> tuple[Array, Array, Array]:
     """Places (n, 3) moved onto the drawn stone along its slope, normals, what is left (n,), cm."""
     place, normal, error = places.copy(), np.empty_like(places), np.empty(len(places))
@@ -172,14 +169,14 @@ def on_the_surface(blocks: Array, places: Array, steps: int) -> tuple[Array, Arr
     return place, normal, error
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@kernel
 def drawn_distance(blocks: Array, p: Vector) -> float:
     """How far p is from the drawn stone of a formation, to first order; cm, negative inside."""
     distance, relief = plain_distance(blocks, p)
     return distance + relief * carved(p)
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@kernel
 def stone_above(blocks: Array, x: float, y: float, z: float) -> float:
     """Height at which one who rises from (x, y, z) leaves the drawn stone: z itself outside it."""
     while z < 0.0:
@@ -190,7 +187,7 @@ def stone_above(blocks: Array, x: float, y: float, z: float) -> float:
     return z
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@kernel
 def plain_distance(blocks: Array, p: Vector) -> tuple[float, float]:
     """Distance from the formation before it was weathered, and how deep its hollows are here."""
     nearest, avoided = np.inf, np.inf
@@ -212,7 +209,7 @@ def plain_distance(blocks: Array, p: Vector) -> tuple[float, float]:
     return max(nearest - softness * math.log(weight), avoided + 1.0), deep / weight
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@kernel
 def rough_distance(blocks: Array, p: Vector) -> float:
     """As `plain_distance`, without what happens where blocks meet: enough for shade."""
     nearest = np.inf
@@ -222,7 +219,7 @@ def rough_distance(blocks: Array, p: Vector) -> float:
     return nearest
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@kernel
 def blocks_near(blocks: Array, p: Vector, reach: float) -> Array:
     """Those of the blocks (m, 11) that may lie within `reach` of p."""
     out = np.empty_like(blocks)
@@ -235,7 +232,7 @@ def blocks_near(blocks: Array, p: Vector, reach: float) -> Array:
     return out[:number]
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@kernel
 def _at_least(block: Array, p: Vector) -> float:
     """How far p is from a box about a block at least, cm; negative inside."""
     reach = max(block[3], block[4])
@@ -246,7 +243,7 @@ def _at_least(block: Array, p: Vector) -> float:
     return max(side, abs(above) - block[5])
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@kernel
 def _from_block(block: Array, p: Vector) -> float:
     """Distance from one block, as `solids.from_rock`; a pillar's outline is worn, inside it."""
     dx, dy, dz = p[0] - block[0], p[1] - block[1], p[2] - block[2]
@@ -271,7 +268,7 @@ def _from_block(block: Array, p: Vector) -> float:
     return scaled * (scaled - 1.0) / slope
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@kernel
 def carved(p: Vector) -> float:
     """Which share of the relief is gone at p, 0 to 1: weathering runs on from block to block."""
     x, y, z = p
@@ -293,7 +290,7 @@ def carved(p: Vector) -> float:
     return min(max(gone, 0.0), 1.0)
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@kernel
 def outward(blocks: Array, p: Vector) -> tuple[Vector, float]:
     """The direction in which the distance from the drawn stone grows, and how fast, about 1."""
     # Four corners of a tetrahedron make a slope.
@@ -336,7 +333,7 @@ def shade_of(blocks: Array) -> Shade:
     return Shade(_rough_grid(blocks, low, cell, *number), low, cell, reach)
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@kernel
 def _rough_grid(blocks: Array, corner: Array, cell: float, nx: int, ny: int, nz: int) -> Array:
     out = np.empty((nx, ny, nz))
     for i in range(nx):
@@ -347,7 +344,7 @@ def _rough_grid(blocks: Array, corner: Array, cell: float, nx: int, ny: int, nz:
     return out
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@kernel
 def shade_distance(shade: Shade, p: Vector) -> float:
     """About how far p is from the formation, cm; inside of it negative."""
     nx, ny, nz = shade.field.shape
@@ -372,7 +369,7 @@ def shade_distance(shade: Shade, p: Vector) -> float:
     return outside + (1.0 - w) * low + w * high
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@kernel
 def openness(shade: Shade, places: Array, normals: Array) -> Array:
     """The share (n,) of the sky's light that a formation lets through to places, 0 to 1."""
     out = np.empty(len(places))
@@ -390,7 +387,7 @@ def openness(shade: Shade, places: Array, normals: Array) -> Array:
     return out
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@kernel
 def passes(shade: Shade, p: Vector, way: Vector, wide: float) -> float:
     """The share of a cone of light, as wide as `wide` times its length, that reaches p."""
     left, along = 1.0, 7.0
@@ -416,7 +413,7 @@ def _even(number: int) -> Array:
     return np.stack([ring * np.cos(turn), ring * np.sin(turn), z], axis=1)
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@kernel
 def _groups(blocks: Array, directions: Array) -> Ints:
     """A number (k,) that solids have in common which overlap."""
     group = np.arange(len(blocks))
@@ -430,7 +427,7 @@ def _groups(blocks: Array, directions: Array) -> Ints:
     return group
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@kernel
 def _meet(one: Array, other: Array, directions: Array) -> bool:
     """Whether some point on one block, or its middle, lies inside the other."""
     if one[5] == np.inf:

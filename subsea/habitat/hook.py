@@ -3,9 +3,9 @@
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from subsea.core.kernels import kernel
 from subsea.scenario.schema import Hook
 from subsea.state import HANGING, HOOKED, LANDED, SINKING, STOWED, Clock, Sea
 
@@ -23,7 +23,7 @@ def tackle(plan: Hook | None, waits: bool = False) -> NDArray[np.floating[Any]]:
     return np.array([*plan.position_cm, plan.depth_cm, plan.speed_cm_s, start])
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def lower(sea: Sea, clock: Clock) -> None:
     """Move the hook by one tick: down until it hangs, up once it has caught a fish."""
     x, y, depth, speed, start = sea.tackle

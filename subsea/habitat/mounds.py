@@ -3,13 +3,9 @@
 At size 1: no point farther than 1 from the axis, the summit on it at `HEIGHT`.
 """
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
+from subsea.core.arrays import Array, Ints
 
 HEIGHT = 0.45
 VARIANTS = 3  # forms of each kind of growth

@@ -1,19 +1,15 @@
 """Plankton: floating points that the current carries (Tu §8.2)."""
 
-from typing import Any
-
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
+from subsea.core.kernels import kernel
 from subsea.geometry.height_field import height_at
 from subsea.geometry.keyed_random import uniform
 from subsea.geometry.vector import Vector, plus, times, vector
 from subsea.habitat.current import flow_near
 from subsea.habitat.solids import is_free
 from subsea.state import Clock, Sea
-
-Array = NDArray[np.floating[Any]]
 
 WANDER_CM_S = 4.0  # size of a speck's own random motion
 HOLD_TICKS = 45  # a speck keeps its random direction this long
@@ -53,7 +49,7 @@ def scatter(
     return places
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def drift(sea: Sea, flow: Array, clock: Clock) -> None:
     """Move every speck by one tick with the water where it is, and a little on its own.
 
@@ -95,7 +91,7 @@ def drift(sea: Sea, flow: Array, clock: Clock) -> None:
             _put(speck, there)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _return(sea: Sea, k: int, clock: Clock) -> Vector:
     """A place in the water about that where speck k was eaten."""
     angle = 2.0 * np.pi * uniform(clock.seed, k, clock.tick, RETURN_PURPOSE)
@@ -109,7 +105,7 @@ def _return(sea: Sea, k: int, clock: Clock) -> Vector:
     return x, y, min(low + share * (high - low), -CLEARANCE_CM)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _put(speck: Array, place: Vector) -> None:
     for axis in range(3):
         speck[axis] = place[axis]

@@ -1,22 +1,18 @@
 """Reefs: where corals, sponges and anemones stand, and the floor that fishes keep clear of."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array, Bools, Ints
 from subsea.core.disk_cache import kept
+from subsea.core.kernels import kernel
 from subsea.habitat.formations import samples
 from subsea.habitat.mounds import HEIGHT, dome, variant_of
 from subsea.habitat.solids import clearances
 from subsea.habitat.terrain import heights_at
 from subsea.scenario.schema import ReefTable, Scenario
 from subsea.state import Reef, Sea
-
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
-Bools = NDArray[np.bool_]
 
 
 class Kind(NamedTuple):
@@ -192,7 +188,7 @@ def _apart(offers: Array, fits: Bools, before: Array) -> Array:
     return np.asarray(offers[grown, choice[grown]])
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _first_free(place: Array, radius: Array, fits: Bools, taken: Array, count: int) -> Ints:
     """Which try (k,) of places (k, tries, 3) keeps off those chosen before; or -1.
 

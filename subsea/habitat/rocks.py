@@ -4,14 +4,12 @@ All are rows of `state.Sea.rocks` (k, 7): x, y, z and half axes a, b, c in cm, y
 """
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
 from subsea.scenario.schema import Arch, Outcrop, Rock, Scenario
 
-Array = NDArray[np.floating[Any]]
 Floor = Callable[[float, float], float]  # x and y in cm -> height of the seabed in cm
 
 GOLDEN = np.pi * (3.0 - 5.0**0.5)  # rad, from one rock of an outcrop to the next

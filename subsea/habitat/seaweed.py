@@ -1,12 +1,10 @@
 """Seaweed: leaves as chains of masses and springs that the water moves (Tu §8.2)."""
 
-from typing import Any
-
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array, Ints
 from subsea.core.disk_cache import kept
+from subsea.core.kernels import kernel
 from subsea.geometry.height_field import height_at
 from subsea.geometry.vector import Vector, minus, norm, plus, times, vector
 from subsea.habitat.bow_wave import bow_wave
@@ -17,9 +15,6 @@ from subsea.habitat.solids import clearance
 from subsea.scenario.schema import Scenario
 from subsea.scenario.schema import Seaweed as Group
 from subsea.state import HULL_CM, Clock, Fishes, Reef, Sea, Seaweed
-
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
 
 KINDS = ("ribbon", "kelp", "grass", "red")  # as `seaweed.vert`
 NODES = 8
@@ -173,7 +168,7 @@ def _cells(node: Array, first: Ints, sea: Sea) -> tuple[Ints, Ints]:
     return starts, np.array([k for one in lists for k in one], np.int32)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def sway(
     seaweed: Seaweed, fishes: Fishes, sea: Sea, flow: Array, visibility: float, clock: Clock
 ) -> None:
@@ -226,7 +221,7 @@ def sway(
         _enclose(seaweed, sea, k)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _wake(place: Vector, velocity: Vector, radius: float) -> Vector:
     """Velocity of the water `place` from the middle of a body that moves and takes its room."""
     wave = bow_wave(place, velocity, radius)
@@ -236,7 +231,7 @@ def _wake(place: Vector, velocity: Vector, radius: float) -> Vector:
     return wave
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _passers(seaweed: Seaweed, fishes: Fishes, sea: Sea) -> tuple[Ints, Ints]:
     """How many living fishes are near each cluster (c,), and which (c, TOUCHING)."""
     clusters = len(seaweed.first) - 1
@@ -264,7 +259,7 @@ def _passers(seaweed: Seaweed, fishes: Fishes, sea: Sea) -> tuple[Ints, Ints]:
     return count, near
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _settle(seaweed: Seaweed, sea: Sea) -> None:
     """Let all leaves come to rest in still water."""
     still = np.zeros((NODES, 3))
@@ -275,7 +270,7 @@ def _settle(seaweed: Seaweed, sea: Sea) -> None:
         _enclose(seaweed, sea, k)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _swing_leaf(seaweed: Seaweed, leaf: int, water: Array, dt: float) -> None:
     """Move a leaf by `dt` in `water` (m, 3), cm/s: springs, buoyancy, and f = μ_w (v - ẋ).
 
@@ -323,7 +318,7 @@ def _swing_leaf(seaweed: Seaweed, leaf: int, water: Array, dt: float) -> None:
                 velocity[i, 2] = max(velocity[i, 2], 0.0)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _enclose(seaweed: Seaweed, sea: Sea, k: int) -> None:
     """Write the bounding box of cluster k."""
     box = sea.seaweed[k]

@@ -1,18 +1,15 @@
 """The water between two bodies, or a body and stone or the rim: it gives way slowly."""
 
 import math
-from typing import Any
 
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
+from subsea.core.kernels import kernel
 from subsea.geometry.rotation import rotate
 from subsea.geometry.solids import far_from_rock, from_pillar, from_rock
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, vector
 from subsea.state import APPROACHING, NOBODY, PREDATOR, Fishes, Minds, Sea
-
-Array = NDArray[np.floating[Any]]
 
 GAP_BL = 0.12  # the cushion begins where skins are so far apart, of the longer body
 FULL_CM_S = 6.0  # how fast two that touch are pushed apart
@@ -21,7 +18,7 @@ RIM_CM, RIM_PER_S = 12.0, 8.0  # the same at the rim of the sea
 CLOSEST = 2  # so many neighbours are felt, and the fish that threatens
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def part(fishes: Fishes, minds: Minds) -> None:
     """Add to `fishes.drift` what parts bodies that are about to touch.
 
@@ -48,7 +45,7 @@ def part(fishes: Fishes, minds: Minds) -> None:
                     fishes.drift[i, axis] += np.float32(speed * away[axis])
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def keep_off(fishes: Fishes, sea: Sea) -> None:
     """Add to `fishes.drift` what keeps bodies off pillars and rocks, and within the rim.
 
@@ -83,7 +80,7 @@ def keep_off(fishes: Fishes, sea: Sea) -> None:
                 _give_way(fishes.drift[i], way, gap, STONE_CM, STONE_PER_S)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _give_way(drift: Array, way: Vector, gap: float, reach: float, rate: float) -> None:
     """Add the water's velocity beside a solid, given the way from it and how far it is.
 
@@ -95,7 +92,7 @@ def _give_way(drift: Array, way: Vector, gap: float, reach: float, rate: float) 
             drift[axis] += np.float32(speed * way[axis])
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _between(
     position: Array, orientation: Array, snout: Array, length: Array, i: int, j: int
 ) -> Vector:

@@ -1,22 +1,18 @@
 """Which places are free of what stands on the seabed, and the way out of it."""
 
-from typing import Any
-
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
+from subsea.core.kernels import kernel
 from subsea.geometry.height_field import height_at
 from subsea.geometry.solids import from_pillar, from_rock
 from subsea.geometry.vector import Vector, norm, plus, times, vector
 from subsea.state import Sea
 
-Array = NDArray[np.floating[Any]]
-
 PASSES = 12  # out of so many solids that overlap
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def clearance(pillars: Array, rocks: Array, p: Vector) -> float:
     """How far p is from the nearest solid (cm, negative inside); infinite if there is none."""
     nearest = np.inf
@@ -27,7 +23,7 @@ def clearance(pillars: Array, rocks: Array, p: Vector) -> float:
     return nearest
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def clearances(pillars: Array, rocks: Array, places: Array) -> Array:
     """How far each of the places (n, 3) is from the nearest solid (n,), cm."""
     far = np.empty(len(places))
@@ -36,7 +32,7 @@ def clearances(pillars: Array, rocks: Array, places: Array) -> Array:
     return far
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def is_free(pillars: Array, rocks: Array, p: Vector) -> bool:
     """Whether p lies in no solid; cheaper than `clearance`."""
     for k in range(len(pillars)):
@@ -52,7 +48,7 @@ def is_free(pillars: Array, rocks: Array, p: Vector) -> bool:
     return True
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def out_of_solids(sea: Sea, p: Vector, room: float, above: float, below: float) -> Vector:
     """The place, near p, that is `room` cm off every solid.
 

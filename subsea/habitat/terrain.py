@@ -1,15 +1,11 @@
 """The seabed: a height field of dunes from a seed (SMC §6.2), and how it lies about solids."""
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
 from subsea.core.disk_cache import kept
 from subsea.habitat.solids import clearances
 from subsea.scenario.schema import Bounds, Scenario, Terrain
-
-Array = NDArray[np.floating[Any]]
 
 SAMPLES = 193  # per side
 MARGIN = 1.6  # the grid reaches beyond the world's radius, into the fog

@@ -49,9 +49,6 @@ from subsea.view.retina import Gaze, Rider, body_at, retina_rig, retinal_views, 
 from subsea.view.rig import Rig
 from subsea.world.world import World
 
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
-
 PARTS = "", "identity", "coded", "depth"  # folders of the pictures, and of the maps
 CAMERA = "camera.json"
 MM = 10.0  # per cm

@@ -3,8 +3,8 @@
 import math
 
 import numpy as np
-from numba import njit
 
+from subsea.core.kernels import kernel
 from subsea.geometry.rotation import Quaternion, about, multiply, rotate
 from subsea.state import Fishes
 
@@ -14,7 +14,7 @@ ROLL_RATE = np.radians(50.0)  # rad/s: the fastest that a fish rights itself
 VERTICAL = 0.98  # a fish whose nose points up or down more than this has no roll to mend
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def roll_of(q: Quaternion) -> float:
     """The roll in radians about x, positive when the back leans to the right (SMC app. B).
 
@@ -29,7 +29,7 @@ def roll_of(q: Quaternion) -> float:
     return math.atan2(y[0] * x[1] - y[1] * x[0], y[2])
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def balanced(fishes: Fishes, i: int, q: Quaternion, dt: float) -> Quaternion:
     """Roll toward upright at a bounded rate, on the smoothed roll."""
     roll = roll_of(q)

@@ -1,18 +1,14 @@
 """The secondary controller: from a wanted direction and speed to a segment (SMC §6.1)."""
 
-from typing import Any
-
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
+from subsea.core.kernels import kernel
 from subsea.geometry.keyed_random import uniform
 from subsea.geometry.rotation import rotate
 from subsea.motor.playback import TEMPO
 from subsea.repertoire.library import Library
 from subsea.state import Fishes
-
-Array = NDArray[np.floating[Any]]
 
 # Codes of repertoire.schema.SEGMENTS, as plain numbers for the compiled kernel.
 SLOW, MEDIUM, FAST, LEFT_GRADUAL, LEFT_SHARP, RIGHT_GRADUAL, RIGHT_SHARP = range(7)
@@ -34,7 +30,7 @@ MONOTONY_PURPOSE = 50  # key of the random numbers
 GRADE_MARGIN = 1.12  # a fish keeps its grade until another fits better by this factor
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def command(fishes: Fishes, library: Library, seed: int, tick: int, dt: float) -> None:
     """Choose `wanted_segment`; ease `tempo`, `thrust` and `steering` toward what the goal asks.
 
@@ -89,7 +85,7 @@ def command(fishes: Fishes, library: Library, seed: int, tick: int, dt: float) -
         _watch_monotony(fishes, i, seed, tick, dt)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _watch_monotony(fishes: Fishes, i: int, seed: int, tick: int, dt: float) -> None:
     """Time the present segment; past the threshold recommend another swim at random (SMC §6.1).
 
@@ -109,7 +105,7 @@ def _watch_monotony(fishes: Fishes, i: int, seed: int, tick: int, dt: float) -> 
         fishes.recommended[i] = other
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _grade(speed: Array, now: int, share: float) -> int:
     """The swim whose speed is nearest by ratio to the wanted share of the fastest."""
     goal = max(share, 0.01) * speed[FAST]

@@ -10,13 +10,14 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from subsea.biomechanics.body import MUSCLE_LEFT, MUSCLE_SEGMENT, MUSCLES, NODES, Body, build_body
 from subsea.biomechanics.body_plan import Muscles
 from subsea.biomechanics.fins import PITCH_GAIN, ROLL_GAIN, STEEPEST
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, TICK_S, advance
+from subsea.core.arrays import Array
+from subsea.core.kernels import kernel
 from subsea.fish.species import Species
 from subsea.geometry.rotation import Quaternion, fraction, multiply, normalised, of_axes, rotate
 from subsea.geometry.vector import Vector, cross, dot, unit
@@ -24,8 +25,6 @@ from subsea.motor.controller import STEER_GAIN
 from subsea.repertoire import SEGMENTS
 from subsea.repertoire.library import Library
 from subsea.state import Fishes, Live, Physics
-
-Array = NDArray[np.floating[Any]]
 
 TICK_TU = STEP * STEPS_PER_TICK
 MAX_RATE = 8  # recorded frames in a tick, of a fish that is a 64th of the recorded one
@@ -129,7 +128,7 @@ def _roll_lead(body: Body, fin_area: float) -> float:
     return float(ROLL_LEAD / math.sqrt(stiffness / inertia))
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def swim_live(
     fishes: Fishes,
     library: Library,
@@ -184,7 +183,7 @@ def swim_live(
     return sound
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _ease_muscles(fishes: Fishes, library: Library, bodies: Bodies, live: Live, slot: int) -> None:
     """Ease amplitude and bend toward the speed and the rate of turn that playback would have.
 
@@ -208,14 +207,14 @@ def _ease_muscles(fishes: Fishes, library: Library, bodies: Bodies, live: Live, 
     live.tempo[slot] += min(max(1.0 - live.tempo[slot], -TEMPO_EASE), TEMPO_EASE)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _wanted_speed(fishes: Fishes, library: Library, i: int) -> float:
     """The speed in cm/s at which playback would swim, at the recorded size and pace."""
     recorded = library.speed[fishes.species[i], fishes.wanted_segment[i]]
     return float(recorded * fishes.tempo[i] * max(fishes.thrust[i], 0.0))
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _brake(fishes: Fishes, library: Library, live: Live, slot: int) -> float:
     """How far the fins of a fish that is too fast stand against its way."""
     wanted = _wanted_speed(fishes, library, live.fish[slot])
@@ -223,7 +222,7 @@ def _brake(fishes: Fishes, library: Library, live: Live, slot: int) -> float:
     return float(min(max(BRAKE_GAIN * (excess - TOO_FAST), 0.0), HARDEST_BRAKE))
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def contract(
     bodies: Bodies, kind: int, phase: float, amplitude: float, bend: Array, out: Array
 ) -> None:
@@ -241,7 +240,7 @@ def contract(
         out[m] = bodies.length[kind, m] * (1.0 - share)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def fin_force(fishes: Fishes, bodies: Bodies, i: int, at: Array, v: Array, brake: float) -> Array:
     """Force (23, 3) of the pectoral fins on nodes at `at` (cm) that move at v (cm/tu): Tu §4.6.2.
 
@@ -280,7 +279,7 @@ def fin_force(fishes: Fishes, bodies: Bodies, i: int, at: Array, v: Array, brake
     return force
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def roll_rate(at: Array, v: Array, mass: Array, axis: Vector) -> float:
     """Rate (rad/tu) at which a body rolls about `axis`: angular momentum over inertia.
 
@@ -302,7 +301,7 @@ def roll_rate(at: Array, v: Array, mass: Array, axis: Vector) -> float:
     return (momentum - dot(arm, drift) / total) / (inertia - dot(arm, arm) / total)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _settle(fishes: Fishes, live: Live, slot: int, rows: int, dt: float, pace: float) -> None:
     """Read body frame and pose from the nodes, and write them where playback would.
 
@@ -344,7 +343,7 @@ def _settle(fishes: Fishes, live: Live, slot: int, rows: int, dt: float, pace: f
     live.speed[slot] += (ahead - live.speed[slot]) / SPEED_TIME
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def frame_of(x: Array) -> tuple[Quaternion, Vector]:
     """Orientation and origin of B for nodes (23, 3), compiled: `kinematics.frame.body_frame`."""
     o = (0.5 * (x[5, 0] + x[7, 0]), 0.5 * (x[5, 1] + x[7, 1]), 0.5 * (x[5, 2] + x[7, 2]))
@@ -354,6 +353,6 @@ def frame_of(x: Array) -> tuple[Quaternion, Vector]:
     return of_axes(ahead, up, cross(ahead, up)), o
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _quaternion(q: Array) -> Quaternion:
     return normalised((float(q[0]), float(q[1]), float(q[2]), float(q[3])))

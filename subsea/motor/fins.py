@@ -1,8 +1,8 @@
 """Fins and mouth, moved kinematically: flapping, oaring, breathing (Tu §5.5, appendix B)."""
 
 import numpy as np
-from numba import njit
 
+from subsea.core.kernels import kernel
 from subsea.motor.controller import LEFT_GRADUAL, RIGHT_GRADUAL
 from subsea.state import DORSAL, LIFT_LEFT, MOUTH, SWEEP_LEFT, TAIL, Fishes
 
@@ -20,7 +20,7 @@ SPREAD = 0.22  # of the tail in a hard turn or when braking
 EASE_HZ = 3.0  # how fast dorsal fin and tail follow
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def flap(fishes: Fishes, dt: float) -> None:
     """Advance fins and breath by one tick.
 
@@ -62,7 +62,7 @@ def flap(fishes: Fishes, dt: float) -> None:
         fins[TAIL] += ease * (SPREAD * max(abs(turning), braking) - fins[TAIL])
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _side(segment: int) -> float:
     """The turn that a segment makes: 1 left, -1 right, 0 none."""
     if segment < LEFT_GRADUAL:

@@ -1,11 +1,7 @@
 """Playback of recorded motion and gliding (SMC §5.1, §5.2), one pass per tick."""
 
-from typing import Any
-
-import numpy as np
-from numba import njit
-from numpy.typing import NDArray
-
+from subsea.core.arrays import Array
+from subsea.core.kernels import kernel
 from subsea.geometry.rotation import (
     Quaternion,
     about,
@@ -20,12 +16,10 @@ from subsea.motor.balance import balanced
 from subsea.repertoire.library import Library
 from subsea.state import Fishes
 
-Array = NDArray[np.floating[Any]]
-
 TEMPO = (0.75, 1.3)  # how far a segment's rate may be bent to meet a speed
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def play(fishes: Fishes, library: Library, dt: float) -> None:
     """Advance every fish by one tick of recorded motion, steering, balance and drift.
 
@@ -55,7 +49,7 @@ def play(fishes: Fishes, library: Library, dt: float) -> None:
             fishes.orientation[i, part] = q[part]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def advance(fishes: Fishes, library: Library, i: int) -> tuple[Vector, Quaternion]:
     """Play fish i for one tick: its new origin and orientation.
 
@@ -106,12 +100,12 @@ def advance(fishes: Fishes, library: Library, i: int) -> tuple[Vector, Quaternio
     return o, q
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _quaternion(q: Array) -> Quaternion:
     return float(q[0]), float(q[1]), float(q[2]), float(q[3])
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _next_row(fishes: Fishes, library: Library, i: int) -> None:
     """Row b is reached: it becomes a, and the next one is chosen."""
     kind = fishes.species[i]
@@ -132,7 +126,7 @@ def _next_row(fishes: Fishes, library: Library, i: int) -> None:
         fishes.span[i] = 1.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _keep_speed(fishes: Fishes, i: int, ratio: float) -> None:
     """Enter a segment at the speed of the old one, whose recorded speed is `ratio` times as high.
 
@@ -146,7 +140,7 @@ def _keep_speed(fishes: Fishes, i: int, ratio: float) -> None:
     fishes.thrust[i] *= exact / fishes.tempo[i]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _steer(q: Quaternion, yaw: float, pitch: float) -> Quaternion:
     """Turn left by `yaw` about the world's vertical and raise the nose by `pitch`, rad."""
     q = multiply(about(0.0, 0.0, 1.0, yaw), q)

@@ -1,23 +1,18 @@
 """The pose of every fish between two ticks: which two rows it mixes, and by how much."""
 
-from typing import Any
-
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
+from subsea.core.kernels import kernel
 from subsea.geometry.rotation import matrix, rotate
 from subsea.geometry.vector import plus, times, vector
 from subsea.repertoire.library import Library
 from subsea.state import Fishes
 
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
-
 TAIL_TIPS = 21, 22  # the nodes at the upper and lower tip of the tail
 
 
-@njit(cache=True)
+@kernel
 def pose_at(fishes: Fishes, i: int, alpha: float) -> tuple[int, int, float]:
     """Rows a and b and the weight of b for fish i, `alpha` of the way to the present tick.
 
@@ -52,7 +47,7 @@ def control_points_world(fishes: Fishes, library: Library, i: int) -> Array:
     return _points_world(fishes, library.control_points, i)
 
 
-@njit(cache=True)
+@kernel
 def ends_world(fishes: Fishes, nodes: Array, snout: Array, tail: Array) -> None:
     """Set the tip of the snout and the middle of the tail's edge (n, 3) of all fishes, cm, world.
 

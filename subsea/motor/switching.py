@@ -5,12 +5,13 @@ SMC §9.1 leaves this as future work: fishes near the viewer simulated, all othe
 
 import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from subsea.biomechanics.solver import STRAIN_LIMITS, TIME_UNIT_S
+from subsea.core.arrays import Array, Ints
 from subsea.fish.species import Species
 from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import matrix
@@ -29,9 +30,6 @@ from subsea.repertoire.transitions import (
     usual_change,
 )
 from subsea.state import Fishes, Live, Physics, Sea
-
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
 
 REVIEW_TICKS = 10  # how often the choice of fishes is thought over
 MIN_STAY_S = 4.0  # a fish that changed over stays for so long at least

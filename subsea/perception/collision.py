@@ -1,12 +1,11 @@
 """Danger of collision, with other fishes and with what stands still (Tu §6.6.1, SMC §6.2)."""
 
 import math
-from typing import Any
 
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array, Bools, Ints
+from subsea.core.kernels import kernel
 from subsea.geometry.rotation import rotate
 from subsea.geometry.solids import (
     NEVER,
@@ -33,10 +32,6 @@ from subsea.state import (
     Nature,
 )
 
-Array = NDArray[np.floating[Any]]
-Flags = NDArray[np.bool_]
-Ints = NDArray[np.integer[Any]]
-
 ANTENNA_BL = 1.0  # length of the ray that feels for obstacles (Tu §6.6.1) ...
 ENLARGED = 1.5  # ... and how much larger all is for fishes that move by recorded motion (SMC §6.2)
 BERTH_WIDTHS = 1.5  # so many widths of the body an obstacle counts as larger
@@ -53,9 +48,9 @@ STATIONS = 7  # points of a centre line, as many as there are sets of nodes alon
 FINEST, MOST_STATIONS = 0.3, 64  # ... and no farther apart than so many lengths of the other
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def find_threats(
-    who: Ints, bodies: Bodies, minds: Minds, alive: Flags, grids: tuple[Grid, Grid], nature: Nature
+    who: Ints, bodies: Bodies, minds: Minds, alive: Bools, grids: tuple[Grid, Grid], nature: Nature
 ) -> None:
     """Enter into `minds.threat` with whom each of the fishes `who` is in danger to collide.
 
@@ -84,7 +79,7 @@ def find_threats(
         minds.threat[i] = worst[0]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def sensitivity(minds: Minds, i: int, nature: Nature) -> tuple[float, float, int]:
     """Margin, body lengths, and foresight, s, of fish i's region, and who is welcome in it."""
     scale = ENLARGED * nature.timidity
@@ -100,7 +95,7 @@ def sensitivity(minds: Minds, i: int, nature: Nature) -> tuple[float, float, int
     return scale * MARGIN_BL, scale * FORESIGHT_S, welcome
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def motion(bodies: Bodies, grid: Grid) -> Array:
     """Velocity (x, y, z), radius about its middle and speed of the fish in each slot (m, 5).
 
@@ -116,7 +111,7 @@ def motion(bodies: Bodies, grid: Grid) -> Array:
     return out
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _most(motion: Array) -> tuple[float, float]:
     """The largest radius and speed."""
     radius, speed = 0.0, 0.0
@@ -126,7 +121,7 @@ def _most(motion: Array) -> tuple[float, float]:
     return radius, speed
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def worst_threat(
     bodies: Bodies, i: int, grid: Grid, motion: Array, most: tuple[float, float], slots: Ints,
     margin: float, foresight: float, welcome: int, worst: tuple[int, float, float],
@@ -163,14 +158,14 @@ def worst_threat(
     return worst
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _radius(bodies: Bodies, i: int) -> float:
     """How far any part of fish i is from its middle at most, cm."""
     girth = float(bodies.girth[i, 0]) + float(bodies.girth[i, 1])
     return 0.5 * (float(bodies.length[i]) + girth)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def share_inside(bodies: Bodies, i: int, j: int, margin: float, foresight: float) -> float:
     """The share of the centre line of fish j that lies in the sensitivity region of fish i.
 
@@ -205,7 +200,7 @@ def share_inside(bodies: Bodies, i: int, j: int, margin: float, foresight: float
     return inside / stations
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _sweeps(p: Vector, way: Vector, low: Vector, high: Vector, more: float) -> bool:
     """Whether p on its way enters a box, `more` cm larger on all sides."""
     first, last = 0.0, 1.0
@@ -221,7 +216,7 @@ def _sweeps(p: Vector, way: Vector, low: Vector, high: Vector, more: float) -> b
     return first <= last
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def find_barriers(who: Ints, bodies: Bodies, minds: Minds, scene: Scene, nature: Nature) -> None:
     """Enter into `minds.barrier` what stands in the way of each of the fishes `who`.
 
@@ -234,7 +229,7 @@ def find_barriers(who: Ints, bodies: Bodies, minds: Minds, scene: Scene, nature:
         minds.barrier[i] = met_first(bodies, i, scene, held * antenna)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def met_first(bodies: Bodies, i: int, scene: Scene, antenna: float) -> int:
     """What stands still that a ray ahead of fish i, `antenna` cm long, meets first; -1: nothing.
 
@@ -268,7 +263,7 @@ def met_first(bodies: Bodies, i: int, scene: Scene, antenna: float) -> int:
     return found
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _leaves_circle(a: Vector, b: Vector, radius: float) -> float:
     """The t at which a + t (b - a) leaves the upright cylinder about the world's axis, else 0."""
     dx, dy = b[0] - a[0], b[1] - a[1]

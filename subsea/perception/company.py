@@ -1,18 +1,15 @@
 """Where its leader is, as far as a schooling fish knows: from its own eyes, or its companions'."""
 
-from typing import Any
-
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from subsea.core.arrays import Ints
+from subsea.core.kernels import kernel
 from subsea.perception.vision import Bodies, Scene, sees_fish
 from subsea.state import Clock, Minds, Nature
 
-Ints = NDArray[np.integer[Any]]
 
-
-@njit(cache=True, error_model="numpy")
+@kernel
 def watch_leader(
     who: Ints,
     bodies: Bodies,

@@ -1,17 +1,13 @@
 """Whom a fish may mate with (Tu §7.9.3)."""
 
-from typing import Any
-
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Ints
+from subsea.core.kernels import kernel
 from subsea.geometry.vector import minus, norm, vector
 from subsea.perception.grid import Grid, insert, near_slots
 from subsea.perception.vision import Bodies, Scene, eye_of, sees_fish, sight
 from subsea.state import LIBIDO, LOOPING, PACIFIST, Minds, Nature
-
-Ints = NDArray[np.integer[Any]]
 
 CELL_CM = 100.0
 ODD = 2.0  # nobody courts a stranger so many times as long, or as short
@@ -19,7 +15,7 @@ TEMPTING_CM = 40.0  # a mate that is farther off does not tempt who is not in th
 STRANGE_CM = 1e6  # so much farther away a fish of another species counts
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def see_mates(
     who: Ints, bodies: Bodies, minds: Minds, species: Ints, scene: Scene, grid: Grid, nature: Nature
 ) -> None:

@@ -1,11 +1,9 @@
 """Which predators a prey fish sees, and how fearful each of them is (Tu §7.4)."""
 
-from typing import Any
-
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array, Ints
+from subsea.core.kernels import kernel
 from subsea.geometry.vector import minus, norm, vector
 from subsea.perception.grid import Grid, insert, near_slots
 from subsea.perception.vision import (
@@ -19,13 +17,10 @@ from subsea.perception.vision import (
 )
 from subsea.state import NOBODY, PREY, SUBMARINE, Minds, Nature
 
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
-
 CELL_CM = 400.0  # predators are few, and seen from afar
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def see_predators(
     who: Ints, bodies: Bodies, minds: Minds, scene: Scene, hull: Array, grid: Grid, nature: Nature
 ) -> None:
@@ -66,7 +61,7 @@ def see_predators(
         minds.menaces[i] = min(total, 1.0)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def fearfulness(dread: float, distance: float) -> float:
     """D₀/d."""
     return dread / max(distance, 1e-6)

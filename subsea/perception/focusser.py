@@ -1,11 +1,9 @@
 """The focusser: what an intention is about, and motor preferences from all else (Tu §6.5, §7.6)."""
 
-from typing import Any
-
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array, Bools, Ints
+from subsea.core.kernels import kernel
 from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import rotate
 from subsea.geometry.solids import far_from_rock, from_pillar, from_rock
@@ -47,10 +45,6 @@ from subsea.state import (
     Sea,
 )
 
-Array = NDArray[np.floating[Any]]
-Flags = NDArray[np.bool_]
-Ints = NDArray[np.integer[Any]]
-
 COMPROMISE = 0.2  # p of Tu §6.5.3: what a motor preference adds to a target's desirability
 STRANGER = 0.5  # how desirable a mate of another species is against one of its own
 STEEPEST = 0.6  # sine of the steepest climb or dive, as in `motor/controller.py`
@@ -72,9 +66,9 @@ def focus(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clo
     aim(who, bodies, minds, scene, fishes.species, fishes.alive, sea.plankton, sea.absent, nature)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def aim(
-    who: Ints, bodies: Bodies, minds: Minds, scene: Scene, species: Ints, alive: Flags,
+    who: Ints, bodies: Bodies, minds: Minds, scene: Scene, species: Ints, alive: Bools,
     plankton: Array, absent: Array, nature: Nature,
 ) -> None:  # fmt: skip
     """Set the target of each of the fishes `who`.
@@ -138,7 +132,7 @@ def aim(
             minds.target[i] = best
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def way_to(toward: Vector, ahead: Vector) -> float:
     """About how far a fish must swim to what lies `toward` (cm) its mouth.
 
@@ -151,7 +145,7 @@ def way_to(toward: Vector, ahead: Vector) -> float:
     return max(distance, abs(toward[2]) / STEEPEST) * (1.0 + ARC * turn)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def most_desirable(
     bodies: Bodies, i: int, targets: Ints, desire: Array, place: Array, preference: Array
 ) -> int:
@@ -186,7 +180,7 @@ def most_desirable(
     return best
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def prefer(
     who: Ints, bodies: Bodies, minds: Minds, scene: Scene, plankton: Array, hull: Array,
     nature: Nature,
@@ -234,13 +228,13 @@ def prefer(
             minds.preference[i, side] = good + bad
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def against(desire: float, strength: float) -> float:
     """The strength of a desire over that of the intention, at most 1 (Tu §7.6)."""
     return min(float(desire) / max(float(strength), 1e-6), 1.0)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def warn_of_fishes(
     bodies: Bodies, i: int, threat: int, neighbour: Ints, sums: Array, counts: Array
 ) -> None:
@@ -257,7 +251,7 @@ def warn_of_fishes(
             note(q, gap, -1.0, sums, counts)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def warn_of_solids(
     bodies: Bodies, i: int, scene: Scene, nature: Nature, sums: Array, counts: Array
 ) -> None:
@@ -282,7 +276,7 @@ def warn_of_solids(
         note(q, (eye[0], eye[1], 0.0), -1.0, sums, counts)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def note(q: Array, toward: Vector, value: float, sums: Array, counts: Array) -> None:
     """Count a stimulus for the directions within 60 degrees of which it lies."""
     x, y, z = to_body(q, times(1.0 / max(norm(toward), 1e-9), toward))
@@ -295,7 +289,7 @@ def note(q: Array, toward: Vector, value: float, sums: Array, counts: Array) -> 
             counts[sign, side] += 1.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def to_body(q: Array, v: Vector) -> Vector:
     """A vector in the axes of a body of orientation q: forward, up, right."""
     return rotate((q[0], -q[1], -q[2], -q[3]), v)

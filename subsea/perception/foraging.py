@@ -1,19 +1,15 @@
 """Which food a fish perceives: specks of plankton, or of a predator prey (Tu §6.3.1, §7.9.1)."""
 
 import math
-from typing import Any
 
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Ints
+from subsea.core.kernels import kernel
 from subsea.geometry.vector import Vector, dot, minus, norm, vector
 from subsea.perception.grid import Grid, insert, near_slots, nearest
 from subsea.perception.vision import Bodies, Scene, ahead_of, eye_of, sees_fish, sight
 from subsea.state import PREDATOR, Minds, Nature, Sea
-
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
 
 PREY_CELL_CM = 100.0
 SCHOOL_COST, TURN_COST = 0.5, 0.2  # beta1 and beta2 of Tu §7.9.1
@@ -25,7 +21,7 @@ def cell_cm(sea: Sea) -> float:
     return float((volume / max(len(sea.plankton), 1)) ** (1 / 3))
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def perceive_plankton(who: Ints, bodies: Bodies, minds: Minds, grid: Grid, nature: Nature) -> None:
     """Enter the specks of `grid` that those of the fishes `who` perceive that live on them.
 
@@ -40,7 +36,7 @@ def perceive_plankton(who: Ints, bodies: Bodies, minds: Minds, grid: Grid, natur
             minds.food_distance[i] = gaps[0]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def perceive_prey(
     who: Ints, bodies: Bodies, minds: Minds, species: Ints, scene: Scene, grid: Grid, nature: Nature
 ) -> None:
@@ -83,21 +79,21 @@ def perceive_prey(
         minds.food_distance[i] = least
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def is_quarry(minds: Minds, species: Ints, i: int, j: int) -> bool:
     """Whether predator i may hunt fish j: anyone, unless a direction says whom."""
     first, end, kind = minds.quarry[i]
     return bool(first <= j < end and (kind < 0 or species[j] == kind))
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def is_in_school(minds: Minds, j: int) -> bool:
     """Whether fish j schools, at this moment or by habit, and has company of its species near."""
     belongs = minds.leads[j] or (minds.schools[j] and minds.leader[j] >= 0)
     return belongs and minds.neighbour[j, 0] >= 0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def perceives(
     bodies: Bodies, i: int, j: int, scene: Scene, nature: Nature, distance: float
 ) -> bool:
@@ -105,7 +101,7 @@ def perceives(
     return distance <= nature.smell_cm or sees_fish(bodies, i, j, scene, nature)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def cost_of(toward: Vector, distance: float, ahead: Vector, schools: bool) -> float:
     """What it costs to catch a prey: C = d (1 + beta1 S + beta2 E / pi) (Tu §7.9.1), cm.
 

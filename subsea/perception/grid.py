@@ -1,16 +1,13 @@
 """A sorted uniform grid over points: who is near, without asking everybody."""
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array, Ints
+from subsea.core.kernels import kernel
 from subsea.geometry.vector import Vector, dot, minus, vector
-
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
 
 CELLS_EACH, CELLS_MORE = 64, 4096  # at most so many cells for each point, and for them all
 
@@ -26,7 +23,7 @@ class Grid(NamedTuple):
     place: Array  # (m, 3) float64, cm
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def make_grid(points: Array, chosen: Ints, cell: float) -> Grid:
     """Sort the points `chosen`, rising indices of `points` (n, 3), by cells of `cell` cm.
 
@@ -69,7 +66,7 @@ def make_grid(points: Array, chosen: Ints, cell: float) -> Grid:
     return Grid(corner, cell, cells, start, member, place)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def near_slots(grid: Grid, p: Vector, reach: float, slots: Ints) -> int:
     """Enter slots of all points within `reach` cm of p, and of some that are farther.
 
@@ -91,7 +88,7 @@ def near_slots(grid: Grid, p: Vector, reach: float, slots: Ints) -> int:
     return count
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _range(grid: Grid, p: Vector, reach: float, axis: int) -> tuple[int, int]:
     """The first and the last cell along an axis within `reach` of p; none if last < first."""
     middle = p[axis] - grid.low[axis]
@@ -100,7 +97,7 @@ def _range(grid: Grid, p: Vector, reach: float, axis: int) -> tuple[int, int]:
     return int(max(first, 0.0)), int(min(last, grid.size[axis] - 1.0))
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def nearest(
     grid: Grid, p: Vector, reach: float, but: int, found: Ints, gaps: Array, slots: Ints
 ) -> None:
@@ -130,7 +127,7 @@ def nearest(
         inner, outer = outer, min(2.0 * outer, reach)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def insert(found: Ints, cost: Array, member: int, price: float) -> bool:
     """Put a member among the cheapest `found`, sorted by cost, then index; False if too dear."""
     slot = len(found) - 1

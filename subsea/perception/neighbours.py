@@ -1,17 +1,12 @@
 """Who swims beside a fish: what its lateral line feels, in all directions (Tu §6.3)."""
 
-from typing import Any
-
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array, Ints
+from subsea.core.kernels import kernel
 from subsea.geometry.vector import vector
 from subsea.perception.grid import Grid, make_grid, nearest
 from subsea.state import Fishes, Minds
-
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
 
 REACH_CM = 110.0  # how far a fish looks for companions
 CELL_CM = 60.0  # side of a cell: large enough that few are empty
@@ -30,7 +25,7 @@ def find_neighbours(who: Ints, fishes: Fishes, minds: Minds, reach: float) -> No
         _find(who[kinds == kind], fishes.position, minds.neighbour, grid, reach)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _find(who: Ints, position: Array, neighbour: Ints, grid: Grid, reach: float) -> None:
     gaps, slots = np.empty(neighbour.shape[1]), np.empty(len(grid.member), np.int64)
     for i in who:

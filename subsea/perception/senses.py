@@ -1,19 +1,14 @@
 """What the fishes whose turn it is perceive."""
 
-from typing import Any
-
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array, Ints
+from subsea.core.kernels import kernel
 from subsea.perception import collision, company, courting, danger, foraging
 from subsea.perception.grid import make_grid
 from subsea.perception.neighbours import REACH_CM, find_neighbours
 from subsea.perception.vision import bodies_of, middles_of, scene_of
 from subsea.state import PACIFIST, PREDATOR, PREY, Clock, Fishes, Minds, Nature, Sea
-
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
 
 LARGE_CM = 45.0  # fishes longer than that are kept in a grid of their own ...
 SMALL_CELL_CM, LARGE_CELL_CM = 30.0, 150.0  # ... so that nobody looks far for small ones
@@ -47,7 +42,7 @@ def sense(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clo
         courting.see_mates(who, bodies, minds, fishes.species, scene, mild, nature)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def feel_water(
     who: Ints, position: Array, climate: Array, light: Array, temperature: Array
 ) -> None:

@@ -1,22 +1,18 @@
 """Who thinks in this tick: fishes that are far away or out of sight do so less often."""
 
-from typing import Any
-
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Ints
+from subsea.core.kernels import kernel
 from subsea.geometry.vector import minus, norm, vector
 from subsea.state import Clock, Fishes, Minds, Sea
-
-Ints = NDArray[np.integer[Any]]
 
 NEAR_CM = 400.0  # within this distance of the submarine a fish thinks in every tick
 FAR_TICKS = 4  # farther away once in so many ticks, 0.13 s ...
 UNSEEN_TICKS = 8  # ... and once in so many where the water hides it
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def whose_turn(fishes: Fishes, minds: Minds, sea: Sea, visibility: float, clock: Clock) -> Ints:
     """Indices, rising, of the living fishes that think now; `minds.pause` of all grows.
 

@@ -1,18 +1,16 @@
 """What a fish can see: the view volume, and what hides things in it (Tu §6.3, §6.4)."""
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
+from subsea.core.kernels import kernel
 from subsea.geometry.rotation import rotate
 from subsea.geometry.solids import ray_meets_pillar, ray_meets_rock, ray_meets_seabed
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, vector
 from subsea.state import Fishes, Nature, Sea
-
-Array = NDArray[np.floating[Any]]
 
 FIELD_COS = math.cos(math.radians(150.0))  # half of the field of 300 degrees
 # Where on its centre line, from snout to tail, a fish is looked at: first where most of it is.
@@ -59,19 +57,19 @@ def scene_of(sea: Sea) -> Scene:
     return Scene(*(getattr(sea, name) for name in Scene._fields))
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def ahead_of(bodies: Bodies, i: int) -> Vector:
     """Unit vector along the x axis of the body."""
     return rotate(bodies.orientation[i], (1.0, 0.0, 0.0))
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def eye_of(bodies: Bodies, i: int) -> Vector:
     """The cyclopean origin: the tip of the snout, cm, world."""
     return along_body(bodies, i, 0.0)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def along_body(bodies: Bodies, i: int, share: float) -> Vector:
     """A point on the centre line, `share` of the body length behind the snout, cm, world.
 
@@ -82,7 +80,7 @@ def along_body(bodies: Bodies, i: int, share: float) -> Vector:
     return plus(vector(bodies.position[i]), times(along, ahead_of(bodies, i)))
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def middles_of(bodies: Bodies) -> Array:
     """The middle of the centre line of every fish (n, 3), cm, world."""
     out = np.empty((len(bodies.length), 3))
@@ -91,13 +89,13 @@ def middles_of(bodies: Bodies) -> Array:
     return out
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def sight(length: float, nature: Nature) -> float:
     """V_r s^p: from how far something `length` cm long is seen, cm (Tu §6.3.1)."""
     return nature.vision_cm * min(length / nature.standard_cm, FARTHEST)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def in_view(eye: Vector, ahead: Vector, p: Vector, reach: float) -> bool:
     """Whether p lies in the view volume: within `reach` and less than 150 degrees from ahead."""
     ray = minus(p, eye)
@@ -105,7 +103,7 @@ def in_view(eye: Vector, ahead: Vector, p: Vector, reach: float) -> bool:
     return distance <= reach and (distance == 0.0 or dot(ray, ahead) > FIELD_COS * distance)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def hidden(scene: Scene, eye: Vector, p: Vector) -> bool:
     """Whether a pillar, a rock or the seabed is between eye and p; other fishes do not hide."""
     for k in range(len(scene.pillars)):
@@ -119,14 +117,14 @@ def hidden(scene: Scene, eye: Vector, p: Vector) -> bool:
     return ray_meets_seabed(scene.heights, scene.half_width, 0.0, eye, p) <= 1.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def sees_point(bodies: Bodies, i: int, scene: Scene, p: Vector, reach: float) -> bool:
     """Whether fish i sees the point p, which is in sight from `reach` cm (Tu §6.4.1)."""
     eye = eye_of(bodies, i)
     return in_view(eye, ahead_of(bodies, i), p, reach) and not hidden(scene, eye, p)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def sees_fish(bodies: Bodies, i: int, j: int, scene: Scene, nature: Nature) -> bool:
     """Whether fish i sees fish j: its middle is in view and any point of it not hidden (§6.4.2)."""
     eye = eye_of(bodies, i)
@@ -139,7 +137,7 @@ def sees_fish(bodies: Bodies, i: int, j: int, scene: Scene, nature: Nature) -> b
     return seen
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def sees_pillar(bodies: Bodies, i: int, pillar: Array, nature: Nature) -> bool:
     """Whether a pillar is near enough to be seen at all: Tu's test, |P - O| - r < V_r (§6.4.3).
 
@@ -151,7 +149,7 @@ def sees_pillar(bodies: Bodies, i: int, pillar: Array, nature: Nature) -> bool:
     return norm(minus((x, y, min(eye[2], top)), eye)) - radius < nature.vision_cm
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def sees_box(bodies: Bodies, i: int, scene: Scene, box: Array, reach: float) -> bool:
     """Whether any of the eight corners of a box, as of a cluster of seaweed, is seen (§6.4.4)."""
     for corner in range(8):

@@ -7,14 +7,12 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
 from subsea.core.atomic_io import replacing
 from subsea.core.durations import summary
 from subsea.profiling.machine import sentence
 from subsea.view.levels import LEVELS
-
-Array = NDArray[np.floating[Any]]
 
 STAGES = (
     "perception",

@@ -1,19 +1,18 @@
 """What must hold of a world after every tick, and what must not last for minutes."""
 
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
 from subsea.core.errors import UserError
 from subsea.geometry.height_field import height_at
 from subsea.state import HUNGER, Sea
 from subsea.submarine.hull import AHEAD_CM_S, MAX_PITCH
 from subsea.world import snapshot
 from subsea.world.world import TICK_S, World
-
-Array = NDArray[np.floating[Any]]
 
 INSIDE_BL = 0.25  # so deep in stone may no fish's middle be, of its length
 SWIFT_BL_S, SWIFT_CM_S = 12.0, 150.0  # so fast is no fish: of its length, and carried by water

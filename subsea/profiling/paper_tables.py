@@ -8,20 +8,21 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
 from subsea.biomechanics.body import build_body
 from subsea.biomechanics.controllers import swim_contraction
 from subsea.biomechanics.simulation import at_rest, simulate
 from subsea.biomechanics.solver import STEPS_PER_TICK
+from subsea.core.arrays import Array
 from subsea.core.console import say
+from subsea.core.kernels import kernel
 from subsea.dive.start import headless, picture_maker, start_world
 from subsea.fish.species import load_species
 from subsea.frame.packet import Packet, pack
 from subsea.geometry.rotation import rotate
 from subsea.profiling.machine import described, sentence
 from subsea.render.output.quality import PRESETS
-from subsea.state import Array, Fishes
+from subsea.state import Fishes
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.camera import View
 from subsea.view.display_rigs import cockpit, display_rig, views_for
@@ -126,7 +127,7 @@ def playback_ms(world: World) -> tuple[float, float]:
     return share * float(np.median(full)), share * float(np.median(motor))
 
 
-@njit(cache=True)
+@kernel
 def place_nodes(fishes: Fishes, nodes_body: Array, out: Array) -> None:
     """World nodes of all fishes into `out` (n, 23, 3), cm, from those of the library (eq. 12)."""
     axes = np.empty((3, 3), np.float32)

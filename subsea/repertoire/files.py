@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from subsea.core import hdf5
+from subsea.core.arrays import Array
 from subsea.core.errors import UserError
 from subsea.repertoire.schema import (
     CONTROL_POINTS,
@@ -18,7 +19,6 @@ from subsea.repertoire.schema import (
     PATTERNS,
     SEGMENTS,
     VERSION,
-    Array,
     Repertoire,
     Segment,
     Transitions,

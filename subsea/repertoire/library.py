@@ -1,17 +1,16 @@
 """All repertoires of a dive in flat arrays, for compiled kernels and for the GPU."""
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.core.arrays import Array, Ints
 from subsea.core.errors import UserError
 from subsea.fish.coupling import Coupling, place
-from subsea.repertoire.schema import SEGMENTS, Array, Repertoire, Transitions
+from subsea.repertoire.schema import SEGMENTS, Repertoire, Transitions
 from subsea.repertoire.transitions import plan_transitions
-
-Ints = NDArray[np.integer[Any]]
 
 
 class Library(NamedTuple):

@@ -6,8 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
+from subsea.core.arrays import Array, Ints
 
 FORMAT = "subsea-repertoire"
 VERSION = 2

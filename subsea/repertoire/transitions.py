@@ -6,16 +6,13 @@ the next segment and all lengths, the largest change of any node's velocity at t
 the glide is made smallest, as a share of what happens inside the two segments anyway.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array, Ints
+from subsea.core.kernels import kernel
 from subsea.repertoire.schema import MAX_GLIDE_FRAMES, Segment, Transitions
-
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
 
 # A cyclic segment is left only in this share of its rows, those from which the glide is gentlest:
 # a fish that is about to turn waits a few frames until its beat is where the turn begins.
@@ -90,7 +87,7 @@ def usual_change(motion: Motion) -> float:
     return float(np.linalg.norm(motion.leaving - motion.arriving, axis=2)[:-1].max())
 
 
-@njit(cache=True)
+@kernel
 def gentlest(here: Motion, row: int, there: Motion, goals: Ints) -> tuple[int, int, float]:
     """The goal, the length, and the larger change of any node's velocity at the glide's ends."""
     best_goal, best_length, least = goals[0], 1, np.inf
@@ -113,7 +110,7 @@ def gentlest(here: Motion, row: int, there: Motion, goals: Ints) -> tuple[int, i
     return best_goal, best_length, np.sqrt(least)
 
 
-@njit(cache=True)
+@kernel
 def _carried(here: Motion, row: int, there: Motion, goal: int, share: float, node: Array) -> Array:
     """How the gliding body frame carries a node: the increments of both rows are blended."""
     shift = (1.0 - share) * here.shift[row] + share * there.shift[goal]

@@ -10,10 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.core.arrays import Array, Ints
 from subsea.core.kernels.struct_ref import Kind, by_pointer
-
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
 
 NEIGHBOURS = 6  # how many companions a fish attends to
 CHOICES = 3  # among how many targets it chooses: K of Tu §6.5.3

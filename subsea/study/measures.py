@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array, Bools, Ints
+from subsea.core.kernels import kernel
 from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import rotate
 from subsea.geometry.vector import dot, minus, norm, plus, times, vector
@@ -29,10 +29,6 @@ from subsea.state import (
     SCHOOL,
 )
 from subsea.study.record import STATIONS, Record
-
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
-Flags = NDArray[np.bool_]
 
 BARRIERS = ("wall", "surface", "seabed", "pillar", "rock")
 SAMPLE_S = 0.2  # how often the shape of schools is looked at
@@ -68,9 +64,9 @@ def clearances(record: Record) -> tuple[Array, Ints]:
     return least, which
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _clear(
-    points: Array, alive: Flags, heights: Array, half_width: float, radius: float,
+    points: Array, alive: Bools, heights: Array, half_width: float, radius: float,
     pillars: Array, rocks: Array, least: Array, which: Ints,
 ) -> None:  # fmt: skip
     """Lower `least` to the clearance of `points` (T, n, 3)."""
@@ -102,7 +98,7 @@ def _clear(
                 least[t, i], which[t, i] = best, code
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _from_rock(rock: Array, x: float, y: float, z: float) -> float:
     """Distance to an ellipsoid along the ray from its centre, negative inside."""
     c, s = np.cos(rock[6]), np.sin(rock[6])
@@ -136,9 +132,9 @@ def overlaps(record: Record) -> Ints:
     return found
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _overlap(
-    snout: Array, middle: Array, tail: Array, orientation: Array, alive: Flags, partner: Ints,
+    snout: Array, middle: Array, tail: Array, orientation: Array, alive: Bools, partner: Ints,
     kind: Ints, share: Array, sizes: Array, found: Ints,
 ) -> None:  # fmt: skip
     """Fill `found`; `share` (n,) is how far along the body the middle lies."""
@@ -190,7 +186,7 @@ def _overlap(
                     found[t, j] = max(found[t, j], code)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _touch(a: Array, a_turn: Array, a_size: Array, b: Array, b_turn: Array, b_size: Array) -> bool:
     """Whether a bead of a meets the line through the beads of b, or one of b that of a."""
     return _meets(a, a_turn, a_size, b, b_turn, b_size) or _meets(
@@ -198,7 +194,7 @@ def _touch(a: Array, a_turn: Array, a_size: Array, b: Array, b_turn: Array, b_si
     )
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _meets(a: Array, a_turn: Array, a_size: Array, b: Array, b_turn: Array, b_size: Array) -> bool:
     most = a_size.max() + b_size.max()
     for k in range(STATIONS):
@@ -222,7 +218,7 @@ def _meets(a: Array, a_turn: Array, a_size: Array, b: Array, b_turn: Array, b_si
     return False
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _radius(
     turn: Array, width: float, height: float, spacing: float, gap: Any, distance: float
 ) -> float:
@@ -240,7 +236,7 @@ def _radius(
 # Minds
 
 
-def saturated(record: Record) -> Flags:
+def saturated(record: Record) -> Bools:
     """Fish-ticks (T, n) of hunger that has stayed full, with plankton to be had, beyond a minute.
 
     Of those that live on plankton.
@@ -270,7 +266,7 @@ def changes_per_second(record: Record) -> Array:
     return np.asarray(changed.sum(axis=0) / np.maximum(both.sum(axis=0) * record.tick_s, 1e-9))
 
 
-def meals(record: Record) -> Flags:
+def meals(record: Record) -> Bools:
     """Fish-ticks (T, n) in which something was eaten."""
     eaten = np.zeros_like(record.alive)
     eaten[1:] = np.diff(record.last_meal, axis=0) > 0
@@ -286,7 +282,7 @@ class School(NamedTuple):
     leader: int
     time: Array  # (k,) s
     members: Ints  # (k,) fishes alive
-    cruises: Flags  # (k,), whether half of them or more school, unalarmed
+    cruises: Bools  # (k,), whether half of them or more school, unalarmed
     polarisation: Array  # (k,) length of the mean heading of those that school
     nearest: Array  # (k,) median distance to the nearest of the school, body lengths
     distances: Array  # every such distance while it cruises, body lengths
@@ -354,7 +350,7 @@ def _school(record: Record, leader: int, every: int) -> School:
     )
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _shape(position: Array, length: Array, link: float) -> tuple[Array, float]:
     """Distance to the nearest (m,) in body lengths, and the share of the largest connected part.
 
@@ -387,7 +383,7 @@ def _shape(position: Array, length: Array, link: float) -> tuple[Array, float]:
     return nearest, count.max() / m
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _root(part: Ints, i: int) -> int:
     while part[i] != i:
         part[i] = part[part[i]]
@@ -465,8 +461,8 @@ def captures(record: Record) -> Captures:
     return Captures(len(last), (caught[0], caught[1]), (float(exposed[0]), float(exposed[1])))
 
 
-@njit(cache=True, error_model="numpy")
-def _company(position: Array, alive: Flags, species: Ints, length: Array, company: Flags) -> None:
+@kernel
+def _company(position: Array, alive: Bools, species: Ints, length: Array, company: Bools) -> None:
     n = len(species)
     count, farthest = np.empty(n, np.int64), COMPANY_BL * length.max()
     for t in range(len(position)):
@@ -539,7 +535,7 @@ def turned_after(record: Record, fish: int, tick: int) -> float:
     return float(np.degrees(np.arccos(np.clip(ways @ ways[0], -1.0, 1.0))).max())
 
 
-def runs(flags: Flags) -> Iterator[tuple[int, int]]:
+def runs(flags: Bools) -> Iterator[tuple[int, int]]:
     """Beginnings and ends of the stretches in which flags (k,) hold."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
     for start, end in edges.reshape(-1, 2):

@@ -6,14 +6,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
 from subsea.core.atomic_io import replacing
 from subsea.core.errors import UserError
 from subsea.study import measures
 from subsea.study.record import Record
-
-Array = NDArray[np.floating[Any]]
 
 DPI = 100
 STYLE = {

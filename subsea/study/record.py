@@ -7,12 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.core import hdf5
+from subsea.core.arrays import Array, Bools, Ints
 from subsea.core.errors import UserError
 from subsea.fish.surface import SurfacePlan, along
-
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
-Flags = NDArray[np.bool_]
 
 FORMAT, VERSION = "subsea-record", 2
 STATIONS = 13  # places along a body, from the snout to the tail's edge, where its outline is given
@@ -117,7 +114,7 @@ class Record(NamedTuple):
     tail: Array  # (T, n, 3) cm
     intention: Ints  # (T, n)
     mental_state: Array  # (T, n, 3)
-    alive: Flags  # (T, n)
+    alive: Bools  # (T, n)
     leader: Ints  # (T, n)
     target: Ints  # (T, n)
     partner: Ints  # (T, n)
@@ -125,7 +122,7 @@ class Record(NamedTuple):
     last_meal: Array  # (T, n) s
     species: Ints  # (n,)
     kind: Ints  # (n,)
-    male: Flags  # (n,)
+    male: Bools  # (n,)
     length: Array  # (n,) cm
     snout_reach: Array  # (n,) cm
     half_width: Array  # (s, STATIONS) body lengths

@@ -1,12 +1,12 @@
 """The tours of a scenario: a path through waypoints, and what it looks at on the way."""
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
 from subsea.core.disk_cache import kept
 from subsea.core.errors import UserError, unknown
 from subsea.geometry.curve import Curve, curve_at, curve_through
@@ -17,8 +17,6 @@ from subsea.scenario.schema import AUTOPILOT, Bounds, Scenario, TourTable, Waypo
 from subsea.state import HULL_CM, Sea, State
 from subsea.submarine.hull import AHEAD_CM_S
 from subsea.submarine.rail import Rail
-
-Array = NDArray[np.floating[Any]]
 
 AHEAD_S = 2.0  # who looks ahead looks to where the path is so much later
 NEAR_CM = 250.0  # of the fishes that are followed those count most that are not much farther off

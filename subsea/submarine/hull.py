@@ -2,17 +2,15 @@
 
 import math
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
 from subsea.geometry.solids import from_pillar, from_rock
 from subsea.scenario.schema import Bounds
 from subsea.state import HULL_CM, Submarine
 from subsea.submarine.helm import Helm
 
-Array = NDArray[np.floating[Any]]
 FloorHeight = Callable[[float, float], float]  # x, y in cm -> height of the seabed in cm
 
 # Speeds that full thrust settles at. Brisk enough to follow a school, too slow to feel ill.

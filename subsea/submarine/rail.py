@@ -6,15 +6,13 @@ the state, so fishes shy, the bow wave pushes and seaweed bends as before a pilo
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
 from subsea.state import Submarine
 from subsea.submarine.hull import MAX_PITCH
-
-Array = NDArray[np.floating[Any]]
 
 GAZE = 2.5  # 1/s: it turns as a head does, critically damped ...
 TURN_RAD_S = math.radians(15.0)  # ... and never faster than is pleasant to watch

@@ -7,11 +7,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from imgui_bundle import imgui
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from subsea.core.arrays import Array
 from subsea.ui.gui import GLASS, INK, QUIET, colour
 
-Array = NDArray[np.floating[Any]]
 Ink = tuple[float, float, float]
 Box = tuple[float, float, float, float]  # left, low, right, high in the view's own coordinates
 

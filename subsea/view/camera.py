@@ -7,16 +7,15 @@ keeps rows, so its matrices are transposed here and nowhere else.
 import warnings
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+
+from subsea.core.arrays import Array
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")
     import pyrr
 
-Array = NDArray[np.floating[Any]]
 
 NEAR_CM = 5.0
 FAR_CM = 6000.0

@@ -2,15 +2,12 @@
 
 from collections.abc import Sequence
 from math import sqrt
-from typing import Any
 
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
+from subsea.core.kernels import kernel
 from subsea.view.camera import View
-
-Array = NDArray[np.floating[Any]]
 
 OUT_OF_SIGHT = -1.0  # in place of the pixels that something covers
 IN_SIGHT = 1.3  # visibilities; beyond, the fog hides all
@@ -50,7 +47,7 @@ def covered(
     return pixels, distance
 
 
-@njit(cache=True)
+@kernel
 def in_frustum(planes: Array, v: int, x: float, y: float, z: float, radius: float) -> bool:
     """Whether anything of a sphere is on the inner side of all `planes` (v, 6, 4) of view `v`."""
     for p in range(6):  # number by number: rows would be counted references
@@ -60,7 +57,7 @@ def in_frustum(planes: Array, v: int, x: float, y: float, z: float, radius: floa
     return True
 
 
-@njit(cache=True)
+@kernel
 def _cover(
     centres: Array,
     radii: Array,

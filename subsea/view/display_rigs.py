@@ -1,10 +1,10 @@
 """Rigs of the display modes: one eye, two eyes, or all round."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
 from subsea.core.errors import unknown
 from subsea.view.camera import NEAR_CM, View, off_axis
 from subsea.view.rig import Eye, Patch, Pose, Rect, Rig, Shape, pose, views
@@ -24,7 +24,6 @@ from subsea.view.surround import (
 if TYPE_CHECKING:  # the words of display modes are known before any world is loaded
     from subsea.state import Submarine
 
-Array = NDArray[np.floating[Any]]
 
 SURROUNDS = {
     "panorama": Shape.PANORAMA,

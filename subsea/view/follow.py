@@ -1,11 +1,11 @@
 """A calm camera behind and above a fish, which enters neither stone nor sand nor air."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
+from subsea.core.kernels import kernel
 from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import rotate
 from subsea.geometry.vector import Vector, minus, plus, times, vector
@@ -14,8 +14,6 @@ from subsea.state import Sea
 from subsea.view.retina import body_at
 from subsea.view.rig import Pose
 from subsea.world.world import TICK_S, World
-
-Array = NDArray[np.floating[Any]]
 
 BACK_CM, BACK_BL = 15.0, 1.9  # how far behind the middle of the fish: so much, and so many lengths
 ABOVE = 0.35  # and how far above, as a share of that
@@ -66,7 +64,7 @@ def followed(world: World, fish: int, alpha: float, before: Camera | None) -> tu
     return Camera(now, aim, way, share), Pose(np.array(eye), forward, up)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _free(sea: Sea, fish: Vector, wanted: Vector, most: float) -> tuple[Vector, float]:
     """The place nearest to the wanted one, on the way there from the fish, that has room about it.
 

@@ -5,14 +5,13 @@ which a fish is drawn at both levels, each in the pixels that the other leaves o
 remember is `Memory`: it belongs to whoever draws, not to the world.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
+from subsea.core.arrays import Array, Ints
+from subsea.core.kernels import kernel
 
 # Finest first; the second and the third are those of SMC table 2.
 LEVELS = ("tessellated", "close", "distant", "far", "speck")
@@ -36,7 +35,7 @@ def nothing_drawn(n: int) -> Memory:
     return Memory(np.full(n, HIDDEN, np.uint8), np.full(n, HIDDEN, np.uint8), np.full(n, -np.inf))
 
 
-@njit(cache=True)
+@kernel
 def choose(
     pixels: Array, finer: NDArray[np.bool_], thresholds: Array, time_s: float, memory: Memory
 ) -> None:
@@ -84,7 +83,7 @@ def arranged(
     return _grouped(np.concatenate(order), first, time_s, levels, memory)
 
 
-@njit(cache=True)
+@kernel
 def _grouped(
     order: Ints, first: Ints, time_s: float, levels: int, memory: Memory
 ) -> tuple[Ints, Array, Ints]:
@@ -122,11 +121,11 @@ def _grouped(
     return fish, share, starts
 
 
-@njit(cache=True)
+@kernel
 def _under_way(since: float, time_s: float) -> bool:
     return 0.0 <= time_s - since < FADE_S
 
 
-@njit(cache=True)
+@kernel
 def _group(level: int, fading: bool, levels: int) -> int:
     return levels - 1 - level + (levels if fading and level < levels - 1 else 0)

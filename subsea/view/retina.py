@@ -9,11 +9,11 @@ other half of the picture would show is nothing to be seen. Views name the fish 
 """
 
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
 from subsea.fish.coupling import Coupling, place
 from subsea.fish.surface import LEFT, RIGHT, SurfacePlan, U, V, rest_control_points
 from subsea.geometry.rotation import matrix
@@ -22,8 +22,6 @@ from subsea.motor.pose import pose_at
 from subsea.view.camera import View, axes_of, off_axis
 from subsea.view.rig import Eye, Patch, Pose, Rect, Rig, views
 from subsea.world.world import World
-
-Array = NDArray[np.floating[Any]]
 
 FIELD_DEG = 90.0  # from left to right
 NEAR_CM = 0.5  # other fishes may come close

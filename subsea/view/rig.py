@@ -7,15 +7,13 @@ display at a size; only the observer from whom its eyes hang moves.
 
 from collections.abc import Sequence
 from enum import IntEnum
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array, Ints
 from subsea.view.camera import View, look
 
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
 Rect = tuple[int, int, int, int]  # x, y, width, height in pixels, origin lower left
 
 BRIGHT = 0.995  # of a mask's largest factor: less is where another projector shines too

@@ -5,14 +5,13 @@ three columns and two rows; each is a little wider than a right angle, so that p
 edge have neighbours to be smoothed with.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
 from subsea.view.camera import axes_of
-
-Array = NDArray[np.floating[Any]]
 
 # Where a face looks and what is up there, in the order of its place on the canvas: the lower row
 # from the left, then the upper row. `shaders/resolve.frag` knows the same order.

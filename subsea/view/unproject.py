@@ -1,16 +1,13 @@
 """From a place on the pilot's screen to a ray into the sea, and back."""
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
 from subsea.view.camera import View
 from subsea.view.rig import Rig, Shape, front, seen_by, seen_part
-
-Array = NDArray[np.floating[Any]]
-
 
 NEAR_CM = 4.0  # from the eye: lines are drawn from there on
 

@@ -9,8 +9,8 @@ from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hi
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
 from subsea.core.errors import UserError
 from subsea.geometry.height_field import height_at
 from subsea.geometry.solids import NEVER, ray_meets_pillar, ray_meets_rock, ray_meets_seabed
@@ -33,7 +33,6 @@ from subsea.scenario.schema import (
 from subsea.state import HULL_CM, Sea
 from subsea.world.world import check_world
 
-Array = NDArray[np.floating[Any]]
 Place = tuple[float, float, float]  # x, y, z in cm
 
 KINDS = {

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from subsea.behavior.table import BEHAVIORS, DESIRES
 from subsea.behavior.temperament import alter, temper
+from subsea.core.arrays import Array
 from subsea.core.disk_cache import kept
 from subsea.core.errors import UserError
 from subsea.core.resources import telling_lines
@@ -50,8 +51,6 @@ from subsea.state import (
     empty_minds,
 )
 from subsea.submarine.course import check_tours
-
-Array = NDArray[np.floating[Any]]
 
 LIVE_REACH_CM = 500.0  # how near to the submarine a fish must be to be simulated
 

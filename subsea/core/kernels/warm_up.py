@@ -24,9 +24,10 @@ from typing import Any, NamedTuple
 from numba import types
 
 from subsea.core.disk_cache import folder
-from subsea.core.kernels.cache import ROOT, is_kept
+from subsea.core.kernels.cache import is_kept
 from subsea.core.kernels.struct_ref import Kind
 from subsea.core.resources import resource_path
+from subsea.core.source_stamp import ROOT
 
 LIST = resource_path("assets/kernels.json")
 MOST = 8  # processes: each takes 200 to 400 MB, the more the fewer there are

@@ -19,10 +19,10 @@ Every array may be written to between two steps: pixels, x to the right and y do
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-Array = NDArray[np.floating[Any]]
+from subsea.core.arrays import Array
+from subsea.core.kernels import kernel
 
 BODY, DORSAL, VENTRAL = "body", "dorsal", "ventral"  # parts of a net
 HALF = 0.25  # of the steepest change of a picture; one so steep attracts half as much as any can
@@ -257,7 +257,7 @@ def _rest(one: Mesh) -> None:
     one.bend_across[1:-1] = np.diff(x, 2, axis=0)
 
 
-@njit(cache=True)
+@kernel
 def _sampled(values: Any, x: float, y: float) -> float:
     """Values (h, w) at a place, linear between the middles of pixels, level outside."""
     h, w = values.shape
@@ -272,7 +272,7 @@ def _sampled(values: Any, x: float, y: float) -> float:
     return upper * (1.0 - t) + lower * t
 
 
-@njit(cache=True)
+@kernel
 def _forces(
     nodes: Any, along: Any, across: Any, bend_along: Any, bend_across: Any, feels: Any,
     anchors: Any, pulls: Any, height: Any, slope: Any,
@@ -321,7 +321,7 @@ def _forces(
     return out
 
 
-@njit(cache=True)
+@kernel
 def _energy(
     nodes: Any, along: Any, across: Any, bend_along: Any, bend_across: Any, feels: Any,
     anchors: Any, pulls: Any, height: Any, slope: Any,

@@ -3,14 +3,10 @@
 Needs the extra `skin` (OpenCV).
 """
 
-from typing import Any
-
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.floating[Any]]
-Bytes = NDArray[np.uint8]
+from subsea.core.arrays import Array, Bytes
 
 PATCH = 96  # pixels each way, in which is looked
 GRAIN = 9.0  # pixels there of the radius of an eye

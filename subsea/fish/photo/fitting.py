@@ -10,12 +10,12 @@ Needs the extra `skin` (OpenCV).
 """
 
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array, Bools, Bytes
 from subsea.core.errors import UserError
 from subsea.fish.photo.deformable_mesh import LAW, Field, Net, field, relax, settle, transform
 from subsea.fish.photo.eye_detection import eye_near
@@ -23,10 +23,6 @@ from subsea.fish.photo.lift import covered
 from subsea.fish.photo.photograph import Photograph, cleaned, guesses, small, told_apart
 from subsea.fish.photo.side_view import across, at_rest, finer, laid, placed
 from subsea.fish.surface import SurfacePlan
-
-Array = NDArray[np.floating[Any]]
-Bytes = NDArray[np.uint8]
-Mask = NDArray[np.bool_]
 
 ALIKE = 128  # pixels of the longer side, where shapes are compared
 UNIT = 200.0  # pixels of a body length of the shape that is compared
@@ -56,7 +52,7 @@ class Found(NamedTuple):
     """A fish in a photograph."""
 
     net: Net  # over the photograph
-    mask: Mask  # (h, w) of the photograph: what was told apart
+    mask: Bools  # (h, w) of the photograph: what was told apart
     likeness: float  # of the species' shape to that, 0 to 1
 
 
@@ -133,7 +129,7 @@ def _heads_right(matrix: Array) -> bool:
     return bool(np.linalg.det(matrix[:, :2]) > 0.0)
 
 
-def under(photograph: Photograph, net: Net) -> Mask:
+def under(photograph: Photograph, net: Net) -> Bools:
     """The fish (h, w) that is told apart where meshes lie over a photograph, by hand or by `found`.
 
     It ends near them: the meshes are believed.
@@ -147,7 +143,7 @@ def under(photograph: Photograph, net: Net) -> Mask:
     return _enlarged(mask, photograph) if mask.any() else inside
 
 
-def _enlarged(mask: Mask, photograph: Photograph) -> Mask:
+def _enlarged(mask: Bools, photograph: Photograph) -> Bools:
     """A mask of the small picture at the photograph's size; its opacity knows better."""
     if photograph.opacity is not None:
         return np.asarray(photograph.opacity > 127)
@@ -156,9 +152,9 @@ def _enlarged(mask: Mask, photograph: Photograph) -> Mask:
     return np.asarray(large > 0.5)
 
 
-def _told(colour: Bytes, plan: SurfacePlan) -> tuple[Mask, Array, float]:
+def _told(colour: Bytes, plan: SurfacePlan) -> tuple[Bools, Array, float]:
     """What is told apart in a small picture, the species' place in it, and their likeness."""
-    best: tuple[Mask, Array, float] = (np.zeros(colour.shape[:2], bool), np.eye(3)[:2], 0.0)
+    best: tuple[Bools, Array, float] = (np.zeros(colour.shape[:2], bool), np.eye(3)[:2], 0.0)
     blank = colour.std(axis=(0, 1)).max() < BLANK
     for guess in () if blank else (*guesses(colour), *_likely(colour, plan)):
         if best[2] > SURE:
@@ -176,8 +172,8 @@ def _told(colour: Bytes, plan: SurfacePlan) -> tuple[Mask, Array, float]:
 
 
 def _closer(
-    colour: Bytes, plan: SurfacePlan, mask: Mask, matrix: Array, likeness: float
-) -> tuple[Mask, Array, float]:
+    colour: Bytes, plan: SurfacePlan, mask: Bools, matrix: Array, likeness: float
+) -> tuple[Bools, Array, float]:
     """The same once more, where it is known about where the fish is and which way it heads."""
     right = _heads_right(matrix)
     for _ in range(ROUNDS):
@@ -189,7 +185,7 @@ def _closer(
     return mask, matrix, likeness
 
 
-def _cut_off(mask: Mask) -> float:
+def _cut_off(mask: Bools) -> float:
     """Which share of a mask's outline is the picture's border: there water ends, not a fish."""
     k = 1 + max(1, round(0.01 * min(mask.shape)))  # what `guesses` leaves out
     rim = np.concatenate([mask[k], mask[-k - 1], mask[:, k], mask[:, -k - 1]])
@@ -216,7 +212,7 @@ def _shaped(
     return _about(silhouette(plan, matrix, shape), float(np.hypot(*matrix[:, 0])), *reach)
 
 
-def _about(inside: Mask, length: float, core: float, halo: float) -> Bytes:
+def _about(inside: Bools, length: float, core: float, halo: float) -> Bytes:
     """Where the fish is and is not if it lies about there, in GrabCut's words.
 
     All is fish `core` body lengths within, and nothing `halo` body lengths without.
@@ -230,7 +226,7 @@ def _about(inside: Mask, length: float, core: float, halo: float) -> Bytes:
     return guess
 
 
-def silhouette(plan: SurfacePlan, matrix: Array, shape: tuple[int, ...]) -> Mask:
+def silhouette(plan: SurfacePlan, matrix: Array, shape: tuple[int, ...]) -> Bools:
     """Which pixels (h, w) the species covers in its own shape."""
     out = np.zeros(shape[:2], np.uint8)
     rest = at_rest(plan)
@@ -246,7 +242,7 @@ def silhouette(plan: SurfacePlan, matrix: Array, shape: tuple[int, ...]) -> Mask
     return out.astype(bool)
 
 
-def aligned(plan: SurfacePlan, mask: Mask, heads_right: bool | None = None) -> tuple[Array, float]:
+def aligned(plan: SurfacePlan, mask: Bools, heads_right: bool | None = None) -> tuple[Array, float]:
     """The matrix (2, 3) that lays the species best over a mask, and their likeness, 0 to 1.
 
     Tried from many tilts, heading either way or as is said.
@@ -345,7 +341,7 @@ def _climbed(
     return best, values
 
 
-def hold(net: Net, colour: Bytes, mask: Mask) -> None:
+def hold(net: Net, colour: Bytes, mask: Bools) -> None:
     """Let meshes that lie about right take hold of the outline of a fish in a picture (h, w, 3).
 
     ``mask`` (h, w) is what was told apart from the background.
@@ -364,7 +360,7 @@ def hold(net: Net, colour: Bytes, mask: Mask) -> None:
     relax(net, Field(height, np.dstack([right, down]).astype(np.float32)), LAW, 0.02, 600)
 
 
-def outline_error(net: Net, mask: Mask) -> float:
+def outline_error(net: Net, mask: Bools) -> float:
     """Mean distance of the outlines of meshes and of a mask (h, w), both ways, body lengths."""
     first, second = _border(covered(net, mask.shape)), _border(mask)
     if not first.any() or not second.any():
@@ -377,6 +373,6 @@ def outline_error(net: Net, mask: Mask) -> float:
     return float(0.5 * (far[0][second].mean() + far[1][first].mean()) / length)
 
 
-def _border(mask: Mask) -> Mask:
+def _border(mask: Bools) -> Bools:
     eroded = cv2.erode(mask.astype(np.uint8), np.ones((3, 3), np.uint8))
     return np.asarray(mask & (eroded == 0))

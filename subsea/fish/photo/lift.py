@@ -14,19 +14,15 @@ from typing import Any, NamedTuple
 import cv2
 import numpy as np
 from msgspec import structs
-from numba import njit
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array, Bools, Bytes
+from subsea.core.kernels import kernel
 from subsea.fish import paint
 from subsea.fish.photo.deformable_mesh import DORSAL, VENTRAL, Mesh, Net
 from subsea.fish.photo.side_view import Rest, RestFin, at_rest, finer, outlines
 from subsea.fish.species import Colour, SkinPlan, Species
 from subsea.fish.surface import FIN_V, SurfacePlan
 from subsea.geometry.spline import basis_at, dense, greville, through
-
-Array = NDArray[np.floating[Any]]
-Bytes = NDArray[np.uint8]
-Mask = NDArray[np.bool_]
 
 RIM = 0.006  # body lengths inside the outline where the background still shines through
 NEAR = 0.035  # so near to it the fish told apart is asked, farther inside the meshes alone
@@ -50,13 +46,13 @@ class _Flank(NamedTuple):
 
     picture: Array  # (h, w, 4) linear light and opacity
     level: Array  # (h, w) from belly to back, 0 to 1
-    trunk: Mask  # (h, w) the body without its tail
+    trunk: Bools  # (h, w) the body without its tail
     low: Array  # (2,) the place of its lower left corner, body lengths
     size: Array  # (2,) texels in a body length
     steep: float  # how much light from above was in it
 
 
-def lifted(colour: Bytes, net: Net, species: Species, fish: Mask | None = None) -> Bytes:
+def lifted(colour: Bytes, net: Net, species: Species, fish: Bools | None = None) -> Bytes:
     """The sheet (640, 1024, 4) of a species, bottom row first, from a photograph (h, w, 3).
 
     ``fish`` (h, w) is what was told apart from the background: near the outline only colours from
@@ -91,7 +87,7 @@ def lifted(colour: Bytes, net: Net, species: Species, fish: Mask | None = None) 
     return sheet
 
 
-def _source(colour: Bytes, net: Net, surface: SurfacePlan, fish: Mask | None) -> _Source:
+def _source(colour: Bytes, net: Net, surface: SurfacePlan, fish: Bools | None) -> _Source:
     """The part of a photograph that the meshes lie in, the fish's own colours all over it."""
     length = float(np.hypot(*(net.body.nodes[4, 0] - net.body.nodes[4, 14]))) / surface.tail.begin
     window, corner = _around(colour, net, length)
@@ -158,7 +154,7 @@ def _shares(shape: tuple[int, ...]) -> tuple[Array, Array]:
     return (np.arange(width) + 0.5) / width, ((np.arange(height) + 0.5) / height)[:, None]
 
 
-def covered(net: Net, shape: tuple[int, ...]) -> Mask:
+def covered(net: Net, shape: tuple[int, ...]) -> Bools:
     """Which pixels (h, w) lie under the meshes."""
     mask = np.zeros(shape[:2], np.uint8)
     for ring in outlines(net):
@@ -197,7 +193,7 @@ def drawn(corners: Array, values: Array, shape: tuple[int, int]) -> Array:
     return out
 
 
-@njit(cache=True)
+@kernel
 def _draw(corners: Any, values: Any, out: Any) -> None:
     h, w, count = out.shape
     m, n, _ = corners.shape
@@ -236,19 +232,19 @@ def _around(colour: Bytes, net: Net, length: float) -> tuple[tuple[slice, slice]
     return (slice(low[1], high[1]), slice(low[0], high[0])), low.astype(float)
 
 
-def _sure(within: Mask, there: Mask, length: float) -> Mask:
+def _sure(within: Bools, there: Bools, length: float) -> Bools:
     """Where the colours are the fish's own: inside the meshes, away from any outline."""
     inner = _far_inside(within & (there | _deep(within, length)))
     sure = inner > RIM * length
     return np.asarray(sure if sure.any() else within)
 
 
-def _deep(within: Mask, length: float) -> Mask:
+def _deep(within: Bools, length: float) -> Bools:
     """Farther inside the meshes than the fish told apart is asked."""
     return np.asarray(_far_inside(within) > NEAR * length)
 
 
-def _far_inside(mask: Mask) -> Array:
+def _far_inside(mask: Bools) -> Array:
     """Distance (h, w) to the nearest pixel outside a mask; what lies beyond the picture is none."""
     return np.asarray(cv2.distanceTransform(mask.astype(np.uint8), cv2.DIST_L2, 5))
 
@@ -276,14 +272,14 @@ def _risen(rest: RestFin, share: Array, up: Array) -> Array:
     return np.asarray((up - left) / np.maximum(1.0 - left, 1e-3)).clip(-1.0, 1.0)
 
 
-def _typical(light: Array, where: Mask) -> Colour | None:
+def _typical(light: Array, where: Bools) -> Colour | None:
     """The median colour (linear light) of those places."""
     if not where.any():
         return None
     return tuple(float(c) for c in np.median(light[where], axis=0).clip(0.0, 1.0))  # type: ignore[return-value]
 
 
-def _level(trunk: Mask) -> Array:
+def _level(trunk: Bools) -> Array:
     """How high texels (h, w) are from belly to back, 0 to 1, and on the tail as at its root.
 
     ``trunk`` is where the body without its tail is.

@@ -5,18 +5,14 @@ Needs the extra `skin` (OpenCV).
 
 import warnings
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image, ImageOps, UnidentifiedImageError
 
+from subsea.core.arrays import Array, Bools, Bytes
 from subsea.core.errors import UserError
-
-Bytes = NDArray[np.uint8]
-Mask = NDArray[np.bool_]
-Array = NDArray[np.floating[Any]]
 
 FORMATS = "JPEG", "PNG", "WEBP", "TIFF", "BMP", "GIF", "PPM", "AVIF", "JPEG2000"
 MOST_BYTES = 200 << 20
@@ -170,7 +166,7 @@ def _strangeness(colour: Bytes) -> Array:
     return np.asarray(cv2.GaussianBlur(np.minimum(far, 12.0), (0, 0), 2.0))
 
 
-def told_apart(colour: Bytes, guess: Bytes) -> Mask:
+def told_apart(colour: Bytes, guess: Bytes) -> Bools:
     """The fish in `colour` (h, w, 3) by GrabCut, which begins with a guess in its own words."""
     words = guess.copy()
     fish = (words == cv2.GC_FGD) | (words == cv2.GC_PR_FGD)
@@ -187,7 +183,7 @@ def told_apart(colour: Bytes, guess: Bytes) -> Mask:
     return cleaned((words == cv2.GC_FGD) | (words == cv2.GC_PR_FGD))
 
 
-def cleaned(mask: Mask) -> Mask:
+def cleaned(mask: Bools) -> Bools:
     """The largest piece of a mask (h, w), without threads and holes."""
     reach = max(1, round(0.004 * max(mask.shape)))
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1,) * 2)

@@ -4,11 +4,12 @@ Places on a fish are (distance from the snout, height) in body lengths, places i
 x to the right and y down. A matrix (2, 3) takes the first to the second.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
 from subsea.core.errors import UserError
 from subsea.fish.photo.deformable_mesh import BODY, DORSAL, VENTRAL, Net, fin, mesh, meshes
 from subsea.fish.surface import (
@@ -24,8 +25,6 @@ from subsea.fish.surface import (
     travelled,
 )
 from subsea.geometry.spline import basis_at, dense, greville, through
-
-Array = NDArray[np.floating[Any]]
 
 FINER = 4  # times as many places as nodes, where a mesh is looked at closely
 SHOWS = 0.006  # body lengths by which the edge of a fin stands out where it is drawn

@@ -11,6 +11,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
 from subsea.core.disk_cache import kept
 from subsea.fish import paint
 from subsea.fish.color_sheet import sheets
@@ -23,8 +24,6 @@ from subsea.render.fish.speck import COARSEST, Speck, places, speck
 from subsea.render.gl.id_buffer import FISH, double, mark
 from subsea.render.gl.mipmaps import kept_texture, mipmapped
 from subsea.render.gl.shaders import program, set_uniforms, wanted
-
-Array = NDArray[np.floating[Any]]
 
 SKINS_UNIT, VERTICES_UNIT, PLACES_UNIT = 3, 9, 10  # of textures
 FINE = 2  # levels whose fins are drawn after all bodies

@@ -11,6 +11,7 @@ import numpy as np
 from msgspec import structs
 from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
 from subsea.fish.species import Species, Variation
 from subsea.fish.surface import CONTROL_POINTS, rest_surface
 from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, Scene
@@ -21,8 +22,6 @@ from subsea.render.output.uniforms import uniforms_of
 from subsea.scenario.schema import Water
 from subsea.view.camera import View, look, off_axis
 from subsea.view.display_rigs import display_rig
-
-Array = NDArray[np.floating[Any]]
 
 BACKDROP = (0.012, 0.048, 0.068)  # linear light
 WATER = Water(fog=(0.03, 0.10, 0.14), visibility_cm=1e5)  # what silver mirrors; it veils nothing

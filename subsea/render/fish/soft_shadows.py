@@ -4,16 +4,14 @@ from typing import Any
 
 import moderngl
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
+from subsea.core.kernels import kernel
 from subsea.frame.packet import FISH, KIND, ORIENTATION, POSITION, SCALE, Packet, Scene
 from subsea.geometry.height_field import height_at
 from subsea.habitat.formations import SUN
 from subsea.render.gl.shaders import program, set_uniforms
 from subsea.state import HULL_CM
-
-Array = NDArray[np.floating[Any]]
 
 HIGHEST_CM = 200.0  # who swims higher over the sand casts none
 FARTHEST_CM = 700.0  # nor who is farther from the eye,
@@ -65,7 +63,7 @@ class Blobs:
             held.release()
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def cast(
     instances: Array,
     lengths: Array,
@@ -115,7 +113,7 @@ def cast(
     return number
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _lay(
     x: float, y: float, z: float, ax: float, ay: float, long: float, wide: float,
     share: float, heights: Array, half_width: float, out: Array, number: int,

@@ -4,11 +4,12 @@ A speck is a few pixels large: 28 of the 426 control points, without weights, sl
 Its colours are those of the coarsest mipmap of the skin, so that it does not flicker.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.core.arrays import Array, Ints
 from subsea.fish import paint
 from subsea.fish.mesh import ABSENT
 from subsea.fish.surface import (
@@ -23,9 +24,6 @@ from subsea.fish.surface import (
     rest_control_points,
 )
 from subsea.geometry.spline import greville
-
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
 
 VERTEX_FORMAT = "3f4 3f4"
 VERTEX_ATTRIBUTES = ("a_normal", "a_part")

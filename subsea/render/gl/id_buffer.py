@@ -11,14 +11,11 @@ from typing import Any, NamedTuple
 
 import moderngl
 import numpy as np
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array, Ints
 from subsea.core.errors import UserError
 from subsea.render.gl.shaders import program, set_uniforms, wanted
 from subsea.view.rig import Rect
-
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
 
 # What there is to be seen. A mark is a kind and the number of one of that kind, in one number:
 # float32 holds it exactly, so one half of a texel does.

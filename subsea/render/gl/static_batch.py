@@ -5,17 +5,13 @@ from typing import Any, NamedTuple
 
 import moderngl
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array, Bools, Ints
+from subsea.core.kernels import kernel
 from subsea.render.gl.id_buffer import double
 from subsea.render.gl.shaders import set_uniforms, wanted
 from subsea.view.camera import View
 from subsea.view.culling import in_frustum, pixels_per_radian
-
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
-Bools = NDArray[np.bool_]
 
 OUT_OF_SIGHT = -1  # in place of a level
 NEAR_PX, MIDDLE_PX = 360.0, 130.0  # a level is used while its shape's diameter covers so many
@@ -208,7 +204,7 @@ def levels_in_sight(
     return np.asarray(level), seen
 
 
-@njit(cache=True)
+@kernel
 def _levels(
     centres: Array,
     radii: Array,
@@ -242,7 +238,7 @@ def _levels(
     return level
 
 
-@njit(cache=True)
+@kernel
 def _gathered(triangles: Ints, ranges: Ints) -> Ints:
     """The triangles (m, 3) of all `ranges` (k, 3), one after another."""
     out = np.empty(((ranges[:, 1] - ranges[:, 0]).sum(), 3), np.int32)
@@ -255,7 +251,7 @@ def _gathered(triangles: Ints, ranges: Ints) -> Ints:
     return out
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def bounding_sphere(vertices: Array) -> tuple[Array, float]:
     """Centre (3,) and radius of a sphere about vertices (n, 3 or more), from their bounding box."""
     low, high = np.full(3, np.inf), np.full(3, -np.inf)

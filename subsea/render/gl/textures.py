@@ -5,11 +5,9 @@ from typing import Any
 
 import moderngl
 import numpy as np
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
 from subsea.render.gl.mipmaps import ALL, Texels, kept_texture
-
-Array = NDArray[np.floating[Any]]
 
 SIZE = 256
 WIND = 0.6  # rad, which way most waves run

@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.frame.packet import Packet
-from subsea.render.sea.light_shafts import UNIT as SHAFTS_UNIT
 from subsea.scenario.schema import Water
 from subsea.view.camera import View
 
+SHAFTS_UNIT = 15  # texture unit: all shaders read it, so nothing else may use it
 # After so long the shaders count time from 0 again, and waves and snow leap once. Their float32
 # tells 1 ms apart up to then, but 8 after a day and 60 after a week: waves would move by jerks.
 TIDE_S = 4 * 3600.0

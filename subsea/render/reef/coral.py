@@ -5,8 +5,8 @@ from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
 from subsea.core.disk_cache import kept
 from subsea.habitat.formations import SUN
 from subsea.habitat.mounds import variant_of
@@ -20,8 +20,6 @@ from subsea.render.reef.coral_mesh import Mesh, unit
 from subsea.render.reef.coral_shapes import LEVELS, forms
 from subsea.state import Reef
 from subsea.view.camera import View
-
-Array = NDArray[np.floating[Any]]
 
 GRAIN_UNIT = 8  # texture unit
 TILE_CM = 32.0  # of the grain

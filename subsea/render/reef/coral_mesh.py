@@ -4,13 +4,11 @@ Every skin is a block of `b` pieces of `r` rings of `c` points each, whose first
 coincide; seen from outside, points go round counter-clockwise about the way from ring to ring.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
+from subsea.core.arrays import Array, Ints
 
 
 class Mesh(NamedTuple):

@@ -10,8 +10,8 @@ from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
 from subsea.habitat.mounds import HEIGHT, dome, outline
 from subsea.habitat.reef import KINDS
 from subsea.render.reef.coral_mesh import (
@@ -28,7 +28,6 @@ from subsea.render.reef.coral_mesh import (
     unit,
 )  # fmt: skip
 
-Array = NDArray[np.floating[Any]]
 Dice = np.random.Generator
 
 LEVELS = 5  # the last is a mere lump

@@ -1,12 +1,8 @@
 """Triangles about the inside of a sampled field: naive surface nets (Gibson 1998)."""
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
+from subsea.core.arrays import Array, Ints
 
 
 def surface_net(field: Array) -> tuple[Array, Ints]:

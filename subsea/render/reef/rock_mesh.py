@@ -5,12 +5,11 @@ The surface is where `habitat.formations.drawn_distance` is 0: inside of what th
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any
 
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
+from subsea.core.kernels import kernel
 from subsea.geometry.noise import fractal
 from subsea.geometry.vector import vector
 from subsea.habitat.formations import NEAR_CM as NEAR_BLOCKS_CM
@@ -31,8 +30,6 @@ from subsea.habitat.formations import (
 from subsea.render.gl.static_batch import Shape
 from subsea.render.reef.isosurface import surface_net
 
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
 Floor = Callable[[Array, Array], Array]  # x and y in cm -> height of the seabed in cm
 
 LEVELS = 3
@@ -160,7 +157,7 @@ def _shape(
     return Shape(vertices, triangles[shown[triangles].any(axis=1)].astype(np.int32))
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@kernel
 def _sample(blocks: Array, corner: Array, cell: float, nx: int, ny: int, nz: int) -> Array:
     """The field at the corners of (nx, ny, nz) cubes of COARSE³ cells."""
     out = np.empty((nx * COARSE + 1, ny * COARSE + 1, nz * COARSE + 1))
@@ -193,7 +190,7 @@ def _sample(blocks: Array, corner: Array, cell: float, nx: int, ny: int, nz: int
     return out
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@kernel
 def _sun(shade: Shade, place: Array, normal: Array, out: Array) -> None:
     """Take from the sunlight what a formation keeps away."""
     for i in range(len(place)):
@@ -203,7 +200,7 @@ def _sun(shade: Shade, place: Array, normal: Array, out: Array) -> None:
         out[i, 7] *= passes(shade, away, SUN, SUN_WIDE)
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@kernel
 def _dress(blocks: Array, place: Array, normal: Array, out: Array) -> None:
     """Enter hollows and what grows; patches run on from one stone to the next."""
     for i in range(len(place)):

@@ -5,9 +5,9 @@ from typing import Any
 
 import moderngl
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array, Ints
+from subsea.core.kernels import kernel
 from subsea.frame.packet import Packet, Scene
 from subsea.geometry.solids import from_pillar, from_rock
 from subsea.geometry.vector import vector
@@ -20,9 +20,6 @@ from subsea.render.gl.textures import in_bytes, relief, repeating
 from subsea.render.reef.rock_mesh import cut, shapes
 from subsea.render.sea.seabed import drawn_height
 from subsea.view.culling import IN_SIGHT
-
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
 
 RELIEF_UNIT = 4  # texture unit
 RELIEF_SPAN = np.array([1.6, 32.0, 32.0, 1.0])  # of its layers, to both sides of 0
@@ -44,7 +41,7 @@ def solid_marks(pillars: Array, rocks: Array, places: Array) -> Array:
     return np.asarray(np.where(number < 0, mark(PILLAR, solid), mark(ROCK, number)))
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _nearest(pillars: Array, rocks: Array, places: Array) -> Ints:
     """Which solid, pillars before rocks, is nearest to places (n, 3)."""
     out = np.zeros(len(places), np.int64)

@@ -6,10 +6,9 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
 from subsea.frame.packet import LEAF_TEXELS, Packet
 from subsea.render.gl.id_buffer import SEAWEED, Twin
-
-Array = NDArray[np.floating[Any]]
 
 LEAVES_UNIT = 5  # texture unit
 FINE, COARSE = (13, 3), (7, 2)  # samples along a leaf and across it

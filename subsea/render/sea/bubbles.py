@@ -4,14 +4,12 @@ from typing import Any
 
 import moderngl
 import numpy as np
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
 from subsea.frame.packet import Packet, Scene
 from subsea.render.gl.id_buffer import BUBBLES, Twin
 from subsea.render.sea.seabed import drawn_height
 from subsea.view.culling import IN_SIGHT
-
-Array = NDArray[np.floating[Any]]
 
 SLOWEST = 0.22  # share of a vent's largest diameter, as `bubbles.vert` throws its dice
 STREAM_CM = 60.0  # a stream is no wider, but for the current

@@ -6,13 +6,13 @@ from typing import Any, NamedTuple
 
 import moderngl
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
+from subsea.core.kernels import kernel
 from subsea.geometry.noise import fractal
 from subsea.habitat.formations import SUN, Shade, box_of, openness, passes, shade_distance, shade_of
 
-Array = NDArray[np.floating[Any]]
 Floor = Callable[[Array, Array], Array]  # x and y in cm -> height of the seabed in cm
 
 TEXEL_CM, MOST_TEXELS = 8.0, 1024  # a side of the map has at most so many
@@ -74,7 +74,7 @@ def upload(context: Any, ground: GroundMap) -> Any:
     return texture
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@kernel
 def _light(shade: Shade, places: Array, fade: Array) -> Array:
     """Shares of sun and sky and of rubble (n, 3) at places on the sand (n, 3).
 

@@ -4,13 +4,10 @@ from typing import Any
 
 import moderngl
 import numpy as np
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array, Ints
 from subsea.frame.packet import Packet
 from subsea.render.gl.id_buffer import HOOK, Twin
-
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
 
 METAL, BAIT, LINE = range(3)
 SIDES = 10

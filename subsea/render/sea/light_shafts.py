@@ -6,8 +6,8 @@ import moderngl
 
 from subsea.render.gl.shaders import program, set_uniforms
 from subsea.render.output.quality import Quality
+from subsea.render.output.uniforms import SHAFTS_UNIT
 
-UNIT = 15  # texture unit: all shaders read it, so nothing else may use it
 SIZE = (320, 16)  # turns about the sun, cosines of the angle from it
 
 
@@ -38,7 +38,7 @@ class Shafts:
             self._context.disable(moderngl.BLEND | moderngl.DEPTH_TEST)
             set_uniforms(self._program, **uniforms, u_samples=self._samples)
             self._array.render(vertices=3)
-        self._map.use(UNIT)
+        self._map.use(SHAFTS_UNIT)
 
     def release(self) -> None:
         """Free every OpenGL object."""

@@ -5,10 +5,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
 from subsea.render.gl.mipmaps import Texels
 from subsea.render.gl.textures import in_bytes, tileable_noise
-
-Array = NDArray[np.floating[Any]]
 
 SIZE, FINE_SIZE = 384, 256
 RIPPLES = 12  # ripples across a texture, on average

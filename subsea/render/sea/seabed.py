@@ -4,8 +4,8 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array, Ints
 from subsea.frame.packet import Packet, Scene
 from subsea.habitat.formations import formations
 from subsea.render.gl.id_buffer import SEABED, mark
@@ -14,9 +14,6 @@ from subsea.render.gl.static_batch import Shape, Standing
 from subsea.render.gl.textures import repeating
 from subsea.render.sea import ground_map, sand
 from subsea.view.culling import IN_SIGHT
-
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
 
 CELLS = 12  # of a tile, along each side; every second and every fourth on coarser levels
 LEVELS_PX = (640.0, 210.0)  # a level is used while its tile's diameter covers so many pixels

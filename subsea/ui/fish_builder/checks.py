@@ -5,10 +5,9 @@ which takes some hundredths of a second once its kernels are compiled.
 """
 
 from enum import IntEnum
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from subsea.biomechanics.body import KINDS, TRIANGLES, UNITS, Body, Floats, build_body
 from subsea.biomechanics.body_frame import body_frame
@@ -25,8 +24,6 @@ from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, STRAIN_LIMITS, TICK
 from subsea.biomechanics.stability import longest_step
 from subsea.fish.species import Species
 from subsea.fish.surface import SurfacePlan, along
-
-Array = NDArray[np.floating[Any]]
 
 
 class Mark(IntEnum):

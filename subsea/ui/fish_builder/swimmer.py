@@ -5,10 +5,9 @@ in place: its axes neither sway nor yaw with the beat, but go along.
 """
 
 from collections import deque
-from typing import Any, Literal, get_args
+from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from subsea.biomechanics.body import MUSCLES, Body, build_body
 from subsea.biomechanics.body_frame import body_frame
@@ -16,12 +15,11 @@ from subsea.biomechanics.body_plan import Muscles
 from subsea.biomechanics.controllers import LEFT, RIGHT, bend_contraction, swim_contraction
 from subsea.biomechanics.simulation import State, at_rest, is_sound, simulate
 from subsea.biomechanics.solver import STEPS_PER_TICK, TICK_S
+from subsea.core.arrays import Array
 from subsea.fish.coupling import couple, place
 from subsea.fish.species import Species
 from subsea.fish.spine import MIDDLES, Gait, SpinePlan, carried, flapped, spines
 from subsea.fish.surface import SurfacePlan, along, fitted, rest_control_points, rest_surface
-
-Array = NDArray[np.floating[Any]]
 
 Way = Literal["rest", "slow", "medium", "fast", "left", "right"]
 WAYS: tuple[Way, ...] = get_args(Way)

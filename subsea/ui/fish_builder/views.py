@@ -4,8 +4,6 @@ Both have the same scale and the same place along the body. The nodes of a ring 
 in both, and what a point in one view stands for is lit in the other (KS I.B).
 """
 
-from typing import Any
-
 import numpy as np
 from imgui_bundle import imgui
 from numpy.typing import NDArray
@@ -13,6 +11,7 @@ from PIL import Image, ImageDraw
 
 from subsea.biomechanics.body import KINDS, MUSCLES, UNITS, rest_nodes
 from subsea.biomechanics.body_plan import NODES_AT_STATION
+from subsea.core.arrays import Array
 from subsea.fish.paint import BODY, borders, half_height
 from subsea.fish.species import Species
 from subsea.fish.surface import PaddlePlan, along, travelled
@@ -22,7 +21,6 @@ from subsea.ui.fish_builder.edit_state import Editing
 from subsea.ui.gui import INK, MARK, QUIET
 from subsea.ui.viewport2d import Canvas
 
-Array = NDArray[np.floating[Any]]
 Ink = tuple[float, float, float]
 
 BOX = -0.05, -0.3, 1.06, 0.3  # that both views show at first, body lengths

@@ -4,11 +4,11 @@ Places are pixels of the photograph, x to the right and y down.
 """
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array, Bools
 from subsea.fish.photo.deformable_mesh import (
     BODY,
     Field,
@@ -23,9 +23,6 @@ from subsea.fish.photo.deformable_mesh import (
 )
 from subsea.fish.photo.side_view import Rest
 from subsea.fish.surface import EyePlan
-
-Array = NDArray[np.floating[Any]]
-Mask = NDArray[np.bool_]
 
 SURE = 0.9  # of the longest step that is stable
 FIRM = 4.0  # how many times stronger than in `Law` the mouse is where nothing else pulls
@@ -141,7 +138,7 @@ def stable(law: Law) -> Law:
     return law._replace(step=min(Law().step, SURE * most))
 
 
-def beyond(net: Net, place: Array, reach: float) -> dict[str, Mask]:
+def beyond(net: Net, place: Array, reach: float) -> dict[str, Bools]:
     """Which nodes of each part are farther than `reach` from a place."""
     return {
         name: np.hypot(*(one.nodes - place).transpose(2, 0, 1)) > reach
@@ -150,7 +147,7 @@ def beyond(net: Net, place: Array, reach: float) -> dict[str, Mask]:
 
 
 def pull(
-    net: Net, node: Node, to: tuple[float, float], held: dict[str, Mask], law: Law, times: int
+    net: Net, node: Node, to: tuple[float, float], held: dict[str, Bools], law: Law, times: int
 ) -> None:
     """Pull a node of a net, which changes, for some steps; those that are `held` stay.
 

@@ -6,6 +6,7 @@ import numpy as np
 from imgui_bundle import imgui
 from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
 from subsea.fish.photo.deformable_mesh import BODY, DORSAL, VENTRAL, Field, Net, copied, meshes
 from subsea.fish.photo.side_view import finer
 from subsea.render.gl.image_texture import Shown
@@ -17,7 +18,6 @@ from subsea.ui.viewport2d import Canvas, Touch
 if TYPE_CHECKING:
     from subsea.ui.skin_editor.window import Dressing
 
-Array = NDArray[np.floating[Any]]
 Hand = Literal["pull", "anchor", "whole"]
 
 HANDS: dict[Hand, tuple[str, str]] = {

@@ -9,8 +9,8 @@ from typing import Any
 import cv2
 import numpy as np
 from imgui_bundle import imgui
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Bools, Bytes
 from subsea.core.errors import UserError
 from subsea.core.undo import History
 from subsea.fish.color_sheet import sheet_of, wear, write
@@ -50,9 +50,6 @@ from subsea.ui.skin_editor.panels import Sliders
 from subsea.ui.skin_editor.photo_canvas import HANDS, Easel
 from subsea.ui.skin_editor.preview import Preview
 from subsea.ui.tool_window import Bench, work
-
-Bytes = NDArray[np.uint8]
-Mask = NDArray[np.bool_]
 
 USUAL = "clownfish"  # who wears it, unless somebody is named
 
@@ -98,8 +95,8 @@ class Dressing:
         self.sliders = Sliders()
         self.relaxing = False
         self._colour, self._share = small(photograph)
-        self._told: Mask | None = None  # the fish told apart for the present meshes, if known
-        self._mask: Mask | None = None  # the fish that was found, in the small picture
+        self._told: Bools | None = None  # the fish told apart for the present meshes, if known
+        self._mask: Bools | None = None  # the fish that was found, in the small picture
         self._steps = 0
         self._felt: tuple[float, bool] | None = None  # for which `_field` was made
         self._field: Field | None = None
@@ -374,7 +371,7 @@ class Dressing:
         photograph, species = self.photograph, self.species
         net, told = self.large(self.net), self._told
 
-        def done(result: tuple[Bytes, Mask]) -> None:
+        def done(result: tuple[Bytes, Bools]) -> None:
             if self._lifting is lifting:  # nothing else is worn meanwhile
                 self._lifting = None
                 self._lifted(result)
@@ -385,7 +382,7 @@ class Dressing:
         lift = partial(_lift, photograph, net, species, told)
         self.bench.behind(lift, done, "making the sheet", failed)
 
-    def _lifted(self, result: tuple[Bytes, Mask]) -> None:
+    def _lifted(self, result: tuple[Bytes, Bools]) -> None:
         """There is another sheet."""
         sheet, mask = result
         if self._mask is None and self._taken_up:
@@ -394,7 +391,7 @@ class Dressing:
             self.error = outline_error(self.net, self._mask)
         self._wear(sheet)
 
-    def _see(self, mask: Mask) -> None:
+    def _see(self, mask: Bools) -> None:
         """This of the photograph is the fish."""
         size = self._colour.shape[1::-1]
         there = cv2.resize(mask.astype(np.float32), size, interpolation=cv2.INTER_AREA)
@@ -467,8 +464,8 @@ class Dressing:
 
 
 def _lift(
-    photograph: Photograph, net: Net, species: Species, told: Mask | None
-) -> tuple[Bytes, Mask]:
+    photograph: Photograph, net: Net, species: Species, told: Bools | None
+) -> tuple[Bytes, Bools]:
     """The sheet of a species under meshes, and the fish told apart there, if that is not known."""
     mask = under(photograph, net) if told is None else told
     return lifted(photograph.colour, net, species, mask), mask

@@ -5,14 +5,13 @@ smoothly to nothing toward those of its edges that lie within another one's pict
 """
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
 from subsea.view.theatre.screens import Screen, places_on, points_on
-
-Array = NDArray[np.floating[Any]]
 
 WITHIN = 1e-6  # of a screen: what lies so near an edge is on it
 LEAST = 1e-4  # of a screen: as far from its edges counts what is on them, if nobody else is there

@@ -7,7 +7,6 @@ lower left. A node of negative brightness is not used. The columns of a polar me
 """
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +15,6 @@ from subsea.core.errors import UserError
 from subsea.view.rig import Warp
 from subsea.view.theatre.limited_read import numbered_lines, whole
 from subsea.view.theatre.warp import checked, mesh, painted
-
-Array = NDArray[np.floating[Any]]
 
 MAX_BYTES = 32 * 2**20
 POLAR, RECTANGULAR = 1, 2

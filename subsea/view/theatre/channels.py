@@ -4,12 +4,11 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array, Ints
 from subsea.core.errors import UserError, unknown
 from subsea.core.resources import at_key
 from subsea.view.rig import Rect, Shape, Warp
@@ -39,9 +38,6 @@ from subsea.view.theatre.theatre_file import (
 )
 from subsea.view.theatre.warp import divided, painted, straight, within
 from subsea.view.theatre.warp_files import read_warp
-
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
 
 COARSER = 4  # pixels of a projector a side for one of its blending mask
 PIECE = math.radians(1.0)  # of a curved screen: seen straight between its edges ...

@@ -25,7 +25,7 @@ What is known of the format (VESA MPCDI 1.0 and 2.0), and where from:
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 from xml.etree.ElementTree import Element
 
 import numpy as np
@@ -40,7 +40,6 @@ from subsea.view.theatre.png import MAX_SIDE, parse_png, stretched
 from subsea.view.theatre.warp import checked, from_grid, only_points
 from subsea.view.theatre.warp_files import sources_of
 
-Array = NDArray[np.floating[Any]]
 Rect = tuple[float, float, float, float]
 
 MAX_REGIONS = 256

@@ -8,17 +8,13 @@ as other tools write it. z is of no account. u and v run from 0, on the left and
 
 import itertools
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from subsea.core.errors import UserError
 from subsea.view.rig import Warp
 from subsea.view.theatre.limited_read import numbered_lines, whole
 from subsea.view.theatre.warp import checked, mesh
-
-Array = NDArray[np.floating[Any]]
 
 MAX_BYTES = 32 * 2**20
 # What an OBJ file may hold besides: normals, parameters, groups, smoothing, lines, materials.

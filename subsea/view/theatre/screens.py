@@ -5,16 +5,14 @@ shares (s, t) of its width and height from the lower left corner.
 """
 
 import math
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
 from subsea.core.errors import UserError
 from subsea.view.camera import axes_of
 from subsea.view.theatre.theatre_file import Angles, Cylinder, Plane
-
-Array = NDArray[np.floating[Any]]
 
 STEEPEST = math.tan(math.radians(82.0))  # of rays to the edge of a frustum, from its middle axis
 SQUARE = 0.01  # cosine by which two edges may miss a right angle

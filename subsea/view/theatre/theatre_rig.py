@@ -1,11 +1,10 @@
 """The rig of a theatre: one view, or two, for each channel, and how they come to its windows."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
 from subsea.core.errors import UserError
 from subsea.view.camera import NEAR_CM, off_axis
 from subsea.view.display_rigs import SURROUNDS, cube
@@ -15,8 +14,6 @@ from subsea.view.surround import COLUMNS, MARGIN_PX, ROWS, face_size, looked_at
 from subsea.view.theatre.channels import Lighted, grid_of, mesh_of
 from subsea.view.theatre.screens import Flat, Frustum, frustum_of, points_on, seen_at
 from subsea.view.theatre.theatre_file import Theatre
-
-Array = NDArray[np.floating[Any]]
 
 FINEST = 1.5  # most pixels a side that a curved screen's view may have for one of the projector's
 WIDEST = 8192  # pixels of a row of pictures on the canvas, unless one alone is wider

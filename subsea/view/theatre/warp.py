@@ -4,17 +4,12 @@ A place is a pair of shares of the projector's picture, x to the right and y up,
 left corner; a source is such a pair (u, v) of the picture that is shown.
 """
 
-from typing import Any
-
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array, Ints
 from subsea.core.errors import UserError
+from subsea.core.kernels import kernel
 from subsea.view.rig import Warp
-
-Array = NDArray[np.floating[Any]]
-Ints = NDArray[np.integer[Any]]
 
 TOLERANCE_PX = 0.2  # by which a mesh may miss a point of the grid it was made from
 SLACK = 1e-3  # beyond 0 and 1, which is the rounding of other programs
@@ -181,7 +176,7 @@ def _to_the_border(grid: Array, axis: int) -> tuple[Array, Array]:
     return np.ascontiguousarray(np.moveaxis(rows, 0, axis)), at
 
 
-@njit(cache=True)
+@kernel
 def _blocks(grid: Array, x: Array, y: Array, tolerance: float) -> Ints:
     """Blocks (k, 4) of cells, left, top, right, bottom, that two triangles show well enough.
 
@@ -209,7 +204,7 @@ def _blocks(grid: Array, x: Array, y: Array, tolerance: float) -> Ints:
     return blocks
 
 
-@njit(cache=True)
+@kernel
 def _is_flat(
     grid: Array, x: Array, y: Array, left: int, top: int, right: int, bottom: int, tolerance: float
 ) -> bool:
@@ -232,7 +227,7 @@ def _is_flat(
     return True
 
 
-@njit(cache=True)
+@kernel
 def _paint(places: Array, triangles: Ints, values: Array, picture: Array) -> None:
     """Interpolate values over the pixels (height, width), lower row first, by their middles."""
     height, width = picture.shape

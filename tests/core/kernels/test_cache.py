@@ -5,7 +5,8 @@ from pathlib import Path
 import pytest
 
 from subsea.behavior.steering import heed
-from subsea.core.kernels.cache import ROOT, Matched, stamp
+from subsea.core.kernels.cache import Matched
+from subsea.core.source_stamp import ROOT, stamp
 
 
 def _write(folder: Path, **files: str) -> None:
