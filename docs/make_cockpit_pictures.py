@@ -9,6 +9,7 @@ from contextlib import closing
 from PIL import Image
 from plates import folder_asked, keep, window_of
 
+from subsea.dive.options import DisplayOptions, DiveOptions
 from subsea.ui.dive import Dive
 
 SIZE, SMALL = (1280, 720), (960, 540)
@@ -16,7 +17,9 @@ SIZE, SMALL = (1280, 720), (960, 540)
 
 def main() -> None:
     """A dive, and pictures on its way."""
-    with closing(Dive("peaceful", "mono", SIZE, seed=1, quality="high")) as dive:
+    with closing(
+        Dive(DiveOptions("peaceful", seed=1, display=DisplayOptions(size=SIZE, quality="high")))
+    ) as dive:
         _go(dive, 3.0)
         _save(dive, "dive-1-start")
         dive.grant("menu")

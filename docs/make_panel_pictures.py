@@ -12,6 +12,7 @@ from typing import Any
 from imgui_bundle import imgui
 from plates import FOLDER, keep, window_of
 
+from subsea.dive.options import DisplayOptions, DiveOptions
 from subsea.ui.dive import Dive
 from subsea.ui.panels import PANELS
 from subsea.ui.panels.physics import simulate
@@ -47,7 +48,9 @@ def noting(name: str, panel: Panel) -> Panel:
 
 def show(names: list[str], sea: str, size: tuple[int, int], quality: str, *changes: str) -> None:
     """Keep a picture of each of the panels, of a dive of its own."""
-    with closing(Dive(sea, "mono", size, seed=1, quality=quality, changes=changes)) as dive:
+    with closing(
+        Dive(DiveOptions(sea, changes, 1, display=DisplayOptions(size=size, quality=quality)))
+    ) as dive:
         dive.grant("help")
         dive.desk.toggle()
         wait(dive, 1.5)  # until the help has faded

@@ -8,9 +8,11 @@ from contextlib import closing
 
 from plates import folder_asked, keep, window_of
 
+from subsea.dive.options import DisplayOptions, DiveOptions
 from subsea.ui.dive import Dive
 
 SIZE, FISH, FEMALE = (960, 540), 9, 0
+DISPLAY = DisplayOptions(size=SIZE, quality="high")
 WAIT_S, RIDE_S, COURTED_S, STEER_S = 5.0, 2.4, 7.0, 3.0
 
 
@@ -22,13 +24,13 @@ def _go(dive: Dive, seconds: float) -> None:
 def main() -> None:
     """One dive after the other."""
     folder = folder_asked()
-    with closing(Dive("peaceful", "mono", SIZE, seed=1, quality="high")) as dive:
+    with closing(Dive(DiveOptions("peaceful", seed=1, display=DISPLAY))) as dive:
         _go(dive, WAIT_S)
         dive.mount(FISH)
         dive.grant("look")
         _go(dive, RIDE_S)
         keep(window_of(dive), folder / "ride.jpg")
-    with closing(Dive("mating", "mono", SIZE, seed=1, quality="high")) as dive:
+    with closing(Dive(DiveOptions("mating", seed=1, display=DISPLAY))) as dive:
         dive.grant("help")
         _go(dive, COURTED_S)
         dive.mount(FEMALE, behind=True)

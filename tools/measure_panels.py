@@ -16,6 +16,7 @@ from contextlib import closing
 
 import numpy as np
 
+from subsea.dive.options import DisplayOptions, DiveOptions
 from subsea.ui.dive import Dive
 from subsea.ui.panels import PANELS
 from subsea.world.world import TICK_S
@@ -32,7 +33,13 @@ def main() -> None:
     parser.add_argument("--size", default="1280x720")
     options = parser.parse_args()
     width, height = map(int, options.size.split("x"))
-    with closing(Dive(options.scenario, "mono", (width, height), quality="low")) as dive:
+    with closing(
+        Dive(
+            DiveOptions(
+                options.scenario, display=DisplayOptions(size=(width, height), quality="low")
+            )
+        )
+    ) as dive:
         show(measured(dive, options.rounds))
 
 

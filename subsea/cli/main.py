@@ -13,6 +13,7 @@ from subsea.core.command_line import answer, command, number, parse, program
 from subsea.core.errors import UserError, unknown
 
 if TYPE_CHECKING:
+    from subsea.dive.options import DiveOptions
     from subsea.dive.settings import Settings
 
 MAX_SIZE = 8192  # pixels; what a GPU of today can hold, at least for one eye
@@ -823,7 +824,7 @@ def _left_out(text: str) -> frozenset[str]:
 # runs on machines without OpenGL.
 
 
-def _dive(settings: Path | None, **options: Any) -> int:
+def _dive(settings: Path | None, **given: Any) -> int:
     # Read when numpy is loaded: its threads, one a core, would wait for work by turning in circles.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from msgspec.structs import replace
@@ -837,29 +838,23 @@ def _dive(settings: Path | None, **options: Any) -> int:
     for line in told:
         say(line)
     notes = [line.replace(f"{settings_path().parent}/", "") for line in told]
-    options = _with_settings(options, chosen)
-    if (minutes := options.pop("attract")) is not None:
-        chosen = replace(chosen, attract=replace(chosen.attract, after_min=minutes))
-    if options["kiosk"]:
+    given = _with_settings(given, chosen)
+    if given["attract"] is not None:
+        chosen = replace(chosen, attract=replace(chosen.attract, after_min=given["attract"]))
+    if given["kiosk"]:
         from subsea.ui.kiosk import locked
 
-        chosen, options["fullscreen"] = locked(chosen), options["theatre"] is None
-    _check_target(options["quality"], options["target_ms"])
-    if options["follow"] and options["eyes"]:
-        raise UserError("dive: --follow looks from behind, --eyes from within: expected one")
-    if not (options["follow"] or options["eyes"]):
-        _refuse(options, ("gaze", "look", "reins"), "dive: {} needs --eyes FISH or --follow FISH")
-    options = _with_optics(_with_sizes("dive", options))
+        chosen, given["fullscreen"] = locked(chosen), given["theatre"] is None
+    options = _dive_options(given, chosen)
     with ExitStack() as undo:
         opening = None
-        scenario = named_or_file(options["scenario"], "assets/scenarios", ".toml", "scenario")
-        elsewhere = options["theatre"] or options["node"] or options["shrink"] != 1
+        scenario = named_or_file(options.scenario, "assets/scenarios", ".toml", "scenario")
         # A misspelt name is told before a window flashes up.
-        if scenario.is_file() and not elsewhere:
+        if scenario.is_file() and options.theatre is None:
             from subsea.ui.open_windows import opened
 
-            size, display = options["size"], options["display"]
-            opening = opened(display, size, options["fullscreen"], chosen)
+            display = options.display
+            opening = opened(display.mode, display.size, display.fullscreen, chosen)
             undo.callback(opening.close)
         fresh = "subsea.ui.dive" not in sys.modules
         gc.disable()
@@ -868,7 +863,40 @@ def _dive(settings: Path | None, **options: Any) -> int:
         if fresh:  # what modules are made of stays: no need to look through it ever again
             gc.freeze()
         gc.enable()
-        return dive(**options, settings=chosen, opening=opening, notes=notes)
+        return dive(options, opening, notes)
+
+
+def _dive_options(given: dict[str, Any], settings: "Settings") -> "DiveOptions":
+    """The options of a dive in groups. What does not go together is a UserError."""
+    from subsea.dive.options import DisplayOptions, DiveOptions, StartOptions, TheatreOptions
+
+    _check_target(given["quality"], given["target_ms"])
+    if given["follow"] and given["eyes"]:
+        raise UserError("dive: --follow looks from behind, --eyes from within: expected one")
+    if not (given["follow"] or given["eyes"]):
+        _refuse(given, ("gaze", "look", "reins"), "dive: {} needs --eyes FISH or --follow FISH")
+    given = _with_optics(_with_sizes("dive", given))
+    theatre = None
+    if given["theatre"] is not None:
+        theatre = TheatreOptions(given["theatre"], given["shrink"], given["node"])
+    elif given["shrink"] != 1:
+        raise UserError("--shrink needs --theatre; give a smaller --size instead")
+    elif given["node"] is not None:
+        raise UserError("--node needs --theatre too")
+    same = "scenario", "changes", "seed", "seconds", "tour", "kiosk", "see_brightness"
+    shown = "size", "fullscreen", "stereo", "surround", "quality", "target_ms", "wireframe"
+    return DiveOptions(
+        **{name: given[name] for name in same},
+        display=DisplayOptions(
+            mode=given["display"], diagrams=given["show"], **{name: given[name] for name in shown}
+        ),
+        theatre=theatre,
+        start=StartOptions(
+            given["follow"], given["eyes"], given["gaze"], given["look"], given["reins"],
+            given["pace"],
+        ),
+        settings=settings,
+    )  # fmt: skip
 
 
 def _with_settings(options: dict[str, Any], settings: "Settings") -> dict[str, Any]:

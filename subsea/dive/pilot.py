@@ -8,7 +8,7 @@ import math
 from copy import copy
 
 from subsea.dive.bindings import Action
-from subsea.dive.settings import USUAL, Settings
+from subsea.dive.settings import DEFAULTS, Settings
 from subsea.submarine.helm import Helm
 
 DEAD_ZONE = 0.10  # of half the window: here the submarine keeps its course
@@ -29,7 +29,7 @@ class Pilot:
     moved pointer takes it back. A full stop holds until any hand asks for something else.
     """
 
-    def __init__(self, settings: Settings = USUAL) -> None:
+    def __init__(self, settings: Settings = DEFAULTS) -> None:
         """Hands off: no pointer, nothing held, no speed set."""
         self.settings, self.bindings = settings, settings.bindings
         self._pointer: tuple[float, float] | None = None

@@ -2,13 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from subsea.behavior.table import BEHAVIORS
 from subsea.core.arrays import Array
+from subsea.dive.options import RetinaColours
 from subsea.dive.retina_images import MOST_FISHES, SIDES, VALUES, codes, values_of
 from subsea.render.gl.id_buffer import Seen
 from subsea.state import MENTAL_STATES
@@ -26,9 +26,6 @@ from subsea.view.rig import (
     views,
 )
 from subsea.world.world import TICK_S, World
-
-Look = Literal["colours", "identity", "range"]
-LOOKS: tuple[Look, ...] = ("colours", "identity", "range")
 
 WIDE, ASPECT, EDGE = 0.27, 4 / 3, 0.02  # of an inset: share of the screen; its shape; its margin
 STEADY_S, LEVEL_S = 0.35, 0.8  # in which the view follows the way the fish heads, and its roll
@@ -108,7 +105,7 @@ class Ride:
                 seen.append(replace(view, viewport=inset, without=self.by.fish))
         return tuple(seen)
 
-    def text(self, world: World, look: Look, steered: bool = False) -> str:
+    def text(self, world: World, look: RetinaColours, steered: bool = False) -> str:
         """Whom one rides and what it has in mind, or who steers it, in one line."""
         fishes, minds, fish = world.state.fishes, world.state.minds, self.by.fish
         name = world.species[fishes.species[fish]].name
@@ -177,7 +174,7 @@ def pasted(drawn: Rig, rig: Rig, picture: NDArray[np.uint8]) -> tuple[Patch, ...
     return tuple(patches)
 
 
-def pictured(seen: Seen, look: Look) -> NDArray[np.uint8]:
+def pictured(seen: Seen, look: RetinaColours) -> NDArray[np.uint8]:
     """What a map shows, in colours (h, w, 3): identities, or ranges, the farther the darker."""
     if look == "identity":
         value, first = values_of(seen), VALUES["fish"]

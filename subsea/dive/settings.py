@@ -18,7 +18,7 @@ from subsea.dive.bindings import CONTROLS, Bindings, bindings_of, input_name
 Pixels = Annotated[int, Meta(ge=64, le=8192)]
 
 
-class Mouse(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+class MouseSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """The pointer at the helm; its buttons are in `[controls]`."""
 
     steer: Annotated[bool, Meta(description="whether the submarine turns to the pointer")] = True
@@ -31,7 +31,7 @@ class Mouse(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     ] = 1.0
 
 
-class Gamepad(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+class GamepadSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """The sticks of a gamepad; what they and its buttons do is in `[controls]`."""
 
     dead_zone: Annotated[
@@ -45,7 +45,7 @@ class Gamepad(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     ] = 1.0
 
 
-class Comfort(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+class ComfortSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """For those whom motion on a screen makes ill. The hull never rolls and never jerks."""
 
     vignette: Annotated[
@@ -58,7 +58,7 @@ class Comfort(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     ] = 1.0
 
 
-class Display(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+class DisplaySettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """The picture, where the command line says nothing else."""
 
     mode: Annotated[str, Meta(description="as --display: mono, a mode for two eyes, or dome …")] = (
@@ -76,7 +76,7 @@ class Display(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     ] = (1280, 720)
 
 
-class Attract(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+class AttractSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """The tour that begins by itself when nobody steers."""
 
     after_min: Annotated[
@@ -88,7 +88,7 @@ class Attract(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     ] = "auto"
 
 
-class Kiosk(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+class KioskSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """What holds with --kiosk only."""
 
     leave: Annotated[str, Meta(description="the operator's key, which ends the dive")] = (
@@ -96,7 +96,7 @@ class Kiosk(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     )
 
 
-class Pictures(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+class PictureSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """Pictures and films that are taken during a dive."""
 
     folder: Annotated[
@@ -109,13 +109,13 @@ class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
 
     # Only what the file names: see `bindings`.
     controls: dict[str, list[str]] = msgspec.field(default_factory=dict)
-    mouse: Mouse = Mouse()
-    gamepad: Gamepad = Gamepad()
-    comfort: Comfort = Comfort()
-    display: Display = Display()
-    attract: Attract = Attract()
-    kiosk: Kiosk = Kiosk()
-    pictures: Pictures = Pictures()
+    mouse: MouseSettings = MouseSettings()
+    gamepad: GamepadSettings = GamepadSettings()
+    comfort: ComfortSettings = ComfortSettings()
+    display: DisplaySettings = DisplaySettings()
+    attract: AttractSettings = AttractSettings()
+    kiosk: KioskSettings = KioskSettings()
+    pictures: PictureSettings = PictureSettings()
 
     @property
     def bindings(self) -> Bindings:
@@ -123,7 +123,7 @@ class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
         return bindings_of(self.controls)
 
 
-USUAL = Settings()
+DEFAULTS = Settings()
 
 
 def settings_path() -> Path:
@@ -158,15 +158,15 @@ def usual_settings(tell: Callable[[str], None]) -> Settings:
     try:
         path.read_bytes()
     except (FileNotFoundError, NotADirectoryError):
-        return USUAL
+        return DEFAULTS
     except OSError as fault:
         tell(f"{path}: cannot read ({fault.strerror}); the defaults are used")
-        return USUAL
+        return DEFAULTS
     try:
         return read_settings(path)
     except UserError as fault:
         tell(f"{fault}; {_kept_aside(path)}")
-        return USUAL
+        return DEFAULTS
 
 
 def write_settings(path: Path) -> None:

@@ -20,8 +20,6 @@ from subsea.view.theatre.theatre_file import FEWEST_PIXELS, Channel, Theatre, Wi
 from subsea.view.theatre.theatre_rig import seen_channels, theatre_rig
 from subsea.view.theatre.warp import describe_warp
 
-NOT_SHRUNK = "--shrink is of a --theatre; take a smaller --size"
-
 
 class House(NamedTuple):
     """What is to be shown of a theatre."""
@@ -81,7 +79,7 @@ def chosen_rig(
         names = tuple(window.name for window in house.windows)
         return house.rig, names if len(names) > 1 else ("",)
     if shrink != 1:
-        raise UserError(NOT_SHRUNK)
+        raise UserError("--shrink needs --theatre; give a smaller --size instead")
     return display_rig(display, size, stereo, surround), ("",)
 
 

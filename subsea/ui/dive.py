@@ -3,8 +3,8 @@
 import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack, closing, suppress
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from subsea.core.background import LeftError, meanwhile
 from subsea.core.console import say
@@ -13,15 +13,19 @@ from subsea.core.interrupts import deferred
 from subsea.dive.bindings import Meaning, Wish
 from subsea.dive.captions import caption_of
 from subsea.dive.directed_camera import check_tour, is_directed, is_over, leapt
+from subsea.dive.options import (
+    DisplayOptions,
+    DiveOptions,
+    RetinaColours,
+    TheatreOptions,
+)
 from subsea.dive.pilot import Pilot
-from subsea.dive.ride import Look, Ride, nearest_to_middle
-from subsea.dive.settings import USUAL, Settings
+from subsea.dive.ride import Ride, nearest_to_middle
 from subsea.dive.start import awake
 from subsea.dive.tick_source import Alone, Crew, muster
 from subsea.dive.timeline import RATES, Timeline
 from subsea.dive.tour import guide
 from subsea.media.screenshots import Shots, pictures_folder
-from subsea.render.output.quality import AUTO
 from subsea.scenario.fish_lookup import find_fish
 from subsea.scenario.schema import AUTOPILOT, DIRECTED, Scenario, load_scenario
 from subsea.scenario.storage import held
@@ -40,110 +44,53 @@ from subsea.ui.overlay import Overlay
 from subsea.ui.picture import Picture
 from subsea.ui.window import Window
 from subsea.view.retina import Gaze
-from subsea.view.stereo import EYES, Stereo
-from subsea.view.surround import ALL_ROUND, Surround
 from subsea.view.unproject import front_view
 from subsea.world.migrate import carry
 from subsea.world.world import World, create_world
-
-if TYPE_CHECKING:  # only a theatre needs it
-    from subsea.dive.theatre_setup import House
 
 SHARED_TIME = "several computers show this dive: its time goes on"
 # What is granted while the menu is open.
 BESIDE_MENU: tuple[Wish, ...] = ("fullscreen", "leave", "picture", "film")
 
 
-def dive(
-    scenario: str,
-    display: str,
-    stereo: Stereo,
-    surround: Surround,
-    size: tuple[int, int],
-    fullscreen: bool,
-    seed: int | None,
-    seconds: float | None,
-    quality: str,
-    target_ms: float | None,
-    theatre: str | None = None,
-    shrink: int = 1,
-    node: str | None = None,
-    see_brightness: bool = False,
-    tour: str | None = None,
-    settings: Settings = USUAL,
-    show: Sequence[str] = (),
-    wireframe: bool = False,
-    changes: Sequence[str] = (),
-    follow: str | None = None,
-    eyes: str | None = None,
-    gaze: tuple[float, float] | None = None,
-    look: Look | None = None,
-    reins: bool = False,
-    pace: float | None = None,
-    opening: Opening | None = None,
-    kiosk: bool = False,
-    notes: Sequence[str] = (),
-) -> int:
-    """Dive until the window is closed, the menu says so, or `seconds` have passed; exit code 0.
+def dive(options: DiveOptions, opening: Opening | None = None, notes: Sequence[str] = ()) -> int:
+    """Dive until the window is closed, the menu says so, or the time is over; exit code 0.
 
-    The `tour` of that name takes the submarine along until a hand does anything, and again when
-    none has for a while. A `kiosk` has nothing that could strand it.
-
-    In the windows of a `theatre`, `shrink` times smaller, if one is named; as the computer `node`
-    of several in those that are its own. With `see_brightness` the fish that is ridden goes by the
-    light in its eyes. The diagrams `show` are drawn over the sea, of which a `wireframe` has the
-    edges of triangles. `changes` such as ``fish.0.number=20`` are made to the scenario. It begins
-    behind the fish called `follow`, or with what is seen through the `eyes` of one, turned by a
-    `gaze` in degrees and shown as the `look` says; with `reins` it is steered. Time goes at the
-    `pace`, one of `timeline.RATES`, or stands still if that is 0.
+    `opening` is the windows, if they are open already. `notes` are lines to show at first.
     """
-    if see_brightness and node is not None:
+    theatre, start, kiosk = options.theatre, options.start, options.kiosk
+    if options.see_brightness and theatre is not None and theatre.node is not None:
         raise UserError("--see-brightness is for one computer: others would not see the same light")
-    if node is not None and (follow or eyes or pace is not None):
-        option = "--follow" if follow else "--eyes" if eyes else "--pace"
+    fish_name = start.follow if start.eyes is None else start.eyes
+    if theatre is not None and theatre.node is not None and (fish_name or start.pace is not None):
+        option = "--follow" if start.follow else "--eyes" if start.eyes else "--pace"
         raise UserError(f"{option} is for one computer: others would not go along")
-    named = follow if eyes is None else eyes
-    fish = None if named is None else find_fish(named, load_scenario(scenario, changes)[0])
-    tours = settings.attract.tour if tour is None else tour
-    if tour is not None or kiosk:
-        check_tour(load_scenario(scenario, changes)[0], tours)  # a misspelt name is told at once
+    fish = None
+    if fish_name is not None or options.tour is not None or kiosk:
+        # Report an unknown name before a window opens.
+        scenario = load_scenario(options.scenario, options.changes)[0]
+        fish = None if fish_name is None else find_fish(fish_name, scenario)
+        if options.tour is not None or kiosk:
+            check_tour(scenario, options.tour or options.settings.attract.tour)
     installation: Installation | None = None
     crew: Callable[[World, Pilot], Crew] = Alone
     if theatre is not None:
-        from subsea.dive.theatre_setup import open_house, told
-
-        house = open_house(theatre, display, stereo, node, shrink)
-        view = ""
-        if node is not None:  # whose pixels may be its own, and its glasses: which eye is which
-            view = repr((told(theatre), display, stereo._replace(swapped=False)))
-        crew = muster(house.theatre, house.path, node, view)
-        installation = installed(house)
-    elif shrink != 1:
-        from subsea.dive.theatre_setup import NOT_SHRUNK
-
-        raise UserError(NOT_SHRUNK)
-    elif node is not None:
-        raise UserError("--node is one of a theatre's computers, expected --theatre too")
+        installation, crew = _in_theatre(theatre, options.display)
     # Raised in the midst of compiled code or of the window library an interrupt may be lost.
     with suppress(LeftError), deferred() as check:
-        running = Dive(
-            scenario, display, size, fullscreen, seed, stereo, surround, quality, target_ms,
-            installation, crew, see_brightness, settings, changes, opening, kiosk, tour, check,
-        )  # fmt: skip
+        running = Dive(options, installation, crew, opening, check)
         if kiosk:
-            say(f"a kiosk: {settings.kiosk.leave} leaves it, in its window")
-        running.picture.diagrams.update(show)
-        running.picture.wireframe = wireframe
+            say(f"a kiosk: {options.settings.kiosk.leave} leaves it, in its window")
         for line in notes:
             running.overlay.note(line)
         with closing(running):
             if fish is not None:
-                running.mount(fish, behind=eyes is None)
-                running.show_ride(gaze, look, reins)
-            if pace is not None:
-                running.go_at(pace)
-            start = last = time.perf_counter()
-            while running.wall.open and (seconds is None or last - start < seconds):
+                running.mount(fish, behind=start.eyes is None)
+                running.show_ride(start.gaze, start.colours, start.teleop)
+            if start.pace is not None:
+                running.go_at(start.pace)
+            begun = last = time.perf_counter()
+            while running.wall.open and (options.seconds is None or last - begun < options.seconds):
                 check()
                 now = time.perf_counter()
                 running.frame(now - last)
@@ -151,13 +98,22 @@ def dive(
     return 0
 
 
-def installed(house: "House") -> Installation:
-    """A theatre's rig, and the windows that it asks for."""
+def _in_theatre(
+    theatre: TheatreOptions, display: DisplayOptions
+) -> tuple[Installation, Callable[[World, Pilot], Crew]]:
+    """The rig and windows of a theatre, and what makes the source of ticks."""
+    from subsea.dive.theatre_setup import open_house, told
+
+    house = open_house(theatre.name, display.mode, display.stereo, theatre.node, theatre.shrink)
+    view = ""
+    if theatre.node is not None:  # computers may differ in pixels, and in which eye is which
+        view = repr((told(theatre.name), display.mode, display.stereo._replace(swapped=False)))
+    crew = muster(house.theatre, house.path, theatre.node, view)
     screens = [
         Screen(window.name, window.size, window.position, window.monitor)
         for window in house.windows
     ]
-    return Installation(house.rig, screens, str(house.path))
+    return Installation(house.rig, screens, str(house.path)), crew
 
 
 class Dive:
@@ -165,38 +121,25 @@ class Dive:
 
     def __init__(
         self,
-        scenario: str,
-        display: str,
-        size: tuple[int, int],
-        fullscreen: bool = False,
-        seed: int | None = None,
-        stereo: Stereo = EYES,
-        surround: Surround = ALL_ROUND,
-        quality: str = AUTO,
-        target_ms: float | None = None,
+        options: DiveOptions,
         installation: Installation | None = None,
         crew: Callable[[World, Pilot], Crew] = Alone,
-        see_brightness: bool = False,
-        settings: Settings = USUAL,
-        changes: Sequence[str] = (),
         opening: Opening | None = None,
-        kiosk: bool = False,
-        tour: str | None = None,
         check: Callable[[], None] = lambda: None,
     ) -> None:
         """Open the windows, then the world: the visitor sees at once that something happens.
 
-        The rig and the windows are those of the `installation`, else one window and the rig of
-        `display` at its size. `quality` is one of `render.quality.CHOICES`; "auto" holds
-        `target_ms`, None: what the renderer suggests. `crew` makes what makes the ticks. `check` is
-        called while that takes its time, and may raise. Whatever fails, all that was opened is
-        closed again.
+        The rig and the windows are those of the `installation`, else one window. `crew` makes what
+        makes the ticks. `check` is called while loading, and may raise. If anything fails, all
+        that was opened is closed again.
         """
-        # A misspelt name is told before a window flashes up.
-        self.scenario, self.source = load_scenario(scenario, changes)
+        display, settings = options.display, options.settings
+        seed, kiosk = options.seed, options.kiosk
+        # Report an unknown name before a window opens.
+        self.scenario, self.source = load_scenario(options.scenario, options.changes)
         self.known = held(self.source)
         if kiosk:
-            settings, fullscreen = locked(settings), True
+            settings, display = locked(settings), replace(display, fullscreen=True)
         self._crew_of = crew
         self._crew: Crew
         self._grants: dict[Wish, Callable[[], None]] = {
@@ -226,19 +169,20 @@ class Dive:
         self._wants_picture = False
         self._settings, self._vignette = settings, Vignette(settings.comfort.vignette)
         self._at_first = self.scenario, self.source, seed
-        self._tour = tour or settings.attract.tour
+        self._tour = options.tour or settings.attract.tour
         self._taken = tour_named(self._tour)
         self.attract = Attract(60.0 * settings.attract.after_min, leaps=False)
         self._diving, self._check = False, check  # rather than loading
-        self.see_brightness = see_brightness  # whether who is ridden goes by the light in its eyes
+        # Whether the fish that is ridden reacts to the light in its eyes.
+        self.see_brightness = options.see_brightness
         self._seen_tick = 0  # at which the fish that is ridden has seen the light last
-        opening = opening or opened(display, size, fullscreen, settings, installation)
+        opening = opening or opened(
+            display.mode, display.size, display.fullscreen, settings, installation
+        )
         self.wall, self.gui, self.pilot = opening.wall, opening.gui, opening.pilot
         with ExitStack() as undo:
             undo.callback(opening.close)
-            self.picture = Picture(
-                self.wall, opening.rig, display, stereo, surround, quality, target_ms
-            )
+            self.picture = Picture(self.wall, opening.rig, display)
             self.overlay = Overlay(sign_of(settings.bindings, settings.mouse.steer))
             self.desk, self.menu = Desk(self), Menu(self, kiosk)
             self._kiosk = Kiosk(self.wall.windows) if kiosk else None
@@ -246,7 +190,7 @@ class Dive:
             self._wait("starting OpenGL")
             self._stay = ExitStack()  # what belongs to the world that it is in
             undo.callback(lambda: self._stay.close())
-            self._live_in(self.world, lambda: self._wait(None), tour is not None)
+            self._live_in(self.world, lambda: self._wait(None), options.tour is not None)
             self._wait(None)
             if self._crew.shared:
                 self.overlay.sign = sign_of(
@@ -578,7 +522,9 @@ class Dive:
             if first:
                 self._hint(("follow", turned), ("reins", "steer it"), ("alight", "back"))
 
-    def show_ride(self, gaze: tuple[float, float] | None, look: Look | None, reins: bool) -> None:
+    def show_ride(
+        self, gaze: tuple[float, float] | None, look: RetinaColours | None, reins: bool
+    ) -> None:
         """Turn the eyes of the fish that is ridden, show what they see so, and take its reins."""
         ride = self.picture.ride
         if ride is not None and gaze is not None:

@@ -16,7 +16,7 @@ import imgui_bundle  # noqa: F401  # before glfw: it brings the one libglfw that
 from subsea.core.resources import resource_path
 from subsea.dive.bindings import PAD_AXES, PAD_BUTTONS, Wish, is_action, is_wish
 from subsea.dive.pilot import Pilot
-from subsea.dive.settings import Gamepad, settings_path
+from subsea.dive.settings import GamepadSettings, settings_path
 from subsea.ui.window import Listener
 
 MAPPINGS = "gamecontrollerdb.txt"  # the name that such files have everywhere
@@ -111,7 +111,7 @@ class Gamepads:
             self._wishes.append(meaning)
 
 
-def amounts(state: State, settings: Gamepad) -> dict[str, float]:
+def amounts(state: State, settings: GamepadSettings) -> dict[str, float]:
     """How far each part of a gamepad is moved that is: its input's name, in (0, 1]."""
     found = {}
     for name, down in zip(PAD_BUTTONS, state.buttons, strict=True):
@@ -161,7 +161,7 @@ def _text(words: Any) -> str:
     return words.decode("utf-8", "replace") if isinstance(words, bytes) else str(words)
 
 
-def _beyond(offset: float, settings: Gamepad) -> float:
+def _beyond(offset: float, settings: GamepadSettings) -> float:
     """How far a part is moved beyond the dead zone, in [0, 1]."""
     zone = settings.dead_zone
     return min(max(offset - zone, 0.0) / (1.0 - zone) * settings.sensitivity, 1.0)

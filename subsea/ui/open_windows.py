@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from subsea.core.console import say
 from subsea.dive.pilot import Pilot
-from subsea.dive.settings import USUAL, Settings
+from subsea.dive.settings import DEFAULTS, Settings
 from subsea.ui.gui import Gui, fill
 from subsea.ui.monitors import FILM, Installation, Screen, on_display, placed
 from subsea.ui.window_set import Wall
@@ -39,7 +39,7 @@ def opened(
     display: str,
     size: tuple[int, int],
     fullscreen: bool = False,
-    settings: Settings = USUAL,
+    settings: Settings = DEFAULTS,
     installation: Installation | None = None,
     title: str = "subsea",
     without: str = FILM,

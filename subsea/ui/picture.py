@@ -8,9 +8,10 @@ from dataclasses import replace
 import numpy as np
 
 from subsea.dive import adaptive_quality
+from subsea.dive.options import RETINA_COLOURS, DisplayOptions, RetinaColours
 from subsea.dive.picking import pick
 from subsea.dive.retina_images import seen_brightness, velocity_of
-from subsea.dive.ride import LOOKS, Look, Ride, joined, pasted, pictured, with_insets
+from subsea.dive.ride import Ride, joined, pasted, pictured, with_insets
 from subsea.frame.diagrams import Label, Sketcher
 from subsea.frame.packet import Packet, make_scene, pack
 from subsea.render import Renderer
@@ -29,8 +30,7 @@ from subsea.view.camera import View
 from subsea.view.display_rigs import DISPLAYS, display_rig
 from subsea.view.levels import nothing_drawn
 from subsea.view.rig import Pose, Rect, Rig, views
-from subsea.view.stereo import PAGED, Stereo
-from subsea.view.surround import Surround
+from subsea.view.stereo import PAGED
 from subsea.view.text_viewports import Pane, panes
 from subsea.view.unproject import Sight, sight
 from subsea.world.world import World
@@ -43,40 +43,27 @@ class Picture:
     a fish's eyes see in the corners, or the test pattern instead of all.
     """
 
-    def __init__(
-        self,
-        wall: Wall,
-        fixed: Rig | None,
-        display: str,
-        stereo: Stereo,
-        surround: Surround,
-        quality: str,
-        target_ms: float | None,
-    ) -> None:
-        """Of no world yet. The rig is the one that is `fixed`, else that of a display mode.
-
-        `quality` is one of `render.quality.CHOICES`; "auto" holds `target_ms`, None: what the
-        renderer suggests.
-        """
-        self.display = display
-        self.quality = quality
+    def __init__(self, wall: Wall, fixed: Rig | None, display: DisplayOptions) -> None:
+        """Of no world yet. The rig is the one that is `fixed`, else that of the display mode."""
+        self.display = display.mode
+        self.quality = display.quality
         self.alpha = 1.0  # the point between the last two ticks that is shown
         self.eye: Pose
         self.ride: Ride | None = None
         self.pattern = False  # whether the test pattern is shown
-        self.look: Look = "colours"  # of the pictures of a fish's eyes ...
+        self.look: RetinaColours = "colours"  # of the pictures of a fish's eyes ...
         self.eyes_shown = True  # ... and whether there are any
-        self.diagrams: set[str] = set()  # names of `diagrams.DIAGRAMS` that are drawn
-        self.wireframe = False  # whether the sea is drawn as the edges of its triangles
+        self.diagrams = set(display.diagrams)  # names of `diagrams.DIAGRAMS` that are drawn
+        self.wireframe = display.wireframe  # whether the sea is drawn as the edges of its triangles
         self.labels: Sequence[Label] = ()  # of diagrams
         self.panes: tuple[Pane, ...]  # where text goes
-        self._wall, self._fixed, self._stereo, self._surround = wall, fixed, stereo, surround
+        self._wall, self._fixed, self._options = wall, fixed, display
         self._insets: tuple[Rect, ...] = ()  # where pictures of a fish's eyes are on the canvas
         self._drawn: Packet | None = None
         self._seen: tuple[View, ...] = ()  # the views of the present picture
         self._context = wall.context
         renderer = self._context.info["GL_RENDERER"]
-        self._target_ms = target_ms or adaptive_quality.target_for(renderer)
+        self._target_ms = display.target_ms or adaptive_quality.target_for(renderer)
         self._take_rig()
         self._pace = adaptive_quality.start(first_rung(renderer), self.rig.exact)
 
@@ -162,7 +149,8 @@ class Picture:
 
     def look_otherwise(self) -> None:
         """The next look of what a fish's eyes see."""
-        self.look = LOOKS[(LOOKS.index(self.look) + 1) % len(LOOKS)]
+        following = RETINA_COLOURS.index(self.look) + 1
+        self.look = RETINA_COLOURS[following % len(RETINA_COLOURS)]
 
     @property
     def fineness(self) -> str:
@@ -260,7 +248,7 @@ class Picture:
     def _take_rig(self) -> None:
         """The rig that is for the windows as they are now, and where text goes on it."""
         self.rig = self._fixed or display_rig(
-            self.display, self._wall.front.size, self._stereo, self._surround
+            self.display, self._wall.front.size, self._options.stereo, self._options.surround
         )
         self.panes = panes(self.rig, self._wall.page)
 

@@ -82,7 +82,7 @@ def test_every_command_has_help_with_examples(capsys, command):
         (["benchmark", "--json", "/proc/none/a.json"], "/proc/none"),
         (["doctor", "--quick"], "--quick"),
         (["keys", "here"], "NAME"),
-        (["dive", "--node", "left"], "expected --theatre too"),
+        (["dive", "--node", "left"], "--node needs --theatre too"),
         (["keys", "here", "../left"], "expected a name"),
         (["dive", "--settings", "nowhere/mine.toml"], "nowhere/mine.toml: cannot read"),
         (["settings", "--writ"], "'--write'"),

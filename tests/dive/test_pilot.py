@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.dive.pilot import DEAD_ZONE, Pilot
-from subsea.dive.settings import Comfort, Mouse, Settings
+from subsea.dive.settings import ComfortSettings, MouseSettings, Settings
 
 DT = 0.033
 
@@ -201,16 +201,19 @@ def settled_at(x, y, **settings):
 
 def test_the_mouse_is_as_the_settings_say():
     usual = settled_at(0.5, 0.5)
-    assert settled_at(0.5, 0.5, mouse=Mouse(invert_pitch=True)).pitch == -usual.pitch
-    still = settled_at(0.5, 0.5, mouse=Mouse(steer=False))
+    assert settled_at(0.5, 0.5, mouse=MouseSettings(invert_pitch=True)).pitch == -usual.pitch
+    still = settled_at(0.5, 0.5, mouse=MouseSettings(steer=False))
     assert (still.yaw, still.pitch) == (0.0, 0.0)
     assert still.surge > 0.9
-    quick = settled_at(0.5, 0.5, mouse=Mouse(sensitivity=2.0))
+    quick = settled_at(0.5, 0.5, mouse=MouseSettings(sensitivity=2.0))
     assert quick.yaw == pytest.approx(-1.0, abs=1e-3)
     assert quick.yaw < 1.5 * usual.yaw
 
 
 def test_comfort_asks_for_a_share_of_thrust_and_rudder():
-    usual, calm = settled_at(0.9, 0.5), settled_at(0.9, 0.5, comfort=Comfort(acceleration=0.5))
+    usual, calm = (
+        settled_at(0.9, 0.5),
+        settled_at(0.9, 0.5, comfort=ComfortSettings(acceleration=0.5)),
+    )
     assert calm[:2] == pytest.approx((0.5 * usual.surge, 0.5 * usual.yaw))
     assert calm.pitch == usual.pitch

@@ -24,6 +24,7 @@ from subsea.view.retina import Gaze, ridden
 from subsea.view.rig import front, pose, seen_part, views
 from subsea.view.text_viewports import panes
 from subsea.world.step import create_world, step
+from tests.support.windows import dive_options
 
 SIZE = (400, 300)
 
@@ -189,7 +190,7 @@ def boat(display, tmp_path_factory):
     text = (resource_path("assets/scenarios") / "peaceful.toml").read_text()
     quiet = tmp_path_factory.mktemp("sea") / "quiet.toml"
     quiet.write_text(re.sub(r"^number = \d+", "number = 3", text, flags=re.MULTILINE))
-    with closing(Dive(str(quiet), "mono", SIZE, seed=1, quality="low")) as running:
+    with closing(Dive(dive_options(quiet, SIZE, "low"))) as running:
         yield running
 
 

@@ -47,11 +47,11 @@ def test_the_file_of_defaults_changes_nothing_and_names_everything(tmp_path):
 
 def test_limits_and_choices_are_those_of_the_command_line():
     with pytest.raises(msgspec.ValidationError):
-        msgspec.convert({"size": [cli.MIN_SIZE - 1, cli.MIN_SIZE]}, settings.Display)
-    msgspec.convert({"size": [cli.MIN_SIZE, cli.MAX_SIZE]}, settings.Display)
+        msgspec.convert({"size": [cli.MIN_SIZE - 1, cli.MIN_SIZE]}, settings.DisplaySettings)
+    msgspec.convert({"size": [cli.MIN_SIZE, cli.MAX_SIZE]}, settings.DisplaySettings)
     for choice in CHOICES:
-        msgspec.convert({"quality": choice}, settings.Display)
-    assert settings.Display().size == cli.SIZE
+        msgspec.convert({"quality": choice}, settings.DisplaySettings)
+    assert settings.DisplaySettings().size == cli.SIZE
 
 
 @pytest.mark.parametrize(
@@ -140,41 +140,40 @@ def test_the_command_tells_where_they_are_and_writes_them_once(home, capsys):
 
 
 def test_what_the_command_line_leaves_open_is_as_the_settings_say(home, tmp_path, monkeypatch):
-    asked = {}
-    monkeypatch.setattr("subsea.ui.dive.dive", lambda **options: asked.update(options) or 0)
+    asked, opened = [], []
+    monkeypatch.setattr("subsea.ui.dive.dive", lambda *given: asked.append(given) or 0)
     window = SimpleNamespace(close=lambda: None)
     monkeypatch.setattr(
-        "subsea.ui.open_windows.opened", lambda *given: asked.update(opened=given) or window
+        "subsea.ui.open_windows.opened", lambda *given: opened.append(given) or window
     )
+
+    def dive(*options):
+        assert main(["dive", *options]) == 0
+        display = asked[-1][0].display
+        return display.mode, display.quality, display.fullscreen, display.size
+
     written(home, "[display]\nmode = 'dome'\nquality = 'low'\nfullscreen = true\nsize = [300, 200]")
-    main(["dive"])
-    assert [asked[key] for key in ("display", "quality", "fullscreen", "size")] == [
-        "dome", "low", True, (300, 200),
-    ]  # fmt: skip
-    assert asked["opened"][:3] == ("dome", (300, 200), True)
-    assert asked["opening"] is window
-    main(["dive", "--display", "mono", "--no-fullscreen", "--size", "400x300"])
-    assert [asked[key] for key in ("display", "quality", "fullscreen", "size")] == [
-        "mono", "low", False, (400, 300),
-    ]  # fmt: skip
-    main(["dive", "--theatre", "cave"])  # which says itself what its windows are
-    assert [asked[key] for key in ("display", "fullscreen")] == ["mono", False]
+    assert dive() == ("dome", "low", True, (300, 200))
+    assert opened == [("dome", (300, 200), True, read_settings(home))]
+    assert asked[0][1] is window
+    given = dive("--display", "mono", "--no-fullscreen", "--size", "400x300")
+    assert given == ("mono", "low", False, (400, 300))
+    assert dive("--theatre", "cave")[::2] == ("mono", False)  # its file says what its windows are
     other = written(tmp_path / "other.toml", "[display]\nquality = 'high'")
-    main(["dive", "--settings", str(other)])
-    assert [asked[key] for key in ("display", "quality")] == ["mono", "high"]
+    assert dive("--settings", str(other))[:2] == ("mono", "high")
 
 
 def test_what_became_of_nonsense_is_told_on_the_terminal_and_in_the_window(
     home, monkeypatch, capsys
 ):
-    asked = {}
-    monkeypatch.setattr("subsea.ui.dive.dive", lambda **options: asked.update(options) or 0)
+    asked = []
+    monkeypatch.setattr("subsea.ui.dive.dive", lambda *given: asked.extend(given) or 0)
     window = SimpleNamespace(close=lambda: None)
     monkeypatch.setattr("subsea.ui.open_windows.opened", lambda *given: window)
     written(home, "[mouse]\nster = true")
     assert main(["dive"]) == 0
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith(f"subsea: {home}:2: unknown key `ster`, at `mouse`")
-    (note,) = asked["notes"]
+    _, _, (note,) = asked
     assert note.startswith("settings.toml:2: unknown key")
     assert note.endswith("kept as settings.toml.kept-1, and the defaults are used")

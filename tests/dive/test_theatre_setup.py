@@ -177,8 +177,8 @@ def test_shrinking_keeps_the_geometry():
             ["benchmark", "--theatre", "cave", "--display", "dome"],
             "--display dome: the displays of a theatre",
         ),
-        (["benchmark", "--shrink", "2"], "--shrink is of a --theatre"),
-        (["dive", "--shrink", "2"], "--shrink is of a --theatre"),
+        (["benchmark", "--shrink", "2"], "--shrink needs --theatre"),
+        (["dive", "--shrink", "2"], "--shrink needs --theatre"),
         (
             ["dive", "--theatre", "cave", "--fullscreen"],
             "dive: the --theatre file says itself what --fullscreen says",

@@ -15,12 +15,21 @@ from imgui_bundle import imgui
 from PIL import ImageGrab
 
 from subsea.core.resources import resource_path
+from subsea.dive.options import DisplayOptions, DiveOptions
 from subsea.dive.start import headless
 from subsea.media import eye_frames, film
 from subsea.profiling import benchmark
 from subsea.render.output.quality import PRESETS
 
 FRAME_S = 0.1  # three ticks a picture: tests of windows are not about smoothness
+
+
+def dive_options(
+    scenario: object, size: tuple[int, int], quality: str = "auto", **rest: Any
+) -> DiveOptions:
+    """The options of a dive in one small window, the same every time."""
+    display = DisplayOptions(size=size, quality=quality)
+    return DiveOptions(**{"scenario": str(scenario), "seed": 1, "display": display, **rest})
 
 
 @pytest.fixture(scope="module")

@@ -10,14 +10,15 @@ import pytest
 from subsea.core.errors import UserError
 from subsea.core.resources import resource_path
 from subsea.dive.bindings import WISHES
-from subsea.dive.settings import USUAL, Settings
-from subsea.dive.settings import Attract as AttractSettings
-from subsea.dive.settings import Kiosk as KioskSettings
+from subsea.dive.settings import DEFAULTS, Settings
+from subsea.dive.settings import AttractSettings as AttractSettings
+from subsea.dive.settings import KioskSettings as KioskSettings
 from subsea.submarine.hull import ACCELERATION_CM_S2
 from subsea.ui.attract import DIP_S, Attract, tour_named
 from subsea.ui.dive import Dive
 from subsea.ui.kiosk import ALLOWED, locked
 from subsea.world.world import TICK_S
+from tests.support.windows import dive_options
 
 SIZE = (320, 240)
 AFTER_S = 2.0
@@ -34,7 +35,7 @@ def sea(folder):
 @pytest.fixture(scope="module")
 def boat(display, hands, coarse, tmp_path_factory):
     sea_file = sea(tmp_path_factory.mktemp("sea"))
-    with closing(Dive(sea_file, "mono", SIZE, seed=1, settings=PATIENT, quality=coarse)) as running:
+    with closing(Dive(dive_options(sea_file, SIZE, coarse, settings=PATIENT))) as running:
         hands.glide(running, 0.2)
         yield running
 
@@ -134,7 +135,7 @@ def test_who_has_opened_the_desk_or_stopped_time_is_left_in_peace(boat, hands):
 
 
 def test_a_kiosk_has_inputs_for_what_cannot_strand_it_only():
-    found = locked(USUAL).bindings
+    found = locked(DEFAULTS).bindings
     assert found.key(ord("Q"), 2 | 1) == "leave"
     assert found.key(ord("Q"), 0) == "dive"
     for wish in WISHES:
@@ -152,4 +153,4 @@ def test_the_operators_key_is_none_that_visitors_use(key, controls, rival):
 
 
 def with_key(key, **controls):
-    return msgspec.structs.replace(USUAL, controls=controls, kiosk=KioskSettings(leave=key))
+    return msgspec.structs.replace(DEFAULTS, controls=controls, kiosk=KioskSettings(leave=key))

@@ -6,15 +6,16 @@ import numpy as np
 import pytest
 
 from subsea.dive.captions import caption_of
-from subsea.dive.settings import Attract, Settings
+from subsea.dive.settings import AttractSettings, Settings
 from subsea.ui.dive import Dive
 from subsea.world import snapshot
 from subsea.world.world import TICK_S
 from tests.support.scenes import scene
+from tests.support.windows import dive_options
 
 SIZE = (480, 320)
 AFTER_S = 2.0
-PATIENT = Settings(attract=Attract(after_min=AFTER_S / 60.0, tour="directed"))
+PATIENT = Settings(attract=AttractSettings(after_min=AFTER_S / 60.0, tour="directed"))
 LOOK = "look_at_cm = [-300.0, 0.0, -250.0]"
 CUES = (
     f"camera = {{ position_cm = [-480.0, -200.0, -250.0], {LOOK}, over_s = 0.0 }}\n"
@@ -27,7 +28,7 @@ CUES = (
 def boat(display, hands, tmp_path_factory):
     file = scene(tmp_path_factory.mktemp("scene"), *CUES)
     with closing(
-        Dive(str(file), "mono", SIZE, seed=1, settings=PATIENT, tour="directed", quality="low")
+        Dive(dive_options(file, SIZE, "low", settings=PATIENT, tour="directed"))
     ) as running:
         yield running
 

@@ -5,10 +5,11 @@ from contextlib import closing
 import numpy as np
 
 from subsea.dive.captions import caption_of
-from subsea.dive.settings import Attract, Settings
+from subsea.dive.settings import AttractSettings, Settings
 from subsea.ui.dive import Dive
 from subsea.world.world import TICK_S
 from tests.support.scenes import scene
+from tests.support.windows import dive_options
 
 AFTER_S, END_S = 1.5, 3.0
 CUES = (
@@ -21,11 +22,13 @@ CUES = (
 def test_the_scene_begins_anew_when_it_is_over_and_when_a_visitor_has_left(
     display, hands, tmp_path
 ):
-    settings = Settings(attract=Attract(after_min=AFTER_S / 60.0))
+    settings = Settings(attract=AttractSettings(after_min=AFTER_S / 60.0))
     with closing(
         Dive(
-            str(scene(tmp_path, *CUES)), "mono", (320, 240), seed=1, quality="low",
-            settings=settings, kiosk=True, tour="directed",
+            dive_options(
+                scene(tmp_path, *CUES), (320, 240), "low",
+                settings=settings, kiosk=True, tour="directed",
+            )
         )
     ) as exhibit:  # fmt: skip
         hands.glide(exhibit, 0.5)

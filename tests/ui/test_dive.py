@@ -11,6 +11,7 @@ import pytest
 from PIL import ImageGrab
 
 from subsea.ui.dive import Dive
+from tests.support.windows import dive_options
 
 SIZE = (320, 240)
 FRAME_S = 0.1  # three ticks a picture: the tests are about the hull, not about smoothness
@@ -18,7 +19,7 @@ FRAME_S = 0.1  # three ticks a picture: the tests are about the hull, not about 
 
 @pytest.fixture(scope="module")
 def boat(display, quiet):
-    with closing(Dive(quiet, "mono", SIZE, seed=1)) as running:
+    with closing(Dive(dive_options(quiet, SIZE))) as running:
         glide(running, 0.2)
         yield running
 

@@ -6,7 +6,7 @@ import pytest
 
 from subsea.core.resources import resource_path
 from subsea.dive.pilot import Pilot
-from subsea.dive.settings import Gamepad, Settings, settings_path
+from subsea.dive.settings import GamepadSettings, Settings, settings_path
 from subsea.ui import gamepad
 from subsea.ui.gamepad import Gamepads, State, amounts
 
@@ -63,7 +63,7 @@ def test_sticks_and_triggers_make_every_manoeuvre(axes, field, sign):
 def test_a_stick_that_does_not_come_to_rest_asks_for_nothing():
     box = Box()
     assert box.at(left_x=0.14, left_y=-0.1, right_y=0.12, left_trigger=-0.9)[:4] == (0, 0, 0, 0)
-    assert Box(gamepad=Gamepad(dead_zone=0.0)).at(left_x=0.5).yaw < -0.3
+    assert Box(gamepad=GamepadSettings(dead_zone=0.0)).at(left_x=0.5).yaw < -0.3
 
 
 def test_buttons_ask_for_things_once_and_stop():
@@ -86,7 +86,7 @@ def test_buttons_ask_for_things_once_and_stop():
 def test_what_a_part_means_is_as_the_settings_say():
     box = Box(
         controls={"rise": ["pad up"], "picture": ["pad left trigger"]},
-        gamepad=Gamepad(invert_pitch=True, sensitivity=2.0),
+        gamepad=GamepadSettings(invert_pitch=True, sensitivity=2.0),
     )
     assert box.at("up").heave == pytest.approx(1.0, abs=1e-3)
     assert box.at(right_y=-0.7).pitch < -0.9
@@ -149,7 +149,7 @@ def test_two_pads_are_as_strong_as_the_stronger():
 
 
 def test_amounts_are_shares_of_the_way():
-    found = amounts(state("A", left_x=0.575), Gamepad(dead_zone=0.15))
+    found = amounts(state("A", left_x=0.575), GamepadSettings(dead_zone=0.15))
     assert found == {"pad A": 1.0, "pad left stick right": pytest.approx(0.5**gamepad.CURVE)}
 
 

@@ -11,13 +11,14 @@ from imgui_bundle import imgui
 from subsea.core.errors import UserError
 from subsea.ui.dive import Dive
 from subsea.ui.panels import PANELS
+from tests.support.windows import dive_options
 
 SIZE = (640, 480)
 
 
 @pytest.fixture(scope="module")
 def boat(display, hands, quiet, coarse):
-    with closing(Dive(quiet, "mono", SIZE, seed=1, quality=coarse)) as running:
+    with closing(Dive(dive_options(quiet, SIZE, coarse))) as running:
         hands.glide(running, 0.2)
         yield running
 

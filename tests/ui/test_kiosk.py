@@ -7,17 +7,18 @@ from contextlib import closing
 import glfw
 import pytest
 
-from subsea.dive.settings import Attract, Settings
+from subsea.dive.settings import AttractSettings, Settings
 from subsea.ui.dive import Dive
+from tests.support.windows import dive_options
 
 AFTER_S = 4.0
 
 
 @pytest.fixture(scope="module")
 def exhibit(display, hands, quiet, coarse):
-    settings = Settings(attract=Attract(after_min=0.0))
+    settings = Settings(attract=AttractSettings(after_min=0.0))
     with closing(
-        Dive(quiet, "mono", (320, 240), seed=1, quality=coarse, settings=settings, kiosk=True)
+        Dive(dive_options(quiet, (320, 240), coarse, settings=settings, kiosk=True))
     ) as running:
         hands.glide(running, 0.5)
         yield running

@@ -15,6 +15,7 @@ from subsea.dive.bindings import CONTROLS
 from subsea.dive.settings import read_settings
 from subsea.submarine.hull import hull_axes
 from subsea.ui.dive import Dive
+from tests.support.windows import dive_options
 
 SIZE = (320, 240)
 FRAME_S = 0.1
@@ -40,9 +41,8 @@ def boat(display, tmp_path_factory):
     (folder / "settings.toml").write_text(SETTINGS)
     settings = read_settings(folder / "settings.toml")
     made = Dive(
-        str(folder / "quiet.toml"), "mono", SIZE, seed=1, quality=settings.display.quality,
-        settings=settings,
-    )  # fmt: skip
+        dive_options(folder / "quiet.toml", SIZE, settings.display.quality, settings=settings)
+    )
     with closing(made) as running:
         running.frame(FRAME_S)
         yield running

@@ -16,6 +16,7 @@ from subsea.ui.dive import Dive
 from subsea.ui.gamepad import State
 from subsea.ui.menu import DISPLAYS, QUALITIES, scenario_titles
 from subsea.view.display_rigs import DISPLAYS as ALL_DISPLAYS
+from tests.support.windows import dive_options
 
 SIZE = (480, 360)
 
@@ -24,7 +25,7 @@ SIZE = (480, 360)
 def boat(display, hands, quiet, coarse):
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(PRESETS, "medium", PRESETS[coarse])  # the sea is not looked at closely
-        with closing(Dive(quiet, "mono", SIZE, seed=1, quality="medium")) as running:
+        with closing(Dive(dive_options(quiet, SIZE, "medium"))) as running:
             hands.glide(running, 0.2)
             yield running
 

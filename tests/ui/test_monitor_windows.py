@@ -21,6 +21,7 @@ from subsea.ui.monitors import Installation, Screen, monitors, on_display
 from subsea.ui.window_set import Wall
 from subsea.view.display_rigs import display_rig
 from subsea.view.theatre.lineup import lineup
+from tests.support.windows import dive_options
 
 THEATRE = """
 [[window]]
@@ -99,9 +100,7 @@ def test_a_window_fills_its_monitor_and_stays_when_that_is_lost(display, tmp_pat
     sea.write_text(re.sub(r"^number = \d+", "number = 2", text, flags=re.MULTILINE))
     size = (400, 300)
     installation = Installation(display_rig("mono", size), [Screen("all", size, monitor=1)])
-    with closing(
-        Dive(str(sea), "mono", size, seed=1, installation=installation, crew=Together)
-    ) as running:
+    with closing(Dive(dive_options(sea, size), installation, Together)) as running:
         # Neither can be asked for where others look from the same place, or on a fixed window.
         assert running.overlay.sign == sign_of(USUAL, without=("ride", "desk"))
         assert not running.can_fill

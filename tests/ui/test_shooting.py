@@ -10,9 +10,10 @@ import pytest
 from PIL import Image
 
 from subsea.core.resources import resource_path
-from subsea.dive.settings import Pictures, Settings
+from subsea.dive.settings import PictureSettings, Settings
 from subsea.frame.diagrams import DIAGRAMS
 from subsea.ui.dive import Dive
+from tests.support.windows import dive_options
 
 SIZE = (322, 241)
 
@@ -27,8 +28,8 @@ def boat(display, folder, tmp_path_factory):
     text = (resource_path("assets/scenarios") / "peaceful.toml").read_text()
     quiet = tmp_path_factory.mktemp("sea") / "quiet.toml"
     quiet.write_text(re.sub(r"^number = \d+", "number = 3", text, flags=re.MULTILINE))
-    settings = msgspec.structs.replace(Settings(), pictures=Pictures(folder=str(folder)))
-    with closing(Dive(str(quiet), "mono", SIZE, seed=1, settings=settings)) as running:
+    settings = msgspec.structs.replace(Settings(), pictures=PictureSettings(folder=str(folder)))
+    with closing(Dive(dive_options(quiet, SIZE, settings=settings))) as running:
         running.frame(0.1)
         yield running
 

@@ -9,6 +9,7 @@ import pytest
 from PIL import ImageGrab
 
 from subsea.core.resources import resource_path
+from subsea.dive.options import DisplayOptions, DiveOptions
 from subsea.ui.dive import Dive
 from subsea.view.display_rigs import DISPLAYS
 from subsea.view.stereo import PAGED
@@ -48,7 +49,9 @@ def windows(display, empty_sea):
     """The window of each mode with its help, and without any text."""
     pictures = {}
     for mode in ("mono", *SHOWN):
-        with closing(Dive(str(empty_sea), mode, SIZE, seed=1)) as running:
+        with closing(
+            Dive(DiveOptions(str(empty_sea), seed=1, display=DisplayOptions(mode, SIZE)))
+        ) as running:
             running.frame(0.1)
             running.frame(0.0)
             with_text = shown(running)

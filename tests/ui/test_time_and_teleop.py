@@ -13,6 +13,7 @@ from subsea.state import WANDER
 from subsea.ui.dive import SHARED_TIME, Dive
 from subsea.view.retina import Gaze
 from subsea.world import snapshot
+from tests.support.windows import dive_options
 
 SIZE = (400, 300)
 
@@ -22,7 +23,7 @@ def boat(display, hands, coarse, tmp_path_factory):
     text = (resource_path("assets/scenarios") / "peaceful.toml").read_text()
     quiet = tmp_path_factory.mktemp("sea") / "quiet.toml"
     quiet.write_text(re.sub(r"^number = \d+", "number = 3", text, flags=re.MULTILINE))
-    with closing(Dive(str(quiet), "mono", SIZE, seed=1, quality=coarse)) as running:
+    with closing(Dive(dive_options(quiet, SIZE, coarse))) as running:
         hands.glide(running, 0.2)
         yield running
 

@@ -19,6 +19,7 @@ from subsea.ui.monitors import Installation, Screen
 from subsea.view.camera import NEAR_CM, off_axis
 from subsea.view.rig import Eye, Patch, Rig, views
 from subsea.view.theatre.lineup import lineup
+from tests.support.windows import dive_options
 
 SIZE = (240, 180)
 NAMES = ("left", "front", "right")
@@ -65,9 +66,7 @@ def sea(tmp_path_factory):
 @pytest.fixture(scope="module")
 def boat(display, sea):
     installation = Installation(THREE, SCREENS)
-    with closing(
-        Dive(sea, "mono", SIZE, seed=1, quality="low", installation=installation)
-    ) as running:
+    with closing(Dive(dive_options(sea, SIZE, "low"), installation)) as running:
         glide(running, 0.3)
         yield running
 

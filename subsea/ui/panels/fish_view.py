@@ -4,7 +4,8 @@ from typing import TYPE_CHECKING
 
 from imgui_bundle import imgui
 
-from subsea.dive.ride import LOOKS, MOST_PAN_DEG, MOST_TILT_DEG
+from subsea.dive.options import RETINA_COLOURS
+from subsea.dive.ride import MOST_PAN_DEG, MOST_TILT_DEG
 from subsea.ui.panels.fish_picker import whom
 from subsea.view.retina import Gaze
 
@@ -60,7 +61,7 @@ def _eyes(desk: "Desk") -> None:
         ride.gaze = Gaze()
     imgui.separator()
     _, host.picture.eyes_shown = imgui.checkbox("pictures of both eyes", host.picture.eyes_shown)
-    for look in LOOKS:
+    for look in RETINA_COLOURS:
         if imgui.radio_button(look, host.picture.look == look):
             host.picture.look = look
         imgui.same_line()

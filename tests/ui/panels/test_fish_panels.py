@@ -23,6 +23,7 @@ from subsea.ui.panels.mental_chart import Chart
 from subsea.view.retina import Gaze
 from subsea.world import snapshot
 from subsea.world.world import TICK_S
+from tests.support.windows import dive_options
 
 SIZE = (780, 590)
 
@@ -32,7 +33,7 @@ def boat(display, hands, coarse, tmp_path_factory):
     text = (resource_path("assets/scenarios") / "peaceful.toml").read_text()
     few = tmp_path_factory.mktemp("sea") / "few.toml"
     few.write_text(re.sub(r"^number = \d+", "number = 3", text, flags=re.MULTILINE))
-    with closing(Dive(str(few), "mono", SIZE, seed=1, quality=coarse)) as running:
+    with closing(Dive(dive_options(few, SIZE, coarse))) as running:
         running.grant("help")
         hands.glide(running, 0.2)
         hands.do("key", "Tab")

@@ -16,6 +16,7 @@ from subsea.ui.panels.initialisation import NUMBER, Draft, present
 from subsea.world import snapshot
 from subsea.world.inventory import counts, with_counts
 from subsea.world.world import create_world
+from tests.support.windows import dive_options
 
 POOL = """
 title = "A pool"
@@ -59,7 +60,7 @@ def own(tmp_path_factory):
 def pool(display, hands, own, coarse, tmp_path_factory):
     path = tmp_path_factory.mktemp("sea") / "pool.toml"
     path.write_text(POOL)
-    with closing(Dive(str(path), "mono", (720, 560), quality=coarse)) as running:
+    with closing(Dive(dive_options(path, (720, 560), coarse, seed=None))) as running:
         hands.glide(running, 0.2)
         running.desk.toggle()
         running.desk.shown = {"Initialisation"}

@@ -10,6 +10,7 @@ from subsea.state import Physics
 from subsea.ui.dive import Dive
 from subsea.ui.panels.initialisation import present
 from subsea.world import snapshot
+from tests.support.windows import dive_options
 from tests.ui.panels.test_initialisation import POOL
 
 NEAR = POOL.replace(
@@ -21,7 +22,7 @@ NEAR = POOL.replace(
 def pool(display, hands, coarse, tmp_path_factory):
     path = tmp_path_factory.mktemp("sea") / "pool.toml"
     path.write_text(NEAR)
-    with closing(Dive(str(path), "mono", (720, 580), quality=coarse)) as running:
+    with closing(Dive(dive_options(path, (720, 580), coarse, seed=None))) as running:
         running.overlay.toggle_help()
         running.desk.toggle()
         running.desk.shown = {"Physics"}

@@ -14,6 +14,7 @@ from subsea.ui.panels import initialisation
 from subsea.ui.panels.placement import Placing
 from subsea.world import placement, snapshot
 from subsea.world.world import create_world
+from tests.support.windows import dive_options
 
 LAGOON = """
 title = "A lagoon"
@@ -59,7 +60,7 @@ def lagoon(display, hands, coarse, tmp_path_factory):
     path.write_text(LAGOON)
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_DATA_HOME", str(folder))
-        with closing(Dive(str(path), "mono", (720, 560), quality=coarse)) as running:
+        with closing(Dive(dive_options(path, (720, 560), coarse, seed=None))) as running:
             running.overlay.toggle_help()
             hands.glide(running, 0.2)
             running.desk.toggle()

@@ -1,0 +1,65 @@
+"""The options of a dive, in groups. Nothing here imports the world or draws."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from subsea.dive.settings import DEFAULTS, Settings
+from subsea.view.stereo import EYES, Stereo
+from subsea.view.surround import ALL_ROUND, Surround
+
+RetinaColours = Literal["colours", "identity", "range"]
+RETINA_COLOURS: tuple[RetinaColours, ...] = ("colours", "identity", "range")
+
+
+@dataclass(frozen=True)
+class DisplayOptions:
+    """The windows, how the sea is drawn in them, and what is drawn over it."""
+
+    mode: str = "mono"  # one of `view.display_rigs.DISPLAYS`
+    size: tuple[int, int] = (1280, 720)  # pixels of the one window; a theatre has its own
+    fullscreen: bool = False
+    stereo: Stereo = EYES
+    surround: Surround = ALL_ROUND
+    quality: str = "auto"  # one of `render.output.quality.CHOICES`
+    target_ms: float | None = None  # frame time that "auto" holds; None: by the renderer
+    diagrams: Sequence[str] = ()  # names of `frame.diagrams.DIAGRAMS`
+    wireframe: bool = False
+
+
+@dataclass(frozen=True)
+class TheatreOptions:
+    """The theatre that shows the dive."""
+
+    name: str
+    shrink: int = 1  # times fewer pixels a side
+    node: str | None = None  # the computer that this one is; None: it shows all windows
+
+
+@dataclass(frozen=True)
+class StartOptions:
+    """Where a dive begins: at the helm, or on a fish; and how fast time goes."""
+
+    follow: str | None = None  # the fish to look at from behind
+    eyes: str | None = None  # the fish to look through
+    gaze: tuple[float, float] | None = None  # degrees right and up, of these eyes
+    colours: RetinaColours | None = None  # of the pictures of the eyes
+    teleop: bool = False  # the pilot steers the fish
+    pace: float | None = None  # one of `timeline.RATES`; 0: time is paused
+
+
+@dataclass(frozen=True)
+class DiveOptions:
+    """Everything that `subsea dive` may be asked for."""
+
+    scenario: str
+    changes: Sequence[str] = ()  # to the scenario, such as "fish.0.number=20"
+    seed: int | None = None
+    seconds: float | None = None  # the dive ends after; None: never
+    tour: str | None = None  # begins at once; None: that of the settings, after their idle time
+    kiosk: bool = False
+    see_brightness: bool = False  # a fish that is ridden reacts to the light in its eyes
+    display: DisplayOptions = DisplayOptions()
+    theatre: TheatreOptions | None = None
+    start: StartOptions = StartOptions()
+    settings: Settings = DEFAULTS
