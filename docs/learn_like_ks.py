@@ -17,10 +17,10 @@ from matplotlib.figure import Figure
 from numba import njit
 from tqdm import tqdm
 
-from capture.gait import entries, headings, muscle_work, speed_kept
-from capture.learn_turn import with_holds
-from capture.search import search
-from capture.trial import beat_contraction, beat_phase, steady_beat
+from capture.inspection.gait import entries, headings, muscle_work, speed_kept
+from capture.learning.search import search
+from capture.learning.turn import with_holds
+from capture.recording.trial import beat_contraction, beat_phase, steady_beat
 from subsea.biomechanics import simulation, solver, water
 from subsea.biomechanics.body import MUSCLES, TRIANGLE_WEIGHTS, TRIANGLES, Body, Floats, build_body
 from subsea.biomechanics.body_frame import body_frame

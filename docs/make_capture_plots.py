@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory
 from PIL import Image
 from plates import folder_asked, keep
 
-from capture.plot import plot_repertoire
+from capture.plots.pages import plot_repertoire
 from subsea.core.resources import resource_path
 from subsea.repertoire import read_repertoire
 

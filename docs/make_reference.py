@@ -13,7 +13,7 @@ from typing import Any
 
 from msgspec import inspect
 
-import capture.cli
+import capture.cli.main
 import subsea.cli.main
 from subsea.core.atomic_io import replacing
 from subsea.core.command_line import Number
@@ -42,7 +42,7 @@ def commands() -> Iterator[str]:
     """All commands of both programs."""
     parsers = [
         parser
-        for program in (subsea.cli.main, capture.cli)
+        for program in (subsea.cli.main, capture.cli.main)
         for parser in program.parsers()[1].choices.values()
     ]
     yield from ("", "| command | what |", "| --- | --- |")

@@ -67,9 +67,9 @@ def pytest_configure(config: pytest.Config) -> None:
 # that one, lest two processes that find none kept compile the same ones.
 LONG = (
     "docs/test_every_command.py",
-    "capture/test_learn.py",
+    "capture/learning/test_learn.py",
     "capture/export/test_gltf.py",
-    "capture/test_batch.py",
+    "capture/recording/test_batch.py",
     "ui/test_cluster_windows.py",
     "motor/test_switching.py",
     "ui/fish_builder/test_window.py",

@@ -30,7 +30,7 @@ import msgspec
 import numpy as np
 from PIL import ExifTags, Image
 
-from capture.mesh import read_mesh
+from capture.export.obj import read_mesh
 from subsea.core.errors import UserError
 from subsea.core.resources import resource_path
 from subsea.dive.cluster import messages

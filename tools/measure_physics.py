@@ -10,8 +10,8 @@ import numpy as np
 from numba import njit
 from scipy.linalg import solveh_banded
 
-from capture.cost import fastest_us, step_cost
-from capture.trial import beat_contraction, steady_beat
+from capture.inspection.timing import fastest_us, step_cost
+from capture.recording.trial import beat_contraction, steady_beat
 from subsea.biomechanics.body import HALF_BANDWIDTH, MUSCLES, NODES, Body, Floats, build_body
 from subsea.biomechanics.controllers import muscle_lengths
 from subsea.biomechanics.simulation import STILL, State, at_rest, is_sound

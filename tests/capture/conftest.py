@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from capture.record import record_species
+from capture.recording.record import record_species
 from subsea.fish.species import Species, load_species
 from subsea.repertoire import Repertoire, write_repertoire
 

@@ -27,9 +27,9 @@ from dask import config as _  # noqa: F401  (before distributed, which asks for 
 from distributed.cli import dask_scheduler, dask_worker
 from PIL import Image
 
-from capture import cli as capture_cli
-from capture import cost
+from capture.cli.main import main as capture_cli
 from capture.export import rig
+from capture.inspection import timing as cost
 from subsea.cli import main
 from subsea.core.command_line import parse
 from subsea.core.errors import UserError
@@ -58,7 +58,7 @@ NOT_TYPED = {
     ". .venv/bin/activate": "these programs run in it already",
     "systemctl --user": "a desktop with systemd is not at hand",
     "journalctl --user": "a desktop with systemd is not at hand",
-    "subsea-capture record --all --cluster": "tests/capture/test_cluster.py has a cluster",
+    "subsea-capture record --all --cluster": "tests/capture has a cluster",
 }
 # What words in capitals stand for. Later ones are for what is left by those before.
 STANDS_FOR = (
@@ -449,9 +449,9 @@ def workshop(display, tmp_path_factory, known_repertoire):
         patch.setattr(paper_tables, "RENDERED", ("sea.toml",))
         patch.setattr(paper_tables, "PLAYED_FISH", 20)
         patch.setattr("subsea.profiling.benchmark.WARM_UP_FRAMES", 1)
-        patch.setattr("capture.trial.MIN_WARM_UP", 2)
-        patch.setattr("capture.trial.CLOSURE_GOAL", 1e-3)
-        patch.setattr("capture.quality.STEADY_BEATS", 2)
+        patch.setattr("capture.recording.trial.MIN_WARM_UP", 2)
+        patch.setattr("capture.recording.trial.CLOSURE_GOAL", 1e-3)
+        patch.setattr("capture.inspection.simulated.STEADY_BEATS", 2)
         patch.setattr(cost, "STEPS", 4)
         patch.setattr(cost, "FRAMES", 40)
         patch.setattr(rig, "ROUNDS", 1)

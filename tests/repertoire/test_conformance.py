@@ -11,16 +11,16 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from capture.kept import is_up_to_date
-from capture.quality import replay
-from capture.record import (
+from capture.inspection.simulated import replay
+from capture.recording.record import (
     motion_from_provenance,
     record_segment,
     side_of,
     steady_contraction,
 )
-from capture.segment import heading_change
-from capture.trial import Trial, sharp_turn, steady_beat
+from capture.recording.resume import is_up_to_date
+from capture.recording.segment import heading_change
+from capture.recording.trial import Trial, sharp_turn, steady_beat
 from subsea.biomechanics.body import UNITS, build_body
 from subsea.biomechanics.body_frame import body_frame, to_body
 from subsea.biomechanics.simulation import State, simulate

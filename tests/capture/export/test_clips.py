@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from capture.export.clips import Clip, Model, Surface, make_clips, placed, root_motion
-from capture.quality import replay
+from capture.inspection.simulated import replay
 from subsea.core.errors import UserError
 from subsea.core.resources import resource_path
 from subsea.fish.mesh import DETAILS, fish_mesh

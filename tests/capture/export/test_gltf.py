@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from capture.cli import main
+from capture.cli.main import main
 from capture.export.axes import Y_UP, brought
 from capture.export.clips import Clip, Model, make_clips, placed
 from capture.export.gltf import write_gltf

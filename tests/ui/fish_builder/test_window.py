@@ -8,7 +8,7 @@ import pytest
 from msgspec import structs
 from PIL import Image
 
-from capture.rewrite import write_controllers
+from capture.learning.species_edit import write_controllers
 from subsea.core.errors import UserError
 from subsea.fish.species import load_species, own_species_file, repertoire_file
 from subsea.repertoire import read_repertoire

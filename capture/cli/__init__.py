@@ -1,0 +1,1 @@
+"""The commands of `subsea-capture`, one file each."""

@@ -1,0 +1,97 @@
+"""`subsea-capture export`: write a species for other programs."""
+
+import argparse
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from subsea.core.atomic_io import check_folder
+from subsea.core.command_line import command, number
+from subsea.core.errors import UserError
+
+
+def add_to(commands: Any) -> None:
+    """Add the command to the program."""
+    parser = command(
+        commands,
+        "export",
+        "write a species and its motion for other programs",
+        "Writes the mesh that a dive draws, its texture, and every recorded segment as a clip:\n"
+        "  gltf  glTF 2.0 with a fitted skeleton, or exact with --morph, and an animation\n"
+        "        for each segment: OUT/SPECIES.glb\n"
+        "  vat   a vertex animation texture in the OpenVAT layout, for game engines:\n"
+        "        OUT/SPECIES_vat/ with animation texture, mesh, colour texture and ranges\n"
+        "  usd   a USD stage with points in every frame: OUT/SPECIES.usdc and its texture. Needs\n"
+        "        usd-core (subsea[usd])\n"
+        "docs/export.md explains the files and how to import them into other programs.",
+        [
+            "subsea-capture export fusilier --to gltf",
+            "subsea-capture export fusilier --to vat --out game/Assets",
+            "subsea-capture export spotted_eagle_ray --to usd --root baked",
+        ],
+    )
+    parser.add_argument("species", metavar="SPECIES", help="species to export")
+    parser.add_argument("--to", choices=["gltf", "vat", "usd"], required=True, help="format")
+    parser.add_argument(
+        "--out",
+        metavar="DIR",
+        type=Path,
+        default=Path(),
+        help="folder to write to (current folder)",
+    )
+    parser.add_argument(
+        "--root",
+        choices=["apart", "baked"],
+        default="apart",
+        help="path of the fish: as motion of the root (default), or in the points",
+    )
+    parser.add_argument(
+        "--detail",
+        metavar="N",
+        type=number(int, 0, 3),
+        default=0,
+        help="level of detail, 0 (finest) to 3 (0)",
+    )
+    parser.add_argument(
+        "--morph",
+        action="store_true",
+        help="gltf: a morph target for each frame instead of a skeleton",
+    )
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the command; return its exit code."""
+    from capture.export.clips import make_clips
+    from capture.export.usd import write_usd
+    from capture.export.vat import write_vat
+
+    if options.morph and options.to != "gltf":
+        raise UserError(f"--morph is for --to gltf, not {options.to}")
+    check_folder(options.out)
+    model, clips = make_clips(options.species, options.detail)
+    if options.to == "gltf":
+        return _export_gltf(options, model, clips)
+    write = {"vat": write_vat, "usd": write_usd}[options.to]
+    for path in write(options.out, model, clips, options.root == "baked"):
+        print(f"{path}: {path.stat().st_size / 1e6:.1f} MB")
+    return 0
+
+
+def _export_gltf(options: argparse.Namespace, model: Any, clips: Any) -> int:
+    from tqdm import tqdm
+
+    from capture.export.gltf import write_gltf
+    from capture.export.rig import fit_rig
+
+    rig, told = None, "exact"
+    if not options.morph:
+        bar = partial(tqdm, desc="fitting joints", unit="round", leave=False, disable=None)
+        rig = fit_rig(model, clips, bar)
+        told = (
+            f"{len(rig.joints)} joints; vertices are off by {rig.rms_percent:.2f}% of the body "
+            f"length (rms), {rig.most_percent:.2f}% at most"
+        )
+    path = write_gltf(options.out, model, clips, options.root == "baked", rig)
+    print(f"{path}: {path.stat().st_size / 1e6:.1f} MB, {told}")
+    return 0

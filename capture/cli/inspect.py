@@ -1,0 +1,29 @@
+"""`subsea-capture inspect`: show a repertoire and measure its motion."""
+
+import argparse
+from typing import Any
+
+from subsea.core.command_line import command
+
+
+def add_to(commands: Any) -> None:
+    """Add the command to the program."""
+    parser = command(
+        commands,
+        "inspect",
+        "show the segments of a repertoire and measure its motion",
+        "Lists the segments, then simulates the fish again from the file's provenance. Each\n"
+        "measure is compared with the limit for every fish (at least) and with a goal (aim).\n"
+        "Exit code 0 if every limit is kept, 1 if not; a missed aim is not a failure.",
+        ["subsea-capture inspect fusilier", "subsea-capture inspect repertoires/fusilier.h5"],
+    )
+    parser.add_argument("file", metavar="SPECIES", help="species, or path of a repertoire (.h5)")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the command; return its exit code."""
+    from capture.inspection.report import report
+    from subsea.fish.species import repertoire_file
+
+    return 0 if report(repertoire_file(options.file), lambda line: print(line, flush=True)) else 1

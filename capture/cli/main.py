@@ -1,0 +1,37 @@
+"""The command line of the capture tool: its commands and its exit codes."""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from typing import Any
+
+from capture.cli import export, inspect, learn, mesh, plot, record
+from subsea.core.command_line import answer, parse, program
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run ``subsea-capture`` with these arguments (default: the process's); return its exit code.
+
+    0 done, 1 a fish misses a target of `inspect` or `learn` found nothing better, 2 a fault that
+    the user can mend (one line on standard error), 130 interrupted.
+    """
+    return answer("subsea-capture", lambda: _run(sys.argv[1:] if arguments is None else arguments))
+
+
+def _run(arguments: Sequence[str]) -> int:
+    parser, commands = parsers()
+    if not arguments:
+        parser.print_help()
+        return 0
+    options = parse(parser, commands, arguments)
+    code: int = options.run(options)
+    return code
+
+
+def parsers() -> tuple[argparse.ArgumentParser, Any]:
+    """The parser of ``subsea-capture`` and its commands."""
+    parser = program("subsea-capture", "Record the motion of simulated fishes, and measure it.")
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND")
+    for command in (record, learn, inspect, plot, mesh, export):
+        command.add_to(commands)
+    return parser, commands

@@ -1,0 +1,54 @@
+"""`subsea-capture mesh`: move a user's mesh with a recorded segment."""
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from subsea.core.atomic_io import check_folder
+from subsea.core.command_line import command
+from subsea.core.errors import unknown
+
+
+def add_to(commands: Any) -> None:
+    """Add the command to the program."""
+    parser = command(
+        commands,
+        "mesh",
+        "move your own mesh with a recorded segment",
+        "Binds a Wavefront OBJ mesh to the nodes of the fish and writes an OBJ file for each\n"
+        "recorded frame (0.033 s). Faces, materials and texture coordinates stay the same. The\n"
+        "mesh must be in body axes and centimetres: x anterior, y dorsal, z right, the origin in\n"
+        "the middle of the second ring of nodes. With --fit it only has to head along x.",
+        ["subsea-capture mesh fusilier sardine.obj --fit --out frames"],
+    )
+    parser.add_argument("file", metavar="SPECIES", help="species, or path of a repertoire (.h5)")
+    parser.add_argument("mesh", metavar="MESH", type=Path, help="mesh file (.obj)")
+    parser.add_argument(
+        "--segment", metavar="NAME", default="swim_fast", help="segment (swim_fast)"
+    )
+    parser.add_argument("--out", metavar="DIR", type=Path, required=True, help="folder to write to")
+    parser.add_argument(
+        "--fit", action="store_true", help="scale the mesh to the fish and align its snout"
+    )
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the command; return its exit code."""
+    from tqdm import trange
+
+    from capture.export.obj import bind_mesh, write_mesh
+    from subsea.fish.species import repertoire_file
+    from subsea.repertoire import read_repertoire
+
+    repertoire = read_repertoire(repertoire_file(options.file))
+    if options.segment not in repertoire.segments:
+        raise unknown("segment", options.segment, list(repertoire.segments))
+    mesh = bind_mesh(repertoire, options.mesh, options.fit)
+    check_folder(options.out)
+    name = f"{options.mesh.stem}_{options.segment}"
+    nodes = repertoire.segments[options.segment].nodes
+    for frame in trange(len(nodes), unit="frame"):
+        write_mesh(options.out / f"{name}_{frame:04d}.obj", mesh, nodes[frame])
+    print(f"{options.out / name}_0000.obj and {len(nodes) - 1} more")
+    return 0

@@ -1,0 +1,124 @@
+"""`subsea-capture record`: swim fishes and write their repertoires."""
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from subsea.core.atomic_io import check_folder
+from subsea.core.command_line import command, number
+from subsea.core.errors import UserError, unknown
+from subsea.core.interrupts import deferred
+from subsea.core.resources import resource_path
+
+MAX_JOBS = 64
+
+
+def add_to(commands: Any) -> None:
+    """Add the command to the program."""
+    parser = command(
+        commands,
+        "record",
+        "swim fishes and write their repertoires",
+        "Records three swims and four turns of each species to OUT/SPECIES.h5. The same species\n"
+        "files give the same repertoires with any number of jobs. Repertoires that are up to\n"
+        "date are skipped; an interrupted run continues where it stopped. Your own species are\n"
+        "recorded to your own folder of repertoires.",
+        [
+            "subsea-capture record fusilier",
+            "subsea-capture record --all --jobs 2",
+            "subsea-capture record --all --cluster tcp://192.168.1.5:8786",
+            "subsea-capture record emperor_angelfish --out /tmp/repertoires",
+        ],
+    )
+    parser.add_argument("species", metavar="SPECIES", nargs="*", help="species to record")
+    parser.add_argument("--all", action="store_true", help="record every shipped species")
+    parser.add_argument(
+        "--out",
+        metavar="DIR",
+        type=Path,
+        help="folder to write to (a checkout's repertoires/; your own folder for your own species)",
+    )
+    parser.add_argument(
+        "--jobs",
+        metavar="N",
+        type=number(int, 1, MAX_JOBS),
+        default=1,
+        help="processes to record in (1)",
+    )
+    parser.add_argument(
+        "--cluster",
+        metavar="ADDRESS",
+        help="record on the Dask cluster of this scheduler instead, such as tcp://host:8786",
+    )
+    parser.add_argument("--force", action="store_true", help="record also what is up to date")
+    parser.add_argument(
+        "--progress", action="store_true", help="show progress without a terminal, too"
+    )
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the command; return its exit code."""
+    from tqdm import tqdm
+
+    from capture.recording.batch import record_all
+    from capture.recording.resume import repertoire_path
+    from capture.recording.workers import here, processes
+    from subsea.fish.species import shipped_species, species_names
+    from subsea.repertoire import SEGMENTS
+
+    known = species_names()
+    for name in options.species:
+        if name not in known:
+            raise unknown("species", name, known)
+    if options.all and options.species:
+        raise UserError(f"--all and {options.species[0]!r}: give one of the two")
+    if options.cluster is not None and options.jobs != 1:
+        raise UserError("--jobs and --cluster: give one of the two")
+    if not options.all and not options.species:
+        raise UserError(f"name a species ({', '.join(known)}) or give --all")
+    names = shipped_species() if options.all else list(dict.fromkeys(options.species))
+    folders = {name: options.out or _folder_of(name) for name in names}
+    for folder in dict.fromkeys(folders.values()):
+        check_folder(folder)
+    bars: dict[str, Any] = {}
+
+    def show(name: str, segments: int) -> None:
+        if name not in bars:
+            bars[name] = tqdm(
+                total=len(SEGMENTS),
+                desc=name,
+                position=len(bars),
+                unit="segment",
+                initial=segments,
+                disable=False if options.progress else None,
+            )
+        bars[name].update(segments - bars[name].n)
+
+    if options.cluster is not None:
+        from capture.recording.dask_cluster import cluster
+
+        workers = cluster(options.cluster)
+    else:
+        workers = here if options.jobs == 1 else processes(options.jobs)
+    try:
+        with deferred() as check:
+            recorded = record_all(folders, workers, check, show, options.force)
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt("run the same command to continue") from None
+    finally:
+        for bar in bars.values():
+            bar.close()
+    for name in names:
+        path = repertoire_path(folders[name], name)
+        print(f"{path}{'' if name in recorded else ': up to date'}")
+    return 0
+
+
+def _folder_of(name: str) -> Path:
+    """The folder to record a species to; UserError for one of an installed package."""
+    from subsea.fish.species import is_shipped, repertoire_folder
+
+    if is_shipped(name) and not resource_path("pyproject.toml").is_file():
+        raise UserError("name the folder to write to: --out DIR")
+    return repertoire_folder(name)

@@ -1,0 +1,1 @@
+"""Measure recorded motion and compare it with targets."""

@@ -1,0 +1,144 @@
+"""Measures of a gait or a turn, taken on the nodes and muscles that it moves."""
+
+import numpy as np
+
+from capture.recording.trial import beat_phase, sharp_turn, way
+from subsea.biomechanics.body import MUSCLES, UNITS, Body, Floats
+from subsea.biomechanics.body_frame import body_frame
+from subsea.biomechanics.body_plan import SwimPlan, TurnPlan
+from subsea.biomechanics.controllers import LEFT, muscle_lengths, swim_contraction, turn_contraction
+from subsea.biomechanics.fins import UP
+from subsea.biomechanics.simulation import NO_FORCE, STILL, State, copy_state, is_sound, simulate
+from subsea.biomechanics.solver import STEP, advance
+
+ENTRY_PHASES = 7
+NOWHERE = 1e-9
+"""A way in cm, against dividing by that of a fish that does not swim."""
+SETTLE_BEATS = 6
+"""Beats after a turn, in the last of which the new heading is measured."""
+
+
+def swim_on(body: Body, state: State, beat: Floats, count: int) -> Floats:
+    """Nodes (count × T + 1, 23, 3) of ``count`` more beats of contractions; changes ``state``."""
+    start = state.x.copy()
+    return np.concatenate([start[None], simulate(body, state, np.tile(beat, (count, 1)))])
+
+
+def pull(body: Body, contraction: Floats) -> float:
+    """Greatest change of a muscle's rest length in one step, cm, to be compared with S_MAX."""
+    return float(np.abs(np.diff(muscle_lengths(body, contraction), axis=0)).max())
+
+
+def widest_pull(body: Body, swim: SwimPlan, turn: TurnPlan, angles: list[float]) -> float:
+    """Greatest change of a muscle's rest length in one step, cm, in any of several sharp turns."""
+    return max(pull(body, turn_contraction(swim, turn, angle)) for angle in angles)
+
+
+def sweep(frames: Floats, nodes: list[int]) -> float:
+    """Peak-to-peak distance of the middle of ``nodes`` across the way of one beat, cm."""
+    chord = way(frames)
+    aside = np.cross(UP, chord / max(float(np.linalg.norm(chord)), NOWHERE))
+    across = frames[:, nodes].mean(axis=1) @ aside
+    drift = np.linspace(0.0, across[-1] - across[0], len(across))
+    return float(np.ptp(across - drift))
+
+
+def snout_bend(frames: Floats) -> float:
+    """Greatest angle in degrees between the snout and the head behind it, which should be stiff."""
+    nose, first, second = frames[:, 0], frames[:, 1:5].mean(axis=1), frames[:, 5:9].mean(axis=1)
+    return max(
+        _angle(snout, head) for snout, head in zip(nose - first, first - second, strict=True)
+    )
+
+
+def straightness(frames: Floats, ticks_per_beat: int) -> tuple[float, float]:
+    """Drift of the heading (degrees) and aside (cm) over the whole beats of ``frames``.
+
+    Heading is the way from beat to beat, first against last; aside is the greatest distance
+    from the line between the ends.
+    """
+    centres = frames[::ticks_per_beat].mean(axis=1)
+    steps = np.diff(centres, axis=0)
+    offset = centres - centres[0]
+    line = offset[-1] / max(float(np.linalg.norm(offset[-1])), NOWHERE)
+    aside = np.linalg.norm(offset - np.outer(offset @ line, line), axis=1).max()
+    return _angle(steps[0], steps[-1]), float(aside)
+
+
+def _angle(a: Floats, b: Floats) -> float:
+    """Angle between two vectors in degrees."""
+    return float(np.degrees(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b)))
+
+
+def headings(frames: Floats) -> Floats:
+    """Heading of the body frame in degrees, left positive, without jumps."""
+    forward = body_frame(frames)[1][:, :, 0]
+    return np.asarray(np.degrees(np.unwrap(np.arctan2(-forward[:, 2], forward[:, 0]))))
+
+
+def entries(body: Body, swim: SwimPlan, steady: State) -> list[tuple[State, float]]:
+    """States of steady swimming at grade medium all over the beat, and their phases."""
+    found = []
+    for k in range(ENTRY_PHASES):
+        state = copy_state(steady)
+        ticks = round(k * swim.ticks_per_beat / ENTRY_PHASES)
+        simulate(body, state, swim_contraction(swim, beat_phase(swim, ticks), swim.medium))
+        found.append((state, 2 * np.pi * ticks / swim.ticks_per_beat))
+    return found
+
+
+def turned(
+    body: Body,
+    swim: SwimPlan,
+    turn: TurnPlan,
+    angle: float,
+    start: State,
+    phase: float = 0.0,
+    settle: int = SETTLE_BEATS,
+) -> float:
+    """Degrees by which a turn changes the mean heading of steady swimming, left positive.
+
+    The new heading is the mean over the last of ``settle`` beats after the turn. NaN where the
+    body loses its shape after the turn; UserError where it does so within.
+    """
+    beat = swim_contraction(swim, phase + beat_phase(swim, swim.ticks_per_beat), swim.medium)
+    before = simulate(body, copy_state(start), beat)
+    trial = sharp_turn(body, swim, turn, angle, LEFT, start, phase)
+    after = simulate(body, trial.state, np.tile(beat, (settle, 1)))
+    if not is_sound(trial.state):
+        return float("nan")
+    heading = headings(np.concatenate([before[:1], trial.frames, after]))
+    return float(heading[-swim.ticks_per_beat :].mean() - headings(before).mean())
+
+
+def muscle_work(body: Body, state: State, contraction: Floats) -> float:
+    """Work, g cm²/tu², that the muscles do while they follow ``contraction``; changes ``state``.
+
+    It is the sum over muscles of tension × shortening. Tension is that of the muscle's spring,
+    c (l - l_rest) with the contracted l_rest; its damper belongs to the passive body. A muscle
+    that is drawn out against its tension takes work back, so over a steady beat the sum is
+    what water and viscosity use up.
+    """
+    lengths = [_muscle_spans(state.x)]
+    rests = muscle_lengths(body, contraction)
+    for rest in rests:
+        advance(state.x, state.v, *body[1:], rest[None], STILL, NO_FORCE, STEP, state.watch)
+        lengths.append(_muscle_spans(state.x))
+    return tension_work(body.stiffness[:MUSCLES], np.array(lengths), rests)
+
+
+def tension_work(stiffness: Floats, lengths: Floats, rests: Floats) -> float:
+    """Work of springs (m,) that go through ``lengths`` (T + 1, m) while their rests are (T, m)."""
+    middle = (lengths[1:] + lengths[:-1]) / 2
+    return float(-(stiffness * (middle - rests) * np.diff(lengths, axis=0)).sum())
+
+
+def _muscle_spans(x: Floats) -> Floats:
+    i, j = UNITS[:MUSCLES].T
+    return np.asarray(np.linalg.norm(x[j] - x[i], axis=1))
+
+
+def speed_kept(body: Body, frames: Floats) -> float:
+    """The least speed of the centre of mass in ``frames`` over that at their beginning."""
+    speed = np.linalg.norm(np.diff(body.mass @ frames, axis=0), axis=1)
+    return float(speed.min() / speed[0])

@@ -1,0 +1,122 @@
+"""The report on a repertoire file: its segments, and how good their motion is."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import msgspec
+
+from capture.inspection.simulated import measure
+from capture.inspection.spine_driven import measure_rules
+from capture.inspection.targets import Measure
+from capture.recording.record import motion_from_provenance
+from subsea.core.errors import UserError
+from subsea.repertoire import SEGMENTS, Repertoire, read_repertoire
+
+HEADINGS = (
+    "segment", "pattern", "grade", "frames", "cyclic", "cm/s", "L/s", "L/beat", "turn °",
+    "loop error L", "radius L", "points",
+)  # fmt: skip
+
+SOURCES = {
+    "biomechanics": "Measured by simulating again from the provenance",
+    "spine": "Measured beside the rules in the provenance, from which all motion comes",
+}
+
+
+def report(path: Path, tell: Callable[[str], object]) -> bool:
+    """Tell the report on a file line by line; whether every measure is at least what is asked.
+
+    UserError where the file is damaged or not a repertoire.
+    """
+    repertoire = read_repertoire(path)
+    missing = [name for name in SEGMENTS if name not in repertoire.segments]
+    tell(
+        f"{path}: {repertoire.species}, {repertoire.body_length_cm:g} cm, from "
+        f"{repertoire.source}, a frame each {1000 * repertoire.tick_s:g} ms"
+    )
+    tell("")
+    for line in _table([HEADINGS, *_segment_rows(repertoire)]):
+        tell(line)
+    tell("")
+    if repertoire.source not in SOURCES or missing:
+        gap = f"no {', '.join(missing)}" if missing else f"its source is {repertoire.source!r}"
+        tell(f"Measures of the motion need a full repertoire of a known source; {gap}.")
+        return not missing
+    tell(f"{SOURCES[repertoire.source]} (L: body length, tu: 0.1 s):")
+    tell("")
+    tell(_line("", "", "at least", "", "aim", ""))
+    short, astray = 0, 0
+    for found in _measures(path, repertoire):
+        short += not found.passed
+        astray += not found.aim_reached
+        tell(
+            _line(
+                found.name,
+                found.value,
+                found.at_least,
+                _verdict(found.at_least, found.passed, "FALLS SHORT"),
+                found.aim,
+                _verdict(found.aim, found.aim_reached, "missed"),
+            )
+        )
+    tell("")
+    tell("Every measure reaches what is asked." if not short else f"{short} fall short.")
+    tell("Every aim is reached too." if not astray else f"{astray} of the aims are missed.")
+    return not short
+
+
+def _measures(path: Path, repertoire: Repertoire) -> Iterator[Measure]:
+    try:
+        if repertoire.source == "spine":
+            yield from measure_rules(repertoire)
+        else:
+            yield from measure(motion_from_provenance(repertoire.provenance), repertoire)
+    except msgspec.ValidationError as fault:
+        raise UserError(f"{path}: attribute 'provenance' holds no fish ({fault})") from fault
+
+
+def _line(name: str, value: str, at_least: str, passed: str, aim: str, reached: str) -> str:
+    """A row of the table of measures."""
+    cells = f"{name:<41} {value:>22}   {at_least:<12} {passed:<11}  {aim:<12} {reached}"
+    return cells.rstrip()
+
+
+def _verdict(target: str, reached: bool, missed: str) -> str:
+    return "" if not target else "pass" if reached else missed
+
+
+def _segment_rows(repertoire: Repertoire) -> Iterator[tuple[str, ...]]:
+    length = repertoire.body_length_cm
+    for name in sorted(repertoire.segments, key=_order):
+        segment = repertoire.segments[name]
+        frames = len(segment.nodes)
+        per_second = segment.speed_cm_s / length
+        yield (
+            name,
+            segment.pattern,
+            segment.grade,
+            str(frames),
+            "yes" if segment.cyclic else "no",
+            f"{segment.speed_cm_s:.2f}",
+            f"{per_second:.3f}",
+            f"{per_second * frames * repertoire.tick_s:.3f}" if segment.cyclic else "-",
+            f"{segment.turn_deg:+.2f}",
+            f"{segment.loop_error_bl:.1e}",
+            f"{segment.bounding_radius_bl:.3f}",
+            "no" if segment.control_points is None else str(segment.control_points.shape[1]),
+        )
+
+
+def _order(name: str) -> tuple[int, str]:
+    return (SEGMENTS.index(name) if name in SEGMENTS else len(SEGMENTS), name)
+
+
+def _table(rows: list[tuple[str, ...]]) -> Iterator[str]:
+    """Columns as wide as their widest entry, words to the left and numbers to the right."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows:
+        cells = [
+            f"{cell:<{width}}" if place < 3 else f"{cell:>{width}}"
+            for place, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ]
+        yield "  ".join(cells).rstrip()

@@ -1,0 +1,202 @@
+"""How good a recorded motion is: measures beside what docs/biomechanics.md asks of them.
+
+Everything here but the cost swims the fish again, from the plans in a repertoire's provenance.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from capture.inspection.gait import (
+    entries,
+    pull,
+    snout_bend,
+    speed_kept,
+    straightness,
+    sweep,
+    swim_on,
+    turned,
+)
+from capture.inspection.targets import Measure, Range, judge, least, most, off
+from capture.inspection.timing import frame_cost, replay_cost, step_cost
+from capture.recording.record import Motion, run_trial, steady_contraction
+from capture.recording.trial import Trial, beat_contraction, speed_map, way
+from subsea.biomechanics.body import LOWER_TAIL, UPPER_TAIL, Body, Floats, build_body
+from subsea.biomechanics.body_frame import body_frame, to_world
+from subsea.biomechanics.controllers import S_MAX
+from subsea.biomechanics.fins import balance, pectoral_force
+from subsea.biomechanics.simulation import STILL, State, at_rest, copy_state, simulate
+from subsea.biomechanics.solver import STEP, STEPS_PER_TICK
+from subsea.core.arrays import Array
+from subsea.core.errors import UserError
+from subsea.geometry.rotation import matrix
+from subsea.repertoire import Repertoire, Segment
+
+STEADY_BEATS = 20
+REPLAYED_CYCLES = 10
+TURN_ANGLES = (30.0, 45.0, 60.0, 90.0)
+FIN_AREA = 0.01
+"""Area of a pectoral fin over the square of the body length."""
+LEAN = np.radians(15.0)
+
+
+def replay(segment: Segment, origin: Array, rotation: Array, cycles: int) -> Floats:
+    """World nodes (cycles × T, 23, 3) of a segment played back from a start (SMC eqs. 10-12)."""
+    turns = matrix(segment.increment_rotation)
+    frames = []
+    for _ in range(cycles):
+        for turn, step, nodes in zip(
+            turns, segment.increment_translation, segment.nodes, strict=True
+        ):
+            origin = origin + rotation @ step
+            rotation = rotation @ turn
+            frames.append(to_world(nodes, origin, rotation))
+    return np.array(frames)
+
+
+def measure(motion: Motion, repertoire: Repertoire) -> Iterator[Measure]:
+    """All measures of a repertoire, one after another as they are taken."""
+    body = build_body(motion.body)
+    length = motion.body.length
+    trials = {name: run_trial(motion, name) for name in repertoire.segments}
+    yield from _swimming(motion, body, trials)
+    yield from _straightness(motion, body, trials["swim_fast"].state)
+    yield from _attitude(motion, body, trials["swim_medium"].state)
+    yield from _turning(motion, body, trials["swim_medium"].state)
+    cyclic = [name for name, segment in repertoire.segments.items() if segment.cyclic]
+    closure = max(repertoire.segments[name].loop_error_bl for name in cyclic)
+    yield judge("loop closure, worst cycle", closure, ".1e", " L", most(1e-3), most(1e-5))
+    error = max(
+        _replay_error(motion, body, trials[name], repertoire.segments[name], name)
+        for name in cyclic
+    )
+    name = f"{REPLAYED_CYCLES} cycles replayed against simulation"
+    yield judge(name, error / length, ".1e", " L", most(0.01), most(1e-4))
+    step, nodes, frame = (
+        step_cost(body, trials["swim_fast"].state),
+        replay_cost(repertoire.segments["swim_fast"]),
+        frame_cost(repertoire.segments["swim_fast"]),
+    )
+    yield judge("one step of simulation", step, ".2f", " µs", most(5), most(2.5))
+    yield judge("replay of 23 nodes", nodes, ".3f", " µs", most(0.15), most(0.06))
+    yield judge("replay of a body frame", frame, ".3f", " µs", most(0.03), most(0.01))
+    ratio = STEPS_PER_TICK * step / nodes
+    yield Measure("a tick simulated over one replayed", f"{ratio:.0f} ×")
+
+
+def _swimming(motion: Motion, body: Body, trials: dict[str, Trial]) -> Iterator[Measure]:
+    length, ticks = motion.body.length, motion.swim.ticks_per_beat
+    beat_tu = ticks * STEPS_PER_TICK * STEP
+    speeds = {
+        grade: float(np.linalg.norm(way(trials[f"swim_{grade}"].frames))) / length
+        for grade in ("slow", "medium", "fast")
+    }
+    fast = speeds["fast"]
+    rate = fast / beat_tu
+    yield judge("fast swim, per beat", fast, ".3f", " L", least(0.35), least(0.5))
+    yield judge("fast swim, per tu (0.1 s)", rate, ".4f", " L", least(0.08), least(0.1))
+    s = pull(body, beat_contraction(motion.swim, 1.0))
+    yield judge("its contraction a step", s, ".4f", " cm", most(S_MAX))
+    for slow, quick in (("slow", "medium"), ("medium", "fast")):
+        ratio = speeds[quick] / speeds[slow]
+        yield judge(f"{quick} over {slow}", ratio, ".2f", " ×", least(1.4))
+    levels, swum = (column[1:] for column in speed_map(body, motion.swim))
+    fit = float(np.corrcoef(levels, swum)[0, 1] ** 2)
+    steady = bool((np.diff(swum) > 0).all())
+    text = f"{'monotone' if steady else 'not monotone'}, R² {fit:.3f}"
+    linear = steady and fit >= 0.97
+    yield Measure("speed over 10 amplitudes", text, "monotone", steady, "R² ≥ 0.97", linear)
+    trial = trials["swim_fast"]
+    tail = sweep(trial.frames, [UPPER_TAIL, LOWER_TAIL]) / length
+    head = sweep(trial.frames, [0]) / length
+    yield judge("tail sweep, fast", tail, ".3f", " L", Range(0.15, 0.25), Range(0.18, 0.22))
+    yield Measure("head sweep, fast", f"{head:.3f} L")
+    snout = snout_bend(trial.frames)
+    yield Measure("bend of the snout, fast", f"{snout:.1f}°")
+    yield judge("Strouhal number, fast", tail / fast, ".3f", "", most(0.55), most(0.45))
+
+
+def _straightness(motion: Motion, body: Body, steady: State) -> Iterator[Measure]:
+    frames = swim_on(body, copy_state(steady), beat_contraction(motion.swim, 1.0), STEADY_BEATS)
+    drift, aside = straightness(frames, motion.swim.ticks_per_beat)
+    name = f"drift of heading in {STEADY_BEATS} beats"
+    yield judge(name, drift, ".4f", "°", most(1), most(0.1))
+    yield judge("drift aside meanwhile", aside / motion.body.length, ".1e", " L", most(0.02))
+
+
+def _attitude(motion: Motion, body: Body, steady: State) -> Iterator[Measure]:
+    beat = beat_contraction(motion.swim, motion.swim.medium)
+    lean = _mean_attitude(swim_on(body, copy_state(steady), beat, STEADY_BEATS))
+    yield judge("roll, pitch without fins", lean, ".4f", "°", most(0.1))
+    tall = build_body(motion.body, back=1.1)
+    lean = _balanced(motion, tall, at_rest(tall), 60)
+    yield judge("the same, back 10% taller, balanced", lean, ".3f", "°", most(1))
+    leaning = copy_state(steady)
+    _lean(leaning, body.mass)
+    lean = _balanced(motion, body, leaning, 40)
+    yield judge("40 beats after a roll of 15°, balanced", lean, ".3f", "°", most(1), most(1))
+
+
+def _mean_attitude(frames: Floats) -> tuple[float, float]:
+    """Roll and pitch in degrees, positive, averaged over whole beats.
+
+    The frame B of an upright body sways within a beat, so only the mean tells its attitude.
+    """
+    rotation = body_frame(frames)[1]
+    roll, pitch = (np.degrees(np.arcsin(np.mean(rotation[1:, 1, axis]))) for axis in (2, 0))
+    return abs(float(roll)), abs(float(pitch))
+
+
+def _lean(state: State, mass: Floats) -> None:
+    """Roll a swimming fish about its way."""
+    way = mass @ state.v
+    axis = way / np.linalg.norm(way)
+    turn = matrix(np.concatenate([[np.cos(LEAN / 2)], np.sin(LEAN / 2) * axis]))
+    state.x[:] = state.x @ turn.T
+    state.v[:] = state.v @ turn.T
+
+
+def _balanced(motion: Motion, body: Body, state: State, count: int) -> tuple[float, float]:
+    """Roll and pitch of the last of ``count`` beats swum at grade medium with balancing fins."""
+    swim = motion.swim
+    beat = beat_contraction(swim, swim.medium)
+    area = FIN_AREA * motion.body.length**2
+    frames = []
+    for _ in range(count):
+        frames = [state.x.copy()]
+        for tick in np.split(beat, swim.ticks_per_beat):
+            force = pectoral_force(state, area, *balance(state), STILL)
+            frames.extend(simulate(body, state, tick, force=force))
+    return _mean_attitude(np.array(frames))
+
+
+def _turned(body: Body, motion: Motion, angle: float, start: State, phase: float) -> float:
+    """What a turn turns by, in degrees; NaN where the body loses its shape."""
+    try:
+        return turned(body, motion.swim, motion.turn, angle, start, phase)
+    except UserError:
+        return float("nan")
+
+
+def _turning(motion: Motion, body: Body, steady: State) -> Iterator[Measure]:
+    swim, _turn = motion.swim, motion.turn
+    starts = entries(body, swim, steady)
+    for angle in TURN_ANGLES:
+        errors = [_turned(body, motion, angle, *start) - angle for start in starts]
+        worst = errors[int(np.argmax(np.abs(errors)))]  # NaN, a body out of shape, is the worst
+        entered, anywhere = (off(3), off(7)) if angle <= 60 else (off(6), off(10))
+        aim = off(1) if angle <= 60 else off(3)
+        name = f"turn of {angle:g}°"
+        yield judge(f"{name}, entered at phase 0", errors[0], "+.2f", "°", entered, aim)
+        yield judge(f"{name}, at the worst phase", worst, "+.2f", "°", anywhere, off(3))
+    kept = speed_kept(body, run_trial(motion, "turn_left_sharp").frames)
+    yield Measure("speed kept in the sharp turn", f"{kept:.2f} ×")
+
+
+def _replay_error(motion: Motion, body: Body, trial: Trial, segment: Segment, name: str) -> float:
+    """Greatest distance, cm, between a cycle played back again and again and the simulation."""
+    origin, rotation = body_frame(trial.frames[-1])
+    played = replay(segment, origin, rotation, REPLAYED_CYCLES)
+    beat = steady_contraction(motion, name)
+    swum = swim_on(body, copy_state(trial.state), beat, REPLAYED_CYCLES)[1:]
+    return float(np.linalg.norm(played - swum, axis=2).max())

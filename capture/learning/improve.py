@@ -1,0 +1,194 @@
+"""`subsea-capture learn`: read a species file, learn, tell, write."""
+
+from collections.abc import Iterator
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from tqdm import tqdm
+
+from capture.inspection.gait import ENTRY_PHASES
+from capture.learning.fitness import (
+    HORIZON,
+    KICKS,
+    LONGER,
+    Gait,
+    Turning,
+    measure_gait,
+    measure_turning,
+)
+from capture.learning.learn import Learned, learn
+from capture.learning.species_edit import write_controllers
+from capture.recording.trial import beat_contraction, steady_beat
+from subsea.biomechanics.body import build_body
+from subsea.biomechanics.body_plan import Muscles, SwimPlan, TurnPlan
+from subsea.core.atomic_io import check_file
+from subsea.core.errors import UserError
+from subsea.core.resources import load_toml, resource_path
+from subsea.fish.species import SHIPPED, Species, species_file
+
+LIBRARIES = ("cma", "scipy")
+
+
+def teach(name: str, out: Path | None, dry_run: bool, budget: int, **options: Any) -> int:
+    """Learn the controllers of the species ``name`` (or file) and write them; the exit code.
+
+    0 where better ones were found, 1 where not: then the file stays as it is. ``options`` are
+    those of :func:`capture.learning.learn.learn`.
+    """
+    for library in LIBRARIES:
+        if find_spec(library) is None:
+            raise UserError(f"learning needs {library}: install subsea[learn]")
+    source = species_file(name)
+    species = load_toml(source, Species)
+    muscles = species.muscles
+    if muscles is None:
+        raise UserError(f"{source}: its spine moves it, there are no muscles to learn the use of")
+    target = out or _own(source)
+    if not dry_run:
+        check_file(target)
+    best: dict[str, tuple[float, SwimPlan | TurnPlan]] = {}
+    bars: dict[str, Any] = {}
+
+    def tell(stage: str, loss: float, plan: SwimPlan | TurnPlan) -> None:
+        if stage not in bars:
+            bars[stage] = tqdm(total=budget, desc=f"{source.stem}: {stage}", unit="try")
+        elif bars[stage].n == bars[stage].total:
+            bars[stage].total += budget  # for the next gait, when one cannot turn
+        if stage not in best or loss < best[stage][0]:
+            best[stage] = loss, plan
+            bars[stage].set_postfix_str(f"best {loss:.4f}", refresh=False)
+        bars[stage].update()
+
+    def close_bars() -> None:
+        for bar in bars.values():
+            bar.close()
+
+    try:
+        found = learn(muscles, budget=budget, tell=tell, **options)
+    except KeyboardInterrupt:
+        close_bars()
+        kept = [f"best {stage} so far, not verified: {best[stage][1]}" for stage in best]
+        raise KeyboardInterrupt("; ".join([*kept, f"{target} is as it was"])) from None
+    finally:
+        close_bars()
+    if found.swim is None and found.turn is None:
+        tried = sum(bar.n for bar in bars.values())
+        rejected = [note.partition("rejected: ") for note in found.notes if "rejected: " in note]
+        why = f", {len(rejected)} rejected, the best as {rejected[0][2]}" if rejected else ""
+        print(f"{source.stem}: nothing better found in {tried} tries{why}; {target} is as it was")
+        return 1
+    for note in found.notes:
+        print(note)
+    new = found.swim or muscles.swim, found.turn or muscles.turn
+    learned = muscles._replace(swim=new[0], turn=new[1])
+    for line in [*_comparison(muscles, learned), *_tables(learned), *_verification(found)]:
+        print(line)
+    if dry_run:
+        print(f"dry run: {target} is as it was")
+    else:
+        write_controllers(source, target, *new)
+        print(f"{target} has new controllers; `subsea-capture record` takes them up")
+    return 0
+
+
+def _own(source: Path) -> Path:
+    """Species files of a checkout are ours to change, those of an installed package are not."""
+    shipped = source.parent == resource_path(SHIPPED)
+    if shipped and not resource_path("pyproject.toml").is_file():
+        raise UserError("name the species file to write: --out FILE")
+    return source
+
+
+def _comparison(old: Muscles, new: Muscles) -> Iterator[str]:
+    """A table of old and new measures."""
+    before, after = _values(old), _values(new)
+    yield f"{'':<34} {'before':>18} {'after':>18}"
+    for name in after:
+        yield f"{name:<34} {before.get(name, '-'):>18} {after[name]:>18}"
+
+
+def _verification(found: Learned) -> Iterator[str]:
+    """What the winners have borne."""
+    beats = round(LONGER * HORIZON)
+    if found.swim:
+        swims = 4 * KICKS
+        yield f"verified: {swims} disturbed swims of {beats} beats, ten amplitudes, three grades"
+    if found.turn:
+        rows = len(found.turn.steering)
+        yield (
+            f"verified: {rows} disturbed turns and {beats} beats after each, each from "
+            f"{ENTRY_PHASES} phases, 180° to both sides, gradual turns to both sides"
+        )
+
+
+GAIT_ROWS = {
+    "stride": ("fast swim, L a beat", ".3f"),
+    "speed": ("fast swim, L/tu", ".4f"),
+    "cost": ("work, J/(kg m)", ".4f"),
+    "drift": ("drift of heading in 20 beats, °", ".4f"),
+    "aside": ("drift aside meanwhile, L", ".1e"),
+    "tail": ("tail sweep, L", ".3f"),
+    "head": ("head sweep, L", ".3f"),
+    "snout": ("bend of the snout, °", ".1f"),
+    "strouhal": ("Strouhal number", ".3f"),
+    "pull": ("contraction a step, cm", ".4f"),
+}
+TURN_ROWS = {
+    "ticks": ("widest turn, ticks", ".1f"),
+    "kept": ("speed kept in it", ".3f"),
+    "snout": ("bend of the snout in it, °", ".1f"),
+    "pull": ("contraction a step in it, cm", ".4f"),
+}
+
+
+def _values(muscles: Muscles) -> dict[str, str]:
+    """Measures by name, as a person reads them; none of what the body does not do."""
+    values = {}
+    gait, turning = _gait(muscles), _turning(muscles)
+    if gait is not None:
+        values = {name: f"{getattr(gait, key):{form}}" for key, (name, form) in GAIT_ROWS.items()}
+    if turning is not None:
+        rows = muscles.turn.steering
+        for row, error, worst in zip(rows, turning.errors, turning.worst, strict=True):
+            values[f"turn of {row.angle:g}°, error and worst, °"] = f"{error:+.2f}, {worst:+.2f}"
+        for key, (name, form) in TURN_ROWS.items():
+            values[name] = f"{getattr(turning, key):{form}}"
+    return values
+
+
+def _gait(muscles: Muscles) -> Gait | None:
+    """The steady fast gait, None where the body has none."""
+    body = build_body(muscles.body)
+    try:
+        steady = steady_beat(body, beat_contraction(muscles.swim, 1.0)).state
+    except UserError:
+        return None
+    return measure_gait(body, muscles.swim, 1.0, steady)
+
+
+def _turning(muscles: Muscles) -> Turning | None:
+    """The sharp turns, None where the body loses its shape."""
+    plan, swim, turn = muscles
+    body = build_body(plan)
+    try:
+        steady = steady_beat(body, beat_contraction(swim, swim.medium)).state
+        angles = [row.angle for row in turn.steering]
+        return measure_turning(body, swim, turn, steady, angles)
+    except UserError:
+        return None
+
+
+def _tables(muscles: Muscles) -> Iterator[str]:
+    """The new tables in short."""
+    _, swim, turn = muscles
+    row, holds = turn.steering[-1], [row.hold_ticks for row in turn.steering]
+    yield (
+        f"swim: {swim.ticks_per_beat} ticks, contraction {list(swim.contraction)}, lag {swim.lag:g}"
+        f", slow {swim.slow:g}, medium {swim.medium:g}"
+    )
+    yield (
+        f"turn: contraction {list(row.contraction)}, bend {row.bend_ticks:g}, restore "
+        f"{row.restore_ticks:g}, holds {holds} ticks, amplitude {turn.amplitude:g}, "
+        f"gradual {list(turn.gradual)}"
+    )

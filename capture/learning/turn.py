@@ -1,0 +1,199 @@
+"""Learn the turn controllers: how far and fast to bend, and from that the steering map's holds."""
+
+from itertools import islice
+
+import msgspec
+import numpy as np
+
+from capture.inspection.gait import turned, widest_pull
+from capture.learning.fitness import (
+    GRADUAL_DEG,
+    UNSOUND,
+    gradual_turn,
+    measure_turning,
+    turn_faults,
+    turn_loss,
+)
+from capture.learning.search import Hunt, distinct
+from capture.learning.swim import BETTER, VERIFIED
+from capture.recording.trial import beat_contraction, steady_beat
+from subsea.biomechanics.body import Body, Floats
+from subsea.biomechanics.body_plan import Steering, SwimPlan, TurnPlan
+from subsea.biomechanics.controllers import S_MAX
+from subsea.biomechanics.simulation import State
+from subsea.core.errors import UserError
+
+BENDS = (0.03, 0.35)
+BEND_TICKS = (4.0, 20.0)
+RESTORE_TICKS = (8.0, 40.0)
+AMPLITUDES = (0.0, 1.0)
+LONGEST_HOLD = 160.0
+"""Ticks."""
+GRADUAL_TURN = 8.0
+"""Degrees that a gradual turn turns in a beat."""
+
+
+class Unreachable(Exception):  # noqa: N818 - a finding, not a fault
+    """A steering map lacks holds; ``share`` of its rows cannot be reached."""
+
+    def __init__(self, share: float) -> None:
+        super().__init__("its bends do not reach every angle of the steering map")
+        self.share = share
+
+
+def turn_winner(
+    body: Body,
+    swim: SwimPlan,
+    old: TurnPlan,
+    new_gait: bool,
+    seed: int,
+    hunt: Hunt[TurnPlan],
+    notes: list[str],
+) -> TurnPlan | None:
+    """A verified turn controller that beats the old one, or None; ``notes`` tell the others.
+
+    With a new gait the old controller has no worth: its holds are of the old one.
+    """
+    steady = steady_beat(body, beat_contraction(swim, swim.medium)).state
+    # The angles between follow: what turns by the least and the widest one is a map for all.
+    ends = (old.steering[0], old.steering[-1])
+    angles = [row.angle for row in ends]
+    outline = msgspec.structs.replace(old, steering=ends)
+
+    def loss(turn: TurnPlan) -> float:
+        try:
+            fitted = with_holds(body, swim, turn, steady)
+            return turn_loss(measure_turning(body, swim, fitted, steady, angles), angles)
+        except Unreachable as fault:
+            return UNSOUND + fault.share
+        except UserError:
+            return UNSOUND + 2.0
+
+    tried = hunt(loss, lambda point: turn_at(outline, point), turn_point(old))
+    bound = UNSOUND
+    if not new_gait:
+        faults = turn_faults(body, swim, old, seed)
+        if faults:
+            notes.append(f"turn: the old controller is faulty: {faults[0]}")
+        else:
+            bound = turn_loss(measure_turning(body, swim, outline, steady, angles), angles)
+    better = (one for one in distinct(tried) if one.loss < bound - BETTER)
+    for one in islice(better, VERIFIED):
+        found = _verified(body, swim, turn_at(old, one.point), steady, seed, notes)
+        if found is not None:
+            return found
+    return None
+
+
+def refitted(
+    body: Body, swim: SwimPlan, turn: TurnPlan, seed: int, notes: list[str]
+) -> TurnPlan | None:
+    """The old bends with the holds that a new gait needs, beating less where it is too fast."""
+    angles = [row.angle for row in turn.steering]
+    while widest_pull(body, swim, turn, angles) > 0.99 * S_MAX and turn.amplitude > 0:
+        turn = msgspec.structs.replace(turn, amplitude=max(0.0, round(turn.amplitude - 0.01, 3)))
+    steady = steady_beat(body, beat_contraction(swim, swim.medium)).state
+    return _verified(body, swim, turn, steady, seed, notes)
+
+
+def _verified(
+    body: Body, swim: SwimPlan, turn: TurnPlan, steady: State, seed: int, notes: list[str]
+) -> TurnPlan | None:
+    """The controller with its holds and gradual turn, if it passes."""
+    try:
+        whole = with_gradual(body, swim, with_holds(body, swim, turn, steady))
+        faults = turn_faults(body, swim, whole, seed)
+    except (UserError, Unreachable) as fault:
+        faults = [str(fault)]
+    if faults:
+        notes.append(f"turn: rejected: {faults[0]}")
+        return None
+    return whole
+
+
+def turn_point(turn: TurnPlan) -> Floats:
+    """The point (5,) of the unit box at which a turn controller's widest row lies."""
+    row = turn.steering[-1]
+    low, high = np.array([BENDS, BENDS, BEND_TICKS, RESTORE_TICKS, AMPLITUDES]).T
+    values = [*row.contraction, row.bend_ticks, row.restore_ticks, turn.amplitude]
+    return (np.array(values) - low) / (high - low)
+
+
+def turn_at(base: TurnPlan, point: Floats | tuple[float, ...]) -> TurnPlan:
+    """The turn controller at a point of the unit box: all rows bend alike, holds are ``base``'s.
+
+    A body is never straightened faster than it was bent (Tu §4.6.1).
+    """
+    low, high = np.array([BENDS, BENDS, BEND_TICKS, RESTORE_TICKS, AMPLITUDES]).T
+    front, back, bend, restore, amplitude = (low + np.array(point) * (high - low)).tolist()
+    rows = tuple(
+        msgspec.structs.replace(
+            row,
+            contraction=(round(front, 3), round(back, 3)),
+            bend_ticks=round(bend, 1),
+            restore_ticks=round(max(restore, bend + 0.1), 1),
+        )
+        for row in base.steering
+    )
+    return msgspec.structs.replace(base, steering=rows, amplitude=round(amplitude, 3))
+
+
+def with_holds(body: Body, swim: SwimPlan, turn: TurnPlan, steady: State) -> TurnPlan:
+    """The controller with holds that make each row turn by its angle out of ``steady``.
+
+    Raises Unreachable where a bend turns too far by itself, or not far enough however long, or
+    where the body loses its shape.
+    """
+    from scipy.optimize import brentq
+
+    rows: list[Steering] = []
+
+    def error(hold: float, row: Steering) -> float:
+        held = msgspec.structs.replace(row, hold_ticks=float(hold))
+        alone = msgspec.structs.replace(turn, steering=(held,), sharp=row.angle)
+        try:
+            found = turned(body, swim, alone, row.angle, steady) - row.angle
+        except UserError:
+            found = float("nan")
+        if np.isnan(found):
+            raise Unreachable(1 - len(rows) / len(turn.steering))
+        return found
+
+    hold = 0.0
+    for row in turn.steering:
+        longest = hold + 20.0
+        while error(longest, row) < 0:
+            longest *= 2
+            if longest > LONGEST_HOLD:
+                raise Unreachable(1 - len(rows) / len(turn.steering))
+        if error(hold, row) > 0:
+            raise Unreachable(1 - len(rows) / len(turn.steering))
+        hold = round(float(brentq(error, hold, longest, args=(row,), xtol=0.02)), 1)
+        rows.append(msgspec.structs.replace(row, hold_ticks=hold))
+    return msgspec.structs.replace(turn, steering=tuple(rows))
+
+
+def with_gradual(body: Body, swim: SwimPlan, turn: TurnPlan) -> TurnPlan:
+    """The controller with a gradual turn of :data:`GRADUAL_TURN` degrees a beat.
+
+    It bends the two segments in the proportion of the widest turn. Raises UserError where no
+    part of that bend turns so.
+    """
+    from scipy.optimize import brentq
+
+    bend = np.array(turn.steering[-1].contraction)
+
+    def part(share: float) -> tuple[float, float]:
+        front, back = np.round(share * bend, 3).tolist()
+        return front, back
+
+    def error(share: float) -> float:
+        return gradual_turn(body, swim, part(share)) - GRADUAL_TURN
+
+    if error(1.0) > 0:
+        share = brentq(error, 0.0, 1.0, xtol=0.01)
+    elif error(1.0) + GRADUAL_TURN >= GRADUAL_DEG.low:
+        share = 1.0
+    else:
+        raise UserError("its bend is too small for a gradual turn")
+    return msgspec.structs.replace(turn, gradual=part(float(share)))

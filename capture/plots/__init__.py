@@ -1,0 +1,1 @@
+"""Draw recorded motion as PNG pages (matplotlib)."""

@@ -1,0 +1,58 @@
+"""Record several species: only what is missing, whole files or none."""
+
+from collections.abc import Callable, Mapping
+from contextlib import closing
+from pathlib import Path
+
+from capture.recording.record import Recorded, assemble
+from capture.recording.resume import drop, is_up_to_date, keep, kept, repertoire_path
+from capture.recording.workers import Check, Workers
+from subsea.fish.species import load_species
+from subsea.repertoire import SEGMENTS, write_repertoire
+
+
+def record_all(
+    folders: Mapping[str, Path],
+    workers: Workers,
+    check: Check = lambda: None,
+    tell: Callable[[str, int], object] = lambda name, segments: None,
+    force: bool = False,
+) -> list[str]:
+    """Write the repertoires of species to their folders; return the names of those recorded.
+
+    The others were up to date already; ``force`` records them again. Segments that an interrupted
+    run has kept are taken. ``tell(species, segments)`` is called as the number of finished
+    segments grows, for each species that is recorded.
+    """
+    species = {name: load_species(name) for name in folders}
+    done: dict[str, dict[str, Recorded]] = {}
+    for name, one in species.items():
+        if force:
+            drop(folders[name], name)
+        elif is_up_to_date(folders[name], name, one):
+            drop(folders[name], name)  # what a kill just before the end may have left
+            continue
+        done[name] = kept(folders[name], name, one)
+        tell(name, len(done[name]))
+    jobs = {
+        (name, segment): species[name]
+        for name, segments in done.items()
+        for segment in SEGMENTS
+        if segment not in segments
+    }
+
+    def finish(name: str) -> None:
+        if len(done[name]) == len(SEGMENTS):
+            repertoire = assemble(name, species[name], done[name])
+            write_repertoire(repertoire_path(folders[name], name), repertoire)
+            drop(folders[name], name)
+
+    for name in done:
+        finish(name)
+    with closing(workers(jobs, check)) as results:
+        for (name, segment), recorded in results:
+            keep(folders[name], name, species[name], segment, recorded)
+            done[name][segment] = recorded
+            tell(name, len(done[name]))
+            finish(name)
+    return list(done)

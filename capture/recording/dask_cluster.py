@@ -1,0 +1,112 @@
+"""Record on a Dask cluster instead of local processes (extra `cluster`)."""
+
+import asyncio
+import logging
+from collections.abc import Mapping
+from time import monotonic, sleep
+from typing import Any
+
+from capture.recording.fingerprint import fingerprint
+from capture.recording.record import Recorded
+from capture.recording.workers import POLL_S, Check, Job, Results, Workers, record_job
+from subsea.core.errors import UserError
+from subsea.fish.species import Species
+
+CONNECT_S = 4.0
+FETCH_S = 5.0
+PATIENCE_S = 15.0
+"""How long a cluster may be without any worker."""
+
+
+def cluster(address: str) -> Workers:
+    """Workers that record on the Dask cluster whose scheduler listens at ``address``.
+
+    The jobs of a worker that dies are done again by others. A UserError without `distributed`,
+    where nothing answers, where no worker is left, or where a worker runs another program.
+    """
+
+    def run(jobs: Mapping[Job, Species], check: Check) -> Results:
+        if not jobs:
+            return
+        with _connect(address) as client:
+            tasks = {
+                client.submit(_record, job, species, fingerprint(species), pure=False): job
+                for job, species in jobs.items()
+            }
+            last_seen = monotonic()
+            while tasks:
+                check()
+                for task in [task for task in tasks if task.done()]:
+                    result = _result(task, address)
+                    if result is not None:
+                        yield tasks.pop(task), result
+                if _has_workers(client, address):
+                    last_seen = monotonic()
+                elif monotonic() - last_seen > PATIENCE_S:
+                    raise UserError(f"{address}: no worker for {PATIENCE_S:g} s; start some")
+                sleep(POLL_S)
+
+    return run
+
+
+def _connect(address: str) -> Any:
+    """A client of the scheduler."""
+    try:
+        from distributed import Client
+    except ImportError as fault:
+        raise UserError("--cluster needs Dask: install subsea[cluster]") from fault
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # we say ourselves what is amiss
+    try:
+        asyncio.run(asyncio.wait_for(_identify(address), CONNECT_S))
+        return Client(address, timeout=CONNECT_S, set_as_default=False)
+    except Exception as fault:  # a stranger who listens there can provoke any
+        raise UserError(f"{address}: no Dask scheduler answers there") from fault
+
+
+async def _identify(address: str) -> None:
+    """Ask who is there: a Client that finds nobody hangs once more when it is removed."""
+    from distributed import Security
+    from distributed.core import rpc
+
+    async with rpc(address, connection_args=Security().get_connection_args("client")) as peer:
+        who = await peer.identity()
+    if who["type"] != "Scheduler":
+        raise ValueError(who["type"])
+
+
+def _record(job: Job, species: Species, expected: str) -> Recorded:
+    """Record a segment on a worker, if it does so exactly as the program that asks."""
+    if fingerprint(species) != expected:
+        raise UserError("a worker has another version of subsea, numpy or numba; install the same")
+    return record_job(job, species)
+
+
+def _has_workers(client: Any, address: str) -> bool:
+    try:
+        return bool(client.scheduler_info()["workers"])
+    except Exception as fault:
+        raise UserError(f"{address}: the scheduler is gone") from fault
+
+
+def _result(task: Any, address: str) -> Recorded | None:
+    """The result of a task that is done; None if it was lost with a worker and is made again."""
+    from distributed import CancelledError, KilledWorker
+
+    try:
+        result: Recorded = task.result(timeout=FETCH_S)
+    except TimeoutError:
+        return None
+    except KilledWorker as fault:
+        raise UserError(f"{address}: workers that record keep dying; is memory short?") from fault
+    except (CancelledError, OSError) as fault:
+        raise UserError(f"{address}: the scheduler is gone") from fault
+    except ImportError as fault:
+        raise UserError(f"{address}: a worker lacks a package: {fault}") from fault
+    except UserError:
+        raise
+    except Exception as fault:  # another program may fail in any way
+        reason = f"{type(fault).__name__}: {fault}".splitlines()[0]
+        raise UserError(
+            f"{address}: a worker cannot record ({reason}); install the same subsea there"
+        ) from fault
+    return result

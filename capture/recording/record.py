@@ -1,0 +1,144 @@
+"""Record a species' repertoire: its three swims and four turns (SMC §4.3)."""
+
+from typing import Any
+
+import msgspec
+
+from capture.recording.fingerprint import fingerprint, library_versions
+from capture.recording.segment import make_segment
+from capture.recording.spine_motion import nodes_at_rest, record_by_spine
+from capture.recording.trial import STRAIGHT, Trial, beat_contraction, sharp_turn, steady_beat
+from subsea.biomechanics.body import Floats, build_body
+from subsea.biomechanics.body_plan import BodyPlan, Muscles, SwimPlan, TurnPlan
+from subsea.biomechanics.controllers import LEFT, RIGHT
+from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, TICK_S, TIME_UNIT_S
+from subsea.fish.coupling import Coupling, couple
+from subsea.fish.species import Species
+from subsea.fish.spine import SpinePlan
+from subsea.fish.surface import SurfacePlan, rest_control_points
+from subsea.repertoire import SEGMENTS, Repertoire, Segment
+
+Motion = Muscles
+"""The three plans that decide how a species moves."""
+
+
+def steady_contraction(motion: Motion, name: str) -> Floats:
+    """Contractions (6 T, 12) of one beat of a swim or gradual turn, or of that before a sharp turn.
+
+    ``name`` is a segment's, such as ``turn_left_gradual``.
+    """
+    swim = motion.swim
+    kind, _, grade = name.rpartition("_")
+    if kind == "swim":
+        return beat_contraction(swim, {"slow": swim.slow, "medium": swim.medium}.get(grade, 1.0))
+    bias = motion.turn.gradual if grade == "gradual" else STRAIGHT
+    return beat_contraction(swim, swim.medium, bias, side_of(name))
+
+
+def side_of(name: str) -> float:
+    """LEFT or RIGHT, the side of a turn's segment."""
+    return LEFT if "left" in name else RIGHT
+
+
+def run_trial(motion: Motion, name: str) -> Trial:
+    """The trial behind the segment ``name``."""
+    body = build_body(motion.body)
+    trial = steady_beat(body, steady_contraction(motion, name))
+    if not name.endswith("sharp"):
+        return trial
+    turn = motion.turn
+    turned = sharp_turn(body, motion.swim, turn, turn.sharp, side_of(name), trial.state)
+    return turned._replace(warm_up_beats=trial.warm_up_beats)
+
+
+Recorded = tuple[Segment, int]
+"""A segment and the beats of its warm-up."""
+
+
+def record_segment(species: Species, name: str) -> Recorded:
+    """One segment of a species' repertoire.
+
+    Of the species that muscles move only schooling ones carry control points: they are many, and
+    SMC §4.1 trades the memory for them alone.
+    """
+    if species.spine:
+        return record_by_spine(species.spine, species.surface, name), 0
+    motion = motion_of(species)
+    trial = run_trial(motion, name)
+    kind, _, grade = name.rpartition("_")
+    segment = make_segment(
+        trial.frames,
+        species.length_cm,
+        pattern={"swim": "forward", "turn_left": "left", "turn_right": "right"}[kind],
+        grade=grade,
+        cyclic=grade != "sharp",
+        coupling=_surface_coupling(species.surface, motion.body) if species.schooling else None,
+    )
+    return segment, trial.warm_up_beats
+
+
+def _surface_coupling(surface: SurfacePlan, body: BodyPlan) -> Coupling:
+    """Bind the 426 control points of a surface to the nodes of a body (SMC eq. 9, Tu §5.4)."""
+    nodes = build_body(body).rest
+    points = rest_control_points(surface, body.length, nodes[0, 0])
+    return couple(surface.coupling, nodes, points)
+
+
+def motion_of(species: Species) -> Motion:
+    """The plans of a species that the recording depends on; ValueError if it has no muscles."""
+    if species.muscles is None:
+        raise ValueError(f"{species.name} has no muscles")
+    return species.muscles
+
+
+def motion_from_provenance(provenance: dict[str, Any]) -> Motion:
+    """The plans a repertoire was recorded from; msgspec.ValidationError where they are no plans."""
+    return Motion(
+        msgspec.convert(provenance.get("body"), BodyPlan),
+        msgspec.convert(provenance.get("swim"), SwimPlan),
+        msgspec.convert(provenance.get("turn"), TurnPlan),
+    )
+
+
+def spine_from_provenance(provenance: dict[str, Any]) -> tuple[SpinePlan, SurfacePlan]:
+    """The same of a fish that its spine moves."""
+    return (
+        msgspec.convert(provenance.get("spine"), SpinePlan),
+        msgspec.convert(provenance.get("surface"), SurfacePlan),
+    )
+
+
+def record_species(name: str, species: Species) -> Repertoire:
+    """The whole repertoire of a species, recorded in this process."""
+    return assemble(
+        name, species, {segment: record_segment(species, segment) for segment in SEGMENTS}
+    )
+
+
+def assemble(name: str, species: Species, recorded: dict[str, Recorded]) -> Repertoire:
+    """Put recorded segments together; the provenance holds all it takes to record them again."""
+    if species.spine:
+        source, rest = "spine", nodes_at_rest(species.spine, species.surface)
+        plans = {"spine": species.spine, "surface": species.surface}
+    else:
+        motion = motion_of(species)
+        source, rest, plans = "biomechanics", build_body(motion.body).rest, motion._asdict()
+    return Repertoire(
+        species=name,
+        tick_s=TICK_S,
+        body_length_cm=species.length_cm,
+        source=source,
+        provenance={
+            "tool": "subsea-capture",
+            "versions": library_versions(),
+            "fingerprint": fingerprint(species),
+            "seed": None,  # nothing in a recording is random
+            "step_tu": STEP,
+            "steps_per_tick": STEPS_PER_TICK,
+            "time_unit_s": TIME_UNIT_S,
+            "warm_up_beats": {segment: beats for segment, (_, beats) in sorted(recorded.items())},
+            **{key: msgspec.to_builtins(plan) for key, plan in plans.items()},
+        },
+        rest_nodes=rest,
+        segments={segment: recorded[segment][0] for segment in SEGMENTS if segment in recorded},
+    )

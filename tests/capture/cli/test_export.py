@@ -1,0 +1,118 @@
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from capture.cli.main import main
+from subsea.fish.species import own_species_file, repertoire_file, species_file
+from subsea.repertoire import read_repertoire, write_repertoire
+
+
+@pytest.mark.parametrize(
+    ("form", "files"),
+    [
+        (
+            "vat",
+            [
+                "fusilier_vat/fusilier_vat.png",
+                "fusilier_vat/fusilier_basecolor.png",
+                "fusilier_vat/fusilier.glb",
+                "fusilier_vat/fusilier-remap_info.json",
+            ],
+        ),
+        ("usd", ["fusilier.usdc", "fusilier_basecolor.png"]),
+        ("gltf", ["fusilier.glb"]),
+        ("gltf --morph", ["fusilier.glb"]),
+    ],
+)
+def test_it_tells_each_file_in_a_line(
+    form: str, files: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "new"
+    wanted = f"export fusilier --to {form} --detail 3".split()
+    assert main([*wanted, "--out", str(out)]) == 0
+    told = [line.partition(": ")[0] for line in capsys.readouterr().out.splitlines()]
+    assert told == [str(out / name) for name in files]
+    assert {path for path in out.rglob("*") if path.is_file()} == {out / name for name in files}
+
+
+def test_detail_and_root_reach_the_files(tmp_path: Path) -> None:
+    small = ["export", "fusilier", "--to", "vat", "--detail", "3"]
+    assert main([*small, "--out", str(tmp_path / "a")]) == 0
+    assert main([*small, "--root", "baked", "--out", str(tmp_path / "b")]) == 0
+    info = [
+        (tmp_path / folder / "fusilier_vat" / "fusilier-remap_info.json").read_text()
+        for folder in "ab"
+    ]
+    assert '"root"' in info[0] and '"root"' not in info[1]
+    glb = tmp_path / "a" / "fusilier_vat" / "fusilier.glb"
+    assert main([*small[:-1], "1", "--out", str(tmp_path / "c")]) == 0
+    assert glb.stat().st_size < (tmp_path / "c" / "fusilier_vat" / "fusilier.glb").stat().st_size
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        (["fusiler", "--to", "usd"], "did you mean 'fusilier'?"),
+        (["assets/species/fusilier.toml", "--to", "gltf"], "expected the name of a species"),
+        (["my_fish.toml", "--to", "vat"], "my_fish.toml: expected the name of a species"),
+        (["fusilier"], "--to"),
+        (["fusilier", "--to", "fbx"], "'fbx'"),
+        (["fusilier", "--to", "vat", "--detail", "4"], "whole number from 0 to 3"),
+        (["fusilier", "--to", "vat", "--root", "fixed"], "'fixed'"),
+        (["fusilier", "--to", "usd", "--morph"], "--morph is for --to gltf"),
+        (["fusilier", "--to", "gltf", "--out", "/proc/none"], "/proc/none"),
+        (["fusilier", "--to", "vat", "--out", "/proc/none"], "/proc/none"),
+    ],
+)
+def test_what_the_user_can_mend_is_one_line(
+    arguments: list[str], expected: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["export", *arguments]) == 2
+    out, err = capsys.readouterr()
+    assert not out and err.count("\n") == 1 and expected in err
+
+
+def test_a_species_of_ones_own_is_exported_by_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    mine, shipped = own_species_file("my-fish"), species_file("fusilier")
+    mine.parent.mkdir(parents=True)
+    mine.write_text(shipped.read_text(encoding="utf-8"), encoding="utf-8")
+    arguments = ["export", "my-fish", "--to", "usd", "--detail", "3", "--out", str(tmp_path)]
+    assert main(arguments) == 2
+    assert "`subsea-capture record my-fish` makes it" in capsys.readouterr().err
+    repertoire = read_repertoire(repertoire_file("fusilier"))
+    write_repertoire(repertoire_file("my-fish"), replace(repertoire, species="my-fish"))
+    assert main(arguments) == 0
+    assert (tmp_path / "my-fish.usdc").is_file()
+
+
+def test_interrupted_it_leaves_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """While joints are fitted, which takes longest."""
+
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("capture.export.rig._fit_weights", interrupt)
+    new = tmp_path / "new"
+    assert main(["export", "fusilier", "--to", "gltf", "--detail", "3", "--out", str(new)]) == 130
+    out, err = capsys.readouterr()
+    assert not out and err == "subsea-capture: interrupted\n"
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("form", ["vat", "usd", "gltf"])
+def test_without_room_nothing_is_left(form: str, tmp_path: Path) -> None:
+    """No file may be longer than 200 blocks of 1024 bytes: the last ones fail."""
+    arguments = f"export fusilier --to {form} --detail 2 --out {tmp_path / 'new'}"
+    command = f"ulimit -f 200; exec {sys.executable} -m capture {arguments}"
+    run = subprocess.run(["bash", "-c", command], capture_output=True, text=True, timeout=120)
+    assert run.returncode == 2 and not run.stdout
+    assert run.stderr.count("\n") == 1 and "File too large" in run.stderr
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,84 @@
+"""A mesh of one's own follows the scaffold, and nothing else of it changes."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from capture.cli.main import main
+from capture.export.obj import bind_mesh, fitted, read_mesh, write_mesh
+from subsea.biomechanics.body import TRIANGLES
+from subsea.repertoire import Repertoire
+
+HEAD = "# a fish\nmtllib fish.mtl\no fish\n"
+
+
+def write_obj(path: Path, vertices: np.ndarray) -> Path:
+    """The hull as a mesh with texture coordinates and normals."""
+    faces = "".join(f"f {a + 1}/1/1 {b + 1}//1 {c + 1}/1\n" for a, b, c in TRIANGLES[:40].tolist())
+    points = "".join(f"v {x} {y} {z} 0.5 0.5 0.5\n" for x, y, z in vertices)
+    path.write_text(HEAD + points + "vt 0 0\nvn 0 0 1\nusemtl skin\n" + faces)
+    return path
+
+
+def test_a_mesh_of_the_nodes_moves_as_the_nodes_do(repertoire: Repertoire, tmp_path: Path) -> None:
+    mesh = bind_mesh(repertoire, write_obj(tmp_path / "fish.obj", repertoire.rest_nodes), False)
+    for nodes in repertoire.segments["turn_left_sharp"].nodes[::20]:
+        write_mesh(tmp_path / "bent.obj", mesh, nodes)
+        np.testing.assert_allclose(read_mesh(tmp_path / "bent.obj")[1], nodes, atol=1e-4)
+
+
+def test_all_but_vertices_and_normals_stays(repertoire: Repertoire, tmp_path: Path) -> None:
+    mesh = bind_mesh(repertoire, write_obj(tmp_path / "fish.obj", repertoire.rest_nodes), False)
+    write_mesh(tmp_path / "bent.obj", mesh, repertoire.segments["swim_slow"].nodes[0])
+    text = (tmp_path / "bent.obj").read_text()
+    assert text.startswith(HEAD)
+    a, b, c = TRIANGLES[0] + 1
+    assert f"usemtl skin\nf {a}/1 {b} {c}/1\n" in text
+    assert "vn" not in text
+    assert text.count(" 0.5 0.5 0.5\n") == 23
+
+
+def test_fitting_brings_any_size_to_the_fish(repertoire: Repertoire) -> None:
+    found = fitted(7.0 * repertoire.rest_nodes + (30.0, -2.0, 5.0), repertoire)
+    np.testing.assert_allclose(found, repertoire.rest_nodes, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("hello\n", "no vertices"),
+        ("v 1 2\n", "line 1: expected `v x y z`"),
+        ("v 1 2 three\n", "line 1: expected `v x y z`"),
+        ("v 0 0 nan\n", "not finite"),
+        ("v 900 0 0\nv 0 0 0\n", "--fit"),
+    ],
+)
+def test_what_is_no_mesh_is_one_line(
+    recorded: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    text: str,
+    message: str,
+) -> None:
+    mesh = tmp_path / "mesh.obj"
+    mesh.write_text(text)
+    assert main(["mesh", str(recorded), str(mesh), "--out", str(tmp_path / "out")]) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert "mesh.obj" in error
+    assert message in error
+    assert not (tmp_path / "out").exists()
+
+
+def test_from_the_command_line(
+    recorded: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], repertoire: Repertoire
+) -> None:
+    mesh = write_obj(tmp_path / "big.obj", 40.0 * repertoire.rest_nodes)
+    out = tmp_path / "out"
+    arguments = ["mesh", str(recorded), str(mesh), "--fit", "--out", str(out)]
+    assert main(arguments) == 0
+    assert len(list(out.glob("big_swim_fast_*.obj"))) == 14
+    assert "big_swim_fast_0000.obj and 13 more" in capsys.readouterr().out
+    assert main([*arguments, "--segment", "swim_fats"]) == 2
+    assert "swim_fast" in capsys.readouterr().err

@@ -1,0 +1,21 @@
+import numpy as np
+
+from capture.inspection.simulated import measure, replay
+from capture.recording.record import motion_of
+from subsea.fish.species import Species
+from subsea.repertoire import Repertoire
+
+
+def test_every_measure_reaches_what_is_asked(repertoire: Repertoire, species: Species) -> None:
+    report = list(measure(motion_of(species), repertoire))
+    # The cost depends on what else this machine does; everything else must hold anywhere.
+    short = [m for m in report if not m.passed and "µs" not in m.value]
+    assert not short
+    assert len(report) > 25
+
+
+def test_a_cycle_can_be_replayed_without_end(repertoire: Repertoire) -> None:
+    swim = repertoire.segments["swim_fast"]
+    way = replay(swim, np.zeros(3), np.eye(3), 40)[len(swim.nodes) - 1 :: len(swim.nodes)]
+    strides = np.diff(way.mean(axis=1), axis=0)
+    np.testing.assert_allclose(strides, strides[:1].repeat(len(strides), axis=0), atol=1e-4)

@@ -1,0 +1,259 @@
+"""Recording of several species: interrupted, resumed, in processes that die, on a full disk."""
+
+import dataclasses
+import multiprocessing
+import os
+import resource
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+from msgspec import structs
+
+from capture.cli.main import main
+from capture.recording import batch, workers
+from capture.recording.batch import record_all
+from capture.recording.record import record_segment
+from capture.recording.resume import keep, kept
+from capture.recording.workers import here, processes
+from subsea.core.errors import UserError
+from subsea.fish.species import Species, load_species, species_names
+from subsea.repertoire import SEGMENTS, Repertoire, write_repertoire
+
+NAMES = ["emperor_angelfish", "fusilier"]
+
+
+@pytest.fixture(scope="module")
+def whole(repertoires: dict[str, Repertoire], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the files of an undisturbed recording."""
+    folder = tmp_path_factory.mktemp("whole")
+    for name in NAMES:
+        write_repertoire(folder / f"{name}.h5", repertoires[name])
+    return folder
+
+
+def assert_same(folder: Path, whole: Path) -> None:
+    """The same files, to the last byte, and nothing beside them."""
+    assert sorted(path.name for path in folder.iterdir()) == [f"{name}.h5" for name in NAMES]
+    for name in NAMES:
+        assert (folder / f"{name}.h5").read_bytes() == (whole / f"{name}.h5").read_bytes()
+
+
+def changed(species: Species, table: str, **values: object) -> Species:
+    """The species with other values in one of its tables."""
+    return structs.replace(species, **{table: structs.replace(getattr(species, table), **values)})
+
+
+@pytest.fixture
+def swum(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """The segments that are swum, in their order."""
+    names: list[str] = []
+
+    def swim(species: Species, segment: str) -> workers.Recorded:
+        names.append(segment)
+        return record_segment(species, segment)
+
+    monkeypatch.setattr(workers, "record_segment", swim)
+    return names
+
+
+def test_the_number_of_processes_changes_nothing(whole: Path, tmp_path: Path) -> None:
+    told: list[tuple[str, int]] = []
+    assert (
+        record_all(dict.fromkeys(NAMES, tmp_path), processes(2), tell=lambda *at: told.append(at))
+        == NAMES
+    )
+    assert_same(tmp_path, whole)
+    for name in NAMES:
+        assert [count for which, count in told if which == name] == list(range(8))
+
+
+@pytest.mark.parametrize("done", [0, 4, 7, 11, 14])
+def test_an_interrupted_recording_goes_on_where_it_stopped(
+    done: int, whole: Path, tmp_path: Path, swum: list[str]
+) -> None:
+    def interrupt() -> None:
+        if len(swum) == done:
+            raise KeyboardInterrupt
+
+    if done < 14:
+        with pytest.raises(KeyboardInterrupt):
+            record_all(dict.fromkeys(NAMES, tmp_path), here, check=interrupt)
+    else:
+        record_all(dict.fromkeys(NAMES, tmp_path), here, check=interrupt)
+    assert [path.name for path in tmp_path.glob("*.h5")] == [f"{n}.h5" for n in NAMES[: done // 7]]
+    recorded = record_all(dict.fromkeys(NAMES, tmp_path), here)
+    assert recorded == NAMES[done // 7 :]
+    assert swum == list(SEGMENTS) * 2
+    assert_same(tmp_path, whole)
+
+
+def test_what_is_up_to_date_is_left_alone_unless_forced(
+    whole: Path, tmp_path: Path, swum: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "fusilier.h5"
+    path.write_bytes((whole / "fusilier.h5").read_bytes())
+    before = path.stat().st_mtime_ns
+    assert main(["record", "fusilier", "--out", str(tmp_path)]) == 0
+    assert capsys.readouterr().out == f"{path}: up to date\n"
+    assert path.stat().st_mtime_ns == before
+    assert not swum
+    assert main(["record", "fusilier", "--out", str(tmp_path), "--force"]) == 0
+    assert capsys.readouterr().out == f"{path}\n"
+    assert path.stat().st_mtime_ns > before
+    assert swum == list(SEGMENTS)
+
+
+def test_kept_segments_of_another_fish_or_damaged_ones_are_recorded_again(
+    tmp_path: Path, swum: list[str]
+) -> None:
+    species = load_species("fusilier")
+    recorded = record_segment(species, "swim_slow")
+    for segment in ("swim_slow", "swim_medium", "swim_fast"):
+        keep(tmp_path, "fusilier", species, segment, recorded)
+    assert set(kept(tmp_path, "fusilier", species)) == {"swim_slow", "swim_medium", "swim_fast"}
+    assert not kept(tmp_path, "fusilier", changed(species, "swim", lag=1.4))
+    ours, theirs = (tmp_path / f".{fish}.swim_fast.recording" for fish in ("fusilier", "bluefish"))
+    theirs.write_bytes(ours.read_bytes())
+    assert not kept(tmp_path, "bluefish", species)
+    (tmp_path / ".fusilier.swim_medium.recording").write_bytes(b"half")
+    assert set(kept(tmp_path, "fusilier", species)) == {"swim_slow", "swim_fast"}
+
+
+@pytest.mark.parametrize("name", species_names())
+def test_a_segment_is_kept_exactly(name: str, tmp_path: Path) -> None:
+    species = load_species(name)
+    segment, beats = record_segment(species, "turn_left_sharp")
+    keep(tmp_path, name, species, "turn_left_sharp", (segment, beats))
+    ((back, again),) = kept(tmp_path, name, species).values()
+    assert again == beats
+    for field in dataclasses.fields(segment):
+        ours, theirs = getattr(segment, field.name), getattr(back, field.name)
+        if field.name == "control_points" and ours is not None:
+            ours = ours.astype(np.float32)  # as they are stored
+        np.testing.assert_array_equal(theirs, ours)
+
+
+def test_a_process_that_dies_loses_nothing(whole: Path, tmp_path: Path) -> None:
+    killed: list[int] = []
+
+    def kill_once() -> None:
+        for child in multiprocessing.active_children()[: 1 - len(killed)]:
+            os.kill(child.pid or 0, signal.SIGKILL)
+            killed.append(child.pid or 0)
+
+    record_all(dict.fromkeys(NAMES, tmp_path), processes(2), check=kill_once)
+    assert len(killed) == 1
+    assert_same(tmp_path, whole)
+
+
+def test_processes_that_keep_dying_are_one_line(tmp_path: Path) -> None:
+    def kill() -> None:
+        for child in multiprocessing.active_children():
+            os.kill(child.pid or 0, signal.SIGKILL)
+
+    with pytest.raises(UserError, match=r"keep dying, 3 so far.*fusilier swim_slow") as caught:
+        record_all({"fusilier": tmp_path}, processes(2), check=kill)
+    assert "\n" not in str(caught.value)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_fish_that_cannot_swim_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    limp = changed(load_species("fusilier"), "body", cross_stiffness=1.0)
+    monkeypatch.setattr(batch, "load_species", lambda name: limp)
+    with pytest.raises(UserError, match="fusilier, swim_slow: the body lost its shape"):
+        record_all({"fusilier": tmp_path}, here)
+    assert not (tmp_path / "fusilier.h5").exists()
+
+
+@contextmanager
+def full_disk(free: int) -> Iterator[None]:
+    """No file grows beyond ``free`` bytes."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (free, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+@pytest.mark.parametrize("free", [1000, 60_000, 500_000])
+def test_a_full_disk_is_one_line_and_leaves_the_old_repertoire(
+    free: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The disk fills up in the first segment, in the fifth, or in the repertoire."""
+    old = tmp_path / "fusilier.h5"
+    old.write_bytes(b"the old one")
+    with full_disk(free):
+        assert main(["record", "fusilier", "--out", str(tmp_path)]) == 2
+    out, err = capsys.readouterr()
+    assert not out
+    assert err.startswith(f"subsea-capture: {tmp_path}")
+    assert err.endswith("cannot write (File too large)\n")
+    assert err.count("\n") == 1
+    assert old.read_bytes() == b"the old one"
+    assert not list(tmp_path.rglob("*.part"))
+
+
+SLOW = """
+import sys, time
+from capture.cli import main as cli
+from capture.recording import workers
+record_segment = workers.record_segment
+def slowly(species, segment):
+    time.sleep(0.4)
+    return record_segment(species, segment)
+workers.record_segment = slowly
+sys.exit(cli.main(sys.argv[1:]))
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_ctrl_c_leaves_the_old_repertoire_and_one_line(
+    number: int, whole: Path, tmp_path: Path
+) -> None:
+    old = tmp_path / "fusilier.h5"
+    old.write_bytes(b"the old one")
+    command = [sys.executable, "-c", SLOW, "record", "fusilier", "--out", str(tmp_path)]
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as running:
+        while running.poll() is None and not list(tmp_path.glob(".*.swim_medium.recording")):
+            time.sleep(0.02)
+        running.send_signal(number)
+        out, err = running.communicate(timeout=60)
+    assert running.returncode == 130
+    assert not out
+    assert err == "subsea-capture: interrupted: run the same command to continue\n"
+    assert old.read_bytes() == b"the old one"
+    assert main(["record", "fusilier", "--out", str(tmp_path)]) == 0
+    assert old.read_bytes() == (whole / "fusilier.h5").read_bytes()
+    assert list(tmp_path.iterdir()) == [old]
+
+
+def test_ctrl_c_reaches_processes_that_are_just_starting_in_silence(tmp_path: Path) -> None:
+    """A terminal sends it to every process of the command."""
+    command = [sys.executable, "-m", "capture", "record", "--all", "--jobs", "2"]
+    with subprocess.Popen(
+        [*command, "--out", str(tmp_path)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    ) as running:
+        children = Path(f"/proc/{running.pid}/task/{running.pid}/children")
+        while len(children.read_text().split()) < 3:  # the two, and one that tidies up after them
+            assert running.poll() is None
+            time.sleep(0.005)
+        time.sleep(0.05)
+        os.killpg(running.pid, signal.SIGINT)
+        out, err = running.communicate(timeout=60)
+    assert running.returncode == 130
+    assert not out
+    assert err == "subsea-capture: interrupted: run the same command to continue\n"

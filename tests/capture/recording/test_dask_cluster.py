@@ -1,0 +1,162 @@
+"""Recording on a Dask cluster of real processes, of which one dies."""
+
+import asyncio
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import distributed
+import pytest
+
+from capture.cli.main import main
+from capture.recording import dask_cluster as module
+from capture.recording.batch import record_all
+from capture.recording.dask_cluster import cluster
+from subsea.core.errors import UserError
+from subsea.fish.species import load_species
+from subsea.repertoire import Repertoire, write_repertoire
+
+NAMES = ["emperor_angelfish", "fusilier"]
+DASK = [sys.executable, "-m", "dask"]
+WORKER = ["--no-nanny", "--nthreads", "1", "--no-dashboard", "--death-timeout", "60"]
+
+
+class Cluster:
+    """A scheduler and some workers, each a process."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.processes = ExitStack()
+        with socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            self.address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
+        port = self.address.rpartition(":")[2]
+        self.scheduler = self._start(
+            "scheduler", "--host", "127.0.0.1", "--port", port, "--no-dashboard"
+        )
+        self.workers = [self._start("worker", self.address, *WORKER) for _ in range(2)]
+
+    def _start(self, *arguments: str) -> "subprocess.Popen[bytes]":
+        process = subprocess.Popen(
+            [*DASK, *arguments],
+            cwd=self.folder,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        self.processes.callback(process.wait)
+        self.processes.callback(process.kill)
+        return process
+
+    def wait(self) -> None:
+        """Until the scheduler answers."""
+        port = int(self.address.rpartition(":")[2])
+        for _ in range(300):
+            with socket.socket() as probe:
+                if probe.connect_ex(("127.0.0.1", port)) == 0:
+                    return
+            time.sleep(0.1)
+        pytest.fail("the scheduler does not come up")
+
+
+@pytest.fixture
+def dask(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
+    running = Cluster(tmp_path_factory.mktemp("dask"))
+    with running.processes:
+        running.wait()
+        yield running
+
+
+def test_a_worker_that_is_killed_midway_loses_nothing(
+    dask: Cluster, repertoires: dict[str, Repertoire], tmp_path: Path
+) -> None:
+    done: dict[str, int] = {}
+
+    def tell(name: str, segments: int) -> None:
+        done[name] = segments
+        if sum(done.values()) == 3:
+            dask.workers[0].kill()
+
+    assert record_all(dict.fromkeys(NAMES, tmp_path), cluster(dask.address), tell=tell) == NAMES
+    assert dask.workers[0].wait() == -9
+    assert dask.workers[1].poll() is None
+    assert done == dict.fromkeys(NAMES, 7)
+    for name in NAMES:
+        write_repertoire(tmp_path / "undisturbed.h5", repertoires[name])
+        expected = (tmp_path / "undisturbed.h5").read_bytes()
+        assert (tmp_path / f"{name}.h5").read_bytes() == expected
+
+
+@pytest.mark.parametrize(
+    ("lost", "line"), [("workers", "no worker for"), ("scheduler", "the scheduler is gone")]
+)
+def test_a_cluster_that_is_lost_is_one_line_and_what_is_done_is_kept(
+    lost: str, line: str, dask: Cluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def tell(name: str, segments: int) -> None:
+        if segments == 2:
+            monkeypatch.setattr(module, "PATIENCE_S", 0.5)
+            monkeypatch.setattr(module, "FETCH_S", 0.5)
+            for process in dask.workers if lost == "workers" else [dask.scheduler]:
+                process.kill()
+
+    with pytest.raises(UserError, match=line) as caught:
+        record_all({"fusilier": tmp_path}, cluster(dask.address), tell=tell)
+    assert "\n" not in str(caught.value)
+    assert len(list(tmp_path.glob(".fusilier.*.recording"))) >= 2
+
+
+@pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "nonsense", "ftp://x:1", ""])
+def test_an_address_where_no_scheduler_answers_is_one_line_and_soon_given_up(
+    address: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    assert module.CONNECT_S < 10.0  # Dask's own patience is 30 s
+    monkeypatch.setattr(module, "CONNECT_S", 0.5)
+    waited = []
+    wait_for = asyncio.wait_for
+
+    def waiting(what: Any, timeout: float) -> Any:
+        waited.append(timeout)
+        return wait_for(what, timeout)
+
+    monkeypatch.setattr(asyncio, "wait_for", waiting)
+    monkeypatch.setattr(distributed, "Client", pytest.fail)  # that asks once more
+    code = main(["record", "fusilier", "--out", str(tmp_path), "--cluster", address])
+    assert waited[0] == 0.5
+    assert code == 2
+    out, err = capsys.readouterr()
+    assert not out
+    assert err == f"subsea-capture: {address}: no Dask scheduler answers there\n"
+
+
+def test_a_client_waits_as_long_as_it_should(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def identify(address: str) -> None:
+        assert address == "tcp://there"
+
+    monkeypatch.setattr(module, "_identify", identify)
+    monkeypatch.setattr(module, "CONNECT_S", 0.5)
+    monkeypatch.setattr(distributed, "Client", lambda address, **given: (address, given))
+    address, given = module._connect("tcp://there")
+    assert address == "tcp://there"
+    assert given["timeout"] == 0.5
+
+
+def test_without_dask_the_line_says_what_to_install(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    command = ["record", "fusilier", "--out", str(tmp_path), "--cluster", "tcp://127.0.0.1:9"]
+    assert main(command) == 2
+    assert "install subsea[cluster]" in capsys.readouterr().err
+
+
+def test_a_worker_with_another_program_refuses() -> None:
+    with pytest.raises(UserError, match="another version"):
+        module._record(("fusilier", "swim_slow"), load_species("fusilier"), "of yesterday")

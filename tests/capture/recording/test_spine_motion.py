@@ -1,0 +1,159 @@
+"""Segments recorded from a spine."""
+
+import dataclasses
+
+import msgspec
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from capture.cli.main import main
+from capture.inspection.simulated import replay
+from capture.recording.record import record_segment, record_species
+from capture.recording.spine_motion import perform
+from subsea.biomechanics.body_frame import to_world
+from subsea.fish.species import load_species, species_names
+from subsea.fish.spine import SpinePlan, Turn
+from subsea.geometry.rotation import matrix
+from subsea.geometry.spline import basis_table, dense
+from subsea.repertoire import SEGMENTS, write_repertoire
+
+OTHER_TURN = {"gradual": 30.0, "sharp": 30.0, "sharp_beats": 6}
+NAMES = [name for name in species_names() if load_species(name).spine]
+
+
+@pytest.fixture(scope="module", params=NAMES)
+def species(request):
+    return load_species(request.param)
+
+
+@pytest.fixture(scope="module")
+def recorded(species):
+    return {name: record_segment(species, name)[0] for name in SEGMENTS}
+
+
+def test_there_is_such_a_species():
+    assert NAMES
+
+
+def test_cycles_close_exactly(recorded):
+    for segment in recorded.values():
+        if segment.cyclic:
+            assert segment.loop_error_bl < 1e-9
+
+
+def test_right_is_the_mirror_image_of_left(recorded):
+    mirror = np.array([1.0, 1.0, -1.0])
+    for grade in ("gradual", "sharp"):
+        left, right = (recorded[f"turn_{side}_{grade}"] for side in ("left", "right"))
+        assert right.turn_deg == pytest.approx(-left.turn_deg, abs=1e-9)
+        np.testing.assert_allclose(
+            right.increment_translation, left.increment_translation * mirror, atol=1e-9
+        )
+        # The halves of the surface, and the fins in the plane of symmetry.
+        a, b = left.control_points, right.control_points * mirror
+        swapped = np.concatenate([b[:, 189:378], b[:, :189], b[:, 378:]], axis=1)
+        np.testing.assert_allclose(a, swapped, atol=1e-7)
+
+
+def test_turns_are_those_of_the_plan(species, recorded):
+    turn = species.spine.turn
+    assert recorded["turn_left_gradual"].turn_deg == pytest.approx(turn.gradual, abs=1e-6)
+    assert recorded["turn_left_sharp"].turn_deg == pytest.approx(turn.sharp, abs=1e-6)
+
+
+def test_a_beat_takes_the_fish_forward_by_its_slip(species, recorded):
+    plan = species.spine
+    for grade in ("slow", "medium", "fast"):
+        gait = getattr(plan, grade)
+        segment = recorded[f"swim_{grade}"]
+        way = segment.increment_translation.sum(axis=0)
+        assert len(segment.nodes) == gait.ticks_per_beat
+        np.testing.assert_allclose(way, [plan.stride(gait) * plan.length, 0, 0], atol=1e-9)
+
+
+def test_the_wave_runs_backward_faster_than_the_fish_swims(species):
+    """So the crest goes backward in still water, where it is not swallowed by the head."""
+    if species.spine.wings:
+        return  # their wave runs along the chord: tests/fish/test_spine.py
+    points = perform(species.spine, species.surface, "swim_fast").points
+    ridge = dense(basis_table(21, 2001), 21) @ points[:, :21]
+    rear = ridge[:, 900:1900]
+    k = rear[..., 2].argmax(axis=1)
+    crest = rear[np.arange(len(rear)), k, 0]
+    seen = (k > 0) & (k < 999)  # a crest, not just an end that stands farthest aside
+    runs = np.diff(crest)[seen[1:] & seen[:-1] & (np.diff(k) > 0)]
+    assert len(runs) > 5
+    assert (runs < 0).all()
+
+
+@given(st.integers(0, 2**32 - 1), st.sampled_from(SEGMENTS))
+def test_replayed_from_any_pose_it_is_what_was_performed(seed, name):
+    species = load_species(NAMES[0])
+    segment = record_segment(species, name)[0]
+    rng = np.random.default_rng(seed)
+    q = rng.normal(size=4)
+    rotation = matrix(q / np.linalg.norm(q))
+    origin = rng.uniform(-500, 500, 3)
+    nodes = perform(species.spine, species.surface, name).nodes
+    start = 0.5 * (nodes[0, 5] + nodes[0, 7])
+    expected = to_world(nodes[1:] - start, origin, rotation)
+    np.testing.assert_allclose(replay(segment, origin, rotation, 1), expected, atol=1e-6)
+
+
+def test_the_surface_is_recorded_and_stays_near_the_body(species, recorded):
+    for segment in recorded.values():
+        assert segment.control_points.shape == (len(segment.nodes), 426, 3)
+        assert np.isfinite(segment.control_points).all()
+        far = np.linalg.norm(segment.control_points, axis=2).max() / species.length_cm
+        assert far <= segment.bounding_radius_bl + 1e-9 < 1.2
+
+
+def test_linear_swing_moves_differently_from_sinusoidal(species):
+    plan = species.spine
+    linear = msgspec.structs.replace(
+        plan, swing=msgspec.structs.replace(plan.swing, function="linear")
+    )
+    a, b = (perform(one, species.surface, "swim_fast").points for one in (plan, linear))
+    assert 0.001 * plan.length < np.abs(a - b).max() < 0.1 * plan.length
+
+
+def test_inspect_judges_it_by_its_rules(species, tmp_path, capsys):
+    name = NAMES[0]
+    path = tmp_path / f"{name}.h5"
+    repertoire = record_species(name, load_species(name))
+    write_repertoire(path, repertoire)
+    assert main(["inspect", str(path)]) == 0
+    told = capsys.readouterr().out
+    assert "from spine" in told
+    assert "replayed against the rule" in told
+    other = msgspec.structs.replace(
+        load_species(name).spine, turn=msgspec.convert(OTHER_TURN, Turn)
+    )
+    foreign = repertoire.provenance | {"spine": msgspec.to_builtins(other)}
+    write_repertoire(path, dataclasses.replace(repertoire, provenance=foreign))
+    assert main(["inspect", str(path)]) == 1
+    write_repertoire(path, dataclasses.replace(repertoire, provenance={}))
+    assert main(["inspect", str(path)]) == 2
+    assert "holds no fish" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"length": 1.0}, "length"),
+        ({"centre": 1.0}, "centre"),
+        ({"slow": {"ticks_per_beat": 20, "amplitude": 1.0, "slip": 0.9}}, "faster than the one"),
+        ({"slow": {"ticks_per_beat": 4, "amplitude": 1.0, "slip": 0.1}}, "ticks_per_beat"),
+        ({"fast": {"ticks_per_beat": 20, "amplitude": 1.0, "slip": 1.0}}, "slip"),
+        ({"turn": OTHER_TURN | {"sharp_beats": 1}}, "sharp_beats"),
+        ({"turn": OTHER_TURN | {"sharp": 0.0}}, "sharp"),
+        ({"wing": {}}, "wing"),
+    ],
+)
+def test_an_absurd_spine_is_refused_in_one_line(changes, words):
+    plan = msgspec.to_builtins(load_species("ribbon_eel").spine)
+    with pytest.raises(msgspec.ValidationError, match=words) as caught:
+        msgspec.convert(plan | changes, SpinePlan)
+    assert "\n" not in str(caught.value)
