@@ -198,7 +198,7 @@ def smoothed(values: Array, sigma: float) -> Array:
 
 def forces(net: Net, picture: Field | None, law: Law = LAW) -> dict[str, Array]:
     """The force on every node, (m, n, 2) by part; a root has none: its body has it."""
-    out = {name: _forces(*one, *_seen(picture), *law[:-1]) for name, one in meshes(net).items()}
+    out = {name: _forces(one, _seen(picture), law) for name, one in meshes(net).items()}
     for name, one in net.fins.items():
         out[BODY][one.row] += one.share.T @ out[name][0]
         out[name][0] = 0.0
@@ -242,7 +242,7 @@ def relax(
 
 def energy(net: Net, picture: Field | None, law: Law = LAW) -> float:
     """What the forces let fall: of springs, bends, picture, mouse and anchors, in pixels²."""
-    return sum(_energy(*one, *_seen(picture), *law[:-1]) for one in meshes(net).values())
+    return sum(_energy(one, _seen(picture), law) for one in meshes(net).values())
 
 
 def _seen(picture: Field | None) -> Field:
@@ -273,11 +273,8 @@ def _sampled(values: Any, x: float, y: float) -> float:
 
 
 @kernel
-def _forces(
-    nodes: Any, along: Any, across: Any, bend_along: Any, bend_across: Any, feels: Any,
-    anchors: Any, pulls: Any, height: Any, slope: Any,
-    tension: float, rigidity: float, picture: float, mouse: float, anchor: float,
-) -> Any:  # fmt: skip
+def _forces(mesh: Any, field: Any, law: Any) -> Any:
+    nodes = mesh.nodes
     m, n, _ = nodes.shape
     out = np.zeros((m, n, 2))
     for k in range(m):
@@ -287,12 +284,12 @@ def _forces(
                 k1, j1 = (k, j + 1) if turn == 0 else (k + 1, j)
                 if k1 == m or j1 == n:
                     continue
-                rest = along[k, j] if turn == 0 else across[k, j]
+                rest = mesh.along[k, j] if turn == 0 else mesh.across[k, j]
                 dx = nodes[k1, j1, 0] - nodes[k, j, 0]
                 dy = nodes[k1, j1, 1] - nodes[k, j, 1]
                 length = np.sqrt(dx * dx + dy * dy)
                 if length > 1e-9:
-                    pull = tension * (length - rest) / length
+                    pull = law.tension * (length - rest) / length
                     out[k, j, 0] += pull * dx
                     out[k, j, 1] += pull * dy
                     out[k1, j1, 0] -= pull * dx
@@ -301,32 +298,29 @@ def _forces(
                 # A.3: each second difference once, with its share for all three nodes.
                 if 0 < j < n - 1:
                     bent = nodes[k, j + 1, axis] - 2.0 * nodes[k, j, axis] + nodes[k, j - 1, axis]
-                    bent = rigidity * (bent - bend_along[k, j, axis])
+                    bent = law.rigidity * (bent - mesh.bend_along[k, j, axis])
                     out[k, j - 1, axis] -= bent
                     out[k, j, axis] += 2.0 * bent
                     out[k, j + 1, axis] -= bent
                 if 0 < k < m - 1:
                     bent = nodes[k + 1, j, axis] - 2.0 * nodes[k, j, axis] + nodes[k - 1, j, axis]
-                    bent = rigidity * (bent - bend_across[k, j, axis])
+                    bent = law.rigidity * (bent - mesh.bend_across[k, j, axis])
                     out[k - 1, j, axis] -= bent
                     out[k, j, axis] += 2.0 * bent
                     out[k + 1, j, axis] -= bent
-                if not np.isnan(anchors[k, j, axis]):
-                    out[k, j, axis] += anchor * (anchors[k, j, axis] - nodes[k, j, axis])
-                if not np.isnan(pulls[k, j, axis]):
-                    out[k, j, axis] += mouse * (pulls[k, j, axis] - nodes[k, j, axis])
-                if feels[k, j] != 0.0:
-                    here = _sampled(slope[:, :, axis], nodes[k, j, 0], nodes[k, j, 1])
-                    out[k, j, axis] += picture * feels[k, j] * here
+                if not np.isnan(mesh.anchors[k, j, axis]):
+                    out[k, j, axis] += law.anchor * (mesh.anchors[k, j, axis] - nodes[k, j, axis])
+                if not np.isnan(mesh.pulls[k, j, axis]):
+                    out[k, j, axis] += law.mouse * (mesh.pulls[k, j, axis] - nodes[k, j, axis])
+                if mesh.feels[k, j] != 0.0:
+                    here = _sampled(field.slope[:, :, axis], nodes[k, j, 0], nodes[k, j, 1])
+                    out[k, j, axis] += law.picture * mesh.feels[k, j] * here
     return out
 
 
 @kernel
-def _energy(
-    nodes: Any, along: Any, across: Any, bend_along: Any, bend_across: Any, feels: Any,
-    anchors: Any, pulls: Any, height: Any, slope: Any,
-    tension: float, rigidity: float, picture: float, mouse: float, anchor: float,
-) -> float:  # fmt: skip
+def _energy(mesh: Any, field: Any, law: Any) -> float:
+    nodes = mesh.nodes
     m, n, _ = nodes.shape
     total = 0.0
     for k in range(m):
@@ -334,20 +328,20 @@ def _energy(
             for turn in range(2):
                 k1, j1 = (k, j + 1) if turn == 0 else (k + 1, j)
                 if k1 < m and j1 < n:
-                    rest = along[k, j] if turn == 0 else across[k, j]
+                    rest = mesh.along[k, j] if turn == 0 else mesh.across[k, j]
                     dx = nodes[k1, j1, 0] - nodes[k, j, 0]
                     dy = nodes[k1, j1, 1] - nodes[k, j, 1]
-                    total += 0.5 * tension * (np.sqrt(dx * dx + dy * dy) - rest) ** 2
+                    total += 0.5 * law.tension * (np.sqrt(dx * dx + dy * dy) - rest) ** 2
             for axis in range(2):
                 if 0 < j < n - 1:
                     bent = nodes[k, j + 1, axis] - 2.0 * nodes[k, j, axis] + nodes[k, j - 1, axis]
-                    total += 0.5 * rigidity * (bent - bend_along[k, j, axis]) ** 2
+                    total += 0.5 * law.rigidity * (bent - mesh.bend_along[k, j, axis]) ** 2
                 if 0 < k < m - 1:
                     bent = nodes[k + 1, j, axis] - 2.0 * nodes[k, j, axis] + nodes[k - 1, j, axis]
-                    total += 0.5 * rigidity * (bent - bend_across[k, j, axis]) ** 2
-                if not np.isnan(anchors[k, j, axis]):
-                    total += 0.5 * anchor * (anchors[k, j, axis] - nodes[k, j, axis]) ** 2
-                if not np.isnan(pulls[k, j, axis]):
-                    total += 0.5 * mouse * (pulls[k, j, axis] - nodes[k, j, axis]) ** 2
-            total -= picture * feels[k, j] * _sampled(height, nodes[k, j, 0], nodes[k, j, 1])
+                    total += 0.5 * law.rigidity * (bent - mesh.bend_across[k, j, axis]) ** 2
+                if not np.isnan(mesh.anchors[k, j, axis]):
+                    total += 0.5 * law.anchor * (mesh.anchors[k, j, axis] - nodes[k, j, axis]) ** 2
+                if not np.isnan(mesh.pulls[k, j, axis]):
+                    total += 0.5 * law.mouse * (mesh.pulls[k, j, axis] - nodes[k, j, axis]) ** 2
+            total -= law.picture * mesh.feels[k, j] * _sampled(field.height, nodes[k, j, 0], nodes[k, j, 1])
     return total
