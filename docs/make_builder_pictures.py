@@ -12,8 +12,8 @@ from functools import partial
 from PIL import Image
 from plates import FOLDER, folder_asked, keep
 
-from subsea.ui.fish_builder import draft as drafts
-from subsea.ui.fish_builder.draft import Draft
+from subsea.fish.editing import draft as drafts
+from subsea.fish.editing.draft import Draft
 from subsea.ui.fish_builder.new_species import Naming
 from subsea.ui.fish_builder.window import begun
 from subsea.ui.tool_window import Bench

@@ -13,10 +13,10 @@ from PIL import Image
 from plates import folder_asked, keep
 from skin_accuracy import CASES, made
 
+from subsea.fish.photo import mesh_edit
 from subsea.fish.photo.deformable_mesh import BODY
+from subsea.fish.photo.mesh_edit import Node
 from subsea.fish.photo.photograph import read
-from subsea.ui.skin_editor import mesh_edit
-from subsea.ui.skin_editor.mesh_edit import Node
 from subsea.ui.skin_editor.window import Dressing
 from subsea.ui.tool_window import Bench
 

@@ -277,7 +277,7 @@ def test_an_idle_bench_draws_nothing_and_ctrl_c_ends_it(display, tmp_path):
     program = tmp_path / "idle.py"
     program.write_text(
         "import sys; sys.path.insert(0, sys.argv[1])\n"
-        "from test_bench import Line\n"
+        "from test_tool_window import Line\n"
         "from subsea.ui.tool_window import work\n"
         "from subsea.core.command_line import answer\n"
         "class Counted(Line):\n"

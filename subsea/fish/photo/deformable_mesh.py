@@ -343,5 +343,9 @@ def _energy(mesh: Any, field: Any, law: Any) -> float:
                     total += 0.5 * law.anchor * (mesh.anchors[k, j, axis] - nodes[k, j, axis]) ** 2
                 if not np.isnan(mesh.pulls[k, j, axis]):
                     total += 0.5 * law.mouse * (mesh.pulls[k, j, axis] - nodes[k, j, axis]) ** 2
-            total -= law.picture * mesh.feels[k, j] * _sampled(field.height, nodes[k, j, 0], nodes[k, j, 1])
+            total -= (
+                law.picture
+                * mesh.feels[k, j]
+                * _sampled(field.height, nodes[k, j, 0], nodes[k, j, 1])
+            )
     return total

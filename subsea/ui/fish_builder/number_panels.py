@@ -12,10 +12,10 @@ import numpy as np
 from imgui_bundle import imgui
 
 from subsea.biomechanics.body_plan import MODEL_LENGTHS, NODES_AT_STATION
-from subsea.ui.fish_builder import draft as drafts
-from subsea.ui.fish_builder.checks import displaced_cm3
-from subsea.ui.fish_builder.draft import FINS, PADDLES, Draft, Path_, Spot, View
-from subsea.ui.fish_builder.edit_state import Editing
+from subsea.fish.editing import draft as drafts
+from subsea.fish.editing.checks import displaced_cm3
+from subsea.fish.editing.draft import FINS, PADDLES, Draft, Path_, Spot, View
+from subsea.fish.editing.edit_state import Editing
 from subsea.ui.fish_builder.views import RINGS
 from subsea.ui.gui import GLASS, QUIET
 

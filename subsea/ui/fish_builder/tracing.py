@@ -5,8 +5,8 @@ from typing import Any
 from imgui_bundle import imgui
 from numpy.typing import NDArray
 
+from subsea.fish.editing.draft import Box
 from subsea.render.gl.image_texture import Shown
-from subsea.ui.fish_builder.draft import Box
 
 FIELD = 7.0  # width of a field, in heights of letters
 

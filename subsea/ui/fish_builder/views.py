@@ -12,12 +12,12 @@ from PIL import Image, ImageDraw
 from subsea.biomechanics.body import KINDS, MUSCLES, UNITS, rest_nodes
 from subsea.biomechanics.body_plan import NODES_AT_STATION
 from subsea.core.arrays import Array
+from subsea.fish.editing import draft as drafts
+from subsea.fish.editing.draft import Draft, Path_, Spot, View
+from subsea.fish.editing.edit_state import Editing
 from subsea.fish.paint import BODY, borders, half_height
 from subsea.fish.species import Species
 from subsea.fish.surface import PaddlePlan, along, travelled
-from subsea.ui.fish_builder import draft as drafts
-from subsea.ui.fish_builder.draft import Draft, Path_, Spot, View
-from subsea.ui.fish_builder.edit_state import Editing
 from subsea.ui.gui import INK, MARK, QUIET
 from subsea.ui.viewport2d import Canvas
 

@@ -14,19 +14,19 @@ from numpy.typing import NDArray
 from subsea.biomechanics.body import MUSCLES
 from subsea.core.errors import UserError
 from subsea.fish.color_sheet import sheet_of
+from subsea.fish.editing import checks
+from subsea.fish.editing import draft as drafts
+from subsea.fish.editing.checks import Mark, Remark
+from subsea.fish.editing.draft import Box, Draft, EditError
+from subsea.fish.editing.edit_state import Editing
+from subsea.fish.editing.swimmer import WAYS, Swimmer
 from subsea.fish.paint import paint
 from subsea.fish.species import is_shipped, own_species_file, species_file, species_names
 from subsea.render.fish.preview import Orbit, Specimen
 from subsea.render.gl.image_texture import Shown
-from subsea.ui.fish_builder import checks
-from subsea.ui.fish_builder import draft as drafts
-from subsea.ui.fish_builder.checks import Mark, Remark
-from subsea.ui.fish_builder.draft import Box, Draft, EditError
-from subsea.ui.fish_builder.edit_state import Editing
 from subsea.ui.fish_builder.jobs import FEWEST, MOST, Making, recorded
 from subsea.ui.fish_builder.new_species import Naming
 from subsea.ui.fish_builder.number_panels import Panels
-from subsea.ui.fish_builder.swimmer import WAYS, Swimmer
 from subsea.ui.fish_builder.tracing import Tracing
 from subsea.ui.fish_builder.views import Views, dressed
 from subsea.ui.gui import QUIET, colour

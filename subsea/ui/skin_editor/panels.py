@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from imgui_bundle import imgui
 
+from subsea.fish.photo import mesh_edit
 from subsea.fish.photo.deformable_mesh import BODY, DORSAL, LAW, VENTRAL, meshes
 from subsea.fish.species import species_names
-from subsea.ui.skin_editor import mesh_edit
 from subsea.ui.skin_editor.photo_canvas import HANDS
 
 if TYPE_CHECKING:

@@ -7,12 +7,12 @@ from imgui_bundle import imgui
 from numpy.typing import NDArray
 
 from subsea.core.arrays import Array
+from subsea.fish.photo import mesh_edit
 from subsea.fish.photo.deformable_mesh import BODY, DORSAL, VENTRAL, Field, Net, copied, meshes
+from subsea.fish.photo.mesh_edit import Node
 from subsea.fish.photo.side_view import finer
 from subsea.render.gl.image_texture import Shown
 from subsea.ui.gui import GLASS, INK, MARK
-from subsea.ui.skin_editor import mesh_edit
-from subsea.ui.skin_editor.mesh_edit import Node
 from subsea.ui.viewport2d import Canvas, Touch
 
 if TYPE_CHECKING:

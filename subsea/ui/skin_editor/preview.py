@@ -6,9 +6,9 @@ import numpy as np
 from imgui_bundle import imgui
 from numpy.typing import NDArray
 
+from subsea.fish.editing.swimmer import Swimmer
 from subsea.fish.species import Species
 from subsea.render.fish.preview import Orbit, Specimen
-from subsea.ui.fish_builder.swimmer import Swimmer
 
 TURN = 0.008  # rad for each unit of the pointer
 ZOOM = 1.12  # of a step of the wheel

@@ -14,6 +14,10 @@ from subsea.core.arrays import Bools, Bytes
 from subsea.core.errors import UserError
 from subsea.core.undo import History
 from subsea.fish.color_sheet import sheet_of, wear, write
+from subsea.fish.editing.draft import copied as draft_of
+from subsea.fish.editing.draft import read as read_draft
+from subsea.fish.editing.draft import save
+from subsea.fish.photo import mesh_edit
 from subsea.fish.photo.deformable_mesh import (
     LAW,
     Field,
@@ -28,6 +32,7 @@ from subsea.fish.photo.deformable_mesh import (
 from subsea.fish.photo.dress import check_mesh, check_sheet, load_mesh, save_mesh
 from subsea.fish.photo.fitting import Found, found, outline_error, under
 from subsea.fish.photo.lift import lifted
+from subsea.fish.photo.mesh_edit import Pose
 from subsea.fish.photo.photograph import Photograph, read, small
 from subsea.fish.photo.side_view import across, at_rest, laid
 from subsea.fish.species import (
@@ -40,12 +45,8 @@ from subsea.fish.species import (
 )
 from subsea.render.gl.image_texture import Shown
 from subsea.repertoire import read_repertoire, write_repertoire
-from subsea.ui.fish_builder.draft import copied as draft_of
-from subsea.ui.fish_builder.draft import read as read_draft
-from subsea.ui.fish_builder.draft import save
 from subsea.ui.fish_builder.new_species import Naming
-from subsea.ui.skin_editor import mesh_edit, panels
-from subsea.ui.skin_editor.mesh_edit import Pose
+from subsea.ui.skin_editor import panels
 from subsea.ui.skin_editor.panels import Sliders
 from subsea.ui.skin_editor.photo_canvas import HANDS, Easel
 from subsea.ui.skin_editor.preview import Preview

@@ -10,11 +10,11 @@ from PIL import Image
 
 from capture.learning.species_edit import write_controllers
 from subsea.core.errors import UserError
+from subsea.fish.editing import draft as drafts
 from subsea.fish.species import load_species, own_species_file, repertoire_file
 from subsea.repertoire import read_repertoire
 from subsea.scenario.schema import load_scenario
 from subsea.submarine.helm import Helm
-from subsea.ui.fish_builder import draft as drafts
 from subsea.ui.fish_builder.jobs import MOST, SEA, SHOAL
 from subsea.ui.fish_builder.window import begun
 from subsea.ui.tool_window import Bench

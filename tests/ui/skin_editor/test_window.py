@@ -13,13 +13,13 @@ from subsea.cli.main import main
 from subsea.core.errors import UserError
 from subsea.fish import paint
 from subsea.fish.color_sheet import sheet_of
+from subsea.fish.photo import mesh_edit as edits
 from subsea.fish.photo.deformable_mesh import BODY, VENTRAL, meshes
 from subsea.fish.photo.lift import drawn
+from subsea.fish.photo.mesh_edit import Node
 from subsea.fish.photo.photograph import read
 from subsea.fish.photo.side_view import across, at_rest, finer, laid, outlines, placed
 from subsea.fish.species import load_species, own_species, species_file
-from subsea.ui.skin_editor import mesh_edit as edits
-from subsea.ui.skin_editor.mesh_edit import Node
 from subsea.ui.skin_editor.window import Dressing
 from subsea.ui.tool_window import Bench
 from tests.support.scenes import BARE

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from subsea.core.undo import History
-from subsea.ui.fish_builder.draft import Draft, EditError, Path_
+from subsea.fish.editing.draft import Draft, EditError, Path_
 
 
 class Editing:

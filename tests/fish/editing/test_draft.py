@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from subsea.core.errors import UserError
 from subsea.core.resources import load_toml
 from subsea.fish.color_sheet import read, wear, write
+from subsea.fish.editing import draft as drafts
+from subsea.fish.editing.draft import EditError
 from subsea.fish.species import Species, species_file, species_names
-from subsea.ui.fish_builder import draft as drafts
-from subsea.ui.fish_builder.draft import EditError
 
 NAMES = species_names()
 

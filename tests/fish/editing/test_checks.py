@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from subsea.fish.editing import checks
+from subsea.fish.editing import draft as drafts
+from subsea.fish.editing.checks import BAD, GOOD, MIND
 from subsea.fish.species import load_species, muscular_names, species_file, species_names
-from subsea.ui.fish_builder import checks
-from subsea.ui.fish_builder import draft as drafts
-from subsea.ui.fish_builder.checks import BAD, GOOD, MIND
 
 
 @pytest.fixture(scope="module")

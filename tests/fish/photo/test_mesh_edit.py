@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from subsea.fish.photo import mesh_edit
 from subsea.fish.photo.deformable_mesh import BODY, DORSAL, LAW, VENTRAL, copied, meshes
+from subsea.fish.photo.mesh_edit import Node
 from subsea.fish.photo.side_view import across, at_rest, laid
 from subsea.fish.species import load_species
-from subsea.ui.skin_editor import mesh_edit
-from subsea.ui.skin_editor.mesh_edit import Node
 
 PLAN = load_species("clownfish").surface
 ALL = BODY, DORSAL, VENTRAL

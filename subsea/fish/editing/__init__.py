@@ -1,0 +1,1 @@
+"""Editing a species file without a window: drafts, draggable points, checks, a test swim."""
