@@ -26,7 +26,7 @@ from subsea.biomechanics.body import MUSCLES, TRIANGLE_WEIGHTS, TRIANGLES, Body,
 from subsea.biomechanics.body_frame import body_frame
 from subsea.biomechanics.body_plan import SwimPlan, TurnPlan
 from subsea.biomechanics.controllers import ease, swim_contraction, turn_contraction
-from subsea.biomechanics.simulation import State, at_rest, copy_state, is_sound, simulate
+from subsea.biomechanics.simulation import BodyState, at_rest, copy_state, is_sound, simulate
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK
 from subsea.fish.species import load_species
 
@@ -171,7 +171,9 @@ class Turn(NamedTuple):
         return float(self.heading[-beat:].mean() - self.heading[:beat].mean())
 
 
-def turn_from(body: Body, swim: SwimPlan, start: State, phase: float, contraction: Floats) -> Turn:
+def turn_from(
+    body: Body, swim: SwimPlan, start: BodyState, phase: float, contraction: Floats
+) -> Turn:
     """Follow ``contraction`` out of steady swimming at grade medium, then swim on for six beats."""
     state = copy_state(start)
     beat = swim_contraction(swim, phase + beat_phase(swim, swim.ticks_per_beat), swim.medium)

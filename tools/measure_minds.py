@@ -46,7 +46,7 @@ def medians_ms(number: int) -> list[float]:
 def main() -> None:
     """Print a row for each number of fishes: with turns, then everybody in every tick."""
     numbers = [int(word) for word in sys.argv[1:]] or list(NUMBERS)
-    taking_turns = step.whose_turn
+    taking_turns = step.fish_due
     step.time = SimpleNamespace(perf_counter=time.thread_time)
     medians_ms(60)  # compiles
     print(f"{'':8s}{'taking turns, ms':>30s}{'everybody, ms':>30s}")
@@ -54,7 +54,7 @@ def main() -> None:
     for number in numbers:
         cells = ""
         for turns in (taking_turns, everybody):
-            step.whose_turn = turns
+            step.fish_due = turns
             perception, behavior = medians_ms(number)
             cells += f"{perception:12.2f}{behavior:10.2f}{perception + behavior:8.2f}"
         print(f"{number:<8d}{cells}", flush=True)

@@ -14,7 +14,7 @@ from capture.inspection.timing import fastest_us, step_cost
 from capture.recording.trial import beat_contraction, steady_beat
 from subsea.biomechanics.body import HALF_BANDWIDTH, MUSCLES, NODES, Body, Floats, build_body
 from subsea.biomechanics.controllers import muscle_lengths
-from subsea.biomechanics.simulation import STILL, State, at_rest, is_sound
+from subsea.biomechanics.simulation import STILL, BodyState, at_rest, is_sound
 from subsea.biomechanics.solver import ROWS, STEP, advance, assemble, factorize, substitute
 from subsea.biomechanics.water import add_water_force
 from subsea.fish.species import load_species, muscular_names
@@ -76,7 +76,7 @@ def longest_step(name: str, advance: Callable[..., None], body: Body, beat: Floa
     return count * precision
 
 
-def costs(body: Body, state: State) -> dict[str, float]:
+def costs(body: Body, state: BodyState) -> dict[str, float]:
     """Microseconds of a step, and of the same system by LAPACK."""
     band, load = np.zeros((ROWS, HALF_BANDWIDTH + 1)), np.zeros((ROWS, 3))
     strain, muscle = np.array([np.inf, 0.0]), body.length[:MUSCLES].copy()

@@ -8,7 +8,14 @@ from subsea.biomechanics.body_frame import body_frame
 from subsea.biomechanics.body_plan import SwimPlan, TurnPlan
 from subsea.biomechanics.controllers import LEFT, muscle_lengths, swim_contraction, turn_contraction
 from subsea.biomechanics.fins import UP
-from subsea.biomechanics.simulation import NO_FORCE, STILL, State, copy_state, is_sound, simulate
+from subsea.biomechanics.simulation import (
+    NO_FORCE,
+    STILL,
+    BodyState,
+    copy_state,
+    is_sound,
+    simulate,
+)
 from subsea.biomechanics.solver import STEP, advance
 
 ENTRY_PHASES = 7
@@ -18,7 +25,7 @@ SETTLE_BEATS = 6
 """Beats after a turn, in the last of which the new heading is measured."""
 
 
-def swim_on(body: Body, state: State, beat: Floats, count: int) -> Floats:
+def swim_on(body: Body, state: BodyState, beat: Floats, count: int) -> Floats:
     """Nodes (count × T + 1, 23, 3) of ``count`` more beats of contractions; changes ``state``."""
     start = state.x.copy()
     return np.concatenate([start[None], simulate(body, state, np.tile(beat, (count, 1)))])
@@ -76,7 +83,7 @@ def headings(frames: Floats) -> Floats:
     return np.asarray(np.degrees(np.unwrap(np.arctan2(-forward[:, 2], forward[:, 0]))))
 
 
-def entries(body: Body, swim: SwimPlan, steady: State) -> list[tuple[State, float]]:
+def entries(body: Body, swim: SwimPlan, steady: BodyState) -> list[tuple[BodyState, float]]:
     """States of steady swimming at grade medium all over the beat, and their phases."""
     found = []
     for k in range(ENTRY_PHASES):
@@ -92,7 +99,7 @@ def turned(
     swim: SwimPlan,
     turn: TurnPlan,
     angle: float,
-    start: State,
+    start: BodyState,
     phase: float = 0.0,
     settle: int = SETTLE_BEATS,
 ) -> float:
@@ -111,7 +118,7 @@ def turned(
     return float(heading[-swim.ticks_per_beat :].mean() - headings(before).mean())
 
 
-def muscle_work(body: Body, state: State, contraction: Floats) -> float:
+def muscle_work(body: Body, state: BodyState, contraction: Floats) -> float:
     """Work, g cm²/tu², that the muscles do while they follow ``contraction``; changes ``state``.
 
     It is the sum over muscles of tension × shortening. Tension is that of the muscle's spring,

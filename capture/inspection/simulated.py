@@ -25,7 +25,7 @@ from subsea.biomechanics.body import LOWER_TAIL, UPPER_TAIL, Body, Floats, build
 from subsea.biomechanics.body_frame import body_frame, to_world
 from subsea.biomechanics.controllers import S_MAX
 from subsea.biomechanics.fins import balance, pectoral_force
-from subsea.biomechanics.simulation import STILL, State, at_rest, copy_state, simulate
+from subsea.biomechanics.simulation import STILL, BodyState, at_rest, copy_state, simulate
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK
 from subsea.core.arrays import Array
 from subsea.core.errors import UserError
@@ -116,7 +116,7 @@ def _swimming(motion: Motion, body: Body, trials: dict[str, Trial]) -> Iterator[
     yield judge("Strouhal number, fast", tail / fast, ".3f", "", most(0.55), most(0.45))
 
 
-def _straightness(motion: Motion, body: Body, steady: State) -> Iterator[Measure]:
+def _straightness(motion: Motion, body: Body, steady: BodyState) -> Iterator[Measure]:
     frames = swim_on(body, copy_state(steady), beat_contraction(motion.swim, 1.0), STEADY_BEATS)
     drift, aside = straightness(frames, motion.swim.ticks_per_beat)
     name = f"drift of heading in {STEADY_BEATS} beats"
@@ -124,7 +124,7 @@ def _straightness(motion: Motion, body: Body, steady: State) -> Iterator[Measure
     yield judge("drift aside meanwhile", aside / motion.body.length, ".1e", " L", most(0.02))
 
 
-def _attitude(motion: Motion, body: Body, steady: State) -> Iterator[Measure]:
+def _attitude(motion: Motion, body: Body, steady: BodyState) -> Iterator[Measure]:
     beat = beat_contraction(motion.swim, motion.swim.medium)
     lean = _mean_attitude(swim_on(body, copy_state(steady), beat, STEADY_BEATS))
     yield judge("roll, pitch without fins", lean, ".4f", "°", most(0.1))
@@ -147,7 +147,7 @@ def _mean_attitude(frames: Floats) -> tuple[float, float]:
     return abs(float(roll)), abs(float(pitch))
 
 
-def _lean(state: State, mass: Floats) -> None:
+def _lean(state: BodyState, mass: Floats) -> None:
     """Roll a swimming fish about its way."""
     way = mass @ state.v
     axis = way / np.linalg.norm(way)
@@ -156,7 +156,7 @@ def _lean(state: State, mass: Floats) -> None:
     state.v[:] = state.v @ turn.T
 
 
-def _balanced(motion: Motion, body: Body, state: State, count: int) -> tuple[float, float]:
+def _balanced(motion: Motion, body: Body, state: BodyState, count: int) -> tuple[float, float]:
     """Roll and pitch of the last of ``count`` beats swum at grade medium with balancing fins."""
     swim = motion.swim
     beat = beat_contraction(swim, swim.medium)
@@ -170,7 +170,7 @@ def _balanced(motion: Motion, body: Body, state: State, count: int) -> tuple[flo
     return _mean_attitude(np.array(frames))
 
 
-def _turned(body: Body, motion: Motion, angle: float, start: State, phase: float) -> float:
+def _turned(body: Body, motion: Motion, angle: float, start: BodyState, phase: float) -> float:
     """What a turn turns by, in degrees; NaN where the body loses its shape."""
     try:
         return turned(body, motion.swim, motion.turn, angle, start, phase)
@@ -178,7 +178,7 @@ def _turned(body: Body, motion: Motion, angle: float, start: State, phase: float
         return float("nan")
 
 
-def _turning(motion: Motion, body: Body, steady: State) -> Iterator[Measure]:
+def _turning(motion: Motion, body: Body, steady: BodyState) -> Iterator[Measure]:
     swim, _turn = motion.swim, motion.turn
     starts = entries(body, swim, steady)
     for angle in TURN_ANGLES:

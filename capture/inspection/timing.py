@@ -6,7 +6,7 @@ from time import perf_counter
 import numpy as np
 
 from subsea.biomechanics.body import MUSCLES, NODES, Body, Floats
-from subsea.biomechanics.simulation import State, copy_state, simulate
+from subsea.biomechanics.simulation import BodyState, copy_state, simulate
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, advance
 from subsea.core.kernels import kernel
 from subsea.geometry.rotation import matrix
@@ -17,7 +17,7 @@ STEPS = 400
 FRAMES = 4_000
 
 
-def step_cost(body: Body, state: State) -> float:
+def step_cost(body: Body, state: BodyState) -> float:
     """Microseconds of one compiled step of the fish in motion, muscles held."""
     simulate(body, copy_state(state), np.zeros((STEPS_PER_TICK, MUSCLES)))  # compiles
     muscles = np.tile(body.length[:MUSCLES], (STEPS, 1))

@@ -37,7 +37,7 @@ from subsea.biomechanics.body import LOWER_TAIL, NODES, UPPER_TAIL, Body, Floats
 from subsea.biomechanics.body_frame import body_frame
 from subsea.biomechanics.body_plan import SwimPlan, TurnPlan
 from subsea.biomechanics.controllers import LEFT, RIGHT, S_MAX, WIDEST_TURN, ease, turn_contraction
-from subsea.biomechanics.simulation import State, at_rest, copy_state, is_sound, simulate
+from subsea.biomechanics.simulation import BodyState, at_rest, copy_state, is_sound, simulate
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK
 from subsea.core.errors import UserError
 
@@ -110,21 +110,21 @@ class Turning(NamedTuple):
     pull: float  # cm a step, widest turn
 
 
-def kicked(state: State, rms: float, rng: np.random.Generator) -> State:
+def kicked(state: BodyState, rms: float, rng: np.random.Generator) -> BodyState:
     """A copy of ``state`` whose nodes are pushed at random."""
     pushed = copy_state(state)
     pushed.v[:] += rng.normal(0.0, rms, (NODES, 3))
     return pushed
 
 
-def set_out(body: Body, beat: Floats, rms: float, rng: np.random.Generator) -> State:
+def set_out(body: Body, beat: Floats, rms: float, rng: np.random.Generator) -> BodyState:
     """A body at rest, kicked, whose first beat has risen from nothing."""
     state = kicked(at_rest(body), rms, rng)
     simulate(body, state, ease(np.arange(len(beat)) / len(beat))[:, None] * beat)
     return state
 
 
-def beats_survived(body: Body, state: State, beat: Floats, count: int) -> int:
+def beats_survived(body: Body, state: BodyState, beat: Floats, count: int) -> int:
     """Swim ``count`` beats, or until the body loses its shape; changes ``state``.
 
     The shape is looked at every five beats.
@@ -136,7 +136,7 @@ def beats_survived(body: Body, state: State, beat: Floats, count: int) -> int:
     return count
 
 
-def measure_gait(body: Body, swim: SwimPlan, amplitude: float, state: State) -> Gait:
+def measure_gait(body: Body, swim: SwimPlan, amplitude: float, state: BodyState) -> Gait:
     """Measure the swimming of ``state``, over :data:`WATCHED` more beats; changes ``state``."""
     length = float(np.ptp(body.rest[:, 0]))
     beat = beat_contraction(swim, amplitude)
@@ -253,7 +253,7 @@ def swim_faults(body: Body, swim: SwimPlan, seed: int) -> list[str]:
 
 
 def measure_turning(
-    body: Body, swim: SwimPlan, turn: TurnPlan, steady: State, angles: list[float]
+    body: Body, swim: SwimPlan, turn: TurnPlan, steady: BodyState, angles: list[float]
 ) -> Turning:
     """Measure sharp turns by ``angles`` out of ``steady``, swimming at grade medium at phase 0.
 

@@ -20,7 +20,7 @@ from capture.recording.trial import beat_contraction, steady_beat
 from subsea.biomechanics.body import Body, Floats
 from subsea.biomechanics.body_plan import Steering, SwimPlan, TurnPlan
 from subsea.biomechanics.controllers import S_MAX
-from subsea.biomechanics.simulation import State
+from subsea.biomechanics.simulation import BodyState
 from subsea.core.errors import UserError
 
 BENDS = (0.03, 0.35)
@@ -97,7 +97,7 @@ def refitted(
 
 
 def _verified(
-    body: Body, swim: SwimPlan, turn: TurnPlan, steady: State, seed: int, notes: list[str]
+    body: Body, swim: SwimPlan, turn: TurnPlan, steady: BodyState, seed: int, notes: list[str]
 ) -> TurnPlan | None:
     """The controller with its holds and gradual turn, if it passes."""
     try:
@@ -138,7 +138,7 @@ def turn_at(base: TurnPlan, point: Floats | tuple[float, ...]) -> TurnPlan:
     return msgspec.structs.replace(base, steering=rows, amplitude=round(amplitude, 3))
 
 
-def with_holds(body: Body, swim: SwimPlan, turn: TurnPlan, steady: State) -> TurnPlan:
+def with_holds(body: Body, swim: SwimPlan, turn: TurnPlan, steady: BodyState) -> TurnPlan:
     """The controller with holds that make each row turn by its angle out of ``steady``.
 
     Raises Unreachable where a bend turns too far by itself, or not far enough however long, or

@@ -19,7 +19,7 @@ from subsea.biomechanics.controllers import (
     swim_contraction,
     turn_contraction,
 )
-from subsea.biomechanics.simulation import State, at_rest, copy_state, is_sound, simulate
+from subsea.biomechanics.simulation import BodyState, at_rest, copy_state, is_sound, simulate
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK
 from subsea.core.errors import UserError
 
@@ -34,7 +34,7 @@ class Trial(NamedTuple):
     """Nodes (T + 1, 23, 3) in world axes, cm, of T ticks, and how they came about."""
 
     frames: Floats
-    state: State
+    state: BodyState
     warm_up_beats: int
 
 
@@ -119,7 +119,7 @@ def sharp_turn(
     turn: TurnPlan,
     angle: float,
     side: float,
-    start: State,
+    start: BodyState,
     entry_phase: float = 0.0,
 ) -> Trial:
     """Turn by about ``angle`` degrees out of steady swimming at grade medium, and swim on.

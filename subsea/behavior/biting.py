@@ -3,7 +3,7 @@
 import numpy as np
 
 from subsea.behavior.chasing import chase, mouth_of
-from subsea.behavior.death import hand_over, remove
+from subsea.behavior.death import pass_leadership, remove
 from subsea.core.kernels import kernel
 from subsea.geometry.vector import Vector, minus, norm, vector
 from subsea.state import (
@@ -69,7 +69,7 @@ def bite(fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
                 nearest = share
                 sea.catch[0], sea.catch[1] = HOOKED, i
         if sea.catch[0] == HOOKED:
-            hand_over(fishes, minds, sea.catch[1])
+            pass_leadership(fishes, minds, sea.catch[1])
     elif state == HOOKED and sea.catch[1] != NOBODY:
         i = sea.catch[1]
         gap = minus(vector(sea.hook), mouth_of(fishes, i))

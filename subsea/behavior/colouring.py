@@ -9,7 +9,7 @@ EASE_S = 0.7  # time constant: after 2 s all but a twentieth of a change is done
 
 
 @kernel
-def colour(fishes: Fishes, minds: Minds, clock: Clock) -> None:
+def ease_display(fishes: Fishes, minds: Minds, clock: Clock) -> None:
     """Ease the display of all fishes toward 1 where a male courts, toward 0 elsewhere."""
     share = 1.0 - np.exp(-clock.dt / EASE_S)
     for i in range(len(fishes.display)):

@@ -10,17 +10,17 @@ from typing import NamedTuple
 import numpy as np
 
 from subsea.behavior.chasing import chase, mouth_of
-from subsea.behavior.close_quarters import (
+from subsea.behavior.manoeuvring import (
     CLOSE_RAD,
     abdomen_of,
     bend,
     careful,
     heading_of,
     hover,
+    set_urge,
     steer,
     tail_of,
     turn_to,
-    want,
     wrapped,
 )
 from subsea.behavior.nuzzling import nuzzle, nuzzled
@@ -57,7 +57,7 @@ Component = Callable[[Ints, Fishes, Minds, Sea, Clock], None]
 Transition = Callable[[Ints, Fishes, Minds, Sea], Bools]
 
 
-class State(NamedTuple):
+class CourtshipState(NamedTuple):
     """A state of courtship: what is done in it, when it is completed, when it is given up."""
 
     component: Component
@@ -205,7 +205,7 @@ def ascend(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> N
         else:
             ahead = rotate(fishes.orientation[i], (1.0, 0.0, 0.0))
             level = max(np.sqrt(ahead[0] * ahead[0] + ahead[1] * ahead[1]), 1e-6)
-            want(minds, i, (ahead[0], ahead[1], STEEP * level))
+            set_urge(minds, i, (ahead[0], ahead[1], STEEP * level))
             gap = norm(minus(vector(fishes.position[minds.partner[i]]), vector(fishes.position[i])))
             fishes.goal_speed[i] = min(max(2.0 - 0.5 * gap / fishes.length[i], LEAST_RISE), 1.0)
 
@@ -277,12 +277,12 @@ def _beat(fishes: Fishes, i: int, hertz: float, clock: Clock) -> float:
 
 # By code: what NO_COURTSHIP, APPROACHING, LOOPING, CIRCLING, ASCENDING and NUZZLING are.
 STATES = (
-    State(idle, never, np.inf, np.inf),
-    State(approach, arrived, 60.0, 25.0),
-    State(loop, chosen, 60.0, 8.0),
-    State(circle, circled, 45.0, 10.0),
-    State(ascend, ascended, 30.0, 10.0),
-    State(nuzzle, nuzzled, 60.0, 10.0),
+    CourtshipState(idle, never, np.inf, np.inf),
+    CourtshipState(approach, arrived, 60.0, 25.0),
+    CourtshipState(loop, chosen, 60.0, 8.0),
+    CourtshipState(circle, circled, 45.0, 10.0),
+    CourtshipState(ascend, ascended, 30.0, 10.0),
+    CourtshipState(nuzzle, nuzzled, 60.0, 10.0),
 )
 LIMIT_S = np.array([state.limit_s for state in STATES])
 ALONE_S = np.array([state.alone_s for state in STATES])

@@ -16,7 +16,7 @@ def remove(fishes: Fishes, minds: Minds, dead: int) -> None:
     """
     fishes.alive[dead] = False
     fishes.gape[dead] = 0.0
-    hand_over(fishes, minds, dead)
+    pass_leadership(fishes, minds, dead)
     forget(minds, dead)
 
 
@@ -62,7 +62,7 @@ def _strike(row: Ints, dead: int) -> None:
 
 
 @kernel
-def hand_over(fishes: Fishes, minds: Minds, leader: int) -> None:
+def pass_leadership(fishes: Fishes, minds: Minds, leader: int) -> None:
     """Let the frontmost of those who follow fish `leader` lead them; it follows nobody itself."""
     heir = _frontmost(fishes, minds, leader)
     for i in range(len(minds.leader)):

@@ -17,7 +17,7 @@ LASTING = 2  # level from which an intention is worth remembering: earlier ones 
 
 
 @kernel
-def choose(
+def choose_intention(
     who: Ints, minds: Minds, nature: Nature, level: Ints, behavior: Ints, tires: Bools
 ) -> None:
     """Set the intention of the fishes `who` (Tu fig. 7.4, of which 7.9 and 7.12 are cases).

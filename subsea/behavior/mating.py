@@ -65,7 +65,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
             state.component(those, fishes, minds, sea, clock)
             done = state.completed(those, fishes, minds, sea)
             if done.any():
-                proceed(those[done], fishes, minds, clock)
+                enter_next_state(those[done], fishes, minds, clock)
 
 
 @kernel
@@ -100,7 +100,7 @@ def choose_partner(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clo
 
 
 @kernel
-def review(who: Ints, fishes: Fishes, minds: Minds) -> None:
+def end_courtships(who: Ints, fishes: Fishes, minds: Minds) -> None:
     """End the courtships of the fishes `who` that cannot or should not go on.
 
     Whatever a fish intends: a partner that died, is lost, minds something else for too long or
@@ -142,7 +142,7 @@ def _is_alone(fishes: Fishes, minds: Minds, i: int) -> bool:
 
 
 @kernel
-def proceed(who: Ints, fishes: Fishes, minds: Minds, clock: Clock) -> None:
+def enter_next_state(who: Ints, fishes: Fishes, minds: Minds, clock: Clock) -> None:
     """The next state for the fishes `who` and, where it is mutual, their partners.
 
     Who has come to show off begins; she notices by herself. After the last state both have mated.

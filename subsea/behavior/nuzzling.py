@@ -3,7 +3,7 @@
 import numpy as np
 
 from subsea.behavior.chasing import mouth_of
-from subsea.behavior.close_quarters import CLOSE_RAD, abdomen_of, careful, hover, steer
+from subsea.behavior.manoeuvring import CLOSE_RAD, abdomen_of, careful, hover, steer
 from subsea.core.arrays import Bools, Ints
 from subsea.core.kernels import kernel
 from subsea.geometry.vector import Vector, minus, norm, plus

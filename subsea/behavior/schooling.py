@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.behavior.passing import past
+from subsea.behavior.detour import detour
 from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
 from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, times, vector
@@ -68,7 +68,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         company = _company(fishes.position, fishes.velocity, fishes.length, minds.neighbour[i], i,
                            spacing)  # fmt: skip
         urge = plus(plus(_pull(toward, length), ahead), company)
-        way = past(urge, vector(fishes.velocity[i]), here, length, sea.pillars, sea.rocks)
+        way = detour(urge, vector(fishes.velocity[i]), here, length, sea.pillars, sea.rocks)
         if norm(way) > 0.0:
             # Meanwhile up or down to the leader, as under the bow of an arch.
             way = (way[0], way[1], toward[2] / max(norm(toward), 1.0))
@@ -154,7 +154,7 @@ def _is_followed_by(fishes: Fishes, minds: Minds, leader: int, i: int, now: floa
 
 
 @kernel
-def join(who: Ints, alive: NDArray[np.bool_], minds: Minds) -> None:
+def join_schools(who: Ints, alive: NDArray[np.bool_], minds: Minds) -> None:
     """Let fishes that like schooling but have no school join their companions: inception.
 
     One that meets a school follows its leader; of loners that meet, one becomes the leader.

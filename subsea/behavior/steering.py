@@ -124,7 +124,7 @@ def constrained(urge: Vector, normal: Vector, distance: float, room: float) -> V
 
 
 @kernel
-def heed(fishes: Fishes, minds: Minds, clock: Clock) -> None:
+def ease_goals(fishes: Fishes, minds: Minds, clock: Clock) -> None:
     """Turn every fish's goal direction toward its urge by a share of the angle, every tick.
 
     A turn to a side of which the motor preferences warn is made smaller: its angle is multiplied

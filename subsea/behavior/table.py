@@ -69,13 +69,17 @@ BEHAVIOR_OF_DESIRE = np.array([code for _, code, _ in DESIRES])
 TIRES = np.array([behavior.tires for behavior in BEHAVIORS])
 
 
-def want(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
+def compute_desires(
+    who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock
+) -> None:
     """Fill `minds.desire` for the fishes `who`."""
     for row, (_, _, desire) in enumerate(DESIRES):
         desire(who, fishes, minds, sea, nature, clock, minds.desire[row])
 
 
-def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
+def run_routines(
+    who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock
+) -> None:
     """Let each of the fishes `who` follow its intention."""
     intention = minds.intention[who]
     for code, behavior in enumerate(BEHAVIORS):

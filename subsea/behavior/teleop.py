@@ -21,7 +21,7 @@ ASIDE_RAD = np.radians(50.0)
 STEEP_RAD = np.radians(38.0)  # as steep as fishes swim
 
 
-class Reins(NamedTuple):
+class TeleopCommand(NamedTuple):
     """What is asked of a fish for a tick, in [-1, 1]; no turn, rise and speed: it hovers."""
 
     fish: int
@@ -31,7 +31,7 @@ class Reins(NamedTuple):
 
 
 @kernel
-def obey(
+def follow_command(
     i: int, turn: float, rise: float, speed: float, fishes: Fishes, minds: Minds, sea: Sea
 ) -> None:
     """Set the urge and the goal speed of fish i; what was on its mind is forgotten.

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.behavior.death import forget
-from subsea.behavior.mental import DIGESTION, DREAD_CM, LIBIDO_RATE
+from subsea.behavior.mental_state import DIGESTION, DREAD_CM, LIBIDO_RATE
 from subsea.scenario.schema import Individual, Shoal
 from subsea.state import KINDS, NO_COURTSHIP, NOBODY, PREDATOR, WANDER, Fishes, Minds
 
@@ -15,7 +15,7 @@ DONE_CHEWING_S = 6.0  # after a meal: see `hunting.CHEW_S`
 HABITS = ("brightness", "darkness", "cold", "warmth")  # columns of `minds.likes`
 
 
-def temper(
+def set_temperament(
     shoal: Shoal, fishes: Fishes, minds: Minds, these: slice, rng: np.random.Generator
 ) -> None:
     """Sexes, habits and the mental state with which the fishes of a shoal begin."""
@@ -32,7 +32,7 @@ def temper(
     set_libido(minds, these, hunger, libido, 0.0)
 
 
-def alter(fishes: Fishes, minds: Minds, one: Individual, now_s: float) -> None:
+def apply_individual(fishes: Fishes, minds: Minds, one: Individual, now_s: float) -> None:
     """Give a fish what is its own, `now_s` into the dive: hunger and libido are those of now.
 
     One of another kind or sex than it was is new to everybody, and minds nothing any more.

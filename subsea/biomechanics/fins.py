@@ -9,7 +9,7 @@ import numpy as np
 
 from subsea.biomechanics.body import NODES, RING_LEFT, TRIANGLE_WEIGHTS, TRIANGLES, Body, Floats
 from subsea.biomechanics.body_frame import body_frame
-from subsea.biomechanics.simulation import State
+from subsea.biomechanics.simulation import BodyState
 
 EDGE_ON = np.pi / 2
 """Orientation at which a fin cuts the water and exerts nothing."""
@@ -26,7 +26,7 @@ _SIDE = np.tile(RING_LEFT, 3)  # of nodes 1 to 12, which carry the fins
 
 
 def pectoral_force(
-    state: State, area: float, left: float, right: float, water: Floats, rowing: float = 0.0
+    state: BodyState, area: float, left: float, right: float, water: Floats, rowing: float = 0.0
 ) -> Floats:
     """Force (23, 3) of fins of ``area`` cm² held at ``left`` and ``right`` radians (Tu eq. 4.16).
 
@@ -45,7 +45,7 @@ def pectoral_force(
     return force
 
 
-def ascend(state: State, angle: float) -> tuple[float, float]:
+def ascend(state: BodyState, angle: float) -> tuple[float, float]:
     """Left and right fin that make a swimming fish climb at ``angle`` radians, up to π/2.
 
     Tu's ascend-MC maps the angle itself to an orientation; but a lift that stays would turn the
@@ -58,12 +58,12 @@ def ascend(state: State, angle: float) -> tuple[float, float]:
     return EDGE_ON + float(left), EDGE_ON + float(right)
 
 
-def descend(state: State, angle: float) -> tuple[float, float]:
+def descend(state: BodyState, angle: float) -> tuple[float, float]:
     """Left and right fin that make a swimming fish dive at ``angle`` radians, up to π/2."""
     return ascend(state, -angle)
 
 
-def balance(state: State) -> tuple[float, float]:
+def balance(state: BodyState) -> tuple[float, float]:
     """Left and right fin that bring a swimming fish back upright and level."""
     return ascend(state, 0.0)
 

@@ -12,7 +12,7 @@ STILL = np.zeros(3)
 NO_FORCE = np.zeros((NODES, 3))
 
 
-class State(NamedTuple):
+class BodyState(NamedTuple):
     """A fish in motion; :func:`simulate` changes the arrays in place."""
 
     x: Floats  # (23, 3) cm
@@ -20,19 +20,19 @@ class State(NamedTuple):
     watch: Floats  # (3,) least and greatest length ratio of any unit, smallest pivot so far
 
 
-def at_rest(body: Body) -> State:
+def at_rest(body: Body) -> BodyState:
     """The body at rest, its frame on the axes of the world."""
-    return State(body.rest.copy(), np.zeros((NODES, 3)), np.array([np.inf, 0.0, np.inf]))
+    return BodyState(body.rest.copy(), np.zeros((NODES, 3)), np.array([np.inf, 0.0, np.inf]))
 
 
-def copy_state(state: State) -> State:
+def copy_state(state: BodyState) -> BodyState:
     """An independent copy, to try several futures from one present."""
-    return State(*(array.copy() for array in state))
+    return BodyState(*(array.copy() for array in state))
 
 
 def simulate(
     body: Body,
-    state: State,
+    state: BodyState,
     contraction: Floats,
     water: Floats = STILL,
     force: Floats = NO_FORCE,
@@ -68,7 +68,7 @@ def simulate(
     return frames
 
 
-def is_sound(state: State) -> bool:
+def is_sound(state: BodyState) -> bool:
     """Whether the body kept its shape: finite, definite, every unit within its strain limits.
 
     Finite numbers alone prove nothing, for a ring that has turned inside out stays so quietly.

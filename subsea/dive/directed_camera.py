@@ -18,7 +18,7 @@ from subsea.dive.tour import DETOUR_CM, DETOURS, MARGIN_CM, Steer, guide, hidden
 from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import matrix
 from subsea.geometry.vector import vector
-from subsea.habitat.solids import clearance, out_of_solids
+from subsea.habitat.clearance import clearance, out_of_solids
 from subsea.scenario.directions import Camera, Direction
 from subsea.scenario.schema import AUTOPILOT, DIRECTED, Scenario
 from subsea.state import HULL_CM, Submarine

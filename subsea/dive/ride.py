@@ -15,16 +15,7 @@ from subsea.state import MENTAL_STATES
 from subsea.view.camera import View
 from subsea.view.follow import Camera, followed
 from subsea.view.retina import Gaze, body_at, retina_rig, ridden, rider
-from subsea.view.rig import (
-    Patch,
-    Pose,
-    Rect,
-    Rig,
-    brought_together,
-    front,
-    seen_part,
-    views,
-)
+from subsea.view.rig import Patch, Pose, Rect, Rig, brought_together, front, seen_part, views
 from subsea.world.world import TICK_S, World
 
 WIDE, ASPECT, EDGE = 0.27, 4 / 3, 0.02  # of an inset: share of the screen; its shape; its margin

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
-from subsea.behavior.teleop import Reins
+from subsea.behavior.teleop import TeleopCommand
 from subsea.core.console import say
 from subsea.dive.clock import Clock
 from subsea.dive.pilot import Pilot
@@ -129,12 +129,12 @@ class Alone:
         return []
 
 
-def reins_of(helm: Helm, fish: int) -> Reins:
+def reins_of(helm: Helm, fish: int) -> TeleopCommand:
     """What hands at a helm ask of a fish: it rises where the submarine would pitch up or rise."""
     if helm.full_stop:
-        return Reins(fish)
+        return TeleopCommand(fish)
     rise = min(max(helm.pitch + helm.heave, -1.0), 1.0)
-    return Reins(fish, helm.yaw, rise, helm.surge)
+    return TeleopCommand(fish, helm.yaw, rise, helm.surge)
 
 
 class Leading:

@@ -11,7 +11,7 @@ SPAN = 4.0  # radii, beyond which the wave has less than 2% of the hull's speed
 
 
 @kernel
-def push(fishes: Fishes, sea: Sea) -> None:
+def add_bow_wave(fishes: Fishes, sea: Sea) -> None:
     """Add the bow wave to `fishes.drift`: no hull, however fast, runs into a fish."""
     hull, velocity = vector(sea.submarine[:3]), vector(sea.submarine[3:6])
     if norm(velocity) == 0.0:

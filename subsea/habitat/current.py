@@ -60,7 +60,7 @@ def _source(strength: float, gap: float) -> float:
 
 
 @kernel
-def carry(fishes: Fishes, sea: Sea, flow: Array) -> None:
+def set_drift(fishes: Fishes, sea: Sea, flow: Array) -> None:
     """Set `fishes.drift`: the velocity of the water where each fish is."""
     uniform = vector(flow)
     for i in range(len(fishes.drift)):

@@ -12,7 +12,7 @@ from subsea.state import HANGING, HOOKED, LANDED, SINKING, STOWED, Clock, Sea
 OUT_CM = 60.0  # so high above the surface it is out of sight
 
 
-def tackle(plan: Hook | None, waits: bool = False) -> NDArray[np.floating[Any]]:
+def hook_constants(plan: Hook | None, waits: bool = False) -> NDArray[np.floating[Any]]:
     """The constants of a hook (5,): x, y, depth, cm, speed, cm/s, start, s.
 
     Without one, and where it `waits` for a direction, it never comes by itself.
@@ -24,7 +24,7 @@ def tackle(plan: Hook | None, waits: bool = False) -> NDArray[np.floating[Any]]:
 
 
 @kernel
-def lower(sea: Sea, clock: Clock) -> None:
+def move_hook(sea: Sea, clock: Clock) -> None:
     """Move the hook by one tick: down until it hangs, up once it has caught a fish."""
     x, y, depth, speed, start = sea.tackle
     state = sea.catch[0]

@@ -7,8 +7,8 @@ from subsea.core.kernels import kernel
 from subsea.geometry.height_field import height_at
 from subsea.geometry.keyed_random import uniform
 from subsea.geometry.vector import Vector, plus, times, vector
+from subsea.habitat.clearance import is_free
 from subsea.habitat.current import flow_near
-from subsea.habitat.solids import is_free
 from subsea.state import Clock, Sea
 
 WANDER_CM_S = 4.0  # size of a speck's own random motion

@@ -7,15 +7,15 @@ import numpy as np
 from subsea.core.arrays import Array, Bools, Ints
 from subsea.core.disk_cache import kept
 from subsea.core.kernels import kernel
+from subsea.habitat.clearance import clearances
 from subsea.habitat.formations import samples
 from subsea.habitat.mounds import HEIGHT, dome, variant_of
-from subsea.habitat.solids import clearances
 from subsea.habitat.terrain import heights_at
 from subsea.scenario.schema import ReefTable, Scenario
 from subsea.state import Reef, Sea
 
 
-class Kind(NamedTuple):
+class GrowthForm(NamedTuple):
     """What grows alike. Lengths are shares of the radius of a growth, or cm."""
 
     height: float  # over its radius
@@ -29,21 +29,21 @@ class Kind(NamedTuple):
 
 
 KINDS = {
-    "staghorn": Kind(1.0, (12.0, 46.0), 0.9, 0.4, 1.4, 1.0, 0.3, 0.25),
-    "bush": Kind(0.8, (6.0, 20.0), 0.7, 0.6, 0.6, 3.0, 0.8, 0.7),
-    "table": Kind(0.65, (22.0, 65.0), 0.8, 0.4, 0.6, 1.2, 0.1, 0.15),
-    "brain": Kind(0.75, (10.0, 42.0), 0.8, 0.5, 1.2, 1.0, 0.7, 0.9),
-    "lettuce": Kind(0.75, (10.0, 34.0), 0.5, 0.6, 0.5, 1.1, 0.5, 0.5),
-    "finger": Kind(0.9, (8.0, 24.0), 0.8, 0.4, 0.6, 0.8, 0.5, 0.35),
-    "leather": Kind(0.75, (7.0, 22.0), 0.8, 0.4, 0.4, 0.6, 0.4, 0.35),
-    "soft": Kind(1.4, (6.0, 19.0), 0.3, 0.5, 0.15, 1.6, 0.6, 0.12),
-    "fan": Kind(1.6, (16.0, 48.0), 0.2, 0.6, 0.12, 1.0, 0.35, 0.1),
-    "pipes": Kind(2.4, (5.0, 15.0), 0.6, 0.6, 0.3, 0.8, 0.3, 0.5),
-    "barrel": Kind(1.6, (12.0, 30.0), 0.9, 0.4, 0.1, 0.1, 0.3, 0.6),
-    "anemone": Kind(0.7, (9.0, 20.0), 0.9, 0.4, 0.5, 0.9, 0.5, 0.85),
-    "rubble": Kind(0.2, (14.0, 34.0), 1.0, 0.3, 2.2, 0.0, 1.0, 0.8),
+    "staghorn": GrowthForm(1.0, (12.0, 46.0), 0.9, 0.4, 1.4, 1.0, 0.3, 0.25),
+    "bush": GrowthForm(0.8, (6.0, 20.0), 0.7, 0.6, 0.6, 3.0, 0.8, 0.7),
+    "table": GrowthForm(0.65, (22.0, 65.0), 0.8, 0.4, 0.6, 1.2, 0.1, 0.15),
+    "brain": GrowthForm(0.75, (10.0, 42.0), 0.8, 0.5, 1.2, 1.0, 0.7, 0.9),
+    "lettuce": GrowthForm(0.75, (10.0, 34.0), 0.5, 0.6, 0.5, 1.1, 0.5, 0.5),
+    "finger": GrowthForm(0.9, (8.0, 24.0), 0.8, 0.4, 0.6, 0.8, 0.5, 0.35),
+    "leather": GrowthForm(0.75, (7.0, 22.0), 0.8, 0.4, 0.4, 0.6, 0.4, 0.35),
+    "soft": GrowthForm(1.4, (6.0, 19.0), 0.3, 0.5, 0.15, 1.6, 0.6, 0.12),
+    "fan": GrowthForm(1.6, (16.0, 48.0), 0.2, 0.6, 0.12, 1.0, 0.35, 0.1),
+    "pipes": GrowthForm(2.4, (5.0, 15.0), 0.6, 0.6, 0.3, 0.8, 0.3, 0.5),
+    "barrel": GrowthForm(1.6, (12.0, 30.0), 0.9, 0.4, 0.1, 0.1, 0.3, 0.6),
+    "anemone": GrowthForm(0.7, (9.0, 20.0), 0.9, 0.4, 0.5, 0.9, 0.5, 0.85),
+    "rubble": GrowthForm(0.2, (14.0, 34.0), 1.0, 0.3, 2.2, 0.0, 1.0, 0.8),
     # Dead reef that others grow on; the dice never choose it.
-    "mound": Kind(HEIGHT, (26.0, 68.0), 1.0, 0.3, 0.0, 0.0, 0.0, 0.95),
+    "mound": GrowthForm(HEIGHT, (26.0, 68.0), 1.0, 0.3, 0.0, 0.0, 0.0, 0.95),
 }
 MOUND, RUBBLE = (list(KINDS).index(name) for name in ("mound", "rubble"))
 
@@ -66,7 +66,7 @@ RIM = 8  # places about a foot that are looked at
 LOW_CM = 7.0  # what is lower does not matter to fishes
 
 
-class Spots(NamedTuple):
+class GrowthSites(NamedTuple):
     """Where something may grow."""
 
     place: Array  # (n, 3) cm, on the sand, a mound or the stone that is drawn; NaN: not free
@@ -76,7 +76,7 @@ class Spots(NamedTuple):
     on_rock: Bools  # (n,)
 
 
-def grow(scenario: Scenario, sea: Sea) -> tuple[Sea, Reef]:
+def grow_reefs(scenario: Scenario, sea: Sea) -> tuple[Sea, Reef]:
     """All reefs of a scenario, and the sea whose floor lies over them."""
     # Reefs do not mind plankton, which is another with every seed.
     still = sea._replace(plankton=sea.plankton[:0], absent=sea.absent[:0])
@@ -106,7 +106,7 @@ COLUMNS = 16
 def _settle(
     table: ReefTable,
     sea: Sea,
-    spots: Spots | None,
+    spots: GrowthSites | None,
     before: Array,
     dice: np.random.Generator,
     current_cm_s: tuple[float, float],
@@ -155,7 +155,9 @@ def _settle(
     return np.concatenate([mounds, grown])
 
 
-def _mounds(table: ReefTable, sea: Sea, spots: Spots | None, dice: np.random.Generator) -> Array:
+def _mounds(
+    table: ReefTable, sea: Sea, spots: GrowthSites | None, dice: np.random.Generator
+) -> Array:
     """Rows (m, COLUMNS) of the mounds on the sand about which a table's growths stand."""
     bare = 1.0 if spots is None or not len(spots.place) else 1.0 - table.rock
     m = int(np.ceil(bare * table.number / HEAP))
@@ -220,11 +222,11 @@ def _first_free(place: Array, radius: Array, fits: Bools, taken: Array, count: i
 def _offered(
     table: ReefTable,
     sea: Sea,
-    spots: Spots | None,
+    spots: GrowthSites | None,
     mounds: Array,
     number: int,
     dice: np.random.Generator,
-) -> Spots:
+) -> GrowthSites:
     """Places for a table's growths: on and about its mounds, and on the rocks that are near."""
     sand = _about(table, sea, mounds, number, dice)
     if spots is not None and len(spots.place):
@@ -245,7 +247,7 @@ def _offered(
 
 def _about(
     table: ReefTable, sea: Sea, mounds: Array, number: int, dice: np.random.Generator
-) -> Spots:
+) -> GrowthSites:
     """Places on and about mounds: nothing grows evenly spread. Without any, on the sand."""
     here, spread = np.array(table.position_cm or (0.0, 0.0)), table.spread_cm
     flat = here + 0.5 * spread * dice.normal(size=(number, 2))
@@ -264,7 +266,7 @@ def _about(
     limit = np.full(number, np.inf)
     limit[under >= 0] = 0.75 * mounds[under[under >= 0], RADIUS]
     place = np.column_stack([flat, height])
-    return Spots(place, normal, limit, np.ones(number), np.zeros(number, np.bool_))
+    return GrowthSites(place, normal, limit, np.ones(number), np.zeros(number, np.bool_))
 
 
 def _ground(sea: Sea, mounds: Array, flat: Array) -> tuple[Array, Ints]:
@@ -297,7 +299,7 @@ def _hollow(sea: Sea, mounds: Array, place: Array, axis: Array, reach: Array) ->
     return deepest
 
 
-def rock_spots(sea: Sea, dice: np.random.Generator) -> Spots:
+def rock_spots(sea: Sea, dice: np.random.Generator) -> GrowthSites:
     """Spots all over rocks and pillars."""
     found = samples(sea.pillars, sea.rocks, SPOTS_M2, dice)
     place, normal = found.place, found.normal
@@ -314,7 +316,7 @@ def rock_spots(sea: Sea, dice: np.random.Generator) -> Spots:
         )
         limit = np.where(gap < nearest, 0.5 * size + 5.0, limit)
         nearest = np.minimum(nearest, gap)
-    return Spots(place, normal, limit, light, np.ones(len(place), np.bool_))
+    return GrowthSites(place, normal, limit, light, np.ones(len(place), np.bool_))
 
 
 def _patches(place: Array, kinds: int, dice: np.random.Generator) -> Array:

@@ -44,7 +44,9 @@ def make_sea(scenario: Scenario, rng: np.random.Generator) -> Sea:
         plankton=plankton.scatter(rng, water.plankton, radius, heights, width, pillars, rocks),
         absent=np.zeros(water.plankton, np.float32),
         seaweed=np.zeros((0, 6), np.float32),
-        tackle=hook.tackle(scenario.hook, any(one.hook == "down" for one in scenario.direction)),
+        tackle=hook.hook_constants(
+            scenario.hook, any(one.hook == "down" for one in scenario.direction)
+        ),
         hook=np.zeros(3),
         catch=np.array([STOWED, NOBODY]),
         submarine=np.zeros(9),

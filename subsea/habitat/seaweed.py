@@ -8,10 +8,10 @@ from subsea.core.kernels import kernel
 from subsea.geometry.height_field import height_at
 from subsea.geometry.vector import Vector, minus, norm, plus, times, vector
 from subsea.habitat.bow_wave import bow_wave
+from subsea.habitat.clearance import clearance
 from subsea.habitat.current import flow_near
 from subsea.habitat.formations import formations, stone_above
 from subsea.habitat.reef import MOUND, RUBBLE
-from subsea.habitat.solids import clearance
 from subsea.scenario.schema import Scenario
 from subsea.scenario.schema import Seaweed as Group
 from subsea.state import HULL_CM, Clock, Fishes, Reef, Sea, Seaweed
@@ -51,7 +51,7 @@ BESIDE_CM = 30.0  # growths that are so much higher or lower are not in its way
 TRIES = 30
 
 
-def plant(scenario: Scenario, sea: Sea, reef: Reef, seed: int) -> tuple[Sea, Seaweed]:
+def plant_seaweed(scenario: Scenario, sea: Sea, reef: Reef, seed: int) -> tuple[Sea, Seaweed]:
     """All seaweed of a scenario, come to rest in still water, and the sea with its boxes."""
     still = sea._replace(plankton=sea.plankton[:0], absent=sea.absent[:0])  # which it does not mind
     boxes, seaweed = kept(_planted, scenario.seaweed, still, reef, seed)
@@ -169,7 +169,7 @@ def _cells(node: Array, first: Ints, sea: Sea) -> tuple[Ints, Ints]:
 
 
 @kernel
-def sway(
+def step_seaweed(
     seaweed: Seaweed, fishes: Fishes, sea: Sea, flow: Array, visibility: float, clock: Clock
 ) -> None:
     """Move the leaves by one tick: current, passing fishes and the submarine carry them along.

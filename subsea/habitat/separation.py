@@ -19,7 +19,7 @@ CLOSEST = 2  # so many neighbours are felt, and the fish that threatens
 
 
 @kernel
-def part(fishes: Fishes, minds: Minds) -> None:
+def separate(fishes: Fishes, minds: Minds) -> None:
     """Add to `fishes.drift` what parts bodies that are about to touch.
 
     Partners in a dance are let alone, and so is what a predator hunts.
@@ -46,7 +46,7 @@ def part(fishes: Fishes, minds: Minds) -> None:
 
 
 @kernel
-def keep_off(fishes: Fishes, sea: Sea) -> None:
+def keep_off_solids(fishes: Fishes, sea: Sea) -> None:
     """Add to `fishes.drift` what keeps bodies off pillars and rocks, and within the rim.
 
     Between two stones a fish may turn from one into the other: the water in the cleft holds it.

@@ -4,7 +4,7 @@ import numpy as np
 
 from subsea.core.arrays import Array
 from subsea.core.disk_cache import kept
-from subsea.habitat.solids import clearances
+from subsea.habitat.clearance import clearances
 from subsea.scenario.schema import Bounds, Scenario, Terrain
 
 SAMPLES = 193  # per side

@@ -42,7 +42,7 @@ BRAKE_GAIN = 5.0  # share of the fins' area that brakes for each share of speed 
 SPEED_TIME = 21.0  # ticks over which the speed is smoothed: a beat and a half
 
 
-class Bodies(NamedTuple):
+class BodyTables(NamedTuple):
     """What the simulation needs of S species; cm, g, tu and radians."""
 
     mass: Array  # (S, 23)
@@ -63,7 +63,7 @@ class Bodies(NamedTuple):
     roll_lead: Array  # (S,) tu by which the fins look ahead of a roll
 
 
-def make_bodies(species: Sequence[Species], speed: Array) -> Bodies:
+def make_bodies(species: Sequence[Species], speed: Array) -> BodyTables:
     """The tables of these species, from the plans that their repertoires were recorded from.
 
     `speed` (S, 7) in cm/s is that of the recorded segments. A species that its spine moves has
@@ -73,7 +73,7 @@ def make_bodies(species: Sequence[Species], speed: Array) -> Bodies:
         _body(one.muscles, swum) if one.muscles else NO_BODY
         for one, swum in zip(species, speed, strict=True)
     ]
-    return Bodies(*(np.array(column, np.float64) for column in zip(*rows, strict=True)))
+    return BodyTables(*(np.array(column, np.float64) for column in zip(*rows, strict=True)))
 
 
 _ROW = (23, 91, 91, 91, 1, 3, 3, 1, 4, 4, 1, 2, 1, 7, 1, 1)
@@ -81,7 +81,7 @@ NO_BODY = tuple(np.zeros(n) if n > 1 else 0.0 for n in _ROW)
 """A row of `Bodies` without content."""
 
 
-def under(bodies: Bodies, physics: Physics) -> Bodies:
+def under(bodies: BodyTables, physics: Physics) -> BodyTables:
     """The tables of these bodies under other physics (Tu §9.2)."""
     if physics == Physics():
         return bodies
@@ -132,7 +132,7 @@ def _roll_lead(body: Body, fin_area: float) -> float:
 def swim_live(
     fishes: Fishes,
     library: Library,
-    bodies: Bodies,
+    bodies: BodyTables,
     live: Live,
     dt: float,
     time_step: float,
@@ -184,7 +184,9 @@ def swim_live(
 
 
 @kernel
-def _ease_muscles(fishes: Fishes, library: Library, bodies: Bodies, live: Live, slot: int) -> None:
+def _ease_muscles(
+    fishes: Fishes, library: Library, bodies: BodyTables, live: Live, slot: int
+) -> None:
     """Ease amplitude and bend toward the speed and the rate of turn that playback would have.
 
     The amplitude alone sets the speed; the tempo goes back to that of the recorded beat, for
@@ -224,7 +226,7 @@ def _brake(fishes: Fishes, library: Library, live: Live, slot: int) -> float:
 
 @kernel
 def contract(
-    bodies: Bodies, kind: int, phase: float, amplitude: float, bend: Array, out: Array
+    bodies: BodyTables, kind: int, phase: float, amplitude: float, bend: Array, out: Array
 ) -> None:
     """Write the muscles' rest lengths (12,) at a phase of the beat, in cm (Tu §4.6.1).
 
@@ -241,7 +243,9 @@ def contract(
 
 
 @kernel
-def fin_force(fishes: Fishes, bodies: Bodies, i: int, at: Array, v: Array, brake: float) -> Array:
+def fin_force(
+    fishes: Fishes, bodies: BodyTables, i: int, at: Array, v: Array, brake: float
+) -> Array:
     """Force (23, 3) of the pectoral fins on nodes at `at` (cm) that move at v (cm/tu): Tu §4.6.2.
 
     As `biomechanics.fins.balance` and `pectoral_force` do, they right a roll, but pitch toward

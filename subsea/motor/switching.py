@@ -17,14 +17,14 @@ from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import matrix
 from subsea.motor.balance import roll_of
 from subsea.motor.controller import RIGHT_GRADUAL
-from subsea.motor.dynamics import TICK_TU, Bodies, make_bodies, swim_live, under
+from subsea.motor.dynamics import TICK_TU, BodyTables, make_bodies, swim_live, under
 from subsea.motor.playback import TEMPO
 from subsea.repertoire import SEGMENTS, Repertoire
 from subsea.repertoire.library import Library
 from subsea.repertoire.transitions import (
-    Motion,
+    Kinematics,
     gentlest,
-    motion_of,
+    kinematics_of,
     node_velocity,
     rotation_vectors,
     usual_change,
@@ -45,9 +45,9 @@ HOVERING = 0.2  # thrust below which a fish is played back: backing off is not i
 class Dynamics(NamedTuple):
     """What is constant: the species' bodies and how every recorded row moves."""
 
-    bodies: Bodies
+    bodies: BodyTables
     muscular: NDArray[np.bool_]  # (S,) whether a species can be simulated: muscles move it
-    motion: Motion  # R rows
+    motion: Kinematics  # R rows
     usual: Array  # (S, 7) the largest change of a node's velocity in each segment, cm per frame²
     reach_cm: float  # fishes farther from the viewer are played back
 
@@ -57,12 +57,12 @@ def make_dynamics(
     reach_cm: float,
 ) -> Dynamics:  # fmt: skip
     """The constants of these species, in the order of the library that they were packed to."""
-    motions = [[motion_of(r.segments[name]) for name in SEGMENTS] for r in repertoires]
+    motions = [[kinematics_of(r.segments[name]) for name in SEGMENTS] for r in repertoires]
     every = [motion for row in motions for motion in row]
     return Dynamics(
         make_bodies(species, library.speed),
         np.array([one.muscles is not None for one in species]),
-        Motion(*(np.concatenate(tables) for tables in zip(*every, strict=True))),
+        Kinematics(*(np.concatenate(tables) for tables in zip(*every, strict=True))),
         np.array([[usual_change(motion) for motion in row] for row in motions]),
         reach_cm,
     )
@@ -243,7 +243,7 @@ def way_back(
             if cyclic
         ]
     )
-    present = Motion(nodes, shift, spin, arriving, arriving)
+    present = Kinematics(nodes, shift, spin, arriving, arriving)
     row, frames, change = gentlest(present, 0, dynamics.motion, goals)
     segment = int(np.flatnonzero(library.first[kind] <= row).max())
     return WayBack(segment, int(row), int(frames), float(change))

@@ -17,7 +17,7 @@ from subsea.geometry.solids import (
 )
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, vector
 from subsea.perception.grid import Grid, near_slots
-from subsea.perception.vision import FIELD_COS, Bodies, Scene, ahead_of, along_body, eye_of
+from subsea.perception.vision import FIELD_COS, Bodies, Surroundings, ahead_of, along_body, eye_of
 from subsea.state import (
     APPROACHING,
     AVOID,
@@ -217,7 +217,9 @@ def _sweeps(p: Vector, way: Vector, low: Vector, high: Vector, more: float) -> b
 
 
 @kernel
-def find_barriers(who: Ints, bodies: Bodies, minds: Minds, scene: Scene, nature: Nature) -> None:
+def find_barriers(
+    who: Ints, bodies: Bodies, minds: Minds, scene: Surroundings, nature: Nature
+) -> None:
     """Enter into `minds.barrier` what stands in the way of each of the fishes `who`.
 
     It is what a ray ahead from the eye meets first: a pillar, a rock, seabed, surface or wall,
@@ -230,7 +232,7 @@ def find_barriers(who: Ints, bodies: Bodies, minds: Minds, scene: Scene, nature:
 
 
 @kernel
-def met_first(bodies: Bodies, i: int, scene: Scene, antenna: float) -> int:
+def met_first(bodies: Bodies, i: int, scene: Surroundings, antenna: float) -> int:
     """What stands still that a ray ahead of fish i, `antenna` cm long, meets first; -1: nothing.
 
     What the fish is within its berth of already only counts if it heads for it.

@@ -12,13 +12,13 @@ from subsea.perception.collision import ANTENNA_BL, ENLARGED
 from subsea.perception.foraging import cost_of, is_in_school, perceives
 from subsea.perception.vision import (
     Bodies,
-    Scene,
+    Surroundings,
     ahead_of,
     along_body,
     bodies_of,
     eye_of,
-    scene_of,
     sees_fish,
+    surroundings_of,
 )
 from subsea.state import (
     ASCEND,
@@ -61,14 +61,16 @@ def focus(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clo
     or prey. To mate: a fish to court, until the courtship itself goes on. Nothing that is
     gone or no longer perceived stays a target. What else is intended has none.
     """
-    bodies, scene = bodies_of(fishes), scene_of(sea)
-    prefer(who, bodies, minds, scene, sea.plankton, sea.submarine, nature)
-    aim(who, bodies, minds, scene, fishes.species, fishes.alive, sea.plankton, sea.absent, nature)
+    bodies, scene = bodies_of(fishes), surroundings_of(sea)
+    set_preferences(who, bodies, minds, scene, sea.plankton, sea.submarine, nature)
+    set_targets(
+        who, bodies, minds, scene, fishes.species, fishes.alive, sea.plankton, sea.absent, nature
+    )
 
 
 @kernel
-def aim(
-    who: Ints, bodies: Bodies, minds: Minds, scene: Scene, species: Ints, alive: Bools,
+def set_targets(
+    who: Ints, bodies: Bodies, minds: Minds, scene: Surroundings, species: Ints, alive: Bools,
     plankton: Array, absent: Array, nature: Nature,
 ) -> None:  # fmt: skip
     """Set the target of each of the fishes `who`.
@@ -181,8 +183,8 @@ def most_desirable(
 
 
 @kernel
-def prefer(
-    who: Ints, bodies: Bodies, minds: Minds, scene: Scene, plankton: Array, hull: Array,
+def set_preferences(
+    who: Ints, bodies: Bodies, minds: Minds, scene: Surroundings, plankton: Array, hull: Array,
     nature: Nature,
 ) -> None:  # fmt: skip
     """Set the motor preferences of each of the fishes `who` (Tu §6.5.2, §7.6).
@@ -253,7 +255,7 @@ def warn_of_fishes(
 
 @kernel
 def warn_of_solids(
-    bodies: Bodies, i: int, scene: Scene, nature: Nature, sums: Array, counts: Array
+    bodies: Bodies, i: int, scene: Surroundings, nature: Nature, sums: Array, counts: Array
 ) -> None:
     """Warn of what stands still within an antenna's length of the eye."""
     eye, q = eye_of(bodies, i), bodies.orientation[i]

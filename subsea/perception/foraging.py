@@ -8,7 +8,7 @@ from subsea.core.arrays import Ints
 from subsea.core.kernels import kernel
 from subsea.geometry.vector import Vector, dot, minus, norm, vector
 from subsea.perception.grid import Grid, insert, near_slots, nearest
-from subsea.perception.vision import Bodies, Scene, ahead_of, eye_of, sees_fish, sight
+from subsea.perception.vision import Bodies, Surroundings, ahead_of, eye_of, sees_fish, sight
 from subsea.state import PREDATOR, Minds, Nature, Sea
 
 PREY_CELL_CM = 100.0
@@ -38,7 +38,13 @@ def perceive_plankton(who: Ints, bodies: Bodies, minds: Minds, grid: Grid, natur
 
 @kernel
 def perceive_prey(
-    who: Ints, bodies: Bodies, minds: Minds, species: Ints, scene: Scene, grid: Grid, nature: Nature
+    who: Ints,
+    bodies: Bodies,
+    minds: Minds,
+    species: Ints,
+    scene: Surroundings,
+    grid: Grid,
+    nature: Nature,
 ) -> None:
     """Enter the prey of `grid` that the predators among the fishes `who` see or smell.
 
@@ -95,7 +101,7 @@ def is_in_school(minds: Minds, j: int) -> bool:
 
 @kernel
 def perceives(
-    bodies: Bodies, i: int, j: int, scene: Scene, nature: Nature, distance: float
+    bodies: Bodies, i: int, j: int, scene: Surroundings, nature: Nature, distance: float
 ) -> bool:
     """Whether predator i smells or sees prey j, `distance` cm before its mouth."""
     return distance <= nature.smell_cm or sees_fish(bodies, i, j, scene, nature)

@@ -4,10 +4,10 @@ import numpy as np
 
 from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
-from subsea.perception import collision, company, courting, danger, foraging
+from subsea.perception import collision, foraging, leader_tracking, mates, predators
 from subsea.perception.grid import make_grid
 from subsea.perception.neighbours import REACH_CM, find_neighbours
-from subsea.perception.vision import bodies_of, middles_of, scene_of
+from subsea.perception.vision import bodies_of, middles_of, surroundings_of
 from subsea.state import PACIFIST, PREDATOR, PREY, Clock, Fishes, Minds, Nature, Sea
 
 LARGE_CM = 45.0  # fishes longer than that are kept in a grid of their own ...
@@ -20,8 +20,8 @@ def sense(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clo
         return
     feel_water(who, fishes.position, sea.climate, minds.light, minds.temperature)
     find_neighbours(who, fishes, minds, REACH_CM)
-    bodies, scene = bodies_of(fishes), scene_of(sea)
-    company.watch_leader(who, bodies, fishes.alive, minds, scene, nature, clock)
+    bodies, scene = bodies_of(fishes), surroundings_of(sea)
+    leader_tracking.watch_leader(who, bodies, fishes.alive, minds, scene, nature, clock)
     alive, place, kinds = fishes.alive, fishes.position, minds.kind
     large, middles = fishes.length > LARGE_CM, middles_of(bodies)
     crowd = (
@@ -30,16 +30,16 @@ def sense(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clo
     )
     collision.find_threats(who, bodies, minds, alive, crowd, nature)
     collision.find_barriers(who, bodies, minds, scene, nature)
-    hunters = make_grid(place, np.flatnonzero(alive & (kinds == PREDATOR)), danger.CELL_CM)
-    danger.see_predators(who, bodies, minds, scene, sea.submarine, hunters, nature)
+    hunters = make_grid(place, np.flatnonzero(alive & (kinds == PREDATOR)), predators.CELL_CM)
+    predators.see_predators(who, bodies, minds, scene, sea.submarine, hunters, nature)
     specks = make_grid(sea.plankton, np.flatnonzero(sea.absent <= 0.0), foraging.cell_cm(sea))
     foraging.perceive_plankton(who, bodies, minds, specks, nature)
     if (kinds[who] == PREDATOR).any():
         prey = make_grid(place, np.flatnonzero(alive & (kinds == PREY)), foraging.PREY_CELL_CM)
         foraging.perceive_prey(who, bodies, minds, fishes.species, scene, prey, nature)
     if (kinds[who] == PACIFIST).any():
-        mild = make_grid(place, np.flatnonzero(alive & (kinds == PACIFIST)), courting.CELL_CM)
-        courting.see_mates(who, bodies, minds, fishes.species, scene, mild, nature)
+        mild = make_grid(place, np.flatnonzero(alive & (kinds == PACIFIST)), mates.CELL_CM)
+        mates.see_mates(who, bodies, minds, fishes.species, scene, mild, nature)
 
 
 @kernel

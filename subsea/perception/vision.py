@@ -35,7 +35,7 @@ class Bodies(NamedTuple):
     girth: Array
 
 
-class Scene(NamedTuple):
+class Surroundings(NamedTuple):
     """What kernels of perception need of `Sea`: what can hide or be run into."""
 
     pillars: Array
@@ -52,9 +52,9 @@ def bodies_of(fishes: Fishes) -> Bodies:
     return Bodies(*(getattr(fishes, name) for name in Bodies._fields))
 
 
-def scene_of(sea: Sea) -> Scene:
+def surroundings_of(sea: Sea) -> Surroundings:
     """Views of the sea's arrays."""
-    return Scene(*(getattr(sea, name) for name in Scene._fields))
+    return Surroundings(*(getattr(sea, name) for name in Surroundings._fields))
 
 
 @kernel
@@ -104,7 +104,7 @@ def in_view(eye: Vector, ahead: Vector, p: Vector, reach: float) -> bool:
 
 
 @kernel
-def hidden(scene: Scene, eye: Vector, p: Vector) -> bool:
+def hidden(scene: Surroundings, eye: Vector, p: Vector) -> bool:
     """Whether a pillar, a rock or the seabed is between eye and p; other fishes do not hide."""
     for k in range(len(scene.pillars)):
         if ray_meets_pillar(scene.pillars[k], 0.0, eye, p) <= 1.0:
@@ -118,14 +118,14 @@ def hidden(scene: Scene, eye: Vector, p: Vector) -> bool:
 
 
 @kernel
-def sees_point(bodies: Bodies, i: int, scene: Scene, p: Vector, reach: float) -> bool:
+def sees_point(bodies: Bodies, i: int, scene: Surroundings, p: Vector, reach: float) -> bool:
     """Whether fish i sees the point p, which is in sight from `reach` cm (Tu §6.4.1)."""
     eye = eye_of(bodies, i)
     return in_view(eye, ahead_of(bodies, i), p, reach) and not hidden(scene, eye, p)
 
 
 @kernel
-def sees_fish(bodies: Bodies, i: int, j: int, scene: Scene, nature: Nature) -> bool:
+def sees_fish(bodies: Bodies, i: int, j: int, scene: Surroundings, nature: Nature) -> bool:
     """Whether fish i sees fish j: its middle is in view and any point of it not hidden (§6.4.2)."""
     eye = eye_of(bodies, i)
     reach = sight(float(bodies.length[j]), nature)
@@ -150,7 +150,7 @@ def sees_pillar(bodies: Bodies, i: int, pillar: Array, nature: Nature) -> bool:
 
 
 @kernel
-def sees_box(bodies: Bodies, i: int, scene: Scene, box: Array, reach: float) -> bool:
+def sees_box(bodies: Bodies, i: int, scene: Surroundings, box: Array, reach: float) -> bool:
     """Whether any of the eight corners of a box, as of a cluster of seaweed, is seen (§6.4.4)."""
     for corner in range(8):
         p = (

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import msgspec
 import numpy as np
 
-from subsea.behavior.teleop import Reins
+from subsea.behavior.teleop import TeleopCommand
 from subsea.core import interrupts
 from subsea.core.atomic_io import check_file, replacing
 from subsea.core.console import counted, say
@@ -218,7 +218,7 @@ def hands(world: World, dice: np.random.Generator) -> Iterator[Hands]:
         if what == "steer":
             order = Helm(*ask.tolist())
         elif what == "ride" and len(living):
-            order = Reins(int(dice.choice(living)), *ask[:3].tolist())
+            order = TeleopCommand(int(dice.choice(living)), *ask[:3].tolist())
         elif what == "change":
             current = float(CURRENT_CM_S * ask[0]), float(CURRENT_CM_S * ask[1])
             timidity, lights = float(dice.uniform(*TIMIDITY)), not lights

@@ -23,7 +23,7 @@ ROUGH = 1.5
 NEARLY = 1.15  # times the gentlest is as good
 
 
-class Motion(NamedTuple):
+class Kinematics(NamedTuple):
     """Rows, t of them, and the velocities at each, per frame and in body axes."""
 
     nodes: Array  # (t, 23, 3)
@@ -35,7 +35,7 @@ class Motion(NamedTuple):
 
 def plan_transitions(segments: list[Segment]) -> Transitions:
     """The best transitions between all segments of one species."""
-    motions = [motion_of(segment) for segment in segments]
+    motions = [kinematics_of(segment) for segment in segments]
     usual = [usual_change(motion) for motion in motions]
     starts = np.concatenate([[0], np.cumsum([len(m.nodes) for m in motions])])
     shape = (int(starts[-1]), len(segments))
@@ -57,7 +57,7 @@ def plan_transitions(segments: list[Segment]) -> Transitions:
     return Transitions(entry, frames, leave)
 
 
-def motion_of(segment: Segment) -> Motion:
+def kinematics_of(segment: Segment) -> Kinematics:
     """The rows of one segment."""
     nodes, shift = segment.nodes, segment.increment_translation
     spin = rotation_vectors(segment.increment_rotation)
@@ -67,7 +67,7 @@ def motion_of(segment: Segment) -> Motion:
     own_after, shift_after, spin_after = (
         np.concatenate([v[1:], v[:1] if segment.cyclic else v[-1:]]) for v in (own, shift, spin)
     )
-    return Motion(
+    return Kinematics(
         np.ascontiguousarray(nodes, np.float64),
         np.ascontiguousarray(shift, np.float64),
         spin,
@@ -82,13 +82,13 @@ def rotation_vectors(quaternions: Array) -> Array:
     return np.asarray(2.0 * q[:, 1:])
 
 
-def usual_change(motion: Motion) -> float:
+def usual_change(motion: Kinematics) -> float:
     """The largest change of any node's velocity between frames inside the segment."""
     return float(np.linalg.norm(motion.leaving - motion.arriving, axis=2)[:-1].max())
 
 
 @kernel
-def gentlest(here: Motion, row: int, there: Motion, goals: Ints) -> tuple[int, int, float]:
+def gentlest(here: Kinematics, row: int, there: Kinematics, goals: Ints) -> tuple[int, int, float]:
     """The goal, the length, and the larger change of any node's velocity at the glide's ends."""
     best_goal, best_length, least = goals[0], 1, np.inf
     for goal in goals:
@@ -111,7 +111,9 @@ def gentlest(here: Motion, row: int, there: Motion, goals: Ints) -> tuple[int, i
 
 
 @kernel
-def _carried(here: Motion, row: int, there: Motion, goal: int, share: float, node: Array) -> Array:
+def _carried(
+    here: Kinematics, row: int, there: Kinematics, goal: int, share: float, node: Array
+) -> Array:
     """How the gliding body frame carries a node: the increments of both rows are blended."""
     shift = (1.0 - share) * here.shift[row] + share * there.shift[goal]
     spin = (1.0 - share) * here.spin[row] + share * there.spin[goal]

@@ -9,7 +9,7 @@ from subsea.core.kernels import kernel
 from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import rotate
 from subsea.geometry.vector import Vector, minus, plus, times, vector
-from subsea.habitat.solids import clearance, out_of_solids
+from subsea.habitat.clearance import clearance, out_of_solids
 from subsea.state import Sea
 from subsea.view.retina import body_at
 from subsea.view.rig import Pose

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from subsea.geometry.vector import vector
-from subsea.habitat.solids import clearance, out_of_solids
+from subsea.habitat.clearance import clearance, out_of_solids
 from subsea.scenario.schema import Shoal
 from subsea.state import NOBODY
 from subsea.world.snapshot import changing, constant

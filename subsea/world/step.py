@@ -5,26 +5,32 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from subsea.behavior import biting, eating, hunting, schooling, steering
-from subsea.behavior.colouring import colour
-from subsea.behavior.intention import choose
-from subsea.behavior.mating import review
-from subsea.behavior.mental import feel
-from subsea.behavior.table import BEHAVIOR_OF_DESIRE, LEVEL_OF_DESIRE, TIRES, act, want
-from subsea.behavior.teleop import Reins, obey
+from subsea.behavior.colouring import ease_display
+from subsea.behavior.intention import choose_intention
+from subsea.behavior.mating import end_courtships
+from subsea.behavior.mental_state import update_mental_state
+from subsea.behavior.table import (
+    BEHAVIOR_OF_DESIRE,
+    LEVEL_OF_DESIRE,
+    TIRES,
+    compute_desires,
+    run_routines,
+)
+from subsea.behavior.teleop import TeleopCommand, follow_command
 from subsea.directing import direct
 from subsea.geometry.height_field import height_at
 from subsea.habitat import hook, plankton
-from subsea.habitat.bow_wave import push
-from subsea.habitat.current import carry, flow_at
-from subsea.habitat.seaweed import sway
-from subsea.habitat.separation import keep_off, part
+from subsea.habitat.bow_wave import add_bow_wave
+from subsea.habitat.current import flow_at, set_drift
+from subsea.habitat.seaweed import step_seaweed
+from subsea.habitat.separation import keep_off_solids, separate
 from subsea.motor.controller import command
 from subsea.motor.fins import flap
 from subsea.motor.playback import play
 from subsea.motor.switching import swim
 from subsea.perception.focusser import focus
+from subsea.perception.scheduling import fish_due
 from subsea.perception.senses import sense
-from subsea.perception.turns import whose_turn
 from subsea.state import Clock, Submarine
 from subsea.submarine.helm import STATION, Helm
 from subsea.submarine.hull import hull_axes, step_hull
@@ -33,7 +39,7 @@ from subsea.world.world import TICK_S, World, create_world
 
 __all__ = ["TICK_S", "Order", "World", "create_world", "steer", "step"]
 
-Order = Helm | Rail | Reins  # what is steered in a tick, and how
+Order = Helm | Rail | TeleopCommand  # what is steered in a tick, and how
 
 
 def step(world: World, order: Order) -> None:
@@ -55,37 +61,37 @@ def step(world: World, order: Order) -> None:
         sea.submarine[:3], sea.submarine[3:6] = state.submarine.position, state.submarine.velocity
         sea.submarine[6:] = hull_axes(*state.submarine.angles)[0]
         plankton.drift(sea, flow, clock)
-        carry(fishes, sea, flow)
-        push(fishes, sea)
-        part(fishes, minds)
-        keep_off(fishes, sea)
-        hook.lower(sea, clock)
-        sway(state.seaweed, fishes, sea, flow, world.scenario.water.visibility_cm, clock)
+        set_drift(fishes, sea, flow)
+        add_bow_wave(fishes, sea)
+        separate(fishes, minds)
+        keep_off_solids(fishes, sea)
+        hook.move_hook(sea, clock)
+        step_seaweed(state.seaweed, fishes, sea, flow, world.scenario.water.visibility_cm, clock)
     with _stage(world, "perception"):
-        who = whose_turn(fishes, minds, sea, world.scenario.water.visibility_cm, clock)
+        who = fish_due(fishes, minds, sea, world.scenario.water.visibility_cm, clock)
         sense(who, fishes, minds, sea, nature, clock)
         for fish, light in world.seen_light.items():
             minds.light[fish] = light
     with _stage(world, "behavior"):
-        schooling.join(who, fishes.alive, minds)
-        feel(who, fishes, minds, nature, clock)
-        review(who, fishes, minds)
-        want(who, fishes, minds, sea, nature, clock)
-        free = who[who != order.fish] if isinstance(order, Reins) else who
-        choose(free, minds, nature, LEVEL_OF_DESIRE, BEHAVIOR_OF_DESIRE, TIRES)
+        schooling.join_schools(who, fishes.alive, minds)
+        update_mental_state(who, fishes, minds, nature, clock)
+        end_courtships(who, fishes, minds)
+        compute_desires(who, fishes, minds, sea, nature, clock)
+        free = who[who != order.fish] if isinstance(order, TeleopCommand) else who
+        choose_intention(free, minds, nature, LEVEL_OF_DESIRE, BEHAVIOR_OF_DESIRE, TIRES)
     with _stage(world, "perception"):
         focus(free, fishes, minds, sea, nature, clock)
     with _stage(world, "behavior"):
         fishes.gape[free] = 0.0
-        act(free, fishes, minds, sea, nature, clock)
+        run_routines(free, fishes, minds, sea, nature, clock)
         steering.keep_clear(free, fishes, minds, sea)
-        if isinstance(order, Reins) and fishes.alive[order.fish]:
-            obey(*order, fishes, minds, sea)
-        steering.heed(fishes, minds, clock)
+        if isinstance(order, TeleopCommand) and fishes.alive[order.fish]:
+            follow_command(*order, fishes, minds, sea)
+        steering.ease_goals(fishes, minds, clock)
         eating.ingest(fishes, minds, sea, clock)
         hunting.inhale(fishes, minds, sea, clock)
         biting.bite(fishes, minds, sea, clock)
-        colour(fishes, minds, clock)
+        ease_display(fishes, minds, clock)
         minds.pause[who] = 0.0
     with _stage(world, "motor"):
         command(fishes, world.library, state.seed, state.tick, TICK_S)

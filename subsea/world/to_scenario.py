@@ -11,7 +11,7 @@ import numpy as np
 from msgspec.structs import replace
 from numpy.typing import NDArray
 
-from subsea.behavior.mental import DIGESTION, DREAD_CM, LIBIDO_RATE
+from subsea.behavior.mental_state import DIGESTION, DREAD_CM, LIBIDO_RATE
 from subsea.behavior.temperament import HABITS, appetite_of, males_of
 from subsea.fish.species import Species
 from subsea.scenario.schema import Individual, PhysicsTable, Scenario, Shoal, Temper

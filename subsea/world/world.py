@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.behavior.table import BEHAVIORS, DESIRES
-from subsea.behavior.temperament import alter, temper
+from subsea.behavior.temperament import apply_individual, set_temperament
 from subsea.core.arrays import Array
 from subsea.core.disk_cache import kept
 from subsea.core.errors import UserError
@@ -24,11 +24,11 @@ from subsea.fish.surface import rest_control_points
 from subsea.geometry.height_field import height_at
 from subsea.geometry.solids import from_pillar, from_rock
 from subsea.geometry.vector import vector
-from subsea.habitat.reef import grow
+from subsea.habitat.clearance import out_of_solids
+from subsea.habitat.reef import grow_reefs
 from subsea.habitat.rocks import rock_rows
 from subsea.habitat.sea import make_sea, pillar_rows
-from subsea.habitat.seaweed import plant
-from subsea.habitat.solids import out_of_solids
+from subsea.habitat.seaweed import plant_seaweed
 from subsea.motor.switching import Dynamics, make_dynamics
 from subsea.repertoire import SEGMENTS, Repertoire
 from subsea.repertoire.library import Library, pack
@@ -209,10 +209,10 @@ def _sea_of(
     _refuse_crowded(scenario, source)
     sea = make_sea(scenario, rng)
     _refuse_too_high(scenario, sea, source)
-    sea, reef = grow(scenario, sea)
+    sea, reef = grow_reefs(scenario, sea)
     _refuse_misplaced(scenario, sea, source)
     check_tours(scenario, sea, rock_rows(scenario, lambda x, y: 0.0)[1], source)
-    sea, seaweed = plant(scenario, sea, reef, seed)
+    sea, seaweed = plant_seaweed(scenario, sea, reef, seed)
     return sea, reef, seaweed
 
 
@@ -390,7 +390,7 @@ def _populate(
             minds.leader[first + 1 : first + number] = first
             minds.leads[first : first + 1] = number > 1
         minds.kind[these] = KINDS.index(shoal.kind or species[shoal.species].kind)
-        temper(shoal, fishes, minds, these, rng)
+        set_temperament(shoal, fishes, minds, these, rng)
         minds.waypoint[these] = fishes.position[these]
         if shoal.toward_cm:
             minds.waypoint[these] = shoal.toward_cm
@@ -398,7 +398,7 @@ def _populate(
         first += number
     for one in scenario.individual:
         if one.fish < len(fishes.species):  # else it is left out, with most of its shoal
-            alter(fishes, minds, one, 0.0)
+            apply_individual(fishes, minds, one, 0.0)
     minds.urge[:] = fishes.goal_direction
     fishes.goal_speed[:] = 0.5
     fishes.segment[:] = slow

@@ -5,7 +5,7 @@ import pytest
 
 from subsea.behavior import eating, struggling
 from subsea.behavior.biting import BITE_BL, FOLLOWS, OUT_BL, TEMPTING, YANK_CM_S, bite
-from subsea.behavior.intention import choose
+from subsea.behavior.intention import choose_intention
 from subsea.behavior.table import BEHAVIOR_OF_DESIRE, BEHAVIORS, LEVEL_OF_DESIRE, TIRES
 from subsea.state import BAIT, EAT, HANGING, HOOKED, HUNGER, NOBODY, PREDATOR, SINKING, STOWED
 
@@ -115,7 +115,9 @@ def test_struggling_comes_before_all_else(tank):
     for row, code in enumerate(BEHAVIOR_OF_DESIRE):
         if BEHAVIORS[code].name == "struggle":
             struggling.desire(np.arange(2), *one, one.minds.desire[row])
-    choose(np.arange(2), one.minds, one.nature, LEVEL_OF_DESIRE, BEHAVIOR_OF_DESIRE, TIRES)
+    choose_intention(
+        np.arange(2), one.minds, one.nature, LEVEL_OF_DESIRE, BEHAVIOR_OF_DESIRE, TIRES
+    )
     assert [BEHAVIORS[code].name for code in one.minds.intention] == ["avoid", "struggle"]
 
 

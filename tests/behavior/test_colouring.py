@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from subsea.behavior.colouring import colour
+from subsea.behavior.colouring import ease_display
 from subsea.state import CIRCLING, LOOPING, NO_COURTSHIP, Clock
 
 
 def _wait(t, seconds, dt=0.033):
     for tick in range(round(seconds / dt)):
-        colour(t.fishes, t.minds, Clock(0, tick, dt))
+        ease_display(t.fishes, t.minds, Clock(0, tick, dt))
 
 
 @pytest.fixture

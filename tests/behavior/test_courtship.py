@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from subsea.behavior.chasing import mouth_of
-from subsea.behavior.close_quarters import abdomen_of
 from subsea.behavior.courtship import POINTS, RISE_BL, TURNS
+from subsea.behavior.manoeuvring import abdomen_of
 from subsea.behavior.nuzzling import NUDGES, TOUCH_BL
 from subsea.scenario.schema import Scenario, load_scenario
 from subsea.state import APPROACHING, ASCENDING, CIRCLING, LOOPING, NO_COURTSHIP, NOBODY, NUZZLING

@@ -5,7 +5,7 @@ import pytest
 
 from subsea.behavior import curious
 from subsea.behavior.curious import CURIOUS, FORGETS, FRESH_S, SATED_S, WATCH_CM, place_before
-from subsea.behavior.intention import choose
+from subsea.behavior.intention import choose_intention
 from subsea.behavior.table import BEHAVIOR_OF_DESIRE, BEHAVIORS, LEVEL_OF_DESIRE, TIRES
 from subsea.state import PREY, WANDER
 
@@ -49,7 +49,7 @@ def test_it_looks_its_fill_and_comes_back_a_minute_later(tank):
                 one.minds.desire[row] = 0.01
             if code == CURIOUS:
                 curious.desire(who, *one, one.minds.desire[row])
-        choose(who, one.minds, one.nature, LEVEL_OF_DESIRE, BEHAVIOR_OF_DESIRE, TIRES)
+        choose_intention(who, one.minds, one.nature, LEVEL_OF_DESIRE, BEHAVIOR_OF_DESIRE, TIRES)
         looks.append(one.minds.intention == CURIOUS)
     looks = np.array(looks)
     for i, identity in enumerate(one.fishes.identity):

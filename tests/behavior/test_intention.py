@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.behavior.intention import MEMORY_S, choose, tiredness
+from subsea.behavior.intention import MEMORY_S, choose_intention, tiredness
 from subsea.behavior.table import BEHAVIOR_OF_DESIRE, BEHAVIORS, DESIRES, LEVEL_OF_DESIRE, TIRES
 from subsea.state import AVOID, EAT, ESCAPE, LEAVE, MATE, SCHOOL, WANDER
 
@@ -28,7 +28,7 @@ def mind(tank):
         for key, value in desires.items():
             t.minds.desire[_row(*key) if isinstance(key, tuple) else _row(key)] = value
         t.minds.pause[:] = seconds
-        choose(ONE, t.minds, t.nature, LEVEL_OF_DESIRE, BEHAVIOR_OF_DESIRE, TIRES)
+        choose_intention(ONE, t.minds, t.nature, LEVEL_OF_DESIRE, BEHAVIOR_OF_DESIRE, TIRES)
         return int(t.minds.intention[0])
 
     return decide, t.minds

@@ -52,7 +52,7 @@ def _pair(t, i, state):
 
 def _review(t, seconds=0.033):
     t.minds.pause[:] = seconds
-    mating.review(np.arange(len(t.fishes.species)), t.fishes, t.minds)
+    mating.end_courtships(np.arange(len(t.fishes.species)), t.fishes, t.minds)
 
 
 def _free(t, *who):
@@ -251,7 +251,7 @@ def test_no_pair_is_left_dangling_or_stuck(tank, state, why):
     # Only she thinks: it must not take him to end it.
     for _ in range(int(ALONE_S[state]) + 2):
         t.minds.pause[:] = 1.0
-        mating.review(np.array([FEMALE]), t.fishes, t.minds)
+        mating.end_courtships(np.array([FEMALE]), t.fishes, t.minds)
     assert _free(t, FEMALE, 1)
     assert t.minds.shunned[FEMALE] == 1
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from subsea.behavior import schooling
-from subsea.behavior.steering import heed
+from subsea.behavior.steering import ease_goals
 from subsea.state import FEAR, PREY
 
 
@@ -29,7 +29,7 @@ def test_stragglers_catch_up(tank):
     _see(t)
     for tick in range(30):
         t.at(tick).run(schooling.act, 1, 2)
-        heed(t.fishes, t.minds, t.clock)
+        ease_goals(t.fishes, t.minds, t.clock)
     toward = t.fishes.position[0] - t.fishes.position[2]
     assert t.fishes.goal_direction[2] @ toward / np.linalg.norm(toward) > 0.9
     assert t.fishes.goal_speed[2] > t.fishes.goal_speed[1]
@@ -94,7 +94,7 @@ def test_loners_that_meet_form_a_school_and_others_join_it(tank):
     t.minds.neighbour[1, 0] = 0
     t.minds.neighbour[2, 0] = 0
     t.minds.neighbour[3, 0] = 0
-    schooling.join(np.arange(4), t.fishes.alive, t.minds)
+    schooling.join_schools(np.arange(4), t.fishes.alive, t.minds)
     np.testing.assert_array_equal(t.minds.leader, [1, -1, 1, -1])
     np.testing.assert_array_equal(t.minds.leads, [False, True, False, False])
 
@@ -104,7 +104,7 @@ def test_nobody_joins_the_dead(tank):
     t.minds.schools[:] = True
     t.minds.neighbour[0, 0] = 1
     t.fishes.alive[1] = False
-    schooling.join(np.arange(2), t.fishes.alive, t.minds)
+    schooling.join_schools(np.arange(2), t.fishes.alive, t.minds)
     assert t.minds.leader[0] == -1
 
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from subsea.behavior.teleop import Reins
+from subsea.behavior.teleop import TeleopCommand
 from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import rotate
-from subsea.habitat.solids import clearances
+from subsea.habitat.clearance import clearances
 from subsea.repertoire import SEGMENTS
 from subsea.scenario.schema import load_scenario
 from subsea.state import EAT, ESCAPE, FEAR, MATE, NOBODY, PREDATOR, PREY, WANDER
@@ -38,7 +38,7 @@ def steered(world, seconds, fish=FISH, **asked):
     fishes, turned, segments = world.state.fishes, 0.0, set()
     before = heading(fishes, fish)
     for _ in range(round(seconds / TICK_S)):
-        step(world, Reins(fish, **asked))
+        step(world, TeleopCommand(fish, **asked))
         now = heading(fishes, fish)
         turned += (now - before + np.pi) % (2 * np.pi) - np.pi
         before = now
@@ -115,7 +115,7 @@ def test_it_keeps_clear_of_stone_sand_and_the_sea_s_bounds_however_it_is_steered
             for _ in range(4):
                 asked = {"speed": 1.0, "turn": rng.uniform(-0.4, 0.4)} | asked
                 for _ in range(40):
-                    step(world, Reins(fish, **asked))
+                    step(world, TeleopCommand(fish, **asked))
                     place = fishes.position[fish].astype(np.float64)
                     assert clearances(sea.pillars, sea.rocks, place[None])[0] > 0.0
                     floor = height_at(sea.heights, sea.half_width, place[0], place[1])
@@ -132,7 +132,7 @@ def test_its_brain_yields_and_comes_back(world):
     for _ in range(40):
         fishes.position[enemy] = fishes.position[FISH] + 40.0 * ahead(fishes, FISH)
         minds.eaten[FISH] = 0.0
-        step(world, Reins(FISH, speed=0.4))
+        step(world, TeleopCommand(FISH, speed=0.4))
         assert minds.intention[FISH] == WANDER
         assert minds.target[FISH] == NOBODY
     assert minds.mental[FISH, FEAR] > 0.3  # it feels as ever
@@ -151,7 +151,7 @@ def test_others_know_nothing_of_the_reins_and_the_submarine_keeps_station(world,
     step(world, HANDS_OFF)
     free = {name: array.copy() for name, array in snapshot.changing(world).items()}
     snapshot.restore(world, begun[1])
-    step(world, Reins(FISH, turn=1.0, speed=1.0))
+    step(world, TeleopCommand(FISH, turn=1.0, speed=1.0))
     for name, array in snapshot.changing(world).items():
         if name.startswith(("fishes.", "minds.")) and len(array) == 60:
             np.testing.assert_array_equal(array[others], free[name][others], err_msg=name)
@@ -165,7 +165,7 @@ def test_others_know_nothing_of_the_reins_and_the_submarine_keeps_station(world,
 def test_the_same_reins_give_the_same_world_from_a_snapshot_on(world):
     def ridden(ticks):
         for k in range(ticks):
-            step(world, Reins(FISH, np.sin(0.1 * k), 0.3, 0.8))
+            step(world, TeleopCommand(FISH, np.sin(0.1 * k), 0.3, 0.8))
         return snapshot.checksum(world)
 
     ridden(20)
@@ -178,10 +178,10 @@ def test_the_same_reins_give_the_same_world_from_a_snapshot_on(world):
 def test_who_is_dead_is_not_steered_and_who_is_none_is_a_fault(world):
     world.state.fishes.alive[FISH] = False
     before = world.state.minds.urge[FISH].copy()
-    step(world, Reins(FISH, 1.0, 1.0, 1.0))
+    step(world, TeleopCommand(FISH, 1.0, 1.0, 1.0))
     np.testing.assert_array_equal(world.state.minds.urge[FISH], before)
     with pytest.raises(IndexError):
-        step(world, Reins(60))
+        step(world, TeleopCommand(60))
 
 
 def test_a_school_follows_its_leader_that_is_steered_and_prey_flees_its_predator():
@@ -210,6 +210,6 @@ def test_a_school_follows_its_leader_that_is_steered_and_prey_flees_its_predator
     world.state.submarine.position[:] = -700.0, 0.0, -250.0  # which prey fears too
     fleeing = 0
     for _ in range(40):
-        step(world, Reins(predator, speed=0.6))
+        step(world, TeleopCommand(predator, speed=0.6))
         fleeing += minds.predator[prey] == predator and minds.intention[prey] == ESCAPE
     assert fleeing > 20

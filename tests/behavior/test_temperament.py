@@ -4,7 +4,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from subsea.behavior.temperament import alter
+from subsea.behavior.temperament import apply_individual
 from subsea.scenario.schema import Individual, Shoal, load_scenario
 from subsea.state import NOBODY
 from subsea.submarine.helm import HANDS_OFF
@@ -56,7 +56,7 @@ def test_fishes_may_become_others_while_diving(name):
             fish=i, kind=kind, male=bool(tick % 2), schooling=bool(tick % 5), hunger=1.0
         )
         if tick % 4 == 0:
-            alter(state.fishes, state.minds, own, now)
+            apply_individual(state.fishes, state.minds, own, now)
             assert state.minds.partner[i] == NOBODY
             assert not (state.minds.partner == i).any()
     snapshot.restore(world, snapshot.take(world))  # no value that a tick could not have written
@@ -68,11 +68,13 @@ def test_hunger_and_libido_are_those_of_now():
     for _ in range(60):
         step(world, HANDS_OFF)
     lone = Individual(fish=1, kind="pacifist", hunger=0.125, libido=0.5)
-    alter(state.fishes, state.minds, lone, state.tick * TICK_S)
+    apply_individual(state.fishes, state.minds, lone, state.tick * TICK_S)
     step(world, HANDS_OFF)
     assert state.minds.mental[1, :2] == pytest.approx([0.125, 0.5], abs=0.02)
     # What is not named stays.
-    alter(state.fishes, state.minds, Individual(fish=1, dread_cm=3.0), state.tick * TICK_S)
+    apply_individual(
+        state.fishes, state.minds, Individual(fish=1, dread_cm=3.0), state.tick * TICK_S
+    )
     step(world, HANDS_OFF)
     assert state.minds.mental[1, :2] == pytest.approx([0.125, 0.5], abs=0.03)
     assert state.minds.dread[1] == 3.0

@@ -3,7 +3,7 @@
 import numpy as np
 
 from subsea.behavior import wandering
-from subsea.behavior.steering import heed
+from subsea.behavior.steering import ease_goals
 
 
 def test_a_loner_in_open_water_swims_to_its_waypoint(tank):
@@ -11,7 +11,7 @@ def test_a_loner_in_open_water_swims_to_its_waypoint(tank):
     for tick in range(60):
         now = t.at(tick)
         now.run(wandering.act)
-        heed(now.fishes, now.minds, now.clock)
+        ease_goals(now.fishes, now.minds, now.clock)
     toward = t.minds.waypoint[0] - t.fishes.position[0]
     assert t.fishes.goal_direction[0] @ toward / np.linalg.norm(toward) > 0.99
     assert 10 < np.hypot(*t.minds.waypoint[0, :2]) < t.sea.radius

@@ -12,7 +12,7 @@ from subsea.biomechanics.controllers import (
     turn_contraction,
 )
 from subsea.biomechanics.fins import ascend, backward, balance, brake, descend, pectoral_force
-from subsea.biomechanics.simulation import STILL, State, at_rest, copy_state, is_sound, simulate
+from subsea.biomechanics.simulation import STILL, BodyState, at_rest, copy_state, is_sound, simulate
 from subsea.biomechanics.solver import STEPS_PER_TICK
 from subsea.fish.species import Species
 from subsea.geometry.rotation import about, matrix
@@ -37,7 +37,7 @@ def area(species: Species) -> float:
 
 
 @pytest.fixture
-def swimming(species: Species, body: Body) -> State:
+def swimming(species: Species, body: Body) -> BodyState:
     """Steady swimming at grade medium, at phase 0 of the beat."""
     state, beat = at_rest(body), medium_beat(species)
     simulate(body, state, ease(np.arange(len(beat)) / len(beat))[:, None] * beat)
@@ -45,7 +45,7 @@ def swimming(species: Species, body: Body) -> State:
     return state
 
 
-def speed(body: Body, state: State) -> float:
+def speed(body: Body, state: BodyState) -> float:
     return float(np.linalg.norm(body.mass @ state.v) / body.mass.sum())
 
 
@@ -57,7 +57,7 @@ def climb(frames: Floats, ticks: int) -> float:
 
 @pytest.mark.parametrize("angle", [-45, -20, 0, 20, 45])
 def test_ascend_and_descend_lead_to_the_angle(
-    species: Species, body: Body, area: float, swimming: State, angle: int
+    species: Species, body: Body, area: float, swimming: BodyState, angle: int
 ) -> None:
     frames = []
     for _ in range(40):
@@ -74,13 +74,13 @@ def test_ascend_and_descend_lead_to_the_angle(
 
 
 def test_balance_rights_a_rolled_fish_that_would_stay_rolled(
-    species: Species, body: Body, area: float, swimming: State
+    species: Species, body: Body, area: float, swimming: BodyState
 ) -> None:
     def lean(frames: Floats) -> float:
         return float(np.degrees(np.arcsin(body_frame(frames)[1][:, 1, 2].mean())))
 
     turn = matrix(about(1.0, 0.0, 0.0, np.radians(25)))
-    rolled = State(swimming.x @ turn.T, swimming.v @ turn.T, swimming.watch.copy())
+    rolled = BodyState(swimming.x @ turn.T, swimming.v @ turn.T, swimming.watch.copy())
     alone = copy_state(rolled)
     for _ in range(40):
         frames = []
@@ -92,7 +92,7 @@ def test_balance_rights_a_rolled_fish_that_would_stay_rolled(
     assert abs(lean(limp)) > 20
 
 
-def test_brakes_stop_a_gliding_fish_sooner(body: Body, area: float, swimming: State) -> None:
+def test_brakes_stop_a_gliding_fish_sooner(body: Body, area: float, swimming: BodyState) -> None:
     braking, start = copy_state(swimming), speed(body, swimming)
     for _ in range(45):
         simulate(body, swimming, RELAXED)
@@ -125,7 +125,7 @@ def test_a_fish_in_a_current_brakes_against_the_water(body: Body, area: float) -
 
 
 def test_gliding_relaxes_every_muscle_smoothly_in_the_time_given(
-    species: Species, body: Body, swimming: State
+    species: Species, body: Body, swimming: BodyState
 ) -> None:
     contraction = medium_beat(species)[0]
     relaxing = glide_contraction(contraction, 60)
@@ -142,7 +142,7 @@ def test_gliding_relaxes_every_muscle_smoothly_in_the_time_given(
 
 @pytest.mark.parametrize(("angle", "allowed"), [(45, 3), (-45, 3), (135, 7), (180, 9), (-180, 9)])
 def test_turns_lead_to_their_angle_and_wider_ones_are_composed(
-    species: Species, body: Body, swimming: State, angle: int, allowed: float
+    species: Species, body: Body, swimming: BodyState, angle: int, allowed: float
 ) -> None:
     beat, ticks = medium_beat(species), species.swim.ticks_per_beat
     phase = 0.0

@@ -3,7 +3,7 @@ import pytest
 
 from subsea.biomechanics.body import MUSCLES, Floats, build_body
 from subsea.biomechanics.controllers import LEFT, RIGHT, bend_contraction, ease, swim_contraction
-from subsea.biomechanics.simulation import State, at_rest, copy_state, is_sound, simulate
+from subsea.biomechanics.simulation import BodyState, at_rest, copy_state, is_sound, simulate
 from subsea.biomechanics.solver import STEPS_PER_TICK
 from subsea.fish.species import Species
 
@@ -12,7 +12,7 @@ MIRROR = np.array([0, *(1 + 4 * ring + k for ring in range(5) for k in (1, 0, 3,
 
 def swim(
     species: Species, beats: int, amplitude: float, start: float = 0.0, side: float | None = None
-) -> tuple[Floats, State]:
+) -> tuple[Floats, BodyState]:
     body = build_body(species.body)
     per_beat = species.swim.ticks_per_beat * STEPS_PER_TICK
     beat = np.arange(beats * per_beat) / per_beat

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from scipy.linalg import eigh, solveh_banded
 
 from subsea.biomechanics.body import HALF_BANDWIDTH, MUSCLES, NODES, UNITS, Body, Floats, build_body
-from subsea.biomechanics.simulation import State, at_rest, copy_state, simulate
+from subsea.biomechanics.simulation import BodyState, at_rest, copy_state, simulate
 from subsea.biomechanics.solver import ROWS, STEP, advance, assemble, factorize, substitute
 from subsea.fish.species import Species, load_species
 
@@ -161,7 +161,7 @@ def test_two_nodes_keep_their_energy_and_turn_about_their_centre() -> None:
     state = at_rest(body)
     state.v[i], state.v[j] = (0.3, -0.2, 0.5), (-0.1, 0.4, 0.2)
 
-    def of(state: State) -> tuple[float, Floats, Floats]:
+    def of(state: BodyState) -> tuple[float, Floats, Floats]:
         two = [i, j]
         stretch = np.linalg.norm(state.x[j] - state.x[i]) - body.length[40]
         energy = 0.5 * body.mass[two] @ (state.v[two] ** 2).sum(axis=1) + 15.0 * stretch**2
@@ -254,7 +254,7 @@ def test_a_current_carries_a_limp_body_along(fusilier: Species) -> None:
 def test_runs_repeat_to_the_last_bit() -> None:
     body = build_body(load_species("fusilier").body)
 
-    def run() -> State:
+    def run() -> BodyState:
         state = at_rest(body)
         simulate(body, state, contractions())
         return state

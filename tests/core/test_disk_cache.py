@@ -11,9 +11,9 @@ import pytest
 
 from subsea.core import disk_cache
 from subsea.core.disk_cache import kept
-from subsea.habitat.reef import grow
+from subsea.habitat.reef import grow_reefs
 from subsea.habitat.sea import make_sea
-from subsea.habitat.seaweed import plant
+from subsea.habitat.seaweed import plant_seaweed
 from subsea.scenario.schema import load_scenario
 
 CODE = """
@@ -170,8 +170,8 @@ def test_a_reef_from_the_disk_is_the_reef_that_grew():
     sea = make_sea(scenario, np.random.default_rng(1))
     seen = []
     for _ in range(2):
-        reefed, reef = grow(scenario, sea)
-        planted, seaweed = plant(scenario, reefed, reef, 1)
+        reefed, reef = grow_reefs(scenario, sea)
+        planted, seaweed = plant_seaweed(scenario, reefed, reef, 1)
         seen.append([*planted, *reef, *seaweed])
     assert len(reef.place) > 100 and len(seaweed.node) > 100
     np.testing.assert_array_equal(planted.plankton, sea.plankton)

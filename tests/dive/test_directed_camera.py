@@ -17,7 +17,7 @@ from subsea.dive.tour import hidden
 from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import matrix
 from subsea.geometry.vector import vector
-from subsea.habitat.solids import clearance
+from subsea.habitat.clearance import clearance
 from subsea.media.dry_run import rehearsed_s
 from subsea.scenario.directions import Camera
 from subsea.scenario.schema import load_scenario, scenario_file

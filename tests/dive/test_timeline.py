@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from subsea.behavior.teleop import Reins
+from subsea.behavior.teleop import TeleopCommand
 from subsea.dive import timeline as module
 from subsea.dive.pilot import Pilot
 from subsea.dive.tick_source import Alone
@@ -45,7 +45,7 @@ def afresh(begun):
 share = st.floats(-1.0, 1.0, width=16)
 orders = st.one_of(
     st.builds(Helm, share, share, share, share, st.booleans()),
-    st.builds(Reins, st.integers(0, 8), share, share, share),
+    st.builds(TeleopCommand, st.integers(0, 8), share, share, share),
     st.builds(
         lambda x, pan: Rail(np.array([x, 0.0, -200.0]), np.array([30.0, 0.0, 0.0]), (pan, 0.1)),
         st.floats(-100.0, 100.0), share,
@@ -130,7 +130,7 @@ def test_a_tick_of_the_past_is_the_one_that_was(begun, what, chance):
 def test_playing_on_with_the_same_hands_gives_the_same_again(world):
     time = Timeline(world)
     hands = [Helm(surge=0.5, yaw=0.1 * (k % 5 - 2)) for k in range(20)]
-    hands += [Reins(4, 0.5, 0.2, 0.8)] * 20
+    hands += [TeleopCommand(4, 0.5, 0.2, 0.8)] * 20
     first = []
     for order in hands:
         time.make(order)

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from subsea.habitat.bow_wave import BEAM_BL, SPAN, bow_wave, push
+from subsea.habitat.bow_wave import BEAM_BL, SPAN, add_bow_wave, bow_wave
 from subsea.habitat.sea import make_sea
 from subsea.scenario.schema import load_scenario
 from subsea.state import HULL_CM, empty_fishes
@@ -52,7 +52,7 @@ def test_a_fish_before_the_bow_is_pushed_aside_and_never_touched():
     nearest = np.inf
     for _ in range(150):
         fishes.drift[:] = 0.0
-        push(fishes, sea)
+        add_bow_wave(fishes, sea)
         fishes.position[:] += 0.033 * fishes.drift
         sea.submarine[:3] += 0.033 * sea.submarine[3:6]
         nearest = min(nearest, np.linalg.norm(fishes.position[0] - sea.submarine[:3]))

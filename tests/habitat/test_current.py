@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.geometry.solids import from_pillar, from_rock
-from subsea.habitat.current import PERIOD_S, SOURCE_CM, SPAN, carry, flow_at, flow_near
+from subsea.habitat.current import PERIOD_S, SOURCE_CM, SPAN, flow_at, flow_near, set_drift
 from subsea.state import empty_fishes
 
 FLOW = (3.0, 1.0, 0.0)
@@ -77,7 +77,7 @@ def test_every_fish_is_carried_by_the_water_where_it_is(make_sea):
     fishes = empty_fishes(200)
     rng = np.random.default_rng(3)
     fishes.position[:] = rng.uniform((-200, -200, -290), (200, 200, 0), (200, 3))
-    carry(fishes, sea, np.array(FLOW))
+    set_drift(fishes, sea, np.array(FLOW))
     expected = [
         flow_near(PILLAR, ROCK, FLOW, tuple(map(float, place))) for place in fishes.position
     ]

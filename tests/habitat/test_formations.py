@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from subsea.habitat.clearance import clearances
 from subsea.habitat.formations import (
     RELIEF_CM,
     SHELL_CM,
@@ -21,7 +22,6 @@ from subsea.habitat.formations import (
     shade_of,
     stone_above,
 )
-from subsea.habitat.solids import clearances
 
 NO_PILLARS, NO_ROCKS = np.zeros((0, 4)), np.zeros((0, 7))
 SIZE = st.floats(15.0, 150.0)

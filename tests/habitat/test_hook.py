@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.habitat.hook import OUT_CM, lower, tackle
+from subsea.habitat.hook import OUT_CM, hook_constants, move_hook
 from subsea.habitat.sea import make_sea
 from subsea.scenario.schema import Hook, load_scenario
 from subsea.state import HANGING, HOOKED, LANDED, NOBODY, SINKING, STOWED, Clock
@@ -15,13 +15,13 @@ DT = 0.033
 @pytest.fixture
 def sea():
     made = make_sea(load_scenario("peaceful")[0], np.random.default_rng(1))
-    return made._replace(tackle=tackle(PLAN))
+    return made._replace(tackle=hook_constants(PLAN))
 
 
 def _until(sea, state, tick=0):
     while sea.catch[0] != state:
         assert tick < 2000
-        lower(sea, Clock(1, tick, DT))
+        move_hook(sea, Clock(1, tick, DT))
         tick += 1
     return tick
 
@@ -35,7 +35,7 @@ def test_it_comes_in_time_sinks_at_its_speed_and_hangs(sea):
     assert (down - begun) * DT == pytest.approx(300 / 30, abs=2 * DT)
     assert sea.hook.tolist() == [40, -10, -300]
     for tick in range(down, down + 100):
-        lower(sea, Clock(1, tick, DT))
+        move_hook(sea, Clock(1, tick, DT))
     assert sea.catch[0] == HANGING
 
 
@@ -45,11 +45,11 @@ def test_it_is_drawn_up_with_its_catch_and_stays_away(sea):
     up = _until(sea, LANDED, tick)
     assert (up - tick) * DT == pytest.approx((300 + OUT_CM) / 30, abs=2 * DT)
     for more in range(up, up + 200):
-        lower(sea, Clock(1, more, DT))
+        move_hook(sea, Clock(1, more, DT))
     assert sea.catch[0] == LANDED
 
 
 def test_without_a_hook_none_ever_comes():
     sea = make_sea(load_scenario("peaceful")[0], np.random.default_rng(1))
-    lower(sea, Clock(1, 10**9, DT))
+    move_hook(sea, Clock(1, 10**9, DT))
     assert sea.catch[0] == STOWED

@@ -5,8 +5,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from subsea.geometry.vector import vector
+from subsea.habitat.clearance import clearance
 from subsea.habitat.plankton import CLEARANCE_CM, RETURN_CM, RETURN_HEIGHT_CM, drift, scatter
-from subsea.habitat.solids import clearance
 from subsea.state import Clock
 
 DT = 0.033

@@ -8,7 +8,7 @@ from subsea.core.errors import UserError
 from subsea.geometry.vector import vector
 from subsea.habitat.formations import drawn_distance, formations
 from subsea.habitat.mounds import dome, variant_of
-from subsea.habitat.reef import DEEPEST, KINDS, MOUND, PACKED, SUNK, floor_over, grow, tops
+from subsea.habitat.reef import DEEPEST, KINDS, MOUND, PACKED, SUNK, floor_over, grow_reefs, tops
 from subsea.habitat.sea import make_sea
 from subsea.habitat.terrain import heights_at
 from subsea.scenario.schema import GrowthKind, ReefTable, load_scenario
@@ -29,7 +29,7 @@ def bay():
 
 @pytest.fixture(scope="module")
 def grown(bay):
-    return grow(*bay)
+    return grow_reefs(*bay)
 
 
 def feet(reef):
@@ -43,11 +43,11 @@ def test_scenarios_know_all_kinds():
 
 def test_it_is_the_same_again_and_another_with_another_seed(bay, grown):
     scenario, sea = bay
-    again = grow(scenario, sea)[1]
+    again = grow_reefs(scenario, sea)[1]
     for one, other in zip(grown[1], again, strict=True):
         np.testing.assert_array_equal(one, other)
     tables = [msgspec.structs.replace(table, seed=9) for table in TABLES]
-    other = grow(msgspec.structs.replace(scenario, reef=tables), sea)[1]
+    other = grow_reefs(msgspec.structs.replace(scenario, reef=tables), sea)[1]
     assert not np.array_equal(grown[1].place[:50], other.place[:50])
 
 
@@ -120,7 +120,7 @@ def test_they_grow_upward_or_away_from_the_stone(grown):
 def test_a_table_may_name_its_kinds(bay):
     scenario, sea = bay
     tables = [ReefTable(position_cm=(0.0, 200.0), number=40, kinds={"fan": 1.0, "brain": 2.0})]
-    reef = grow(msgspec.structs.replace(scenario, reef=tables), sea)[1]
+    reef = grow_reefs(msgspec.structs.replace(scenario, reef=tables), sea)[1]
     assert {list(KINDS)[k] for k in reef.kind} == {"fan", "brain", "mound"}
 
 
@@ -157,7 +157,7 @@ def test_no_arch_is_filled(bay, grown):
 def test_without_reefs_the_floor_is_the_sand(bay):
     scenario, sea = bay
     for tables in ([], [ReefTable(number=0)]):
-        bare, reef = grow(msgspec.structs.replace(scenario, reef=tables), sea)
+        bare, reef = grow_reefs(msgspec.structs.replace(scenario, reef=tables), sea)
         assert len(reef.kind) == 0
     np.testing.assert_array_equal(bare.floor, sea.heights)
     np.testing.assert_array_equal(floor_over(sea, reef), sea.heights)

@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from subsea.habitat.clearance import clearances
 from subsea.habitat.formations import formations
 from subsea.habitat.rocks import arch, outcrop, rock_rows, single
-from subsea.habitat.solids import clearances
 from subsea.scenario.schema import (
     Arch,
     Outcrop,

@@ -19,8 +19,8 @@ from subsea.habitat.seaweed import (
     SPRING,
     TUFT_CM,
     VISCOSITY,
-    plant,
-    sway,
+    plant_seaweed,
+    step_seaweed,
 )
 from subsea.scenario.schema import Seaweed, load_scenario
 from subsea.state import HULL_CM, Clock, Reef, empty_fishes, empty_reef
@@ -38,7 +38,7 @@ def make_bed(make_sea):
 
     def make(*groups, seed=3, reef=NO_REEF, **sea):
         grown = msgspec.structs.replace(scenario, seaweed=[Seaweed(**group) for group in groups])
-        return plant(grown, make_sea(**sea), reef, seed)
+        return plant_seaweed(grown, make_sea(**sea), reef, seed)
 
     return make
 
@@ -50,7 +50,7 @@ def _pass(bed, fishes=NOBODY, flow=STILL, ticks=1, visibility=1e9):
     sea, weed = bed
     for tick in range(ticks):
         clock = Clock(0, tick, DT)
-        sway(weed, fishes, sea, np.array(flow), visibility, clock)
+        step_seaweed(weed, fishes, sea, np.array(flow), visibility, clock)
 
 
 def test_a_leaf_in_a_steady_flow_hangs_as_its_forces_add_up(make_bed):

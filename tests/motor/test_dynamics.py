@@ -13,7 +13,7 @@ from subsea.biomechanics.controllers import (
     swim_contraction,
 )
 from subsea.biomechanics.fins import balance, pectoral_force
-from subsea.biomechanics.simulation import State, simulate
+from subsea.biomechanics.simulation import BodyState, simulate
 from subsea.biomechanics.solver import STEPS_PER_TICK, STRAIN_LIMITS
 from subsea.fish.species import load_species, muscular_names
 from subsea.geometry.rotation import about, from_matrix, matrix, multiply
@@ -53,7 +53,7 @@ def test_a_tick_is_six_steps_of_the_plain_simulation(make_tank, species):
     plan = load_species(species)
     live = tank.live
     bodies = tank.dynamics.bodies._replace(fin_area=np.zeros(1))
-    state = State(live.x[0].copy(), live.v[0].copy(), np.array([np.inf, 0.0, np.inf]))
+    state = BodyState(live.x[0].copy(), live.v[0].copy(), np.array([np.inf, 0.0, np.inf]))
     steps = 2 * np.pi / (plan.swim.ticks_per_beat * STEPS_PER_TICK) * np.arange(STEPS_PER_TICK)
     begin = live.phase[0]
     assert swim_live(tank.fishes, tank.library, bodies, live, TICK, 1.0, 6, *STRAIN_LIMITS)[0]
@@ -88,7 +88,7 @@ def test_fins_push_as_the_plain_ones_do(make_tank, roll):
     # Upwards is z in the world, and y in a simulation.
     to_y = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
     rest = build_body(load_species("fusilier").body).rest
-    state = State(rest @ R.T @ to_y.T, v @ to_y.T, np.zeros(3))
+    state = BodyState(rest @ R.T @ to_y.T, v @ to_y.T, np.zeros(3))
     left, right = balance(state)
     tilt = 0.5 * (left - right)
     fins = np.pi / 2 + tilt, np.pi / 2 - tilt

@@ -16,7 +16,7 @@ from subsea.perception.collision import (
 )
 from subsea.perception.grid import make_grid
 from subsea.perception.senses import LARGE_CELL_CM, LARGE_CM, SMALL_CELL_CM
-from subsea.perception.vision import bodies_of, middles_of, scene_of
+from subsea.perception.vision import bodies_of, middles_of, surroundings_of
 from subsea.state import (
     APPROACHING,
     AVOID,
@@ -180,7 +180,7 @@ def test_the_grids_miss_nobody(tank, seed):
 
 
 def _barrier(t):
-    find_barriers(np.arange(1), bodies_of(t.fishes), t.minds, scene_of(t.sea), t.nature)
+    find_barriers(np.arange(1), bodies_of(t.fishes), t.minds, surroundings_of(t.sea), t.nature)
     return t.minds.barrier[0]
 
 
@@ -233,7 +233,7 @@ def test_the_nearer_boundary_counts(tank):
 
 def test_an_antenna_is_as_long_as_asked(tank):
     t = tank(pillars=[(60, 0, 10, -100)])  # 40 cm before the eye, with the berth
-    bodies, scene = bodies_of(t.fishes), scene_of(t.sea)
+    bodies, scene = bodies_of(t.fishes), surroundings_of(t.sea)
     assert met_first(bodies, 0, scene, 39.9) == -1
     assert met_first(bodies, 0, scene, 40.1) == 0
     t.minds.barrier[0] = -1

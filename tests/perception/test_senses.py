@@ -11,10 +11,10 @@ from subsea.perception.vision import (
     SUBMARINE_CM,
     bodies_of,
     eye_of,
-    scene_of,
     sees_fish,
     sees_point,
     sight,
+    surroundings_of,
 )
 from subsea.state import (
     CIRCLING,
@@ -98,7 +98,7 @@ def _crowd(tank, seed, kinds):
 
 def _all(t, i, kind):
     """Every living other fish of a kind, its vector from the eye of i, and whether i sees it."""
-    bodies, scene = bodies_of(t.fishes), scene_of(t.sea)
+    bodies, scene = bodies_of(t.fishes), surroundings_of(t.sea)
     eye = np.array(eye_of(bodies, i))
     for j in np.flatnonzero(t.fishes.alive & (t.minds.kind == kind)):
         if j != i:
@@ -184,7 +184,7 @@ def test_fear_is_of_visible_predators(tank, seed, company):
     if company:
         t.sea.submarine[:3] = 200.0, 300.0, -300.0
     _sense(t)
-    bodies, scene = bodies_of(t.fishes), scene_of(t.sea)
+    bodies, scene = bodies_of(t.fishes), surroundings_of(t.sea)
     for i in np.flatnonzero(t.fishes.alive):
         if t.minds.kind[i] != PREY:
             assert t.minds.predator[i] == NOBODY

@@ -14,25 +14,25 @@ from subsea.perception.vision import (
     eye_of,
     hidden,
     in_view,
-    scene_of,
     sees_box,
     sees_fish,
     sees_pillar,
     sees_point,
     sight,
+    surroundings_of,
 )
 
 AHEAD = (1.0, 0.0, 0.0)
 
 
 def _sees(t, i, j):
-    return sees_fish(bodies_of(t.fishes), i, j, scene_of(t.sea), t.nature)
+    return sees_fish(bodies_of(t.fishes), i, j, surroundings_of(t.sea), t.nature)
 
 
 def _hides(t, share):
     """Whether a point of fish 1 is hidden from fish 0."""
     bodies = bodies_of(t.fishes)
-    return hidden(scene_of(t.sea), eye_of(bodies, 0), along_body(bodies, 1, share))
+    return hidden(surroundings_of(t.sea), eye_of(bodies, 0), along_body(bodies, 1, share))
 
 
 @pytest.mark.parametrize(
@@ -114,14 +114,14 @@ def test_what_hides_a_point_and_a_fish_against_brute_force(tank, seed):
     verdicts = []
     for share in BODY_SHARES:
         p = along_body(bodies_of(t.fishes), 1, share)
-        verdict = _is_hidden(scene_of(t.sea), eye, p)
+        verdict = _is_hidden(surroundings_of(t.sea), eye, p)
         verdicts.append(verdict)
         if verdict is not None:
-            assert hidden(scene_of(t.sea), eye, p) == verdict
+            assert hidden(surroundings_of(t.sea), eye, p) == verdict
             x = matrix(t.fishes.orientation[0].astype(float))[:, 0]
             ray = np.subtract(p, eye)
             ahead = x @ ray > np.cos(np.radians(150)) * np.linalg.norm(ray)
-            assert sees_point(bodies_of(t.fishes), 0, scene_of(t.sea), p, 1e3) == (
+            assert sees_point(bodies_of(t.fishes), 0, surroundings_of(t.sea), p, 1e3) == (
                 ahead and not verdict
             )
     if None not in verdicts:
@@ -134,7 +134,9 @@ def test_what_hides_a_point_and_a_fish_against_brute_force(tank, seed):
 def test_random_scenes_hide_some_and_not_others(tank):
     scenes = [_scene(tank, seed) for seed in range(60)]
     seen = [
-        hidden(scene_of(t.sea), eye_of(bodies_of(t.fishes), 0), eye_of(bodies_of(t.fishes), 1))
+        hidden(
+            surroundings_of(t.sea), eye_of(bodies_of(t.fishes), 0), eye_of(bodies_of(t.fishes), 1)
+        )
         for t in scenes
     ]
     assert 10 < sum(seen) < 50
@@ -147,7 +149,9 @@ def test_a_fish_is_seen_by_any_part_of_it(tank):
     t.fishes.orientation[1] = 0.5, 0.5, 0.5, 0.5  # heading along y
     t.fishes.position[1] = 100.0, 40.0, -300.0
     assert hidden(
-        scene_of(t.sea), eye_of(bodies_of(t.fishes), 0), along_body(bodies_of(t.fishes), 1, 0.3)
+        surroundings_of(t.sea),
+        eye_of(bodies_of(t.fishes), 0),
+        along_body(bodies_of(t.fishes), 1, 0.3),
     )
     assert _sees(t, 0, 1)
     t.fishes.length[1], t.fishes.snout[1] = 30.0, 10.0
@@ -177,7 +181,7 @@ def test_a_box_is_seen_by_any_corner(tank):
     box = np.array([200.0, -10.0, -500.0, 220.0, 10.0, -400.0], np.float32)
 
     def seen():
-        return sees_box(bodies_of(t.fishes), 0, scene_of(t.sea), box, t.nature.vision_cm)
+        return sees_box(bodies_of(t.fishes), 0, surroundings_of(t.sea), box, t.nature.vision_cm)
 
     assert not seen()
     box[4] = 200.0  # reaches out from behind the pillar

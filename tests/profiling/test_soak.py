@@ -6,7 +6,7 @@ from contextlib import nullcontext
 import numpy as np
 import pytest
 
-from subsea.behavior.teleop import Reins
+from subsea.behavior.teleop import TeleopCommand
 from subsea.cli.main import main
 from subsea.core.resources import resource_names
 from subsea.dive.theatre_setup import chosen_rig
@@ -105,7 +105,7 @@ def test_hands_do_all_that_hands_may(world):
     doing = hands(world, np.random.default_rng(3))
     seen = [next(doing) for _ in range(20_000)]
     orders = {type(one.order) for one in seen}
-    assert orders == {Helm, Reins}
+    assert orders == {Helm, TeleopCommand}
     assert any(one.order == HANDS_OFF for one in seen)
     assert {one.lights for one in seen} == {True, False}
     assert len({one.current_cm_s for one in seen}) > 5

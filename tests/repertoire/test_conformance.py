@@ -23,7 +23,7 @@ from capture.recording.segment import heading_change
 from capture.recording.trial import Trial, sharp_turn, steady_beat
 from subsea.biomechanics.body import UNITS, build_body
 from subsea.biomechanics.body_frame import body_frame, to_body
-from subsea.biomechanics.simulation import State, simulate
+from subsea.biomechanics.simulation import BodyState, simulate
 from subsea.biomechanics.solver import STRAIN_LIMITS, TICK_S
 from subsea.core.resources import resource_names, resource_path
 from subsea.fish.species import load_species, species_names
@@ -226,7 +226,7 @@ def test_a_segment_replayed_from_any_pose_is_the_simulation_from_there(species, 
     motion = motion_from_provenance(repertoire.provenance)
     body, steady = build_body(motion.body), start_of(species, name).state
     turned = matrix(np.array(pose) / np.linalg.norm(pose))
-    state = State(steady.x @ turned.T + place, steady.v @ turned.T, steady.watch.copy())
+    state = BodyState(steady.x @ turned.T + place, steady.v @ turned.T, steady.watch.copy())
     played = replay(repertoire.segments[name], *body_frame(state.x), 1)
     if name.endswith("sharp"):
         turn = motion.turn

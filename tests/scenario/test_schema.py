@@ -10,7 +10,7 @@ from subsea.core.resources import resource_names, resource_path
 from subsea.fish.species import load_species
 from subsea.frame.packet import make_scene, pack
 from subsea.geometry.height_field import height_at
-from subsea.habitat.solids import clearances
+from subsea.habitat.clearance import clearances
 from subsea.scenario.schema import load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.display_rigs import cockpit, views_for

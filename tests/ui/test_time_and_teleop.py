@@ -6,7 +6,7 @@ from contextlib import closing
 import numpy as np
 import pytest
 
-from subsea.behavior.teleop import Reins
+from subsea.behavior.teleop import TeleopCommand
 from subsea.core.resources import resource_path
 from subsea.geometry.rotation import rotate
 from subsea.state import WANDER
@@ -98,7 +98,7 @@ def test_hands_steer_the_fish_while_the_submarine_keeps_station(boat, hands):
     assert boat.picture.ride.gaze.pan_deg == 0.0  # keys steer: they do not turn its eyes
     hands.do("keyup", "w", "keyup", "a")
     assert world.state.minds.intention[fish] == WANDER
-    assert isinstance(boat.timeline._made[-1].order, Reins)
+    assert isinstance(boat.timeline._made[-1].order, TeleopCommand)
     assert np.linalg.norm(submarine.position - station) < 3.0
     pressed(boat, hands, "g", lambda: boat._crew.steered is None)
     assert "in your hands" not in boat._circumstances

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from subsea.behavior.temperament import alter
+from subsea.behavior.temperament import apply_individual
 from subsea.scenario.schema import Individual, Pillar, Shoal, load_scenario
 from subsea.world import placement
 from subsea.world.migrate import carry
@@ -28,7 +28,7 @@ def changed(few):
     for fish, appetite in ((3, 31.0), (5, 37.0)):
         male = not world.state.minds.male[fish]
         one = Individual(fish=fish, male=male, likes=["cold"], appetite=appetite, dread_cm=9.0)
-        alter(world.state.fishes, world.state.minds, one, 0.0)
+        apply_individual(world.state.fishes, world.state.minds, one, 0.0)
     return world
 
 

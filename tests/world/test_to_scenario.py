@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from subsea.behavior.temperament import alter
+from subsea.behavior.temperament import apply_individual
 from subsea.scenario.save import save_scenario
 from subsea.scenario.schema import Individual, load_scenario
 from subsea.world.to_scenario import as_it_is
@@ -26,7 +26,7 @@ def world(few):
 
 def set_of(world, **own):
     one = Individual(**own)
-    alter(world.state.fishes, world.state.minds, one, 0.0)
+    apply_individual(world.state.fishes, world.state.minds, one, 0.0)
 
 
 def test_what_nobody_changed_is_the_same_scenario(world, few):

@@ -19,7 +19,7 @@ from subsea.biomechanics.controllers import (
     swim_contraction,
     turn_contraction,
 )
-from subsea.biomechanics.simulation import State, at_rest, is_sound, simulate
+from subsea.biomechanics.simulation import BodyState, at_rest, is_sound, simulate
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, STRAIN_LIMITS, TICK_S
 from subsea.biomechanics.stability import longest_step
 from subsea.fish.species import Species
@@ -267,7 +267,7 @@ def told(swum: Swum, muscles: Muscles) -> list[Remark]:
     return remarks
 
 
-def _from_rest(body: Body, beat: Floats, beats: int) -> tuple[Floats, State]:
+def _from_rest(body: Body, beat: Floats, beats: int) -> tuple[Floats, BodyState]:
     """Nodes (T, 23, 3) tick by tick; the first beat raises all from nothing."""
     state = at_rest(body)
     first = simulate(body, state, ease(np.arange(len(beat)) / len(beat))[:, None] * beat)
@@ -275,7 +275,7 @@ def _from_rest(body: Body, beat: Floats, beats: int) -> tuple[Floats, State]:
     return np.concatenate([first, rest]), state
 
 
-def _strain(body: Body, frames: Floats, state: State) -> tuple[tuple[float, float], str]:
+def _strain(body: Body, frames: Floats, state: BodyState) -> tuple[tuple[float, float], str]:
     """The extremes, and the unit that came nearest to a limit."""
     i, j = UNITS.T
     ratio = np.linalg.norm(frames[:, j] - frames[:, i], axis=2) / body.length

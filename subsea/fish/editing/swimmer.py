@@ -13,7 +13,7 @@ from subsea.biomechanics.body import MUSCLES, Body, build_body
 from subsea.biomechanics.body_frame import body_frame
 from subsea.biomechanics.body_plan import Muscles
 from subsea.biomechanics.controllers import LEFT, RIGHT, bend_contraction, swim_contraction
-from subsea.biomechanics.simulation import State, at_rest, is_sound, simulate
+from subsea.biomechanics.simulation import BodyState, at_rest, is_sound, simulate
 from subsea.biomechanics.solver import STEPS_PER_TICK, TICK_S
 from subsea.core.arrays import Array
 from subsea.fish.coupling import couple, place
@@ -36,7 +36,7 @@ class Swimmer:
         self.way: Way = "medium"
         self._left_s = 0.0  # time that is not made yet
         self._phase, self._amplitude, self._bend = 0.0, 0.0, 0.0
-        self._state: State | None = None
+        self._state: BodyState | None = None
         self._beat: deque[tuple[Array, Array]] = deque(maxlen=1)  # origins, ways ahead
         self.contraction = np.zeros(MUSCLES)  # at present, shares of the rest length
         self.reshape(species)

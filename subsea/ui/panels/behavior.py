@@ -8,7 +8,7 @@ from imgui_bundle import imgui
 from numpy.typing import NDArray
 
 from subsea.behavior.table import INTENTIONS
-from subsea.behavior.temperament import alter
+from subsea.behavior.temperament import apply_individual
 from subsea.scenario.schema import Individual
 from subsea.state import COURTSHIP, HUNGER, LIBIDO, MENTAL_STATES, Nature
 from subsea.ui.gui import GLASS, INK, LIT, MARK, QUIET, colour
@@ -191,7 +191,7 @@ def _temper(desk: "Desk", fish: int) -> None:
             set_to[slider.name] = value
     if set_to:
         one = msgspec.structs.replace(Individual(fish=fish), **set_to)
-        alter(world.state.fishes, minds, one, world.state.tick * TICK_S)
+        apply_individual(world.state.fishes, minds, one, world.state.tick * TICK_S)
         desk.changed()
     imgui.pop_item_width()
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from imgui_bundle import imgui
 
-from subsea.behavior.temperament import HABITS, alter
+from subsea.behavior.temperament import HABITS, apply_individual
 from subsea.scenario.schema import Individual
 from subsea.state import KINDS
 from subsea.ui.panels.fish_picker import whom
@@ -88,5 +88,7 @@ def _set(desk: "Desk", fish: int, **habits: Any) -> None:
     if desk.of(Whose).all_of_species:
         those = np.flatnonzero((fishes.species == fishes.species[fish]) & fishes.alive)
     for one in those:
-        alter(fishes, minds, Individual(fish=int(one), **habits), world.state.tick * TICK_S)
+        apply_individual(
+            fishes, minds, Individual(fish=int(one), **habits), world.state.tick * TICK_S
+        )
     desk.changed()

@@ -7,7 +7,7 @@ from capture.inspection.gait import muscle_work, pull, straightness, sweep, tens
 from capture.recording.trial import beat_contraction, steady_beat
 from subsea.biomechanics.body import NODES, UNITS, Body, Floats, build_body
 from subsea.biomechanics.controllers import muscle_lengths
-from subsea.biomechanics.simulation import NO_FORCE, STILL, State, copy_state
+from subsea.biomechanics.simulation import NO_FORCE, STILL, BodyState, copy_state
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, advance
 from subsea.biomechanics.water import add_water_force
 from subsea.fish.species import Species
@@ -38,7 +38,7 @@ def test_a_muscle_that_shortens_against_a_load_does_work() -> None:
     assert tension_work(np.array([10.0]), lengths, rests) == pytest.approx(15.0)
 
 
-def lost(body: Body, state: State, contraction: Floats) -> float:
+def lost(body: Body, state: BodyState, contraction: Floats) -> float:
     """What water and viscosity take in g cm²/tu², step by step."""
     total = 0.0
     i, j = UNITS.T

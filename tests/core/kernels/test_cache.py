@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from subsea.behavior.steering import heed
+from subsea.behavior.steering import ease_goals
 from subsea.core.kernels.cache import Matched
 from subsea.core.source_stamp import ROOT, stamp
 
@@ -39,8 +39,8 @@ def test_a_change_of_anything_imported_changes_the_stamp(tmp_path):
 
 def test_kernels_are_kept_by_that_stamp():
     file = ROOT / "subsea" / "behavior" / "steering.py"
-    assert heed._cache._impl.locator.get_source_stamp() == stamp(file)
-    assert isinstance(heed._cache._cache_file, Matched)
+    assert ease_goals._cache._impl.locator.get_source_stamp() == stamp(file)
+    assert isinstance(ease_goals._cache._cache_file, Matched)
 
 
 def test_code_that_does_not_match_its_index_is_not_taken(tmp_path, monkeypatch):

@@ -69,10 +69,10 @@ def test_their_types_have_short_names_that_tell_them_apart():
 
 PROGRAM = """
 import numpy as np
-from subsea.behavior.steering import heed
+from subsea.behavior.steering import ease_goals
 from subsea.state import Clock, empty_fishes, empty_minds
-heed(empty_fishes(2), empty_minds(2, 1, 1), Clock(1, 1, 0.033))
-print(sum(heed.stats.cache_hits.values()), sum(heed.stats.cache_misses.values()))
+ease_goals(empty_fishes(2), empty_minds(2, 1, 1), Clock(1, 1, 0.033))
+print(sum(ease_goals.stats.cache_hits.values()), sum(ease_goals.stats.cache_misses.values()))
 """
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from subsea.habitat.mounds import VARIANTS
-from subsea.habitat.reef import KINDS, MOUND, grow
+from subsea.habitat.reef import KINDS, MOUND, grow_reefs
 from subsea.habitat.sea import make_sea
 from subsea.render import Renderer
 from subsea.render.output.quality import PRESETS
@@ -143,7 +143,7 @@ def heights_over(triangles, places):
 def test_nothing_hovers():
     """What is drawn lowest of a growth touches the sand or the mounds as they are drawn."""
     scenario = load_scenario("peaceful")[0]
-    sea, reef = grow(scenario, make_sea(scenario, np.random.default_rng(0)))
+    sea, reef = grow_reefs(scenario, make_sea(scenario, np.random.default_rng(0)))
     baked = bake(reef)
     mounds = np.concatenate(
         [

@@ -5,9 +5,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from subsea.habitat.clearance import clearances
 from subsea.habitat.formations import RELIEF_CM, SHELL_CM, formations
 from subsea.habitat.rocks import arch
-from subsea.habitat.solids import clearances
 from subsea.render.reef.rock_mesh import (
     ABOVE,
     BURIED_CM,

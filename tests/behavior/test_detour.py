@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from subsea.behavior.passing import AWAY, BERTH_BL, HEADROOM_BL, LOOK_BL, past
+from subsea.behavior.detour import AWAY, BERTH_BL, HEADROOM_BL, LOOK_BL, detour
 from subsea.geometry.vector import ZERO
 
 LENGTH = 20.0
@@ -16,7 +16,7 @@ NO_PILLARS = np.zeros((0, 4))
 
 
 def way_past(pillar, heading=AHEAD, wish=AHEAD, here=(0.0, 0.0, -200.0)):
-    return past(wish, heading, here, LENGTH, np.array([pillar]), NONE)
+    return detour(wish, heading, here, LENGTH, np.array([pillar]), NONE)
 
 
 @pytest.mark.parametrize(
@@ -66,11 +66,11 @@ def test_of_two_fishes_abreast_each_takes_its_own_side():
 def test_the_nearest_of_several_counts_rocks_among_them():
     pillars = np.array([[200.0, 5.0, 30.0, -50.0]])
     rock = np.array([[100.0, -5.0, -200.0, 40.0, 20.0, 30.0, 0.0]])
-    assert past(AHEAD, AHEAD, (0.0, 0.0, -200.0), LENGTH, pillars, NONE)[1] < 0.0
-    assert past(AHEAD, AHEAD, (0.0, 0.0, -200.0), LENGTH, pillars, rock)[1] > 0.0
+    assert detour(AHEAD, AHEAD, (0.0, 0.0, -200.0), LENGTH, pillars, NONE)[1] < 0.0
+    assert detour(AHEAD, AHEAD, (0.0, 0.0, -200.0), LENGTH, pillars, rock)[1] > 0.0
     over = rock.copy()
     over[0, 2] = -260.0  # its top is below the fish
-    assert past(AHEAD, AHEAD, (0.0, 0.0, -200.0), LENGTH, pillars, over)[1] < 0.0
+    assert detour(AHEAD, AHEAD, (0.0, 0.0, -200.0), LENGTH, pillars, over)[1] < 0.0
 
 
 def test_who_means_to_turn_back_need_not_pass_what_it_heads_for():
@@ -92,7 +92,7 @@ def test_the_way_leads_into_nothing_else_and_no_such_way_is_nearer(places, turn)
     pillars = np.array([(d * np.cos(a), d * np.sin(a), r, 0.0) for d, a, r in places])
     pillars = pillars[np.hypot(*pillars[:, :2].T) > pillars[:, 2] + BERTH + 1.0]
     heading = np.array([np.cos(turn), np.sin(turn), 0.0])
-    way = past(AHEAD, tuple(heading), (0.0, 0.0, -200.0), LENGTH, pillars, NONE)
+    way = detour(AHEAD, tuple(heading), (0.0, 0.0, -200.0), LENGTH, pillars, NONE)
     if way == ZERO:
         return
     bearing, reach = np.arctan2(pillars[:, 1], pillars[:, 0]), np.hypot(*pillars[:, :2].T)
@@ -123,18 +123,18 @@ def test_a_rock_is_as_wide_as_it_is_at_the_height_of_the_fish():
     for side in (1.0, -1.0):
         middle = -200.0 + side * (0.5 * high + HEADROOM_BL * LENGTH)
         rock = np.array([[150.0, 0.0, middle, 40.0, 20.0, high, 0.3]])
-        way = past(AHEAD, AHEAD, here, LENGTH, NO_PILLARS, rock)
+        way = detour(AHEAD, AHEAD, here, LENGTH, NO_PILLARS, rock)
         sine = (40.0 * np.sqrt(0.75) + BERTH) / 150.0
         assert abs(way[1]) == pytest.approx(sine)
     rock[0, 2] = -200.0 + high + HEADROOM_BL * LENGTH + 0.1
-    assert past(AHEAD, AHEAD, here, LENGTH, NO_PILLARS, rock) == ZERO
+    assert detour(AHEAD, AHEAD, here, LENGTH, NO_PILLARS, rock) == ZERO
 
 
 def test_through_an_arch_it_swims_between_the_legs():
     """Two legs with room between, and the leader beyond: not around the outside."""
     legs = np.array([[120.0, 100.0, 50.0, 0.0], [120.0, -100.0, 50.0, 0.0]])
     wish = (1.0, 0.6, 0.0)  # into the left leg
-    way = past(wish, AHEAD, (0.0, 0.0, -200.0), LENGTH, legs, NONE)
+    way = detour(wish, AHEAD, (0.0, 0.0, -200.0), LENGTH, legs, NONE)
     assert abs(np.arctan2(way[1], way[0])) < np.radians(15.0)
 
 
@@ -142,6 +142,6 @@ def test_it_rather_turns_than_goes_round_the_far_side_of_a_long_wall():
     """It heads along a row of pillars behind which it wants to go: back to the near end."""
     row = np.array([(60.0, y, 30.0, 0.0) for y in np.arange(-40.0, 241.0, 40.0)])
     wish, heading = (0.6, -0.8, 0.0), (0.05, 1.0, 0.0)
-    way = past(wish, heading, (0.0, -20.0, -200.0), LENGTH, row, NONE)
+    way = detour(wish, heading, (0.0, -20.0, -200.0), LENGTH, row, NONE)
     assert way[1] < 0.0
-    assert past((0.6, 0.8, 0.0), heading, (0.0, -20.0, -200.0), LENGTH, row, NONE)[1] > 0.0
+    assert detour((0.6, 0.8, 0.0), heading, (0.0, -20.0, -200.0), LENGTH, row, NONE)[1] > 0.0

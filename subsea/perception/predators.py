@@ -9,7 +9,7 @@ from subsea.perception.grid import Grid, insert, near_slots
 from subsea.perception.vision import (
     SUBMARINE_CM,
     Bodies,
-    Scene,
+    Surroundings,
     eye_of,
     sees_fish,
     sees_point,
@@ -22,7 +22,13 @@ CELL_CM = 400.0  # predators are few, and seen from afar
 
 @kernel
 def see_predators(
-    who: Ints, bodies: Bodies, minds: Minds, scene: Scene, hull: Array, grid: Grid, nature: Nature
+    who: Ints,
+    bodies: Bodies,
+    minds: Minds,
+    scene: Surroundings,
+    hull: Array,
+    grid: Grid,
+    nature: Nature,
 ) -> None:
     """Enter what the fishes `who` have to fear: those in sight of the predators in `grid`.
 

@@ -13,7 +13,9 @@ MATE_STIMULUS = (0.025, 0.1)
 
 
 @kernel
-def feel(who: Ints, fishes: Fishes, minds: Minds, nature: Nature, clock: Clock) -> None:
+def update_mental_state(
+    who: Ints, fishes: Fishes, minds: Minds, nature: Nature, clock: Clock
+) -> None:
     """Renew `minds.mental` of the fishes `who` from what they perceive and remember.
 
     Only prey fear, and only pacifists court (Tu §7.9). Meals that are digested are forgotten.

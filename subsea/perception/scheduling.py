@@ -13,7 +13,7 @@ UNSEEN_TICKS = 8  # ... and once in so many where the water hides it
 
 
 @kernel
-def whose_turn(fishes: Fishes, minds: Minds, sea: Sea, visibility: float, clock: Clock) -> Ints:
+def fish_due(fishes: Fishes, minds: Minds, sea: Sea, visibility: float, clock: Clock) -> Ints:
     """Indices, rising, of the living fishes that think now; `minds.pause` of all grows.
 
     Turns are spread evenly over ticks. In the first tick everybody thinks.

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from subsea.core.arrays import Ints
 from subsea.core.kernels import kernel
-from subsea.perception.vision import Bodies, Scene, sees_fish
+from subsea.perception.vision import Bodies, Surroundings, sees_fish
 from subsea.state import Clock, Minds, Nature
 
 
@@ -15,7 +15,7 @@ def watch_leader(
     bodies: Bodies,
     alive: NDArray[np.bool_],
     minds: Minds,
-    scene: Scene,
+    scene: Surroundings,
     nature: Nature,
     clock: Clock,
 ) -> None:

@@ -13,7 +13,7 @@ HEADROOM_BL = 0.6  # so much above or below something it swims over or under it
 
 
 @kernel
-def past(
+def detour(
     wish: Vector, heading: Vector, here: Vector, length: float, pillars: Array, rocks: Array
 ) -> Vector:
     """Level unit vector past the pillars and rocks that wish or heading lead into, or ZERO.

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from subsea.behavior.mental import feel, stimulus
+from subsea.behavior.mental_state import stimulus, update_mental_state
 from subsea.state import FEAR, HUNGER, LIBIDO, PACIFIST, PREDATOR, PREY, Clock
 
 ONE = np.zeros(1, np.int64)
@@ -16,7 +16,7 @@ def _feel(tank, seconds=0.0, **minds):
     t = tank()
     for name, value in minds.items():
         getattr(t.minds, name)[:] = value
-    feel(ONE, t.fishes, t.minds, t.nature, Clock(1, round(seconds / TICK), TICK))
+    update_mental_state(ONE, t.fishes, t.minds, t.nature, Clock(1, round(seconds / TICK), TICK))
     return t.minds.mental[0], t.minds
 
 

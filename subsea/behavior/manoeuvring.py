@@ -40,7 +40,7 @@ def careful(turn: float) -> float:
 def hover(fishes: Fishes, minds: Minds, i: int, slope: float) -> None:
     """Stand still and keep the heading, with the head up or down by a slope."""
     heading = heading_of(fishes, i)
-    want(minds, i, (np.cos(heading), np.sin(heading), slope))
+    set_urge(minds, i, (np.cos(heading), np.sin(heading), slope))
     fishes.goal_speed[i] = 0.0
 
 
@@ -49,11 +49,11 @@ def bend(fishes: Fishes, minds: Minds, i: int, toward: Vector, turn: float) -> N
     """Want to turn left by `turn` rad, and upward or downward as `toward` leads."""
     level = np.sqrt(toward[0] * toward[0] + toward[1] * toward[1])
     course = heading_of(fishes, i) + turn
-    want(minds, i, (level * np.cos(course), level * np.sin(course), toward[2]))
+    set_urge(minds, i, (level * np.cos(course), level * np.sin(course), toward[2]))
 
 
 @kernel
-def want(minds: Minds, i: int, urge: Vector) -> None:
+def set_urge(minds: Minds, i: int, urge: Vector) -> None:
     """Let `urge` be where fish i wants to go."""
     for axis in range(3):
         minds.urge[i, axis] = urge[axis]

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from subsea.perception.company import watch_leader
-from subsea.perception.vision import bodies_of, scene_of
+from subsea.perception.leader_tracking import watch_leader
+from subsea.perception.vision import bodies_of, surroundings_of
 
 FOLLOWERS = np.array([1, 2])
 
@@ -19,7 +19,7 @@ def _school(tank):
 
 def _watch(t, tick):
     watch_leader(
-        FOLLOWERS, bodies_of(t.fishes), t.fishes.alive, t.minds, scene_of(t.sea), t.nature,
+        FOLLOWERS, bodies_of(t.fishes), t.fishes.alive, t.minds, surroundings_of(t.sea), t.nature,
         t.at(tick).clock,
     )  # fmt: skip
 

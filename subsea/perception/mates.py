@@ -6,7 +6,7 @@ from subsea.core.arrays import Ints
 from subsea.core.kernels import kernel
 from subsea.geometry.vector import minus, norm, vector
 from subsea.perception.grid import Grid, insert, near_slots
-from subsea.perception.vision import Bodies, Scene, eye_of, sees_fish, sight
+from subsea.perception.vision import Bodies, Surroundings, eye_of, sees_fish, sight
 from subsea.state import LIBIDO, LOOPING, PACIFIST, Minds, Nature
 
 CELL_CM = 100.0
@@ -17,7 +17,13 @@ STRANGE_CM = 1e6  # so much farther away a fish of another species counts
 
 @kernel
 def see_mates(
-    who: Ints, bodies: Bodies, minds: Minds, species: Ints, scene: Scene, grid: Grid, nature: Nature
+    who: Ints,
+    bodies: Bodies,
+    minds: Minds,
+    species: Ints,
+    scene: Surroundings,
+    grid: Grid,
+    nature: Nature,
 ) -> None:
     """Enter possible mates in sight of the fishes `who`, from the pacifists in `grid`.
 
