@@ -38,7 +38,7 @@ from subsea.profiling.paper_tables import place_nodes
 from subsea.scenario.schema import load_scenario
 from subsea.state import Clock
 from subsea.submarine.helm import HANDS_OFF
-from subsea.view.culling import OUT_OF_SIGHT, covered
+from subsea.view.culling import OUT_OF_SIGHT, coverage
 from subsea.view.display_rigs import cockpit, views_for
 from subsea.world.step import create_world, step
 from subsea.world.world import TICK_S
@@ -280,11 +280,11 @@ def test_culling(benchmark, ocean, of):
         seen = (away >= -radii[:, None]).all(axis=1)
         return seen, np.linalg.norm(centres - views[0].eye, axis=1)
 
-    pixels, _ = covered(centres, radii, fishes.length, views)
+    pixels, _ = coverage(centres, radii, fishes.length, views)
     assert ((pixels != OUT_OF_SIGHT) == in_numpy()[0]).mean() > 0.999
     group = "which of 10 000 spheres are in sight, and how far away"
     if of == "kernel":
-        timed(benchmark, group, of, covered, centres, radii, fishes.length, views)
+        timed(benchmark, group, of, coverage, centres, radii, fishes.length, views)
     elif of == "numpy":
         timed(benchmark, group, of, in_numpy)
     else:

@@ -10,13 +10,13 @@ from plates import folder_asked, keep
 
 from subsea.dive.start import headless, picture_maker, start_world
 from subsea.dive.tour import Tour
-from subsea.frame.diagrams import Sketcher, written
+from subsea.frame.diagrams import DiagramBuilder, place_labels
 from subsea.frame.packet import pack
 from subsea.geometry.height_field import height_at
 from subsea.media.film import lettered
 from subsea.render.output.quality import PRESETS
 from subsea.view.display_rigs import cockpit, display_rig
-from subsea.view.rig import pose, views
+from subsea.view.rig import pose_from_angles, views
 from subsea.world.step import step
 
 SIZE = (640, 360)
@@ -41,7 +41,7 @@ LEADER_AHEAD = (-95.0, -75.0, 8.0)  # cm, from the school's fish that is looked 
 def plate() -> Image.Image:
     """Two columns of three."""
     world, tour = start_world("peaceful"), Tour()
-    sketcher, rig = Sketcher(world), display_rig("mono", SIZE)
+    sketcher, rig = DiagramBuilder(world), display_rig("mono", SIZE)
     for _ in range(TICKS):
         step(world, tour.helm(world))
         sketcher.follow()
@@ -52,7 +52,7 @@ def plate() -> Image.Image:
     eye = fishes.position[fish] + LEADER_AHEAD
     ahead = fishes.position[fish] - eye
     pitch = np.arctan2(ahead[2], np.hypot(*ahead[:2]))
-    seen = views(rig, pose(eye, float(np.arctan2(ahead[1], ahead[0])), float(pitch)))
+    seen = views(rig, pose_from_angles(eye, float(np.arctan2(ahead[1], ahead[0])), float(pitch)))
     font = ImageFont.load_default(18)
     sheet = Image.new("RGB", (2 * SIZE[0] + 8, 3 * SIZE[1] + 16), "white")
     with headless() as context, picture_maker(context, world, rig, PRESETS["high"]) as renderer:
@@ -61,7 +61,7 @@ def plate() -> Image.Image:
             drawing = sketcher.draw(names, seen, 1.0, chosen)
             renderer.wireframe = wireframe
             renderer.draw(pack(world, seen, 1.0, detail=1.6, lines=drawing.lines))
-            words = written(rig, seen, drawing.labels)
+            words = place_labels(rig, seen, drawing.labels)
             picture = Image.fromarray(lettered(renderer.read_pixels(), words, 0))
             ImageDraw.Draw(picture).text(
                 (14, SIZE[1] - 14), caption, "white", font, anchor="ls",

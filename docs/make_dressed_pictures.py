@@ -28,7 +28,7 @@ from subsea.render.output.quality import PRESETS
 from subsea.scenario.schema import load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.display_rigs import display_rig, views_for
-from subsea.view.rig import Pose
+from subsea.view.rig import CameraPose
 from subsea.world.step import step
 from subsea.world.world import World, create_world
 
@@ -53,7 +53,7 @@ def shot(renderer: Renderer, world: World, fish: int, turn: float, away: float) 
     forward = (at - eye) / np.linalg.norm(at - eye)
     beside = np.cross(forward, (0.0, 0.0, 1.0))
     up = np.cross(beside / np.linalg.norm(beside), forward)
-    renderer.draw(pack(world, views_for("mono", SIZE, Pose(eye, forward, up)), 1.0))
+    renderer.draw(pack(world, views_for("mono", SIZE, CameraPose(eye, forward, up)), 1.0))
     return renderer.read_pixels()
 
 

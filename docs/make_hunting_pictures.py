@@ -25,7 +25,7 @@ from subsea.scenario.schema import load_scenario
 from subsea.state import ESCAPE, HOOKED, PREDATOR, PREY
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.display_rigs import display_rig, views_for
-from subsea.view.rig import Pose
+from subsea.view.rig import CameraPose
 from subsea.world.step import step
 from subsea.world.world import TICK_S, World, create_world
 
@@ -50,7 +50,7 @@ def shot(renderer: Renderer, world: World, eye: Array, at: Array) -> Image.Image
     forward = (at - eye) / np.linalg.norm(at - eye)
     right = np.cross(forward, (0.0, 0.0, 1.0))
     up = np.cross(right / np.linalg.norm(right), forward)
-    renderer.draw(pack(world, views_for("mono", CELL, Pose(eye, forward, up)), 1.0))
+    renderer.draw(pack(world, views_for("mono", CELL, CameraPose(eye, forward, up)), 1.0))
     return Image.fromarray(renderer.read_pixels())
 
 

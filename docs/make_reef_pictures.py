@@ -16,7 +16,7 @@ from subsea.render.output.quality import PRESETS
 from subsea.scenario.schema import Water
 from subsea.state import Reef
 from subsea.view.display_rigs import display_rig, views_for
-from subsea.view.rig import pose
+from subsea.view.rig import pose_from_angles
 
 SIZE = (1280, 520)
 DEPTH_CM = 420.0
@@ -62,7 +62,9 @@ def plate() -> Image.Image:
         water=Water(fog=(0.012, 0.115, 0.20), visibility_cm=2000.0),
         reef=reef,
     )
-    (view,) = views_for("mono", SIZE, pose(np.array([0.0, 0.0, -DEPTH_CM + 72.0]), 0.0, -0.42))
+    (view,) = views_for(
+        "mono", SIZE, pose_from_angles(np.array([0.0, 0.0, -DEPTH_CM + 72.0]), 0.0, -0.42)
+    )
     packet = Packet(
         2.0, (view,), np.zeros((0, INSTANCE_COLUMNS), np.float32), ((),), np.zeros((0, 3)), 0
     )

@@ -25,7 +25,7 @@ from subsea.render.output.quality import PRESETS
 from subsea.scenario.schema import load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.display_rigs import display_rig, views_for
-from subsea.view.rig import Pose
+from subsea.view.rig import CameraPose
 from subsea.world.step import step
 from subsea.world.world import TICK_S, create_world
 
@@ -64,7 +64,7 @@ def filmed(shot: Shot, size: tuple[int, int], quality: str = "high", ticks: int 
     forward /= np.linalg.norm(forward)
     right = np.cross(forward, (0.0, 0.0, 1.0))
     up = np.cross(right / np.linalg.norm(right), forward)
-    views = views_for("mono", size, Pose(middle + shot.eye_cm, forward, up))
+    views = views_for("mono", size, CameraPose(middle + shot.eye_cm, forward, up))
     rig, preset = display_rig("mono", size), PRESETS[quality]
     pictures = []
     with headless() as context, picture_maker(context, world, rig, preset) as renderer:

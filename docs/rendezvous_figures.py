@@ -13,7 +13,7 @@ from subsea.dive.directed_camera import directed
 from subsea.scenario.schema import load_scenario
 from subsea.state import EAT, LOOPING, MATE
 from subsea.view.display_rigs import VERTICAL_FOV, cockpit
-from subsea.view.rig import Pose
+from subsea.view.rig import CameraPose
 from subsea.world.step import step
 from subsea.world.world import TICK_S, World, create_world
 
@@ -53,7 +53,7 @@ def seen(world: World) -> Seen:
     )
 
 
-def in_view(places: Any, camera: Pose) -> Any:
+def in_view(places: Any, camera: CameraPose) -> Any:
     """Which of the places (n, 3) are in its picture."""
     right = np.cross(camera.forward, camera.up)
     x, y, z = ((places - camera.eye) @ axis for axis in (right, camera.up, camera.forward))

@@ -18,7 +18,7 @@ from subsea.render import Renderer, headless_context
 from subsea.render.output.quality import PRESETS
 from subsea.scenario.schema import load_scenario
 from subsea.view.display_rigs import cockpit, display_rig, views_for
-from subsea.view.levels import LEVELS, nothing_drawn
+from subsea.view.levels import LEVELS, empty_lod_state
 from subsea.world.step import step
 from subsea.world.world import World, create_world
 
@@ -79,7 +79,7 @@ def each_level(world: World) -> None:
 
 def with_and_without(world: World, number: int) -> None:
     """The fishes of a picture with and without both, and the rest of a frame."""
-    memory = nothing_drawn(number)
+    memory = empty_lod_state(number)
     views = views_for("mono", SIZE, cockpit(world.state.submarine, 1.0))
     tour = Tour()
     both, neither = packed(world), packed(world, culling=False, lod=False)

@@ -24,8 +24,8 @@ from subsea.render import Renderer
 from subsea.render.output.quality import PRESETS
 from subsea.view.camera import NEAR_CM, off_axis
 from subsea.view.display_rigs import cockpit, display_rig
-from subsea.view.levels import Memory, nothing_drawn
-from subsea.view.rig import Eye, Patch, Rig, views
+from subsea.view.levels import LodState, empty_lod_state
+from subsea.view.rig import CameraRig, DisplayPatch, Eye, views
 from subsea.world.step import step
 from subsea.world.world import World
 
@@ -37,18 +37,18 @@ BETWEEN_TICKS = 25
 IN_A_ROW = 4  # pictures of one rig, after one that is not counted
 
 
-def pixels_drawn(rig: Rig) -> int:
+def pixels_drawn(rig: CameraRig) -> int:
     """Pixels of the canvas that a rig's eyes fill."""
     return sum(eye.viewport[2] * eye.viewport[3] for eye in rig.eyes)
 
 
-def one_view(pixels: int) -> Rig:
+def one_view(pixels: int) -> CameraRig:
     """A plain display of 16:9 with so many pixels."""
     height = round(np.sqrt(pixels * 9 / 16))
     return display_rig("mono", (round(pixels / height), height))
 
 
-def channels(size: Size, turns_deg: tuple[float, ...], half_tangent: float) -> Rig:
+def channels(size: Size, turns_deg: tuple[float, ...], half_tangent: float) -> CameraRig:
     """Flat channels side by side; each is turned by an angle to the right of the observer."""
     width, height = size[0] // len(turns_deg), size[1]
     near = NEAR_CM * half_tangent
@@ -60,17 +60,17 @@ def channels(size: Size, turns_deg: tuple[float, ...], half_tangent: float) -> R
         eyes.append(Eye((number * width, 0, width, height), np.zeros(3), axes, frustum))
     canvas = width * len(turns_deg), height
     whole = (0, 0, *canvas)
-    return Rig(canvas, (canvas,), tuple(eyes), (Patch(whole, whole, whole),))
+    return CameraRig(canvas, (canvas,), tuple(eyes), (DisplayPatch(whole, whole, whole),))
 
 
-def three_channels(size: Size) -> tuple[Rig, Rig]:
+def three_channels(size: Size) -> tuple[CameraRig, CameraRig]:
     """Three channels of a cylinder, and one window that shows as much of it on a plane."""
     half = np.radians(CHANNEL_DEG) / 2
     three = channels(size, (-CHANNEL_DEG, 0.0, CHANNEL_DEG), float(np.tan(half)))
     return three, channels(three.canvas, (0.0,), float(np.tan(3 * half)))
 
 
-def pairs(size: Size) -> dict[str, tuple[Rig, Rig]]:
+def pairs(size: Size) -> dict[str, tuple[CameraRig, CameraRig]]:
     """Arrangements by name, each with one view of as many pixels."""
     width, height = size
     wide = 3 * (round(1.5 * width) // 3), round(height / 1.5)
@@ -89,10 +89,10 @@ def pairs(size: Size) -> dict[str, tuple[Rig, Rig]]:
 class Measured:
     """A rig, what it drew last, and the times of its pictures."""
 
-    def __init__(self, rig: Rig, world: World) -> None:
+    def __init__(self, rig: CameraRig, world: World) -> None:
         """Nothing drawn yet."""
         self.rig = rig
-        self.memory: Memory = nothing_drawn(len(world.state.fishes.species))
+        self.memory: LodState = empty_lod_state(len(world.state.fishes.species))
         self.packets: list[Packet] = []
         self.packing: list[float] = []  # seconds of each, in the order of the packets
         self.drawing: list[float] = []

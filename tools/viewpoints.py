@@ -20,7 +20,7 @@ from subsea.geometry.height_field import height_at
 from subsea.render.output.quality import PRESETS
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.display_rigs import display_rig, views_for
-from subsea.view.rig import Pose, pose
+from subsea.view.rig import CameraPose, pose_from_angles
 from subsea.world.step import step
 from subsea.world.world import TICK_S, World
 
@@ -29,11 +29,11 @@ Array = NDArray[np.float64]
 CLEAR_CM = 45.0  # of the eye above the seabed
 
 
-def viewpoints(world: World) -> Iterator[tuple[str, Pose]]:
+def viewpoints(world: World) -> Iterator[tuple[str, CameraPose]]:
     """Names of the viewpoints and the poses of the eye."""
     sub, sea = world.state.submarine, world.state.sea
     start = np.asarray(sub.position, np.float64)
-    yield "start", pose(start, float(sub.angles[0]), 0.0)
+    yield "start", pose_from_angles(start, float(sub.angles[0]), 0.0)
     fishes = world.state.fishes
     centre = np.asarray(np.median(fishes.position, axis=0), np.float64)
     centre[2] = height_at(sea.heights, sea.half_width, centre[0], centre[1])
@@ -60,12 +60,12 @@ def viewpoints(world: World) -> Iterator[tuple[str, Pose]]:
     yield "above", _looking_at(world, centre + (-8.0 * aside, -5.3 * aside, 6.3 * aside), centre)
 
 
-def _looking_at(world: World, eye: Array, target: Array) -> Pose:
+def _looking_at(world: World, eye: Array, target: Array) -> CameraPose:
     sea = world.state.sea
     ground = height_at(sea.heights, sea.half_width, float(eye[0]), float(eye[1]))
     eye = np.array([eye[0], eye[1], np.clip(eye[2], ground + CLEAR_CM, -40.0)])
     x, y, z = target - eye
-    return pose(eye, float(np.arctan2(y, x)), float(np.arctan2(z, np.hypot(x, y))))
+    return pose_from_angles(eye, float(np.arctan2(y, x)), float(np.arctan2(z, np.hypot(x, y))))
 
 
 def main() -> None:

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.directing import latest
-from subsea.view.rig import Rig, Shape, front
-from subsea.view.text_viewports import panes
+from subsea.view.rig import CameraRig, Projection, front
+from subsea.view.text_viewports import text_viewports
 from subsea.world.world import TICK_S, World
 
 Pixels = NDArray[np.uint8]
@@ -55,9 +55,9 @@ def caption_of(world: World, alpha: float) -> Caption:
     return Caption(words, share * share * (3.0 - 2.0 * share))
 
 
-def room_of(rig: Rig) -> tuple[float, float, float, float]:
+def room_of(rig: CameraRig) -> tuple[float, float, float, float]:
     """Left, top, width and height of what is before the viewer, shares of the screen ahead."""
-    return BEFORE if front(rig).shape == Shape.EQUIRECTANGULAR else (0.0, 0.0, 1.0, 1.0)
+    return BEFORE if front(rig).shape == Projection.EQUIRECTANGULAR else (0.0, 0.0, 1.0, 1.0)
 
 
 def letters_of(width: float, height: float) -> float:
@@ -86,7 +86,7 @@ def lines_of(words: str, room: float, width_of: Callable[[str], float]) -> list[
     return broken(high)
 
 
-def titled(picture: Pixels, rig: Rig, output: int, caption: Caption) -> Pixels:
+def titled(picture: Pixels, rig: CameraRig, output: int, caption: Caption) -> Pixels:
     """The picture (h, w, 3) of a rig's `output` with the caption on it, for each eye."""
     if output != front(rig).output or caption.opacity == 0.0 or not caption.words:
         return picture
@@ -95,7 +95,7 @@ def titled(picture: Pixels, rig: Rig, output: int, caption: Caption) -> Pixels:
     image = Image.fromarray(picture)
     width, height = rig.outputs[output]
     left, top, across, down = room_of(rig)
-    for pane in (one for one in panes(rig) if one.number == 0):
+    for pane in (one for one in text_viewports(rig) if one.number == 0):
         screen = pane.screen[0] * width * across, pane.screen[1] * height * down
         seen = pane.width * width * across, pane.height * height * down
         sign = _sign(caption.words, (round(screen[0]), round(screen[1])))

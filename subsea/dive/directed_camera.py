@@ -26,7 +26,7 @@ from subsea.submarine.course import Course, angles_of, course_of, middle_of, rai
 from subsea.submarine.helm import STATION, Helm
 from subsea.submarine.hull import ACCELERATION_CM_S2, AHEAD_CM_S, keep_clear
 from subsea.submarine.rail import Rail, board
-from subsea.view.rig import Pose
+from subsea.view.rig import CameraPose
 from subsea.world.world import TICK_S, World
 
 LOOK_S = 6.0  # so long a camera that has arrived is looked through, if nobody says
@@ -88,7 +88,7 @@ def is_over(world: World) -> bool:
     return True
 
 
-def leapt(before: Pose | None, now: Pose, elapsed_s: float) -> bool:
+def leapt(before: CameraPose | None, now: CameraPose, elapsed_s: float) -> bool:
     """Whether an eye was elsewhere `elapsed_s` ago than from where a hull comes: a cut."""
     if before is None:
         return False

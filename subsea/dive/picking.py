@@ -15,7 +15,7 @@ from subsea.render import Renderer
 from subsea.render.gl.id_buffer import FISH, WATER
 from subsea.view.camera import View
 from subsea.view.display_rigs import SURROUNDS
-from subsea.view.rig import CUBES, Patch, Rect, Rig, Shape, front, seen_part
+from subsea.view.rig import CUBES, CameraRig, DisplayPatch, Projection, Rect, front, seen_part
 from subsea.view.surround import COLUMNS, ROWS, Surround, directions, half_tangent, on_faces
 from subsea.view.theatre.warp import sources_at
 
@@ -58,7 +58,7 @@ def pick(renderer: Renderer, packet: Packet, x: float, y: float) -> Picked | Non
     return Picked(kind, int(seen.number[row, column]), _place(view, at, depth))
 
 
-def canvas_place(rig: Rig, x: float, y: float) -> tuple[float, float] | None:
+def canvas_place(rig: CameraRig, x: float, y: float) -> tuple[float, float] | None:
     """Where on the canvas a place on the screen ahead is drawn, in pixels from the lower left.
 
     None where the screen is dark. Of patches that lie over one another the last counts.
@@ -78,7 +78,7 @@ def canvas_place(rig: Rig, x: float, y: float) -> tuple[float, float] | None:
     return _source(patch, (pixel[0] - a) / across, (pixel[1] - b) / up)
 
 
-def _source(patch: Patch, x: float, y: float) -> tuple[float, float] | None:
+def _source(patch: DisplayPatch, x: float, y: float) -> tuple[float, float] | None:
     """Where on the canvas the left eye's picture is at a place in shares of a patch."""
     share = np.array([x, y])
     if patch.warp is not None:
@@ -86,12 +86,12 @@ def _source(patch: Patch, x: float, y: float) -> tuple[float, float] | None:
     left, bottom, width, height = patch.left
     if patch.shape in CUBES:
         # A dome that a mesh bends is a square.
-        square = patch.warp is not None and patch.shape == Shape.DOME
+        square = patch.warp is not None and patch.shape == Projection.DOME
         shown = np.array([1.0, 1.0]) if square else np.multiply(patch.place[2:], patch.squeezed)
         surround = Surround(*np.degrees(patch.wide))
         size: Any = tuple(shown)
         d = directions(DISPLAYS[patch.shape], size, surround, (share * shown)[None])
-        if patch.shape == Shape.PANORAMA:  # on whose cylinder the eyes are so far apart
+        if patch.shape == Projection.PANORAMA:  # on whose cylinder the eyes are so far apart
             d = d / np.hypot(d[:, 0], d[:, 2])[:, None]
         d[:, 0] += patch.apart
         if np.isnan(d).any():

@@ -9,7 +9,7 @@ from copy import deepcopy
 
 from subsea.submarine.helm import Helm
 from subsea.view.display_rigs import cockpit
-from subsea.view.rig import Pose
+from subsea.view.rig import CameraPose
 from subsea.world.step import steer
 from subsea.world.world import World
 
@@ -27,7 +27,7 @@ class Present:
         """So much time has passed; is the next tick `known`, or is one to be late as fishes are?"""
         self._late = max(self._late - elapsed_s / CATCH_UP_S, 0.0) if known else 1.0
 
-    def eye(self, world: World, alpha: float, helm: Helm) -> Pose:
+    def eye(self, world: World, alpha: float, helm: Helm) -> CameraPose:
         """The pilot's eye, when `alpha` of the next tick has passed, in which `helm` holds."""
         submarine = world.state.submarine
         ahead = alpha - self._late

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from subsea.core.arrays import Ints
 from subsea.frame.packet import pack
 from subsea.render import Renderer
-from subsea.render.gl.id_buffer import KINDS, Seen
-from subsea.view.retina import Rider, retina_rig, retinal_views
+from subsea.render.gl.id_buffer import KINDS, IdMaps
+from subsea.view.retina import FishEyes, retina_rig, retinal_views
 from subsea.world.world import World
 
 SIDES = "left", "right"
@@ -27,7 +27,7 @@ PLAIN = {
 SEEN_SIZE = 48, 48  # pixels of the retinae whose brightness a fish goes by
 
 
-def seen_brightness(renderer: Renderer, world: World, by: Rider) -> float:
+def seen_brightness(renderer: Renderer, world: World, by: FishEyes) -> float:
     """Mean brightness, 0 to 1, of what a fish sees at the present tick, looking ahead (Tu §6.2).
 
     The mean value of the two pictures as a screen would show them; it depends on nothing but the
@@ -45,7 +45,7 @@ def velocity_of(world: World, fish: int) -> tuple[float, float, float]:
     return x, y, z
 
 
-def values_of(seen: Seen) -> Ints:
+def values_of(seen: IdMaps) -> Ints:
     """The values (h, w) of an identity map."""
     return np.asarray(FIRST[seen.kind] + seen.number)
 

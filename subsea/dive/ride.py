@@ -10,12 +10,21 @@ from subsea.behavior.table import BEHAVIORS
 from subsea.core.arrays import Array
 from subsea.dive.options import RetinaColours
 from subsea.dive.retina_images import MOST_FISHES, SIDES, VALUES, codes, values_of
-from subsea.render.gl.id_buffer import Seen
+from subsea.render.gl.id_buffer import IdMaps
 from subsea.state import MENTAL_STATES
 from subsea.view.camera import View
-from subsea.view.follow import Camera, followed
-from subsea.view.retina import Gaze, body_at, retina_rig, ridden, rider
-from subsea.view.rig import Patch, Pose, Rect, Rig, brought_together, front, seen_part, views
+from subsea.view.follow import FollowCamera, follow_fish
+from subsea.view.retina import Gaze, body_at, eyes_pose, fish_eyes, retina_rig
+from subsea.view.rig import (
+    CameraPose,
+    CameraRig,
+    DisplayPatch,
+    Rect,
+    front,
+    limit_separation,
+    seen_part,
+    views,
+)
 from subsea.world.world import TICK_S, World
 
 WIDE, ASPECT, EDGE = 0.27, 4 / 3, 0.02  # of an inset: share of the screen; its shape; its margin
@@ -31,10 +40,10 @@ class Ride:
 
     def __init__(self, world: World, fish: int, behind: bool = False) -> None:
         """On a fish of the world, looking straight ahead; or `behind` it, following."""
-        self.by = rider(world, fish)
+        self.by = fish_eyes(world, fish)
         self.gaze = Gaze()
         self.behind = behind  # whether it is followed, rather than looked through its eyes
-        self._camera: Camera | None = None  # that follows it
+        self._camera: FollowCamera | None = None  # that follows it
         self._at_s = 0.0
         self._axes: Array | None = None  # forward and up, as they are followed
 
@@ -51,16 +60,16 @@ class Ride:
             float(np.clip(tilt, -MOST_TILT_DEG, MOST_TILT_DEG)),
         )
 
-    def observer(self, world: World, alpha: float) -> Pose:
+    def observer(self, world: World, alpha: float) -> CameraPose:
         """Between the fish's eyes, as calm as a rider wants it: beat and roll are damped.
 
         Or behind it, if it is followed.
         """
         if self.behind:
-            self._camera, pose = followed(world, self.by.fish, alpha, self._camera)
+            self._camera, pose = follow_fish(world, self.by.fish, alpha, self._camera)
             return pose
         now = (world.state.tick - 1 + alpha) * TICK_S
-        looking = ridden(world, self.by, alpha)
+        looking = eyes_pose(world, self.by, alpha)
         axes = np.stack([looking.forward, looking.up])
         if self._axes is None or not 0.0 <= now - self._at_s < 1.0:
             self._axes = np.stack([looking.forward, [0.0, 0.0, 1.0]])  # level at first
@@ -75,24 +84,28 @@ class Ride:
         up = up / np.linalg.norm(up)
         origin, _ = body_at(world, self.by.fish, alpha)
         # The head swings about the body: on its mean way it is straight ahead.
-        return Pose(origin + ((looking.eye - origin) @ looking.forward) * forward, forward, up)
+        return CameraPose(
+            origin + ((looking.eye - origin) @ looking.forward) * forward, forward, up
+        )
 
     def views(
-        self, world: World, rig: Rig, insets: Sequence[Rect], alpha: float
+        self, world: World, rig: CameraRig, insets: Sequence[Rect], alpha: float
     ) -> tuple[View, ...]:
         """Those of a rig that hangs on the fish, then those of its eyes in the `insets`, if any.
 
         Eyes of a rig that looks through the fish's are no farther apart than these: two that are
         could not be brought to bear on its neighbours.
         """
-        near = rig if self.behind else brought_together(rig, self.by.half_cm)
+        near = rig if self.behind else limit_separation(rig, self.by.half_cm)
         seen = [
             view if self.behind else replace(view, without=self.by.fish)
             for view in views(near, self.observer(world, alpha))
         ]
         if insets:
             eyes = retina_rig(insets[0][2:], self.by.half_cm, self.gaze)
-            for view, inset in zip(views(eyes, ridden(world, self.by, alpha)), insets, strict=True):
+            for view, inset in zip(
+                views(eyes, eyes_pose(world, self.by, alpha)), insets, strict=True
+            ):
                 seen.append(replace(view, viewport=inset, without=self.by.fish))
         return tuple(seen)
 
@@ -108,7 +121,7 @@ class Ride:
         return "   ".join(parts if look == "colours" else [*parts, look])
 
 
-def with_insets(rig: Rig) -> tuple[Rig, tuple[Rect, ...]]:
+def with_insets(rig: CameraRig) -> tuple[CameraRig, tuple[Rect, ...]]:
     """A rig with a picture of each eye in the upper corners of the screen ahead, for each viewer.
 
     And where on its canvas both are to be drawn: above all else that is there. Each picture lies
@@ -121,7 +134,7 @@ def with_insets(rig: Rig) -> tuple[Rig, tuple[Rect, ...]]:
     bottom = rig.canvas[1]
     insets = tuple((k * across, bottom, across, up) for k in range(len(SIDES)))
     patches = [
-        Patch(part, inset, inset, output=patch.output, page=patch.page, mask=mask)
+        DisplayPatch(part, inset, inset, output=patch.output, page=patch.page, mask=mask)
         for patch in rig.patches
         if (patch.output, patch.channel) == screen
         for place, inset in zip(places(patch, (across, up)), insets, strict=True)
@@ -131,7 +144,7 @@ def with_insets(rig: Rig) -> tuple[Rig, tuple[Rect, ...]]:
     return rig._replace(canvas=canvas, patches=(*rig.patches, *patches)), insets
 
 
-def places(patch: Patch, size: tuple[int, int]) -> tuple[Rect, Rect]:
+def places(patch: DisplayPatch, size: tuple[int, int]) -> tuple[Rect, Rect]:
     """Where insets of `size` lie over a patch, as squeezed as it is; left and right."""
     x, y, across, up = seen_part(patch)
     width, height = (round(a / b) for a, b in zip(size, patch.squeezed, strict=True))
@@ -154,7 +167,9 @@ def joined(insets: Sequence[Rect]) -> Rect:
     return left, bottom, len(insets) * width, height
 
 
-def pasted(drawn: Rig, rig: Rig, picture: NDArray[np.uint8]) -> tuple[Patch, ...]:
+def pasted(
+    drawn: CameraRig, rig: CameraRig, picture: NDArray[np.uint8]
+) -> tuple[DisplayPatch, ...]:
     """The insets' patches, which `drawn` has more than `rig`, as taken from a picture of both."""
     height, width = picture.shape[0], picture.shape[1] // len(SIDES)
     patches = []
@@ -165,7 +180,7 @@ def pasted(drawn: Rig, rig: Rig, picture: NDArray[np.uint8]) -> tuple[Patch, ...
     return tuple(patches)
 
 
-def pictured(seen: Seen, look: RetinaColours) -> NDArray[np.uint8]:
+def pictured(seen: IdMaps, look: RetinaColours) -> NDArray[np.uint8]:
     """What a map shows, in colours (h, w, 3): identities, or ranges, the farther the darker."""
     if look == "identity":
         value, first = values_of(seen), VALUES["fish"]

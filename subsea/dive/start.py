@@ -13,7 +13,7 @@ from subsea.frame.packet import make_scene, pack
 from subsea.scenario.schema import Scenario, load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.display_rigs import cockpit, views_for
-from subsea.view.rig import Rig
+from subsea.view.rig import CameraRig
 from subsea.world.step import step
 from subsea.world.world import LIVE_REACH_CM, World, create_world
 
@@ -78,7 +78,7 @@ def headless() -> Iterator[Any]:
 def picture_maker(
     context: Any,
     world: World,
-    rig: Rig,
+    rig: CameraRig,
     quality: "Quality",
 ) -> Iterator["Renderer"]:
     """A renderer for the pictures of a rig, released in the end."""

@@ -12,7 +12,7 @@ from subsea.core.errors import UserError, unknown
 from subsea.core.resources import at_key
 from subsea.dive.cluster.credentials import cluster_faults
 from subsea.view.display_rigs import display_rig
-from subsea.view.rig import Rig
+from subsea.view.rig import CameraRig
 from subsea.view.stereo import EYES, Stereo
 from subsea.view.surround import ALL_ROUND, Surround
 from subsea.view.theatre.channels import Lighted, channels
@@ -27,7 +27,7 @@ class House(NamedTuple):
     theatre: Theatre
     path: Path
     windows: tuple[Window, ...]  # one for each output of the rig
-    rig: Rig
+    rig: CameraRig
 
 
 def open_house(
@@ -69,7 +69,7 @@ def chosen_rig(
     surround: Surround = ALL_ROUND,
     theatre: str | None = None,
     shrink: int = 1,
-) -> tuple[Rig, tuple[str, ...]]:
+) -> tuple[CameraRig, tuple[str, ...]]:
     """The rig of a theatre, or of a display mode for one picture of `size` if none is named.
 
     Also what its outputs are called: "" if there is only one.

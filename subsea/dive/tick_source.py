@@ -15,7 +15,7 @@ from subsea.dive.tour import Steer
 from subsea.submarine.helm import HANDS_OFF, Helm
 from subsea.submarine.rail import Rail
 from subsea.view.display_rigs import cockpit
-from subsea.view.rig import Pose
+from subsea.view.rig import CameraPose
 from subsea.view.theatre.theatre_file import Theatre
 from subsea.world.step import Order
 from subsea.world.world import TICK_S, World
@@ -59,7 +59,7 @@ class Crew(Protocol):
         `elapsed_s` is the time since the last picture. None if there is nothing new to draw.
         """
 
-    def eye(self) -> Pose:
+    def eye(self) -> CameraPose:
         """Where the pilot's eye is in that picture."""
 
     def carry(self, tour: Steer | None) -> None:
@@ -107,7 +107,7 @@ class Alone:
         self._present.go_on(elapsed_s, not carried and not self.timeline.paused)
         return self.timeline.alpha
 
-    def eye(self) -> Pose:
+    def eye(self) -> CameraPose:
         """In the present, unless it is on a tour or time stands still."""
         return self._present.eye(self._world, self.timeline.alpha, self._pilot.foreseen(TICK_S))
 
@@ -155,7 +155,7 @@ class Leading:
         self._master.picture(ticks if self._course.tour else list(ticks), self._clock.alpha)
         return self._clock.alpha
 
-    def eye(self) -> Pose:
+    def eye(self) -> CameraPose:
         """A tick late, where all nodes see it."""
         return cockpit(self._master.world.state.submarine, self._clock.alpha)
 
@@ -199,7 +199,7 @@ class Following:
         self._alpha = self._alpha if alpha is None else alpha
         return alpha
 
-    def eye(self) -> Pose:
+    def eye(self) -> CameraPose:
         """Where the master's is."""
         return cockpit(self._node.world.state.submarine, self._alpha)
 

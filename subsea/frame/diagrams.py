@@ -23,10 +23,10 @@ from subsea.perception.vision import FIELD_COS, bodies_of
 from subsea.repertoire import SEGMENTS
 from subsea.state import NOBODY
 from subsea.view.camera import View
-from subsea.view.culling import IN_SIGHT, covered
+from subsea.view.culling import IN_SIGHT, coverage
 from subsea.view.display_rigs import cockpit, views_for
-from subsea.view.retina import Rider, control_points_at, retina_rig, retinal_views, rider
-from subsea.view.rig import Rig, Shape
+from subsea.view.retina import FishEyes, control_points_at, fish_eyes, retina_rig, retinal_views
+from subsea.view.rig import CameraRig, Projection
 from subsea.world.world import World
 
 Colour = tuple[float, float, float]  # as it is to appear on the screen, sRGB, 0 to 1
@@ -91,14 +91,14 @@ class Label(NamedTuple):
     text: str
 
 
-class Drawing(NamedTuple):
+class Diagram(NamedTuple):
     """What is to be drawn, and written."""
 
     lines: Lines
     labels: tuple[Label, ...] = ()
 
 
-class Written(NamedTuple):
+class PlacedLabel(NamedTuple):
     """Where a label stands in a finished picture."""
 
     output: int
@@ -121,14 +121,14 @@ def chosen_diagrams(text: str) -> tuple[str, ...]:
     return tuple(name for name in DIAGRAMS if name in names)
 
 
-class Sketcher:
+class DiagramBuilder:
     """Draws the diagrams of a world, and remembers what they need: where all was, whose eyes."""
 
     def __init__(self, world: World) -> None:
         """Nothing is remembered yet."""
         self.world = world
         self._trail: deque[tuple[int, Array]] = deque(maxlen=KEPT)
-        self._riders: dict[int, Rider] = {}
+        self._riders: dict[int, FishEyes] = {}
         slow = SEGMENTS.index("swim_slow")
         first, count = world.library.first[:, slow], world.library.length[:, slow]
         self._rest = np.array(  # of units (s, 91): their mean over a beat, as recorded
@@ -153,7 +153,7 @@ class Sketcher:
         views: Sequence[View],
         alpha: float,
         chosen: int | None = None,
-    ) -> Drawing:
+    ) -> Diagram:
         """The diagrams `shown`, names of DIAGRAMS, `alpha` of the way from tick to tick.
 
         `chosen` is the fish that a visitor has picked, or rides.
@@ -161,7 +161,7 @@ class Sketcher:
         if "paths" in shown:
             self.follow()
         if not shown:
-            return Drawing(NO_LINES)
+            return Diagram(NO_LINES)
         of_fishes: dict[str, Callable[[Ints, float], Iterable[Lines]]] = {
             "scaffold": self._scaffold,
             "control mesh": self._control_mesh,
@@ -197,7 +197,7 @@ class Sketcher:
         labels: tuple[Label, ...] = ()
         if "indices" in shown:
             labels = self._indices(seen[: MOST["indices"]], alpha, chosen)
-        return Drawing(joined(parts), labels)
+        return Diagram(joined(parts), labels)
 
     def _in_sight(self, views: Sequence[View], alpha: float, chosen: int | None) -> Ints:
         """The fishes that some view sees, the chosen one first, then those that look largest."""
@@ -207,7 +207,7 @@ class Sketcher:
         )
         radii = library.bounding_radius[fishes.species] * fishes.length
         reach = IN_SIGHT * self.world.scenario.water.visibility_cm
-        pixels, _ = covered(middle, radii, fishes.length, views, reach)
+        pixels, _ = coverage(middle, radii, fishes.length, views, reach)
         without = {view.without for view in views}
         if len(without) == 1:  # nobody sees its own body
             pixels[[one for one in without if one >= 0]] = -1.0
@@ -321,7 +321,7 @@ class Sketcher:
         shown = [(view, FRUSTUM_CM, VESSEL) for view in pilot]
         if chosen is not None and self.world.state.fishes.alive[chosen]:
             if chosen not in self._riders:
-                self._riders = {chosen: rider(self.world, chosen)}
+                self._riders = {chosen: fish_eyes(self.world, chosen)}
             by = self._riders[chosen]
             rig = retina_rig((64, 48), by.half_cm)
             shown += [(view, RETINA_CM, EYES) for view in retinal_views(self.world, by, rig, alpha)]
@@ -410,7 +410,9 @@ def joined(parts: Iterable[Lines]) -> Lines:
     return Lines(*(np.concatenate(column) for column in zip(NO_LINES, *parts, strict=True)))
 
 
-def written(rig: Rig, views: Sequence[View], labels: Sequence[Label]) -> list[Written]:
+def place_labels(
+    rig: CameraRig, views: Sequence[View], labels: Sequence[Label]
+) -> list[PlacedLabel]:
     """Where labels stand in the pictures of a rig that draws these `views`, the farthest first.
 
     On every patch that shows an eye's picture as it is; of two eyes that share pixels where the
@@ -419,12 +421,12 @@ def written(rig: Rig, views: Sequence[View], labels: Sequence[Label]) -> list[Wr
     found = []
     for patch in rig.patches:
         view = next((one for one in views if one.viewport == patch.left), None)
-        if view is None or patch.shape != Shape.FLAT:
+        if view is None or patch.shape != Projection.FLAT:
             continue
         x, y, width, height = patch.place
         top = rig.outputs[patch.output][1]
         for distance, across, up, text in projected(view, labels):
-            at = Written(patch.output, x + width * across, top - y - height * up, text)
+            at = PlacedLabel(patch.output, x + width * across, top - y - height * up, text)
             found.append((distance, at))
     return [at for _, at in sorted(found, key=lambda pair: -pair[0])]
 

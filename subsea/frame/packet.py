@@ -19,10 +19,17 @@ from subsea.motor.pose import pose_at
 from subsea.scenario.schema import Water
 from subsea.state import HANGING, HOOKED, LANDED, SINKING, STOWED, Fishes, Reef, Sea, empty_reef
 from subsea.view.camera import View
-from subsea.view.culling import IN_SIGHT, OUT_OF_SIGHT, covered
+from subsea.view.culling import IN_SIGHT, OUT_OF_SIGHT, coverage
 from subsea.view.display_rigs import cockpit
-from subsea.view.levels import LEVELS, THRESHOLDS_PX, Memory, arranged, choose, nothing_drawn
-from subsea.view.rig import Pose
+from subsea.view.levels import (
+    LEVELS,
+    THRESHOLDS_PX,
+    LodState,
+    draw_order,
+    empty_lod_state,
+    update_levels,
+)
+from subsea.view.rig import CameraPose
 from subsea.world.world import TICK_S, World
 
 # Columns of an instance record: 23 float32, 92 bytes, six attributes in the shader.
@@ -155,9 +162,9 @@ def pack(
     lod: bool = True,
     detail: float = 1.0,
     growth: float = 1.0,
-    memory: Memory | None = None,
+    memory: LodState | None = None,
     lines: Lines = NO_LINES,
-    pilot: Pose | None = None,
+    pilot: CameraPose | None = None,
 ) -> Packet:
     """The frame that lies `alpha` (0 to 1) of the way from the last tick to the present one.
 
@@ -176,14 +183,14 @@ def pack(
     time_s = (world.state.tick - 1 + alpha) * TICK_S
     radii = ENLARGED * library.bounding_radius[fishes.species] * fishes.length
     reach = IN_SIGHT * world.scenario.water.visibility_cm
-    pixels, distance = covered(centres, radii, fishes.length, views, reach, culling)
+    pixels, distance = coverage(centres, radii, fishes.length, views, reach, culling)
     pixels[~fishes.alive] = OUT_OF_SIGHT
     # Where a whole wave runs along a body coarse levels would cut its crests, of body and fins at
     # different places: it is drawn one level finer.
     wavy = np.array([one.spine is not None for one in world.species])[fishes.species]
-    memory = nothing_drawn(len(pixels)) if memory is None else memory
-    choose(pixels, wavy, THRESHOLDS_PX / detail if lod else NEVER_COARSE, time_s, memory)
-    order, share, starts = arranged(distance, time_s, len(LEVELS), memory)
+    memory = empty_lod_state(len(pixels)) if memory is None else memory
+    update_levels(pixels, wavy, THRESHOLDS_PX / detail if lod else NEVER_COARSE, time_s, memory)
+    order, share, starts = draw_order(distance, time_s, len(LEVELS), memory)
     culled = time.perf_counter()
     leaves, fine_leaves, leaves_seen = _leaves_in_sight(world, views, culling, lod, detail, growth)
     instances = np.empty((len(order), INSTANCE_COLUMNS), np.float32)
@@ -222,7 +229,7 @@ def pack(
     )
 
 
-def lamps_of(pilot: Pose) -> Lamps:
+def lamps_of(pilot: CameraPose) -> Lamps:
     """Where the lights of a submarine are whose pilot is there, and how they shine."""
     axes = np.stack([np.cross(pilot.forward, pilot.up), pilot.up, pilot.forward])
     side = np.array([[-1.0], [1.0]])
@@ -252,7 +259,7 @@ def _hook(sea: Sea, alpha: float) -> Array | None:
 def _plankton_in_sight(sea: Sea, views: Sequence[View], culling: bool) -> tuple[Ints, ...]:
     """Of each view the specks in sight. They keep their numbers: a speck looks as that tells."""
     size = np.full(len(sea.plankton), SPECK_CM)
-    _, distance = covered(sea.plankton, size, size, views, PLANKTON_REACH_CM, culling)
+    _, distance = coverage(sea.plankton, size, size, views, PLANKTON_REACH_CM, culling)
     present = sea.absent == 0.0
     return tuple(np.flatnonzero(np.isfinite(own) & present).astype(np.int32) for own in distance)
 
@@ -274,7 +281,7 @@ def _leaves_in_sight(
     reach = IN_SIGHT * world.scenario.water.visibility_cm
     # However tall a plant is: it is made of parts.
     covers = np.minimum(2 * radii, LEAF_MOST_CM)
-    pixels, distance = covered(centres, radii, covers, views, reach, culling)
+    pixels, distance = coverage(centres, radii, covers, views, reach, culling)
     pixels *= np.float32(detail)
     near = pixels > LEAF_NEAR_PX if lod else pixels >= 0.0
     shown = np.arange(len(box)) * GOLDEN % 1.0 < growth

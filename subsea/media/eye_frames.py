@@ -38,15 +38,15 @@ from subsea.habitat.reef import KINDS as REEF_KINDS
 from subsea.media.film import instants, length_s, reach
 from subsea.media.frame_writers import frame_rate, kind_of, open_reels
 from subsea.media.resume_manifest import begin, description, missing_frames
-from subsea.render.gl.id_buffer import CORAL, FISH, KINDS, PILLAR, ROCK, Seen
+from subsea.render.gl.id_buffer import CORAL, FISH, KINDS, PILLAR, ROCK, IdMaps
 from subsea.render.output.quality import PRESETS
 from subsea.scenario.fish_lookup import find_fish
 from subsea.scenario.schema import load_scenario
 from subsea.state import MENTAL_STATES
 from subsea.view.camera import View
-from subsea.view.levels import nothing_drawn
-from subsea.view.retina import Gaze, Rider, body_at, retina_rig, retinal_views, rider
-from subsea.view.rig import Rig
+from subsea.view.levels import empty_lod_state
+from subsea.view.retina import FishEyes, Gaze, body_at, fish_eyes, retina_rig, retinal_views
+from subsea.view.rig import CameraRig
 from subsea.world.world import World
 
 PARTS = "", "identity", "coded", "depth"  # folders of the pictures, and of the maps
@@ -106,7 +106,7 @@ def film_eyes(
         context = stack.enter_context(headless())
         world = start_world(scenario, seed, changes=changes)
         steer = guided(world, tour)
-        by = rider(world, fish)
+        by = fish_eyes(world, fish)
         rig = retina_rig(size, by.half_cm, gaze, field_deg)
         check = stack.enter_context(interrupts.deferred())
         renderer = stack.enter_context(picture_maker(context, world, rig, PRESETS[quality]))
@@ -117,7 +117,7 @@ def film_eyes(
         write = stack.enter_context(open_reels(out, dict.fromkeys(windows, size), rate))
         say(f"filming what fish {fish} sees, {_species(world, fish)}, to {out}")
         done = stack.enter_context(progress(len(times), "frame", len(times) - len(missing)))
-        memory = nothing_drawn(len(world.state.fishes.species))
+        memory = empty_lod_state(len(world.state.fishes.species))
         preset, wanted = PRESETS[quality], set(missing)
 
         def see() -> None:
@@ -145,7 +145,7 @@ def film_eyes(
     return 0
 
 
-def labelled(pictures: Sequence[NDArray[np.uint8]], seen: Seen) -> dict[str, Any]:
+def labelled(pictures: Sequence[NDArray[np.uint8]], seen: IdMaps) -> dict[str, Any]:
     """What is written of a frame, by the names of its folders; `seen` is of both eyes."""
     value = values_of(seen)
     depth = np.where(np.isfinite(seen.depth), np.rint(MM * seen.depth), 0.0)
@@ -162,7 +162,7 @@ def labelled(pictures: Sequence[NDArray[np.uint8]], seen: Seen) -> dict[str, Any
 
 
 def described(
-    world: World, take: dict[str, Any], by: Rider, rig: Rig, gaze: Gaze, field_deg: float
+    world: World, take: dict[str, Any], by: FishEyes, rig: CameraRig, gaze: Gaze, field_deg: float
 ) -> dict[str, Any]:
     """All of the camera file but its frames."""
     width, height = rig.outputs[0]
@@ -211,7 +211,7 @@ def identities(world: World) -> list[dict[str, Any]]:
 
 
 def told(
-    world: World, by: Rider, views: Sequence[View], frame: int, instant: float, alpha: float
+    world: World, by: FishEyes, views: Sequence[View], frame: int, instant: float, alpha: float
 ) -> dict[str, Any]:
     """What the camera file says of a frame; states of mind are those of the present tick."""
     fishes, minds, i = world.state.fishes, world.state.minds, by.fish

@@ -18,7 +18,7 @@ from subsea.dive.directed_camera import check_tour, guided, leapt
 from subsea.dive.start import headless, picture_maker, start_world
 from subsea.dive.theatre_setup import chosen_rig, told
 from subsea.dive.tour import Steer
-from subsea.frame.diagrams import Sketcher, Written, written
+from subsea.frame.diagrams import DiagramBuilder, PlacedLabel, place_labels
 from subsea.frame.packet import pack
 from subsea.media.dry_run import rehearsed_s
 from subsea.media.frame_writers import check_reel, fitting, frame_rate, open_reels, written_to
@@ -29,9 +29,9 @@ from subsea.scenario.fish_lookup import find_fish
 from subsea.scenario.schema import AUTOPILOT, DIRECTED, Scenario, load_scenario
 from subsea.submarine.course import course_of
 from subsea.view.display_rigs import cockpit
-from subsea.view.follow import Camera, followed
-from subsea.view.levels import nothing_drawn
-from subsea.view.rig import Pose, views
+from subsea.view.follow import FollowCamera, follow_fish
+from subsea.view.levels import empty_lod_state
+from subsea.view.rig import CameraPose, views
 from subsea.view.stereo import Stereo
 from subsea.view.surround import Surround
 from subsea.world.step import step
@@ -112,7 +112,7 @@ def film(
             check = stack.enter_context(interrupts.deferred())
             renderer = stack.enter_context(picture_maker(context, world, rig, preset))
             renderer.wireframe = wireframe
-            sketcher = Sketcher(world)
+            sketcher = DiagramBuilder(world)
             if kind == "folder":
                 begin(out, take)
             # In a theatre every channel has two eyes, which no player knows.
@@ -120,10 +120,10 @@ def film(
             write = stack.enter_context(open_reels(out, sizes, rate, tags))
             say(_intent(names, len(times), missing))
             done = stack.enter_context(progress(len(times), "frame", len(times) - len(missing)))
-            memory = nothing_drawn(len(world.state.fishes.species))
+            memory = empty_lod_state(len(world.state.fishes.species))
             wanted = set(missing)
-            camera: Camera | None = None
-            observer: Pose | None = None
+            camera: FollowCamera | None = None
+            observer: CameraPose | None = None
 
             reach(world, times[0], steer, check)
             for k, instant in enumerate(times[: missing[-1] + 1]):
@@ -131,9 +131,9 @@ def film(
                 alpha = reach(world, instant, steer, check)
                 before, observer = observer, cockpit(world.state.submarine, alpha)
                 if leapt(before, observer, float(1 / rate)):  # nothing fades into what comes
-                    memory = nothing_drawn(len(world.state.fishes.species))
+                    memory = empty_lod_state(len(world.state.fishes.species))
                 if fish is not None and world.state.fishes.alive[fish]:
-                    camera, observer = followed(world, fish, alpha, camera)
+                    camera, observer = follow_fish(world, fish, alpha, camera)
                 seen = views(rig, observer)
                 drawing = sketcher.draw(show, seen, alpha)
                 packet = pack(
@@ -144,7 +144,7 @@ def film(
                     renderer.choose(packet)
                     continue
                 renderer.draw(packet)
-                words = written(rig, seen, drawing.labels)
+                words = place_labels(rig, seen, drawing.labels)
                 caption = caption_of(world, alpha)
                 pictures = {}
                 for number, (name, (width, height)) in enumerate(sizes.items()):
@@ -195,7 +195,7 @@ def reach(
 
 
 def lettered(
-    picture: NDArray[np.uint8], words: Sequence[Written], output: int
+    picture: NDArray[np.uint8], words: Sequence[PlacedLabel], output: int
 ) -> NDArray[np.uint8]:
     """The picture (h, w, 3) of an `output` with its labels on it."""
     if not any(word.output == output for word in words):

@@ -31,8 +31,8 @@ from subsea.profiling.machine import described, yardstick
 from subsea.render.output.quality import AUTO, LADDER, PRESETS, first_rung, name_of
 from subsea.scenario.schema import AUTOPILOT, load_scenario
 from subsea.view.display_rigs import cockpit
-from subsea.view.levels import HIDDEN, LEVELS, nothing_drawn
-from subsea.view.rig import Rig, views
+from subsea.view.levels import HIDDEN, LEVELS, empty_lod_state
+from subsea.view.rig import CameraRig, views
 from subsea.world.step import step
 from subsea.world.world import World
 
@@ -141,7 +141,7 @@ def measure(
     world: World,
     renderer: "Renderer",
     context: Any,
-    rig: Rig,
+    rig: CameraRig,
     tour: str,
     frames: int,
     without: frozenset[str] = frozenset(),
@@ -161,7 +161,7 @@ def measure(
     columns: dict[str, list[float]] = defaultdict(list)
     stages: dict[str, list[float]] = defaultdict(list)
     levels = np.zeros((frames, len(LEVELS)))
-    memory = nothing_drawn(len(world.state.fishes.species))
+    memory = empty_lod_state(len(world.state.fishes.species))
     pace = adaptive_quality.start(LADDER.index(renderer.quality), rig.exact) if hold_ms else None
     with yardstick() as beside:
         for k in tqdm(range(-WARM_UP_FRAMES, frames), unit="frame", disable=None, leave=False):

@@ -26,7 +26,7 @@ from subsea.state import Fishes
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.camera import View
 from subsea.view.display_rigs import cockpit, display_rig, views_for
-from subsea.view.rig import pose
+from subsea.view.rig import pose_from_angles
 from subsea.world.step import step
 from subsea.world.world import World
 
@@ -182,7 +182,7 @@ def view_of(world: World, number: int) -> tuple[View, ...]:
     """The view from the submarine, turned to where nearest to so many fishes are in sight."""
     eye = cockpit(world.state.submarine, 1.0).eye
     sights = [
-        views_for("mono", SIZE, pose(eye, heading, 0.0))
+        views_for("mono", SIZE, pose_from_angles(eye, heading, 0.0))
         for heading in np.linspace(0.0, 2 * np.pi, HEADINGS, endpoint=False)
     ]
     return min(sights, key=lambda views: abs(len(pack(world, views, 1.0).instances) - number))

@@ -29,7 +29,7 @@ from subsea.profiling.invariants import faults_in, reach_now, starving, stuck, w
 from subsea.render.output.quality import PRESETS
 from subsea.submarine.helm import HANDS_OFF, Helm
 from subsea.view.display_rigs import DISPLAYS, cockpit, display_rig
-from subsea.view.rig import Rig, views
+from subsea.view.rig import CameraRig, views
 from subsea.view.stereo import PAGED
 from subsea.view.theatre.theatre_file import FOLDER
 from subsea.world import snapshot
@@ -234,7 +234,7 @@ def act(world: World, doing: Hands) -> None:
     step(world, doing.order)
 
 
-def rigs() -> list[Rig]:
+def rigs() -> list[CameraRig]:
     """Of every display mode that needs no special window, and of every theatre, shrunk."""
     theatres = resource_names(FOLDER, ".toml")
     return [

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
-from subsea.render.gl.context import headless_context, living, page_switch, window_context
+from subsea.render.gl.context import count_objects, headless_context, page_switch, window_context
 from subsea.render.output.presenter import Presenter
 
 if TYPE_CHECKING:
@@ -11,8 +11,8 @@ if TYPE_CHECKING:
 __all__ = [
     "Presenter",
     "Renderer",
+    "count_objects",
     "headless_context",
-    "living",
     "page_switch",
     "window_context",
 ]

@@ -15,26 +15,26 @@ from numpy.typing import NDArray
 from subsea.core.disk_cache import kept
 from subsea.core.errors import UserError
 from subsea.frame.packet import Packet, Scene
-from subsea.render.fish.fishes import Fishes
-from subsea.render.fish.soft_shadows import Blobs
-from subsea.render.gl.id_buffer import Marks, Seen
+from subsea.render.fish.fishes import FishRenderer
+from subsea.render.fish.soft_shadows import SoftShadowRenderer
+from subsea.render.gl.id_buffer import IdBuffer, IdMaps
 from subsea.render.gl.textures import near_and_far, noise, repeating
-from subsea.render.output.lines import Lines
+from subsea.render.output.lines import LineRenderer
 from subsea.render.output.quality import PRESETS, Quality
-from subsea.render.output.target import Resolve, Target, scaled
+from subsea.render.output.target import RenderTarget, ResolvePass, scaled
 from subsea.render.output.uniforms import uniforms_of
-from subsea.render.reef.coral import Coral, bake
-from subsea.render.reef.rocks import Solids, pieces
-from subsea.render.reef.seaweed import Seaweed
-from subsea.render.sea.bubbles import Bubbles
-from subsea.render.sea.hook import Hook
-from subsea.render.sea.light_shafts import Shafts
-from subsea.render.sea.particles import Particles
-from subsea.render.sea.seabed import Seabed, drawn_height, surroundings
-from subsea.render.sea.water import Water
+from subsea.render.reef.coral import CoralRenderer, bake
+from subsea.render.reef.rocks import RockRenderer, pieces
+from subsea.render.reef.seaweed import SeaweedRenderer
+from subsea.render.sea.bubbles import BubbleRenderer
+from subsea.render.sea.hook import HookRenderer
+from subsea.render.sea.light_shafts import LightShaftRenderer
+from subsea.render.sea.particles import ParticleRenderer
+from subsea.render.sea.seabed import SeabedRenderer, drawn_height, surroundings
+from subsea.render.sea.water import WaterRenderer
 from subsea.view.camera import View
 from subsea.view.culling import IN_SIGHT
-from subsea.view.rig import Patch, Rect, Rig
+from subsea.view.rig import CameraRig, DisplayPatch, Rect
 
 
 class Renderer:
@@ -44,7 +44,7 @@ class Renderer:
         self,
         context: Any,
         scene: Scene,
-        rig: Rig,
+        rig: CameraRig,
         quality: Quality = PRESETS["medium"],
         page: Callable[[int], object] = lambda number: None,
         heed: Callable[[], object] = lambda: None,
@@ -71,32 +71,32 @@ class Renderer:
             growths = pool.submit(bake, scene.reef)
             self._caustics = repeating(context, near_and_far, 1)
             self._noise = repeating(context, noise, 2)
-            self._shafts = Shafts(context, quality)
+            self._shafts = LightShaftRenderer(context, quality)
             heed()
-            self._water = Water(context, scene)
+            self._water = WaterRenderer(context, scene)
             heed()
-            self._seabed = Seabed(context, scene, ground.result())
+            self._seabed = SeabedRenderer(context, scene, ground.result())
             heed()
-            self._solids = Solids(context, scene, stone.result())
-            self._blobs = Blobs(context, scene)
+            self._solids = RockRenderer(context, scene, stone.result())
+            self._blobs = SoftShadowRenderer(context, scene)
             heed()
-            self._coral = Coral(
+            self._coral = CoralRenderer(
                 context, scene.reef, growths.result(), IN_SIGHT * scene.water.visibility_cm,
                 partial(drawn_height, scene.terrain, scene.terrain_half_width_cm),
             )  # fmt: skip
-            self._seaweed = Seaweed(context)
+            self._seaweed = SeaweedRenderer(context)
             heed()
-            self._fishes = Fishes(context, scene)
-        self._hook = Hook(context)
+            self._fishes = FishRenderer(context, scene)
+        self._hook = HookRenderer(context)
         heed()
-        self._bubbles = Bubbles(context, scene)
-        self._particles = Particles(context, scene)
-        self._lines = Lines(context)
-        self._resolve = Resolve(context, rig.patches, quality.smooth)
+        self._bubbles = BubbleRenderer(context, scene)
+        self._particles = ParticleRenderer(context, scene)
+        self._lines = LineRenderer(context)
+        self._resolve = ResolvePass(context, rig.patches, quality.smooth)
         self._held_for_size: list[Any] = []
-        self._marks: Marks | None = None  # made when it is first asked for
-        self._pasted: Resolve | None = None  # likewise
-        self._apart: Resolve | None = None  # likewise
+        self._marks: IdBuffer | None = None  # made when it is first asked for
+        self._pasted: ResolvePass | None = None  # likewise
+        self._apart: ResolvePass | None = None  # likewise
         self._make_target(rig, quality)
         self.adapt(quality)
 
@@ -105,7 +105,7 @@ class Renderer:
         """Width and height of the first picture in pixels."""
         return self.rig.outputs[0]
 
-    def arrange(self, rig: Rig) -> None:
+    def arrange(self, rig: CameraRig) -> None:
         """Draw for another rig from the next packet on: another size, or another display.
 
         A UserError if the GPU cannot hold it: then it stays as it is.
@@ -140,7 +140,7 @@ class Renderer:
         self._seabed.choose(packet, self.quality.detail)
 
     @contextmanager
-    def apart(self, rig: Rig) -> Iterator[None]:
+    def apart(self, rig: CameraRig) -> Iterator[None]:
         """Draw for another rig in between: as if nothing had been drawn before.
 
         And what is drawn afterwards is as if nothing had been drawn in between; but the `pictures`
@@ -150,7 +150,7 @@ class Renderer:
         standing += self._seabed.standing
         self._make_target(rig, self.quality)
         if self._apart is None:
-            self._apart = Resolve(self._context, rig.patches, self.quality.smooth)
+            self._apart = ResolvePass(self._context, rig.patches, self.quality.smooth)
         self._apart.arrange(rig.patches)
         levels = [one.recall() for one in standing]
         self._resolve, self._apart = self._apart, self._resolve
@@ -241,7 +241,7 @@ class Renderer:
 
     def look_up(
         self, packet: Packet, numbers: Sequence[int] | None = None, part: Rect | None = None
-    ) -> Seen:
+    ) -> IdMaps:
         """What each pixel of the canvas shows of the packet that was drawn last, and how far away.
 
         Of the views with these `numbers` alone, and of a `part` of the canvas, if they are given.
@@ -251,7 +251,7 @@ class Renderer:
         if self._marks is None or self._marks.size != size:
             if self._marks:
                 self._marks.release()
-            self._marks = Marks(context, size)
+            self._marks = IdBuffer(context, size)
         self._marks.framebuffer.use()
         self._marks.framebuffer.clear()
         self._noise.use(2)
@@ -275,13 +275,15 @@ class Renderer:
         scale = self._scale(self.rig, self.quality)
         return self._marks.read(None if part is None else scaled(part, scale))
 
-    def paste(self, picture: NDArray[np.uint8], patches: Sequence[Patch], into: Any = None) -> None:
+    def paste(
+        self, picture: NDArray[np.uint8], patches: Sequence[DisplayPatch], into: Any = None
+    ) -> None:
         """Lay a picture (h, w, 3), top row first, over what is shown, as it is.
 
         Of each of the `patches` the sources are parts of the picture; `into` is as for `draw`.
         """
         if self._pasted is None:
-            self._pasted = Resolve(self._context, patches)
+            self._pasted = ResolvePass(self._context, patches)
         elif self._pasted.patches != tuple(patches):
             self._pasted.arrange(patches)
         texture = self._upload(picture)
@@ -339,7 +341,7 @@ class Renderer:
             begun.add(output)
             self._resolve.draw(canvas, target, size, number, scale, linear)
 
-    def _make_target(self, rig: Rig, quality: Quality) -> None:
+    def _make_target(self, rig: CameraRig, quality: Quality) -> None:
         """Canvas and pictures of another rig or quality instead of those that there are."""
         canvas = scaled((0, 0, *rig.canvas), self._scale(rig, quality))[2:]
         limit = self._context.info["GL_MAX_TEXTURE_SIZE"]
@@ -351,7 +353,7 @@ class Renderer:
             )
         try:
             samples = min(quality.samples, self._context.max_samples)
-            target = Target(self._context, canvas, samples)
+            target = RenderTarget(self._context, canvas, samples)
         except moderngl.Error as fault:
             raise UserError(
                 f"pictures of {what} are more than this GPU can hold; take a smaller --size"
@@ -367,7 +369,7 @@ class Renderer:
         self._release_target()
         self.rig, self._target, self._own, self._held_for_size = rig, target, own, held
 
-    def _scale(self, rig: Rig, quality: Quality) -> float:
+    def _scale(self, rig: CameraRig, quality: Quality) -> float:
         """How much larger than the rig's the canvas is."""
         return 1.0 if rig.exact else quality.scale
 

@@ -9,7 +9,7 @@ from imgui_bundle import imgui
 
 from subsea.submarine.hull import ACCELERATION_CM_S2, YAW_RAD_S
 from subsea.ui.gui import INK, colour
-from subsea.view.unproject import Sight
+from subsea.view.unproject import FrontView
 
 TILTED, STEEP = math.radians(4.0), math.radians(12.0)  # where the horizon begins to show, and does
 SHOWN = 0.55  # how visible it is then
@@ -21,7 +21,7 @@ FEW, SEGMENTS = 0.35, 48  # of full turning nothing darkens; the rim's pieces
 DARK = (0.0, 0.03, 0.05)
 
 
-def draw_horizon(sight: Sight) -> None:
+def draw_horizon(sight: FrontView) -> None:
     """A line on the screen ahead where the water's horizon is, if that is not straight ahead."""
     eye, way = sight.ray(0.5, 0.5)
     pitch = math.asin(float(np.clip(way[2], -1.0, 1.0)))

@@ -10,7 +10,7 @@ import glfw
 import imgui_bundle
 from imgui_bundle import imgui
 
-from subsea.view.text_viewports import WHOLE, Pane
+from subsea.view.text_viewports import WHOLE, TextViewport
 
 TEXT_PT = 18.0
 ROOM = 34.0, 20.0  # what the help needs of the screen at least, in heights of its letters
@@ -102,13 +102,13 @@ class Gui:
         )
         imgui.backends.opengl3_init("#version 330")
         self._window = 1.0, 1.0
-        self._panes: Sequence[Pane] = (WHOLE,)
+        self._panes: Sequence[TextViewport] = (WHOLE,)
         self._last = time.perf_counter()
         _dress(imgui.get_style())
 
     def begin(
         self, points: tuple[int, int], pixels: tuple[int, int], scale: float,
-        panes: Sequence[Pane] = (WHOLE,),
+        panes: Sequence[TextViewport] = (WHOLE,),
     ) -> None:  # fmt: skip
         """Begin a frame on a window of so many pointer units and pixels.
 
@@ -288,7 +288,7 @@ def shadowed(
     imgui.pop_font()
 
 
-def _within(pane: Pane, x: float, y: float) -> bool:
+def _within(pane: TextViewport, x: float, y: float) -> bool:
     return pane.x <= x < pane.x + pane.width and pane.y <= y < pane.y + pane.height
 
 

@@ -7,13 +7,13 @@ from imgui_bundle import imgui
 
 from subsea.frame.diagrams import Label
 from subsea.ui.gui import INK, colour
-from subsea.view.unproject import Sight
+from subsea.view.unproject import FrontView
 
 SMALL = 0.8  # of the gui's letters
 SHADE = (0.0, 0.05, 0.08)
 
 
-def letter(labels: Sequence[Label], sight: Sight | None) -> None:
+def letter(labels: Sequence[Label], sight: FrontView | None) -> None:
     """Write labels where the screen ahead shows their places; nowhere if that is no flat picture.
 
     For two eyes: where the left one sees them.

@@ -8,7 +8,7 @@ import glfw
 import imgui_bundle  # noqa: F401  # before glfw: it brings the one libglfw that both share
 
 from subsea.core.errors import UserError
-from subsea.view.rig import Rig
+from subsea.view.rig import CameraRig
 
 FILM = "`subsea film dive.mp4` makes a film"  # what can be done without a display
 PLATFORMS = {
@@ -36,7 +36,7 @@ class Screen(NamedTuple):
 class Installation(NamedTuple):
     """A rig that stays as it is whatever becomes of its windows, one for each of its outputs."""
 
-    rig: Rig
+    rig: CameraRig
     screens: Sequence[Screen]
     source: str = ""  # the file that asks for them
 

@@ -13,7 +13,7 @@ from subsea.dive.settings import DEFAULTS, Settings
 from subsea.ui.gui import Gui, fill
 from subsea.ui.monitors import FILM, Installation, Screen, on_display, placed
 from subsea.ui.window_set import Wall
-from subsea.view.rig import Rig, front, part_of
+from subsea.view.rig import CameraRig, front, select_outputs
 from subsea.view.stereo import PAGED
 
 
@@ -23,7 +23,7 @@ class Opening(NamedTuple):
     wall: Wall
     gui: Gui
     pilot: Pilot
-    rig: Rig | None  # that stays, whatever the size of windows; None: there is one window
+    rig: CameraRig | None  # that stays, whatever the size of windows; None: there is one window
     close: Callable[[], None]  # may be called twice
 
     def show(self, text: str) -> None:
@@ -57,7 +57,7 @@ def opened(
         else:
             rig, screens, source = installation
             shown = placed(screens, there, source, say)
-            rig = part_of(rig, [number for number, _ in shown])
+            rig = select_outputs(rig, [number for number, _ in shown])
             wall = Wall(
                 [(screens[number], monitor) for number, monitor in shown],
                 pilot,

@@ -12,7 +12,7 @@ from subsea.dive.options import RETINA_COLOURS, DisplayOptions, RetinaColours
 from subsea.dive.picking import pick
 from subsea.dive.retina_images import seen_brightness, velocity_of
 from subsea.dive.ride import Ride, joined, pasted, pictured, with_insets
-from subsea.frame.diagrams import Label, Sketcher
+from subsea.frame.diagrams import DiagramBuilder, Label
 from subsea.frame.packet import Packet, make_scene, pack
 from subsea.render import Renderer
 from subsea.render.gl.id_buffer import FISH
@@ -28,11 +28,11 @@ from subsea.render.output.quality import (
 from subsea.ui.window_set import Wall
 from subsea.view.camera import View
 from subsea.view.display_rigs import DISPLAYS, display_rig
-from subsea.view.levels import nothing_drawn
-from subsea.view.rig import Pose, Rect, Rig, views
+from subsea.view.levels import empty_lod_state
+from subsea.view.rig import CameraPose, CameraRig, Rect, views
 from subsea.view.stereo import PAGED
-from subsea.view.text_viewports import Pane, panes
-from subsea.view.unproject import Sight, sight
+from subsea.view.text_viewports import TextViewport, text_viewports
+from subsea.view.unproject import FrontView, front_screen
 from subsea.world.world import World
 
 
@@ -43,12 +43,12 @@ class Picture:
     a fish's eyes see in the corners, or the test pattern instead of all.
     """
 
-    def __init__(self, wall: Wall, fixed: Rig | None, display: DisplayOptions) -> None:
+    def __init__(self, wall: Wall, fixed: CameraRig | None, display: DisplayOptions) -> None:
         """Of no world yet. The rig is the one that is `fixed`, else that of the display mode."""
         self.display = display.mode
         self.quality = display.quality
         self.alpha = 1.0  # the point between the last two ticks that is shown
-        self.eye: Pose
+        self.eye: CameraPose
         self.ride: Ride | None = None
         self.pattern = False  # whether the test pattern is shown
         self.look: RetinaColours = "colours"  # of the pictures of a fish's eyes ...
@@ -56,7 +56,7 @@ class Picture:
         self.diagrams = set(display.diagrams)  # names of `diagrams.DIAGRAMS` that are drawn
         self.wireframe = display.wireframe  # whether the sea is drawn as the edges of its triangles
         self.labels: Sequence[Label] = ()  # of diagrams
-        self.panes: tuple[Pane, ...]  # where text goes
+        self.panes: tuple[TextViewport, ...]  # where text goes
         self._wall, self._fixed, self._options = wall, fixed, display
         self._insets: tuple[Rect, ...] = ()  # where pictures of a fish's eyes are on the canvas
         self._drawn: Packet | None = None
@@ -82,7 +82,7 @@ class Picture:
             gc.collect()
             raise
         self._world, self._drawn, self._seen, self.ride = world, None, (), None
-        self._sketcher = Sketcher(world)
+        self._sketcher = DiagramBuilder(world)
         self.jump()
 
     def leave(self) -> None:
@@ -91,7 +91,7 @@ class Picture:
 
     def jump(self) -> None:
         """What comes is seen from elsewhere, or at another time: nothing fades into it."""
-        self._memory = nothing_drawn(len(self._world.state.fishes.species))
+        self._memory = empty_lod_state(len(self._world.state.fishes.species))
 
     def draw(self, clear: bool, chosen: int | None) -> None:
         """The sea, as the windows show it now.
@@ -178,9 +178,9 @@ class Picture:
         return self.ride.views(self._world, self.rig, self._insets, self.alpha)
 
     @property
-    def sight(self) -> Sight | None:
+    def sight(self) -> FrontView | None:
         """What the screen ahead shows now; None where that is no flat picture."""
-        return sight(self.rig, self._seen or self.views())
+        return front_screen(self.rig, self._seen or self.views())
 
     def fish_at(self, x: float, y: float) -> int | None:
         """The fish that is seen at a place on the screen, in shares of it from its upper left."""
@@ -250,7 +250,7 @@ class Picture:
         self.rig = self._fixed or display_rig(
             self.display, self._wall.front.size, self._options.stereo, self._options.surround
         )
-        self.panes = panes(self.rig, self._wall.page)
+        self.panes = text_viewports(self.rig, self._wall.page)
 
     def _chosen(self) -> Quality:
         return LADDER[self._pace.rung] if self.quality == AUTO else PRESETS[self.quality]

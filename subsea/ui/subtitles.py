@@ -16,7 +16,7 @@ from subsea.dive.captions import (
     room_of,
 )
 from subsea.ui.gui import colour
-from subsea.view.rig import Rig
+from subsea.view.rig import CameraRig
 
 CLEAR = 7.4  # so far above the foot stand captions, in heights of the gui's letters: above notes
 SOFT = tuple(
@@ -26,7 +26,7 @@ SOFT = tuple(
 )  # where letters are written again, in their heights, and how dark: a shade without an edge
 
 
-def draw(caption: Caption, rig: Rig) -> None:
+def draw(caption: Caption, rig: CameraRig) -> None:
     """Write a caption near the foot of the present picture of a rig."""
     if caption.opacity == 0.0 or not caption.words:
         return

@@ -19,7 +19,7 @@ who closes the window or presses Ctrl-C in the terminal is asked once about what
             return math.inf                 # nothing moves by itself; 0.0: the next frame at once
 
 The bench draws only when hands do something, when the craft said that something moves, or when
-`wake` is called: an idle tool takes no processor time. Pictures are shown by `render.shown.Shown`,
+`wake` is called: an idle tool takes no processor time. Pictures are shown by `ImageTexture`,
 made with `bench.context`; views that draw themselves with the same context.
 """
 

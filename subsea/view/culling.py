@@ -23,7 +23,7 @@ def pixels_per_radian(view: View) -> float:
     return sqrt(across * up)
 
 
-def covered(
+def coverage(
     centres: Array,
     radii: Array,
     lengths: Array,

@@ -7,7 +7,16 @@ import numpy as np
 from subsea.core.arrays import Array
 from subsea.core.errors import unknown
 from subsea.view.camera import NEAR_CM, View, off_axis
-from subsea.view.rig import Eye, Patch, Pose, Rect, Rig, Shape, pose, views
+from subsea.view.rig import (
+    CameraPose,
+    CameraRig,
+    DisplayPatch,
+    Eye,
+    Projection,
+    Rect,
+    pose_from_angles,
+    views,
+)
 from subsea.view.stereo import EYES, LAYOUTS, Stereo, canvas_of, halves, patches_of
 from subsea.view.surround import (
     ALL_ROUND,
@@ -26,9 +35,9 @@ if TYPE_CHECKING:  # the words of display modes are known before any world is lo
 
 
 SURROUNDS = {
-    "panorama": Shape.PANORAMA,
-    "dome": Shape.DOME,
-    "equirectangular": Shape.EQUIRECTANGULAR,
+    "panorama": Projection.PANORAMA,
+    "dome": Projection.DOME,
+    "equirectangular": Projection.EQUIRECTANGULAR,
 }
 LEVEL = ("equirectangular", "dome")  # displays whose horizon stays level
 DISPLAYS = ("mono", *LAYOUTS, *SURROUNDS)
@@ -45,7 +54,7 @@ def check_display(name: str) -> str:
     return name
 
 
-def cockpit(submarine: "Submarine", alpha: float) -> Pose:
+def cockpit(submarine: "Submarine", alpha: float) -> CameraPose:
     """The pilot's eye, `alpha` of the way from the last tick to the present one."""
     position = submarine.previous_position + alpha * (
         submarine.position - submarine.previous_position
@@ -53,7 +62,7 @@ def cockpit(submarine: "Submarine", alpha: float) -> Pose:
     turn = submarine.angles - submarine.previous_angles
     turn[0] = (turn[0] + np.pi) % (2 * np.pi) - np.pi
     heading, pitch = submarine.previous_angles + alpha * turn
-    looking = pose(position, float(heading), float(pitch))
+    looking = pose_from_angles(position, float(heading), float(pitch))
     return looking._replace(eye=position + WINDOW_AHEAD_CM * looking.forward)
 
 
@@ -62,7 +71,7 @@ def display_rig(
     size: tuple[int, int],
     stereo: Stereo = EYES,
     surround: Surround = ALL_ROUND,
-) -> Rig:
+) -> CameraRig:
     """The rig of a display mode for one picture of `size` pixels (width, height).
 
     The left eye comes first. A picture of all directions keeps its horizon level.
@@ -71,7 +80,7 @@ def display_rig(
     if display in SURROUNDS:
         face = face_size(display, size, surround)
         canvas = COLUMNS * face, ROWS * face
-        patch = Patch(
+        patch = DisplayPatch(
             place,
             (0, 0, *canvas),
             (0, 0, *canvas),
@@ -79,30 +88,30 @@ def display_rig(
             wide=surround.wide,
         )
         eyes = cube((0, 0), face, looked_at(display, size, surround))
-        return Rig(canvas, (size,), eyes, (patch,), level=display in LEVEL)
+        return CameraRig(canvas, (size,), eyes, (patch,), level=display in LEVEL)
     # Where both eyes share the picture each is stretched over it, so the picture's aspect counts.
     aspect = size[0] / size[1]
     if display == "mono":
         eye = _eye(place, aspect, 0.0, stereo)
-        return Rig(size, (size,), (eye,), (Patch(place, place, place),))
+        return CameraRig(size, (size,), (eye,), (DisplayPatch(place, place, place),))
     layout = LAYOUTS[display]
     canvas = canvas_of(layout, size)
     whole: Rect = (0, 0, *canvas)
     window = 2.0 * stereo.screen_cm * aspect * np.tan(VERTICAL_FOV / 2)
     half = stereo.eyes(float(window)) / 2 * (-1 if stereo.swapped else 1)
     left, right = halves(whole, layout.beside)
-    return Rig(
+    return CameraRig(
         canvas,
         (size,),
         (_eye(left, aspect, -half, stereo), _eye(right, aspect, half, stereo)),
-        patches_of(layout, Patch(place, left, right)),
+        patches_of(layout, DisplayPatch(place, left, right)),
     )
 
 
 def views_for(
     display: str,
     size: tuple[int, int],
-    observer: Pose,
+    observer: CameraPose,
     stereo: Stereo = EYES,
     surround: Surround = ALL_ROUND,
 ) -> tuple[View, ...]:

@@ -12,7 +12,7 @@ from subsea.geometry.vector import Vector, minus, plus, times, vector
 from subsea.habitat.clearance import clearance, out_of_solids
 from subsea.state import Sea
 from subsea.view.retina import body_at
-from subsea.view.rig import Pose
+from subsea.view.rig import CameraPose
 from subsea.world.world import TICK_S, World
 
 BACK_CM, BACK_BL = 15.0, 1.9  # how far behind the middle of the fish: so much, and so many lengths
@@ -25,7 +25,7 @@ RECEDES = 0.6  # 1/s: share of its way back to its place, from where something m
 STEPS = 24  # places on its way to the fish at which is looked whether they are free
 
 
-class Camera(NamedTuple):
+class FollowCamera(NamedTuple):
     """Where it was, in the terms in which it follows."""
 
     at_s: float  # time of the world
@@ -34,7 +34,9 @@ class Camera(NamedTuple):
     share: float  # of its distance: less than 1 where something is in its way
 
 
-def followed(world: World, fish: int, alpha: float, before: Camera | None) -> tuple[Camera, Pose]:
+def follow_fish(
+    world: World, fish: int, alpha: float, before: FollowCamera | None
+) -> tuple[FollowCamera, CameraPose]:
     """The camera now, `alpha` of the way from the last tick to the present one, and its view.
 
     `before` is what it was in the last picture. Without that, or if time has leapt, it is at once
@@ -61,7 +63,7 @@ def followed(world: World, fish: int, alpha: float, before: Camera | None) -> tu
     if float(np.linalg.norm(up)) < 1e-3:  # straight above it
         up = level - (forward @ level) * forward
     up /= np.linalg.norm(up)
-    return Camera(now, aim, way, share), Pose(np.array(eye), forward, up)
+    return FollowCamera(now, aim, way, share), CameraPose(np.array(eye), forward, up)
 
 
 @kernel

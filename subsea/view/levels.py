@@ -22,7 +22,7 @@ FADE_S = 0.3
 HIDDEN = 255  # in place of a level
 
 
-class Memory(NamedTuple):
+class LodState(NamedTuple):
     """How n fishes were drawn last."""
 
     level: Ints  # (n,) uint8, or HIDDEN
@@ -30,14 +30,14 @@ class Memory(NamedTuple):
     since: Array  # (n,) float64 s, when it changed
 
 
-def nothing_drawn(n: int) -> Memory:
+def empty_lod_state(n: int) -> LodState:
     """The memory of whoever has drawn none of n fishes yet."""
-    return Memory(np.full(n, HIDDEN, np.uint8), np.full(n, HIDDEN, np.uint8), np.full(n, -np.inf))
+    return LodState(np.full(n, HIDDEN, np.uint8), np.full(n, HIDDEN, np.uint8), np.full(n, -np.inf))
 
 
 @kernel
-def choose(
-    pixels: Array, finer: NDArray[np.bool_], thresholds: Array, time_s: float, memory: Memory
+def update_levels(
+    pixels: Array, finer: NDArray[np.bool_], thresholds: Array, time_s: float, memory: LodState
 ) -> None:
     """Set the levels of the fishes whose length covers `pixels` (n,), below 0 out of sight.
 
@@ -64,8 +64,8 @@ def choose(
             former[i], level[i], since[i] = level[i], kept, time_s
 
 
-def arranged(
-    distance: Array, time_s: float, levels: int, memory: Memory
+def draw_order(
+    distance: Array, time_s: float, levels: int, memory: LodState
 ) -> tuple[Ints, Array, Ints]:
     """What is drawn: fishes, their share of a cross-fade, and where each group of them begins.
 
@@ -85,7 +85,7 @@ def arranged(
 
 @kernel
 def _grouped(
-    order: Ints, first: Ints, time_s: float, levels: int, memory: Memory
+    order: Ints, first: Ints, time_s: float, levels: int, memory: LodState
 ) -> tuple[Ints, Array, Ints]:
     """As `arranged`; in `order` those of view v are from first[v] to first[v + 1]."""
     level, former, since = memory

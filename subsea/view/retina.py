@@ -20,7 +20,7 @@ from subsea.geometry.rotation import matrix
 from subsea.geometry.spline import basis_at, dense
 from subsea.motor.pose import pose_at
 from subsea.view.camera import View, axes_of, off_axis
-from subsea.view.rig import Eye, Patch, Pose, Rect, Rig, views
+from subsea.view.rig import CameraPose, CameraRig, DisplayPatch, Eye, Rect, views
 from subsea.world.world import World
 
 FIELD_DEG = 90.0  # from left to right
@@ -38,7 +38,7 @@ class Gaze(NamedTuple):
 AHEAD = Gaze()
 
 
-class Rider(NamedTuple):
+class FishEyes(NamedTuple):
     """Whose eyes are looked through, and what is constant about them."""
 
     fish: int  # its number in the world
@@ -46,15 +46,15 @@ class Rider(NamedTuple):
     half_cm: float  # from the middle between its eyes to each of them, when it is at rest
 
 
-def rider(world: World, fish: int) -> Rider:
+def fish_eyes(world: World, fish: int) -> FishEyes:
     """Who looks through the eyes of this fish."""
     plan = world.species[world.state.fishes.species[fish]].surface
     weights = eye_weights(plan)
     rest = rest_control_points(plan, float(world.state.fishes.length[fish]), 0.0)
-    return Rider(fish, weights, float((weights @ rest[RIGHT])[2]))
+    return FishEyes(fish, weights, float((weights @ rest[RIGHT])[2]))
 
 
-def ridden(world: World, by: Rider, alpha: float) -> Pose:
+def eyes_pose(world: World, by: FishEyes, alpha: float) -> CameraPose:
     """Between the eyes of a fish, `alpha` of the way from the last tick to the present one.
 
     It looks along the x axis of the fish's body, whose y axis is up.
@@ -64,7 +64,7 @@ def ridden(world: World, by: Rider, alpha: float) -> Pose:
     control = control_points_at(world, by.fish, alpha)
     scale = float(world.state.fishes.scale[by.fish])
     middle = scale * by.weights @ (control[LEFT] + control[RIGHT]) / 2
-    return Pose(origin + axes @ middle, axes[:, 0], axes[:, 1])
+    return CameraPose(origin + axes @ middle, axes[:, 0], axes[:, 1])
 
 
 def body_at(world: World, fish: int, alpha: float) -> tuple[Array, Array]:
@@ -93,7 +93,7 @@ def eye_weights(plan: SurfacePlan) -> Array:
 
 def retina_rig(
     size: tuple[int, int], half_cm: float, gaze: Gaze = AHEAD, field_deg: float = FIELD_DEG
-) -> Rig:
+) -> CameraRig:
     """Two pictures of `size` (width, height), of the left eye and of the right one.
 
     The eyes are `half_cm` left and right of the observer and see `field_deg` from left to right.
@@ -102,24 +102,24 @@ def retina_rig(
     edge = NEAR_CM * np.tan(np.radians(field_deg) / 2)
     top = edge * height / width
     projection = off_axis(-edge, edge, -top, top, NEAR_CM)
-    axes = turned(gaze)
+    axes = gaze_axes(gaze)
     eyes, patches = [], []
     for output, side in enumerate((-half_cm, half_cm)):
         viewport: Rect = (output * width, 0, width, height)
         eyes.append(Eye(viewport, np.array([side, 0.0, 0.0]), axes, projection))
-        patches.append(Patch((0, 0, width, height), viewport, viewport, output=output))
-    return Rig((2 * width, height), (size, size), tuple(eyes), tuple(patches))
+        patches.append(DisplayPatch((0, 0, width, height), viewport, viewport, output=output))
+    return CameraRig((2 * width, height), (size, size), tuple(eyes), tuple(patches))
 
 
-def turned(gaze: Gaze) -> Array:
+def gaze_axes(gaze: Gaze) -> Array:
     """The axes (3, 3) of eyes that look there, rows right, up, ahead in those of the observer."""
     pan, tilt = np.radians(gaze)
     return axes_of(pan, tilt)
 
 
-def retinal_views(world: World, by: Rider, rig: Rig, alpha: float) -> tuple[View, ...]:
+def retinal_views(world: World, by: FishEyes, rig: CameraRig, alpha: float) -> tuple[View, ...]:
     """What both eyes of a fish see: its rig's views, without itself."""
-    return tuple(replace(view, without=by.fish) for view in views(rig, ridden(world, by, alpha)))
+    return tuple(replace(view, without=by.fish) for view in views(rig, eyes_pose(world, by, alpha)))
 
 
 def control_points_at(world: World, fish: int, alpha: float) -> Array:

@@ -20,7 +20,7 @@ BRIGHT = 0.995  # of a mask's largest factor: less is where another projector sh
 FINE = 100  # values a side of a mask that are asked at least, if there are so many
 
 
-class Pose(NamedTuple):
+class CameraPose(NamedTuple):
     """Where an observer is and how it looks."""
 
     eye: Array  # (3,) cm
@@ -47,7 +47,7 @@ class Weave(IntEnum):
     DUBOIS = 4  # the same with colours mixed so that both eyes see about the same brightness
 
 
-class Shape(IntEnum):
+class Projection(IntEnum):
     """What a pixel of a patch shows; the numbers are those of `shaders/resolve.frag`."""
 
     FLAT = 0  # the same place of the source
@@ -57,7 +57,7 @@ class Shape(IntEnum):
     PANORAMA = 4
 
 
-CUBES = (Shape.EQUIRECTANGULAR, Shape.DOME, Shape.PANORAMA)
+CUBES = (Projection.EQUIRECTANGULAR, Projection.DOME, Projection.PANORAMA)
 
 
 class Warp(NamedTuple):
@@ -69,14 +69,14 @@ class Warp(NamedTuple):
     triangles: Ints  # (m, 3)
 
 
-class Patch(NamedTuple):
+class DisplayPatch(NamedTuple):
     """A part of an output, and how it is taken from the canvas."""
 
     place: Rect  # on the output
     left: Rect  # on the canvas: what the left eye, or the only one, drew; of a cube all its faces
     right: Rect  # the same for the right eye
     weave: Weave = Weave.PLAIN
-    shape: Shape = Shape.FLAT
+    shape: Projection = Projection.FLAT
     wide: tuple[float, float] = (0.0, 0.0)  # rad: angle of a panorama, tilt of a dome
     squeezed: tuple[float, float] = (1.0, 1.0)  # how many times narrower and lower it is shown
     apart: float = 0.0  # of cubes: half the eyes' separation over the distance of the screen
@@ -91,13 +91,13 @@ class Patch(NamedTuple):
     channel: int = 0  # the projector, or screen: both eyes' patches of one have the same
 
 
-class Rig(NamedTuple):
+class CameraRig(NamedTuple):
     """What is drawn, and what is shown of it."""
 
     canvas: tuple[int, int]  # width, height in pixels
     outputs: tuple[tuple[int, int], ...]
     eyes: tuple[Eye, ...]
-    patches: tuple[Patch, ...]
+    patches: tuple[DisplayPatch, ...]
     level: bool = False  # the horizon stays level, whatever the submarine's pitch
 
     @property
@@ -114,19 +114,19 @@ class Rig(NamedTuple):
         return 1 + max(patch.page for patch in self.patches)
 
 
-def front(rig: Rig) -> Patch:
+def front(rig: CameraRig) -> DisplayPatch:
     """The patch whose middle is most straight ahead; of several the first."""
     return max(rig.patches, key=lambda patch: max(map(_ahead, seen_by(rig, patch)), default=-1.0))
 
 
-def seen_part(patch: Patch) -> Rect:
+def seen_part(patch: DisplayPatch) -> Rect:
     """The rectangle of a patch's place in which all is seen as it is, in pixels of the output.
 
     Of a dome the largest within its circle, else what no other projector blends into. What a mesh
     makes of a place is not known: that is left as it is.
     """
     x, y, width, height = patch.place
-    if patch.shape != Shape.DOME or patch.warp is not None:
+    if patch.shape != Projection.DOME or patch.warp is not None:
         return patch.place if patch.mask is None else _unblended(patch, patch.mask)
     sides = width * patch.squeezed[0], height * patch.squeezed[1]
     square = min(sides) / np.sqrt(2.0)
@@ -134,14 +134,14 @@ def seen_part(patch: Patch) -> Rect:
     return x + (width - across) // 2, y + (height - up) // 2, across, up
 
 
-def seen_by(rig: Rig, patch: Patch) -> list[Eye]:
+def seen_by(rig: CameraRig, patch: DisplayPatch) -> list[Eye]:
     """The eyes that draw what a patch shows, of a stereo one those of the left eye first."""
     return [
         eye for part in (patch.left, patch.right) for eye in rig.eyes if _meet(eye.viewport, part)
     ]
 
 
-def brought_together(rig: Rig, half_cm: float) -> Rig:
+def limit_separation(rig: CameraRig, half_cm: float) -> CameraRig:
     """The same rig with eyes at most `half_cm` from the observer, as if that had shrunk.
 
     Its screens, which the projections know by their angles alone, have shrunk with it: what is a
@@ -154,7 +154,7 @@ def brought_together(rig: Rig, half_cm: float) -> Rig:
     return rig._replace(eyes=tuple(eye._replace(offset=share * eye.offset) for eye in rig.eyes))
 
 
-def part_of(rig: Rig, outputs: Sequence[int]) -> Rig:
+def select_outputs(rig: CameraRig, outputs: Sequence[int]) -> CameraRig:
     """The same rig with only these outputs, in this order, and the eyes that they need."""
     patches = tuple(
         patch._replace(output=outputs.index(patch.output))
@@ -169,23 +169,23 @@ def part_of(rig: Rig, outputs: Sequence[int]) -> Rig:
     )
 
 
-def pose(eye: Array, heading: float, pitch: float) -> Pose:
+def pose_from_angles(eye: Array, heading: float, pitch: float) -> CameraPose:
     """A pose from the angles in radians: heading left positive from +x, pitch up positive."""
     ch, sh, cp, sp = np.cos(heading), np.sin(heading), np.cos(pitch), np.sin(pitch)
-    return Pose(
+    return CameraPose(
         np.asarray(eye, np.float64),
         np.array([ch * cp, sh * cp, sp]),
         np.array([-ch * sp, -sh * sp, cp]),
     )
 
 
-def levelled(observer: Pose) -> Pose:
+def levelled(observer: CameraPose) -> CameraPose:
     """The same observer with the head upright, looking level."""
     heading = float(np.arctan2(observer.forward[1], observer.forward[0]))
-    return pose(observer.eye, heading, 0.0)
+    return pose_from_angles(observer.eye, heading, 0.0)
 
 
-def views(rig: Rig, observer: Pose) -> tuple[View, ...]:
+def views(rig: CameraRig, observer: CameraPose) -> tuple[View, ...]:
     """The views of a rig's eyes from where the observer is now, in their order."""
     if rig.level:
         observer = levelled(observer)
@@ -198,7 +198,7 @@ def views(rig: Rig, observer: Pose) -> tuple[View, ...]:
     return tuple(found)
 
 
-def _unblended(patch: Patch, mask: Array) -> Rect:
+def _unblended(patch: DisplayPatch, mask: Array) -> Rect:
     """The part of a patch's place that it has to itself: nothing blends in there, or is masked.
 
     Where that is less than a third a side no part is better than another: the whole place.

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.view.rig import Patch, Rect, Weave
+from subsea.view.rig import DisplayPatch, Rect, Weave
 
 EYE_SEPARATION_CM = 6.4
 SCREEN_DISTANCE_CM = 120.0
@@ -41,7 +41,7 @@ class Stereo(NamedTuple):
 EYES = Stereo()
 
 
-class Layout(NamedTuple):
+class StereoLayout(NamedTuple):
     """How a stereo mode divides the canvas and the picture between the eyes."""
 
     beside: bool = False  # each eye has half of the canvas' width, else half of its height
@@ -51,13 +51,13 @@ class Layout(NamedTuple):
 
 
 LAYOUTS = {
-    "stereo": Layout(tall=True, paged=True),
-    "side-by-side": Layout(beside=True),
-    "top-bottom": Layout(),
-    "anaglyph": Layout(tall=True, weave=Weave.RED_CYAN),
-    "anaglyph-comfort": Layout(tall=True, weave=Weave.DUBOIS),
-    "interlaced": Layout(weave=Weave.ROWS),
-    "checkerboard": Layout(tall=True, weave=Weave.CHECKERS),
+    "stereo": StereoLayout(tall=True, paged=True),
+    "side-by-side": StereoLayout(beside=True),
+    "top-bottom": StereoLayout(),
+    "anaglyph": StereoLayout(tall=True, weave=Weave.RED_CYAN),
+    "anaglyph-comfort": StereoLayout(tall=True, weave=Weave.DUBOIS),
+    "interlaced": StereoLayout(weave=Weave.ROWS),
+    "checkerboard": StereoLayout(tall=True, weave=Weave.CHECKERS),
 }
 PAGED = "stereo"  # needs a window with a buffer for each eye
 OTHER_STEREO = "side-by-side, top-bottom, anaglyph, interlaced or checkerboard"
@@ -74,12 +74,12 @@ def halves(rect: Rect, beside: bool) -> tuple[Rect, Rect]:
     return (x, y + height // 2, width, height - height // 2), (x, y, width, height // 2)
 
 
-def canvas_of(layout: Layout, size: tuple[int, int]) -> tuple[int, int]:
+def canvas_of(layout: StereoLayout, size: tuple[int, int]) -> tuple[int, int]:
     """Pixels of the canvas that two eyes need for a picture of `size`."""
     return size[0], 2 * size[1] if layout.tall else size[1]
 
 
-def patches_of(layout: Layout, both: Patch) -> tuple[Patch, ...]:
+def patches_of(layout: StereoLayout, both: DisplayPatch) -> tuple[DisplayPatch, ...]:
     """How two eyes come to their place in the way of a mode: one patch for both, or one each."""
     if layout.weave != Weave.PLAIN:
         return (both._replace(weave=layout.weave),)

@@ -38,7 +38,7 @@ class Surround(NamedTuple):
 
     @property
     def wide(self) -> tuple[float, float]:
-        """Both in radians, as `rig.Patch` has them."""
+        """Both in radians, as `rig.DisplayPatch` has them."""
         return float(np.radians(self.angle_deg)), float(np.radians(self.tilt_deg))
 
 

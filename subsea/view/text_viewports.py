@@ -3,14 +3,14 @@
 from collections.abc import Callable
 from typing import NamedTuple
 
-from subsea.view.rig import Rig, front, seen_part
+from subsea.view.rig import CameraRig, front, seen_part
 
 
 def one_page(number: int) -> None:
     """There is only one buffer to draw into."""
 
 
-class Pane(NamedTuple):
+class TextViewport(NamedTuple):
     """A part of the window that shows everything, in shares of it from the upper left corner.
 
     Where two eyes share a screen each has a pane, into which all is squeezed that would fill the
@@ -31,10 +31,12 @@ class Pane(NamedTuple):
         return self.screen[0] > 1.4 * self.width or self.screen[1] > 1.4 * self.height
 
 
-WHOLE = Pane()
+WHOLE = TextViewport()
 
 
-def panes(rig: Rig, page: Callable[[int], None] = one_page) -> tuple[Pane, ...]:
+def text_viewports(
+    rig: CameraRig, page: Callable[[int], None] = one_page
+) -> tuple[TextViewport, ...]:
     """Where text goes: in the pilot's window, on the screen ahead, in the part of each eye."""
     ahead = front(rig)
     width, height = rig.outputs[ahead.output]
@@ -59,5 +61,5 @@ def panes(rig: Rig, page: Callable[[int], None] = one_page) -> tuple[Pane, ...]:
         top = height - y - up
         share = x / width, top / height, across / width, up / height
         if min(*share[2:], *screen) > 0.0:  # of a pixel an eye may have none
-            found.append(Pane(*share, screen, patch.page, page))
+            found.append(TextViewport(*share, screen, patch.page, page))
     return tuple(found) or (WHOLE,)

@@ -7,12 +7,12 @@ import numpy as np
 
 from subsea.core.arrays import Array
 from subsea.view.camera import View
-from subsea.view.rig import Rig, Shape, front, seen_by, seen_part
+from subsea.view.rig import CameraRig, Projection, front, seen_by, seen_part
 
 NEAR_CM = 4.0  # from the eye: lines are drawn from there on
 
 
-class Sight(NamedTuple):
+class FrontView(NamedTuple):
     """A view, and what of it the screen ahead shows: places there are shares, from its upper left.
 
     `low` and `high` are the lower left and upper right corner of that, in [-1, 1] of the view.
@@ -57,21 +57,21 @@ class Sight(NamedTuple):
         return self.places(cut.reshape(-1, 3)).reshape(-1, 2, 2)
 
 
-def sight(rig: Rig, views: Sequence[View]) -> Sight | None:
+def front_screen(rig: CameraRig, views: Sequence[View]) -> FrontView | None:
     """Through the screen ahead, of a stereo with the left eye; None where that is no flat picture.
 
     `views` are those of the rig's eyes, in their order.
     """
     ahead = front(rig)
-    if ahead.shape != Shape.FLAT:
+    if ahead.shape != Projection.FLAT:
         return None
     (x, y, across, up), (left, foot, width, height) = seen_part(ahead), ahead.place
     low = 2.0 * (x - left) / width - 1.0, 2.0 * (y - foot) / height - 1.0
-    return Sight(
+    return FrontView(
         views[front_view(rig)], low, (low[0] + 2.0 * across / width, low[1] + 2.0 * up / height)
     )
 
 
-def front_view(rig: Rig) -> int:
+def front_view(rig: CameraRig) -> int:
     """The number of the view that a visitor looks at."""
     return next(k for k, eye in enumerate(rig.eyes) if eye is seen_by(rig, front(rig))[0])

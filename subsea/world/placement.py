@@ -1,7 +1,7 @@
 """Placement (Tu §9.1): what stands where in a scenario, taken with the pointer and moved.
 
 Nothing here changes a world: every act gives another scenario, to be checked, kept in a `History`
-and dived in. Rays are those of `sight.Sight.ray`: an eye in cm and a unit vector.
+and dived in. Rays are those of `view.unproject.FrontView.ray`: an eye in cm and a unit vector.
 """
 
 import math

@@ -7,7 +7,7 @@ from subsea.dive.captions import FADE_S, Caption, caption_of, lines_of, shown_s,
 from subsea.scenario.schema import load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.display_rigs import DISPLAYS, display_rig
-from subsea.view.text_viewports import panes
+from subsea.view.text_viewports import text_viewports
 from subsea.world.step import create_world, step
 from subsea.world.world import TICK_S
 from tests.support.scenes import scene
@@ -57,7 +57,7 @@ def test_in_every_display_each_eye_reads_them_on_any_ground(display, ground):
     picture = np.full((size[1], size[0], 3), ground, np.uint8)
     shown = titled(picture, rig, 0, Caption(WORDS, 1.0)).astype(int)
     assert (picture == ground).all()  # a copy
-    for pane in panes(rig):
+    for pane in text_viewports(rig):
         left, top = round(pane.x * size[0]), round(pane.y * size[1])
         part = shown[
             top : top + round(pane.height * size[1]), left : left + round(pane.width * size[0])

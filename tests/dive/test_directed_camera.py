@@ -26,7 +26,7 @@ from subsea.submarine.course import course_of, rail_at
 from subsea.submarine.helm import HANDS_OFF, STATION, Helm
 from subsea.submarine.hull import ACCELERATION_CM_S2, AHEAD_CM_S, hull_axes
 from subsea.submarine.rail import Rail
-from subsea.view.rig import Pose
+from subsea.view.rig import CameraPose
 from subsea.world import snapshot
 from subsea.world.step import create_world, step
 from subsea.world.world import TICK_S
@@ -207,7 +207,7 @@ def reef(tmp_path_factory):
 
 
 def test_only_a_cut_is_a_leap():
-    eye = Pose(np.zeros(3), np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0]))
+    eye = CameraPose(np.zeros(3), np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0]))
     swum = eye._replace(eye=np.array([AHEAD_CM_S, 0.0, 0.0]))
     assert not leapt(eye, swum, 1.0) and leapt(eye, swum, 1 / 30)
     assert not leapt(None, swum, 1.0)

@@ -15,7 +15,7 @@ from subsea.render.output.quality import PRESETS
 from subsea.scenario.schema import load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.display_rigs import display_rig
-from subsea.view.rig import front, pose, seen_part, views
+from subsea.view.rig import front, pose_from_angles, seen_part, views
 from subsea.world.step import create_world, step
 
 SIZE = (400, 240)
@@ -57,7 +57,7 @@ def rig_of(name):
 def drawn(renderer, world, rig, without=None, ahead=np.pi / 2):
     """The packet, and what the pilot's screen shows of it (h, w, 3)."""
     renderer.arrange(rig)
-    seen = views(rig, pose(EYE, ahead, 0.0))
+    seen = views(rig, pose_from_angles(EYE, ahead, 0.0))
     if without is not None:
         seen = tuple(replace(view, without=without) for view in seen)
     packet = pack(world, seen, 1.0)

@@ -14,15 +14,15 @@ from subsea.core.resources import resource_path
 from subsea.dive.retina_images import MOST_FISHES, VALUES, coded, seen_brightness
 from subsea.dive.ride import MOST_PAN_DEG, Ride, nearest_to_middle, pictured, with_insets
 from subsea.dive.theatre_setup import open_house
-from subsea.render.gl.id_buffer import FISH, SEABED, WATER, Seen
+from subsea.render.gl.id_buffer import FISH, SEABED, WATER, IdMaps
 from subsea.scenario.schema import load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.ui.dive import Dive
 from subsea.ui.overlay import unbroken
 from subsea.view.display_rigs import display_rig
-from subsea.view.retina import Gaze, ridden
-from subsea.view.rig import front, pose, seen_part, views
-from subsea.view.text_viewports import panes
+from subsea.view.retina import Gaze, eyes_pose
+from subsea.view.rig import front, pose_from_angles, seen_part, views
+from subsea.view.text_viewports import text_viewports
 from subsea.world.step import create_world, step
 from tests.support.windows import dive_options
 
@@ -44,7 +44,7 @@ def test_who_is_nearest_to_the_middle_is_meant(world):
     for chosen in (3, 11):
         before = fishes.position[chosen].copy()
         fishes.position[chosen] = eye + (5.0, 300.0, 4.0)
-        (view,) = views(rig, pose(eye, np.pi / 2, 0.0))
+        (view,) = views(rig, pose_from_angles(eye, np.pi / 2, 0.0))
         assert nearest_to_middle(world, view) == chosen
         (other,) = Ride(world, chosen).views(world, rig, ((0, 0, 8, 6),) * 2, 1.0)[:1]
         assert nearest_to_middle(world, other) != chosen  # the next one
@@ -55,7 +55,9 @@ def test_who_is_nearest_to_the_middle_is_meant(world):
 
 def test_where_no_fish_is_in_sight_the_nearest_is_meant_and_of_none_nobody(world):
     fishes = world.state.fishes
-    (away,) = views(display_rig("mono", SIZE), pose(np.array([0.0, 0.0, 3000.0]), 0.0, 1.2))
+    (away,) = views(
+        display_rig("mono", SIZE), pose_from_angles(np.array([0.0, 0.0, 3000.0]), 0.0, 1.2)
+    )
     distance = np.linalg.norm(fishes.position - away.eye, axis=1)
     assert nearest_to_middle(world, away) == np.argmin(distance)
     alive = fishes.alive.copy()
@@ -70,7 +72,7 @@ def test_the_view_of_a_rider_is_calmer_than_the_head(world):
     swung, followed, apart = [], [], []
     for _ in range(90):
         step(world, HANDS_OFF)
-        pair = [(ridden(world, r.by, 1.0), r.observer(world, 1.0)) for r in rides]
+        pair = [(eyes_pose(world, r.by, 1.0), r.observer(world, 1.0)) for r in rides]
         swung.append([raw.forward for raw, _ in pair])
         followed.append([calm.forward for _, calm in pair])
         apart.append([np.linalg.norm(raw.eye - calm.eye) for raw, calm in pair])
@@ -150,7 +152,7 @@ def test_insets_lie_where_no_other_projector_shines():
         assert patch.output == ahead.output
         assert x < patch.place[0]
         assert patch.place[0] + patch.place[2] < x + width
-    (pane,) = panes(rig, lambda page: None)
+    (pane,) = text_viewports(rig, lambda page: None)
     assert (pane.x, pane.width) == (x / 360, width / 360)
     assert not pane.squeezed
 
@@ -172,7 +174,7 @@ def test_lines_of_instruments_end_between_their_parts():
 
 
 def test_maps_are_shown_as_colours_and_greys():
-    seen = Seen(
+    seen = IdMaps(
         np.array([[FISH, SEABED, WATER]], np.uint8), np.array([[7, 0, 0]], np.int32),
         np.array([[50.0, 400.0, np.inf]], np.float32),
     )  # fmt: skip

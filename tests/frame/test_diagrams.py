@@ -13,13 +13,13 @@ from subsea.frame.diagrams import (
     FAINT,
     MOST,
     STRONG,
+    DiagramBuilder,
     Label,
-    Sketcher,
     chosen_diagrams,
     frustum,
+    place_labels,
     projected,
     sensitivity_box,
-    written,
 )
 from subsea.geometry.rotation import matrix
 from subsea.motor.pose import control_points_world, nodes_world
@@ -28,7 +28,7 @@ from subsea.perception.vision import FIELD_COS, ahead_of, bodies_of, eye_of, in_
 from subsea.state import NOBODY
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.display_rigs import DISPLAYS, cockpit, display_rig, views_for
-from subsea.view.rig import pose, views
+from subsea.view.rig import pose_from_angles, views
 from subsea.world.step import step
 
 SIZE = (320, 180)
@@ -47,7 +47,7 @@ def sketch(world):
     """name, chosen → the drawing of one diagram from the cockpit."""
 
     def draw(name, chosen=None, seen=None):
-        return Sketcher(world).draw([name], seen or sights(world), 1.0, chosen)
+        return DiagramBuilder(world).draw([name], seen or sights(world), 1.0, chosen)
 
     return draw
 
@@ -58,12 +58,14 @@ def sights(world):
 
 def from_afar(world):
     """All fishes are in sight."""
-    return views_for("mono", SIZE, pose(np.array([0.0, -3000.0, -200.0]), np.pi / 2, 0.0))
+    return views_for(
+        "mono", SIZE, pose_from_angles(np.array([0.0, -3000.0, -200.0]), np.pi / 2, 0.0)
+    )
 
 
 @pytest.fixture(scope="module")
 def in_sight(world):
-    labels = Sketcher(world).draw(["indices"], sights(world), 1.0).labels
+    labels = DiagramBuilder(world).draw(["indices"], sights(world), 1.0).labels
     seen = [int(label.text) for label in labels]
     assert 5 < len(seen) < len(world.state.fishes.species)
     return seen
@@ -223,12 +225,12 @@ def test_bounds_lie_on_the_cylinder(world, sketch):
 
 def test_paths_lead_through_where_fishes_were_and_forget_what_was_taken_back():
     world = start_world("mating")
-    sketcher, places = Sketcher(world), []
+    sketcher, places = DiagramBuilder(world), []
     for _ in range(30):
         step(world, HANDS_OFF)
         sketcher.follow()
         places.append(world.state.fishes.position[0].astype(float))
-    seen = views_for("mono", SIZE, pose(places[-1] - (0, 150, 0), np.pi / 2, 0.0))
+    seen = views_for("mono", SIZE, pose_from_angles(places[-1] - (0, 150, 0), np.pi / 2, 0.0))
     ends = sketcher.draw(["paths"], seen, 1.0, chosen=0).lines
     own = ends.ends[ends.colours[:, 3] == STRONG]
     assert len(own) >= 9
@@ -268,7 +270,7 @@ def test_labels_stand_where_their_places_are_seen(world, display):
     near = observer.eye + 120.0 * observer.forward  # on the screen: both eyes see it in one place
     labels = [Label(near, "ahead"), Label(near - 240.0 * observer.forward, "astern")]
     labels.append(Label(near + 20.0 * aside + 10.0 * observer.up, "aside"))
-    found = written(rig, seen, labels)
+    found = place_labels(rig, seen, labels)
     if display in ("panorama", "dome", "equirectangular"):
         assert found == []
         return

@@ -9,8 +9,8 @@ from subsea.scenario.schema import Seaweed, load_scenario
 from subsea.state import HANGING, HOOKED, LANDED, NOBODY, SINKING, STOWED
 from subsea.submarine.helm import HANDS_OFF, Helm
 from subsea.view.display_rigs import cockpit, views_for
-from subsea.view.levels import nothing_drawn
-from subsea.view.rig import pose
+from subsea.view.levels import empty_lod_state
+from subsea.view.rig import pose_from_angles
 from subsea.world.step import TICK_S, create_world, step
 
 
@@ -79,7 +79,7 @@ def test_detail_is_a_factor_on_the_pixels(world):
 
 def test_with_a_memory_levels_fade_and_without_they_do_not(world):
     """While the camera comes nearer: records double, and their shares are each other's rest."""
-    memory = nothing_drawn(len(world.state.fishes.species))
+    memory = empty_lod_state(len(world.state.fishes.species))
     first = _pack(world, memory=memory, detail=0.5)
     assert not any(batch.fading for batch in first.batches[0])
     alone = _pack(world, detail=1.5)
@@ -200,7 +200,7 @@ def overgrown():
 
 def _leaves_of(world, heading, alpha=1.0, **options):
     submarine = world.state.submarine
-    eye = pose(submarine.position, heading, -0.5)
+    eye = pose_from_angles(submarine.position, heading, -0.5)
     return frame.pack(world, views_for("mono", (1280, 720), eye), alpha, **options)
 
 

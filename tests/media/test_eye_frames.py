@@ -19,7 +19,7 @@ from subsea.render.output.quality import PRESETS
 from subsea.scenario.fish_lookup import find_fish
 from subsea.scenario.schema import load_scenario
 from subsea.submarine.helm import HANDS_OFF
-from subsea.view.retina import retina_rig, rider
+from subsea.view.retina import fish_eyes, retina_rig
 from subsea.world.step import create_world, step
 
 pytestmark = pytest.mark.usefixtures("one_context")
@@ -224,7 +224,7 @@ def test_fishes_are_red_and_what_stands_is_blue():
 def test_who_sees_the_light_goes_by_it():
     world = create_world(load_scenario("peaceful")[0], fish=12)
     other = create_world(load_scenario("peaceful")[0], fish=12)
-    fishes, by = world.state.fishes, rider(world, 2)
+    fishes, by = world.state.fishes, fish_eyes(world, 2)
     means = []
     with headless() as context:
         rig = retina_rig((64, 64), by.half_cm)

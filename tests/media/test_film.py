@@ -15,7 +15,7 @@ from PIL import Image
 from subsea.cli.main import main
 from subsea.core.errors import UserError
 from subsea.dive.start import picture_maker, start_world
-from subsea.frame.diagrams import Written
+from subsea.frame.diagrams import PlacedLabel
 from subsea.frame.packet import pack
 from subsea.media import eye_frames, film, frame_writers
 from subsea.render.output.quality import PRESETS
@@ -98,7 +98,7 @@ def test_a_fish_is_filmed_from_behind(tmp_path, capsys):
 
 def test_labels_stand_above_their_places_on_the_picture_that_they_are_for():
     plain = np.full((800, 300, 3), 90, np.uint8)
-    words = [Written(0, 150.0, 100.0, "17"), Written(1, 20.0, 20.0, "8")]
+    words = [PlacedLabel(0, 150.0, 100.0, "17"), PlacedLabel(1, 20.0, 20.0, "8")]
     picture = film.lettered(plain, words, 0)
     rows, columns = np.nonzero((picture > 200).all(axis=2))
     assert len(rows) > 5

@@ -16,7 +16,7 @@ from subsea.render import headless_context
 from subsea.scenario.schema import Water
 from subsea.view.display_rigs import views_for
 from subsea.view.levels import LEVELS
-from subsea.view.rig import pose, views
+from subsea.view.rig import pose_from_angles, views
 
 PICTURES = Path(__file__).parent / "pictures"
 SIZE = (320, 180)
@@ -136,7 +136,7 @@ def make_packet():
         )
         views = options.pop("views", None)
         if views is None:
-            views = views_for(display, size, pose(np.array(eye), heading, pitch))
+            views = views_for(display, size, pose_from_angles(np.array(eye), heading, pitch))
         return Packet(
             time_s=options.pop("time_s", 2.0),
             views=views,

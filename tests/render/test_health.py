@@ -15,7 +15,7 @@ from subsea.frame.packet import make_scene, pack
 from subsea.render import Renderer
 from subsea.render.output.quality import LADDER, PRESETS
 from subsea.view.display_rigs import cockpit, display_rig, views_for
-from subsea.view.levels import nothing_drawn
+from subsea.view.levels import empty_lod_state
 from subsea.world.step import step
 
 KINDS = (
@@ -67,7 +67,7 @@ def test_the_count_sees_what_is_made_and_freed(context, living):
 def test_500_frames_three_sizes_and_all_qualities_leak_nothing(context, living, world):
     before, tour = living(), Tour()
     renderer = Renderer(context, make_scene(world), display_rig("mono", SIZES[0]), PRESETS["low"])
-    memory, settled = nothing_drawn(len(world.state.fishes.species)), None
+    memory, settled = empty_lod_state(len(world.state.fishes.species)), None
     for k in range(500):
         if k % 5 == 0:
             step(world, tour.helm(world))

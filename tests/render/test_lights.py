@@ -10,7 +10,7 @@ from subsea.frame.packet import lamps_of, make_scene, pack
 from subsea.render import Renderer
 from subsea.view.display_rigs import cockpit, display_rig, views_for
 from subsea.view.levels import LEVELS
-from subsea.view.rig import pose
+from subsea.view.rig import pose_from_angles
 
 SIZE = (320, 180)
 DEEP_CM = 900.0  # below the sea of other tests
@@ -39,7 +39,7 @@ def drawn(renderer, packet):
 def both(renderer, packet, pitch=0.0):
     """Pictures with the lights off and on, of a pilot's packet."""
     place, heading = AT
-    lamps = lamps_of(pose(place, heading, pitch))
+    lamps = lamps_of(pose_from_angles(place, heading, pitch))
     return drawn(renderer, packet), drawn(renderer, replace(packet, lamps=lamps))
 
 
@@ -96,8 +96,8 @@ def test_specks_light_up_and_beams_can_be_seen_in_the_water(renderer, sight):
 
 
 def test_lamps_are_left_and_right_of_the_pilot_and_shine_ahead():
-    lamps = lamps_of(pose(np.array([10.0, 20.0, -300.0]), 0.3, 0.2))
-    other = pose(np.array([10.0, 20.0, -300.0]), 0.3, 0.2)
+    lamps = lamps_of(pose_from_angles(np.array([10.0, 20.0, -300.0]), 0.3, 0.2))
+    other = pose_from_angles(np.array([10.0, 20.0, -300.0]), 0.3, 0.2)
     right = np.cross(other.forward, other.up)
     aside = (lamps.places - other.eye) @ right
     assert aside[0] == pytest.approx(-aside[1])

@@ -5,7 +5,7 @@ import pytest
 
 from subsea.view.display_rigs import DISPLAYS, display_rig
 from subsea.view.stereo import LAYOUTS, patches_of
-from subsea.view.text_viewports import panes
+from subsea.view.text_viewports import text_viewports
 
 SIZE = (800, 600)
 
@@ -22,14 +22,14 @@ def corners(pane):
 
 @pytest.mark.parametrize("display", [name for name in DISPLAYS if name != "dome"])
 def test_all_of_the_window_is_for_text_in_the_part_of_each_eye(display):
-    found = panes(display_rig(display, SIZE), page)
+    found = text_viewports(display_rig(display, SIZE), page)
     assert all(pane.screen == (1.0, 1.0) for pane in found)
     area = sum(pane.width * pane.height for pane in found)
     assert area == pytest.approx(2.0 if display == "stereo" else 1.0)
 
 
 def test_on_a_dome_text_stands_within_the_circle():
-    (pane,) = panes(display_rig("dome", SIZE), page)
+    (pane,) = text_viewports(display_rig("dome", SIZE), page)
     assert pane.screen == pytest.approx((pane.width, pane.height))
     far = np.linalg.norm(corners(pane), axis=1)
     np.testing.assert_allclose(far, min(SIZE) / 2, atol=2.0)
@@ -39,7 +39,7 @@ def test_on_a_dome_text_stands_within_the_circle():
 def test_both_eyes_of_a_dome_have_the_same_text_within_their_circles(layout):
     rig = display_rig("dome", SIZE)
     rig = rig._replace(patches=patches_of(LAYOUTS[layout], rig.patches[0]))
-    left, right = panes(rig, page)
+    left, right = text_viewports(rig, page)
     assert left.screen == right.screen
     squeezed = rig.patches[0].squeezed
     for pane, patch in zip((left, right), rig.patches, strict=True):

@@ -13,7 +13,7 @@ from subsea.dive.options import DisplayOptions, DiveOptions
 from subsea.ui.dive import Dive
 from subsea.view.display_rigs import DISPLAYS
 from subsea.view.stereo import PAGED
-from subsea.view.text_viewports import Pane
+from subsea.view.text_viewports import TextViewport
 
 SIZE = (640, 400)
 SHOWN = [name for name in DISPLAYS if name not in ("mono", PAGED)]
@@ -28,7 +28,7 @@ def empty_sea(tmp_path_factory):
     return path
 
 
-class Bold(Pane):
+class Bold(TextViewport):
     """A whole window with the text that is otherwise squeezed."""
 
     squeezed = True

@@ -14,7 +14,7 @@ from imgui_bundle import imgui
 
 from subsea.core.errors import UserError
 from subsea.core.undo import History
-from subsea.render.gl.image_texture import Shown
+from subsea.render.gl.image_texture import ImageTexture
 from subsea.ui.gui import INK, MARK
 from subsea.ui.tool_window import Bench, work
 from subsea.ui.viewport2d import Canvas
@@ -30,7 +30,7 @@ class Line:
     def __init__(self, bench):
         self.bench, self.history = bench, History(POINTS)
         self.canvas = Canvas((-1.0, -3.0, 11.0, 3.0), up=True)
-        self.shown = Shown(bench.context, RED)
+        self.shown = ImageTexture(bench.context, RED)
         self.trial, self.fault, self.refuses = None, None, False
         self.frames, self.due = 0, math.inf
 

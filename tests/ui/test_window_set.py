@@ -17,7 +17,7 @@ from subsea.ui import picture
 from subsea.ui.dive import Dive
 from subsea.ui.monitors import Installation, Screen
 from subsea.view.camera import NEAR_CM, off_axis
-from subsea.view.rig import Eye, Patch, Rig, views
+from subsea.view.rig import CameraRig, DisplayPatch, Eye, views
 from subsea.view.theatre.lineup import lineup
 from tests.support.windows import dive_options
 
@@ -45,9 +45,9 @@ def flat_wall(columns, size, outputs):
                 off_axis(left, left + 2.0 * wide / columns, -TOP, TOP),
             )
         )
-        patches.append(Patch(place, part, part, output=k if outputs > 1 else 0, channel=k))
+        patches.append(DisplayPatch(place, part, part, output=k if outputs > 1 else 0, channel=k))
     sizes = (size,) * columns if outputs > 1 else ((columns * width, height),)
-    return Rig((columns * width, height), sizes, tuple(eyes), tuple(patches))
+    return CameraRig((columns * width, height), sizes, tuple(eyes), tuple(patches))
 
 
 THREE = flat_wall(3, SIZE, 3)

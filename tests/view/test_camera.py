@@ -15,7 +15,7 @@ from subsea.view.display_rigs import (
     display_rig,
     views_for,
 )
-from subsea.view.rig import pose
+from subsea.view.rig import pose_from_angles
 from subsea.view.stereo import EYE_SEPARATION_CM, LAYOUTS, SCREEN_DISTANCE_CM, Stereo
 
 EYE = np.array([10.0, 20.0, -300.0])
@@ -32,7 +32,7 @@ def _pixel(view, point):
 @pytest.mark.parametrize("heading", [0.0, 1.0, -2.5])
 @pytest.mark.parametrize("pitch", [0.0, 0.5, -0.9])
 def test_ahead_is_the_middle_and_up_is_up(heading, pitch):
-    observer = pose(EYE, heading, pitch)
+    observer = pose_from_angles(EYE, heading, pitch)
     (view,) = views_for("mono", (640, 360), observer)
     centre, depth = _pixel(view, EYE + 100 * observer.forward)
     np.testing.assert_allclose(centre, [320, 180], atol=1e-2)
@@ -44,7 +44,7 @@ def test_ahead_is_the_middle_and_up_is_up(heading, pitch):
 
 
 def test_the_field_of_view_is_what_it_says():
-    observer = pose(EYE, 0.3, 0.0)
+    observer = pose_from_angles(EYE, 0.3, 0.0)
     (view,) = views_for("mono", (640, 360), observer)
     edge = EYE + 100 * observer.forward + 100 * np.tan(VERTICAL_FOV / 2) * observer.up
     np.testing.assert_allclose(_pixel(view, edge)[0], [320, 360], atol=0.05)
@@ -52,7 +52,7 @@ def test_the_field_of_view_is_what_it_says():
 
 @pytest.mark.parametrize("display", ["side-by-side", "top-bottom"])
 def test_the_eyes_agree_at_the_screen_and_differ_elsewhere(display):
-    observer = pose(EYE, -0.7, 0.2)
+    observer = pose_from_angles(EYE, -0.7, 0.2)
     left, right = views_for(display, (640, 360), observer)
 
     def parallax(distance):
@@ -76,7 +76,7 @@ def test_a_point_lands_where_the_ray_to_each_eye_meets_the_screen(
     point, separation, screen, display
 ):
     """The screen is one plane for both eyes: frusta lean, they are never toed in."""
-    observer, size = pose(EYE, 0.4, -0.3), (640, 360)
+    observer, size = pose_from_angles(EYE, 0.4, -0.3), (640, 360)
     stereo = Stereo(separation_cm=separation, screen_cm=screen)
     side = np.cross(observer.forward, observer.up)
     axes = np.stack([side, observer.up, observer.forward])
@@ -94,7 +94,7 @@ def test_a_point_lands_where_the_ray_to_each_eye_meets_the_screen(
 
 
 def test_swapped_eyes_exchange_their_pictures():
-    observer = pose(EYE, 0.0, 0.0)
+    observer = pose_from_angles(EYE, 0.0, 0.0)
     left, right = views_for("anaglyph", (64, 36), observer)
     other_left, other_right = views_for("anaglyph", (64, 36), observer, Stereo(swapped=True))
     np.testing.assert_array_equal(other_left.view, right.view)
@@ -106,7 +106,7 @@ def test_swapped_eyes_exchange_their_pictures():
 def test_on_no_screen_do_the_eyes_have_to_turn_outwards(width, separation):
     """The picture of something infinitely far, in real centimetres between the two eyes' places."""
     stereo = Stereo(separation_cm=separation, screen_width_cm=width)
-    observer, size = pose(EYE, 0.0, 0.0), (640, 360)
+    observer, size = pose_from_angles(EYE, 0.0, 0.0), (640, 360)
     places = [
         _pixel(view, EYE + 1e6 * observer.forward)[0][0] / size[0]
         for view in views_for("anaglyph", size, observer, stereo)
@@ -131,7 +131,7 @@ def test_comfort_limits_how_far_eyes_turn_from_the_screen(comfort, separation, s
 @pytest.mark.parametrize("display", [name for name in DISPLAYS if name not in SURROUNDS])
 @pytest.mark.parametrize("size", [(640, 360), (641, 361)])
 def test_viewports_tile_the_canvas(display, size):
-    views = views_for(display, size, pose(EYE, 0.0, 0.0))
+    views = views_for(display, size, pose_from_angles(EYE, 0.0, 0.0))
     covered = np.zeros(display_rig(display, size).canvas, int)
     for x, y, w, h in (v.viewport for v in views):
         covered[x : x + w, y : y + h] += 1

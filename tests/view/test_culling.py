@@ -13,15 +13,15 @@ from subsea.fish.surface import rest_control_points
 from subsea.frame.packet import ENLARGED
 from subsea.geometry.rotation import matrix
 from subsea.repertoire import read_repertoire
-from subsea.view.culling import OUT_OF_SIGHT, covered, pixels_per_radian
+from subsea.view.culling import OUT_OF_SIGHT, coverage, pixels_per_radian
 from subsea.view.display_rigs import DISPLAYS, views_for
-from subsea.view.rig import pose
+from subsea.view.rig import pose_from_angles
 
 EYE = np.array([0.0, 0.0, -300.0])
 
 
 def _views(heading=0.0, pitch=0.0, display="mono"):
-    return views_for(display, (640, 360), pose(EYE, heading, pitch))
+    return views_for(display, (640, 360), pose_from_angles(EYE, heading, pitch))
 
 
 def _pixels(centres, views, *, radius=15.0, **options):
@@ -32,7 +32,7 @@ def _covered(centres, views, *, radius=15.0, **options):
     centres = np.atleast_2d(np.asarray(centres, np.float32))
     n = len(centres)
     radii, lengths = np.full(n, radius, np.float32), np.full(n, 20.0, np.float32)
-    return covered(centres, radii, lengths, views, **options)
+    return coverage(centres, radii, lengths, views, **options)
 
 
 def _inside(points, view):
@@ -112,7 +112,7 @@ def test_no_fish_is_culled_of_which_a_drawn_vertex_is_in_sight(
     centre = EYE + [ahead, aside, 0.6 * up]
     vertices = centre + length * places @ R.T
     radii = np.array([ENLARGED * radius * length], np.float32)
-    _, distance = covered(centre[None].astype("f4"), radii, np.array([length]), views)
+    _, distance = coverage(centre[None].astype("f4"), radii, np.array([length]), views)
     for view, (away,) in zip(views, distance, strict=True):
         if _inside(vertices, view).any():
             assert np.isfinite(away)

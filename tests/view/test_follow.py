@@ -8,7 +8,7 @@ from subsea.geometry.rotation import rotate
 from subsea.habitat.clearance import clearances
 from subsea.scenario.schema import load_scenario
 from subsea.submarine.helm import HANDS_OFF
-from subsea.view.follow import BACK_BL, BACK_CM, ROOM_CM, followed
+from subsea.view.follow import BACK_BL, BACK_CM, ROOM_CM, follow_fish
 from subsea.world.step import create_world, step
 
 NEAR_CM = 8.0  # what the corners of the near plane need
@@ -33,7 +33,7 @@ def test_it_sees_its_fish_from_behind_and_above_more_calmly_than_that_swims(worl
     for _ in range(90):
         step(world, HANDS_OFF)
         for one in fish:
-            cameras[one], pose = followed(world, one, 1.0, cameras[one])
+            cameras[one], pose = follow_fish(world, one, 1.0, cameras[one])
             away = fishes.position[one] - pose.eye
             far = np.linalg.norm(away)
             assert far < 1.4 * (BACK_CM + BACK_BL * fishes.length[one])
@@ -61,7 +61,7 @@ def test_it_enters_neither_stone_nor_sand_nor_air_wherever_its_fish_is(world):
         turn = rng.normal(0, 1, 4)
         fishes.position[fish] = fishes.previous_position[fish] = place
         fishes.orientation[fish] = fishes.previous_orientation[fish] = turn / np.linalg.norm(turn)
-        camera, pose = followed(world, fish, 1.0, None)
+        camera, pose = follow_fish(world, fish, 1.0, None)
         assert gap(sea, pose.eye) > NEAR_CM
         assert np.isfinite(pose.up).all()
         # Nothing is between it and its fish.
@@ -78,14 +78,14 @@ def test_it_comes_nearer_at_once_and_goes_back_slowly(world):
     fish = 5
     fishes.position[fish] = fishes.previous_position[fish] = 0.0, 0.0, -250.0
     fishes.orientation[fish] = fishes.previous_orientation[fish] = np.sqrt([0.5, 0.5, 0.0, 0.0])
-    camera, pose = followed(world, fish, 1.0, None)
+    camera, pose = follow_fish(world, fish, 1.0, None)
     assert camera.share == 1.0
     aside = dict(zip(("pillars", "rocks"), (sea.pillars, sea.rocks), strict=True))
     middle = 0.5 * (pose.eye + (0.0, 0.0, -250.0))
     wall = np.array([[*middle, 3.0, 60.0, 60.0, 0.0]])
     blocked = world.state.sea
     world.state.sea = blocked._replace(rocks=wall, pillars=np.zeros((0, 4)))
-    camera, nearer = followed(world, fish, 1.0, camera)
+    camera, nearer = follow_fish(world, fish, 1.0, camera)
     assert np.linalg.norm(nearer.eye - fishes.position[fish]) < np.linalg.norm(
         middle - fishes.position[fish]
     )
@@ -93,7 +93,7 @@ def test_it_comes_nearer_at_once_and_goes_back_slowly(world):
     shares = []
     for _ in range(60):
         world.state.tick += 1
-        camera, _ = followed(world, fish, 1.0, camera)
+        camera, _ = follow_fish(world, fish, 1.0, camera)
         shares.append(camera.share)
     assert shares[0] < 0.6
     assert shares[-1] == 1.0

@@ -11,9 +11,9 @@ from subsea.view.levels import (
     HYSTERESIS,
     LEVELS,
     THRESHOLDS_PX,
-    arranged,
-    choose,
-    nothing_drawn,
+    draw_order,
+    empty_lod_state,
+    update_levels,
 )
 
 SIZES = st.floats(1.0, 1000.0)
@@ -21,7 +21,7 @@ SIZES = st.floats(1.0, 1000.0)
 
 def _level(pixels, memory, time_s=0.0, finer=False):
     pixels = np.atleast_1d(np.asarray(pixels, np.float32))
-    choose(pixels, np.full(len(pixels), finer), THRESHOLDS_PX, time_s, memory)
+    update_levels(pixels, np.full(len(pixels), finer), THRESHOLDS_PX, time_s, memory)
     return memory.level.copy()
 
 
@@ -29,14 +29,14 @@ def _level(pixels, memory, time_s=0.0, finer=False):
 def test_nearer_is_never_coarser(sizes):
     """Of fishes that come into sight: the level is monotone in the projected size."""
     sizes = np.sort(sizes)[::-1]
-    levels = _level(sizes, nothing_drawn(len(sizes))).astype(int)
+    levels = _level(sizes, empty_lod_state(len(sizes))).astype(int)
     assert (np.diff(levels) >= 0).all()
 
 
 def test_every_level_has_its_sizes():
     sizes = np.concatenate([[2 * THRESHOLDS_PX[0]], 0.99 * THRESHOLDS_PX])
-    np.testing.assert_array_equal(_level(sizes, nothing_drawn(5)), range(len(LEVELS)))
-    finer = _level(sizes, nothing_drawn(5), finer=True)
+    np.testing.assert_array_equal(_level(sizes, empty_lod_state(5)), range(len(LEVELS)))
+    finer = _level(sizes, empty_lod_state(5), finer=True)
     np.testing.assert_array_equal(finer, [0, 0, 1, 2, 3])
 
 
@@ -45,7 +45,7 @@ def test_a_level_changes_once_on_an_approach_and_a_retreat(threshold):
     """At HYSTERESIS beyond the threshold either way; sizes within that never change it."""
     span = 1.0 + HYSTERESIS
     sizes = threshold * np.linspace(0.8, 1.25, 200)
-    memory = nothing_drawn(1)
+    memory = empty_lod_state(1)
     up = [int(_level(size, memory, 10.0 * k)[0]) for k, size in enumerate(sizes)]
     down = [int(_level(size, memory, 1e4 + 10.0 * k)[0]) for k, size in enumerate(sizes[::-1])]
     assert up[0] - up[-1] == 1
@@ -56,7 +56,7 @@ def test_a_level_changes_once_on_an_approach_and_a_retreat(threshold):
 
 @given(st.lists(st.floats(0.95, 1.05), min_size=3, max_size=30))
 def test_a_fish_that_hovers_about_a_threshold_keeps_its_level(shares):
-    memory = nothing_drawn(1)
+    memory = empty_lod_state(1)
     seen = {int(_level(60.0 * share, memory, 5.0 * k)[0]) for k, share in enumerate(shares)}
     assert len(seen) == 1
 
@@ -64,12 +64,12 @@ def test_a_fish_that_hovers_about_a_threshold_keeps_its_level(shares):
 def _drawn(memory, time_s, distance=None):
     n = len(memory.level)
     distance = np.ones(n, np.float32) if distance is None else distance
-    fish, share, (starts,) = arranged(distance[None], time_s, len(LEVELS), memory)
+    fish, share, (starts,) = draw_order(distance[None], time_s, len(LEVELS), memory)
     return fish, share, starts
 
 
 def test_a_fade_shares_the_pixels_between_both_levels():
-    memory = nothing_drawn(1)
+    memory = empty_lod_state(1)
     _level(100.0, memory, 0.0)
     shares = []
     for k in range(7):
@@ -91,7 +91,7 @@ def test_a_fade_shares_the_pixels_between_both_levels():
 
 
 def test_no_change_begins_while_one_is_under_way():
-    memory = nothing_drawn(1)
+    memory = empty_lod_state(1)
     _level(30.0, memory, 0.0)
     assert _level(70.0, memory, 1.0)[0] == 2
     assert _level(300.0, memory, 1.0 + 0.5 * FADE_S)[0] == 2
@@ -100,7 +100,7 @@ def test_no_change_begins_while_one_is_under_way():
 
 
 def test_what_comes_into_sight_is_there_at_once():
-    memory = nothing_drawn(2)
+    memory = empty_lod_state(2)
     _level([100.0, -1.0], memory, 0.0)
     np.testing.assert_array_equal(memory.level, [2, HIDDEN])
     _level([-1.0, 30.0], memory, 1.0)
@@ -117,7 +117,7 @@ def test_what_comes_into_sight_is_there_at_once():
 def test_groups_hold_their_levels_the_farthest_first(sizes, seed):
     rng = np.random.default_rng(seed)
     n = len(sizes)
-    memory = nothing_drawn(n)
+    memory = empty_lod_state(n)
     _level(rng.uniform(5, 400, n), memory, 0.0)
     _level(sizes, memory, 1.0)
     distance = rng.uniform(10, 1000, n).astype(np.float32)
@@ -147,15 +147,15 @@ def test_each_view_has_its_own_fishes_at_the_level_that_is_common_to_all(sizes, 
     n = len(sizes)
     distance = rng.uniform(10, 1000, (views, n)).astype(np.float32)
     distance[rng.uniform(size=distance.shape) < 0.5] = np.inf
-    memory = nothing_drawn(n)
+    memory = empty_lod_state(n)
     for size in (rng.uniform(5, 400, n), np.asarray(sizes)):
         seen = np.isfinite(distance).any(axis=0)
         _level(np.where(seen, size, -1.0), memory, 1.0 if size is not sizes else 1.1)
-    fish, share, starts = arranged(distance, 1.1, len(LEVELS), memory)
+    fish, share, starts = draw_order(distance, 1.1, len(LEVELS), memory)
     assert starts.shape == (views, 2 * len(LEVELS) + 1)
     assert starts[-1, -1] == len(fish) == len(share)
     for own, row in zip(starts, distance, strict=True):
-        one_fish, one_share, (alone,) = arranged(row[None], 1.1, len(LEVELS), memory)
+        one_fish, one_share, (alone,) = draw_order(row[None], 1.1, len(LEVELS), memory)
         np.testing.assert_array_equal(own - own[0], alone)
         np.testing.assert_array_equal(fish[own[0] : own[-1]], one_fish)
         np.testing.assert_array_equal(share[own[0] : own[-1]], one_share)
@@ -163,7 +163,7 @@ def test_each_view_has_its_own_fishes_at_the_level_that_is_common_to_all(sizes, 
 
 
 def test_time_that_runs_back_ends_a_fade():
-    memory = nothing_drawn(1)
+    memory = empty_lod_state(1)
     _level(100.0, memory, 5.0)
     _level(40.0, memory, 5.1)
     assert len(_drawn(memory, 5.2)[0]) == 2

@@ -12,7 +12,15 @@ from subsea.geometry.rotation import matrix
 from subsea.motor.pose import control_points_world
 from subsea.scenario.schema import load_scenario
 from subsea.submarine.helm import HANDS_OFF
-from subsea.view.retina import Gaze, eye_weights, retina_rig, retinal_views, ridden, rider, turned
+from subsea.view.retina import (
+    Gaze,
+    eye_weights,
+    eyes_pose,
+    fish_eyes,
+    gaze_axes,
+    retina_rig,
+    retinal_views,
+)
 from subsea.world.step import create_world, step
 
 SIZE = (64, 48)
@@ -43,21 +51,21 @@ def test_eyes_lie_on_the_skin_where_the_species_has_them(name):
 def test_between_two_ticks_the_eyes_travel_with_the_body(world):
     fishes = world.state.fishes
     for fish in range(0, 60, 7):
-        by = rider(world, fish)
+        by = fish_eyes(world, fish)
         points = control_points_world(fishes, world.library, fish)
         middle = by.weights @ (points[LEFT] + points[RIGHT]) / 2
-        looking = ridden(world, by, 1.0)
+        looking = eyes_pose(world, by, 1.0)
         np.testing.assert_allclose(looking.eye, middle, atol=1e-3)
         axes = matrix(fishes.orientation[fish].astype(float))
         np.testing.assert_allclose(looking.forward, axes[:, 0], atol=1e-6)
         np.testing.assert_allclose(looking.up, axes[:, 1], atol=1e-6)
-        before, between = ridden(world, by, 0.0), ridden(world, by, 0.5)
+        before, between = eyes_pose(world, by, 0.0), eyes_pose(world, by, 0.5)
         way = np.linalg.norm(looking.eye - before.eye)
         assert np.linalg.norm(between.eye - (before.eye + looking.eye) / 2) < 0.2 * way + 0.1
 
 
 def test_each_eye_is_on_its_side_and_misses_its_own_body(world):
-    by = rider(world, 3)
+    by = fish_eyes(world, 3)
     rig = retina_rig(SIZE, by.half_cm)
     left, right = retinal_views(world, by, rig, 1.0)
     assert left.without == right.without == 3
@@ -76,9 +84,9 @@ def test_eyes_of_a_simulated_fish_lie_on_the_body_that_is_drawn():
         if world.state.fishes.live.all():
             break
     assert world.state.fishes.live.all()
-    by = [rider(world, fish) for fish in range(12)]
+    by = [fish_eyes(world, fish) for fish in range(12)]
     # Nobody has skinned them yet: their rows of control points are what they were.
-    eyes = [ridden(world, one, 1.0).eye for one in by]
+    eyes = [eyes_pose(world, one, 1.0).eye for one in by]
     pack(world, retinal_views(world, by[0], retina_rig(SIZE, 1.0), 1.0), 1.0, culling=False)
     for one, eye in zip(by, eyes, strict=True):
         points = control_points_world(world.state.fishes, world.library, one.fish)
@@ -95,7 +103,7 @@ def test_the_field_is_as_wide_as_asked():
 
 @given(st.floats(-180, 180), st.floats(-90, 90))
 def test_a_gaze_turns_right_and_up_and_stays_a_rotation(pan, tilt):
-    right, up, ahead = turned(Gaze(pan, tilt))
+    right, up, ahead = gaze_axes(Gaze(pan, tilt))
     np.testing.assert_allclose(
         np.stack([right, up, ahead]) @ np.stack([right, up, ahead]).T, np.eye(3), atol=1e-12
     )
@@ -107,9 +115,9 @@ def test_a_gaze_turns_right_and_up_and_stays_a_rotation(pan, tilt):
 
 
 def test_ahead_is_ahead_right_is_right_and_up_is_up():
-    np.testing.assert_allclose(turned(Gaze())[2], (0, 0, 1))
-    np.testing.assert_allclose(turned(Gaze(90.0, 0.0))[2], (1, 0, 0), atol=1e-12)
-    np.testing.assert_allclose(turned(Gaze(0.0, 90.0))[2], (0, 1, 0), atol=1e-12)
+    np.testing.assert_allclose(gaze_axes(Gaze())[2], (0, 0, 1))
+    np.testing.assert_allclose(gaze_axes(Gaze(90.0, 0.0))[2], (1, 0, 0), atol=1e-12)
+    np.testing.assert_allclose(gaze_axes(Gaze(0.0, 90.0))[2], (0, 1, 0), atol=1e-12)
 
 
 @given(st.floats(10.0, 300.0), st.floats(-0.4, 0.4), st.floats(-0.3, 0.3))

@@ -6,16 +6,16 @@ import pytest
 from subsea.view.camera import off_axis
 from subsea.view.display_rigs import DISPLAYS, display_rig
 from subsea.view.rig import (
+    CameraRig,
+    DisplayPatch,
     Eye,
-    Patch,
-    Rig,
-    Shape,
-    brought_together,
+    Projection,
     front,
-    part_of,
-    pose,
+    limit_separation,
+    pose_from_angles,
     seen_by,
     seen_part,
+    select_outputs,
     views,
 )
 from subsea.view.stereo import LAYOUTS
@@ -34,9 +34,9 @@ def row(*degrees):
     for k, angle in enumerate(degrees):
         part = (10 * k, 0, 10, 10)
         eyes.append(Eye(part, np.zeros(3), turned(angle), off_axis(-1.0, 1.0, -1.0, 1.0)))
-        patches.append(Patch((0, 0, 10, 10), part, part, output=k, channel=k))
+        patches.append(DisplayPatch((0, 0, 10, 10), part, part, output=k, channel=k))
     n = len(degrees)
-    return Rig((10 * n, 10), ((10, 10),) * n, tuple(eyes), tuple(patches))
+    return CameraRig((10 * n, 10), ((10, 10),) * n, tuple(eyes), tuple(patches))
 
 
 @pytest.mark.parametrize(
@@ -59,7 +59,7 @@ def test_every_display_has_a_front(display):
 
 def test_a_part_has_its_outputs_and_only_the_eyes_that_they_need():
     rig = row(-60, 0, 60)
-    part = part_of(rig, [2, 1])
+    part = select_outputs(rig, [2, 1])
     assert [patch.output for patch in part.patches] == [1, 0]
     assert [patch.channel for patch in part.patches] == [1, 2]
     assert part.eyes == (rig.eyes[1], rig.eyes[2])
@@ -71,14 +71,14 @@ def test_a_part_has_its_outputs_and_only_the_eyes_that_they_need():
 @pytest.mark.parametrize("display", DISPLAYS)
 def test_the_whole_is_a_part(display):
     rig = display_rig(display, (64, 48))
-    assert part_of(rig, [0]) == rig
+    assert select_outputs(rig, [0]) == rig
 
 
 @pytest.mark.parametrize("size", [(800, 600), (600, 800), (501, 499)])
 @pytest.mark.parametrize("squeezed", [(1.0, 1.0), (2.0, 1.0), (1.0, 2.0)])
 def test_of_a_dome_all_is_seen_in_the_square_within_its_circle(size, squeezed):
     (patch,) = display_rig("dome", size).patches
-    assert seen_part(patch._replace(shape=Shape.PANORAMA)) == patch.place
+    assert seen_part(patch._replace(shape=Projection.PANORAMA)) == patch.place
     across, up = (int(n / by) for n, by in zip(size, squeezed, strict=True))
     x, y, width, height = seen_part(patch._replace(place=(7, 9, across, up), squeezed=squeezed))
     corners = np.array([(a, b) for a in (x, x + width) for b in (y, y + height)], float)
@@ -93,7 +93,7 @@ def masked(factors, added=0.0, place=(10, 20, 400, 300)):
     """A patch whose mask has these factors (h, w), top row first."""
     mask = np.repeat(np.asarray(factors, np.float32)[..., None], 4, axis=2)
     mask[..., 3] = added
-    return Patch(place, place, place, mask=mask)
+    return DisplayPatch(place, place, place, mask=mask)
 
 
 def test_a_patch_without_blending_is_clear():
@@ -133,7 +133,7 @@ def test_where_all_is_blended_no_part_is_better():
 def seen_apart(rig, distance):
     """How far apart, in halves of the picture, both eyes see what is so far ahead."""
     places = []
-    for view in views(rig, pose(np.zeros(3), 0.0, 0.0))[:2]:
+    for view in views(rig, pose_from_angles(np.zeros(3), 0.0, 0.0))[:2]:
         x, _, _, w = view.projection @ view.view @ (distance, 0.0, 0.0, 1.0)
         places.append(x / w)
     return places[0] - places[1]
@@ -142,7 +142,7 @@ def seen_apart(rig, distance):
 @pytest.mark.parametrize("display", LAYOUTS)
 def test_eyes_of_a_fish_see_what_is_near_as_a_person_sees_what_is_far(display):
     rig = display_rig(display, (64, 48))
-    near = brought_together(rig, 0.32)  # a tenth of a person's
+    near = limit_separation(rig, 0.32)  # a tenth of a person's
     assert np.linalg.norm(near.eyes[0].offset - near.eyes[1].offset) == pytest.approx(0.64)
     for distance in (60.0, 120.0, 1000.0):
         assert seen_apart(near, distance / 10) == pytest.approx(seen_apart(rig, distance), abs=1e-6)
@@ -152,4 +152,4 @@ def test_eyes_of_a_fish_see_what_is_near_as_a_person_sees_what_is_far(display):
 def test_eyes_that_are_near_enough_stay():
     for display in ("mono", "side-by-side"):
         rig = display_rig(display, (64, 48))
-        assert brought_together(rig, 3.3) is rig
+        assert limit_separation(rig, 3.3) is rig

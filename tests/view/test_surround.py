@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.view.display_rigs import display_rig, views_for
-from subsea.view.rig import pose, views
+from subsea.view.rig import pose_from_angles, views
 from subsea.view.surround import ALL_ROUND, MARGIN_PX, Surround, directions, face_size
 
 SIZES = {"equirectangular": (400, 200), "dome": (300, 300), "panorama": (400, 100)}
@@ -61,7 +61,7 @@ def test_a_panorama_spans_its_angle_and_has_square_pixels_at_the_horizon(angle):
 @pytest.mark.parametrize("surround", [ALL_ROUND, Surround(angle_deg=60.0, tilt_deg=0.0)])
 def test_faces_lie_apart_and_hold_all_that_the_picture_shows(display, surround):
     """A direction is inside one face, or near the edge of two or three."""
-    size, observer = SIZES[display], pose(EYE, 0.7, 0.0)
+    size, observer = SIZES[display], pose_from_angles(EYE, 0.7, 0.0)
     rig = display_rig(display, size, surround=surround)
     face = face_size(display, size, surround)
     covered = np.zeros(rig.canvas, int)
@@ -98,7 +98,7 @@ def test_what_a_picture_does_not_show_is_not_drawn():
 
 @pytest.mark.parametrize(("display", "level"), [("equirectangular", True), ("panorama", False)])
 def test_only_pictures_of_all_directions_keep_the_horizon_level(display, level):
-    pitched = views_for(display, SIZES[display], pose(EYE, 0.7, 0.4))
-    upright = views_for(display, SIZES[display], pose(EYE, 0.7, 0.0))
+    pitched = views_for(display, SIZES[display], pose_from_angles(EYE, 0.7, 0.4))
+    upright = views_for(display, SIZES[display], pose_from_angles(EYE, 0.7, 0.0))
     same = all(np.allclose(a.view, b.view) for a, b in zip(pitched, upright, strict=True))
     assert same == level

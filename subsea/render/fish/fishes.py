@@ -21,7 +21,7 @@ from subsea.fish.surface import PaddlePlan
 from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, Scene
 from subsea.render.fish import speck as fish_speck
 from subsea.render.fish.speck import COARSEST, Speck, places, speck
-from subsea.render.gl.id_buffer import FISH, double, mark
+from subsea.render.gl.id_buffer import FISH, double, object_id
 from subsea.render.gl.mipmaps import kept_texture, mipmapped
 from subsea.render.gl.shaders import program, set_uniforms, wanted
 
@@ -47,7 +47,7 @@ INSTANCE_FORMAT = "4f4 4f4 4f4 4f4 3f4 4f4"
 INSTANCE_ATTRIBUTES = ("i_place", "i_turn", "i_pose", "i_pectoral", "i_fins", "i_show")
 
 
-class Fishes:
+class FishRenderer:
     """Holds the table of control points, a mesh per level, the skins, and the instances."""
 
     def __init__(
@@ -144,7 +144,7 @@ class Fishes:
         batches = packet.batches[number]
         wants = wanted(uniforms, marked) + OWN_MARKS * marked
         for compiled in {*self._cold, *(self._program(batch, wants) for batch in batches)}:
-            set_uniforms(compiled, **units, **uniforms, u_mark=mark(FISH))
+            set_uniforms(compiled, **units, **uniforms, u_mark=object_id(FISH))
         while self._cold:  # so that no picture later on waits for what it is the first to need
             compiled, nothing = self._cold.popitem()
             self._render(compiled, nothing, 1, 0, 1)

@@ -15,9 +15,9 @@ from subsea.core.arrays import Array
 from subsea.fish.species import Species, Variation
 from subsea.fish.surface import CONTROL_POINTS, rest_surface
 from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, Scene
-from subsea.render.fish.fishes import Fishes
+from subsea.render.fish.fishes import FishRenderer
 from subsea.render.gl.mipmaps import mipmapped
-from subsea.render.output.target import Resolve, Target
+from subsea.render.output.target import RenderTarget, ResolvePass
 from subsea.render.output.uniforms import uniforms_of
 from subsea.scenario.schema import Water
 from subsea.view.camera import View, look, off_axis
@@ -60,7 +60,7 @@ class Orbit:
         return replace(self, zoom=float(np.clip(self.zoom * times, NEAREST, FARTHEST)))
 
 
-class Specimen:
+class FishPreview:
     """A fish on the GPU, and the texture that it is drawn into."""
 
     def __init__(self, context: Any, species: Species, sheet: NDArray[np.uint8]) -> None:
@@ -76,9 +76,9 @@ class Specimen:
             terrain_half_width_cm=1.0,
             water=WATER,
         )
-        self._fishes = Fishes(context, scene, [sheet])
+        self._fishes = FishRenderer(context, scene, [sheet])
         self._light = mipmapped(context, np.full((1, 1, 2), LEVEL_CAUSTICS, np.float16))
-        self._resolve: Resolve | None = None
+        self._resolve: ResolvePass | None = None
         self._sized: list[Any] = []
         self.size = (0, 0)
         self.texture: Any = None  # the picture, bottom row first
@@ -184,13 +184,13 @@ class Specimen:
 
     def _resize(self, size: tuple[int, int]) -> None:
         self._release_sized()
-        self._target = Target(self._context, size, min(SAMPLES, self._context.max_samples))
+        self._target = RenderTarget(self._context, size, min(SAMPLES, self._context.max_samples))
         self.texture = self._context.texture(size, 4)
         self._shown = self._context.framebuffer([self.texture])
         self._sized = [self._target, self._shown, self.texture]
         patches = display_rig("mono", size).patches
         if self._resolve is None:
-            self._resolve = Resolve(self._context, patches)
+            self._resolve = ResolvePass(self._context, patches)
         else:
             self._resolve.arrange(patches)
         self.size = size

@@ -24,7 +24,7 @@ SLOPE_CM = 18.0  # half the distance over which the slope of the sand is taken
 COLUMNS = 10  # x, y, z; slopes along x and y; axis x, y; half length and width, cm; how dark
 
 
-class Blobs:
+class SoftShadowRenderer:
     """Holds one record a shadow."""
 
     def __init__(self, context: Any, scene: Scene) -> None:

@@ -57,7 +57,7 @@ def window_context(get_proc_address: Callable[[str], int | None]) -> Any:
     return _prepared(context)
 
 
-def living(context: Any) -> dict[str, int]:
+def count_objects(context: Any) -> dict[str, int]:
     """How many objects of each kind there are in a context without a window.
 
     Asked name by name, up to one that is given now. Empty where EGL cannot be asked.
@@ -101,7 +101,7 @@ def _create(**settings: Any) -> Any:
     return moderngl.create_context(require=REQUIRED, **settings)
 
 
-class Tally:
+class DrawCallCounter:
     """Drawing calls in a context since it was made, and the seconds that they took to return.
 
     moderngl enters the `scope` of a vertex array about each of its drawing calls: this is it.
@@ -124,9 +124,9 @@ class Tally:
 
 
 def _prepared(context: Any) -> Any:
-    """The context with memory that is freed, and a Tally of its vertex arrays as `extra`."""
+    """Free dropped objects, and count the drawing calls of all vertex arrays in `extra`."""
     context.gc_mode = "auto"  # without it dropped objects are never freed
-    context.extra = tally = Tally()
+    context.extra = tally = DrawCallCounter()
     make = context.vertex_array
 
     def counted(*arguments: Any, **settings: Any) -> Any:

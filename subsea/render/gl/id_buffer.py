@@ -27,12 +27,12 @@ WATER, SURFACE, SEABED, PILLAR, ROCK, CORAL, SEAWEED, BUBBLES, HOOK, FISH = rang
 NUMBERS = 2**20  # of one kind
 
 
-def mark(kind: int, number: Any = 0) -> Any:
+def object_id(kind: int, number: Any = 0) -> Any:
     """The mark of the one with this `number` among those of its kind; arrays give arrays."""
     return float(kind * NUMBERS) + number
 
 
-class Seen(NamedTuple):
+class IdMaps(NamedTuple):
     """Maps of what the pixels of a canvas (h, w), top row first, show."""
 
     kind: Ints  # (h, w) uint8, as KINDS are numbered
@@ -40,7 +40,7 @@ class Seen(NamedTuple):
     depth: Array  # (h, w) float32 cm along the view's axis, infinite in open water
 
 
-class Twin:
+class ProgramVariants:
     """A program and the arrays that it draws, and for each of both twins: for marks, for lamps."""
 
     def __init__(self, context: Any, name: str, kind: int) -> None:
@@ -60,7 +60,7 @@ class Twin:
         """The `array`, or its twin, with these uniforms set."""
         if wants := wanted(uniforms, marked):
             array = self._twin(array, wants)
-            uniforms["u_mark"] = mark(self._kind)
+            uniforms["u_mark"] = object_id(self._kind)
         set_uniforms(array.program, **uniforms)
         return array
 
@@ -84,7 +84,7 @@ def double(context: Any, compiled: Any, content: Any, indices: Any = None) -> An
     return context.vertex_array(compiled, content, indices, skip_errors=True)
 
 
-class Marks:
+class IdBuffer:
     """The picture that marks are drawn into."""
 
     def __init__(self, context: Any, size: tuple[int, int]) -> None:
@@ -100,7 +100,7 @@ class Marks:
             ) from fault
         self.framebuffer = context.framebuffer([self._texture], self._depth)
 
-    def read(self, part: Rect | None = None) -> Seen:
+    def read(self, part: Rect | None = None) -> IdMaps:
         """What was drawn, in a part of the canvas or in all of it."""
         part = part or (0, 0, *self.size)
         width, height = part[2:]
@@ -108,7 +108,7 @@ class Marks:
         texels = np.frombuffer(data, np.float32).reshape(height, width, 2)[::-1]
         kind, number = np.divmod(texels[..., 0].astype(np.int32), NUMBERS)
         depth = np.where(kind == WATER, np.float32(np.inf), texels[..., 1])
-        return Seen(kind.astype(np.uint8), number, depth)
+        return IdMaps(kind.astype(np.uint8), number, depth)
 
     def release(self) -> None:
         """Free every OpenGL object."""

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 
-class Shown:
+class ImageTexture:
     """A picture on the graphics card; `glo` is its number there, as panels want it."""
 
     def __init__(self, context: Any, pixels: NDArray[np.uint8]) -> None:

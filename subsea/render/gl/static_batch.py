@@ -19,7 +19,7 @@ LEAST_PX = 3.0  # what covers fewer is not drawn
 HYSTERESIS = 0.12  # share by which a threshold is overstepped before the level changes
 
 
-class Shape(NamedTuple):
+class StaticMesh(NamedTuple):
     """One shape at one level of detail, in world coordinates."""
 
     vertices: Array  # (n, c) float32; the first three columns are the place, cm
@@ -31,7 +31,7 @@ class Shape(NamedTuple):
         return len(self.vertices)
 
 
-class Later(NamedTuple):
+class LazyMesh(NamedTuple):
     """The same, but its vertices are made whenever they are asked for."""
 
     make: Callable[[], Array]
@@ -44,7 +44,7 @@ class Later(NamedTuple):
         return self.make()
 
 
-class Standing:
+class StaticBatch:
     """Holds the vertices of all shapes, and the triangles of those that are drawn now."""
 
     def __init__(
@@ -53,7 +53,7 @@ class Standing:
         compiled: Any,
         layout: str,
         attributes: str,
-        shapes: Sequence[Sequence[Shape | Later]],
+        shapes: Sequence[Sequence[StaticMesh | LazyMesh]],
         reach_cm: float,
         thresholds_px: Sequence[float] = (NEAR_PX, MIDDLE_PX),
         spheres: Array | None = None,
@@ -72,7 +72,7 @@ class Standing:
         meshes = list({id(shape.triangles): shape.triangles for shape in flat}.values())
         self._triangles = np.concatenate([np.zeros((0, 3), np.int32), *meshes]).astype("i4")
         self._ranges = _ranges(shapes, len(thresholds_px) + 1, flat, meshes)
-        spheres = about(shapes) if spheres is None else spheres
+        spheres = bounding_spheres(shapes) if spheres is None else spheres
         self._centres, self._radii = spheres[:, :3].copy(), spheres[:, 3].copy()
         self._level = np.full(len(shapes), OUT_OF_SIGHT)
         self._seen = np.zeros((0, len(shapes)), np.bool_)
@@ -269,7 +269,7 @@ def bounding_sphere(vertices: Array) -> tuple[Array, float]:
     return centre, np.sqrt(square)
 
 
-def about(shapes: Sequence[Sequence[Shape | Later]]) -> Array:
+def bounding_spheres(shapes: Sequence[Sequence[StaticMesh | LazyMesh]]) -> Array:
     """The centres and radii (k, 4) of spheres about items at their finest level."""
     spheres = np.zeros((len(shapes), 4))
     for k, levels in enumerate(shapes):
@@ -278,9 +278,9 @@ def about(shapes: Sequence[Sequence[Shape | Later]]) -> Array:
 
 
 def _ranges(
-    shapes: Sequence[Sequence[Shape | Later]],
+    shapes: Sequence[Sequence[StaticMesh | LazyMesh]],
     levels: int,
-    flat: list[Shape | Later],
+    flat: list[StaticMesh | LazyMesh],
     meshes: list[Ints],
 ) -> Ints:
     """First triangle, end and first vertex (k, levels, 3) of every item at every level.

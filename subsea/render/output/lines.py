@@ -17,7 +17,7 @@ THINNEST_PX, SHARE = 1.3, 1 / 480  # width of a line: this share of the picture'
 COLUMNS = 11  # of a record: both ends, colour, lift
 
 
-class Lines:
+class LineRenderer:
     """Holds one record a line."""
 
     def __init__(self, context: Any) -> None:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from subsea.render.gl.shaders import program, set_uniforms
 from subsea.render.output.quality import Quality
-from subsea.view.rig import CUBES, Patch, Rect, Shape, Warp, Weave
+from subsea.view.rig import CUBES, DisplayPatch, Projection, Rect, Warp, Weave
 from subsea.view.surround import ROWS, half_tangent
 
 MASK_UNIT = 1  # nothing of the scene is drawn any more
@@ -19,7 +19,7 @@ LINEAR = moderngl.LINEAR, moderngl.LINEAR
 NEAREST = moderngl.NEAREST, moderngl.NEAREST  # quicker, where each pixel has its own
 
 
-class Target:
+class RenderTarget:
     """A half-float picture with depth, smoothed by multisampling if asked for."""
 
     def __init__(self, context: Any, size: tuple[int, int], samples: int) -> None:
@@ -57,10 +57,10 @@ class Target:
             held.release()
 
 
-class Resolve:
+class ResolvePass:
     """The patches of a rig: from a linear canvas to eight bits, each at its place."""
 
-    def __init__(self, context: Any, patches: Sequence[Patch], smooth: bool = False) -> None:
+    def __init__(self, context: Any, patches: Sequence[DisplayPatch], smooth: bool = False) -> None:
         """For these patches; with `smooth` edges are smoothed where a patch shows one eye."""
         self._context = context
         self._made: dict[tuple[int, ...], Any] = {}
@@ -74,7 +74,7 @@ class Resolve:
         """Smooth edges, or not, from now on."""
         self._smooth = quality.smooth
 
-    def arrange(self, patches: Sequence[Patch]) -> None:
+    def arrange(self, patches: Sequence[DisplayPatch]) -> None:
         """Other patches from now on."""
         self._release_patches()
         self.patches = tuple(patches)
@@ -116,7 +116,7 @@ class Resolve:
             u_mask=MASK_UNIT,
         )
         smooth = self._smooth and linear
-        exact = patch.shape == Shape.FLAT and left[2:] == patch.place[2:] and not smooth
+        exact = patch.shape == Projection.FLAT and left[2:] == patch.place[2:] and not smooth
         canvas.filter = NEAREST if exact else LINEAR
         canvas.use(0)
         if self._masks[number] is not None:
@@ -175,9 +175,9 @@ class Resolve:
         self._meshes, self._masks = [], []
 
 
-def _shown(patch: Patch) -> tuple[float, float]:
+def _shown(patch: DisplayPatch) -> tuple[float, float]:
     """Sides of what a patch shows, were it not squeezed; a dome that a mesh bends is a square."""
-    if patch.warp is not None and patch.shape == Shape.DOME:
+    if patch.warp is not None and patch.shape == Projection.DOME:
         return 1.0, 1.0
     return patch.place[2] * patch.squeezed[0], patch.place[3] * patch.squeezed[1]
 

@@ -11,12 +11,12 @@ from subsea.core.disk_cache import kept
 from subsea.habitat.formations import SUN
 from subsea.habitat.mounds import variant_of
 from subsea.habitat.reef import KINDS, MOUND, RUBBLE
-from subsea.render.gl.id_buffer import CORAL, mark
+from subsea.render.gl.id_buffer import CORAL, object_id
 from subsea.render.gl.mipmaps import Texels
 from subsea.render.gl.shaders import program, wanted
-from subsea.render.gl.static_batch import Later, Shape, Standing, about
+from subsea.render.gl.static_batch import LazyMesh, StaticBatch, StaticMesh, bounding_spheres
 from subsea.render.gl.textures import halves, nearest_of_cells, repeating, tileable_noise
-from subsea.render.reef.coral_mesh import Mesh, unit
+from subsea.render.reef.coral_mesh import CoralMesh, unit
 from subsea.render.reef.coral_shapes import LEVELS, forms
 from subsea.state import Reef
 from subsea.view.camera import View
@@ -39,7 +39,7 @@ FOOT = {
     "table": 0.9,
 }  # of the radius: how wide the shadow is
 
-NOTHING = Shape(np.zeros((0, 4), np.float32), np.zeros((0, 3), np.int32))
+NOTHING = StaticMesh(np.zeros((0, 4), np.float32), np.zeros((0, 3), np.int32))
 Ground = Callable[[Array, Array], Array]  # x and y in cm -> height of the sand in cm
 THRESHOLDS_PX = (300.0, 120.0, 50.0, 16.0)  # that a growth covers at each level but the last
 # Place, then four bytes a word: normal and sway; colour (its root) and what shines through; how
@@ -49,7 +49,7 @@ ATTRIBUTES = "a_position a_normal a_colour a_grain a_along"
 COLUMNS = 7
 
 
-class Look(NamedTuple):
+class CoralLook(NamedTuple):
     """How a kind looks: linear colours of body and tips, and what its surface is like."""
 
     colours: tuple[tuple[tuple[float, float, float], tuple[float, float, float]], ...]
@@ -66,71 +66,71 @@ LIME, GREEN, MINT = (0.42, 0.47, 0.11), (0.14, 0.32, 0.10), (0.48, 0.74, 0.50)
 BROWN, SKY = (0.25, 0.13, 0.065), (0.42, 0.62, 0.88)
 
 LOOKS = {
-    "staghorn": Look(
+    "staghorn": CoralLook(
         ((TAN, CREAM), ((0.42, 0.28, 0.10), YELLOW), (OLIVE, MINT),
          ((0.26, 0.20, 0.36), (0.52, 0.56, 0.74))),
         (0.0, 0.5, 0.5), 0.1, 0.0,
     ),
-    "bush": Look(
+    "bush": CoralLook(
         ((PINK, ROSE), ((0.42, 0.14, 0.46), LILAC), (LIME, (0.8, 0.85, 0.4)), (TAN, CREAM),
          ((0.70, 0.20, 0.20), (0.95, 0.62, 0.5))),
         (0.0, 0.8, 0.2), 0.1, 0.0,
     ),
-    "table": Look(
+    "table": CoralLook(
         ((BROWN, CREAM), (OLIVE, (0.62, 0.60, 0.26)), ((0.30, 0.16, 0.24), (0.66, 0.50, 0.66)),
          ((0.34, 0.20, 0.07), (0.80, 0.60, 0.25))),
         (0.0, 0.7, 0.4), 0.1, 0.0,
     ),
-    "brain": Look(
+    "brain": CoralLook(
         ((OLIVE, LIME), (TAN, (0.70, 0.46, 0.14)), (GREEN, MINT),
          ((0.50, 0.20, 0.17), (0.72, 0.36, 0.30))),
         (0.8, 0.0, 0.15), 0.0, 0.0,
     ),
-    "lettuce": Look(
+    "lettuce": CoralLook(
         (((0.42, 0.20, 0.30), ROSE), (LIME, (0.76, 0.72, 0.36)), (TAN, CREAM),
          ((0.34, 0.18, 0.08), (0.80, 0.52, 0.30))),
         (0.15, 0.4, 0.5), 0.35, 0.0,
     ),
-    "finger": Look(
+    "finger": CoralLook(
         ((TAN, (0.80, 0.58, 0.28)), (LIME, (0.8, 0.8, 0.36)),
          ((0.45, 0.28, 0.28), (0.78, 0.52, 0.46))),
         (0.0, 0.7, 0.2), 0.35, 2.5,
     ),
-    "leather": Look(
+    "leather": CoralLook(
         (((0.5, 0.32, 0.14), (0.80, 0.58, 0.30)), ((0.42, 0.40, 0.13), (0.80, 0.78, 0.40)),
          ((0.5, 0.26, 0.28), ROSE)),
         (0.0, 1.0, 0.1), 0.3, 2.0,
     ),
-    "soft": Look(
+    "soft": CoralLook(
         (((0.80, 0.42, 0.42), MAGENTA), ((0.85, 0.55, 0.36), RED), ((0.84, 0.60, 0.40), ORANGE),
          ((0.62, 0.42, 0.72), (0.36, 0.12, 0.42)), ((0.85, 0.75, 0.55), YELLOW)),
         (0.0, 0.4, 0.1), 0.7, 4.0,
     ),
-    "fan": Look(
+    "fan": CoralLook(
         ((MAGENTA, (0.75, 0.16, 0.30)), (VIOLET, LILAC), (ORANGE, (0.90, 0.50, 0.10)),
          ((0.60, 0.44, 0.06), YELLOW), (RED, (0.78, 0.13, 0.06))),
         (0.0, 0.4, 0.2), 0.5, 5.0,
     ),
-    "pipes": Look(
+    "pipes": CoralLook(
         ((YELLOW, (0.95, 0.80, 0.25)), (VIOLET, LILAC), ((0.58, 0.16, 0.09), ORANGE),
          ((0.50, 0.17, 0.30), PINK), ((0.16, 0.28, 0.46), SKY)),
         (0.0, 0.0, 1.0), 0.25, 0.0,
     ),
-    "barrel": Look(
+    "barrel": CoralLook(
         (((0.58, 0.20, 0.13), (0.80, 0.42, 0.30)), ((0.48, 0.20, 0.34), (0.78, 0.42, 0.52)),
          ((0.55, 0.34, 0.15), (0.80, 0.60, 0.34))),
         (0.2, 0.0, 1.0), 0.0, 0.0,
     ),
-    "anemone": Look(
+    "anemone": CoralLook(
         (((0.46, 0.34, 0.12), (0.86, 0.80, 0.52)), ((0.34, 0.36, 0.16), (0.62, 0.86, 0.56)),
          ((0.50, 0.26, 0.30), (0.92, 0.55, 0.66)), ((0.40, 0.30, 0.48), (0.80, 0.70, 0.95))),
         (0.0, 0.1, 0.1), 0.6, 4.5,
     ),
-    "rubble": Look(
+    "rubble": CoralLook(
         (((0.36, 0.32, 0.25), (0.52, 0.48, 0.40)), ((0.33, 0.21, 0.21), (0.50, 0.40, 0.36))),
         (0.0, 0.3, 0.8), 0.0, 0.0,
     ),
-    "mound": Look(
+    "mound": CoralLook(
         (((0.13, 0.10, 0.07), (0.34, 0.18, 0.19)), ((0.13, 0.11, 0.06), (0.34, 0.24, 0.10)),
          ((0.14, 0.09, 0.10), (0.27, 0.18, 0.22))),
         (0.25, 0.5, 1.0), 0.0, 0.0,
@@ -138,14 +138,14 @@ LOOKS = {
 }  # fmt: skip
 
 
-class Coral:
+class CoralRenderer:
     """Holds all growths of a reef; one call draws those in sight."""
 
     def __init__(
         self,
         context: Any,
         reef: Reef,
-        growths: list[list[Later]],
+        growths: list[list[LazyMesh]],
         reach_cm: float,
         sand: Ground,
     ) -> None:
@@ -159,7 +159,7 @@ class Coral:
         # Others are made when they are first asked for.
         self._programs: dict[tuple[str, ...], Any] = {(): program(context, "coral")}
         self._grain = repeating(context, grained, 6)
-        self._standing = Standing(
+        self._standing = StaticBatch(
             context, self._programs[()], LAYOUT, ATTRIBUTES, growths, reach_cm, THRESHOLDS_PX,
             kept(spheres, reef),
         )  # fmt: skip
@@ -168,14 +168,14 @@ class Coral:
         gap = reef.place[:, 2] - sand(reef.place[:, 0], reef.place[:, 1])
         shaded = np.flatnonzero(~reef.on_rock & (gap < 3.0) & (reef.kind != RUBBLE))
         self._shaded = self._own[shaded]
-        self._shadows = Standing(
+        self._shadows = StaticBatch(
             context, self._shade, "3f4 1f4", "a_position a_dark",
             [[shadow(reef.taken(k), sand), NOTHING] for k in shaded],
             reach_cm, (SHADE_PX,),
         )  # fmt: skip
 
     @property
-    def standing(self) -> tuple[Standing, ...]:
+    def standing(self) -> tuple[StaticBatch, ...]:
         """What depends on earlier packets."""
         return self._standing, self._shadows
 
@@ -188,7 +188,7 @@ class Coral:
         """Draw what was chosen, or marks of it; the number of triangles."""
         if (wants := wanted(uniforms, marked)) not in self._programs:
             made = program(self._context, "coral", **dict.fromkeys(wants, 1), OWN_MARKS=1)
-            marks = mark(CORAL, self._standing.owners) if marked else None
+            marks = object_id(CORAL, self._standing.owners) if marked else None
             self._standing.draw_by(wants, made, marks)
             self._programs[wants] = made
         self._grain.use(GRAIN_UNIT)
@@ -206,9 +206,9 @@ class Coral:
             held.release()
 
 
-def bake(reef: Reef) -> list[list[Later]]:
+def bake(reef: Reef) -> list[list[LazyMesh]]:
     """The shapes of all growths, level by level."""
-    shapes: list[list[Later]] = [[] for _ in reef.kind]
+    shapes: list[list[LazyMesh]] = [[] for _ in reef.kind]
     variant = variant_of(reef.own)
     groups = np.unique(np.stack([reef.kind, variant], axis=1), axis=0)
 
@@ -219,15 +219,15 @@ def bake(reef: Reef) -> list[list[Later]]:
         for number, k in enumerate(chosen.tolist()):
             # No eye comes so near to a small one that it would need the finest level.
             shapes[k] = [
-                Later(partial(placed.vertices, mesh, number), len(mesh.tip), mesh.triangles)
+                LazyMesh(partial(placed.vertices, mesh, number), len(mesh.tip), mesh.triangles)
                 for mesh in levels[int(reef.radius[k] < FINEST_CM) :]
             ]
     return [own if len(own) == LEVELS else [own[0], *own] for own in shapes]
 
 
 def spheres(reef: Reef) -> Array:
-    """The spheres (k, 4) about all growths, as `Standing` takes them."""
-    return about(bake(reef))
+    """The spheres (k, 4) about all growths, as `StaticBatch` takes them."""
+    return bounding_spheres(bake(reef))
 
 
 class _Placed:
@@ -253,7 +253,7 @@ class _Placed:
         self.place, self.radius, self.own = reef.place, reef.radius, reef.own
         self.light = SHADED + (1.0 - SHADED) * reef.light
 
-    def vertices(self, mesh: Mesh, k: int) -> Array:
+    def vertices(self, mesh: CoralMesh, k: int) -> Array:
         """Vertices (n, COLUMNS) of the one with this number, in its own place and colours."""
         tip, size, look = mesh.tip, self.radius[k], self.look
         normal = mesh.normal @ self.slants[k]
@@ -276,7 +276,7 @@ class _Placed:
         return out
 
 
-def shadow(growth: Reef, sand: Ground) -> Shape:
+def shadow(growth: Reef, sand: Ground) -> StaticMesh:
     """The sand at the foot of one growth: places and the share of light that is missing there."""
     kind = list(KINDS)[int(growth.kind)]
     tall = KINDS[kind].height
@@ -295,10 +295,10 @@ def shadow(growth: Reef, sand: Ground) -> Shape:
     cells.append(
         np.stack([0 * a[1 : SECTORS - 1], a[1 : SECTORS - 1], a[2:SECTORS]], 1)
     )  # the middle
-    return Shape(vertices.astype(np.float32), np.concatenate(cells))
+    return StaticMesh(vertices.astype(np.float32), np.concatenate(cells))
 
 
-def _tints(look: Look, own: Array, hue: Array) -> tuple[Array, Array]:
+def _tints(look: CoralLook, own: Array, hue: Array) -> tuple[Array, Array]:
     """Colours (k, 3) of body and tips: one of the kind's pairs, a little off it."""
     pairs = np.array(look.colours)
     pick = pairs[(hue * len(pairs)).astype(int)]

@@ -11,7 +11,7 @@ import numpy as np
 from subsea.core.arrays import Array, Ints
 
 
-class Mesh(NamedTuple):
+class CoralMesh(NamedTuple):
     """n vertices and m triangles, counter-clockwise from outside; lengths have no unit yet."""
 
     place: Array  # (n, 3)
@@ -23,11 +23,11 @@ class Mesh(NamedTuple):
     triangles: Ints  # (m, 3)
 
 
-def single(mesh: Mesh) -> Mesh:
+def single(mesh: CoralMesh) -> CoralMesh:
     """The same in single precision."""
     parts = mesh._asdict()
     triangles = parts.pop("triangles")
-    return Mesh(
+    return CoralMesh(
         **{name: part.astype(np.float32) for name, part in parts.items()}, triangles=triangles
     )
 
@@ -39,7 +39,7 @@ def skin(
     light: Array | float = 1.0,
     sway: Array | float = 0.0,
     along: Array | None = None,
-) -> Mesh:
+) -> CoralMesh:
     """The surface over points (b, r, c, 3); the other arguments broadcast to (b, r, c).
 
     Rings that have shrunk to a point close it.
@@ -75,7 +75,7 @@ def skin(
     area = cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     triangles = triangles[(area * area).sum(axis=1) > 1e-16]
     tip, light, sway = (np.broadcast_to(x, (b, r, c)).ravel() for x in (tip, light, sway))
-    return Mesh(flat, normal.reshape(-1, 3), along.reshape(-1, 2), tip, light, sway, triangles)
+    return CoralMesh(flat, normal.reshape(-1, 3), along.reshape(-1, 2), tip, light, sway, triangles)
 
 
 def tubes(
@@ -88,7 +88,7 @@ def tubes(
     tip: Array | float = 0.0,
     light: Array | float = 1.0,
     sway: Array | float = 0.0,
-) -> Mesh:
+) -> CoralMesh:
     """Tubes about paths (b, r, 3) of radii (b, r), open where the radius is not 0.
 
     `way` (b, r, 3) is where the axis goes, if not as the path does; `flat` shrinks the tubes along
@@ -119,7 +119,7 @@ def capped(path: Array, radius: Array, share: float = 0.8) -> tuple[Array, Array
 
 def turned(
     reach: Array, height: Array, **given: Array | float
-) -> Mesh:  # fmt: skip
+) -> CoralMesh:  # fmt: skip
     """A profile turned about z: distances from the axis and heights, both (r, c)."""
     turn = np.linspace(0.0, 2 * np.pi, reach.shape[1])
     place = np.stack([reach * np.cos(turn), reach * np.sin(turn), height], axis=-1)
@@ -129,7 +129,7 @@ def turned(
 
 def plates(
     top: Array, thick: float, *, tip: Array | float = 0.0, light: Array | float = 1.0
-) -> Mesh:
+) -> CoralMesh:
     """Thin plates of upper sides (b, r, c, 3), from the foot to the rim; both sides are skinned.
 
     They are `thick` at the foot and sharp at the rim. What is given is (b, r, c).
@@ -151,15 +151,15 @@ def plates(
     return skin(place, tip=both(tip, 0.6), light=both(light, 0.55))
 
 
-def joined(*meshes: Mesh) -> Mesh:
+def joined(*meshes: CoralMesh) -> CoralMesh:
     """All in one."""
     starts = np.cumsum([0] + [len(mesh.place) for mesh in meshes])
     triangles = [mesh.triangles + start for mesh, start in zip(meshes, starts, strict=False)]
     parts = [np.concatenate(part) for part in list(zip(*meshes, strict=True))[:-1]]
-    return Mesh(*parts, np.concatenate(triangles))  # type: ignore[call-arg]
+    return CoralMesh(*parts, np.concatenate(triangles))  # type: ignore[call-arg]
 
 
-def fitted(mesh: Mesh, height: float) -> Mesh:
+def fitted(mesh: CoralMesh, height: float) -> CoralMesh:
     """The mesh at size 1: no point farther than 1 from the axis, none higher than `height`."""
     place = mesh.place
     wide = float(np.hypot(place[:, 0], place[:, 1]).max())

@@ -15,7 +15,7 @@ from subsea.core.arrays import Array
 from subsea.habitat.mounds import HEIGHT, dome, outline
 from subsea.habitat.reef import KINDS
 from subsea.render.reef.coral_mesh import (
-    Mesh,
+    CoralMesh,
     bumps,
     capped,
     cross,
@@ -54,7 +54,9 @@ class Branches(NamedTuple):
         """Some of them."""
         return Branches(*(part[chosen] for part in self))
 
-    def tubes(self, rings: int, sides: int, cap: bool, thicker: float = 1.0, **given: Any) -> Mesh:
+    def tubes(
+        self, rings: int, sides: int, cap: bool, thicker: float = 1.0, **given: Any
+    ) -> CoralMesh:
         """All as tubes; tips get paler from `pale` of the way of branches of the last order."""
         pale, sway, dark = (
             given.pop(key, x) for key, x in (("pale", 0.6), ("sway", 0.0), ("dark", 0.4))
@@ -137,7 +139,7 @@ def _together(*parts: Branches) -> Branches:
     return Branches(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
 
 
-def staghorn(dice: Dice, level: int) -> Mesh:
+def staghorn(dice: Dice, level: int) -> CoralMesh:
     """Antlers that fill their room: stems, boughs on them, fingers with pale ends."""
     stems = _stems(dice, 7, 1.5, 0.5, 0.062)
     boughs = _offshoots(dice, stems, 3, 0.8, 0.35, 0.8, 0.45)
@@ -156,7 +158,7 @@ def staghorn(dice: Dice, level: int) -> Mesh:
     return few.tubes(2, 3, False, 2.2, pale=0.3)
 
 
-def bush(dice: Dice, level: int) -> Mesh:
+def bush(dice: Dice, level: int) -> CoralMesh:
     """A cushion of short fingers, each with a knobbly pale head."""
     number = 72
     k = np.arange(number) + 0.5
@@ -181,7 +183,7 @@ def bush(dice: Dice, level: int) -> Mesh:
     return few.tubes(2, 3, False, 1.5 if level == 2 else 2.5, pale=0.25, dark=0.15)
 
 
-def table(dice: Dice, level: int) -> Mesh:
+def table(dice: Dice, level: int) -> CoralMesh:
     """Flat plates on a short stem, one above another, with a finely branched rim."""
     columns = (72, 36, 18, 10)[level]
     parts = []
@@ -193,7 +195,7 @@ def table(dice: Dice, level: int) -> Mesh:
     return joined(*parts)
 
 
-def _plate(dice: Dice, level: int, columns: int, wide: float, off: Array, z: float) -> Mesh:
+def _plate(dice: Dice, level: int, columns: int, wide: float, off: Array, z: float) -> CoralMesh:
     turn = np.linspace(0.0, 2 * np.pi, columns + 1)
     lobes = 1.0 + 0.0 * turn
     for wave in (1, 2, 3, 5, 8):
@@ -253,7 +255,7 @@ def _plate(dice: Dice, level: int, columns: int, wide: float, off: Array, z: flo
     return joined(mesh, twigs)
 
 
-def brain(dice: Dice, level: int) -> Mesh:
+def brain(dice: Dice, level: int) -> CoralMesh:
     """A lumpy dome that overhangs its foot a little; its ridges are texture."""
     columns, rings = ((26, 13), (16, 8), (10, 5), (7, 4))[level]
     down = np.linspace(np.radians(112.0), 0.0, rings)[:, None]
@@ -275,7 +277,7 @@ def brain(dice: Dice, level: int) -> Mesh:
     return mesh._replace(along=flat.reshape(-1, 2))
 
 
-def lettuce(dice: Dice, level: int) -> Mesh:
+def lettuce(dice: Dice, level: int) -> CoralMesh:
     """A ruffled plate that winds about itself, wider and lower from turn to turn."""
     c, r = ((84, 5), (44, 3), (22, 2), (11, 2))[level]
     far = np.linspace(0.0, 1.0, c)[None, None, :]
@@ -295,7 +297,7 @@ def lettuce(dice: Dice, level: int) -> Mesh:
     return plates(top, 0.06, tip=pale, light=0.22 + 0.78 * out**1.5 + 0 * reach)
 
 
-def finger(dice: Dice, level: int) -> Mesh:
+def finger(dice: Dice, level: int) -> CoralMesh:
     """Soft fingers with round ends on a lobed foot."""
     stems = _stems(dice, 9, 1.1, 0.55, 0.13)
     knobs = _offshoots(dice, stems, 3, 0.7, 0.5, 0.85, 0.4)
@@ -309,7 +311,7 @@ def finger(dice: Dice, level: int) -> Mesh:
     return few.tubes(2, 4 if level == 2 else 3, False, 1.25, pale=0.1, sway=0.5, dark=0.25)
 
 
-def leather(dice: Dice, level: int) -> Mesh:
+def leather(dice: Dice, level: int) -> CoralMesh:
     """A stalk with a cap whose rim is thrown into folds."""
     columns = (48, 28, 14, 8)[level]
     turn = np.linspace(0.0, 2 * np.pi, columns + 1)
@@ -331,7 +333,7 @@ def leather(dice: Dice, level: int) -> Mesh:
     )  # fmt: skip
 
 
-def soft(dice: Dice, level: int) -> Mesh:
+def soft(dice: Dice, level: int) -> CoralMesh:
     """A soft tree: pale swollen trunk and boughs, and bunches of bright polyps on them."""
     trunk = _stems(dice, 1, 0.2, 0.7, 0.13)
     trunk = trunk._replace(
@@ -381,7 +383,7 @@ def soft(dice: Dice, level: int) -> Mesh:
     return joined(stem, bulbs)
 
 
-def fan(dice: Dice, level: int) -> Mesh:
+def fan(dice: Dice, level: int) -> CoralMesh:
     """A flat fan of twigs that fork and fork again in one plane, across the current."""
     start, angle = (
         np.array([[-0.02, -0.05], [0.0, -0.05], [0.02, -0.05]]),
@@ -437,7 +439,9 @@ def fan(dice: Dice, level: int) -> Mesh:
     return tubes(path, radius, sides, tip=tip, light=0.75 + 0.25 * tip, sway=_out(path))
 
 
-def _hollow(path: Array, radius: Array, sides: int, deep: int, thick: float, **given: Any) -> Mesh:
+def _hollow(
+    path: Array, radius: Array, sides: int, deep: int, thick: float, **given: Any
+) -> CoralMesh:
     """Tubes with walls: up outside, over the rim, and down inside by `deep` rings."""
     b, r = radius.shape
     back = np.arange(r - 1, r - 1 - deep, -1)
@@ -454,7 +458,7 @@ def _hollow(path: Array, radius: Array, sides: int, deep: int, thick: float, **g
     )  # fmt: skip
 
 
-def pipes(dice: Dice, level: int) -> Mesh:
+def pipes(dice: Dice, level: int) -> CoralMesh:
     """A cluster of tube sponges of all heights that lean apart."""
     number, rings, sides = 8, (6, 4, 3, 2)[level], (9, 7, 5, 4)[level]
     turn = 2.39996 * np.arange(number) + dice.uniform(-0.4, 0.4, number)
@@ -476,7 +480,7 @@ def pipes(dice: Dice, level: int) -> Mesh:
     return _hollow(path, radius, sides, max(rings // 2, 1), 0.32)
 
 
-def barrel(dice: Dice, level: int) -> Mesh:
+def barrel(dice: Dice, level: int) -> CoralMesh:
     """A barrel sponge: a ribbed, lopsided vessel with a deep hollow."""
     columns, rings = ((44, 9), (26, 6), (14, 4), (8, 3))[level]
     turn = np.linspace(0.0, 2 * np.pi, columns + 1)
@@ -509,7 +513,7 @@ def barrel(dice: Dice, level: int) -> Mesh:
     )
 
 
-def anemone(dice: Dice, level: int) -> Mesh:
+def anemone(dice: Dice, level: int) -> CoralMesh:
     """A crown of tentacles on a disc; they wave and have pale, swollen ends."""
     number = (96, 60, 30, 14)[level]
     fine = np.random.default_rng(int(dice.integers(2**31)))
@@ -556,7 +560,7 @@ def anemone(dice: Dice, level: int) -> Mesh:
     return joined(foot, crown)
 
 
-def rubble(dice: Dice, level: int) -> Mesh:
+def rubble(dice: Dice, level: int) -> CoralMesh:
     """Dead, broken branches and lumps, lying about."""
     number = (22, 14, 8, 4)[level]
     turn, far = dice.uniform(0, 2 * np.pi, 22), np.sqrt(dice.uniform(0, 1, 22)) * 0.8
@@ -577,7 +581,7 @@ def rubble(dice: Dice, level: int) -> Mesh:
     )
 
 
-def mound(dice: Dice, level: int, variant: int = 0) -> Mesh:
+def mound(dice: Dice, level: int, variant: int = 0) -> CoralMesh:
     """Dead reef: a worn dome, crusted with pale and pink, as `habitat.mounds` has it."""
     columns, rings = ((30, 12), (18, 8), (11, 5), (7, 4))[level]
     turn = np.linspace(0.0, 2 * np.pi, columns + 1)
@@ -594,7 +598,7 @@ def mound(dice: Dice, level: int, variant: int = 0) -> Mesh:
 
 
 SMOOTH = ("mound", "brain", "barrel", "leather", "table", "lettuce")
-SHAPES: dict[str, Callable[[Dice, int], Mesh]] = {
+SHAPES: dict[str, Callable[[Dice, int], CoralMesh]] = {
     "staghorn": staghorn, "bush": bush, "table": table, "brain": brain, "lettuce": lettuce,
     "finger": finger, "leather": leather, "soft": soft, "fan": fan, "pipes": pipes,
     "barrel": barrel, "anemone": anemone, "rubble": rubble,
@@ -602,7 +606,7 @@ SHAPES: dict[str, Callable[[Dice, int], Mesh]] = {
 }  # fmt: skip
 
 
-def lump(kind: str, mesh: Mesh) -> Mesh:
+def lump(kind: str, mesh: CoralMesh) -> CoralMesh:
     """A few triangles in place of a mesh, as wide at each height as that is, and as ragged."""
     x, y, z = mesh.place.T
     flat, top = (0.1 if kind == "fan" else 1.0), z.max()
@@ -625,10 +629,10 @@ def lump(kind: str, mesh: Mesh) -> Mesh:
     return out._replace(place=out.place * (1.0, flat, 1.0))
 
 
-def forms(wanted: Sequence[tuple[str, int]]) -> list[list[Mesh]]:
+def forms(wanted: Sequence[tuple[str, int]]) -> list[list[CoralMesh]]:
     """Of kinds and numbers of variants all levels, finest first, in single precision."""
 
-    def levels(one: tuple[str, int]) -> list[Mesh]:
+    def levels(one: tuple[str, int]) -> list[CoralMesh]:
         return [single(shape(*one, level)) for level in range(LEVELS)]
 
     with ThreadPoolExecutor() as pool:  # numpy leaves the interpreter to others
@@ -636,7 +640,7 @@ def forms(wanted: Sequence[tuple[str, int]]) -> list[list[Mesh]]:
 
 
 @cache
-def shape(kind: str, variant: int, level: int) -> Mesh:
+def shape(kind: str, variant: int, level: int) -> CoralMesh:
     """One variant of a kind at one level, as wide and high as `habitat.reef.KINDS` says."""
     if level == LEVELS - 1:
         before = shape(kind, variant, level - 1)

@@ -27,7 +27,7 @@ from subsea.habitat.formations import (
     rough_distance,
     shade_of,
 )
-from subsea.render.gl.static_batch import Shape
+from subsea.render.gl.static_batch import StaticMesh
 from subsea.render.reef.isosurface import surface_net
 
 Floor = Callable[[Array, Array], Array]  # x and y in cm -> height of the seabed in cm
@@ -47,13 +47,13 @@ COLUMNS = 13
 SKY, SUNNY, HOLLOW, ABOVE, TURF, CORALLINE, SPONGE = range(6, 13)
 
 
-def shapes(formations: list[Array], floor: Floor) -> list[list[Shape]]:
-    """Of each formation the levels, finest first, as `Standing` takes them."""
+def shapes(formations: list[Array], floor: Floor) -> list[list[StaticMesh]]:
+    """Of each formation the levels, finest first, as `StaticBatch` takes them."""
     # Compiled kernels and numpy leave the interpreter to others.
     with ThreadPoolExecutor() as pool:
         shades = list(pool.map(shade_of, formations))
 
-        def levels(number: int) -> list[Shape]:
+        def levels(number: int) -> list[StaticMesh]:
             near = [shades[k] for k in _neighbours(formations, number)]
             return _levels(formations[number], near, floor)
 
@@ -62,7 +62,7 @@ def shapes(formations: list[Array], floor: Floor) -> list[list[Shape]]:
     return [own for own in shaped if len(own[0].triangles)]
 
 
-def cut(levels: list[Shape]) -> list[list[Shape]]:
+def cut(levels: list[StaticMesh]) -> list[list[StaticMesh]]:
     """The levels of a formation in pieces of which each has a level of its own.
 
     Beyond its box each piece has triangles as far as its level's are long: neighbours of different
@@ -70,7 +70,7 @@ def cut(levels: list[Shape]) -> list[list[Shape]]:
     """
     low = levels[0].vertices[:, :3].min(axis=0)
     number = np.ceil(np.ptp(levels[0].vertices[:, :3], axis=0) / PIECE_CM).astype(int)
-    pieces: list[list[Shape]] = []
+    pieces: list[list[StaticMesh]] = []
     middles = [shape.vertices[:, :3][shape.triangles].mean(axis=1) for shape in levels]
     longs = [_long(shape) for shape in levels]
     for i, j, k in np.ndindex(*np.maximum(number, 1)):
@@ -81,13 +81,13 @@ def cut(levels: list[Shape]) -> list[list[Shape]]:
             if shape is levels[0] and not (beyond <= 0.0).any():
                 break
             used, triangles = np.unique(shape.triangles[beyond <= long], return_inverse=True)
-            own.append(Shape(shape.vertices[used], triangles.reshape(-1, 3).astype(np.int32)))
+            own.append(StaticMesh(shape.vertices[used], triangles.reshape(-1, 3).astype(np.int32)))
         else:
             pieces.append(own)
     return pieces
 
 
-def _long(shape: Shape) -> float:
+def _long(shape: StaticMesh) -> float:
     """How long the edges of a shape's triangles are, on average."""
     corners = shape.vertices[:, :3][shape.triangles]
     return float(np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1).mean())
@@ -105,10 +105,10 @@ def _neighbours(formations: list[Array], number: int) -> list[int]:
     return found
 
 
-def _levels(blocks: Array, near: list[Shade], floor: Floor) -> list[Shape]:
+def _levels(blocks: Array, near: list[Shade], floor: Floor) -> list[StaticMesh]:
     """One field, of whose samples ever fewer are taken."""
     field, corner, cell = sampled(blocks, floor)
-    levels: list[Shape] = []
+    levels: list[StaticMesh] = []
     for k in range(LEVELS):
         shape = _shape(field[:: 2**k, :: 2**k, :: 2**k], corner, cell * 2**k, blocks, near, floor)
         # A thin stone may slip between coarse samples.
@@ -137,7 +137,7 @@ def sampled(blocks: Array, floor: Floor) -> tuple[Array, Array, float]:
 
 def _shape(
     field: Array, corner: Array, cell: float, blocks: Array, near: list[Shade], floor: Floor
-) -> Shape:
+) -> StaticMesh:
     cells, triangles = surface_net(field)
     # Coarse levels lie on the same surface, not on chords of it; but no place leaves its cell.
     start = corner + cell * cells
@@ -154,7 +154,7 @@ def _shape(
         _sun(shade, place, normal, vertices)
     vertices[:, ABOVE] = place[:, 2] - floor(place[:, 0], place[:, 1])
     shown = vertices[:, ABOVE] > -BURIED_CM
-    return Shape(vertices, triangles[shown[triangles].any(axis=1)].astype(np.int32))
+    return StaticMesh(vertices, triangles[shown[triangles].any(axis=1)].astype(np.int32))
 
 
 @kernel

@@ -12,10 +12,10 @@ from subsea.frame.packet import Packet, Scene
 from subsea.geometry.solids import from_pillar, from_rock
 from subsea.geometry.vector import vector
 from subsea.habitat.formations import first_of_formation, formations
-from subsea.render.gl.id_buffer import PILLAR, ROCK, mark
+from subsea.render.gl.id_buffer import PILLAR, ROCK, object_id
 from subsea.render.gl.mipmaps import Texels
 from subsea.render.gl.shaders import program, set_uniforms, wanted
-from subsea.render.gl.static_batch import Shape, Standing
+from subsea.render.gl.static_batch import StaticBatch, StaticMesh
 from subsea.render.gl.textures import in_bytes, relief, repeating
 from subsea.render.reef.rock_mesh import cut, shapes
 from subsea.render.sea.seabed import drawn_height
@@ -27,7 +27,9 @@ RELIEF_SPAN = np.array([1.6, 32.0, 32.0, 1.0])  # of its layers, to both sides o
 LEVELS_PX = (900.0, 230.0)
 
 
-def pieces(terrain: Array, half_width_cm: float, pillars: Array, rocks: Array) -> list[list[Shape]]:
+def pieces(
+    terrain: Array, half_width_cm: float, pillars: Array, rocks: Array
+) -> list[list[StaticMesh]]:
     """All formations of a `Scene`, shaped and cut: of each piece the levels, finest first."""
     floor = partial(drawn_height, terrain, half_width_cm)
     found = formations(pillars, rocks)
@@ -38,7 +40,7 @@ def solid_marks(pillars: Array, rocks: Array, places: Array) -> Array:
     """The marks (n,) of places (n, 3) on stone: solids that overlap are one, the first of them."""
     solid = first_of_formation(pillars, rocks)[_nearest(pillars, rocks, places)]
     number = solid - len(pillars)
-    return np.asarray(np.where(number < 0, mark(PILLAR, solid), mark(ROCK, number)))
+    return np.asarray(np.where(number < 0, object_id(PILLAR, solid), object_id(ROCK, number)))
 
 
 @kernel
@@ -60,21 +62,21 @@ def roughness(seed: int) -> Texels:
     return in_bytes(relief(seed), -RELIEF_SPAN, RELIEF_SPAN)
 
 
-class Solids:
+class RockRenderer:
     """Holds the shapes of all formations."""
 
-    def __init__(self, context: Any, scene: Scene, stone: list[list[Shape]]) -> None:
+    def __init__(self, context: Any, scene: Scene, stone: list[list[StaticMesh]]) -> None:
         """Upload the `pieces` of a scene's formations."""
         self._context = context
         self._held: list[Any] = []
-        self._standing: Standing | None = None
+        self._standing: StaticBatch | None = None
         self._programs: dict[tuple[str, ...], Any] = {}  # made when they are first asked for
         self._scene, self._stone = scene, stone
         if not stone:
             return
         self._programs[()] = program(context, "solid")
         self._relief = repeating(context, roughness, 5)
-        self._standing = Standing(
+        self._standing = StaticBatch(
             context,
             self._programs[()],
             "3f4 3f4 4f4 3f4",
@@ -86,7 +88,7 @@ class Solids:
         self._held = [self._standing, self._relief, self._programs[()]]
 
     @property
-    def standing(self) -> tuple[Standing, ...]:
+    def standing(self) -> tuple[StaticBatch, ...]:
         """What depends on earlier packets."""
         return (self._standing,) if self._standing else ()
 
@@ -108,7 +110,7 @@ class Solids:
         self._context.disable(moderngl.CULL_FACE)
         return total
 
-    def _make(self, wants: tuple[str, ...], standing: Standing) -> None:
+    def _make(self, wants: tuple[str, ...], standing: StaticBatch) -> None:
         """Compile another program, for marks or for lamps."""
         marks = None
         if "MARKS" in wants:

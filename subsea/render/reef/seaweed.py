@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from subsea.core.arrays import Array
 from subsea.frame.packet import LEAF_TEXELS, Packet
-from subsea.render.gl.id_buffer import SEAWEED, Twin
+from subsea.render.gl.id_buffer import SEAWEED, ProgramVariants
 
 LEAVES_UNIT = 5  # texture unit
 FINE, COARSE = (13, 3), (7, 2)  # samples along a leaf and across it
@@ -23,13 +23,13 @@ FRONDS = {
 }
 
 
-class Seaweed:
+class SeaweedRenderer:
     """Holds two ribbons, the texture of the leaves in sight, a row each, and what grows on them."""
 
     def __init__(self, context: Any) -> None:
         """Make the ribbons; the leaves come with each packet."""
         self._context = context
-        self._drawn = Twin(context, "seaweed", SEAWEED)
+        self._drawn = ProgramVariants(context, "seaweed", SEAWEED)
         self._held: list[Any] = [self._drawn]
         self._ribbons = []
         for size in (FINE, COARSE):

@@ -7,7 +7,7 @@ import numpy as np
 
 from subsea.core.arrays import Array
 from subsea.frame.packet import Packet, Scene
-from subsea.render.gl.id_buffer import BUBBLES, Twin
+from subsea.render.gl.id_buffer import BUBBLES, ProgramVariants
 from subsea.render.sea.seabed import drawn_height
 from subsea.view.culling import IN_SIGHT
 
@@ -15,7 +15,7 @@ SLOWEST = 0.22  # share of a vent's largest diameter, as `bubbles.vert` throws i
 STREAM_CM = 60.0  # a stream is no wider, but for the current
 
 
-class Bubbles:
+class BubbleRenderer:
     """Holds the slots of every vent; what is in them follows from the time, in the shader."""
 
     def __init__(self, context: Any, scene: Scene) -> None:
@@ -29,7 +29,7 @@ class Bubbles:
             for number, ((x, y, rate, size), z) in enumerate(zip(scene.vents, feet, strict=True))
         ]
         self._streams = [stream(slot, self._current) for slot in self._slots]
-        self._drawn = Twin(context, "bubbles", BUBBLES)
+        self._drawn = ProgramVariants(context, "bubbles", BUBBLES)
         total = sum(len(slot) for slot in self._slots)
         self._buffer = context.buffer(reserve=max(32 * total, 32))
         self._array = self._drawn.array([(self._buffer, "4f4 4f4 /i", "a_vent", "a_slot")])

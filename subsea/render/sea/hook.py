@@ -7,7 +7,7 @@ import numpy as np
 
 from subsea.core.arrays import Array, Ints
 from subsea.frame.packet import Packet
-from subsea.render.gl.id_buffer import HOOK, Twin
+from subsea.render.gl.id_buffer import HOOK, ProgramVariants
 
 METAL, BAIT, LINE = range(3)
 SIDES = 10
@@ -17,14 +17,14 @@ LINE_CM = 0.05  # the shader draws it no thinner than a pixel, but fainter
 TOP_CM = 80.0  # the line goes on above the surface
 
 
-class Hook:
+class HookRenderer:
     """Holds the shape; its place comes with each packet."""
 
     def __init__(self, context: Any) -> None:
         """Bend the wire."""
         vertices, triangles = shape()
         self._count = triangles.size
-        self._drawn = Twin(context, "hook", HOOK)
+        self._drawn = ProgramVariants(context, "hook", HOOK)
         self._vertices = context.buffer(vertices.astype("f4").tobytes())
         self._triangles = context.buffer(triangles.astype("i4").tobytes())
         self._array = self._drawn.array(

@@ -11,7 +11,7 @@ from subsea.render.output.uniforms import SHAFTS_UNIT
 SIZE = (320, 16)  # turns about the sun, cosines of the angle from it
 
 
-class Shafts:
+class LightShaftRenderer:
     """Holds the map; whoever includes `optics.glsl` reads it."""
 
     def __init__(self, context: Any, quality: Quality) -> None:

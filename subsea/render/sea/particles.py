@@ -16,7 +16,7 @@ SNOW_LOOK = {"u_diameter": 0.55, "u_colour": (0.55, 0.62, 0.62), "u_reach": 250.
 PLANKTON_LOOK = {"u_diameter": 1.0, "u_colour": (0.85, 0.88, 0.80), "u_reach": PLANKTON_REACH_CM}
 
 
-class Particles:
+class ParticleRenderer:
     """Holds the buffers of points."""
 
     def __init__(self, context: Any, scene: Scene) -> None:

@@ -8,9 +8,9 @@ import numpy as np
 from subsea.core.arrays import Array, Ints
 from subsea.frame.packet import Packet, Scene
 from subsea.habitat.formations import formations
-from subsea.render.gl.id_buffer import SEABED, mark
+from subsea.render.gl.id_buffer import SEABED, object_id
 from subsea.render.gl.shaders import program, set_uniforms, wanted
-from subsea.render.gl.static_batch import Shape, Standing
+from subsea.render.gl.static_batch import StaticBatch, StaticMesh
 from subsea.render.gl.textures import repeating
 from subsea.render.sea import ground_map, sand
 from subsea.view.culling import IN_SIGHT
@@ -22,7 +22,7 @@ SKIRT_CM = 9.0  # hangs from a tile's rim, where it meets one of another level
 GROUND_UNIT, RIPPLES_UNIT, LITTER_UNIT = 8, 9, 10  # texture units
 
 
-class Seabed:
+class SeabedRenderer:
     """Holds the tiles and the textures of the sand."""
 
     def __init__(self, context: Any, scene: Scene, about: ground_map.GroundMap) -> None:
@@ -31,7 +31,7 @@ class Seabed:
         self._context = context
         # Others are made when they are first asked for.
         self._programs: dict[tuple[str, ...], Any] = {(): program(context, "seabed")}
-        self._standing = Standing(
+        self._standing = StaticBatch(
             context,
             self._programs[()],
             "3f4 2f4",
@@ -48,7 +48,7 @@ class Seabed:
         ]
 
     @property
-    def standing(self) -> tuple[Standing, ...]:
+    def standing(self) -> tuple[StaticBatch, ...]:
         """What depends on earlier packets."""
         return (self._standing,)
 
@@ -69,7 +69,7 @@ class Seabed:
             self._programs[wants],
             u_ground=GROUND_UNIT, u_ripples=RIPPLES_UNIT, u_litter=LITTER_UNIT, u_map=self._map,
         )  # fmt: skip
-        return self._standing.draw(number, uniforms | {"u_mark": mark(SEABED)}, marked)
+        return self._standing.draw(number, uniforms | {"u_mark": object_id(SEABED)}, marked)
 
     def release(self) -> None:
         """Free every OpenGL object."""
@@ -119,8 +119,8 @@ def surface(heights: Array, half_width: float) -> tuple[Array, Array]:
     return np.stack([x, y, z], axis=2), np.stack([slope_x, slope_y], axis=2)
 
 
-def tiles(positions: Array, slopes: Array) -> list[list[Shape]]:
-    """Of each tile the levels, finest first, as `Standing` takes them: vertices (n, 5)."""
+def tiles(positions: Array, slopes: Array) -> list[list[StaticMesh]]:
+    """Of each tile the levels, finest first, as `StaticBatch` takes them: vertices (n, 5)."""
     vertices = np.concatenate([positions, slopes], axis=2).astype(np.float32)
     meshes = [_mesh(CELLS // step) for step in (1, 2, 4)]
     found = []
@@ -132,7 +132,7 @@ def tiles(positions: Array, slopes: Array) -> list[list[Shape]]:
                 top = tile[::step, ::step].reshape(-1, 5)
                 skirt = top[rim]
                 skirt[:, 2] -= SKIRT_CM
-                levels.append(Shape(np.concatenate([top, skirt]), triangles))
+                levels.append(StaticMesh(np.concatenate([top, skirt]), triangles))
             found.append(levels)
     return found
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.frame.packet import Scene
-from subsea.render.gl.id_buffer import SURFACE, Twin
+from subsea.render.gl.id_buffer import SURFACE, ProgramVariants
 from subsea.render.gl.mipmaps import Texels
 from subsea.render.gl.shaders import program, set_uniforms, wanted
 from subsea.render.gl.textures import halves, repeating, ripples
@@ -25,7 +25,7 @@ RINGS, SECTORS = 16, 48  # of the disc that is the surface
 RIPPLES_UNIT = 7  # texture unit
 
 
-class Water:
+class WaterRenderer:
     """Holds the grid of the background and the disc of the surface."""
 
     def __init__(self, context: Any, scene: Scene) -> None:
@@ -36,7 +36,7 @@ class Water:
         # By their cells, and what the program is wanted for.
         self._grids: dict[tuple[Any, ...], tuple[Any, Any]] = {}
         self._cells = COARSE
-        self._surface = Twin(context, "surface", SURFACE)
+        self._surface = ProgramVariants(context, "surface", SURFACE)
         self._floor = float(np.mean(scene.terrain))
         self._ripples = repeating(context, rippled, 3)
         self._parts = [context.buffer(part.tobytes()) for part in disc(RINGS, SECTORS)]

@@ -6,7 +6,7 @@ from imgui_bundle import imgui
 from numpy.typing import NDArray
 
 from subsea.fish.editing.draft import Box
-from subsea.render.gl.image_texture import Shown
+from subsea.render.gl.image_texture import ImageTexture
 
 FIELD = 7.0  # width of a field, in heights of letters
 
@@ -16,7 +16,7 @@ class Tracing:
 
     def __init__(self, context: Any, pixels: NDArray[Any]) -> None:
         """Pixels (h, w, 3), top row first: at first as wide as the fish is long."""
-        self.shown = Shown(context, pixels)
+        self.shown = ImageTexture(context, pixels)
         self.high = pixels.shape[0] / pixels.shape[1]  # over its width
         self.left, self.middle, self.wide = 0.0, 0.0, 1.0
         self.flipped = False

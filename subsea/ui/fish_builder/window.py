@@ -22,8 +22,8 @@ from subsea.fish.editing.edit_state import Editing
 from subsea.fish.editing.swimmer import WAYS, Swimmer
 from subsea.fish.paint import paint
 from subsea.fish.species import is_shipped, own_species_file, species_file, species_names
-from subsea.render.fish.preview import Orbit, Specimen
-from subsea.render.gl.image_texture import Shown
+from subsea.render.fish.preview import FishPreview, Orbit
+from subsea.render.gl.image_texture import ImageTexture
 from subsea.ui.fish_builder.jobs import FEWEST, MOST, Making, recorded
 from subsea.ui.fish_builder.new_species import Naming
 from subsea.ui.fish_builder.number_panels import Panels
@@ -112,10 +112,10 @@ class Builder:
         self._judged: Draft | None = None  # the last draft that was judged, or is being
         self._shaped = draft
         sheet, _ = sheet_for(draft)
-        self.specimen = Specimen(bench.context, draft.species, sheet)
+        self.specimen = FishPreview(bench.context, draft.species, sheet)
         self.tracing = Tracing(bench.context, photo) if photo is not None else None
         flank, self._place = dressed(draft.species, sheet)
-        self._flank = Shown(bench.context, flank)
+        self._flank = ImageTexture(bench.context, flank)
 
     @property
     def unsaved(self) -> bool:
@@ -251,7 +251,7 @@ class Builder:
             self.remarks = judged.remarks
             self.specimen.dress(self.editing.present.species, judged.sheet)
             self._flank.release()
-            self._flank = Shown(self.bench.context, judged.flank)
+            self._flank = ImageTexture(self.bench.context, judged.flank)
             self._place = judged.place
 
     def _dressed(self) -> tuple[int, Box]:

@@ -26,7 +26,7 @@ from subsea.world.world import check_in
 
 if TYPE_CHECKING:
     from subsea.ui.inspector import Desk
-    from subsea.view.unproject import Sight
+    from subsea.view.unproject import FrontView
 
 REFUSED = (1.0, 0.42, 0.34)  # what cannot be
 WIDE, ROWS = 20.0, 7.5  # of the list, in heights of letters
@@ -254,7 +254,9 @@ def _numbers(desk: "Desk", placing: Placing, scenario: Scenario, sea: Sea) -> No
         desk.later(partial(place, desk, placing.trial))
 
 
-def _hand(desk: "Desk", placing: Placing, sight: "Sight", things: list[Handle]) -> Handle | None:
+def _hand(
+    desk: "Desk", placing: Placing, sight: "FrontView", things: list[Handle]
+) -> Handle | None:
     """What the pointer does in the sea; the thing that is under it."""
     host, io = desk.host, imgui.get_io()
     sea, source, pointer = host.world.state.sea, str(host.source), host.gui.pointer
@@ -315,7 +317,7 @@ def _drop(desk: "Desk", placing: Placing) -> None:
         desk.later(partial(place, desk, placing.trial))
 
 
-def _show(sight: "Sight", thing: Handle, ink: tuple[float, float, float], wide: float) -> None:
+def _show(sight: "FrontView", thing: Handle, ink: tuple[float, float, float], wide: float) -> None:
     """The outline of a thing, under all panels."""
     size, line = imgui.get_io().display_size, imgui.get_font_size()
     canvas = imgui.get_background_draw_list()

@@ -11,7 +11,7 @@ from subsea.fish.photo import mesh_edit
 from subsea.fish.photo.deformable_mesh import BODY, DORSAL, VENTRAL, Field, Net, copied, meshes
 from subsea.fish.photo.mesh_edit import Node
 from subsea.fish.photo.side_view import finer
-from subsea.render.gl.image_texture import Shown
+from subsea.render.gl.image_texture import ImageTexture
 from subsea.ui.gui import GLASS, INK, MARK
 from subsea.ui.viewport2d import Canvas, Touch
 
@@ -56,8 +56,8 @@ class Easel:
         self.parts: tuple[str, ...] = (BODY, DORSAL, VENTRAL)  # that hands touch
         self.edges = False  # whether edges are shown instead of the photograph
         self.lines = True  # whether the meshes' inner lines are drawn
-        self._photograph = Shown(context, colour)
-        self._field: Shown | None = None
+        self._photograph = ImageTexture(context, colour)
+        self._field: ImageTexture | None = None
         self._start: Net | None = None  # of the present drag
         self._frame: mesh_edit.Frame | None = None
         self._held: dict[str, Any] = {}
@@ -75,7 +75,7 @@ class Easel:
         tint = np.array([0.35, 0.85, 1.0]) * high[..., None] ** 0.8
         if self._field is not None:
             self._field.release()
-        self._field = Shown(self._context, (255.0 * tint).clip(0, 255).astype(np.uint8))
+        self._field = ImageTexture(self._context, (255.0 * tint).clip(0, 255).astype(np.uint8))
 
     def release(self) -> None:
         """Free the pictures."""

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from subsea.fish.editing.swimmer import Swimmer
 from subsea.fish.species import Species
-from subsea.render.fish.preview import Orbit, Specimen
+from subsea.render.fish.preview import FishPreview, Orbit
 
 TURN = 0.008  # rad for each unit of the pointer
 ZOOM = 1.12  # of a step of the wheel
@@ -23,7 +23,7 @@ class Preview:
         self.orbit = AT_FIRST
         self.swims = True
         self._swimmer = Swimmer(species)
-        self._specimen = Specimen(context, species, sheet)
+        self._specimen = FishPreview(context, species, sheet)
 
     def dress(self, species: Species, sheet: NDArray[np.uint8]) -> None:
         """Another sheet, for the same fish."""

@@ -43,7 +43,7 @@ from subsea.fish.species import (
     repertoire_file,
     species_file,
 )
-from subsea.render.gl.image_texture import Shown
+from subsea.render.gl.image_texture import ImageTexture
 from subsea.repertoire import read_repertoire, write_repertoire
 from subsea.ui.fish_builder.new_species import Naming
 from subsea.ui.skin_editor import panels
@@ -114,7 +114,7 @@ class Dressing:
         self.history: History[Pose] = History(Pose(name, copied(self.net)))
         self.easel = Easel(bench.context, _on_black(photograph), self._colour.shape[:2])
         self.sheet = self._paint
-        self.shown_sheet = Shown(bench.context, _seen(self.sheet))
+        self.shown_sheet = ImageTexture(bench.context, _seen(self.sheet))
         self.preview = Preview(bench.context, self.species, self.sheet)
         if mesh is not None and mesh.exists():
             self._taken_up = True
@@ -359,7 +359,7 @@ class Dressing:
     def _wear(self, sheet: Bytes) -> None:
         self.sheet = sheet
         self.shown_sheet.release()
-        self.shown_sheet = Shown(self.bench.context, _seen(sheet))
+        self.shown_sheet = ImageTexture(self.bench.context, _seen(sheet))
         self.dress()
 
     def dress(self) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 from subsea.core.arrays import Array, Ints
 from subsea.core.errors import UserError, unknown
 from subsea.core.resources import at_key
-from subsea.view.rig import Rect, Shape, Warp
+from subsea.view.rig import Projection, Rect, Warp
 from subsea.view.surround import ALL_ROUND, Surround
 from subsea.view.theatre.blend import Projector, mask_of
 from subsea.view.theatre.mpcdi import Region, read_mpcdi
@@ -55,10 +55,10 @@ class Lighted:
     gamma: float
     black: float
     screen: Screen | None = None  # None: of those that show all round
-    shape: Shape = Shape.FLAT
+    shape: Projection = Projection.FLAT
     surround: Surround = ALL_ROUND  # angle of a panorama, tilt of a dome
     warp: Warp | None = None  # what of the screen each point of the picture shows
-    mask: Array | None = None  # (h, w, 4) as `rig.Patch` has it
+    mask: Array | None = None  # (h, w, 4) as `rig.DisplayPatch` has it
     blend: bool = False
 
 
@@ -170,7 +170,7 @@ def _of_region(theatre: Theatre, archive: Archive, region: Region) -> Lighted:
     else:
         lighted = _lit(theatre, archive, region.name, number, place, region.place)
     warp = region.warp
-    if lighted.shape == Shape.PANORAMA:
+    if lighted.shape == Projection.PANORAMA:
         raise UserError("`panorama` is for uncalibrated screens, expected a `cylinder`")
     if lighted.screen is None:
         warp = within(warp or straight(), region.place)
@@ -201,9 +201,9 @@ def _lit(
         name, number, (x, window.size[1] - y - height, width, height), 1.0, lit.gamma, lit.black
     )
     for table, shape in (
-        (lit.panorama, Shape.PANORAMA),
-        (lit.dome, Shape.DOME),
-        (lit.equirectangular, Shape.EQUIRECTANGULAR),
+        (lit.panorama, Projection.PANORAMA),
+        (lit.dome, Projection.DOME),
+        (lit.equirectangular, Projection.EQUIRECTANGULAR),
     ):
         if table is not None:
             far = theatre.scale * table.distance_cm

@@ -3,14 +3,14 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.view.rig import CUBES, Rect, Rig
+from subsea.view.rig import CUBES, CameraRig, Rect
 from subsea.view.surround import COLUMNS, FACES, MARGIN_PX, ROWS
 from subsea.view.theatre.test_pattern import pattern
 
 Picture = NDArray[np.uint8]
 
 
-def lineup(rig: Rig) -> Picture:
+def lineup(rig: CameraRig) -> Picture:
     """A canvas (h, w, 3), top row first, with a pattern wherever a patch takes something from.
 
     Channels are numbered from 1; where the eyes differ L or R is added, and to the faces of a
@@ -38,7 +38,7 @@ def lineup(rig: Rig) -> Picture:
     return canvas
 
 
-def _eyes(rig: Rig, channel: int) -> list[Rect]:
+def _eyes(rig: CameraRig, channel: int) -> list[Rect]:
     """What a channel's patches take from the canvas: one rectangle, or the left and right eye's."""
     sources = [
         source

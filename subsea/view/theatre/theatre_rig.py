@@ -8,7 +8,7 @@ from subsea.core.arrays import Array
 from subsea.core.errors import UserError
 from subsea.view.camera import NEAR_CM, off_axis
 from subsea.view.display_rigs import SURROUNDS, cube
-from subsea.view.rig import CUBES, Eye, Patch, Rect, Rig, Shape, Warp
+from subsea.view.rig import CUBES, CameraRig, DisplayPatch, Eye, Projection, Rect, Warp
 from subsea.view.stereo import EYES, LAYOUTS, Stereo, halves, patches_of
 from subsea.view.surround import COLUMNS, MARGIN_PX, ROWS, face_size, looked_at
 from subsea.view.theatre.channels import Lighted, grid_of, mesh_of
@@ -26,7 +26,7 @@ def theatre_rig(
     windows: Sequence[int],
     display: str = "mono",
     stereo: Stereo = EYES,
-) -> Rig:
+) -> CameraRig:
     """The rig of those of the `channels` that the windows of these numbers show.
 
     Its outputs are the windows, in their order. `display` says how two eyes share each channel's
@@ -47,7 +47,7 @@ def theatre_rig(
     corners, canvas = shelves(sizes)
     drawn = iter([(*corner, *size) for corner, size in zip(corners, sizes, strict=True)])
     eyes: list[Eye] = []
-    patches: list[Patch] = []
+    patches: list[DisplayPatch] = []
     for number, one in zip(numbers, shown, strict=True):
         rects = [next(drawn) for _ in offsets]
         if one.shape in CUBES:
@@ -59,17 +59,17 @@ def theatre_rig(
                 projection = _with_margin(frustum, rect)
                 eyes.append(Eye(rect, offset, frustum.axes, projection))
             rects = [_inner(rect) for rect in rects]
-        patch = Patch(
+        patch = DisplayPatch(
             one.place, rects[0], rects[-1], shape=one.shape, wide=one.surround.wide, mask=one.mask,
             output=windows.index(one.window), channel=number,
         )  # fmt: skip
         if one.shape in CUBES:
             patch = patch._replace(apart=half / one.distance_cm, warp=one.warp)
         elif not isinstance(one.screen, Flat) or one.warp is not None:
-            patch = patch._replace(shape=Shape.WARPED, warp=_warp(one, offsets, frusta))
+            patch = patch._replace(shape=Projection.WARPED, warp=_warp(one, offsets, frusta))
         patches += (patch,) if display == "mono" else patches_of(LAYOUTS[display], patch)
     outputs = tuple(theatre.window[number].size for number in windows)
-    return Rig(canvas, outputs, tuple(eyes), tuple(patches), theatre.level)
+    return CameraRig(canvas, outputs, tuple(eyes), tuple(patches), theatre.level)
 
 
 def seen_channels(

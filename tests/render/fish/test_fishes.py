@@ -45,7 +45,7 @@ from subsea.render import Renderer
 from subsea.render.fish import fishes
 from subsea.render.fish.fishes import GAPE_RAD, INSTANCE_ATTRIBUTES, INSTANCE_FORMAT, frames, look
 from subsea.render.fish.preview import FINS as AT_EASE
-from subsea.render.fish.preview import Orbit, Specimen
+from subsea.render.fish.preview import FishPreview, Orbit
 from subsea.render.fish.speck import speck
 from subsea.render.gl.shaders import set_uniforms, source
 from subsea.render.output.quality import PRESETS
@@ -292,7 +292,7 @@ def test_jaws_turn_about_a_joint_behind_the_corner_of_the_mouth(
 def test_an_open_mouth_is_dark_inside(context, species):
     """Seen in the face; that of a ray lies below and stays shut."""
     kind = load_species(species)
-    shown = Specimen(context, kind, paint.paint(kind))
+    shown = FishPreview(context, kind, paint.paint(kind))
     points = rest_control_points(kind.surface, kind.length_cm, 0.0)
 
     def black(gape):
@@ -532,8 +532,8 @@ def test_the_number_of_calls_does_not_depend_on_the_fishes(
 ):
     """Nor on how many species they are of."""
     made = []
-    render = fishes.Fishes._render
-    monkeypatch.setattr(fishes.Fishes, "_render", lambda *a: (made.append(a), render(*a)))
+    render = fishes.FishRenderer._render
+    monkeypatch.setattr(fishes.FishRenderer, "_render", lambda *a: (made.append(a), render(*a)))
     renderer = Renderer(context, scene, display_rig("mono", (64, 48)))
     calls = []
     renderer.draw(make_packet([], size=(64, 48)))  # the very first picture has a few more

@@ -11,7 +11,7 @@ from subsea.render import Renderer
 from subsea.scenario.schema import load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.display_rigs import display_rig, views_for
-from subsea.view.rig import pose
+from subsea.view.rig import pose_from_angles
 from subsea.world.step import create_world, step
 
 SIZE = (240, 160)
@@ -31,7 +31,7 @@ def _packet(world, i, alpha):
     """Fish i from a body length and a half away."""
     fishes = world.state.fishes
     eye = fishes.position[i] - np.array([0.0, 1.5 * fishes.length[i], 0.0])
-    return frame.pack(world, views_for("mono", SIZE, pose(eye, np.pi / 2, 0.0)), alpha)
+    return frame.pack(world, views_for("mono", SIZE, pose_from_angles(eye, np.pi / 2, 0.0)), alpha)
 
 
 @pytest.mark.parametrize("alpha", [0.0, 0.4, 1.0])

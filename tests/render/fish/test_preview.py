@@ -7,7 +7,7 @@ from msgspec import structs
 from subsea.fish.paint import paint
 from subsea.fish.species import load_species
 from subsea.fish.surface import rest_control_points
-from subsea.render.fish.preview import Orbit, Specimen
+from subsea.render.fish.preview import FishPreview, Orbit
 
 SIZE = (320, 180)
 
@@ -24,7 +24,7 @@ def points(clownfish):
 
 @pytest.fixture
 def specimen(context, clownfish):
-    specimen = Specimen(context, clownfish, paint(clownfish))
+    specimen = FishPreview(context, clownfish, paint(clownfish))
     yield specimen
     specimen.release()
 

@@ -18,7 +18,7 @@ from subsea.render.reef.rocks import solid_marks
 from subsea.view.camera import View, look
 from subsea.view.display_rigs import display_rig
 from subsea.view.retina import retina_rig
-from subsea.view.rig import Patch, pose, views
+from subsea.view.rig import DisplayPatch, pose_from_angles, views
 
 SIZE = (320, 180)
 EXACT = replace(PRESETS["low"], detail=50.0)  # neither smoothed nor coarse
@@ -235,7 +235,7 @@ def test_a_picture_is_pasted_as_it_is_where_patches_say(context, scene, make_pac
     renderer.draw(make_packet([], size=SIZE))
     before = renderer.read_pixels().copy()
     picture = np.random.default_rng(1).integers(0, 256, (20, 60, 3)).astype(np.uint8)
-    right = Patch((200, 100, 30, 20), (30, 0, 30, 20), (30, 0, 30, 20))
+    right = DisplayPatch((200, 100, 30, 20), (30, 0, 30, 20), (30, 0, 30, 20))
     renderer.paste(picture, (right,))
     after = renderer.read_pixels()
     renderer.release()
@@ -270,7 +270,7 @@ def test_what_both_eyes_of_a_fish_see(context, scene, make_packet, fish, same_pi
     """Picture, identities and ranges, as a film of labelled frames shows them."""
     rig = retina_rig((160, 120), 1.2)
     renderer = Renderer(context, scene, rig)
-    seen = views(rig, pose(np.array([0.0, 0.0, -230.0]), np.pi / 2, -0.25))
+    seen = views(rig, pose_from_angles(np.array([0.0, 0.0, -230.0]), np.pi / 2, -0.25))
     seen = tuple(replace(view, without=0) for view in seen)
     fishes = [
         fish(0, (0, 3, -230), number=0),  # whose eyes these are

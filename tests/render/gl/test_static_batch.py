@@ -8,21 +8,21 @@ from hypothesis import strategies as st
 from subsea.render.gl.static_batch import (
     HYSTERESIS,
     OUT_OF_SIGHT,
-    Later,
-    Shape,
-    Standing,
-    about,
+    LazyMesh,
+    StaticBatch,
+    StaticMesh,
     bounding_sphere,
+    bounding_spheres,
     levels_in_sight,
 )
 from subsea.view.display_rigs import views_for
-from subsea.view.rig import pose
+from subsea.view.rig import pose_from_angles
 
 SIZE = (64, 64)
 THRESHOLDS = np.array([300.0, 90.0])
 WIDE = (1280, 720)
-AHEAD = views_for("mono", WIDE, pose(np.zeros(3), 0.0, 0.0))
-BACK = views_for("mono", WIDE, pose(np.zeros(3), np.pi, 0.0))
+AHEAD = views_for("mono", WIDE, pose_from_angles(np.zeros(3), 0.0, 0.0))
+BACK = views_for("mono", WIDE, pose_from_angles(np.zeros(3), np.pi, 0.0))
 VERTEX = """
 uniform mat4 u_view_projection;
 in vec3 a_position;
@@ -44,7 +44,7 @@ def quad(x, size, pieces):
     vertices = np.stack([np.full(y.size, x), y.ravel(), z.ravel()], axis=1).astype(np.float32)
     at = np.arange(y.size).reshape(y.shape)
     a, b, c, d = at[:-1, :-1], at[:-1, 1:], at[1:, :-1], at[1:, 1:]
-    return Shape(vertices, np.stack([a, b, c, c, b, d], axis=-1).reshape(-1, 3))
+    return StaticMesh(vertices, np.stack([a, b, c, c, b, d], axis=-1).reshape(-1, 3))
 
 
 @given(st.lists(st.floats(15.0, 5e4), min_size=2, max_size=20))
@@ -100,7 +100,7 @@ def drawn(context):
         return int((pixels > 0).sum()), triangles
 
     def make(shapes, *spheres):
-        return Standing(context, program, "3f4", "a_position", shapes, 1e5, THRESHOLDS, *spheres)
+        return StaticBatch(context, program, "3f4", "a_position", shapes, 1e5, THRESHOLDS, *spheres)
 
     yield make, drawn
     target.release()
@@ -126,13 +126,15 @@ def test_what_is_made_later_is_made_when_it_is_first_drawn_and_looks_the_same(dr
     made = []
 
     def later(shape):
-        return Later(
+        return LazyMesh(
             lambda: made.append(shape.number) or shape.vertices, shape.number, shape.triangles
         )
 
     items = [[quad(x, 10.0, n) for n in (8, 4, 1)] for x in (30.0, 120.0, -50.0)]
     expected = draw(make(items), AHEAD)
-    standing = make([[later(shape) for shape in levels] for levels in items], about(items))
+    standing = make(
+        [[later(shape) for shape in levels] for levels in items], bounding_spheres(items)
+    )
     assert made == []
     assert draw(standing, AHEAD) == expected
     first = sorted(made)
@@ -149,7 +151,7 @@ def test_each_view_draws_what_it_sees_at_the_level_that_is_common_to_all(drawn):
     pieces = (8, 4, 1)
     standing = make([[quad(x, 10.0, n) for n in pieces] for x in (30.0, 120.0, 500.0, -50.0)])
     pixels, triangles = draw(standing, AHEAD)
-    coarse = views_for("mono", (128, 72), pose(np.zeros(3), 0.0, 0.0))
+    coarse = views_for("mono", (128, 72), pose_from_angles(np.zeros(3), 0.0, 0.0))
     assert draw(standing, coarse)[1] < triangles
     for views in ((*AHEAD, *BACK), (*AHEAD, *BACK, *coarse)):
         assert draw(standing, views) == (pixels, triangles)
@@ -161,7 +163,7 @@ def test_each_view_draws_what_it_sees_at_the_level_that_is_common_to_all(drawn):
 def test_a_choice_apart_knows_nothing_of_earlier_ones_and_leaves_nothing(drawn):
     make, draw = drawn
     standing, fresh = (make([[quad(100.0, 10.0, n) for n in (8, 4, 1)]]) for _ in range(2))
-    nearer = views_for("mono", WIDE, pose(np.array([40.0, 0.0, 0.0]), 0.0, 0.0))
+    nearer = views_for("mono", WIDE, pose_from_angles(np.array([40.0, 0.0, 0.0]), 0.0, 0.0))
     for detail in np.geomspace(0.2, 5.0, 60):  # some of which lie between the two thresholds
         draw(standing, nearer, detail=8.0)
         kept = draw(standing, AHEAD, detail=detail)

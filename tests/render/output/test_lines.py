@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from subsea.dive.start import start_world
-from subsea.frame.diagrams import DIAGRAMS, Lines, Sketcher
+from subsea.frame.diagrams import DIAGRAMS, DiagramBuilder, Lines
 from subsea.frame.packet import make_scene, pack
 from subsea.render import Renderer
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.display_rigs import cockpit, display_rig
-from subsea.view.rig import pose, views
+from subsea.view.rig import pose_from_angles, views
 from subsea.world.step import step
 
 SIZE = (320, 180)
@@ -100,7 +100,7 @@ def test_lines_past_the_eye_are_cut_off_and_nothing_else_changes(renderer, make_
 def test_views_that_are_to_show_none_show_none(context, scene, make_packet):
     rig = display_rig("side-by-side", (128, 64))
     renderer = Renderer(context, scene, rig)
-    packet = make_packet([], views=views(rig, pose(EYE, np.pi / 2, 0.0)))
+    packet = make_packet([], views=views(rig, pose_from_angles(EYE, np.pi / 2, 0.0)))
     line = ((-60, 100, -190), (60, 100, -170), (0.95, 0.9, 0.3))
     packet = replace(packet, lined=1)
     change = np.abs(drawn(renderer, packet, line) - drawn(renderer, packet)).max(axis=2) > 40
@@ -113,7 +113,7 @@ def test_views_that_are_to_show_none_show_none(context, scene, make_packet):
 def test_every_kind_of_picture_shows_them(context, scene, make_packet, display):
     rig = display_rig(display, (128, 128))
     renderer = Renderer(context, scene, rig)
-    packet = make_packet([], views=views(rig, pose(EYE, np.pi / 2, 0.0)))
+    packet = make_packet([], views=views(rig, pose_from_angles(EYE, np.pi / 2, 0.0)))
     line = ((-60, 100, -190), (60, 100, -170), (0.95, 0.9, 0.3))
     change = np.abs(drawn(renderer, packet, line) - drawn(renderer, packet)).max(axis=2) > 40
     renderer.release()
@@ -138,7 +138,7 @@ def test_wireframe_draws_edges_and_the_water_behind_them(renderer, make_packet, 
 
 def test_all_diagrams_of_the_bay(context, same_picture):
     world = start_world("peaceful")
-    sketcher = Sketcher(world)
+    sketcher = DiagramBuilder(world)
     for _ in range(15):
         step(world, HANDS_OFF)
         sketcher.follow()

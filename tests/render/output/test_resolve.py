@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.render.output.target import Resolve
+from subsea.render.output.target import ResolvePass
 from subsea.view.display_rigs import display_rig
 
 SIZE = (48, 48)
@@ -20,7 +20,7 @@ def resolved(context):
                                   alignment=1)  # fmt: skip
         picture.repeat_x = picture.repeat_y = False
         target = context.simple_framebuffer((width, height))
-        resolve = Resolve(context, display_rig("mono", (width, height)).patches, smooth)
+        resolve = ResolvePass(context, display_rig("mono", (width, height)).patches, smooth)
         resolve.draw(picture, target, (width, height), 0)
         held.extend((picture, target, resolve))
         data = np.frombuffer(target.read(alignment=1), np.uint8)

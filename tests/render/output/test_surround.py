@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from subsea.render import Renderer
-from subsea.render.output.target import Resolve
+from subsea.render.output.target import ResolvePass
 from subsea.view.display_rigs import display_rig
-from subsea.view.rig import pose
+from subsea.view.rig import pose_from_angles
 from subsea.view.surround import ALL_ROUND, Surround, directions
 from subsea.view.theatre.warp import mesh, sources_at
 
@@ -29,11 +29,11 @@ def test_every_pixel_shows_what_lies_in_its_direction(context, display, surround
     """Views and shader together against the plain form."""
     size = SIZES[display]
     rig = display_rig(display, size, surround=surround)
-    canvas = directions_on(rig, pose(np.zeros(3), 0.0, 0.0))
+    canvas = directions_on(rig, pose_from_angles(np.zeros(3), 0.0, 0.0))
     picture = context.texture((canvas.shape[1], canvas.shape[0]), 3, canvas.astype("f2").tobytes(),
                               dtype="f2", alignment=1)  # fmt: skip
     target = context.simple_framebuffer(size)
-    resolve = Resolve(context, rig.patches)
+    resolve = ResolvePass(context, rig.patches)
     resolve.draw(picture, target, size, 0)
     found = np.frombuffer(target.read(alignment=1), np.uint8).reshape(size[1], size[0], 3)
     row, column = np.mgrid[: size[1], : size[0]]
@@ -59,7 +59,7 @@ def test_wide_pictures(context, scene, make_packet, fish, same_picture, display)
 def test_a_mesh_bends_a_wide_picture(context, display, directions_on):
     """As a projector through a mirror shows a dome; the mesh of a dome has shares of a square."""
     size = SIZES[display]
-    canvas = directions_on(display_rig(display, size), pose(np.zeros(3), 0.0, 0.0))
+    canvas = directions_on(display_rig(display, size), pose_from_angles(np.zeros(3), 0.0, 0.0))
     picture = context.texture((canvas.shape[1], canvas.shape[0]), 3, canvas.astype("f2").tobytes(),
                               dtype="f2", alignment=1)  # fmt: skip
     target = context.simple_framebuffer(size)
@@ -68,7 +68,7 @@ def test_a_mesh_bends_a_wide_picture(context, display, directions_on):
     turned = np.array([[0.8, 0.2], [0.8, 0.9], [0.1, 0.9], [0.1, 0.2]])  # a quarter turn
     warp = mesh(corners, turned, np.array([[0, 1, 2], [0, 2, 3]]))
     rig = display_rig(display, size, surround=ALL_ROUND)
-    resolve = Resolve(context, [rig.patches[0]._replace(warp=warp)])
+    resolve = ResolvePass(context, [rig.patches[0]._replace(warp=warp)])
     resolve.draw(picture, target, size, 0)
     found = np.frombuffer(target.read(alignment=1), np.uint8).reshape(size[1], size[0], 3)
     row, column = np.mgrid[: size[1], : size[0]]

@@ -6,8 +6,8 @@ import pytest
 from subsea.dive.theatre_setup import shrunk
 from subsea.render import Renderer
 from subsea.render.output.quality import PRESETS
-from subsea.render.output.target import Resolve
-from subsea.view.rig import CUBES, pose, views
+from subsea.render.output.target import ResolvePass
+from subsea.view.rig import CUBES, pose_from_angles, views
 from subsea.view.theatre.channels import channels
 from subsea.view.theatre.lineup import lineup
 from subsea.view.theatre.screens import points_on
@@ -32,7 +32,7 @@ def shown(context, rig, canvas):
     """The outputs (h, w, 3) of a rig whose canvas (h, w, 3) is shown as it is."""
     data = np.ascontiguousarray(canvas, "f2").tobytes()
     texture = context.texture(rig.canvas, 3, data, dtype="f2", alignment=1)
-    resolve, found = Resolve(context, rig.patches), []
+    resolve, found = ResolvePass(context, rig.patches), []
     for output, size in enumerate(rig.outputs):
         target = context.simple_framebuffer(size)
         target.clear()
@@ -62,7 +62,7 @@ def test_every_pixel_shows_what_lies_behind_its_place_on_the_screen(
     """Frusta, mesh and shader together against the geometry: so neighbours agree as well."""
     theatre, found, rig = opened(tmp_path, name)
     bare = rig._replace(patches=tuple(patch._replace(mask=None) for patch in rig.patches))
-    canvas = directions_on(rig, pose(np.zeros(3), 0.3, 0.1))
+    canvas = directions_on(rig, pose_from_angles(np.zeros(3), 0.3, 0.1))
     for one, picture in zip(found, shown(context, bare, canvas), strict=True):
         points = on_the_screen(one, theatre.window[one.window].size)
         d = points / np.linalg.norm(points, axis=-1, keepdims=True)
@@ -74,7 +74,7 @@ def test_in_the_overlap_neighbours_show_the_same(context, scene, make_packet, fi
     theatre, _, rig = opened(tmp_path, shrink=5)
     bare = rig._replace(patches=tuple(patch._replace(mask=None) for patch in rig.patches))
     renderer = Renderer(context, scene, bare, PRESETS["high"])
-    seen = views(bare, pose(EYE, np.pi / 2, 0.0))
+    seen = views(bare, pose_from_angles(EYE, np.pi / 2, 0.0))
     renderer.draw(make_packet([fish(0, (-70, 60, -200)), fish(1, (60, 60, -190))], views=seen))
     left, middle = (renderer.read_pixels(k).astype(float) for k in (0, 1))
     renderer.release()
@@ -114,7 +114,7 @@ def test_in_stereo_a_dome_shows_each_eye_the_ray_through_its_screen(
     _, found, rig = opened(tmp_path, name, "top-bottom", shrink=16)
     mono = opened(tmp_path, name, shrink=16)[2]
     assert rig.patches[0].shape in CUBES
-    observer = pose(np.zeros(3), 0.3, 0.0)
+    observer = pose_from_angles(np.zeros(3), 0.3, 0.0)
     far = found[0].distance_cm
     straight = directions_on(mono, observer)
     (middle,) = shown(context, mono, straight)
@@ -137,7 +137,7 @@ def test_what_a_mesh_leaves_of_a_dome_is_dark(context, scene, make_packet, tmp_p
     half = mesh(triangle, triangle, np.array([[0, 1, 2]]))
     rig = rig._replace(patches=tuple(patch._replace(warp=half) for patch in rig.patches))
     renderer = Renderer(context, scene, rig)
-    packet = make_packet([], views=views(rig, pose(EYE, 0.0, 0.0)))
+    packet = make_packet([], views=views(rig, pose_from_angles(EYE, 0.0, 0.0)))
     for picture in renderer.pictures.values():  # as what was shown before has left it
         picture.write(b"\xff" * 4 * picture.width * picture.height)
     renderer.draw(packet)
@@ -160,7 +160,7 @@ def test_theatres_as_they_are_shown(
     _, _, rig = opened(tmp_path, name, display)
     renderer = Renderer(context, scene, rig)
     fishes = [fish(1, (0, 45, -200)), fish(0, (-75, 22, -205)), fish(0, (60, 12, -190))]
-    renderer.draw(make_packet(fishes, views=views(rig, pose(EYE, np.pi / 2, 0.0))))
+    renderer.draw(make_packet(fishes, views=views(rig, pose_from_angles(EYE, np.pi / 2, 0.0))))
     pictures = [renderer.read_pixels(k) for k in range(len(rig.outputs))]
     same_picture(f"theatre-{name}-{display}", np.hstack(pictures))
     assert context.error == "GL_NO_ERROR"

@@ -15,8 +15,8 @@ from subsea.scenario.schema import load_scenario
 from subsea.submarine.helm import Helm
 from subsea.view.camera import NEAR_CM, off_axis
 from subsea.view.display_rigs import DISPLAYS, SURROUNDS, display_rig
-from subsea.view.levels import Memory, nothing_drawn
-from subsea.view.rig import Eye, Patch, Rig, pose, views
+from subsea.view.levels import LodState, empty_lod_state
+from subsea.view.rig import CameraRig, DisplayPatch, Eye, pose_from_angles, views
 from subsea.world.step import create_world, step
 
 SIZE = (96, 64)
@@ -37,10 +37,10 @@ class Sea:
         self.draw(views(rig, self.observer(0.0, 0.0)), self.nothing())
 
     def nothing(self):
-        return nothing_drawn(len(self.world.state.fishes.species))
+        return empty_lod_state(len(self.world.state.fishes.species))
 
     def observer(self, heading, pitch):
-        return pose(self.world.state.submarine.position, heading, pitch)
+        return pose_from_angles(self.world.state.submarine.position, heading, pitch)
 
     def draw(self, seen, memory, lod=True):
         """The picture of some views, its triangles and its drawing calls."""
@@ -68,7 +68,7 @@ def sea(context):
 def plain(canvas, eyes, level=False):
     """A rig that shows its canvas as it is."""
     whole = (0, 0, *canvas)
-    return Rig(canvas, (canvas,), eyes, (Patch(whole, whole, whole),), level)
+    return CameraRig(canvas, (canvas,), eyes, (DisplayPatch(whole, whole, whole),), level)
 
 
 def channels(turns, half_tangent, size):
@@ -100,7 +100,7 @@ def test_a_view_shows_and_costs_what_it_does_alone(sea, display, heading, pitch)
     for view in seen:
         # Each after all of them: the levels in which things are drawn are common to all.
         picture, every, all_calls = sea.draw(seen, memory, lod)
-        kept = Memory(*(part.copy() for part in memory))
+        kept = LodState(*(part.copy() for part in memory))
         alone, *cost = sea.draw((view,), kept, lod)
         triangles.append(cost[0])
         calls.append(cost[1])
@@ -133,7 +133,7 @@ def test_specks_and_surface_that_a_view_does_not_see_leave_no_gap(sea, display, 
 
 
 def test_a_view_that_shows_less_has_fewer_cells_of_water():
-    observer = pose(np.array([0.0, 0.0, -300.0]), 0.0, 0.0)
+    observer = pose_from_angles(np.array([0.0, 0.0, -300.0]), 0.0, 0.0)
     (plain,) = views(display_rig("mono", (1280, 720)), observer)
     for cells in (water.COARSE, water.FINE):
         assert water.cells_for(plain, cells) == cells

@@ -13,7 +13,7 @@ from subsea.render.gl.shaders import set_uniforms, source
 from subsea.render.output.quality import PRESETS
 from subsea.render.sea.bubbles import STREAM_CM, in_sight, slots, stream, terminal_speed
 from subsea.view.display_rigs import display_rig, views_for
-from subsea.view.rig import pose
+from subsea.view.rig import pose_from_angles
 
 FOOT = (10.0, -20.0, -500.0)
 SIZE_CM = 1.5
@@ -119,9 +119,9 @@ def test_a_stream_is_drawn_where_some_of_it_may_be_seen(places):
     assert np.linalg.norm(off, axis=1).max() < STREAM_CM
     eye = np.array([-300.0, -20.0, -250.0])
     for heading, seen in ((0.0, True), (np.pi, False), (1.0, False)):
-        (view,) = views_for("mono", (320, 180), pose(eye, heading, 0.0))
+        (view,) = views_for("mono", (320, 180), pose_from_angles(eye, heading, 0.0))
         assert in_sight(ends, view.planes, eye, 900.0) == seen
-    (view,) = views_for("mono", (320, 180), pose(eye, 0.0, 0.0))
+    (view,) = views_for("mono", (320, 180), pose_from_angles(eye, 0.0, 0.0))
     assert not in_sight(ends, view.planes, eye, 200.0)
 
 

@@ -7,7 +7,7 @@ from subsea.habitat.formations import SUN
 from subsea.render.gl.shaders import set_uniforms, source
 from subsea.render.sea.particles import SNOW_BOX_CM, SNOW_LOOK
 from subsea.view.display_rigs import views_for
-from subsea.view.rig import pose
+from subsea.view.rig import pose_from_angles
 
 NUMBER = 3000
 
@@ -25,7 +25,7 @@ def specks(context):
     target = context.simple_framebuffer((4, 4))
 
     def specks(eye=(0.0, 0.0, -600.0), **changed):
-        (view,) = views_for("mono", (320, 180), pose(np.array(eye), 0.4, 0.2))
+        (view,) = views_for("mono", (320, 180), pose_from_angles(np.array(eye), 0.4, 0.2))
         values = {
             "u_eye": eye,
             "u_fog": (0.01, 0.1, 0.2),

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from subsea.core.errors import UserError
-from subsea.view.rig import Shape, seen_by
+from subsea.view.rig import Projection, seen_by
 from subsea.view.surround import MARGIN_PX
 from subsea.view.theatre.channels import channels
 from subsea.view.theatre.screens import points_on
@@ -172,7 +172,7 @@ def test_calibrated_projectors_of_a_dome_show_their_parts_of_its_picture(
     assert faults == ()
     rig = theatre_rig(read, found, range(3))
     for patch, one in zip(rig.patches, projectors, strict=True):
-        assert patch.shape == Shape.DOME
+        assert patch.shape == Projection.DOME
         places = np.stack(making.grid_of(one.size), axis=-1).reshape(-1, 2)[::5]
         away = sources_at(patch.warp, places) - one.shares.reshape(-1, 2)[::5]
         assert np.isfinite(away).mean() > 0.55
@@ -215,6 +215,6 @@ def test_a_mirror_lights_a_dome(tmp_path):
         patches = theatre_rig(read, found, [0], display).patches
         assert len(patches) == count
         for patch in patches:
-            assert patch.shape == Shape.DOME
+            assert patch.shape == Projection.DOME
             np.testing.assert_allclose(sources_at(patch.warp, [[0.3, 0.6]]), [[0.3, 0.6]])
             assert patch.mask[0, 0, 0] > 0.99 > 0.51 > patch.mask[-1, 0, 0]

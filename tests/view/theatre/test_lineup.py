@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from subsea.view.display_rigs import display_rig
-from subsea.view.rig import Patch
+from subsea.view.rig import DisplayPatch
 from subsea.view.surround import MARGIN_PX
 from subsea.view.theatre.lineup import lineup
 from subsea.view.theatre.test_pattern import pattern
@@ -27,7 +27,7 @@ def test_each_eye_has_its_letter(display):
 def test_channels_are_numbered():
     rig = display_rig("mono", SIZE)
     halves = [
-        Patch(part, part, part, channel=k)
+        DisplayPatch(part, part, part, channel=k)
         for k, part in enumerate([(0, 0, 80, 120), (80, 0, 80, 120)])
     ]
     canvas = lineup(rig._replace(patches=tuple(halves)))

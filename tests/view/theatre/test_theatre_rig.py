@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from subsea.core.errors import UserError
 from subsea.core.resources import resource_names
 from subsea.view.camera import axes_of
-from subsea.view.rig import CUBES, Shape, pose, views
+from subsea.view.rig import CUBES, Projection, pose_from_angles, views
 from subsea.view.stereo import EYES, Stereo
 from subsea.view.surround import MARGIN_PX, directions
 from subsea.view.theatre.channels import channels
@@ -29,7 +29,7 @@ from subsea.view.theatre.theatre_rig import MODES, seen_channels, shelves, theat
 from subsea.view.theatre.warp import sources_at
 
 EYE = np.array([10.0, 20.0, -300.0])
-OBSERVER = pose(EYE, 0.7, -0.2)
+OBSERVER = pose_from_angles(EYE, 0.7, -0.2)
 AXES = np.stack([np.cross(OBSERVER.forward, OBSERVER.up), OBSERVER.up, OBSERVER.forward])
 NAMES = resource_names(FOLDER, ".toml")
 WALLS = ["three-projectors", "cave", "wide"]
@@ -223,7 +223,7 @@ def test_what_shows_all_round_is_taken_from_a_cube_for_each_eye(name):
 def test_a_curved_screen_is_nowhere_coarser_than_its_projector():
     rig = rig_of("three-projectors")
     for patch in rig.patches:
-        assert patch.shape == Shape.WARPED
+        assert patch.shape == Projection.WARPED
         grid = patch.warp.vertices.reshape(9, -1, 6)
         across = np.diff(grid[..., 0], axis=1) * patch.place[2]
         drawn = np.diff(grid[..., 2], axis=1) * patch.left[2]
