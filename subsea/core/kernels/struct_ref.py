@@ -9,9 +9,11 @@ import hashlib
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-from numba import njit, typeof, types
+from numba import typeof, types
 from numba.experimental import structref
 from numba.extending import typeof_impl
+
+from subsea.core.kernels import kernel
 
 T = TypeVar("T")
 
@@ -88,5 +90,5 @@ def _maker(name: str, fields: tuple[str, ...], kind: Any) -> Any:
         # Compiled under this file's name, so that numba can keep it with this file's other code.
         names = {"new": structref.new, "kind": kind, "__name__": __name__}
         exec(compile(source, __file__, "exec"), names)
-        _makers[kind] = njit(cache=True)(names[f"make_{name.lower()}"])
+        _makers[kind] = kernel(names[f"make_{name.lower()}"])
     return _makers[kind]
