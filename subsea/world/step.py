@@ -17,6 +17,7 @@ from subsea.behavior.table import (
     run_routines,
 )
 from subsea.behavior.teleop import TeleopCommand, follow_command
+from subsea.core.arrays import Ints
 from subsea.directing import direct
 from subsea.geometry.height_field import height_at
 from subsea.habitat import hook, plankton
@@ -31,7 +32,7 @@ from subsea.motor.switching import swim
 from subsea.perception.focusser import focus
 from subsea.perception.scheduling import fish_due
 from subsea.perception.senses import sense
-from subsea.state import Clock, Submarine
+from subsea.state import NOBODY, Clock, Submarine
 from subsea.submarine.helm import STATION, Helm
 from subsea.submarine.hull import hull_axes, step_hull
 from subsea.submarine.rail import Rail, ride
@@ -43,70 +44,104 @@ Order = Helm | Rail | TeleopCommand  # what is steered in a tick, and how
 
 
 def step(world: World, order: Order) -> None:
-    """Advance the world by one tick: direct, flow, perceive, want, focus, act, move, steer.
+    """Advance the world by one tick, 33 ms.
 
-    The submarine answers to a helm, or is carried on a rail. With reins it keeps station, and a
-    fish is steered: its brain yields.
-
-    Fishes take turns to think: those far from the submarine do it less often.
+    The submarine answers to a helm, or is carried on a rail. With a teleop command it keeps
+    station, and a fish is steered in place of its own intentions.
     """
-    state, nature = world.state, world.nature
-    fishes, minds, sea = state.fishes, state.minds, state.sea
+    state = world.state
     clock = Clock(state.seed, state.tick, TICK_S)
+    steered = order.fish if isinstance(order, TeleopCommand) else NOBODY
     world.stages_s.clear()
     with _stage(world, "behavior"):
-        direct(world.script, state, nature, world.current_cm_s, clock)
-    flow = flow_at(world.flowing_cm_s, state.tick * TICK_S)
+        direct(world.script, state, world.nature, world.current_cm_s, clock)
     with _stage(world, "habitat"):
-        sea.submarine[:3], sea.submarine[3:6] = state.submarine.position, state.submarine.velocity
-        sea.submarine[6:] = hull_axes(*state.submarine.angles)[0]
-        plankton.drift(sea, flow, clock)
-        set_drift(fishes, sea, flow)
-        add_bow_wave(fishes, sea)
-        separate(fishes, minds)
-        keep_off_solids(fishes, sea)
-        hook.move_hook(sea, clock)
-        step_seaweed(state.seaweed, fishes, sea, flow, world.scenario.water.visibility_cm, clock)
+        move_water(world, clock)
     with _stage(world, "perception"):
-        who = fish_due(fishes, minds, sea, world.scenario.water.visibility_cm, clock)
-        sense(who, fishes, minds, sea, nature, clock)
-        for fish, light in world.seen_light.items():
-            minds.light[fish] = light
+        who = perceive(world, clock)
+    free = who[who != steered]
     with _stage(world, "behavior"):
-        schooling.join_schools(who, fishes.alive, minds)
-        update_mental_state(who, fishes, minds, nature, clock)
-        end_courtships(who, fishes, minds)
-        compute_desires(who, fishes, minds, sea, nature, clock)
-        free = who[who != order.fish] if isinstance(order, TeleopCommand) else who
-        choose_intention(free, minds, nature, LEVEL_OF_DESIRE, BEHAVIOR_OF_DESIRE, TIRES)
+        decide(world, who, free, clock)
     with _stage(world, "perception"):
-        focus(free, fishes, minds, sea, nature, clock)
+        focus(free, state.fishes, state.minds, state.sea, world.nature, clock)
     with _stage(world, "behavior"):
-        fishes.gape[free] = 0.0
-        run_routines(free, fishes, minds, sea, nature, clock)
-        steering.keep_clear(free, fishes, minds, sea)
-        if isinstance(order, TeleopCommand) and fishes.alive[order.fish]:
-            follow_command(*order, fishes, minds, sea)
-        steering.ease_goals(fishes, minds, clock)
-        eating.ingest(fishes, minds, sea, clock)
-        hunting.inhale(fishes, minds, sea, clock)
-        biting.bite(fishes, minds, sea, clock)
-        ease_display(fishes, minds, clock)
-        minds.pause[who] = 0.0
+        act(world, free, order, clock)
+        state.minds.pause[who] = 0.0
     with _stage(world, "motor"):
-        command(fishes, world.library, state.seed, state.tick, TICK_S)
-        burst = swim(
-            fishes, world.library, world.dynamics, state.live,
-            state.submarine.position, state.tick, TICK_S, world.physics, sea,
-        )  # fmt: skip
-        world.tell_burst(burst)
-        play(fishes, world.library, TICK_S)
-        flap(fishes, TICK_S)
+        move_fishes(world)
     if isinstance(order, Rail):
         ride(state.submarine, order, TICK_S)
     else:
         steer(world, state.submarine, order if isinstance(order, Helm) else STATION)
     state.tick += 1
+
+
+def move_water(world: World, clock: Clock) -> None:
+    """Move the current, plankton, seaweed and the hook, and what they and others do to fishes."""
+    state, sea, fishes = world.state, world.state.sea, world.state.fishes
+    flow = flow_at(world.flowing_cm_s, state.tick * TICK_S)
+    sea.submarine[:3], sea.submarine[3:6] = state.submarine.position, state.submarine.velocity
+    sea.submarine[6:] = hull_axes(*state.submarine.angles)[0]
+    plankton.drift(sea, flow, clock)
+    set_drift(fishes, sea, flow)
+    add_bow_wave(fishes, sea)
+    separate(fishes, state.minds)
+    keep_off_solids(fishes, sea)
+    hook.move_hook(sea, clock)
+    step_seaweed(state.seaweed, fishes, sea, flow, world.scenario.water.visibility_cm, clock)
+
+
+def perceive(world: World, clock: Clock) -> Ints:
+    """Update what the fishes sense whose turn it is, and return these.
+
+    Fishes take turns to think: those far from the submarine do it less often.
+    """
+    fishes, minds, sea = world.state.fishes, world.state.minds, world.state.sea
+    who = fish_due(fishes, minds, sea, world.scenario.water.visibility_cm, clock)
+    sense(who, fishes, minds, sea, world.nature, clock)
+    for fish, light in world.seen_light.items():
+        minds.light[fish] = light
+    return who
+
+
+def decide(world: World, who: Ints, free: Ints, clock: Clock) -> None:
+    """Update the mental states of the fishes `who`, and the intentions of those that are `free`."""
+    fishes, minds, sea, nature = (
+        world.state.fishes, world.state.minds, world.state.sea, world.nature
+    )  # fmt: skip
+    schooling.join_schools(who, fishes.alive, minds)
+    update_mental_state(who, fishes, minds, nature, clock)
+    end_courtships(who, fishes, minds)
+    compute_desires(who, fishes, minds, sea, nature, clock)
+    choose_intention(free, minds, nature, LEVEL_OF_DESIRE, BEHAVIOR_OF_DESIRE, TIRES)
+
+
+def act(world: World, free: Ints, order: Order, clock: Clock) -> None:
+    """Turn the intentions of the fishes `free` into goals, and let all eat, bite and colour."""
+    fishes, minds, sea = world.state.fishes, world.state.minds, world.state.sea
+    fishes.gape[free] = 0.0
+    run_routines(free, fishes, minds, sea, world.nature, clock)
+    steering.keep_clear(free, fishes, minds, sea)
+    if isinstance(order, TeleopCommand) and fishes.alive[order.fish]:
+        follow_command(*order, fishes, minds, sea)
+    steering.ease_goals(fishes, minds, clock)
+    eating.ingest(fishes, minds, sea, clock)
+    hunting.inhale(fishes, minds, sea, clock)
+    biting.bite(fishes, minds, sea, clock)
+    ease_display(fishes, minds, clock)
+
+
+def move_fishes(world: World) -> None:
+    """Move every fish by one recorded frame, or by six steps of simulation."""
+    state, fishes = world.state, world.state.fishes
+    command(fishes, world.library, state.seed, state.tick, TICK_S)
+    burst = swim(
+        fishes, world.library, world.dynamics, state.live,
+        state.submarine.position, state.tick, TICK_S, world.physics, state.sea,
+    )  # fmt: skip
+    world.tell_burst(burst)
+    play(fishes, world.library, TICK_S)
+    flap(fishes, TICK_S)
 
 
 def steer(world: World, submarine: Submarine, helm: Helm) -> None:
