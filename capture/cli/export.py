@@ -82,12 +82,12 @@ def _export_gltf(options: argparse.Namespace, model: Any, clips: Any) -> int:
     from tqdm import tqdm
 
     from capture.export.gltf import write_gltf
-    from capture.export.rig import fit_rig
+    from capture.export.skinning import fit_skeleton
 
     rig, told = None, "exact"
     if not options.morph:
         bar = partial(tqdm, desc="fitting joints", unit="round", leave=False, disable=None)
-        rig = fit_rig(model, clips, bar)
+        rig = fit_skeleton(model, clips, bar)
         told = (
             f"{len(rig.joints)} joints; vertices are off by {rig.rms_percent:.2f}% of the body "
             f"length (rms), {rig.most_percent:.2f}% at most"

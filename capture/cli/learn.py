@@ -66,9 +66,9 @@ def add_to(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command; return its exit code."""
-    from capture.learning.improve import teach
+    from capture.learning.improve import improve_species
 
-    return teach(
+    return improve_species(
         options.species,
         options.out,
         options.dry_run,

@@ -63,7 +63,7 @@ def run(options: argparse.Namespace) -> int:
 
     from capture.recording.batch import record_all
     from capture.recording.resume import repertoire_path
-    from capture.recording.workers import here, processes
+    from capture.recording.workers import process_pool, serial
     from subsea.fish.species import shipped_species, species_names
     from subsea.repertoire import SEGMENTS
 
@@ -96,11 +96,11 @@ def run(options: argparse.Namespace) -> int:
         bars[name].update(segments - bars[name].n)
 
     if options.cluster is not None:
-        from capture.recording.dask_cluster import cluster
+        from capture.recording.dask_cluster import dask_workers
 
-        workers = cluster(options.cluster)
+        workers = dask_workers(options.cluster)
     else:
-        workers = here if options.jobs == 1 else processes(options.jobs)
+        workers = serial if options.jobs == 1 else process_pool(options.jobs)
     try:
         with deferred() as check:
             recorded = record_all(folders, workers, check, show, options.force)

@@ -11,11 +11,11 @@ Y_UP = np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
 Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]) @ Y_UP
 
 
-def brought(points: Array, axes: Array) -> Array:
+def to_metres(points: Array, axes: Array) -> Array:
     """Points (..., 3), cm, in metres along other axes."""
     return np.asarray(METRES * (points @ axes.T))
 
 
-def turned(rotation: Array, axes: Array) -> Array:
+def rotate_quaternions(rotation: Array, axes: Array) -> Array:
     """Quaternions (..., 4), w first, as they are along other axes."""
     return np.concatenate([rotation[..., :1], rotation[..., 1:] @ axes.T], axis=-1)

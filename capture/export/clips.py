@@ -150,24 +150,24 @@ def root_motion(segment: Segment) -> tuple[Array, Array]:
     return np.array(position), np.array(rotation)
 
 
-def placed(points: Array, position: Array, rotation: Array) -> Array:
+def transform_points(points: Array, position: Array, rotation: Array) -> Array:
     """Points (T, n, 3) in body axes brought to where the root (T, 3), (T, 4) is."""
     return np.asarray(position[:, None] + points @ np.swapaxes(matrix(rotation), 1, 2))
 
 
-def carried(clip: Clip) -> Clip:
+def bake_root(clip: Clip) -> Clip:
     """The same motion with that of the root in the points: the root itself stands still."""
     still, upright = np.zeros_like(clip.position), np.zeros_like(clip.rotation)
     upright[:, 0] = 1.0
     return clip._replace(
-        points=placed(clip.points, clip.position, clip.rotation),
-        normals=placed(clip.normals, still, clip.rotation),
+        points=transform_points(clip.points, clip.position, clip.rotation),
+        normals=transform_points(clip.normals, still, clip.rotation),
         position=still,
         rotation=upright,
     )
 
 
-def see_through(model: Model) -> NDArray[np.bool_]:
+def transparent_triangles(model: Model) -> NDArray[np.bool_]:
     """Which triangles (m,) show something of the sheet that is not opaque."""
     height, width = model.sheet.shape[:2]
     corners = model.uv[model.triangles]  # (m, 3, 2)

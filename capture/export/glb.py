@@ -15,7 +15,7 @@ VERTICES, INDICES = 34962, 34963  # what a view is bound as
 CLAMPED = 33071  # wrapS and wrapT of a sampler
 
 
-class Buffer:
+class GlbBuffer:
     """The binary part of a file as it grows, with its views and accessors."""
 
     def __init__(self) -> None:
@@ -62,7 +62,7 @@ def material(name: str, looks: dict[str, Any]) -> dict[str, Any]:
     return {"name": name, "pbrMetallicRoughness": skin} | looks
 
 
-def glb(content: dict[str, Any], buffer: Buffer) -> bytes:
+def glb(content: dict[str, Any], buffer: GlbBuffer) -> bytes:
     """The bytes of a .glb file with that JSON, to which those of the buffer are added."""
     content = content | {
         "accessors": buffer.accessors,

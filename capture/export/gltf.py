@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from capture.export.axes import METRES, Y_UP, brought, turned
-from capture.export.clips import Clip, Model, carried, see_through
-from capture.export.glb import CLAMPED, INDICES, VERTICES, Buffer, glb, material
+from capture.export.axes import METRES, Y_UP, rotate_quaternions, to_metres
+from capture.export.clips import Clip, Model, bake_root, transparent_triangles
+from capture.export.glb import CLAMPED, INDICES, VERTICES, GlbBuffer, glb, material
 from capture.export.png import sheet_png
-from capture.export.rig import MOST, Rig
+from capture.export.skinning import MAX_INFLUENCES, Skeleton
 from subsea.core.arrays import Array
 from subsea.core.atomic_io import replacing
 from subsea.geometry.rotation import from_matrix, matrix
@@ -25,7 +25,9 @@ LINEAR_MIPMAPS = 9987
 ROOT = 0  # node
 
 
-def write_gltf(folder: Path, model: Model, clips: list[Clip], baked: bool, rig: Rig | None) -> Path:
+def write_gltf(
+    folder: Path, model: Model, clips: list[Clip], baked: bool, rig: Skeleton | None
+) -> Path:
     """Write NAME.glb into `folder`, of a skinned mesh or, without a rig, of morph targets.
 
     The way of the fish is the motion of the node `root`, or `baked` into what it carries. A
@@ -38,8 +40,8 @@ def write_gltf(folder: Path, model: Model, clips: list[Clip], baked: bool, rig: 
     return path
 
 
-def _skinned(model: Model, clips: list[Clip], baked: bool, rig: Rig) -> bytes:
-    buffer = Buffer()
+def _skinned(model: Model, clips: list[Clip], baked: bool, rig: Skeleton) -> bytes:
+    buffer = GlbBuffer()
     primitives, materials = _parts(buffer, model, _hung(buffer, rig), {})
     places = np.array([joint.place for joint in rig.joints])
     count = len(places)
@@ -50,14 +52,14 @@ def _skinned(model: Model, clips: list[Clip], baked: bool, rig: Rig) -> bytes:
     held = np.vstack([np.zeros(3), places])[parents]  # where what each hangs on is
     nodes: list[Json] = [{"name": "root"}]
     nodes += [
-        {"name": joint.name, "translation": brought(place - hold, Y_UP).tolist()}
+        {"name": joint.name, "translation": to_metres(place - hold, Y_UP).tolist()}
         for joint, place, hold in zip(rig.joints, places, held, strict=True)
     ]
     for k, parent in enumerate(parents):
         nodes[parent].setdefault("children", []).append(first + k)
     nodes.append({"name": model.name, "mesh": 0, "skin": 0})
     bind = np.tile(np.eye(4), (1 + count, 1, 1))
-    bind[1:, :3, 3] = -brought(places, Y_UP)
+    bind[1:, :3, 3] = -to_metres(places, Y_UP)
     skin = {
         "inverseBindMatrices": buffer.add(bind.astype(np.float32)),
         "joints": [*range(1 + count)],
@@ -82,7 +84,7 @@ def _skinned(model: Model, clips: list[Clip], baked: bool, rig: Rig) -> bytes:
         tracks: list[tuple[int, str, Array]] = []
         for k in range(count):
             tracks += [
-                (first + k, "translation", brought(place[:, k], Y_UP)),
+                (first + k, "translation", to_metres(place[:, k], Y_UP)),
                 (first + k, "rotation", _quaternions(turn[:, k])),
             ]
         animations.append(_animation(buffer, clip, [*_way(clip, baked), *tracks]))
@@ -98,14 +100,14 @@ def _skinned(model: Model, clips: list[Clip], baked: bool, rig: Rig) -> bytes:
 
 
 def _morphed(model: Model, clips: list[Clip], baked: bool) -> bytes:
-    buffer = Buffer()
-    ways = [carried(clip) if baked else clip for clip in clips]
+    buffer = GlbBuffer()
+    ways = [bake_root(clip) if baked else clip for clip in clips]
     # The frame that closes a cycle is the first one: it needs no target of its own.
     frames = [len(clip.points) - (clip.cyclic and not baked) for clip in clips]
     begins = np.cumsum([0, *frames])
     targets = [
         {
-            "POSITION": buffer.add(_single(brought(points - model.rest, Y_UP)), VERTICES),
+            "POSITION": buffer.add(_single(to_metres(points - model.rest, Y_UP)), VERTICES),
             "NORMAL": buffer.add(_single((normals - model.normals) @ Y_UP.T), VERTICES),
         }
         for clip, number in zip(ways, frames, strict=True)
@@ -130,17 +132,17 @@ def _morphed(model: Model, clips: list[Clip], baked: bool) -> bytes:
 
 
 def _parts(
-    buffer: Buffer, model: Model, attributes: Json, more: Json
+    buffer: GlbBuffer, model: Model, attributes: Json, more: Json
 ) -> tuple[list[Json], list[Json]]:
     """The mesh at rest in up to three primitives, which share its vertices, and their materials."""
     attributes = {
-        "POSITION": buffer.add(_single(brought(model.rest, Y_UP)), VERTICES),
+        "POSITION": buffer.add(_single(to_metres(model.rest, Y_UP)), VERTICES),
         "NORMAL": buffer.add(_single(model.normals @ Y_UP.T), VERTICES),
         "TEXCOORD_0": buffer.add(_single(model.uv * (1, -1) + (0, 1)), VERTICES),
         **attributes,
     }
     fin = np.arange(len(model.triangles)) >= model.body
-    clear = see_through(model) & ~fin
+    clear = transparent_triangles(model) & ~fin
     primitives: list[Json] = []
     materials: list[Json] = []
     for name, those, looks in (
@@ -160,9 +162,9 @@ def _parts(
     return primitives, materials
 
 
-def _hung(buffer: Buffer, rig: Rig) -> Json:
+def _hung(buffer: GlbBuffer, rig: Skeleton) -> Json:
     """Joints and weights of the vertices; the root, joint 0, moves none."""
-    most = np.argsort(-rig.weights, axis=1)[:, :MOST]
+    most = np.argsort(-rig.weights, axis=1)[:, :MAX_INFLUENCES]
     weights = np.take_along_axis(rig.weights, most, axis=1).astype(np.float32)
     joints = np.where(weights > 0.0, most + 1, 0).astype(np.uint8)
     weights /= weights.sum(axis=1, keepdims=True)
@@ -177,7 +179,7 @@ def _way(clip: Clip, baked: bool) -> list[tuple[int, str, Array]]:
     if baked:
         return []
     return [
-        (ROOT, "translation", brought(clip.position, Y_UP)),
+        (ROOT, "translation", to_metres(clip.position, Y_UP)),
         (ROOT, "rotation", _quaternions(clip.rotation)),
     ]
 
@@ -186,10 +188,10 @@ def _quaternions(rotation: Array) -> Array:
     """Rotations (T, 4) as glTF has them, w last; neighbours have one sign, as slerp wants it."""
     turns = np.sign((rotation[1:] * rotation[:-1]).sum(axis=1))
     signs = np.concatenate([[1.0], np.cumprod(turns)])
-    return np.roll(turned(signs[:, None] * rotation, Y_UP), -1, axis=1)
+    return np.roll(rotate_quaternions(signs[:, None] * rotation, Y_UP), -1, axis=1)
 
 
-def _animation(buffer: Buffer, clip: Clip, tracks: list[tuple[int, str, Array]]) -> Json:
+def _animation(buffer: GlbBuffer, clip: Clip, tracks: list[tuple[int, str, Array]]) -> Json:
     """Tracks of nodes' properties, with a key for each frame."""
     times = buffer.add(_single(np.arange(len(clip.points)) / clip.fps))
     return {
@@ -206,7 +208,7 @@ def _animation(buffer: Buffer, clip: Clip, tracks: list[tuple[int, str, Array]])
 
 
 def _file(
-    buffer: Buffer,
+    buffer: GlbBuffer,
     model: Model,
     clips: list[Clip],
     baked: bool,

@@ -44,14 +44,14 @@ def read_mesh(path: Path) -> tuple[list[str], Floats]:
     return lines, np.array(vertices)
 
 
-class Bound(NamedTuple):
+class BoundMesh(NamedTuple):
     """A mesh hung on the nodes."""
 
     lines: list[str]  # of its file
     weights: Array  # (n, 23) of the nodes, for each vertex
 
 
-def fitted(vertices: Floats, repertoire: Repertoire) -> Floats:
+def fit_to_fish(vertices: Floats, repertoire: Repertoire) -> Floats:
     """Vertices (n, 3) that head along x, brought to the fish at rest: its length, nose and axis."""
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     if high[0] <= low[0]:
@@ -61,7 +61,7 @@ def fitted(vertices: Floats, repertoire: Repertoire) -> Floats:
     return np.asarray((vertices - snout) * scale + repertoire.rest_nodes[0])
 
 
-def bind_mesh(repertoire: Repertoire, path: Path, fit: bool) -> Bound:
+def bind_mesh(repertoire: Repertoire, path: Path, fit: bool) -> BoundMesh:
     """The mesh in a file, hung on the nodes of a fish.
 
     It is in body axes and cm: x anterior, y dorsal, z right; with `fit` it only has to head
@@ -70,7 +70,7 @@ def bind_mesh(repertoire: Repertoire, path: Path, fit: bool) -> Bound:
     lines, vertices = read_mesh(path)
     if fit:
         try:
-            vertices = fitted(vertices, repertoire)
+            vertices = fit_to_fish(vertices, repertoire)
         except UserError as fault:
             raise UserError(f"{path}: {fault}") from fault
     away = float(np.linalg.norm(vertices, axis=1).max()) / repertoire.body_length_cm
@@ -79,10 +79,10 @@ def bind_mesh(repertoire: Repertoire, path: Path, fit: bool) -> Bound:
             f"{path}: a vertex lies {away:.3g} body lengths from the fish, expected at most "
             f"{FARTHEST:g}; --fit brings the mesh to the fish"
         )
-    return Bound(lines, tetrahedral_weights(repertoire.rest_nodes, vertices))
+    return BoundMesh(lines, tetrahedral_weights(repertoire.rest_nodes, vertices))
 
 
-def write_mesh(path: Path, mesh: Bound, nodes: Array) -> None:
+def write_mesh(path: Path, mesh: BoundMesh, nodes: Array) -> None:
     """Write the mesh as it is for nodes (23, 3).
 
     Nothing but the vertices changes; normals, which would be wrong, are left out.

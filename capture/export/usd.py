@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from capture.export.axes import Y_UP, brought, turned
-from capture.export.clips import ROUGHNESS, Clip, Model, carried, see_through
+from capture.export.axes import Y_UP, rotate_quaternions, to_metres
+from capture.export.clips import ROUGHNESS, Clip, Model, bake_root, transparent_triangles
 from capture.export.png import sheet_png
 from subsea.core.arrays import Array
 from subsea.core.atomic_io import replacing
@@ -85,7 +85,7 @@ def _fill(stage: Any, sheet: str, model: Model, clips: list[Clip], baked: bool) 
     stage.SetDefaultPrim(root.GetPrim())
     Usd.ModelAPI(root).SetKind(Kind.Tokens.component)
     if baked:
-        clips = [carried(clip) for clip in clips]
+        clips = [bake_root(clip) for clip in clips]
     else:
         _move(root, clips, first)
     looks = {
@@ -101,7 +101,7 @@ def _fill(stage: Any, sheet: str, model: Model, clips: list[Clip], baked: bool) 
             _animate(mesh, part, clips, first)
             _bind(mesh, looks[CLEAR if part.both_sides else SOLID])
             if not part.both_sides:
-                _divide(mesh, see_through(model)[: model.body], looks)
+                _divide(mesh, transparent_triangles(model)[: model.body], looks)
 
 
 def _move(root: Any, clips: list[Clip], first: list[int]) -> None:
@@ -111,7 +111,7 @@ def _move(root: Any, clips: list[Clip], first: list[int]) -> None:
     # OpenUSD makes a rotation of it by an arc cosine: single precision would not do.
     way, turn = root.AddTranslateOp(), root.AddOrientOp(UsdGeom.XformOp.PrecisionDouble)
     for clip, start in zip(clips, first, strict=True):
-        there, facing = brought(clip.position, Y_UP), turned(clip.rotation, Y_UP)
+        there, facing = to_metres(clip.position, Y_UP), rotate_quaternions(clip.rotation, Y_UP)
         for frame, (place, (w, *axis)) in enumerate(zip(there, facing, strict=True)):
             way.Set(Gf.Vec3d(*map(float, place)), start + frame)
             turn.Set(Gf.Quatd(float(w), Gf.Vec3d(*map(float, axis))), start + frame)
@@ -128,7 +128,7 @@ def _mesh(stage: Any, path: Any, model: Model, part: _Part) -> Any:
     mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(corners))
     mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
     mesh.CreateDoubleSidedAttr(part.both_sides)
-    mesh.CreatePointsAttr(_vectors(brought(model.rest[part.vertices], Y_UP)))
+    mesh.CreatePointsAttr(_vectors(to_metres(model.rest[part.vertices], Y_UP)))
     mesh.CreateNormalsAttr(_vectors(model.normals[part.vertices] @ Y_UP.T))
     mesh.SetNormalsInterpolation(UsdGeom.Tokens.vertex)
     places = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar(
@@ -147,7 +147,7 @@ def _animate(mesh: Any, part: _Part, clips: list[Clip], first: list[int]) -> Non
     for clip, start in zip(clips, first, strict=True):
         where, ways = clip.points[:, part.vertices], clip.normals[:, part.vertices]
         for frame in range(len(where)):
-            values = _vectors(brought(where[frame], Y_UP))
+            values = _vectors(to_metres(where[frame], Y_UP))
             points.Set(values, start + frame)
             normals.Set(_vectors(ways[frame] @ Y_UP.T), start + frame)
             extent.Set(UsdGeom.PointBased.ComputeExtent(values), start + frame)

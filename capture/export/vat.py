@@ -24,9 +24,9 @@ from urllib.parse import quote
 import numpy as np
 from numpy.typing import NDArray
 
-from capture.export.axes import METRES, Y_UP, Z_UP, brought, turned
-from capture.export.clips import Clip, Model, carried
-from capture.export.glb import CLAMPED, INDICES, VERTICES, Buffer, glb, material
+from capture.export.axes import METRES, Y_UP, Z_UP, rotate_quaternions, to_metres
+from capture.export.clips import Clip, Model, bake_root
+from capture.export.glb import CLAMPED, INDICES, VERTICES, GlbBuffer, glb, material
 from capture.export.png import png16, sheet_png
 from subsea.core.arrays import Array
 from subsea.core.atomic_io import replacing
@@ -35,7 +35,7 @@ FULL = 65535  # the greatest value of a texel
 ALPHA_CUTOFF = 0.3  # one material serves the body and fins: what is clearer is left out
 
 
-class Texture(NamedTuple):
+class AnimationTexture(NamedTuple):
     """A vertex animation texture of n vertices and F frames."""
 
     texels: NDArray[np.uint16]  # (2F, n, 3): ways from rest, then normals
@@ -65,17 +65,17 @@ def write_vat(folder: Path, model: Model, clips: list[Clip], baked: bool) -> lis
     return [folder / name for name in files]
 
 
-def encode(model: Model, clips: list[Clip], baked: bool) -> Texture:
+def encode(model: Model, clips: list[Clip], baked: bool) -> AnimationTexture:
     """The texture of all clips, one after another."""
     if baked:
-        clips = [carried(clip) for clip in clips]
-    ways = brought(np.concatenate([clip.points for clip in clips]) - model.rest, Z_UP)
+        clips = [bake_root(clip) for clip in clips]
+    ways = to_metres(np.concatenate([clip.points for clip in clips]) - model.rest, Z_UP)
     low, high = ways.min(axis=(0, 1)), ways.max(axis=(0, 1))
     share = (ways - low) / np.where(high > low, high - low, 1.0)
     facing = 0.5 + 0.5 * (np.concatenate([clip.normals for clip in clips]) @ Z_UP.T)
     texels = np.round(FULL * np.clip(np.concatenate([share, facing]), 0.0, 1.0)).astype(np.uint16)
     first = np.cumsum([0, *(len(clip.points) for clip in clips[:-1])])
-    return Texture(texels, low, high, first.tolist())
+    return AnimationTexture(texels, low, high, first.tolist())
 
 
 def places(count: int, height: int) -> Array:
@@ -86,7 +86,7 @@ def places(count: int, height: int) -> Array:
 
 def _mesh(model: Model, height: int, colours: str) -> bytes:
     """The mesh at rest, with the places of its vertices in the texture, as .glb."""
-    buffer = Buffer()
+    buffer = GlbBuffer()
 
     def vertices(values: Array) -> int:
         return buffer.add(values.astype(np.float32), VERTICES)
@@ -94,7 +94,7 @@ def _mesh(model: Model, height: int, colours: str) -> bytes:
     sheet = np.stack([model.uv[:, 0], 1.0 - model.uv[:, 1]], axis=1)
     primitive = {
         "attributes": {
-            "POSITION": vertices(brought(model.rest, Y_UP)),
+            "POSITION": vertices(to_metres(model.rest, Y_UP)),
             "NORMAL": vertices(model.normals @ Y_UP.T),
             "TEXCOORD_0": vertices(sheet),
             "TEXCOORD_1": vertices(places(len(model.rest), height)),
@@ -117,7 +117,7 @@ def _mesh(model: Model, height: int, colours: str) -> bytes:
     return glb(content, buffer)
 
 
-def _ranges(model: Model, clips: list[Clip], texture: Texture, baked: bool) -> bytes:
+def _ranges(model: Model, clips: list[Clip], texture: AnimationTexture, baked: bool) -> bytes:
     """The JSON: what OpenVAT's readers want, then what we know beyond that."""
     frames = len(texture.texels) // 2
     own: dict[str, Any] = {
@@ -127,8 +127,8 @@ def _ranges(model: Model, clips: list[Clip], texture: Texture, baked: bool) -> b
     if not baked:
         own["root"] = {
             clip.name: {
-                "position": np.round(brought(clip.position, Z_UP), 9).tolist(),
-                "rotation": np.round(turned(clip.rotation, Z_UP), 9).tolist(),
+                "position": np.round(to_metres(clip.position, Z_UP), 9).tolist(),
+                "rotation": np.round(rotate_quaternions(clip.rotation, Z_UP), 9).tolist(),
             }
             for clip in clips
         }

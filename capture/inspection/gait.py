@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from capture.recording.trial import beat_phase, sharp_turn, way
+from capture.recording.trial import beat_phase, displacement, sharp_turn
 from subsea.biomechanics.body import MUSCLES, UNITS, Body, Floats
 from subsea.biomechanics.body_frame import body_frame
 from subsea.biomechanics.body_plan import SwimPlan, TurnPlan
@@ -43,7 +43,7 @@ def widest_pull(body: Body, swim: SwimPlan, turn: TurnPlan, angles: list[float])
 
 def sweep(frames: Floats, nodes: list[int]) -> float:
     """Peak-to-peak distance of the middle of ``nodes`` across the way of one beat, cm."""
-    chord = way(frames)
+    chord = displacement(frames)
     aside = np.cross(UP, chord / max(float(np.linalg.norm(chord)), NOWHERE))
     across = frames[:, nodes].mean(axis=1) @ aside
     drift = np.linspace(0.0, across[-1] - across[0], len(across))

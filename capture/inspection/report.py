@@ -53,8 +53,8 @@ def report(path: Path, tell: Callable[[str], object]) -> bool:
             _line(
                 found.name,
                 found.value,
-                found.at_least,
-                _verdict(found.at_least, found.passed, "FALLS SHORT"),
+                found.limit,
+                _verdict(found.limit, found.passed, "FALLS SHORT"),
                 found.aim,
                 _verdict(found.aim, found.aim_reached, "missed"),
             )

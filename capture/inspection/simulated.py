@@ -17,10 +17,10 @@ from capture.inspection.gait import (
     swim_on,
     turned,
 )
-from capture.inspection.targets import Measure, Range, judge, least, most, off
+from capture.inspection.targets import Measure, Range, at_least, at_most, compare, within
 from capture.inspection.timing import frame_cost, replay_cost, step_cost
 from capture.recording.record import Motion, run_trial, steady_contraction
-from capture.recording.trial import Trial, beat_contraction, speed_map, way
+from capture.recording.trial import Trial, beat_contraction, displacement, speed_map
 from subsea.biomechanics.body import LOWER_TAIL, UPPER_TAIL, Body, Floats, build_body
 from subsea.biomechanics.body_frame import body_frame, to_world
 from subsea.biomechanics.controllers import S_MAX
@@ -65,21 +65,21 @@ def measure(motion: Motion, repertoire: Repertoire) -> Iterator[Measure]:
     yield from _turning(motion, body, trials["swim_medium"].state)
     cyclic = [name for name, segment in repertoire.segments.items() if segment.cyclic]
     closure = max(repertoire.segments[name].loop_error_bl for name in cyclic)
-    yield judge("loop closure, worst cycle", closure, ".1e", " L", most(1e-3), most(1e-5))
+    yield compare("loop closure, worst cycle", closure, ".1e", " L", at_most(1e-3), at_most(1e-5))
     error = max(
         _replay_error(motion, body, trials[name], repertoire.segments[name], name)
         for name in cyclic
     )
     name = f"{REPLAYED_CYCLES} cycles replayed against simulation"
-    yield judge(name, error / length, ".1e", " L", most(0.01), most(1e-4))
+    yield compare(name, error / length, ".1e", " L", at_most(0.01), at_most(1e-4))
     step, nodes, frame = (
         step_cost(body, trials["swim_fast"].state),
         replay_cost(repertoire.segments["swim_fast"]),
         frame_cost(repertoire.segments["swim_fast"]),
     )
-    yield judge("one step of simulation", step, ".2f", " µs", most(5), most(2.5))
-    yield judge("replay of 23 nodes", nodes, ".3f", " µs", most(0.15), most(0.06))
-    yield judge("replay of a body frame", frame, ".3f", " µs", most(0.03), most(0.01))
+    yield compare("one step of simulation", step, ".2f", " µs", at_most(5), at_most(2.5))
+    yield compare("replay of 23 nodes", nodes, ".3f", " µs", at_most(0.15), at_most(0.06))
+    yield compare("replay of a body frame", frame, ".3f", " µs", at_most(0.03), at_most(0.01))
     ratio = STEPS_PER_TICK * step / nodes
     yield Measure("a tick simulated over one replayed", f"{ratio:.0f} ×")
 
@@ -88,18 +88,18 @@ def _swimming(motion: Motion, body: Body, trials: dict[str, Trial]) -> Iterator[
     length, ticks = motion.body.length, motion.swim.ticks_per_beat
     beat_tu = ticks * STEPS_PER_TICK * STEP
     speeds = {
-        grade: float(np.linalg.norm(way(trials[f"swim_{grade}"].frames))) / length
+        grade: float(np.linalg.norm(displacement(trials[f"swim_{grade}"].frames))) / length
         for grade in ("slow", "medium", "fast")
     }
     fast = speeds["fast"]
     rate = fast / beat_tu
-    yield judge("fast swim, per beat", fast, ".3f", " L", least(0.35), least(0.5))
-    yield judge("fast swim, per tu (0.1 s)", rate, ".4f", " L", least(0.08), least(0.1))
+    yield compare("fast swim, per beat", fast, ".3f", " L", at_least(0.35), at_least(0.5))
+    yield compare("fast swim, per tu (0.1 s)", rate, ".4f", " L", at_least(0.08), at_least(0.1))
     s = pull(body, beat_contraction(motion.swim, 1.0))
-    yield judge("its contraction a step", s, ".4f", " cm", most(S_MAX))
+    yield compare("its contraction a step", s, ".4f", " cm", at_most(S_MAX))
     for slow, quick in (("slow", "medium"), ("medium", "fast")):
         ratio = speeds[quick] / speeds[slow]
-        yield judge(f"{quick} over {slow}", ratio, ".2f", " ×", least(1.4))
+        yield compare(f"{quick} over {slow}", ratio, ".2f", " ×", at_least(1.4))
     levels, swum = (column[1:] for column in speed_map(body, motion.swim))
     fit = float(np.corrcoef(levels, swum)[0, 1] ** 2)
     steady = bool((np.diff(swum) > 0).all())
@@ -109,32 +109,34 @@ def _swimming(motion: Motion, body: Body, trials: dict[str, Trial]) -> Iterator[
     trial = trials["swim_fast"]
     tail = sweep(trial.frames, [UPPER_TAIL, LOWER_TAIL]) / length
     head = sweep(trial.frames, [0]) / length
-    yield judge("tail sweep, fast", tail, ".3f", " L", Range(0.15, 0.25), Range(0.18, 0.22))
+    yield compare("tail sweep, fast", tail, ".3f", " L", Range(0.15, 0.25), Range(0.18, 0.22))
     yield Measure("head sweep, fast", f"{head:.3f} L")
     snout = snout_bend(trial.frames)
     yield Measure("bend of the snout, fast", f"{snout:.1f}°")
-    yield judge("Strouhal number, fast", tail / fast, ".3f", "", most(0.55), most(0.45))
+    yield compare("Strouhal number, fast", tail / fast, ".3f", "", at_most(0.55), at_most(0.45))
 
 
 def _straightness(motion: Motion, body: Body, steady: BodyState) -> Iterator[Measure]:
     frames = swim_on(body, copy_state(steady), beat_contraction(motion.swim, 1.0), STEADY_BEATS)
     drift, aside = straightness(frames, motion.swim.ticks_per_beat)
     name = f"drift of heading in {STEADY_BEATS} beats"
-    yield judge(name, drift, ".4f", "°", most(1), most(0.1))
-    yield judge("drift aside meanwhile", aside / motion.body.length, ".1e", " L", most(0.02))
+    yield compare(name, drift, ".4f", "°", at_most(1), at_most(0.1))
+    yield compare("drift aside meanwhile", aside / motion.body.length, ".1e", " L", at_most(0.02))
 
 
 def _attitude(motion: Motion, body: Body, steady: BodyState) -> Iterator[Measure]:
     beat = beat_contraction(motion.swim, motion.swim.medium)
     lean = _mean_attitude(swim_on(body, copy_state(steady), beat, STEADY_BEATS))
-    yield judge("roll, pitch without fins", lean, ".4f", "°", most(0.1))
+    yield compare("roll, pitch without fins", lean, ".4f", "°", at_most(0.1))
     tall = build_body(motion.body, back=1.1)
     lean = _balanced(motion, tall, at_rest(tall), 60)
-    yield judge("the same, back 10% taller, balanced", lean, ".3f", "°", most(1))
+    yield compare("the same, back 10% taller, balanced", lean, ".3f", "°", at_most(1))
     leaning = copy_state(steady)
     _lean(leaning, body.mass)
     lean = _balanced(motion, body, leaning, 40)
-    yield judge("40 beats after a roll of 15°, balanced", lean, ".3f", "°", most(1), most(1))
+    yield compare(
+        "40 beats after a roll of 15°, balanced", lean, ".3f", "°", at_most(1), at_most(1)
+    )
 
 
 def _mean_attitude(frames: Floats) -> tuple[float, float]:
@@ -149,8 +151,8 @@ def _mean_attitude(frames: Floats) -> tuple[float, float]:
 
 def _lean(state: BodyState, mass: Floats) -> None:
     """Roll a swimming fish about its way."""
-    way = mass @ state.v
-    axis = way / np.linalg.norm(way)
+    displacement = mass @ state.v
+    axis = displacement / np.linalg.norm(displacement)
     turn = matrix(np.concatenate([[np.cos(LEAN / 2)], np.sin(LEAN / 2) * axis]))
     state.x[:] = state.x @ turn.T
     state.v[:] = state.v @ turn.T
@@ -184,11 +186,11 @@ def _turning(motion: Motion, body: Body, steady: BodyState) -> Iterator[Measure]
     for angle in TURN_ANGLES:
         errors = [_turned(body, motion, angle, *start) - angle for start in starts]
         worst = errors[int(np.argmax(np.abs(errors)))]  # NaN, a body out of shape, is the worst
-        entered, anywhere = (off(3), off(7)) if angle <= 60 else (off(6), off(10))
-        aim = off(1) if angle <= 60 else off(3)
+        entered, anywhere = (within(3), within(7)) if angle <= 60 else (within(6), within(10))
+        aim = within(1) if angle <= 60 else within(3)
         name = f"turn of {angle:g}°"
-        yield judge(f"{name}, entered at phase 0", errors[0], "+.2f", "°", entered, aim)
-        yield judge(f"{name}, at the worst phase", worst, "+.2f", "°", anywhere, off(3))
+        yield compare(f"{name}, entered at phase 0", errors[0], "+.2f", "°", entered, aim)
+        yield compare(f"{name}, at the worst phase", worst, "+.2f", "°", anywhere, within(3))
     kept = speed_kept(body, run_trial(motion, "turn_left_sharp").frames)
     yield Measure("speed kept in the sharp turn", f"{kept:.2f} ×")
 

@@ -5,9 +5,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from capture.inspection.simulated import REPLAYED_CYCLES, replay
-from capture.inspection.targets import Measure, judge, least, most, off
+from capture.inspection.targets import Measure, at_least, at_most, compare, within
 from capture.recording.record import spine_from_provenance
-from capture.recording.spine_motion import perform
+from capture.recording.spine_motion import spine_motion
 from subsea.biomechanics.body_frame import body_frame
 from subsea.fish.spine import SpinePlan
 from subsea.fish.surface import SurfacePlan
@@ -23,19 +23,19 @@ def measure_rules(repertoire: Repertoire) -> Iterator[Measure]:
     plan, surface = spine_from_provenance(repertoire.provenance)
     segments = repertoire.segments
     speeds = [segments[f"swim_{grade}"].speed_cm_s for grade in ("slow", "medium", "fast")]
-    yield judge("medium over slow", speeds[1] / speeds[0], ".2f", " ×", least(1.4))
-    yield judge("fast over medium", speeds[2] / speeds[1], ".2f", " ×", least(1.4))
+    yield compare("medium over slow", speeds[1] / speeds[0], ".2f", " ×", at_least(1.4))
+    yield compare("fast over medium", speeds[2] / speeds[1], ".2f", " ×", at_least(1.4))
     for grade, asked in (("gradual", plan.turn.gradual), ("sharp", plan.turn.sharp)):
         left, right = (segments[f"turn_{side}_{grade}"].turn_deg for side in ("left", "right"))
         name = f"{grade} turn of {asked:g}°, left and right"
-        yield judge(name, (left - asked, -right - asked), "+.3f", "°", off(1), off(0.1))
+        yield compare(name, (left - asked, -right - asked), "+.3f", "°", within(1), within(0.1))
     cyclic = [name for name, segment in segments.items() if segment.cyclic]
     closure = max(segments[name].loop_error_bl for name in cyclic)
-    yield judge("loop closure, worst cycle", closure, ".1e", " L", most(1e-3), most(1e-5))
+    yield compare("loop closure, worst cycle", closure, ".1e", " L", at_most(1e-3), at_most(1e-5))
     errors = [_replay_error(plan, surface, repertoire, name) for name in cyclic]
     name = f"{REPLAYED_CYCLES} cycles replayed against the rule"
-    yield judge(name, max(errors) / plan.length, ".1e", " L", most(0.01), most(1e-4))
-    nodes = perform(plan, surface, "swim_fast").nodes
+    yield compare(name, max(errors) / plan.length, ".1e", " L", at_most(0.01), at_most(1e-4))
+    nodes = spine_motion(plan, surface, "swim_fast").nodes
     tail = nodes[:, 21:].mean(axis=1)[:, 2]
     yield Measure("tail sweep, fast", f"{np.ptp(tail) / plan.length:.3f} L")
 
@@ -44,7 +44,7 @@ def _replay_error(
     plan: SpinePlan, surface: SurfacePlan, repertoire: Repertoire, name: str
 ) -> float:
     """Farthest node after some cycles from where the rule puts it, cm."""
-    nodes = perform(plan, surface, name).nodes
+    nodes = spine_motion(plan, surface, name).nodes
     origin, rotation = body_frame(nodes)
     replayed = replay(repertoire.segments[name], origin[0], rotation[0], REPLAYED_CYCLES)[-1]
     # Each cycle takes the fish on by the same rigid motion.

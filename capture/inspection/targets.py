@@ -1,4 +1,4 @@
-"""A measure of motion beside its targets, as `subsea-capture inspect` shows it."""
+"""A measure of motion and its targets, as `subsea-capture inspect` shows them."""
 
 from typing import NamedTuple
 
@@ -6,32 +6,31 @@ import numpy as np
 
 
 class Measure(NamedTuple):
-    """One line of the report: the measured value, two targets, and whether they are reached.
+    """One line of the report: a measured value and two targets; an empty target is none.
 
-    ``at_least`` is asked of every species; ``aim`` is where the best should get. An empty target
-    asks nothing.
+    ``limit`` holds for every species, ``aim`` is the goal for good ones.
     """
 
     name: str
     value: str
-    at_least: str = ""
+    limit: str = ""
     passed: bool = True
     aim: str = ""
     aim_reached: bool = True
 
 
 class Range(NamedTuple):
-    """A target: where a measure should lie. NaN lies nowhere."""
+    """A target range of a measure, ends included; NaN is outside every range."""
 
     low: float = -np.inf
     high: float = np.inf
 
     def holds(self, *values: float) -> bool:
-        """Whether all values lie within."""
+        """Whether all values are inside."""
         return all(self.low <= value <= self.high for value in values)
 
     def text(self, unit: str) -> str:
-        """As a person reads it: ``≥ 0.35 L``, ``± 3°``, ``0.15-0.25 L``."""
+        """The range as text: ``≥ 0.35 L``, ``± 3°``, ``0.15-0.25 L``."""
         if self.high == np.inf:
             words = f"≥ {self.low:g}"
         elif self.low == -np.inf:
@@ -43,36 +42,36 @@ class Range(NamedTuple):
         return words.replace("e-0", "e-") + unit
 
 
-def least(low: float) -> Range:
+def at_least(low: float) -> Range:
     """``low`` or more."""
     return Range(low=low)
 
 
-def most(high: float) -> Range:
+def at_most(high: float) -> Range:
     """``high`` or less."""
     return Range(high=high)
 
 
-def off(most: float) -> Range:
-    """No farther from zero than ``most``, to either side."""
-    return Range(-most, most)
+def within(bound: float) -> Range:
+    """From ``-bound`` to ``bound``."""
+    return Range(-bound, bound)
 
 
-def judge(
+def compare(
     name: str,
     values: float | tuple[float, ...],
     form: str,
     unit: str,
-    at_least: Range,
+    limit: Range,
     aim: Range | None = None,
 ) -> Measure:
-    """The line for one value or several, each written in the format ``form`` with its unit."""
+    """The measure of one or several values, in the format ``form`` with a unit."""
     several = values if isinstance(values, tuple) else (values,)
     return Measure(
         name,
         ", ".join(f"{value:{form}}{unit}" for value in several),
-        at_least.text(unit),
-        at_least.holds(*several),
+        limit.text(unit),
+        limit.holds(*several),
         aim.text(unit) if aim else "",
         aim.holds(*several) if aim else True,
     )

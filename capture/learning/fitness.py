@@ -23,15 +23,15 @@ from capture.inspection.gait import (
     turned,
     widest_pull,
 )
-from capture.inspection.targets import Range, least, most, off
+from capture.inspection.targets import Range, at_least, at_most, within
 from capture.recording.trial import (
     STRAIGHT,
     beat_contraction,
+    displacement,
     loop_error,
     sharp_turn,
     speed_map,
     steady_beat,
-    way,
 )
 from subsea.biomechanics.body import LOWER_TAIL, NODES, UPPER_TAIL, Body, Floats
 from subsea.biomechanics.body_frame import body_frame
@@ -49,16 +49,16 @@ WATCHED = 20
 """Last beats of a swim, over which it must go straight."""
 TRAINED = (1.0, 0.5, 0.25)
 """Amplitudes at which a candidate swims: a gait must hold at all of its grades."""
-KICK, HARD_KICK = 0.1, 0.2
+DISTURBANCE, STRONG_DISTURBANCE = 0.1, 0.2
 """Root mean square of the random velocity of each node at the start, cm/tu.
 
 At 0.5 the kick itself tears light nodes out of shape, whatever the gait.
 """
-KICKS = 3
+STARTS = 3
 """Starts from which each grade of a winner is verified, and other amplitudes drawn at random."""
-THRIFT = 0.1
+ECONOMY = 0.1
 """What economy weighs beside speed: a gait that is 1% faster may cost 10% more."""
-HASTE = 0.5
+DURATION_WEIGHT = 0.5
 """What the duration of a turn weighs beside the speed that is kept in it."""
 PENALTY = 5.0
 """Loss for missing a limit by all of its value; the speed of e-fold is worth 1."""
@@ -66,24 +66,24 @@ UNSOUND = 100.0
 """Loss beyond any of a body that keeps its shape."""
 
 GAIT_LIMITS = {
-    "drift": most(1.0),
-    "aside": most(0.02),
+    "drift": at_most(1.0),
+    "aside": at_most(0.02),
     "tail": Range(0.15, 0.25),
-    "head": most(0.08),
-    "snout": most(5.0),
-    "strouhal": most(0.55),
-    "pull": most(S_MAX),
-    "closure": most(1e-3),
+    "head": at_most(0.08),
+    "snout": at_most(5.0),
+    "strouhal": at_most(0.55),
+    "pull": at_most(S_MAX),
+    "closure": at_most(1e-3),
 }
 """What a fast gait must keep (docs/biomechanics.md)."""
-STRIDE = least(0.35)
+STRIDE = at_least(0.35)
 """L a beat that are asked of a fast gait; a body that cannot reach them may still learn."""
-TURN_LIMITS = {"pull": most(S_MAX), "snout": most(25.0), "kept": least(0.7)}
-GRADE_RATIO = least(1.4)
+TURN_LIMITS = {"pull": at_most(S_MAX), "snout": at_most(25.0), "kept": at_least(0.7)}
+GRADE_RATIO = at_least(1.4)
 GRADUAL_DEG = Range(2.0, 18.0)
 
 
-class Gait(NamedTuple):
+class GaitMeasures(NamedTuple):
     """What is measured on steady swimming; L is the body length, tu 0.1 s."""
 
     stride: float  # L a beat
@@ -99,7 +99,7 @@ class Gait(NamedTuple):
     closure: float  # L, loop closure of the last beat
 
 
-class Turning(NamedTuple):
+class TurnMeasures(NamedTuple):
     """What is measured on sharp turns."""
 
     errors: tuple[float, ...]  # degrees, of each row entered at phase 0
@@ -110,16 +110,16 @@ class Turning(NamedTuple):
     pull: float  # cm a step, widest turn
 
 
-def kicked(state: BodyState, rms: float, rng: np.random.Generator) -> BodyState:
+def disturbed(state: BodyState, rms: float, rng: np.random.Generator) -> BodyState:
     """A copy of ``state`` whose nodes are pushed at random."""
     pushed = copy_state(state)
     pushed.v[:] += rng.normal(0.0, rms, (NODES, 3))
     return pushed
 
 
-def set_out(body: Body, beat: Floats, rms: float, rng: np.random.Generator) -> BodyState:
+def start_swimming(body: Body, beat: Floats, rms: float, rng: np.random.Generator) -> BodyState:
     """A body at rest, kicked, whose first beat has risen from nothing."""
-    state = kicked(at_rest(body), rms, rng)
+    state = disturbed(at_rest(body), rms, rng)
     simulate(body, state, ease(np.arange(len(beat)) / len(beat))[:, None] * beat)
     return state
 
@@ -136,7 +136,7 @@ def beats_survived(body: Body, state: BodyState, beat: Floats, count: int) -> in
     return count
 
 
-def measure_gait(body: Body, swim: SwimPlan, amplitude: float, state: BodyState) -> Gait:
+def measure_gait(body: Body, swim: SwimPlan, amplitude: float, state: BodyState) -> GaitMeasures:
     """Measure the swimming of ``state``, over :data:`WATCHED` more beats; changes ``state``."""
     length = float(np.ptp(body.rest[:, 0]))
     beat = beat_contraction(swim, amplitude)
@@ -144,12 +144,12 @@ def measure_gait(body: Body, swim: SwimPlan, amplitude: float, state: BodyState)
     drift, aside = straightness(frames, swim.ticks_per_beat)
     last = frames[-swim.ticks_per_beat - 1 :]
     forward = body_frame(last)[1][:, :, 0].mean(axis=0)
-    chord = way(last)
+    chord = displacement(last)
     # A fish that swims backwards has a negative speed.
     ahead = float(np.copysign(max(float(np.linalg.norm(chord)), NOWHERE), chord @ forward))
     tail = sweep(last, [UPPER_TAIL, LOWER_TAIL]) / length
     work = muscle_work(body, copy_state(state), beat)
-    return Gait(
+    return GaitMeasures(
         stride=ahead / length,
         speed=ahead / length / (swim.ticks_per_beat * STEPS_PER_TICK * STEP),
         # g cm²/tu² for each g and cm: cm/tu² is m/s² is J/(kg m).
@@ -173,13 +173,13 @@ def excess(value: float, limit: Range) -> float:
     return float(np.nan_to_num(min(abs(value - bound) / abs(bound), 2.0), nan=2.0))
 
 
-def missed(measured: Gait | Turning, limits: dict[str, Range]) -> dict[str, float]:
+def missed(measured: GaitMeasures | TurnMeasures, limits: dict[str, Range]) -> dict[str, float]:
     """The limits that are missed, and by what share."""
     shares = {name: excess(getattr(measured, name), limit) for name, limit in limits.items()}
     return {name: share for name, share in shares.items() if share}
 
 
-def swim_loss(body: Body, swim: SwimPlan, seed: int, thrift: float = THRIFT) -> float:
+def swim_loss(body: Body, swim: SwimPlan, seed: int, thrift: float = ECONOMY) -> float:
     """-ln(speed) + ``thrift`` ln(cost) of the fast swim, and penalties; less is better.
 
     ``seed`` decides how the start is disturbed.
@@ -188,7 +188,7 @@ def swim_loss(body: Body, swim: SwimPlan, seed: int, thrift: float = THRIFT) -> 
     states, survived = [], 0
     for amplitude in TRAINED:
         beat = beat_contraction(swim, amplitude)
-        state = set_out(body, beat, KICK, rng)
+        state = start_swimming(body, beat, DISTURBANCE, rng)
         beats = HORIZON - 1 - WATCHED
         survived += beats_survived(body, state, beat, beats) if is_sound(state) else 0
         states.append(state)
@@ -232,15 +232,15 @@ def swim_faults(body: Body, swim: SwimPlan, seed: int) -> list[str]:
         return [str(fault)]
     if not (np.diff(levels) > 0).all():
         faults.append("its speed does not rise with the amplitude")
-    slow, medium, fast = (float(np.linalg.norm(way(frames))) for frames in grades)
+    slow, medium, fast = (float(np.linalg.norm(displacement(frames))) for frames in grades)
     for name, ratio in (("medium", medium / slow), ("fast", fast / medium)):
         if not GRADE_RATIO.holds(ratio):
             faults.append(f"{name} is only {ratio:.2f} times as fast as the grade below")
     rng = np.random.default_rng([seed, HORIZON])
-    others = rng.uniform(TRAINED[-1] / 2, 1.0, KICKS)
-    for amplitude in (*KICKS * (1.0, swim.medium, swim.slow), *others.tolist()):
+    others = rng.uniform(TRAINED[-1] / 2, 1.0, STARTS)
+    for amplitude in (*STARTS * (1.0, swim.medium, swim.slow), *others.tolist()):
         beat = beat_contraction(swim, amplitude)
-        state = set_out(body, beat, HARD_KICK, rng)
+        state = start_swimming(body, beat, STRONG_DISTURBANCE, rng)
         beats = round(LONGER * HORIZON) - 1 - WATCHED
         survived = beats_survived(body, state, beat, beats)
         if survived < beats:
@@ -254,7 +254,7 @@ def swim_faults(body: Body, swim: SwimPlan, seed: int) -> list[str]:
 
 def measure_turning(
     body: Body, swim: SwimPlan, turn: TurnPlan, steady: BodyState, angles: list[float]
-) -> Turning:
+) -> TurnMeasures:
     """Measure sharp turns by ``angles`` out of ``steady``, swimming at grade medium at phase 0.
 
     Raises UserError where the body loses its shape.
@@ -265,7 +265,7 @@ def measure_turning(
     )
     widest = sharp_turn(body, swim, turn, angles[-1], LEFT, steady).frames
     row = turn.steering[-1]
-    return Turning(
+    return TurnMeasures(
         errors=tuple(errors[:, 0].tolist()),
         worst=tuple(errors[np.arange(len(angles)), np.abs(errors).argmax(axis=1)].tolist()),
         ticks=row.bend_ticks + row.hold_ticks + row.restore_ticks,
@@ -277,17 +277,17 @@ def measure_turning(
 
 def worst_error(angle: float) -> Range:
     """How far a turn by ``angle`` degrees may miss it from the worst phase of the beat."""
-    return off(7.0) if angle <= 60 else off(10.0)
+    return within(7.0) if angle <= 60 else within(10.0)
 
 
 def entered_error(angle: float) -> Range:
     """How far a turn by ``angle`` degrees may miss it from phase 0."""
-    return off(3.0) if angle <= 60 else off(6.0)
+    return within(3.0) if angle <= 60 else within(6.0)
 
 
-def turn_loss(turning: Turning, angles: list[float]) -> float:
+def turn_loss(turning: TurnMeasures, angles: list[float]) -> float:
     """-ln(speed kept) + :data:`HASTE` ln(duration) of the widest turn, and penalties."""
-    loss = -np.log(max(turning.kept, 1e-3)) + HASTE * np.log(turning.ticks)
+    loss = -np.log(max(turning.kept, 1e-3)) + DURATION_WEIGHT * np.log(turning.ticks)
     loss += PENALTY * sum(missed(turning, TURN_LIMITS).values())
     for angle, error, worst in zip(angles, turning.errors, turning.worst, strict=True):
         loss += PENALTY * (excess(error, entered_error(angle)) + excess(worst, worst_error(angle)))
@@ -305,7 +305,7 @@ def turn_faults(body: Body, swim: SwimPlan, turn: TurnPlan, seed: int) -> list[s
         rng = np.random.default_rng([seed, HORIZON])
         for angle in angles:
             beat = beat_contraction(swim, swim.medium)
-            start = kicked(steady, KICK, rng)
+            start = disturbed(steady, DISTURBANCE, rng)
             simulate(body, start, np.tile(beat, (WATCHED, 1)))
             settle = round(LONGER * HORIZON)
             error = turned(body, swim, turn, angle, start, settle=settle) - angle

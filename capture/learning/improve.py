@@ -10,14 +10,14 @@ from tqdm import tqdm
 from capture.inspection.gait import ENTRY_PHASES
 from capture.learning.fitness import (
     HORIZON,
-    KICKS,
     LONGER,
-    Gait,
-    Turning,
+    STARTS,
+    GaitMeasures,
+    TurnMeasures,
     measure_gait,
     measure_turning,
 )
-from capture.learning.learn import Learned, learn
+from capture.learning.learn import LearnedControllers, learn
 from capture.learning.species_edit import write_controllers
 from capture.recording.trial import beat_contraction, steady_beat
 from subsea.biomechanics.body import build_body
@@ -30,7 +30,7 @@ from subsea.fish.species import SHIPPED, Species, species_file
 LIBRARIES = ("cma", "scipy")
 
 
-def teach(name: str, out: Path | None, dry_run: bool, budget: int, **options: Any) -> int:
+def improve_species(name: str, out: Path | None, dry_run: bool, budget: int, **options: Any) -> int:
     """Learn the controllers of the species ``name`` (or file) and write them; the exit code.
 
     0 where better ones were found, 1 where not: then the file stays as it is. ``options`` are
@@ -108,11 +108,11 @@ def _comparison(old: Muscles, new: Muscles) -> Iterator[str]:
         yield f"{name:<34} {before.get(name, '-'):>18} {after[name]:>18}"
 
 
-def _verification(found: Learned) -> Iterator[str]:
+def _verification(found: LearnedControllers) -> Iterator[str]:
     """What the winners have borne."""
     beats = round(LONGER * HORIZON)
     if found.swim:
-        swims = 4 * KICKS
+        swims = 4 * STARTS
         yield f"verified: {swims} disturbed swims of {beats} beats, ten amplitudes, three grades"
     if found.turn:
         rows = len(found.turn.steering)
@@ -157,7 +157,7 @@ def _values(muscles: Muscles) -> dict[str, str]:
     return values
 
 
-def _gait(muscles: Muscles) -> Gait | None:
+def _gait(muscles: Muscles) -> GaitMeasures | None:
     """The steady fast gait, None where the body has none."""
     body = build_body(muscles.body)
     try:
@@ -167,7 +167,7 @@ def _gait(muscles: Muscles) -> Gait | None:
     return measure_gait(body, muscles.swim, 1.0, steady)
 
 
-def _turning(muscles: Muscles) -> Turning | None:
+def _turning(muscles: Muscles) -> TurnMeasures | None:
     """The sharp turns, None where the body loses its shape."""
     plan, swim, turn = muscles
     body = build_body(plan)

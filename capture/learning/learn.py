@@ -10,15 +10,15 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any, NamedTuple
 
-from capture.learning.fitness import THRIFT
-from capture.learning.search import Tried, search
-from capture.learning.swim import swim_winners
-from capture.learning.turn import refitted, turn_winner
+from capture.learning.fitness import ECONOMY
+from capture.learning.search import Evaluation, search
+from capture.learning.swim import verified_swims
+from capture.learning.turn import refit_holds, verified_turn
 from subsea.biomechanics.body import Floats, build_body
 from subsea.biomechanics.body_plan import Muscles, SwimPlan, TurnPlan
 
 
-class Learned(NamedTuple):
+class LearnedControllers(NamedTuple):
     """Controllers that were verified; None where nothing better than the old one was found."""
 
     swim: SwimPlan | None
@@ -37,9 +37,9 @@ def learn(
     budget: int = 300,
     seed: int = 1,
     ticks: int | None = None,
-    thrift: float = THRIFT,
+    thrift: float = ECONOMY,
     tell: Tell = lambda stage, loss, plan: None,
-) -> Learned:
+) -> LearnedControllers:
     """Search for a better swim and turn controller of a body, begun at the given ones.
 
     ``only`` is ``swim``, ``turn`` or empty for both; a new gait gets new holds in the steering
@@ -56,8 +56,8 @@ def learn(
         loss: Callable[[Any], float],
         at: Callable[[Floats | tuple[float, ...]], Any],
         start: Floats,
-    ) -> list[Tried]:
-        def told(one: Tried) -> None:
+    ) -> list[Evaluation]:
+        def told(one: Evaluation) -> None:
             tell(stage, one.loss, at(one.point))
 
         return search(lambda point: loss(at(point)), start, method, budget, seed, told)
@@ -65,16 +65,16 @@ def learn(
     def learn_turn(gait: SwimPlan, new: bool) -> TurnPlan | None:
         found = None
         if only != "swim":
-            found = turn_winner(body, gait, turn, new, seed, partial(hunt, "turn"), notes)
+            found = verified_turn(body, gait, turn, new, seed, partial(hunt, "turn"), notes)
         if found is None and new:
-            found = refitted(body, gait, turn, seed, notes)
+            found = refit_holds(body, gait, turn, seed, notes)
         return found
 
     if only == "turn":
-        return Learned(None, learn_turn(swim, False), notes)
-    for winner in swim_winners(body, swim, ticks, thrift, seed, partial(hunt, "swim"), notes):
+        return LearnedControllers(None, learn_turn(swim, False), notes)
+    for winner in verified_swims(body, swim, ticks, thrift, seed, partial(hunt, "swim"), notes):
         bends = learn_turn(winner, True)
         if bends is not None:
-            return Learned(winner, bends, notes)
+            return LearnedControllers(winner, bends, notes)
         notes.append("swim: rejected: it cannot turn")
-    return Learned(None, None if only else learn_turn(swim, False), notes)
+    return LearnedControllers(None, None if only else learn_turn(swim, False), notes)

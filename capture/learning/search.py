@@ -21,7 +21,7 @@ TEMPERATURE = 5.0
 """At which annealing begins; scipy's 5230 is for budgets a thousand times as large."""
 
 
-class Tried(NamedTuple):
+class Evaluation(NamedTuple):
     """A point of the unit box and its loss."""
 
     loss: float
@@ -31,7 +31,7 @@ class Tried(NamedTuple):
 Candidate = TypeVar("Candidate")
 
 
-class Hunt(Protocol[Candidate]):
+class Optimizer(Protocol[Candidate]):
     """A search with method, budget and seed settled, that knows its candidates."""
 
     def __call__(
@@ -39,7 +39,7 @@ class Hunt(Protocol[Candidate]):
         loss: Callable[[Candidate], float],
         at: Callable[[Floats | tuple[float, ...]], Candidate],
         start: Floats,
-    ) -> list[Tried]:
+    ) -> list[Evaluation]:
         """Minimise ``loss`` over the candidates ``at`` the points of the unit box."""
         ...
 
@@ -54,20 +54,20 @@ def search(
     method: str,
     budget: int,
     seed: int,
-    tell: Callable[[Tried], object] = lambda tried: None,
-) -> list[Tried]:
+    tell: Callable[[Evaluation], object] = lambda tried: None,
+) -> list[Evaluation]:
     """Evaluate ``loss`` at ``budget`` points of the unit box [0, 1]ⁿ and return them, best first.
 
     The search begins at ``start`` (n,). ``tell`` is called after each evaluation with its point.
     The same arguments give the same points. UserError where the library is not installed.
     """
-    tried: list[Tried] = []
+    tried: list[Evaluation] = []
 
     def evaluate(point: Floats) -> float:
         if len(tried) == budget:
             raise _Spent
         point = np.clip(point, 0.0, 1.0)
-        tried.append(Tried(loss(point), tuple(point.tolist())))
+        tried.append(Evaluation(loss(point), tuple(point.tolist())))
         tell(tried[-1])
         return tried[-1].loss
 
@@ -80,7 +80,7 @@ def search(
     return sorted(tried)
 
 
-def distinct(tried: list[Tried]) -> Iterator[Tried]:
+def distinct(tried: list[Evaluation]) -> Iterator[Evaluation]:
     """Those of ``tried``, best first, that lie apart from all that were yielded before.
 
     Whoever takes the next because the last was no good is not offered its like.

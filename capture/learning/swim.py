@@ -7,7 +7,7 @@ import msgspec
 import numpy as np
 
 from capture.learning.fitness import UNSOUND, gait_faults, swim_faults, swim_loss
-from capture.learning.search import Hunt, distinct
+from capture.learning.search import Optimizer, distinct
 from capture.recording.trial import speed_map
 from subsea.biomechanics.body import MUSCLES, Body, Floats
 from subsea.biomechanics.body_plan import SwimPlan
@@ -28,13 +28,13 @@ VERIFIED = 12
 """Candidates of a search that are verified at most."""
 
 
-def swim_winners(
+def verified_swims(
     body: Body,
     old: SwimPlan,
     ticks: int | None,
     thrift: float,
     seed: int,
-    hunt: Hunt[SwimPlan],
+    hunt: Optimizer[SwimPlan],
     notes: list[str],
 ) -> Iterator[SwimPlan]:
     """Verified swim controllers that beat the old one, best first; ``notes`` tell the others."""

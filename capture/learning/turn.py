@@ -14,7 +14,7 @@ from capture.learning.fitness import (
     turn_faults,
     turn_loss,
 )
-from capture.learning.search import Hunt, distinct
+from capture.learning.search import Optimizer, distinct
 from capture.learning.swim import BETTER, VERIFIED
 from capture.recording.trial import beat_contraction, steady_beat
 from subsea.biomechanics.body import Body, Floats
@@ -41,13 +41,13 @@ class Unreachable(Exception):  # noqa: N818 - a finding, not a fault
         self.share = share
 
 
-def turn_winner(
+def verified_turn(
     body: Body,
     swim: SwimPlan,
     old: TurnPlan,
     new_gait: bool,
     seed: int,
-    hunt: Hunt[TurnPlan],
+    hunt: Optimizer[TurnPlan],
     notes: list[str],
 ) -> TurnPlan | None:
     """A verified turn controller that beats the old one, or None; ``notes`` tell the others.
@@ -85,7 +85,7 @@ def turn_winner(
     return None
 
 
-def refitted(
+def refit_holds(
     body: Body, swim: SwimPlan, turn: TurnPlan, seed: int, notes: list[str]
 ) -> TurnPlan | None:
     """The old bends with the holds that a new gait needs, beating less where it is too fast."""

@@ -4,7 +4,15 @@ from typing import Any
 
 import numpy as np
 
-from capture.plots.top_view import Played, above, across, midline, play, spectrum, speeds
+from capture.plots.top_view import (
+    TopView,
+    above,
+    lateral_offset,
+    midline,
+    spectrum,
+    speeds,
+    top_view,
+)
 from subsea.biomechanics.body import Floats
 from subsea.biomechanics.body_plan import TurnPlan
 from subsea.biomechanics.controllers import SpeedMap
@@ -33,7 +41,7 @@ MAX_HZ = 12.0
 
 def strip_limits(segment: Segment) -> tuple[tuple[float, float], tuple[float, float]]:
     """What every picture of the strip shows, to the right and ahead, cm."""
-    played = play(segment, 1)
+    played = top_view(segment, 1)
     tips = np.concatenate([played.origin + arrow for _, arrow in _arrows(played)])
     right, ahead = _screen(np.concatenate([played.nodes.ravel(), tips]))
     return _limits(right), _limits(ahead)
@@ -54,7 +62,7 @@ def strip(axes: Any, segment: Segment, tick_s: float) -> None:
     ``axes`` are as many as frames are shown. The fish stands in its place on the way; the way up
     to this frame is drawn by the dark arrows of x and the light ones of z.
     """
-    played = play(segment, 1)
+    played = top_view(segment, 1)
     count = len(played.origin)
     right, ahead = strip_limits(segment)
     every = max(1, count // 14)
@@ -77,7 +85,7 @@ def strip(axes: Any, segment: Segment, tick_s: float) -> None:
     axes[-1].annotate(f"{scale:g} cm", at, xytext=(0, 3), textcoords="offset points", fontsize=9)
 
 
-def _arrows(played: Played) -> tuple[tuple[str, Any], tuple[str, Any]]:
+def _arrows(played: TopView) -> tuple[tuple[str, Any], tuple[str, Any]]:
     """Colours and arrows (t,) of the axes z and x."""
     length = np.abs(played.midline[:, 0] - played.midline[:, -1]).max()
     return (Z_COLOUR, 0.25 * length * played.right), (X_COLOUR, 0.4 * length * played.forward)
@@ -85,7 +93,7 @@ def _arrows(played: Played) -> tuple[tuple[str, Any], tuple[str, Any]]:
 
 def trajectories(ahead: Any, aside: Any, segment: Segment, tick_s: float) -> None:
     """Where the origin of the body frame and the tail are, along x and along z, over time."""
-    played = play(segment, CYCLES)
+    played = top_view(segment, CYCLES)
     seconds = _seconds(played, tick_s)
     for name, points in (("origin", played.origin), ("tail", played.midline[:, -1])):
         ahead.plot(seconds, points.real, color=POINTS[name], label=name)
@@ -100,7 +108,7 @@ def trajectories(ahead: Any, aside: Any, segment: Segment, tick_s: float) -> Non
 
 def path(axis: Any, segment: Segment) -> None:
     """The ways of nose, origin and tail from above."""
-    played = play(segment, CYCLES)
+    played = top_view(segment, CYCLES)
     for name, points in (
         ("nose", played.midline[:, 0]),
         ("tail", played.midline[:, -1]),
@@ -129,7 +137,7 @@ def speed(axis: Any, segment: Segment, repertoire: Repertoire) -> None:
 def tail_sweep(axis: Any, segment: Segment, repertoire: Repertoire) -> None:
     """How far the tail stands to the right of the way, over time."""
     tick, length = repertoire.tick_s, repertoire.body_length_cm
-    tail = across(segment, CYCLES)[:, -1] / length
+    tail = lateral_offset(segment, CYCLES)[:, -1] / length
     if segment.cyclic:
         tail = tail - tail.mean()
     seconds = tick * np.arange(1, len(tail) + 1)
@@ -143,7 +151,7 @@ def tail_sweep(axis: Any, segment: Segment, repertoire: Repertoire) -> None:
 
 def tail_spectrum(axis: Any, segment: Segment, repertoire: Repertoire) -> None:
     """What sines the tail's lateral motion is made of."""
-    tail = across(segment)[:, -1] / repertoire.body_length_cm
+    tail = lateral_offset(segment)[:, -1] / repertoire.body_length_cm
     hertz, amplitude = spectrum(tail, repertoire.tick_s, segment.cyclic)
     seen = (hertz > 0) & (hertz <= max(MAX_HZ, hertz[1]))
     axis.vlines(hertz[seen], 0, amplitude[seen], color=POINTS["tail"], linewidth=3)
@@ -156,7 +164,7 @@ def tail_spectrum(axis: Any, segment: Segment, repertoire: Repertoire) -> None:
 def envelope(axis: Any, segment: Segment, repertoire: Repertoire) -> None:
     """The midline in every frame and what it fills, from the nose to the tail."""
     length = repertoire.body_length_cm
-    lines = across(segment) / length
+    lines = lateral_offset(segment) / length
     rest = midline(repertoire.rest_nodes)[:, 0]
     behind = (rest[0] - rest) / length
     axis.fill_between(behind, lines.min(axis=0), lines.max(axis=0), color=BODY, alpha=0.6)
@@ -185,7 +193,7 @@ def closure(axis: Any, segment: Segment, first: Floats | None) -> None:
 
 def paths(axes: Any, repertoire: Repertoire) -> None:
     """The ways of all segments from above, at one scale."""
-    played = {name: play(one, CYCLES) for name, one in in_order(repertoire)}
+    played = {name: top_view(one, CYCLES) for name, one in in_order(repertoire)}
     everything = np.concatenate([p.midline.ravel() for p in played.values()])
     width = max(np.ptp(_limits(-p.midline.imag.ravel())) for p in played.values())
     for axis, (name, one) in zip(axes, played.items(), strict=True):
@@ -224,7 +232,7 @@ def tail_beats(axis: Any, repertoire: Repertoire) -> None:
     for name, segment in in_order(repertoire):
         if segment.pattern != "forward":
             continue
-        tail = across(segment, CYCLES)[:, -1] / repertoire.body_length_cm
+        tail = lateral_offset(segment, CYCLES)[:, -1] / repertoire.body_length_cm
         seconds = repertoire.tick_s * np.arange(1, len(tail) + 1)
         label = name.replace("_", " ")
         axis.plot(seconds, tail - tail.mean(), color=SEGMENT_COLOURS.get(name), label=label)
@@ -284,7 +292,7 @@ def in_order(repertoire: Repertoire) -> list[tuple[str, Segment]]:
     return [(name, repertoire.segments[name]) for name in known + others]
 
 
-def _seconds(played: Played, tick_s: float) -> Floats:
+def _seconds(played: TopView, tick_s: float) -> Floats:
     return np.asarray(tick_s * np.arange(1, len(played.origin) + 1))
 
 

@@ -22,7 +22,7 @@ STRAIGHT = 1e-3
 """Radians of heading a cycle below which its way counts as straight."""
 
 
-class Played(NamedTuple):
+class TopView(NamedTuple):
     """A segment played back so that it begins along its way, from above."""
 
     nodes: Complex  # (t, 23)
@@ -32,12 +32,12 @@ class Played(NamedTuple):
     right: Complex  # (t,) its z axis
 
 
-def play(segment: Segment, cycles: int) -> Played:
+def top_view(segment: Segment, cycles: int) -> TopView:
     """The states of ``cycles`` cycles (1 if it isn't cyclic), each after its increment."""
     frames = replay(segment, np.zeros(3), np.eye(3), cycles if segment.cyclic else 1)
     origin, rotation = body_frame(frames)
     start = np.conj(_direction(segment))
-    return Played(
+    return TopView(
         *(
             start * above(points)
             for points in (frames, midline(frames), origin, rotation[..., 0], rotation[..., 2])
@@ -57,7 +57,7 @@ def midline(nodes: Array) -> Floats:
     return np.asarray(np.concatenate([nodes[..., :1, :], rings, tail], axis=-2), np.float64)
 
 
-def across(segment: Segment, cycles: int = 1) -> Floats:
+def lateral_offset(segment: Segment, cycles: int = 1) -> Floats:
     """How far the midline stands to the right (t, 7), cm: of the way, or of the body axis.
 
     The way of a cycle is the straight line or the circle that it follows in the mean. A segment
@@ -66,7 +66,7 @@ def across(segment: Segment, cycles: int = 1) -> Floats:
     if not segment.cyclic:
         return np.asarray(midline(segment.nodes)[..., 2])
     turn, shift = _cycle(segment)
-    played = play(segment, cycles)
+    played = top_view(segment, cycles)
     if abs(turn) < STRAIGHT:
         aside = -np.imag(played.midline)
     else:
@@ -77,7 +77,7 @@ def across(segment: Segment, cycles: int = 1) -> Floats:
 
 def speeds(segment: Segment, tick_s: float, cycles: int) -> Floats:
     """Speed of the middle of all nodes over each tick (t - 1,), cm/s, from above."""
-    middle = play(segment, cycles).nodes.mean(axis=1)
+    middle = top_view(segment, cycles).nodes.mean(axis=1)
     return np.asarray(np.abs(np.diff(middle)) / tick_s)
 
 

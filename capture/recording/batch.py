@@ -5,7 +5,13 @@ from contextlib import closing
 from pathlib import Path
 
 from capture.recording.record import Recorded, assemble
-from capture.recording.resume import drop, is_up_to_date, keep, kept, repertoire_path
+from capture.recording.resume import (
+    finished_segments,
+    is_up_to_date,
+    remove_segments,
+    repertoire_path,
+    save_segment,
+)
 from capture.recording.workers import Check, Workers
 from subsea.fish.species import load_species
 from subsea.repertoire import SEGMENTS, write_repertoire
@@ -28,11 +34,11 @@ def record_all(
     done: dict[str, dict[str, Recorded]] = {}
     for name, one in species.items():
         if force:
-            drop(folders[name], name)
+            remove_segments(folders[name], name)
         elif is_up_to_date(folders[name], name, one):
-            drop(folders[name], name)  # what a kill just before the end may have left
+            remove_segments(folders[name], name)  # what a kill just before the end may have left
             continue
-        done[name] = kept(folders[name], name, one)
+        done[name] = finished_segments(folders[name], name, one)
         tell(name, len(done[name]))
     jobs = {
         (name, segment): species[name]
@@ -45,13 +51,13 @@ def record_all(
         if len(done[name]) == len(SEGMENTS):
             repertoire = assemble(name, species[name], done[name])
             write_repertoire(repertoire_path(folders[name], name), repertoire)
-            drop(folders[name], name)
+            remove_segments(folders[name], name)
 
     for name in done:
         finish(name)
     with closing(workers(jobs, check)) as results:
         for (name, segment), recorded in results:
-            keep(folders[name], name, species[name], segment, recorded)
+            save_segment(folders[name], name, species[name], segment, recorded)
             done[name][segment] = recorded
             tell(name, len(done[name]))
             finish(name)

@@ -18,7 +18,7 @@ PATIENCE_S = 15.0
 """How long a cluster may be without any worker."""
 
 
-def cluster(address: str) -> Workers:
+def dask_workers(address: str) -> Workers:
     """Workers that record on the Dask cluster whose scheduler listens at ``address``.
 
     The jobs of a worker that dies are done again by others. A UserError without `distributed`,

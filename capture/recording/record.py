@@ -6,7 +6,7 @@ import msgspec
 
 from capture.recording.fingerprint import fingerprint, library_versions
 from capture.recording.segment import make_segment
-from capture.recording.spine_motion import nodes_at_rest, record_by_spine
+from capture.recording.spine_motion import nodes_at_rest, record_spine_segment
 from capture.recording.trial import STRAIGHT, Trial, beat_contraction, sharp_turn, steady_beat
 from subsea.biomechanics.body import Floats, build_body
 from subsea.biomechanics.body_plan import BodyPlan, Muscles, SwimPlan, TurnPlan
@@ -62,7 +62,7 @@ def record_segment(species: Species, name: str) -> Recorded:
     SMC §4.1 trades the memory for them alone.
     """
     if species.spine:
-        return record_by_spine(species.spine, species.surface, name), 0
+        return record_spine_segment(species.spine, species.surface, name), 0
     motion = motion_of(species)
     trial = run_trial(motion, name)
     kind, _, grade = name.rpartition("_")

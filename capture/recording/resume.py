@@ -27,12 +27,14 @@ def is_up_to_date(folder: Path, name: str, species: Species) -> bool:
     return repertoire is not None and set(SEGMENTS) <= repertoire.segments.keys()
 
 
-def keep(folder: Path, name: str, species: Species, segment: str, recorded: Recorded) -> None:
+def save_segment(
+    folder: Path, name: str, species: Species, segment: str, recorded: Recorded
+) -> None:
     """Keep a finished segment; UserError where it cannot be written."""
     write_repertoire(_kept(folder, name, segment), assemble(name, species, {segment: recorded}))
 
 
-def kept(folder: Path, name: str, species: Species) -> dict[str, Recorded]:
+def finished_segments(folder: Path, name: str, species: Species) -> dict[str, Recorded]:
     """The segments kept of a species; what is damaged or of another fish is left out."""
     found = {}
     for segment in SEGMENTS:
@@ -42,7 +44,7 @@ def kept(folder: Path, name: str, species: Species) -> dict[str, Recorded]:
     return found
 
 
-def drop(folder: Path, name: str) -> None:
+def remove_segments(folder: Path, name: str) -> None:
     """Forget what is kept of a species."""
     for segment in SEGMENTS:
         with suppress(OSError):  # it is not there, or another process is first

@@ -21,14 +21,14 @@ FRAME_NODES = [0, 5, 6, 7, 8]  # of which the body frame is read
 RING_ON_WING = 0.6  # half spans
 
 
-class Motion(NamedTuple):
+class SpineMotion(NamedTuple):
     """A segment in world axes (x ahead, y up, z right), cm."""
 
     nodes: Floats  # (T + 1, 23, 3)
     points: Floats  # (T + 1, 426, 3) control points
 
 
-class Path(NamedTuple):
+class SwimPath(NamedTuple):
     """Where the fish's centre goes: a bend of `turn` rad between two places of a way."""
 
     way: float  # body lengths in all
@@ -45,14 +45,14 @@ class Path(NamedTuple):
         return np.asarray(self.turn * share)
 
 
-def record_by_spine(plan: SpinePlan, surface: SurfacePlan, name: str) -> Segment:
+def record_spine_segment(plan: SpinePlan, surface: SurfacePlan, name: str) -> Segment:
     """The segment ``name`` of a repertoire, with its control points.
 
     23 nodes are too few for the wave of an eel or the wing of a ray, so the surface always comes
     from the spine itself.
     """
     kind, _, grade = name.rpartition("_")
-    motion = perform(plan, surface, name)
+    motion = spine_motion(plan, surface, name)
     return make_segment(
         motion.nodes,
         plan.length,
@@ -63,27 +63,27 @@ def record_by_spine(plan: SpinePlan, surface: SurfacePlan, name: str) -> Segment
     )
 
 
-def perform(plan: SpinePlan, surface: SurfacePlan, name: str) -> Motion:
+def spine_motion(plan: SpinePlan, surface: SurfacePlan, name: str) -> SpineMotion:
     """The motion of a segment, frame by frame from its start to its end."""
-    gait, beats, path = track(plan, name)
+    gait, beats, path = gait_and_path(plan, name)
     beat = np.linspace(0.0, beats, beats * gait.ticks_per_beat + 1)
     travelled = beat * plan.stride(gait)
     heading = path.heading(travelled)
     # To the right everything is the mirror image of the left, and so the beat begins there.
     side = 0.5 if path.turn < 0 else 0.0
     around = path.heading(travelled[:, None] + plan.centre - MIDDLES) - heading[:, None]
-    spine = spines(plan, beat + side, gait.amplitude, around, mass(surface))
+    spine = spines(plan, beat + side, gait.amplitude, around, unit_mass(surface))
     rest = np.concatenate([rest_nodes(plan, surface), rest_surface(surface)])
     body = rest
     if plan.wings:
         body = flapped(plan.wings, rest, half_span(surface), beat, gait.amplitude)
     there = carried(spine, body)
-    there = rolled(there, lean(plan, path, travelled))
+    there = roll(there, bank_angle(plan, path, travelled))
     # The body frame neither sways nor leans, so that playback can steer it: it is the path's own.
     there[:, FRAME_NODES] = (plan.centre, 0.0, 0.0) + rest[FRAME_NODES] * (-1, 1, 1)
     c, s = np.cos(heading)[:, None], np.sin(heading)[:, None]
     ahead, up, right = np.moveaxis(there, -1, 0)
-    place = centre_of(path, travelled)
+    place = path_points(path, travelled)
     world = np.stack(
         [
             place[:, None, 0] + c * ahead + s * right,
@@ -93,25 +93,25 @@ def perform(plan: SpinePlan, surface: SurfacePlan, name: str) -> Motion:
         axis=-1,
     )
     world *= plan.length
-    return Motion(world[:, :NODES], np.asarray(fitted(world[:, NODES:]), np.float64))
+    return SpineMotion(world[:, :NODES], np.asarray(fitted(world[:, NODES:]), np.float64))
 
 
-def track(plan: SpinePlan, name: str) -> tuple[Gait, int, Path]:
+def gait_and_path(plan: SpinePlan, name: str) -> tuple[Gait, int, SwimPath]:
     """Gait, number of beats and path of the segment ``name``, such as ``turn_left_gradual``."""
     kind, _, grade = name.rpartition("_")
     if kind == "swim":
         gait = {"slow": plan.slow, "medium": plan.medium, "fast": plan.fast}[grade]
         way = plan.stride(gait)
-        return gait, 1, Path(way, (0.0, way), 0.0, True)
+        return gait, 1, SwimPath(way, (0.0, way), 0.0, True)
     side = 1.0 if kind == "turn_left" else -1.0
     way = plan.stride(plan.medium)
     if grade == "gradual":
         turn = np.radians(plan.turn.gradual)
-        return plan.medium, 1, Path(way, (0.0, way), side * turn, True)
+        return plan.medium, 1, SwimPath(way, (0.0, way), side * turn, True)
     # The snout enters the bend as the segment begins, and the tail has left it when it ends.
     way *= plan.turn.sharp_beats
     bend = plan.centre, way - (1.0 - plan.centre)
-    return plan.medium, plan.turn.sharp_beats, Path(way, bend, side * sharpness(plan), False)
+    return plan.medium, plan.turn.sharp_beats, SwimPath(way, bend, side * sharpness(plan), False)
 
 
 def sharpness(plan: SpinePlan) -> float:
@@ -119,7 +119,7 @@ def sharpness(plan: SpinePlan) -> float:
     return float(np.radians(plan.turn.sharp))
 
 
-def centre_of(path: Path, travelled: Array) -> Array:
+def path_points(path: SwimPath, travelled: Array) -> Array:
     """Places (T, 2) of the fish's centre, (ahead, left) of the start, body lengths."""
     at = np.linspace(0.0, path.way, PATH_STEPS + 1)
     heading = path.heading(0.5 * (at[1:] + at[:-1]))
@@ -128,26 +128,26 @@ def centre_of(path: Path, travelled: Array) -> Array:
     return np.stack([np.interp(travelled, at, x), np.interp(travelled, at, y)], axis=-1)
 
 
-def lean(plan: SpinePlan, path: Path, travelled: Array) -> Array:
+def bank_angle(plan: SpinePlan, path: SwimPath, travelled: Array) -> Array:
     """How far the fish leans into the bend of its path, rad, positive with its left side down.
 
     In proportion to the curvature: `bank` is reached where a sharp turn bends most.
     """
-    _, _, sharp = track(plan, "turn_left_sharp")
+    _, _, sharp = gait_and_path(plan, "turn_left_sharp")
     step = 1e-4
     most = sharp.turn / (sharp.bend[1] - sharp.bend[0]) * 15.0 / 8.0  # of the quintic
     curvature = (path.heading(travelled + step) - path.heading(travelled - step)) / (2.0 * step)
     return np.asarray(np.radians(plan.turn.bank) * np.clip(curvature / most, -1.0, 1.0))
 
 
-def rolled(points: Array, angle: Array) -> Array:
+def roll(points: Array, angle: Array) -> Array:
     """Points (T, p, 3) in path axes turned about the way ahead by `angle` (T,), rad."""
     c, s = np.cos(angle)[:, None], np.sin(angle)[:, None]
     ahead, up, right = np.moveaxis(points, -1, 0)
     return np.stack([ahead, c * up + s * right, c * right - s * up], axis=-1)
 
 
-def mass(surface: SurfacePlan) -> Array:
+def unit_mass(surface: SurfacePlan) -> Array:
     """What each unit of the spine weighs (n,), as its cross-section: no unit of its own."""
     back, belly = along(surface.back, MIDDLES), along(surface.belly, MIDDLES)
     return np.asarray(along(surface.width, MIDDLES) * (back - belly))

@@ -102,13 +102,13 @@ def speed_map(body: Body, swim: SwimPlan, levels: int = 10) -> SpeedMap:
     amplitude = np.linspace(0.0, 1.0, levels + 1)
     beat_tu = swim.ticks_per_beat * STEPS_PER_TICK * STEP
     ways = [
-        np.linalg.norm(way(steady_beat(body, beat_contraction(swim, level)).frames))
+        np.linalg.norm(displacement(steady_beat(body, beat_contraction(swim, level)).frames))
         for level in amplitude[1:]
     ]
     return SpeedMap(amplitude, np.array([0.0, *ways]) / beat_tu)
 
 
-def way(frames: Floats) -> Floats:
+def displacement(frames: Floats) -> Floats:
     """From where the fish is at the first of ``frames`` (T, 23, 3) to where it is at the last."""
     return np.asarray((frames[-1] - frames[0]).mean(axis=0))
 

@@ -34,14 +34,14 @@ def record_job(job: Job, species: Species) -> Recorded:
         raise UserError(f"{job[0]}, {job[1]}: {fault}") from fault
 
 
-def here(jobs: Mapping[Job, Species], check: Check) -> Results:
+def serial(jobs: Mapping[Job, Species], check: Check) -> Results:
     """Record in this process, one job after another."""
     for job, species in jobs.items():
         check()
         yield job, record_job(job, species)
 
 
-def processes(number: int) -> Workers:
+def process_pool(number: int) -> Workers:
     """Workers that record in ``number`` processes of this machine.
 
     The jobs of a process that dies are done again by others; a UserError if that goes on.

@@ -28,8 +28,8 @@ from distributed.cli import dask_scheduler, dask_worker
 from PIL import Image
 
 from capture.cli.main import main as capture_cli
-from capture.export import rig
-from capture.inspection import timing as cost
+from capture.export import skinning
+from capture.inspection import timing
 from subsea.cli import main
 from subsea.core.command_line import parse
 from subsea.core.errors import UserError
@@ -452,9 +452,9 @@ def workshop(display, tmp_path_factory, known_repertoire):
         patch.setattr("capture.recording.trial.MIN_WARM_UP", 2)
         patch.setattr("capture.recording.trial.CLOSURE_GOAL", 1e-3)
         patch.setattr("capture.inspection.simulated.STEADY_BEATS", 2)
-        patch.setattr(cost, "STEPS", 4)
-        patch.setattr(cost, "FRAMES", 40)
-        patch.setattr(rig, "ROUNDS", 1)
+        patch.setattr(timing, "STEPS", 4)
+        patch.setattr(timing, "FRAMES", 40)
+        patch.setattr(skinning, "ROUNDS", 1)
         made = Workshop(folder)
         made.run(shlex.split("subsea simulate --ticks 4 --out run.h5"), inline=False)
         few = {"swim_fast": known_repertoire.segments["swim_fast"]}

@@ -99,7 +99,7 @@ def test_interrupted_it_leaves_nothing(
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("capture.export.rig._fit_weights", interrupt)
+    monkeypatch.setattr("capture.export.skinning._fit_weights", interrupt)
     new = tmp_path / "new"
     assert main(["export", "fusilier", "--to", "gltf", "--detail", "3", "--out", str(new)]) == 130
     out, err = capsys.readouterr()

@@ -5,7 +5,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from capture.export.clips import Clip, Model, Surface, make_clips, placed, root_motion
+from capture.export.clips import (
+    Clip,
+    Model,
+    Surface,
+    make_clips,
+    root_motion,
+    transform_points,
+)
 from capture.inspection.simulated import replay
 from subsea.core.errors import UserError
 from subsea.core.resources import resource_path
@@ -46,7 +53,7 @@ def test_the_root_goes_where_playback_takes_the_fish(known: str) -> None:
         played = replay(segment, np.zeros(3), np.eye(3), beats)
         position, rotation = root_motion(segment)
         rows = [*range(len(segment.nodes)), 0][: len(position)]
-        found = placed(segment.nodes[rows], position, rotation)
+        found = transform_points(segment.nodes[rows], position, rotation)
         first = matrix(segment.increment_rotation[0])
         seen = (played[: len(rows)] - segment.increment_translation[0]) @ first
         np.testing.assert_allclose(found, seen, atol=1e-6 * repertoire.body_length_cm)

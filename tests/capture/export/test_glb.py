@@ -5,33 +5,35 @@ from typing import Any
 import numpy as np
 import trimesh
 
-from capture.export.axes import Y_UP, Z_UP, brought, turned
-from capture.export.glb import INDICES, VERTICES, Buffer, glb
+from capture.export.axes import Y_UP, Z_UP, rotate_quaternions, to_metres
+from capture.export.glb import INDICES, VERTICES, GlbBuffer, glb
 from subsea.geometry.rotation import matrix, normalised
 
 
 def test_the_axes_are_right_handed_and_rotations_agree() -> None:
     """A fish heads along +z of glTF and along -y of Blender, back up, left along +x."""
     ahead, up, right = np.eye(3) * 100.0
-    np.testing.assert_allclose(brought(ahead, Y_UP), (0, 0, 1))
-    np.testing.assert_allclose(brought(ahead, Z_UP), (0, -1, 0))
-    np.testing.assert_allclose(brought(up, Y_UP), (0, 1, 0))
-    np.testing.assert_allclose(brought(up, Z_UP), (0, 0, 1))
-    np.testing.assert_allclose(brought(-right, Y_UP), (1, 0, 0))
-    np.testing.assert_allclose(brought(-right, Z_UP), (1, 0, 0))
+    np.testing.assert_allclose(to_metres(ahead, Y_UP), (0, 0, 1))
+    np.testing.assert_allclose(to_metres(ahead, Z_UP), (0, -1, 0))
+    np.testing.assert_allclose(to_metres(up, Y_UP), (0, 1, 0))
+    np.testing.assert_allclose(to_metres(up, Z_UP), (0, 0, 1))
+    np.testing.assert_allclose(to_metres(-right, Y_UP), (1, 0, 0))
+    np.testing.assert_allclose(to_metres(-right, Z_UP), (1, 0, 0))
     rotation = np.array(normalised(np.array([0.3, -0.5, 0.2, 0.7])))
     for axes in (Y_UP, Z_UP):
         assert np.linalg.det(axes) > 0.0
-        point = brought(matrix(rotation) @ ahead, axes)
-        np.testing.assert_allclose(matrix(turned(rotation, axes)) @ brought(ahead, axes), point)
+        point = to_metres(matrix(rotation) @ ahead, axes)
+        np.testing.assert_allclose(
+            matrix(rotate_quaternions(rotation, axes)) @ to_metres(ahead, axes), point
+        )
 
 
 CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 2, 0]], np.float32)
 
 
-def _written(folder: Path) -> tuple[Path, Buffer, int]:
+def _written(folder: Path) -> tuple[Path, GlbBuffer, int]:
     """A triangle behind a view of odd length, so that padding matters; and the view's number."""
-    buffer = Buffer()
+    buffer = GlbBuffer()
     note = buffer.view(b"five!")
     faces = buffer.add(np.array([0, 1, 2], np.uint16), INDICES)
     points = buffer.add(CORNERS, VERTICES)

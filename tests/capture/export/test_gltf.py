@@ -12,21 +12,21 @@ import pytest
 import trimesh
 
 from capture.cli.main import main
-from capture.export.axes import Y_UP, brought
-from capture.export.clips import Clip, Model, make_clips, placed
+from capture.export.axes import Y_UP, to_metres
+from capture.export.clips import Clip, Model, make_clips, transform_points
 from capture.export.gltf import write_gltf
-from capture.export.rig import MOST, Rig, best_shares, fit_rig
+from capture.export.skinning import MAX_INFLUENCES, Skeleton, best_shares, fit_skeleton
 
 RMS_PERCENT, MOST_PERCENT = 0.2, 1.5  # of the body length: what fitted joints may be off
 EXACT_PERCENT = 1e-3  # single precision, some lengths from the origin
-Exported = tuple[Model, list[Clip], Rig]
+Exported = tuple[Model, list[Clip], Skeleton]
 
 
 @pytest.fixture(scope="module")
 def fitted(known: str) -> Exported:
     """A species at the coarsest level, which has few vertices to fit."""
     model, clips = make_clips(known, 3)
-    return model, clips, fit_rig(model, clips)
+    return model, clips, fit_skeleton(model, clips)
 
 
 @pytest.fixture(scope="module")
@@ -146,7 +146,7 @@ def _matrix(node: dict[str, Any]) -> np.ndarray:
 
 def off_percent(reader: Reader, model: Model, clip: Clip, step: float = 0.0) -> np.ndarray:
     """How far the vertices are from our playback, at all keys or `step` of the way to the next."""
-    points = placed(clip.points, clip.position, clip.rotation)
+    points = transform_points(clip.points, clip.position, clip.rotation)
     if step:
         points = (1 - step) * points[:-1] + step * points[1:]
     times = reader.times(clip.name)
@@ -156,7 +156,7 @@ def off_percent(reader: Reader, model: Model, clip: Clip, step: float = 0.0) -> 
         reader.points(clip.name, times[k] + step * (times[-1] / (len(times) - 1)))
         for k in range(len(points))
     ]
-    far = np.linalg.norm(np.array(found) - brought(points, Y_UP), axis=2)
+    far = np.linalg.norm(np.array(found) - to_metres(points, Y_UP), axis=2)
     return 1e4 * far / model.length_cm
 
 
@@ -244,7 +244,7 @@ def test_no_vertex_hangs_on_more_than_four_joints(fitted: Exported) -> None:
     _, _, rig = fitted
     assert (rig.weights >= 0.0).all()
     np.testing.assert_allclose(rig.weights.sum(axis=1), 1.0, atol=1e-9)
-    assert ((rig.weights > 0.0).sum(axis=1) <= MOST).all()
+    assert ((rig.weights > 0.0).sum(axis=1) <= MAX_INFLUENCES).all()
     np.testing.assert_allclose(np.linalg.det(rig.motion[..., :3]), 1.0)
     assert len(rig.joints) <= 30
 
@@ -286,7 +286,7 @@ def test_from_the_command_line_to_trimesh(
     parts = [len(part.faces) for part in (body, clear, fins)]
     assert sum(parts) == len(model.triangles) and parts[2] == len(model.triangles) - model.body
     low, high = scene.bounds
-    np.testing.assert_allclose(high - low, np.ptp(brought(model.rest, Y_UP), axis=0), atol=1e-6)
+    np.testing.assert_allclose(high - low, np.ptp(to_metres(model.rest, Y_UP), axis=0), atol=1e-6)
     looks = [part.visual.material for part in (body, clear, fins)]
     assert [look.alphaMode for look in looks] == [None, "BLEND", "BLEND"]
     assert [look.doubleSided for look in looks] == [False, False, True]

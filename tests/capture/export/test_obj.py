@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from capture.cli.main import main
-from capture.export.obj import bind_mesh, fitted, read_mesh, write_mesh
+from capture.export.obj import bind_mesh, fit_to_fish, read_mesh, write_mesh
 from subsea.biomechanics.body import TRIANGLES
 from subsea.repertoire import Repertoire
 
@@ -40,7 +40,7 @@ def test_all_but_vertices_and_normals_stays(repertoire: Repertoire, tmp_path: Pa
 
 
 def test_fitting_brings_any_size_to_the_fish(repertoire: Repertoire) -> None:
-    found = fitted(7.0 * repertoire.rest_nodes + (30.0, -2.0, 5.0), repertoire)
+    found = fit_to_fish(7.0 * repertoire.rest_nodes + (30.0, -2.0, 5.0), repertoire)
     np.testing.assert_allclose(found, repertoire.rest_nodes, atol=1e-9)
 
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from pxr import Usd, UsdGeom, UsdShade, UsdUtils, UsdValidation
 
-from capture.export.axes import Y_UP, brought
-from capture.export.clips import Clip, Model, make_clips, placed
+from capture.export.axes import Y_UP, to_metres
+from capture.export.clips import Clip, Model, make_clips, transform_points
 from capture.export.usd import write_usd
 from subsea.core.errors import UserError
 from subsea.geometry.rotation import matrix
@@ -54,13 +54,13 @@ def test_read_back_it_is_our_playback(
     for clip, frame, time in frames(stage, clips):
         points, normals = seen(stage, time)
         at = slice(frame, frame + 1)
-        expected = placed(clip.points[at], clip.position[at], clip.rotation[at])[0]
-        off = np.linalg.norm(points - brought(expected, Y_UP), axis=1)
+        expected = transform_points(clip.points[at], clip.position[at], clip.rotation[at])[0]
+        off = np.linalg.norm(points - to_metres(expected, Y_UP), axis=1)
         assert off.max() < 1e-6 * 0.01 * model.length_cm
         facing = clip.normals[frame] @ matrix(clip.rotation[frame]).T @ Y_UP.T
         assert np.abs(normals - facing).max() < 1e-6
     np.testing.assert_allclose(
-        seen(stage, Usd.TimeCode.Default())[0], brought(model.rest, Y_UP), atol=1e-6
+        seen(stage, Usd.TimeCode.Default())[0], to_metres(model.rest, Y_UP), atol=1e-6
     )
 
 
@@ -71,8 +71,8 @@ def test_the_root_may_be_baked(tmp_path: Path) -> None:
     for clip, frame, time in frames(stage, clips):
         points, normals = seen(stage, time)
         at = slice(frame, frame + 1)
-        expected = placed(clip.points[at], clip.position[at], clip.rotation[at])[0]
-        off = np.linalg.norm(points - brought(expected, Y_UP), axis=1)
+        expected = transform_points(clip.points[at], clip.position[at], clip.rotation[at])[0]
+        off = np.linalg.norm(points - to_metres(expected, Y_UP), axis=1)
         assert off.max() < 1e-6 * 0.01 * model.length_cm
         facing = clip.normals[frame] @ matrix(clip.rotation[frame]).T @ Y_UP.T
         assert np.abs(normals - facing).max() < 1e-6

@@ -11,8 +11,8 @@ import pytest
 import trimesh
 from PIL import Image
 
-from capture.export.axes import Y_UP, brought
-from capture.export.clips import Clip, Model, make_clips, placed
+from capture.export.axes import Y_UP, to_metres
+from capture.export.clips import Clip, Model, make_clips, transform_points
 from capture.export.png import png16
 from capture.export.vat import write_vat
 from subsea.core.errors import UserError
@@ -93,19 +93,24 @@ def test_the_root_may_be_baked(
     assert "root" not in read.info["subsea"]
     frames = 0
     for clip in clips:
-        points = placed(clip.points, clip.position, clip.rotation)
+        points = transform_points(clip.points, clip.position, clip.rotation)
         normals = clip.normals @ np.swapaxes(matrix(clip.rotation), 1, 2)
         _compare(read, frames, model, points, normals, 4e-5)
         frames += len(clip.points)
 
 
 def _compare(
-    read: Decoded, first: int, model: Model, points: np.ndarray, normals: np.ndarray, bound: float
+    read: Decoded,
+    first: int,
+    model: Model,
+    points: np.ndarray,
+    normals: np.ndarray,
+    bound: float,
 ) -> None:
     """Every third frame, and the last."""
     for frame in {*range(0, len(points), 3), len(points) - 1}:
         found, facing = read.at(first + frame)
-        off = np.linalg.norm(found - brought(points[frame], Y_UP), axis=1)
+        off = np.linalg.norm(found - to_metres(points[frame], Y_UP), axis=1)
         assert off.max() < bound * 0.01 * model.length_cm
         assert np.abs(facing - normals[frame] @ Y_UP.T).max() < 2e-5
 
@@ -126,9 +131,9 @@ def test_the_root_is_told_in_the_axes_of_the_texture(
         points, _ = read.at(first + frame)
         z_up = np.stack([points[:, 0], -points[:, 2], points[:, 1]], axis=1)
         moved = z_up @ matrix(np.array(root["rotation"][frame])).T + root["position"][frame]
-        expected = placed(clip.points, clip.position, clip.rotation)[frame]
+        expected = transform_points(clip.points, clip.position, clip.rotation)[frame]
         np.testing.assert_allclose(
-            _y_up(moved), brought(expected, Y_UP), atol=1e-5 * own["bodyLength"]
+            _y_up(moved), to_metres(expected, Y_UP), atol=1e-5 * own["bodyLength"]
         )
         first += len(clip.points)
 
@@ -153,7 +158,7 @@ def test_other_readers_take_the_mesh_at_rest_and_the_sheet(
     model, clips = own
     vat, colours, mesh, _ = write_vat(tmp_path, model, clips, baked=False)
     read = trimesh.load(mesh, force="mesh", process=False)
-    np.testing.assert_allclose(read.vertices, brought(model.rest, Y_UP), atol=1e-6)
+    np.testing.assert_allclose(read.vertices, to_metres(model.rest, Y_UP), atol=1e-6)
     np.testing.assert_array_equal(read.faces, model.triangles)
     np.testing.assert_allclose(read.visual.uv, model.uv, atol=1e-6)  # trimesh turns v back
     with Image.open(colours) as picture:

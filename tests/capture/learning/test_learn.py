@@ -12,15 +12,15 @@ from capture.learning import improve as teach
 from capture.learning import swim as learn_swim
 from capture.learning.fitness import (
     GAIT_LIMITS,
-    Gait,
+    GaitMeasures,
     excess,
     measure_gait,
     missed,
     swim_faults,
     swim_loss,
 )
-from capture.learning.learn import Learned, learn
-from capture.learning.search import APART, METHODS, Tried, distinct, search
+from capture.learning.learn import LearnedControllers, learn
+from capture.learning.search import APART, METHODS, Evaluation, distinct, search
 from capture.learning.species_edit import write_controllers
 from capture.learning.swim import swim_at, swim_point
 from capture.learning.turn import turn_at, turn_point, with_holds
@@ -77,7 +77,7 @@ def test_a_detuned_fish_learns_to_swim_faster(lesson: Lesson) -> None:
     assert f"{after.speed:.4f}" in lesson.out
 
 
-def steady_gait(fish: Species) -> Gait:
+def steady_gait(fish: Species) -> GaitMeasures:
     body = build_body(fish.body)
     steady = steady_beat(body, beat_contraction(fish.swim, 1.0)).state
     return measure_gait(body, fish.swim, 1.0, steady)
@@ -141,7 +141,7 @@ def test_a_full_disk_leaves_the_old_file(
     fish = load_toml(path, Species)
     assert fish.swim
     new = msgspec.structs.replace(fish.swim, lag=1.0)
-    monkeypatch.setattr(teach, "learn", lambda *given, **options: Learned(new, None, []))
+    monkeypatch.setattr(teach, "learn", lambda *given, **options: LearnedControllers(new, None, []))
 
     def full(file: Path, data: bytes) -> None:
         file.open("wb").close()
@@ -210,7 +210,7 @@ def test_both_methods_approach_the_least_of_a_bowl(method: str) -> None:
 
 def test_who_is_rejected_takes_its_like_along() -> None:
     near, far = (0.5, 0.5 + APART / 2), (0.5, 0.5 + 2 * APART)
-    tried = [Tried(3.0, far), Tried(2.0, near), Tried(1.0, (0.5, 0.5))]
+    tried = [Evaluation(3.0, far), Evaluation(2.0, near), Evaluation(1.0, (0.5, 0.5))]
     assert [one.loss for one in distinct(tried)] == [1.0, 3.0]
 
 

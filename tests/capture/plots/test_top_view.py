@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from capture.plots.top_view import above, across, midline, play, spectrum, speeds
+from capture.plots.top_view import above, lateral_offset, midline, spectrum, speeds, top_view
 from subsea.repertoire import Repertoire
 
 LENGTH, TICK_S, FRAMES = 20.0, 0.033, 12
@@ -33,7 +33,7 @@ def test_the_sway_about_a_straight_or_round_way_is_the_wave_that_was_put_in(
     known_repertoire: Repertoire, name: str, amplitude: float, side: int
 ) -> None:
     segment = known_repertoire.segments[name]
-    found = across(segment, cycles=3)
+    found = lateral_offset(segment, cycles=3)
     found = found - found.mean(axis=0)
     back = np.array([0.0, 2.0, 5.0, 10.0, 14.7, 17.8, 20.0]) / LENGTH
     phase = 2 * np.pi * np.arange(1, 3 * FRAMES + 1)[:, None] / FRAMES
@@ -49,7 +49,7 @@ def test_the_sway_about_a_straight_or_round_way_is_the_wave_that_was_put_in(
 def test_a_cycle_is_played_along_its_way(known_repertoire: Repertoire, name: str) -> None:
     """It begins straight ahead, and then curves to its side."""
     segment = known_repertoire.segments[name]
-    nose = play(segment, 10).midline[:, 0]  # in this motion the nose doesn't sway
+    nose = top_view(segment, 10).midline[:, 0]  # in this motion the nose doesn't sway
     steps = np.diff(nose)
     turn = np.radians(segment.turn_deg) / FRAMES
     assert np.angle(steps[1:] / steps[:-1]) == pytest.approx(turn, abs=1e-9)
@@ -59,8 +59,10 @@ def test_a_cycle_is_played_along_its_way(known_repertoire: Repertoire, name: str
 
 def test_a_turn_that_is_no_cycle_is_seen_against_its_body(known_repertoire: Repertoire) -> None:
     segment = known_repertoire.segments["turn_left_sharp"]
-    np.testing.assert_array_equal(across(segment, 3)[:, -1], segment.nodes[:, 21:, 2].mean(axis=1))
-    assert len(play(segment, 3).origin) == FRAMES
+    np.testing.assert_array_equal(
+        lateral_offset(segment, 3)[:, -1], segment.nodes[:, 21:, 2].mean(axis=1)
+    )
+    assert len(top_view(segment, 3).origin) == FRAMES
 
 
 def test_the_speed_is_that_of_the_middle_of_all_nodes(known_repertoire: Repertoire) -> None:

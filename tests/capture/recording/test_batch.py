@@ -20,8 +20,8 @@ from capture.cli.main import main
 from capture.recording import batch, workers
 from capture.recording.batch import record_all
 from capture.recording.record import record_segment
-from capture.recording.resume import keep, kept
-from capture.recording.workers import here, processes
+from capture.recording.resume import finished_segments, save_segment
+from capture.recording.workers import process_pool, serial
 from subsea.core.errors import UserError
 from subsea.fish.species import Species, load_species, species_names
 from subsea.repertoire import SEGMENTS, Repertoire, write_repertoire
@@ -66,7 +66,9 @@ def swum(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 def test_the_number_of_processes_changes_nothing(whole: Path, tmp_path: Path) -> None:
     told: list[tuple[str, int]] = []
     assert (
-        record_all(dict.fromkeys(NAMES, tmp_path), processes(2), tell=lambda *at: told.append(at))
+        record_all(
+            dict.fromkeys(NAMES, tmp_path), process_pool(2), tell=lambda *at: told.append(at)
+        )
         == NAMES
     )
     assert_same(tmp_path, whole)
@@ -84,11 +86,11 @@ def test_an_interrupted_recording_goes_on_where_it_stopped(
 
     if done < 14:
         with pytest.raises(KeyboardInterrupt):
-            record_all(dict.fromkeys(NAMES, tmp_path), here, check=interrupt)
+            record_all(dict.fromkeys(NAMES, tmp_path), serial, check=interrupt)
     else:
-        record_all(dict.fromkeys(NAMES, tmp_path), here, check=interrupt)
+        record_all(dict.fromkeys(NAMES, tmp_path), serial, check=interrupt)
     assert [path.name for path in tmp_path.glob("*.h5")] == [f"{n}.h5" for n in NAMES[: done // 7]]
-    recorded = record_all(dict.fromkeys(NAMES, tmp_path), here)
+    recorded = record_all(dict.fromkeys(NAMES, tmp_path), serial)
     assert recorded == NAMES[done // 7 :]
     assert swum == list(SEGMENTS) * 2
     assert_same(tmp_path, whole)
@@ -115,23 +117,24 @@ def test_kept_segments_of_another_fish_or_damaged_ones_are_recorded_again(
 ) -> None:
     species = load_species("fusilier")
     recorded = record_segment(species, "swim_slow")
-    for segment in ("swim_slow", "swim_medium", "swim_fast"):
-        keep(tmp_path, "fusilier", species, segment, recorded)
-    assert set(kept(tmp_path, "fusilier", species)) == {"swim_slow", "swim_medium", "swim_fast"}
-    assert not kept(tmp_path, "fusilier", changed(species, "swim", lag=1.4))
+    swims = ("swim_slow", "swim_medium", "swim_fast")
+    for segment in swims:
+        save_segment(tmp_path, "fusilier", species, segment, recorded)
+    assert set(finished_segments(tmp_path, "fusilier", species)) == set(swims)
+    assert not finished_segments(tmp_path, "fusilier", changed(species, "swim", lag=1.4))
     ours, theirs = (tmp_path / f".{fish}.swim_fast.recording" for fish in ("fusilier", "bluefish"))
     theirs.write_bytes(ours.read_bytes())
-    assert not kept(tmp_path, "bluefish", species)
+    assert not finished_segments(tmp_path, "bluefish", species)
     (tmp_path / ".fusilier.swim_medium.recording").write_bytes(b"half")
-    assert set(kept(tmp_path, "fusilier", species)) == {"swim_slow", "swim_fast"}
+    assert set(finished_segments(tmp_path, "fusilier", species)) == {"swim_slow", "swim_fast"}
 
 
 @pytest.mark.parametrize("name", species_names())
 def test_a_segment_is_kept_exactly(name: str, tmp_path: Path) -> None:
     species = load_species(name)
     segment, beats = record_segment(species, "turn_left_sharp")
-    keep(tmp_path, name, species, "turn_left_sharp", (segment, beats))
-    ((back, again),) = kept(tmp_path, name, species).values()
+    save_segment(tmp_path, name, species, "turn_left_sharp", (segment, beats))
+    ((back, again),) = finished_segments(tmp_path, name, species).values()
     assert again == beats
     for field in dataclasses.fields(segment):
         ours, theirs = getattr(segment, field.name), getattr(back, field.name)
@@ -148,7 +151,7 @@ def test_a_process_that_dies_loses_nothing(whole: Path, tmp_path: Path) -> None:
             os.kill(child.pid or 0, signal.SIGKILL)
             killed.append(child.pid or 0)
 
-    record_all(dict.fromkeys(NAMES, tmp_path), processes(2), check=kill_once)
+    record_all(dict.fromkeys(NAMES, tmp_path), process_pool(2), check=kill_once)
     assert len(killed) == 1
     assert_same(tmp_path, whole)
 
@@ -159,7 +162,7 @@ def test_processes_that_keep_dying_are_one_line(tmp_path: Path) -> None:
             os.kill(child.pid or 0, signal.SIGKILL)
 
     with pytest.raises(UserError, match=r"keep dying, 3 so far.*fusilier swim_slow") as caught:
-        record_all({"fusilier": tmp_path}, processes(2), check=kill)
+        record_all({"fusilier": tmp_path}, process_pool(2), check=kill)
     assert "\n" not in str(caught.value)
     assert not list(tmp_path.iterdir())
 
@@ -168,7 +171,7 @@ def test_a_fish_that_cannot_swim_is_named(tmp_path: Path, monkeypatch: pytest.Mo
     limp = changed(load_species("fusilier"), "body", cross_stiffness=1.0)
     monkeypatch.setattr(batch, "load_species", lambda name: limp)
     with pytest.raises(UserError, match="fusilier, swim_slow: the body lost its shape"):
-        record_all({"fusilier": tmp_path}, here)
+        record_all({"fusilier": tmp_path}, serial)
     assert not (tmp_path / "fusilier.h5").exists()
 
 

@@ -16,7 +16,7 @@ import pytest
 from capture.cli.main import main
 from capture.recording import dask_cluster as module
 from capture.recording.batch import record_all
-from capture.recording.dask_cluster import cluster
+from capture.recording.dask_cluster import dask_workers
 from subsea.core.errors import UserError
 from subsea.fish.species import load_species
 from subsea.repertoire import Repertoire, write_repertoire
@@ -81,7 +81,9 @@ def test_a_worker_that_is_killed_midway_loses_nothing(
         if sum(done.values()) == 3:
             dask.workers[0].kill()
 
-    assert record_all(dict.fromkeys(NAMES, tmp_path), cluster(dask.address), tell=tell) == NAMES
+    assert (
+        record_all(dict.fromkeys(NAMES, tmp_path), dask_workers(dask.address), tell=tell) == NAMES
+    )
     assert dask.workers[0].wait() == -9
     assert dask.workers[1].poll() is None
     assert done == dict.fromkeys(NAMES, 7)
@@ -105,7 +107,7 @@ def test_a_cluster_that_is_lost_is_one_line_and_what_is_done_is_kept(
                 process.kill()
 
     with pytest.raises(UserError, match=line) as caught:
-        record_all({"fusilier": tmp_path}, cluster(dask.address), tell=tell)
+        record_all({"fusilier": tmp_path}, dask_workers(dask.address), tell=tell)
     assert "\n" not in str(caught.value)
     assert len(list(tmp_path.glob(".fusilier.*.recording"))) >= 2
 

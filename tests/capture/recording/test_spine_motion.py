@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from capture.cli.main import main
 from capture.inspection.simulated import replay
 from capture.recording.record import record_segment, record_species
-from capture.recording.spine_motion import perform
+from capture.recording.spine_motion import spine_motion
 from subsea.biomechanics.body_frame import to_world
 from subsea.fish.species import load_species, species_names
 from subsea.fish.spine import SpinePlan, Turn
@@ -77,7 +77,7 @@ def test_the_wave_runs_backward_faster_than_the_fish_swims(species):
     """So the crest goes backward in still water, where it is not swallowed by the head."""
     if species.spine.wings:
         return  # their wave runs along the chord: tests/fish/test_spine.py
-    points = perform(species.spine, species.surface, "swim_fast").points
+    points = spine_motion(species.spine, species.surface, "swim_fast").points
     ridge = dense(basis_table(21, 2001), 21) @ points[:, :21]
     rear = ridge[:, 900:1900]
     k = rear[..., 2].argmax(axis=1)
@@ -96,7 +96,7 @@ def test_replayed_from_any_pose_it_is_what_was_performed(seed, name):
     q = rng.normal(size=4)
     rotation = matrix(q / np.linalg.norm(q))
     origin = rng.uniform(-500, 500, 3)
-    nodes = perform(species.spine, species.surface, name).nodes
+    nodes = spine_motion(species.spine, species.surface, name).nodes
     start = 0.5 * (nodes[0, 5] + nodes[0, 7])
     expected = to_world(nodes[1:] - start, origin, rotation)
     np.testing.assert_allclose(replay(segment, origin, rotation, 1), expected, atol=1e-6)
@@ -115,7 +115,7 @@ def test_linear_swing_moves_differently_from_sinusoidal(species):
     linear = msgspec.structs.replace(
         plan, swing=msgspec.structs.replace(plan.swing, function="linear")
     )
-    a, b = (perform(one, species.surface, "swim_fast").points for one in (plan, linear))
+    a, b = (spine_motion(one, species.surface, "swim_fast").points for one in (plan, linear))
     assert 0.001 * plan.length < np.abs(a - b).max() < 0.1 * plan.length
 
 

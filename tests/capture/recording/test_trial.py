@@ -6,11 +6,11 @@ from capture.recording.trial import (
     MIN_WARM_UP,
     beat_contraction,
     beat_phase,
+    displacement,
     loop_error,
     sharp_turn,
     speed_map,
     steady_beat,
-    way,
 )
 from subsea.biomechanics.body import build_body
 from subsea.biomechanics.controllers import LEFT, RIGHT, steering, swim_amplitude, turn_beats
@@ -59,7 +59,8 @@ def test_swimming_speed_follows_what_is_asked_for(species: Species) -> None:
     asked = np.linspace(0.15, 1.0, 7) * speeds.speed[-1]
     beat_tu = swim.ticks_per_beat * STEPS_PER_TICK * STEP
     swum = [
-        np.linalg.norm(way(steady_beat(body, beat_contraction(swim, amplitude)).frames)) / beat_tu
+        np.linalg.norm(displacement(steady_beat(body, beat_contraction(swim, amplitude)).frames))
+        / beat_tu
         for amplitude in map(float, swim_amplitude(speeds, asked))
     ]
     assert (np.diff(swum) > 0).all()

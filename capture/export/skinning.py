@@ -15,7 +15,7 @@ from capture.export.clips import Clip, Model
 from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
 
-MOST = 4  # joints that a vertex may hang on: what the formats and engines have room for
+MAX_INFLUENCES = 4  # joints that a vertex may hang on: what the formats and engines have room for
 NEAR = 8  # joints that it may choose them from, so that none moves what is far
 SPINE = 14  # joints from head to tail
 FIN = 2  # along the free edge of the dorsal and of the ventral fin
@@ -36,7 +36,7 @@ class Joint(NamedTuple):
     place: Array  # (3,)
 
 
-class Rig(NamedTuple):
+class Skeleton(NamedTuple):
     """J joints, and how they move in the F frames of all clips, one after another."""
 
     joints: list[Joint]
@@ -46,11 +46,11 @@ class Rig(NamedTuple):
     most_percent: float  # ... and the farthest one, in any frame
 
 
-def fit_rig(
+def fit_skeleton(
     model: Model,
     clips: list[Clip],
     progress: Callable[[Sequence[int]], Iterable[int]] = lambda rounds: rounds,
-) -> Rig:
+) -> Skeleton:
     """The skeleton of a model that follows its clips; `progress` watches the rounds."""
     joints = skeleton(model)
     rest = np.pad(model.rest, ((0, 0), (0, 1)), constant_values=1.0)  # (n, 4)
@@ -66,7 +66,7 @@ def fit_rig(
         _fit_motion(rest, goal, weights, motion, about, STEADY * (weights * far**2).sum(axis=0))
     motion = motion.swapaxes(1, 2)
     off = np.linalg.norm(posed(rest, weights, motion) - goal, axis=2) * 100.0 / model.length_cm
-    return Rig(joints, weights, motion, float(np.sqrt((off**2).mean())), float(off.max()))
+    return Skeleton(joints, weights, motion, float(np.sqrt((off**2).mean())), float(off.max()))
 
 
 def posed(rest: Array, weights: Array, motion: Array) -> Array:
@@ -173,7 +173,7 @@ def _fit_weights(rest: Array, goal: Array, motion: Array, near: Ints) -> Array:
         toward = aims[those, :, k] @ x
         # Of where two joints alone would take the vertex: how far both are off, multiplied.
         gram = x @ pairs[those[:, None], those] @ x - toward - toward[:, None]
-        out[k, those] = best_shares(gram + flat[:, k] @ flat[:, k], MOST)
+        out[k, those] = best_shares(gram + flat[:, k] @ flat[:, k], MAX_INFLUENCES)
     return out
 
 
