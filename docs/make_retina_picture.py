@@ -14,7 +14,7 @@ from plates import FOLDER, keep
 
 from subsea.dive.retina_images import SIDES
 from subsea.media.eye_frames import film_eyes
-from subsea.view.retina import Gaze
+from subsea.media.film_options import EyeFilmOptions
 
 SIZE, GAP = (480, 360), 6
 FISH, SECONDS = "9", 7.425
@@ -25,9 +25,8 @@ fish, seconds = sys.argv[1:3] if len(sys.argv) > 2 else (FISH, SECONDS)
 with TemporaryDirectory() as name:
     folder = Path(name) / "seen"
     film_eyes(
-        folder, str(fish), Gaze(), 90.0, False, "peaceful", 1 / 30, float(seconds), 30.0, SIZE,
-        "high", None, "auto",
-    )  # fmt: skip
+        EyeFilmOptions(out=folder, eyes=fish, seconds=1 / 30, start=float(seconds), size=SIZE)
+    )
 
     def read(part: str) -> np.ndarray:
         """Both eyes' beside each other."""

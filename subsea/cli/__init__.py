@@ -1,1 +1,1 @@
-"""The command line."""
+"""The command line: one module for each command, shared options, and `main`."""

@@ -1,17 +1,16 @@
-"""`subsea doctor`: what this machine can do, and what to install."""
+"""`subsea doctor`: report what this machine can do, and what to install."""
 
 import os
 import platform
 import sys
 import tempfile
+from argparse import Namespace
 from collections.abc import Callable
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+from subsea.core.command_line import command
 from subsea.core.errors import UserError
-from subsea.ui.system_packages import INSTALL
-from subsea.view.stereo import OTHER_STEREO
 
 if TYPE_CHECKING:
     from subsea.ui.monitors import Monitor
@@ -23,7 +22,7 @@ PACKAGES = (
 
 
 class Finding(NamedTuple):
-    """One line of the report. `needed` findings decide whether a dive is possible."""
+    """One line of the report; the `needed` ones decide whether a dive is possible."""
 
     name: str
     good: bool
@@ -31,8 +30,20 @@ class Finding(NamedTuple):
     needed: bool = True
 
 
-def doctor() -> int:
-    """Print what was found; 0 if a dive in a window is possible here, else 1."""
+def add(commands: Any) -> None:
+    """Add the command."""
+    parser = command(
+        commands,
+        "doctor",
+        "report what this machine can do, and what to install",
+        "Exit code 0 if a dive in a window is possible here, 1 if not.",
+        ["subsea doctor"],
+    )
+    parser.set_defaults(run=run)
+
+
+def run(options: Namespace) -> int:
+    """Print the findings; 0 if a dive in a window is possible here, else 1."""
     checks: tuple[Callable[[], list[Finding]], ...] = (
         _python,
         _packages,
@@ -46,7 +57,7 @@ def doctor() -> int:
         mark = "ok  " if finding.good else "no  " if finding.needed else "--  "
         print(f"{mark}{finding.name:<24} {finding.text}")
     possible = all(finding.good for finding in findings if finding.needed)
-    print("a dive is possible" if possible else "a dive is not possible yet: mend the lines above")
+    print("a dive is possible" if possible else "a dive is not possible yet: fix the lines above")
     return 0 if possible else 1
 
 
@@ -57,6 +68,8 @@ def _python() -> list[Finding]:
 
 
 def _packages() -> list[Finding]:
+    from importlib.metadata import PackageNotFoundError, version
+
     found, missing = [], []
     for package in PACKAGES:
         try:
@@ -69,7 +82,7 @@ def _packages() -> list[Finding]:
 
 
 def _cache() -> list[Finding]:
-    """Whether compiled kernels can be kept; without it every start compiles again."""
+    """The folder of compiled kernels; without one every start compiles again."""
     from numba.core import config
 
     import subsea
@@ -97,7 +110,7 @@ def _writable(folder: Path) -> bool:
 
 
 def _fishes() -> list[Finding]:
-    """Every species; a dive needs those that are shipped alone."""
+    """Every species; a dive needs only the shipped ones."""
     from subsea.fish.species import (
         hidden_names,
         is_shipped,
@@ -123,7 +136,7 @@ def _fishes() -> list[Finding]:
         except UserError as fault:
             findings.append(Finding(f"fish {name}", False, str(fault), needed))
     for name in hidden_names():
-        text = f"{own_species() / name}.toml: a shipped species has this name, expected another"
+        text = f"{own_species() / name}.toml: a shipped species has this name, take another one"
         findings.append(Finding(f"fish {name}", False, text, needed=False))
     return findings
 
@@ -135,14 +148,14 @@ def _headless() -> list[Finding]:
         context = headless_context()
     except UserError as fault:
         return [Finding("OpenGL, no window", False, f"{fault}", needed=False)]
-    with context:  # leaving it takes it off this thread: while it is there, no window can open
+    with context:  # a context that is current on this thread prevents windows from opening
         text = f"{context.info['GL_RENDERER']}, OpenGL {context.version_code / 100:.1f}"
     context.release()
     return [Finding("OpenGL, no window", True, text, needed=False)]
 
 
 def _quality(renderer: str) -> Finding:
-    """With what a dive begins here unless told otherwise."""
+    """The quality at which a dive begins by default."""
     from subsea.dive.adaptive_quality import target_for
     from subsea.render.output.quality import LADDER, first_rung, name_of, on_software
 
@@ -152,7 +165,7 @@ def _quality(renderer: str) -> Finding:
 
 
 def _monitor(monitor: "Monitor") -> Finding:
-    """What a theatre file may call it, and what it may say instead."""
+    """The name and position by which a theatre file may refer to a monitor."""
     left, top = monitor.position
     rate = f" at {monitor.rate} Hz" if monitor.rate else ""
     text = f"{monitor!s}{rate}, position {left}, {top}"
@@ -161,6 +174,9 @@ def _monitor(monitor: "Monitor") -> Finding:
 
 def _display() -> list[Finding]:
     """Display, monitors, and the OpenGL of hidden windows."""
+    from subsea.ui.system_packages import INSTALL
+    from subsea.view.stereo import OTHER_STEREO
+
     try:
         from subsea.render import window_context
         from subsea.ui.monitors import on_display

@@ -1,7 +1,7 @@
-"""`subsea film --eyes`: what a fish sees, as labelled frames for research on vision (Tu §6.7).
+"""`subsea film --eyes`: labelled frames of what a fish sees, for vision research (Tu §6.7).
 
-A folder gets for each frame and each eye the picture, an identity map, the same in colours to look
-at, and a depth map; `camera.json` tells how to read them. docs/fish-view.md describes all of it.
+For each frame and each eye a folder gets the picture, an identity map, the same in colours, and a
+depth map; `camera.json` describes the camera. docs/fish-view.md explains all of them.
 """
 
 import json
@@ -35,9 +35,10 @@ from subsea.dive.retina_images import (
 from subsea.dive.start import headless, picture_maker, start_world
 from subsea.frame.packet import pack
 from subsea.habitat.reef import KINDS as REEF_KINDS
-from subsea.media.film import instants, length_s, reach
-from subsea.media.frame_writers import frame_rate, kind_of, open_reels
-from subsea.media.resume_manifest import begin, description, missing_frames
+from subsea.media.film_options import EyeFilmOptions
+from subsea.media.film_timing import film_length_s, instants, reach
+from subsea.media.frame_writers import frame_rate, kind_of, open_writers
+from subsea.media.resume_manifest import describe_film, missing_frames, write_manifest
 from subsea.render.gl.id_buffer import CORAL, FISH, KINDS, PILLAR, ROCK, IdMaps
 from subsea.render.output.quality import PRESETS
 from subsea.scenario.fish_lookup import find_fish
@@ -60,68 +61,50 @@ CONVENTION = (
 )
 
 
-def film_eyes(
-    out: Path,
-    eyes: str,
-    gaze: Gaze,
-    field_deg: float,
-    see_brightness: bool,
-    scenario: str,
-    seconds: float | None,
-    start: float,
-    fps: float,
-    size: tuple[int, int],
-    quality: str,
-    seed: int | None,
-    tour: str,
-    changes: Sequence[str] = (),
-) -> int:
-    """Film `seconds` of what the fish called `eyes` sees into the folder `out`; the exit code.
+def film_eyes(options: EyeFilmOptions) -> int:
+    """Film what a fish sees into a folder; returns the exit code.
 
-    The dive is that which `subsea film` shows with the same scenario, seed, tour and start.
-    A folder that holds a part of the film gets what it lacks. With `see_brightness` the fish goes
-    by the light in its eyes, see `seen_brightness`.
+    The dive is the one that `subsea film` shows with the same scenario, seed, tour and start. A
+    folder that holds a part of the film gets the frames that it lacks.
     """
+    out, gaze, field_deg = options.out, options.gaze, options.field_deg
     if kind_of(out) != "folder":
         raise UserError(f"{out}: labelled frames need the name of a folder")
-    chosen, source = load_scenario(scenario, changes)
-    fish = find_fish(eyes, chosen)
-    check_tour(chosen, tour)
-    if seconds is None:
-        seconds = length_s(chosen, source, seed, start, tour)
-    rate = frame_rate(fps)
-    times = instants(start, seconds, rate)
-    take = description(
-        source, changes, tour=tour, seed=seed, start=start, seconds=seconds, fps=fps, size=size,
-        quality=quality, eyes=eyes, gaze=gaze, field_deg=field_deg, see_brightness=see_brightness,
-    )  # fmt: skip
+    scenario, source = load_scenario(options.scenario, options.changes)
+    fish = find_fish(options.eyes, scenario)
+    check_tour(scenario, options.tour)
+    seconds = film_length_s(scenario, source, options)
+    rate = frame_rate(options.fps)
+    times = instants(options.start, seconds, rate)
+    manifest = describe_film(source, options, seconds=seconds)
     windows = [f"{part}/{side}" if part else side for part in PARTS for side in SIDES]
-    missing = missing_frames(out, take, windows, len(times))
-    if not missing and _told_of(out / CAMERA, take) == len(times):
+    missing = missing_frames(out, manifest, windows, len(times))
+    if not missing and _frames_in(out / CAMERA, manifest) == len(times):
         print(f"{out}: complete, {counted(len(times), 'frame', 'frames')}")
         return 0
     durations: list[float] = []
     frames: list[dict[str, Any]] = []
     with ExitStack() as stack:
         context = stack.enter_context(headless())
-        world = start_world(scenario, seed, changes=changes)
-        steer = guided(world, tour)
+        world = start_world(options.scenario, options.seed, changes=options.changes)
+        steer = guided(world, options.tour)
         by = fish_eyes(world, fish)
-        rig = retina_rig(size, by.half_cm, gaze, field_deg)
+        rig = retina_rig(options.size, by.half_cm, gaze, field_deg)
         check = stack.enter_context(interrupts.deferred())
-        renderer = stack.enter_context(picture_maker(context, world, rig, PRESETS[quality]))
-        begin(out, take)
+        preset = PRESETS[options.quality]
+        renderer = stack.enter_context(picture_maker(context, world, rig, preset))
+        write_manifest(out, manifest)
         stack.callback(_report, out, durations)
-        about = described(world, take, by, rig, gaze, field_deg)
-        stack.callback(_tell_more, out / CAMERA, about | {"frames": frames})
-        write = stack.enter_context(open_reels(out, dict.fromkeys(windows, size), rate))
+        about = describe_camera(world, manifest, by, rig, gaze, field_deg)
+        stack.callback(_write_camera, out / CAMERA, about | {"frames": frames})
+        write = stack.enter_context(open_writers(out, dict.fromkeys(windows, options.size), rate))
         say(f"filming what fish {fish} sees, {_species(world, fish)}, to {out}")
         done = stack.enter_context(progress(len(times), "frame", len(times) - len(missing)))
         memory = empty_lod_state(len(world.state.fishes.species))
-        preset, wanted = PRESETS[quality], set(missing)
+        wanted = set(missing)
 
         def see() -> None:
-            if see_brightness:
+            if options.see_brightness:
                 world.seen_light[fish] = seen_brightness(renderer, world, by)
 
         reach(world, times[0], steer, check, see)
@@ -141,12 +124,12 @@ def film_eyes(
                 done()
             else:
                 renderer.choose(packet)
-            frames.append(told(world, by, views, k, instant, alpha))
+            frames.append(describe_frame(world, by, views, k, instant, alpha))
     return 0
 
 
 def labelled(pictures: Sequence[NDArray[np.uint8]], seen: IdMaps) -> dict[str, Any]:
-    """What is written of a frame, by the names of its folders; `seen` is of both eyes."""
+    """Pictures and maps of a frame by the names of their folders; `seen` covers both eyes."""
     value = values_of(seen)
     depth = np.where(np.isfinite(seen.depth), np.rint(MM * seen.depth), 0.0)
     maps: dict[str, NDArray[Any]] = {
@@ -161,16 +144,21 @@ def labelled(pictures: Sequence[NDArray[np.uint8]], seen: IdMaps) -> dict[str, A
     return out
 
 
-def described(
-    world: World, take: dict[str, Any], by: FishEyes, rig: CameraRig, gaze: Gaze, field_deg: float
+def describe_camera(
+    world: World,
+    manifest: dict[str, Any],
+    by: FishEyes,
+    rig: CameraRig,
+    gaze: Gaze,
+    field_deg: float,
 ) -> dict[str, Any]:
-    """All of the camera file but its frames."""
+    """The camera file without its frames."""
     width, height = rig.outputs[0]
     p = rig.eyes[0].projection.astype(float)
     if len(world.state.fishes.species) > MOST_FISHES:
-        raise UserError(f"an identity map tells at most {MOST_FISHES} fishes apart")
+        raise UserError(f"an identity map holds at most {MOST_FISHES} fishes")
     return {
-        "film": take,
+        "film": manifest,
         "seed": world.state.seed,
         "fish": {"number": by.fish, "species": _species(world, by.fish)},
         "camera": {
@@ -191,15 +179,15 @@ def described(
 
 
 def identities(world: World) -> list[dict[str, Any]]:
-    """What each value of an identity map stands for."""
+    """The meaning of each value of an identity map."""
     fishes, sea, reef = world.state.fishes, world.state.sea, world.state.reef
     out: list[dict[str, Any]] = [
         {"value": VALUES[kind], "kind": kind}
         for number, kind in enumerate(KINDS)
         if number not in (PILLAR, ROCK, CORAL, FISH)
     ]
-    for kind, places in (("pillar", sea.pillars), ("rock", sea.rocks)):
-        for k, row in enumerate(places):
+    for kind, rows in (("pillar", sea.pillars), ("rock", sea.rocks)):
+        for k, row in enumerate(rows):
             out.append(_numbered(kind, k) | {"x_cm": float(row[0]), "y_cm": float(row[1])})
     growths = list(REEF_KINDS)
     out += [_numbered("coral", k) | {"form": growths[kind]} for k, kind in enumerate(reef.kind)]
@@ -210,10 +198,10 @@ def identities(world: World) -> list[dict[str, Any]]:
     return out
 
 
-def told(
+def describe_frame(
     world: World, by: FishEyes, views: Sequence[View], frame: int, instant: float, alpha: float
 ) -> dict[str, Any]:
-    """What the camera file says of a frame; states of mind are those of the present tick."""
+    """The camera file's entry of a frame; mental states are those of the present tick."""
     fishes, minds, i = world.state.fishes, world.state.minds, by.fish
     place, turn = body_at(world, i, alpha)
     return {
@@ -245,7 +233,7 @@ def _species(world: World, fish: int) -> str:
 
 
 def _write_json(path: Path, content: dict[str, Any]) -> None:
-    """Each entry of a list on a line of its own."""
+    """Write JSON with each entry of a list on a line of its own."""
     parts = []
     for key, value in content.items():
         text = json.dumps(value)
@@ -256,17 +244,17 @@ def _write_json(path: Path, content: dict[str, Any]) -> None:
         temporary.write_text("{\n" + ",\n".join(parts) + "\n}\n", encoding="utf-8")
 
 
-def _tell_more(path: Path, about: dict[str, Any]) -> None:
-    """Write a camera file, unless the one that is there tells of more frames of the same film."""
-    if len(about["frames"]) >= _told_of(path, about["film"]):
+def _write_camera(path: Path, about: dict[str, Any]) -> None:
+    """Write a camera file, unless the existing one has more frames of the same film."""
+    if len(about["frames"]) >= _frames_in(path, about["film"]):
         _write_json(path, about)
 
 
-def _told_of(path: Path, take: dict[str, Any]) -> int:
-    """Of how many frames of a film a camera file tells; 0 where there is none."""
+def _frames_in(path: Path, manifest: dict[str, Any]) -> int:
+    """Number of frames of a film in a camera file; 0 without one."""
     try:
         about = json.loads(path.read_text(encoding="utf-8"))
-        return len(about["frames"]) if about["film"] == take else 0
+        return len(about["frames"]) if about["film"] == manifest else 0
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return 0
 

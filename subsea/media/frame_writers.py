@@ -1,10 +1,10 @@
-"""Where pictures go: a film, one picture, or a folder of them. Whole files, or none.
+"""Write frames as a film, one picture, or a folder of pictures: complete files or none.
 
-A theatre has several windows, each with a reel of its own beside the others.
+Each window of a theatre has an output of its own beside the others.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import AbstractContextManager, ExitStack, contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -14,20 +14,20 @@ from numpy.typing import NDArray
 
 from subsea.core.atomic_io import check_file, check_folder, is_folder, replacing
 from subsea.core.errors import UserError
-from subsea.media.video_metadata import NO_TAGS, Tags, insert
+from subsea.media.video_metadata import NO_METADATA, VideoMetadata, insert_boxes
 
-# (height, width, 3) of 8 bits, top row first; in folders also (height, width) of 16 bits
+# (height, width, 3) of 8 bits, top row first; in folders also (height, width) of 16 bits.
 Picture = NDArray[np.uint8] | NDArray[np.uint16]
-Write = Callable[[int, Picture], None]  # the number of the frame, and what it shows
-WriteAll = Callable[[int, Mapping[str, Picture]], None]  # by the names of the windows
+Write = Callable[[int, Picture], None]  # of a frame by its number
+WriteAll = Callable[[int, Mapping[str, Picture]], None]  # of all windows by name
 
 QUALITY = "19"  # x264's constant rate factor: near-transparent, small enough to mail
-TELEVISION = (24, 30, 48, 60, 120)  # rates that are often meant to be 0.1% less
+TELEVISION = (24, 30, 48, 60, 120)  # nominal rates, of which broadcasts have 0.1% less
 KINDS = "FILE.mp4, FILE.png or a folder's name without a suffix"
 
 
 def kind_of(out: Path) -> str:
-    """What the name asks for: "film", "picture" or "folder"; another suffix is a UserError."""
+    """The kind of output by its name: "film", "picture" or "folder", else a UserError."""
     kinds = {".mp4": "film", ".png": "picture", "": "folder"}
     kind = "folder" if is_folder(out) else kinds.get(out.suffix.lower())
     if kind is None:
@@ -35,57 +35,57 @@ def kind_of(out: Path) -> str:
     return kind
 
 
-def check_reel(out: Path) -> str:
-    """The kind of `out`; a place that cannot be written to is a UserError."""
+def check_output(out: Path) -> str:
+    """Return the kind of `out`; a UserError if it cannot be written."""
     kind = kind_of(out)
     (check_folder if kind == "folder" else check_file)(out)
     return kind
 
 
 def frame_rate(fps: float) -> Fraction:
-    """The exact rate that is meant: 29.97 is 30000/1001, as television has it."""
+    """The exact rate: 29.97 is 30000/1001, as in television."""
     for whole in TELEVISION:
         if abs(fps - whole / 1.001) < 0.005:
             return Fraction(1000 * whole, 1001)
     return Fraction(fps).limit_denominator(1001)
 
 
-def fitting(kind: str, size: tuple[int, int]) -> tuple[int, int]:
-    """The largest size within `size` that such a reel can hold."""
+def fitted_size(kind: str, size: tuple[int, int]) -> tuple[int, int]:
+    """The largest size within `size` that this kind of output can hold."""
     even = kind == "film"  # yuv420p halves both sides
     return (size[0] - size[0] % 2, size[1] - size[1] % 2) if even else size
 
 
-def place_of(out: Path, window: str) -> Path:
-    """Where the pictures of a window go: `out`/left or out-left.mp4; of one without name `out`."""
+def window_path(out: Path, window: str) -> Path:
+    """Path of a window's pictures: `out`/left or out-left.mp4, or `out` for the window ""."""
     if not window:
         return out
     return out / window if kind_of(out) == "folder" else out.with_stem(f"{out.stem}-{window}")
 
 
-def written_to(out: Path, windows: Iterable[str]) -> str:
-    """The files that hold the pictures of those windows, in words; of a folder its own name."""
+def output_names(out: Path, windows: Iterable[str]) -> str:
+    """The output files of these windows for a message; a folder is only named itself."""
     if kind_of(out) == "folder":
         return str(out)
-    return ", ".join(str(place_of(out, window)) for window in windows)
+    return ", ".join(str(window_path(out, window)) for window in windows)
 
 
 def frame_file(folder: Path, number: int) -> Path:
-    """The file of a frame in a folder of numbered pictures."""
+    """Path of a frame in a folder of numbered pictures."""
     return folder / f"frame_{number:05d}.png"
 
 
 @contextmanager
-def open_reels(
-    out: Path, sizes: Mapping[str, tuple[int, int]], rate: Fraction, tags: Tags = NO_TAGS
+def open_writers(
+    out: Path,
+    sizes: Mapping[str, tuple[int, int]],
+    rate: Fraction,
+    metadata: VideoMetadata = NO_METADATA,
 ) -> Iterator[WriteAll]:
-    """The writer of pictures of those `sizes`, by the names of windows; see `place_of`.
-
-    Films have `tags` for their players.
-    """
+    """Open a writer for pictures of these `sizes` by the names of windows, see `window_path`."""
     with ExitStack() as stack:
         writers = {
-            name: stack.enter_context(_open_reel(place_of(out, name), size, rate, tags))
+            name: stack.enter_context(_open_writer(window_path(out, name), size, rate, metadata))
             for name, size in sizes.items()
         }
 
@@ -96,32 +96,33 @@ def open_reels(
         yield write
 
 
-def _open_reel(
-    out: Path, size: tuple[int, int], rate: Fraction, tags: Tags
+def _open_writer(
+    out: Path, size: tuple[int, int], rate: Fraction, metadata: VideoMetadata
 ) -> AbstractContextManager[Write]:
-    """The writer that fits the name `out`."""
-    kind = check_reel(out)
+    kind = check_output(out)
     if kind == "film":
-        return film_reel(out, size, rate, tags)
+        return film_writer(out, size, rate, metadata)
     if kind == "picture":
-        return picture_reel(out)
-    return folder_reel(out)
+        return nullcontext(lambda number, picture: write_png(out, picture))
+    return nullcontext(lambda number, picture: write_png(frame_file(out, number), picture))
 
 
 @contextmanager
-def film_reel(
-    out: Path, size: tuple[int, int], rate: Fraction, tags: Tags = NO_TAGS
+def film_writer(
+    out: Path, size: tuple[int, int], rate: Fraction, metadata: VideoMetadata = NO_METADATA
 ) -> Iterator[Write]:
-    """An H.264 film that plays everywhere: yuv420p, index first. The size must be even.
+    """Write an H.264 film that plays everywhere: yuv420p, index first. The size must be even.
 
-    An interruption closes the film after the pictures so far; a fault leaves nothing.
+    An interruption closes the film after the pictures so far; an error leaves no file.
     """
-    import av  # here: a simulation or a window has no need of it
+    import av  # here: simulations and windows do not need it
 
     interrupted: KeyboardInterrupt | None = None
-    # x264's macroblock tree reads memory that nothing has been written to: with it hardly two films
-    # of the same pictures are the same. Without it they are 3% larger.
-    encoding = {"mbtree": 0} | ({} if tags.packing is None else {"frame-packing": tags.packing})
+    # x264's macroblock tree reads uninitialised memory: films of the same pictures would differ.
+    # Without it they are 3% larger.
+    encoding = {"mbtree": 0}
+    if metadata.packing is not None:
+        encoding["frame-packing"] = metadata.packing
     parameters = ":".join(f"{name}={value}" for name, value in encoding.items())
     options = {"crf": QUALITY, "preset": "veryfast", "x264-params": parameters}
     frames = 0
@@ -145,26 +146,14 @@ def film_reel(
                     raise
                 interrupted = interrupt
             container.mux(stream.encode(None))
-        if tags.boxes:
-            insert(temporary, tags.boxes)
+        if metadata.boxes:
+            insert_boxes(temporary, metadata.boxes)
     if interrupted:
         raise interrupted
 
 
-@contextmanager
-def picture_reel(out: Path) -> Iterator[Write]:
-    """One PNG."""
-    yield lambda number, picture: write_png(out, picture)
-
-
-@contextmanager
-def folder_reel(out: Path) -> Iterator[Write]:
-    """PNGs named frame_00000.png and on."""
-    yield lambda number, picture: write_png(frame_file(out, number), picture)
-
-
 def write_png(path: Path, picture: Picture) -> None:
-    """Write one picture, whole or not at all; what the disk says against it is a UserError."""
+    """Write one picture completely or not at all; a UserError if the disk refuses."""
     from PIL import Image
 
     with replacing(path) as temporary:

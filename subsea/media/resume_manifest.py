@@ -1,11 +1,12 @@
-"""A folder of numbered pictures that is filmed in several goes.
+"""Resume a folder of numbered pictures.
 
-`film.json` beside the pictures says which film they are of. Who films the same again goes on where
-the last go ended, however it ended: a picture is there as a whole or not at all.
+`film.json` beside the pictures records which film they belong to. Filming the same again continues
+after an interruption: every picture is complete or absent.
 """
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from hashlib import sha256
 from importlib.metadata import version
 from pathlib import Path
@@ -13,52 +14,61 @@ from typing import Any
 
 from subsea.core.atomic_io import check_folder, replacing
 from subsea.core.errors import UserError
-from subsea.media.frame_writers import frame_file, place_of
+from subsea.media.film_options import FilmOptions
+from subsea.media.frame_writers import frame_file, window_path
 
 NAME = "film.json"
 PICTURES = "frame_*.png"
 
 
-def description(scenario: Path, changes: Sequence[str] = (), **options: Any) -> dict[str, Any]:
-    """All that decides what a film shows, as JSON has it: the options, scenario and version."""
-    told: dict[str, Any] = {
+# Options that are not compared as such: sources, and groups whose fields are given one by one.
+NOT_COMPARED = ("out", "scenario", "changes", "stereo", "surround")
+
+
+def describe_film(scenario: Path, options: FilmOptions, **resolved: Any) -> dict[str, Any]:
+    """Everything that decides what a film shows, as JSON: options, scenario and version.
+
+    `scenario` is its file; `resolved` values replace options and add to them.
+    """
+    found: dict[str, Any] = {
         "version": version("subsea"),
         "scenario": scenario.name,
         "sha256": sha256(scenario.read_bytes()).hexdigest(),
     }
-    if changes:
-        told["set"] = [*changes]
-    described: dict[str, Any] = json.loads(json.dumps(told | options))
+    if options.changes:
+        found["set"] = [*options.changes]
+    given = {name: value for name, value in asdict(options).items() if name not in NOT_COMPARED}
+    described: dict[str, Any] = json.loads(json.dumps(found | given | resolved))
     return described
 
 
 def missing_frames(
     out: Path, wanted: Mapping[str, Any], windows: Sequence[str], frames: int
 ) -> list[int]:
-    """Which frames of the film `wanted` the folder `out` lacks, of any of its windows.
+    """Numbers of the frames that the folder `out` lacks in any of its windows.
 
-    A folder with pictures of another film, or of none that is known, is a UserError.
+    A UserError if its pictures belong to another film than `wanted`, or to an unknown one.
     """
     check_folder(out)
-    own = any(any(place_of(out, window).glob(PICTURES)) for window in windows)
-    # Another film may have other windows: its pictures lie in other folders beside the same file.
+    own = any(any(window_path(out, window).glob(PICTURES)) for window in windows)
+    # Another film may have other windows, with folders of their own beside the same file.
     if own or ((out / NAME).exists() and any(out.rglob(PICTURES))):
         _refuse_another(out, wanted)
     return [
         k
         for k in range(frames)
-        if not all(frame_file(place_of(out, window), k).exists() for window in windows)
+        if not all(frame_file(window_path(out, window), k).exists() for window in windows)
     ]
 
 
-def begin(out: Path, wanted: Mapping[str, Any]) -> None:
-    """Write down which film the pictures in `out` are going to be of."""
+def write_manifest(out: Path, wanted: Mapping[str, Any]) -> None:
+    """Record which film the pictures in `out` belong to."""
     with replacing(out / NAME) as temporary:
         temporary.write_text(json.dumps(wanted, indent=2) + "\n", encoding="utf-8")
 
 
 def _refuse_another(out: Path, wanted: Mapping[str, Any]) -> None:
-    """A UserError unless the pictures in `out` are of the film `wanted`."""
+    """Raise a UserError unless the pictures in `out` belong to the film `wanted`."""
     path = out / NAME
     if not path.exists():
         raise UserError(f"{out}: holds numbered pictures of unknown origin, name another folder")
@@ -67,7 +77,7 @@ def _refuse_another(out: Path, wanted: Mapping[str, Any]) -> None:
         found = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError) as fault:
         raise UserError(
-            f"{path}: damaged, so that nobody knows what the pictures are of; {elsewhere}"
+            f"{path}: damaged, cannot tell which film the pictures belong to; {elsewhere}"
         ) from fault
     if not isinstance(found, dict):
         raise UserError(f"{path}: damaged, expected a description of a film; {elsewhere}")
@@ -83,7 +93,7 @@ def _refuse_another(out: Path, wanted: Mapping[str, Any]) -> None:
 
 
 def _words(key: str, value: Any) -> str:
-    """An option as a person would say it."""
+    """An option's value for a message."""
     if value is not None:
         return json.dumps(value)
     return "the scenario's own" if key == "seed" else "not given"

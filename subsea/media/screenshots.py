@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from subsea.core.atomic_io import check_file
 from subsea.core.errors import UserError
-from subsea.media.frame_writers import Write, film_reel, fitting, write_png
+from subsea.media.frame_writers import Write, film_writer, fitted_size, write_png
 
 Pixels = NDArray[np.uint8]  # (height, width, 3), top row first
 
@@ -63,14 +63,14 @@ class Shots:
         if self._film is not None:
             self.end()
             return
-        self._path, self._size = self._new(".mp4"), fitting("film", size)
+        self._path, self._size = self._new(".mp4"), fitted_size("film", size)
         self._seconds, self._frames = 0.0, 0
         stack = ExitStack()
         try:
             if min(self._size) < 2:
                 raise UserError("the window is too small for a film")
             check_file(self._path)
-            reel = film_reel(self._path, self._size, Fraction(FPS))
+            reel = film_writer(self._path, self._size, Fraction(FPS))
             self._write = stack.enter_context(reel)
         except UserError as fault:
             self._tell(str(fault))
@@ -86,7 +86,7 @@ class Shots:
         if self._film is None:
             return
         width, height = self._size
-        if (fitting("film", (pixels.shape[1], pixels.shape[0]))) != self._size:
+        if (fitted_size("film", (pixels.shape[1], pixels.shape[0]))) != self._size:
             self.end("the window has another size now")
             return
         if self._frames:

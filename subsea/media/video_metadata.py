@@ -1,9 +1,9 @@
-"""What a film tells players about its picture: that it is of two eyes, or of all directions.
+"""Metadata by which players recognise a film for two eyes or of all directions.
 
 Two eyes: the frame packing message of H.264, by which televisions change their mode, and the box
-`st3d`, which players on computers read. All directions: the box `sv3d` ("spherical video V2", as
-Google published it). ffmpeg's muxer writes the boxes only for what it was given by a demuxer, so
-they are put in when the film is complete.
+`st3d`, which players on computers read. All directions: the box `sv3d` ("spherical video V2" by
+Google). ffmpeg's muxer writes these boxes only for input from a demuxer, so they are inserted into
+the complete file.
 """
 
 import shutil
@@ -16,15 +16,15 @@ from typing import IO, NamedTuple
 import numpy as np
 
 
-class Tags(NamedTuple):
-    """What is told of a film."""
+class VideoMetadata(NamedTuple):
+    """Frame packing and boxes of a film."""
 
     packing: int | None = None  # of Annex D of H.264; None: every frame is one picture
-    boxes: bytes = b""  # for the description of the track
+    boxes: bytes = b""  # for the sample description of the track
 
 
 def box(kind: bytes, content: bytes) -> bytes:
-    """A box of an MP4 file: its length, four letters, and what is inside."""
+    """Build a box of an MP4 file: length, four letters, content."""
     return struct.pack(">I4s", 8 + len(content), kind) + content
 
 
@@ -34,34 +34,34 @@ def _st3d(mode: int) -> bytes:
 
 def _sv3d() -> bytes:
     header = box(b"svhd", bytes(4) + f"subsea {version('subsea')}".encode() + b"\0")
-    pose = box(b"prhd", bytes(4) + struct.pack(">3i", 0, 0, 0))  # the front in the middle, level
-    whole = box(b"equi", bytes(4) + struct.pack(">4I", 0, 0, 0, 0))  # nothing is cut off
+    pose = box(b"prhd", bytes(4) + struct.pack(">3i", 0, 0, 0))  # front in the middle, level
+    whole = box(b"equi", bytes(4) + struct.pack(">4I", 0, 0, 0, 0))  # uncropped
     return box(b"sv3d", header + box(b"proj", pose + whole))
 
 
-NO_TAGS = Tags()
+NO_METADATA = VideoMetadata()
 
 
-def tags_for(display: str) -> Tags:
-    """What to tell of a film in a display mode."""
+def metadata_for(display: str) -> VideoMetadata:
+    """Metadata of a film in a display mode."""
     known = {
-        "checkerboard": Tags(packing=0),
-        "interlaced": Tags(packing=2),
-        "side-by-side": Tags(packing=3, boxes=_st3d(2)),
-        "top-bottom": Tags(packing=4, boxes=_st3d(1)),
-        "equirectangular": Tags(boxes=_st3d(0) + _sv3d()),
+        "checkerboard": VideoMetadata(packing=0),
+        "interlaced": VideoMetadata(packing=2),
+        "side-by-side": VideoMetadata(packing=3, boxes=_st3d(2)),
+        "top-bottom": VideoMetadata(packing=4, boxes=_st3d(1)),
+        "equirectangular": VideoMetadata(boxes=_st3d(0) + _sv3d()),
     }
-    return known.get(display, NO_TAGS)
+    return known.get(display, NO_METADATA)
 
 
-# Where the boxes inside of a box begin.
-INSIDE = {b"moov": 8, b"trak": 8, b"mdia": 8, b"minf": 8, b"stbl": 8, b"stsd": 16}
+# Offset of the boxes inside a box.
+CHILDREN_AT = {b"moov": 8, b"trak": 8, b"mdia": 8, b"minf": 8, b"stbl": 8, b"stsd": 16}
 
 
-def insert(path: Path, boxes: bytes) -> None:
-    """Put boxes into the description of the video track of an MP4 file whose index is first.
+def insert_boxes(path: Path, boxes: bytes) -> None:
+    """Append boxes to the sample description of an MP4 file whose index is first.
 
-    The file has one track, of H.264. It is replaced as a whole.
+    The file has one track of H.264. It is replaced atomically.
     """
     new = path.with_name(f"{path.name}.tagged")
     try:
@@ -75,33 +75,33 @@ def insert(path: Path, boxes: bytes) -> None:
 
 
 def _read(source: IO[bytes]) -> bytes:
-    """The next box of a file."""
+    """Read the next box of a file."""
     head = source.read(8)
     return head + source.read(struct.unpack(">I", head[:4])[0] - 8)
 
 
 def _grown(whole: bytes, boxes: bytes, shift: int) -> bytes:
-    """A box with `boxes` at the end of the description of H.264 in it.
+    """A copy of a box with `boxes` at the end of its H.264 sample description.
 
-    All places in the file that it tells are `shift` bytes later.
+    All file offsets in it move by `shift` bytes.
     """
     kind = whole[4:8]
     if kind == b"avc1":
         return box(kind, whole[8:] + boxes)
     if kind in (b"stco", b"co64"):
         number = ">u4" if kind == b"stco" else ">u8"
-        places = np.frombuffer(whole[16:], number).astype(np.uint64) + np.uint64(shift)
-        return whole[:16] + places.astype(number).tobytes()
-    if kind not in INSIDE:
+        offsets = np.frombuffer(whole[16:], number).astype(np.uint64) + np.uint64(shift)
+        return whole[:16] + offsets.astype(number).tobytes()
+    if kind not in CHILDREN_AT:
         return whole
-    start = INSIDE[kind]
+    start = CHILDREN_AT[kind]
     return box(
         kind, whole[8:start] + b"".join(_grown(b, boxes, shift) for b in _each(whole[start:]))
     )
 
 
 def _each(data: bytes) -> Iterator[bytes]:
-    """The boxes that follow one another in `data`."""
+    """Split `data` into its boxes."""
     while data:
         (length,) = struct.unpack(">I", data[:4])
         yield data[:length]

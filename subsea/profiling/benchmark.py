@@ -1,8 +1,9 @@
-"""`subsea benchmark`: how long every stage of a frame takes. docs/diving.md has the formulas."""
+"""`subsea benchmark`: time of every stage of a frame; formulas are in docs/diving.md."""
 
 import time
 from collections import defaultdict
 from collections.abc import Sequence
+from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -40,101 +41,117 @@ if TYPE_CHECKING:
     from subsea.render import Renderer
 
 WARM_UP_FRAMES = 30
-LIVE_WARM_UP_TICKS = 900  # at most, until all that are to be simulated have come out of turns
+LIVE_WARM_UP_TICKS = 900  # at most, until all fishes to be simulated have left their turns
 
 
-def benchmark(
-    scenario: str,
-    fish: Sequence[int] | None,
-    frames: int,
-    size: tuple[int, int],
-    display: str,
-    seed: int | None,
-    without: frozenset[str],
-    out: Path | None,
-    motor: str = "playback",
-    quality: str = "low",
-    target_ms: float | None = None,
-    theatre: str | None = None,
-    shrink: int = 1,
-    changes: Sequence[str] = (),
-    tour: str = AUTOPILOT,
-    against: Path | None = None,
-    csv: Path | None = None,
-    plot: Path | None = None,
-) -> int:
-    """Measure, print the report as a table, and write it as JSON to `out` if that is named.
+@dataclass(frozen=True, kw_only=True)
+class BenchmarkOptions:
+    """What to measure, and where the results go."""
 
-    With several numbers of `fish` one run follows another, and the table has a row for each.
-    `tour` is one of the scenario's, "auto" or "directed". A `theatre` is shown instead of one
-    picture of `size`, `shrink` times smaller. The report is set `against` an older one; `csv`
-    takes what every frame took, `plot` a picture of it (needs matplotlib).
+    scenario: str = "peaceful"
+    changes: Sequence[str] = ()  # to the scenario, as in --set
+    seed: int | None = None  # None: the scenario's
+    fish: Sequence[int | None] = (None,)  # a run for each number; None: the scenario's
+    motor: str = "playback"
+    tour: str = AUTOPILOT  # one of the scenario's, "auto" or "directed"
+    frames: int = 120
+    without: frozenset[str] = frozenset()  # stages to leave out
+    display: str = "mono"
+    size: tuple[int, int] = (1280, 720)
+    theatre: str | None = None  # instead of one picture of `size`
+    shrink: int = 1  # the theatre's width and height are divided by this
+    quality: str = "low"
+    target_ms: float | None = None  # for the quality auto; None: by the renderer
+    json: Path | None = None  # the report
+    compare: Path | None = None  # an older report
+    csv: Path | None = None  # the times of every frame
+    plot: Path | None = None  # the same as a picture; needs matplotlib
+
+
+def benchmark(options: BenchmarkOptions) -> int:
+    """Measure, print the report as a table and write the results; returns the exit code.
 
     Raises:
-        UserError: for what cannot be shown, read or written; before anything is measured.
+        UserError: before anything is measured, if something cannot be shown, read or written.
 
     """
-    files = [path for path in (out, csv, plot) if path is not None]
-    for k, path in enumerate(files):
-        check_file(path)
-        if path.resolve() in [other.resolve() for other in files[:k]]:
-            raise UserError(f"{path}: two results cannot go into one file")
-    if plot is not None:
+    _check_files([path for path in (options.json, options.csv, options.plot) if path is not None])
+    if options.plot is not None:
         from subsea.study.plots import check_plots
 
         check_plots()
-    older = read_reports(against) if against else None
-    rig, _ = chosen_rig(display, size, theatre=theatre, shrink=shrink)
-    chosen, _ = load_scenario(scenario, changes)
-    check_tour(chosen, tour)
-    runs: list[tuple[dict[str, Any], Frames]] = []
-    for number in fish or (None,):
-        with headless() as context:
-            world = start_world(scenario, seed, number, motor=motor, changes=changes)
-            gpu, hold_ms = context.info["GL_RENDERER"], None
-            machine = described(context.info)
-            if quality == AUTO:
-                hold_ms = target_ms or adaptive_quality.target_for(gpu)
-            begin = LADDER[first_rung(gpu)] if quality == AUTO else PRESETS[quality]
-            with picture_maker(context, world, rig, begin) as renderer:
-                measured = measure(world, renderer, context, rig, tour, frames, without, hold_ms)
-                drawn = name_of(renderer.quality)
-        report = {
-            "renderer": gpu,
-            "size": [list(output) for output in rig.outputs] if theatre else list(size),
-            "theatre": theatre,
-            "display": display,
-            "quality": quality,
-            "quality_drawn": drawn,
-            "target_ms": hold_ms,
-            "scenario": scenario,
-            "set": [*changes],
-            "tour": tour,
-            "fish": len(world.state.fishes.species),
-            "seed": world.state.seed,
-            "version": version("subsea"),
-            "without": sorted(without),
-            "motor": motor,
-            "machine": machine,
-            **figures(measured),
-        }
-        runs.append((report, measured))
+    older = read_reports(options.compare) if options.compare else None
+    rig, _ = chosen_rig(
+        options.display, options.size, theatre=options.theatre, shrink=options.shrink
+    )
+    check_tour(load_scenario(options.scenario, options.changes)[0], options.tour)
+    runs = [_run(options, rig, number) for number in options.fish]
     reports = [report for report, _ in runs]
     if len(runs) == 1:
         print_report(reports[0])
     else:
         print_ladder(reports)
-    if older is not None and against is not None:
-        compare(reports, older, against)
-    if csv is not None:
-        write_csv(csv, runs)
-    if plot is not None:
+    if older is not None and options.compare is not None:
+        compare(reports, older, options.compare)
+    if options.csv is not None:
+        write_csv(options.csv, runs)
+    if options.plot is not None:
         from subsea.profiling.stages_plot import plot_stages
 
-        plot_stages(plot, runs)
-    if out is not None:
-        write_json(out, reports)
+        plot_stages(options.plot, runs)
+    if options.json is not None:
+        write_json(options.json, reports)
     return 0
+
+
+def _check_files(files: Sequence[Path]) -> None:
+    """Raise a UserError unless each file can be written and is named once."""
+    for k, path in enumerate(files):
+        check_file(path)
+        if path.resolve() in [other.resolve() for other in files[:k]]:
+            raise UserError(f"{path}: two results cannot go into one file")
+
+
+def _run(
+    options: BenchmarkOptions, rig: CameraRig, fish: int | None
+) -> tuple[dict[str, Any], Frames]:
+    """Measure with this number of fishes; the report and the frames."""
+    automatic = options.quality == AUTO
+    with headless() as context:
+        world = start_world(
+            options.scenario, options.seed, fish, motor=options.motor, changes=options.changes
+        )
+        gpu, hold_ms = context.info["GL_RENDERER"], None
+        machine = described(context.info)
+        if automatic:
+            hold_ms = options.target_ms or adaptive_quality.target_for(gpu)
+        begin = LADDER[first_rung(gpu)] if automatic else PRESETS[options.quality]
+        with picture_maker(context, world, rig, begin) as renderer:
+            measured = measure(
+                world, renderer, context, rig, options.tour, options.frames, options.without,
+                hold_ms,
+            )  # fmt: skip
+            drawn = name_of(renderer.quality)
+    sizes = [list(output) for output in rig.outputs]
+    return {
+        "renderer": gpu,
+        "size": sizes if options.theatre else list(options.size),
+        "theatre": options.theatre,
+        "display": options.display,
+        "quality": options.quality,
+        "quality_drawn": drawn,
+        "target_ms": hold_ms,
+        "scenario": options.scenario,
+        "set": [*options.changes],
+        "tour": options.tour,
+        "fish": len(world.state.fishes.species),
+        "seed": world.state.seed,
+        "version": version("subsea"),
+        "without": sorted(options.without),
+        "motor": options.motor,
+        "machine": machine,
+        **figures(measured),
+    }, measured
 
 
 def measure(
@@ -147,10 +164,9 @@ def measure(
     without: frozenset[str] = frozenset(),
     hold_ms: float | None = None,
 ) -> Frames:
-    """What each of `frames` takes and shows: one tick and one picture, after a warm-up.
+    """Measure `frames` of one tick and one picture each, after a warm-up.
 
-    The submarine goes on the `tour`, see `check_tour`. With `hold_ms` the quality
-    changes from frame to frame, to hold that time; None keeps it.
+    With `hold_ms` the quality adapts from frame to frame to hold that time.
     """
     steer: Steer = guided(world, tour)
     for _ in range(LIVE_WARM_UP_TICKS if len(world.state.live.fish) else 0):
@@ -163,10 +179,10 @@ def measure(
     levels = np.zeros((frames, len(LEVELS)))
     memory = empty_lod_state(len(world.state.fishes.species))
     pace = adaptive_quality.start(LADDER.index(renderer.quality), rig.exact) if hold_ms else None
-    with yardstick() as beside:
+    with yardstick() as fixed_work:
         for k in tqdm(range(-WARM_UP_FRAMES, frames), unit="frame", disable=None, leave=False):
-            order = steer(world)  # a visitor's hands would take no time of the program's
-            fixed_s = beside()
+            order = steer(world)  # not measured: a visitor steers instead
+            fixed_s = fixed_work()
             cpu, thread, start = time.process_time(), time.thread_time(), time.perf_counter()
             step(world, order)
             packet = pack(
@@ -204,9 +220,9 @@ def measure(
 
 
 def _draw(renderer: "Renderer", context: Any, packet: Packet) -> tuple[dict[str, float], float]:
-    """Draw a packet to the end; seconds of the stages upload, draw and present.
+    """Draw a packet completely; seconds of the stages upload, draw and present.
 
-    Also the seconds that the renderer spent beside its drawing calls.
+    Also the seconds that the renderer spent outside its drawing calls.
     """
     context.finish()
     begin = time.perf_counter()

@@ -10,7 +10,10 @@ import pytest
 from subsea.cli.main import main
 from subsea.core.resources import resource_path
 
-COMMANDS = ("dive", "film", "simulate", "study", "benchmark", "soak", "doctor", "keys", "settings")
+COMMANDS = (
+    "dive", "film", "theatre", "simulate", "study", "benchmark", "soak", "skin", "build", "doctor",
+    "keys", "settings",
+)  # fmt: skip
 DOOR = Path(__file__).parents[2] / "run_submarine.py"
 
 
@@ -28,12 +31,21 @@ def test_no_command_shows_the_help(capsys):
     assert not err
 
 
-@pytest.mark.parametrize("command", COMMANDS)
-def test_every_command_has_help_with_examples(capsys, command):
-    with pytest.raises(SystemExit) as exit:
-        main([command, "--help"])
-    assert exit.value.code == 0
-    assert f"examples:\n  subsea {command}" in capsys.readouterr().out
+def test_every_command_has_help_with_examples(capsys):
+    for command in COMMANDS:
+        with pytest.raises(SystemExit) as exit:
+            main([command, "--help"])
+        assert exit.value.code == 0
+        assert f"examples:\n  subsea {command}" in capsys.readouterr().out
+
+
+def test_help_loads_nothing_heavy():
+    program = "import sys, subsea.cli.main as m; m.parsers(); print(*sys.modules)"
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+    heavy = {"numpy", "numba", "h5py", "moderngl", "glfw", "imgui_bundle", "av", "PIL", "msgspec"}
+    assert not heavy & set(done.stdout.split())
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,7 @@ from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import matrix
 from subsea.geometry.vector import vector
 from subsea.habitat.clearance import clearance
-from subsea.media.dry_run import rehearsed_s
+from subsea.media.film_timing import directed_length_s
 from subsea.scenario.directions import Camera
 from subsea.scenario.schema import load_scenario, scenario_file
 from subsea.state import HULL_CM
@@ -262,7 +262,7 @@ def test_a_film_is_over_when_a_direction_says_so_or_all_was_shown(tmp_path):
     ride(world, 0.2)
     assert is_over(world)
     scenario, source = load_scenario(str(scene(tmp_path, *lasting)))
-    assert rehearsed_s(scenario, source, None) == pytest.approx(2.5, abs=0.1)
+    assert directed_length_s(scenario, source, None) == pytest.approx(2.5, abs=0.1)
 
 
 def test_ctrl_c_is_heard_at_once_while_a_rehearsal_compiles(tmp_path, monkeypatch):
@@ -270,18 +270,18 @@ def test_ctrl_c_is_heard_at_once_while_a_rehearsal_compiles(tmp_path, monkeypatc
         signal.raise_signal(signal.SIGINT)
         pytest.fail("compiled on")
 
-    monkeypatch.setattr("subsea.media.dry_run.awake", awake)
+    monkeypatch.setattr("subsea.media.film_timing.awake", awake)
     scenario, source = load_scenario(str(scene(tmp_path, CUT)))
     with pytest.raises(KeyboardInterrupt):
-        rehearsed_s(scenario, source, None)
+        directed_length_s(scenario, source, None)
 
 
 def test_a_film_that_would_not_end_is_one_line(tmp_path, monkeypatch):
-    monkeypatch.setattr("subsea.media.dry_run.MOST_S", 1.0)
+    monkeypatch.setattr("subsea.media.film_timing.MAX_DIRECTED_S", 1.0)
     event = "event = 'eaten'\nend = true"
     scenario, source = load_scenario(str(scene(tmp_path, CUT, event)))
     with pytest.raises(UserError, match=r"scene\.toml: its directions are not over after .*--sec"):
-        rehearsed_s(scenario, source, None)
+        directed_length_s(scenario, source, None)
 
 
 def test_a_tour_by_directions_needs_some_and_no_other_tour_has_its_name(tmp_path):

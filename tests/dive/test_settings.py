@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import msgspec
 import pytest
 
-from subsea.cli import main as cli
+from subsea.cli import options as cli
 from subsea.cli.main import main
 from subsea.core.errors import UserError
 from subsea.dive import settings

@@ -181,11 +181,14 @@ def test_shrinking_keeps_the_geometry():
         (["dive", "--shrink", "2"], "--shrink needs --theatre"),
         (
             ["dive", "--theatre", "cave", "--fullscreen"],
-            "dive: the --theatre file says itself what --fullscreen says",
+            "dive: --fullscreen is defined by the --theatre file",
         ),
-        (["dive", "--theatre", "cave", "--size", "1280x720"], "what --size says"),
+        (["dive", "--theatre", "cave", "--size", "1280x720"], "--size is defined by"),
         (["benchmark", "--theatre", "cave", "--size", "640x360"], "benchmark: the --theatre file"),
-        (["film", "a.png", "--theatre", "cave", "--dome-tilt", "0"], "what --dome-tilt says"),
+        (
+            ["film", "a.png", "--theatre", "cave", "--dome-tilt", "0"],
+            "--dome-tilt is defined by the --theatre file",
+        ),
         (["film", "a.png", "--theatre", "cave", "--panorama-angle", "90"], "--panorama-angle says"),
         (["film", "a.png", "--theatre", "cave", "--screen-width", "90"], "--screen-width says"),
         (["dive", "--theatre", "cave", "--screen-distance", "90"], "--screen-distance says"),

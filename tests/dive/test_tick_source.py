@@ -173,7 +173,7 @@ def test_what_decides_how_pictures_meet(tmp_path, monkeypatch):
 
     def view(*options):
         with pytest.raises(UserError) as met:
-            main._run(["dive", "--theatre", str(path), "--node", "left", *options])
+            main.run(["dive", "--theatre", str(path), "--node", "left", *options])
         return str(met.value)
 
     monkeypatch.setattr(dive, "muster", caught)

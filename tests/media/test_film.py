@@ -17,7 +17,7 @@ from subsea.core.errors import UserError
 from subsea.dive.start import picture_maker, start_world
 from subsea.frame.diagrams import PlacedLabel
 from subsea.frame.packet import pack
-from subsea.media import eye_frames, film, frame_writers
+from subsea.media import eye_frames, film, film_timing, frame_writers
 from subsea.render.output.quality import PRESETS
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.display_rigs import DISPLAYS, cockpit, display_rig
@@ -187,7 +187,7 @@ def test_an_interrupted_film_tells_the_frames_it_has(tmp_path, capsys, monkeypat
 
 
 def open_one(out):
-    return frame_writers.open_reels(out, {"": (64, 48)}, Fraction(20))
+    return frame_writers.open_writers(out, {"": (64, 48)}, Fraction(20))
 
 
 def grey(level):
@@ -217,7 +217,7 @@ def test_the_same_pictures_make_the_same_film(tmp_path):
     films = set()
     for k in range(4):
         out = tmp_path / f"{k}.mp4"
-        with frame_writers.open_reels(out, {"": (160, 120)}, Fraction(20)) as write:
+        with frame_writers.open_writers(out, {"": (160, 120)}, Fraction(20)) as write:
             for number, picture in enumerate(pictures):
                 write(number, {"": picture.astype(np.uint8)})
         films.add(out.read_bytes())
@@ -232,14 +232,14 @@ def test_the_name_decides(tmp_path):
         frame_writers.kind_of(tmp_path / "a.gif")
     (tmp_path / "file").write_text("")
     with pytest.raises(UserError, match="cannot write there"):
-        frame_writers.check_reel(tmp_path / "file" / "a.mp4")
+        frame_writers.check_output(tmp_path / "file" / "a.mp4")
 
 
 @pytest.mark.parametrize("name", ["dive.mp4", "dive"])
-def test_each_window_of_a_theatre_has_a_reel_of_its_own(tmp_path, name):
+def test_each_window_of_a_theatre_has_an_output_of_its_own(tmp_path, name):
     out = tmp_path / name
     sizes = {"left": (64, 48), "right": (32, 48)}
-    with frame_writers.open_reels(out, sizes, Fraction(20)) as write:
+    with frame_writers.open_writers(out, sizes, Fraction(20)) as write:
         for k in range(3):
             write(k, {"left": grey(20 * k), "right": grey(100)[:, :32]})
     if name == "dive":
@@ -369,7 +369,7 @@ def test_what_passes_before_a_film_is_in_no_frame_time(tmp_path, monkeypatch, mo
         made.append(1)
         step(*arguments)
 
-    monkeypatch.setattr(film, "step", counted)
+    monkeypatch.setattr(film_timing, "step", counted)
     monkeypatch.setattr(module, "time", SimpleNamespace(perf_counter=lambda: len(made)))
     monkeypatch.setattr(module, "sentence", lambda durations: told.extend(durations) or "")
     arguments = [str(tmp_path / "later"), *SEA, "--size", "64x64", "--fps", "10"]
@@ -386,9 +386,9 @@ def test_a_world_is_reached_when_the_instant_lies_between_its_last_two_ticks(mon
         assert told[-1] == helm == world.state.tick
         world.state.tick += 1
 
-    monkeypatch.setattr(film, "step", tick)
+    monkeypatch.setattr(film_timing, "step", tick)
     for instant in (0.0, 0.02, 0.5, 0.5, 1.7):
-        alpha = film.reach(
+        alpha = film_timing.reach(
             SimpleNamespace(state=state), instant, lambda world: world.state.tick,
             lambda: None, lambda: told.append(state.tick),
         )  # fmt: skip
@@ -397,7 +397,7 @@ def test_a_world_is_reached_when_the_instant_lies_between_its_last_two_ticks(mon
     assert told == list(range(1, state.tick))
 
 
-def test_a_theatre_is_filmed_into_a_reel_for_each_window(tmp_path, monkeypatch, capsys):
+def test_a_theatre_is_filmed_into_an_output_for_each_window(tmp_path, monkeypatch, capsys):
     """The windows of a theatre together show what a single one would, each in its own file."""
     out = tmp_path / "wall.png"
     options = ["--seconds", "0.1", "--quality", "low", "--shrink", "16"]

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from av.sidedata.sidedata import Type
 
-from subsea.media.frame_writers import open_reels
-from subsea.media.video_metadata import tags_for
+from subsea.media.frame_writers import open_writers
+from subsea.media.video_metadata import metadata_for
 
 SIZE = (64, 48)
 
@@ -17,7 +17,7 @@ SIZE = (64, 48)
 def film(out, display, frames=40):
     dice = np.random.default_rng(1)
     pictures = [dice.integers(0, 255, (6, 8, 3), np.uint8) for _ in range(frames)]
-    with open_reels(out, {"": SIZE}, Fraction(20), tags_for(display)) as write:
+    with open_writers(out, {"": SIZE}, Fraction(20), metadata_for(display)) as write:
         for k, picture in enumerate(pictures):
             write(k, {"": np.kron(picture, np.ones((8, 8, 1), np.uint8))})
 

@@ -124,8 +124,11 @@ def test_auto_climbs_down_to_hold_its_target(tmp_path):
         (["benchmark", "--quality", "medum"], "unknown quality 'medum'; did you mean 'medium'?"),
         (["dive", "--quality", "best"], "there are: auto, low, medium, high"),
         (["dive", "--target-ms", "0"], "'0': expected a number from 1.0 to 1000.0"),
-        (["dive", "--quality", "low", "--target-ms", "20"], "what --quality auto holds"),
-        (["benchmark", "--target-ms", "20"], "what --quality auto holds, and this is low"),
+        (
+            ["dive", "--quality", "low", "--target-ms", "20"],
+            "--target-ms needs --quality auto, not low",
+        ),
+        (["benchmark", "--target-ms", "20"], "needs --quality auto, not low"),
         (["film", "x.png", "--quality", "auto"], "--quality low, medium or high"),
     ],
 )

@@ -1,0 +1,218 @@
+"""`subsea dive`: pilot the submarine in a window."""
+
+import argparse
+import gc
+import os
+import sys
+from argparse import ArgumentParser, ArgumentTypeError, Namespace
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from subsea.cli import options as shared
+from subsea.core.command_line import command, number
+from subsea.core.errors import UserError
+
+if TYPE_CHECKING:
+    from subsea.dive.options import DiveOptions
+    from subsea.dive.settings import Settings
+
+
+def add(commands: Any) -> None:
+    """Add the command."""
+    parser = command(
+        commands,
+        "dive",
+        "pilot the submarine in a window",
+        "Point where you want to look, hold the left button to go there, press the wheel or\n"
+        "the space bar to stop. H shows every control, Esc opens the menu.",
+        [
+            "subsea dive",
+            "subsea dive --fullscreen --seed 3",
+            "subsea dive --display side-by-side --screen-width 120 --comfort 1",
+            "subsea dive --theatre three-projectors --shrink 4",
+        ],
+    )
+    shared.add_scenario(parser)
+    shared.add_display(parser)
+    shared.add_theatre(parser)
+    parser.add_argument(
+        "--node",
+        metavar="NAME",
+        help="which of a theatre's computers this is, when each shows its own windows: "
+        "docs/cluster.md",
+    )
+    shared.add_stereo(parser)
+    shared.add_surround(parser)
+    shared.add_size(parser)
+    shared.add_quality(parser, "auto")
+    shared.add_target(parser)
+    parser.add_argument(
+        "--fullscreen",
+        action=argparse.BooleanOptionalAction,
+        help="fill the screen (F11 toggles)",
+    )
+    parser.add_argument(
+        "--tour",
+        metavar="NAME",
+        help="follow one of the scenario's tours, directed (the camera of its directions) or auto, "
+        "until somebody steers, and again when nobody has steered for a while",
+    )
+    parser.add_argument(
+        "--attract",
+        type=number(float, 0, 1440),
+        metavar="MIN",
+        help="minutes without input until a tour begins by itself; 0: never",
+    )
+    parser.add_argument(
+        "--kiosk",
+        action="store_true",
+        help="for exhibitions: full screen, without anything by which a visitor could strand it; "
+        "Ctrl+Shift+Q leaves",
+    )
+    shared.add_seed(parser)
+    parser.add_argument(
+        "--seconds", type=number(float, 0.1, 86400), metavar="S", help="end after S seconds"
+    )
+    shared.add_drawing(parser)
+    _add_ride(parser)
+    parser.add_argument(
+        "--pace",
+        type=_pace,
+        metavar="RATE",
+        help="speed of time: 0.25, 0.5, 1, 2 or 4; 0: it stands still",
+    )
+    parser.add_argument(
+        "--settings",
+        type=Path,
+        metavar="FILE",
+        help="use this settings file instead of the usual one, see `subsea settings`",
+    )
+    # What is not given comes from the settings.
+    parser.set_defaults(run=run, display=None, quality=None)
+
+
+def _add_ride(parser: ArgumentParser) -> None:
+    group = parser.add_argument_group("on a fish", "as by keys in a dive: docs/fish-view.md")
+    shared.add_follow(group)
+    group.add_argument("--eyes", metavar="FISH", help="look through its eyes instead")
+    shared.add_gaze(group)
+    group.add_argument(
+        "--look",
+        choices=("colours", "identity", "range"),
+        help="what the pictures of its eyes show",
+    )
+    group.add_argument("--reins", action="store_true", help="steer it")
+    shared.add_see_brightness(group)
+
+
+def _pace(text: str) -> float:
+    if text not in ("0", "0.25", "0.5", "1", "2", "4"):
+        raise ArgumentTypeError(f"{text!r}: expected 0, 0.25, 0.5, 1, 2 or 4")
+    return float(text)
+
+
+def run(options: Namespace) -> int:
+    """Open the window and dive."""
+    # Must be set before numpy is loaded: OpenBLAS starts a busy-waiting thread for each core.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    from msgspec.structs import replace
+
+    from subsea.core.console import say
+    from subsea.core.resources import named_or_file
+    from subsea.dive.settings import read_settings, settings_path, usual_settings
+
+    told: list[str] = []
+    file = options.settings
+    settings = usual_settings(told.append) if file is None else read_settings(file)
+    for line in told:
+        say(line)
+    notes = [line.replace(f"{settings_path().parent}/", "") for line in told]
+    _fill_from_settings(options, settings)
+    if options.attract is not None:
+        settings = replace(settings, attract=replace(settings.attract, after_min=options.attract))
+    if options.kiosk:
+        from subsea.ui.kiosk import locked
+
+        settings, options.fullscreen = locked(settings), options.theatre is None
+    chosen = _dive_options(options, settings)
+    with ExitStack() as undo:
+        opening = None
+        scenario = named_or_file(chosen.scenario, "assets/scenarios", ".toml", "scenario")
+        # A misspelt name is reported before a window appears.
+        if scenario.is_file() and chosen.theatre is None:
+            from subsea.ui.open_windows import opened
+
+            display = chosen.display
+            opening = opened(display.mode, display.size, display.fullscreen, settings)
+            undo.callback(opening.close)
+        fresh = "subsea.ui.dive" not in sys.modules
+        gc.disable()
+        from subsea.ui.dive import dive  # takes longer to load than everything before
+
+        if fresh:  # modules stay: never look through their objects again
+            gc.freeze()
+        gc.enable()
+        return dive(chosen, opening, notes)
+
+
+def _fill_from_settings(options: Namespace, settings: "Settings") -> None:
+    """Take options that are not given from the settings."""
+    display = settings.display
+    usual: dict[str, Any] = {"quality": display.quality, "display": "mono", "fullscreen": False}
+    if options.theatre is None:  # a theatre file defines its own windows
+        usual |= {"display": display.mode, "size": display.size, "fullscreen": display.fullscreen}
+    for name, value in usual.items():
+        if getattr(options, name) is None:
+            setattr(options, name, value)
+
+
+def _dive_options(options: Namespace, settings: "Settings") -> "DiveOptions":
+    """Group the options; a UserError for those that contradict each other."""
+    from subsea.dive.options import DisplayOptions, DiveOptions, StartOptions, TheatreOptions
+
+    shared.check_target(options)
+    if options.follow and options.eyes:
+        raise UserError("dive: --follow looks from behind, --eyes from within: expected one")
+    if not (options.follow or options.eyes):
+        names = ("gaze", "look", "reins")
+        shared.refuse(options, names, "dive: {} needs --eyes FISH or --follow FISH")
+    shared.settle_size(options)
+    theatre = None
+    if options.theatre is not None:
+        theatre = TheatreOptions(options.theatre, options.shrink, options.node)
+    elif options.shrink != 1:
+        raise UserError("--shrink needs --theatre; give a smaller --size instead")
+    elif options.node is not None:
+        raise UserError("--node needs --theatre too")
+    stereo, surround = shared.optics(options)
+    return DiveOptions(
+        scenario=options.scenario,
+        changes=options.changes,
+        seed=options.seed,
+        seconds=options.seconds,
+        tour=options.tour,
+        kiosk=options.kiosk,
+        see_brightness=options.see_brightness,
+        display=DisplayOptions(
+            mode=options.display,
+            size=options.size,
+            fullscreen=options.fullscreen,
+            stereo=stereo,
+            surround=surround,
+            quality=options.quality,
+            target_ms=options.target_ms,
+            diagrams=options.show,
+            wireframe=options.wireframe,
+        ),
+        theatre=theatre,
+        start=StartOptions(
+            follow=options.follow,
+            eyes=options.eyes,
+            gaze=options.gaze,
+            colours=options.look,
+            teleop=options.reins,
+            pace=options.pace,
+        ),
+        settings=settings,
+    )

@@ -1,0 +1,31 @@
+"""`subsea keys`: make the keys of a theatre's computers."""
+
+from argparse import Namespace
+from pathlib import Path
+from typing import Any
+
+from subsea.core.command_line import command
+
+
+def add(commands: Any) -> None:
+    """Add the command."""
+    parser = command(
+        commands,
+        "keys",
+        "make keys by which the computers of a theatre know each other",
+        "Writes NAME.key, for all computers, and NAME.key_secret, for that computer alone, into a\n"
+        "folder. The names are those of the theatre's nodes; docs/cluster.md explains the rest.",
+        ["subsea keys keys/ middle left right"],
+    )
+    parser.add_argument("folder", metavar="DIR", type=Path, help="folder to write into")
+    parser.add_argument("names", metavar="NAME", nargs="+", help="a node of the theatre")
+    parser.set_defaults(run=run)
+
+
+def run(options: Namespace) -> int:
+    """Write the keys and print their names."""
+    from subsea.dive.cluster.keys import write_keys
+
+    for path in write_keys(options.folder, options.names):
+        print(path)
+    return 0

@@ -1,0 +1,77 @@
+"""When the frames of a film are, and stepping the world to them."""
+
+from collections.abc import Callable
+from fractions import Fraction
+from pathlib import Path
+
+from subsea.core import interrupts
+from subsea.core.console import say
+from subsea.core.errors import UserError
+from subsea.dive.directed_camera import directed, is_over
+from subsea.dive.start import awake
+from subsea.dive.tour import Steer
+from subsea.media.film_options import FilmOptions
+from subsea.scenario.schema import AUTOPILOT, DIRECTED, Scenario
+from subsea.submarine.course import course_of
+from subsea.world.step import step
+from subsea.world.world import TICK_S, World
+
+Check = Callable[[], None]
+
+DEFAULT_S = 10.0
+MAX_DIRECTED_S = 900.0
+
+
+def film_length_s(scenario: Scenario, source: Path, options: FilmOptions) -> float:
+    """Length of a film: as given, or to the end of its tour if that has one."""
+    if options.seconds is not None:
+        return options.seconds
+    if options.tour == AUTOPILOT:
+        return DEFAULT_S
+    if options.tour == DIRECTED:
+        end = directed_length_s(scenario, source, options.seed)
+    else:
+        end = course_of(scenario, options.tour).seconds
+    return max(end - options.start, 0.0)
+
+
+def directed_length_s(scenario: Scenario, source: Path, seed: int | None) -> float:
+    """Seconds until a scenario's directions are over, found by playing them once.
+
+    A trial, as in Tu §11.6.1: when fishes mate cannot be known beforehand. `source` is the
+    scenario's file. A UserError after a quarter of an hour.
+    """
+    say("rehearsing the directions to find the length of the film")
+    world = awake(scenario, source, seed)
+    with interrupts.deferred() as check:
+        steer = directed(world)
+        while not is_over(world):
+            check()
+            step(world, steer(world))
+            if world.state.tick * TICK_S > MAX_DIRECTED_S:
+                raise UserError(
+                    f"{source}: its directions are not over after {MAX_DIRECTED_S / 60:g} minutes: "
+                    "a `camera`, `caption` or `end` never came; give --seconds"
+                )
+    return world.state.tick * TICK_S
+
+
+def instants(start: float, seconds: float, rate: Fraction) -> list[float]:
+    """Times of the frames in seconds since the dive began; at least one."""
+    return [start + float(k / rate) for k in range(max(round(seconds * rate), 1))]
+
+
+def reach(
+    world: World, instant: float, steer: Steer, check: Check, before: Check = lambda: None
+) -> float:
+    """Step the world until `instant` lies between its last two ticks; returns where, 0 to 1.
+
+    `before` is called before every tick, and `check`, which may raise, also once at the beginning.
+    """
+    ticks, alpha = divmod(instant / TICK_S, 1.0)
+    check()
+    while world.state.tick < ticks + 1:  # tick 1 is the start of the dive
+        check()
+        before()
+        step(world, steer(world))
+    return alpha
