@@ -22,7 +22,7 @@ def main() -> None:
     ) as dive:
         _go(dive, 3.0)
         _save(dive, "dive-1-start")
-        dive.grant("menu")
+        dive.run_command("menu")
         _go(dive, 1.0)
         _save(dive, "menu", SMALL)
         dive.menu.back()

@@ -1,4 +1,4 @@
-"""docs/pictures/panel-NAME.jpg: every panel of the desk over the bay.
+"""docs/pictures/panel-NAME.jpg: every panel of the context over the bay.
 
 Run from the root of a checkout, where there is a display (or by xvfb-run -a -s "-screen 0
 1280x800x24"): python docs/make_panel_pictures.py [NAME ...]
@@ -36,8 +36,8 @@ rect: list[float] = []
 def noting(name: str, panel: Panel) -> Panel:
     """The panel, which notes where it is drawn."""
 
-    def drawn(desk: Any) -> None:
-        panel(desk)
+    def drawn(context: Any) -> None:
+        panel(context)
         if name == "Fish view":
             imgui.set_window_pos(BELOW_EYES_PX)
         place, size = imgui.get_window_pos(), imgui.get_window_size()
@@ -51,10 +51,10 @@ def show(names: list[str], sea: str, size: tuple[int, int], quality: str, *chang
     with closing(
         Dive(DiveOptions(sea, changes, 1, display=DisplayOptions(size=size, quality=quality)))
     ) as dive:
-        dive.grant("help")
-        dive.desk.toggle()
+        dive.run_command("help")
+        dive.inspector.toggle()
         wait(dive, 1.5)  # until the help has faded
-        dive.desk.chosen = FISH
+        dive.inspector.chosen = FISH
         for name in names:
             arrange(dive, name)
             edges = [
@@ -67,27 +67,27 @@ def show(names: list[str], sea: str, size: tuple[int, int], quality: str, *chang
             out = FOLDER / f"panel-{name.lower().replace(' ', '-')}.jpg"
             keep(window_of(dive).crop(edges), out)
             if name == "Fish view":
-                dive.mount(None)
-                dive.desk.chosen = FISH
+                dive.ride_fish(None)
+                dive.inspector.chosen = FISH
 
 
 def arrange(dive: Dive, name: str) -> None:
     """Show a panel alone, with something in it."""
-    dive.desk.shown = {name}
+    dive.inspector.shown = {name}
     dive.picture.diagrams = {"scaffold", "indices"} if name == "Control" else set()
-    dive.picture.look = "identity"
+    dive.picture.colours = "identity"
     if name == "Fish view":
-        dive.mount(RIDDEN, behind=True)
-        dive.desk.chosen = RIDDEN
+        dive.ride_fish(RIDDEN, behind=True)
+        dive.inspector.chosen = RIDDEN
     # The charts of behavior grow meanwhile.
     wait(dive, {"Behavior": WAIT_S, "Fish view": FADED_S}.get(name, 1.2))
     if name == MEASURED:
         wait(dive, FADED_S, 0.05)
     if name == "Placement":
-        dive.desk.of(Placing).chosen = PLACED
+        dive.inspector.state(Placing).chosen = PLACED
         wait(dive, 2 * FRAME_S)
         rect[2] += BESIDE_PX
-    if name == "Physics" and simulate(dive.desk, SIMULATED):
+    if name == "Physics" and simulate(dive.inspector, SIMULATED):
         dive.world.physics = dive.world.physics._replace(fish=FISH)
         wait(dive, 30 * FRAME_S)
 

@@ -26,15 +26,15 @@ def main() -> None:
     folder = folder_asked()
     with closing(Dive(DiveOptions("peaceful", seed=1, display=DISPLAY))) as dive:
         _go(dive, WAIT_S)
-        dive.mount(FISH)
-        dive.grant("look")
+        dive.ride_fish(FISH)
+        dive.run_command("look")
         _go(dive, RIDE_S)
         keep(window_of(dive), folder / "ride.jpg")
     with closing(Dive(DiveOptions("mating", seed=1, display=DISPLAY))) as dive:
-        dive.grant("help")
+        dive.run_command("help")
         _go(dive, COURTED_S)
-        dive.mount(FEMALE, behind=True)
-        dive.show_ride(None, None, reins=True)
+        dive.ride_fish(FEMALE, behind=True)
+        dive.commands.start_ride(None, None, reins=True)
         _go(dive, STEER_S)
         keep(window_of(dive), folder / "steered.jpg")
 

@@ -8,7 +8,7 @@ from PIL import Image
 from plates import folder_asked, keep
 
 from subsea.dive.start import headless, picture_maker, start_world
-from subsea.dive.theatre_setup import open_house
+from subsea.dive.theatre_setup import set_up_theatre
 from subsea.dive.tour import Tour
 from subsea.frame.packet import pack
 from subsea.render.output.quality import PRESETS
@@ -28,7 +28,7 @@ SCREEN_CM = 550, 250  # its pixels are higher than wide
 
 def main() -> None:
     """Film for a while, then draw the sea and the test pattern."""
-    house = open_house("three-projectors", shrink=SHRINK)
+    house = set_up_theatre("three-projectors", shrink=SHRINK)
     quality = PRESETS["high"]
     with headless() as context:
         world, tour = start_world("peaceful"), Tour()

@@ -47,14 +47,14 @@ def measured(dive: Dive, rounds: int) -> dict[str, list[tuple[float, float, floa
     """Of each choice of panels: seconds of the overlay, by one thread and by all, and of frames."""
     choices = {"closed": None, "the bar": set[str]()}
     choices |= {name: {name} for name in PANELS} | {"all of them": set(PANELS)}
-    dive.desk.chosen = 0
+    dive.inspector.chosen = 0
     over = timed(dive)
     found: dict[str, list[tuple[float, float, float]]] = {name: [] for name in choices}
     for _ in range(rounds):
         for name, shown in choices.items():
-            if dive.desk.open != (shown is not None):
-                dive.desk.toggle()
-            dive.desk.shown = shown or set()
+            if dive.inspector.open != (shown is not None):
+                dive.inspector.toggle()
+            dive.inspector.shown = shown or set()
             for number in range(SETTLE + COUNTED):
                 dive.picture._context.finish()
                 start = time.process_time()

@@ -13,25 +13,25 @@ from subsea.core.errors import UserError, nearest, unknown
 # What is asked for as long as an input is held.
 Action = Literal["ahead", "astern", "left", "right", "up", "down", "rise", "dive", "full stop"]
 # What is asked for once, when an input goes down.
-Wish = Literal[
+Command = Literal[
     "help", "menu", "desk", "quality", "pattern", "ride", "look", "follow", "reins", "alight",
     "lights", "instruments", "fullscreen", "pause", "slower", "faster", "tick", "rewind",
     "picture", "film", "leave",
 ]  # fmt: skip
-Meaning = Action | Wish
+ControlName = Action | Command
 ACTIONS: tuple[Action, ...] = get_args(Action)
-WISHES: tuple[Wish, ...] = get_args(Wish)
-REPEATING: tuple[Wish, ...] = ("rewind", "tick")  # again and again while a key is held
+COMMANDS: tuple[Command, ...] = get_args(Command)
+REPEATING: tuple[Command, ...] = ("rewind", "tick")  # again and again while a key is held
 
 
-def is_action(meaning: Meaning) -> TypeGuard[Action]:
+def is_action(meaning: ControlName) -> TypeGuard[Action]:
     """Whether it is asked for as long as its input is held."""
     return meaning in ACTIONS
 
 
-def is_wish(meaning: Meaning) -> TypeGuard[Wish]:
+def is_command(meaning: ControlName) -> TypeGuard[Command]:
     """Whether it is asked for once."""
-    return meaning in WISHES
+    return meaning in COMMANDS
 
 
 class Control(NamedTuple):
@@ -41,7 +41,7 @@ class Control(NamedTuple):
     inputs: tuple[str, ...]
 
 
-CONTROLS: dict[Meaning, Control] = {
+CONTROLS: dict[ControlName, Control] = {
     "ahead": Control("go ahead while held", ("W", "mouse left", "pad left stick up")),
     "astern": Control("go astern while held", ("S", "mouse right", "pad left stick down")),
     "left": Control("turn left", ("A", "Left", "pad left stick left")),
@@ -119,16 +119,16 @@ _NAMES = {
 class Bindings(NamedTuple):
     """What each input means, by its name."""
 
-    meanings: Mapping[str, tuple[Meaning, ...]]  # of an input; several only with "alight"
+    meanings: Mapping[str, tuple[ControlName, ...]]  # of an input; several only with "alight"
 
-    def meaning(self, name: str, riding: bool = False) -> Meaning | None:
+    def meaning(self, name: str, riding: bool = False) -> ControlName | None:
         """What an input asks for now; "alight" only of one who is riding a fish."""
         found = self.meanings.get(name, ())
         if riding and "alight" in found:
             return "alight"
         return next((one for one in found if one != "alight"), None)
 
-    def key(self, key: int, modifiers: int, riding: bool = False) -> Meaning | None:
+    def key(self, key: int, modifiers: int, riding: bool = False) -> ControlName | None:
         """What a key of the window library means together with Ctrl and its like.
 
         A key alone counts with Shift or Ctrl held as well, unless the two together mean something
@@ -139,7 +139,7 @@ class Bindings(NamedTuple):
             return self.meaning(name, riding)
         return self.meaning(KEYS.get(key, ""), riding)
 
-    def inputs(self, meaning: Meaning) -> tuple[str, ...]:
+    def inputs(self, meaning: ControlName) -> tuple[str, ...]:
         """The names of the inputs that mean it."""
         return tuple(name for name, found in self.meanings.items() if meaning in found)
 
@@ -179,7 +179,7 @@ def bindings_of(controls: Mapping[str, Sequence[str]]) -> Bindings:
     unknown name, or an input that is to mean two things, is a UserError. Only "alight" may share
     its inputs: it counts on a fish, the other elsewhere.
     """
-    chosen: dict[str, list[Meaning]] = {}
+    chosen: dict[str, list[ControlName]] = {}
     for word, texts in controls.items():
         if word not in CONTROLS:
             raise unknown("control", word, list(CONTROLS))
@@ -205,7 +205,7 @@ def bindings_of(controls: Mapping[str, Sequence[str]]) -> Bindings:
     return Bindings({name: tuple(found) for name, found in chosen.items()})
 
 
-def _meaning(word: str) -> Meaning:
+def _meaning(word: str) -> ControlName:
     return next(meaning for meaning in CONTROLS if meaning == word)
 
 

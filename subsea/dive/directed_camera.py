@@ -14,7 +14,7 @@ from subsea.core.arrays import Array
 from subsea.core.errors import UserError, unknown
 from subsea.directing import latest
 from subsea.dive.captions import shown_s
-from subsea.dive.tour import DETOUR_CM, DETOURS, MARGIN_CM, Steer, guide, hidden
+from subsea.dive.tour import DETOUR_CM, DETOURS, MARGIN_CM, Steer, Tour, guide, hidden
 from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import matrix
 from subsea.geometry.vector import vector
@@ -40,7 +40,7 @@ SLOPES = -0.15, 0.35  # of what it looks at, as seen from the side it is on: nei
 BEHIND = 0.25  # ... and from behind
 
 
-class Wish(NamedTuple):
+class CameraGoal(NamedTuple):
     """Where the camera of a cue is to be, how it moves there, and how it looks."""
 
     place: Array  # (3,) cm
@@ -68,6 +68,30 @@ def guided(world: World, tour: str) -> Steer:
     if tour == DIRECTED:
         return directed(world)
     return guide(world, None if tour == AUTOPILOT else course_of(world.scenario, tour))
+
+
+def endless_tour(world: World, name: str) -> Steer:
+    """Steer on a tour from now on, then by the autopilot.
+
+    A named tour begins at its beginning; directions go on from where they are. The autopilot also
+    takes over if the scenario has no tour of that name.
+    """
+    autopilot = Tour()
+    if name == DIRECTED and is_directed(world.scenario):
+        show = directed(world)
+        return lambda world: autopilot.helm(world) if is_over(world) else show(world)
+    if name not in {tour.name for tour in world.scenario.tour}:
+        return autopilot.helm
+    course = course_of(world.scenario, name)
+    first, start = world.state.tick, rail_at(course, world.state, 0.0)
+    board(world.state.submarine, start, start)
+
+    def steer(world: World) -> Helm | Rail:
+        t = (world.state.tick + 1 - first) * TICK_S
+        over = not course.curve.loop and t > course.seconds
+        return autopilot.helm(world) if over else rail_at(course, world.state, t)
+
+    return steer
 
 
 def is_over(world: World) -> bool:
@@ -128,44 +152,44 @@ def _toward(world: World, cue: int, courses: Mapping[str, Course]) -> Rail:
     camera = world.scenario.direction[cue].camera
     assert camera is not None
     since = world.state.tick - int(world.state.directions.began[cue])  # ticks, 1 at first
-    wish = _wish(world, cue, camera, courses)
+    goal = _goal(world, cue, camera, courses)
     cut = since == 1 and camera.over_s == 0.0
     if camera.tour is not None and not cut:
         gone_s = since * TICK_S  # a tick ago, for those that are on their rails
         on = rail_at(courses[camera.tour], world.state, gone_s).position
         if float(np.linalg.norm(on - world.state.submarine.position)) < ON_RAILS_CM:
-            return Rail(wish.place, wish.velocity, wish.angles)
-    place, velocity = _clear(world, wish.place), wish.velocity
+            return Rail(goal.place, goal.velocity, goal.angles)
+    place, velocity = _clear(world, goal.place), goal.velocity
     if not cut:
-        place, velocity = _nearer(world, wish, camera.over_s - since * TICK_S)
-    angles = wish.angles
-    if wish.target is not None:
-        angles = angles_of(wish.target - place, world.state)
+        place, velocity = _nearer(world, goal, camera.over_s - since * TICK_S)
+    angles = goal.angles
+    if goal.target is not None:
+        angles = angles_of(goal.target - place, world.state)
     return Rail(place, velocity, angles, cut)
 
 
-def _wish(world: World, cue: int, camera: Camera, courses: Mapping[str, Course]) -> Wish:
+def _goal(world: World, cue: int, camera: Camera, courses: Mapping[str, Course]) -> CameraGoal:
     """What a direction's camera is to be now; where it is, if there is nothing left to follow."""
     boat, log = world.state.submarine, world.state.directions
     if camera.tour is not None:
         gone_s = (world.state.tick + 1 - int(log.began[cue])) * TICK_S
         rail = rail_at(courses[camera.tour], world.state, gone_s)
-        return Wish(rail.position, rail.velocity, None, rail.angles)
+        return CameraGoal(rail.position, rail.velocity, None, rail.angles)
     still = np.zeros(3)
     stands = None if camera.position_cm is None else np.array(camera.position_cm)
     if camera.look_at_cm is not None:
         assert stands is not None
-        return Wish(stands, still, np.array(camera.look_at_cm))
+        return CameraGoal(stands, still, np.array(camera.look_at_cm))
     fishes = world.state.fishes
     shown = log.cast[cue] if camera.follow == "cast" else world.script.acts[cue].shown
     shown = shown[shown >= 0]
     shown = shown[fishes.alive[shown]]
     if not len(shown):
         angles = float(boat.angles[0]), float(boat.angles[1])
-        return Wish(boat.position.copy() if stands is None else stands, still, None, angles)
+        return CameraGoal(boat.position.copy() if stands is None else stands, still, None, angles)
     target = middle_of(fishes.position[shown], boat.position if stands is None else stands)
     if stands is not None:
-        return Wish(stands, still, target)
+        return CameraGoal(stands, still, target)
     if camera.behind:
         ahead = matrix(fishes.orientation[shown])[..., 0]
         way, slope = -ahead.sum(axis=0), BEHIND
@@ -174,7 +198,7 @@ def _wish(world: World, cue: int, camera: Camera, courses: Mapping[str, Course])
         slope = float(np.clip(way[2] / max(math.hypot(way[0], way[1]), 1.0), *SLOPES))
     place = _beside(world, target, way, slope, camera.distance_cm)
     velocity = fishes.velocity[shown].astype(np.float64).mean(axis=0)
-    return Wish(place, velocity, target)
+    return CameraGoal(place, velocity, target)
 
 
 def _beside(world: World, target: Array, way: Array, slope: float, far: float) -> Array:
@@ -197,13 +221,13 @@ def _beside(world: World, target: Array, way: Array, slope: float, far: float) -
     return world.state.submarine.position.copy()
 
 
-def _nearer(world: World, wish: Wish, left_s: float) -> tuple[Array, Array]:
-    """Place and velocity a tick later on the softest way to a wish that takes so long, or longer.
+def _nearer(world: World, goal: CameraGoal, left_s: float) -> tuple[Array, Array]:
+    """Place and velocity a tick later on the softest way to a goal that takes so long, or longer.
 
     The way is the cubic through both ends with their velocities; nothing solid is touched.
     """
     boat, sea = world.state.submarine, world.state.sea
-    place, speed = wish.place, wish.velocity
+    place, speed = goal.place, goal.velocity
     if hidden(world, vector(place), vector(boat.position), HULL_CM):
         place, speed = _detour(world, place), np.zeros(3)
     gap = place - boat.position

@@ -32,15 +32,15 @@ class Pilot:
     def __init__(self, settings: Settings = DEFAULTS) -> None:
         """Hands off: no pointer, nothing held, no speed set."""
         self.settings, self.bindings = settings, settings.bindings
-        self._pointer: tuple[float, float] | None = None
+        self.pointer: tuple[float, float] | None = None
         self._rested: tuple[float, float] | None = None  # where the pointer lost the helm
-        self._held: dict[str, tuple[Action, float]] = {}  # by inputs: what they ask, how much
+        self.held: dict[str, tuple[Action, float]] = {}  # by inputs: what they ask, how much
         self._stopped: dict[str, float] = {}  # inputs that were held when a full stop began
         self._throttle = 0.0
         self._stopping = False
         self._grip = 0.0
         self._smooth = Helm()
-        self._stirred = False
+        self._active = False
         self._riding = False
 
     @property
@@ -48,13 +48,13 @@ class Pilot:
         """Whether the submarine is left alone, and hands turn the gaze of a fish."""
         return self._riding
 
-    def ride(self, riding: bool) -> None:
+    def set_riding(self, riding: bool) -> None:
         """Mount a fish, or come back: the submarine stops and waits."""
         self._riding = riding
         self.full_stop()
 
     @property
-    def glance(self) -> tuple[float, float]:
+    def gaze_rate(self) -> tuple[float, float]:
         """How fast the keys turn the gaze of who is ridden: right and up, in [-1, 1]."""
         return self._axis("right", "left"), self._axis("up", "down")
 
@@ -71,16 +71,16 @@ class Pilot:
     def point(self, x: float, y: float) -> None:
         """The pointer is at (x, y) in [-1, 1]² from the middle of the window."""
         here = (min(max(x, -1.0), 1.0), min(max(y, -1.0), 1.0))
-        if self._pointer is None:
+        if self.pointer is None:
             self._rested = here  # it entered, or was there at the start: wait for a movement
-        self._pointer = here
+        self.pointer = here
         if self._rested is not None and math.dist(here, self._rested) > HAND_MOVED:
             self._rested = None
             self._stopping = False
 
-    def leave(self) -> None:
+    def pointer_left(self) -> None:
         """The pointer has left the window."""
-        self._pointer = None
+        self.pointer = None
         self._rested = None
 
     def wheel(self, notches: float) -> None:
@@ -97,31 +97,31 @@ class Pilot:
             return
         self._stopped.pop(name, None)
         if action == "full stop":
-            self._held[name] = action, amount
+            self.held[name] = action, amount
             self.full_stop()
             return
-        self._held[name] = action, min(amount, 1.0)
+        self.held[name] = action, min(amount, 1.0)
         self._stopping = False
         if action in ("ahead", "astern"):
             self._throttle = 0.0  # a hand that goes ahead outranks the speed set before
         if action in ("left", "right", "up", "down"):
-            self._rested = self._pointer
+            self._rested = self.pointer
 
     def release(self, name: str) -> None:
         """The input `name` asks for nothing any more."""
-        self._held.pop(name, None)
+        self.held.pop(name, None)
         self._stopped.pop(name, None)
 
-    def stir(self) -> None:
+    def note_activity(self) -> None:
         """A hand has done something, whatever that means."""
-        self._stirred = True
+        self._active = True
 
-    def stirred(self) -> bool:
+    def was_active(self) -> bool:
         """Whether a hand has done anything since the last call."""
-        stirred, self._stirred = self._stirred, False
-        return stirred
+        active, self._active = self._active, False
+        return active
 
-    def hands_off(self) -> None:
+    def reset(self) -> None:
         """Nobody is at the helm: nothing is set, held or pointed at until a hand moves."""
         self.full_stop()
         self._stopping, self._smooth = False, Helm()
@@ -130,40 +130,40 @@ class Pilot:
         """Brake, level, hold the heading, until a hand asks for something else."""
         self._stopping = True
         self._throttle = 0.0
-        self._rested = self._pointer
+        self._rested = self.pointer
         self._grip = 0.0
-        self._stopped |= {name: amount for name, (_, amount) in self._held.items()}
-        self._held.clear()
+        self._stopped |= {name: amount for name, (_, amount) in self.held.items()}
+        self.held.clear()
 
-    def let_go(self) -> None:
+    def release_all(self) -> None:
         """The window lost the keyboard: nothing counts as held any more."""
-        self._held.clear()
+        self.held.clear()
         self._stopped.clear()
-        self.leave()
+        self.pointer_left()
 
     def helm(self, dt: float) -> Helm:
         """What the submarine is asked for over the next `dt` seconds."""
         if self._riding:
             self._smooth = Helm(full_stop=True)
             return self._smooth
-        return self.asked(dt)
+        return self.commanded(dt)
 
-    def foreseen(self, dt: float) -> Helm:
+    def predicted(self, dt: float) -> Helm:
         """What `helm` would say, without that any time has passed."""
         return copy(self).helm(dt)
 
-    def asked(self, dt: float) -> Helm:
+    def commanded(self, dt: float) -> Helm:
         """What the hands ask for over the next `dt` seconds, of whatever they steer."""
         if self._stopping:
             self._smooth = Helm(full_stop=True)
             return self._smooth
-        steering = self._pointer is not None and self._rested is None
+        steering = self.pointer is not None and self._rested is None
         step = dt / TAKE_S if steering else -dt / RELEASE_S
         self._grip = min(max(self._grip + step, 0.0), 1.0)
-        x, y = self._pointer or (0.0, 0.0)
+        x, y = self.pointer or (0.0, 0.0)
         # With both buttons down the pointer lifts and lowers.
         lift = {"ahead", "astern"} <= {
-            action for name, (action, _) in self._held.items() if name.startswith("mouse")
+            action for name, (action, _) in self.held.items() if name.startswith("mouse")
         }
         mouse, share = self.settings.mouse, self.settings.comfort.acceleration
         across, up = (self._grip * _answer(mouse.sensitivity * offset) for offset in (x, y))
@@ -193,7 +193,7 @@ class Pilot:
 
     def _amount(self, action: Action) -> float:
         """How much the input asks that asks most for it."""
-        return max((share for held, share in self._held.values() if held == action), default=0.0)
+        return max((share for held, share in self.held.values() if held == action), default=0.0)
 
 
 def _answer(offset: float) -> float:

@@ -16,7 +16,7 @@ from subsea.world.world import World
 CATCH_UP_S = 0.5  # who comes from a tour, or from the past, comes to the present so gently
 
 
-class Present:
+class Prediction:
     """How far behind the present the submarine is drawn, in ticks."""
 
     def __init__(self) -> None:

@@ -51,7 +51,7 @@ class Ride:
         """See it from behind, or what it sees."""
         self.behind, self._camera, self._axes = behind, None, None
 
-    def glance(self, right: float, up: float, dt: float) -> None:
+    def turn_gaze(self, right: float, up: float, dt: float) -> None:
         """Turn the gaze, at shares of full speed in [-1, 1], for `dt` seconds."""
         pan = self.gaze.pan_deg + right * GLANCE_DEG_S * dt
         tilt = self.gaze.tilt_deg + up * GLANCE_DEG_S * dt

@@ -21,7 +21,7 @@ from subsea.view.theatre.theatre_rig import seen_channels, theatre_rig
 from subsea.view.theatre.warp import describe_warp
 
 
-class House(NamedTuple):
+class TheatreSetup(NamedTuple):
     """What is to be shown of a theatre."""
 
     theatre: Theatre
@@ -30,13 +30,13 @@ class House(NamedTuple):
     rig: CameraRig
 
 
-def open_house(
+def set_up_theatre(
     name: str,
     display: str = "mono",
     stereo: Stereo = EYES,
     node: str | None = None,
     shrink: int = 1,
-) -> House:
+) -> TheatreSetup:
     """The theatre called `name`, with what does not work told and left out.
 
     `node` asks for the windows of one computer, None for all; `shrink` for so many times fewer
@@ -59,7 +59,7 @@ def open_house(
     if not numbers:
         raise UserError(f"{path}: node {node!r} has no window with a channel that works")
     rig = theatre_rig(theatre, found, numbers, display, stereo)
-    return House(theatre, path, tuple(theatre.window[number] for number in numbers), rig)
+    return TheatreSetup(theatre, path, tuple(theatre.window[number] for number in numbers), rig)
 
 
 def chosen_rig(
@@ -75,7 +75,7 @@ def chosen_rig(
     Also what its outputs are called: "" if there is only one.
     """
     if theatre is not None:
-        house = open_house(theatre, display, stereo, shrink=shrink)
+        house = set_up_theatre(theatre, display, stereo, shrink=shrink)
         names = tuple(window.name for window in house.windows)
         return house.rig, names if len(names) > 1 else ("",)
     if shrink != 1:

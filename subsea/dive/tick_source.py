@@ -9,7 +9,7 @@ from subsea.behavior.teleop import TeleopCommand
 from subsea.core.console import say
 from subsea.dive.clock import Clock
 from subsea.dive.pilot import Pilot
-from subsea.dive.prediction import Present
+from subsea.dive.prediction import Prediction
 from subsea.dive.timeline import Timeline
 from subsea.dive.tour import Steer
 from subsea.submarine.helm import HANDS_OFF, Helm
@@ -28,13 +28,13 @@ PATIENCE_S = 0.02  # for so long a node looks for the next picture before it loo
 HOLD_S = 0.25  # the same while the master is silent: the picture that is held is drawn so often
 
 
-class Crew(Protocol):
+class TickSource(Protocol):
     """Makes the ticks of each picture, and has it shown at the right moment."""
 
-    steered: int | None  # the fish whose reins the hands hold, where nobody shares the dive
+    steered_fish: int | None  # the fish whose reins the hands hold, where nobody shares the dive
 
     @property
-    def hands(self) -> bool:
+    def has_pilot(self) -> bool:
         """Whether the pilot is here."""
 
     @property
@@ -53,7 +53,7 @@ class Crew(Protocol):
     def idle_s(self) -> float:
         """Time of the last call of `picture` in which there was nothing to do."""
 
-    def picture(self, elapsed_s: float) -> float | None:
+    def advance(self, elapsed_s: float) -> float | None:
         """Make the ticks that are due; the point between the last two at which to draw.
 
         `elapsed_s` is the time since the last picture. None if there is nothing new to draw.
@@ -62,7 +62,7 @@ class Crew(Protocol):
     def eye(self) -> CameraPose:
         """Where the pilot's eye is in that picture."""
 
-    def carry(self, tour: Steer | None) -> None:
+    def set_tour(self, tour: Steer | None) -> None:
         """Have a tour take the submarine along from now on, until a hand moves; None: hands do."""
 
     def swap(self, drawn: Callable[[], None]) -> None:
@@ -72,7 +72,7 @@ class Crew(Protocol):
         """End the dive; what is to be told of it."""
 
 
-class _Course:
+class Steering:
     """What the submarine does: a tour, if there is one, until a hand moves."""
 
     def __init__(self, world: World, pilot: Pilot, tour: Steer | None) -> None:
@@ -88,38 +88,38 @@ class _Course:
             yield self.tour(self._world) if self.tour else helm
 
 
-class Alone:
+class LocalTicks:
     """This computer's clock and hands; a tour until these move, if there is one."""
 
-    hands, shared, waiting, idle_s = True, False, "", 0.0
+    has_pilot, shared, waiting, idle_s = True, False, "", 0.0
 
     def __init__(self, world: World, pilot: Pilot, tour: Steer | None = None) -> None:
         self.timeline = Timeline(world)
-        self.steered: int | None = None  # the fish whose reins the hands hold
+        self.steered_fish: int | None = None  # the fish whose reins the hands hold
         self._world, self._pilot = world, pilot
-        self._course, self._present = _Course(world, pilot, tour), Present()
+        self.steering, self._prediction = Steering(world, pilot, tour), Prediction()
 
-    def picture(self, elapsed_s: float) -> float:
+    def advance(self, elapsed_s: float) -> float:
         """As many ticks as have become due."""
         for one in self._orders(self.timeline.due(elapsed_s)):
             self.timeline.make(one)
-        carried = self._course.tour or self.steered is not None
-        self._present.go_on(elapsed_s, not carried and not self.timeline.paused)
+        carried = self.steering.tour or self.steered_fish is not None
+        self._prediction.go_on(elapsed_s, not carried and not self.timeline.paused)
         return self.timeline.alpha
 
     def eye(self) -> CameraPose:
         """In the present, unless it is on a tour or time stands still."""
-        return self._present.eye(self._world, self.timeline.alpha, self._pilot.foreseen(TICK_S))
+        return self._prediction.eye(self._world, self.timeline.alpha, self._pilot.predicted(TICK_S))
 
     def _orders(self, number: int) -> Iterator[Order]:
         """What the course or the hands ask for; hands that hold reins ask it of their fish."""
-        if self.steered is None:
-            return self._course.ticks(number)
-        return (reins_of(self._pilot.asked(TICK_S), self.steered) for _ in range(number))
+        if self.steered_fish is None:
+            return self.steering.ticks(number)
+        return (reins_of(self._pilot.commanded(TICK_S), self.steered_fish) for _ in range(number))
 
-    def carry(self, tour: Steer | None) -> None:
+    def set_tour(self, tour: Steer | None) -> None:
         """From the next tick on."""
-        self._course.tour = tour
+        self.steering.tour = tour
 
     def swap(self, drawn: Callable[[], None]) -> None:
         """At once: nobody is waited for."""
@@ -137,31 +137,31 @@ def reins_of(helm: Helm, fish: int) -> TeleopCommand:
     return TeleopCommand(fish, helm.yaw, rise, helm.surge)
 
 
-class Leading:
+class LeaderTicks:
     """This computer's clock and hands, or the tour until these move, which others follow."""
 
-    hands, shared, waiting, idle_s = True, True, "", 0.0
+    has_pilot, shared, waiting, idle_s = True, True, "", 0.0
     timeline = None
-    steered: int | None = None
+    steered_fish: int | None = None
 
     def __init__(self, master: "Master", pilot: Pilot, tour: Steer | None = None) -> None:
         self._master, self._clock = master, Clock(TICK_S)
-        self._course = _Course(master.world, pilot, tour)
+        self.steering = Steering(master.world, pilot, tour)
 
-    def picture(self, elapsed_s: float) -> float:
+    def advance(self, elapsed_s: float) -> float:
         """As many ticks as have become due, here and on all nodes."""
-        ticks = self._course.ticks(self._clock.advance(elapsed_s))
+        ticks = self.steering.ticks(self._clock.advance(elapsed_s))
         # Hands do not look at the world: what they do can be told ahead.
-        self._master.picture(ticks if self._course.tour else list(ticks), self._clock.alpha)
+        self._master.picture(ticks if self.steering.tour else list(ticks), self._clock.alpha)
         return self._clock.alpha
 
     def eye(self) -> CameraPose:
         """A tick late, where all nodes see it."""
         return cockpit(self._master.world.state.submarine, self._clock.alpha)
 
-    def carry(self, tour: Steer | None) -> None:
+    def set_tour(self, tour: Steer | None) -> None:
         """From the next tick on, for all."""
-        self._course.tour = tour
+        self.steering.tour = tour
 
     def swap(self, drawn: Callable[[], None]) -> None:
         """When all nodes have drawn theirs."""
@@ -175,11 +175,11 @@ class Leading:
         return report
 
 
-class Following:
+class FollowerTicks:
     """The clock and hands of the master."""
 
-    hands, shared, timeline = False, True, None
-    steered: int | None = None
+    has_pilot, shared, timeline = False, True, None
+    steered_fish: int | None = None
 
     def __init__(self, node: "Follower") -> None:
         self._node = node
@@ -191,7 +191,7 @@ class Following:
         """What the node waits for."""
         return self._node.waiting
 
-    def picture(self, elapsed_s: float) -> float | None:
+    def advance(self, elapsed_s: float) -> float | None:
         """The master's next ticks; its time counts, not `elapsed_s`."""
         start = time.perf_counter()
         alpha = self._node.picture(HOLD_S if self._node.waiting else PATIENCE_S)
@@ -203,7 +203,7 @@ class Following:
         """Where the master's is."""
         return cockpit(self._node.world.state.submarine, self._alpha)
 
-    def carry(self, tour: Steer | None) -> None:
+    def set_tour(self, tour: Steer | None) -> None:
         """That is the master's to do."""
 
     def swap(self, drawn: Callable[[], None]) -> None:
@@ -217,12 +217,12 @@ class Following:
         return []
 
 
-def muster(
+def tick_source_maker(
     theatre: Theatre,
     path: Path,
     node: str | None,
     view: str = "",
-) -> Callable[[World, Pilot], Crew]:
+) -> Callable[[World, Pilot], TickSource]:
     """Who makes the ticks on the computer `node` of a theatre, from the file `path`.
 
     None shows all of its windows on this computer, alone. All need the same `view`.
@@ -231,7 +231,7 @@ def muster(
     """
     cluster = theatre.cluster
     if node is None or cluster is None:
-        return Alone
+        return LocalTicks
     from subsea.dive.cluster.credentials import credentials
     from subsea.dive.cluster.follower import Follower
     from subsea.dive.cluster.master import Master
@@ -240,10 +240,10 @@ def muster(
     address, timeout_s, master = cluster.address, cluster.timeout_s, cluster.master
     others = [name for name in theatre.nodes if name != node]
 
-    def made(world: World, pilot: Pilot) -> Crew:
+    def made(world: World, pilot: Pilot) -> TickSource:
         if node == master:
             led = Master(world, others, address, keys, timeout_s, say, view)
-            return Leading(led, pilot)
-        return Following(Follower(world, node, master, address, keys, timeout_s, say, view))
+            return LeaderTicks(led, pilot)
+        return FollowerTicks(Follower(world, node, master, address, keys, timeout_s, say, view))
 
     return made

@@ -56,7 +56,7 @@ class Vignette:
         self.most, self.amount = most, 0.0
         self._velocity = np.zeros(3)
 
-    def feel(self, rates: np.ndarray, velocity: np.ndarray, dt: float) -> None:
+    def update(self, rates: np.ndarray, velocity: np.ndarray, dt: float) -> None:
         """The hull turns at `rates`, rad/s, and moves so (3,), cm/s, `dt` seconds later."""
         if dt <= 0.0:
             return

@@ -1,68 +1,128 @@
-"""What the desk and the menu know of the dive that they are in, and may ask of it."""
+"""What panels, the menu and key commands know of the dive, and may ask of it."""
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import Any, Protocol, TypeVar
 
-from subsea.dive.bindings import Wish
+from subsea.dive.bindings import Command
+from subsea.dive.pilot import Pilot
+from subsea.dive.tick_source import TickSource
 from subsea.dive.timeline import Timeline
 from subsea.scenario.schema import Scenario
 from subsea.ui.gui import Gui
 from subsea.ui.overlay import Overlay
-from subsea.ui.picture import Picture
+from subsea.ui.picture import ScenePicture
+from subsea.ui.window import Window
 from subsea.world.world import World
 
-if TYPE_CHECKING:
-    from subsea.ui.inspector import Desk
+T = TypeVar("T")
 
 
-class Host(Protocol):
-    """A dive."""
+class DiveContext(Protocol):
+    """The dive as its panels, menu and commands see it."""
 
     world: World
-    scenario: Scenario  # which the world began with
-    source: Path  # and its file ...
-    known: bytes  # ... and what that held when it was read or written
+    scenario: Scenario  # that the world began with
+    source: Path  # the scenario's file
+    known: bytes  # content of that file when it was read or written
     gui: Gui
     overlay: Overlay
-    desk: "Desk"
-    picture: Picture  # what it shows
-    see_brightness: bool  # whether the fish that is ridden goes by the light in its eyes
+    picture: ScenePicture
+    pilot: Pilot
+    tick_source: TickSource
+    see_brightness: bool  # a fish that is ridden reacts to the light in its eyes
+
+    @property
+    def inspector(self) -> "PanelContext":
+        """What panels share."""
+
+    @property
+    def window(self) -> Window:
+        """The pilot's window."""
 
     @property
     def timeline(self) -> Timeline | None:
-        """The time of the world; None where that is another computer's."""
+        """The time of the world; None if another computer controls it."""
 
     @property
     def shared(self) -> bool:
-        """Whether other computers show the same dive: then nothing here may change it."""
+        """Whether other computers show the same dive, so that nothing here may change it."""
 
     @property
     def steers_fish(self) -> bool:
-        """Whether hands hold the reins of the fish that is ridden."""
+        """Whether the pilot steers the fish that is ridden."""
+
+    @property
+    def filming(self) -> bool:
+        """Whether a film is being recorded."""
 
     @property
     def can_fill(self) -> bool:
-        """Whether there is a window that may fill the screen."""
+        """Whether a window may fill the screen."""
 
-    def mount(self, fish: int | None, behind: bool | None = None) -> None:
-        """Ride a fish of this number from now on, or come back to the submarine."""
+    def ride_fish(self, fish: int | None, behind: bool | None = None) -> None:
+        """Ride a fish from now on; None: return to the submarine."""
 
-    def enter(
-        self, scenario: Scenario, source: Path, seed: int | None = None, stay: bool = False
+    def open_world(
+        self, scenario: Scenario, source: Path, seed: int | None = None, keep: bool = False
     ) -> bool:
-        """Leave this world for the one that a scenario begins with; whether there is such a one.
+        """Replace the world by that of a scenario; False, with a note, if it has a fault.
 
-        With `stay` it goes on from here, where things stand otherwise.
+        With `keep` the submarine and all that lives go on from where they are.
         """
 
-    def grant(self, wish: Wish) -> None:
-        """Do what a key of that name would."""
+    def run_command(self, command: Command) -> None:
+        """Do what a key bound to this command does."""
 
     def note(self, text: str) -> None:
-        """Tell a line, on the terminal and for a while in the window."""
+        """Show a line on the terminal, and for a while in the window."""
+
+    def take_picture(self) -> None:
+        """Save a picture of the next frame."""
+
+    def toggle_film(self) -> None:
+        """Start or end recording a film."""
 
     def fill_screen(self) -> None:
-        """Have the pilot's window fill the screen, or go back to its former size."""
+        """Toggle full screen for the pilot's window."""
 
     def leave(self) -> None:
         """End the dive."""
+
+
+class PanelContext:
+    """What a panel may use. It acts at once on the world, within a frame of the gui.
+
+    What would replace that world is done after the frame.
+    """
+
+    def __init__(self, dive: DiveContext) -> None:
+        """No fish is chosen."""
+        self.dive = dive
+        self.chosen: int | None = None  # the fish that panels are about
+        self.dragging = False  # the pointer drags something other than a fish
+        self._changed = False
+        self._after_frame: list[Callable[[], object]] = []
+        self._states: dict[type, Any] = {}
+
+    def state(self, kind: type[T]) -> T:
+        """The object of this class that a panel keeps from frame to frame; made on first use."""
+        return self._states.setdefault(kind, kind())
+
+    def changed(self) -> None:
+        """Report a change to the world between two ticks, so that time can go back to it."""
+        self._changed = True
+
+    def later(self, act: Callable[[], object]) -> None:
+        """Call it after the current frame."""
+        self._after_frame.append(act)
+
+    def take_changes(self) -> bool:
+        """Whether `changed` was called since the last call."""
+        changed, self._changed = self._changed, False
+        return changed
+
+    def take_waiting(self) -> list[Callable[[], object]]:
+        """What `later` was asked for since the last call."""
+        waiting, self._after_frame = self._after_frame, []
+        return waiting

@@ -14,7 +14,7 @@ import glfw
 import imgui_bundle  # noqa: F401  # before glfw: it brings the one libglfw that both share
 
 from subsea.core.resources import resource_path
-from subsea.dive.bindings import PAD_AXES, PAD_BUTTONS, Wish, is_action, is_wish
+from subsea.dive.bindings import PAD_AXES, PAD_BUTTONS, Command, is_action, is_command
 from subsea.dive.pilot import Pilot
 from subsea.dive.settings import GamepadSettings, settings_path
 from subsea.ui.window import Listener
@@ -40,10 +40,10 @@ Read = Callable[[], Mapping[int, State | None]]  # by their numbers; None: no kn
 class Gamepads:
     """All gamepads there are steer the same submarine. They may come and go at any time."""
 
-    def __init__(self, pilot: Pilot, wishes: list[Wish], read: Read | None = None) -> None:
-        """What is asked for goes to the `pilot`, and is added to the `wishes`."""
-        self._pilot, self._wishes = pilot, wishes
-        self._read = _there if read is None else read
+    def __init__(self, pilot: Pilot, commands: list[Command], read: Read | None = None) -> None:
+        """What is asked for goes to the `pilot`, and is added to the `commands`."""
+        self._pilot, self._commands = pilot, commands
+        self.read = _there if read is None else read
         self._amounts: dict[str, float] = {}  # of inputs, as the pilot knows them
         self._down: set[str] = set()  # inputs beyond PRESSED
         self._names: dict[int, str | None] = {}
@@ -52,7 +52,7 @@ class Gamepads:
         """Hand on what has moved since the last call, to the `listener` first; what is to be told
         of those that came or went, in lines.
         """
-        there = self._read()
+        there = self.read()
         lines = self._told({number: state and state.name for number, state in there.items()})
         now: dict[str, float] = {}
         for state in there.values():
@@ -88,7 +88,7 @@ class Gamepads:
         before = self._amounts.get(name, 0.0)
         if abs(amount - before) < STEP and (amount > 0.0) == (before > 0.0):
             return
-        self._pilot.stir()
+        self._pilot.note_activity()
         self._amounts[name] = amount
         if amount <= 0.0:
             del self._amounts[name]
@@ -107,8 +107,8 @@ class Gamepads:
         elif is_action(meaning):
             if meaning != "full stop" or crossed:
                 pilot.hold(meaning, name, amount)
-        elif crossed and is_wish(meaning):
-            self._wishes.append(meaning)
+        elif crossed and is_command(meaning):
+            self._commands.append(meaning)
 
 
 def amounts(state: State, settings: GamepadSettings) -> dict[str, float]:

@@ -229,7 +229,7 @@ class Gui:
         if self.open:
             self._io.add_input_character(character)
 
-    def let_go(self) -> None:
+    def release_all(self) -> None:
         """The window lost the keyboard, or the panels were put away."""
         self.heard += 1
         for button in range(3):

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from imgui_bundle import imgui
 
-from subsea.dive.bindings import Bindings, Meaning
+from subsea.dive.bindings import Bindings, ControlName
 from subsea.ui.gui import GLASS, INK, LIT, QUIET, colour, shadowed
 
 WIDE, HIGH = 32.0, 15.6  # of the sign, in heights of letters
@@ -18,11 +18,11 @@ CAP = 1.15  # how high a key is drawn
 ARROWS = {"Left": (-1.0, 0.0), "Right": (1.0, 0.0), "Up": (0.0, -1.0), "Down": (0.0, 1.0)}
 
 # What the parts of the mouse are called beside it.
-BESIDE_MOUSE: dict[Meaning, str] = {
+BESIDE_MOUSE: dict[ControlName, str] = {
     "ahead": "ahead", "astern": "back", "full stop": "stop", "left": "left", "right": "right",
     "up": "nose up", "down": "nose down", "rise": "rise", "dive": "dive",
 }  # fmt: skip
-PAIRS: tuple[tuple[tuple[Meaning, ...], str], ...] = (
+PAIRS: tuple[tuple[tuple[ControlName, ...], str], ...] = (
     (("ahead", "astern"), "ahead and back"),
     (("left", "right"), "turn"),
     (("up", "down"), "nose up and down"),
@@ -43,7 +43,7 @@ class Row(NamedTuple):
     what: str
 
 
-class Sign(NamedTuple):
+class HelpContent(NamedTuple):
     """What is on it."""
 
     left: str  # what the buttons of the mouse do, by a word each
@@ -54,7 +54,9 @@ class Sign(NamedTuple):
     rows: tuple[Row, ...]
 
 
-def sign_of(bindings: Bindings, steers: bool = True, without: Sequence[Meaning] = ()) -> Sign:
+def help_content(
+    bindings: Bindings, steers: bool = True, without: Sequence[ControlName] = ()
+) -> HelpContent:
     """The sign for these bindings, whose pointer `steers`; `without` what cannot be done here."""
     left, right, middle = (
         BESIDE_MOUSE.get(meaning, "") if (meaning := bindings.meaning(f"mouse {name}")) else ""
@@ -66,7 +68,7 @@ def sign_of(bindings: Bindings, steers: bool = True, without: Sequence[Meaning] 
         if keys and not set(meanings) & set(without):
             rows.append(Row(keys, what))
     lifts = {left, right} == {"ahead", "back"} and steers
-    return Sign(
+    return HelpContent(
         left,
         right,
         f"wheel: speed, press: {middle}" if middle else "wheel: speed",
@@ -76,7 +78,7 @@ def sign_of(bindings: Bindings, steers: bool = True, without: Sequence[Meaning] 
     )
 
 
-def draw_sign(sign: Sign, opacity: float, foot: float) -> None:
+def draw_help(sign: HelpContent, opacity: float, foot: float) -> None:
     """Draw it in the present frame, at the right, its lower edge at `foot`."""
     size = imgui.get_io().display_size
     line = min(imgui.get_font_size(), foot / (HIGH + 1.2), size.x / (WIDE + 2.4))
@@ -97,7 +99,7 @@ def draw_sign(sign: Sign, opacity: float, foot: float) -> None:
         shadowed(words, row.what, line, INK, opacity)
 
 
-def _mouse(canvas: Any, sign: Sign, x: float, y: float, line: float, opacity: float) -> None:
+def _mouse(canvas: Any, sign: HelpContent, x: float, y: float, line: float, opacity: float) -> None:
     """A mouse seen from above, its middle at x, with words around it."""
     wide, high = 5.2 * line, 7.6 * line
     top = y + 3.3 * line
@@ -161,7 +163,7 @@ def _arrow(
     )
 
 
-def _key(bindings: Bindings, meaning: Meaning) -> str:
+def _key(bindings: Bindings, meaning: ControlName) -> str:
     """The first key that means it; nothing if only the mouse or a gamepad does."""
     return next(
         (name for name in bindings.inputs(meaning) if not name.startswith(("mouse ", "pad "))), ""

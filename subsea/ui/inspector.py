@@ -7,21 +7,18 @@ what is in the sea. Keys steer on.
 import itertools
 import traceback
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any, TypeVar
 
 import numpy as np
 from imgui_bundle import imgui
 
 from subsea.core.background import LeftError
 from subsea.core.errors import UserError
-from subsea.ui.context import Host
+from subsea.ui.context import DiveContext, PanelContext
 from subsea.ui.gui import GLASS, MARK, colour, mended
 from subsea.ui.panels import PANELS
 from subsea.ui.panels.intention import name_of
-
-T = TypeVar("T")
 
 RING = 0.62  # radius of the ring about the chosen fish, in lengths of it ...
 LEAST_RING = 0.6  # ... and at least, in heights of letters
@@ -34,44 +31,33 @@ PANEL = imgui.WindowFlags_.always_auto_resize.value | imgui.WindowFlags_.horizon
 STEP = 1.6  # by which further panels are moved where there is no room beside the others
 
 
-class Desk:
-    """What panels see and may do. A panel is drawn within a frame, and acts at once on the world
-    that it finds here; what would replace that waits until the frame has ended.
-    """
+class Inspector(PanelContext):
+    """The bar and the windows of the panels."""
 
-    def __init__(self, host: Host) -> None:
+    def __init__(self, dive: DiveContext) -> None:
         """Closed, in this dive."""
-        self.host = host
-        self.shown: set[str] = set()  # the panels that are open
-        self.chosen: int | None = None  # the fish that panels are about
-        self._later: list[Callable[[], object]] = []
-        self.taken = False  # whether the pointer has taken hold of something that is no fish
-        self._changed = False
-        self._taken: dict[str, tuple[float, float, float, float]] = {}  # where panels are
-        self._kept: dict[type, Any] = {}
-
-    def of(self, kind: type[T]) -> T:
-        """What a panel remembers from frame to frame: the one thing of its class."""
-        return self._kept.setdefault(kind, kind())
+        super().__init__(dive)
+        self.shown: set[str] = set()  # names of open panels
+        self.areas: dict[str, tuple[float, float, float, float]] = {}  # x, y, width, height
 
     @property
     def open(self) -> bool:
         """Whether the pointer is the desk's."""
-        return self.host.gui.open
+        return self.dive.gui.open
 
     def toggle(self) -> None:
         """Open or close it; its panels are where they were when it is opened again."""
-        gui = self.host.gui
+        gui = self.dive.gui
         gui.open = not gui.open
         if gui.open:
-            self.host.overlay.hide_help()  # it tells of a pointer that steers
+            self.dive.overlay.hide_help()  # it tells of a pointer that steers
         else:
-            gui.let_go()
+            gui.release_all()
 
-    def enter(self) -> None:
-        """There is another world: forget what was chosen in the last."""
+    def reset(self) -> None:
+        """Forget what was chosen: there is another world."""
         self.chosen = None
-        self._changed = False
+        self.take_changes()
 
     def draw(self) -> None:
         """The bar and the panels that are open, in the present frame of the gui."""
@@ -82,9 +68,9 @@ class Desk:
         self._bar()
         for name, panel in PANELS.items():
             if name not in self.shown:
-                self._taken.pop(name, None)
+                self.areas.pop(name, None)
                 continue
-            if name not in self._taken:
+            if name not in self.areas:
                 imgui.set_next_window_pos(self._room(), imgui.Cond_.first_use_ever.value)
             _keep_inside(name)
             drawn, stays = imgui.begin(name, True, PANEL)
@@ -92,15 +78,15 @@ class Desk:
                 with self._contained(name), mended():
                     panel(self)
             (x, y), (width, height) = imgui.get_window_pos(), imgui.get_window_size()
-            self._taken[name] = x, y, width, height
+            self.areas[name] = x, y, width, height
             imgui.end()
             if not stays:
                 self.shown.discard(name)
-        if imgui.is_mouse_released(0) and not self.host.gui.on_panel:
+        if imgui.is_mouse_released(0) and not self.dive.gui.on_panel:
             dragged = imgui.get_mouse_drag_delta(0)
-            if not (dragged.x or dragged.y or self.taken):
-                self._choose_at(*self.host.gui.pointer)
-        self.taken &= imgui.is_mouse_down(0)
+            if not (dragged.x or dragged.y or self.dragging):
+                self._choose_at(*self.dive.gui.pointer)
+        self.dragging &= imgui.is_mouse_down(0)
 
     def _bar(self) -> None:
         """An entry for each panel, and one that leads back; closer together where it is narrow."""
@@ -131,17 +117,17 @@ class Desk:
         except LeftError:
             raise
         except UserError as fault:
-            self.host.note(str(fault))
+            self.dive.note(str(fault))
             self.shown.discard(what)
         except Exception as fault:
-            self.host.note(f"{what} failed: {type(fault).__name__}: {fault}")
+            self.dive.note(f"{what} failed: {type(fault).__name__}: {fault}")
             self.shown.discard(what)
             warnings.warn(traceback.format_exc(), RuntimeWarning, stacklevel=3)
 
     def _room(self) -> tuple[float, float]:
         """Where one more panel hides none of those that are open, if there is room."""
         line, size = imgui.get_font_size(), imgui.get_io().display_size
-        margin, taken = MARGIN * line, self._taken.values()
+        margin, taken = MARGIN * line, self.areas.values()
         columns = sorted([margin, *(x + width + margin for x, _, width, _ in taken)])
         rows = sorted([BAR * line, *(y + height + margin for _, y, _, height in taken)])
         for share in (1.0, 0.5, 0.25):
@@ -153,48 +139,35 @@ class Desk:
                     for left, top, width, height in taken
                 ):
                     return x, y
-        step = STEP * line * len(self._taken)
+        step = STEP * line * len(self.areas)
         return margin + step, BAR * line + step
 
-    def changed(self) -> None:
-        """What a tick would not have changed was, by a panel: to be called whenever that happens.
-
-        Time that goes back needs to know.
-        """
-        self._changed = True
-
-    def later(self, act: Callable[[], object]) -> None:
-        """Do it when the present frame has ended."""
-        self._later.append(act)
-
-    def afterwards(self) -> None:
-        """Do what waited for the end of the frame."""
-        if self._changed and self.host.timeline:
-            self.host.timeline.touch()
-        self._changed = False
-        waiting, self._later = self._later, []
-        for act in waiting:
+    def end_frame(self) -> None:
+        """Do what panels asked for after the frame."""
+        if self.take_changes() and self.dive.timeline:
+            self.dive.timeline.touch()
+        for act in self.take_waiting():
             with self._contained("That"):
                 act()
 
     def _choose_at(self, x: float, y: float) -> None:
         """Choose the fish that is seen at a place on the screen; none where there is none."""
-        self.chosen = self.host.picture.fish_at(x, y)
+        self.chosen = self.dive.picture.fish_at(x, y)
 
     def _let_the_dead_go(self) -> None:
-        world = self.host.world
+        world = self.dive.world
         if self.chosen is not None and not world.state.fishes.alive[self.chosen]:
-            self.host.overlay.note(f"{name_of(world, self.chosen)} is no more")
+            self.dive.overlay.note(f"{name_of(world, self.chosen)} is no more")
             self.chosen = None
 
     def _mark_chosen(self) -> None:
         """A thin ring about the chosen fish, under all panels."""
-        sight, ride = self.host.picture.sight, self.host.picture.ride
+        sight, ride = self.dive.picture.sight, self.dive.picture.ride
         if self.chosen is None or sight is None or (ride and ride.by.fish == self.chosen):
             return
-        fishes = self.host.world.state.fishes
+        fishes = self.dive.world.state.fishes
         before = fishes.previous_position[self.chosen].astype(np.float64)
-        place = before + self.host.picture.alpha * (fishes.position[self.chosen] - before)
+        place = before + self.dive.picture.alpha * (fishes.position[self.chosen] - before)
         up = sight.view.view[1, :3].astype(np.float64)
         rim = place + RING * float(fishes.length[self.chosen]) * up
         size = imgui.get_io().display_size

@@ -8,12 +8,12 @@ import imgui_bundle  # noqa: F401  # before glfw: it brings the one libglfw that
 import msgspec
 
 from subsea.core.errors import UserError
-from subsea.dive.bindings import WISHES, Wish, bindings_of, input_name
+from subsea.dive.bindings import COMMANDS, Command, bindings_of, input_name
 from subsea.dive.settings import Settings
 from subsea.ui.window import Window
 
 # What visitors may wish for. The rest has no inputs.
-ALLOWED: tuple[Wish, ...] = (
+ALLOWED: tuple[Command, ...] = (
     "help", "menu", "ride", "look", "follow", "reins", "alight", "lights", "leave",
 )  # fmt: skip
 POINTER_S = 3.0  # a pointer that has rested so long is hidden
@@ -24,7 +24,7 @@ def locked(settings: Settings) -> Settings:
     """The same settings for a kiosk: inputs mean what visitors may wish for, the operator's key
     leaves. A UserError if that is an input of visitors.
     """
-    nothing: dict[str, list[str]] = {wish: [] for wish in WISHES if wish not in ALLOWED}
+    nothing: dict[str, list[str]] = {wish: [] for wish in COMMANDS if wish not in ALLOWED}
     controls = settings.controls | nothing
     key = input_name(settings.kiosk.leave)
     if others := bindings_of(controls | {"leave": []}).meanings.get(key):
@@ -47,7 +47,7 @@ class Kiosk:
             window.stays = True
             glfw.set_window_attrib(window.handle, glfw.AUTO_ICONIFY, False)
 
-    def keep(self, moved: bool, dt: float) -> None:
+    def update(self, moved: bool, dt: float) -> None:
         """`dt` seconds later; whether a hand has `moved` anything meanwhile."""
         self._rested_s = 0.0 if moved else self._rested_s + dt
         hidden = self._rested_s > POINTER_S

@@ -13,7 +13,7 @@ SMALL = 0.8  # of the gui's letters
 SHADE = (0.0, 0.05, 0.08)
 
 
-def letter(labels: Sequence[Label], sight: FrontView | None) -> None:
+def draw_labels(labels: Sequence[Label], sight: FrontView | None) -> None:
     """Write labels where the screen ahead shows their places; nowhere if that is no flat picture.
 
     For two eyes: where the left one sees them.

@@ -16,7 +16,7 @@ from subsea.core.errors import UserError
 from subsea.core.resources import load_toml
 from subsea.render.output.quality import CHOICES
 from subsea.scenario.schema import MAX_SEED, load_scenario, scenario_file, scenario_names
-from subsea.ui.context import Host
+from subsea.ui.context import DiveContext
 from subsea.ui.gui import DEEP, LIT, QUIET, colour
 from subsea.ui.panels.fields import typed_whole
 
@@ -55,12 +55,12 @@ class Entry(NamedTuple):
 class Menu:
     """Pages of entries. What an entry does waits for the end of the frame."""
 
-    def __init__(self, host: Host, kiosk: bool = False) -> None:
+    def __init__(self, dive: DiveContext, kiosk: bool = False) -> None:
         """Closed. In a `kiosk` it has no entry by which an exhibit could be stranded."""
-        self.host, self.kiosk = host, kiosk
+        self.dive, self.kiosk = dive, kiosk
         self.open = False
         self.seed = 0  # in its field
-        self._page = ""
+        self.page = ""
         self._opacity = 0.0
         self._at_the_desk = False
         self._titles: dict[Path, str] = {}
@@ -73,26 +73,30 @@ class Menu:
 
     def show(self) -> None:
         """Open it: from now on the pointer, the arrows and Enter are its own."""
-        self.open, self._page, self._opacity = True, "", 0.0
-        self.seed = self.host.world.state.seed
+        self.open, self.page, self._opacity = True, "", 0.0
+        self.seed = self.dive.world.state.seed
         self._titles = scenario_titles()
-        self._at_the_desk = self.host.gui.open
-        self.host.gui.open = True
-        self.host.gui.navigate(True)
+        self._at_the_desk = self.dive.gui.open
+        self.dive.gui.open = True
+        self.dive.gui.navigate(True)
 
     def hide(self) -> None:
         """Close it, and go back to the helm or the desk."""
         self.open = False
-        self.host.gui.navigate(False)
-        self.host.gui.let_go()
-        self.host.gui.open = self._at_the_desk
+        self.dive.gui.navigate(False)
+        self.dive.gui.release_all()
+        self.dive.gui.open = self._at_the_desk
 
     def back(self) -> None:
         """To the first page, or out of it."""
-        if self._page:
+        if self.page:
             self._turn("")
         else:
             self.hide()
+
+    def entries(self) -> list[Entry]:
+        """The entries of the current page."""
+        return list(self._pages[self.page]())
 
     def draw(self, dt: float) -> None:
         """Draw it in the present frame, `dt` seconds after the last."""
@@ -100,8 +104,8 @@ class Menu:
         size = imgui.get_io().display_size
         shade = colour(DEEP, DIM * self._opacity)
         imgui.get_background_draw_list().add_rect_filled((0.0, 0.0), size, shade)
-        entries = list(self._pages[self._page]())
-        seeded = self._page == "Scenario" and not self.kiosk
+        entries = self.entries()
+        seeded = self.page == "Scenario" and not self.kiosk
         rows = len(entries) + 2.5 + seeded
         letters = imgui.get_font_size()
         high, least = size.y / (ROW * rows + 1.0), LEAST * letters
@@ -119,7 +123,7 @@ class Menu:
         flags = imgui.WindowFlags_
         # A name for each page: each begins where it says, rather than where the last one was left.
         imgui.begin(
-            f"menu {self._page}",
+            f"menu {self.page}",
             None,
             flags.no_title_bar.value
             | flags.no_move.value
@@ -127,22 +131,23 @@ class Menu:
             | (flags.no_scrollbar.value if line <= high else 0)  # the page has room
             | flags.no_saved_settings.value,
         )
-        imgui.text_colored((*QUIET, 1.0), self._page or self.host.scenario.title)
+        imgui.text_colored((*QUIET, 1.0), self.page or self.dive.scenario.title)
         imgui.dummy((WIDE * line, 0.15 * line))
         default = next((k for k, entry in enumerate(entries) if entry.chosen), 0)
         for number, entry in enumerate(entries):
             if seeded and number == len(entries) - 2:
                 self._seed_field(line)
-            self._entry(entry, line)
+            self.draw_entry(entry, line)
             if number == default:
                 imgui.set_item_default_focus()
         imgui.end()
         if imgui.is_key_pressed(imgui.Key.gamepad_face_right):
-            self.host.desk.later(self.back)
+            self.dive.inspector.later(self.back)
         imgui.pop_style_var(7)
         imgui.pop_font()
 
-    def _entry(self, entry: Entry, line: float) -> None:
+    def draw_entry(self, entry: Entry, line: float) -> None:
+        """Draw one line of the menu, its letters `line` high."""
         clear = (0.0, 0.0, 0.0, 0.0)
         imgui.push_style_color(imgui.Col_.button.value, (*LIT, 0.35) if entry.chosen else clear)
         pressed = imgui.button(f"{entry.text}##{entry.aside}", (WIDE * line, (ROW - 0.12) * line))
@@ -155,7 +160,7 @@ class Menu:
             imgui.get_window_draw_list().add_text(place, colour(QUIET), entry.aside)
             imgui.pop_font()
         if pressed:
-            self.host.desk.later(entry.act)
+            self.dive.inspector.later(entry.act)
 
     def _seed_field(self, line: float) -> None:
         imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + 0.7 * line)
@@ -166,49 +171,49 @@ class Menu:
         self.seed = typed_whole("##seed", self.seed, 0, MAX_SEED)
 
     def _first(self) -> Iterator[Entry]:
-        host = self.host
+        dive = self.dive
         yield Entry("Continue", self.hide)
-        if not self.kiosk and host.picture.displays:
-            yield Entry("Display", lambda: self._turn("Display"), DISPLAYS[host.picture.display])
+        if not self.kiosk and dive.picture.displays:
+            yield Entry("Display", lambda: self._turn("Display"), DISPLAYS[dive.picture.display])
         if not self.kiosk:
-            now = QUALITIES[host.picture.quality]
+            now = QUALITIES[dive.picture.quality]
             yield Entry("Quality", lambda: self._turn("Quality"), now)
-        if not host.shared:
-            yield Entry("Scenario", lambda: self._turn("Scenario"), host.scenario.title)
-        if not self.kiosk and host.can_fill:
-            yield Entry("Full screen", host.fill_screen)
+        if not dive.shared:
+            yield Entry("Scenario", lambda: self._turn("Scenario"), dive.scenario.title)
+        if not self.kiosk and dive.can_fill:
+            yield Entry("Full screen", dive.fill_screen)
         yield Entry("Help", self._help)
         if not self.kiosk:
-            yield Entry("Leave", host.leave)
+            yield Entry("Leave", dive.leave)
 
     def _displays(self) -> Iterator[Entry]:
-        for name in self.host.picture.displays:
+        for name in self.dive.picture.displays:
 
             def show(name: str = name) -> None:
-                self.host.picture.show_as(name)
+                self.dive.picture.show_as(name)
 
-            yield Entry(DISPLAYS[name], show, chosen=name == self.host.picture.display)
+            yield Entry(DISPLAYS[name], show, chosen=name == self.dive.picture.display)
         yield self._back()
 
     def _qualities(self) -> Iterator[Entry]:
         for name in CHOICES:
 
             def choose(name: str = name) -> None:
-                self.host.picture.choose(name)
+                self.dive.picture.choose(name)
 
-            yield Entry(QUALITIES[name], choose, chosen=name == self.host.picture.quality)
+            yield Entry(QUALITIES[name], choose, chosen=name == self.dive.picture.quality)
         yield self._back()
 
     def _scenarios(self) -> Iterator[Entry]:
-        host = self.host
-        if host.source.resolve() not in self._titles:
-            yield Entry(host.scenario.title, self._anew, host.source.name, chosen=True)
+        dive = self.dive
+        if dive.source.resolve() not in self._titles:
+            yield Entry(dive.scenario.title, self._anew, dive.source.name, chosen=True)
         for path, title in self._titles.items():
 
             def start(path: Path = path) -> None:
                 self._enter(path)
 
-            here = path == host.source.resolve()
+            here = path == dive.source.resolve()
             yield Entry(title, start, path.stem, chosen=here)
         if not self.kiosk:
             yield Entry("Start anew", self._anew, f"with seed {self.seed}")
@@ -218,24 +223,24 @@ class Menu:
         return Entry("Back", lambda: self._turn(""))
 
     def _turn(self, page: str) -> None:
-        self._page = page
+        self.page = page
 
     def _help(self) -> None:
         self.hide()
-        self.host.overlay.show_help()
+        self.dive.overlay.show_help()
 
     def _enter(self, path: Path) -> None:
         self.hide()
         try:
             scenario, source = load_scenario(str(path))
         except UserError as fault:
-            self.host.overlay.note(str(fault))
+            self.dive.overlay.note(str(fault))
         else:
-            self.host.enter(scenario, source)
+            self.dive.open_world(scenario, source)
 
     def _anew(self) -> None:
         self.hide()
-        self.host.enter(self.host.scenario, self.host.source, self.seed)
+        self.dive.open_world(self.dive.scenario, self.dive.source, self.seed)
 
 
 class _Titled(msgspec.Struct, frozen=True):

@@ -12,7 +12,7 @@ from subsea.dive.pilot import Pilot
 from subsea.dive.settings import DEFAULTS, Settings
 from subsea.ui.gui import Gui, fill
 from subsea.ui.monitors import FILM, Installation, Screen, on_display, placed
-from subsea.ui.window_set import Wall
+from subsea.ui.window_set import WindowSet
 from subsea.view.rig import CameraRig, front, select_outputs
 from subsea.view.stereo import PAGED
 
@@ -20,7 +20,7 @@ from subsea.view.stereo import PAGED
 class Opening(NamedTuple):
     """Windows, what is drawn over pictures in the first of them, and whose hands are heard."""
 
-    wall: Wall
+    window_set: WindowSet
     gui: Gui
     pilot: Pilot
     rig: CameraRig | None  # that stays, whatever the size of windows; None: there is one window
@@ -28,11 +28,11 @@ class Opening(NamedTuple):
 
     def show(self, text: str) -> None:
         """Fill the pilot's window with one line of text on deep water."""
-        window = self.wall.front
+        window = self.window_set.front
         self.gui.begin(window.points, window.size, window.text_scale)
         fill(text)
         self.gui.end()
-        self.wall.present()
+        self.window_set.present()
 
 
 def opened(
@@ -53,23 +53,23 @@ def opened(
     with ExitStack() as undo:
         there = undo.enter_context(on_display(without)).monitors
         if installation is None:
-            wall = Wall([(Screen(title, size), None)], pilot, display == PAGED)
+            window_set = WindowSet([(Screen(title, size), None)], pilot, display == PAGED)
         else:
             rig, screens, source = installation
             shown = placed(screens, there, source, say)
             rig = select_outputs(rig, [number for number, _ in shown])
-            wall = Wall(
+            window_set = WindowSet(
                 [(screens[number], monitor) for number, monitor in shown],
                 pilot,
                 rig.pages > 1,
                 front(rig).output,
             )
-        undo.callback(wall.close)
+        undo.callback(window_set.close)
         if fullscreen and installation is None:
-            wall.front.toggle_fullscreen()
+            window_set.front.toggle_fullscreen()
         gui = Gui()
         undo.callback(gui.close)
-        wall.front.listener = gui
-        opening = Opening(wall, gui, pilot, rig, undo.pop_all().close)
+        window_set.front.listener = gui
+        opening = Opening(window_set, gui, pilot, rig, undo.pop_all().close)
     opening.show("loading")
     return opening

@@ -7,7 +7,7 @@ from typing import Any
 from imgui_bundle import imgui
 
 from subsea.ui.gui import INK, SHADE, colour, fill
-from subsea.ui.help_overlay import Sign, draw_sign
+from subsea.ui.help_overlay import HelpContent, draw_help
 from subsea.ui.hud import HIGH, Hud, Reading
 
 FADE_S = 1.5
@@ -22,19 +22,19 @@ class Overlay:
     `toggle_help`.
     """
 
-    def __init__(self, sign: Sign) -> None:
+    def __init__(self, help: HelpContent) -> None:
         """With this sign for its help."""
-        self.sign, self.hud = sign, Hud()
-        self._help = 1.0  # opacity
+        self.help, self.hud = help, Hud()
+        self.help_opacity = 1.0
         self._pinned = False
         self._shown = True
         self._gone_cm = 0.0
-        self._note = ""
+        self.note_text = ""
         self._note_s = 0.0
 
     def note(self, text: str) -> None:
         """Show a few words for a while, above the instruments."""
-        self._note, self._note_s = text, NOTE_S
+        self.note_text, self._note_s = text, NOTE_S
 
     def show_help(self) -> None:
         """Show the help until told otherwise."""
@@ -56,9 +56,9 @@ class Overlay:
         self._gone_cm = math.inf
 
     @property
-    def help_opacity(self) -> float:
-        """How visible the help is, from 0 to 1."""
-        return self._help
+    def help_hidden(self) -> bool:
+        """Whether no help covers the corners of the picture."""
+        return self.help_opacity == 0.0
 
     def message(self, text: str) -> None:
         """Fill the window with one line of text on deep water."""
@@ -77,12 +77,12 @@ class Overlay:
         size, line = imgui.get_io().display_size, imgui.get_font_size()
         # Words stand above the instruments, also while those are not needed: they do not jump.
         foot = size.y - (1.2 if away else 1.2 + HIGH) * line
-        note = self._note if self._note_s > 0.0 else ""
+        note = self.note_text if self._note_s > 0.0 else ""
         words = "   ".join(filter(None, (circumstances, note)))
         if words:
             foot = self._line(unbroken(words), size, foot)
-        if self._help > 0.0:
-            draw_sign(self.sign, self._help, foot)
+        if self.help_opacity > 0.0:
+            draw_help(self.help, self.help_opacity, foot)
 
     def caption(self, text: str) -> None:
         """Draw one line at the foot of the present picture."""
@@ -95,7 +95,7 @@ class Overlay:
         if self._gone_cm > MOVED_CM and not self._pinned:
             self._shown = False
         step = dt / FADE_S if self._shown else -dt / FADE_S
-        self._help = min(max(self._help + step, 0.0), 1.0)
+        self.help_opacity = min(max(self.help_opacity + step, 0.0), 1.0)
 
     def _line(self, text: str, size: Any, foot: float) -> float:
         """Text that ends at `foot`, in as many lines as it needs; where it begins, less a gap."""

@@ -25,7 +25,7 @@ from subsea.render.output.quality import (
     first_rung,
     name_of,
 )
-from subsea.ui.window_set import Wall
+from subsea.ui.window_set import WindowSet
 from subsea.view.camera import View
 from subsea.view.display_rigs import DISPLAYS, display_rig
 from subsea.view.levels import empty_lod_state
@@ -36,14 +36,14 @@ from subsea.view.unproject import FrontView, front_screen
 from subsea.world.world import World
 
 
-class Picture:
+class ScenePicture:
     """Draws one world after another for the windows of a wall.
 
     From the submarine, whose `eye` is told, or from a fish that is ridden; with diagrams, with what
     a fish's eyes see in the corners, or the test pattern instead of all.
     """
 
-    def __init__(self, wall: Wall, fixed: CameraRig | None, display: DisplayOptions) -> None:
+    def __init__(self, wall: WindowSet, fixed: CameraRig | None, display: DisplayOptions) -> None:
         """Of no world yet. The rig is the one that is `fixed`, else that of the display mode."""
         self.display = display.mode
         self.quality = display.quality
@@ -51,30 +51,35 @@ class Picture:
         self.eye: CameraPose
         self.ride: Ride | None = None
         self.pattern = False  # whether the test pattern is shown
-        self.look: RetinaColours = "colours"  # of the pictures of a fish's eyes ...
+        self.colours: RetinaColours = "colours"  # of the pictures of a fish's eyes ...
         self.eyes_shown = True  # ... and whether there are any
         self.diagrams = set(display.diagrams)  # names of `diagrams.DIAGRAMS` that are drawn
         self.wireframe = display.wireframe  # whether the sea is drawn as the edges of its triangles
         self.labels: Sequence[Label] = ()  # of diagrams
         self.panes: tuple[TextViewport, ...]  # where text goes
-        self._wall, self._fixed, self._options = wall, fixed, display
-        self._insets: tuple[Rect, ...] = ()  # where pictures of a fish's eyes are on the canvas
+        self._window_set, self._fixed, self._options = wall, fixed, display
+        self.insets: tuple[Rect, ...] = ()  # where pictures of a fish's eyes are on the canvas
         self._drawn: Packet | None = None
         self._seen: tuple[View, ...] = ()  # the views of the present picture
         self._context = wall.context
         renderer = self._context.info["GL_RENDERER"]
-        self._target_ms = display.target_ms or adaptive_quality.target_for(renderer)
+        self.target_ms = display.target_ms or adaptive_quality.target_for(renderer)
         self._take_rig()
         self._pace = adaptive_quality.start(first_rung(renderer), self.rig.exact)
 
-    def enter(self, world: World, heed: Callable[[], object] = lambda: None) -> None:
+    def open_world(self, world: World, check: Callable[[], object] = lambda: None) -> None:
         """Draw this world from now on; the one before was left.
 
-        That takes a while, in which `heed` is called, and may raise.
+        That takes a while, in which `check` is called, and may raise.
         """
         try:
-            self._renderer = Renderer(
-                self._context, make_scene(world), self.rig, self._chosen(), self._wall.page, heed
+            self.renderer = Renderer(
+                self._context,
+                make_scene(world),
+                self.rig,
+                self._chosen(),
+                self._window_set.page,
+                check,
             )
         except BaseException as fault:
             # What was made of it goes while its context is there: later it would be a crash.
@@ -85,9 +90,9 @@ class Picture:
         self._sketcher = DiagramBuilder(world)
         self.jump()
 
-    def leave(self) -> None:
+    def close_world(self) -> None:
         """Release what is there for the world."""
-        self._renderer.release()
+        self.renderer.release()
 
     def jump(self) -> None:
         """What comes is seen from elsewhere, or at another time: nothing fades into it."""
@@ -99,21 +104,21 @@ class Picture:
         What a fish's eyes see needs a `clear` corner. Of the fish that is `chosen`, or ridden,
         diagrams are stronger.
         """
-        if self._fixed is None and self._wall.front.size != self.rig.outputs[0]:
+        if self._fixed is None and self._window_set.front.size != self.rig.outputs[0]:
             self._take_rig()
             self.arrange(clear)
-        elif bool(self._insets) != self._with_insets(clear):
+        elif bool(self.insets) != self._with_insets(clear):
             self.arrange(clear)
         if not self.pattern:
             self._draw(chosen)
         if self.pattern or not self._direct:
-            self._wall.show(self._renderer.pictures)
+            self._window_set.show(self.renderer.pictures)
 
     def arrange(self, clear: bool = True) -> None:
         """Have the renderer draw what is to be seen: the rig, what a fish's eyes see, a pattern."""
-        rig, self._insets = with_insets(self.rig) if self._with_insets(clear) else (self.rig, ())
+        rig, self.insets = with_insets(self.rig) if self._with_insets(clear) else (self.rig, ())
         self._seen = ()
-        self._renderer.arrange(rig)
+        self.renderer.arrange(rig)
         self._draw_pattern()
 
     def show_pattern(self, clear: bool) -> None:
@@ -140,32 +145,32 @@ class Picture:
         """Draw with this quality from now on, one of `render.quality.CHOICES`."""
         self.quality = quality
         self._pace = adaptive_quality.resumed(self._pace)
-        self._renderer.adapt(self._chosen())
+        self.renderer.adapt(self._chosen())
         self._draw_pattern()
 
     def choose_next(self) -> None:
         """The next quality, and after the finest the first again."""
         self.choose(CHOICES[(CHOICES.index(self.quality) + 1) % len(CHOICES)])
 
-    def look_otherwise(self) -> None:
+    def next_colours(self) -> None:
         """The next look of what a fish's eyes see."""
-        following = RETINA_COLOURS.index(self.look) + 1
-        self.look = RETINA_COLOURS[following % len(RETINA_COLOURS)]
+        following = RETINA_COLOURS.index(self.colours) + 1
+        self.colours = RETINA_COLOURS[following % len(RETINA_COLOURS)]
 
     @property
-    def fineness(self) -> str:
+    def quality_text(self) -> str:
         """How it is drawn, in words."""
-        name = name_of(self._renderer.quality)
+        name = name_of(self.renderer.quality)
         return f"picture {name}" if self.quality != AUTO else f"picture auto: {name}"
 
-    def pace(self, spent_s: Callable[[], float]) -> None:
+    def adapt_quality(self, spent_s: Callable[[], float]) -> None:
         """Adapt the quality that chooses itself to how long this picture took until now."""
         if self.quality != AUTO or self.pattern:
             return
         self._context.finish()  # the time of the picture, without waiting for the display
-        self._pace = adaptive_quality.paced(self._pace, 1000.0 * spent_s(), self._target_ms)
-        if self._chosen() != self._renderer.quality:
-            self._renderer.adapt(self._chosen())
+        self._pace = adaptive_quality.paced(self._pace, 1000.0 * spent_s(), self.target_ms)
+        if self._chosen() != self.renderer.quality:
+            self.renderer.adapt(self._chosen())
 
     def finish(self) -> None:
         """Return when all that was asked for is drawn."""
@@ -175,7 +180,7 @@ class Picture:
         """What is seen from the submarine, or from the fish that is ridden."""
         if self.ride is None:
             return views(self.rig, self.eye)
-        return self.ride.views(self._world, self.rig, self._insets, self.alpha)
+        return self.ride.views(self._world, self.rig, self.insets, self.alpha)
 
     @property
     def sight(self) -> FrontView | None:
@@ -186,13 +191,13 @@ class Picture:
         """The fish that is seen at a place on the screen, in shares of it from its upper left."""
         if self._drawn is None or self.pattern:
             return None
-        picked = pick(self._renderer, self._drawn, x, y)
+        picked = pick(self.renderer, self._drawn, x, y)
         self._context.screen.use()  # text goes on being drawn over the picture
         return picked.number if picked is not None and picked.kind == FISH else None
 
     def brightness(self, ride: Ride) -> float:
         """How bright it is in the eyes of the fish that is ridden, in [0, 1]."""
-        light = seen_brightness(self._renderer, self._world, ride.by)
+        light = seen_brightness(self.renderer, self._world, ride.by)
         self._draw_pattern()  # seeing has emptied the renderer's own pictures
         return light
 
@@ -204,25 +209,25 @@ class Picture:
             "fishes": int(np.count_nonzero(fishes.alive)),
             "simulated": int(np.count_nonzero(fishes.live)),
             "in sight": 0 if drawn is None else len(fishes.alive) - drawn.hidden,
-            "triangles": self._renderer.triangles,
+            "triangles": self.renderer.triangles,
         }
 
     @property
     def _direct(self) -> bool:
         """Whether the one window there is has the size of the picture: no need to copy it."""
-        return self.rig.outputs == (self._wall.front.size,)
+        return self.rig.outputs == (self._window_set.front.size,)
 
     def _with_insets(self, clear: bool) -> bool:
         return self.ride is not None and self.eyes_shown and clear and not self.pattern
 
     def _draw(self, chosen: int | None) -> None:
         """The sea, into the window or into the renderer's own pictures."""
-        quality, ride = self._renderer.quality, self.ride
+        quality, ride = self.renderer.quality, self.ride
         self._seen = seen = self.views()
-        own = len(seen) - len(self._insets)  # what a fish's eyes see has no diagrams
+        own = len(seen) - len(self.insets)  # what a fish's eyes see has no diagrams
         marked = chosen if ride is None else ride.by.fish
         lines, self.labels = self._sketcher.draw(self.diagrams, seen[:own], self.alpha, marked)
-        self._renderer.wireframe = self.wireframe
+        self.renderer.wireframe = self.wireframe
         packet = pack(
             self._world, seen, self.alpha, detail=quality.detail, growth=quality.growth,
             memory=self._memory, lines=lines, pilot=self.eye,
@@ -231,26 +236,26 @@ class Picture:
         if ride is not None:
             passing = velocity_of(self._world, ride.by.fish)
             packet = replace(packet, passing_cm_s=passing, lined=own)
-        self._renderer.draw(packet, into)
+        self.renderer.draw(packet, into)
         self._drawn = packet
-        if self._insets and self.look != "colours":
-            maps = self._renderer.look_up(packet, range(own, len(seen)), joined(self._insets))
-            picture = pictured(maps, self.look)
-            self._renderer.paste(picture, pasted(self._renderer.rig, self.rig, picture), into)
+        if self.insets and self.colours != "colours":
+            maps = self.renderer.look_up(packet, range(own, len(seen)), joined(self.insets))
+            picture = pictured(maps, self.colours)
+            self.renderer.paste(picture, pasted(self.renderer.rig, self.rig, picture), into)
 
     def _draw_pattern(self) -> None:
         """The test pattern, if it is shown, into the renderer's own pictures: once is enough."""
         if self.pattern:
             from subsea.view.theatre.lineup import lineup
 
-            self._renderer.show(lineup(self.rig))
+            self.renderer.show(lineup(self.rig))
 
     def _take_rig(self) -> None:
         """The rig that is for the windows as they are now, and where text goes on it."""
         self.rig = self._fixed or display_rig(
-            self.display, self._wall.front.size, self._options.stereo, self._options.surround
+            self.display, self._window_set.front.size, self._options.stereo, self._options.surround
         )
-        self.panes = text_viewports(self.rig, self._wall.page)
+        self.panes = text_viewports(self.rig, self._window_set.page)
 
     def _chosen(self) -> Quality:
         return LADDER[self._pace.rung] if self.quality == AUTO else PRESETS[self.quality]

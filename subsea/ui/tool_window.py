@@ -145,9 +145,9 @@ class Bench:
         with ExitStack() as undo:
             opening = opened("mono", size, title=title, without=without)
             undo.callback(opening.close)
-            self.wall, self.gui = opening.wall, opening.gui
-            self.window: Window = self.wall.front
-            self.context = self.wall.context
+            self.window_set, self.gui = opening.window_set, opening.gui
+            self.window: Window = self.window_set.front
+            self.context = self.window_set.context
             self.gui.open = True  # all that hands do is for panes
             style, names = imgui.get_style(), imgui.Col_
             for name, rgb in (
@@ -292,7 +292,7 @@ class Bench:
 
     def frame(self, elapsed_s: float) -> None:
         """Events, drawing and presenting, `elapsed_s` after the last frame."""
-        if "leave" in self.wall.poll():
+        if "leave" in self.window_set.poll():
             self.ask_to_close()
         if not self.window.open:  # somebody wants it closed
             glfw.set_window_should_close(self.window.handle, False)
@@ -322,7 +322,7 @@ class Bench:
         self.context.viewport = (0, 0, *window.size)
         self.context.clear(*BACK)
         self.gui.end()
-        self.wall.present()
+        self.window_set.present()
         acts, self._later = self._later, []
         for act in acts:
             with self._contained():
@@ -331,7 +331,7 @@ class Bench:
 
     def picture(self) -> Any:
         """What the window shows: (h, w, 3) uint8, top row first; for those who take pictures."""
-        return self.wall.picture()
+        return self.window_set.picture()
 
     def close(self) -> None:
         """Close everything in the reverse order of its opening."""

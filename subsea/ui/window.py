@@ -9,7 +9,15 @@ import glfw
 import imgui_bundle  # noqa: F401  # before glfw: it brings the one libglfw that both share
 
 from subsea.core.errors import UserError
-from subsea.dive.bindings import BUTTONS, KEYS, REPEATING, Meaning, Wish, is_action, is_wish
+from subsea.dive.bindings import (
+    BUTTONS,
+    KEYS,
+    REPEATING,
+    Command,
+    ControlName,
+    is_action,
+    is_command,
+)
 from subsea.dive.pilot import Pilot
 from subsea.ui.monitors import Monitor, Screen, monitors, reason
 from subsea.ui.system_packages import INSTALL
@@ -42,7 +50,7 @@ class Listener(Protocol):
     def typed(self, character: int) -> None:
         """A character was typed."""
 
-    def let_go(self) -> None:
+    def release_all(self) -> None:
         """The window lost the keyboard."""
 
 
@@ -85,14 +93,14 @@ def hidden_window(stereo: bool = False) -> Iterator[Callable[[str], Any] | None]
 class Window:
     """One window with an OpenGL 3.3 context, current in this thread when it is made.
 
-    What the visitor asks for by a key is added to the list `wishes`.
+    What the visitor asks for by a key is added to the list `commands`.
     """
 
     def __init__(
         self,
         screen: Screen,
         pilot: Pilot,
-        wishes: list[Wish],
+        commands: list[Command],
         monitor: Monitor | None = None,
         paged: bool = False,
         share: "Window | None" = None,
@@ -137,7 +145,7 @@ class Window:
         self.focused = bool(glfw.get_window_attrib(self.handle, glfw.FOCUSED))
         self.listener: Listener | None = None
         self.reach: Reach | None = None  # of the pointer, if that is more than the window
-        self._wishes = wishes
+        self._commands = commands
         # Where the pointer was when it last moved; None: it has just entered.
         self._rested: tuple[float, float] | None = None
         self.stays = False  # whether closing it is not for the visitor
@@ -274,7 +282,7 @@ class Window:
 
     def _on_key(self, handle: object, key: int, scancode: int, action: int, mods: int) -> None:
         if action != glfw.REPEAT:  # a key on which something lies is no hand
-            self.pilot.stir()
+            self.pilot.note_activity()
         heard = self.listener is not None and self.listener.keyed(key, action != glfw.RELEASE, mods)
         name = KEYS.get(key, "")
         if action == glfw.RELEASE:
@@ -284,7 +292,7 @@ class Window:
             self._ask(meaning, name, action == glfw.REPEAT)
 
     def _on_button(self, handle: object, button: int, action: int, mods: int) -> None:
-        self.pilot.stir()
+        self.pilot.note_activity()
         heard = self.listener is not None and self.listener.pressed(button, action == glfw.PRESS)
         name = f"mouse {BUTTONS[button]}"
         if action == glfw.RELEASE:
@@ -292,7 +300,7 @@ class Window:
         elif not heard:
             self._ask(self.pilot.bindings.meaning(name, self.pilot.riding), name)
 
-    def _ask(self, meaning: Meaning | None, name: str, again: bool = False) -> None:
+    def _ask(self, meaning: ControlName | None, name: str, again: bool = False) -> None:
         """The input `name`, which means that, went down; `again` by itself, as held keys do."""
         if meaning is None or (again and meaning not in REPEATING):
             return
@@ -300,8 +308,8 @@ class Window:
             self.pilot.hold(meaning, name)
         elif meaning == "fullscreen":
             self.toggle_fullscreen()  # this window, whichever is the pilot's
-        elif is_wish(meaning):
-            self._wishes.append(meaning)
+        elif is_command(meaning):
+            self._commands.append(meaning)
 
     def _on_character(self, handle: object, character: int) -> None:
         if self.listener:
@@ -315,9 +323,9 @@ class Window:
             self._rested = x, y
         elif math.dist((x, y), self._rested) > NUDGE:
             self._rested = x, y
-            self.pilot.stir()
+            self.pilot.note_activity()
         if self.listener and self.listener.pointed(x, y):
-            self.pilot.leave()
+            self.pilot.pointer_left()
         else:
             self.pilot.point(*reach.share(x, y))
 
@@ -327,7 +335,7 @@ class Window:
             self._rested = None
 
     def _on_scroll(self, handle: object, dx: float, dy: float) -> None:
-        self.pilot.stir()
+        self.pilot.note_activity()
         if not (self.listener and self.listener.scrolled(dx, dy)):
             self.pilot.wheel(dy)
 
@@ -338,7 +346,7 @@ class Window:
     def _on_focus(self, handle: object, focused: int) -> None:
         self.focused = bool(focused)
         if self.listener and not focused:
-            self.listener.let_go()
+            self.listener.release_all()
 
 
 def _context_hints() -> None:

@@ -12,7 +12,7 @@ import glfw
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.dive.bindings import Wish
+from subsea.dive.bindings import Command
 from subsea.dive.pilot import Pilot
 from subsea.render import Presenter, page_switch, window_context
 from subsea.ui.gamepad import Gamepads, add_mappings
@@ -29,7 +29,7 @@ class _Shown(NamedTuple):
     presenter: Presenter
 
 
-class Wall:
+class WindowSet:
     """Opens the windows of `screens`, in the order of the outputs that they show."""
 
     def __init__(
@@ -44,14 +44,14 @@ class Wall:
         No OpenGL is a UserError; whatever fails, all that was opened is closed again.
         """
         self.pilot = pilot
-        self._wishes: list[Wish] = []
+        self._commands: list[Command] = []
         shown: dict[int, _Shown] = {}
         with ExitStack() as undo:
             others = [number for number in range(len(screens)) if number != front]
             for number in (front, *others):
                 share = shown[front].window if shown else None
                 screen, monitor = screens[number]
-                window = Window(screen, pilot, self._wishes, monitor, paged, share)
+                window = Window(screen, pilot, self._commands, monitor, paged, share)
                 undo.callback(window.close)
                 context = window_context(window.get_proc_address)
                 self.page = page_switch(window.get_proc_address) if paged else one_page
@@ -65,7 +65,7 @@ class Wall:
                 context.clear()
                 window.present()
             self._monitors_changed = False
-            glfw.set_monitor_callback(self._on_monitor)
+            glfw.set_monitor_callback(self.on_monitor)
             nobody: Any = None
             undo.callback(glfw.set_monitor_callback, nobody)
             self._undo = undo.pop_all()
@@ -80,14 +80,14 @@ class Wall:
         self.front.make_current()
         self._notes: list[str] = []
         add_mappings(self._notes.append)
-        self._gamepads = Gamepads(pilot, self._wishes)
+        self.gamepads = Gamepads(pilot, self._commands)
 
     @property
     def open(self) -> bool:
         """Whether nobody has asked to close any of them."""
         return all(window.open for window in self.windows)
 
-    def poll(self, wait_s: float = 0.0) -> list[Wish]:
+    def poll(self, wait_s: float = 0.0) -> list[Command]:
         """Hand all events since the last call to the pilot; what else the visitor wants.
 
         If there are none it waits for one, at most for so long.
@@ -101,15 +101,15 @@ class Wall:
             glfw.poll_events()
         now_inside, now_focused = self._hands()
         if inside and not now_inside:
-            self.pilot.leave()
+            self.pilot.pointer_left()
         if focused and not now_focused:
-            self.pilot.let_go()
+            self.pilot.release_all()
         if self._monitors_changed:
             self._settle()
-        self._notes += self._gamepads.poll(self.front.listener)
-        wishes = list(self._wishes)
-        self._wishes.clear()
-        return wishes
+        self._notes += self.gamepads.poll(self.front.listener)
+        commands = list(self._commands)
+        self._commands.clear()
+        return commands
 
     def notes(self) -> list[str]:
         """What is to be told of monitors and inputs since the last call, in lines."""
@@ -149,7 +149,8 @@ class Wall:
         """Destroy the windows."""
         self._undo.close()
 
-    def _on_monitor(self, handle: Any, event: int) -> None:
+    def on_monitor(self, handle: Any, event: int) -> None:
+        """A monitor was connected or disconnected: the callback of the window library."""
         what = "is gone" if event == glfw.DISCONNECTED else "is there"
         self._notes.append(f"the monitor {monitor_name(handle)!r} {what}")
         self._monitors_changed = True

@@ -11,10 +11,10 @@ from subsea.core.errors import UserError
 from subsea.dive import bindings
 from subsea.dive.bindings import (
     ACTIONS,
+    COMMANDS,
     CONTROLS,
     KEYS,
     USUAL,
-    WISHES,
     bindings_of,
     input_name,
     key_name,
@@ -24,7 +24,7 @@ CTRL, SHIFT, ALT = glfw.MOD_CONTROL, glfw.MOD_SHIFT, glfw.MOD_ALT
 
 
 def test_every_action_and_wish_is_told_and_no_input_means_two_things():
-    assert tuple(CONTROLS) == (*ACTIONS, *WISHES)
+    assert tuple(CONTROLS) == (*ACTIONS, *COMMANDS)
     uses = Counter(name for control in CONTROLS.values() for name in control.inputs)
     assert [name for name, number in uses.items() if number > 1] == ["Esc"]  # menu and alight
     for control in CONTROLS.values():

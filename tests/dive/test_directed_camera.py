@@ -12,7 +12,7 @@ from subsea.core.errors import UserError
 from subsea.dive.cluster.messages import encode, from_master, picture_of, ticks_of
 from subsea.dive.directed_camera import check_tour, directed, is_over, leapt
 from subsea.dive.pilot import Pilot
-from subsea.dive.tick_source import Alone
+from subsea.dive.tick_source import LocalTicks
 from subsea.dive.tour import hidden
 from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import matrix
@@ -216,7 +216,7 @@ def test_only_a_cut_is_a_leap():
 def test_time_goes_back_over_cuts_to_the_very_same_worlds(tmp_path):
     late = f"at_s = 1.5\n{STILL.replace('}', ', over_s = 0.0 }')}"
     world = world_of(tmp_path, CUT, late, "at_s = 2.5\n" + BEYOND + "\nlights = true")
-    crew = Alone(world, Pilot(), directed(world))
+    crew = LocalTicks(world, Pilot(), directed(world))
     sums = {}
     while world.state.tick < 130:
         crew.picture(TICK_S)

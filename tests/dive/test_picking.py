@@ -7,7 +7,7 @@ import pytest
 
 from subsea.dive.picking import canvas_place, pick
 from subsea.dive.ride import Ride, with_insets
-from subsea.dive.theatre_setup import open_house
+from subsea.dive.theatre_setup import set_up_theatre
 from subsea.frame.packet import make_scene, pack
 from subsea.render import Renderer, headless_context
 from subsea.render.gl.id_buffer import FISH, SEABED, WATER
@@ -50,7 +50,7 @@ def renderer(world):
 
 def rig_of(name):
     if name in ("three-projectors", "wide"):
-        return open_house(name, shrink=4).rig
+        return set_up_theatre(name, shrink=4).rig
     return display_rig(name, SIZE)
 
 

@@ -150,10 +150,10 @@ def test_a_steering_key_takes_the_helm_from_a_resting_pointer():
 def test_leaving_the_window_lets_go():
     pilot = steering_at(0.9, 0.9)
     settle(pilot)
-    pilot.leave()
+    pilot.pointer_left()
     assert settle(pilot).yaw == pytest.approx(0.0, abs=1e-3)
     pilot.hold("ahead", "W")
-    pilot.let_go()
+    pilot.release_all()
     assert settle(pilot).surge == pytest.approx(0.0, abs=1e-3)
 
 

@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from subsea.dive.pilot import Pilot
-from subsea.dive.prediction import CATCH_UP_S, Present
-from subsea.dive.tick_source import Alone
+from subsea.dive.prediction import CATCH_UP_S, Prediction
+from subsea.dive.tick_source import LocalTicks
 from subsea.scenario.schema import load_scenario
 from subsea.submarine.helm import HANDS_OFF, Helm
 from subsea.submarine.hull import AHEAD_CM_S, HEAVE_CM_S, YAW_RAD_S
@@ -54,7 +54,7 @@ def apart(one, other):
 @given(helm=HELMS, late=st.floats(0.0, 1.0), ticks=st.integers(1, 40))
 def test_the_picture_is_where_the_tick_will_be(world, begin, helm, late, ticks):
     snapshot.restore(world, begin)
-    present, submarine = Present(), world.state.submarine
+    present, submarine = Prediction(), world.state.submarine
     present.go_on(0.0, known=False)
     present.go_on(CATCH_UP_S * (1.0 - late), known=True)
     for _ in range(ticks):
@@ -75,7 +75,7 @@ def test_under_a_hand_that_holds_still_nothing_jerks(world, begin, rate, held):
     snapshot.restore(world, begin)
     pilot = Pilot()
     pilot.hold(held, "W")
-    seen = list(pictures(Alone(world, pilot), rate, 2.0))
+    seen = list(pictures(LocalTicks(world, pilot), rate, 2.0))
     moves = np.array([apart(*pair) for pair in pairwise(seen)])
     assert (moves[:, 0] < FASTEST_CM_S / rate).all()
     assert (moves[:, 1] < 1.05 * YAW_RAD_S / rate).all()
@@ -93,7 +93,7 @@ def test_a_key_shows_after_two_pictures_at_most(world, begin, rate, held, phase)
     for hands in (False, True):
         snapshot.restore(world, begin)
         pilot = Pilot()
-        crew = Alone(world, pilot)
+        crew = LocalTicks(world, pilot)
         crew.picture((1.0 + phase) * TICK_S)
         if hands:
             pilot.hold(held, "W")
@@ -109,7 +109,7 @@ def test_most_keys_show_in_the_first_picture(world, begin):
         for hands in (False, True):
             snapshot.restore(world, begin)
             pilot = Pilot()
-            crew = Alone(world, pilot)
+            crew = LocalTicks(world, pilot)
             crew.picture((1.0 + phase) * TICK_S)
             if hands:
                 pilot.hold("left", "A")
@@ -127,7 +127,7 @@ def test_on_a_tour_it_is_drawn_as_fishes_are_and_catches_up_gently(world, begin)
         return Rail(start + (world.state.tick + 1) * TICK_S * way, way, (0.0, 0.0))
 
     pilot, rate = Pilot(), 60.0
-    crew = Alone(world, pilot, tour)
+    crew = LocalTicks(world, pilot, tour)
     for eye in pictures(crew, rate, 1.0):
         late = cockpit(world.state.submarine, crew.timeline.alpha)
         assert apart(eye, late) == pytest.approx((0.0, 0.0), abs=1e-7)
@@ -143,7 +143,7 @@ def test_on_a_tour_it_is_drawn_as_fishes_are_and_catches_up_gently(world, begin)
 def test_while_time_stands_still_so_does_the_eye(world, begin):
     snapshot.restore(world, begin)
     pilot = Pilot()
-    crew = Alone(world, pilot)
+    crew = LocalTicks(world, pilot)
     pilot.hold("ahead", "W")
     list(pictures(crew, 60.0, 1.0))
     crew.timeline.pause()

@@ -13,7 +13,7 @@ from PIL import ImageGrab
 from subsea.core.resources import resource_path
 from subsea.dive.retina_images import MOST_FISHES, VALUES, coded, seen_brightness
 from subsea.dive.ride import MOST_PAN_DEG, Ride, nearest_to_middle, pictured, with_insets
-from subsea.dive.theatre_setup import open_house
+from subsea.dive.theatre_setup import set_up_theatre
 from subsea.render.gl.id_buffer import FISH, SEABED, WATER, IdMaps
 from subsea.scenario.schema import load_scenario
 from subsea.submarine.helm import HANDS_OFF
@@ -105,9 +105,9 @@ def test_who_mounts_or_comes_from_another_time_begins_level(world):
 
 def test_the_gaze_turns_with_the_keys_and_has_an_end(world):
     ride = Ride(world, 5)
-    ride.glance(1.0, -0.5, 0.5)
+    ride.turn_gaze(1.0, -0.5, 0.5)
     assert ride.gaze.pan_deg > 10.0 > 0.0 > ride.gaze.tilt_deg
-    ride.glance(1.0, 0.0, 60.0)
+    ride.turn_gaze(1.0, 0.0, 60.0)
     assert ride.gaze.pan_deg == MOST_PAN_DEG
     assert "gaze +120°" in ride.text(world, "range")
 
@@ -140,7 +140,7 @@ def test_insets_lie_over_their_pictures_in_their_shape_and_apart_on_the_canvas(d
 
 
 def test_insets_lie_where_no_other_projector_shines():
-    rig = open_house("three-projectors", shrink=4).rig
+    rig = set_up_theatre("three-projectors", shrink=4).rig
     more, _ = with_insets(rig)
     ahead = front(rig)
     x, _, width, _ = seen_part(ahead)
@@ -231,12 +231,12 @@ def test_keys_mount_a_fish_turn_its_eyes_show_maps_and_come_back(boat):
     until(boat, lambda: boat.picture.ride.gaze.pan_deg > 20.0)
     subprocess.run(["xdotool", "keyup", "Right"], check=True, timeout=60)
     key("i")
-    until(boat, lambda: boat.picture.look == "identity")
+    until(boat, lambda: boat.picture.colours == "identity")
     codes = {tuple(code) for code in coded(np.arange(2**16)).tolist()}
     found = corner(boat).reshape(-1, 3)
     assert np.mean([tuple(pixel) in codes for pixel in found.tolist()]) > 0.99
     key("i")
-    until(boat, lambda: boat.picture.look == "range")
+    until(boat, lambda: boat.picture.colours == "range")
     grey = corner(boat)
     assert np.abs(grey - colours).mean() > 10.0
     assert (np.ptp(grey, axis=2) <= 1).mean() > 0.99
@@ -249,7 +249,7 @@ def test_keys_mount_a_fish_turn_its_eyes_show_maps_and_come_back(boat):
 
 
 def test_who_is_ridden_may_go_by_the_light_ahead_of_it_wherever_it_gazes(boat):
-    boat.see_brightness, boat.picture.look = True, "colours"
+    boat.see_brightness, boat.picture.colours = True, "colours"
     key("r")
     until(boat, lambda: boat.pilot.riding)
     fish, minds = boat.picture.ride.by.fish, boat.world.state.minds
@@ -291,18 +291,18 @@ def whole(running):
 
 def test_the_help_stands_alone_and_so_does_the_pattern_after_which_the_ride_goes_on(boat):
     key("r")
-    until(boat, lambda: boat.pilot.riding and boat.picture._insets)
+    until(boat, lambda: boat.pilot.riding and boat.picture.insets)
     ride = boat.picture.ride
     key("h")
     until(boat, lambda: boat.overlay.help_opacity == 1.0)
-    assert not boat.picture._insets
+    assert not boat.picture.insets
     assert boat.picture._renderer.rig is boat.picture.rig
     key("t")
     until(boat, lambda: boat.picture.pattern)
     assert not words(boat).any()
     pattern = whole(boat)
     key("h", "p")  # neither help nor instruments
-    until(boat, lambda: boat.picture.fineness == "picture medium")
+    until(boat, lambda: boat.picture.quality_text == "picture medium")
     np.testing.assert_array_equal(whole(boat), pattern)
     key("t")
     until(boat, lambda: not boat.picture.pattern)
@@ -310,9 +310,9 @@ def test_the_help_stands_alone_and_so_does_the_pattern_after_which_the_ride_goes
     key("h")
     until(boat, lambda: boat.overlay.help_opacity == 0.0)
     boat.frame(0.1)
-    assert boat.picture._insets
+    assert boat.picture.insets
     key("p", "p", "p")
-    until(boat, lambda: boat.picture.fineness == "picture low")
+    until(boat, lambda: boat.picture.quality_text == "picture low")
     key("Escape")
     until(boat, lambda: not boat.pilot.riding)
 
@@ -322,7 +322,7 @@ def test_a_line_that_is_too_long_is_several(boat):
 
     key("r")
     until(boat, lambda: boat.pilot.riding)
-    boat.picture.ride.gaze, boat.picture.look = Gaze(30.0, 20.0), "identity"  # which is told too
+    boat.picture.ride.gaze, boat.picture.colours = Gaze(30.0, 20.0), "identity"  # which is told too
     for size, lines in (((240, 180), 2), ((700, 300), 1)):
         glfw.set_window_size(boat.window.handle, *size)
         until(boat, lambda size=size: boat.window.size == size)
@@ -333,7 +333,7 @@ def test_a_line_that_is_too_long_is_several(boat):
         columns = np.flatnonzero(found.any(axis=0))
         assert columns[0] >= 8
         assert columns[-1] < size[0] - 8
-    boat.picture.look = "colours"
+    boat.picture.colours = "colours"
     glfw.set_window_size(boat.window.handle, *SIZE)
     until(boat, lambda: boat.window.size == SIZE)
     key("Escape")

@@ -11,7 +11,7 @@ from subsea.cli import options as cli
 from subsea.cli.main import main
 from subsea.core.errors import UserError
 from subsea.dive import settings
-from subsea.dive.bindings import ACTIONS, WISHES
+from subsea.dive.bindings import ACTIONS, COMMANDS
 from subsea.dive.settings import Settings, default_text, read_settings, usual_settings
 from subsea.render.output.quality import CHOICES
 
@@ -36,7 +36,7 @@ def test_the_file_of_defaults_changes_nothing_and_names_everything(tmp_path):
     # With every line in force it says the same again.
     path.write_text(re.sub(r'(?m)^# (?=("[^"]+"|\w+) = )', "", text))
     full = read_settings(path)
-    assert set(full.controls) == {*ACTIONS, *WISHES}
+    assert set(full.controls) == {*ACTIONS, *COMMANDS}
     assert full.bindings == Settings().bindings
     assert msgspec.structs.replace(full, controls={}) == Settings()
     for table in msgspec.structs.fields(Settings):

@@ -10,7 +10,7 @@ from subsea.core.errors import UserError
 from subsea.core.resources import resource_names
 from subsea.dive.cluster.credentials import cluster_faults, credentials
 from subsea.dive.cluster.keys import write_keys
-from subsea.dive.theatre_setup import chosen_rig, describe, open_house, shrunk, told
+from subsea.dive.theatre_setup import chosen_rig, describe, set_up_theatre, shrunk, told
 from subsea.view.stereo import Stereo
 from subsea.view.theatre.theatre_file import (
     FOLDER,
@@ -73,7 +73,7 @@ def test_what_does_not_work_is_told_and_the_rest_goes_on(tmp_path, capsys):
     assert main.main(["theatre", str(path)]) == 1
     out, line = capsys.readouterr().out, line_of(path, 'name = "behind"') - 1
     assert f"does not work: {path}:{line}: channel 'behind': the eye is behind the screen" in out
-    house = open_house(str(path))
+    house = set_up_theatre(str(path))
     said = capsys.readouterr().err
     assert said.count("\n") == 1
     assert "channel 'behind': the eye is behind the screen" in said
@@ -85,9 +85,9 @@ def test_what_does_not_work_is_told_and_the_rest_goes_on(tmp_path, capsys):
 def test_a_screen_that_one_eye_cannot_see_is_left_out(tmp_path, capsys):
     path = tmp_path / "near.toml"
     path.write_text(BAD[: BAD.rindex("plane")] + NEAR)
-    assert len(open_house(str(path), "anaglyph").windows) == 2
+    assert len(set_up_theatre(str(path), "anaglyph").windows) == 2
     assert capsys.readouterr().err == ""
-    house = open_house(str(path), "anaglyph", Stereo(separation_cm=110.0))
+    house = set_up_theatre(str(path), "anaglyph", Stereo(separation_cm=110.0))
     assert [window.name for window in house.windows] == ["a"]
     said = capsys.readouterr().err
     assert said.count("\n") == 1
@@ -95,7 +95,7 @@ def test_a_screen_that_one_eye_cannot_see_is_left_out(tmp_path, capsys):
     assert f"{path}:{line}: channel 'behind': the eye is behind the screen" in said
     path.write_text("".join(path.read_text().partition("[[channel]]")[0]) + OTHER + NEAR)
     with pytest.raises(UserError, match=r"near\.toml:\d+: channel 'behind': the eye is behind"):
-        open_house(str(path), "anaglyph", Stereo(separation_cm=110.0))
+        set_up_theatre(str(path), "anaglyph", Stereo(separation_cm=110.0))
 
 
 @pytest.mark.parametrize("change", ["theatre.toml", "left.obj", "all.mpcdi"])
@@ -152,13 +152,13 @@ def test_a_part_of_which_nothing_is_left_is_one_line(tmp_path, capsys):
         told = capsys.readouterr().err
         assert f"--shrink {times} leaves {left}, expected 16 or more a side" in told
         assert told.count("\n") == 1
-    assert open_house("three-projectors", shrink=62).rig.outputs[0] == (23, 16)
+    assert set_up_theatre("three-projectors", shrink=62).rig.outputs[0] == (23, 16)
     with pytest.raises(UserError, match=r"--shrink 64 leaves 22x15 pixels of window 'left'"):
-        open_house("three-projectors", shrink=64)
+        set_up_theatre("three-projectors", shrink=64)
 
 
 def test_shrinking_keeps_the_geometry():
-    whole, small = (open_house("three-projectors", shrink=n) for n in (1, 4))
+    whole, small = (set_up_theatre("three-projectors", shrink=n) for n in (1, 4))
     assert small.rig.outputs == ((360, 250),) * 3
     assert [w.position for w in small.windows] == [(0, 0), (360, 0), (720, 0)]
     for one, other in zip(whole.rig.eyes, small.rig.eyes, strict=True):
@@ -205,8 +205,8 @@ def test_wrong_options_are_one_line(capsys, arguments, said):
 
 def test_a_node_that_is_not_there():
     with pytest.raises(UserError, match=r"unknown node 'rigth'; did you mean 'right'\?"):
-        open_house("three-computers", node="rigth")
-    assert open_house("three-computers", node="left").windows[0].name == "left"
+        set_up_theatre("three-computers", node="rigth")
+    assert set_up_theatre("three-computers", node="left").windows[0].name == "left"
 
 
 CLUSTER = """

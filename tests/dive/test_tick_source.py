@@ -13,7 +13,7 @@ from subsea.dive.cluster.follower import Follower
 from subsea.dive.cluster.keys import write_keys
 from subsea.dive.cluster.master import Master
 from subsea.dive.pilot import Pilot
-from subsea.dive.tick_source import Alone, Following, Leading, muster
+from subsea.dive.tick_source import FollowerTicks, LeaderTicks, LocalTicks, tick_source_maker
 from subsea.scenario.schema import load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.submarine.rail import Rail
@@ -40,7 +40,7 @@ def pressed(action):
 
 def test_alone_the_clock_makes_the_ticks_and_the_hands_steer(worlds):
     world = worlds[0]
-    crew, tick = Alone(world, pressed("ahead")), world.state.tick
+    crew, tick = LocalTicks(world, pressed("ahead")), world.state.tick
     assert crew.picture(2.5 * TICK_S) == pytest.approx(0.5)
     assert world.state.tick == tick + 2
     assert crew.picture(0.25 * TICK_S) == pytest.approx(0.75)
@@ -70,9 +70,9 @@ def test_one_leads_and_another_follows(worlds, tour):
         taken.bind(("127.0.0.1", 0))
         address = f"127.0.0.1:{taken.getsockname()[1]}"
     pilot = Pilot() if tour else pressed("left")
-    lead = Leading(Master(worlds[0], ["left"], address, timeout_s=5.0), pilot, tour)
+    lead = LeaderTicks(Master(worlds[0], ["left"], address, timeout_s=5.0), pilot, tour)
     assert pilot.helm(TICK_S) == HANDS_OFF or not tour
-    follow = Following(Follower(worlds[1], "left", "middle", address, timeout_s=0.5))
+    follow = FollowerTicks(Follower(worlds[1], "left", "middle", address, timeout_s=0.5))
     shown, drawn, ended = [], [], threading.Event()
 
     def node():
@@ -142,8 +142,8 @@ def test_a_theatre_says_who_leads_and_who_follows(tmp_path, worlds):
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         found = theatre(tmp_path, f"127.0.0.1:{taken.getsockname()[1]}")
-    for node, kind, hands in (("right", Leading, True), ("left", Following, False)):
-        crew = muster(*found, node)(worlds[0], Pilot())
+    for node, kind, hands in (("right", LeaderTicks, True), ("left", FollowerTicks, False)):
+        crew = tick_source_maker(*found, node)(worlds[0], Pilot())
         assert isinstance(crew, kind)
         assert (crew.hands, crew.shared) == (hands, True)
         crew.close()
@@ -153,8 +153,8 @@ def test_a_node_that_would_look_otherwise_is_refused(tmp_path, worlds):
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         found = theatre(tmp_path, f"127.0.0.1:{taken.getsockname()[1]}")
-    lead = muster(*found, "right", view="mono")(worlds[0], Pilot())
-    follow = muster(*found, "left", view="anaglyph")(worlds[1], Pilot())
+    lead = tick_source_maker(*found, "right", view="mono")(worlds[0], Pilot())
+    follow = tick_source_maker(*found, "left", view="anaglyph")(worlds[1], Pilot())
     end = time.monotonic() + 60.0
     try:
         with pytest.raises(UserError, match=r"refuses node left: .* another theatre file or calib"):
@@ -176,7 +176,7 @@ def test_what_decides_how_pictures_meet(tmp_path, monkeypatch):
             main.run(["dive", "--theatre", str(path), "--node", "left", *options])
         return str(met.value)
 
-    monkeypatch.setattr(dive, "muster", caught)
+    monkeypatch.setattr(dive, "tick_source_maker", caught)
     _, path = theatre(tmp_path, "127.0.0.1:5560")
     ours = view()
     assert view("--swap-eyes", "--shrink", "2", "--quality", "low") == ours
@@ -191,15 +191,15 @@ def test_what_decides_how_pictures_meet(tmp_path, monkeypatch):
 
 def test_faults_of_a_cluster_are_told_before_there_is_a_world(tmp_path, worlds):
     found = theatre(tmp_path, "127.0.0.1:5560")
-    assert isinstance(muster(*found, None)(worlds[0], Pilot()), Alone)
+    assert isinstance(tick_source_maker(*found, None)(worlds[0], Pilot()), LocalTicks)
     with pytest.raises(UserError, match=r"hall\.toml:\d+: \[cluster\]: address .* keys are needed"):
-        muster(*theatre(tmp_path, "192.0.2.7:5560"), "left")
+        tick_source_maker(*theatre(tmp_path, "192.0.2.7:5560"), "left")
     found = theatre(tmp_path, "192.0.2.7:5560", 'keys = "ours"\n')
     with pytest.raises(UserError, match=r"ours/right\.key_secret: cannot read"):
-        muster(*found, "right")
+        tick_source_maker(*found, "right")
     write_keys(tmp_path / "ours", ["left", "right"])
-    muster(*found, "right")
+    tick_source_maker(*found, "right")
     (tmp_path / "ours" / "left.key").unlink()
     with pytest.raises(UserError, match=r"ours/left\.key: cannot read"):
-        muster(*found, "right")
-    muster(*found, "left")  # which needs the master's key, and its own
+        tick_source_maker(*found, "right")
+    tick_source_maker(*found, "left")  # which needs the master's key, and its own

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from subsea.behavior.teleop import TeleopCommand
 from subsea.dive import timeline as module
 from subsea.dive.pilot import Pilot
-from subsea.dive.tick_source import Alone
+from subsea.dive.tick_source import LocalTicks
 from subsea.dive.timeline import RATES, Timeline
 from subsea.scenario.schema import load_scenario
 from subsea.submarine.helm import Helm
@@ -222,7 +222,7 @@ class Hands(Pilot):
 
 
 def test_a_dive_stands_still_goes_tick_by_tick_slower_and_faster(world):
-    crew = Alone(world, hands := Hands())
+    crew = LocalTicks(world, hands := Hands())
     time = crew.timeline
     for _ in range(10):
         crew.picture(TICK_S)
@@ -258,7 +258,7 @@ def test_time_goes_back_without_asking_hands_or_the_tour(world):
         return Helm(yaw=0.5)
 
     hands.helm = lambda dt: Helm()
-    crew = Alone(world, hands, tour)
+    crew = LocalTicks(world, hands, tour)
     time = crew.timeline
     was = []
     for _ in range(45):

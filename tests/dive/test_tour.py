@@ -7,7 +7,7 @@ import pytest
 
 from subsea.dive.pilot import Pilot
 from subsea.dive.start import start_world
-from subsea.dive.tick_source import Alone
+from subsea.dive.tick_source import LocalTicks
 from subsea.dive.tour import (
     HOOK,
     HUNT,
@@ -177,7 +177,7 @@ def test_the_same_tour_each_time():
 def test_a_visitor_is_taken_along_until_a_hand_moves():
     world = create_world(load_scenario("peaceful")[0], seed=3, fish=12)
     course, pilot = course_of(world.scenario, "reef"), Pilot()
-    boat, crew = world.state.submarine, Alone(world, pilot, guide(world, course))
+    boat, crew = world.state.submarine, LocalTicks(world, pilot, guide(world, course))
     for _ in range(5):
         crew.picture(1.5 * TICK_S)
     there = rail_at(course, world.state, world.state.tick * TICK_S).position

@@ -42,7 +42,7 @@ from subsea.fish.species import load_species, shipped_species
 from subsea.profiling import paper_tables
 from subsea.repertoire import read_repertoire, write_repertoire
 from subsea.scenario.schema import load_scenario
-from subsea.ui.window_set import Wall
+from subsea.ui.window_set import WindowSet
 from subsea.view.theatre.theatre_file import load_theatre
 from tests.support.pages import PAGES, PROGRAMS, Command, blocks, inline, prose, steps
 
@@ -279,7 +279,7 @@ class Workshop:
         told = StringIO()
         with redirect_stdout(told), pytest.MonkeyPatch.context() as patch:
             if (name in WINDOWS and "--auto" not in words) or "--node" in words:
-                patch.setattr(Wall, "present", closing(Wall.present))
+                patch.setattr(WindowSet, "present", closing(WindowSet.present))
             code = program.main(words[1:])
         allowed = (130, 0) if name in WINDOWS or "--node" in words else MAY_FAIL.get(name, (0,))
         assert code in allowed, f"exit code {code} of {shlex.join(words)}\n{told.getvalue()}"
@@ -291,7 +291,7 @@ def options_in(words):
 
 
 def closing(present):
-    """`Wall.present` that is interrupted, as by Ctrl-C, when a second picture was shown."""
+    """`WindowSet.present` that is interrupted, as by Ctrl-C, when a second picture was shown."""
     shown = []
 
     def close(wall):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from subsea.dive.captions import caption_of
+from subsea.dive.directed_camera import endless_tour
 from subsea.dive.settings import AttractSettings, Settings
 from subsea.ui.dive import Dive
 from subsea.world import snapshot
@@ -39,11 +40,11 @@ def test_it_goes_where_directions_want_it_and_the_caption_stands_over_the_sea(
     hands.glide(boat, 4.0)
     place = boat.world.state.submarine.position
     assert np.linalg.norm(place - (-480.0, -200.0, -250.0)) < 1.0
-    assert boat.attract.touring and caption_of(boat.world, 1.0).opacity == 1.0
+    assert boat.tours.timer.touring and caption_of(boat.world, 1.0).opacity == 1.0
     boat.timeline.pause()  # nothing but the caption differs
     boat.frame(0.0)
     told = hands.screen(boat)
-    monkeypatch.setattr("subsea.ui.dive.subtitles.draw", lambda caption, rig: None)
+    monkeypatch.setattr("subsea.ui.text_layer.subtitles.draw", lambda caption, rig: None)
     boat.frame(0.0)
     differs = np.abs(told - hands.screen(boat)).sum(axis=2) > 100
     rows, columns = np.flatnonzero(differs.any(axis=1)), np.flatnonzero(differs.any(axis=0))
@@ -66,9 +67,11 @@ def test_time_goes_back_and_the_camera_comes_the_same_way_again(boat, hands):
     assert not boat.world.state.submarine.lights[0]
     assert np.linalg.norm(boat.world.state.submarine.position - (-480.0, -200.0, -250.0)) < 1.0
     assert caption_of(boat.world, 1.0).opacity == 1.0
-    boat.attract._idle_s = 0.0
-    boat._crew.carry(boat._taken(boat.world))  # the key was a hand: who was there has left again
-    boat.attract.begin()
+    boat.tours.timer.idle_s = 0.0
+    boat.tick_source.set_tour(
+        endless_tour(boat.world, boat.tours.name)
+    )  # the key was a hand: who was there has left again
+    boat.tours.timer.begin()
     boat.timeline.pause()
     while boat.world.state.tick < late[0]:
         boat.frame(min(0.1, (late[0] - boat.world.state.tick) * TICK_S))
@@ -78,10 +81,10 @@ def test_time_goes_back_and_the_camera_comes_the_same_way_again(boat, hands):
 def test_a_hand_has_the_helm_and_later_it_comes_back_softly(boat, hands):
     hands.glide(boat, 1.0)
     hands.do("key", "w")
-    hands.until(boat, lambda: not boat.attract.touring)
-    assert boat._crew._course.tour is None
+    hands.until(boat, lambda: not boat.tours.timer.touring)
+    assert boat.tick_source.steering.tour is None
     hands.glide(boat, AFTER_S + 0.5)
-    assert boat.attract.touring and boat.attract.shade == 0.0  # without the dark: it is no leap
+    assert boat.tours.timer.touring and boat.tours.timer.shade == 0.0  # no fade to dark
     fastest, before = 0.0, boat.world.state.submarine.position.copy()
     for _ in range(60):
         boat.frame(TICK_S)

@@ -32,7 +32,7 @@ def test_the_scene_begins_anew_when_it_is_over_and_when_a_visitor_has_left(
         )
     ) as exhibit:  # fmt: skip
         hands.glide(exhibit, 0.5)
-        assert exhibit.attract.touring  # the pointer that it opened under is no hand
+        assert exhibit.tours.timer.touring  # the pointer that it opened under is no hand
         begun = []
         for _ in range(70):
             before = exhibit.world
@@ -40,14 +40,14 @@ def test_the_scene_begins_anew_when_it_is_over_and_when_a_visitor_has_left(
             if exhibit.world is not before:
                 begun.append(before.state.tick * TICK_S)
         assert len(begun) >= 2 and np.allclose(begun, END_S, atol=0.2)
-        assert exhibit.attract.touring
+        assert exhibit.tours.timer.touring
         hands.do("key", "w")
-        hands.until(exhibit, lambda: not exhibit.attract.touring)
+        hands.until(exhibit, lambda: not exhibit.tours.timer.touring)
         before = exhibit.world
         hands.glide(exhibit, AFTER_S - 0.5)
         assert exhibit.world is before  # a visitor is in no scene that ends
         hands.glide(exhibit, 3.0)
-        assert exhibit.world is not before and exhibit.attract.touring
+        assert exhibit.world is not before and exhibit.tours.timer.touring
         assert caption_of(exhibit.world, 1.0).words == "Again."
         place = exhibit.world.state.submarine.position
         assert np.linalg.norm(place - (-480.0, -200.0, -250.0)) < 1.0

@@ -133,7 +133,7 @@ def test_a_key_shows_in_the_second_picture_at_the_latest(boat):
     still = [boat.picture.eye.forward]
     hands("keydown", "d")
     end = time.monotonic() + 60.0
-    while not boat.pilot._held and time.monotonic() < end:
+    while not boat.pilot.held and time.monotonic() < end:
         still.append(boat.picture.eye.forward)
         boat.frame(1 / 144)  # the last of these is the first after the key came
     drift = np.linalg.norm(np.diff(still, axis=0), axis=1)
@@ -154,19 +154,19 @@ def test_the_help_fades_under_way_and_comes_back(boat):
 
 
 def test_a_key_goes_through_the_qualities(boat):
-    assert boat.picture.fineness.startswith("picture auto: ")
+    assert boat.picture.quality_text.startswith("picture auto: ")
     for name in ("low", "medium", "high"):
         hands("key", "p")
-        until(boat, lambda name=name: boat.picture.fineness == f"picture {name}")
+        until(boat, lambda name=name: boat.picture.quality_text == f"picture {name}")
     hands("key", "p")
-    until(boat, lambda: boat.picture.fineness.startswith("picture auto"))
+    until(boat, lambda: boat.picture.quality_text.startswith("picture auto"))
 
 
 def test_auto_makes_the_canvas_smaller_where_frames_take_too_long(boat):
-    boat.picture._target_ms, usual = 0.5, boat.picture._target_ms
-    until(boat, lambda: boat.picture.fineness.endswith("%"))
+    boat.picture.target_ms, usual = 0.5, boat.picture.target_ms
+    until(boat, lambda: boat.picture.quality_text.endswith("%"))
     assert screen(boat)[20:-20, 20:-20].std() > 3
-    boat.picture._target_ms = usual
+    boat.picture.target_ms = usual
 
 
 def test_the_picture_follows_the_size_of_the_window(boat):

@@ -27,9 +27,9 @@ class Box:
     """Gamepads that tests plug in, with who steers by them."""
 
     def __init__(self, **settings):
-        self.there, self.wishes = {}, []
+        self.there, self.commands = {}, []
         self.pilot = Pilot(Settings(**settings))
-        self.pads = Gamepads(self.pilot, self.wishes, lambda: self.there)
+        self.pads = Gamepads(self.pilot, self.commands, lambda: self.there)
 
     def helm(self, seconds=2.0):
         for _ in range(round(seconds / DT)):
@@ -70,17 +70,17 @@ def test_buttons_ask_for_things_once_and_stop():
     box = Box()
     box.at("right bumper", "start", left_y=-1.0)
     box.at("right bumper", left_y=-1.0)
-    assert sorted(box.wishes) == ["menu", "reins"]
+    assert sorted(box.commands) == ["menu", "reins"]
     assert box.at("A", left_y=-1.0).full_stop
     assert box.at(left_y=-1.0).full_stop  # the stick is where it was
     assert box.at(left_y=-0.5).surge > 0.1
-    box.wishes.clear()
+    box.commands.clear()
     box.at("B")
-    assert box.wishes == []
+    assert box.commands == []
     box.at()
     box.pilot.ride(True)
     box.at("B")
-    assert box.wishes == ["alight"]
+    assert box.commands == ["alight"]
 
 
 def test_what_a_part_means_is_as_the_settings_say():
@@ -92,7 +92,7 @@ def test_what_a_part_means_is_as_the_settings_say():
     assert box.at(right_y=-0.7).pitch < -0.9
     for pulled in (1.0, 0.0, 0.9, -1.0, 1.0):  # twice, with a tremble between
         box.at(left_trigger=pulled)
-    assert box.wishes == ["picture", "picture"]
+    assert box.commands == ["picture", "picture"]
 
 
 def test_one_that_is_pulled_out_lets_go_and_may_come_back():
@@ -108,7 +108,7 @@ def test_one_that_is_pulled_out_lets_go_and_may_come_back():
     box.there = {0: state(left_y=-1.0, name="Pad of Ada"), 1: state("start", name="Other")}
     assert len(box.pads.poll()) == 2
     assert box.helm().surge > 0.9
-    assert box.wishes == ["menu"]
+    assert box.commands == ["menu"]
 
 
 def test_one_that_nothing_is_known_of_is_told(monkeypatch):
@@ -137,7 +137,7 @@ def test_who_listens_hears_it_first():
     box.there = {0: state("start", left_y=-1.0)}
     box.pads.poll(ear)
     assert ear.heard == [("pad left stick up", 1.0), ("pad start", 1.0)]
-    assert box.wishes == []
+    assert box.commands == []
     assert box.helm().surge == 0.0
 
 

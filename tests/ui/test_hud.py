@@ -8,7 +8,7 @@ import pytest
 from subsea.dive.bindings import USUAL, bindings_of
 from subsea.state import Submarine
 from subsea.ui.comfort import Vignette
-from subsea.ui.help_overlay import sign_of
+from subsea.ui.help_overlay import help_content
 from subsea.ui.hud import FADE_S, STILL_S, Hud, reading
 
 DT = 0.1
@@ -79,7 +79,7 @@ def test_they_stay_or_stay_away_if_told():
 
 
 def test_the_sign_tells_the_inputs_as_they_are_bound():
-    usual = sign_of(USUAL)
+    usual = help_content(USUAL)
     assert (usual.left, usual.right, usual.wheel) == ("ahead", "back", "wheel: speed, press: stop")
     assert usual.moving and usual.both
     keys = {row.what: row.keys for row in usual.rows}
@@ -87,7 +87,7 @@ def test_the_sign_tells_the_inputs_as_they_are_bound():
     own = bindings_of(
         {"ahead": ["I"], "rise": ["mouse left"], "menu": ["M"], "help": [], "ride": ["pad A"]}
     )
-    sign = sign_of(own, steers=False, without=("desk",))
+    sign = help_content(own, steers=False, without=("desk",))
     assert (sign.left, sign.right, sign.moving, sign.both) == ("rise", "back", "", "")
     keys = {row.what: row.keys for row in sign.rows}
     assert keys["ahead and back"] == ("I", "S") and keys["menu"] == ("M",)
@@ -105,5 +105,5 @@ def test_the_rim_darkens_in_fast_turns_and_starts_only():
         rim, velocity = Vignette(1.0), rest
         for _ in range(40):
             velocity = velocity + (faster * DT, 0.0, 0.0)
-            rim.feel(np.array(rates), velocity, DT)
+            rim.update(np.array(rates), velocity, DT)
         assert rim.amount == pytest.approx(wanted, abs=0.02)

@@ -31,14 +31,14 @@ def at_the_desk(boat, hands):
     hands.until(boat, lambda: np.linalg.norm(submarine.velocity) < 1.0)
     hands.until(boat, lambda: np.abs(submarine.rates).max() < 1e-3)
     hands.do("key", "Tab")
-    hands.until(boat, lambda: boat.desk.open)
+    hands.until(boat, lambda: boat.inspector.open)
     boat.pilot.hold("ahead", "W")
     boat.pilot.release("W")  # no full stop holds: what steers would be seen
     hands.glide(boat, 0.3)
     yield boat
-    if boat.desk.open:
+    if boat.inspector.open:
         hands.do("key", "Tab")
-        hands.until(boat, lambda: not boat.desk.open)
+        hands.until(boat, lambda: not boat.inspector.open)
 
 
 def heading(boat):
@@ -67,9 +67,9 @@ def test_a_drag_that_begins_on_the_bar_never_steers_not_even_after_it_is_closed(
     hands.do("mousemove", left + 460, top + 300)
     hands.glide(boat, 0.5)
     hands.do("key", "Tab")
-    hands.until(boat, lambda: not boat.desk.open)
+    hands.until(boat, lambda: not boat.inspector.open)
     hands.glide(boat, 0.5)
-    assert not boat.pilot._held
+    assert not boat.pilot.held
     assert abs(boat.pilot.helm(0.0).surge) < 0.01
     hands.do("mouseup", 1)
     hands.glide(boat, 0.2)
@@ -89,10 +89,10 @@ def test_a_panel_is_opened_from_the_bar_drawn_and_closed(at_the_desk, spots, mon
     monkeypatch.setitem(PANELS, "Spare", drawn.append)
     boat.frame(0.0)
     spots.click(boat, "Spare")
-    assert boat.desk.shown == {"Spare"}
-    assert drawn and drawn[-1] is boat.desk
+    assert boat.inspector.shown == {"Spare"}
+    assert drawn and drawn[-1] is boat.inspector
     spots.click(boat, "Spare")
-    assert not boat.desk.shown
+    assert not boat.inspector.shown
     drawn.clear()
     boat.frame(0.0)
     assert not drawn
@@ -102,19 +102,19 @@ def test_panels_open_beside_one_another_where_there_is_room(at_the_desk, monkeyp
     boat = at_the_desk
     for name in ("One", "Other"):
         monkeypatch.setitem(PANELS, name, lambda desk: imgui.dummy((60.0, 40.0)))
-        boat.desk.shown.add(name)
+        boat.inspector.shown.add(name)
         boat.frame(0.0)
         boat.frame(0.0)
     (x, y, width, height), (other_x, other_y, *_) = (
-        boat.desk._taken[name] for name in ("One", "Other")
+        boat.inspector.areas[name] for name in ("One", "Other")
     )
     assert other_x >= x + width or other_y >= y + height
-    boat.desk.shown.clear()
+    boat.inspector.shown.clear()
     boat.frame(0.0)
 
 
 def test_back_at_the_helm_the_pointer_steers_again(boat, hands):
-    assert not boat.desk.open
+    assert not boat.inspector.open
     before = heading(boat)
     hands.point(boat, -0.9, 0.0)
     hands.until(boat, lambda: heading(boat) - before > math.radians(10.0))
@@ -125,7 +125,7 @@ def test_back_at_the_helm_the_pointer_steers_again(boat, hands):
 def test_another_world_is_entered_while_the_window_stays(boat, hands):
     handle, before = boat.window.handle, boat.world
     fewer = msgspec.structs.replace(boat.scenario, fish=boat.scenario.fish[:1])
-    assert boat.enter(fewer, boat.source, seed=5)
+    assert boat.open_world(fewer, boat.source, seed=5)
     hands.glide(boat, 0.5)
     assert boat.window.handle is handle and boat.world is not before
     assert boat.world.state.seed == 5
@@ -140,7 +140,7 @@ def test_a_world_that_cannot_be_leaves_the_dive_as_it_is(boat, capsys):
         boat.scenario.submarine, position_cm=(*rock.position_cm, -600.0)
     )
     world = boat.world
-    assert not boat.enter(msgspec.structs.replace(boat.scenario, submarine=start), boat.source)
+    assert not boat.open_world(msgspec.structs.replace(boat.scenario, submarine=start), boat.source)
     assert boat.world is world
     assert "submarine.position_cm" in capsys.readouterr().err
     boat.frame(0.1)
@@ -162,18 +162,18 @@ def test_panels_lie_within_the_screen_and_so_does_the_bar(at_the_desk, monkeypat
     def inside(name):
         boat.frame(0.0)
         boat.frame(0.0)
-        x, y, width, height = boat.desk._taken[name]
+        x, y, width, height = boat.inspector.areas[name]
         return x >= 0 and y > 0 and x + width <= SIZE[0] and y + height <= SIZE[1]
 
     for name in ("Huge", "Small"):
-        boat.desk.shown.add(name)
+        boat.inspector.shown.add(name)
         boat.frame(0.0)
         assert inside(name)
     for place in ((-200.0, -90.0), (600.0, 100.0), (200.0, 460.0)):
         imgui.internal.find_window_by_name("Small").pos = place
         assert inside("Small")
     assert spots["To the helm"][2] <= SIZE[0]
-    boat.desk.shown.clear()
+    boat.inspector.shown.clear()
     boat.frame(0.0)
 
 
@@ -190,20 +190,20 @@ def test_a_panel_that_fails_is_closed_and_the_dive_goes_on(at_the_desk, monkeypa
 
     monkeypatch.setitem(PANELS, "Broken", broken)
     monkeypatch.setitem(PANELS, "Refused", refused)
-    boat.desk.shown |= {"Broken", "Refused"}
+    boat.inspector.shown |= {"Broken", "Refused"}
     with pytest.warns(RuntimeWarning, match="in broken"):
         boat.frame(0.0)
     told = capsys.readouterr().err
     assert "Broken failed: TypeError: no such thing" in told and "nothing to read" in told
-    assert not boat.desk.shown
-    boat.desk.later(lambda: 1 / 0)
+    assert not boat.inspector.shown
+    boat.inspector.later(lambda: 1 / 0)
     with pytest.warns(RuntimeWarning, match="ZeroDivisionError"):
         boat.frame(0.0)
-    boat.desk.shown.add("Time")
+    boat.inspector.shown.add("Time")
     boat.frame(0.0)
     boat.frame(0.0)
-    assert boat.desk.shown == {"Time"} and boat.window.open
-    boat.desk.shown.clear()
+    assert boat.inspector.shown == {"Time"} and boat.window.open
+    boat.inspector.shown.clear()
 
 
 def test_a_side_button_of_the_mouse_does_no_harm(at_the_desk, hands):
@@ -211,7 +211,7 @@ def test_a_side_button_of_the_mouse_does_no_harm(at_the_desk, hands):
     hands.do("click", 10)
     hands.glide(boat, 0.2)
     hands.do("key", "Tab")
-    hands.until(boat, lambda: not boat.desk.open)
+    hands.until(boat, lambda: not boat.inspector.open)
     hands.do("click", 10)
     hands.glide(boat, 0.2)
     assert boat.window.open
@@ -227,10 +227,10 @@ def test_letters_typed_at_once_after_a_click_into_a_field_stay_there(
         text[0] = imgui.input_text("##words", text[0])[1]
 
     monkeypatch.setitem(PANELS, "Typing", typing)
-    boat.desk.shown.add("Typing")
+    boat.inspector.shown.add("Typing")
     hands.glide(boat, 0.3)
     left, top = boat.window.position
-    x, y, width, height = boat.desk._taken["Typing"]
+    x, y, width, height = boat.inspector.areas["Typing"]
     place = round(left + x + 0.5 * width), round(top + y + 0.75 * height)
     hands.do("mousemove", *place)
     hands.glide(boat, 0.2)
@@ -239,7 +239,7 @@ def test_letters_typed_at_once_after_a_click_into_a_field_stay_there(
     assert not boat.timeline.paused and boat.picture.ride is None
     hands.do("key", "Escape")
     hands.glide(boat, 0.3)
-    boat.desk.shown.clear()
+    boat.inspector.shown.clear()
     hands.glide(boat, 0.2)
 
 
@@ -248,8 +248,8 @@ def test_the_help_makes_way_for_the_desk(boat, hands):
     hands.glide(boat, 2.0)
     assert boat.overlay.help_opacity == 1.0
     hands.do("key", "Tab")
-    hands.until(boat, lambda: boat.desk.open)
+    hands.until(boat, lambda: boat.inspector.open)
     hands.glide(boat, 2.0)
     assert boat.overlay.help_opacity == 0.0
     hands.do("key", "Tab")
-    hands.until(boat, lambda: not boat.desk.open)
+    hands.until(boat, lambda: not boat.inspector.open)

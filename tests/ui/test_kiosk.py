@@ -5,10 +5,14 @@ import time
 from contextlib import closing
 
 import glfw
+import msgspec
 import pytest
 
-from subsea.dive.settings import AttractSettings, Settings
+from subsea.core.errors import UserError
+from subsea.dive.bindings import COMMANDS
+from subsea.dive.settings import DEFAULTS, AttractSettings, KioskSettings, Settings
 from subsea.ui.dive import Dive
+from subsea.ui.kiosk import ALLOWED, locked
 from tests.support.windows import dive_options
 
 AFTER_S = 4.0
@@ -60,19 +64,21 @@ def test_it_fills_the_screen_and_stays(exhibit, hands):
     time.sleep(0.3)
     hands.glide(exhibit, 0.5)
     assert exhibit.window.open and exhibit.window.size == (800, 600)
-    assert not exhibit.desk.open and not exhibit.picture.pattern and not exhibit.timeline.paused
+    assert (
+        not exhibit.inspector.open and not exhibit.picture.pattern and not exhibit.timeline.paused
+    )
     assert exhibit.picture.quality == "coarse" and exhibit.overlay.hud.mode == "as needed"
-    assert not exhibit._shots.filming
+    assert not exhibit.filming
 
 
 def test_its_menu_has_no_way_out(exhibit, hands):
     hands.do("key", "Escape")
     hands.until(exhibit, lambda: exhibit.menu.open)
-    assert [entry.text for entry in exhibit.menu._first()] == ["Continue", "Scenario", "Help"]
+    assert [entry.text for entry in exhibit.menu.entries()] == ["Continue", "Scenario", "Help"]
     hands.do("key", "Down", "Return")
     hands.glide(exhibit, 0.5)
-    assert exhibit.menu._page == "Scenario"
-    assert "Start anew" not in [entry.text for entry in exhibit.menu._scenarios()]
+    assert exhibit.menu.page == "Scenario"
+    assert "Start anew" not in [entry.text for entry in exhibit.menu.entries()]
     hands.do("key", "Escape")
     hands.glide(exhibit, 0.3)
     hands.do("key", "Escape")
@@ -92,21 +98,21 @@ def test_the_pointer_hides_while_it_rests(exhibit, hands):
 
 
 def test_when_visitors_have_left_all_is_as_at_the_start(exhibit, hands):
-    exhibit.enter(exhibit.scenario, exhibit.source, seed=9)
+    exhibit.open_world(exhibit.scenario, exhibit.source, seed=9)
     hands.do("key", "r")
     hands.until(exhibit, lambda: exhibit.pilot.riding)
     hands.do("key", "Escape")
     hands.until(exhibit, lambda: not exhibit.pilot.riding)
     hands.do("key", "Escape")
     hands.until(exhibit, lambda: exhibit.menu.open)
-    exhibit.attract.after_s = AFTER_S
+    exhibit.tours.timer.after_s = AFTER_S
     hands.glide(exhibit, AFTER_S + 3.0)
-    assert exhibit.attract.touring and exhibit._crew._course.tour is not None
+    assert exhibit.tours.timer.touring and exhibit.tick_source.steering.tour is not None
     assert exhibit.world.state.seed == 1
     assert not exhibit.menu.open and not exhibit.pilot.riding
     hands.do("mousemove_relative", 20, 20)
-    hands.until(exhibit, lambda: not exhibit.attract.touring)
-    exhibit.attract.after_s = 0.0
+    hands.until(exhibit, lambda: not exhibit.tours.timer.touring)
+    exhibit.tours.timer.after_s = 0.0
 
 
 def test_it_takes_the_keyboard_back(exhibit, hands):
@@ -128,3 +134,25 @@ def test_the_operators_key_leaves_and_elsewhere_the_close_button_does(exhibit, h
     glfw.set_window_should_close(exhibit.window.handle, False)
     hands.do("key", "ctrl+shift+q")
     hands.until(exhibit, lambda: not exhibit.window.open)
+
+
+def test_a_kiosk_has_inputs_for_what_cannot_strand_it_only():
+    found = locked(DEFAULTS).bindings
+    assert found.key(ord("Q"), 2 | 1) == "leave"
+    assert found.key(ord("Q"), 0) == "dive"
+    for wish in COMMANDS:
+        assert bool(found.inputs(wish)) == (wish in ALLOWED)
+    assert locked(with_key("F12")).bindings.meaning("F12") == "leave"  # no visitor's input
+
+
+@pytest.mark.parametrize(
+    ("key", "controls", "rival"), [("F9", {"ride": ["F9"]}, "ride"), ("w", {}, "ahead")]
+)
+def test_the_operators_key_is_none_that_visitors_use(key, controls, rival):
+    name = key.upper()
+    with pytest.raises(UserError, match=f"--kiosk: '{name}' .* '{rival}', at `kiosk.leave`"):
+        locked(with_key(key, **controls))
+
+
+def with_key(key, **controls):
+    return msgspec.structs.replace(DEFAULTS, controls=controls, kiosk=KioskSettings(leave=key))

@@ -143,7 +143,7 @@ def test_by_key(boat, sub, manoeuvre):
     until(boat, lambda: TRUE[manoeuvre](sub), manoeuvre)
     assert others(sub, manoeuvre) == []
     hands("keyup", KEYS[manoeuvre])
-    until(boat, lambda: boat.pilot._held == {})
+    until(boat, lambda: boat.pilot.held == {})
 
 
 @pytest.mark.parametrize(
@@ -158,7 +158,7 @@ def test_decelerating_is_letting_go_and_a_full_stop_is_a_full_stop(boat, sub, do
     hands(*down)
     until(boat, lambda: ahead(sub) > 60.0)
     hands(*up)
-    until(boat, lambda: boat.pilot._held == {})
+    until(boat, lambda: boat.pilot.held == {})
     for _ in range(10):
         boat.frame(FRAME_S)
     slower = ahead(sub)
@@ -174,17 +174,17 @@ def test_the_file_binds_other_keys_and_takes_the_usual_away(boat, sub):
     hands("keydown", "e")
     for _ in range(10):
         boat.frame(FRAME_S)
-    assert boat.pilot._held == {}
+    assert boat.pilot.held == {}
     assert others(sub, "") == []
     hands("keyup", "e", "keydown", "ctrl", "keydown", "7")
     until(boat, lambda: TRUE["rise"](sub))
     hands("keyup", "ctrl", "keyup", "7")  # in this order: the key alone means nothing
-    until(boat, lambda: boat.pilot._held == {})
-    before = boat.picture.fineness
+    until(boat, lambda: boat.pilot.held == {})
+    before = boat.picture.quality_text
     hands("key", "p")
     hands("key", "o")
-    until(boat, lambda: boat.picture.fineness != before)
-    assert boat.picture.fineness == "picture medium"  # one step further: the usual key did nothing
+    until(boat, lambda: boat.picture.quality_text != before)
+    assert boat.picture.quality_text == "picture medium"  # one step: the default key did nothing
     assert CONTROLS["quality"].inputs == ("P",)
 
 
@@ -213,21 +213,21 @@ def forget_focus():
 
 def test_what_was_held_is_let_go_though_another_hears_it_or_the_keyboard_is_lost(boat, sub):
     hands("keydown", "w")
-    until(boat, lambda: boat.pilot._held != {})
+    until(boat, lambda: boat.pilot.held != {})
     usual = boat.window.listener
     boat.window.listener = ear = Ear(usual)
     hands("key", "a")
     hands("keyup", "w")
     until(boat, lambda: (glfw.KEY_W, False) in ear.keys)
-    assert boat.pilot._held == {}
+    assert boat.pilot.held == {}
     boat.window.listener = usual
     hands("keydown", "w")
-    until(boat, lambda: boat.pilot._held != {})
+    until(boat, lambda: boat.pilot.held != {})
     own = subprocess.run(
         ["xdotool", "getwindowfocus"], check=True, capture_output=True, text=True, timeout=60
     ).stdout.strip()
     forget_focus()
-    until(boat, lambda: boat.pilot._held == {})
+    until(boat, lambda: boat.pilot.held == {})
     hands("keyup", "w", "windowfocus", own)
     until(boat, lambda: boat.window.focused)
 
@@ -243,16 +243,16 @@ def test_a_window_of_one_pixel_is_drawn_and_comes_back(boat, sub):
 
 
 def test_with_a_window_of_one_pixel_and_everything_open_nothing_breaks(boat, sub):
-    boat.grant("ride")
-    boat.grant("desk")
+    boat.run_command("ride")
+    boat.run_command("desk")
     for size in ((1, 1), SIZE):
         glfw.set_window_size(boat.window.handle, *size)
         until(boat, lambda size=size: boat.window.size == size)
         for name in ("pattern", "pattern", "look", "help", "menu", "menu"):
-            boat.grant(name)
+            boat.run_command(name)
             boat.frame(FRAME_S)
         for display in ("side-by-side", "dome", "anaglyph", "checkerboard", "mono"):
             boat.picture.show_as(display)
             boat.frame(FRAME_S)
-    boat.grant("alight")
-    boat.grant("desk")
+    boat.run_command("alight")
+    boat.run_command("desk")

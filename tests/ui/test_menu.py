@@ -3,7 +3,6 @@
 import math
 from contextlib import closing
 
-import msgspec
 import numpy as np
 import pytest
 from imgui_bundle import imgui
@@ -50,14 +49,14 @@ def press(boat, hands, *keys):
 
 def click(boat, hands, monkeypatch, text, release=True):
     """Press the left button on the entry that begins so."""
-    found, draw = {}, boat.menu._entry
+    found, draw = {}, boat.menu.draw_entry
 
     def noted(entry, line):
         draw(entry, line)
         found[entry.text] = imgui.get_item_rect_min(), imgui.get_item_rect_max()
 
     with monkeypatch.context() as patch:
-        patch.setattr(boat.menu, "_entry", noted)
+        patch.setattr(boat.menu, "draw_entry", noted)
         hands.glide(boat, 0.2)
     low, high = next(box for name, box in found.items() if name.startswith(text))
     left, top = boat.window.position
@@ -94,7 +93,7 @@ def test_while_it_is_open_the_sea_goes_on_and_the_submarine_holds_station(boat, 
     assert np.linalg.norm(boat.world.state.submarine.velocity) < 1.0
     assert not boat.pilot.riding and not boat.picture.pattern
     press(boat, hands, "Escape")
-    assert not boat.menu.open and not boat.desk.open
+    assert not boat.menu.open and not boat.inspector.open
     assert hands.screen(boat).mean() > 1.2 * lit
     hands.glide(boat, 1.0)
     assert abs(heading(boat) - before) < math.radians(1.0)  # until a hand asks for more
@@ -102,12 +101,12 @@ def test_while_it_is_open_the_sea_goes_on_and_the_submarine_holds_station(boat, 
 
 def test_arrows_and_enter_change_the_quality(boat, menu, hands):
     press(boat, hands, "Down", "Down", "Return")
-    assert boat.menu._page == "Quality"
+    assert boat.menu.page == "Quality"
     press(boat, hands, "Up", "Return")
     assert boat.picture.quality == "low"
-    assert boat.picture.fineness == "picture low"
+    assert boat.picture.quality_text == "picture low"
     press(boat, hands, "Escape")
-    assert boat.menu.open and boat.menu._page == ""
+    assert boat.menu.open and boat.menu.page == ""
 
 
 def test_a_gamepad_chooses_and_goes_back(boat, hands, monkeypatch):
@@ -115,19 +114,19 @@ def test_a_gamepad_chooses_and_goes_back(boat, hands, monkeypatch):
         for down in (pressed, (), ()):  # a picture each: what is held long comes again
             buttons = [int(name in down) for name in PAD_BUTTONS]
             state = State("Pad", buttons, [0.0, 0.0, 0.0, 0.0, -1.0, -1.0])
-            monkeypatch.setattr(boat.wall._gamepads, "_read", lambda now=state: {0: now})
+            monkeypatch.setattr(boat.window_set.gamepads, "read", lambda now=state: {0: now})
             boat.frame(0.1)
 
     push("start")
     assert boat.menu.open
     for button in ("down", "down", "A"):
         push(button)
-    assert boat.menu._page == "Quality"
+    assert boat.menu.page == "Quality"
     for button in ("down", "A"):
         push(button)
     assert boat.picture.quality == "medium"
     push("B")
-    assert boat.menu.open and boat.menu._page == ""
+    assert boat.menu.open and boat.menu.page == ""
     push("B")
     assert not boat.menu.open
     assert np.linalg.norm(boat.world.state.submarine.velocity) < 1.0
@@ -169,9 +168,9 @@ def test_it_closes_to_the_desk_where_that_was_open(boat, hands):
     press(boat, hands, "Escape")
     assert boat.menu.open
     press(boat, hands, "Escape")
-    assert boat.desk.open and not boat.menu.open
+    assert boat.inspector.open and not boat.menu.open
     press(boat, hands, "Tab")
-    assert not boat.desk.open
+    assert not boat.inspector.open
 
 
 def test_it_begins_anew_and_in_another_scenario(boat, menu, hands, monkeypatch):
@@ -201,7 +200,7 @@ def test_it_offers_the_visitors_own_scenarios_and_a_broken_one_costs_nothing(
     click(boat, hands, monkeypatch, "Scenario")
     click(boat, hands, monkeypatch, "torn-00")
     assert boat.world is before and not boat.menu.open
-    assert "torn-00.toml:1: not valid TOML" in boat.overlay._note
+    assert "torn-00.toml:1: not valid TOML" in boat.overlay.note_text
     press(boat, hands, "Escape")
     click(boat, hands, monkeypatch, "Scenario")
     click(boat, hands, monkeypatch, "My ")
@@ -221,16 +220,13 @@ def test_a_line_is_where_the_horizon_is_and_the_rim_darkens_if_wished(boat, hand
         boat.frame(0.0)
         return hands.screen(boat)
 
-    monkeypatch.setattr(boat._crew, "picture", lambda elapsed_s: 1.0)  # time stands still
-    boat.overlay.hud.opacity, boat.overlay._help = 0.0, 0.0
+    monkeypatch.setattr(boat.tick_source, "advance", lambda elapsed_s: 1.0)  # time stands still
+    boat.overlay.hud.opacity, boat.overlay.help_opacity = 0.0, 0.0
     boat.world.state.submarine.angles[1] = math.radians(-15.0)
     boat.world.state.submarine.previous_angles[1] = math.radians(-15.0)
-    comfort, rim = boat._settings.comfort, boat._vignette
-    plain = msgspec.structs.replace(
-        boat._settings, comfort=msgspec.structs.replace(comfort, horizon=False)
-    )
+    rim = boat.text.vignette
     with_line = screen()
-    monkeypatch.setattr(boat, "_settings", plain)
+    monkeypatch.setattr(boat.text, "horizon", False)
     without = screen()
     rows = np.abs(with_line - without).max(axis=2).max(axis=1)
     submarine = boat.world.state.submarine

@@ -14,11 +14,11 @@ from PIL import ImageGrab
 from subsea.core.resources import resource_path
 from subsea.dive.bindings import USUAL
 from subsea.dive.pilot import Pilot
-from subsea.dive.tick_source import Alone
+from subsea.dive.tick_source import LocalTicks
 from subsea.ui.dive import Dive
-from subsea.ui.help_overlay import sign_of
+from subsea.ui.help_overlay import help_content
 from subsea.ui.monitors import Installation, Screen, monitors, on_display
-from subsea.ui.window_set import Wall
+from subsea.ui.window_set import WindowSet
 from subsea.view.display_rigs import display_rig
 from subsea.view.theatre.lineup import lineup
 from tests.support.windows import dive_options
@@ -88,7 +88,7 @@ def test_windows_without_a_buffer_for_each_eye_are_refused_in_a_line(display, tm
     assert "Traceback" not in done.stderr
 
 
-class Together(Alone):
+class Together(LocalTicks):
     """As if other computers showed the same dive."""
 
     shared = True
@@ -102,9 +102,9 @@ def test_a_window_fills_its_monitor_and_stays_when_that_is_lost(display, tmp_pat
     installation = Installation(display_rig("mono", size), [Screen("all", size, monitor=1)])
     with closing(Dive(dive_options(sea, size), installation, Together)) as running:
         # Neither can be asked for where others look from the same place, or on a fixed window.
-        assert running.overlay.sign == sign_of(USUAL, without=("ride", "desk"))
+        assert running.overlay.help == help_content(USUAL, without=("ride", "desk"))
         assert not running.can_fill
-        running.grant("pattern")
+        running.run_command("pattern")
         running.overlay.draw = lambda *rest: None
         for _ in range(5):
             running.frame(0.1)
@@ -120,7 +120,7 @@ def test_a_window_fills_its_monitor_and_stays_when_that_is_lost(display, tmp_pat
         for _ in range(5):
             running.frame(0.1)
             time.sleep(0.05)
-        assert running.wall.open
+        assert running.window_set.open
         assert running.window.size == (200, 150)
         picture = np.asarray(ImageGrab.grab(xdisplay=os.environ["DISPLAY"]))[..., :3].astype(int)
         small = lineup(installation.rig).reshape(150, 2, 200, 2, 3).mean(axis=(1, 3))
@@ -128,14 +128,14 @@ def test_a_window_fills_its_monitor_and_stays_when_that_is_lost(display, tmp_pat
         told = []
         running.overlay.note = told.append
         (monitor,) = monitors()
-        running.wall._on_monitor(monitor.handle, glfw.DISCONNECTED)
+        running.window_set.on_monitor(monitor.handle, glfw.DISCONNECTED)
         running.frame(0.1)  # what it tells of there is there after all: so it is filled again
         assert told == [f"the monitor {monitor.name!r} is gone"]
         assert running.window.filled == (0, 0)
 
 
 def test_a_full_screen_that_is_unplugged_is_a_window_again(display, tmp_path, monkeypatch):
-    with on_display(), closing(Wall([(Screen("sea", (200, 150)), None)], Pilot())) as wall:
+    with on_display(), closing(WindowSet([(Screen("sea", (200, 150)), None)], Pilot())) as wall:
         window = wall.front
         window.toggle_fullscreen()
         assert window.filled == (0, 0)
@@ -144,7 +144,7 @@ def test_a_full_screen_that_is_unplugged_is_a_window_again(display, tmp_path, mo
         glfw.set_window_monitor(window.handle, nowhere, 0, 0, 800, 600, 0)  # as the library does
         monkeypatch.setattr("subsea.ui.window_set.monitors", lambda: [])
         monkeypatch.setattr("subsea.ui.window.monitors", lambda: [])
-        wall._on_monitor(monitor.handle, glfw.DISCONNECTED)
+        wall.on_monitor(monitor.handle, glfw.DISCONNECTED)
         wall.poll()
         until = time.monotonic() + 60.0
         while window.points != (200, 150) and time.monotonic() < until:

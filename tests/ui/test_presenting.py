@@ -11,7 +11,7 @@ from PIL import ImageGrab
 from subsea.dive.pilot import Pilot
 from subsea.ui import window_set as walls
 from subsea.ui.monitors import Screen, on_display
-from subsea.ui.window_set import Wall
+from subsea.ui.window_set import WindowSet
 
 SIZE = (64, 48)
 PLACES = ((0, 0), (64, 0), (128, 0))
@@ -24,7 +24,7 @@ def make(display):
     """Opens a wall of three windows; all are closed in the end."""
     with ExitStack() as stack:
         stack.enter_context(on_display())
-        yield lambda **options: stack.enter_context(closing(Wall(SCREENS, Pilot(), **options)))
+        yield lambda **options: stack.enter_context(closing(WindowSet(SCREENS, Pilot(), **options)))
 
 
 def plain(wall, colour):
@@ -55,20 +55,25 @@ def test_each_window_shows_its_own_picture_whoever_is_the_pilots(make, front):
     assert seen() == [*COLOURS[1:], COLOURS[0]]
 
 
-def test_the_picture_of_each_eye_goes_to_the_buffer_chosen_for_it(make):
-    wall, chosen = make(), []
-    shown = wall._front
-    shown.presenter._page = lambda number: chosen.append((number, middle(shown)))
+def test_the_picture_of_each_eye_goes_to_the_buffer_chosen_for_it(make, monkeypatch):
+    chosen = []
+
+    def choose(number):
+        if handle_of(walls.glfw.get_current_context()) == handle_of(wall.front.handle):
+            chosen.append((number, middle(wall)))
+
+    monkeypatch.setattr(walls, "one_page", choose)
+    wall = make()
     textures = {(0, 0): plain(wall, COLOURS[0]), (0, 1): plain(wall, COLOURS[1])}
     textures |= {(k, page): textures[0, page] for k in (1, 2) for page in (0, 1)}
     wall.show(textures)
     assert [number for number, _ in chosen] == [0, 1]
     assert chosen[1][1] == COLOURS[0]  # the left one was there when the right one's turn came
-    assert middle(shown) == COLOURS[1]
+    assert middle(wall) == COLOURS[1]
 
 
-def middle(shown):
-    data = shown.context.screen.read((32, 24, 1, 1), components=3)
+def middle(wall):
+    data = wall.context.screen.read((32, 24, 1, 1), components=3)
     return tuple(data)
 
 

@@ -48,11 +48,11 @@ def test_a_key_takes_what_the_screen_shows(boat, hands, folder, capsys):
 
 def test_a_key_films_until_it_is_pressed_again(boat, hands, folder, capsys):
     hands.do("key", "F10")
-    hands.until(boat, lambda: boat._shots.filming)
+    hands.until(boat, lambda: boat.filming)
     assert not list(folder.glob("*.mp4"))  # there when it is whole
     hands.glide(boat, 1.0)
     hands.do("key", "F10")
-    hands.until(boat, lambda: not boat._shots.filming)
+    hands.until(boat, lambda: not boat.filming)
     [path] = folder.glob("*.mp4")
     with av.open(str(path)) as container:
         frames = [frame.to_ndarray(format="rgb24") for frame in container.decode(video=0)]
@@ -84,7 +84,7 @@ def test_a_folder_that_cannot_be_written_is_told_and_the_dive_goes_on(boat, hand
     finally:
         folder.unlink()
     assert told.count("of mine") == 2
-    assert boat.wall.open
+    assert boat.window_set.open
     tick = boat.world.state.tick
     hands.glide(boat, 0.2)
     assert boat.world.state.tick > tick
@@ -122,17 +122,17 @@ def test_a_key_switches_the_lights_and_time_that_goes_back_switches_them_too(boa
     boat.frame(0.0)
     assert (hands.screen(boat) - off).mean() > 1.0
     hands.glide(boat, 0.2)
-    boat.grant("rewind")
+    boat.run_command("rewind")
     hands.glide(boat, 0.1)
     assert not lights[0]
-    boat.grant("lights")
+    boat.run_command("lights")
     assert lights[0]
-    boat.grant("lights")
+    boat.run_command("lights")
     assert not lights[0]
 
 
 def test_closing_the_dive_leaves_a_valid_film(boat, hands, folder):
-    boat.grant("film")
+    boat.run_command("film")
     hands.glide(boat, 0.3)
     boat.close()
     [path] = folder.glob("*.mp4")

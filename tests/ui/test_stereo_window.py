@@ -37,7 +37,7 @@ class Bold(TextViewport):
 def shown(running):
     import glfw
 
-    running.picture._context.finish()
+    running.picture.finish()
     left, top = glfw.get_window_pos(running.window.handle)
     picture = ImageGrab.grab(xdisplay=os.environ["DISPLAY"])
     width, height = running.window.size

@@ -10,7 +10,8 @@ from subsea.behavior.teleop import TeleopCommand
 from subsea.core.resources import resource_path
 from subsea.geometry.rotation import rotate
 from subsea.state import WANDER
-from subsea.ui.dive import SHARED_TIME, Dive
+from subsea.ui.commands import SHARED_TIME
+from subsea.ui.dive import Dive
 from subsea.view.retina import Gaze
 from subsea.world import snapshot
 from tests.support.windows import dive_options
@@ -49,7 +50,7 @@ def test_keys_stop_time_and_take_it_back_to_the_very_same_world(boat, hands):
     hands.glide(boat, 0.5)
     assert (world.state.tick, boat.picture.alpha) == (now, 1.0)
     was[now] = snapshot.checksum(world)
-    assert "paused" in boat._circumstances
+    assert "paused" in boat.text.status
     pressed(boat, hands, "comma", lambda: world.state.tick == max(now - 30, time.earliest))
     back = world.state.tick
     assert back in was or back < min(was)
@@ -58,7 +59,7 @@ def test_keys_stop_time_and_take_it_back_to_the_very_same_world(boat, hands):
         while world.state.tick < tick:
             pressed(boat, hands, "period", lambda at=world.state.tick: world.state.tick > at)
         assert snapshot.checksum(world) == was[tick]
-    assert "s back" in boat._circumstances
+    assert "s back" in boat.text.status
     pressed(boat, hands, "j", lambda: time.rate == 0.5)
     pressed(boat, hands, "l", lambda: time.rate == 1.0)
     pressed(boat, hands, "k", lambda: not time.paused)
@@ -81,13 +82,15 @@ def test_a_fish_is_followed_from_behind_and_looked_through_in_turn(boat, hands, 
     pressed(boat, hands, "c", lambda: boat.picture.ride.behind)
 
 
-def test_hands_steer_the_fish_while_the_submarine_keeps_station(boat, hands):
+def test_hands_steer_the_fish_while_the_submarine_keeps_station(boat, hands, monkeypatch):
+    orders, make = [], boat.timeline.make
+    monkeypatch.setattr(boat.timeline, "make", lambda order: (orders.append(order), make(order)))
     world, fish = boat.world, boat.picture.ride.by.fish
     submarine, fishes = world.state.submarine, world.state.fishes
-    pressed(boat, hands, "g", lambda: boat._crew.steered == fish)
+    pressed(boat, hands, "g", lambda: boat.tick_source.steered_fish == fish)
     hands.glide(boat, 3.0)
     station = submarine.position.copy()
-    assert "in your hands" in boat._circumstances
+    assert "in your hands" in boat.text.status
     assert abs(fishes.goal_speed[fish]) < 0.01  # nothing is asked for: it hovers
     hands.do("keydown", "w", "keydown", "a")
     hands.until(boat, lambda: fishes.goal_speed[fish] > 0.5)
@@ -98,12 +101,12 @@ def test_hands_steer_the_fish_while_the_submarine_keeps_station(boat, hands):
     assert boat.picture.ride.gaze.pan_deg == 0.0  # keys steer: they do not turn its eyes
     hands.do("keyup", "w", "keyup", "a")
     assert world.state.minds.intention[fish] == WANDER
-    assert isinstance(boat.timeline._made[-1].order, TeleopCommand)
+    assert isinstance(orders[-1], TeleopCommand)
     assert np.linalg.norm(submarine.position - station) < 3.0
-    pressed(boat, hands, "g", lambda: boat._crew.steered is None)
-    assert "in your hands" not in boat._circumstances
+    pressed(boat, hands, "g", lambda: boat.tick_source.steered_fish is None)
+    assert "in your hands" not in boat.text.status
     pressed(boat, hands, "Escape", lambda: boat.picture.ride is None)
-    assert boat._crew.steered is None
+    assert boat.tick_source.steered_fish is None
 
 
 def test_the_fish_under_the_pointer_is_the_one_at_its_place(boat, hands):
@@ -125,43 +128,43 @@ def test_the_fish_under_the_pointer_is_the_one_at_its_place(boat, hands):
 
 
 def test_a_fish_of_a_number_is_followed(boat, hands):
-    boat.mount(7, True)
+    boat.ride_fish(7, True)
     assert (boat.picture.ride.by.fish, boat.picture.ride.behind) == (7, True)
     boat.frame(0.1)
-    boat.grant("alight")
+    boat.run_command("alight")
     assert boat.picture.ride is None
 
 
 def test_options_begin_a_ride_as_keys_would(boat):
-    boat.mount(5, behind=False)
-    boat.show_ride((30.0, -10.0), "identity", reins=True)
-    assert boat.picture.ride.gaze == Gaze(30.0, -10.0) and boat.picture.look == "identity"
-    assert boat.steers_fish and boat._crew.steered == 5
-    boat.go_at(0.25)
+    boat.ride_fish(5, behind=False)
+    boat.commands.start_ride((30.0, -10.0), "identity", teleop=True)
+    assert boat.picture.ride.gaze == Gaze(30.0, -10.0) and boat.picture.colours == "identity"
+    assert boat.steers_fish and boat.tick_source.steered_fish == 5
+    boat.commands.set_pace(0.25)
     assert boat.timeline.rate == 0.25 and not boat.timeline.paused
-    boat.go_at(0.0)
+    boat.commands.set_pace(0.0)
     tick = boat.world.state.tick
     boat.frame(1.0)
     assert boat.timeline.paused and boat.world.state.tick == tick
     boat.timeline.pause()
-    boat.go_at(1.0)
-    boat.picture.look = "colours"
-    boat.grant("alight")
+    boat.commands.set_pace(1.0)
+    boat.picture.colours = "colours"
+    boat.run_command("alight")
 
 
 def test_a_tour_when_nobody_is_there_goes_at_the_usual_pace(boat):
-    boat.mount(7, True)
+    boat.ride_fish(7, True)
     boat.timeline.run_at(4.0)
-    boat._take_tour()
+    boat.tours.begin()
     assert (boat.picture.ride, boat.timeline.rate) == (None, 1.0)
-    boat._crew.carry(None)
+    boat.tick_source.set_tour(None)
     boat.frame(0.1)
 
 
 def test_shared_time_is_nobodys_to_stop(boat, hands, monkeypatch):
-    monkeypatch.setattr(boat._crew, "timeline", None)
+    monkeypatch.setattr(boat.tick_source, "timeline", None)
     told = []
     monkeypatch.setattr(boat.overlay, "note", told.append)
     for wish in ("pause", "slower", "faster", "tick", "rewind"):
-        boat.grant(wish)
+        boat.run_command(wish)
     assert told == [SHARED_TIME] * 5

@@ -109,7 +109,7 @@ def shown(running):
 
 def in_one(running):
     """The same moment drawn as one wide picture by the same renderer."""
-    renderer, alpha = running.picture._renderer, running.picture.alpha
+    renderer, alpha = running.picture.renderer, running.picture.alpha
     renderer.arrange(ONE)
     quality = renderer.quality
     packet = pack(
@@ -189,14 +189,14 @@ def test_the_pointer_steers_from_the_middle_of_the_front_window_to_the_edges_of_
         point(boat, round(x), round(y))
         until(
             boat,
-            lambda share=share: np.allclose(pilot._pointer or (9, 9), share, atol=0.02),
+            lambda share=share: np.allclose(pilot.pointer or (9, 9), share, atol=0.02),
         )
     heading = boat.world.state.submarine.angles[0]
     point(boat, round(left + 2.8 * width), round(top + height / 2))
     glide(boat, 2.5)
     assert boat.world.state.submarine.angles[0] < heading - 0.2
     point(boat, 700, 500)  # beside the wall
-    until(boat, lambda: pilot._pointer is None)
+    until(boat, lambda: pilot.pointer is None)
 
 
 def test_the_helm_is_not_let_go_where_the_pointer_crosses_a_seam(boat):
@@ -217,7 +217,7 @@ def test_a_key_shows_the_pattern_in_every_window_and_the_sea_again(boat):
     until(boat, lambda: boat.picture.pattern)
     np.testing.assert_allclose(shown(boat), lineup(THREE), atol=1)
     hands("key", "p")  # the canvas is made anew, the pattern stays
-    until(boat, lambda: boat.picture.fineness == "picture medium")
+    until(boat, lambda: boat.picture.quality_text == "picture medium")
     np.testing.assert_allclose(shown(boat), lineup(THREE), atol=1)
     hands("key", "t")
     until(boat, lambda: not boat.picture.pattern)
@@ -230,7 +230,7 @@ def test_a_window_of_another_size_shows_the_same_picture_stretched(boat):
     pattern = lineup(THREE)[:, : SIZE[0]]
     hands("key", "t")
     until(boat, lambda: boat.picture.pattern)
-    window = boat.wall.windows[0]
+    window = boat.window_set.windows[0]
     glfw.set_window_size(window.handle, SIZE[0] // 2, SIZE[1] // 2)
     until(boat, lambda: window.size == (SIZE[0] // 2, SIZE[1] // 2))
     small = shown(boat)[: SIZE[1] // 2, : SIZE[0] // 2]
@@ -247,7 +247,7 @@ def test_the_full_screen_key_leaves_windows_with_a_place_alone(boat):
     for _ in range(5):
         boat.frame(FRAME_S)
         time.sleep(0.05)
-    assert [window.size for window in boat.wall.windows] == [SIZE] * 3
+    assert [window.size for window in boat.window_set.windows] == [SIZE] * 3
 
 
 def test_escape_in_any_window_opens_the_menu_from_which_the_dive_is_left(boat):
@@ -259,4 +259,4 @@ def test_escape_in_any_window_opens_the_menu_from_which_the_dive_is_left(boat):
         for _ in range(4):
             boat.frame(FRAME_S)
     hands("key", "Return")
-    until(boat, lambda: not boat.wall.open)
+    until(boat, lambda: not boat.window_set.open)

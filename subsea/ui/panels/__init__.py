@@ -1,8 +1,8 @@
-"""The panels of the desk (Tu ch. 9): one module each, with a function that draws it and acts."""
+"""The panels of the context (Tu ch. 9): one module each, with a function that draws it and acts."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
+from subsea.ui.context import PanelContext
 from subsea.ui.panels import (
     behavior,
     control,
@@ -14,10 +14,7 @@ from subsea.ui.panels import (
     time,
 )
 
-if TYPE_CHECKING:
-    from subsea.ui.inspector import Desk
-
-Panel = Callable[["Desk"], None]
+Panel = Callable[[PanelContext], None]
 
 PANELS: dict[str, Panel] = {
     "Initialisation": initialisation.panel,

@@ -1,6 +1,6 @@
 """Behavior (Tu fig. 9.4): what goes on in the chosen fish, and what makes it so."""
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import msgspec
 import numpy as np
@@ -11,14 +11,12 @@ from subsea.behavior.table import INTENTIONS
 from subsea.behavior.temperament import apply_individual
 from subsea.scenario.schema import Individual
 from subsea.state import COURTSHIP, HUNGER, LIBIDO, MENTAL_STATES, Nature
+from subsea.ui.context import PanelContext
 from subsea.ui.gui import GLASS, INK, LIT, MARK, QUIET, colour
 from subsea.ui.panels.fish_picker import whom
 from subsea.ui.panels.intention import focus
 from subsea.ui.panels.mental_chart import SPAN, Chart
 from subsea.world.world import TICK_S, World
-
-if TYPE_CHECKING:
-    from subsea.ui.inspector import Desk
 
 WIDE, HIGH = 24.0, 3.0  # of a chart, in heights of letters
 DIRECTIONS = ("left", "right", "ahead", "back", "up", "down")  # columns of `minds.preference`
@@ -81,17 +79,17 @@ class Seen:
         return self.chart
 
 
-def panel(desk: "Desk") -> None:
+def panel(context: PanelContext) -> None:
     """Draw it, and act on the world."""
-    world = desk.host.world
-    fish = whom(desk)
+    world = context.dive.world
+    fish = whom(context)
     if fish is not None:
-        _charts(desk.of(Seen).of(world, fish).values, world.nature)
+        _charts(context.state(Seen).of(world, fish).values, world.nature)
         _intentions(world, fish)
         _preferences(world.state.minds.preference[fish])
-        _temper(desk, fish)
+        _temper(context, fish)
     if imgui.collapsing_header("Constants of all fishes"):
-        _nature(desk)
+        _nature(context)
 
 
 def _charts(values: NDArray[np.floating], nature: Nature) -> None:
@@ -172,9 +170,9 @@ def _preferences(preference: NDArray[np.floating]) -> None:
     imgui.dummy((WIDE * line, 2.0 * down))
 
 
-def _temper(desk: "Desk", fish: int) -> None:
+def _temper(context: PanelContext, fish: int) -> None:
     """Hunger and libido as they are, and what they come from: each a slider."""
-    world = desk.host.world
+    world = context.dive.world
     minds = world.state.minds
     imgui.push_item_width(0.5 * WIDE * imgui.get_font_size())
     set_to: dict[str, float] = {}
@@ -192,25 +190,25 @@ def _temper(desk: "Desk", fish: int) -> None:
     if set_to:
         one = msgspec.structs.replace(Individual(fish=fish), **set_to)
         apply_individual(world.state.fishes, minds, one, world.state.tick * TICK_S)
-        desk.changed()
+        context.changed()
     imgui.pop_item_width()
 
 
-def _nature(desk: "Desk") -> None:
+def _nature(context: PanelContext) -> None:
     """Every constant of perception and behavior, and back to the scenario's."""
-    world = desk.host.world
+    world = context.dive.world
     imgui.push_item_width(0.4 * WIDE * imgui.get_font_size())
     for slider in NATURE:
         moved, value = _slider(slider, getattr(world.nature, slider.name))
         if moved:
             world.nature = ordered(world.nature, slider.name, value)
-            desk.changed()
+            context.changed()
     imgui.pop_item_width()
     before = Nature(**msgspec.structs.asdict(world.scenario.nature))
     imgui.begin_disabled(world.nature == before)
     if imgui.button("As in the scenario"):
         world.nature = before
-        desk.changed()
+        context.changed()
     imgui.end_disabled()
 
 

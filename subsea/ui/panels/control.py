@@ -1,17 +1,13 @@
 """Control (Tu fig. 9.6): what is drawn over the sea, pictures, the camera, and how fast all is."""
 
-from typing import TYPE_CHECKING
-
 import glfw
 import numpy as np
 from imgui_bundle import imgui
 
 from subsea.frame.diagrams import DIAGRAMS
+from subsea.ui.context import PanelContext
 from subsea.view.camera import View
 from subsea.world.world import TICK_S
-
-if TYPE_CHECKING:
-    from subsea.ui.inspector import Desk
 
 ACROSS = 8.0  # of a column of diagrams, in heights of letters
 AHEAD_CM = 200.0  # where a waypoint looks at
@@ -32,68 +28,68 @@ class Times:
             self.ms[name] = new + (1.0 - CALM) * (self.ms.get(name, new) - new)
 
 
-def panel(desk: "Desk") -> None:
+def panel(context: PanelContext) -> None:
     """Draw it, and act on the dive."""
-    _drawn(desk)
+    _drawn(context)
     imgui.separator()
-    _pictures(desk)
+    _pictures(context)
     imgui.separator()
-    _camera(desk)
+    _camera(context)
     imgui.separator()
-    _speed(desk)
+    _speed(context)
 
 
-def _drawn(desk: "Desk") -> None:
+def _drawn(context: PanelContext) -> None:
     """Drawing modes, and diagrams over the sea."""
-    host, line = desk.host, imgui.get_font_size()
+    dive, line = context.dive, imgui.get_font_size()
     for number, (name, meaning) in enumerate(DIAGRAMS.items()):
         if number % 3:
             imgui.same_line(1.0 + number % 3 * ACROSS * line)
-        changed, shown = imgui.checkbox(name, name in host.picture.diagrams)
+        changed, shown = imgui.checkbox(name, name in dive.picture.diagrams)
         imgui.set_item_tooltip(meaning)
         if changed:
-            (host.picture.diagrams.add if shown else host.picture.diagrams.discard)(name)
-    _, host.picture.wireframe = imgui.checkbox("wireframe", host.picture.wireframe)
+            (dive.picture.diagrams.add if shown else dive.picture.diagrams.discard)(name)
+    _, dive.picture.wireframe = imgui.checkbox("wireframe", dive.picture.wireframe)
     imgui.same_line(1.0 + ACROSS * line)
-    if imgui.checkbox("lights", bool(host.world.state.submarine.lights[0]))[0]:
-        host.grant("lights")
+    if imgui.checkbox("lights", bool(dive.world.state.submarine.lights[0]))[0]:
+        dive.run_command("lights")
 
 
-def _pictures(desk: "Desk") -> None:
+def _pictures(context: PanelContext) -> None:
     """What is put into files: a picture of the screen, a film of it."""
     if imgui.button("take a picture"):
-        desk.host.grant("picture")
+        context.dive.run_command("picture")
     imgui.same_line()
     if imgui.button("film, or end the film"):
-        desk.host.grant("film")
+        context.dive.run_command("film")
 
 
-def _camera(desk: "Desk") -> None:
+def _camera(context: PanelContext) -> None:
     """Where the camera is and looks, as a tour could go there."""
-    host = desk.host
-    sight = host.picture.sight
+    dive = context.dive
+    sight = dive.picture.sight
     if sight is None:
         imgui.text_disabled("All round, the camera looks everywhere.")
         return
     (x, y, z), (heading, pitch) = sight.view.eye, angles_deg(sight.view)
     imgui.text(f"camera {x:.0f}, {y:.0f}, {z:.0f} cm; heading {heading:.0f}°, pitch {pitch:+.0f}°")
     if imgui.button("copy it as a waypoint of a tour"):
-        text = waypoint(sight.view, host.world.state.tick * TICK_S)
+        text = waypoint(sight.view, dive.world.state.tick * TICK_S)
         glfw.set_clipboard_string(None, text)  # type: ignore[arg-type]  # any window is deprecated
-        host.overlay.note("the waypoint can be pasted into a scenario")
+        dive.overlay.note("the waypoint can be pasted into a scenario")
 
 
-def _speed(desk: "Desk") -> None:
+def _speed(context: PanelContext) -> None:
     """How long a picture takes, the stages of a tick of it, and how much there is."""
-    times, line = desk.of(Times), imgui.get_font_size()
-    times.follow(desk.host.world.stages_s)
+    times, line = context.state(Times), imgui.get_font_size()
+    times.follow(context.dive.world.stages_s)
     rate = max(imgui.get_io().framerate, 1e-3)
     imgui.text(f"{1000.0 / rate:.1f} ms a picture, {rate:.0f} pictures a second")
     for number, (name, ms) in enumerate(times.ms.items()):
         if number % 3:
             imgui.same_line(1.0 + number % 3 * ACROSS * line)
         imgui.text_disabled(f"{name} {ms:.2f} ms")
-    counts = desk.host.picture.counts
+    counts = context.dive.picture.counts
     imgui.text(", ".join(f"{number:,} {name}" for name, number in counts.items()))
 
 

@@ -1,24 +1,20 @@
 """Which fish a panel is about: the head of all panels about one fish."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from imgui_bundle import imgui
 from numpy.typing import NDArray
 
+from subsea.ui.context import PanelContext
 from subsea.world.world import World
 
-if TYPE_CHECKING:
-    from subsea.ui.inspector import Desk
 
-
-def whom(desk: "Desk") -> int | None:
+def whom(context: PanelContext) -> int | None:
     """The chosen fish, who it is, and fields to choose another; None while none is chosen."""
-    fishes, fish = desk.host.world.state.fishes, desk.chosen
+    fishes, fish = context.dive.world.state.fishes, context.chosen
     line = imgui.get_font_size()
     for name, way, step in (("previous", imgui.Dir.left, -1), ("next", imgui.Dir.right, 1)):
         if imgui.arrow_button(name, way):
-            desk.chosen = beside(fish, step, fishes.alive)
+            context.chosen = beside(fish, step, fishes.alive)
         imgui.set_item_tooltip(f"the {name} fish")
         imgui.same_line()
     imgui.set_next_item_width(4.5 * line)
@@ -26,13 +22,13 @@ def whom(desk: "Desk") -> int | None:
         "fish", -1 if fish is None else fish, 0, 0, imgui.InputTextFlags_.enter_returns_true.value
     )
     if entered and 0 <= number < len(fishes.alive) and fishes.alive[number]:
-        desk.chosen = number
-    if desk.chosen is None:
+        context.chosen = number
+    if context.chosen is None:
         imgui.text_disabled("None is chosen: click one in the sea.")
         return None
     imgui.same_line(0.0, line)
-    imgui.text(told(desk.host.world, desk.chosen))
-    return desk.chosen
+    imgui.text(told(context.dive.world, context.chosen))
+    return context.chosen
 
 
 def told(world: World, fish: int) -> str:

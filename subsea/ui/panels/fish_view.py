@@ -1,50 +1,46 @@
 """Fish view (Tu fig. 9.7): from where the sea is seen, and what the eyes of a fish see of it."""
 
-from typing import TYPE_CHECKING
-
 from imgui_bundle import imgui
 
 from subsea.dive.options import RETINA_COLOURS
 from subsea.dive.ride import MOST_PAN_DEG, MOST_TILT_DEG
+from subsea.ui.context import PanelContext
 from subsea.ui.panels.fish_picker import whom
 from subsea.view.retina import Gaze
-
-if TYPE_CHECKING:
-    from subsea.ui.inspector import Desk
 
 WIDE = 16.0  # of a slider, in heights of letters
 PLACES = (("the submarine", None), ("behind the fish", True), ("the fish's eyes", False))
 CLAMP = imgui.SliderFlags_.always_clamp.value
 
 
-def panel(desk: "Desk") -> None:
+def panel(context: PanelContext) -> None:
     """Draw it, and act on the dive."""
-    host, fish = desk.host, whom(desk)
-    ride = host.picture.ride
+    dive, fish = context.dive, whom(context)
+    ride = dive.picture.ride
     imgui.begin_disabled(fish is None)
     for name, behind in PLACES:
         now = (ride.behind if ride else None) == behind
         if imgui.radio_button(name, now) and not now:
-            _see_from(desk, fish, behind)
+            _see_from(context, fish, behind)
         imgui.same_line()
     imgui.new_line()
     imgui.end_disabled()
     if ride is not None and fish is not None and ride.by.fish != fish:
-        _see_from(desk, fish, ride.behind)  # another one was chosen
+        _see_from(context, fish, ride.behind)  # another one was chosen
     imgui.begin_disabled(ride is None)
-    _eyes(desk)
+    _eyes(context)
     imgui.end_disabled()
 
 
-def _see_from(desk: "Desk", fish: int | None, behind: bool | None) -> None:
+def _see_from(context: PanelContext, fish: int | None, behind: bool | None) -> None:
     """From behind a fish or through its eyes; from the submarine: None."""
     chosen = None if behind is None else fish
-    desk.later(lambda: desk.host.mount(chosen, behind))
+    context.later(lambda: context.dive.ride_fish(chosen, behind))
 
 
-def _eyes(desk: "Desk") -> None:
+def _eyes(context: PanelContext) -> None:
     """Where its eyes look and what they see, of the fish that is ridden or followed."""
-    host, ride = desk.host, desk.host.picture.ride
+    dive, ride = context.dive, context.dive.picture.ride
     gaze = ride.gaze if ride else Gaze()
     imgui.separator()
     imgui.push_item_width(WIDE * imgui.get_font_size())
@@ -60,22 +56,22 @@ def _eyes(desk: "Desk") -> None:
     if imgui.button("look ahead") and ride:
         ride.gaze = Gaze()
     imgui.separator()
-    _, host.picture.eyes_shown = imgui.checkbox("pictures of both eyes", host.picture.eyes_shown)
+    _, dive.picture.eyes_shown = imgui.checkbox("pictures of both eyes", dive.picture.eyes_shown)
     for look in RETINA_COLOURS:
-        if imgui.radio_button(look, host.picture.look == look):
-            host.picture.look = look
+        if imgui.radio_button(look, dive.picture.colours == look):
+            dive.picture.colours = look
         imgui.same_line()
     imgui.new_line()
     imgui.separator()
-    changed, host.see_brightness = imgui.checkbox(
-        "goes by the light in its eyes", host.see_brightness
+    changed, dive.see_brightness = imgui.checkbox(
+        "goes by the light in its eyes", dive.see_brightness
     )
-    if changed and not host.see_brightness:
-        host.world.seen_light.clear()
+    if changed and not dive.see_brightness:
+        dive.world.seen_light.clear()
     if ride:
-        light = host.world.state.minds.light[ride.by.fish]
+        light = dive.world.state.minds.light[ride.by.fish]
         imgui.same_line()
         imgui.text_disabled(f"brightness {light:.0%}")
-    changed, _ = imgui.checkbox("its reins are in your hands", host.steers_fish)
+    changed, _ = imgui.checkbox("its reins are in your hands", dive.steers_fish)
     if changed:
-        host.grant("reins")
+        dive.run_command("reins")

@@ -1,6 +1,6 @@
 """Habits (Tu fig. 9.5): sex, what it likes, and its kind; of one fish or all of its species."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from imgui_bundle import imgui
@@ -8,11 +8,9 @@ from imgui_bundle import imgui
 from subsea.behavior.temperament import HABITS, apply_individual
 from subsea.scenario.schema import Individual
 from subsea.state import KINDS
+from subsea.ui.context import PanelContext
 from subsea.ui.panels.fish_picker import whom
 from subsea.world.world import TICK_S
-
-if TYPE_CHECKING:
-    from subsea.ui.inspector import Desk
 
 PAIRS = ((0, 1, "light"), (2, 3, "temperature"))  # two columns of `minds.likes`, and of what
 INDENT = 7.0  # of what can be chosen, in heights of letters
@@ -26,13 +24,13 @@ class Whose:
         self.all_of_species = False
 
 
-def panel(desk: "Desk") -> None:
+def panel(context: PanelContext) -> None:
     """Draw it, and act on the world."""
-    fish = whom(desk)
+    fish = whom(context)
     if fish is None:
         return
-    world = desk.host.world
-    minds, whose = world.state.minds, desk.of(Whose)
+    world = context.dive.world
+    minds, whose = world.state.minds, context.state(Whose)
     name = world.species[world.state.fishes.species[fish]].name
     _row("of")
     for label, every in (("this fish alone", False), (f"all of {name}", True)):
@@ -44,19 +42,19 @@ def panel(desk: "Desk") -> None:
     _row("sex")
     for label, male in (("female", False), ("male", True)):
         if imgui.radio_button(label, bool(minds.male[fish]) == male):
-            _set(desk, fish, male=male)
+            _set(context, fish, male=male)
         imgui.same_line()
     imgui.new_line()
     _row("kind")
     for code, kind in enumerate(KINDS):
         if imgui.radio_button(kind, int(minds.kind[fish]) == code):
-            _set(desk, fish, kind=kind)
+            _set(context, fish, kind=kind)
         imgui.same_line()
     imgui.new_line()
     _row("company")
     changed, schools = imgui.checkbox("likes schooling", bool(minds.schools[fish]))
     if changed:
-        _set(desk, fish, schooling=schools)
+        _set(context, fish, schooling=schools)
     for one, other, what in PAIRS:
         _row(what)
         for column in (one, other):
@@ -65,7 +63,7 @@ def panel(desk: "Desk") -> None:
                 likes = minds.likes[fish].copy()
                 likes[column] = liked
                 names = [name for name, on in zip(HABITS, likes, strict=True) if on]
-                _set(desk, fish, likes=names)
+                _set(context, fish, likes=names)
             imgui.same_line()
         if minds.likes[fish, one] == minds.likes[fish, other]:
             imgui.text_disabled("doesn't care")
@@ -80,15 +78,15 @@ def _row(name: str) -> None:
     imgui.same_line(INDENT * imgui.get_font_size())
 
 
-def _set(desk: "Desk", fish: int, **habits: Any) -> None:
+def _set(context: PanelContext, fish: int, **habits: Any) -> None:
     """Give these to the chosen fish, or to all of its species that are alive."""
-    world = desk.host.world
+    world = context.dive.world
     fishes, minds = world.state.fishes, world.state.minds
     those = np.array([fish])
-    if desk.of(Whose).all_of_species:
+    if context.state(Whose).all_of_species:
         those = np.flatnonzero((fishes.species == fishes.species[fish]) & fishes.alive)
     for one in those:
         apply_individual(
             fishes, minds, Individual(fish=int(one), **habits), world.state.tick * TICK_S
         )
-    desk.changed()
+    context.changed()

@@ -4,7 +4,6 @@ import random
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from imgui_bundle import imgui
 from msgspec.structs import replace
@@ -21,12 +20,10 @@ from subsea.scenario.schema import (
     check_scenario,
     scenario_names,
 )
+from subsea.ui.context import PanelContext
 from subsea.ui.panels.fields import typed_whole
 from subsea.world.inventory import KINDS, Counts, counts, with_counts
 from subsea.world.to_scenario import as_it_is
-
-if TYPE_CHECKING:
-    from subsea.ui.inspector import Desk
 
 MAX_PLANKTON = 100_000
 NUMBER, SEED, NAME = 6.5, 9.0, 14.0  # how wide fields are, in heights of letters
@@ -50,15 +47,15 @@ class Draft:
         return self.counts
 
 
-def panel(desk: "Desk") -> None:
+def panel(context: PanelContext) -> None:
     """Numbers of everything, and the files of scenarios."""
-    draft, host = desk.of(Draft), desk.host
+    draft, dive = context.state(Draft), context.dive
     wanted = draft.counts
-    if wanted is None or draft.base is not host.scenario:
-        wanted = draft.begin(host.scenario, host.world.state.seed)
-    imgui.text(host.scenario.title)
+    if wanted is None or draft.base is not dive.scenario:
+        wanted = draft.begin(dive.scenario, dive.world.state.seed)
+    imgui.text(dive.scenario.title)
     imgui.same_line()
-    imgui.text_disabled(host.source.name)
+    imgui.text_disabled(dive.source.name)
     if imgui.begin_table("numbers", 2):
         imgui.table_next_column()
         _fishes(wanted)
@@ -66,72 +63,72 @@ def panel(desk: "Desk") -> None:
         _sea(wanted)
         imgui.end_table()
     if imgui.button("Start anew"):
-        desk.later(partial(start_anew, desk, wanted))
+        context.later(partial(start_anew, context, wanted))
     imgui.same_line()
     if imgui.button("Revert"):
-        draft.begin(host.scenario, host.world.state.seed)
+        draft.begin(dive.scenario, dive.world.state.seed)
     imgui.same_line()
     imgui.text(f"{sum(wanted.fishes.values())} fishes in all")
     imgui.separator()
-    _files(desk, draft)
+    _files(context, draft)
     if draft.said:
         imgui.push_text_wrap_pos(38.0 * imgui.get_font_size())
         imgui.text_wrapped(draft.said)
         imgui.pop_text_wrap_pos()
 
 
-def start_anew(desk: "Desk", wanted: Counts) -> bool:
+def start_anew(context: PanelContext, wanted: Counts) -> bool:
     """Begin the dive with these numbers; whether that was possible. If not, it is told."""
-    draft, host = desk.of(Draft), desk.host
-    scenario = with_counts(present(desk), wanted)
+    draft, dive = context.state(Draft), context.dive
+    scenario = with_counts(present(context), wanted)
     try:
         check_scenario(scenario, "the numbers")
     except UserError as fault:
         draft.said = str(fault)
-        host.note(draft.said)
+        dive.note(draft.said)
         return False
-    if not host.enter(scenario, host.source):
+    if not dive.open_world(scenario, dive.source):
         draft.said = "That dive cannot begin."
         return False
     draft.said = ""
     return True
 
 
-def open_file(desk: "Desk", name: str) -> bool:
+def open_file(context: PanelContext, name: str) -> bool:
     """Begin the dive of another scenario, by name or path; whether that was possible."""
-    draft, host = desk.of(Draft), desk.host
+    draft, dive = context.state(Draft), context.dive
     try:
         scenario, path = storage.opened(name)
     except UserError as fault:
         draft.said = str(fault)
-        host.note(draft.said)
+        dive.note(draft.said)
         return False
     draft.said, known = "", storage.held(path)
-    if not host.enter(scenario, path):
+    if not dive.open_world(scenario, path):
         return False
-    host.known = known
+    dive.known = known
     return True
 
 
-def save(desk: "Desk", name: str = "") -> Path | None:
+def save(context: PanelContext, name: str = "") -> Path | None:
     """Save the dive's scenario as it is, under a name or where it belongs; where, if it was."""
-    draft, host = desk.of(Draft), desk.host
+    draft, dive = context.state(Draft), context.dive
     try:
-        path = storage.place_named(name.strip()) if name else storage.place_of(host.source)
-        storage.save(present(desk), path, host.source, host.known)
+        path = storage.place_named(name.strip()) if name else storage.place_of(dive.source)
+        storage.save(present(context), path, dive.source, dive.known)
     except UserError as fault:
         draft.said = str(fault)
-        host.note(draft.said)
+        dive.note(draft.said)
         return None
-    host.source, host.known = path, storage.held(path)
+    dive.source, dive.known = path, storage.held(path)
     draft.names, draft.said = scenario_names(), f"saved as {path}"
-    host.note(draft.said)
+    dive.note(draft.said)
     return path
 
 
-def present(desk: "Desk") -> Scenario:
+def present(context: PanelContext) -> Scenario:
     """The dive's scenario with what panels have changed."""
-    world = desk.host.world
+    world = context.dive.world
     return replace(as_it_is(world), seed=world.state.seed)
 
 
@@ -164,29 +161,29 @@ def _number(
     return typed_whole(name, value, low, high, step)
 
 
-def _files(desk: "Desk", draft: Draft) -> None:
+def _files(context: PanelContext, draft: Draft) -> None:
     """Open another scenario, save this one."""
     line = imgui.get_font_size()
     imgui.set_next_item_width(NAME * line)
     chosen = imgui.begin_combo("##there", "scenarios", imgui.ComboFlags_.height_large.value)
     if chosen:
         for name in draft.names:
-            if imgui.selectable(name, name == desk.host.source.stem)[0]:
-                desk.later(partial(open_file, desk, name))
+            if imgui.selectable(name, name == context.dive.source.stem)[0]:
+                context.later(partial(open_file, context, name))
         imgui.end_combo()
     imgui.same_line()
     draft.wanted, entered = _line("##wanted", "or the path of a file", draft.wanted)
     imgui.same_line()
     if (imgui.button("Open") or entered) and draft.wanted.strip():
-        desk.later(partial(open_file, desk, draft.wanted.strip()))
+        context.later(partial(open_file, context, draft.wanted.strip()))
     if imgui.button("Save"):
-        desk.later(partial(save, desk))
-    imgui.set_item_tooltip(str(storage.place_of(desk.host.source)))
+        context.later(partial(save, context))
+    imgui.set_item_tooltip(str(storage.place_of(context.dive.source)))
     imgui.same_line()
     draft.title, entered = _line("##title", "name or path", draft.title)
     imgui.same_line()
     if (imgui.button("Save as") or entered) and draft.title.strip():
-        desk.later(partial(save, desk, draft.title))
+        context.later(partial(save, context, draft.title))
 
 
 def _line(name: str, hint: str, text: str) -> tuple[str, bool]:

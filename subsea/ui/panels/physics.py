@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from imgui_bundle import imgui
@@ -11,11 +11,9 @@ from msgspec.structs import replace
 
 from subsea.scenario.schema import MAX_SIMULATED
 from subsea.state import Physics
+from subsea.ui.context import PanelContext
 from subsea.ui.gui import MARK, QUIET, colour
 from subsea.ui.panels.fish_picker import whom
-
-if TYPE_CHECKING:
-    from subsea.ui.inspector import Desk
 
 WIDE, DIAL = 13.0, 5.0  # of a slider and across the dial, in heights of letters
 STRONGEST_CM_S = 60.0  # that can be set here
@@ -49,19 +47,19 @@ class Still:
     current_cm_s: tuple[float, float] = (SOME_CM_S, 0.0)
 
 
-def panel(desk: "Desk") -> None:
+def panel(context: PanelContext) -> None:
     """Whom it is about, what they are made of, and what moves them."""
-    _whom(desk)
+    _whom(context)
     imgui.separator()
-    _factors(desk)
+    _factors(context)
     imgui.separator()
-    _current(desk)
+    _current(context)
 
 
-def _whom(desk: "Desk") -> None:
+def _whom(context: PanelContext) -> None:
     """How many fishes are simulated, and whether the chosen one is."""
-    host = desk.host
-    world, line = host.world, imgui.get_font_size()
+    dive = context.dive
+    world, line = dive.world, imgui.get_font_size()
     live = np.flatnonzero(world.state.fishes.live)
     imgui.align_text_to_frame_padding()
     imgui.text(f"{len(live)} of {len(world.state.fishes.alive)} fishes are simulated; at most")
@@ -69,9 +67,9 @@ def _whom(desk: "Desk") -> None:
     imgui.set_next_item_width(5.5 * line)
     _, most = imgui.input_int("##most", len(world.state.live.fish))
     if imgui.is_item_deactivated_after_edit():
-        desk.later(partial(simulate, desk, min(max(most, 0), MAX_SIMULATED)))
+        context.later(partial(simulate, context, min(max(most, 0), MAX_SIMULATED)))
     imgui.text_disabled("Physics acts on these: those nearest to the submarine.")
-    fish = whom(desk)
+    fish = whom(context)
     if fish is None:
         return
     if not world.dynamics.muscular[world.state.fishes.species[fish]]:
@@ -82,25 +80,25 @@ def _whom(desk: "Desk") -> None:
     imgui.text_disabled("it is simulated" if fish in live else "it is played back")
     if changed:
         world.physics = world.physics._replace(fish=fish if first else -1)
-        desk.changed()
+        context.changed()
         if first and not len(world.state.live.fish):
-            desk.later(partial(simulate, desk, 1))
+            context.later(partial(simulate, context, 1))
 
 
-def simulate(desk: "Desk", most: int) -> bool:
+def simulate(context: PanelContext, most: int) -> bool:
     """Let so many fishes be simulated at most; whether that was possible."""
-    host = desk.host
-    if most == len(host.world.state.live.fish):
+    dive = context.dive
+    if most == len(dive.world.state.live.fish):
         return True
-    scenario, chosen = replace(host.scenario, simulated=most), desk.chosen
-    entered = host.enter(scenario, host.source, host.world.state.seed, stay=True)
-    desk.chosen = chosen if entered else desk.chosen
+    scenario, chosen = replace(dive.scenario, simulated=most), context.chosen
+    entered = dive.open_world(scenario, dive.source, dive.world.state.seed, keep=True)
+    context.chosen = chosen if entered else context.chosen
     return entered
 
 
-def _factors(desk: "Desk") -> None:
+def _factors(context: PanelContext) -> None:
     """A slider for each, and back to what is usual."""
-    world, line = desk.host.world, imgui.get_font_size()
+    world, line = context.dive.world, imgui.get_font_size()
     before = physics = world.physics
     for slider in SLIDERS:
         imgui.set_next_item_width(WIDE * line)
@@ -126,7 +124,7 @@ def _factors(desk: "Desk") -> None:
     imgui.end_disabled()
     if physics != before:
         world.physics = physics
-        desk.changed()
+        context.changed()
     burst = sorted(fish for fish, under in world.told if under == world.physics)
     if burst:
         those = ", ".join(map(str, burst[:8])) + (" …" if len(burst) > 8 else "")
@@ -135,9 +133,9 @@ def _factors(desk: "Desk") -> None:
         )
 
 
-def _current(desk: "Desk") -> None:
+def _current(context: PanelContext) -> None:
     """A dial for where the current flows, how strong it is, and whether there is any."""
-    world, still, line = desk.host.world, desk.of(Still), imgui.get_font_size()
+    world, still, line = context.dive.world, context.state(Still), imgui.get_font_size()
     x, y = world.current_cm_s
     on = bool(x or y)
     if on:
@@ -162,7 +160,7 @@ def _current(desk: "Desk") -> None:
             float(f"{strength * math.cos(angle):.4g}"), float(f"{strength * math.sin(angle):.4g}"),
         )  # fmt: skip
         world.current_cm_s = still.current_cm_s if on else (0.0, 0.0)
-        desk.changed()
+        context.changed()
 
 
 def _dial(angle: float, strength: float, heading: float) -> float:

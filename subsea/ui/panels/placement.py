@@ -7,7 +7,7 @@ go of, and the world is made anew around the submarine then.
 import math
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from imgui_bundle import imgui
@@ -18,15 +18,13 @@ from subsea.core.undo import History
 from subsea.fish.species import species_names
 from subsea.scenario.schema import Scenario
 from subsea.state import Sea
+from subsea.ui.context import PanelContext
 from subsea.ui.gui import GLASS, MARK, colour
 from subsea.ui.panels import fields
+from subsea.view.unproject import FrontView
 from subsea.world import placement
 from subsea.world.placement import Grip, Handle
 from subsea.world.world import check_in
-
-if TYPE_CHECKING:
-    from subsea.ui.inspector import Desk
-    from subsea.view.unproject import FrontView
 
 REFUSED = (1.0, 0.42, 0.34)  # what cannot be
 WIDE, ROWS = 20.0, 7.5  # of the list, in heights of letters
@@ -70,32 +68,32 @@ class Placing:
         self.trial, self.held, self.fault, self.rest_s = None, None, "", 0.0
 
 
-def panel(desk: "Desk") -> None:
+def panel(context: PanelContext) -> None:
     """The list, the numbers of what is chosen, and the hand in the sea."""
-    placing, host = desk.of(Placing), desk.host
-    if placing.history is None or placing.history.present is not host.scenario:
-        placing.history, placing.chosen = History(host.scenario), None
+    placing, dive = context.state(Placing), context.dive
+    if placing.history is None or placing.history.present is not dive.scenario:
+        placing.history, placing.chosen = History(dive.scenario), None
         placing.let_go()
     frame = imgui.get_frame_count()
     if frame > placing.frame + 1:  # it was hidden, and what was held meanwhile nobody has dropped
         placing.let_go()
     placing.frame = frame
-    sea, scenario = host.world.state.sea, placing.trial or host.scenario
+    sea, scenario = dive.world.state.sea, placing.trial or dive.scenario
     things = placing.things(scenario, sea)
     _list(placing, scenario, things)
-    _buttons(desk, placing)
-    _numbers(desk, placing, scenario, sea)
+    _buttons(context, placing)
+    _numbers(context, placing, scenario, sea)
     said = placing.fault or placing.said
     if said:
         imgui.push_text_wrap_pos(WIDE * 1.4 * imgui.get_font_size())
         imgui.text_colored((*REFUSED, 1.0), said)
         imgui.pop_text_wrap_pos()
-    sight = host.picture.sight
+    sight = dive.picture.sight
     if sight is None:
         imgui.text_disabled("Things are dragged in flat pictures.")
         return
     within = [thing for thing in things if math.dist(thing.place, sight.view.eye) > NEAR_CM]
-    over = _hand(desk, placing, sight, within)
+    over = _hand(context, placing, sight, within)
     for thing in within:
         if (thing.kind, thing.number) == placing.chosen:
             _show(sight, thing, REFUSED if placing.fault else MARK, 0.1)
@@ -114,42 +112,42 @@ def name_of(scenario: Scenario, kind: str, number: int) -> str:
     return f"{words.split(' ', 1)[-1]} {number + 1}{more}"
 
 
-def place(desk: "Desk", scenario: Scenario) -> bool:
+def place(context: PanelContext, scenario: Scenario) -> bool:
     """Have the dive go on with things placed otherwise; whether that may be. If not, it is told."""
-    placing, host = desk.of(Placing), desk.host
+    placing, dive = context.state(Placing), context.dive
     placing.let_go()
-    if scenario == host.scenario:
+    if scenario == dive.scenario:
         return True
-    if not _enter(desk, scenario):
+    if not _enter(context, scenario):
         return False
     assert placing.history is not None
-    placing.history.do(host.scenario)
+    placing.history.do(dive.scenario)
     return True
 
 
-def back(desk: "Desk", forth: bool = False) -> bool:
+def back(context: PanelContext, forth: bool = False) -> bool:
     """Undo what was placed last, or with `forth` what was undone last; whether there was any."""
-    history = desk.of(Placing).history
+    history = context.state(Placing).history
     if history is None or not (history.may_redo if forth else history.may_undo):
         return False
-    desk.of(Placing).let_go()
+    context.state(Placing).let_go()
     scenario = history.redo() if forth else history.undo()
-    if not _enter(desk, scenario):
+    if not _enter(context, scenario):
         _ = history.undo() if forth else history.redo()
         return False
     return True
 
 
-def _enter(desk: "Desk", scenario: Scenario) -> bool:
-    placing, host = desk.of(Placing), desk.host
+def _enter(context: PanelContext, scenario: Scenario) -> bool:
+    placing, dive = context.state(Placing), context.dive
     placing.said = ""
     try:
-        placement.check(scenario, str(host.source), host.world.state.seed)
+        placement.check(scenario, str(dive.source), dive.world.state.seed)
     except UserError as fault:
         placing.said = str(fault)
-        host.note(placing.said)
+        dive.note(placing.said)
         return False
-    return host.enter(scenario, host.source, host.world.state.seed, stay=True)
+    return dive.open_world(scenario, dive.source, dive.world.state.seed, keep=True)
 
 
 def _list(placing: Placing, scenario: Scenario, things: list[Handle]) -> None:
@@ -163,21 +161,21 @@ def _list(placing: Placing, scenario: Scenario, things: list[Handle]) -> None:
         imgui.end_list_box()
 
 
-def _buttons(desk: "Desk", placing: Placing) -> None:
+def _buttons(context: PanelContext, placing: Placing) -> None:
     """Add, remove, undo and redo; the last two by the usual keys, too."""
-    history, chosen, host = placing.history, placing.chosen, desk.host
+    history, chosen, dive = placing.history, placing.chosen, context.dive
     assert history is not None
     if imgui.button("Add"):
         imgui.open_popup("add")
     if imgui.begin_popup("add"):
         for kind, words in placement.KINDS.items():
             if kind != "submarine" and imgui.selectable(words, False)[0]:
-                desk.later(partial(_add, desk, kind))
+                context.later(partial(_add, context, kind))
         imgui.end_popup()
     imgui.same_line()
     imgui.begin_disabled(chosen is None)
     if imgui.button("Remove") and chosen is not None:
-        desk.later(partial(_remove, desk, *chosen))
+        context.later(partial(_remove, context, *chosen))
     imgui.end_disabled()
     typing = imgui.get_io().want_text_input
     ctrl = imgui.Key.mod_ctrl.value
@@ -191,17 +189,17 @@ def _buttons(desk: "Desk", placing: Placing) -> None:
         imgui.end_disabled()
         imgui.set_item_tooltip(f"Ctrl+{letter}")
         if (pressed or (imgui.is_key_chord_pressed(ctrl | key.value) and not typing)) and may:
-            desk.later(partial(back, desk, forth))
-    if host.picture.sight is not None:
+            context.later(partial(back, context, forth))
+    if dive.picture.sight is not None:
         imgui.text_disabled("Drag in the sea. Shift: height, or near and far.")
         imgui.text_disabled("Wheel: size. Ctrl and wheel: turn.")
 
 
-def _add(desk: "Desk", kind: str) -> None:
+def _add(context: PanelContext, kind: str) -> None:
     """One more thing before the submarine."""
-    host, placing = desk.host, desk.of(Placing)
-    sight, sea = host.picture.sight, host.world.state.sea
-    submarine = host.world.state.submarine
+    dive, placing = context.dive, context.state(Placing)
+    sight, sea = dive.picture.sight, dive.world.state.sea
+    submarine = dive.world.state.submarine
     if sight is None:
         heading = float(submarine.angles[0])
         way = np.array([math.cos(heading), math.sin(heading), -0.3])
@@ -209,28 +207,28 @@ def _add(desk: "Desk", kind: str) -> None:
     else:
         eye, way = sight.ray(0.5, 0.6)
     at = placement.before(sea, eye, way)
-    if place(desk, placement.added(host.scenario, kind, at, sea)):
-        those = getattr(host.scenario, kind)
+    if place(context, placement.added(dive.scenario, kind, at, sea)):
+        those = getattr(dive.scenario, kind)
         placing.chosen = kind, 0 if kind in placement.SINGLE else len(those) - 1
 
 
-def _remove(desk: "Desk", kind: str, number: int) -> None:
-    placing, host = desk.of(Placing), desk.host
-    things = placement.handles(host.scenario, host.world.state.sea)
+def _remove(context: PanelContext, kind: str, number: int) -> None:
+    placing, dive = context.state(Placing), context.dive
+    things = placement.handles(dive.scenario, dive.world.state.sea)
     for thing in things:
         if (thing.kind, thing.number) == (kind, number):
             try:
-                rest = placement.removed(host.scenario, thing)
+                rest = placement.removed(dive.scenario, thing)
             except UserError as fault:
                 placing.said = str(fault)
-                host.note(placing.said)
+                dive.note(placing.said)
                 return
-            if place(desk, rest):
+            if place(context, rest):
                 placing.chosen = None
             return
 
 
-def _numbers(desk: "Desk", placing: Placing, scenario: Scenario, sea: Sea) -> None:
+def _numbers(context: PanelContext, placing: Placing, scenario: Scenario, sea: Sea) -> None:
     """A field for each number of what is chosen."""
     if placing.chosen is None:
         return
@@ -249,35 +247,35 @@ def _numbers(desk: "Desk", placing: Placing, scenario: Scenario, sea: Sea) -> No
     imgui.pop_id()
     if new != one:
         changed = placement.exchanged(scenario, kind, number, new)
-        placing.try_out(changed, sea, str(desk.host.source))
+        placing.try_out(changed, sea, str(context.dive.source))
     if (settled or entered) and placing.trial is not None:
-        desk.later(partial(place, desk, placing.trial))
+        context.later(partial(place, context, placing.trial))
 
 
 def _hand(
-    desk: "Desk", placing: Placing, sight: "FrontView", things: list[Handle]
+    context: PanelContext, placing: Placing, sight: FrontView, things: list[Handle]
 ) -> Handle | None:
     """What the pointer does in the sea; the thing that is under it."""
-    host, io = desk.host, imgui.get_io()
-    sea, source, pointer = host.world.state.sea, str(host.source), host.gui.pointer
+    dive, io = context.dive, imgui.get_io()
+    sea, source, pointer = dive.world.state.sea, str(dive.source), dive.gui.pointer
     over = None
-    if placing.held is None and not host.gui.on_panel:
+    if placing.held is None and not dive.gui.on_panel:
         over = placement.pick(things, sea, *sight.ray(*pointer))
         if imgui.is_mouse_clicked(0) and over is not None:
-            placing.chosen, desk.taken = (over.kind, over.number), True
+            placing.chosen, context.dragging = (over.kind, over.number), True
             placing.held, placing.begun = placement.grip(over, *sight.ray(*pointer)), pointer
             placing.said = ""
-        _turn_wheel(desk, placing, things)
+        _turn_wheel(context, placing, things)
     held = placing.held
     if held is None:
         return over
     if imgui.is_mouse_released(0) or not imgui.is_mouse_down(0):
         placing.held = None
         if placing.trial is not None:
-            _drop(desk, placing)
+            _drop(context, placing)
         return over
     if imgui.is_mouse_dragging(0):
-        now = host.scenario
+        now = dive.scenario
         if io.key_shift and held.handle.kind not in placement.FREE:
             up = HIGHER * (placing.begun[1] - pointer[1])
             new: Scenario | None = placement.raised(now, held.handle, math.exp(up))
@@ -289,35 +287,35 @@ def _hand(
     return held.handle
 
 
-def _turn_wheel(desk: "Desk", placing: Placing, things: list[Handle]) -> None:
+def _turn_wheel(context: PanelContext, placing: Placing, things: list[Handle]) -> None:
     """The wheel makes the chosen thing larger, or with Ctrl turns it, and rests."""
-    io, host = imgui.get_io(), desk.host
+    io, dive = imgui.get_io(), context.dive
     chosen = [thing for thing in things if (thing.kind, thing.number) == placing.chosen]
     if io.mouse_wheel and chosen:
-        before = placing.trial or host.scenario
+        before = placing.trial or dive.scenario
         if io.key_ctrl:
             new = placement.turned(before, chosen[0], TURN_DEG * io.mouse_wheel)
         else:
             new = placement.resized(before, chosen[0], BIGGER**io.mouse_wheel)
-        placing.try_out(new, host.world.state.sea, str(host.source))
+        placing.try_out(new, dive.world.state.sea, str(dive.source))
         placing.rest_s = REST_S
     elif placing.rest_s > 0.0:
         placing.rest_s -= io.delta_time
         if placing.rest_s <= 0.0 and placing.trial is not None:
-            _drop(desk, placing)
+            _drop(context, placing)
 
 
-def _drop(desk: "Desk", placing: Placing) -> None:
+def _drop(context: PanelContext, placing: Placing) -> None:
     """Let go of what was tried out: the dive goes on with it, or as it was."""
     if placing.fault:
         placing.said = placing.fault
-        desk.host.note(placing.said)
+        context.dive.note(placing.said)
         placing.let_go()
     elif placing.trial is not None:
-        desk.later(partial(place, desk, placing.trial))
+        context.later(partial(place, context, placing.trial))
 
 
-def _show(sight: "FrontView", thing: Handle, ink: tuple[float, float, float], wide: float) -> None:
+def _show(sight: FrontView, thing: Handle, ink: tuple[float, float, float], wide: float) -> None:
     """The outline of a thing, under all panels."""
     size, line = imgui.get_io().display_size, imgui.get_font_size()
     canvas = imgui.get_background_draw_list()

@@ -1,22 +1,18 @@
 """Time: it stands still, goes tick by tick, slower, faster, and back over the last minute."""
 
-from typing import TYPE_CHECKING
-
 from imgui_bundle import imgui
 
 from subsea.dive.timeline import RATES
+from subsea.ui.context import PanelContext
 from subsea.world.world import TICK_S
-
-if TYPE_CHECKING:
-    from subsea.ui.inspector import Desk
 
 WIDE = 24.0  # of the slider, in heights of letters
 NAMES = {0.25: "×¼", 0.5: "×½"}
 
 
-def panel(desk: "Desk") -> None:
+def panel(context: PanelContext) -> None:
     """Draw it, and act on the timeline."""
-    time, line = desk.host.timeline, imgui.get_font_size()
+    time, line = context.dive.timeline, imgui.get_font_size()
     if time is None:
         imgui.text_disabled("Another computer makes the time of this dive.")
         return

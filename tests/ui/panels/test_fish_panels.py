@@ -34,19 +34,19 @@ def boat(display, hands, coarse, tmp_path_factory):
     few = tmp_path_factory.mktemp("sea") / "few.toml"
     few.write_text(re.sub(r"^number = \d+", "number = 3", text, flags=re.MULTILINE))
     with closing(Dive(dive_options(few, SIZE, coarse))) as running:
-        running.grant("help")
+        running.run_command("help")
         hands.glide(running, 0.2)
         hands.do("key", "Tab")
-        hands.until(running, lambda: running.desk.open)
+        hands.until(running, lambda: running.inspector.open)
         yield running
 
 
 @pytest.fixture
 def still(boat, hands):
     """Time stands still, no panel is open, no fish is chosen."""
-    boat.desk.shown.clear()
-    boat.mount(None)
-    boat.desk.chosen = None
+    boat.inspector.shown.clear()
+    boat.ride_fish(None)
+    boat.inspector.chosen = None
     if not boat.timeline.paused:
         boat.timeline.pause()
     hands.glide(boat, 0.2)
@@ -54,8 +54,8 @@ def still(boat, hands):
 
 
 def opened(boat, hands, name, fish=None):
-    boat.desk.shown.add(name)
-    boat.desk.chosen = fish
+    boat.inspector.shown.add(name)
+    boat.inspector.chosen = fish
     hands.glide(boat, 0.3)
 
 
@@ -81,39 +81,39 @@ def test_a_click_in_the_sea_chooses_the_fish_that_is_drawn_there(still, hands):
     put(still, 1, 0.7, 0.6, 260.0)  # behind it
     hands.glide(still, 0.1)
     click(still, hands, 0.3, 0.4)
-    assert still.desk.chosen == 4
+    assert still.inspector.chosen == 4
     click(still, hands, 0.7, 0.6)
-    assert still.desk.chosen == 7
+    assert still.inspector.chosen == 7
     ringed = hands.screen(still)
-    still.desk.chosen = None
+    still.inspector.chosen = None
     still.frame(0.0)
     plain = hands.screen(still)
-    still.desk.chosen = 7
+    still.inspector.chosen = 7
     rows, columns = np.nonzero(np.abs(ringed - plain).sum(axis=2) > 60)  # the ring about it
     assert abs(columns.mean() / SIZE[0] - 0.7) < 0.02 and abs(rows.mean() / SIZE[1] - 0.6) < 0.02
     assert np.hypot(columns - 0.7 * SIZE[0], rows - 0.6 * SIZE[1]).min() > 10.0
     click(still, hands, 0.98, 0.96)  # where there is no fish
-    assert still.desk.chosen is None
+    assert still.inspector.chosen is None
 
 
 def test_fishes_are_chosen_on_the_panel_one_after_another_or_by_number(still, hands, spots):
     opened(still, hands, "Habits")
     spots.click(still, "next")
     spots.click(still, "next")
-    assert still.desk.chosen == 1
+    assert still.inspector.chosen == 1
     spots.click(still, "previous")
     spots.click(still, "previous")
-    assert still.desk.chosen == len(still.world.state.fishes.alive) - 1
+    assert still.inspector.chosen == len(still.world.state.fishes.alive) - 1
     spots.click(still, "fish", 0.2)
     hands.do("key", "ctrl+a", "5", "Return")
-    hands.until(still, lambda: still.desk.chosen == 5)
+    hands.until(still, lambda: still.inspector.chosen == 5)
 
 
 def test_a_fish_that_is_no_more_is_not_chosen_any_more(still, hands):
-    still.desk.chosen = 2
+    still.inspector.chosen = 2
     still.world.state.fishes.alive[2] = False
     hands.glide(still, 0.1)
-    assert still.desk.chosen is None
+    assert still.inspector.chosen is None
     still.world.state.fishes.alive[2] = True
 
 
@@ -194,7 +194,7 @@ def test_charts_hold_what_the_state_had(still, hands):
         seen.append((still.world.state.tick, minds.mental[0].copy()))
     minds.mental[0, FEAR] = 0.625
     still.frame(0.0)
-    chart = still.desk.of(Seen).chart
+    chart = still.inspector.state(Seen).chart
     assert isinstance(chart, Chart) and chart.fish == 0
     seen[-1][1][FEAR] = 0.625
     for tick, mental in seen:
@@ -285,28 +285,28 @@ def test_what_is_told_of_the_picture_is_so(still, hands):
     counts = still.picture.counts
     assert counts["fishes"] == np.count_nonzero(still.world.state.fishes.alive)
     assert 0 < counts["in sight"] <= counts["fishes"]
-    assert counts["triangles"] == still.picture._renderer.triangles > 1000
+    assert counts["triangles"] == still.picture.renderer.triangles > 1000
 
 
 def test_a_fish_is_ridden_followed_and_left_and_its_eyes_turned(still, hands, spots):
     opened(still, hands, "Fish view", 5)
     spots.click(still, "the fish's eyes", 0.1)
     assert still.picture.ride.by.fish == 5 and not still.picture.ride.behind
-    assert still.picture._insets
+    assert still.picture.insets
     spots.drag(still, "pan", 0.42, 0.7)
     assert still.picture.ride.gaze.pan_deg > 30.0 and still.picture.ride.gaze.tilt_deg == 0.0
     spots.click(still, "look ahead")
     assert still.picture.ride.gaze == Gaze()
     spots.click(still, "identity", 0.1)
-    assert still.picture.look == "identity"
+    assert still.picture.colours == "identity"
     spots.click(still, "colours", 0.1)
     spots.click(still, "pictures of both eyes", 0.1)
-    assert not still.picture._insets
+    assert not still.picture.insets
     spots.click(still, "pictures of both eyes", 0.1)
     spots.click(still, "behind the fish", 0.1)
     assert still.picture.ride.behind
     spots.click(still, "next")
-    assert still.picture.ride.by.fish == still.desk.chosen == 6 and still.picture.ride.behind
+    assert still.picture.ride.by.fish == still.inspector.chosen == 6 and still.picture.ride.behind
     spots.click(still, "its reins are in your hands", 0.05)
     assert still.steers_fish
     spots.click(still, "goes by the light in its eyes", 0.05)
@@ -316,7 +316,7 @@ def test_a_fish_is_ridden_followed_and_left_and_its_eyes_turned(still, hands, sp
     spots.click(still, "goes by the light in its eyes", 0.05)
     assert not still.world.seen_light
     spots.click(still, "the submarine", 0.1)
-    assert still.picture.ride is None and still.desk.chosen == 6
+    assert still.picture.ride is None and still.inspector.chosen == 6
 
 
 def test_panels_that_nobody_touches_change_nothing(still, hands):
@@ -327,8 +327,8 @@ def test_panels_that_nobody_touches_change_nothing(still, hands):
     time.pause()
     begin, sums = time.tick, []
     for panels in ((), PANELS):
-        still.desk.shown = set(panels)
-        still.desk.chosen = 3 if panels else None
+        still.inspector.shown = set(panels)
+        still.inspector.chosen = 3 if panels else None
         time.stand_at(begin)
         hands.glide(still, 0.1)
         assert time.tick == begin

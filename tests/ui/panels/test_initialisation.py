@@ -62,8 +62,8 @@ def pool(display, hands, own, coarse, tmp_path_factory):
     path.write_text(POOL)
     with closing(Dive(dive_options(path, (720, 560), coarse, seed=None))) as running:
         hands.glide(running, 0.2)
-        running.desk.toggle()
-        running.desk.shown = {"Initialisation"}
+        running.inspector.toggle()
+        running.inspector.shown = {"Initialisation"}
         hands.glide(running, 0.2)
         yield running
 
@@ -88,7 +88,7 @@ def test_numbers_entered_start_a_dive_anew_with_as_many(pool, hands, spots):
     assert sum(g.clusters for g in pool.scenario.seaweed if g.kind == "kelp") == 2
     assert pool.world.state.seed == 4000000077
     hands.glide(pool, 0.2)
-    assert pool.desk.of(Draft).counts.seed == 4000000077  # shown, it stays what it is
+    assert pool.inspector.state(Draft).counts.seed == 4000000077  # shown, it stays what it is
     assert pool.window.handle is window
 
 
@@ -120,13 +120,13 @@ def test_what_is_saved_is_the_same_world_again(pool, hands, spots, tmp_path, cap
     assert pool.source == path
     assert "# the school" in path.read_text() and "# clear" in path.read_text()
     scenario, _ = load_scenario(str(path))
-    assert scenario == present(pool.desk)
+    assert scenario == present(pool.inspector)
     again, minds = create_world(scenario), pool.world.state.minds
     assert np.array_equal(again.state.minds.male, minds.male)
     assert np.array_equal(again.state.minds.dread, minds.dread)
     assert np.array_equal(again.state.minds.appetite, minds.appetite)
     assert again.nature == pool.world.nature and again.state.seed == 4000000077
-    assert snapshot.checksum(again) == snapshot.checksum(create_world(present(pool.desk)))
+    assert snapshot.checksum(again) == snapshot.checksum(create_world(present(pool.inspector)))
 
 
 def test_what_another_program_wrote_is_not_taken_back(pool, hands, spots, capsys):
@@ -178,7 +178,7 @@ def test_a_shipped_scenario_is_opened_and_saved_as_ones_own(pool, hands, spots, 
     assert shipped.read_bytes() == before
     assert "my-schooling" in scenario_names()
     scenario, path = load_scenario("my-schooling")
-    assert path == pool.source and scenario == present(pool.desk)
+    assert path == pool.source and scenario == present(pool.inspector)
     spots.type(pool, "##title", "schooling")
     assert "shipped" in capsys.readouterr().err
     spots.click(pool, "Save")  # its own file again

@@ -24,8 +24,8 @@ def pool(display, hands, coarse, tmp_path_factory):
     path.write_text(NEAR)
     with closing(Dive(dive_options(path, (720, 580), coarse, seed=None))) as running:
         running.overlay.toggle_help()
-        running.desk.toggle()
-        running.desk.shown = {"Physics"}
+        running.inspector.toggle()
+        running.inspector.shown = {"Physics"}
         hands.glide(running, 0.4)
         yield running
 
@@ -35,7 +35,7 @@ def test_the_chosen_fish_is_simulated_and_the_dive_goes_on(pool, hands, spots):
     # Not the one that would be simulated anyway.
     far = np.linalg.norm(fishes.position - world.state.submarine.position, axis=1)
     far[~world.dynamics.muscular[fishes.species]] = 0.0
-    pool.desk.chosen = fish = int(np.argmax(far))
+    pool.inspector.chosen = fish = int(np.argmax(far))
     assert world.dynamics.muscular[fishes.species].sum() > 1
     hands.glide(pool, 0.2)
     place, tick = fishes.position[fish].copy(), world.state.tick
@@ -44,7 +44,7 @@ def test_the_chosen_fish_is_simulated_and_the_dive_goes_on(pool, hands, spots):
     fishes = pool.world.state.fishes
     assert pool.world.state.tick >= tick
     assert np.linalg.norm(fishes.position[fish] - place) < 40.0
-    assert pool.desk.chosen == fish
+    assert pool.inspector.chosen == fish
     hands.until(pool, lambda: fishes.live[fish])
     assert fishes.live.sum() == 1
 
@@ -57,7 +57,7 @@ def test_factors_act_are_kept_by_time_and_go_back_to_what_is_usual(pool, hands, 
     assert pool.world.physics.unit_mass > 1.5
     spots.click(pool, "hydrodynamics", 0.05)
     assert not pool.world.physics.hydrodynamics
-    assert present(pool.desk).physics.unit_mass == pool.world.physics.unit_mass
+    assert present(pool.inspector).physics.unit_mass == pool.world.physics.unit_mass
     changed = pool.world.physics
     pool.timeline.go(tick)
     assert snapshot.checksum(pool.world) == before
@@ -109,4 +109,4 @@ def test_the_current_is_turned_by_the_dial_made_stronger_and_switched_off(pool, 
     assert pool.world.current_cm_s == (0.0, 0.0)
     spots.click(pool, "current", 0.1)
     assert pool.world.current_cm_s == kept
-    assert present(pool.desk).water.current_cm_s == kept
+    assert present(pool.inspector).water.current_cm_s == kept

@@ -63,8 +63,8 @@ def lagoon(display, hands, coarse, tmp_path_factory):
         with closing(Dive(dive_options(path, (720, 560), coarse, seed=None))) as running:
             running.overlay.toggle_help()
             hands.glide(running, 0.2)
-            running.desk.toggle()
-            running.desk.shown = {"Placement"}
+            running.inspector.toggle()
+            running.inspector.shown = {"Placement"}
             hands.glide(running, 0.3)
             yield running
 
@@ -98,7 +98,7 @@ def test_a_thing_is_dragged_and_the_dive_goes_on_around_the_submarine(lagoon, ha
     begin = on_screen(lagoon, "pillar")
     empty = hands.screen(lagoon)
     drag(lagoon, hands, begin, (30, 0), (60, 0), drop=False)
-    placing = lagoon.desk.of(Placing)
+    placing = lagoon.inspector.state(Placing)
     assert placing.chosen == ("pillar", 0)
     assert placing.trial.pillar[0].position_cm != before.pillar[0].position_cm
     assert lagoon.world is world and lagoon.scenario is before  # only the outline follows
@@ -122,15 +122,15 @@ def test_a_thing_is_dragged_and_the_dive_goes_on_around_the_submarine(lagoon, ha
 def test_what_is_held_when_the_desk_is_closed_stays_where_it_was(lagoon, hands):
     before, world = lagoon.scenario, lagoon.world
     drag(lagoon, hands, on_screen(lagoon, "rock"), (25, 0), drop=False)
-    assert lagoon.desk.of(Placing).trial is not None
+    assert lagoon.inspector.state(Placing).trial is not None
     hands.do("key", "Tab")
-    hands.until(lagoon, lambda: not lagoon.desk.open)
+    hands.until(lagoon, lambda: not lagoon.inspector.open)
     hands.do("mouseup", 1)
     hands.glide(lagoon, 0.2)
     hands.do("key", "Tab")
-    hands.until(lagoon, lambda: lagoon.desk.open)
+    hands.until(lagoon, lambda: lagoon.inspector.open)
     hands.glide(lagoon, 0.8)
-    assert lagoon.desk.of(Placing).trial is None
+    assert lagoon.inspector.state(Placing).trial is None
     assert lagoon.scenario is before and lagoon.world is world
 
 
@@ -177,7 +177,7 @@ def test_what_would_be_misplaced_is_red_and_refused_in_one_line(lagoon, hands, c
     far = [np.inf if at is None else np.hypot(*np.subtract(at, school)[:2]) for at in aims]
     way = ways[int(np.argmin(far))]
     drag(lagoon, hands, begin, (way[0] // 2, way[1] // 2), way, drop=False)
-    assert "fish[0].position_cm" in lagoon.desk.of(Placing).fault
+    assert "fish[0].position_cm" in lagoon.inspector.state(Placing).fault
     red = hands.screen(lagoon)
     assert ((red[..., 0] > 200) & (red[..., 2] < 130)).sum() > 100
     capsys.readouterr()
@@ -191,17 +191,17 @@ def test_what_would_be_misplaced_is_red_and_refused_in_one_line(lagoon, hands, c
 def test_a_drag_that_begins_on_a_panel_moves_nothing_in_the_sea(lagoon, hands, spots):
 
     before = lagoon.scenario
-    lagoon.desk.of(Placing).chosen = None
+    lagoon.inspector.state(Placing).chosen = None
     hands.glide(lagoon, 0.2)
     bar = spots.place(lagoon, "Redo")  # there is nothing to redo
     target = on_screen(lagoon, "rock")
     drag(lagoon, hands, bar, (target[0] - bar[0], target[1] - bar[1]), (200, 20), (0, 0))
-    assert lagoon.desk.of(Placing).chosen is None
+    assert lagoon.inspector.state(Placing).chosen is None
     assert lagoon.scenario is before
 
 
 def test_numbers_add_and_remove(lagoon, hands, spots):
-    lagoon.desk.of(Placing).chosen = ("pillar", 0)
+    lagoon.inspector.state(Placing).chosen = ("pillar", 0)
     hands.glide(lagoon, 0.3)
     before = lagoon.scenario
     spots.drag(lagoon, "radius, cm", 0.3, 0.45)
@@ -216,11 +216,11 @@ def test_numbers_add_and_remove(lagoon, hands, spots):
     spots.click(lagoon, "Add")
     spots.click(lagoon, "a vent of bubbles")
     hands.until(lagoon, lambda: lagoon.scenario.vent)
-    assert lagoon.desk.of(Placing).chosen == ("vent", 0)
+    assert lagoon.inspector.state(Placing).chosen == ("vent", 0)
 
 
 def test_what_was_placed_is_saved_and_is_the_same_world_in_another_process(lagoon, hands, tmp_path):
-    path = initialisation.save(lagoon.desk, str(tmp_path / "placed"))
+    path = initialisation.save(lagoon.inspector, str(tmp_path / "placed"))
     text = path.read_text()
     assert "# The one that is moved." in text and "[[vent]]" in text
     scenario, _ = load_scenario(str(path))

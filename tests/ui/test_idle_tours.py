@@ -3,20 +3,14 @@
 import re
 from contextlib import closing
 
-import msgspec
 import numpy as np
 import pytest
 
-from subsea.core.errors import UserError
 from subsea.core.resources import resource_path
-from subsea.dive.bindings import WISHES
-from subsea.dive.settings import DEFAULTS, Settings
-from subsea.dive.settings import AttractSettings as AttractSettings
-from subsea.dive.settings import KioskSettings as KioskSettings
+from subsea.dive.idle_timer import DIP_S
+from subsea.dive.settings import AttractSettings, Settings
 from subsea.submarine.hull import ACCELERATION_CM_S2
-from subsea.ui.attract import DIP_S, Attract, tour_named
 from subsea.ui.dive import Dive
-from subsea.ui.kiosk import ALLOWED, locked
 from subsea.world.world import TICK_S
 from tests.support.windows import dive_options
 
@@ -42,34 +36,12 @@ def boat(display, hands, coarse, tmp_path_factory):
 
 def taken(running):
     """Whether a tour takes the submarine along."""
-    return running.attract.touring and running._crew._course.tour is not None
+    return running.tours.timer.touring and running.tick_source.steering.tour is not None
 
 
 def awaited(running, hands, seconds=AFTER_S):
     """Let so much time pass without a hand."""
     hands.glide(running, seconds + 0.5)
-
-
-def test_it_begins_after_idle_time_and_ends_with_any_input():
-    attract = Attract(10.0, leaps=False)
-    done = [attract.look(False, 1.0) for _ in range(12)]
-    assert done.count("begin") == 1 and done[9] == "begin"
-    assert attract.look(True, 1.0) == "end" and not attract.touring
-    assert attract.look(True, 100.0) is None
-    assert [attract.look(False, 9.0), attract.look(False, 0.9)] == [None, None]
-    assert attract.look(False, 100.0, may=False) is None
-    assert attract.look(False, 0.1) == "begin"
-    never = Attract(0.0, leaps=False)
-    assert never.look(False, 1e6) is None
-
-
-def test_before_a_tour_that_begins_elsewhere_it_gets_dark_and_a_hand_makes_it_light_again():
-    attract = Attract(10.0, leaps=True)
-    assert attract.look(False, 10.0 - DIP_S / 2.0) is None and attract.shade == 0.0
-    assert attract.look(False, DIP_S / 2.0) is None and attract.shade == 0.5
-    assert attract.look(True, DIP_S / 4.0) is None and attract.shade == 0.25
-    assert attract.look(False, 10.0) == "begin" and attract.shade == 1.0
-    assert attract.look(False, DIP_S) is None and attract.shade == 0.0
 
 
 def frame(running):
@@ -87,9 +59,9 @@ def frame(running):
     ("tour", "words"), [("auto", ("mousemove_relative", 30, 5)), ("reef", ("key", "h"))]
 )
 def test_nobody_is_there_and_then_somebody_is(boat, hands, tour, words):
-    boat._taken, boat.attract.leaps = tour_named(tour), tour != "auto"
+    boat.tours.name, boat.tours.timer.leaps = tour, tour != "auto"
     hands.point(boat, 0.0, 0.0)
-    hands.until(boat, lambda: not boat.attract.touring)
+    hands.until(boat, lambda: not boat.tours.timer.touring)
     hands.glide(boat, AFTER_S - 0.5)
     assert not taken(boat)
     boat.overlay.show_help()  # somebody had asked for it: on the tour it would be in the way
@@ -101,14 +73,14 @@ def test_nobody_is_there_and_then_somebody_is(boat, hands, tour, words):
     assert boat.overlay.hud.opacity == 0.0
     hands.do(*words)
     for _ in range(200):
-        touring = boat.attract.touring
+        touring = boat.tours.timer.touring
         gone, faster = frame(boat)
         assert gone < 5.0
-        if touring != boat.attract.touring:
-            assert boat._crew._course.tour is None  # in the very same picture
+        if touring != boat.tours.timer.touring:
+            assert boat.tick_source.steering.tour is None  # in the very same picture
             assert faster < 1.5 * ACCELERATION_CM_S2 * TICK_S
             break
-    assert not boat.attract.touring
+    assert not boat.tours.timer.touring
     for _ in range(60):
         gone, faster = frame(boat)
         assert gone < 5.0 and faster < 1.5 * ACCELERATION_CM_S2 * TICK_S
@@ -121,36 +93,14 @@ def test_a_visitor_who_rode_a_fish_and_left_is_not_waited_for(boat, hands):
     awaited(boat, hands, AFTER_S + 2.0 * DIP_S)
     assert taken(boat) and not boat.pilot.riding
     hands.do("key", "w")
-    hands.until(boat, lambda: not boat.attract.touring)
+    hands.until(boat, lambda: not boat.tours.timer.touring)
 
 
 def test_who_has_opened_the_desk_or_stopped_time_is_left_in_peace(boat, hands):
     for key in ("Tab", "k"):
         hands.do("key", key)
-        hands.until(boat, lambda: boat.desk.open or boat.timeline.paused)
+        hands.until(boat, lambda: boat.inspector.open or boat.timeline.paused)
         awaited(boat, hands, AFTER_S + 2.0 * DIP_S)
-        assert not boat.attract.touring
+        assert not boat.tours.timer.touring
         hands.do("key", key)
-        hands.until(boat, lambda: not (boat.desk.open or boat.timeline.paused))
-
-
-def test_a_kiosk_has_inputs_for_what_cannot_strand_it_only():
-    found = locked(DEFAULTS).bindings
-    assert found.key(ord("Q"), 2 | 1) == "leave"
-    assert found.key(ord("Q"), 0) == "dive"
-    for wish in WISHES:
-        assert bool(found.inputs(wish)) == (wish in ALLOWED)
-    assert locked(with_key("F12")).bindings.meaning("F12") == "leave"  # no visitor's input
-
-
-@pytest.mark.parametrize(
-    ("key", "controls", "rival"), [("F9", {"ride": ["F9"]}, "ride"), ("w", {}, "ahead")]
-)
-def test_the_operators_key_is_none_that_visitors_use(key, controls, rival):
-    name = key.upper()
-    with pytest.raises(UserError, match=f"--kiosk: '{name}' .* '{rival}', at `kiosk.leave`"):
-        locked(with_key(key, **controls))
-
-
-def with_key(key, **controls):
-    return msgspec.structs.replace(DEFAULTS, controls=controls, kiosk=KioskSettings(leave=key))
+        hands.until(boat, lambda: not (boat.inspector.open or boat.timeline.paused))

@@ -1,0 +1,38 @@
+"""When a tour begins and ends by itself: the time since the last input."""
+
+from typing import Literal
+
+DIP_S = 1.0  # the picture fades to dark before a tour that begins elsewhere, and back after
+
+
+class IdleTimer:
+    """Decides when a tour begins: after some time without input; and ends: at any input."""
+
+    def __init__(self, after_s: float, leaps: bool) -> None:
+        """`after_s` without input, 0: never. A tour that `leaps` begins elsewhere, in the dark."""
+        self.after_s, self.leaps = after_s, leaps
+        self.touring = False
+        self.shade = 0.0  # darkness of the picture
+        self.idle_s = 0.0
+        self.toured_s = 0.0
+
+    def begin(self) -> None:
+        """A tour begins now."""
+        self.touring, self.toured_s = True, 0.0
+
+    def update(
+        self, active: bool, dt: float, allowed: bool = True
+    ) -> Literal["begin", "end"] | None:
+        """What to do `dt` seconds later. `active`: there was input; `allowed`: a tour may begin."""
+        self.idle_s = 0.0 if active else self.idle_s + dt
+        self.toured_s += dt
+        if active and self.touring:
+            self.touring = False
+            return "end"
+        due = allowed and not self.touring and 0.0 < self.after_s <= self.idle_s
+        dark = due and self.leaps
+        self.shade = min(max(self.shade + (dt if dark else -dt) / DIP_S, 0.0), 1.0)
+        if due and (not self.leaps or self.shade == 1.0):
+            self.begin()
+            return "begin"
+        return None

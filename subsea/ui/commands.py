@@ -1,0 +1,154 @@
+"""What keys, buttons and panels may command in a dive, apart from steering."""
+
+from collections.abc import Callable
+
+from subsea.dive.bindings import Command, ControlName
+from subsea.dive.options import RetinaColours
+from subsea.dive.ride import nearest_to_middle
+from subsea.dive.timeline import Timeline
+from subsea.ui.context import DiveContext
+from subsea.ui.inspector import Inspector
+from subsea.ui.menu import Menu
+from subsea.view.retina import Gaze
+from subsea.view.unproject import front_view
+
+SHARED_TIME = "several computers show this dive: its time goes on"
+WITH_MENU: tuple[Command, ...] = ("fullscreen", "leave", "picture", "film")  # work while it is open
+
+
+class Commands:
+    """Runs commands by name."""
+
+    def __init__(self, dive: DiveContext, menu: Menu, inspector: Inspector) -> None:
+        self._dive, self._menu, self._inspector = dive, menu, inspector
+        self._functions: dict[Command, Callable[[], object]] = {
+            "help": self._show_help,
+            "desk": self._toggle_inspector,
+            "ride": self._ride_nearest,
+            "alight": lambda: dive.ride_fish(None),
+            "look": lambda: dive.picture.next_colours(),
+            "follow": self._toggle_behind,
+            "reins": self._toggle_teleop,
+            "pause": lambda: self._change_time(Timeline.pause),
+            "slower": lambda: self._change_time(Timeline.slower),
+            "faster": lambda: self._change_time(Timeline.faster),
+            "tick": lambda: self._change_time(Timeline.single),
+            "rewind": lambda: self._change_time(Timeline.rewind),
+            "pattern": self._toggle_pattern,
+            "quality": self._next_quality,
+            "lights": self._toggle_lights,
+            "picture": dive.take_picture,
+            "film": dive.toggle_film,
+            "instruments": lambda: dive.overlay.note(f"instruments: {dive.overlay.hud.turn()}"),
+            "fullscreen": dive.fill_screen,
+            "menu": self._open_menu,
+            "leave": dive.leave,
+        }
+
+    def run(self, command: Command) -> None:
+        """Run a command. While the menu is open only a few work."""
+        if self._menu.open and command in ("menu", "alight"):
+            self._menu.back()
+        elif command in self._functions and (not self._menu.open or command in WITH_MENU):
+            self._functions[command]()
+
+    def start_ride(
+        self, gaze: tuple[float, float] | None, colours: RetinaColours | None, teleop: bool
+    ) -> None:
+        """Set the gaze (degrees) and retina colours of the current ride, and steer the fish."""
+        picture = self._dive.picture
+        if picture.ride is not None and gaze is not None:
+            picture.ride.gaze = Gaze(*gaze)
+        picture.colours = colours or picture.colours
+        if teleop:
+            self._toggle_teleop()
+
+    def set_pace(self, pace: float) -> None:
+        """Let time go at one of `timeline.RATES`; 0: pause."""
+        time = self._dive.timeline
+        if time is not None and pace == 0.0:
+            time.pause()
+        elif time is not None:
+            time.run_at(pace)
+
+    def _open_menu(self) -> None:
+        if self._dive.picture.pattern:
+            self._toggle_pattern()
+        else:
+            self._dive.window.take_keyboard()  # Esc may have been pressed in another
+            self._menu.show()
+
+    def _show_help(self) -> None:
+        if not self._dive.picture.pattern:
+            self._dive.overlay.toggle_help()
+
+    def _toggle_inspector(self) -> None:
+        if self._dive.shared:
+            self._dive.overlay.note("no desk here: several computers show this dive")
+        elif not self._dive.picture.pattern:
+            self._dive.window.take_keyboard()
+            self._inspector.toggle()
+
+    def _toggle_pattern(self) -> None:
+        self._dive.picture.show_pattern(self._dive.overlay.help_hidden)
+
+    def _next_quality(self) -> None:
+        self._dive.picture.choose_next()
+        self._dive.overlay.note(self._dive.picture.quality_text)
+
+    def _toggle_lights(self) -> None:
+        """Toggle the submarine's lights, on all computers that show this dive."""
+        dive = self._dive
+        if not dive.tick_source.has_pilot:
+            return
+        lights = dive.world.state.submarine.lights
+        lights[:] = ~lights
+        if dive.timeline is not None:
+            dive.timeline.touch()
+
+    def _change_time(self, act: Callable[[Timeline], None]) -> None:
+        if self._dive.timeline is None:
+            self._dive.overlay.note(SHARED_TIME)
+        else:
+            act(self._dive.timeline)
+
+    def _ride_nearest(self, follow_hint: str = "from behind") -> None:
+        """Ride the chosen fish, or the one nearest to the middle of the view."""
+        dive, picture = self._dive, self._dive.picture
+        if picture.pattern or dive.shared:
+            return
+        fish = self._inspector.chosen if self._inspector.open else None
+        if fish is None or (picture.ride is not None and picture.ride.by.fish == fish):
+            fish = nearest_to_middle(dive.world, picture.views()[front_view(picture.rig)])
+        if fish is not None:
+            first = picture.ride is None
+            dive.ride_fish(fish)
+            if first:
+                self._hint(("follow", follow_hint), ("reins", "steer it"), ("alight", "back"))
+
+    def _toggle_behind(self) -> None:
+        """Look at a fish from behind, or again through its eyes."""
+        picture = self._dive.picture
+        behind = picture.ride is None or not picture.ride.behind
+        if picture.ride is None:
+            self._ride_nearest("through its eyes")
+        if picture.ride is not None:
+            picture.ride.look_from(behind)
+            picture.jump()
+
+    def _toggle_teleop(self) -> None:
+        """Steer the fish that is ridden, or let it go."""
+        picture, ticks = self._dive.picture, self._dive.tick_source
+        if picture.ride is None:
+            self._ride_nearest()
+        if picture.ride is not None:
+            self._dive.pilot.full_stop()  # inputs held before are not meant for the fish
+            ticks.steered_fish = picture.ride.by.fish if ticks.steered_fish is None else None
+            if ticks.steered_fish is not None:
+                self._hint(("reins", "let it go"), before="steer it as the submarine")
+
+    def _hint(self, *hints: tuple[ControlName, str], before: str = "") -> None:
+        """Show for a while what keys do now."""
+        inputs = ((self._dive.pilot.bindings.inputs(name), text) for name, text in hints)
+        words = [f"{names[0]} {text}" for names, text in inputs if names]
+        self._dive.overlay.note("   ".join([before, *words] if before else words))

@@ -1,0 +1,105 @@
+"""Tours of an unattended dive: when they begin and end, and what they show over the picture."""
+
+import math
+from pathlib import Path
+from typing import Protocol
+
+from imgui_bundle import imgui
+
+from subsea.dive.directed_camera import endless_tour, is_directed, is_over
+from subsea.dive.idle_timer import IdleTimer
+from subsea.dive.tour import guide
+from subsea.scenario.schema import AUTOPILOT, DIRECTED, Scenario
+from subsea.ui.context import DiveContext
+from subsea.ui.gui import DEEP, INK, colour, shadowed
+from subsea.ui.inspector import Inspector
+from subsea.ui.kiosk import Kiosk
+from subsea.ui.menu import Menu
+
+BREATH_S = 5.0  # period in which the invitation fades in and out
+INVITATION = "move the mouse to steer"
+
+
+class TouredDive(DiveContext, Protocol):
+    """A dive whose menu and panels can be closed."""
+
+    inspector: Inspector
+    menu: Menu
+
+
+class IdleTours:
+    """Begins a tour when nobody is at the controls, and ends it at any input."""
+
+    def __init__(
+        self, dive: TouredDive, name: str, after_s: float,
+        start: tuple[Scenario, Path, int | None], kiosk: Kiosk | None,
+    ) -> None:  # fmt: skip
+        """A tour called `name` begins `after_s` without input; 0: never.
+
+        In a `kiosk` it begins in the world of the `start`: a scenario, its file and the seed.
+        """
+        self.name = name
+        self.timer = IdleTimer(after_s, leaps=False)
+        self._dive, self._start, self._kiosk = dive, start, kiosk
+        # The autopilot and directions go on from where the submarine is: no need to fade to dark.
+        leaps = name not in (AUTOPILOT, DIRECTED) or kiosk is not None
+        self.timer.leaps = leaps and not dive.shared
+
+    def update(self, elapsed_s: float) -> None:
+        """Begin or end a tour, `elapsed_s` after the last frame."""
+        dive, ticks = self._dive, self._dive.tick_source
+        active = dive.pilot.was_active()
+        if self._kiosk is not None:
+            self._kiosk.update(active, elapsed_s)
+        # A visitor who works with panels, paused time or films is not interrupted.
+        busy = dive.inspector.open and not dive.menu.open
+        busy |= dive.picture.pattern or dive.filming or not ticks.has_pilot
+        busy |= dive.timeline is not None and dive.timeline.paused
+        what = self.timer.update(active, elapsed_s, not busy)
+        if what == "end":
+            ticks.set_tour(None)
+            dive.overlay.greet()
+        elif what == "begin" or self._directions_over:
+            self.begin()
+
+    def begin(self) -> None:
+        """Close what is open, and begin a tour; in a kiosk, in the scenario of its start."""
+        dive = self._dive
+        if dive.menu.open:
+            dive.menu.hide()
+        if dive.inspector.open:
+            dive.inspector.toggle()
+        dive.ride_fish(None)
+        if self._kiosk is not None and not dive.shared:
+            dive.picture.colours = "colours"
+            dive.open_world(*self._start)
+        dive.pilot.reset()
+        dive.overlay.greet()  # the help is there again for the next visitor
+        if dive.shared:  # only ticks may move the submarine there, so it cannot be put elsewhere
+            follows = self.name == DIRECTED and is_directed(dive.world.scenario)
+            tour = endless_tour(dive.world, self.name) if follows else guide(dive.world, None)
+            dive.tick_source.set_tour(tour)
+            return
+        dive.tick_source.set_tour(endless_tour(dive.world, self.name))
+        if dive.timeline is not None:
+            dive.timeline.touch()
+            dive.timeline.run_at(1.0)
+
+    @property
+    def _directions_over(self) -> bool:
+        """Whether a kiosk that nobody uses has shown all that its directions show."""
+        dive = self._dive
+        shows = self.timer.touring and self._kiosk is not None and not dive.shared
+        directed = self.name == DIRECTED and is_directed(dive.world.scenario)
+        return shows and directed and is_over(dive.world)
+
+    def draw(self) -> None:
+        """Draw the dark before a tour, and the invitation during it, in the current frame."""
+        size, line, timer = imgui.get_io().display_size, imgui.get_font_size(), self.timer
+        if timer.shade > 0.0:
+            canvas = imgui.get_background_draw_list()
+            canvas.add_rect_filled((0.0, 0.0), size, colour(DEEP, timer.shade))
+        if timer.touring:
+            breath = 0.5 - 0.5 * math.cos(math.tau * timer.toured_s / BREATH_S)
+            place = size.x / 2, size.y - 4.0 * line
+            shadowed(place, INVITATION, 1.5 * line, INK, (0.25 + 0.6 * breath), 0.5)

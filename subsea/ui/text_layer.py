@@ -1,0 +1,79 @@
+"""All that is drawn over the picture in the pilot's window: text, instruments, panels, menu."""
+
+from subsea.dive.captions import caption_of
+from subsea.dive.settings import Settings
+from subsea.ui import subtitles
+from subsea.ui.comfort import Vignette, draw_horizon
+from subsea.ui.context import DiveContext
+from subsea.ui.hud import reading
+from subsea.ui.idle_tours import IdleTours
+from subsea.ui.inspector import Inspector
+from subsea.ui.labels import draw_labels
+from subsea.ui.menu import Menu
+
+
+class TextLayer:
+    """Draws one frame of the gui over each picture."""
+
+    def __init__(
+        self, dive: DiveContext, settings: Settings, menu: Menu, inspector: Inspector
+    ) -> None:
+        self.vignette = Vignette(settings.comfort.vignette)
+        self.horizon = settings.comfort.horizon  # whether one is drawn at the helm
+        self._dive, self._menu, self._inspector = dive, menu, inspector
+
+    def draw(self, elapsed_s: float, tours: IdleTours) -> None:
+        """Draw all of it, `elapsed_s` after the last frame.
+
+        Nothing over the test pattern, by which projectors are measured.
+        """
+        dive, picture, overlay = self._dive, self._dive.picture, self._dive.overlay
+        if picture.pattern:
+            return
+        self._begin()
+        draw_labels(picture.labels, picture.sight)
+        if not self._menu.open:  # nor is a caption to be read behind the help
+            caption = caption_of(dive.world, picture.alpha)
+            opacity = caption.opacity * (1.0 - overlay.help_opacity)
+            subtitles.draw(caption._replace(opacity=opacity), picture.rig)
+        if dive.tick_source.has_pilot:
+            submarine = dive.world.state.submarine
+            at_helm = picture.ride is None and not tours.timer.touring
+            if at_helm and self.horizon and picture.sight:
+                draw_horizon(picture.sight)
+            self.vignette.update(submarine.rates, submarine.velocity, elapsed_s)
+            self.vignette.draw()
+            if not self._menu.open:
+                now = reading(submarine, dive.pilot.throttle, dive.pilot.stopping)
+                overlay.draw(now, elapsed_s, self.status, not at_helm)
+                self._inspector.draw()
+            tours.draw()
+        else:
+            overlay.caption(dive.tick_source.waiting)
+        if self._menu.open:
+            self._menu.draw(elapsed_s)
+        dive.gui.end()
+
+    def message(self, text: str) -> None:
+        """Fill the window with one line of text."""
+        self._begin()
+        self._dive.overlay.message(text)
+        self._dive.gui.end()
+
+    @property
+    def status(self) -> str:
+        """The fish that is ridden, and what is unusual about time, in one line."""
+        dive, parts = self._dive, []
+        if dive.picture.ride is not None:
+            ride, colours = dive.picture.ride, dive.picture.colours
+            parts.append(ride.text(dive.world, colours, dive.steers_fish))
+        if dive.timeline is not None and dive.timeline.text:
+            parts.append(dive.timeline.text)
+        return "   ".join(parts)
+
+    def _begin(self) -> None:
+        """Begin a frame of the gui on the pilot's window."""
+        window = self._dive.window
+        self._dive.gui.begin(
+            window.points, window.size, window.text_scale, self._dive.picture.panes
+        )
