@@ -35,7 +35,7 @@ from subsea.habitat.seaweed import step_seaweed
 from subsea.motor.playback import play
 from subsea.perception.grid import make_grid, nearest
 from subsea.profiling.paper_tables import place_nodes
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.state import Clock
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.culling import OUT_OF_SIGHT, coverage

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.state import EAT, ESCAPE, FEAR, HOOKED, LANDED, PACIFIST, PREDATOR, PREY
 from subsea.submarine.helm import HANDS_OFF
 from subsea.world.step import step

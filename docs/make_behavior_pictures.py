@@ -22,7 +22,7 @@ from subsea.frame.packet import pack
 from subsea.geometry.rotation import matrix
 from subsea.render import Renderer
 from subsea.render.output.quality import PRESETS
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.state import ASCENDING, CIRCLING, COURTSHIP, LOOPING, NO_COURTSHIP, NUZZLING
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.camera import NEAR_CM, View, look, off_axis

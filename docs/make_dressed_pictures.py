@@ -25,7 +25,7 @@ from subsea.frame.packet import make_scene, pack
 from subsea.geometry.rotation import rotate
 from subsea.render import Renderer, headless_context
 from subsea.render.output.quality import PRESETS
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.display_rigs import display_rig, views_for
 from subsea.view.rig import CameraPose

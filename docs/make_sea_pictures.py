@@ -22,7 +22,7 @@ from subsea.core.resources import ROOT
 from subsea.dive.start import headless, picture_maker
 from subsea.frame.packet import pack
 from subsea.render.output.quality import PRESETS
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.display_rigs import display_rig, views_for
 from subsea.view.rig import CameraPose

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from subsea.dive.directed_camera import directed
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.state import EAT, LOOPING, MATE
 from subsea.view.display_rigs import VERTICAL_FOV, cockpit
 from subsea.view.rig import CameraPose

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.state import HUNGER
 from subsea.study.record import read_record
 from subsea.study.report import measure

@@ -43,7 +43,7 @@ from subsea.fish.photo.side_view import across, laid
 from subsea.fish.species import load_species
 from subsea.profiling.comparison import read_reports
 from subsea.repertoire import read_repertoire
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.study.record import read_record
 from subsea.study.simulate import simulate
 from subsea.view.theatre.mpcdi import read_mpcdi

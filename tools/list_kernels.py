@@ -101,7 +101,7 @@ def write() -> None:
     from subsea.core.kernels.warm_up import LIST
     from subsea.core.resources import resource_names
     from subsea.dive import start
-    from subsea.scenario.schema import SHIPPED
+    from subsea.scenario.load import SHIPPED
 
     start.precompile = lambda tell: None
     with event.install_listener("numba:compile", noted):

@@ -14,7 +14,7 @@ from typing import Any
 
 from msgspec.structs import replace
 
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.world.world import create_world
 
 TIMES = 4

@@ -16,7 +16,7 @@ from subsea.dive.tour import Tour
 from subsea.frame.packet import Batch, Packet, make_scene, pack
 from subsea.render import Renderer, headless_context
 from subsea.render.output.quality import PRESETS
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.view.display_rigs import cockpit, display_rig, views_for
 from subsea.view.levels import LEVELS, empty_lod_state
 from subsea.world.step import step

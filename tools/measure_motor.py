@@ -12,7 +12,7 @@ import numpy as np
 from subsea.motor.controller import command
 from subsea.motor.fins import flap
 from subsea.motor.playback import play
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.world.world import TICK_S, create_world
 
 REPEATS = 20

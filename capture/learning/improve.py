@@ -24,7 +24,8 @@ from subsea.biomechanics.body import build_body
 from subsea.biomechanics.body_plan import Muscles, SwimPlan, TurnPlan
 from subsea.core.atomic_io import check_file
 from subsea.core.errors import UserError
-from subsea.core.resources import load_toml, resource_path
+from subsea.core.resources import resource_path
+from subsea.core.toml_files import load_toml
 from subsea.fish.species import SHIPPED, Species, species_file
 
 LIBRARIES = ("cma", "scipy")

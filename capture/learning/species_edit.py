@@ -8,7 +8,7 @@ import msgspec
 from subsea.biomechanics.body_plan import SwimPlan, TurnPlan
 from subsea.core.atomic_io import replacing
 from subsea.core.errors import UserError
-from subsea.core.resources import load_toml
+from subsea.core.toml_files import load_toml
 from subsea.fish.species import Species
 
 

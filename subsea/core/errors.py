@@ -1,21 +1,47 @@
-"""Errors that are meant for the person at the keyboard."""
+"""Errors that the user can mend, shown as one line without a stack trace."""
 
+from collections.abc import Sequence
 from difflib import get_close_matches
+from pathlib import Path
 
-MOST_LETTERS = 1000  # of an error: a word that it quotes may be as long as its file
+MAX_CHARACTERS = 1000  # of a line: a word that it quotes may be as long as its file
 
 
 class UserError(Exception):
-    """Something the user can mend, said in one line: which file, which key, what was expected."""
+    """Something the user can mend; `str` gives one line such as ``reef.toml:12: message``.
 
-    def __init__(self, words: str) -> None:
-        """Take the words as a terminal may show them, whatever they quote."""
-        whole = len(words) <= MOST_LETTERS
-        super().__init__(printable(words if whole else f"{words[:MOST_LETTERS]} …"))
+    Fields, which handlers read instead of taking the line apart:
+
+    - `message`: what is wrong and what was expected, without the place.
+    - `file`: the file at fault (or what stands for it, such as "the scenario"), None if unknown.
+    - `line`: the line in `file`, from 1; None if no single line is at fault.
+    - `key`: the key at fault, such as ``fish[0].kind``; it names a place in `file` and is not
+      shown: where it helps, `message` quotes it.
+    - `changes`: settings of the command line (``--set``) that were applied on top of `file`.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        file: Path | str | None = None,
+        line: int | None = None,
+        key: str | None = None,
+        changes: Sequence[str] = (),
+    ) -> None:
+        """Compose the line; control characters become "?", a long line is cut."""
+        self.message, self.file, self.line, self.key = message, file, line, key
+        self.changes = tuple(changes)
+        text = message
+        if file is not None:
+            place = f"{file}" if line is None else f"{file}:{line}"
+            text = f"{' --set '.join([place, *changes])}: {message}"
+        short = text if len(text) <= MAX_CHARACTERS else f"{text[:MAX_CHARACTERS]} …"
+        super().__init__(printable(short))
 
 
 def printable(text: str) -> str:
-    """A text of unknown origin as a terminal may show it: without control characters."""
+    """Replace control characters by "?", so that any text can go to a terminal."""
     return "".join(c if c.isprintable() else "?" for c in text)
 
 
@@ -25,7 +51,7 @@ def nearest(word: str, choices: list[str]) -> str:
     return f"; did you mean {match[0]!r}?" if match else ""
 
 
-def unknown(kind: str, word: str, choices: list[str]) -> UserError:
+def unknown(kind: str, word: str, choices: list[str], key: str | None = None) -> UserError:
     """The error for a name that is not among the choices, with the nearest one named."""
     hint = nearest(word, choices) or f"; there are: {', '.join(choices)}"
-    return UserError(f"unknown {kind} {word!r}{hint}")
+    return UserError(f"unknown {kind} {word!r}{hint}", key=key)

@@ -182,18 +182,18 @@ def bindings_of(controls: Mapping[str, Sequence[str]]) -> Bindings:
     chosen: dict[str, list[ControlName]] = {}
     for word, texts in controls.items():
         if word not in CONTROLS:
-            raise unknown("control", word, list(CONTROLS))
+            raise unknown("control", word, list(CONTROLS), key=word)
         meaning = _meaning(word)
         for text in texts:
             try:
                 name = input_name(text)
             except UserError as fault:
-                raise UserError(f"{word!r}: {fault}") from None
+                raise UserError(f"{word!r}: {fault}", key=word) from None
             others = chosen.setdefault(name, [])
             if meaning in others:
                 continue
             if meaning != "alight" and (rivals := [one for one in others if one != "alight"]):
-                raise UserError(f"{name!r} cannot be both {rivals[0]!r} and {word!r}")
+                raise UserError(f"{name!r} cannot be both {rivals[0]!r} and {word!r}", key=word)
             others.append(meaning)
     taken = {name for name, found in chosen.items() if found != ["alight"]}
     for meaning, control in CONTROLS.items():

@@ -1,7 +1,6 @@
 """The visitor's settings: `settings.toml` in the platform's usual place, or a file by its name."""
 
 import json
-import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -12,7 +11,7 @@ from msgspec import Meta, inspect
 
 from subsea.core.atomic_io import replacing
 from subsea.core.errors import UserError
-from subsea.core.resources import at_key, load_toml
+from subsea.core.toml_files import error_at, load_toml
 from subsea.dive.bindings import CONTROLS, Bindings, bindings_of, input_name
 
 Pixels = Annotated[int, Meta(ge=64, le=8192)]
@@ -142,9 +141,8 @@ def read_settings(path: Path) -> Settings:
         try:
             check()
         except UserError as fault:
-            named = re.findall(r"'([^']*)'", str(fault)) if place == "controls" else []
-            key = next((f".{one}" for one in reversed(named) if one in settings.controls), "")
-            raise UserError(f"{at_key(path, place + key)}: {fault}, at `{place}`") from None
+            key = place if fault.key is None else f"{place}.{fault.key}"
+            raise error_at(path, key, f"{fault}, at `{place}`") from None
     return settings
 
 

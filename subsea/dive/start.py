@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 from subsea.core.console import say
 from subsea.core.kernels.warm_up import precompile
 from subsea.frame.packet import make_scene, pack
-from subsea.scenario.schema import Scenario, load_scenario
+from subsea.scenario.load import load_scenario
+from subsea.scenario.schema import Scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.display_rigs import cockpit, views_for
 from subsea.view.rig import CameraRig

@@ -9,7 +9,7 @@ import msgspec
 
 from subsea.core.console import counted, say
 from subsea.core.errors import UserError, unknown
-from subsea.core.resources import at_key
+from subsea.core.toml_files import error_at
 from subsea.dive.cluster.credentials import cluster_faults
 from subsea.view.display_rigs import display_rig
 from subsea.view.rig import CameraRig
@@ -44,20 +44,20 @@ def set_up_theatre(
     """
     theatre, path = load_theatre(name)
     if node is not None and theatre.cluster is None:
-        raise UserError(f"{path}: has no [cluster]; drop --node")
+        raise UserError("has no [cluster]; drop --node", file=path)
     if node is not None and node not in theatre.nodes:
-        raise UserError(f"{path}: {unknown('node', node, list(theatre.nodes))}")
+        raise UserError(unknown("node", node, list(theatre.nodes)).message, file=path)
     theatre = shrunk(theatre, shrink)
     found, faults = channels(theatre, path)
     found, unseen = seen_channels(theatre, found, display, stereo)
-    unseen = tuple(f"{_channel_at(theatre, path, fault)}: {fault}" for fault in unseen)
+    unseen = tuple(error_at(path, fault.key or "", fault.message) for fault in unseen)
     if not found:
-        raise UserError(unseen[0])
+        raise unseen[0]
     for fault in (*faults, *unseen):
         say(f"{fault}; left out")
     numbers = shown_windows(theatre, found, node)
     if not numbers:
-        raise UserError(f"{path}: node {node!r} has no window with a channel that works")
+        raise UserError(f"node {node!r} has no window with a channel that works", file=path)
     rig = theatre_rig(theatre, found, numbers, display, stereo)
     return TheatreSetup(theatre, path, tuple(theatre.window[number] for number in numbers), rig)
 
@@ -147,13 +147,6 @@ def _check_left(times: int, size: tuple[int, int], what: str) -> None:
         )
 
 
-def _channel_at(theatre: Theatre, path: Path, fault: str) -> str:
-    """The file, and the line of the channel that a fault begins with."""
-    names = (f"channel {channel.name!r}: " for channel in theatre.channel)
-    number = next((k for k, name in enumerate(names) if fault.startswith(name)), None)
-    return f"{path}" if number is None else at_key(path, f"channel[{number}]")
-
-
 def describe(name: str) -> int:
     """Print what a theatre has and what of it does not work: exit code 0 if all works, else 1."""
     theatre, path = load_theatre(name)
@@ -162,7 +155,7 @@ def describe(name: str) -> int:
     try:
         found, faults = channels(theatre, path)
     except UserError as fault:
-        found, faults = (), (str(fault),)
+        found, faults = (), (fault,)
     for number, window in enumerate(theatre.window):
         where = "where the desktop puts it"
         if window.monitor is not None:

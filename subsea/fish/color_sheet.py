@@ -15,7 +15,7 @@ from subsea.core.arrays import Bytes
 from subsea.core.atomic_io import replacing
 from subsea.core.disk_cache import kept
 from subsea.core.errors import UserError
-from subsea.core.resources import load_toml
+from subsea.core.toml_files import load_toml
 from subsea.fish import paint
 from subsea.fish.species import Species
 

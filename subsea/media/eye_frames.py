@@ -42,7 +42,7 @@ from subsea.media.resume_manifest import describe_film, missing_frames, write_ma
 from subsea.render.gl.id_buffer import CORAL, FISH, KINDS, PILLAR, ROCK, IdMaps
 from subsea.render.output.quality import PRESETS
 from subsea.scenario.fish_lookup import find_fish
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.state import MENTAL_STATES
 from subsea.view.camera import View
 from subsea.view.levels import empty_lod_state

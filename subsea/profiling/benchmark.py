@@ -30,7 +30,8 @@ from subsea.profiling.frame_statistics import (
 )
 from subsea.profiling.machine import described, yardstick
 from subsea.render.output.quality import AUTO, LADDER, PRESETS, first_rung, name_of
-from subsea.scenario.schema import AUTOPILOT, load_scenario
+from subsea.scenario.load import load_scenario
+from subsea.scenario.schema import AUTOPILOT
 from subsea.view.display_rigs import cockpit
 from subsea.view.levels import HIDDEN, LEVELS, empty_lod_state
 from subsea.view.rig import CameraRig, views

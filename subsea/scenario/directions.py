@@ -4,7 +4,7 @@ A direction begins when all that it says of *when* is so. `directing` makes it h
 """
 
 from collections.abc import Callable, Sequence
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple, NoReturn
 
 import msgspec
 from msgspec.structs import replace
@@ -126,32 +126,27 @@ class Shoals(NamedTuple):
 
 
 def check_directions(
-    source: str,
     directions: Sequence[Direction],
     shoals: Shoals,
     tours: Sequence[str],
     hook: bool,
     inside: Callable[[str, Place], None],
 ) -> None:
-    """A UserError of one line for a direction that cannot be followed.
+    """Raise a UserError with its key for a direction that cannot be followed.
 
-    `tours` are the names of those that the scenario has, `hook` whether it has one; `inside` has
-    a UserError for a place outside the sea, of which it is told the key.
+    `tours` are the names of the scenario's tours, `hook` says whether it has a hook; `inside`
+    raises a UserError for the key of a place outside the sea.
     """
     names: dict[str, int] = {}
     for k, one in enumerate(directions):
         if one.name and names.setdefault(one.name, k) != k:
-            raise UserError(
-                f"{source}: `direction[{k}].name`: the name {one.name!r} is taken, expected another"
-            )
+            _refuse(f"direction[{k}].name", f"the name {one.name!r} is taken, expected another")
     for k, one in enumerate(directions):
         here = f"direction[{k}]"
         for key, fault in _faults(one, shoals, tours, hook):
-            raise UserError(f"{source}: `{here}{key and f'.{key}'}`: {fault}")
+            _refuse(f"{here}.{key}" if key else here, fault)
         if one.after is not None and one.after not in names:
-            raise UserError(
-                f"{source}: `{here}.after`: {unknown('direction', one.after, list(names))}"
-            )
+            _refuse(f"{here}.after", unknown("direction", one.after, list(names)).message)
         for key in ("gate_cm", "place_cm"):
             if (place := getattr(one, key)) is not None:
                 inside(f"{here}.{key}", place)
@@ -164,11 +159,16 @@ def check_directions(
         chain = [k]
         while (after := directions[chain[-1]].after) is not None:
             if (before := names[after]) in chain:
-                raise UserError(
-                    f"{source}: `direction[{k}].after`: it waits for itself, "
-                    f"by way of {after!r}, expected a direction that can begin before it"
+                expected = "expected a direction that can begin before it"
+                _refuse(
+                    f"direction[{k}].after",
+                    f"it waits for itself, by way of {after!r}, {expected}",
                 )
             chain.append(before)
+
+
+def _refuse(key: str, fault: str) -> NoReturn:
+    raise UserError(f"`{key}`: {fault}", key=key)
 
 
 def _faults(
@@ -225,7 +225,7 @@ def _faults(
     if one.hook is not None and not hook:
         faults.append(("hook", "expected a table [hook] that says where it hangs"))
     if one.camera is not None and one.camera.tour is not None and one.camera.tour not in tours:
-        faults.append(("camera.tour", str(unknown("tour", one.camera.tour, list(tours)))))
+        faults.append(("camera.tour", unknown("tour", one.camera.tour, list(tours)).message))
     about = one.event is not None or one.after is not None or one.pair is not None
     if one.camera is not None and one.camera.follow == "cast" and not about:
         faults.append(("camera.follow", 'of "cast": expected an `event`, `pair` or `after`'))
@@ -304,7 +304,7 @@ def _strangers(whose: Whose, shoals: Shoals) -> list[tuple[str, str]]:
     if whose.fish is not None and whose.fish >= len(shoals.kind):
         return [("fish", _no_fish(whose.fish, shoals))]
     if whose.species is not None and whose.species not in shoals.species:
-        return [("species", str(unknown("fish", whose.species, sorted(set(shoals.species)))))]
+        return [("species", unknown("fish", whose.species, sorted(set(shoals.species))).message)]
     return []
 
 

@@ -17,8 +17,9 @@ from tomlkit.items import InlineTable
 
 from subsea.core.atomic_io import replacing
 from subsea.core.errors import UserError
-from subsea.core.resources import load_toml
-from subsea.scenario.schema import Scenario, check_scenario
+from subsea.core.toml_files import load_toml, locate_errors
+from subsea.scenario.checks import check_scenario
+from subsea.scenario.schema import Scenario
 
 Content = dict[str, Any]  # of a table: what differs from the defaults, as TOML has it
 
@@ -42,7 +43,8 @@ def save_scenario(scenario: Scenario, path: Path, like: Path | None = None) -> N
 
 def scenario_text(scenario: Scenario, like: Path | None = None) -> str:
     """What `save_scenario` writes."""
-    check_scenario(scenario, "the scenario")
+    with locate_errors(scenario, "the scenario"):
+        check_scenario(scenario)
     if like is not None:
         # Where the old file is gone, or is written in a way that cannot be edited: a new one.
         with suppress(UserError, OSError, ValueError, tomlkit.exceptions.TOMLKitError):

@@ -5,8 +5,9 @@ from pathlib import Path
 from subsea.core.atomic_io import check_file
 from subsea.core.errors import UserError
 from subsea.core.resources import resource_names, resource_path
+from subsea.scenario.load import SHIPPED, load_scenario, own_scenarios, scenario_names
 from subsea.scenario.save import save_scenario
-from subsea.scenario.schema import SHIPPED, Scenario, load_scenario, own_scenarios, scenario_names
+from subsea.scenario.schema import Scenario
 
 
 def is_shipped(path: Path) -> bool:

@@ -17,8 +17,8 @@ from subsea.core.errors import UserError
 from subsea.dive.start import start_world
 from subsea.motor.pose import ends_world
 from subsea.repertoire import SEGMENTS
+from subsea.scenario.load import load_scenario
 from subsea.scenario.save import scenario_text
-from subsea.scenario.schema import load_scenario
 from subsea.state import COURTSHIP, KINDS, MENTAL_STATES
 from subsea.study.record import FIELDS, FORMAT, VERSION, outline
 from subsea.submarine.helm import HANDS_OFF

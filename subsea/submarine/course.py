@@ -62,10 +62,10 @@ def rail_at(course: Course, state: State, t: float) -> Rail:
     return Rail(place, velocity, (heading, pitch))
 
 
-def check_tours(scenario: Scenario, sea: Sea, rocks: list[str], source: str) -> None:
+def check_tours(scenario: Scenario, sea: Sea, rocks: list[str]) -> None:
     """A UserError for a tour that leaves the sea, comes too near to what is in it, or races.
 
-    `rocks` are the names of the sea's, `source` is the scenario's file.
+    `rocks` are the names of the rocks of the sea.
     """
     curves = [_course(tour, scenario).curve for tour in scenario.tour]
     fault = kept(_first_fault, curves, sea, scenario.bounds, rocks)
@@ -73,8 +73,9 @@ def check_tours(scenario: Scenario, sea: Sea, rocks: list[str], source: str) -> 
         k, t, what = fault
         leg = int(np.searchsorted(curves[k].times, t, side="right")) - 1
         raise UserError(
-            f"{source}: `tour[{k}]` {scenario.tour[k].name!r} {what}, {t:.1f} s after its start, "
-            f"between `waypoint[{leg}]` and `waypoint[{leg + 1}]`"
+            f"`tour[{k}]` {scenario.tour[k].name!r} {what}, {t:.1f} s after its start, "
+            f"between `waypoint[{leg}]` and `waypoint[{leg + 1}]`",
+            key=f"tour[{k}]",
         )
 
 

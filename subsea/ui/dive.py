@@ -20,7 +20,8 @@ from subsea.dive.tick_source import LocalTicks, TickSource, tick_source_maker
 from subsea.dive.timeline import RATES, Timeline
 from subsea.media.screenshots import Shots, pictures_folder
 from subsea.scenario.fish_lookup import find_fish
-from subsea.scenario.schema import Scenario, load_scenario
+from subsea.scenario.load import load_scenario
+from subsea.scenario.schema import Scenario
 from subsea.scenario.storage import held
 from subsea.ui.commands import Commands
 from subsea.ui.help_overlay import help_content

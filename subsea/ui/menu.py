@@ -13,9 +13,10 @@ import msgspec
 from imgui_bundle import imgui
 
 from subsea.core.errors import UserError
-from subsea.core.resources import load_toml
+from subsea.core.toml_files import load_toml
 from subsea.render.output.quality import CHOICES
-from subsea.scenario.schema import MAX_SEED, load_scenario, scenario_file, scenario_names
+from subsea.scenario.load import load_scenario, scenario_file, scenario_names
+from subsea.scenario.schema import MAX_SEED
 from subsea.ui.context import DiveContext
 from subsea.ui.gui import DEEP, LIT, QUIET, colour
 from subsea.ui.panels.fields import typed_whole

@@ -12,10 +12,13 @@ import numpy as np
 
 from subsea.core.arrays import Array
 from subsea.core.errors import UserError
+from subsea.core.toml_files import locate_errors
+from subsea.core.validation import convert
 from subsea.geometry.height_field import height_at
 from subsea.geometry.solids import NEVER, ray_meets_pillar, ray_meets_rock, ray_meets_seabed
 from subsea.geometry.vector import vector
 from subsea.habitat.rocks import rock_rows
+from subsea.scenario.checks import check_scenario
 from subsea.scenario.directions import renumbered
 from subsea.scenario.schema import (
     Arch,
@@ -28,7 +31,6 @@ from subsea.scenario.schema import (
     Seaweed,
     Shoal,
     Vent,
-    check_scenario,
 )
 from subsea.state import HULL_CM, Sea
 from subsea.world.world import check_world
@@ -287,12 +289,10 @@ def numbered(scenario: Scenario, index: int, number: int) -> Scenario:
 
 def check(scenario: Scenario, source: str = "the scenario", seed: int | None = None) -> None:
     """A UserError of one line for what could not be dived in; takes up to a second."""
-    try:
-        msgspec.json.decode(msgspec.json.encode(scenario), type=Scenario)
-    except msgspec.ValidationError as fault:
-        raise UserError(f"{source}: {fault}") from fault
-    check_scenario(scenario, source)
-    check_world(scenario, source, seed)
+    with locate_errors(scenario, source):
+        convert(msgspec.to_builtins(scenario), Scenario)
+        check_scenario(scenario)
+        check_world(scenario, seed)
 
 
 def thing(scenario: Scenario, kind: str, number: int) -> Any:

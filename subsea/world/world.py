@@ -16,7 +16,7 @@ from subsea.behavior.temperament import apply_individual, set_temperament
 from subsea.core.arrays import Array
 from subsea.core.disk_cache import kept
 from subsea.core.errors import UserError
-from subsea.core.resources import telling_lines
+from subsea.core.toml_files import locate_errors
 from subsea.directing import Script, make_script
 from subsea.fish.coupling import Coupling, couple
 from subsea.fish.species import Species, load_species, repertoire_file, species_file
@@ -32,7 +32,8 @@ from subsea.habitat.seaweed import plant_seaweed
 from subsea.motor.switching import Dynamics, make_dynamics
 from subsea.repertoire import SEGMENTS, Repertoire
 from subsea.repertoire.library import Library, pack
-from subsea.scenario.schema import MAX_SIMULATED, MAX_SOLIDS, Scenario, Shoal, check_scenario
+from subsea.scenario.checks import check_scenario
+from subsea.scenario.schema import MAX_SIMULATED, MAX_SOLIDS, Scenario, Shoal
 from subsea.state import (
     HULL_CM,
     KINDS,
@@ -150,8 +151,8 @@ def create_world(
     recorded = len(library.entry)
     progress("shaping the seabed and growing the reef")
     rng = np.random.default_rng([seed, 0x5EA])
-    with telling_lines(scenario, Path(source)):
-        sea, reef, seaweed = _sea_of(scenario, rng, seed, source)
+    with locate_errors(scenario, source):
+        sea, reef, seaweed = _sea_of(scenario, rng, seed)
     progress("letting the fishes in")
     submarine = Submarine(position=np.array(scenario.submarine.position_cm, np.float64))
     submarine.angles[0] = np.radians(scenario.submarine.heading_deg)
@@ -183,35 +184,33 @@ def create_world(
     )  # fmt: skip
 
 
-def check_world(scenario: Scenario, source: str, seed: int | None = None) -> None:
+def check_world(scenario: Scenario, seed: int | None = None) -> None:
     """A UserError where `create_world` has one for a scenario that `check_scenario` lets pass."""
     seed = scenario.seed if seed is None else seed
-    _sea_of(scenario, np.random.default_rng([seed, 0x5EA]), seed, source)
+    _sea_of(scenario, np.random.default_rng([seed, 0x5EA]), seed)
 
 
-def check_in(scenario: Scenario, sea: Sea, source: str) -> None:
+def check_in(scenario: Scenario, sea: Sea) -> None:
     """As `check_world`, at once: on the seabed and beside the reef of a `sea` that is nearly it."""
 
     def floor(x: float, y: float) -> float:
         return float(height_at(sea.heights, sea.half_width, x, y))
 
-    check_scenario(scenario, source)
-    _refuse_crowded(scenario, source)
+    check_scenario(scenario)
+    _refuse_crowded(scenario)
     there = sea._replace(pillars=pillar_rows(scenario, floor), rocks=rock_rows(scenario, floor)[0])
-    _refuse_too_high(scenario, there, source)
-    _refuse_misplaced(scenario, there, source)
+    _refuse_too_high(scenario, there)
+    _refuse_misplaced(scenario, there)
 
 
-def _sea_of(
-    scenario: Scenario, rng: np.random.Generator, seed: int, source: str
-) -> tuple[Sea, Reef, Seaweed]:
+def _sea_of(scenario: Scenario, rng: np.random.Generator, seed: int) -> tuple[Sea, Reef, Seaweed]:
     """What surrounds the fishes, and stands and grows there; nothing in it is misplaced."""
-    _refuse_crowded(scenario, source)
+    _refuse_crowded(scenario)
     sea = make_sea(scenario, rng)
-    _refuse_too_high(scenario, sea, source)
+    _refuse_too_high(scenario, sea)
     sea, reef = grow_reefs(scenario, sea)
-    _refuse_misplaced(scenario, sea, source)
-    check_tours(scenario, sea, rock_rows(scenario, lambda x, y: 0.0)[1], source)
+    _refuse_misplaced(scenario, sea)
+    check_tours(scenario, sea, rock_rows(scenario, lambda x, y: 0.0)[1])
     sea, seaweed = plant_seaweed(scenario, sea, reef, seed)
     return sea, reef, seaweed
 
@@ -273,28 +272,29 @@ def _coupling(species: Species, repertoire: Repertoire) -> Coupling:
     return couple(species.surface.coupling, nodes, rest)
 
 
-def _refuse_crowded(scenario: Scenario, source: str) -> None:
+def _refuse_crowded(scenario: Scenario) -> None:
     """A UserError for more rocks than a sea may have."""
     number = len(rock_rows(scenario, lambda x, y: 0.0)[0])
     if number > MAX_SOLIDS:
         raise UserError(
-            f"{source}: {number} rocks in all, those of outcrops and arches counted, "
+            f"{number} rocks in all, those of outcrops and arches counted, "
             f"expected at most {MAX_SOLIDS}"
         )
 
 
-def _refuse_too_high(scenario: Scenario, sea: Sea, source: str) -> None:
+def _refuse_too_high(scenario: Scenario, sea: Sea) -> None:
     """A UserError for a pillar that is higher than the sea is deep there."""
     for k, top in enumerate(sea.pillars[:, 3]):
         if top > 0.0:
             given = scenario.pillar[k].height_cm
             raise UserError(
-                f"{source}: `pillar[{k}].height_cm` {given:g} reaches above the surface, "
-                f"expected at most {np.floor(given - top):g} there"
+                f"`pillar[{k}].height_cm` {given:g} reaches above the surface, "
+                f"expected at most {np.floor(given - top):g} there",
+                key=f"pillar[{k}].height_cm",
             )
 
 
-def _refuse_misplaced(scenario: Scenario, sea: Sea, source: str) -> None:
+def _refuse_misplaced(scenario: Scenario, sea: Sea) -> None:
     """A UserError for what a scenario puts inside the seabed, the reef, a rock or a pillar."""
     _, rocks = rock_rows(scenario, lambda x, y: 0.0)
     places = [("submarine.position_cm", scenario.submarine.position_cm, HULL_CM)]
@@ -329,7 +329,7 @@ def _refuse_misplaced(scenario: Scenario, sea: Sea, source: str) -> None:
                     inside, outside = "below", "above"
                 where = f"lies {inside} {name}" if gap < 0.0 else f"is {gap:.1f} cm from {name}"
                 expected = f"at least {room:g} cm off it" if room else f"{outside} it"
-                raise UserError(f"{source}: `{key}` {place} {where}, expected {expected}")
+                raise UserError(f"`{key}` {place} {where}, expected {expected}", key=key)
 
 
 def _shares(scenario: Scenario, fish: int | None) -> list[int]:

@@ -11,7 +11,8 @@ from subsea.behavior.chasing import mouth_of
 from subsea.behavior.courtship import POINTS, RISE_BL, TURNS
 from subsea.behavior.manoeuvring import abdomen_of
 from subsea.behavior.nuzzling import NUDGES, TOUCH_BL
-from subsea.scenario.schema import Scenario, load_scenario
+from subsea.scenario.load import load_scenario
+from subsea.scenario.schema import Scenario
 from subsea.state import APPROACHING, ASCENDING, CIRCLING, LOOPING, NO_COURTSHIP, NOBODY, NUZZLING
 from subsea.submarine.helm import HANDS_OFF
 from subsea.world.step import TICK_S, create_world, step

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.state import BAIT, EAT, ESCAPE, FEAR, HOOKED, LANDED, NOBODY, PACIFIST, PREY
 from subsea.submarine.helm import HANDS_OFF
 from subsea.world.step import create_world, step

@@ -23,7 +23,8 @@ from subsea.behavior.hunting import (
     suction,
 )
 from subsea.behavior.table import BEHAVIORS, DESIRES
-from subsea.scenario.schema import Shoal, load_scenario
+from subsea.scenario.load import load_scenario
+from subsea.scenario.schema import Shoal
 from subsea.state import (
     AVOID,
     EAT,

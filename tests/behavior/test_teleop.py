@@ -8,7 +8,7 @@ from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import rotate
 from subsea.habitat.clearance import clearances
 from subsea.repertoire import SEGMENTS
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.state import EAT, ESCAPE, FEAR, MATE, NOBODY, PREDATOR, PREY, WANDER
 from subsea.submarine.helm import HANDS_OFF
 from subsea.world import snapshot

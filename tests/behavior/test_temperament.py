@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 from subsea.behavior.temperament import apply_individual
-from subsea.scenario.schema import Individual, Shoal, load_scenario
+from subsea.scenario.load import load_scenario
+from subsea.scenario.schema import Individual, Shoal
 from subsea.state import NOBODY
 from subsea.submarine.helm import HANDS_OFF
 from subsea.world import snapshot

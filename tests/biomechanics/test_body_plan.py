@@ -6,7 +6,8 @@ import pytest
 
 from subsea.biomechanics.body_plan import BodyPlan, SwimPlan, TurnPlan
 from subsea.core.errors import UserError
-from subsea.core.resources import load_toml, resource_path
+from subsea.core.resources import resource_path
+from subsea.core.toml_files import load_toml
 from subsea.fish.species import Species
 
 

@@ -14,7 +14,7 @@ from subsea.core.disk_cache import kept
 from subsea.habitat.reef import grow_reefs
 from subsea.habitat.sea import make_sea
 from subsea.habitat.seaweed import plant_seaweed
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 
 CODE = """
 import numpy as np

@@ -15,8 +15,10 @@ from subsea.behavior.temperament import HABITS, set_hunger
 from subsea.core.errors import UserError
 from subsea.core.resources import ROOT
 from subsea.directing import direct, latest
+from subsea.scenario.checks import check_scenario
 from subsea.scenario.directions import Shoals
-from subsea.scenario.schema import Hook, Scenario, check_scenario, load_scenario
+from subsea.scenario.load import load_scenario
+from subsea.scenario.schema import Hook, Scenario
 from subsea.state import (
     EAT,
     FEAR,
@@ -300,7 +302,7 @@ def test_whatever_is_directed_the_world_stays_one(tmp_path, data):
     hook = Hook(position_cm=(100.0, 0.0), depth_cm=200.0)
     chosen = data.draw(directions(ANY, [], True, WITHIN))
     scenario = replace(bare, direction=chosen, hook=hook)
-    check_scenario(scenario, "it")
+    check_scenario(scenario)
     one, other = create_world(scenario), create_world(scenario)
     play(one, 1.5)
     between = snapshot.take(one)
@@ -432,4 +434,4 @@ def test_what_documents_show_of_directions_is_as_they_say(page):
         names = {one.get("name") for one in shown}
         others = [one for one in content["direction"] if one.get("name") not in names]
         scenario = msgspec.convert(content | {"direction": others + shown}, Scenario)
-        check_scenario(scenario, page)
+        check_scenario(scenario)

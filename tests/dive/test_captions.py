@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from subsea.dive.captions import FADE_S, Caption, caption_of, lines_of, shown_s, titled
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.display_rigs import DISPLAYS, display_rig
 from subsea.view.text_viewports import text_viewports

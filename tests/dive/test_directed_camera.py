@@ -20,7 +20,7 @@ from subsea.geometry.vector import vector
 from subsea.habitat.clearance import clearance
 from subsea.media.film_timing import directed_length_s
 from subsea.scenario.directions import Camera
-from subsea.scenario.schema import load_scenario, scenario_file
+from subsea.scenario.load import load_scenario, scenario_file
 from subsea.state import HULL_CM
 from subsea.submarine.course import course_of, rail_at
 from subsea.submarine.helm import HANDS_OFF, STATION, Helm

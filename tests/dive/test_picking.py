@@ -12,7 +12,7 @@ from subsea.frame.packet import make_scene, pack
 from subsea.render import Renderer, headless_context
 from subsea.render.gl.id_buffer import FISH, SEABED, WATER
 from subsea.render.output.quality import PRESETS
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.display_rigs import display_rig
 from subsea.view.rig import front, pose_from_angles, seen_part, views

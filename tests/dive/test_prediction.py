@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from subsea.dive.pilot import Pilot
 from subsea.dive.prediction import CATCH_UP_S, Prediction
 from subsea.dive.tick_source import LocalTicks
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import HANDS_OFF, Helm
 from subsea.submarine.hull import AHEAD_CM_S, HEAVE_CM_S, YAW_RAD_S
 from subsea.submarine.rail import Rail

@@ -15,7 +15,7 @@ from subsea.dive.retina_images import MOST_FISHES, VALUES, coded, seen_brightnes
 from subsea.dive.ride import MOST_PAN_DEG, Ride, nearest_to_middle, pictured, with_insets
 from subsea.dive.theatre_setup import set_up_theatre
 from subsea.render.gl.id_buffer import FISH, SEABED, WATER, IdMaps
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.ui.dive import Dive
 from subsea.ui.overlay import unbroken

@@ -14,7 +14,7 @@ from subsea.dive.cluster.keys import write_keys
 from subsea.dive.cluster.master import Master
 from subsea.dive.pilot import Pilot
 from subsea.dive.tick_source import FollowerTicks, LeaderTicks, LocalTicks, tick_source_maker
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.submarine.rail import Rail
 from subsea.ui import dive

@@ -10,7 +10,7 @@ from subsea.dive import timeline as module
 from subsea.dive.pilot import Pilot
 from subsea.dive.tick_source import LocalTicks
 from subsea.dive.timeline import RATES, Timeline
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import Helm
 from subsea.submarine.rail import Rail
 from subsea.world import snapshot

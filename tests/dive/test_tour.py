@@ -20,7 +20,7 @@ from subsea.dive.tour import (
     Tour,
     guide,
 )  # fmt: skip
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.state import CIRCLING, EAT, HANGING, HOOKED, LANDED, LOOPING, NOBODY, PREDATOR, digest
 from subsea.submarine.course import course_of, rail_at
 from subsea.world.step import create_world, step

@@ -41,7 +41,7 @@ from subsea.fish.photo.side_view import across
 from subsea.fish.species import load_species, shipped_species
 from subsea.profiling import paper_tables
 from subsea.repertoire import read_repertoire, write_repertoire
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.ui.window_set import WindowSet
 from subsea.view.theatre.theatre_file import load_theatre
 from tests.support.pages import PAGES, PROGRAMS, Command, blocks, inline, prose, steps

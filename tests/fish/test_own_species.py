@@ -21,7 +21,7 @@ from subsea.fish.species import (
     species_file,
     species_names,
 )
-from subsea.scenario.schema import load_scenario, own_scenarios
+from subsea.scenario.load import load_scenario, own_scenarios
 from subsea.world.inventory import counts
 
 ANGEL = resource_path("assets/species/emperor_angelfish.toml")

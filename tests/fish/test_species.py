@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from subsea.core.errors import UserError
-from subsea.core.resources import load_toml, resource_path
+from subsea.core.resources import resource_path
+from subsea.core.toml_files import load_toml
 from subsea.fish.species import Species, load_species, species_names
 from subsea.fish.surface import rest_control_points
 from subsea.repertoire import SEGMENTS, read_repertoire

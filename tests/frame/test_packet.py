@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 from subsea.frame import packet as frame
-from subsea.scenario.schema import Seaweed, load_scenario
+from subsea.scenario.load import load_scenario
+from subsea.scenario.schema import Seaweed
 from subsea.state import HANGING, HOOKED, LANDED, NOBODY, SINKING, STOWED
 from subsea.submarine.helm import HANDS_OFF, Helm
 from subsea.view.display_rigs import cockpit, views_for

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from subsea.habitat.bow_wave import BEAM_BL, SPAN, add_bow_wave, bow_wave
 from subsea.habitat.sea import make_sea
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.state import HULL_CM, empty_fishes
 
 RADIUS = 50.0

@@ -5,7 +5,8 @@ import pytest
 
 from subsea.habitat.hook import OUT_CM, hook_constants, move_hook
 from subsea.habitat.sea import make_sea
-from subsea.scenario.schema import Hook, load_scenario
+from subsea.scenario.load import load_scenario
+from subsea.scenario.schema import Hook
 from subsea.state import HANGING, HOOKED, LANDED, NOBODY, SINKING, STOWED, Clock
 
 PLAN = Hook(position_cm=(40.0, -10.0), depth_cm=300.0, speed_cm_s=30.0, start_s=2.0)

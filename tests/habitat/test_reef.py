@@ -11,7 +11,8 @@ from subsea.habitat.mounds import dome, variant_of
 from subsea.habitat.reef import DEEPEST, KINDS, MOUND, PACKED, SUNK, floor_over, grow_reefs, tops
 from subsea.habitat.sea import make_sea
 from subsea.habitat.terrain import heights_at
-from subsea.scenario.schema import GrowthKind, ReefTable, load_scenario
+from subsea.scenario.load import load_scenario
+from subsea.scenario.schema import GrowthKind, ReefTable
 
 TABLES = [
     ReefTable(position_cm=(-150.0, 205.0), spread_cm=200.0, number=120, seed=1),

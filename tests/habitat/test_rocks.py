@@ -9,16 +9,8 @@ from hypothesis import strategies as st
 from subsea.habitat.clearance import clearances
 from subsea.habitat.formations import formations
 from subsea.habitat.rocks import arch, outcrop, rock_rows, single
-from subsea.scenario.schema import (
-    Arch,
-    Outcrop,
-    Rock,
-    Scenario,
-    Shoal,
-    Start,
-    Terrain,
-    load_scenario,
-)
+from subsea.scenario.load import load_scenario
+from subsea.scenario.schema import Arch, Outcrop, Rock, Scenario, Shoal, Start, Terrain
 from subsea.state import HULL_CM, Submarine
 from subsea.submarine.helm import HANDS_OFF, Helm
 from subsea.submarine.hull import step_hull

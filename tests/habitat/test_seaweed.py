@@ -22,7 +22,8 @@ from subsea.habitat.seaweed import (
     plant_seaweed,
     step_seaweed,
 )
-from subsea.scenario.schema import Seaweed, load_scenario
+from subsea.scenario.load import load_scenario
+from subsea.scenario.schema import Seaweed
 from subsea.state import HULL_CM, Clock, Reef, empty_fishes, empty_reef
 
 DT = 0.033

@@ -6,7 +6,7 @@ import pytest
 
 from subsea.geometry.height_field import height_at
 from subsea.habitat.terrain import MOAT_CM, MOUND_CM, crest, drifted, half_width, make_terrain
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 
 
 @pytest.fixture

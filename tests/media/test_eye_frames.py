@@ -17,7 +17,7 @@ from subsea.geometry.rotation import from_matrix
 from subsea.media import eye_frames as eyes
 from subsea.render.output.quality import PRESETS
 from subsea.scenario.fish_lookup import find_fish
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.retina import fish_eyes, retina_rig
 from subsea.world.step import create_world, step

@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 from subsea.geometry.height_field import height_at
-from subsea.scenario.schema import Shoal, load_scenario
+from subsea.scenario.load import load_scenario
+from subsea.scenario.schema import Shoal
 from subsea.state import Physics
 from subsea.submarine.helm import HANDS_OFF
 from subsea.world import snapshot

@@ -8,7 +8,8 @@ from subsea.fish.species import muscular_names
 from subsea.motor.pose import nodes_world
 from subsea.motor.switching import HOVERING, KEEP, MAX_WAIT_TICKS, MIN_STAY_S, may_go_live
 from subsea.repertoire import SEGMENTS
-from subsea.scenario.schema import Shoal, load_scenario
+from subsea.scenario.load import load_scenario
+from subsea.scenario.schema import Shoal
 from subsea.state import digest
 from subsea.submarine.helm import HANDS_OFF, Helm
 from subsea.world.step import create_world, step

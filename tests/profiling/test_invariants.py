@@ -5,7 +5,7 @@ import pytest
 
 from subsea.geometry.solids import from_pillar, from_rock
 from subsea.profiling.invariants import depth_in_stone, faults_in, reach_now, starving, stuck, widen
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.world import snapshot
 from subsea.world.step import create_world, step

@@ -12,7 +12,7 @@ from subsea.core.resources import resource_names
 from subsea.dive.theatre_setup import chosen_rig
 from subsea.profiling import soak
 from subsea.profiling.soak import Hands, Watch, act, growth, hands, judge
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import HANDS_OFF, Helm
 from subsea.view.display_rigs import DISPLAYS, display_rig
 from subsea.view.theatre.theatre_file import FOLDER

@@ -13,8 +13,9 @@ from subsea.core.errors import UserError
 from subsea.core.resources import resource_names, resource_path
 from subsea.fish.species import species_names
 from subsea.scenario import schema as tables
+from subsea.scenario.load import load_scenario
 from subsea.scenario.save import save_scenario, scenario_text
-from subsea.scenario.schema import Pillar, Rock, Scenario, load_scenario
+from subsea.scenario.schema import Pillar, Rock, Scenario
 from tests.support.directions import directions
 
 NAMES = resource_names("assets/scenarios", ".toml")

@@ -11,7 +11,7 @@ from subsea.fish.species import load_species
 from subsea.frame.packet import make_scene, pack
 from subsea.geometry.height_field import height_at
 from subsea.habitat.clearance import clearances
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.display_rigs import cockpit, views_for
 from subsea.world.step import create_world, step

@@ -13,7 +13,7 @@ from subsea.cli.main import main
 from subsea.core import hdf5
 from subsea.core.console import counted
 from subsea.fish.species import load_species
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.study.record import FIELDS
 from tests.support.scenes import scene
 

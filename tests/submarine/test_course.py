@@ -9,7 +9,8 @@ import pytest
 from subsea.core.errors import UserError
 from subsea.core.resources import resource_path
 from subsea.dive.tour import guide
-from subsea.scenario.schema import TourTable, load_scenario
+from subsea.scenario.load import load_scenario
+from subsea.scenario.schema import TourTable
 from subsea.state import HULL_CM, digest
 from subsea.submarine.course import check_tours, course_of, rail_at
 from subsea.submarine.hull import AHEAD_CM_S
@@ -104,7 +105,7 @@ def test_a_loop_closes_in_place_and_look(world):
 
 def faults(sea, *waypoints, **more):
     with pytest.raises(UserError) as fault:
-        check_tours(scenario_with(*waypoints, **more), sea, ["`rock[0]`"], "file.toml")
+        check_tours(scenario_with(*waypoints, **more), sea, ["`rock[0]`"])
     text = str(fault.value)
     assert "\n" not in text
     assert text.startswith("file.toml: `tour[0]` 'way' ")
@@ -115,7 +116,7 @@ def test_a_tour_keeps_clear_of_all_that_is_in_the_sea_all_the_way(tank):
     rock = [[300.0, 0.0, -300.0, 80.0, 50.0, 60.0, 0.0]]
     sea = tank(pillars=[[0.0, 300.0, 40.0, -100.0]], rocks=rock).sea
     fine = [point(0.0, -200.0), point(5.0, 0.0), point(10.0, 100.0)]
-    check_tours(scenario_with(*fine), sea, ["`rock[0]`"], "file.toml")
+    check_tours(scenario_with(*fine), sea, ["`rock[0]`"])
     text = faults(sea, *fine, point(18.0, 500.0))  # through it, though no waypoint is inside
     assert "`rock[0]`, expected at least 45" in text
     assert "between `waypoint[2]` and `waypoint[3]`" in text

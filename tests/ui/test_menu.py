@@ -10,7 +10,7 @@ from imgui_bundle import imgui
 from subsea.core.resources import resource_path
 from subsea.dive.bindings import PAD_BUTTONS
 from subsea.render.output.quality import CHOICES, PRESETS
-from subsea.scenario.schema import own_scenarios
+from subsea.scenario.load import own_scenarios
 from subsea.ui.dive import Dive
 from subsea.ui.gamepad import State
 from subsea.ui.menu import DISPLAYS, QUALITIES, scenario_titles

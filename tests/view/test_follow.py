@@ -6,7 +6,7 @@ import pytest
 from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import rotate
 from subsea.habitat.clearance import clearances
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.follow import BACK_BL, BACK_CM, ROOM_CM, follow_fish
 from subsea.world.step import create_world, step

@@ -10,7 +10,7 @@ from subsea.fish.surface import LEFT, RIGHT, rest_control_points
 from subsea.frame.packet import pack
 from subsea.geometry.rotation import matrix
 from subsea.motor.pose import control_points_world
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.retina import (
     Gaze,

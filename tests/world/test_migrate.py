@@ -5,7 +5,8 @@ import pytest
 from msgspec.structs import replace
 
 from subsea.behavior.temperament import apply_individual
-from subsea.scenario.schema import Individual, Pillar, Shoal, load_scenario
+from subsea.scenario.load import load_scenario
+from subsea.scenario.schema import Individual, Pillar, Shoal
 from subsea.world import placement
 from subsea.world.migrate import carry
 from subsea.world.world import MINDS, create_world

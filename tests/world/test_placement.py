@@ -11,17 +11,9 @@ from subsea.core.errors import UserError
 from subsea.core.undo import History
 from subsea.geometry.height_field import height_at
 from subsea.habitat import formations
+from subsea.scenario.load import load_scenario
 from subsea.scenario.save import save_scenario
-from subsea.scenario.schema import (
-    Bounds,
-    Individual,
-    Scenario,
-    Shoal,
-    Start,
-    Terrain,
-    Water,
-    load_scenario,
-)
+from subsea.scenario.schema import Bounds, Individual, Scenario, Shoal, Start, Terrain, Water
 from subsea.submarine.helm import HANDS_OFF
 from subsea.world import placement, snapshot
 from subsea.world.placement import added, aim, check, grip, handles, moved, pick

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.core.errors import UserError
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.state import digest
 from subsea.submarine.helm import Helm
 from subsea.world import snapshot

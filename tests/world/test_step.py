@@ -11,7 +11,7 @@ import pytest
 
 from subsea.geometry.height_field import height_at
 from subsea.motor.balance import roll_of
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.state import HULL_CM, LOOPING, digest
 from subsea.submarine.helm import Helm
 from subsea.world.step import TICK_S, create_world, step
@@ -131,7 +131,7 @@ def test_equal_seeds_are_equal_worlds_and_others_are_not():
 PROGRAM = """
 from subsea.motor.balance import roll_of
 from subsea.world.step import create_world, step
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.state import digest
 from subsea.submarine.helm import Helm
 world = create_world(load_scenario("peaceful")[0], seed=3, fish=60)

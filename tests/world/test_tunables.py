@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.world import snapshot
 from subsea.world.step import create_world, step

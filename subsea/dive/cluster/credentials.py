@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from subsea.core.errors import UserError
-from subsea.core.resources import at_key
+from subsea.core.toml_files import error_at
 from subsea.dive.cluster.keys import SECRET, Keys, read_keys
 from subsea.dive.cluster.link import endpoint
 from subsea.view.theatre.theatre_file import Cluster
@@ -23,12 +23,12 @@ def credentials(cluster: Cluster, nodes: Sequence[str], node: str, path: Path) -
             keys = read_keys(path.parent / cluster.keys, node, known)
         endpoint(cluster.address, keys)
     except UserError as fault:
-        raise UserError(f"{at_key(path, 'cluster')}: [cluster]: {fault}") from fault
+        raise error_at(path, "cluster", f"[cluster]: {fault}") from fault
     return keys
 
 
-def cluster_faults(cluster: Cluster, nodes: Sequence[str], path: Path) -> tuple[str, ...]:
-    """A line for each node whose secret key is here and that cannot take part all the same.
+def cluster_faults(cluster: Cluster, nodes: Sequence[str], path: Path) -> tuple[UserError, ...]:
+    """An error for each node whose secret key is here and that cannot take part all the same.
 
     A computer needs no secret key but its own; where there is none at all the master's is missing.
     """
@@ -41,5 +41,5 @@ def cluster_faults(cluster: Cluster, nodes: Sequence[str], path: Path) -> tuple[
         try:
             credentials(cluster, nodes, node, path)
         except UserError as fault:
-            faults.append(str(fault))
+            faults.append(fault)
     return tuple(faults)

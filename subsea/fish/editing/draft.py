@@ -14,14 +14,14 @@ from pathlib import Path
 from shutil import copyfile
 from typing import Any, Literal, NamedTuple
 
-import msgspec
 import numpy as np
 from msgspec import structs
 
 from subsea.biomechanics.body_plan import HALF_SIZES, NODES_AT_STATION, SHORTEST_SECTION
 from subsea.core.atomic_io import replacing
 from subsea.core.errors import UserError
-from subsea.core.resources import load_toml
+from subsea.core.toml_files import load_toml
+from subsea.core.validation import convert
 from subsea.fish.species import Species, own_species_file
 from subsea.fish.surface import along
 
@@ -117,11 +117,9 @@ def changed_all(draft: Draft, values: dict[Path_, Any]) -> Draft:
 
 def _checked(draft: Draft, content: dict[str, Any]) -> Draft:
     try:
-        species = msgspec.convert(content, Species)
-    except msgspec.ValidationError as fault:
-        message, _, place = str(fault).partition(" - at `$")
-        place = place.removeprefix(".").removesuffix("`")
-        raise EditError(f"{place}: {message}" if place else message) from None
+        species = convert(content, Species)
+    except UserError as fault:
+        raise EditError(str(fault)) from None
     return replace(draft, content=content, species=species)
 
 

@@ -9,7 +9,10 @@ from imgui_bundle import imgui
 from msgspec.structs import replace
 
 from subsea.core.errors import UserError
+from subsea.core.toml_files import locate_errors
 from subsea.scenario import storage
+from subsea.scenario.checks import check_scenario
+from subsea.scenario.load import scenario_names
 from subsea.scenario.schema import (
     MAX_FISHES,
     MAX_LEAVES,
@@ -17,8 +20,6 @@ from subsea.scenario.schema import (
     MAX_SEED,
     MAX_SOLIDS,
     Scenario,
-    check_scenario,
-    scenario_names,
 )
 from subsea.ui.context import PanelContext
 from subsea.ui.panels.fields import typed_whole
@@ -82,7 +83,8 @@ def start_anew(context: PanelContext, wanted: Counts) -> bool:
     draft, dive = context.state(Draft), context.dive
     scenario = with_counts(present(context), wanted)
     try:
-        check_scenario(scenario, "the numbers")
+        with locate_errors(scenario, "the numbers"):
+            check_scenario(scenario)
     except UserError as fault:
         draft.said = str(fault)
         dive.note(draft.said)

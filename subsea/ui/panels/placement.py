@@ -59,9 +59,9 @@ class Placing:
         """Show how it would be, and whether it may."""
         self.trial, self.fault = scenario, ""
         try:
-            check_in(scenario, sea, source)
+            check_in(scenario, sea)
         except UserError as fault:
-            self.fault = str(fault)
+            self.fault = f"{source}: {fault}"
 
     def let_go(self) -> None:
         """Nothing is tried out any more."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from subsea.core.arrays import Array, Ints
 from subsea.core.errors import UserError, unknown
-from subsea.core.resources import at_key
+from subsea.core.toml_files import error_at
 from subsea.view.rig import Projection, Rect, Warp
 from subsea.view.surround import ALL_ROUND, Surround
 from subsea.view.theatre.blend import Projector, mask_of
@@ -60,37 +60,40 @@ class Lighted:
     warp: Warp | None = None  # what of the screen each point of the picture shows
     mask: Array | None = None  # (h, w, 4) as `rig.DisplayPatch` has it
     blend: bool = False
+    key: str = ""  # of its table in the theatre file, such as channel[0]
 
 
-def channels(theatre: Theatre, path: Path) -> tuple[tuple[Lighted, ...], tuple[str, ...]]:
-    """The channels that work, and a line for each thing that does not.
+def channels(theatre: Theatre, path: Path) -> tuple[tuple[Lighted, ...], tuple[UserError, ...]]:
+    """The channels that work, and an error for each thing in the file `path` that does not.
 
-    A theatre of which nothing works is a UserError.
+    Raises the first error if no channel works.
     """
     found: list[Lighted] = []
-    faults: list[str] = []
+    faults: list[UserError] = []
     for k, channel in enumerate(theatre.channel):
+        key = f"channel[{k}]"
         try:
-            found.append(_alone(_of_channel(theatre, channel, path.parent), found))
+            found.append(_alone(_of_channel(theatre, channel, path.parent, key), found))
         except UserError as fault:
-            faults.append(f"{at_key(path, f'channel[{k}]')}: channel {channel.name!r}: {fault}")
+            faults.append(error_at(path, key, f"channel {channel.name!r}: {fault}"))
     for k, archive in enumerate(theatre.mpcdi):
-        where = at_key(path, f"mpcdi[{k}]")
+        key = f"mpcdi[{k}]"
         try:
             read = read_mpcdi(path.parent / archive.file)
         except UserError as fault:
-            faults.append(f"{where}: {fault}")
+            faults.append(error_at(path, key, f"{fault}"))
             continue
-        faults += [f"{where}: {fault}" for fault in read.faults]
+        faults += [error_at(path, key, fault) for fault in read.faults]
         for region in read.regions:
             if archive.buffer not in (None, region.buffer):
                 continue
             try:
-                found.append(_alone(_of_region(theatre, archive, region), found))
+                found.append(_alone(_of_region(theatre, archive, region, key), found))
             except UserError as fault:
-                faults.append(f"{where}: {archive.file}: region {region.name!r}: {fault}")
+                where = f"{archive.file}: region {region.name!r}"
+                faults.append(error_at(path, key, f"{where}: {fault}"))
     if not found:
-        raise UserError(faults[0] if faults else f"{path}: no channel is left")
+        raise faults[0] if faults else UserError("no channel is left", file=path)
     return tuple(_blended(found)), tuple(faults)
 
 
@@ -126,7 +129,7 @@ def _alone(new: Lighted, found: Sequence[Lighted]) -> Lighted:
     return new
 
 
-def _of_channel(theatre: Theatre, channel: Channel, folder: Path) -> Lighted:
+def _of_channel(theatre: Theatre, channel: Channel, folder: Path, key: str) -> Lighted:
     names = [window.name for window in theatre.window]
     number = names.index(channel.window)
     window = theatre.window[number]
@@ -135,14 +138,14 @@ def _of_channel(theatre: Theatre, channel: Channel, folder: Path) -> Lighted:
     if channel.blend and lighted.screen is None:
         kind = lighted.shape.name.lower()
         raise UserError(f"`blend` is of a `plane`, `cylinder` or `angles`, not of a {kind}")
-    lighted = replace(lighted, blend=channel.blend)
+    lighted = replace(lighted, blend=channel.blend, key=key)
     if channel.warp is None:
         return lighted
     warp, mask = read_warp(folder / channel.warp, (width, height))
     return replace(lighted, warp=warp, mask=mask)
 
 
-def _of_region(theatre: Theatre, archive: Archive, region: Region) -> Lighted:
+def _of_region(theatre: Theatre, archive: Archive, region: Region, key: str) -> Lighted:
     """A region of an archive: the part of the screen that is its place in the buffer.
 
     One with a frustum shows that instead, at the distance of the screen.
@@ -174,7 +177,8 @@ def _of_region(theatre: Theatre, archive: Archive, region: Region) -> Lighted:
         raise UserError("`panorama` is for uncalibrated screens, expected a `cylinder`")
     if lighted.screen is None:
         warp = within(warp or straight(), region.place)
-    return replace(lighted, warp=warp, mask=calibrated_mask(region, archive.gamma, place[2:]))
+    seen = calibrated_mask(region, archive.gamma, place[2:])
+    return replace(lighted, warp=warp, mask=seen, key=key)
 
 
 def _far(theatre: Theatre, archive: Archive) -> float | None:

@@ -10,7 +10,8 @@ from typing import Annotated, ClassVar
 import msgspec
 
 from subsea.core.errors import UserError, unknown
-from subsea.core.resources import at_key, load_toml, named_or_file
+from subsea.core.resources import named_or_file
+from subsea.core.toml_files import error_at, load_toml
 from subsea.view.surround import ALL_ROUND
 from subsea.view.theatre.node_names import NAME, parse_address
 
@@ -191,45 +192,44 @@ def load_theatre(name: str) -> tuple[Theatre, Path]:
     _distinct(path, "window", [window.name for window in theatre.window])
     _distinct(path, "channel", [channel.name for channel in theatre.channel])
     if not theatre.channel and not theatre.mpcdi:
-        raise UserError(f"{path}: shows nothing, expected at least one `channel` or `mpcdi`")
+        raise UserError("shows nothing, expected at least one `channel` or `mpcdi`", file=path)
     for k, window in enumerate(theatre.window):
         if window.position is not None and window.monitor is not None:
-            where = at_key(path, f"window[{k}].position")
-            raise UserError(
-                f"{where}: window {window.name!r} has a `position` and a `monitor`, expected one"
-            )
+            fault = f"window {window.name!r} has a `position` and a `monitor`, expected one"
+            raise error_at(path, f"window[{k}].position", fault)
     _apart(path, theatre)
     windows = {window.name: window for window in theatre.window}
     for k, channel in enumerate(theatre.channel):
         if channel.window not in windows:
-            fault = unknown("window", channel.window, list(windows))
-            where = at_key(path, f"channel[{k}].window")
-            raise UserError(f"{where}: channel {channel.name!r}: {fault}")
+            fault = unknown("window", channel.window, list(windows)).message
+            raise error_at(path, f"channel[{k}].window", f"channel {channel.name!r}: {fault}")
         _inside(path, k, channel, windows[channel.window])
     for (_, one), (k, other) in combinations(enumerate(theatre.channel), 2):
         if one.window == other.window and overlap(
             viewport(one, windows[one.window]), viewport(other, windows[other.window])
         ):
-            raise UserError(
-                f"{at_key(path, f'channel[{k}]')}: channels {one.name!r} and {other.name!r} lie on "
-                "one another in window "
-                f"{one.window!r}; expected viewports side by side"
+            raise error_at(
+                path,
+                f"channel[{k}]",
+                f"channels {one.name!r} and {other.name!r} lie on one another in window "
+                f"{one.window!r}; expected viewports side by side",
             )
     for k, archive in enumerate(theatre.mpcdi):
         for region, shown in (archive.windows or {}).items():
             if shown not in windows:
-                fault = unknown("window", shown, list(windows))
-                where = at_key(path, f"mpcdi[{k}].windows.{region}")
-                raise UserError(f"{where}: region {region!r} of {archive.file}: {fault}")
+                fault = unknown("window", shown, list(windows)).message
+                message = f"region {region!r} of {archive.file}: {fault}"
+                raise error_at(path, f"mpcdi[{k}].windows.{region}", message)
     cluster = theatre.cluster
     if cluster is None and len(theatre.nodes) > 1:
         raise UserError(
-            f"{path}: windows are on the nodes {', '.join(theatre.nodes)}, expected a table "
-            "[cluster] that says which of them is the `master`"
+            f"windows are on the nodes {', '.join(theatre.nodes)}, expected a table "
+            "[cluster] that says which of them is the `master`",
+            file=path,
         )
     if cluster is not None and cluster.master not in theatre.nodes:
-        fault = unknown("node", cluster.master, list(theatre.nodes))
-        raise UserError(f"{at_key(path, 'cluster.master')}: `cluster.master`: {fault}")
+        fault = unknown("node", cluster.master, list(theatre.nodes)).message
+        raise error_at(path, "cluster.master", f"`cluster.master`: {fault}")
     return theatre, path
 
 
@@ -246,8 +246,8 @@ def overlap(one: tuple[int, int, int, int], other: tuple[int, int, int, int]) ->
 def _distinct(path: Path, kind: str, names: list[str]) -> None:
     for k, name in enumerate(names):
         if name in names[:k]:
-            where = at_key(path, f"{kind}[{k}].name")
-            raise UserError(f"{where}: {names.count(name)} {kind}s are called {name!r}, expected 1")
+            fault = f"{names.count(name)} {kind}s are called {name!r}, expected 1"
+            raise error_at(path, f"{kind}[{k}].name", fault)
 
 
 def _apart(path: Path, theatre: Theatre) -> None:
@@ -256,28 +256,31 @@ def _apart(path: Path, theatre: Theatre) -> None:
         if one.node != other.node:
             continue
         if one.monitor is not None and one.monitor == other.monitor:
-            raise UserError(
-                f"{at_key(path, f'window[{k}].monitor')}: windows {one.name!r} and {other.name!r} "
-                f"both fill monitor {one.monitor!r}; expected one window a monitor, with several "
-                "channels if need be"
+            raise error_at(
+                path,
+                f"window[{k}].monitor",
+                f"windows {one.name!r} and {other.name!r} both fill monitor {one.monitor!r}; "
+                "expected one window a monitor, with several channels if need be",
             )
         if (
             one.position is not None
             and other.position is not None
             and overlap((*one.position, *one.size), (*other.position, *other.size))
         ):
-            raise UserError(
-                f"{at_key(path, f'window[{k}].position')}: windows {one.name!r} and "
-                f"{other.name!r} lie on one another; expected "
-                "places side by side"
+            raise error_at(
+                path,
+                f"window[{k}].position",
+                f"windows {one.name!r} and {other.name!r} lie on one another; expected places "
+                "side by side",
             )
 
 
 def _inside(path: Path, k: int, channel: Channel, window: Window) -> None:
     x, y, width, height = viewport(channel, window)
     if x + width > window.size[0] or y + height > window.size[1]:
-        where = at_key(path, f"channel[{k}].viewport")
-        raise UserError(
-            f"{where}: channel {channel.name!r}: `viewport` {list(channel.viewport or ())} reaches "
-            f"out of window {window.name!r} of {window.size[0]}x{window.size[1]} pixels"
+        raise error_at(
+            path,
+            f"channel[{k}].viewport",
+            f"channel {channel.name!r}: `viewport` {list(channel.viewport or ())} reaches "
+            f"out of window {window.name!r} of {window.size[0]}x{window.size[1]} pixels",
         )

@@ -74,10 +74,10 @@ def theatre_rig(
 
 def seen_channels(
     theatre: Theatre, channels: Sequence[Lighted], display: str = "mono", stereo: Stereo = EYES
-) -> tuple[tuple[Lighted, ...], tuple[str, ...]]:
-    """The channels whose screens lie before all eyes, and a line for each of the others."""
+) -> tuple[tuple[Lighted, ...], tuple[UserError, ...]]:
+    """The channels whose screens lie before all eyes, and an error for each of the others."""
     kept: list[Lighted] = []
-    faults: list[str] = []
+    faults: list[UserError] = []
     offsets = _offsets(theatre, channels, display, stereo)
     for one in channels:
         try:
@@ -85,9 +85,10 @@ def seen_channels(
                 if one.shape not in CUBES:
                     _frustum(one, offset)
                 elif np.linalg.norm(offset) >= one.distance_cm:
-                    raise UserError(f"channel {one.name!r}: the eye is outside of its screen")
+                    message = f"channel {one.name!r}: the eye is outside of its screen"
+                    raise UserError(message, key=one.key)
         except UserError as fault:
-            faults.append(str(fault))
+            faults.append(fault)
         else:
             kept.append(one)
     if faults and kept:  # the eyes may be farther apart for those that are left
@@ -182,7 +183,7 @@ def _frustum(one: Lighted, offset: Array) -> Frustum:
     try:
         return frustum_of(one.screen, offset, points)
     except UserError as fault:
-        raise UserError(f"channel {one.name!r}: {fault}") from fault
+        raise UserError(f"channel {one.name!r}: {fault}", key=one.key) from fault
 
 
 def _warp(one: Lighted, offsets: Sequence[Array], frusta: Sequence[Frustum]) -> Warp:

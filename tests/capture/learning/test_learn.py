@@ -27,7 +27,8 @@ from capture.learning.turn import turn_at, turn_point, with_holds
 from capture.recording.trial import beat_contraction, steady_beat
 from subsea.biomechanics.body import build_body
 from subsea.biomechanics.controllers import S_MAX
-from subsea.core.resources import load_toml, resource_path
+from subsea.core.resources import resource_path
+from subsea.core.toml_files import load_toml
 from subsea.fish.species import Species, load_species
 
 SHIPPED = resource_path("assets/species/fusilier.toml")

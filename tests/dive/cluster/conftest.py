@@ -10,7 +10,7 @@ import pytest
 from subsea.core.errors import UserError
 from subsea.dive.cluster.follower import Follower
 from subsea.dive.cluster.master import Master
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import HANDS_OFF, Helm
 from subsea.world import snapshot
 from subsea.world.step import create_world, step

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from subsea.core.errors import UserError
-from subsea.core.resources import load_toml
+from subsea.core.toml_files import load_toml
 from subsea.fish.color_sheet import read, wear, write
 from subsea.fish.editing import draft as drafts
 from subsea.fish.editing.draft import EditError

@@ -8,7 +8,7 @@ import pytest
 from subsea.frame import packet as frame
 from subsea.motor.pose import control_points_world
 from subsea.render import Renderer
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.display_rigs import display_rig, views_for
 from subsea.view.rig import pose_from_angles

@@ -11,7 +11,7 @@ from subsea.frame.packet import make_scene, pack
 from subsea.render import Renderer
 from subsea.render.output.quality import PRESETS
 from subsea.render.sea import water
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import Helm
 from subsea.view.camera import NEAR_CM, off_axis
 from subsea.view.display_rigs import DISPLAYS, SURROUNDS, display_rig

@@ -14,7 +14,7 @@ from subsea.render.output.quality import PRESETS
 from subsea.render.reef.coral import COLUMNS, LOOKS, bake, grain, shadow
 from subsea.render.reef.coral_shapes import LEVELS, SHAPES, shape
 from subsea.render.sea.seabed import drawn_height
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.state import Reef
 from subsea.view.display_rigs import display_rig
 

@@ -13,7 +13,7 @@ from subsea.core.errors import UserError
 from subsea.fish.editing import draft as drafts
 from subsea.fish.species import load_species, own_species_file, repertoire_file
 from subsea.repertoire import read_repertoire
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import Helm
 from subsea.ui.fish_builder.jobs import MOST, SEA, SHOAL
 from subsea.ui.fish_builder.window import begun

@@ -9,7 +9,8 @@ from msgspec.structs import replace
 from subsea.core.errors import UserError
 from subsea.core.resources import resource_path
 from subsea.scenario import storage
-from subsea.scenario.schema import Individual, Shoal, load_scenario, scenario_names
+from subsea.scenario.load import load_scenario, scenario_names
+from subsea.scenario.schema import Individual, Shoal
 from subsea.ui.dive import Dive
 from subsea.ui.gui import TEXT_PT
 from subsea.ui.panels.initialisation import NUMBER, Draft, present

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.ui.dive import Dive
 from subsea.ui.panels import initialisation
 from subsea.ui.panels.placement import Placing

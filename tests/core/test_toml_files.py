@@ -1,12 +1,16 @@
 """TOML files: what is wrong with one is a line that begins with file and line and tells the key."""
 
+import pickle
+
 import msgspec
 import pytest
 
 from subsea.core.errors import UserError
-from subsea.core.resources import at_key, load_toml, telling_lines
+from subsea.core.toml_files import error_at, load_toml, locate_errors
 from subsea.fish.species import Species
-from subsea.scenario.schema import Scenario, check_scenario, load_scenario
+from subsea.scenario.checks import check_scenario
+from subsea.scenario.load import load_scenario
+from subsea.scenario.schema import Scenario
 from subsea.world.world import create_world
 
 REEF = """\
@@ -237,13 +241,31 @@ def test_a_scenario_that_is_no_longer_as_its_file_says_tells_no_wrong_line(path)
     scenario, _ = load_scenario(str(path))
     moved = msgspec.structs.replace(scenario.submarine, position_cm=(0.0, 0.0, 9.0))
     changed = msgspec.structs.replace(scenario, submarine=moved)
-    with pytest.raises(UserError, match=r"reef\.toml: `submarine"), telling_lines(changed, path):
-        check_scenario(changed, str(path))
-    with pytest.raises(UserError, match=r"^the sea: `submarine"), telling_lines(changed, path):
-        check_scenario(changed, "the sea")
+    for source, shown in ((path, r"reef\.toml: `submarine"), ("the sea", "^the sea: `submarine")):
+        with pytest.raises(UserError, match=shown), locate_errors(changed, source):
+            check_scenario(changed)
     path.unlink()
-    with pytest.raises(UserError, match=r"reef\.toml: `submarine"), telling_lines(changed, path):
-        check_scenario(changed, str(path))
+    with pytest.raises(UserError, match=r"reef\.toml: `submarine"), locate_errors(changed, path):
+        check_scenario(changed)
+
+
+def test_errors_carry_their_place_as_data(path):
+    path.write_text(REEF.replace("number = 1", "number = 1.5"))
+    with pytest.raises(UserError) as caught:
+        load_toml(path, Scenario, ["seed=3"])
+    error = caught.value
+    assert (error.file, error.line, error.key) == (path, 20, "fish[1].number")
+    assert str(error) == f"{path}:20: {error.message}"
+    path.write_text(REEF)
+    with pytest.raises(UserError) as caught:
+        load_scenario(str(path), ["fish.1.species=clownfosh"])
+    error = caught.value
+    assert (error.file, error.line, error.key) == (path, None, "fish[1].species")
+    assert error.changes == ("fish.1.species=clownfosh",)
+    again = pickle.loads(pickle.dumps(error))  # as it comes from another process
+    assert (str(again), again.key, again.file) == (str(error), error.key, error.file)
+    with pytest.raises(UserError, match=r"^elsewhere\.toml: wrong$"), locate_errors(Scenario, path):
+        raise UserError("wrong", file="elsewhere.toml", key="seed")  # is left as it is
 
 
 @pytest.mark.parametrize(
@@ -273,9 +295,7 @@ def test_a_table_whose_keys_are_free_names_the_faulty_one(path):
     with pytest.raises(UserError, match=r"reef\.toml:3: .* at `sizes\.a\.\[\.\.\.\]\.``"):
         load_toml(path, Sizes)
     path.write_text("[sizes]\na = 1\nb = 2\n'c d' = 'x'\n")
-    assert at_key(path, "sizes.b") == f"{path}:3"
-    assert at_key(path, "sizes.z") == f"{path}:1"
-    assert at_key(path, "other") == f"{path}"
+    assert [error_at(path, key, "").line for key in ("sizes.b", "sizes.z", "other")] == [3, 1, None]
 
 
 class Sizes(msgspec.Struct):
@@ -283,7 +303,7 @@ class Sizes(msgspec.Struct):
 
 
 def test_load_toml_is_as_fast_as_ever_where_nothing_is_wrong(path, monkeypatch):
-    monkeypatch.setattr("subsea.core.resources.key_lines", lambda text: pytest.fail("not needed"))
+    monkeypatch.setattr("subsea.core.toml_files.key_lines", lambda text: pytest.fail("not needed"))
     path.write_text(REEF)
     assert load_toml(path, Scenario).seed == 1
     assert load_scenario(str(path))[0].seed == 1

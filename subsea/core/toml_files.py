@@ -1,0 +1,149 @@
+"""Read TOML files into msgspec structs; every error is one line with file, line and key."""
+
+import re
+import tomllib
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any, TypeVar
+
+import msgspec
+
+from subsea.core.errors import UserError
+from subsea.core.toml_positions import is_count, key_lines, line_of, place_of, words_of
+from subsea.core.validation import same_at, violation
+
+T = TypeVar("T")
+
+MAX_BYTES = 1 << 20  # of a TOML file
+# A key of 32 or more tables within tables, or a comment that looks like one. The time that the
+# parser takes grows with the square of their number.
+_TOO_DEEP = re.compile(
+    r"""(?<![\w-])(?:(?:[\w-]++|"(?:\\.|[^"\\\n]){0,200}+"|'[^'\n]{0,200}+')[ \t]*+\.[ \t]*+){32}"""
+)
+_TOO_DEEP_MESSAGE = "not valid TOML (tables within tables, too deep)"
+
+
+def load_toml(path: Path, kind: type[T], changes: Sequence[str] = ()) -> T:
+    """Read a TOML file as the msgspec struct `kind`; any fault is a UserError with its place.
+
+    Each of `changes` sets one value: a key with its tables, joined by dots, list entries by their
+    number from 0, then = and a TOML value or a word, such as ``fish.0.species=fusilier``. An error
+    that a change causes shows the changes instead of a line.
+    """
+    text = _read_text(path)
+    if deep := _TOO_DEEP.search(text):
+        raise UserError(_TOO_DEEP_MESSAGE, file=path, line=text.count("\n", 0, deep.start()) + 1)
+    try:
+        content = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        line, what = _syntax_error(str(error), text)
+        raise UserError(f"not valid TOML ({what})", file=path, line=line) from error
+    except ValueError as error:
+        raise UserError("not valid TOML (a number of too many digits)", file=path) from error
+    except RecursionError as error:
+        raise UserError(_TOO_DEEP_MESSAGE, file=path) from error
+    for setting in changes:
+        _set(content, setting)
+    try:
+        return msgspec.convert(content, kind)
+    except msgspec.ValidationError as error:
+        found = violation(error, content, kind)
+        before = tomllib.loads(text)
+        place = line_of(key_lines(text), found.culprit)
+        raise UserError(
+            found.message,
+            file=path,
+            line=place if same_at(before, content, found.culprit) else None,
+            key=words_of(found.culprit),
+            changes=() if same_at(before, content, found.table) else changes,
+        ) from error
+
+
+def error_at(path: Path, key: str, message: str) -> UserError:
+    """The error of a key in a TOML file, with the line of the key or else of its table."""
+    return UserError(message, file=path, line=_line(path, key), key=key)
+
+
+@contextmanager
+def locate_errors(
+    content: msgspec.Struct, source: Path | str, changes: Sequence[str] = ()
+) -> Iterator[None]:
+    """Add `source`, and the line of their key, to errors about `content` that name no file.
+
+    The line is left out where `content` no longer is what the file `source` says at that key;
+    then `changes`, those that were made to it, are shown instead.
+    """
+    try:
+        yield
+    except UserError as error:
+        if error.file is not None:
+            raise
+        line = None
+        if error.key is not None:
+            with suppress(UserError):
+                said = load_toml(Path(source), type(content))
+                if same_at(said, content, place_of(error.key)):
+                    line, changes = _line(Path(source), error.key), ()
+        raise UserError(
+            error.message, file=source, line=line, key=error.key, changes=changes
+        ) from error
+
+
+def _line(path: Path, key: str) -> int | None:
+    """The line of a key or else of its table; None where the file has neither."""
+    with suppress(UserError):  # the file may have gone since it was read
+        return line_of(key_lines(_read_text(path)), place_of(key))
+    return None
+
+
+def _read_text(path: Path) -> str:
+    try:
+        with path.open("rb") as file:
+            data = file.read(MAX_BYTES + 1)
+        if len(data) > MAX_BYTES:
+            limit = MAX_BYTES >> 20
+            raise UserError(f"larger than {limit} MiB, expected a smaller file", file=path)
+        return data.decode("utf-8").replace("\r\n", "\n").replace("\r", "\n")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "not UTF-8 text"
+        raise UserError(f"cannot read ({reason})", file=path) from error
+
+
+def _syntax_error(told: str, text: str) -> tuple[int, str]:
+    """Line and reason from the message of tomllib, which has no data before Python 3.14."""
+    if found := re.fullmatch(r"(.*) \(at line (\d+), (column \d+)\)", told):
+        return int(found[2]), f"{found[1]}, {found[3]}"
+    return text.rstrip().count("\n") + 1, told
+
+
+def _set(content: dict[str, Any], setting: str) -> None:
+    """Change one value in the content of a TOML file; the entry behind a list's last is added."""
+    keys, equals, text = setting.partition("=")
+    steps = [step.strip() for step in keys.split(".")]
+    option = f"--set {setting}"
+    if not equals or not all(steps):
+        raise UserError("expected KEY=VALUE such as fish.0.number=20", file=option)
+    value: Any = text.strip()
+    with suppress(ValueError, RecursionError):
+        value = tomllib.loads(f"value = {value}")["value"]
+    here: Any = content
+    for k, step in enumerate(steps):
+        last = k == len(steps) - 1
+        new = value if last else [] if is_count(steps[k + 1]) else {}
+        above = ".".join(steps[:k])
+        if isinstance(here, list):
+            if not is_count(step) or int(step) > len(here):
+                expected = f"a number from 0 to {len(here)}" if here else "0"
+                raise UserError(f"`{above}` is a list, expected {expected} in it", file=option)
+            if int(step) == len(here):
+                here.append(new)
+            key: Any = int(step)
+        elif isinstance(here, dict):
+            here.setdefault(step, new)
+            key = step
+        else:
+            raise UserError(f"`{above}` is no table, expected `{above}=VALUE`", file=option)
+        if last:
+            here[key] = value
+        here = here[key]

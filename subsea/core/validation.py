@@ -1,0 +1,123 @@
+"""Check content against a msgspec type, and tell which key is at fault.
+
+msgspec offers no data on a failure, only a sentence: this module is the only one that reads it.
+"""
+
+import re
+from contextlib import suppress
+from typing import Any, NamedTuple, TypeVar
+
+import msgspec
+from msgspec import inspect
+
+from subsea.core.errors import UserError, nearest
+from subsea.core.toml_positions import Place, place_of, words_of
+
+T = TypeVar("T")
+MISSING = object()
+_OF_KEY = " - at `key` in `$"  # how msgspec marks a fault of a key rather than of its value
+
+
+class Violation(NamedTuple):
+    """Why content does not fit its type."""
+
+    message: str  # with the place and a hint at the right name
+    table: Place  # where msgspec found it
+    culprit: Place  # the key at fault, or `table` if none is known
+
+
+def convert(content: Any, kind: type[T]) -> T:
+    """Build the msgspec struct `kind` from tables and lists; a UserError has the key at fault."""
+    try:
+        return msgspec.convert(content, kind)
+    except msgspec.ValidationError as error:
+        found = violation(error, content, kind)
+        raise UserError(found.message, key=words_of(found.culprit)) from error
+
+
+def violation(error: msgspec.ValidationError, content: Any, kind: Any) -> Violation:
+    """What msgspec found wrong with `content`, in our words."""
+    told = str(error)
+    message, _, where = told.replace(_OF_KEY, " - at `$").partition(" - at `$")
+    table, *inside = where.removesuffix("`").split("[...]")
+    place = place_of(table)
+    for rest in inside:  # within a table that may have any keys
+        place = (*place, _faulty_key(content, kind, place), *place_of(rest))
+    types, hint = _types_at(kind, place), ""
+    if key := re.search(r"unknown field `([^`]*)`", message):
+        fields = (field.encode_name for one in types for field in getattr(one, "fields", ()))
+        hint = nearest(key[1], sorted(fields))
+    for one in [] if key else types:
+        if isinstance(one, inspect.DictType) and isinstance(one.key_type, inspect.LiteralType):
+            hint = f"; its keys are: {', '.join(map(repr, one.key_type.values))}"
+        elif isinstance(one, inspect.LiteralType):
+            hint = f"; there are: {', '.join(map(repr, one.values))}"
+    message = message.replace("Object contains unknown field", "unknown key")
+    message = message.replace("Object missing required field", "missing key")
+    culprit = place
+    if _OF_KEY in told:
+        culprit = *place, _faulty_key(content, kind, place)
+    else:
+        named = ((*place, *place_of(word)) for word in re.findall(r"[\w.\[\]]+", message))
+        culprit = next((one for one in named if value_at(content, one) is not MISSING), place)
+    where = f", at `{words_of(place)}`" if place else ""
+    return Violation(f"{message}{where}{hint}", place, culprit)
+
+
+def value_at(content: Any, place: Place) -> Any:
+    """The value at a place in tables, lists and structs; `MISSING` if there is none."""
+    for step in place:
+        if isinstance(step, int):
+            fits = isinstance(content, list | tuple) and step < len(content)
+            content = content[step] if fits else MISSING
+        elif isinstance(content, dict):
+            content = content.get(step, MISSING)
+        else:
+            content = (
+                getattr(content, step, MISSING) if isinstance(content, msgspec.Struct) else MISSING
+            )
+    return content
+
+
+def same_at(one: Any, other: Any, place: Place) -> bool:
+    """Whether two contents have the same value at a place."""
+    mine, theirs = value_at(one, place), value_at(other, place)
+    return bool(mine == theirs) or repr(mine) == repr(theirs)  # nan does not equal itself
+
+
+def _faulty_key(content: Any, kind: Any, place: Place) -> str:
+    """The first key of a table in `content` that is at fault even when it stands alone."""
+    table = value_at(content, place)
+    entries = dict(table)
+    try:
+        for key, value in entries.items():
+            table.clear()
+            table[key] = value
+            with suppress(msgspec.ValidationError):
+                msgspec.convert(content, kind)
+                continue
+            return key
+    finally:
+        table.clear()
+        table.update(entries)
+    return next(iter(entries))
+
+
+def _types_at(kind: Any, place: Place) -> list[inspect.Type]:
+    """The types allowed at a place of a struct; empty where that is unknown."""
+    here = _alternatives(inspect.type_info(kind))
+    for step in place:
+        within = [field.type for one in here for field in getattr(one, "fields", ())
+                  if field.encode_name == step]  # fmt: skip
+        within += [one.item_type for one in here if hasattr(one, "item_type")]  # lists
+        here = [alternative for one in within for alternative in _alternatives(one)]
+    return here
+
+
+def _alternatives(kind: Any) -> list[Any]:
+    """The members of a union without None, without their limits."""
+    if isinstance(kind, inspect.Metadata):
+        return _alternatives(kind.type)
+    if isinstance(kind, inspect.UnionType):
+        return [one for part in kind.types for one in _alternatives(part)]
+    return [] if isinstance(kind, inspect.NoneType) else [kind]
