@@ -79,10 +79,10 @@ def make_clips(name: str, detail: int = 0) -> tuple[Model, list[Clip]]:
     species = load_species(name)
     path = repertoire_file(name)
     if not path.is_file():
-        raise UserError(f"{path}: no such file; `subsea-capture record {name}` makes it")
+        raise UserError(f"no such file; `subsea-capture record {name}` makes it", file=path)
     repertoire = read_repertoire(path)
     if repertoire.species != name:
-        raise UserError(f"{path}: holds {repertoire.species!r}, expected {name!r}")
+        raise UserError(f"holds {repertoire.species!r}, expected {name!r}", file=path)
     return clips_of(name, species, repertoire, detail)
 
 

@@ -22,12 +22,12 @@ def read_mesh(path: Path) -> tuple[list[str], Floats]:
     """The lines of a Wavefront OBJ file and its vertices (n, 3); a fault is a UserError."""
     try:
         if path.stat().st_size > MAX_BYTES:
-            raise UserError(f"{path}: larger than {MAX_BYTES >> 20} MiB")
+            raise UserError(f"larger than {MAX_BYTES >> 20} MiB", file=path)
         lines = path.read_text(encoding="utf-8").splitlines()
     except UnicodeDecodeError as fault:
-        raise UserError(f"{path}: not a Wavefront OBJ file, which is text") from fault
+        raise UserError("not a Wavefront OBJ file, which is text", file=path) from fault
     except OSError as fault:
-        raise UserError(f"{path}: {fault.strerror}") from fault
+        raise UserError(f"{fault.strerror}", file=path) from fault
     vertices = []
     for number, line in enumerate(lines, start=1):
         if not _is_vertex(line):
@@ -35,12 +35,16 @@ def read_mesh(path: Path) -> tuple[list[str], Floats]:
         try:
             x, y, z = (float(word) for word in line.split()[1:4])
         except ValueError as fault:
-            raise UserError(f"{path}: line {number}: expected `v x y z`, found {line!r}") from fault
+            raise UserError(
+                f"line {number}: expected `v x y z`, found {line!r}", file=path
+            ) from fault
         if not all(map(math.isfinite, (x, y, z))):
-            raise UserError(f"{path}: line {number}: {line!r} is not finite")
+            raise UserError(f"line {number}: {line!r} is not finite", file=path)
         vertices.append((x, y, z))
     if not vertices:
-        raise UserError(f"{path}: no vertices; expected a Wavefront OBJ file with lines `v x y z`")
+        raise UserError(
+            "no vertices; expected a Wavefront OBJ file with lines `v x y z`", file=path
+        )
     return lines, np.array(vertices)
 
 
@@ -72,12 +76,13 @@ def bind_mesh(repertoire: Repertoire, path: Path, fit: bool) -> BoundMesh:
         try:
             vertices = fit_to_fish(vertices, repertoire)
         except UserError as fault:
-            raise UserError(f"{path}: {fault}") from fault
+            raise UserError(f"{fault}", file=path) from fault
     away = float(np.linalg.norm(vertices, axis=1).max()) / repertoire.body_length_cm
     if away > FARTHEST:
         raise UserError(
-            f"{path}: a vertex lies {away:.3g} body lengths from the fish, expected at most "
-            f"{FARTHEST:g}; --fit brings the mesh to the fish"
+            f"a vertex lies {away:.3g} body lengths from the fish, expected at most "
+            f"{FARTHEST:g}; --fit brings the mesh to the fish",
+            file=path,
         )
     return BoundMesh(lines, tetrahedral_weights(repertoire.rest_nodes, vertices))
 

@@ -52,7 +52,7 @@ def write_usd(folder: Path, model: Model, clips: list[Clip], baked: bool) -> lis
             stage.GetRootLayer().Export(str(plain))
             plain.replace(part)
         except Tf.ErrorException as fault:
-            raise UserError(f"{file}: cannot write ({fault.args[0].commentary})") from fault
+            raise UserError(f"cannot write ({fault.args[0].commentary})", file=file) from fault
         finally:
             plain.unlink(missing_ok=True)
     return [file, sheet]

@@ -72,7 +72,7 @@ def _measures(path: Path, repertoire: Repertoire) -> Iterator[Measure]:
         else:
             yield from measure(motion_from_provenance(repertoire.provenance), repertoire)
     except msgspec.ValidationError as fault:
-        raise UserError(f"{path}: attribute 'provenance' holds no fish ({fault})") from fault
+        raise UserError(f"attribute 'provenance' holds no fish ({fault})", file=path) from fault
 
 
 def _line(name: str, value: str, at_least: str, passed: str, aim: str, reached: str) -> str:

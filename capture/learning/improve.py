@@ -44,7 +44,7 @@ def improve_species(name: str, out: Path | None, dry_run: bool, budget: int, **o
     species = load_toml(source, Species)
     muscles = species.muscles
     if muscles is None:
-        raise UserError(f"{source}: its spine moves it, there are no muscles to learn the use of")
+        raise UserError("its spine moves it, there are no muscles to learn the use of", file=source)
     target = out or _own(source)
     if not dry_run:
         check_file(target)

@@ -26,12 +26,12 @@ def write_controllers(source: Path, target: Path, swim: SwimPlan, turn: TurnPlan
         for name, plan in (("swim", swim), ("turn", turn)):
             _change(document[name], msgspec.to_builtins(plan))
     except TOMLKitError as fault:
-        raise UserError(f"{source}: its tables cannot be edited ({fault})") from fault
+        raise UserError(f"its tables cannot be edited ({fault})", file=source) from fault
     with replacing(target) as temporary:
         temporary.write_bytes(tomlkit.dumps(document).encode("utf-8"))
         written = load_toml(temporary, Species)
         if (written.swim, written.turn) != (swim, turn):
-            raise UserError(f"{source}: its tables [swim] and [turn] cannot be edited")
+            raise UserError("its tables [swim] and [turn] cannot be edited", file=source)
 
 
 def _change(table: Any, new: dict[str, Any]) -> None:

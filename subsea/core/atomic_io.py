@@ -20,7 +20,7 @@ def is_folder(path: Path) -> bool:
     try:
         return path.is_dir()
     except OSError as fault:
-        raise UserError(f"{path}: {fault.strerror}") from fault
+        raise UserError(f"{fault.strerror}", file=path) from fault
 
 
 def check_folder(folder: Path) -> None:
@@ -36,13 +36,13 @@ def check_folder(folder: Path) -> None:
             pass
     except OSError as fault:
         what = "write there" if there == folder else "make the folder"
-        raise UserError(f"{folder}: cannot {what} ({fault.strerror})") from fault
+        raise UserError(f"cannot {what} ({fault.strerror})", file=folder) from fault
 
 
 def check_file(path: Path) -> None:
     """Whether the file `path` can be made or replaced; else a UserError."""
     if is_folder(path):
-        raise UserError(f"{path}: is a folder, expected the name of a file")
+        raise UserError("is a folder, expected the name of a file", file=path)
     check_folder(path.parent)
 
 
@@ -66,7 +66,7 @@ def replacing(path: Path) -> Iterator[Path]:
     except OSError as fault:
         # The HDF5 library puts lines of its own into the text of an error.
         reason = os.strerror(fault.errno) if fault.errno else str(fault).partition("\n")[0]
-        raise UserError(f"{path}: cannot write ({reason})") from fault
+        raise UserError(f"cannot write ({reason})", file=path) from fault
     finally:
         with suppress(OSError):
             temporary.unlink()

@@ -28,13 +28,13 @@ LAYOUT = {"libver": ("earliest", "v110"), "track_order": False}  # without times
 def reading(path: Path) -> Iterator[Any]:
     """Open `path` for reading; any fault of the file becomes one line that names it."""
     if not path.is_file():
-        raise UserError(f"{path}: no such file")
+        raise UserError("no such file", file=path)
     try:
         with h5py.File(path, "r") as file:
             yield file
     except (OSError, KeyError, RuntimeError, ValueError, TypeError, zlib.error) as fault:
         reason = str(fault).splitlines()[0] if str(fault) else type(fault).__name__
-        raise UserError(f"{path}: not a readable HDF5 file ({reason})") from fault
+        raise UserError(f"not a readable HDF5 file ({reason})", file=path) from fault
 
 
 @contextmanager
@@ -175,11 +175,11 @@ def attribute(group: Any, name: str, kind: type, where: str) -> Any:
     a damaged heap the HDF5 library searches for ever.
     """
     if name not in group.attrs:
-        raise UserError(f"{where}: attribute {name!r} is missing, expected {kind.__name__}")
+        raise UserError(f"attribute {name!r} is missing, expected {kind.__name__}", file=where)
     stored = group.attrs.get_id(name)
     plain = stored.dtype.kind in "Sbiuf" and stored.shape == ()
     if not plain or stored.dtype.itemsize > MAX_ATTRIBUTE_BYTES:
-        raise UserError(f"{where}: attribute {name!r} is not a plain {kind.__name__}")
+        raise UserError(f"attribute {name!r} is not a plain {kind.__name__}", file=where)
     value: Any = group.attrs[name]
     if isinstance(value, bytes):
         value = value.decode("utf-8", "replace")
@@ -188,20 +188,20 @@ def attribute(group: Any, name: str, kind: type, where: str) -> Any:
     if kind is float and isinstance(value, int) and not isinstance(value, bool):
         value = float(value)
     if not isinstance(value, kind):
-        raise UserError(f"{where}: attribute {name!r} is {value!r}, expected {kind.__name__}")
+        raise UserError(f"attribute {name!r} is {value!r}, expected {kind.__name__}", file=where)
     if isinstance(value, float) and not math.isfinite(value):
-        raise UserError(f"{where}: attribute {name!r} is {value!r}, expected a finite number")
+        raise UserError(f"attribute {name!r} is {value!r}, expected a finite number", file=where)
     return value
 
 
 def texts(group: Any, name: str, where: str) -> list[str]:
     """The attribute `name` of a group that is a row of strings of fixed length."""
     if name not in group.attrs:
-        raise UserError(f"{where}: attribute {name!r} is missing, expected a row of words")
+        raise UserError(f"attribute {name!r} is missing, expected a row of words", file=where)
     stored = group.attrs.get_id(name)
     rows = stored.dtype.kind == "S" and len(stored.shape) == 1
     if not rows or math.prod(stored.shape) * stored.dtype.itemsize > MAX_ATTRIBUTE_BYTES:
-        raise UserError(f"{where}: attribute {name!r} is not a row of words")
+        raise UserError(f"attribute {name!r} is not a row of words", file=where)
     return [word.decode("utf-8", "replace") for word in group.attrs[name]]
 
 
@@ -220,27 +220,31 @@ def array(
     file or the group, other types, other shapes, and implausible sizes are refused.
     """
     if not isinstance(group.get(name, getlink=True), h5py.HardLink):
-        raise UserError(f"{where}/{name}: missing, expected a dataset")
+        raise UserError("missing, expected a dataset", file=f"{where}/{name}")
     dataset = group[name]
     if isinstance(dataset, h5py.Dataset) and (dataset.is_virtual or dataset.external):
-        raise UserError(f"{where}/{name}: its numbers are in other files, expected them in this")
+        raise UserError(
+            "its numbers are in other files, expected them in this", file=f"{where}/{name}"
+        )
     expected = "×".join("n" if n is None else str(n) for n in shape)
     if not isinstance(dataset, h5py.Dataset) or dataset.dtype.kind != kind:
-        raise UserError(f"{where}/{name}: expected {expected} {KINDS[kind]} numbers")
+        raise UserError(f"expected {expected} {KINDS[kind]} numbers", file=f"{where}/{name}")
     fits = len(dataset.shape) == len(shape) and all(
         have == want if want is not None else have >= least
         for have, want in zip(dataset.shape, shape, strict=True)
     )
     if not fits:
         found = "×".join(map(str, dataset.shape))
-        raise UserError(f"{where}/{name}: shape {found}, expected {expected}")
+        raise UserError(f"shape {found}, expected {expected}", file=f"{where}/{name}")
     if dataset.size * dataset.dtype.itemsize > most_bytes:
-        raise UserError(f"{where}/{name}: claims an implausible {dataset.size} numbers")
+        raise UserError(f"claims an implausible {dataset.size} numbers", file=f"{where}/{name}")
     if not _unpacks_within(dataset, most_bytes):
-        raise UserError(f"{where}/{name}: packed in an unusual way, expected plain gzip at most")
+        raise UserError(
+            "packed in an unusual way, expected plain gzip at most", file=f"{where}/{name}"
+        )
     values = np.asarray(dataset[()])
     if not np.isfinite(values).all():
-        raise UserError(f"{where}/{name}: contains numbers that are not finite")
+        raise UserError("contains numbers that are not finite", file=f"{where}/{name}")
     return values
 
 
@@ -286,5 +290,5 @@ def subgroup(group: Any, name: str, where: str) -> Any:
     if not isinstance(group.get(name, getlink=True), h5py.HardLink) or not isinstance(
         group[name], h5py.Group
     ):
-        raise UserError(f"{where}/{name}: missing, expected a group")
+        raise UserError("missing, expected a group", file=f"{where}/{name}")
     return group[name]

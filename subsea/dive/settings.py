@@ -170,7 +170,7 @@ def usual_settings(tell: Callable[[str], None]) -> Settings:
 def write_settings(path: Path) -> None:
     """Write a file with every setting, each as it is by default; one that is there is kept."""
     if path.exists():
-        raise UserError(f"{path}: is there already, and is kept; delete or rename it first")
+        raise UserError("is there already, and is kept; delete or rename it first", file=path)
     with replacing(path) as part:
         part.write_text(default_text(), encoding="utf-8")
 

@@ -47,13 +47,13 @@ def read(path: Path) -> Bytes:
             with Image.open(path, formats=("PNG",)) as image:
                 if image.size != paint.SIZE or image.mode != "RGBA":
                     about = f"{image.width}×{image.height} pixels, {image.mode}"
-                    raise UserError(f"{path}: {about}; {expected}")
+                    raise UserError(f"{about}; {expected}", file=path)
                 return np.ascontiguousarray(np.asarray(image, np.uint8)[::-1])
     except OSError as fault:
         reason = fault.strerror if fault.errno else "no picture, or damaged"
-        raise UserError(f"{path}: cannot read the sheet ({reason}); {expected}") from fault
+        raise UserError(f"cannot read the sheet ({reason}); {expected}", file=path) from fault
     except (ValueError, SyntaxError, TypeError, EOFError, Image.DecompressionBombError) as fault:
-        raise UserError(f"{path}: damaged ({fault}); {expected}") from fault
+        raise UserError(f"damaged ({fault}); {expected}", file=path) from fault
 
 
 def write(path: Path, sheet: Bytes) -> None:
@@ -72,7 +72,7 @@ def picture_of(path: Path) -> Path:
     picture = path.with_suffix(".png")
     if load_toml(path, Species).skin.sheet != picture.name and picture.exists():
         raise UserError(
-            f"{picture}: is there already, and no sheet of {path.name}; move it elsewhere"
+            f"is there already, and no sheet of {path.name}; move it elsewhere", file=picture
         )
     return picture
 

@@ -69,7 +69,7 @@ def film_eyes(options: EyeFilmOptions) -> int:
     """
     out, gaze, field_deg = options.out, options.gaze, options.field_deg
     if kind_of(out) != "folder":
-        raise UserError(f"{out}: labelled frames need the name of a folder")
+        raise UserError("labelled frames need the name of a folder", file=out)
     scenario, source = load_scenario(options.scenario, options.changes)
     fish = find_fish(options.eyes, scenario)
     check_tour(scenario, options.tour)

@@ -50,8 +50,9 @@ def directed_length_s(scenario: Scenario, source: Path, seed: int | None) -> flo
             step(world, steer(world))
             if world.state.tick * TICK_S > MAX_DIRECTED_S:
                 raise UserError(
-                    f"{source}: its directions are not over after {MAX_DIRECTED_S / 60:g} minutes: "
-                    "a `camera`, `caption` or `end` never came; give --seconds"
+                    f"its directions are not over after {MAX_DIRECTED_S / 60:g} minutes: "
+                    "a `camera`, `caption` or `end` never came; give --seconds",
+                    file=source,
                 )
     return world.state.tick * TICK_S
 

@@ -31,7 +31,7 @@ def kind_of(out: Path) -> str:
     kinds = {".mp4": "film", ".png": "picture", "": "folder"}
     kind = "folder" if is_folder(out) else kinds.get(out.suffix.lower())
     if kind is None:
-        raise UserError(f"{out}: cannot write {out.suffix!r}, expected {KINDS}")
+        raise UserError(f"cannot write {out.suffix!r}, expected {KINDS}", file=out)
     return kind
 
 

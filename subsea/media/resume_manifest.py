@@ -71,24 +71,25 @@ def _refuse_another(out: Path, wanted: Mapping[str, Any]) -> None:
     """Raise a UserError unless the pictures in `out` belong to the film `wanted`."""
     path = out / NAME
     if not path.exists():
-        raise UserError(f"{out}: holds numbered pictures of unknown origin, name another folder")
+        raise UserError("holds numbered pictures of unknown origin, name another folder", file=out)
     elsewhere = f"name another folder, or remove {out}"
     try:
         found = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError) as fault:
         raise UserError(
-            f"{path}: damaged, cannot tell which film the pictures belong to; {elsewhere}"
+            f"damaged, cannot tell which film the pictures belong to; {elsewhere}", file=path
         ) from fault
     if not isinstance(found, dict):
-        raise UserError(f"{path}: damaged, expected a description of a film; {elsewhere}")
+        raise UserError(f"damaged, expected a description of a film; {elsewhere}", file=path)
     for key in [*wanted, *(key for key in found if key not in wanted)]:
         there, here = found.get(key), wanted.get(key)
         if there != here:
             if key == "sha256":
-                raise UserError(f"{out}: the scenario has changed since, name another folder")
+                raise UserError("the scenario has changed since, name another folder", file=out)
             raise UserError(
-                f"{out}: holds another film: `{key}` is {_words(key, there)} there and "
-                f"{_words(key, here)} here, name another folder"
+                f"holds another film: `{key}` is {_words(key, there)} there and "
+                f"{_words(key, here)} here, name another folder",
+                file=out,
             )
 
 

@@ -103,7 +103,7 @@ class Shots:
         if self._film is None:
             return
         if not self._frames:
-            self._give_up(UserError(f"{self._path}: ended before its first picture"))
+            self._give_up(UserError("ended before its first picture", file=self._path))
             return
         film, self._film = self._film, None
         try:

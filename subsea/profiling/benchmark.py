@@ -110,7 +110,7 @@ def _check_files(files: Sequence[Path]) -> None:
     for k, path in enumerate(files):
         check_file(path)
         if path.resolve() in [other.resolve() for other in files[:k]]:
-            raise UserError(f"{path}: two results cannot go into one file")
+            raise UserError("two results cannot go into one file", file=path)
 
 
 def _run(

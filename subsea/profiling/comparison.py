@@ -49,7 +49,7 @@ def read_reports(path: Path) -> list[Report]:
         with path.open("rb") as file:
             content = file.read(LARGEST + 1)
     except OSError as fault:
-        raise UserError(f"{path}: cannot read ({fault.strerror})") from fault
+        raise UserError(f"cannot read ({fault.strerror})", file=path) from fault
     try:
         if len(content) > LARGEST:
             raise ValueError("too large")
@@ -61,7 +61,7 @@ def read_reports(path: Path) -> list[Report]:
             raise ValueError("missing `frame_ms.p50`")
     except (ValueError, RecursionError) as fault:
         raise UserError(
-            f"{path}: expected what `subsea benchmark --json` writes ({fault})"
+            f"expected what `subsea benchmark --json` writes ({fault})", file=path
         ) from fault
     return reports
 

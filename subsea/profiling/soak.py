@@ -326,9 +326,11 @@ def _report(path: Path) -> _Report:
         with path.open("rb") as file:
             return msgspec.json.decode(file.read(LARGEST), type=_Report)
     except OSError as fault:
-        raise UserError(f"{path}: cannot read ({fault.strerror})") from fault
+        raise UserError(f"cannot read ({fault.strerror})", file=path) from fault
     except (ValueError, RecursionError) as fault:
-        raise UserError(f"{path}: expected what `subsea soak --json` writes ({fault})") from fault
+        raise UserError(
+            f"expected what `subsea soak --json` writes ({fault})", file=path
+        ) from fault
 
 
 def _tell(world: World, watch: Watch, drawn: bool, seconds: float) -> None:

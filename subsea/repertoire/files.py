@@ -34,16 +34,17 @@ def read_repertoire(path: Path) -> Repertoire:
     where = str(path)
     with hdf5.reading(path) as file:
         if "format" not in file.attrs:
-            raise UserError(f"{where}: not a repertoire, expected attribute format = {FORMAT!r}")
+            raise UserError(f"not a repertoire, expected attribute format = {FORMAT!r}", file=where)
         version = hdf5.attribute(file, "version", int, where)
         if version != VERSION:
             remedy = "update subsea or record it again" if version > VERSION else "record it again"
             raise UserError(
-                f"{where}: version {version}, this program reads version {VERSION}; {remedy} "
-                "(subsea-capture record)"
+                f"version {version}, this program reads version {VERSION}; {remedy} "
+                "(subsea-capture record)",
+                file=where,
             )
         if hdf5.attribute(file, "format", str, where) != FORMAT:
-            raise UserError(f"{where}: not a repertoire, expected attribute format = {FORMAT!r}")
+            raise UserError(f"not a repertoire, expected attribute format = {FORMAT!r}", file=where)
         length = _positive(file, "body_length_cm", where)
         rest = hdf5.array(hdf5.subgroup(file, "rest", where), "nodes", (NODES, 3), where + "/rest")
         group = hdf5.subgroup(file, "segments", where)
@@ -56,7 +57,7 @@ def read_repertoire(path: Path) -> Repertoire:
             for name in sorted(group)
         }
         if not segments:
-            raise UserError(f"{where}/segments: empty, expected at least one segment")
+            raise UserError("empty, expected at least one segment", file=f"{where}/segments")
         return Repertoire(
             species=hdf5.attribute(file, "species", str, where),
             tick_s=_positive(file, "tick_s", where),
@@ -117,11 +118,13 @@ def _read_transitions(file: Any, segments: dict[str, Segment], where: str) -> Tr
     for k, name in enumerate(SEGMENTS):
         last = starts[k + 1] - 1 if segments[name].cyclic else starts[k]
         if (entry[:, k] < starts[k]).any() or (entry[:, k] > last).any():
-            raise UserError(f"{where}/entry: leads into {name} elsewhere than where it may begin")
+            raise UserError(
+                f"leads into {name} elsewhere than where it may begin", file=f"{where}/entry"
+            )
         if not leave[starts[k] : starts[k + 1]].any(axis=0).all():
-            raise UserError(f"{where}/leave: no way leads out of {name}")
+            raise UserError(f"no way leads out of {name}", file=f"{where}/leave")
     if (frames < 1).any() or (frames > MAX_GLIDE_FRAMES).any():
-        raise UserError(f"{where}/frames: expected 1 to {MAX_GLIDE_FRAMES}")
+        raise UserError(f"expected 1 to {MAX_GLIDE_FRAMES}", file=f"{where}/frames")
     return Transitions(entry, frames, leave.astype(np.bool_))
 
 
@@ -129,9 +132,11 @@ def _read_segment(group: Any, length: float, where: str) -> Segment:
     rotation = hdf5.array(group, "increment_rotation", (None, 4), where)
     frames = len(rotation)
     if not 2 <= frames <= MAX_FRAMES:
-        raise UserError(f"{where}: {frames} frames, expected 2 to {MAX_FRAMES}")
+        raise UserError(f"{frames} frames, expected 2 to {MAX_FRAMES}", file=where)
     if np.abs(np.linalg.norm(rotation, axis=1) - 1.0).max() > UNIT_TOLERANCE:
-        raise UserError(f"{where}/increment_rotation: expected unit quaternions (w, x, y, z)")
+        raise UserError(
+            "expected unit quaternions (w, x, y, z)", file=f"{where}/increment_rotation"
+        )
     translation = hdf5.array(group, "increment_translation", (frames, 3), where)
     nodes = hdf5.array(group, "nodes", (frames, NODES, 3), where)
     points = None
@@ -158,20 +163,20 @@ def _read_segment(group: Any, length: float, where: str) -> Segment:
 
 def _within(values: Array, length: float, where: str) -> None:
     if np.abs(values).max() > MAX_EXTENT_BL * length:
-        raise UserError(f"{where}: reaches beyond {MAX_EXTENT_BL:g} body lengths")
+        raise UserError(f"reaches beyond {MAX_EXTENT_BL:g} body lengths", file=where)
 
 
 def _positive(group: Any, name: str, where: str) -> float:
     value: float = hdf5.attribute(group, name, float, where)
     if value <= 0.0:
-        raise UserError(f"{where}: attribute {name!r} is {value:g}, expected a positive number")
+        raise UserError(f"attribute {name!r} is {value:g}, expected a positive number", file=where)
     return value
 
 
 def _choice(group: Any, name: str, choices: tuple[str, ...], where: str) -> str:
     value: str = hdf5.attribute(group, name, str, where)
     if value not in choices:
-        raise UserError(f"{where}: {name} is {value!r}, expected one of {', '.join(choices)}")
+        raise UserError(f"{name} is {value!r}, expected one of {', '.join(choices)}", file=where)
     return value
 
 
@@ -180,7 +185,7 @@ def _provenance(file: Any, where: str) -> dict[str, Any]:
     try:
         value = json.loads(text)
     except (ValueError, RecursionError) as fault:
-        raise UserError(f"{where}: attribute 'provenance' is not JSON") from fault
+        raise UserError("attribute 'provenance' is not JSON", file=where) from fault
     if not isinstance(value, dict):
-        raise UserError(f"{where}: attribute 'provenance' is not a JSON object")
+        raise UserError("attribute 'provenance' is not a JSON object", file=where)
     return value

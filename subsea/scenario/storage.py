@@ -41,7 +41,7 @@ def place_named(name: str) -> Path:
     if path.stem in resource_names(SHIPPED, ".toml") and path.parent == own_scenarios():
         raise UserError(f"the name {path.stem!r} is that of a shipped scenario, expected another")
     if _is_there(path):
-        raise UserError(f"{path}: is there already, expected another name")
+        raise UserError("is there already, expected another name", file=path)
     return path
 
 
@@ -59,11 +59,11 @@ def save(scenario: Scenario, path: Path, source: Path, known: bytes) -> None:
     What cannot be written is a UserError, and so is what another has changed since.
     """
     if is_shipped(path):
-        raise UserError(f"{path}: comes with the program, expected another place")
+        raise UserError("comes with the program, expected another place", file=path)
     if path == source and held(path) not in (known, b""):
         raise UserError(
-            f"{path}: was changed by another program, expected another name, "
-            "or that it is opened again"
+            "was changed by another program, expected another name, or that it is opened again",
+            file=path,
         )
     check_file(path)
     save_scenario(scenario, path, source)
@@ -87,4 +87,4 @@ def _is_there(path: Path) -> bool:
     try:
         return path.exists()
     except OSError as fault:
-        raise UserError(f"{path}: {fault.strerror}") from fault
+        raise UserError(f"{fault.strerror}", file=path) from fault

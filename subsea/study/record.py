@@ -176,11 +176,13 @@ def read_record(path: Path) -> Record:
     where = str(path)
     with hdf5.reading(path) as file:
         if hdf5.attribute(file, "format", str, where) != FORMAT:
-            raise UserError(f"{where}: not a record of a simulation (`subsea simulate` makes them)")
+            raise UserError(
+                "not a record of a simulation (`subsea simulate` makes them)", file=where
+            )
         version = hdf5.attribute(file, "version", int, where)
         if version != VERSION:
             raise UserError(
-                f"{where}: version {version} of the format, expected {VERSION}; record it anew"
+                f"version {version} of the format, expected {VERSION}; record it anew", file=where
             )
         lengths: dict[str, int] = {}
         first = ("time", "fish/species", *_READ.values())
@@ -218,8 +220,9 @@ def _dataset(file: Any, path: str, lengths: dict[str, int], where: str) -> NDArr
     lengths.update({letter: k for letter, k in found if isinstance(letter, str)})
     if lengths.get("T", 0) * lengths.get("n", 0) > MAX_FISH_TICKS:
         raise UserError(
-            f"{where}: {lengths['T']} ticks of {lengths['n']} fishes are too much for one study, "
-            f"expected at most {MAX_FISH_TICKS:,} ticks × fishes"
+            f"{lengths['T']} ticks of {lengths['n']} fishes are too much for one study, "
+            f"expected at most {MAX_FISH_TICKS:,} ticks × fishes",
+            file=where,
         )
     return values
 
@@ -229,19 +232,23 @@ def _check(record: Record, where: str) -> None:
     for field, names in _CODED:
         most = int(getattr(record, field).max())
         if most >= len(getattr(record, names)):
-            raise UserError(f"{where}/fish/{field}: code {most} has no name in `{names}`")
+            raise UserError(f"code {most} has no name in `{names}`", file=f"{where}/fish/{field}")
     n = record.position.shape[1]
     for field in ("leader", "partner"):
         values = getattr(record, field)
         if values.min() < -2 or values.max() >= n:
-            raise UserError(f"{where}/fish/{field}: expected fishes from 0 to {n - 1}, or -1")
+            raise UserError(
+                f"expected fishes from 0 to {n - 1}, or -1", file=f"{where}/fish/{field}"
+            )
     if len(record.species_names) != len(record.half_width):
-        raise UserError(f"{where}/species/half_width: expected a row for each of `species_names`")
+        raise UserError(
+            "expected a row for each of `species_names`", file=f"{where}/species/half_width"
+        )
     if record.length.min() <= 0 or record.snout_reach.min() <= 0:
-        raise UserError(f"{where}/fish/length: expected lengths above 0")
+        raise UserError("expected lengths above 0", file=f"{where}/fish/length")
     if record.tick_s <= 0 or record.radius_cm <= 0 or record.half_width_cm <= 0:
-        raise UserError(f"{where}: `tick_s`, `radius_cm` and `sea_half_width_cm` must be above 0")
+        raise UserError("`tick_s`, `radius_cm` and `sea_half_width_cm` must be above 0", file=where)
     if min(record.heights.shape) < 2:
-        raise UserError(f"{where}/sea/heights: expected at least 2×2 heights")
+        raise UserError("expected at least 2×2 heights", file=f"{where}/sea/heights")
     if len(record.time) > 1 and np.diff(record.time).min() <= 0:
-        raise UserError(f"{where}/time: expected times that rise")
+        raise UserError("expected times that rise", file=f"{where}/time")

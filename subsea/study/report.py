@@ -56,7 +56,7 @@ def _refuse_clashes(record: Path, results: list[Path]) -> None:
     for result in results:
         place = os.path.realpath(result)
         if place in taken:
-            raise UserError(f"{result}: is {taken[place]} too, expected another name")
+            raise UserError(f"is {taken[place]} too, expected another name", file=result)
         taken[place] = "another result"
 
 

@@ -55,11 +55,11 @@ def simulate(
     where it starts. Ctrl-C leaves a valid file with the ticks so far.
     """
     if out.suffix.lower() not in SUFFIXES:
-        raise UserError(f"{out}: expected a name that ends in {' or '.join(SUFFIXES)}")
+        raise UserError(f"expected a name that ends in {' or '.join(SUFFIXES)}", file=out)
     check_file(out)
     chosen, source = load_scenario(scenario, changes)
     if not any(shoal.number for shoal in chosen.fish):
-        raise UserError(f"{source}: holds no fishes, there is nothing to record")
+        raise UserError("holds no fishes, there is nothing to record", file=source)
     world = start_world(scenario, seed, fish, changes=changes)
     number = len(world.state.fishes.species)
     length = int(np.clip(BLOCK_FISH_TICKS // number, 1, min(64, ticks)))

@@ -234,13 +234,13 @@ def _species(path: Path, stamp: object) -> Species:
 def _repertoire(path: Path, name: str, stamp: object) -> Repertoire:
     """The repertoire of a species, which must be of that species and of this tick; read once."""
     if stamp is None:
-        raise UserError(f"{path}: is not there; `subsea-capture record {name}` makes it")
+        raise UserError(f"is not there; `subsea-capture record {name}` makes it", file=path)
     content = _content(path)
     repertoire = kept(_read, path, content) if content else _read(path, content)
     if repertoire.species != name:
-        raise UserError(f"{path}: holds {repertoire.species!r}, expected {name!r}")
+        raise UserError(f"holds {repertoire.species!r}, expected {name!r}", file=path)
     if abs(repertoire.tick_s - TICK_S) > 1e-6:
-        raise UserError(f"{path}: tick_s is {repertoire.tick_s:g}, expected {TICK_S:g}")
+        raise UserError(f"tick_s is {repertoire.tick_s:g}, expected {TICK_S:g}", file=path)
     return repertoire
 
 
@@ -261,7 +261,7 @@ def _read(path: Path, content: str) -> Repertoire:
 
     repertoire = read_repertoire(path)
     if _content(path) != content:  # else another's would be kept by its name
-        raise UserError(f"{path}: was written anew while it was read; start again")
+        raise UserError("was written anew while it was read; start again", file=path)
     return repertoire
 
 

@@ -81,10 +81,10 @@ def read_keys(folder: Path, name: str, others: Sequence[str]) -> Keys:
     path = folder / f"{name}{SECRET}"
     public, secret = _read(path)
     if secret is None:
-        raise UserError(f"{path}: holds no secret key")
+        raise UserError("holds no secret key", file=path)
     mode = stat.S_IMODE(path.stat().st_mode)
     if os.name == "posix" and mode & 0o077:
-        raise UserError(f"{path}: others may read it (mode {mode:o}); `chmod 600 {path}`")
+        raise UserError(f"others may read it (mode {mode:o}); `chmod 600 {path}`", file=path)
     return Keys(public, secret, {other: _read(folder / f"{other}{PUBLIC}")[0] for other in others})
 
 
@@ -98,10 +98,10 @@ def _read(path: Path) -> tuple[bytes, bytes | None]:
             else f"{path}: cannot read ({fault.strerror})"
         ) from fault
     except (ValueError, IndexError) as fault:  # no such line, or nothing in it
-        raise UserError(f"{path}: holds no key") from fault
+        raise UserError("holds no key", file=path) from fault
     for key in (public, secret):
         if key is not None and not _is_key(key):
-            raise UserError(f"{path}: holds no key of 40 letters, as Z85 has them")
+            raise UserError("holds no key of 40 letters, as Z85 has them", file=path)
     return public, secret
 
 

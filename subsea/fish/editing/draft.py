@@ -532,7 +532,7 @@ def save(draft: Draft, path: Path) -> None:
     with replacing(path) as temporary:
         temporary.write_bytes(text.encode("utf-8"))
         if load_toml(temporary, Species) != draft.species:
-            raise UserError(f"{path}: its tables cannot be edited")
+            raise UserError("its tables cannot be edited", file=path)
 
 
 def _write(table: Any, new: dict[str, Any], path: Path_ = ()) -> None:

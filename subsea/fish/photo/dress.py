@@ -77,11 +77,11 @@ def check_sheet(photo: Path, name: str, out: Path | None) -> None:
     The photograph, and what else lies there and is no sheet of the species, is not written over.
     """
     if out is not None and out.suffix.lower() != ".png":
-        raise UserError(f"{out}: expected the name of a file that ends in .png")
+        raise UserError("expected the name of a file that ends in .png", file=out)
     target = out or species_file(name).with_suffix(".png")
     check_file(target)
     if target.exists() and photo.exists() and target.samefile(photo):
-        raise UserError(f"{target}: is the photograph, which the sheet would replace; rename it")
+        raise UserError("is the photograph, which the sheet would replace; rename it", file=target)
     if out is None:
         picture_of(species_file(name))
 
@@ -91,7 +91,9 @@ def check_mesh(mesh: Path | None, flip: bool) -> None:
     if mesh is not None:
         check_file(mesh)
         if flip and mesh.exists():
-            raise UserError(f"{mesh}: its meshes are used as they are, give it or --flip, not both")
+            raise UserError(
+                "its meshes are used as they are, give it or --flip, not both", file=mesh
+            )
 
 
 def may_wear(name: str) -> bool:
@@ -144,8 +146,8 @@ def load_mesh(path: Path, photograph: Photograph, species: Species) -> Net:
         if not covered(Net(net.body, {}), (height, width)).any():
             raise ValueError(f"expected a {BODY} over the photograph")
     except OSError as fault:
-        raise UserError(f"{path}: cannot read ({fault.strerror})") from fault
+        raise UserError(f"cannot read ({fault.strerror})", file=path) from fault
     except (ValueError, KeyError, TypeError, IndexError, OverflowError, RecursionError) as fault:
-        raise UserError(f"{path}: no meshes of this species ({fault})") from fault
+        raise UserError(f"no meshes of this species ({fault})", file=path) from fault
     root(net)
     return net

@@ -71,8 +71,9 @@ def found(photograph: Photograph, plan: SurfacePlan, flip: bool = False) -> Foun
         matrix, likeness = aligned(plan, mask)
     if likeness < POOR:
         raise UserError(
-            f"{photograph.path}: no fish of this shape found; lay the mesh by hand, without --auto,"
-            " or cut the fish out: clear pixels around it are taken for the background"
+            "no fish of this shape found; lay the mesh by hand, without --auto,"
+            " or cut the fish out: clear pixels around it are taken for the background",
+            file=photograph.path,
         )
     ways = [(matrix, likeness), aligned(plan, mask, not _heads_right(matrix))]
     plain = [like + EYE * _eye(photograph, plan, one, share)[1] for one, like in ways]

@@ -42,25 +42,25 @@ def read(path: Path) -> Photograph:
     try:
         size = path.stat().st_size
         if size > MOST_BYTES:
-            raise UserError(f"{path}: {size >> 20} MiB, expected at most {MOST_BYTES >> 20} MiB")
+            raise UserError(f"{size >> 20} MiB, expected at most {MOST_BYTES >> 20} MiB", file=path)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of sizes, which are looked at here; of odd tags
             with Image.open(path, formats=FORMATS) as image:
                 return _decoded(path, image)
     except UnidentifiedImageError as fault:
         kinds = ", ".join(FORMATS)
-        raise UserError(f"{path}: not a picture, expected one of {kinds}") from fault
+        raise UserError(f"not a picture, expected one of {kinds}", file=path) from fault
     except Image.DecompressionBombError as fault:
-        raise UserError(f"{path}: too many pixels, expected at most {_most()}") from fault
+        raise UserError(f"too many pixels, expected at most {_most()}", file=path) from fault
     except MemoryError as fault:
-        raise UserError(f"{path}: too large for this computer's memory") from fault
+        raise UserError("too large for this computer's memory", file=path) from fault
     except OSError as fault:
         if fault.errno:
-            raise UserError(f"{path}: cannot read ({fault.strerror})") from fault
-        raise UserError(f"{path}: damaged or cut off ({fault})") from fault
+            raise UserError(f"cannot read ({fault.strerror})", file=path) from fault
+        raise UserError(f"damaged or cut off ({fault})", file=path) from fault
     except (ValueError, TypeError, SyntaxError, EOFError, IndexError, KeyError) as fault:
         # Pillow's readers raise any of these at files that are not as they should be.
-        raise UserError(f"{path}: damaged ({fault})") from fault
+        raise UserError(f"damaged ({fault})", file=path) from fault
 
 
 def _most() -> str:
@@ -70,10 +70,10 @@ def _most() -> str:
 def _decoded(path: Path, image: Image.Image) -> Photograph:
     width, height = image.size
     if width * height > MOST_PIXELS:
-        raise UserError(f"{path}: {width}×{height} pixels, expected at most {_most()}")
+        raise UserError(f"{width}×{height} pixels, expected at most {_most()}", file=path)
     if max(width, height) < LEAST or min(width, height) < LEAST // 4:
         raise UserError(
-            f"{path}: {width}×{height} pixels, expected a longer side of {LEAST} or more"
+            f"{width}×{height} pixels, expected a longer side of {LEAST} or more", file=path
         )
     image.draft("RGB", (WORK, WORK))  # a huge JPEG need not be decoded whole
     ImageOps.exif_transpose(image, in_place=True)

@@ -42,7 +42,7 @@ def _lines(name: str, seen: dict[str, int]) -> list[str]:
         text = path.read_text(encoding="utf-8")
     except OSError as fault:
         raise UserError(
-            f"{path}: cannot read this part of the program ({fault.strerror})"
+            f"cannot read this part of the program ({fault.strerror})", file=path
         ) from fault
     for count, line in enumerate(text.splitlines(), start=1):
         include = _INCLUDE.match(line)

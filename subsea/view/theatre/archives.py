@@ -35,9 +35,9 @@ def opened(path: Path) -> Iterator[Fetch]:
             _check_length(file, path)
             archive = stack.enter_context(zipfile.ZipFile(file))
         except OSError as fault:
-            raise UserError(f"{path}: cannot read ({fault.strerror or line(fault)})") from fault
+            raise UserError(f"cannot read ({fault.strerror or line(fault)})", file=path) from fault
         except (zipfile.BadZipFile, NotImplementedError, struct.error, ValueError) as fault:
-            raise UserError(f"{path}: not a readable zip archive ({line(fault)})") from fault
+            raise UserError(f"not a readable zip archive ({line(fault)})", file=path) from fault
         known = {plain(one.filename): one for one in archive.infolist()}
 
         def fetch(name: str, most: int) -> bytes | None:
@@ -59,7 +59,7 @@ def parsed_xml(data: bytes, where: str) -> Element:
         builder.start(tag.lower(), {key.lower(): value for key, value in attributes.items()})
 
     def refuse(*_: object) -> None:
-        raise UserError(f"{where}: has a document type, expected plain XML")
+        raise UserError("has a document type, expected plain XML", file=where)
 
     parser.StartElementHandler = start
     parser.EndElementHandler = lambda tag: builder.end(tag.lower())
@@ -69,7 +69,7 @@ def parsed_xml(data: bytes, where: str) -> Element:
         parser.Parse(data, True)
         return builder.close()
     except (expat.ExpatError, LookupError, ValueError) as fault:
-        raise UserError(f"{where}: not readable XML ({line(fault)})") from fault
+        raise UserError(f"not readable XML ({line(fault)})", file=where) from fault
 
 
 def plain(name: str) -> str:
@@ -89,16 +89,16 @@ def _check_length(file: BinaryIO, path: Path) -> None:
     end = file.read()
     at = end.rfind(_END)
     if not 0 <= at <= len(end) - 22:
-        raise UserError(f"{path}: not a zip archive")
+        raise UserError("not a zip archive", file=path)
     (directory,) = struct.unpack_from("<I", end, at + 12)
     crowded = directory > MAX_DIRECTORY or end[max(at - 20, 0) : at].startswith(_END_64)
     if length > MAX_ARCHIVE or crowded:
-        raise UserError(f"{path}: too large an archive, or one of too many files")
+        raise UserError("too large an archive, or one of too many files", file=path)
 
 
 def _inflated(archive: zipfile.ZipFile, one: zipfile.ZipInfo, most: int, where: str) -> bytes:
     if one.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED) or one.flag_bits & 1:
-        raise UserError(f"{where}: packed in an unusual way or encrypted, expected plain zip")
+        raise UserError("packed in an unusual way or encrypted, expected plain zip", file=where)
     try:
         with archive.open(one) as file:
             data = file.read(most + 1)  # what it says of its own size may be false
@@ -112,7 +112,7 @@ def _inflated(archive: zipfile.ZipFile, one: zipfile.ZipInfo, most: int, where: 
         struct.error,
         zlib.error,
     ) as fault:
-        raise UserError(f"{where}: cannot be unpacked ({line(fault)})") from fault
+        raise UserError(f"cannot be unpacked ({line(fault)})", file=where) from fault
     if len(data) > most:
-        raise UserError(f"{where}: larger than {most / 2**20:.0f} MB, expected a smaller file")
+        raise UserError(f"larger than {most / 2**20:.0f} MB, expected a smaller file", file=where)
     return data

@@ -41,10 +41,10 @@ def parse_bourke(
             raise ValueError
     except ValueError as fault:
         raise UserError(
-            f"{where}: expected a line '1' or '2' and a line of columns and rows"
+            "expected a line '1' or '2' and a line of columns and rows", file=where
         ) from fault
     if len(lines) - 2 != columns * rows:
-        raise UserError(f"{where}: expected {columns} times {rows} nodes, got {len(lines) - 2}")
+        raise UserError(f"expected {columns} times {rows} nodes, got {len(lines) - 2}", file=where)
     nodes = np.empty((columns * rows, 5))
     for k, (number, words) in enumerate(lines[2:]):
         try:
@@ -52,7 +52,9 @@ def parse_bourke(
                 raise ValueError
             nodes[k] = [float(word) for word in words]
         except ValueError as fault:
-            raise UserError(f"{where}: line {number}: expected x y u v and brightness") from fault
+            raise UserError(
+                f"line {number}: expected x y u v and brightness", file=where
+            ) from fault
     x, y, u, v, brightness = nodes.T
     aspect = size[0] / size[1]
     places = np.stack([(x / aspect + 1) / 2, (y + 1) / 2], axis=1)

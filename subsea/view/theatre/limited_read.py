@@ -13,9 +13,9 @@ def whole(path: Path, most: int) -> bytes:
             data = file.read(most + 1)
     except (OSError, ValueError) as fault:  # a ValueError: a name with a zero byte
         reason = fault.strerror if isinstance(fault, OSError) else str(fault)
-        raise UserError(f"{path}: cannot read ({reason})") from fault
+        raise UserError(f"cannot read ({reason})", file=path) from fault
     if len(data) > most:
-        raise UserError(f"{path}: larger than {most // 2**20} MB, expected a smaller file")
+        raise UserError(f"larger than {most // 2**20} MB, expected a smaller file", file=path)
     return data
 
 
@@ -24,7 +24,7 @@ def numbered_lines(data: bytes, where: str) -> Iterator[tuple[int, list[str]]]:
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as fault:
-        raise UserError(f"{where}: not text, expected lines of words and numbers") from fault
+        raise UserError("not text, expected lines of words and numbers", file=where) from fault
     for number, line in enumerate(text.split("\n"), 1):
         if words := line.partition("#")[0].split():
             yield number, words

@@ -90,7 +90,7 @@ def read_mpcdi(path: Path) -> Archive:
         for name in ("mpcdi.xml", "mpacs.xml"):
             if (xml := fetch(name, MAX_XML)) is not None:
                 return _archive(parsed_xml(xml, f"{path}: {name}"), fetch, str(path))
-    raise UserError(f"{path}: no 'mpcdi.xml' in it, expected an MPCDI archive")
+    raise UserError("no 'mpcdi.xml' in it, expected an MPCDI archive", file=path)
 
 
 def mask(region: Region, gamma: float, most: tuple[int, int]) -> NDArray[np.float32]:
@@ -130,12 +130,12 @@ def _archive(root: Element, fetch: Fetch, where: str) -> Archive:
     """All regions; a fault of one leaves the others."""
     profile = root.get("profile", "").strip().lower()
     if root.tag != "mpcdi":
-        raise UserError(f"{where}: root {root.tag[:40]!r} of the XML, expected 'MPCDI'")
+        raise UserError(f"root {root.tag[:40]!r} of the XML, expected 'MPCDI'", file=where)
     if profile in PROFILES:
         named = f"{profile!r} ({PROFILES[profile]})"
-        raise UserError(f"{where}: profile {named} has points in space, expected '2d' or '3d'")
+        raise UserError(f"profile {named} has points in space, expected '2d' or '3d'", file=where)
     if profile not in ("2d", "3d"):
-        raise UserError(f"{where}: profile {profile[:20]!r}, expected '2d' or '3d'")
+        raise UserError(f"profile {profile[:20]!r}, expected '2d' or '3d'", file=where)
     filesets = {one.get("region", ""): one for one in root.iterfind("files/fileset")}
     found = [
         (buffer.get("id", ""), one)
@@ -144,7 +144,7 @@ def _archive(root: Element, fetch: Fetch, where: str) -> Archive:
     ]
     if not 1 <= len(found) <= MAX_REGIONS:
         raise UserError(
-            f"{where}: {len(found)} regions in its buffers, expected 1 to {MAX_REGIONS}"
+            f"{len(found)} regions in its buffers, expected 1 to {MAX_REGIONS}", file=where
         )
     regions: dict[str, Region] = {}
     faults: list[str] = []

@@ -48,7 +48,7 @@ def parse_obj(data: bytes, where: str) -> Warp:
         elif kind not in IGNORED:
             raise UserError(f"{at}: {kind[:20]!r} is no word of an OBJ file")
     if not triangles:
-        raise UserError(f"{where}: an empty mesh, expected 'v', 'vt' and 'f' lines")
+        raise UserError("an empty mesh, expected 'v', 'vt' and 'f' lines", file=where)
     used, numbers = np.unique(np.array(corners), axis=0, return_inverse=True)
     places = np.array(points)[used[:, 0]]
     if places.min() < -0.5:

@@ -31,22 +31,22 @@ def parse_pfm(data: bytes, where: str) -> NDArray[np.float32]:
     """As `read_pfm`, from bytes; `where` names them in errors. Numbers may be NaN or infinite."""
     header = _HEADER.match(data[:256])
     if not header:
-        raise UserError(f"{where}: not a PFM file, expected 'PF', width, height and scale")
+        raise UserError("not a PFM file, expected 'PF', width, height and scale", file=where)
     kind, width, height = header[1], int(header[2]), int(header[3])
     if not 0 < width * height <= MAX_POINTS:
-        raise UserError(f"{where}: {width}×{height} points, expected 1 to {MAX_POINTS} of them")
+        raise UserError(f"{width}×{height} points, expected 1 to {MAX_POINTS} of them", file=where)
     try:
         scale = float(header[4])
     except ValueError:
         scale = 0.0
     if scale == 0.0 or not math.isfinite(scale):
-        raise UserError(f"{where}: scale {header[4].decode()!r}, expected a number such as -1.0")
+        raise UserError(f"scale {header[4].decode()!r}, expected a number such as -1.0", file=where)
     channels = 3 if kind == b"PF" else 1
     begin, expected = header.end(), 4 * width * height * channels
     if len(data) - begin == expected + 1 and data[begin - 1 : begin + 1] == b"\r\n":
         begin += 1
     if len(data) - begin != expected:
-        raise UserError(f"{where}: {len(data) - begin} bytes of numbers, expected {expected}")
+        raise UserError(f"{len(data) - begin} bytes of numbers, expected {expected}", file=where)
     numbers = np.frombuffer(data, "<f4" if scale < 0 else ">f4", offset=begin)
     rows = numbers.reshape(height, width, channels)[::-1]
     return np.ascontiguousarray(rows, np.float32)

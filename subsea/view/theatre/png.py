@@ -22,12 +22,13 @@ def parse_png(data: bytes, where: str) -> NDArray[np.float32]:
     upper 8 bits of each colour of a coloured one: as fine as the pictures that it is to blend.
     """
     if data[:8] != b"\x89PNG\r\n\x1a\n" or data[12:16] != b"IHDR" or len(data) < 24:
-        raise UserError(f"{where}: not a PNG picture")
+        raise UserError("not a PNG picture", file=where)
     width, height = struct.unpack_from(">II", data, 16)
     if not 0 < width * height <= MAX_PIXELS or max(width, height) > MAX_SIDE:
         raise UserError(
-            f"{where}: {width}×{height} pixels, expected 1 to {MAX_PIXELS} of them, "
-            f"{MAX_SIDE} a side at most"
+            f"{width}×{height} pixels, expected 1 to {MAX_PIXELS} of them, "
+            f"{MAX_SIDE} a side at most",
+            file=where,
         )
     grey: NDArray[np.float32]
     try:
@@ -39,7 +40,7 @@ def parse_png(data: bytes, where: str) -> NDArray[np.float32]:
             else:
                 return np.asarray(image.convert("RGB"), np.float32) / np.float32(255)
     except Exception as fault:  # Pillow raises nearly anything at a mangled file
-        raise UserError(f"{where}: not a readable PNG picture ({line(fault)})") from fault
+        raise UserError(f"not a readable PNG picture ({line(fault)})", file=where) from fault
     grey = np.clip(grey, 0.0, 1.0)
     return np.broadcast_to(grey[..., None], (*grey.shape, 3))  # a third of the memory
 

@@ -89,28 +89,30 @@ def checked(warp: Warp, where: str) -> Warp:
     used = np.unique(triangles)
     points, count = vertices[used], len(used)
     if not count:
-        raise UserError(f"{where}: an empty mesh, expected triangles that show something")
+        raise UserError("an empty mesh, expected triangles that show something", file=where)
     if bad := int((~(np.abs(points) < FARTHEST)).any(axis=1).sum()):
-        raise UserError(f"{where}: {bad} of {count} points of its mesh are nowhere near a picture")
+        raise UserError(
+            f"{bad} of {count} points of its mesh are nowhere near a picture", file=where
+        )
     areas = np.abs(_areas(vertices[:, :2], triangles))
     lit = areas > _AREA
     if 2 * lit.sum() < len(lit):
-        raise UserError(f"{where}: {(~lit).sum()} of {len(lit)} triangles have no area")
+        raise UserError(f"{(~lit).sum()} of {len(lit)} triangles have no area", file=where)
     vertices, triangles = _within_picture(vertices, triangles[lit])
     if np.abs(_areas(vertices[:, :2], triangles)).sum() < areas.sum() / 4:
         out = ((points[:, 2:] < -SLACK) | (points[:, 2:] > 1 + SLACK)).any(axis=1)
-        raise UserError(f"{where}: {out.sum()} of {count} points have u or v outside 0 to 1")
+        raise UserError(f"{out.sum()} of {count} points have u or v outside 0 to 1", file=where)
     on = vertices[triangles][..., :2]
     seen = ((on.max(axis=1) > 0) & (on.min(axis=1) < 1)).all(axis=1)
     if not seen.any():
-        raise UserError(f"{where}: none of its {len(lit)} triangles lies on the projector")
+        raise UserError(f"none of its {len(lit)} triangles lies on the projector", file=where)
     places, sources = _areas(vertices[:, :2], triangles), _areas(vertices[:, 2:4], triangles)
     if np.abs(sources).sum() < _ONE_COLOUR:
-        raise UserError(f"{where}: its u and v have no area, expected some of the picture")
+        raise UserError("its u and v have no area, expected some of the picture", file=where)
     turn = np.sign(places) * np.sign(sources)
     folded = turn * np.sign(np.sum(turn * np.abs(places))) < 0
     if np.abs(places[folded]).sum() > FOLDED * np.abs(places).sum():
-        raise UserError(f"{where}: {folded.sum()} of {len(folded)} triangles are folded over")
+        raise UserError(f"{folded.sum()} of {len(folded)} triangles are folded over", file=where)
     return Warp(vertices, triangles)
 
 

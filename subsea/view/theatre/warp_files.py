@@ -28,15 +28,15 @@ def read_warp(path: Path, size: tuple[int, int]) -> tuple[Warp, NDArray[np.float
         return read_bourke(path, size)
     if suffix == ".pfm":
         return checked(from_grid(sources_of(read_pfm(path), str(path)), size), str(path)), None
-    raise UserError(f"{path}: expected a warp file that ends in {', '.join(KINDS)}")
+    raise UserError(f"expected a warp file that ends in {', '.join(KINDS)}", file=path)
 
 
 def sources_of(numbers: NDArray[np.float32], where: str) -> NDArray[np.float32]:
     """u and v (h, w, 2) of the numbers (h, w, c) of a PFM file; a grey one is a UserError."""
     if numbers.shape[2] != 3:
-        raise UserError(f"{where}: one number a point ('Pf'), expected u and v ('PF')")
+        raise UserError("one number a point ('Pf'), expected u and v ('PF')", file=where)
     if min(numbers.shape[:2]) < 2:
         raise UserError(
-            f"{where}: {numbers.shape[1]}×{numbers.shape[0]} points, expected 2×2 or more"
+            f"{numbers.shape[1]}×{numbers.shape[0]} points, expected 2×2 or more", file=where
         )
     return numbers[..., :2]
