@@ -1,16 +1,18 @@
-"""The tables of docs/commands.md and docs/settings.md: `python docs/make_reference.py`.
+"""Write the tables of commands.md, settings.md and state.md: `python docs/make_reference.py`.
 
-From the programs' own parsers and the settings' own types, so they say what `--help` and `subsea
-settings --write` say. A test tells when a page is not as this makes it.
+From the programs' parsers, the types of the settings and the declarations of the state. A test
+fails when a page is out of date.
 """
 
 import argparse
 import json
 import re
 from collections.abc import Iterator
+from inspect import cleandoc
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from msgspec import inspect
 
 import capture.cli.main
@@ -19,6 +21,7 @@ from subsea.core.atomic_io import replacing
 from subsea.core.command_line import Number
 from subsea.dive.bindings import CONTROLS
 from subsea.dive.settings import Settings
+from subsea.state import GROUPS, declared
 
 HERE = Path(__file__).parent
 BEGIN, END = "<!-- made by docs/make_reference.py -->\n", "<!-- end of what is made -->\n"
@@ -176,7 +179,24 @@ def span(kind: Any) -> str:
     return "text"
 
 
-MADE = {"commands.md": commands, "settings.md": settings}
+def state() -> Iterator[str]:
+    """List all arrays of the state."""
+    for part, group in GROUPS.items():
+        yield from ("", f"## `{part}`", "", cleandoc(group.__doc__ or ""), "")
+        yield "| array | dtype | shape | unit | written by | saved | start | meaning |"
+        yield "| --- " * 8 + "|"
+        for name, spec in declared(group).items():
+            shape = f"({', '.join(map(str, spec.shape))})" if spec.shape else "number"
+            start = ", ".join(f"{value:g}" for value in np.ravel(spec.start))
+            saved = "yes" if spec.saved else "no"
+            yield (
+                f"| `{name}` | {spec.dtype.name} | {shape} | {spec.unit} | {spec.writer} "
+                f"| {saved} | {start} | {cell(spec.about)} |"
+            )
+    yield ""
+
+
+MADE = {"commands.md": commands, "settings.md": settings, "state.md": state}
 
 if __name__ == "__main__":
     main()

@@ -20,17 +20,7 @@ from subsea.core.kernels.warm_up import precompile
 from subsea.geometry.rotation import from_matrix
 from subsea.repertoire import SEGMENTS, Repertoire, Segment
 from subsea.scenario.schema import Temper
-from subsea.state import (
-    NOBODY,
-    STOWED,
-    Clock,
-    Fishes,
-    Minds,
-    Nature,
-    Sea,
-    empty_fishes,
-    empty_minds,
-)
+from subsea.state import Clock, Fishes, Minds, Nature, Sea, empty
 
 pytest_plugins = ["tests.support.windows"]
 
@@ -227,7 +217,7 @@ def make_tank(
     n: int = 1, seed: int = 1, specks: int = 0, pillars: Any = (), rocks: Any = (), **nature: float
 ) -> Tank:
     """`n` fishes of 20 cm in the middle of a flat sea, bound along x at 15 cm/s."""
-    fishes, minds = empty_fishes(n), empty_minds(n, len(BEHAVIORS), len(DESIRES))
+    fishes, minds = empty(Fishes, n=n), empty(Minds, n=n, b=len(BEHAVIORS), d=len(DESIRES))
     fishes.length[:] = 20.0
     fishes.snout[:] = 7.0
     fishes.girth[:] = 5.0, 2.0
@@ -241,17 +231,14 @@ def make_tank(
     minds.waypoint[:] = fishes.position
     minds.pause[:] = TICK_S
     minds.dread[:] = 200.0
-    sea = Sea(
-        heights=SEABED, floor=SEABED, half_width=1.6 * SEA_RADIUS, radius=SEA_RADIUS,
-        pillars=np.array(pillars, np.float64).reshape(-1, 4),
-        rocks=np.array(rocks, np.float64).reshape(-1, 7),
-        climate=np.array([27.0, 21.0, SEA_DEPTH, 700.0]),
-        plankton=np.zeros((specks, 3), np.float32), absent=np.zeros(specks, np.float32),
-        seaweed=np.zeros((0, 6), np.float32),
-        tackle=np.array([0.0, 0.0, 0.0, 0.0, np.inf]), hook=np.zeros(3),
-        catch=np.array([STOWED, NOBODY]),
-        submarine=np.array([0.0, 0.0, 1e6, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0]),
-    )  # fmt: skip
+    given = {
+        "heights": SEABED, "floor": SEABED, "half_width": 1.6 * SEA_RADIUS, "radius": SEA_RADIUS,
+        "pillars": np.array(pillars, np.float64).reshape(-1, 4),
+        "rocks": np.array(rocks, np.float64).reshape(-1, 7),
+        "climate": np.array([27.0, 21.0, SEA_DEPTH, 700.0]),
+        "submarine": np.array([0.0, 0.0, 1e6, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0]),
+    }  # fmt: skip
+    sea = empty(Sea, given=given, p=specks, c=0)
     constants = {name: getattr(Temper(), name) for name in Nature._fields}
     return Tank(fishes, minds, sea, Nature(**(constants | nature)), Clock(seed, 1, TICK_S))
 

@@ -17,7 +17,7 @@ from subsea.frame.diagrams import NO_LINES, Lines
 from subsea.habitat.seaweed import KINDS as SEAWEED_KINDS
 from subsea.motor.pose import pose_at
 from subsea.scenario.schema import Water
-from subsea.state import HANGING, HOOKED, LANDED, SINKING, STOWED, Fishes, Reef, Sea, empty_reef
+from subsea.state import HANGING, HOOKED, LANDED, SINKING, STOWED, Fishes, Reef, Sea, empty
 from subsea.view.camera import View
 from subsea.view.culling import IN_SIGHT, OUT_OF_SIGHT, coverage
 from subsea.view.display_rigs import cockpit
@@ -82,7 +82,7 @@ class Scene:
     rocks: Array = field(default_factory=lambda: np.zeros((0, 7)))  # (k, 7) likewise
     # (k, 4): x and y in cm, bubbles a second, the largest one's diameter in cm
     vents: Array = field(default_factory=lambda: np.zeros((0, 4)))
-    reef: Reef = field(default_factory=empty_reef)
+    reef: Reef = field(default_factory=lambda: empty(Reef, k=0))
 
 
 @dataclass(frozen=True)

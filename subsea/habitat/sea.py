@@ -9,7 +9,7 @@ from subsea.habitat import hook, plankton
 from subsea.habitat.rocks import Floor, rock_rows
 from subsea.habitat.terrain import crest, drifted, half_width, make_terrain
 from subsea.scenario.schema import Scenario
-from subsea.state import NOBODY, STOWED, Sea
+from subsea.state import Sea, empty
 
 
 def pillar_rows(scenario: Scenario, floor: Floor) -> NDArray[np.float64]:
@@ -32,23 +32,25 @@ def make_sea(scenario: Scenario, rng: np.random.Generator) -> Sea:
     pillars = pillar_rows(scenario, floor)
     rocks, _ = rock_rows(scenario, floor)
     heights = kept(drifted, heights, width, pillars, rocks, water.current_cm_s)
-    surface_c, depth_c = water.temperature_c
-    return Sea(
-        heights=heights,
-        floor=heights,
-        half_width=width,
-        radius=radius,
-        pillars=pillars,
-        rocks=rocks,
-        climate=np.array([surface_c, depth_c, scenario.bounds.depth_cm, water.light_depth_cm]),
-        plankton=plankton.scatter(rng, water.plankton, radius, heights, width, pillars, rocks),
-        absent=np.zeros(water.plankton, np.float32),
-        seaweed=np.zeros((0, 6), np.float32),
-        tackle=hook.hook_constants(
-            scenario.hook, any(one.hook == "down" for one in scenario.direction)
-        ),
-        hook=np.zeros(3),
-        catch=np.array([STOWED, NOBODY]),
-        submarine=np.zeros(9),
-        crest=crest(heights, width, radius),
+    lowered = any(one.hook == "down" for one in scenario.direction)
+    return empty(
+        Sea,
+        given={
+            "heights": heights,
+            "floor": heights,
+            "half_width": width,
+            "radius": radius,
+            "pillars": pillars,
+            "rocks": rocks,
+            "climate": np.array(
+                [*water.temperature_c, scenario.bounds.depth_cm, water.light_depth_cm]
+            ),
+            "plankton": plankton.scatter(
+                rng, water.plankton, radius, heights, width, pillars, rocks
+            ),
+            "tackle": hook.hook_constants(scenario.hook, lowered),
+            "crest": crest(heights, width, radius),
+        },
+        p=water.plankton,
+        c=0,
     )

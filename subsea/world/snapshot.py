@@ -6,7 +6,6 @@ checked against the world that is to take it before a byte is copied, nothing is
 """
 
 import hashlib
-from collections.abc import Iterator
 from typing import Annotated, Any
 
 import msgspec
@@ -17,8 +16,9 @@ from subsea.behavior.table import BEHAVIORS
 from subsea.core.errors import UserError
 from subsea.repertoire import SEGMENTS
 from subsea.scenario.directions import INFLUENCES
-from subsea.state import BAIT, COURTSHIP, EAT, LANDED, NOBODY, PREDATOR, SUBMARINE, WALL
-from subsea.world.world import MINDS, World
+from subsea.state import EAT, GROUPS, LANDED, PREDATOR, Spec, declared
+from subsea.state import arrays as arrays_of
+from subsea.world.world import World
 
 Arrays = dict[str, NDArray[Any]]
 
@@ -26,35 +26,11 @@ MAGIC = b"subsea snapshot 1\n"
 MAX_HEADER = 1 << 16  # bytes
 MAX_VALUE = 1e7  # of any number that is not infinite: far more than a centimetre or a second here
 
-CONSTANT = {
-    "fishes": {"species", "length", "scale", "rate", "identity", "snout", "girth", "oars"},
-    "minds": set(MINDS),
-    "sea": {
-        "heights",
-        "floor",
-        "half_width",
-        "radius",
-        "pillars",
-        "rocks",
-        "climate",
-        "tackle",
-        "crest",
-    },
-    "seaweed": {
-        "first",
-        "rest",
-        "lean",
-        "look",
-        "kind",
-        "cell_cm",
-        "cell_first",
-        "cell_cluster",
-    },
+SPECS: dict[str, Spec] = {
+    f"{part}.{name}": spec
+    for part, group in GROUPS.items()
+    for name, spec in declared(group).items()
 }
-"""What no tick changes, by the parts of `state.State`; everything else it may."""
-
-INFINITE = {"fishes.stay", "minds.leader_seen", "minds.food_distance", "minds.mate_distance"}
-"""What may be infinite: never, or nowhere."""
 
 
 class _Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -74,12 +50,17 @@ class _Header(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 def changing(world: World) -> Arrays:
     """Every array that a tick may change, by a name such as ``fishes.position``: no copies."""
-    return {name: array for name, array, constant in _arrays(world) if not constant}
+    return {name: array for name, array, spec in arrays_of(world.state) if spec.saved}
 
 
 def constant(world: World) -> Arrays:
     """Every array of a world's state that stays as it was created, numbers as arrays of one."""
-    return {name: array for name, array, constant in _arrays(world) if constant}
+    return {name: array for name, array, spec in arrays_of(world.state) if not spec.saved}
+
+
+def may_be_infinite(name: str) -> bool:
+    """Whether an array may hold infinity, for never or nowhere."""
+    return SPECS[name].may_be_infinite
 
 
 def checksum_of(arrays: Arrays, *more: object) -> str:
@@ -158,20 +139,6 @@ def _seen_light(world: World) -> dict[int, float]:
     return {int(fish): float(light) for fish, light in sorted(world.seen_light.items())}
 
 
-def _arrays(world: World) -> Iterator[tuple[str, NDArray[Any], bool]]:
-    """Name and array of everything in the state, and whether it stays as it was created."""
-    state = world.state
-    parts: dict[str, dict[str, Any]] = {
-        part: getattr(state, part)._asdict()
-        for part in ("fishes", "minds", "sea", "seaweed", "live", "reef", "directions")
-    }
-    parts["submarine"] = vars(state.submarine)
-    for part, members in parts.items():
-        for name, value in members.items():
-            stays = part == "reef" or name in CONSTANT.get(part, ())
-            yield f"{part}.{name}", np.asarray(value), stays
-
-
 def _entries(arrays: Arrays) -> list[_Entry]:
     """What the header says of arrays that follow one another."""
     entries, offset = [], 0
@@ -198,17 +165,20 @@ def _read(data: bytes) -> tuple[_Header, memoryview]:
 
 def _refuse_impossible(world: World, given: Arrays) -> None:
     """A UserError for values that no tick writes: compiled code does not check its indices."""
-    ranges = _ranges(world, given)
+    limits = _limits(world, given)
     for name, array in given.items():
         if array.dtype.kind == "f":
             amount = np.abs(array)
             wrong = ~(amount <= MAX_VALUE)
-            if name in INFINITE:
+            if may_be_infinite(name):
                 wrong &= ~np.isinf(amount)
         elif array.dtype.kind == "b":
             wrong = array.view(np.uint8) > 1
         else:
-            low, high = ranges[name]
+            within = SPECS[name].within
+            assert within is not None
+            low, high = within[0], limits.get(within[1], within[1])
+            high = np.reshape(high, (-1, *[1] * (array.ndim - 1)))
             wrong = (array < low) | (array >= high)
         if wrong.any():
             where = [int(k) for k in np.argwhere(wrong)[0]]
@@ -221,45 +191,25 @@ def _refuse_impossible(world: World, given: Arrays) -> None:
         raise _fault("a fish's pose is not among the rows of its motor")
 
 
-def _ranges(world: World, given: Arrays) -> dict[str, tuple[int, Any]]:
-    """Lowest value of every array of whole numbers, and what lies above its highest."""
-    n, segments, behaviors = len(world.state.fishes.species), len(SEGMENTS), len(BEHAVIORS)
-    sea, specks = world.state.sea, len(world.state.sea.plankton)
-    rows, long = (0, len(world.library.rotation)), 2**31 - 1
-    # What eaters of plankton are after is a speck, all else is about fishes.
+def _limits(world: World, given: Arrays) -> dict[int | str, Any]:
+    """Limits that declarations name: all integers of an array are below, for all or each fish."""
+    sea, n = world.state.sea, len(world.state.fishes.species)
+    specks = len(sea.plankton)
+    # Targets of plankton eaters are specks, all others are fishes.
     grazes = world.state.minds.kind != PREDATOR
-    food = np.where(grazes, specks, n)
-    target = np.where(grazes & (given["minds.intention"] == EAT), specks, n)
     remembered = np.where(grazes & (given["minds.memory"] == EAT), specks, n)
-    remembered[given["minds.memory"] < 0] = max(n, specks)  # nobody reads what is left there
-    fish = dict.fromkeys(
-        ("neighbour", "threat", "mate", "mates", "leader", "partner", "shunned", "betrothed"),
-        (NOBODY, n),
-    )
-    minds = fish | {
-        "predator": (SUBMARINE, n), "predators": (SUBMARINE, n),
-        "barrier": (WALL, len(sea.pillars) + len(sea.rocks)),
-        "food": (-1, food), "foods": (-1, food[:, None]), "target": (BAIT, target),
-        "memory": (-1, behaviors), "memory_target": (BAIT, remembered),
-        "intention": (0, behaviors), "courtship": (0, len(COURTSHIP)),
-        "fancy": (-1, 16), "quarry": (-1, long + 1),
-    }  # fmt: skip
-    fishes = {
-        "row_a": rows, "row_b": rows, "previous_row_a": rows, "previous_row_b": rows,
-        "segment": (0, segments), "wanted_segment": (0, segments), "recommended": (-1, segments),
-    }  # fmt: skip
+    remembered[given["minds.memory"] < 0] = max(n, specks)  # never read
     return {
-        **{f"minds.{name}": ends for name, ends in minds.items()},
-        **{f"fishes.{name}": ends for name, ends in fishes.items()},
-        "sea.catch": (NOBODY, np.array([LANDED + 1, n])),
-        "live.fish": (-1, n),
-        "directions.began": (-1, 2**48 + 1),
-        "directions.times": (0, long + 1),
-        "directions.ceded": (0, 1 << len(INFLUENCES)),
-        "directions.stage": (0, long),
-        "directions.cast": (SUBMARINE, n),
-        "directions.courtship": (0, len(COURTSHIP)),
-        "live.waiting": (0, long),
+        "n": n,
+        "b": len(BEHAVIORS),
+        "rows": len(world.library.rotation),
+        "segments": len(SEGMENTS),
+        "solids": len(sea.pillars) + len(sea.rocks),
+        "influences": 1 << len(INFLUENCES),
+        "food": np.where(grazes, specks, n),
+        "target": np.where(grazes & (given["minds.intention"] == EAT), specks, n),
+        "remembered": remembered,
+        "catch": (LANDED + 1, n),
     }
 
 

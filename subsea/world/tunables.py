@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.state import Nature, Physics
-from subsea.world.world import MINDS, World
+from subsea.state import TRAITS, Nature, Physics
+from subsea.world.world import World
 
 
 class Constants(NamedTuple):
@@ -18,12 +18,12 @@ class Constants(NamedTuple):
     nature: Nature
     current_cm_s: tuple[float, float]  # strength of the swinging current along x and y
     physics: Physics  # of the fishes that are simulated
-    minds: dict[str, NDArray[Any]]  # by the names of `MINDS`
+    minds: dict[str, NDArray[Any]]  # by the names of `TRAITS`
 
 
 def constants_of(world: World) -> Constants:
     """The constants of a world as they are now."""
-    minds = {name: getattr(world.state.minds, name).copy() for name in MINDS}
+    minds = {name: getattr(world.state.minds, name).copy() for name in TRAITS}
     return Constants(world.nature, world.current_cm_s, world.physics, minds)
 
 

@@ -37,7 +37,10 @@ from subsea.scenario.schema import MAX_SIMULATED, MAX_SOLIDS, Scenario, Shoal
 from subsea.state import (
     HULL_CM,
     KINDS,
+    TRAITS,
+    Directions,
     Fishes,
+    Live,
     Minds,
     Nature,
     Physics,
@@ -46,10 +49,7 @@ from subsea.state import (
     Seaweed,
     State,
     Submarine,
-    empty_directions,
-    empty_fishes,
-    empty_live,
-    empty_minds,
+    empty,
 )
 from subsea.submarine.course import check_tours
 
@@ -60,10 +60,6 @@ ROOM_BL = 0.6  # so many body lengths off every rock a fish begins
 FLAT_BL = 0.4  # a body at least this tall, over its length, rows with its pectoral fins
 RESOLVE_S = 60.0  # for so long fishes keep to the place that they are bound for first
 TICK_S = 0.033  # one tick = one recorded frame = six steps of the simulation
-
-
-MINDS = ("kind", "male", "likes", "schools", "appetite", "digestion", "libido_rate", "dread")
-"""Sex, habits and temper of each fish: the members of `state.Minds` that no tick changes."""
 
 
 @dataclass
@@ -78,7 +74,7 @@ class World:
     current_cm_s: tuple[float, float]  # strength of the swinging current along x and y
     physics: Physics
     state: State
-    tempers: dict[str, NDArray[Any]]  # what `MINDS` were in the beginning
+    tempers: dict[str, NDArray[Any]]  # what `TRAITS` were in the beginning
     script: Script  # of the scenario's directions
     stages_s: dict[str, float] = field(default_factory=dict)  # seconds of the last tick
     # Of fishes that go by what their eyes see: how bright that is, instead of the sea about them.
@@ -160,6 +156,8 @@ def create_world(
     submarine.lights[:] = scenario.submarine.lights
     submarine.previous_angles[:] = submarine.angles
     fishes, minds = _populate(scenario, species, library, sea, rng, fish)
+    tables = {name: getattr(library, name) for name in ("rotation", "translation", "nodes")}
+    told, many = len(scenario.direction), len(fishes.species)
     state = State(
         tick=0,
         seed=seed,
@@ -169,17 +167,15 @@ def create_world(
         seaweed=seaweed,
         reef=reef,
         submarine=submarine,
-        live=empty_live(
-            library.rotation[recorded:], library.translation[recorded:], library.nodes[recorded:]
-        ),
-        directions=empty_directions(len(scenario.direction), len(fishes.species)),
+        live=empty(Live, k=live, given={name: table[recorded:] for name, table in tables.items()}),
+        directions=empty(Directions, k=told, n=many if told else 0, axes=2 if told else 0),
     )
     nature = Nature(**msgspec.structs.asdict(scenario.nature))
     physics = Physics(**msgspec.structs.asdict(scenario.physics))
     return World(
         scenario, tuple(species.values()), library, dynamics, nature,
         scenario.water.current_cm_s, physics, state,
-        {name: getattr(minds, name).copy() for name in MINDS},
+        {name: getattr(minds, name).copy() for name in TRAITS},
         make_script(scenario, _shares(scenario, fish), _fastest(fishes, library)),
     )  # fmt: skip
 
@@ -354,8 +350,8 @@ def _populate(
 ) -> tuple[Fishes, Minds]:
     """All fishes at tick 0: places, sizes, leaders, tempers, each at its own phase of a swim."""
     shares = _shares(scenario, fish)
-    fishes = empty_fishes(sum(shares))
-    minds = empty_minds(sum(shares), len(BEHAVIORS), len(DESIRES))
+    fishes = empty(Fishes, n=sum(shares))
+    minds = empty(Minds, n=sum(shares), b=len(BEHAVIORS), d=len(DESIRES))
     slow = SEGMENTS.index("swim_slow")
     first = 0
     for shoal, number in zip(scenario.fish, shares, strict=True):

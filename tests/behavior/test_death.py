@@ -11,13 +11,14 @@ from subsea.state import (
     NOBODY,
     PACIFIST,
     PREDATOR,
-    empty_fishes,
-    empty_minds,
+    Fishes,
+    Minds,
+    empty,
 )
 
 
 def _some(n):
-    fishes, minds = empty_fishes(n), empty_minds(n, len(BEHAVIORS), len(DESIRES))
+    fishes, minds = empty(Fishes, n=n), empty(Minds, n=n, b=len(BEHAVIORS), d=len(DESIRES))
     fishes.goal_direction[:, 0] = 1.0
     return fishes, minds
 

@@ -26,8 +26,9 @@ from subsea.state import (
     PREY,
     SUBMARINE,
     Clock,
-    empty_fishes,
-    empty_minds,
+    Fishes,
+    Minds,
+    empty,
 )
 from subsea.world.world import heading_quaternion
 
@@ -44,7 +45,7 @@ def around(tank):
 
 def _pair(place, heading=0.0, speed=40.0):
     """A fish at the origin that heads along x, and a predator at `place` with its heading, rad."""
-    fishes, minds = empty_fishes(2), empty_minds(2, len(BEHAVIORS), len(DESIRES))
+    fishes, minds = empty(Fishes, n=2), empty(Minds, n=2, b=len(BEHAVIORS), d=len(DESIRES))
     fishes.length[:] = 20.0, 60.0
     fishes.position[0] = 0.0, 0.0, -300.0
     fishes.position[1] = np.array(place) + (0.0, 0.0, -300.0)

@@ -25,17 +25,7 @@ from subsea.behavior.hunting import (
 from subsea.behavior.table import BEHAVIORS, DESIRES
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Shoal
-from subsea.state import (
-    AVOID,
-    EAT,
-    HUNGER,
-    PACIFIST,
-    PREDATOR,
-    PREY,
-    Clock,
-    empty_fishes,
-    empty_minds,
-)
+from subsea.state import AVOID, EAT, HUNGER, PACIFIST, PREDATOR, PREY, Clock, Fishes, Minds, empty
 from subsea.world.world import create_world, heading_quaternion
 
 LENGTH, SNOUT = 100.0, 30.0
@@ -55,7 +45,7 @@ def around(tank):
 def _hunter(*prey, kind=PREY, length=20.0, gape=1.0):
     """A hungry hunter that heads along x, and fishes at places relative to its mouth."""
     n = 1 + len(prey)
-    fishes, minds = empty_fishes(n), empty_minds(n, len(BEHAVIORS), len(DESIRES))
+    fishes, minds = empty(Fishes, n=n), empty(Minds, n=n, b=len(BEHAVIORS), d=len(DESIRES))
     fishes.length[:] = length
     fishes.length[0], fishes.snout[0] = LENGTH, SNOUT
     fishes.position[0] = 0.0, 0.0, -300.0

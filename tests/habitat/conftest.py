@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.state import Sea
+from subsea.state import Sea, empty
 
 RADIUS, WIDTH, DEPTH = 500.0, 800.0, 300.0
 
@@ -14,18 +14,16 @@ def make_sea():
 
     def make(plankton=(), pillars=(), rocks=(), radius=RADIUS):
         specks = np.array(plankton, np.float32).reshape(-1, 3)
-        return Sea(
-            heights=np.full((5, 5), -DEPTH, np.float32),
-            floor=np.full((5, 5), -DEPTH, np.float32),
-            half_width=WIDTH,
-            radius=radius,
-            pillars=np.array(pillars, np.float64).reshape(-1, 4),
-            rocks=np.array(rocks, np.float64).reshape(-1, 7),
-            climate=np.array([27.0, 21.0, DEPTH, 700.0]),
-            plankton=specks,
-            absent=np.zeros(len(specks), np.float32),
-            seaweed=np.zeros((0, 6), np.float32),
-            submarine=np.zeros(9),
-        )
+        given = {
+            "heights": np.full((5, 5), -DEPTH, np.float32),
+            "floor": np.full((5, 5), -DEPTH, np.float32),
+            "half_width": WIDTH,
+            "radius": radius,
+            "pillars": np.array(pillars, np.float64).reshape(-1, 4),
+            "rocks": np.array(rocks, np.float64).reshape(-1, 7),
+            "climate": np.array([27.0, 21.0, DEPTH, 700.0]),
+            "plankton": specks,
+        }
+        return empty(Sea, given=given, p=len(specks), c=0)
 
     return make

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from subsea.habitat.bow_wave import BEAM_BL, SPAN, add_bow_wave, bow_wave
 from subsea.habitat.sea import make_sea
 from subsea.scenario.load import load_scenario
-from subsea.state import HULL_CM, empty_fishes
+from subsea.state import HULL_CM, Fishes, empty
 
 RADIUS = 50.0
 numbers = st.tuples(*[st.floats(-100, 100)] * 3).filter(lambda p: np.linalg.norm(p) > 1)
@@ -44,7 +44,7 @@ def test_far_away_the_water_rests():
 
 
 def test_a_fish_before_the_bow_is_pushed_aside_and_never_touched():
-    fishes = empty_fishes(1)
+    fishes = empty(Fishes, n=1)
     fishes.length[:] = 20.0
     fishes.position[:] = 0.0, 0.0, -300.0
     sea = make_sea(load_scenario("peaceful")[0], np.random.default_rng(1))

@@ -24,11 +24,11 @@ from subsea.habitat.seaweed import (
 )
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Seaweed
-from subsea.state import HULL_CM, Clock, Reef, empty_fishes, empty_reef
+from subsea.state import HULL_CM, Clock, Fishes, Reef, empty
 
 DT = 0.033
 STILL = np.zeros(3)
-NO_REEF = empty_reef()
+NO_REEF = empty(Reef, k=0)
 ROCK = (150.0, 0.0, -290.0, 60.0, 50.0, 45.0, 0.3)
 
 
@@ -44,7 +44,7 @@ def make_bed(make_sea):
     return make
 
 
-NOBODY = empty_fishes(0)
+NOBODY = empty(Fishes, n=0)
 
 
 def _pass(bed, fishes=NOBODY, flow=STILL, ticks=1, visibility=1e9):
@@ -120,7 +120,7 @@ def test_it_sways_with_the_current_to_both_sides(make_bed):
 def test_a_passing_fish_pushes_the_near_leaves_along_and_leaves_the_others_alone(make_bed):
     near, far = ({"position_cm": (x, 0.0), "spread_cm": 1.0} for x in (0.0, 250.0))
     beds = [make_bed(near, far) for _ in range(2)]
-    fishes = empty_fishes(1)
+    fishes = empty(Fishes, n=1)
     fishes.length[:] = 30.0
     x, y, _ = beds[0][1].node[:6].mean(axis=(0, 1))
     fishes.velocity[0] = 40.0, 0.0, 0.0
@@ -139,7 +139,7 @@ def test_a_passing_fish_pushes_the_near_leaves_along_and_leaves_the_others_alone
 
 def test_dead_fishes_push_nothing(make_bed):
     beds = [make_bed({"position_cm": (0.0, 0.0)}) for _ in range(2)]
-    fishes = empty_fishes(1)
+    fishes = empty(Fishes, n=1)
     fishes.length[:], fishes.velocity[:], fishes.alive[:] = 30.0, 50.0, False
     fishes.position[0] = beds[0][1].node[0, 4]
     for bed, company in zip(beds, (fishes, NOBODY), strict=True):
@@ -175,7 +175,7 @@ def test_what_the_submarine_cannot_see_stands_still(make_bed):
 def test_whatever_rushes_past_it_stays_whole_and_above_the_ground(make_bed, seed, speed, fx, fy):
     bed = _, weed = make_bed({"clusters": 3, "position_cm": (0.0, 0.0), "spread_cm": 20.0})
     rng = np.random.default_rng(seed)
-    fishes = empty_fishes(30)
+    fishes = empty(Fishes, n=30)
     fishes.length[:] = rng.uniform(5, 150, 30)
     for _ in range(12):
         fishes.position[:] = weed.node[:, 4].mean(axis=0) + rng.normal(0, 30, (30, 3))
@@ -193,7 +193,7 @@ def test_whatever_rushes_past_it_stays_whole_and_above_the_ground(make_bed, seed
 def test_who_passes_is_found_as_by_looking_at_all_pairs(make_bed):
     sea, weed = make_bed({"clusters": 25, "leaves": 2})
     rng = np.random.default_rng(4)
-    fishes = empty_fishes(800)
+    fishes = empty(Fishes, n=800)
     fishes.position[:] = rng.uniform((-520, -520, -300), (520, 520, 0), (800, 3))
     fishes.alive[::7] = False
     count, near = module._passers(weed, fishes, sea)
@@ -228,7 +228,7 @@ def test_all_kinds_are_chains_with_a_look_of_their_own(make_bed, kind):
 
 def test_a_sea_without_seaweed(make_bed):
     bed = sea, weed = make_bed()
-    _pass(bed, empty_fishes(3), ticks=2)
+    _pass(bed, empty(Fishes, n=3), ticks=2)
     assert len(weed.node) == len(sea.seaweed) == 0
 
 

@@ -15,7 +15,7 @@ from subsea.motor.switching import make_dynamics, swim, to_live
 from subsea.repertoire import read_repertoire
 from subsea.repertoire.library import Library, pack
 from subsea.repertoire.schema import SEGMENTS
-from subsea.state import Fishes, empty_fishes, empty_live
+from subsea.state import Fishes, Live, empty
 
 TICK = 0.033
 STILL = np.zeros(3)
@@ -33,7 +33,7 @@ def make_fishes(library):
     """A function that makes n fishes at the start of a segment."""
 
     def make(n: int, name: str = "swim_medium") -> Fishes:
-        fishes = empty_fishes(n)
+        fishes = empty(Fishes, n=n)
         code = SEGMENTS.index(name)
         first, length = library.first[0, code], library.length[0, code]
         fishes.segment[:] = code
@@ -67,9 +67,10 @@ class Tank:
         repertoire, coupling, self.dynamics = recorded(species)
         self.library = pack([repertoire], [coupling], live=1)
         rows = len(self.library.entry)
-        tables = (self.library.rotation, self.library.translation, self.library.nodes)
-        self.live = empty_live(*(table[rows:] for table in tables))
-        self.fishes = empty_fishes(1)
+        names = ("rotation", "translation", "nodes")
+        tables = {name: getattr(self.library, name)[rows:] for name in names}
+        self.live = empty(Live, k=len(tables["nodes"]) // 2, given=tables)
+        self.fishes = empty(Fishes, n=1)
         self.fishes.scale[:] = scale
         self.fishes.rate[:] = scale**-0.5
         self.fishes.length[:] = scale * self.library.recorded_length[0]

@@ -10,7 +10,7 @@ from subsea.geometry.rotation import about, from_matrix, matrix, multiply
 from subsea.motor.playback import advance, play
 from subsea.motor.pose import nodes_world
 from subsea.repertoire.schema import SEGMENTS
-from subsea.state import empty_fishes
+from subsea.state import Fishes, empty
 
 TICK = 0.033
 STILL = np.zeros(3)
@@ -60,7 +60,7 @@ def test_a_turning_cycle_bends_the_path_as_recorded(library, make_fishes, known_
 def test_playback_is_equivariant(library, turn, scale):
     """The same segment at another place, attitude and size is the same motion there."""
     assume(np.linalg.norm(turn) > 0.1)
-    fishes = empty_fishes(2)
+    fishes = empty(Fishes, n=2)
     for array, value in (
         (fishes.segment, SEGMENTS.index("swim_fast")),
         (fishes.wanted_segment, SEGMENTS.index("swim_fast")),

@@ -6,12 +6,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.motor.pose import pose_at
-from subsea.state import empty_fishes
+from subsea.state import Fishes, empty
 
 
 def _fish(before, after):
     """One fish whose pose was (a, b, weight, span) and is now another."""
-    fishes = empty_fishes(1)
+    fishes = empty(Fishes, n=1)
     for prefix, pose in (("previous_", before), ("", after)):
         for name, value in zip(("row_a", "row_b", "weight", "span"), pose, strict=True):
             getattr(fishes, prefix + name)[0] = value

@@ -10,7 +10,7 @@ from subsea.motor.controller import command
 from subsea.motor.playback import play
 from subsea.repertoire import read_repertoire
 from subsea.repertoire.library import pack
-from subsea.state import empty_fishes
+from subsea.state import Fishes, empty
 
 TICK = 0.033
 HOUR = int(3600 / TICK)
@@ -22,7 +22,7 @@ def test_an_hour_at_random_commands():
     repertoire = read_repertoire(resource_path("repertoires/fusilier.h5"))
     library = pack([repertoire], [couple("sections", repertoire.rest_nodes, np.zeros((426, 3)))])
     rng = np.random.default_rng(4)
-    fishes = empty_fishes(FISHES)
+    fishes = empty(Fishes, n=FISHES)
     fishes.length[:] = rng.uniform(8, 60, FISHES)
     fishes.scale[:] = fishes.length / library.recorded_length[0]
     fishes.rate[:] = 1 / np.sqrt(fishes.scale)

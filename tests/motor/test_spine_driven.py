@@ -11,7 +11,7 @@ from subsea.motor.playback import play
 from subsea.motor.pose import control_points_world
 from subsea.repertoire import read_repertoire
 from subsea.repertoire.library import pack
-from subsea.state import empty_fishes
+from subsea.state import Fishes, empty
 
 TICK = 0.033
 SMALL_BL = 0.025  # body lengths per tick², as for nodes in test_transitions.py
@@ -22,7 +22,7 @@ def test_at_random_commands_no_point_of_the_surface_is_jerked(name):
     repertoire = read_repertoire(resource_path(f"repertoires/{name}.h5"))
     nodes = repertoire.rest_nodes
     library = pack([repertoire], [couple("sections", nodes, np.tile(nodes[0], (426, 1)))])
-    fishes = empty_fishes(1)
+    fishes = empty(Fishes, n=1)
     fishes.length[:] = repertoire.body_length_cm
     fishes.row_b[:] = 1
     fishes.orientation[:] = np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0

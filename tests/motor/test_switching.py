@@ -10,8 +10,8 @@ from subsea.motor.switching import HOVERING, KEEP, MAX_WAIT_TICKS, MIN_STAY_S, m
 from subsea.repertoire import SEGMENTS
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Shoal
-from subsea.state import digest
 from subsea.submarine.helm import HANDS_OFF, Helm
+from subsea.world.snapshot import checksum
 from subsea.world.step import create_world, step
 
 TICK = 0.033
@@ -159,7 +159,7 @@ def test_equal_seeds_are_equal_worlds_with_simulated_fishes_too():
         for _ in range(250):
             step(world, Helm(surge=0.4))
         assert world.state.fishes.live.any()
-        digests.append(digest(world.state))
+        digests.append(checksum(world))
     assert digests[0] == digests[1]
 
 

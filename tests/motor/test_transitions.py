@@ -12,7 +12,7 @@ from subsea.motor.playback import advance
 from subsea.motor.pose import nodes_world
 from subsea.repertoire import SEGMENTS, read_repertoire
 from subsea.repertoire.library import pack
-from subsea.state import empty_fishes
+from subsea.state import Fishes, empty
 
 LIMIT = 2.0  # times the largest change of velocity inside the two segments, or ...
 SMALL_BL = (
@@ -40,7 +40,7 @@ def _play(library, code, phase, ticks, wanted=None, after=np.inf):
 
     One that has changed to the segment that is wanted is followed for `after` ticks more.
     """
-    fishes = empty_fishes(1)
+    fishes = empty(Fishes, n=1)
     first, length = library.first[0, code], library.length[0, code]
     fishes.segment[:] = fishes.wanted_segment[:] = code
     fishes.length[:] = library.recorded_length[0]

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from subsea.perception.neighbours import find_neighbours
-from subsea.state import NEIGHBOURS, empty_fishes, empty_minds
+from subsea.state import NEIGHBOURS, Fishes, Minds, empty
 
 
 def _all_pairs(fishes, reach):
@@ -36,7 +36,7 @@ def _find(fishes, minds, who):
 @settings(max_examples=60)
 def test_the_grid_finds_what_all_pairs_find(seed, n, spread):
     rng = np.random.default_rng(seed)
-    fishes, minds = empty_fishes(n), empty_minds(n, 1, 1)
+    fishes, minds = empty(Fishes, n=n), empty(Minds, n=n, b=1, d=1)
     # Rounded places make equal distances, where order could tell.
     fishes.position[:] = np.round(rng.normal(0, spread, (n, 3)))
     fishes.species[:] = rng.integers(0, 2, n)
@@ -46,7 +46,7 @@ def test_the_grid_finds_what_all_pairs_find(seed, n, spread):
 
 @pytest.mark.parametrize("n", [0, 1])
 def test_nobody_is_alone_with_company(n):
-    fishes, minds = empty_fishes(n), empty_minds(n, 1, 1)
+    fishes, minds = empty(Fishes, n=n), empty(Minds, n=n, b=1, d=1)
     _find(fishes, minds, np.arange(n))
     assert (minds.neighbour == -1).all()
 
@@ -55,7 +55,7 @@ def test_nobody_is_alone_with_company(n):
 @settings(max_examples=20)
 def test_those_whose_turn_it_is_not_keep_whom_they_have_seen(seed, stride):
     rng = np.random.default_rng(seed)
-    fishes, minds = empty_fishes(40), empty_minds(40, 1, 1)
+    fishes, minds = empty(Fishes, n=40), empty(Minds, n=40, b=1, d=1)
     fishes.position[:] = rng.normal(0, 60, (40, 3))
     minds.neighbour[:] = 7
     seen = _all_pairs(fishes, 90.0)

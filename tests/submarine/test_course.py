@@ -11,9 +11,10 @@ from subsea.core.resources import resource_path
 from subsea.dive.tour import guide
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import TourTable
-from subsea.state import HULL_CM, digest
+from subsea.state import HULL_CM
 from subsea.submarine.course import check_tours, course_of, rail_at
 from subsea.submarine.hull import AHEAD_CM_S
+from subsea.world.snapshot import checksum
 from subsea.world.step import create_world, step
 from subsea.world.world import TICK_S
 
@@ -218,5 +219,5 @@ def test_fishes_meet_the_submarine_where_the_tour_takes_it():
         before = rail_at(course, world.state, 39 * TICK_S)
         np.testing.assert_array_equal(world.state.sea.submarine[:3], before.position)
         np.testing.assert_array_equal(world.state.sea.submarine[3:6], before.velocity)
-        digests.append(digest(world.state))
+        digests.append(checksum(world))
     assert digests[0] == digests[1]

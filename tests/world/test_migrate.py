@@ -7,9 +7,10 @@ from msgspec.structs import replace
 from subsea.behavior.temperament import apply_individual
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Individual, Pillar, Shoal
+from subsea.state import TRAITS
 from subsea.world import placement
 from subsea.world.migrate import carry
-from subsea.world.world import MINDS, create_world
+from subsea.world.world import create_world
 
 
 @pytest.fixture(scope="module")
@@ -66,7 +67,7 @@ def test_what_panels_changed_stays_changed(few, changed, edit, there):
             np.testing.assert_array_equal(now, then, err_msg=name)
             assert np.any(now != getattr(usual, name)[new]), name
     others = np.setdiff1d(np.arange(len(ours.male)), list(there.values()))
-    for name in MINDS:
+    for name in TRAITS:
         np.testing.assert_array_equal(getattr(ours, name)[others], getattr(usual, name)[others])
     assert (ours.eaten <= ours.appetite).all()
     if len(ours.male) != len(theirs.male):  # they begin anew, as hungry as they would have

@@ -7,7 +7,6 @@ from hypothesis import strategies as st
 
 from subsea.core.errors import UserError
 from subsea.scenario.load import load_scenario
-from subsea.state import digest
 from subsea.submarine.helm import Helm
 from subsea.world import snapshot
 from subsea.world.step import create_world, step
@@ -42,7 +41,6 @@ def test_a_world_that_takes_a_snapshot_goes_on_alike(name, fish, live):
         snapshot.restore(other, snapshot.take(world))
         for _ in range(25):
             assert snapshot.checksum(other) == snapshot.checksum(world)
-            assert digest(other.state) == digest(world.state)
             step(world, AHEAD)
             step(other, AHEAD)
     assert world.state.fishes.live.any() == (live > 0)

@@ -3,11 +3,11 @@
 import numpy as np
 
 from subsea.scenario.load import load_scenario
+from subsea.state import TRAITS
 from subsea.submarine.helm import HANDS_OFF
 from subsea.world import snapshot
 from subsea.world.step import create_world, step
 from subsea.world.tunables import constants_of, put_back, same
-from subsea.world.world import MINDS
 
 
 def made():
@@ -24,7 +24,7 @@ def meddled(world):
     """Change every constant there is."""
     world.nature = world.nature._replace(keen=0.05, vision_cm=200.0)
     world.current_cm_s = (80.0, -20.0)
-    for name in MINDS:
+    for name in TRAITS:
         values = getattr(world.state.minds, name)
         if values.dtype == np.bool_:
             values[...] = ~values
@@ -40,7 +40,7 @@ def test_a_world_with_its_constants_back_goes_on_as_it_would_have():
     then, bytes_then = constants_of(world), snapshot.take(world)
     meddled(world)
     assert went_on(world, 30) != went_on(twin, 30)
-    for name in MINDS:
+    for name in TRAITS:
         assert (getattr(world.state.minds, name) != then.minds[name]).any(), name
     put_back(world, then)
     snapshot.restore(world, bytes_then)
@@ -56,8 +56,8 @@ def test_each_constant_counts_as_a_difference():
         {"nature": world.nature._replace(keen=0.1)},
         {"current_cm_s": (1.0, 0.0)},
         {"physics": world.physics._replace(stiffness=2.0)},
-        *({"minds": before.minds | {name: before.minds[name] + 1}} for name in MINDS[4:]),
-        *({"minds": before.minds | {name: before.minds[name] ^ 1}} for name in MINDS[:4]),
+        *({"minds": before.minds | {name: before.minds[name] + 1}} for name in TRAITS[4:]),
+        *({"minds": before.minds | {name: before.minds[name] ^ 1}} for name in TRAITS[:4]),
     ):
         assert not same(before, before._replace(**change)), change
 

@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit, typeof
 
 from subsea.core.kernels.struct_ref import Kind, by_pointer
-from subsea.state import empty_fishes
+from subsea.state import Fishes, empty
 
 
 class PairKind(Kind):
@@ -54,7 +54,7 @@ def test_for_python_it_stays_a_named_tuple():
 
 def test_its_arrays_outlive_other_groups():
     for n in (1, 50, 3):
-        fishes = empty_fishes(n)
+        fishes = empty(Fishes, n=n)
         assert len(fishes.species) == n
 
 
@@ -70,8 +70,8 @@ def test_their_types_have_short_names_that_tell_them_apart():
 PROGRAM = """
 import numpy as np
 from subsea.behavior.steering import ease_goals
-from subsea.state import Clock, empty_fishes, empty_minds
-ease_goals(empty_fishes(2), empty_minds(2, 1, 1), Clock(1, 1, 0.033))
+from subsea.state import Clock, Fishes, Minds, empty
+ease_goals(empty(Fishes, n=2), empty(Minds, n=2, b=1, d=1), Clock(1, 1, 0.033))
 print(sum(ease_goals.stats.cache_hits.values()), sum(ease_goals.stats.cache_misses.values()))
 """
 

@@ -1,0 +1,39 @@
+"""Codes and column numbers that arrays of the state hold."""
+
+import numpy as np
+
+NEIGHBOURS = 6  # companions that a fish attends to
+CHOICES = 3  # targets among which it chooses: K of Tu §6.5.3
+NOBODY, SUBMARINE = -1, -2  # in place of the index of a fish
+BAIT = -3  # target of a plankton eater that is after the bait instead of a speck
+ANYONE = np.array([0, 2**31 - 1, -1], np.int32)  # row of `Minds.quarry` that allows every prey
+HULL_CM = 45.0  # radius of the submarine, with some margin
+
+KINDS = ("pacifist", "prey", "predator")  # Tu §7.9
+PACIFIST, PREY, PREDATOR = range(3)
+
+# Intentions (Tu fig. 7.4); `behavior/table.py` has the behavior of each.
+AVOID, ESCAPE, SCHOOL, EAT, MATE, LEAVE, WANDER = range(7)
+
+# Columns of `Minds.likes`: habits (Tu §7.3).
+BRIGHTNESS, DARKNESS, COLD, WARMTH = range(4)
+# Columns of `Minds.mental`.
+MENTAL_STATES = ("hunger", "libido", "fear")
+HUNGER, LIBIDO, FEAR = range(3)
+# Columns of `Minds.preference`: motor preferences (Tu §6.5.2).
+LEFT, RIGHT, FORWARD, BACKWARD, ASCEND, DESCEND = range(6)
+# Barriers that are not solids; pillars count from 0, rocks follow the pillars, -1 is none.
+SEABED, SURFACE, WALL = -2, -3, -4
+# States of a courtship (Tu §7.9.3).
+COURTSHIP = ("none", "approaching", "looping", "circling", "ascending", "nuzzling")
+NO_COURTSHIP, APPROACHING, LOOPING, CIRCLING, ASCENDING, NUZZLING = range(6)
+
+# States of the hook (Tu §10.1).
+STOWED, SINKING, HANGING, HOOKED, LANDED = range(5)
+
+# Columns of `Fishes.fins`, in the order of the instance record.
+SWEEP_LEFT, SWEEP_RIGHT = 0, 1  # rad, of a pectoral fin away from the body
+LIFT_LEFT, LIFT_RIGHT = 2, 3  # rad, of a pectoral fin above its rest
+MOUTH = 4  # 0 shut to 1 open
+DORSAL = 5  # 0 folded to 1 erect, dorsal and ventral fin
+TAIL = 6  # how much wider than at rest the tail is spread
