@@ -16,7 +16,7 @@ from subsea.dive.options import DisplayOptions, DiveOptions
 from subsea.ui.dive import Dive
 from subsea.ui.panels import PANELS
 from subsea.ui.panels.physics import simulate
-from subsea.ui.panels.placement import Placing
+from subsea.ui.panels.placement import PlacementState
 
 SIZE, FISH, RIDDEN, WAIT_S = (1280, 780), 3, 9, 20.0
 # Control tells how long a picture takes: it is shown in a sea so small that a computer without a
@@ -84,7 +84,7 @@ def arrange(dive: Dive, name: str) -> None:
     if name == MEASURED:
         wait(dive, FADED_S, 0.05)
     if name == "Placement":
-        dive.inspector.state(Placing).chosen = PLACED
+        dive.inspector.state(PlacementState).chosen = PLACED
         wait(dive, 2 * FRAME_S)
         rect[2] += BESIDE_PX
     if name == "Physics" and simulate(dive.inspector, SIMULATED):

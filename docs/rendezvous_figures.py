@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from subsea.dive.directed_camera import directed
+from subsea.dive.directed_camera import directed_steering
 from subsea.scenario.load import load_scenario
 from subsea.state import EAT, LOOPING, MATE
 from subsea.view.display_rigs import VERTICAL_FOV, cockpit
@@ -64,7 +64,7 @@ def in_view(places: Any, camera: CameraPose) -> Any:
 def rendezvous(seed: int, name: str = "rendezvous", enough: bool = False) -> dict[str, Any]:
     """When and for how long each part was so, and all at once, s; no longer than `enough`."""
     world = create_world(load_scenario(name)[0], seed=seed)
-    steer, moments = directed(world), []
+    steer, moments = directed_steering(world), []
     least = round(LEAST_S / TICK_S) + 1
     for _ in range(round(SECONDS / TICK_S)):
         step(world, steer(world))

@@ -132,19 +132,19 @@ def run(options: Namespace) -> int:
     if options.attract is not None:
         settings = replace(settings, attract=replace(settings.attract, after_min=options.attract))
     if options.kiosk:
-        from subsea.ui.kiosk import locked
+        from subsea.ui.kiosk import kiosk_settings
 
-        settings, options.fullscreen = locked(settings), options.theatre is None
+        settings, options.fullscreen = kiosk_settings(settings), options.theatre is None
     chosen = _dive_options(options, settings)
     with ExitStack() as undo:
         opening = None
         scenario = named_or_file(chosen.scenario, "assets/scenarios", ".toml", "scenario")
         # A misspelt name is reported before a window appears.
         if scenario.is_file() and chosen.theatre is None:
-            from subsea.ui.open_windows import opened
+            from subsea.ui.open_windows import open_windows
 
             display = chosen.display
-            opening = opened(display.mode, display.size, display.fullscreen, settings)
+            opening = open_windows(display.mode, display.size, display.fullscreen, settings)
             undo.callback(opening.close)
         fresh = "subsea.ui.dive" not in sys.modules
         gc.disable()

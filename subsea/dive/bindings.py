@@ -1,4 +1,4 @@
-"""What inputs mean: keys, mouse buttons and the parts of a gamepad, each by its name.
+"""Bindings of inputs to controls: keys, mouse buttons and the parts of a gamepad, by name.
 
 An input's name is what a settings file calls it: ``W``, ``PageUp``, ``Ctrl+Shift+Q``,
 ``mouse left``, ``pad right trigger``. Nothing here knows the window library.
@@ -10,9 +10,9 @@ from typing import Literal, NamedTuple, TypeGuard, get_args
 
 from subsea.core.errors import UserError, nearest, unknown
 
-# What is asked for as long as an input is held.
+# Controls that act as long as an input is held.
 Action = Literal["ahead", "astern", "left", "right", "up", "down", "rise", "dive", "full stop"]
-# What is asked for once, when an input goes down.
+# Controls that act once, when an input goes down.
 Command = Literal[
     "help", "menu", "desk", "quality", "pattern", "ride", "look", "follow", "reins", "alight",
     "lights", "instruments", "fullscreen", "pause", "slower", "faster", "tick", "rewind",
@@ -21,21 +21,21 @@ Command = Literal[
 ControlName = Action | Command
 ACTIONS: tuple[Action, ...] = get_args(Action)
 COMMANDS: tuple[Command, ...] = get_args(Command)
-REPEATING: tuple[Command, ...] = ("rewind", "tick")  # again and again while a key is held
+REPEATING: tuple[Command, ...] = ("rewind", "tick")  # repeated while a key is held
 
 
-def is_action(meaning: ControlName) -> TypeGuard[Action]:
-    """Whether it is asked for as long as its input is held."""
-    return meaning in ACTIONS
+def is_action(control: ControlName) -> TypeGuard[Action]:
+    """Whether a control acts as long as its input is held."""
+    return control in ACTIONS
 
 
-def is_command(meaning: ControlName) -> TypeGuard[Command]:
-    """Whether it is asked for once."""
-    return meaning in COMMANDS
+def is_command(control: ControlName) -> TypeGuard[Command]:
+    """Whether a control acts once, when its input goes down."""
+    return control in COMMANDS
 
 
 class Control(NamedTuple):
-    """What a control does, in words, and the inputs that mean it unless told otherwise."""
+    """What a control does, in words, and its default inputs."""
 
     what: str
     inputs: tuple[str, ...]
@@ -117,44 +117,44 @@ _NAMES = {
 
 
 class Bindings(NamedTuple):
-    """What each input means, by its name."""
+    """The controls of each input, by the name of the input."""
 
-    meanings: Mapping[str, tuple[ControlName, ...]]  # of an input; several only with "alight"
+    controls: Mapping[str, tuple[ControlName, ...]]  # more than one only with "alight"
 
-    def meaning(self, name: str, riding: bool = False) -> ControlName | None:
-        """What an input asks for now; "alight" only of one who is riding a fish."""
-        found = self.meanings.get(name, ())
+    def control(self, name: str, riding: bool = False) -> ControlName | None:
+        """The control of an input; "alight" only while riding a fish."""
+        found = self.controls.get(name, ())
         if riding and "alight" in found:
             return "alight"
         return next((one for one in found if one != "alight"), None)
 
     def key(self, key: int, modifiers: int, riding: bool = False) -> ControlName | None:
-        """What a key of the window library means together with Ctrl and its like.
+        """The control of a key of the window library, pressed with Ctrl and the like.
 
-        A key alone counts with Shift or Ctrl held as well, unless the two together mean something
-        else; with Alt and Super it is the desktop's.
+        Shift and Ctrl are ignored, unless the combination is bound; with Alt or Super the key
+        belongs to the desktop.
         """
         name = key_name(key, modifiers)
-        if modifiers & 12 or name in self.meanings:
-            return self.meaning(name, riding)
-        return self.meaning(KEYS.get(key, ""), riding)
+        if modifiers & 12 or name in self.controls:
+            return self.control(name, riding)
+        return self.control(KEYS.get(key, ""), riding)
 
-    def inputs(self, meaning: ControlName) -> tuple[str, ...]:
-        """The names of the inputs that mean it."""
-        return tuple(name for name, found in self.meanings.items() if meaning in found)
+    def inputs(self, control: ControlName) -> tuple[str, ...]:
+        """The names of the inputs of a control."""
+        return tuple(name for name, found in self.controls.items() if control in found)
 
 
 def key_name(key: int, modifiers: int = 0) -> str:
-    """The name of a key with what is held beside it: ``Ctrl+Shift+Q``; "" for an unknown one."""
+    """The name of a key with its modifiers: ``Ctrl+Shift+Q``; "" for an unknown key."""
     if key not in KEYS:
         return ""
     return "+".join([*(word for bit, word in MODIFIERS.items() if modifiers & bit), KEYS[key]])
 
 
 def input_name(text: str) -> str:
-    """The proper name of an input: letters of any size, words apart by blanks, hyphens or scores.
+    """The name of an input, from any case, with words apart by blanks, hyphens or underscores.
 
-    A UserError if there is none such, with the nearest that there is.
+    A UserError, with the nearest name, if there is no such input.
     """
     parts = re.fullmatch(
         r"\s*((?:(?:ctrl|alt|shift|super)\s*\+\s*)*)(.*?)\s*", text.casefold(), re.DOTALL
@@ -172,41 +172,37 @@ def input_name(text: str) -> str:
     return "+".join([*beside, name])
 
 
-def bindings_of(controls: Mapping[str, Sequence[str]]) -> Bindings:
-    """The bindings of a settings file's table: the inputs of each action and wish that it names.
+def bindings_of(table: Mapping[str, Sequence[str]]) -> Bindings:
+    """The bindings of the table `[controls]` of a settings file: the inputs of each control.
 
-    What it does not name keeps its usual inputs, but those that the table gives to another. An
-    unknown name, or an input that is to mean two things, is a UserError. Only "alight" may share
-    its inputs: it counts on a fish, the other elsewhere.
+    A control that is not named keeps its default inputs, except those that the table gives to
+    another. A UserError on an unknown name, or on an input with two controls. Only "alight" may
+    share its inputs: it counts on a fish, the other control elsewhere.
     """
-    chosen: dict[str, list[ControlName]] = {}
-    for word, texts in controls.items():
+    found: dict[str, list[ControlName]] = {}
+    for word, texts in table.items():
         if word not in CONTROLS:
             raise unknown("control", word, list(CONTROLS), key=word)
-        meaning = _meaning(word)
+        control = next(name for name in CONTROLS if name == word)
         for text in texts:
             try:
                 name = input_name(text)
             except UserError as fault:
                 raise UserError(f"{word!r}: {fault}", key=word) from None
-            others = chosen.setdefault(name, [])
-            if meaning in others:
+            others = found.setdefault(name, [])
+            if control in others:
                 continue
-            if meaning != "alight" and (rivals := [one for one in others if one != "alight"]):
+            if control != "alight" and (rivals := [one for one in others if one != "alight"]):
                 raise UserError(f"{name!r} cannot be both {rivals[0]!r} and {word!r}", key=word)
-            others.append(meaning)
-    taken = {name for name, found in chosen.items() if found != ["alight"]}
-    for meaning, control in CONTROLS.items():
-        if meaning in controls:
+            others.append(control)
+    taken = {name for name, controls in found.items() if controls != ["alight"]}
+    for control, (_, inputs) in CONTROLS.items():
+        if control in table:
             continue
-        for name in control.inputs:
-            if meaning == "alight" or name not in taken:
-                chosen.setdefault(name, []).append(meaning)
-    return Bindings({name: tuple(found) for name, found in chosen.items()})
-
-
-def _meaning(word: str) -> ControlName:
-    return next(meaning for meaning in CONTROLS if meaning == word)
+        for name in inputs:
+            if control == "alight" or name not in taken:
+                found.setdefault(name, []).append(control)
+    return Bindings({name: tuple(controls) for name, controls in found.items()})
 
 
 USUAL = bindings_of({})

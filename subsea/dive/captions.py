@@ -86,7 +86,7 @@ def lines_of(words: str, room: float, width_of: Callable[[str], float]) -> list[
     return broken(high)
 
 
-def titled(picture: Pixels, rig: CameraRig, output: int, caption: Caption) -> Pixels:
+def draw_caption(picture: Pixels, rig: CameraRig, output: int, caption: Caption) -> Pixels:
     """The picture (h, w, 3) of a rig's `output` with the caption on it, for each eye."""
     if output != front(rig).output or caption.opacity == 0.0 or not caption.words:
         return picture

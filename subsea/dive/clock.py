@@ -3,7 +3,7 @@
 MAX_TICKS_PER_FRAME = 5  # below 6 frames a second the world slows down rather than skips
 
 
-class Clock:
+class TickClock:
     """Turns the uneven time of a display into even ticks.
 
     The remainder that is too short for a tick is carried over and is `alpha`, the point

@@ -14,7 +14,7 @@ from subsea.core.arrays import Array
 from subsea.core.errors import UserError, unknown
 from subsea.directing import latest
 from subsea.dive.captions import shown_s
-from subsea.dive.tour import DETOUR_CM, DETOURS, MARGIN_CM, Steer, Tour, guide, hidden
+from subsea.dive.tour import DETOUR_CM, DETOURS, MARGIN_CM, Steer, Tour, hidden, steer_along
 from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import matrix
 from subsea.geometry.vector import vector
@@ -63,11 +63,11 @@ def check_tour(scenario: Scenario, tour: str) -> None:
         raise unknown("tour", tour, known)
 
 
-def guided(world: World, tour: str) -> Steer:
+def tour_steering(world: World, tour: str) -> Steer:
     """Who takes the submarine along on a tour that `check_tour` lets pass, from its beginning."""
     if tour == DIRECTED:
-        return directed(world)
-    return guide(world, None if tour == AUTOPILOT else course_of(world.scenario, tour))
+        return directed_steering(world)
+    return steer_along(world, None if tour == AUTOPILOT else course_of(world.scenario, tour))
 
 
 def endless_tour(world: World, name: str) -> Steer:
@@ -78,7 +78,7 @@ def endless_tour(world: World, name: str) -> Steer:
     """
     autopilot = Tour()
     if name == DIRECTED and is_directed(world.scenario):
-        show = directed(world)
+        show = directed_steering(world)
         return lambda world: autopilot.helm(world) if is_over(world) else show(world)
     if name not in {tour.name for tour in world.scenario.tour}:
         return autopilot.helm
@@ -112,7 +112,7 @@ def is_over(world: World) -> bool:
     return True
 
 
-def leapt(before: CameraPose | None, now: CameraPose, elapsed_s: float) -> bool:
+def is_cut(before: CameraPose | None, now: CameraPose, elapsed_s: float) -> bool:
     """Whether an eye was elsewhere `elapsed_s` ago than from where a hull comes: a cut."""
     if before is None:
         return False
@@ -129,7 +129,7 @@ def _lasts_s(scenario: Scenario, one: Direction) -> float:
     return max(words_s, one.camera.over_s + (LOOK_S if one.for_s is None else one.for_s))
 
 
-def directed(world: World) -> Steer:
+def directed_steering(world: World) -> Steer:
     """Who takes the submarine where the latest direction wants its camera; station before that.
 
     Where the first is a cut it is there at once.

@@ -27,7 +27,7 @@ PLAIN = {
 SEEN_SIZE = 48, 48  # pixels of the retinae whose brightness a fish goes by
 
 
-def seen_brightness(renderer: Renderer, world: World, by: FishEyes) -> float:
+def retina_brightness(renderer: Renderer, world: World, by: FishEyes) -> float:
     """Mean brightness, 0 to 1, of what a fish sees at the present tick, looking ahead (Tu §6.2).
 
     The mean value of the two pictures as a screen would show them; it depends on nothing but the

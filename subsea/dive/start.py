@@ -37,12 +37,12 @@ def start_world(
     chosen, path = load_scenario(scenario, changes)
     number = sum(shoal.number for shoal in chosen.fish) if fish is None else fish
     if motor is None:
-        return awake(chosen, path, seed, tell, fish)
+        return ready_world(chosen, path, seed, tell, fish)
     live = number if motor == "dynamics" else 0
-    return awake(chosen, path, seed, tell, fish, live, math.inf)
+    return ready_world(chosen, path, seed, tell, fish, live, math.inf)
 
 
-def awake(
+def ready_world(
     scenario: Scenario, source: Path, seed: int | None = None, tell: Say = say,
     fish: int | None = None, live: int | None = None, live_reach_cm: float = LIVE_REACH_CM,
 ) -> World:  # fmt: skip

@@ -47,7 +47,7 @@ def set_up_theatre(
         raise UserError("has no [cluster]; drop --node", file=path)
     if node is not None and node not in theatre.nodes:
         raise UserError(unknown("node", node, list(theatre.nodes)).message, file=path)
-    theatre = shrunk(theatre, shrink)
+    theatre = shrink_theatre(theatre, shrink)
     found, faults = channels(theatre, path)
     found, unseen = seen_channels(theatre, found, display, stereo)
     unseen = tuple(error_at(path, fault.key or "", fault.message) for fault in unseen)
@@ -83,7 +83,7 @@ def chosen_rig(
     return display_rig(display, size, stereo, surround), ("",)
 
 
-def told(name: str | None) -> str | None:
+def theatre_digest(name: str | None) -> str | None:
     """What decides how a theatre looks: its whole file, and the calibration data that it names."""
     if name is None:
         return None
@@ -109,7 +109,7 @@ def shown_windows(theatre: Theatre, found: Sequence[Lighted], node: str | None) 
     ]
 
 
-def shrunk(theatre: Theatre, times: int) -> Theatre:
+def shrink_theatre(theatre: Theatre, times: int) -> Theatre:
     """The same theatre with so many times fewer pixels a side.
 
     A UserError if of a window or a part of one less would be left than its file may say.

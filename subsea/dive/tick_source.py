@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from subsea.behavior.teleop import TeleopCommand
 from subsea.core.console import say
-from subsea.dive.clock import Clock
+from subsea.dive.clock import TickClock
 from subsea.dive.pilot import Pilot
 from subsea.dive.prediction import Prediction
 from subsea.dive.timeline import Timeline
@@ -72,7 +72,7 @@ class TickSource(Protocol):
         """End the dive; what is to be told of it."""
 
 
-class Steering:
+class SteeringSource:
     """What the submarine does: a tour, if there is one, until a hand moves."""
 
     def __init__(self, world: World, pilot: Pilot, tour: Steer | None) -> None:
@@ -97,7 +97,7 @@ class LocalTicks:
         self.timeline = Timeline(world)
         self.steered_fish: int | None = None  # the fish whose reins the hands hold
         self._world, self._pilot = world, pilot
-        self.steering, self._prediction = Steering(world, pilot, tour), Prediction()
+        self.steering, self._prediction = SteeringSource(world, pilot, tour), Prediction()
 
     def advance(self, elapsed_s: float) -> float:
         """As many ticks as have become due."""
@@ -115,7 +115,9 @@ class LocalTicks:
         """What the course or the hands ask for; hands that hold reins ask it of their fish."""
         if self.steered_fish is None:
             return self.steering.ticks(number)
-        return (reins_of(self._pilot.commanded(TICK_S), self.steered_fish) for _ in range(number))
+        return (
+            teleop_command(self._pilot.commanded(TICK_S), self.steered_fish) for _ in range(number)
+        )
 
     def set_tour(self, tour: Steer | None) -> None:
         """From the next tick on."""
@@ -129,7 +131,7 @@ class LocalTicks:
         return []
 
 
-def reins_of(helm: Helm, fish: int) -> TeleopCommand:
+def teleop_command(helm: Helm, fish: int) -> TeleopCommand:
     """What hands at a helm ask of a fish: it rises where the submarine would pitch up or rise."""
     if helm.full_stop:
         return TeleopCommand(fish)
@@ -145,8 +147,8 @@ class LeaderTicks:
     steered_fish: int | None = None
 
     def __init__(self, master: "Master", pilot: Pilot, tour: Steer | None = None) -> None:
-        self._master, self._clock = master, Clock(TICK_S)
-        self.steering = Steering(master.world, pilot, tour)
+        self._master, self._clock = master, TickClock(TICK_S)
+        self.steering = SteeringSource(master.world, pilot, tour)
 
     def advance(self, elapsed_s: float) -> float:
         """As many ticks as have become due, here and on all nodes."""

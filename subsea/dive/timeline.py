@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.dive.clock import MAX_TICKS_PER_FRAME, Clock
+from subsea.dive.clock import MAX_TICKS_PER_FRAME, TickClock
 from subsea.world import snapshot
 from subsea.world.step import Order, step
 from subsea.world.tunables import Constants, constants_of, put_back
@@ -49,7 +49,7 @@ class Timeline:
     def __init__(self, world: World, most_bytes: int = MOST_BYTES) -> None:
         """It runs, and begins with the world as it is. At most about `most_bytes` are kept."""
         self._world, self._most_bytes = world, most_bytes
-        self._clock = Clock(TICK_S)
+        self._clock = TickClock(TICK_S)
         self._kept: list[_Kept] = []  # by rising tick; the first is the earliest that can be had
         self._made: list[_Made] = []  # all ticks since the first that is kept
         self._singles = 0  # ticks asked for one by one

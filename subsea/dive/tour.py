@@ -53,7 +53,7 @@ DETOUR_CM, DETOUR_SURGE = 300.0, 0.3
 Steer = Callable[[World], Helm | Rail]  # what to ask of the submarine; to be called once a tick
 
 
-def guide(world: World, course: Course | None) -> Steer:
+def steer_along(world: World, course: Course | None) -> Steer:
     """Who takes the submarine along a course, on which it is put at once; None: the autopilot."""
     if course is None:
         return Tour().helm

@@ -22,13 +22,13 @@ from subsea.core.console import counted, say
 from subsea.core.durations import sentence
 from subsea.core.errors import UserError
 from subsea.core.progress import progress
-from subsea.dive.directed_camera import check_tour, guided
+from subsea.dive.directed_camera import check_tour, tour_steering
 from subsea.dive.retina_images import (
     MOST_FISHES,
     SIDES,
     VALUES,
     codes,
-    seen_brightness,
+    retina_brightness,
     values_of,
     velocity_of,
 )
@@ -87,7 +87,7 @@ def film_eyes(options: EyeFilmOptions) -> int:
     with ExitStack() as stack:
         context = stack.enter_context(headless())
         world = start_world(options.scenario, options.seed, changes=options.changes)
-        steer = guided(world, options.tour)
+        steer = tour_steering(world, options.tour)
         by = fish_eyes(world, fish)
         rig = retina_rig(options.size, by.half_cm, gaze, field_deg)
         check = stack.enter_context(interrupts.deferred())
@@ -105,7 +105,7 @@ def film_eyes(options: EyeFilmOptions) -> int:
 
         def see() -> None:
             if options.see_brightness:
-                world.seen_light[fish] = seen_brightness(renderer, world, by)
+                world.seen_light[fish] = retina_brightness(renderer, world, by)
 
         reach(world, times[0], steer, check, see)
         for k, instant in enumerate(times):

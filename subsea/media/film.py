@@ -11,10 +11,10 @@ from subsea.core import interrupts
 from subsea.core.console import counted, say
 from subsea.core.durations import sentence
 from subsea.core.progress import progress
-from subsea.dive.captions import caption_of, titled
-from subsea.dive.directed_camera import check_tour, guided, leapt
+from subsea.dive.captions import caption_of, draw_caption
+from subsea.dive.directed_camera import check_tour, is_cut, tour_steering
 from subsea.dive.start import headless, picture_maker, start_world
-from subsea.dive.theatre_setup import chosen_rig, told
+from subsea.dive.theatre_setup import chosen_rig, theatre_digest
 from subsea.frame.diagrams import DiagramBuilder, PlacedLabel, place_labels
 from subsea.frame.packet import pack
 from subsea.media.film_options import TourFilmOptions
@@ -67,7 +67,8 @@ def film(options: TourFilmOptions) -> int:
     missing = list(range(len(times)))
     if kind == "folder":
         manifest = describe_film(
-            source, options, seconds=seconds, size=size, theatre=told(options.theatre), follow=fish,
+            source, options, seconds=seconds, size=size,
+            theatre=theatre_digest(options.theatre), follow=fish,
             **options.stereo._asdict(), **options.surround._asdict(),
         )  # fmt: skip
         missing = missing_frames(out, manifest, windows, len(times))
@@ -80,7 +81,7 @@ def film(options: TourFilmOptions) -> int:
         with ExitStack() as stack:
             context = stack.enter_context(headless())
             world = start_world(options.scenario, options.seed, changes=options.changes)
-            steer = guided(world, options.tour)
+            steer = tour_steering(world, options.tour)
             check = stack.enter_context(interrupts.deferred())
             renderer = stack.enter_context(picture_maker(context, world, rig, preset))
             renderer.wireframe = options.wireframe
@@ -102,7 +103,7 @@ def film(options: TourFilmOptions) -> int:
                 begun = time.perf_counter()
                 alpha = reach(world, instant, steer, check)
                 before, observer = observer, cockpit(world.state.submarine, alpha)
-                if leapt(before, observer, float(1 / rate)):  # no cross-fade over a cut
+                if is_cut(before, observer, float(1 / rate)):  # no cross-fade over a cut
                     memory = empty_lod_state(len(world.state.fishes.species))
                 if fish is not None and world.state.fishes.alive[fish]:
                     camera, observer = follow_fish(world, fish, alpha, camera)
@@ -121,7 +122,7 @@ def film(options: TourFilmOptions) -> int:
                 pictures = {}
                 for number, (name, (width, height)) in enumerate(sizes.items()):
                     picture = lettered(renderer.read_pixels(number), labels, number)
-                    picture = titled(picture, rig, number, caption)
+                    picture = draw_caption(picture, rig, number, caption)
                     pictures[name] = picture[:height, :width]
                 drawn = time.perf_counter()
                 write(k, pictures)

@@ -7,8 +7,8 @@ from pathlib import Path
 from subsea.core import interrupts
 from subsea.core.console import say
 from subsea.core.errors import UserError
-from subsea.dive.directed_camera import directed, is_over
-from subsea.dive.start import awake
+from subsea.dive.directed_camera import directed_steering, is_over
+from subsea.dive.start import ready_world
 from subsea.dive.tour import Steer
 from subsea.media.film_options import FilmOptions
 from subsea.scenario.schema import AUTOPILOT, DIRECTED, Scenario
@@ -42,9 +42,9 @@ def directed_length_s(scenario: Scenario, source: Path, seed: int | None) -> flo
     scenario's file. A UserError after a quarter of an hour.
     """
     say("rehearsing the directions to find the length of the film")
-    world = awake(scenario, source, seed)
+    world = ready_world(scenario, source, seed)
     with interrupts.deferred() as check:
-        steer = directed(world)
+        steer = directed_steering(world)
         while not is_over(world):
             check()
             step(world, steer(world))

@@ -14,7 +14,7 @@ from tqdm import tqdm
 from subsea.core.atomic_io import check_file
 from subsea.core.errors import UserError
 from subsea.dive import adaptive_quality
-from subsea.dive.directed_camera import check_tour, guided
+from subsea.dive.directed_camera import check_tour, tour_steering
 from subsea.dive.start import headless, picture_maker, start_world
 from subsea.dive.theatre_setup import chosen_rig
 from subsea.dive.tour import Steer
@@ -169,7 +169,7 @@ def measure(
 
     With `hold_ms` the quality adapts from frame to frame to hold that time.
     """
-    steer: Steer = guided(world, tour)
+    steer: Steer = tour_steering(world, tour)
     for _ in range(LIVE_WARM_UP_TICKS if len(world.state.live.fish) else 0):
         able = world.dynamics.muscular[world.state.fishes.species]
         if world.state.fishes.live[able].all():

@@ -12,7 +12,7 @@ from subsea.scenario.schema import Scenario
 from subsea.ui.gui import Gui
 from subsea.ui.overlay import Overlay
 from subsea.ui.picture import ScenePicture
-from subsea.ui.window import Window
+from subsea.ui.window import GlWindow
 from subsea.world.world import World
 
 T = TypeVar("T")
@@ -37,7 +37,7 @@ class DiveContext(Protocol):
         """What panels share."""
 
     @property
-    def window(self) -> Window:
+    def window(self) -> GlWindow:
         """The pilot's window."""
 
     @property

@@ -11,11 +11,11 @@ from subsea.core.console import say
 from subsea.core.errors import UserError
 from subsea.core.interrupts import deferred
 from subsea.dive.bindings import Command
-from subsea.dive.directed_camera import check_tour, endless_tour, leapt
+from subsea.dive.directed_camera import check_tour, endless_tour, is_cut
 from subsea.dive.options import DisplayOptions, DiveOptions, TheatreOptions
 from subsea.dive.pilot import Pilot
 from subsea.dive.ride import Ride
-from subsea.dive.start import awake
+from subsea.dive.start import ready_world
 from subsea.dive.tick_source import LocalTicks, TickSource, tick_source_maker
 from subsea.dive.timeline import RATES, Timeline
 from subsea.media.screenshots import Shots, pictures_folder
@@ -27,14 +27,14 @@ from subsea.ui.commands import Commands
 from subsea.ui.help_overlay import help_content
 from subsea.ui.idle_tours import IdleTours
 from subsea.ui.inspector import Inspector
-from subsea.ui.kiosk import Kiosk, locked
+from subsea.ui.kiosk import Kiosk, kiosk_settings
 from subsea.ui.menu import Menu
 from subsea.ui.monitors import Installation, Screen
-from subsea.ui.open_windows import Opening, opened
+from subsea.ui.open_windows import Opening, open_windows
 from subsea.ui.overlay import Overlay
 from subsea.ui.picture import ScenePicture
 from subsea.ui.text_layer import TextLayer
-from subsea.ui.window import Window
+from subsea.ui.window import GlWindow
 from subsea.world.migrate import carry
 from subsea.world.world import World, create_world
 
@@ -92,12 +92,14 @@ def _in_theatre(
     theatre: TheatreOptions, display: DisplayOptions
 ) -> tuple[Installation, TickSourceMaker]:
     """The rig and windows of a theatre, and the maker of its tick source."""
-    from subsea.dive.theatre_setup import set_up_theatre, told
+    from subsea.dive.theatre_setup import set_up_theatre, theatre_digest
 
     setup = set_up_theatre(theatre.name, display.mode, display.stereo, theatre.node, theatre.shrink)
     view = ""
     if theatre.node is not None:  # computers may differ in pixels, and in which eye is which
-        view = repr((told(theatre.name), display.mode, display.stereo._replace(swapped=False)))
+        view = repr(
+            (theatre_digest(theatre.name), display.mode, display.stereo._replace(swapped=False))
+        )
     make_ticks = tick_source_maker(setup.theatre, setup.path, theatre.node, view)
     screens = [
         Screen(window.name, window.size, window.position, window.monitor)
@@ -127,7 +129,7 @@ class Dive:
         self.scenario, self.source = load_scenario(options.scenario, options.changes)
         self.known = held(self.source)
         if options.kiosk:
-            settings, display = locked(settings), replace(display, fullscreen=True)
+            settings, display = kiosk_settings(settings), replace(display, fullscreen=True)
         self.see_brightness = options.see_brightness
         self.tick_source: TickSource
         self._make_ticks, self._check = make_ticks, check
@@ -136,7 +138,7 @@ class Dive:
         self._loading = True
         self._seen_tick = 0  # in which the fish that is ridden has seen the light last
         tour = options.tour or settings.attract.tour
-        opening = opening or opened(
+        opening = opening or open_windows(
             display.mode, display.size, display.fullscreen, settings, installation
         )
         self.window_set, self.gui, self.pilot = opening.window_set, opening.gui, opening.pilot
@@ -169,7 +171,7 @@ class Dive:
             self._undo = undo.pop_all()
 
     @property
-    def window(self) -> Window:
+    def window(self) -> GlWindow:
         """The pilot's window."""
         return self.window_set.front
 
@@ -290,7 +292,7 @@ class Dive:
         picture, ride = self.picture, self.picture.ride
         picture.alpha = picture.alpha if alpha is None else alpha
         last_eye, picture.eye = picture.eye, self.tick_source.eye()
-        if leapt(last_eye, picture.eye, RATES[-1] * elapsed_s):
+        if is_cut(last_eye, picture.eye, RATES[-1] * elapsed_s):
             picture.jump()
         if ride is not None:
             if not self.steers_fish:
@@ -312,7 +314,7 @@ class Dive:
 
     def _create(self, scenario: Scenario, source: Path, seed: int | None) -> World:
         """The world of a scenario after its first tick; events are handled meanwhile."""
-        return meanwhile(lambda tell: awake(scenario, source, seed, tell), self._wait)
+        return meanwhile(lambda tell: ready_world(scenario, source, seed, tell), self._wait)
 
     def _show_world(
         self, world: World, check: Callable[[], object] = lambda: None, tour: str | None = None

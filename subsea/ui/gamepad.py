@@ -26,7 +26,7 @@ STEP = 0.01  # of its way: a part that moves by less has not moved
 PRESSED, RELEASED = 0.5, 0.3  # of its way: beyond, and below, an axis is a button
 
 
-class State(NamedTuple):
+class GamepadState(NamedTuple):
     """A gamepad as it is now, in the window library's order of buttons and axes."""
 
     name: str
@@ -34,7 +34,7 @@ class State(NamedTuple):
     axes: Sequence[float]  # in [-1, 1]; down and right positive, a trigger at rest -1
 
 
-Read = Callable[[], Mapping[int, State | None]]  # by their numbers; None: no known gamepad
+Read = Callable[[], Mapping[int, GamepadState | None]]  # by their numbers; None: no known gamepad
 
 
 class Gamepads:
@@ -99,19 +99,19 @@ class Gamepads:
             self._down.discard(name)
         pilot = self._pilot
         heard = listener is not None and listener.moved(name, amount)
-        meaning = pilot.bindings.meaning(name, pilot.riding)
-        if pilot.settings.gamepad.invert_pitch and "stick" in name and meaning in ("up", "down"):
-            meaning = "down" if meaning == "up" else "up"
-        if heard or meaning is None or amount <= 0.0:
+        control = pilot.bindings.control(name, pilot.riding)
+        if pilot.settings.gamepad.invert_pitch and "stick" in name and control in ("up", "down"):
+            control = "down" if control == "up" else "up"
+        if heard or control is None or amount <= 0.0:
             pilot.release(name)
-        elif is_action(meaning):
-            if meaning != "full stop" or crossed:
-                pilot.hold(meaning, name, amount)
-        elif crossed and is_command(meaning):
-            self._commands.append(meaning)
+        elif is_action(control):
+            if control != "full stop" or crossed:
+                pilot.hold(control, name, amount)
+        elif crossed and is_command(control):
+            self._commands.append(control)
 
 
-def amounts(state: State, settings: GamepadSettings) -> dict[str, float]:
+def amounts(state: GamepadState, settings: GamepadSettings) -> dict[str, float]:
     """How far each part of a gamepad is moved that is: its input's name, in (0, 1]."""
     found = {}
     for name, down in zip(PAD_BUTTONS, state.buttons, strict=True):
@@ -143,9 +143,9 @@ def add_mappings(tell: Callable[[str], None]) -> None:
                 tell(f"no mapping of a gamepad: {line[:60]}")
 
 
-def _there() -> dict[int, State | None]:
+def _there() -> dict[int, GamepadState | None]:
     """The gamepads that the window library sees now."""
-    found: dict[int, State | None] = {}
+    found: dict[int, GamepadState | None] = {}
     for number in range(glfw.JOYSTICK_1, glfw.JOYSTICK_LAST + 1):
         if not glfw.joystick_present(number):
             continue
@@ -153,7 +153,7 @@ def _there() -> dict[int, State | None]:
         found[number] = None
         if state:
             name = _text(glfw.get_gamepad_name(number))
-            found[number] = State(name, list(state.buttons), list(state.axes))
+            found[number] = GamepadState(name, list(state.buttons), list(state.axes))
     return found
 
 

@@ -244,7 +244,7 @@ class Gui:
 
 
 @contextmanager
-def mended() -> Iterator[None]:
+def recovering_errors() -> Iterator[None]:
     """What is drawn in it may fail: what it has begun and not ended is ended then."""
     before, io = imgui.internal.ErrorRecoveryState(), imgui.get_io()
     imgui.internal.error_recovery_store_state(before)
@@ -257,7 +257,7 @@ def mended() -> Iterator[None]:
         raise
 
 
-def fill(text: str) -> None:
+def fill_with_text(text: str) -> None:
     """Fill the window with one line of text on deep water, in the present frame."""
     size = imgui.get_io().display_size
     box = imgui.calc_text_size(text)
@@ -272,7 +272,7 @@ def colour(rgb: tuple[float, float, float], alpha: float = 1.0) -> int:
     return packed
 
 
-def shadowed(
+def draw_shadowed_text(
     place: tuple[float, float], text: str, size: float, rgb: tuple[float, float, float],
     alpha: float = 1.0, share: float = 0.0,
 ) -> None:  # fmt: skip

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from imgui_bundle import imgui
 
 from subsea.dive.bindings import Bindings, ControlName
-from subsea.ui.gui import GLASS, INK, LIT, QUIET, colour, shadowed
+from subsea.ui.gui import GLASS, INK, LIT, QUIET, colour, draw_shadowed_text
 
 WIDE, HIGH = 32.0, 15.6  # of the sign, in heights of letters
 ROW = 1.38
@@ -59,13 +59,13 @@ def help_content(
 ) -> HelpContent:
     """The sign for these bindings, whose pointer `steers`; `without` what cannot be done here."""
     left, right, middle = (
-        BESIDE_MOUSE.get(meaning, "") if (meaning := bindings.meaning(f"mouse {name}")) else ""
+        BESIDE_MOUSE.get(control, "") if (control := bindings.control(f"mouse {name}")) else ""
         for name in ("left", "right", "middle")
     )
     rows = []
-    for meanings, what in PAIRS:
-        keys = tuple(key for one in meanings if (key := _key(bindings, one)))
-        if keys and not set(meanings) & set(without):
+    for controls, what in PAIRS:
+        keys = tuple(key for one in controls if (key := _key(bindings, one)))
+        if keys and not set(controls) & set(without):
             rows.append(Row(keys, what))
     lifts = {left, right} == {"ahead", "back"} and steers
     return HelpContent(
@@ -96,7 +96,7 @@ def draw_help(sign: HelpContent, opacity: float, foot: float) -> None:
         for key in row.keys:
             at += _cap(canvas, key, at, high, line, opacity) + 0.3 * line
         words = x + WORDS_X * line, high + (CAP - 1.0) / 2 * line
-        shadowed(words, row.what, line, INK, opacity)
+        draw_shadowed_text(words, row.what, line, INK, opacity)
 
 
 def _mouse(canvas: Any, sign: HelpContent, x: float, y: float, line: float, opacity: float) -> None:
@@ -122,15 +122,15 @@ def _mouse(canvas: Any, sign: HelpContent, x: float, y: float, line: float, opac
         (x - 0.38 * line, top + 0.7 * line), (x + 0.38 * line, top + 2.2 * line), ink, 0.38 * line
     )
     beside, gap = top + 0.9 * line, 0.7 * line
-    shadowed((left - gap, beside), sign.left, 1.1 * line, INK, opacity, 1.0)
-    shadowed((right + gap, beside), sign.right, 1.1 * line, INK, opacity)
-    shadowed((x, y + 1.5 * line), sign.wheel, line, INK, opacity, 0.5)
+    draw_shadowed_text((left - gap, beside), sign.left, 1.1 * line, INK, opacity, 1.0)
+    draw_shadowed_text((right + gap, beside), sign.right, 1.1 * line, INK, opacity)
+    draw_shadowed_text((x, y + 1.5 * line), sign.wheel, line, INK, opacity, 0.5)
     if sign.moving:
         middle = cut + 0.5 * (foot - cut)
         for way in ARROWS.values():
             _arrow(canvas, x + 1.15 * way[0] * line, middle + 1.15 * way[1] * line, way, line, ink)
-        shadowed((x, foot + 0.55 * line), sign.moving, 1.15 * line, INK, opacity, 0.5)
-    shadowed((x, foot + 2.0 * line), sign.both, 0.85 * line, QUIET, opacity, 0.5)
+        draw_shadowed_text((x, foot + 0.55 * line), sign.moving, 1.15 * line, INK, opacity, 0.5)
+    draw_shadowed_text((x, foot + 2.0 * line), sign.both, 0.85 * line, QUIET, opacity, 0.5)
 
 
 def _cap(canvas: Any, key: str, x: float, y: float, line: float, opacity: float) -> float:
@@ -146,7 +146,7 @@ def _cap(canvas: Any, key: str, x: float, y: float, line: float, opacity: float)
     if key in ARROWS:
         _arrow(canvas, *middle, ARROWS[key], 0.8 * line, colour(INK, opacity))
     else:
-        shadowed((middle[0], middle[1] - 0.4 * line), key, 0.8 * line, INK, opacity, 0.5)
+        draw_shadowed_text((middle[0], middle[1] - 0.4 * line), key, 0.8 * line, INK, opacity, 0.5)
     return wide
 
 
@@ -163,8 +163,8 @@ def _arrow(
     )
 
 
-def _key(bindings: Bindings, meaning: ControlName) -> str:
+def _key(bindings: Bindings, control: ControlName) -> str:
     """The first key that means it; nothing if only the mouse or a gamepad does."""
     return next(
-        (name for name in bindings.inputs(meaning) if not name.startswith(("mouse ", "pad "))), ""
+        (name for name in bindings.inputs(control) if not name.startswith(("mouse ", "pad "))), ""
     )

@@ -11,7 +11,7 @@ from imgui_bundle import imgui
 
 from subsea.state import Submarine
 from subsea.submarine.hull import AHEAD_CM_S, ASTERN_CM_S, hull_axes
-from subsea.ui.gui import INK, MARK, QUIET, SHADE, colour, shadowed
+from subsea.ui.gui import INK, MARK, QUIET, SHADE, colour, draw_shadowed_text
 
 STILL_S = 6.0  # nothing has changed for so long when they fade
 FADE_S, SHOW_S = 1.5, 0.3
@@ -45,7 +45,7 @@ class Reading(NamedTuple):
         )
 
 
-def reading(submarine: Submarine, throttle: float, stopping: bool) -> Reading:
+def instrument_reading(submarine: Submarine, throttle: float, stopping: bool) -> Reading:
     """The instruments of a submarine, whose wheel has set `throttle`."""
     heading, pitch = submarine.angles
     ahead = float(submarine.velocity @ hull_axes(heading, pitch)[0])
@@ -135,28 +135,30 @@ def _compass(
             name = POINTS.get(mark % 360)
             rgb = MARK if name == "N" else INK
             text = name or f"{mark % 360}"
-            shadowed((at, high + 0.15 * line), text, 0.85 * line, rgb, shown, 0.5)
+            draw_shadowed_text((at, high + 0.15 * line), text, 0.85 * line, rgb, shown, 0.5)
     tip = high - 0.75 * line
     points = (x - 0.32 * line, tip - 0.42 * line), (x + 0.32 * line, tip - 0.42 * line), (x, tip)
     canvas.add_triangle_filled(*points, colour(MARK, opacity))
     number = f"{round(heading) % 360:03d}°"
-    shadowed((x, tip - 1.65 * line), number, 1.15 * line, INK, opacity, 0.5)
+    draw_shadowed_text((x, tip - 1.65 * line), number, 1.15 * line, INK, opacity, 0.5)
 
 
 def _depth(canvas: Any, right: float, foot: float, depth_m: float, opacity: float) -> None:
     line = imgui.get_font_size()
-    shadowed((right, foot - 2.35 * line), f"{depth_m:.1f} m", 1.45 * line, INK, opacity, 1.0)
-    shadowed((right, foot - 0.75 * line), "depth", 0.85 * line, INK, opacity, 1.0)
+    draw_shadowed_text(
+        (right, foot - 2.35 * line), f"{depth_m:.1f} m", 1.45 * line, INK, opacity, 1.0
+    )
+    draw_shadowed_text((right, foot - 0.75 * line), "depth", 0.85 * line, INK, opacity, 1.0)
 
 
 def _speed(canvas: Any, left: float, foot: float, now: Reading, opacity: float) -> None:
     """In figures, and as a bar from astern to ahead on which a mark is what the wheel has set."""
     line = imgui.get_font_size()
     figures = f"{abs(now.ahead_m_s):.1f} m/s"
-    shadowed((left, foot - 2.35 * line), figures, 1.45 * line, INK, opacity, 0.0)
+    draw_shadowed_text((left, foot - 2.35 * line), figures, 1.45 * line, INK, opacity, 0.0)
     moving = "ahead" if now.ahead_m_s > 0.05 else "astern" if now.ahead_m_s < -0.05 else "speed"
     words = "full stop" if now.stopping else moving
-    shadowed((left, foot - 0.75 * line), words, 0.85 * line, INK, opacity, 0.0)
+    draw_shadowed_text((left, foot - 0.75 * line), words, 0.85 * line, INK, opacity, 0.0)
     slow, fast = -ASTERN_CM_S / 100.0, AHEAD_CM_S / 100.0
     begin, y = left + 4.2 * line, foot - 0.32 * line
 

@@ -8,10 +8,10 @@ from imgui_bundle import imgui
 
 from subsea.dive.directed_camera import endless_tour, is_directed, is_over
 from subsea.dive.idle_timer import IdleTimer
-from subsea.dive.tour import guide
+from subsea.dive.tour import steer_along
 from subsea.scenario.schema import AUTOPILOT, DIRECTED, Scenario
 from subsea.ui.context import DiveContext
-from subsea.ui.gui import DEEP, INK, colour, shadowed
+from subsea.ui.gui import DEEP, INK, colour, draw_shadowed_text
 from subsea.ui.inspector import Inspector
 from subsea.ui.kiosk import Kiosk
 from subsea.ui.menu import Menu
@@ -77,7 +77,7 @@ class IdleTours:
         dive.overlay.greet()  # the help is there again for the next visitor
         if dive.shared:  # only ticks may move the submarine there, so it cannot be put elsewhere
             follows = self.name == DIRECTED and is_directed(dive.world.scenario)
-            tour = endless_tour(dive.world, self.name) if follows else guide(dive.world, None)
+            tour = endless_tour(dive.world, self.name) if follows else steer_along(dive.world, None)
             dive.tick_source.set_tour(tour)
             return
         dive.tick_source.set_tour(endless_tour(dive.world, self.name))
@@ -102,4 +102,4 @@ class IdleTours:
         if timer.touring:
             breath = 0.5 - 0.5 * math.cos(math.tau * timer.toured_s / BREATH_S)
             place = size.x / 2, size.y - 4.0 * line
-            shadowed(place, INVITATION, 1.5 * line, INK, (0.25 + 0.6 * breath), 0.5)
+            draw_shadowed_text(place, INVITATION, 1.5 * line, INK, (0.25 + 0.6 * breath), 0.5)

@@ -16,7 +16,7 @@ from imgui_bundle import imgui
 from subsea.core.background import LeftError
 from subsea.core.errors import UserError
 from subsea.ui.context import DiveContext, PanelContext
-from subsea.ui.gui import GLASS, MARK, colour, mended
+from subsea.ui.gui import GLASS, MARK, colour, recovering_errors
 from subsea.ui.panels import PANELS
 from subsea.ui.panels.intention import name_of
 
@@ -75,7 +75,7 @@ class Inspector(PanelContext):
             _keep_inside(name)
             drawn, stays = imgui.begin(name, True, PANEL)
             if drawn:
-                with self._contained(name), mended():
+                with self._contained(name), recovering_errors():
                     panel(self)
             (x, y), (width, height) = imgui.get_window_pos(), imgui.get_window_size()
             self.areas[name] = x, y, width, height

@@ -10,7 +10,7 @@ import msgspec
 from subsea.core.errors import UserError
 from subsea.dive.bindings import COMMANDS, Command, bindings_of, input_name
 from subsea.dive.settings import Settings
-from subsea.ui.window import Window
+from subsea.ui.window import GlWindow
 
 # What visitors may wish for. The rest has no inputs.
 ALLOWED: tuple[Command, ...] = (
@@ -20,14 +20,14 @@ POINTER_S = 3.0  # a pointer that has rested so long is hidden
 AGAIN_S = 1.0  # so often the keyboard is asked for while another program has it
 
 
-def locked(settings: Settings) -> Settings:
+def kiosk_settings(settings: Settings) -> Settings:
     """The same settings for a kiosk: inputs mean what visitors may wish for, the operator's key
     leaves. A UserError if that is an input of visitors.
     """
     nothing: dict[str, list[str]] = {wish: [] for wish in COMMANDS if wish not in ALLOWED}
     controls = settings.controls | nothing
     key = input_name(settings.kiosk.leave)
-    if others := bindings_of(controls | {"leave": []}).meanings.get(key):
+    if others := bindings_of(controls | {"leave": []}).controls.get(key):
         raise UserError(
             f"--kiosk: {key!r} cannot be both 'leave' and {others[0]!r}, "
             "at `kiosk.leave` of the settings"
@@ -38,7 +38,7 @@ def locked(settings: Settings) -> Settings:
 class Kiosk:
     """Keeps windows open and before all others, and hides a pointer that rests."""
 
-    def __init__(self, windows: Sequence[Window]) -> None:
+    def __init__(self, windows: Sequence[GlWindow]) -> None:
         """From now on."""
         self._windows = windows
         self._rested_s = self._away_s = 0.0

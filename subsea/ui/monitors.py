@@ -56,7 +56,7 @@ class Monitor(NamedTuple):
         return f"{self.number} {self.name!r} {self.size[0]}x{self.size[1]}"
 
 
-class Display(NamedTuple):
+class DesktopDisplay(NamedTuple):
     """Where windows open."""
 
     platform: str  # "X11", "Wayland", …
@@ -64,7 +64,7 @@ class Display(NamedTuple):
 
 
 @contextmanager
-def on_display(without: str = FILM) -> Iterator[Display]:
+def on_display(without: str = FILM) -> Iterator[DesktopDisplay]:
     """Start the window library, and stop it in the end.
 
     No display is a UserError that tells what can be done `without` one.
@@ -78,7 +78,7 @@ def on_display(without: str = FILM) -> Iterator[Display]:
             f"no display to open a window on ({reason(fault)}); without one, {without}"
         ) from fault
     try:
-        yield Display(PLATFORMS.get(glfw.get_platform(), "unknown"), monitors())
+        yield DesktopDisplay(PLATFORMS.get(glfw.get_platform(), "unknown"), monitors())
     finally:
         glfw.terminate()
 

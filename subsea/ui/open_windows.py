@@ -10,7 +10,7 @@ from typing import NamedTuple
 from subsea.core.console import say
 from subsea.dive.pilot import Pilot
 from subsea.dive.settings import DEFAULTS, Settings
-from subsea.ui.gui import Gui, fill
+from subsea.ui.gui import Gui, fill_with_text
 from subsea.ui.monitors import FILM, Installation, Screen, on_display, placed
 from subsea.ui.window_set import WindowSet
 from subsea.view.rig import CameraRig, front, select_outputs
@@ -30,12 +30,12 @@ class Opening(NamedTuple):
         """Fill the pilot's window with one line of text on deep water."""
         window = self.window_set.front
         self.gui.begin(window.points, window.size, window.text_scale)
-        fill(text)
+        fill_with_text(text)
         self.gui.end()
         self.window_set.present()
 
 
-def opened(
+def open_windows(
     display: str,
     size: tuple[int, int],
     fullscreen: bool = False,

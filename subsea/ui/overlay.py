@@ -6,7 +6,7 @@ from typing import Any
 
 from imgui_bundle import imgui
 
-from subsea.ui.gui import INK, SHADE, colour, fill
+from subsea.ui.gui import INK, SHADE, colour, fill_with_text
 from subsea.ui.help_overlay import HelpContent, draw_help
 from subsea.ui.hud import HIGH, Hud, Reading
 
@@ -62,7 +62,7 @@ class Overlay:
 
     def message(self, text: str) -> None:
         """Fill the window with one line of text on deep water."""
-        fill(text)
+        fill_with_text(text)
 
     def draw(self, now: Reading, dt: float, circumstances: str = "", away: bool = False) -> None:
         """Draw help and instruments over the present picture; `dt` is the time since the last.

@@ -10,7 +10,7 @@ import numpy as np
 from subsea.dive import adaptive_quality
 from subsea.dive.options import RETINA_COLOURS, DisplayOptions, RetinaColours
 from subsea.dive.picking import pick
-from subsea.dive.retina_images import seen_brightness, velocity_of
+from subsea.dive.retina_images import retina_brightness, velocity_of
 from subsea.dive.ride import Ride, joined, pasted, pictured, with_insets
 from subsea.frame.diagrams import DiagramBuilder, Label
 from subsea.frame.packet import Packet, make_scene, pack
@@ -197,7 +197,7 @@ class ScenePicture:
 
     def brightness(self, ride: Ride) -> float:
         """How bright it is in the eyes of the fish that is ridden, in [0, 1]."""
-        light = seen_brightness(self.renderer, self._world, ride.by)
+        light = retina_brightness(self.renderer, self._world, ride.by)
         self._draw_pattern()  # seeing has emptied the renderer's own pictures
         return light
 

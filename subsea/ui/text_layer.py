@@ -5,7 +5,7 @@ from subsea.dive.settings import Settings
 from subsea.ui import subtitles
 from subsea.ui.comfort import Vignette, draw_horizon
 from subsea.ui.context import DiveContext
-from subsea.ui.hud import reading
+from subsea.ui.hud import instrument_reading
 from subsea.ui.idle_tours import IdleTours
 from subsea.ui.inspector import Inspector
 from subsea.ui.labels import draw_labels
@@ -44,7 +44,7 @@ class TextLayer:
             self.vignette.update(submarine.rates, submarine.velocity, elapsed_s)
             self.vignette.draw()
             if not self._menu.open:
-                now = reading(submarine, dive.pilot.throttle, dive.pilot.stopping)
+                now = instrument_reading(submarine, dive.pilot.throttle, dive.pilot.stopping)
                 overlay.draw(now, elapsed_s, self.status, not at_helm)
                 self._inspector.draw()
             tours.draw()

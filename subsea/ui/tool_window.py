@@ -38,9 +38,9 @@ from imgui_bundle import imgui
 from subsea.core.console import say
 from subsea.core.errors import UserError
 from subsea.core.interrupts import deferred
-from subsea.ui.gui import MARK, QUIET, TEXT_PT, colour, mended
-from subsea.ui.open_windows import opened
-from subsea.ui.window import Window
+from subsea.ui.gui import MARK, QUIET, TEXT_PT, colour, recovering_errors
+from subsea.ui.open_windows import open_windows
+from subsea.ui.window import GlWindow
 
 T = TypeVar("T")
 
@@ -143,10 +143,10 @@ class Bench:
         self._later: list[Callable[[], object]] = []
         self._works: list[tuple[Future[Any], Callable[[Any], object], str]] = []
         with ExitStack() as undo:
-            opening = opened("mono", size, title=title, without=without)
+            opening = open_windows("mono", size, title=title, without=without)
             undo.callback(opening.close)
             self.window_set, self.gui = opening.window_set, opening.gui
-            self.window: Window = self.window_set.front
+            self.window: GlWindow = self.window_set.front
             self.context = self.window_set.context
             self.gui.open = True  # all that hands do is for panes
             style, names = imgui.get_style(), imgui.Col_
@@ -245,7 +245,7 @@ class Bench:
         imgui.set_next_window_pos((left + gap, top + gap))
         imgui.set_next_window_size((max(width - 2 * gap, 1.0), max(height - 2 * gap, 1.0)))
         imgui.begin(name, None, FIXED if titled else BARE)
-        with self._contained(), mended():
+        with self._contained(), recovering_errors():
             yield
         imgui.end()
 
@@ -310,7 +310,7 @@ class Bench:
         self._bar()
         self._foot()
         due = math.inf
-        with self._contained(), mended():
+        with self._contained(), recovering_errors():
             due = self.craft.draw(elapsed_s)
         self._due = 0.0 if self._awake_s or self._question else due
         if self._doing:
@@ -372,7 +372,7 @@ class Bench:
                 if may and (clicked or (keys and any(map(imgui.is_key_chord_pressed, chords)))):
                     self.later(act)
             imgui.separator()
-            with self._contained(), mended():
+            with self._contained(), recovering_errors():
                 craft.bar()
             name = f"{self.title} ·  not saved" if craft.unsaved else self.title
             far = imgui.get_content_region_avail().x - imgui.calc_text_size(name).x - self.line

@@ -54,7 +54,7 @@ class Listener(Protocol):
         """The window lost the keyboard."""
 
 
-class Reach(NamedTuple):
+class PointerRange(NamedTuple):
     """Where the pointer may go, in its units from the upper left corner of a window."""
 
     corner: tuple[float, float]  # the upper left
@@ -90,7 +90,7 @@ def hidden_window(stereo: bool = False) -> Iterator[Callable[[str], Any] | None]
         glfw.destroy_window(handle)
 
 
-class Window:
+class GlWindow:
     """One window with an OpenGL 3.3 context, current in this thread when it is made.
 
     What the visitor asks for by a key is added to the list `commands`.
@@ -103,7 +103,7 @@ class Window:
         commands: list[Command],
         monitor: Monitor | None = None,
         paged: bool = False,
-        share: "Window | None" = None,
+        share: "GlWindow | None" = None,
     ) -> None:
         """Open it where `screen` says, or filling a monitor.
 
@@ -144,7 +144,7 @@ class Window:
         self.inside = False  # whether the pointer is in it
         self.focused = bool(glfw.get_window_attrib(self.handle, glfw.FOCUSED))
         self.listener: Listener | None = None
-        self.reach: Reach | None = None  # of the pointer, if that is more than the window
+        self.reach: PointerRange | None = None  # of the pointer, if that is more than the window
         self._commands = commands
         # Where the pointer was when it last moved; None: it has just entered.
         self._rested: tuple[float, float] | None = None
@@ -288,8 +288,8 @@ class Window:
         if action == glfw.RELEASE:
             self.pilot.release(name)  # also where the listener heard it: it may have been held
         elif not heard:
-            meaning = self.pilot.bindings.key(key, mods, self.pilot.riding)
-            self._ask(meaning, name, action == glfw.REPEAT)
+            control = self.pilot.bindings.key(key, mods, self.pilot.riding)
+            self._ask(control, name, action == glfw.REPEAT)
 
     def _on_button(self, handle: object, button: int, action: int, mods: int) -> None:
         self.pilot.note_activity()
@@ -298,18 +298,18 @@ class Window:
         if action == glfw.RELEASE:
             self.pilot.release(name)
         elif not heard:
-            self._ask(self.pilot.bindings.meaning(name, self.pilot.riding), name)
+            self._ask(self.pilot.bindings.control(name, self.pilot.riding), name)
 
-    def _ask(self, meaning: ControlName | None, name: str, again: bool = False) -> None:
+    def _ask(self, control: ControlName | None, name: str, again: bool = False) -> None:
         """The input `name`, which means that, went down; `again` by itself, as held keys do."""
-        if meaning is None or (again and meaning not in REPEATING):
+        if control is None or (again and control not in REPEATING):
             return
-        if is_action(meaning):
-            self.pilot.hold(meaning, name)
-        elif meaning == "fullscreen":
+        if is_action(control):
+            self.pilot.hold(control, name)
+        elif control == "fullscreen":
             self.toggle_fullscreen()  # this window, whichever is the pilot's
-        elif is_command(meaning):
-            self._commands.append(meaning)
+        elif is_command(control):
+            self._commands.append(control)
 
     def _on_character(self, handle: object, character: int) -> None:
         if self.listener:
@@ -317,7 +317,7 @@ class Window:
 
     def _on_pointer(self, handle: object, x: float, y: float) -> None:
         width, height = self.points
-        reach = self.reach or Reach((0.0, 0.0), (width / 2, height / 2), (width, height))
+        reach = self.reach or PointerRange((0.0, 0.0), (width / 2, height / 2), (width, height))
         self.inside = True
         if self._rested is None:  # the window may have come to the pointer
             self._rested = x, y

@@ -17,14 +17,14 @@ from subsea.dive.pilot import Pilot
 from subsea.render import Presenter, page_switch, window_context
 from subsea.ui.gamepad import Gamepads, add_mappings
 from subsea.ui.monitors import Monitor, Screen, monitor_name, monitors
-from subsea.ui.window import Reach, Window
+from subsea.ui.window import GlWindow, PointerRange
 from subsea.view.text_viewports import one_page
 
 
 class _Shown(NamedTuple):
     """A window and what shows pictures in it."""
 
-    window: Window
+    window: GlWindow
     context: Any
     presenter: Presenter
 
@@ -51,7 +51,7 @@ class WindowSet:
             for number in (front, *others):
                 share = shown[front].window if shown else None
                 screen, monitor = screens[number]
-                window = Window(screen, pilot, self._commands, monitor, paged, share)
+                window = GlWindow(screen, pilot, self._commands, monitor, paged, share)
                 undo.callback(window.close)
                 context = window_context(window.get_proc_address)
                 self.page = page_switch(window.get_proc_address) if paged else one_page
@@ -181,7 +181,7 @@ class WindowSet:
         (x, y), (across, down) = self.front.position, self.front.points
         middle = x + across / 2, y + down / 2
         for window, (own_x, own_y) in zip(self.windows, corners, strict=True):
-            window.reach = Reach(
+            window.reach = PointerRange(
                 (left - own_x, top - own_y),
                 (middle[0] - own_x, middle[1] - own_y),
                 (right - own_x, bottom - own_y),

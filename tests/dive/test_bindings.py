@@ -95,9 +95,9 @@ def test_any_text_is_a_name_or_a_fault(text):
 
 def test_what_a_file_names_takes_the_input_from_what_it_does_not():
     found = bindings_of({"rise": ["W"], "help": []})
-    assert found.meaning("W") == "rise"
+    assert found.control("W") == "rise"
     assert found.inputs("ahead") == ("mouse left", "pad left stick up")
-    assert found.meaning("E") is None
+    assert found.control("E") is None
     assert found.inputs("help") == ()
     assert found.inputs("dive") == USUAL.inputs("dive")
 
@@ -105,10 +105,10 @@ def test_what_a_file_names_takes_the_input_from_what_it_does_not():
 def test_one_key_alights_from_a_fish_and_opens_the_menu_elsewhere():
     assert USUAL.key(glfw.KEY_ESCAPE, 0) == "menu"
     assert USUAL.key(glfw.KEY_ESCAPE, 0, riding=True) == "alight"
-    assert USUAL.meaning("pad B") is None
+    assert USUAL.control("pad B") is None
     found = bindings_of({"alight": ["Space"], "full stop": ["Space"]})
-    assert found.meaning("Space", riding=True) == "alight"
-    assert found.meaning("Space") == "full stop"
+    assert found.control("Space", riding=True) == "alight"
+    assert found.control("Space") == "full stop"
 
 
 def test_a_key_counts_with_others_held_unless_these_mean_something_together():

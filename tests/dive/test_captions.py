@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.dive.captions import FADE_S, Caption, caption_of, lines_of, shown_s, titled
+from subsea.dive.captions import FADE_S, Caption, caption_of, draw_caption, lines_of, shown_s
 from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.display_rigs import DISPLAYS, display_rig
@@ -55,7 +55,7 @@ def test_in_every_display_each_eye_reads_them_on_any_ground(display, ground):
     size = (640, 360) if display != "equirectangular" else (1280, 640)
     rig = display_rig(display, size)
     picture = np.full((size[1], size[0], 3), ground, np.uint8)
-    shown = titled(picture, rig, 0, Caption(WORDS, 1.0)).astype(int)
+    shown = draw_caption(picture, rig, 0, Caption(WORDS, 1.0)).astype(int)
     assert (picture == ground).all()  # a copy
     for pane in text_viewports(rig):
         left, top = round(pane.x * size[0]), round(pane.y * size[1])
@@ -69,7 +69,7 @@ def test_in_every_display_each_eye_reads_them_on_any_ground(display, ground):
         assert rows.min() > 0.5 * part.shape[0] and rows.max() < 0.95 * part.shape[0]
         letters, shade = part.sum(axis=2).max(), part[differs].sum(axis=1).min()
         assert letters > 600 and shade < 0.55 * letters  # light on dark
-    assert (titled(picture, rig, 0, Caption(WORDS, 0.0)) == picture).all()
-    faint = titled(picture, rig, 0, Caption(WORDS, 0.3)).astype(int)
+    assert (draw_caption(picture, rig, 0, Caption(WORDS, 0.0)) == picture).all()
+    faint = draw_caption(picture, rig, 0, Caption(WORDS, 0.3)).astype(int)
     assert np.abs(faint - picture).max() < 0.5 * np.abs(shown - picture).max()
-    assert (titled(picture, rig, 1, Caption(WORDS, 1.0)) == picture).all()  # another window
+    assert (draw_caption(picture, rig, 1, Caption(WORDS, 1.0)) == picture).all()  # another window

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from subsea.core.errors import UserError
 from subsea.dive.cluster.messages import encode, from_master, picture_of, ticks_of
-from subsea.dive.directed_camera import check_tour, directed, is_over, leapt
+from subsea.dive.directed_camera import check_tour, directed_steering, is_cut, is_over
 from subsea.dive.pilot import Pilot
 from subsea.dive.tick_source import LocalTicks
 from subsea.dive.tour import hidden
@@ -45,7 +45,7 @@ def world_of(folder, *directions):
 
 def ride(world, seconds, steer=None, each=lambda: None):
     """Let the directions have the submarine; its places (ticks, 3), cm."""
-    steer, places = steer or directed(world), []
+    steer, places = steer or directed_steering(world), []
     for _ in range(round(seconds / TICK_S)):
         step(world, steer(world))
         places.append(world.state.submarine.position.copy())
@@ -67,11 +67,11 @@ def middle(world, species="fusilier"):
 
 def test_before_the_first_cue_it_keeps_station(tmp_path):
     world = world_of(tmp_path, f"at_s = 1.0\n{CUT}")
-    assert directed(world)(world) == STATION
+    assert directed_steering(world)(world) == STATION
     ride(world, 0.9)
-    assert directed(world)(world) == STATION
+    assert directed_steering(world)(world) == STATION
     ride(world, 0.2)
-    assert isinstance(directed(world)(world), Rail)
+    assert isinstance(directed_steering(world)(world), Rail)
 
 
 def test_a_cut_is_there_at_once_and_then_it_goes_along(tmp_path):
@@ -209,14 +209,14 @@ def reef(tmp_path_factory):
 def test_only_a_cut_is_a_leap():
     eye = CameraPose(np.zeros(3), np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0]))
     swum = eye._replace(eye=np.array([AHEAD_CM_S, 0.0, 0.0]))
-    assert not leapt(eye, swum, 1.0) and leapt(eye, swum, 1 / 30)
-    assert not leapt(None, swum, 1.0)
+    assert not is_cut(eye, swum, 1.0) and is_cut(eye, swum, 1 / 30)
+    assert not is_cut(None, swum, 1.0)
 
 
 def test_time_goes_back_over_cuts_to_the_very_same_worlds(tmp_path):
     late = f"at_s = 1.5\n{STILL.replace('}', ', over_s = 0.0 }')}"
     world = world_of(tmp_path, CUT, late, "at_s = 2.5\n" + BEYOND + "\nlights = true")
-    crew = LocalTicks(world, Pilot(), directed(world))
+    crew = LocalTicks(world, Pilot(), directed_steering(world))
     sums = {}
     while world.state.tick < 130:
         crew.picture(TICK_S)
@@ -266,11 +266,11 @@ def test_a_film_is_over_when_a_direction_says_so_or_all_was_shown(tmp_path):
 
 
 def test_ctrl_c_is_heard_at_once_while_a_rehearsal_compiles(tmp_path, monkeypatch):
-    def awake(*given):
+    def ready(*given):
         signal.raise_signal(signal.SIGINT)
         pytest.fail("compiled on")
 
-    monkeypatch.setattr("subsea.media.film_timing.awake", awake)
+    monkeypatch.setattr("subsea.media.film_timing.ready_world", ready)
     scenario, source = load_scenario(str(scene(tmp_path, CUT)))
     with pytest.raises(KeyboardInterrupt):
         directed_length_s(scenario, source, None)

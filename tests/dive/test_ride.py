@@ -11,7 +11,7 @@ import pytest
 from PIL import ImageGrab
 
 from subsea.core.resources import resource_path
-from subsea.dive.retina_images import MOST_FISHES, VALUES, coded, seen_brightness
+from subsea.dive.retina_images import MOST_FISHES, VALUES, coded, retina_brightness
 from subsea.dive.ride import MOST_PAN_DEG, Ride, nearest_to_middle, pictured, with_insets
 from subsea.dive.theatre_setup import set_up_theatre
 from subsea.render.gl.id_buffer import FISH, SEABED, WATER, IdMaps
@@ -255,7 +255,7 @@ def test_who_is_ridden_may_go_by_the_light_ahead_of_it_wherever_it_gazes(boat):
     fish, minds = boat.picture.ride.by.fish, boat.world.state.minds
     for gaze in (Gaze(0.0, 60.0), Gaze(0.0, -60.0)):
         boat.picture.ride.gaze = gaze
-        ahead = seen_brightness(boat.picture._renderer, boat.world, boat.picture.ride.by)
+        ahead = retina_brightness(boat.picture._renderer, boat.world, boat.picture.ride.by)
         assert 0.05 < ahead < 0.95
         boat.frame(0.1)
         assert boat.world.seen_light[fish] == ahead

@@ -144,7 +144,7 @@ def test_what_the_command_line_leaves_open_is_as_the_settings_say(home, tmp_path
     monkeypatch.setattr("subsea.ui.dive.dive", lambda *given: asked.append(given) or 0)
     window = SimpleNamespace(close=lambda: None)
     monkeypatch.setattr(
-        "subsea.ui.open_windows.opened", lambda *given: opened.append(given) or window
+        "subsea.ui.open_windows.open_windows", lambda *given: opened.append(given) or window
     )
 
     def dive(*options):
@@ -169,7 +169,7 @@ def test_what_became_of_nonsense_is_told_on_the_terminal_and_in_the_window(
     asked = []
     monkeypatch.setattr("subsea.ui.dive.dive", lambda *given: asked.extend(given) or 0)
     window = SimpleNamespace(close=lambda: None)
-    monkeypatch.setattr("subsea.ui.open_windows.opened", lambda *given: window)
+    monkeypatch.setattr("subsea.ui.open_windows.open_windows", lambda *given: window)
     written(home, "[mouse]\nster = true")
     assert main(["dive"]) == 0
     (line,) = capsys.readouterr().err.splitlines()

@@ -10,7 +10,13 @@ from subsea.core.errors import UserError
 from subsea.core.resources import resource_names
 from subsea.dive.cluster.credentials import cluster_faults, credentials
 from subsea.dive.cluster.keys import write_keys
-from subsea.dive.theatre_setup import chosen_rig, describe, set_up_theatre, shrunk, told
+from subsea.dive.theatre_setup import (
+    chosen_rig,
+    describe,
+    set_up_theatre,
+    shrink_theatre,
+    theatre_digest,
+)
 from subsea.view.stereo import Stereo
 from subsea.view.theatre.theatre_file import (
     FOLDER,
@@ -58,13 +64,13 @@ def line_of(path, text):
 @pytest.mark.parametrize("name", resource_names(FOLDER, ".toml"))
 def test_a_theatre_tells_what_it_has(capsys, name):
     assert describe(name) == 0
-    told = capsys.readouterr().out
+    theatre_digest = capsys.readouterr().out
     theatre, path = load_theatre(name)
-    assert told.startswith(f"{path}: {theatre.title}\n")
+    assert theatre_digest.startswith(f"{path}: {theatre.title}\n")
     for window in theatre.window:
-        assert f"window {window.name}: {window.size[0]}x{window.size[1]} pixels" in told
+        assert f"window {window.name}: {window.size[0]}x{window.size[1]} pixels" in theatre_digest
     for channel in theatre.channel:
-        assert f"  channel {channel.name}: " in told
+        assert f"  channel {channel.name}: " in theatre_digest
 
 
 def test_what_does_not_work_is_told_and_the_rest_goes_on(tmp_path, capsys):
@@ -103,16 +109,16 @@ def test_new_calibration_data_make_another_theatre(tmp_path, change):
     path = tmp_path / "theatre.toml"
     path.write_text(BAD + 'warp = "left.obj"\n[[mpcdi]]\nfile = "all.mpcdi"\n')
     (tmp_path / "left.obj").write_bytes(b"one")
-    before = told(str(path))
-    assert before != told("cave")
+    before = theatre_digest(str(path))
+    assert before != theatre_digest("cave")
     (tmp_path / "all.mpcdi").write_bytes(b"two")
-    both = told(str(path))
+    both = theatre_digest(str(path))
     assert both not in (before, None)
-    assert both == told(str(path))
+    assert both == theatre_digest(str(path))
     with (tmp_path / change).open("ab") as file:
         file.write(b" ")
-    assert told(str(path)) != both
-    assert told(None) is None
+    assert theatre_digest(str(path)) != both
+    assert theatre_digest(None) is None
 
 
 @given(
@@ -130,7 +136,7 @@ def test_parts_of_a_window_meet_and_stay_within_it_when_shrunk(edge, size, times
         ],
     )
     try:
-        small = shrunk(theatre, times)
+        small = shrink_theatre(theatre, times)
     except UserError as fault:
         assert f"--shrink {times} leaves" in str(fault)
         assert min(edge, size[0] - edge, size[1]) < 17 * times
@@ -149,9 +155,9 @@ def test_a_part_of_which_nothing_is_left_is_one_line(tmp_path, capsys):
     path.write_text(BAD.replace('"good"', '"good"\nviewport = [0, 0, 30, 48]'))
     for times, left in ((2, "15x24 pixels of channel 'good'"), (4, "16x12 pixels of window 'a'")):
         assert main.main(["film", "x.mp4", "--theatre", str(path), "--shrink", str(times)]) == 2
-        told = capsys.readouterr().err
-        assert f"--shrink {times} leaves {left}, expected 16 or more a side" in told
-        assert told.count("\n") == 1
+        theatre_digest = capsys.readouterr().err
+        assert f"--shrink {times} leaves {left}, expected 16 or more a side" in theatre_digest
+        assert theatre_digest.count("\n") == 1
     assert set_up_theatre("three-projectors", shrink=62).rig.outputs[0] == (23, 16)
     with pytest.raises(UserError, match=r"--shrink 64 leaves 22x15 pixels of window 'left'"):
         set_up_theatre("three-projectors", shrink=64)
@@ -198,9 +204,9 @@ def test_shrinking_keeps_the_geometry():
 )
 def test_wrong_options_are_one_line(capsys, arguments, said):
     assert main.main(arguments) == 2
-    told = capsys.readouterr().err
-    assert said in told
-    assert told.count("\n") == 1
+    theatre_digest = capsys.readouterr().err
+    assert said in theatre_digest
+    assert theatre_digest.count("\n") == 1
 
 
 def test_a_node_that_is_not_there():

@@ -18,7 +18,7 @@ from subsea.dive.tour import (
     TURN_S,
     Subject,
     Tour,
-    guide,
+    steer_along,
 )  # fmt: skip
 from subsea.scenario.load import load_scenario
 from subsea.state import CIRCLING, EAT, HANGING, HOOKED, LANDED, LOOPING, NOBODY, PREDATOR
@@ -178,7 +178,7 @@ def test_the_same_tour_each_time():
 def test_a_visitor_is_taken_along_until_a_hand_moves():
     world = create_world(load_scenario("peaceful")[0], seed=3, fish=12)
     course, pilot = course_of(world.scenario, "reef"), Pilot()
-    boat, crew = world.state.submarine, LocalTicks(world, pilot, guide(world, course))
+    boat, crew = world.state.submarine, LocalTicks(world, pilot, steer_along(world, course))
     for _ in range(5):
         crew.picture(1.5 * TICK_S)
     there = rail_at(course, world.state, world.state.tick * TICK_S).position

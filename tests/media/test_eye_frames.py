@@ -11,7 +11,7 @@ from PIL import Image
 
 from subsea.cli.main import main
 from subsea.core.errors import UserError
-from subsea.dive.retina_images import VALUES, coded, seen_brightness
+from subsea.dive.retina_images import VALUES, coded, retina_brightness
 from subsea.dive.start import headless, picture_maker
 from subsea.geometry.rotation import from_matrix
 from subsea.media import eye_frames as eyes
@@ -234,7 +234,7 @@ def test_who_sees_the_light_goes_by_it():
                 c, s = np.cos(pitch), np.sin(pitch)
                 axes = np.array([[[c, -s, 0.0], [0.0, 0.0, -1.0], [s, c, 0.0]]])
                 fishes.orientation[2] = fishes.previous_orientation[2] = from_matrix(axes)[0]
-                means.append([seen_brightness(renderer, world, by) for _ in range(2)])
+                means.append([retina_brightness(renderer, world, by) for _ in range(2)])
             assert renderer.rig is rig
     for twice in means:
         assert twice[0] == twice[1]  # the same each time

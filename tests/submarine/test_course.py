@@ -8,7 +8,7 @@ import pytest
 
 from subsea.core.errors import UserError
 from subsea.core.resources import resource_path
-from subsea.dive.tour import guide
+from subsea.dive.tour import steer_along
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import TourTable
 from subsea.state import HULL_CM
@@ -209,7 +209,7 @@ def test_fishes_meet_the_submarine_where_the_tour_takes_it():
     for _ in range(2):
         world = create_world(load_scenario("peaceful")[0], seed=3, fish=12)
         course = course_of(world.scenario, "reef")
-        steer = guide(world, course)
+        steer = steer_along(world, course)
         np.testing.assert_array_equal(world.state.submarine.position, course.curve.places[0])
         for _ in range(40):
             step(world, steer(world))

@@ -8,7 +8,7 @@ from subsea.core.resources import resource_path
 from subsea.dive.pilot import Pilot
 from subsea.dive.settings import GamepadSettings, Settings, settings_path
 from subsea.ui import gamepad
-from subsea.ui.gamepad import Gamepads, State, amounts
+from subsea.ui.gamepad import Gamepads, GamepadState, amounts
 
 AXES = "left x", "left y", "right x", "right y", "left trigger", "right trigger"
 BUTTONS = {"A": 0, "B": 1, "right bumper": 5, "back": 6, "start": 7, "up": 11}
@@ -20,7 +20,9 @@ def state(*pressed, name="Pad", **axes):
     rest = [0.0, 0.0, 0.0, 0.0, -1.0, -1.0]
     for axis, value in axes.items():
         rest[AXES.index(axis.replace("_", " "))] = value
-    return State(name, [int(k in [BUTTONS[one] for one in pressed]) for k in range(15)], rest)
+    return GamepadState(
+        name, [int(k in [BUTTONS[one] for one in pressed]) for k in range(15)], rest
+    )
 
 
 class Box:

@@ -9,7 +9,7 @@ from subsea.dive.bindings import USUAL, bindings_of
 from subsea.state import Submarine
 from subsea.ui.comfort import Vignette
 from subsea.ui.help_overlay import help_content
-from subsea.ui.hud import FADE_S, STILL_S, Hud, reading
+from subsea.ui.hud import FADE_S, STILL_S, Hud, instrument_reading
 
 DT = 0.1
 
@@ -20,7 +20,7 @@ def at(depth_m=2.5, heading_deg=0.0, ahead_m_s=0.0, throttle=0.0, stopping=False
     boat.velocity[:2] = (
         100.0 * ahead_m_s * np.array([math.cos(boat.angles[0]), math.sin(boat.angles[0])])
     )
-    return reading(boat, throttle, stopping)
+    return instrument_reading(boat, throttle, stopping)
 
 
 def pass_(hud, seconds, now, **how):
@@ -32,7 +32,7 @@ def test_they_speak_metres_and_compass():
     boat = Submarine(position=np.array([0.0, 0.0, -250.0]))
     boat.angles[0] = math.radians(90.0)  # left of +x, which the compass calls 270°
     boat.velocity[:2] = 30.0, -80.0  # sideways, and astern
-    now = reading(boat, 0.5, False)
+    now = instrument_reading(boat, 0.5, False)
     assert now == pytest.approx((2.5, 270.0, -0.8, 0.5, False))
 
 

@@ -12,7 +12,7 @@ from subsea.core.errors import UserError
 from subsea.dive.bindings import COMMANDS
 from subsea.dive.settings import DEFAULTS, AttractSettings, KioskSettings, Settings
 from subsea.ui.dive import Dive
-from subsea.ui.kiosk import ALLOWED, locked
+from subsea.ui.kiosk import ALLOWED, kiosk_settings
 from tests.support.windows import dive_options
 
 AFTER_S = 4.0
@@ -137,12 +137,12 @@ def test_the_operators_key_leaves_and_elsewhere_the_close_button_does(exhibit, h
 
 
 def test_a_kiosk_has_inputs_for_what_cannot_strand_it_only():
-    found = locked(DEFAULTS).bindings
+    found = kiosk_settings(DEFAULTS).bindings
     assert found.key(ord("Q"), 2 | 1) == "leave"
     assert found.key(ord("Q"), 0) == "dive"
     for wish in COMMANDS:
         assert bool(found.inputs(wish)) == (wish in ALLOWED)
-    assert locked(with_key("F12")).bindings.meaning("F12") == "leave"  # no visitor's input
+    assert kiosk_settings(with_key("F12")).bindings.control("F12") == "leave"  # no visitor's input
 
 
 @pytest.mark.parametrize(
@@ -151,7 +151,7 @@ def test_a_kiosk_has_inputs_for_what_cannot_strand_it_only():
 def test_the_operators_key_is_none_that_visitors_use(key, controls, rival):
     name = key.upper()
     with pytest.raises(UserError, match=f"--kiosk: '{name}' .* '{rival}', at `kiosk.leave`"):
-        locked(with_key(key, **controls))
+        kiosk_settings(with_key(key, **controls))
 
 
 def with_key(key, **controls):

@@ -12,7 +12,7 @@ from subsea.dive.bindings import PAD_BUTTONS
 from subsea.render.output.quality import CHOICES, PRESETS
 from subsea.scenario.load import own_scenarios
 from subsea.ui.dive import Dive
-from subsea.ui.gamepad import State
+from subsea.ui.gamepad import GamepadState
 from subsea.ui.menu import DISPLAYS, QUALITIES, scenario_titles
 from subsea.view.display_rigs import DISPLAYS as ALL_DISPLAYS
 from tests.support.windows import dive_options
@@ -113,7 +113,7 @@ def test_a_gamepad_chooses_and_goes_back(boat, hands, monkeypatch):
     def push(*pressed):
         for down in (pressed, (), ()):  # a picture each: what is held long comes again
             buttons = [int(name in down) for name in PAD_BUTTONS]
-            state = State("Pad", buttons, [0.0, 0.0, 0.0, 0.0, -1.0, -1.0])
+            state = GamepadState("Pad", buttons, [0.0, 0.0, 0.0, 0.0, -1.0, -1.0])
             monkeypatch.setattr(boat.window_set.gamepads, "read", lambda now=state: {0: now})
             boat.frame(0.1)
 

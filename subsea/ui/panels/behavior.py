@@ -13,7 +13,7 @@ from subsea.scenario.schema import Individual
 from subsea.state import COURTSHIP, HUNGER, LIBIDO, MENTAL_STATES, Nature
 from subsea.ui.context import PanelContext
 from subsea.ui.gui import GLASS, INK, LIT, MARK, QUIET, colour
-from subsea.ui.panels.fish_picker import whom
+from subsea.ui.panels.fish_picker import choose_fish
 from subsea.ui.panels.intention import focus
 from subsea.ui.panels.mental_chart import SPAN, Chart
 from subsea.world.world import TICK_S, World
@@ -25,7 +25,7 @@ CLAMP = imgui.SliderFlags_.always_clamp.value
 LOGARITHMIC = imgui.SliderFlags_.logarithmic.value | CLAMP
 
 
-class Slider(NamedTuple):
+class StateSlider(NamedTuple):
     """A number that can be set."""
 
     name: str
@@ -37,33 +37,33 @@ class Slider(NamedTuple):
 
 
 TEMPER = (
-    Slider("appetite", "meals that fill it", 1.0, 60.0, "%.0f"),
-    Slider("digestion", "digestion, 1/s", 0.0005, 0.2, "%.4f", LOGARITHMIC),
-    Slider("libido_rate", "libido grows, 1/s", 0.0005, 0.2, "%.4f", LOGARITHMIC),
-    Slider("dread_cm", "dreads from, cm", 0.0, 1000.0, "%.0f"),
+    StateSlider("appetite", "meals that fill it", 1.0, 60.0, "%.0f"),
+    StateSlider("digestion", "digestion, 1/s", 0.0005, 0.2, "%.4f", LOGARITHMIC),
+    StateSlider("libido_rate", "libido grows, 1/s", 0.0005, 0.2, "%.4f", LOGARITHMIC),
+    StateSlider("dread_cm", "dreads from, cm", 0.0, 1000.0, "%.0f"),
 )
 """What makes the mental state of one fish what it is: keys of `Individual` (Tu §7.4)."""
 COLUMNS = {"dread_cm": "dread"}  # of `state.Minds`, where these are called otherwise
 
 NATURE = (
-    Slider("vision_cm", "sees as far as, cm", 20.0, 2000.0, "%.0f"),
-    Slider("smell_cm", "smells as far as, cm", 20.0, 2000.0, "%.0f"),
-    Slider("standard_cm", "size of what it sees so far, cm", 2.0, 100.0, "%.0f"),
-    Slider("hunger_stimulus", "food in sight makes hungry by", 0.0, 1.0, "%.2f"),
-    Slider("libido_stimulus", "a mate in sight tempts by", 0.0, 1.0, "%.2f"),
-    Slider("alarmed", "is alarmed by fear of", 0.0, 0.99, "%.2f"),
-    Slider("panicked", "flees from fear of", 0.01, 1.0, "%.2f"),
-    Slider("keen", "eats and mates for", 0.0, 1.0, "%.2f"),
-    Slider("devotion_cm", "leaves a target for a nearer one, cm", 0.0, 500.0, "%.0f"),
-    Slider("fatigue_s", "is tired of it after, s", 1.0, 600.0, "%.0f", LOGARITHMIC),
-    Slider("timidity", "keeps clear by, times the usual", 0.1, 5.0, "%.2f"),
-    Slider("submarine_cm", "dreads the submarine from, cm", 0.0, 1000.0, "%.0f"),
-    Slider("curiosity_cm", "is curious from, cm", 0.0, 2000.0, "%.0f"),
+    StateSlider("vision_cm", "sees as far as, cm", 20.0, 2000.0, "%.0f"),
+    StateSlider("smell_cm", "smells as far as, cm", 20.0, 2000.0, "%.0f"),
+    StateSlider("standard_cm", "size of what it sees so far, cm", 2.0, 100.0, "%.0f"),
+    StateSlider("hunger_stimulus", "food in sight makes hungry by", 0.0, 1.0, "%.2f"),
+    StateSlider("libido_stimulus", "a mate in sight tempts by", 0.0, 1.0, "%.2f"),
+    StateSlider("alarmed", "is alarmed by fear of", 0.0, 0.99, "%.2f"),
+    StateSlider("panicked", "flees from fear of", 0.01, 1.0, "%.2f"),
+    StateSlider("keen", "eats and mates for", 0.0, 1.0, "%.2f"),
+    StateSlider("devotion_cm", "leaves a target for a nearer one, cm", 0.0, 500.0, "%.0f"),
+    StateSlider("fatigue_s", "is tired of it after, s", 1.0, 600.0, "%.0f", LOGARITHMIC),
+    StateSlider("timidity", "keeps clear by, times the usual", 0.1, 5.0, "%.2f"),
+    StateSlider("submarine_cm", "dreads the submarine from, cm", 0.0, 1000.0, "%.0f"),
+    StateSlider("curiosity_cm", "is curious from, cm", 0.0, 2000.0, "%.0f"),
 )
 """What holds for all fishes: every member of `state.Nature`."""
 
 
-class Seen:
+class ChartState:
     """The chart of the fish that the panel is about."""
 
     def __init__(self) -> None:
@@ -82,9 +82,9 @@ class Seen:
 def panel(context: PanelContext) -> None:
     """Draw it, and act on the world."""
     world = context.dive.world
-    fish = whom(context)
+    fish = choose_fish(context)
     if fish is not None:
-        _charts(context.state(Seen).of(world, fish).values, world.nature)
+        _charts(context.state(ChartState).of(world, fish).values, world.nature)
         _intentions(world, fish)
         _preferences(world.state.minds.preference[fish])
         _temper(context, fish)
@@ -212,7 +212,7 @@ def _nature(context: PanelContext) -> None:
     imgui.end_disabled()
 
 
-def _slider(slider: Slider, value: float) -> tuple[bool, float]:
+def _slider(slider: StateSlider, value: float) -> tuple[bool, float]:
     """Whether it was moved, and where it is, as exactly as it tells."""
     moved, value = imgui.slider_float(
         slider.label, value, slider.low, slider.high, slider.form, slider.flags

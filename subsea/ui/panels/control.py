@@ -14,7 +14,7 @@ AHEAD_CM = 200.0  # where a waypoint looks at
 CALM = 0.05  # share of the newest in what is told of times: else nobody could read them
 
 
-class Times:
+class StageTimes:
     """How long each stage of a tick takes, smoothed."""
 
     def __init__(self) -> None:
@@ -81,7 +81,7 @@ def _camera(context: PanelContext) -> None:
 
 def _speed(context: PanelContext) -> None:
     """How long a picture takes, the stages of a tick of it, and how much there is."""
-    times, line = context.state(Times), imgui.get_font_size()
+    times, line = context.state(StageTimes), imgui.get_font_size()
     times.follow(context.dive.world.stages_s)
     rate = max(imgui.get_io().framerate, 1e-3)
     imgui.text(f"{1000.0 / rate:.1f} ms a picture, {rate:.0f} pictures a second")

@@ -8,13 +8,13 @@ from subsea.ui.context import PanelContext
 from subsea.world.world import World
 
 
-def whom(context: PanelContext) -> int | None:
+def choose_fish(context: PanelContext) -> int | None:
     """The chosen fish, who it is, and fields to choose another; None while none is chosen."""
     fishes, fish = context.dive.world.state.fishes, context.chosen
     line = imgui.get_font_size()
     for name, way, step in (("previous", imgui.Dir.left, -1), ("next", imgui.Dir.right, 1)):
         if imgui.arrow_button(name, way):
-            context.chosen = beside(fish, step, fishes.alive)
+            context.chosen = next_fish(fish, step, fishes.alive)
         imgui.set_item_tooltip(f"the {name} fish")
         imgui.same_line()
     imgui.set_next_item_width(4.5 * line)
@@ -27,11 +27,11 @@ def whom(context: PanelContext) -> int | None:
         imgui.text_disabled("None is chosen: click one in the sea.")
         return None
     imgui.same_line(0.0, line)
-    imgui.text(told(context.dive.world, context.chosen))
+    imgui.text(describe_fish(context.dive.world, context.chosen))
     return context.chosen
 
 
-def told(world: World, fish: int) -> str:
+def describe_fish(world: World, fish: int) -> str:
     """A fish's species, length and sex, in words."""
     fishes, minds = world.state.fishes, world.state.minds
     name = world.species[fishes.species[fish]].name
@@ -39,7 +39,7 @@ def told(world: World, fish: int) -> str:
     return f"{name}, {fishes.length[fish]:.1f} cm, {sex}"
 
 
-def beside(fish: int | None, step: int, alive: NDArray[np.bool_]) -> int | None:
+def next_fish(fish: int | None, step: int, alive: NDArray[np.bool_]) -> int | None:
     """The next one that is alive, `step` of 1 upward or -1 downward, all round; None of no fish."""
     living = np.flatnonzero(alive)
     if not len(living):

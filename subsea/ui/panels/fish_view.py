@@ -5,7 +5,7 @@ from imgui_bundle import imgui
 from subsea.dive.options import RETINA_COLOURS
 from subsea.dive.ride import MOST_PAN_DEG, MOST_TILT_DEG
 from subsea.ui.context import PanelContext
-from subsea.ui.panels.fish_picker import whom
+from subsea.ui.panels.fish_picker import choose_fish
 from subsea.view.retina import Gaze
 
 WIDE = 16.0  # of a slider, in heights of letters
@@ -15,7 +15,7 @@ CLAMP = imgui.SliderFlags_.always_clamp.value
 
 def panel(context: PanelContext) -> None:
     """Draw it, and act on the dive."""
-    dive, fish = context.dive, whom(context)
+    dive, fish = context.dive, choose_fish(context)
     ride = dive.picture.ride
     imgui.begin_disabled(fish is None)
     for name, behind in PLACES:

@@ -9,14 +9,14 @@ from subsea.behavior.temperament import HABITS, apply_individual
 from subsea.scenario.schema import Individual
 from subsea.state import KINDS
 from subsea.ui.context import PanelContext
-from subsea.ui.panels.fish_picker import whom
+from subsea.ui.panels.fish_picker import choose_fish
 from subsea.world.world import TICK_S
 
 PAIRS = ((0, 1, "light"), (2, 3, "temperature"))  # two columns of `minds.likes`, and of what
 INDENT = 7.0  # of what can be chosen, in heights of letters
 
 
-class Whose:
+class HabitsScope:
     """Whether habits are set of the chosen fish alone."""
 
     def __init__(self) -> None:
@@ -26,11 +26,11 @@ class Whose:
 
 def panel(context: PanelContext) -> None:
     """Draw it, and act on the world."""
-    fish = whom(context)
+    fish = choose_fish(context)
     if fish is None:
         return
     world = context.dive.world
-    minds, whose = world.state.minds, context.state(Whose)
+    minds, whose = world.state.minds, context.state(HabitsScope)
     name = world.species[world.state.fishes.species[fish]].name
     _row("of")
     for label, every in (("this fish alone", False), (f"all of {name}", True)):
@@ -83,7 +83,7 @@ def _set(context: PanelContext, fish: int, **habits: Any) -> None:
     world = context.dive.world
     fishes, minds = world.state.fishes, world.state.minds
     those = np.array([fish])
-    if context.state(Whose).all_of_species:
+    if context.state(HabitsScope).all_of_species:
         those = np.flatnonzero((fishes.species == fishes.species[fish]) & fishes.alive)
     for one in those:
         apply_individual(

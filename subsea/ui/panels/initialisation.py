@@ -31,7 +31,7 @@ NUMBER, SEED, NAME = 6.5, 9.0, 14.0  # how wide fields are, in heights of letter
 
 
 @dataclass
-class Draft:
+class InitialisationState:
     """What is entered, until the dive begins with it."""
 
     base: Scenario | None = None  # whose numbers these were
@@ -50,7 +50,7 @@ class Draft:
 
 def panel(context: PanelContext) -> None:
     """Numbers of everything, and the files of scenarios."""
-    draft, dive = context.state(Draft), context.dive
+    draft, dive = context.state(InitialisationState), context.dive
     wanted = draft.counts
     if wanted is None or draft.base is not dive.scenario:
         wanted = draft.begin(dive.scenario, dive.world.state.seed)
@@ -80,7 +80,7 @@ def panel(context: PanelContext) -> None:
 
 def start_anew(context: PanelContext, wanted: Counts) -> bool:
     """Begin the dive with these numbers; whether that was possible. If not, it is told."""
-    draft, dive = context.state(Draft), context.dive
+    draft, dive = context.state(InitialisationState), context.dive
     scenario = with_counts(present(context), wanted)
     try:
         with locate_errors(scenario, "the numbers"):
@@ -98,7 +98,7 @@ def start_anew(context: PanelContext, wanted: Counts) -> bool:
 
 def open_file(context: PanelContext, name: str) -> bool:
     """Begin the dive of another scenario, by name or path; whether that was possible."""
-    draft, dive = context.state(Draft), context.dive
+    draft, dive = context.state(InitialisationState), context.dive
     try:
         scenario, path = storage.opened(name)
     except UserError as fault:
@@ -114,7 +114,7 @@ def open_file(context: PanelContext, name: str) -> bool:
 
 def save(context: PanelContext, name: str = "") -> Path | None:
     """Save the dive's scenario as it is, under a name or where it belongs; where, if it was."""
-    draft, dive = context.state(Draft), context.dive
+    draft, dive = context.state(InitialisationState), context.dive
     try:
         path = storage.place_named(name.strip()) if name else storage.place_of(dive.source)
         storage.save(present(context), path, dive.source, dive.known)
@@ -163,7 +163,7 @@ def _number(
     return typed_whole(name, value, low, high, step)
 
 
-def _files(context: PanelContext, draft: Draft) -> None:
+def _files(context: PanelContext, draft: InitialisationState) -> None:
     """Open another scenario, save this one."""
     line = imgui.get_font_size()
     imgui.set_next_item_width(NAME * line)

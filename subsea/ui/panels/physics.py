@@ -13,7 +13,7 @@ from subsea.scenario.schema import MAX_SIMULATED
 from subsea.state import Physics
 from subsea.ui.context import PanelContext
 from subsea.ui.gui import MARK, QUIET, colour
-from subsea.ui.panels.fish_picker import whom
+from subsea.ui.panels.fish_picker import choose_fish
 
 WIDE, DIAL = 13.0, 5.0  # of a slider and across the dial, in heights of letters
 STRONGEST_CM_S = 60.0  # that can be set here
@@ -21,7 +21,7 @@ SOME_CM_S = 6.0  # a current that is switched on where there was none
 LOG = imgui.SliderFlags_.logarithmic.value | imgui.SliderFlags_.always_clamp.value
 
 
-class Slider(NamedTuple):
+class FactorSlider(NamedTuple):
     """A factor of `state.Physics`."""
 
     name: str
@@ -32,16 +32,18 @@ class Slider(NamedTuple):
 
 
 SLIDERS = (
-    Slider("unit_mass", "unit mass", 0.1, 10.0, "factor on the mass of every node"),
-    Slider("viscosity", "viscosity", 0.01, 100.0, "factor on the viscosity of every spring"),
-    Slider("stiffness", "stiffness", 0.01, 100.0, "factor on the spring constants"),
-    Slider("water_viscosity", "water viscosity", 0.01, 100.0, "factor on what the water does"),
-    Slider("time_step", "time step", 0.05, 50.0, "factor on the solver's 5.5 ms"),
+    FactorSlider("unit_mass", "unit mass", 0.1, 10.0, "factor on the mass of every node"),
+    FactorSlider("viscosity", "viscosity", 0.01, 100.0, "factor on the viscosity of every spring"),
+    FactorSlider("stiffness", "stiffness", 0.01, 100.0, "factor on the spring constants"),
+    FactorSlider(
+        "water_viscosity", "water viscosity", 0.01, 100.0, "factor on what the water does"
+    ),
+    FactorSlider("time_step", "time step", 0.05, 50.0, "factor on the solver's 5.5 ms"),
 )
 
 
 @dataclass
-class Still:
+class SavedCurrent:
     """The current that was switched off."""
 
     current_cm_s: tuple[float, float] = (SOME_CM_S, 0.0)
@@ -69,7 +71,7 @@ def _whom(context: PanelContext) -> None:
     if imgui.is_item_deactivated_after_edit():
         context.later(partial(simulate, context, min(max(most, 0), MAX_SIMULATED)))
     imgui.text_disabled("Physics acts on these: those nearest to the submarine.")
-    fish = whom(context)
+    fish = choose_fish(context)
     if fish is None:
         return
     if not world.dynamics.muscular[world.state.fishes.species[fish]]:
@@ -135,7 +137,7 @@ def _factors(context: PanelContext) -> None:
 
 def _current(context: PanelContext) -> None:
     """A dial for where the current flows, how strong it is, and whether there is any."""
-    world, still, line = context.dive.world, context.state(Still), imgui.get_font_size()
+    world, still, line = context.dive.world, context.state(SavedCurrent), imgui.get_font_size()
     x, y = world.current_cm_s
     on = bool(x or y)
     if on:

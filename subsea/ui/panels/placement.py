@@ -35,7 +35,7 @@ NEAR_CM = 60.0  # what is so near to the eye is not taken hold of: one is inside
 
 
 @dataclass
-class Placing:
+class PlacementState:
     """What is being placed, and what was before."""
 
     history: History[Scenario] | None = None
@@ -70,7 +70,7 @@ class Placing:
 
 def panel(context: PanelContext) -> None:
     """The list, the numbers of what is chosen, and the hand in the sea."""
-    placing, dive = context.state(Placing), context.dive
+    placing, dive = context.state(PlacementState), context.dive
     if placing.history is None or placing.history.present is not dive.scenario:
         placing.history, placing.chosen = History(dive.scenario), None
         placing.let_go()
@@ -112,9 +112,9 @@ def name_of(scenario: Scenario, kind: str, number: int) -> str:
     return f"{words.split(' ', 1)[-1]} {number + 1}{more}"
 
 
-def place(context: PanelContext, scenario: Scenario) -> bool:
+def apply_placement(context: PanelContext, scenario: Scenario) -> bool:
     """Have the dive go on with things placed otherwise; whether that may be. If not, it is told."""
-    placing, dive = context.state(Placing), context.dive
+    placing, dive = context.state(PlacementState), context.dive
     placing.let_go()
     if scenario == dive.scenario:
         return True
@@ -125,12 +125,12 @@ def place(context: PanelContext, scenario: Scenario) -> bool:
     return True
 
 
-def back(context: PanelContext, forth: bool = False) -> bool:
+def undo(context: PanelContext, forth: bool = False) -> bool:
     """Undo what was placed last, or with `forth` what was undone last; whether there was any."""
-    history = context.state(Placing).history
+    history = context.state(PlacementState).history
     if history is None or not (history.may_redo if forth else history.may_undo):
         return False
-    context.state(Placing).let_go()
+    context.state(PlacementState).let_go()
     scenario = history.redo() if forth else history.undo()
     if not _enter(context, scenario):
         _ = history.undo() if forth else history.redo()
@@ -139,7 +139,7 @@ def back(context: PanelContext, forth: bool = False) -> bool:
 
 
 def _enter(context: PanelContext, scenario: Scenario) -> bool:
-    placing, dive = context.state(Placing), context.dive
+    placing, dive = context.state(PlacementState), context.dive
     placing.said = ""
     try:
         placement.check(scenario, str(dive.source), dive.world.state.seed)
@@ -150,7 +150,7 @@ def _enter(context: PanelContext, scenario: Scenario) -> bool:
     return dive.open_world(scenario, dive.source, dive.world.state.seed, keep=True)
 
 
-def _list(placing: Placing, scenario: Scenario, things: list[Handle]) -> None:
+def _list(placing: PlacementState, scenario: Scenario, things: list[Handle]) -> None:
     """All that may be placed; one is chosen."""
     line = imgui.get_font_size()
     if imgui.begin_list_box("##things", (WIDE * line, ROWS * line)):
@@ -161,7 +161,7 @@ def _list(placing: Placing, scenario: Scenario, things: list[Handle]) -> None:
         imgui.end_list_box()
 
 
-def _buttons(context: PanelContext, placing: Placing) -> None:
+def _buttons(context: PanelContext, placing: PlacementState) -> None:
     """Add, remove, undo and redo; the last two by the usual keys, too."""
     history, chosen, dive = placing.history, placing.chosen, context.dive
     assert history is not None
@@ -189,7 +189,7 @@ def _buttons(context: PanelContext, placing: Placing) -> None:
         imgui.end_disabled()
         imgui.set_item_tooltip(f"Ctrl+{letter}")
         if (pressed or (imgui.is_key_chord_pressed(ctrl | key.value) and not typing)) and may:
-            context.later(partial(back, context, forth))
+            context.later(partial(undo, context, forth))
     if dive.picture.sight is not None:
         imgui.text_disabled("Drag in the sea. Shift: height, or near and far.")
         imgui.text_disabled("Wheel: size. Ctrl and wheel: turn.")
@@ -197,7 +197,7 @@ def _buttons(context: PanelContext, placing: Placing) -> None:
 
 def _add(context: PanelContext, kind: str) -> None:
     """One more thing before the submarine."""
-    dive, placing = context.dive, context.state(Placing)
+    dive, placing = context.dive, context.state(PlacementState)
     sight, sea = dive.picture.sight, dive.world.state.sea
     submarine = dive.world.state.submarine
     if sight is None:
@@ -207,13 +207,13 @@ def _add(context: PanelContext, kind: str) -> None:
     else:
         eye, way = sight.ray(0.5, 0.6)
     at = placement.before(sea, eye, way)
-    if place(context, placement.added(dive.scenario, kind, at, sea)):
+    if apply_placement(context, placement.added(dive.scenario, kind, at, sea)):
         those = getattr(dive.scenario, kind)
         placing.chosen = kind, 0 if kind in placement.SINGLE else len(those) - 1
 
 
 def _remove(context: PanelContext, kind: str, number: int) -> None:
-    placing, dive = context.state(Placing), context.dive
+    placing, dive = context.state(PlacementState), context.dive
     things = placement.handles(dive.scenario, dive.world.state.sea)
     for thing in things:
         if (thing.kind, thing.number) == (kind, number):
@@ -223,12 +223,12 @@ def _remove(context: PanelContext, kind: str, number: int) -> None:
                 placing.said = str(fault)
                 dive.note(placing.said)
                 return
-            if place(context, rest):
+            if apply_placement(context, rest):
                 placing.chosen = None
             return
 
 
-def _numbers(context: PanelContext, placing: Placing, scenario: Scenario, sea: Sea) -> None:
+def _numbers(context: PanelContext, placing: PlacementState, scenario: Scenario, sea: Sea) -> None:
     """A field for each number of what is chosen."""
     if placing.chosen is None:
         return
@@ -249,11 +249,11 @@ def _numbers(context: PanelContext, placing: Placing, scenario: Scenario, sea: S
         changed = placement.exchanged(scenario, kind, number, new)
         placing.try_out(changed, sea, str(context.dive.source))
     if (settled or entered) and placing.trial is not None:
-        context.later(partial(place, context, placing.trial))
+        context.later(partial(apply_placement, context, placing.trial))
 
 
 def _hand(
-    context: PanelContext, placing: Placing, sight: FrontView, things: list[Handle]
+    context: PanelContext, placing: PlacementState, sight: FrontView, things: list[Handle]
 ) -> Handle | None:
     """What the pointer does in the sea; the thing that is under it."""
     dive, io = context.dive, imgui.get_io()
@@ -287,7 +287,7 @@ def _hand(
     return held.handle
 
 
-def _turn_wheel(context: PanelContext, placing: Placing, things: list[Handle]) -> None:
+def _turn_wheel(context: PanelContext, placing: PlacementState, things: list[Handle]) -> None:
     """The wheel makes the chosen thing larger, or with Ctrl turns it, and rests."""
     io, dive = imgui.get_io(), context.dive
     chosen = [thing for thing in things if (thing.kind, thing.number) == placing.chosen]
@@ -305,14 +305,14 @@ def _turn_wheel(context: PanelContext, placing: Placing, things: list[Handle]) -
             _drop(context, placing)
 
 
-def _drop(context: PanelContext, placing: Placing) -> None:
+def _drop(context: PanelContext, placing: PlacementState) -> None:
     """Let go of what was tried out: the dive goes on with it, or as it was."""
     if placing.fault:
         placing.said = placing.fault
         context.dive.note(placing.said)
         placing.let_go()
     elif placing.trial is not None:
-        context.later(partial(place, context, placing.trial))
+        context.later(partial(apply_placement, context, placing.trial))
 
 
 def _show(sight: FrontView, thing: Handle, ink: tuple[float, float, float], wide: float) -> None:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.dive.theatre_setup import shrunk
+from subsea.dive.theatre_setup import shrink_theatre
 from subsea.render import Renderer
 from subsea.render.output.quality import PRESETS
 from subsea.render.output.target import ResolvePass
@@ -22,7 +22,7 @@ SMALL = 10  # times fewer pixels than the theatres that are shipped
 
 def opened(tmp_path, name="three-projectors", display="mono", shrink=SMALL):
     """A theatre with a tenth of its pixels, its channels and its rig."""
-    theatre = shrunk(load_theatre(name)[0], shrink)
+    theatre = shrink_theatre(load_theatre(name)[0], shrink)
     found, faults = channels(theatre, tmp_path / "theatre.toml")
     assert not faults
     return theatre, found, theatre_rig(theatre, found, range(len(theatre.window)), display)

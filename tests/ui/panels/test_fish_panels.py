@@ -16,7 +16,7 @@ from subsea.state import EAT, ESCAPE, FEAR, SUBMARINE
 from subsea.ui.dive import Dive
 from subsea.ui.gui import LIT
 from subsea.ui.panels import PANELS
-from subsea.ui.panels.behavior import Seen
+from subsea.ui.panels.behavior import ChartState
 from subsea.ui.panels.control import angles_deg
 from subsea.ui.panels.intention import focus
 from subsea.ui.panels.mental_chart import Chart
@@ -194,7 +194,7 @@ def test_charts_hold_what_the_state_had(still, hands):
         seen.append((still.world.state.tick, minds.mental[0].copy()))
     minds.mental[0, FEAR] = 0.625
     still.frame(0.0)
-    chart = still.inspector.state(Seen).chart
+    chart = still.inspector.state(ChartState).chart
     assert isinstance(chart, Chart) and chart.fish == 0
     seen[-1][1][FEAR] = 0.625
     for tick, mental in seen:

@@ -13,7 +13,7 @@ from subsea.scenario.load import load_scenario, scenario_names
 from subsea.scenario.schema import Individual, Shoal
 from subsea.ui.dive import Dive
 from subsea.ui.gui import TEXT_PT
-from subsea.ui.panels.initialisation import NUMBER, Draft, present
+from subsea.ui.panels.initialisation import NUMBER, InitialisationState, present
 from subsea.world import snapshot
 from subsea.world.inventory import counts, with_counts
 from subsea.world.world import create_world
@@ -89,7 +89,9 @@ def test_numbers_entered_start_a_dive_anew_with_as_many(pool, hands, spots):
     assert sum(g.clusters for g in pool.scenario.seaweed if g.kind == "kelp") == 2
     assert pool.world.state.seed == 4000000077
     hands.glide(pool, 0.2)
-    assert pool.inspector.state(Draft).counts.seed == 4000000077  # shown, it stays what it is
+    assert (
+        pool.inspector.state(InitialisationState).counts.seed == 4000000077
+    )  # shown, it stays what it is
     assert pool.window.handle is window
 
 

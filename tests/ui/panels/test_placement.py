@@ -11,7 +11,7 @@ from msgspec.structs import replace
 from subsea.scenario.load import load_scenario
 from subsea.ui.dive import Dive
 from subsea.ui.panels import initialisation
-from subsea.ui.panels.placement import Placing
+from subsea.ui.panels.placement import PlacementState
 from subsea.world import placement, snapshot
 from subsea.world.world import create_world
 from tests.support.windows import dive_options
@@ -98,7 +98,7 @@ def test_a_thing_is_dragged_and_the_dive_goes_on_around_the_submarine(lagoon, ha
     begin = on_screen(lagoon, "pillar")
     empty = hands.screen(lagoon)
     drag(lagoon, hands, begin, (30, 0), (60, 0), drop=False)
-    placing = lagoon.inspector.state(Placing)
+    placing = lagoon.inspector.state(PlacementState)
     assert placing.chosen == ("pillar", 0)
     assert placing.trial.pillar[0].position_cm != before.pillar[0].position_cm
     assert lagoon.world is world and lagoon.scenario is before  # only the outline follows
@@ -122,7 +122,7 @@ def test_a_thing_is_dragged_and_the_dive_goes_on_around_the_submarine(lagoon, ha
 def test_what_is_held_when_the_desk_is_closed_stays_where_it_was(lagoon, hands):
     before, world = lagoon.scenario, lagoon.world
     drag(lagoon, hands, on_screen(lagoon, "rock"), (25, 0), drop=False)
-    assert lagoon.inspector.state(Placing).trial is not None
+    assert lagoon.inspector.state(PlacementState).trial is not None
     hands.do("key", "Tab")
     hands.until(lagoon, lambda: not lagoon.inspector.open)
     hands.do("mouseup", 1)
@@ -130,7 +130,7 @@ def test_what_is_held_when_the_desk_is_closed_stays_where_it_was(lagoon, hands):
     hands.do("key", "Tab")
     hands.until(lagoon, lambda: lagoon.inspector.open)
     hands.glide(lagoon, 0.8)
-    assert lagoon.inspector.state(Placing).trial is None
+    assert lagoon.inspector.state(PlacementState).trial is None
     assert lagoon.scenario is before and lagoon.world is world
 
 
@@ -177,7 +177,7 @@ def test_what_would_be_misplaced_is_red_and_refused_in_one_line(lagoon, hands, c
     far = [np.inf if at is None else np.hypot(*np.subtract(at, school)[:2]) for at in aims]
     way = ways[int(np.argmin(far))]
     drag(lagoon, hands, begin, (way[0] // 2, way[1] // 2), way, drop=False)
-    assert "fish[0].position_cm" in lagoon.inspector.state(Placing).fault
+    assert "fish[0].position_cm" in lagoon.inspector.state(PlacementState).fault
     red = hands.screen(lagoon)
     assert ((red[..., 0] > 200) & (red[..., 2] < 130)).sum() > 100
     capsys.readouterr()
@@ -191,17 +191,17 @@ def test_what_would_be_misplaced_is_red_and_refused_in_one_line(lagoon, hands, c
 def test_a_drag_that_begins_on_a_panel_moves_nothing_in_the_sea(lagoon, hands, spots):
 
     before = lagoon.scenario
-    lagoon.inspector.state(Placing).chosen = None
+    lagoon.inspector.state(PlacementState).chosen = None
     hands.glide(lagoon, 0.2)
     bar = spots.place(lagoon, "Redo")  # there is nothing to redo
     target = on_screen(lagoon, "rock")
     drag(lagoon, hands, bar, (target[0] - bar[0], target[1] - bar[1]), (200, 20), (0, 0))
-    assert lagoon.inspector.state(Placing).chosen is None
+    assert lagoon.inspector.state(PlacementState).chosen is None
     assert lagoon.scenario is before
 
 
 def test_numbers_add_and_remove(lagoon, hands, spots):
-    lagoon.inspector.state(Placing).chosen = ("pillar", 0)
+    lagoon.inspector.state(PlacementState).chosen = ("pillar", 0)
     hands.glide(lagoon, 0.3)
     before = lagoon.scenario
     spots.drag(lagoon, "radius, cm", 0.3, 0.45)
@@ -216,7 +216,7 @@ def test_numbers_add_and_remove(lagoon, hands, spots):
     spots.click(lagoon, "Add")
     spots.click(lagoon, "a vent of bubbles")
     hands.until(lagoon, lambda: lagoon.scenario.vent)
-    assert lagoon.inspector.state(Placing).chosen == ("vent", 0)
+    assert lagoon.inspector.state(PlacementState).chosen == ("vent", 0)
 
 
 def test_what_was_placed_is_saved_and_is_the_same_world_in_another_process(lagoon, hands, tmp_path):
