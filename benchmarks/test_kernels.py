@@ -40,7 +40,8 @@ from subsea.state import Clock
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.culling import OUT_OF_SIGHT, coverage
 from subsea.view.display_rigs import cockpit, views_for
-from subsea.world.step import create_world, step
+from subsea.world.build import create_world
+from subsea.world.step import step
 from subsea.world.world import TICK_S
 
 MANY = 10_000

@@ -12,8 +12,9 @@ import numpy as np
 from subsea.scenario.load import load_scenario
 from subsea.state import EAT, ESCAPE, FEAR, HOOKED, LANDED, PACIFIST, PREDATOR, PREY
 from subsea.submarine.helm import HANDS_OFF
+from subsea.world.build import create_world
 from subsea.world.step import step
-from subsea.world.world import TICK_S, World, create_world
+from subsea.world.world import TICK_S, World
 
 SECONDS = {"preying": 180.0, "go-fish": 75.0}
 

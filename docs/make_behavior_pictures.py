@@ -27,7 +27,8 @@ from subsea.state import ASCENDING, CIRCLING, COURTSHIP, LOOPING, NO_COURTSHIP, 
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.camera import NEAR_CM, View, look, off_axis
 from subsea.view.display_rigs import display_rig
-from subsea.world.step import create_world, step
+from subsea.world.build import create_world
+from subsea.world.step import step
 from subsea.world.world import TICK_S, World
 
 Array = NDArray[np.floating[Any]]

@@ -29,8 +29,9 @@ from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.display_rigs import display_rig, views_for
 from subsea.view.rig import CameraPose
+from subsea.world.build import create_world
 from subsea.world.step import step
-from subsea.world.world import World, create_world
+from subsea.world.world import World
 
 SCENARIO, SEED, TICKS, LATER = "peaceful", 1, 60, 12
 FISH = "Emperor angelfish"

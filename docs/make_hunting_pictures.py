@@ -26,8 +26,9 @@ from subsea.state import ESCAPE, HOOKED, PREDATOR, PREY
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.display_rigs import display_rig, views_for
 from subsea.view.rig import CameraPose
+from subsea.world.build import create_world
 from subsea.world.step import step
-from subsea.world.world import TICK_S, World, create_world
+from subsea.world.world import TICK_S, World
 
 Array = NDArray[np.floating[Any]]
 

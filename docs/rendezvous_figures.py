@@ -14,8 +14,9 @@ from subsea.scenario.load import load_scenario
 from subsea.state import EAT, LOOPING, MATE
 from subsea.view.display_rigs import VERTICAL_FOV, cockpit
 from subsea.view.rig import CameraPose
+from subsea.world.build import create_world
 from subsea.world.step import step
-from subsea.world.world import TICK_S, World, create_world
+from subsea.world.world import TICK_S, World
 
 PAIR, SCHOOL, SHARK = slice(0, 2), slice(2, 38), 38  # the numbers of the scenario's fishes
 ASPECT = 16 / 9

@@ -22,8 +22,9 @@ from subsea.study.report import measure
 from subsea.study.simulate import simulate
 from subsea.study.table import table
 from subsea.submarine.helm import HANDS_OFF
+from subsea.world.build import create_world
 from subsea.world.step import step
-from subsea.world.world import TICK_S, create_world
+from subsea.world.world import TICK_S
 
 TOLD = (
     ("peaceful", 600.0, (1, 2)),

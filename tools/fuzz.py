@@ -51,7 +51,7 @@ from subsea.view.theatre.obj import read_obj
 from subsea.view.theatre.pfm import read_pfm
 from subsea.view.theatre.theatre_file import load_theatre
 from subsea.world import snapshot
-from subsea.world.step import create_world
+from subsea.world.build import create_world
 
 SECONDS = 10  # for one file
 PATIENCE = 6  # times that, until a process is killed that a library does not come back to

@@ -15,7 +15,7 @@ from typing import Any
 from msgspec.structs import replace
 
 from subsea.scenario.load import load_scenario
-from subsea.world.world import create_world
+from subsea.world.build import create_world
 
 TIMES = 4
 # What is moved, a centimetre at a time: the key, and where it is at first.

@@ -19,8 +19,9 @@ from subsea.render.output.quality import PRESETS
 from subsea.scenario.load import load_scenario
 from subsea.view.display_rigs import cockpit, display_rig, views_for
 from subsea.view.levels import LEVELS, empty_lod_state
+from subsea.world.build import create_world
 from subsea.world.step import step
-from subsea.world.world import World, create_world
+from subsea.world.world import World
 
 SIZE = (1280, 720)
 QUALITY = PRESETS["low"]

@@ -17,7 +17,7 @@ from subsea.scenario.load import load_scenario
 from subsea.state import Clock, Fishes, Minds, Sea
 from subsea.submarine.helm import HANDS_OFF
 from subsea.world import step
-from subsea.world.world import create_world
+from subsea.world.build import create_world
 
 NUMBERS = (60, 1000, 3000, 10_000, 30_000, 50_000)
 STAGES = ("perception", "behavior")

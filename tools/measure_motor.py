@@ -13,7 +13,8 @@ from subsea.motor.controller import command
 from subsea.motor.fins import flap
 from subsea.motor.playback import play
 from subsea.scenario.load import load_scenario
-from subsea.world.world import TICK_S, create_world
+from subsea.world.build import create_world
+from subsea.world.world import TICK_S
 
 REPEATS = 20
 TOUCHED = (

@@ -15,8 +15,9 @@ from subsea.scenario.schema import Scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.display_rigs import cockpit, views_for
 from subsea.view.rig import CameraRig
+from subsea.world.build import LIVE_REACH_CM, create_world
 from subsea.world.step import step
-from subsea.world.world import LIVE_REACH_CM, World, create_world
+from subsea.world.world import World
 
 if TYPE_CHECKING:
     from subsea.render import Renderer
@@ -48,7 +49,7 @@ def ready_world(
 ) -> World:  # fmt: skip
     """The world of a scenario after its first tick and packet: every kernel is compiled.
 
-    `source` is the scenario's file; all else is what :func:`subsea.world.world.create_world` takes.
+    `source` is the scenario's file; all else is what :func:`subsea.world.build.create_world` takes.
     """
     precompile(tell)
     world = create_world(scenario, seed, fish, tell, live, live_reach_cm, str(source))

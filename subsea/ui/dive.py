@@ -35,8 +35,9 @@ from subsea.ui.overlay import Overlay
 from subsea.ui.picture import ScenePicture
 from subsea.ui.text_layer import TextLayer
 from subsea.ui.window import GlWindow
+from subsea.world.build import create_world
 from subsea.world.migrate import carry
-from subsea.world.world import World, create_world
+from subsea.world.world import World
 
 TickSourceMaker = Callable[[World, Pilot], TickSource]
 

@@ -82,7 +82,7 @@ def with_fishes(scenario: Scenario, species: str, number: int) -> Scenario:
         shoals.append(Shoal(species=species, number=0))
     these = [k for k, shoal in enumerate(shoals) if shoal.species == species]
     scenario = replace(scenario, fish=shoals)
-    for k, share in zip(these, _shared(number, [shoals[k].number for k in these]), strict=True):
+    for k, share in zip(these, share_out(number, [shoals[k].number for k in these]), strict=True):
         scenario = numbered(scenario, k, share)
     return scenario
 
@@ -94,7 +94,7 @@ def with_seaweed(scenario: Scenario, kind: str, clusters: int, leaves: int) -> S
         high = {"kelp": 400.0, "grass": 32.0, "red": 32.0}.get(kind, 90.0)
         groups.append(Seaweed(kind=kind, clusters=0, height_cm=high))  # type: ignore[arg-type]
     these = [k for k, group in enumerate(groups) if group.kind == kind]
-    shares = _shared(clusters, [groups[k].clusters for k in these])
+    shares = share_out(clusters, [groups[k].clusters for k in these])
     for k, share in zip(these, shares, strict=True):
         groups[k] = replace(groups[k], clusters=share, leaves=leaves)
     return replace(scenario, seaweed=groups)
@@ -131,8 +131,8 @@ def _taken(scenario: Scenario) -> list[tuple[tuple[float, ...], float]]:
     return taken
 
 
-def _shared(number: int, shares: Sequence[int]) -> list[int]:
-    """A number shared out in whole parts as it was before: (len(shares),), by largest remainder."""
+def share_out(number: int, shares: Sequence[int]) -> list[int]:
+    """Divide a number in proportion to shares (k,) by largest remainder; equally if all are 0."""
     if not shares:
         return []
     old = np.array(shares, float) if any(shares) else np.ones(len(shares))

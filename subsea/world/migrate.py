@@ -8,9 +8,10 @@ from subsea.geometry.vector import vector
 from subsea.habitat.clearance import clearance, out_of_solids
 from subsea.scenario.schema import Shoal
 from subsea.state import NOBODY, TRAITS
+from subsea.world.populate import ROOM_BL
 from subsea.world.snapshot import changing, constant
 from subsea.world.tunables import constants_of, put_back
-from subsea.world.world import ROOM_BL, World
+from subsea.world.world import World
 
 LIVING = (
     "fishes.",
@@ -67,7 +68,7 @@ def _keep_changes(before: World, world: World) -> None:
     fed = minds.eaten / minds.appetite
     for old, new in _same_fishes(before.scenario.fish, world.scenario.fish):
         for name in TRAITS:
-            was, now = before.tempers[name][old], getattr(before.state.minds, name)[old]
+            was, now = before.initial_traits[name][old], getattr(before.state.minds, name)[old]
             np.copyto(getattr(minds, name)[new], now, where=now != was)
     minds.eaten[:] = fed * minds.appetite  # as hungry as they began
 

@@ -33,7 +33,7 @@ from subsea.scenario.schema import (
     Vent,
 )
 from subsea.state import HULL_CM, Sea
-from subsea.world.world import check_world
+from subsea.world.checks import check_world
 
 Place = tuple[float, float, float]  # x, y, z in cm
 

@@ -36,9 +36,7 @@ from subsea.state import NOBODY, Clock, Submarine
 from subsea.submarine.helm import STATION, Helm
 from subsea.submarine.hull import hull_axes, step_hull
 from subsea.submarine.rail import Rail, ride
-from subsea.world.world import TICK_S, World, create_world
-
-__all__ = ["TICK_S", "Order", "World", "create_world", "steer", "step"]
+from subsea.world.world import TICK_S, World
 
 Order = Helm | Rail | TeleopCommand  # what is steered in a tick, and how
 
@@ -139,7 +137,7 @@ def move_fishes(world: World) -> None:
         fishes, world.library, world.dynamics, state.live,
         state.submarine.position, state.tick, TICK_S, world.physics, state.sea,
     )  # fmt: skip
-    world.tell_burst(burst)
+    world.report_bursts(burst)
     play(fishes, world.library, TICK_S)
     flap(fishes, TICK_S)
 

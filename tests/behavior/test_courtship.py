@@ -15,8 +15,9 @@ from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Scenario
 from subsea.state import APPROACHING, ASCENDING, CIRCLING, LOOPING, NO_COURTSHIP, NOBODY, NUZZLING
 from subsea.submarine.helm import HANDS_OFF
-from subsea.world.step import TICK_S, create_world, step
-from subsea.world.world import World
+from subsea.world.build import create_world
+from subsea.world.step import step
+from subsea.world.world import TICK_S, World
 
 DANCE = [APPROACHING, LOOPING, CIRCLING, ASCENDING, NUZZLING]
 

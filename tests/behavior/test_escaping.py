@@ -30,7 +30,7 @@ from subsea.state import (
     Minds,
     empty,
 )
-from subsea.world.world import heading_quaternion
+from subsea.world.populate import heading_quaternion
 
 DREAD = 200.0
 FAR, NEAR = -0.5, 0.4

@@ -6,7 +6,8 @@ import pytest
 from subsea.scenario.load import load_scenario
 from subsea.state import BAIT, EAT, ESCAPE, FEAR, HOOKED, LANDED, NOBODY, PACIFIST, PREY
 from subsea.submarine.helm import HANDS_OFF
-from subsea.world.step import create_world, step
+from subsea.world.build import create_world
+from subsea.world.step import step
 
 
 @pytest.fixture(scope="module", params=[1, 2, 3])

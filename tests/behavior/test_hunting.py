@@ -26,7 +26,8 @@ from subsea.behavior.table import BEHAVIORS, DESIRES
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Shoal
 from subsea.state import AVOID, EAT, HUNGER, PACIFIST, PREDATOR, PREY, Clock, Fishes, Minds, empty
-from subsea.world.world import create_world, heading_quaternion
+from subsea.world.build import create_world
+from subsea.world.populate import heading_quaternion
 
 LENGTH, SNOUT = 100.0, 30.0
 MOUTH = np.array([SNOUT, 0.0, -300.0])

@@ -12,7 +12,9 @@ from subsea.scenario.load import load_scenario
 from subsea.state import EAT, ESCAPE, FEAR, MATE, NOBODY, PREDATOR, PREY, WANDER
 from subsea.submarine.helm import HANDS_OFF
 from subsea.world import snapshot
-from subsea.world.step import TICK_S, create_world, step
+from subsea.world.build import create_world
+from subsea.world.step import step
+from subsea.world.world import TICK_S
 
 FISH = 5
 

@@ -10,7 +10,9 @@ from subsea.scenario.schema import Individual, Shoal
 from subsea.state import NOBODY
 from subsea.submarine.helm import HANDS_OFF
 from subsea.world import snapshot
-from subsea.world.step import TICK_S, create_world, step
+from subsea.world.build import create_world
+from subsea.world.step import step
+from subsea.world.world import TICK_S
 
 
 def bay(**options):

@@ -11,7 +11,7 @@ from subsea.fish.species import Species
 from subsea.scenario.checks import check_scenario
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Scenario
-from subsea.world.world import create_world
+from subsea.world.build import create_world
 
 REEF = """\
 title = "a reef"

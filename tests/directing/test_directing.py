@@ -36,9 +36,11 @@ from subsea.state import (
 )  # fmt: skip
 from subsea.submarine.helm import HANDS_OFF, Helm
 from subsea.world import snapshot
+from subsea.world.build import create_world
 from subsea.world.placement import Handle, removed
-from subsea.world.step import TICK_S, create_world, step
+from subsea.world.step import step
 from subsea.world.to_scenario import as_it_is
+from subsea.world.world import TICK_S
 from tests.support.directions import directions
 
 SEA = """

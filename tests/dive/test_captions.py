@@ -8,7 +8,8 @@ from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.display_rigs import DISPLAYS, display_rig
 from subsea.view.text_viewports import text_viewports
-from subsea.world.step import create_world, step
+from subsea.world.build import create_world
+from subsea.world.step import step
 from subsea.world.world import TICK_S
 from tests.support.scenes import scene
 

@@ -28,7 +28,8 @@ from subsea.submarine.hull import ACCELERATION_CM_S2, AHEAD_CM_S, hull_axes
 from subsea.submarine.rail import Rail
 from subsea.view.rig import CameraPose
 from subsea.world import snapshot
-from subsea.world.step import create_world, step
+from subsea.world.build import create_world
+from subsea.world.step import step
 from subsea.world.world import TICK_S
 from tests.support.scenes import scene
 

@@ -16,7 +16,8 @@ from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.display_rigs import display_rig
 from subsea.view.rig import front, pose_from_angles, seen_part, views
-from subsea.world.step import create_world, step
+from subsea.world.build import create_world
+from subsea.world.step import step
 
 SIZE = (400, 240)
 EYE = np.array([0.0, 0.0, -200.0])

@@ -17,7 +17,8 @@ from subsea.submarine.hull import AHEAD_CM_S, HEAVE_CM_S, YAW_RAD_S
 from subsea.submarine.rail import Rail
 from subsea.view.display_rigs import cockpit
 from subsea.world import snapshot
-from subsea.world.step import create_world, steer, step
+from subsea.world.build import create_world
+from subsea.world.step import steer, step
 from subsea.world.world import TICK_S
 
 FASTEST_CM_S = math.hypot(AHEAD_CM_S, HEAVE_CM_S) + 20.0 * YAW_RAD_S  # of an eye before the hull

@@ -23,7 +23,8 @@ from subsea.view.display_rigs import display_rig
 from subsea.view.retina import Gaze, eyes_pose
 from subsea.view.rig import front, pose_from_angles, seen_part, views
 from subsea.view.text_viewports import text_viewports
-from subsea.world.step import create_world, step
+from subsea.world.build import create_world
+from subsea.world.step import step
 from tests.support.windows import dive_options
 
 SIZE = (400, 300)

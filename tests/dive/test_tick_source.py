@@ -20,7 +20,8 @@ from subsea.submarine.rail import Rail
 from subsea.ui import dive
 from subsea.view.theatre.theatre_file import load_theatre
 from subsea.world import snapshot
-from subsea.world.step import create_world, step
+from subsea.world.build import create_world
+from subsea.world.step import step
 from subsea.world.world import TICK_S
 
 

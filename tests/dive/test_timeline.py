@@ -14,8 +14,9 @@ from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import Helm
 from subsea.submarine.rail import Rail
 from subsea.world import snapshot
-from subsea.world.step import TICK_S, create_world
+from subsea.world.build import create_world
 from subsea.world.tunables import constants_of, put_back, same
+from subsea.world.world import TICK_S
 
 REACH, KEPT = 50, 7  # ticks; as in a dive, but sooner at an end
 

@@ -23,8 +23,9 @@ from subsea.dive.tour import (
 from subsea.scenario.load import load_scenario
 from subsea.state import CIRCLING, EAT, HANGING, HOOKED, LANDED, LOOPING, NOBODY, PREDATOR
 from subsea.submarine.course import course_of, rail_at
+from subsea.world.build import create_world
 from subsea.world.snapshot import checksum
-from subsea.world.step import create_world, step
+from subsea.world.step import step
 from subsea.world.world import TICK_S
 
 

@@ -12,7 +12,9 @@ from subsea.submarine.helm import HANDS_OFF, Helm
 from subsea.view.display_rigs import cockpit, views_for
 from subsea.view.levels import empty_lod_state
 from subsea.view.rig import pose_from_angles
-from subsea.world.step import TICK_S, create_world, step
+from subsea.world.build import create_world
+from subsea.world.step import step
+from subsea.world.world import TICK_S
 
 
 @pytest.fixture(scope="module")

@@ -14,7 +14,8 @@ from subsea.scenario.schema import Arch, Outcrop, Rock, Scenario, Shoal, Start, 
 from subsea.state import HULL_CM, Submarine
 from subsea.submarine.helm import HANDS_OFF, Helm
 from subsea.submarine.hull import step_hull
-from subsea.world.step import create_world, step
+from subsea.world.build import create_world
+from subsea.world.step import step
 
 NO_PILLARS = np.zeros((0, 4))
 SEED = st.integers(0, 2**32 - 1)

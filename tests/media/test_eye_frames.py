@@ -20,7 +20,8 @@ from subsea.scenario.fish_lookup import find_fish
 from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.retina import fish_eyes, retina_rig
-from subsea.world.step import create_world, step
+from subsea.world.build import create_world
+from subsea.world.step import step
 
 pytestmark = pytest.mark.usefixtures("one_context")
 

@@ -10,7 +10,8 @@ from subsea.scenario.schema import Shoal
 from subsea.state import Physics
 from subsea.submarine.helm import HANDS_OFF
 from subsea.world import snapshot
-from subsea.world.step import create_world, step
+from subsea.world.build import create_world
+from subsea.world.step import step
 
 LITTLE = "water.plankton=300", "seaweed=[]"  # of what drifts and sways
 
@@ -161,7 +162,7 @@ def test_what_explodes_is_told_with_its_reason(usual):
         "of simulated"
     ]
     world.physics = world.physics._replace(fish=slots[0])  # the same physics, of whomever first
-    world.tell_burst(slots)
+    world.report_bursts(slots)
     assert len(world.notices) == 1
 
 

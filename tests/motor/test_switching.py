@@ -11,8 +11,9 @@ from subsea.repertoire import SEGMENTS
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Shoal
 from subsea.submarine.helm import HANDS_OFF, Helm
+from subsea.world.build import create_world
 from subsea.world.snapshot import checksum
-from subsea.world.step import create_world, step
+from subsea.world.step import step
 
 TICK = 0.033
 LIMIT = 2.0  # times the largest change of velocity that playback itself makes

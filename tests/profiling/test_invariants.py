@@ -8,7 +8,8 @@ from subsea.profiling.invariants import depth_in_stone, faults_in, reach_now, st
 from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.world import snapshot
-from subsea.world.step import create_world, step
+from subsea.world.build import create_world
+from subsea.world.step import step
 
 
 @pytest.fixture(scope="module")

@@ -17,7 +17,7 @@ from subsea.submarine.helm import HANDS_OFF, Helm
 from subsea.view.display_rigs import DISPLAYS, display_rig
 from subsea.view.theatre.theatre_file import FOLDER
 from subsea.world import snapshot
-from subsea.world.step import create_world
+from subsea.world.build import create_world
 
 SHORT = ["soak", "--scenario", "preying", "--minutes", "1.01"]
 MINUTE = 360  # ticks: a shorter one

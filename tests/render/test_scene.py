@@ -14,8 +14,8 @@ from subsea.render.output.quality import PRESETS
 from subsea.scenario.schema import Shoal
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.display_rigs import cockpit, display_rig, views_for
+from subsea.world.build import create_world
 from subsea.world.step import step
-from subsea.world.world import create_world
 
 SIZE = (320, 180)
 MOST_CALLS = 40

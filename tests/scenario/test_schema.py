@@ -14,7 +14,8 @@ from subsea.habitat.clearance import clearances
 from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.display_rigs import cockpit, views_for
-from subsea.world.step import create_world, step
+from subsea.world.build import create_world
+from subsea.world.step import step
 
 PEACEFUL = resource_path("assets/scenarios/peaceful.toml").read_text()
 BARE = PEACEFUL.split("\n[[rock]]")[0]  # nothing stands on its seabed

@@ -8,7 +8,7 @@ import pytest
 from subsea.scenario.schema import load_scenario
 from subsea.state import GROUPS, TRAITS, Fishes, Minds, Submarine, arrays, declared, empty
 from subsea.state.declaration import F32, I32, NUMBER, creation, motor
-from subsea.world.step import create_world
+from subsea.world.build import create_world
 
 
 class Group(NamedTuple):

@@ -14,8 +14,9 @@ from subsea.scenario.schema import TourTable
 from subsea.state import HULL_CM
 from subsea.submarine.course import check_tours, course_of, rail_at
 from subsea.submarine.hull import AHEAD_CM_S
+from subsea.world.build import create_world
 from subsea.world.snapshot import checksum
-from subsea.world.step import create_world, step
+from subsea.world.step import step
 from subsea.world.world import TICK_S
 
 PEACEFUL = resource_path("assets/scenarios/peaceful.toml").read_text().split("\n[[tour]]")[0]

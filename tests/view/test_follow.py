@@ -9,7 +9,8 @@ from subsea.habitat.clearance import clearances
 from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.follow import BACK_BL, BACK_CM, ROOM_CM, follow_fish
-from subsea.world.step import create_world, step
+from subsea.world.build import create_world
+from subsea.world.step import step
 
 NEAR_CM = 8.0  # what the corners of the near plane need
 

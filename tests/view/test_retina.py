@@ -21,7 +21,8 @@ from subsea.view.retina import (
     retina_rig,
     retinal_views,
 )
-from subsea.world.step import create_world, step
+from subsea.world.build import create_world
+from subsea.world.step import step
 
 SIZE = (64, 48)
 

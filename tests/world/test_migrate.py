@@ -9,8 +9,8 @@ from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Individual, Pillar, Shoal
 from subsea.state import TRAITS
 from subsea.world import placement
+from subsea.world.build import create_world
 from subsea.world.migrate import carry
-from subsea.world.world import create_world
 
 
 @pytest.fixture(scope="module")

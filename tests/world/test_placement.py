@@ -16,8 +16,9 @@ from subsea.scenario.save import save_scenario
 from subsea.scenario.schema import Bounds, Individual, Scenario, Shoal, Start, Terrain, Water
 from subsea.submarine.helm import HANDS_OFF
 from subsea.world import placement, snapshot
+from subsea.world.build import create_world
 from subsea.world.placement import added, aim, check, grip, handles, moved, pick
-from subsea.world.step import create_world, step
+from subsea.world.step import step
 
 replace = msgspec.structs.replace
 

@@ -9,7 +9,8 @@ from subsea.core.errors import UserError
 from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import Helm
 from subsea.world import snapshot
-from subsea.world.step import create_world, step
+from subsea.world.build import create_world
+from subsea.world.step import step
 
 AHEAD = Helm(surge=0.6, yaw=0.2, heave=-0.1)
 # Schools, courtship, hunting, a hook; the last with some fishes that are simulated.

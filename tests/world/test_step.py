@@ -13,8 +13,10 @@ from subsea.motor.balance import roll_of
 from subsea.scenario.load import load_scenario
 from subsea.state import HULL_CM, LOOPING
 from subsea.submarine.helm import Helm
+from subsea.world.build import create_world
 from subsea.world.snapshot import checksum
-from subsea.world.step import TICK_S, create_world, step
+from subsea.world.step import step
+from subsea.world.world import TICK_S
 
 AHEAD = Helm(surge=0.4, yaw=0.1)
 
@@ -131,7 +133,8 @@ def test_equal_seeds_are_equal_worlds_and_others_are_not():
 PROGRAM = """
 from subsea.motor.balance import roll_of
 from subsea.world.snapshot import checksum
-from subsea.world.step import create_world, step
+from subsea.world.build import create_world
+from subsea.world.step import step
 from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import Helm
 world = create_world(load_scenario("peaceful")[0], seed=3, fish=60)

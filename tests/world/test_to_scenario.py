@@ -8,9 +8,9 @@ from subsea.behavior.temperament import apply_individual
 from subsea.scenario.load import load_scenario
 from subsea.scenario.save import save_scenario
 from subsea.scenario.schema import Individual
+from subsea.world.build import create_world
 from subsea.world.to_scenario import as_it_is
 from subsea.world.tunables import constants_of, same
-from subsea.world.world import create_world
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,8 @@ from subsea.scenario.load import load_scenario
 from subsea.state import TRAITS
 from subsea.submarine.helm import HANDS_OFF
 from subsea.world import snapshot
-from subsea.world.step import create_world, step
+from subsea.world.build import create_world
+from subsea.world.step import step
 from subsea.world.tunables import constants_of, put_back, same
 
 

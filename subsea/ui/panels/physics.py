@@ -127,7 +127,7 @@ def _factors(context: PanelContext) -> None:
     if physics != before:
         world.physics = physics
         context.changed()
-    burst = sorted(fish for fish, under in world.told if under == world.physics)
+    burst = sorted(fish for fish, under in world.reported_bursts if under == world.physics)
     if burst:
         those = ", ".join(map(str, burst[:8])) + (" …" if len(burst) > 8 else "")
         imgui.text_disabled(

@@ -23,8 +23,8 @@ from subsea.ui.gui import GLASS, MARK, colour
 from subsea.ui.panels import fields
 from subsea.view.unproject import FrontView
 from subsea.world import placement
+from subsea.world.checks import check_in_sea
 from subsea.world.placement import Grip, Handle
-from subsea.world.world import check_in
 
 REFUSED = (1.0, 0.42, 0.34)  # what cannot be
 WIDE, ROWS = 20.0, 7.5  # of the list, in heights of letters
@@ -59,7 +59,7 @@ class PlacementState:
         """Show how it would be, and whether it may."""
         self.trial, self.fault = scenario, ""
         try:
-            check_in(scenario, sea)
+            check_in_sea(scenario, sea)
         except UserError as fault:
             self.fault = f"{source}: {fault}"
 

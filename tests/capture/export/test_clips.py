@@ -21,7 +21,7 @@ from subsea.fish.species import load_species
 from subsea.geometry.rotation import matrix
 from subsea.repertoire import SEGMENTS, read_repertoire
 from subsea.repertoire.library import pack
-from subsea.world.world import _coupling
+from subsea.world.repertoires import coupling_of
 
 
 def test_each_frame_is_a_row_of_the_playback_table(
@@ -30,7 +30,7 @@ def test_each_frame_is_a_row_of_the_playback_table(
     """As large as the usual adult, and as slow as that one is."""
     species = load_species(known)
     repertoire = read_repertoire(resource_path(f"repertoires/{known}.h5"))
-    library = pack([repertoire], [_coupling(species, repertoire)])
+    library = pack([repertoire], [coupling_of(species, repertoire)])
     surface = Surface(species.surface, repertoire.body_length_cm, 0)
     scale = np.mean(species.size_cm) / repertoire.body_length_cm
     assert [clip.name for clip in clips] == list(SEGMENTS)

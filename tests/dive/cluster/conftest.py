@@ -13,7 +13,8 @@ from subsea.dive.cluster.master import Master
 from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import HANDS_OFF, Helm
 from subsea.world import snapshot
-from subsea.world.step import create_world, step
+from subsea.world.build import create_world
+from subsea.world.step import step
 
 TIMEOUT_S = 5.0  # a busy machine is not to be told from a node that is late too soon
 

@@ -19,7 +19,8 @@ from subsea.dive.cluster.master import Master
 from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import HANDS_OFF, Helm
 from subsea.world import snapshot
-from subsea.world.step import create_world, step
+from subsea.world.build import create_world
+from subsea.world.step import step
 
 TIMEOUT_S = 1.0
 

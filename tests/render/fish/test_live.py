@@ -12,7 +12,8 @@ from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.display_rigs import display_rig, views_for
 from subsea.view.rig import pose_from_angles
-from subsea.world.step import create_world, step
+from subsea.world.build import create_world
+from subsea.world.step import step
 
 SIZE = (240, 160)
 

@@ -17,7 +17,8 @@ from subsea.view.camera import NEAR_CM, off_axis
 from subsea.view.display_rigs import DISPLAYS, SURROUNDS, display_rig
 from subsea.view.levels import LodState, empty_lod_state
 from subsea.view.rig import CameraRig, DisplayPatch, Eye, pose_from_angles, views
-from subsea.world.step import create_world, step
+from subsea.world.build import create_world
+from subsea.world.step import step
 
 SIZE = (96, 64)
 # Shadows of fishes lie in all views: who is beside one may darken its sand.

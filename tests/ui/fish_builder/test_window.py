@@ -18,8 +18,8 @@ from subsea.submarine.helm import Helm
 from subsea.ui.fish_builder.jobs import MOST, SEA, SHOAL
 from subsea.ui.fish_builder.window import begun
 from subsea.ui.tool_window import Bench
+from subsea.world.build import create_world
 from subsea.world.step import step
-from subsea.world.world import create_world
 
 SIZE = 800, 600
 RING, BACK = ("body", "ring", 1), ("surface", "back", 6)

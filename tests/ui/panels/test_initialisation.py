@@ -15,8 +15,8 @@ from subsea.ui.dive import Dive
 from subsea.ui.gui import TEXT_PT
 from subsea.ui.panels.initialisation import NUMBER, InitialisationState, present
 from subsea.world import snapshot
+from subsea.world.build import create_world
 from subsea.world.inventory import counts, with_counts
-from subsea.world.world import create_world
 from tests.support.windows import dive_options
 
 POOL = """

@@ -13,7 +13,7 @@ from subsea.ui.dive import Dive
 from subsea.ui.panels import initialisation
 from subsea.ui.panels.placement import PlacementState
 from subsea.world import placement, snapshot
-from subsea.world.world import create_world
+from subsea.world.build import create_world
 from tests.support.windows import dive_options
 
 LAGOON = """
@@ -226,7 +226,7 @@ def test_what_was_placed_is_saved_and_is_the_same_world_in_another_process(lagoo
     scenario, _ = load_scenario(str(path))
     assert scenario == replace(lagoon.scenario, physics=scenario.physics)
     words = "from subsea.scenario.schema import load_scenario; "
-    words += "from subsea.world.world import create_world; "
+    words += "from subsea.world.build import create_world; "
     words += "from subsea.world import snapshot; import sys; "
     words += "print(snapshot.checksum(create_world(load_scenario(sys.argv[1])[0])))"
     told = subprocess.run(

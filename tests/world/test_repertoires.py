@@ -1,4 +1,4 @@
-"""What a world is made of, as far as no other test asks."""
+"""Species and repertoires are read once, and again when their files change."""
 
 import os
 import shutil
@@ -10,7 +10,7 @@ from subsea.core import disk_cache
 from subsea.core.errors import UserError
 from subsea.fish.species import repertoire_file
 from subsea.repertoire import files
-from subsea.world import world
+from subsea.world import repertoires
 
 
 def test_a_repertoire_is_read_by_its_content(tmp_path, monkeypatch):
@@ -19,7 +19,7 @@ def test_a_repertoire_is_read_by_its_content(tmp_path, monkeypatch):
     shutil.copy(repertoire_file("clownfish"), path)
 
     def read(stamp):  # a stamp that is new: nothing in memory is asked
-        return world._repertoire(path, "clownfish", (stamp, 0))
+        return repertoires._repertoire(path, "clownfish", (stamp, 0))
 
     first = read(1)
     assert read(2).body_length_cm == first.body_length_cm
@@ -48,10 +48,10 @@ def test_a_repertoire_that_changes_while_it_is_read_is_not_kept(tmp_path, monkey
 
     monkeypatch.setattr(files, "read_repertoire", late)
     with pytest.raises(UserError, match="while it was read"):
-        world._repertoire(path, "clownfish", (1, 0))
+        repertoires._repertoire(path, "clownfish", (1, 0))
     monkeypatch.setattr(files, "read_repertoire", read)
     path.write_bytes(whole)
-    found = world._repertoire(path, "clownfish", (2, 0))
+    found = repertoires._repertoire(path, "clownfish", (2, 0))
     assert found.body_length_cm == read(path).body_length_cm
 
 
@@ -61,9 +61,9 @@ def test_what_claims_to_be_huge_or_is_no_file_is_not_read_through(tmp_path, monk
     shutil.copy(repertoire_file("clownfish"), path)
     with path.open("r+b") as file:
         file.truncate(1 << 40)  # it has holes: a digest of all of it would take an hour
-    assert world._repertoire(path, "clownfish", (1, 0)).species == "clownfish"
+    assert repertoires._repertoire(path, "clownfish", (1, 0)).species == "clownfish"
     path.unlink()
     os.mkfifo(path)  # who opens it waits for somebody who writes
     with pytest.raises(UserError, match=str(path)):
-        world._repertoire(path, "clownfish", (2, 0))
+        repertoires._repertoire(path, "clownfish", (2, 0))
     assert not (tmp_path / "kept").exists()

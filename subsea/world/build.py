@@ -1,0 +1,88 @@
+"""Build a world from a scenario."""
+
+from collections.abc import Callable
+
+import msgspec
+import numpy as np
+
+from subsea.core.errors import UserError
+from subsea.core.toml_files import locate_errors
+from subsea.directing import make_script
+from subsea.motor.switching import make_dynamics
+from subsea.repertoire.library import pack
+from subsea.scenario.schema import MAX_SIMULATED, Scenario
+from subsea.state import TRAITS, Directions, Live, Nature, Physics, State, Submarine, empty
+from subsea.world.checks import make_surroundings
+from subsea.world.populate import fastest_cm_s, populate, shoal_sizes
+from subsea.world.repertoires import coupling_of, repertoire_of, species_of
+from subsea.world.world import World
+
+LIVE_REACH_CM = 500.0  # greatest distance of a simulated fish from the submarine
+
+
+def create_world(
+    scenario: Scenario,
+    seed: int | None = None,
+    fish: int | None = None,
+    progress: Callable[[str], None] = lambda message: None,
+    live: int | None = None,
+    live_reach_cm: float = LIVE_REACH_CM,
+    source: str = "the scenario",
+) -> World:
+    """Create the world of a scenario at tick 0.
+
+    `seed` replaces the scenario's; `fish` scales its shoals to that many fishes in all.
+    `progress` receives messages. At most `live` fishes (None: as in the scenario), the nearest to
+    the submarine within `live_reach_cm`, are simulated instead of played back. Raises a UserError
+    for a missing or damaged file, too many live fishes, and things inside a rock, a pillar or the
+    seabed; `source` is the scenario's file.
+    """
+    live = scenario.simulated if live is None else live
+    if live > MAX_SIMULATED:
+        raise UserError(f"{live} fishes to simulate: expected at most {MAX_SIMULATED}")
+    seed = scenario.seed if seed is None else seed
+    progress("reading repertoires")
+    species = {name: species_of(name) for name in scenario.species}
+    repertoires = [repertoire_of(name) for name in species]
+    couplings = [coupling_of(species[r.species], r) for r in repertoires]
+    library = pack(repertoires, couplings, live)
+    dynamics = make_dynamics([*species.values()], repertoires, library, live_reach_cm)
+    recorded = len(library.entry)
+    progress("shaping the seabed and growing the reef")
+    rng = np.random.default_rng([seed, 0x5EA])
+    with locate_errors(scenario, source):
+        sea, reef, seaweed = make_surroundings(scenario, rng, seed)
+    progress("letting the fishes in")
+    submarine = Submarine(position=np.array(scenario.submarine.position_cm, np.float64))
+    submarine.angles[0] = np.radians(scenario.submarine.heading_deg)
+    submarine.previous_position[:] = submarine.position
+    submarine.lights[:] = scenario.submarine.lights
+    submarine.previous_angles[:] = submarine.angles
+    fishes, minds = populate(scenario, species, library, sea, rng, fish)
+    tables = {name: getattr(library, name) for name in ("rotation", "translation", "nodes")}
+    directed = bool(scenario.direction)
+    state = State(
+        tick=0,
+        seed=seed,
+        fishes=fishes,
+        minds=minds,
+        sea=sea,
+        seaweed=seaweed,
+        reef=reef,
+        submarine=submarine,
+        live=empty(Live, k=live, given={name: table[recorded:] for name, table in tables.items()}),
+        directions=empty(
+            Directions,
+            k=len(scenario.direction),
+            n=len(fishes.species) * directed,
+            axes=2 * directed,
+        ),
+    )
+    nature = Nature(**msgspec.structs.asdict(scenario.nature))
+    physics = Physics(**msgspec.structs.asdict(scenario.physics))
+    return World(
+        scenario, tuple(species.values()), library, dynamics, nature,
+        scenario.water.current_cm_s, physics, state,
+        {name: getattr(minds, name).copy() for name in TRAITS},
+        make_script(scenario, shoal_sizes(scenario, fish), fastest_cm_s(fishes, library)),
+    )  # fmt: skip

@@ -1,0 +1,136 @@
+"""Put the fishes of a scenario into the sea."""
+
+import numpy as np
+
+from subsea.behavior.table import BEHAVIORS, DESIRES
+from subsea.behavior.temperament import apply_individual, set_temperament
+from subsea.core.arrays import Array
+from subsea.fish.species import Species
+from subsea.geometry.vector import vector
+from subsea.habitat.clearance import out_of_solids
+from subsea.repertoire import SEGMENTS
+from subsea.repertoire.library import Library
+from subsea.scenario.schema import Scenario, Shoal
+from subsea.state import KINDS, Fishes, Minds, Sea, empty
+from subsea.world.inventory import share_out
+
+ROOM_BL = 0.6  # distance of a new fish from every solid, body lengths
+FLAT_BL = 0.4  # bodies at least this tall, over their length, row with their pectoral fins
+RESOLVE_S = 60.0  # initial patience of fishes with a destination
+
+
+def shoal_sizes(scenario: Scenario, fish: int | None) -> list[int]:
+    """Number of fishes of each shoal; scaled to `fish` in all if given."""
+    numbers = [shoal.number for shoal in scenario.fish]
+    return numbers if fish is None or not any(numbers) else share_out(fish, numbers)
+
+
+def populate(
+    scenario: Scenario,
+    species: dict[str, Species],
+    library: Library,
+    sea: Sea,
+    rng: np.random.Generator,
+    fish: int | None,
+) -> tuple[Fishes, Minds]:
+    """Make all fishes at tick 0: places, sizes, leaders, traits, each at its own phase."""
+    shares = shoal_sizes(scenario, fish)
+    fishes = empty(Fishes, n=sum(shares))
+    minds = empty(Minds, n=sum(shares), b=len(BEHAVIORS), d=len(DESIRES))
+    slow = SEGMENTS.index("swim_slow")
+    first = 0
+    for shoal, number in zip(scenario.fish, shares, strict=True):
+        kind = list(species).index(shoal.species)
+        these = slice(first, first + number)
+        fishes.species[these] = kind
+        smallest, largest = shoal.size_cm or species[shoal.species].size_cm
+        fishes.length[these] = rng.uniform(smallest, largest, number)
+        if shoal.leader_cm and number:
+            fishes.length[first] = shoal.leader_cm
+        fishes.identity[these] = rng.uniform(0, 1, number)
+        schooling = species[shoal.species].schooling if shoal.schooling is None else shoal.schooling
+        minds.schools[these] = schooling
+        places = _places(shoal, number, scenario, rng)
+        if shoal.leader_cm and shoal.position_cm:
+            places[:1] = shoal.position_cm
+        common = rng.uniform(-np.pi, np.pi)
+        if shoal.heading_deg is not None:
+            common = np.radians(shoal.heading_deg)
+        together = schooling or shoal.heading_deg is not None
+        for i, place in enumerate(places, start=first):
+            room = ROOM_BL * float(fishes.length[i])
+            place[:] = out_of_solids(sea, vector(place), room, 40.0, 40.0)
+            turn = common + rng.normal(0, 0.2) if together else rng.uniform(-np.pi, np.pi)
+            fishes.position[i] = place
+            fishes.orientation[i] = heading_quaternion(turn)
+            fishes.goal_direction[i] = np.cos(turn), np.sin(turn), 0.0
+            row = int(rng.integers(library.length[kind, slow]))
+            fishes.row_a[i] = library.first[kind, slow] + row
+            fishes.row_b[i] = library.first[kind, slow] + (row + 1) % library.length[kind, slow]
+        if schooling:
+            minds.leader[first + 1 : first + number] = first
+            minds.leads[first : first + 1] = number > 1
+        minds.kind[these] = KINDS.index(shoal.kind or species[shoal.species].kind)
+        set_temperament(shoal, fishes, minds, these, rng)
+        minds.waypoint[these] = fishes.position[these]
+        if shoal.toward_cm:
+            minds.waypoint[these] = shoal.toward_cm
+            minds.patience[these] = RESOLVE_S
+        first += number
+    for one in scenario.individual:
+        if one.fish < len(fishes.species):  # beyond with `fish` scaled down
+            apply_individual(fishes, minds, one, 0.0)
+    minds.urge[:] = fishes.goal_direction
+    fishes.goal_speed[:] = 0.5
+    fishes.segment[:] = slow
+    fishes.wanted_segment[:] = slow
+    fishes.scale[:] = fishes.length / library.recorded_length[fishes.species]
+    fishes.snout[:] = fishes.scale * library.nodes[library.first[fishes.species, slow], 0, 0]
+    fishes.girth[:] = fishes.length[:, None] * _girths([*species.values()], library)[fishes.species]
+    # Froude similarity: a fish α times as long beats 1/√α as often.
+    fishes.rate[:] = 1.0 / np.sqrt(fishes.scale)
+    fishes.breath[:] = 2 * np.pi * fishes.identity
+    fishes.fin_phase[:] = fishes.breath[:, None]
+    flat = np.array([one.surface.depth > FLAT_BL for one in species.values()])
+    fishes.oars[:] = flat[fishes.species]
+    for name in ("position", "orientation", "row_a", "row_b", "weight", "span", "fins"):
+        getattr(fishes, f"previous_{name}")[:] = getattr(fishes, name)
+    return fishes, minds
+
+
+def fastest_cm_s(fishes: Fishes, library: Library) -> Array:
+    """Speed of each fish (n,) at its fastest, cm/s."""
+    recorded = library.speed[fishes.species, SEGMENTS.index("swim_fast")]
+    return np.asarray(recorded * fishes.scale * fishes.rate)
+
+
+def _girths(species: list[Species], library: Library) -> Array:
+    """Height and width (s, 2) of the widest cross-section of each species, body lengths."""
+    rows = library.nodes[library.first[:, SEGMENTS.index("swim_slow")], 1:21]
+    sections = rows.reshape(len(species), 5, 4, 3)
+    wide = np.ptp(sections[..., 2], axis=2).max(axis=1) / library.recorded_length
+    return np.stack([[one.surface.depth for one in species], wide], axis=1)
+
+
+def _places(shoal: Shoal, number: int, scenario: Scenario, rng: np.random.Generator) -> Array:
+    """Starting places (number, 3) of a shoal inside the cylinder, cm."""
+    radius = scenario.bounds.radius_cm
+    if shoal.position_cm is None:
+        angle = rng.uniform(0, 2 * np.pi, number)
+        reach = 0.85 * radius * np.sqrt(rng.uniform(0, 1, number))
+        depth = rng.uniform(-0.9, -0.3, number) * scenario.bounds.depth_cm
+        return np.stack([reach * np.cos(angle), reach * np.sin(angle), depth], axis=1)
+    # A shoal larger than the scenario's spreads, so that the space per fish stays the same.
+    spread = shoal.spread_cm * max(1.0, number / max(shoal.number, 1)) ** (1 / 3)
+    places = rng.normal(0, spread / 2, (number, 3)) * (1, 1, 0.5) + shoal.position_cm
+    out = np.hypot(places[:, 0], places[:, 1]) / (0.85 * radius)
+    places[:, :2] /= np.maximum(out, 1.0)[:, None]
+    return np.asarray(places)
+
+
+def heading_quaternion(heading: float) -> Array:
+    """Quaternion (4,) of an upright body that heads `heading` rad left of the x axis."""
+    # Body y is up and z is right: a quarter turn about x, then the heading about the vertical.
+    c, s = np.cos(heading / 2), np.sin(heading / 2)
+    r = np.sqrt(0.5)
+    return np.array([c * r, c * r, s * r, s * r], np.float32)

@@ -1,0 +1,84 @@
+"""Read the species and repertoires of a scenario, each file once as long as it stays the same."""
+
+from functools import lru_cache
+from hashlib import file_digest
+from pathlib import Path
+
+from subsea.core.disk_cache import kept
+from subsea.core.errors import UserError
+from subsea.fish.coupling import Coupling, couple
+from subsea.fish.species import Species, load_species, repertoire_file, species_file
+from subsea.fish.surface import rest_control_points
+from subsea.repertoire import Repertoire
+from subsea.world.world import TICK_S
+
+MOST_BYTES = 64 << 20  # of a repertoire that is cached; those of the project have 2 at most
+
+
+def species_of(name: str) -> Species:
+    """The species of that name, read again only if its file has changed."""
+    path = species_file(name)
+    return _species(path, _stamp(path))
+
+
+def repertoire_of(name: str) -> Repertoire:
+    """The repertoire of a species, read again only if its file has changed."""
+    path = repertoire_file(name)
+    return _repertoire(path, name, _stamp(path))
+
+
+def coupling_of(species: Species, repertoire: Repertoire) -> Coupling:
+    """Couple the surface of a species to the nodes that its repertoire records."""
+    nodes = repertoire.rest_nodes
+    rest = rest_control_points(species.surface, repertoire.body_length_cm, nodes[0, 0])
+    return couple(species.surface.coupling, nodes, rest)
+
+
+def _stamp(path: Path) -> tuple[int, int] | None:
+    """Time and size of a file, None without a file."""
+    try:
+        status = path.stat()
+    except OSError:
+        return None
+    return status.st_mtime_ns, status.st_size
+
+
+@lru_cache(maxsize=64)
+def _species(path: Path, stamp: object) -> Species:
+    """Read a species."""
+    return load_species(str(path))
+
+
+@lru_cache(maxsize=64)
+def _repertoire(path: Path, name: str, stamp: object) -> Repertoire:
+    """Read a repertoire, which must be of that species and tick."""
+    if stamp is None:
+        raise UserError(f"is not there; `subsea-capture record {name}` makes it", file=path)
+    content = _content(path)
+    repertoire = kept(_read, path, content) if content else _read(path, content)
+    if repertoire.species != name:
+        raise UserError(f"holds {repertoire.species!r}, expected {name!r}", file=path)
+    if abs(repertoire.tick_s - TICK_S) > 1e-6:
+        raise UserError(f"tick_s is {repertoire.tick_s:g}, expected {TICK_S:g}", file=path)
+    return repertoire
+
+
+def _content(path: Path) -> str:
+    """SHA-256 of a file; empty if it is no regular file, not readable or far too large."""
+    try:
+        if not path.is_file() or path.stat().st_size > MOST_BYTES:
+            return ""  # reading it raises the right error
+        with path.open("rb") as file:
+            return file_digest(file, "sha256").hexdigest()
+    except OSError:
+        return ""
+
+
+def _read(path: Path, content: str) -> Repertoire:
+    """Read a repertoire from a file of this content."""
+    from subsea.repertoire import read_repertoire
+
+    repertoire = read_repertoire(path)
+    if _content(path) != content:  # the cache goes by content
+        raise UserError("changed while it was read; start again", file=path)
+    return repertoire
