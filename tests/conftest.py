@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from subsea.behavior.table import BEHAVIORS, DESIRES
 from subsea.biomechanics.body_frame import body_frame, to_body
 from subsea.core.console import say
-from subsea.core.kernels.warm_up import precompile
+from subsea.dive.warm_up import warm_up
 from subsea.geometry.rotation import from_matrix
 from subsea.repertoire import SEGMENTS, Repertoire, Segment
 from subsea.scenario.schema import Temper
@@ -43,7 +43,7 @@ def pytest_configure(config: pytest.Config) -> None:
     config.add_cleanup(folder.cleanup)
     os.environ["XDG_DATA_HOME"] = folder.name
     if config.getoption("numprocesses", None):  # else each of them would compile the same kernels
-        precompile(say)
+        warm_up(say)
     # Else each of a hundred programs that tests start would compile Python's sources again.
     sys.dont_write_bytecode = False
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from subsea.core.console import say
-from subsea.core.kernels.warm_up import precompile
+from subsea.dive.warm_up import warm_up
 from subsea.frame.packet import make_scene, pack
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Scenario
@@ -51,7 +51,7 @@ def ready_world(
 
     `source` is the scenario's file; all else is what :func:`subsea.world.build.create_world` takes.
     """
-    precompile(tell)
+    warm_up(tell)
     world = create_world(scenario, seed, fish, tell, live, live_reach_cm, str(source))
     tell("waking the fishes")
     step(world, HANDS_OFF)

@@ -1,0 +1,194 @@
+"""Compile the kernels of a dive before it, by several processes side by side.
+
+One process compiles one kernel after another, and a dive needs some hundreds: a minute. Here each
+part of a tick is run once by a process of its own, in a sea with little in it. What that compiles
+is cached on disk, where the dive finds it.
+"""
+
+import os
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
+from pathlib import Path
+
+import numba
+import numpy as np
+
+from subsea.behavior.table import BEHAVIORS
+from subsea.core.disk_cache import folder
+from subsea.core.source_stamp import ROOT, stamp
+from subsea.frame.packet import pack
+from subsea.geometry.height_field import height_at
+from subsea.perception.focusser import focus
+from subsea.scenario.load import load_scenario
+from subsea.state import Clock
+from subsea.submarine.helm import HANDS_OFF
+from subsea.view.display_rigs import cockpit, views_for
+from subsea.world import step
+from subsea.world.world import TICK_S, World, create_world
+
+CLOCK = Clock(0, 0, TICK_S)
+POLL_S = 0.1  # how often Ctrl-C and the visitor are listened to meanwhile
+
+
+def _perception(world: World) -> None:
+    step.perceive(world, CLOCK)
+
+
+def _attention(world: World) -> None:
+    state = world.state
+    focus(_everyone(world), state.fishes, state.minds, state.sea, world.nature, CLOCK)
+
+
+def _desires(world: World) -> None:
+    step.decide(world, _everyone(world), _everyone(world), CLOCK)
+
+
+def _routines(world: World) -> None:
+    state, nobody = world.state, _everyone(world)[:0]
+    for behavior in BEHAVIORS:
+        behavior.routine(nobody, state.fishes, state.minds, state.sea, world.nature, CLOCK)
+    step.act(world, nobody, HANDS_OFF, CLOCK)
+
+
+def _motion(world: World) -> None:
+    step.move_water(world, CLOCK)
+    step.move_fishes(world)
+    pack(world, views_for("mono", (64, 64), cockpit(world.state.submarine, 1.0)), 1.0)
+
+
+def _everyone(world: World) -> np.ndarray:
+    return np.arange(len(world.state.fishes.species))
+
+
+JOBS: dict[str, Callable[[World], None]] = {
+    "routines": _routines,
+    "perception": _perception,
+    "desires": _desires,
+    "motion": _motion,
+    "attention": _attention,
+}
+"""The parts of a tick, those that take longest to compile first."""
+
+
+def warm_up(
+    tell: Callable[[str], None] = lambda message: None,
+    check: Callable[[], None] = lambda: None,
+    processes: int | None = None,
+) -> None:
+    """Compile what a dive needs and is not cached yet, in so many processes.
+
+    None: as many as there are cores. One alone gains nothing and compiles nothing, nor do several
+    where nothing can be cached. `tell` gets lines on the progress; `check` is called meanwhile and
+    may raise, which ends the processes.
+    """
+    marker = _marker()
+    if marker.exists():
+        return
+    processes = _cores() if processes is None else processes
+    if processes > 1 and _can_write(marker.parent):
+        with _one_at_a_time(tell), suppress(OSError):  # no more processes may be started
+            if marker.exists() or _run_all(min(processes, len(JOBS)), tell, check):
+                for old in marker.parent.glob("warm-*"):
+                    old.unlink(missing_ok=True)
+                marker.touch()
+                return
+    tell("compiling the fishes' code (a minute or more)")
+
+
+def _marker() -> Path:
+    """The file that says that the kernels of today's code are cached, beside cached kernels."""
+    code = f"{stamp(Path(__file__).resolve())[:32]}-{numba.__version__}"
+    return Path(height_at.stats.cache_path or folder()) / f"warm-{code}"
+
+
+def _can_write(place: Path) -> bool:
+    """Whether compiled code can be cached in a folder."""
+    probe = place / f".probe-{os.getpid()}"
+    try:
+        place.mkdir(parents=True, exist_ok=True)
+        probe.write_bytes(b"1")
+    except OSError:
+        return False
+    finally:
+        with suppress(OSError):
+            probe.unlink()
+    return True
+
+
+def _cores() -> int:
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+@contextmanager
+def _one_at_a_time(tell: Callable[[str], None]) -> Iterator[None]:
+    """Wait while another start compiles. Without file locks (Windows) both compile."""
+    with ExitStack() as stack:
+        with suppress(ImportError, OSError):
+            from fcntl import LOCK_EX, LOCK_NB, flock
+
+            place = folder().parent
+            place.mkdir(parents=True, exist_ok=True)
+            lock = stack.enter_context((place / "compiling").open("w"))
+            try:
+                flock(lock, LOCK_EX | LOCK_NB)
+            except BlockingIOError:
+                tell("waiting for another dive, which compiles the fishes' code")
+                flock(lock, LOCK_EX)
+        yield
+
+
+def _run_all(processes: int, tell: Callable[[str], None], check: Callable[[], None]) -> bool:
+    """Run all jobs, so many at a time; whether all succeeded. An exception ends them."""
+    waiting = list(JOBS)
+    running: list[subprocess.Popen[bytes]] = []
+    done = 0
+    with ExitStack() as stack:
+        tell(f"compiling the fishes' code, once: 0 of {len(JOBS)} parts")
+        while waiting or running:
+            while waiting and len(running) < processes:
+                running.append(_start(waiting.pop(0), stack))
+            with suppress(subprocess.TimeoutExpired):
+                running[0].wait(POLL_S)
+            check()
+            for worker in [worker for worker in running if worker.poll() is not None]:
+                running.remove(worker)
+                if worker.returncode:
+                    return False
+                done += 1
+                tell(f"compiling the fishes' code, once: {done} of {len(JOBS)} parts")
+    return True
+
+
+def _start(job: str, stack: ExitStack) -> "subprocess.Popen[bytes]":
+    """Start a job in a process that ends with the stack, or with this process.
+
+    -P: it imports nothing from the folder that the visitor happens to be in.
+    """
+    paths = [str(ROOT), os.environ.get("PYTHONPATH", "")]
+    worker = subprocess.Popen(
+        [sys.executable, "-P", "-m", "subsea.dive.warm_up", job],
+        stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, paths))},
+    )  # fmt: skip
+    stack.enter_context(worker)
+    stack.callback(worker.kill)
+    return worker
+
+
+def _end_with_parent() -> None:
+    """End this process when the one that started it has gone."""
+    sys.stdin.buffer.read()
+    os._exit(1)
+
+
+if __name__ == "__main__":
+    import signal
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent gets Ctrl-C too, and ends this
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    JOBS[sys.argv[1]](create_world(load_scenario("peaceful")[0], fish=12))
