@@ -77,5 +77,5 @@ def run(options: argparse.Namespace) -> int:
         method=options.method,
         seed=options.seed,
         ticks=options.ticks,
-        thrift=options.economy,
+        economy=options.economy,
     )

@@ -1,4 +1,4 @@
-"""Measures of a gait or a turn, taken on the nodes and muscles that it moves."""
+"""Measures of a gait or a turn, from nodes and muscles."""
 
 import numpy as np
 
@@ -19,39 +19,39 @@ from subsea.biomechanics.simulation import (
 from subsea.biomechanics.solver import STEP, advance
 
 ENTRY_PHASES = 7
-NOWHERE = 1e-9
-"""A way in cm, against dividing by that of a fish that does not swim."""
+MIN_DISTANCE = 1e-9
+"""Lower bound of a divisor, cm, for a fish that does not swim."""
 SETTLE_BEATS = 6
-"""Beats after a turn, in the last of which the new heading is measured."""
+"""Beats after a turn; the new heading is measured in the last one."""
 
 
-def swim_on(body: Body, state: BodyState, beat: Floats, count: int) -> Floats:
+def swim_beats(body: Body, state: BodyState, beat: Floats, count: int) -> Floats:
     """Nodes (count × T + 1, 23, 3) of ``count`` more beats of contractions; changes ``state``."""
     start = state.x.copy()
     return np.concatenate([start[None], simulate(body, state, np.tile(beat, (count, 1)))])
 
 
-def pull(body: Body, contraction: Floats) -> float:
-    """Greatest change of a muscle's rest length in one step, cm, to be compared with S_MAX."""
+def contraction_step(body: Body, contraction: Floats) -> float:
+    """Greatest change of a muscle's rest length in one step, cm; the limit is S_MAX."""
     return float(np.abs(np.diff(muscle_lengths(body, contraction), axis=0)).max())
 
 
-def widest_pull(body: Body, swim: SwimPlan, turn: TurnPlan, angles: list[float]) -> float:
+def turn_contraction_step(body: Body, swim: SwimPlan, turn: TurnPlan, angles: list[float]) -> float:
     """Greatest change of a muscle's rest length in one step, cm, in any of several sharp turns."""
-    return max(pull(body, turn_contraction(swim, turn, angle)) for angle in angles)
+    return max(contraction_step(body, turn_contraction(swim, turn, angle)) for angle in angles)
 
 
 def sweep(frames: Floats, nodes: list[int]) -> float:
-    """Peak-to-peak distance of the middle of ``nodes`` across the way of one beat, cm."""
+    """Peak-to-peak distance of the middle of ``nodes`` across the path of one beat, cm."""
     chord = displacement(frames)
-    aside = np.cross(UP, chord / max(float(np.linalg.norm(chord)), NOWHERE))
+    aside = np.cross(UP, chord / max(float(np.linalg.norm(chord)), MIN_DISTANCE))
     across = frames[:, nodes].mean(axis=1) @ aside
     drift = np.linspace(0.0, across[-1] - across[0], len(across))
     return float(np.ptp(across - drift))
 
 
 def snout_bend(frames: Floats) -> float:
-    """Greatest angle in degrees between the snout and the head behind it, which should be stiff."""
+    """Greatest angle between the snout and the head behind it, degrees."""
     nose, first, second = frames[:, 0], frames[:, 1:5].mean(axis=1), frames[:, 5:9].mean(axis=1)
     return max(
         _angle(snout, head) for snout, head in zip(nose - first, first - second, strict=True)
@@ -59,15 +59,15 @@ def snout_bend(frames: Floats) -> float:
 
 
 def straightness(frames: Floats, ticks_per_beat: int) -> tuple[float, float]:
-    """Drift of the heading (degrees) and aside (cm) over the whole beats of ``frames``.
+    """Drift of the heading, degrees, and to the side, cm, over the whole beats of ``frames``.
 
-    Heading is the way from beat to beat, first against last; aside is the greatest distance
-    from the line between the ends.
+    Heading is the direction of a beat's displacement, first against last; the drift to the side
+    is the greatest distance from the line between the ends.
     """
     centres = frames[::ticks_per_beat].mean(axis=1)
     steps = np.diff(centres, axis=0)
     offset = centres - centres[0]
-    line = offset[-1] / max(float(np.linalg.norm(offset[-1])), NOWHERE)
+    line = offset[-1] / max(float(np.linalg.norm(offset[-1])), MIN_DISTANCE)
     aside = np.linalg.norm(offset - np.outer(offset @ line, line), axis=1).max()
     return _angle(steps[0], steps[-1]), float(aside)
 
@@ -84,7 +84,7 @@ def headings(frames: Floats) -> Floats:
 
 
 def entries(body: Body, swim: SwimPlan, steady: BodyState) -> list[tuple[BodyState, float]]:
-    """States of steady swimming at grade medium all over the beat, and their phases."""
+    """States and phases of steady swimming at grade medium, evenly over a beat."""
     found = []
     for k in range(ENTRY_PHASES):
         state = copy_state(steady)
@@ -121,10 +121,9 @@ def turned(
 def muscle_work(body: Body, state: BodyState, contraction: Floats) -> float:
     """Work, g cm²/tu², that the muscles do while they follow ``contraction``; changes ``state``.
 
-    It is the sum over muscles of tension × shortening. Tension is that of the muscle's spring,
-    c (l - l_rest) with the contracted l_rest; its damper belongs to the passive body. A muscle
-    that is drawn out against its tension takes work back, so over a steady beat the sum is
-    what water and viscosity use up.
+    The sum over muscles of tension × shortening. Tension is that of the spring, c (l - l_rest)
+    with the contracted l_rest; the damper belongs to the passive body. A muscle that is stretched
+    does negative work, so over a steady beat the sum is the work on water and viscosity.
     """
     lengths = [_muscle_spans(state.x)]
     rests = muscle_lengths(body, contraction)
@@ -135,7 +134,7 @@ def muscle_work(body: Body, state: BodyState, contraction: Floats) -> float:
 
 
 def tension_work(stiffness: Floats, lengths: Floats, rests: Floats) -> float:
-    """Work of springs (m,) that go through ``lengths`` (T + 1, m) while their rests are (T, m)."""
+    """Work of springs (m,) with ``lengths`` (T + 1, m) and rest lengths (T, m)."""
     middle = (lengths[1:] + lengths[:-1]) / 2
     return float(-(stiffness * (middle - rests) * np.diff(lengths, axis=0)).sum())
 
@@ -146,6 +145,6 @@ def _muscle_spans(x: Floats) -> Floats:
 
 
 def speed_kept(body: Body, frames: Floats) -> float:
-    """The least speed of the centre of mass in ``frames`` over that at their beginning."""
+    """The least speed of the centre of mass in ``frames``, as a fraction of the first."""
     speed = np.linalg.norm(np.diff(body.mass @ frames, axis=0), axis=1)
     return float(speed.min() / speed[0])

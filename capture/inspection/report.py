@@ -1,12 +1,12 @@
-"""The report on a repertoire file: its segments, and how good their motion is."""
+"""Report the segments of a repertoire file and the measures of their motion."""
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import msgspec
 
-from capture.inspection.simulated import measure
-from capture.inspection.spine_driven import measure_rules
+from capture.inspection.simulated import measure_simulated
+from capture.inspection.spine_driven import measure_spine_driven
 from capture.inspection.targets import Measure
 from capture.recording.record import motion_from_provenance
 from subsea.core.errors import UserError
@@ -19,37 +19,37 @@ HEADINGS = (
 
 SOURCES = {
     "biomechanics": "Measured by simulating again from the provenance",
-    "spine": "Measured beside the rules in the provenance, from which all motion comes",
+    "spine": "Measured against the spine plan in the provenance",
 }
 
 
-def report(path: Path, tell: Callable[[str], object]) -> bool:
-    """Tell the report on a file line by line; whether every measure is at least what is asked.
+def report(path: Path, write: Callable[[str], object]) -> bool:
+    """Write the report on a file line by line; return whether every limit is kept.
 
     UserError where the file is damaged or not a repertoire.
     """
     repertoire = read_repertoire(path)
     missing = [name for name in SEGMENTS if name not in repertoire.segments]
-    tell(
+    write(
         f"{path}: {repertoire.species}, {repertoire.body_length_cm:g} cm, from "
         f"{repertoire.source}, a frame each {1000 * repertoire.tick_s:g} ms"
     )
-    tell("")
+    write("")
     for line in _table([HEADINGS, *_segment_rows(repertoire)]):
-        tell(line)
-    tell("")
+        write(line)
+    write("")
     if repertoire.source not in SOURCES or missing:
         gap = f"no {', '.join(missing)}" if missing else f"its source is {repertoire.source!r}"
-        tell(f"Measures of the motion need a full repertoire of a known source; {gap}.")
+        write(f"Measures of the motion need a full repertoire of a known source; {gap}.")
         return not missing
-    tell(f"{SOURCES[repertoire.source]} (L: body length, tu: 0.1 s):")
-    tell("")
-    tell(_line("", "", "at least", "", "aim", ""))
-    short, astray = 0, 0
+    write(f"{SOURCES[repertoire.source]} (L: body length, tu: 0.1 s):")
+    write("")
+    write(_line("", "", "at least", "", "aim", ""))
+    failed, missed = 0, 0
     for found in _measures(path, repertoire):
-        short += not found.passed
-        astray += not found.aim_reached
-        tell(
+        failed += not found.passed
+        missed += not found.aim_reached
+        write(
             _line(
                 found.name,
                 found.value,
@@ -59,20 +59,20 @@ def report(path: Path, tell: Callable[[str], object]) -> bool:
                 _verdict(found.aim, found.aim_reached, "missed"),
             )
         )
-    tell("")
-    tell("Every measure reaches what is asked." if not short else f"{short} fall short.")
-    tell("Every aim is reached too." if not astray else f"{astray} of the aims are missed.")
-    return not short
+    write("")
+    write("Every limit is kept." if not failed else f"{failed} measures fall short.")
+    write("Every aim is reached too." if not missed else f"{missed} of the aims are missed.")
+    return not failed
 
 
 def _measures(path: Path, repertoire: Repertoire) -> Iterator[Measure]:
     try:
         if repertoire.source == "spine":
-            yield from measure_rules(repertoire)
+            yield from measure_spine_driven(repertoire)
         else:
-            yield from measure(motion_from_provenance(repertoire.provenance), repertoire)
+            yield from measure_simulated(motion_from_provenance(repertoire.provenance), repertoire)
     except msgspec.ValidationError as fault:
-        raise UserError(f"attribute 'provenance' holds no fish ({fault})", file=path) from fault
+        raise UserError(f"attribute 'provenance' holds no plans ({fault})", file=path) from fault
 
 
 def _line(name: str, value: str, at_least: str, passed: str, aim: str, reached: str) -> str:
@@ -112,11 +112,11 @@ def _order(name: str) -> tuple[int, str]:
 
 
 def _table(rows: list[tuple[str, ...]]) -> Iterator[str]:
-    """Columns as wide as their widest entry, words to the left and numbers to the right."""
+    """Lines of a table: words aligned to the left and numbers to the right."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         cells = [
-            f"{cell:<{width}}" if place < 3 else f"{cell:>{width}}"
-            for place, (cell, width) in enumerate(zip(row, widths, strict=True))
+            f"{cell:<{width}}" if column < 3 else f"{cell:>{width}}"
+            for column, (cell, width) in enumerate(zip(row, widths, strict=True))
         ]
         yield "  ".join(cells).rstrip()

@@ -1,6 +1,6 @@
-"""How good a recorded motion is: measures beside what docs/biomechanics.md asks of them.
+"""Measure the repertoire of a muscle-driven fish against docs/biomechanics.md.
 
-Everything here but the cost swims the fish again, from the plans in a repertoire's provenance.
+Except for the timing, the fish is simulated again from the plans in the provenance.
 """
 
 from collections.abc import Iterator
@@ -8,13 +8,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from capture.inspection.gait import (
+    contraction_step,
     entries,
-    pull,
     snout_bend,
     speed_kept,
     straightness,
     sweep,
-    swim_on,
+    swim_beats,
     turned,
 )
 from capture.inspection.targets import Measure, Range, at_least, at_most, compare, within
@@ -41,7 +41,7 @@ LEAN = np.radians(15.0)
 
 
 def replay(segment: Segment, origin: Array, rotation: Array, cycles: int) -> Floats:
-    """World nodes (cycles × T, 23, 3) of a segment played back from a start (SMC eqs. 10-12)."""
+    """World nodes (cycles × T, 23, 3) of a segment replayed from a pose (SMC eqs. 10-12)."""
     turns = matrix(segment.increment_rotation)
     frames = []
     for _ in range(cycles):
@@ -54,8 +54,8 @@ def replay(segment: Segment, origin: Array, rotation: Array, cycles: int) -> Flo
     return np.array(frames)
 
 
-def measure(motion: Motion, repertoire: Repertoire) -> Iterator[Measure]:
-    """All measures of a repertoire, one after another as they are taken."""
+def measure_simulated(motion: Motion, repertoire: Repertoire) -> Iterator[Measure]:
+    """All measures of a repertoire, each as soon as it is taken."""
     body = build_body(motion.body)
     length = motion.body.length
     trials = {name: run_trial(motion, name) for name in repertoire.segments}
@@ -95,7 +95,7 @@ def _swimming(motion: Motion, body: Body, trials: dict[str, Trial]) -> Iterator[
     rate = fast / beat_tu
     yield compare("fast swim, per beat", fast, ".3f", " L", at_least(0.35), at_least(0.5))
     yield compare("fast swim, per tu (0.1 s)", rate, ".4f", " L", at_least(0.08), at_least(0.1))
-    s = pull(body, beat_contraction(motion.swim, 1.0))
+    s = contraction_step(body, beat_contraction(motion.swim, 1.0))
     yield compare("its contraction a step", s, ".4f", " cm", at_most(S_MAX))
     for slow, quick in (("slow", "medium"), ("medium", "fast")):
         ratio = speeds[quick] / speeds[slow]
@@ -117,7 +117,7 @@ def _swimming(motion: Motion, body: Body, trials: dict[str, Trial]) -> Iterator[
 
 
 def _straightness(motion: Motion, body: Body, steady: BodyState) -> Iterator[Measure]:
-    frames = swim_on(body, copy_state(steady), beat_contraction(motion.swim, 1.0), STEADY_BEATS)
+    frames = swim_beats(body, copy_state(steady), beat_contraction(motion.swim, 1.0), STEADY_BEATS)
     drift, aside = straightness(frames, motion.swim.ticks_per_beat)
     name = f"drift of heading in {STEADY_BEATS} beats"
     yield compare(name, drift, ".4f", "°", at_most(1), at_most(0.1))
@@ -126,7 +126,7 @@ def _straightness(motion: Motion, body: Body, steady: BodyState) -> Iterator[Mea
 
 def _attitude(motion: Motion, body: Body, steady: BodyState) -> Iterator[Measure]:
     beat = beat_contraction(motion.swim, motion.swim.medium)
-    lean = _mean_attitude(swim_on(body, copy_state(steady), beat, STEADY_BEATS))
+    lean = _mean_attitude(swim_beats(body, copy_state(steady), beat, STEADY_BEATS))
     yield compare("roll, pitch without fins", lean, ".4f", "°", at_most(0.1))
     tall = build_body(motion.body, back=1.1)
     lean = _balanced(motion, tall, at_rest(tall), 60)
@@ -142,7 +142,7 @@ def _attitude(motion: Motion, body: Body, steady: BodyState) -> Iterator[Measure
 def _mean_attitude(frames: Floats) -> tuple[float, float]:
     """Roll and pitch in degrees, positive, averaged over whole beats.
 
-    The frame B of an upright body sways within a beat, so only the mean tells its attitude.
+    The body frame sways within a beat, so only the mean is the attitude.
     """
     rotation = body_frame(frames)[1]
     roll, pitch = (np.degrees(np.arcsin(np.mean(rotation[1:, 1, axis]))) for axis in (2, 0))
@@ -150,9 +150,9 @@ def _mean_attitude(frames: Floats) -> tuple[float, float]:
 
 
 def _lean(state: BodyState, mass: Floats) -> None:
-    """Roll a swimming fish about its way."""
-    displacement = mass @ state.v
-    axis = displacement / np.linalg.norm(displacement)
+    """Roll a swimming fish about its direction of motion."""
+    velocity = mass @ state.v
+    axis = velocity / np.linalg.norm(velocity)
     turn = matrix(np.concatenate([[np.cos(LEAN / 2)], np.sin(LEAN / 2) * axis]))
     state.x[:] = state.x @ turn.T
     state.v[:] = state.v @ turn.T
@@ -173,7 +173,7 @@ def _balanced(motion: Motion, body: Body, state: BodyState, count: int) -> tuple
 
 
 def _turned(body: Body, motion: Motion, angle: float, start: BodyState, phase: float) -> float:
-    """What a turn turns by, in degrees; NaN where the body loses its shape."""
+    """The angle of a turn, degrees; NaN where the body loses its shape."""
     try:
         return turned(body, motion.swim, motion.turn, angle, start, phase)
     except UserError:
@@ -196,9 +196,9 @@ def _turning(motion: Motion, body: Body, steady: BodyState) -> Iterator[Measure]
 
 
 def _replay_error(motion: Motion, body: Body, trial: Trial, segment: Segment, name: str) -> float:
-    """Greatest distance, cm, between a cycle played back again and again and the simulation."""
+    """Largest distance, cm, between some replayed cycles and the simulation."""
     origin, rotation = body_frame(trial.frames[-1])
     played = replay(segment, origin, rotation, REPLAYED_CYCLES)
     beat = steady_contraction(motion, name)
-    swum = swim_on(body, copy_state(trial.state), beat, REPLAYED_CYCLES)[1:]
+    swum = swim_beats(body, copy_state(trial.state), beat, REPLAYED_CYCLES)[1:]
     return float(np.linalg.norm(played - swum, axis=2).max())

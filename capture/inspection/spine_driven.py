@@ -1,4 +1,4 @@
-"""How well a repertoire made by rule keeps its rules: measures for `subsea-capture inspect`."""
+"""Measure the repertoire of a spine-driven fish against its plan."""
 
 from collections.abc import Iterator
 
@@ -14,11 +14,11 @@ from subsea.fish.surface import SurfacePlan
 from subsea.repertoire import Repertoire
 
 
-def measure_rules(repertoire: Repertoire) -> Iterator[Measure]:
-    """Measures of a whole repertoire whose source is a spine.
+def measure_spine_driven(repertoire: Repertoire) -> Iterator[Measure]:
+    """Measures of a complete repertoire with the source `spine`.
 
-    msgspec.ValidationError where the provenance holds no plan. Of swimming speed nothing is
-    asked: it is a number of the plan.
+    msgspec.ValidationError where the provenance holds no plan. Swimming speed has no target: it
+    is part of the plan.
     """
     plan, surface = spine_from_provenance(repertoire.provenance)
     segments = repertoire.segments
@@ -33,7 +33,7 @@ def measure_rules(repertoire: Repertoire) -> Iterator[Measure]:
     closure = max(segments[name].loop_error_bl for name in cyclic)
     yield compare("loop closure, worst cycle", closure, ".1e", " L", at_most(1e-3), at_most(1e-5))
     errors = [_replay_error(plan, surface, repertoire, name) for name in cyclic]
-    name = f"{REPLAYED_CYCLES} cycles replayed against the rule"
+    name = f"{REPLAYED_CYCLES} cycles replayed against the plan"
     yield compare(name, max(errors) / plan.length, ".1e", " L", at_most(0.01), at_most(1e-4))
     nodes = spine_motion(plan, surface, "swim_fast").nodes
     tail = nodes[:, 21:].mean(axis=1)[:, 2]
@@ -43,11 +43,11 @@ def measure_rules(repertoire: Repertoire) -> Iterator[Measure]:
 def _replay_error(
     plan: SpinePlan, surface: SurfacePlan, repertoire: Repertoire, name: str
 ) -> float:
-    """Farthest node after some cycles from where the rule puts it, cm."""
+    """Largest error of a node after some cycles of replay, cm."""
     nodes = spine_motion(plan, surface, name).nodes
     origin, rotation = body_frame(nodes)
     replayed = replay(repertoire.segments[name], origin[0], rotation[0], REPLAYED_CYCLES)[-1]
-    # Each cycle takes the fish on by the same rigid motion.
+    # Each cycle moves the fish by the same rigid motion.
     turn = rotation[-1] @ rotation[0].T
     step = origin[-1] - turn @ origin[0]
     last = nodes[-1]

@@ -1,4 +1,4 @@
-"""What a step of simulation and a frame of replay cost on this machine, in microseconds."""
+"""Time a step of simulation and a frame of replay on this computer, in microseconds."""
 
 from collections.abc import Callable
 from time import perf_counter
@@ -18,7 +18,7 @@ FRAMES = 4_000
 
 
 def step_cost(body: Body, state: BodyState) -> float:
-    """Microseconds of one compiled step of the fish in motion, muscles held."""
+    """Microseconds of one compiled step of a moving fish with constant muscles."""
     simulate(body, copy_state(state), np.zeros((STEPS_PER_TICK, MUSCLES)))  # compiles
     muscles = np.tile(body.length[:MUSCLES], (STEPS, 1))
 
@@ -36,7 +36,7 @@ def replay_cost(segment: Segment) -> float:
 
 
 def frame_cost(segment: Segment) -> float:
-    """Microseconds of replaying the body frame alone, as for a fish out of sight (SMC §5.3)."""
+    """Microseconds of replaying only the body frame, as for invisible fishes (SMC §5.3)."""
     return _replay_cost(segment, np.zeros((len(segment.nodes), 0, 3)))
 
 
@@ -49,7 +49,7 @@ def _replay_cost(segment: Segment, nodes: Floats) -> float:
 
 
 def fastest_us(run: Callable[[], object], rounds: int = ROUNDS) -> float:
-    """Microseconds of the quickest of some rounds: the one least disturbed by other work."""
+    """Microseconds of the fastest round, which other processes disturb least."""
     times = []
     for _ in range(rounds):
         start = perf_counter()

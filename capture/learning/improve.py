@@ -1,4 +1,4 @@
-"""`subsea-capture learn`: read a species file, learn, tell, write."""
+"""Improve the controllers of a species file: search, report and write."""
 
 from collections.abc import Iterator
 from importlib.util import find_spec
@@ -10,8 +10,8 @@ from tqdm import tqdm
 from capture.inspection.gait import ENTRY_PHASES
 from capture.learning.fitness import (
     HORIZON,
-    LONGER,
     STARTS,
+    VERIFY_FACTOR,
     GaitMeasures,
     TurnMeasures,
     measure_gait,
@@ -34,8 +34,8 @@ LIBRARIES = ("cma", "scipy")
 def improve_species(name: str, out: Path | None, dry_run: bool, budget: int, **options: Any) -> int:
     """Learn the controllers of the species ``name`` (or file) and write them; the exit code.
 
-    0 where better ones were found, 1 where not: then the file stays as it is. ``options`` are
-    those of :func:`capture.learning.learn.learn`.
+    0 if better ones were found, 1 if not: then nothing is written. ``options`` are those of
+    :func:`capture.learning.learn.learn`. UserError before the search.
     """
     for library in LIBRARIES:
         if find_spec(library) is None:
@@ -44,18 +44,18 @@ def improve_species(name: str, out: Path | None, dry_run: bool, budget: int, **o
     species = load_toml(source, Species)
     muscles = species.muscles
     if muscles is None:
-        raise UserError("its spine moves it, there are no muscles to learn the use of", file=source)
-    target = out or _own(source)
+        raise UserError("driven by its spine; expected a species with muscles", file=source)
+    target = out or _default_target(source)
     if not dry_run:
         check_file(target)
     best: dict[str, tuple[float, SwimPlan | TurnPlan]] = {}
     bars: dict[str, Any] = {}
 
-    def tell(stage: str, loss: float, plan: SwimPlan | TurnPlan) -> None:
+    def show(stage: str, loss: float, plan: SwimPlan | TurnPlan) -> None:
         if stage not in bars:
             bars[stage] = tqdm(total=budget, desc=f"{source.stem}: {stage}", unit="try")
         elif bars[stage].n == bars[stage].total:
-            bars[stage].total += budget  # for the next gait, when one cannot turn
+            bars[stage].total += budget  # for the next gait, if one cannot turn
         if stage not in best or loss < best[stage][0]:
             best[stage] = loss, plan
             bars[stage].set_postfix_str(f"best {loss:.4f}", refresh=False)
@@ -66,18 +66,18 @@ def improve_species(name: str, out: Path | None, dry_run: bool, budget: int, **o
             bar.close()
 
     try:
-        found = learn(muscles, budget=budget, tell=tell, **options)
+        found = learn(muscles, budget=budget, progress=show, **options)
     except KeyboardInterrupt:
         close_bars()
         kept = [f"best {stage} so far, not verified: {best[stage][1]}" for stage in best]
-        raise KeyboardInterrupt("; ".join([*kept, f"{target} is as it was"])) from None
+        raise KeyboardInterrupt("; ".join([*kept, f"{target} is unchanged"])) from None
     finally:
         close_bars()
     if found.swim is None and found.turn is None:
         tried = sum(bar.n for bar in bars.values())
         rejected = [note.partition("rejected: ") for note in found.notes if "rejected: " in note]
         why = f", {len(rejected)} rejected, the best as {rejected[0][2]}" if rejected else ""
-        print(f"{source.stem}: nothing better found in {tried} tries{why}; {target} is as it was")
+        print(f"{source.stem}: nothing better found in {tried} tries{why}; {target} is unchanged")
         return 1
     for note in found.notes:
         print(note)
@@ -86,15 +86,15 @@ def improve_species(name: str, out: Path | None, dry_run: bool, budget: int, **o
     for line in [*_comparison(muscles, learned), *_tables(learned), *_verification(found)]:
         print(line)
     if dry_run:
-        print(f"dry run: {target} is as it was")
+        print(f"dry run: {target} is unchanged")
     else:
         write_controllers(source, target, *new)
-        print(f"{target} has new controllers; `subsea-capture record` takes them up")
+        print(f"{target} has new controllers; record it again with `subsea-capture record`")
     return 0
 
 
-def _own(source: Path) -> Path:
-    """Species files of a checkout are ours to change, those of an installed package are not."""
+def _default_target(source: Path) -> Path:
+    """The file to write: the one read; UserError for one of an installed package."""
     shipped = source.parent == resource_path(SHIPPED)
     if shipped and not resource_path("pyproject.toml").is_file():
         raise UserError("name the species file to write: --out FILE")
@@ -110,8 +110,8 @@ def _comparison(old: Muscles, new: Muscles) -> Iterator[str]:
 
 
 def _verification(found: LearnedControllers) -> Iterator[str]:
-    """What the winners have borne."""
-    beats = round(LONGER * HORIZON)
+    """A summary of the verification."""
+    beats = round(VERIFY_FACTOR * HORIZON)
     if found.swim:
         swims = 4 * STARTS
         yield f"verified: {swims} disturbed swims of {beats} beats, ten amplitudes, three grades"
@@ -133,18 +133,18 @@ GAIT_ROWS = {
     "head": ("head sweep, L", ".3f"),
     "snout": ("bend of the snout, °", ".1f"),
     "strouhal": ("Strouhal number", ".3f"),
-    "pull": ("contraction a step, cm", ".4f"),
+    "contraction_step": ("contraction a step, cm", ".4f"),
 }
 TURN_ROWS = {
     "ticks": ("widest turn, ticks", ".1f"),
     "kept": ("speed kept in it", ".3f"),
     "snout": ("bend of the snout in it, °", ".1f"),
-    "pull": ("contraction a step in it, cm", ".4f"),
+    "contraction_step": ("contraction a step in it, cm", ".4f"),
 }
 
 
 def _values(muscles: Muscles) -> dict[str, str]:
-    """Measures by name, as a person reads them; none of what the body does not do."""
+    """Formatted measures by name, without those that the body cannot perform."""
     values = {}
     gait, turning = _gait(muscles), _turning(muscles)
     if gait is not None:
@@ -159,7 +159,7 @@ def _values(muscles: Muscles) -> dict[str, str]:
 
 
 def _gait(muscles: Muscles) -> GaitMeasures | None:
-    """The steady fast gait, None where the body has none."""
+    """Measures of the steady fast gait; None where the body has none."""
     body = build_body(muscles.body)
     try:
         steady = steady_beat(body, beat_contraction(muscles.swim, 1.0)).state
@@ -169,7 +169,7 @@ def _gait(muscles: Muscles) -> GaitMeasures | None:
 
 
 def _turning(muscles: Muscles) -> TurnMeasures | None:
-    """The sharp turns, None where the body loses its shape."""
+    """Measures of sharp turns; None where the body loses its shape."""
     plan, swim, turn = muscles
     body = build_body(plan)
     try:
@@ -181,7 +181,7 @@ def _turning(muscles: Muscles) -> TurnMeasures | None:
 
 
 def _tables(muscles: Muscles) -> Iterator[str]:
-    """The new tables in short."""
+    """A summary of the new tables."""
     _, swim, turn = muscles
     row, holds = turn.steering[-1], [row.hold_ticks for row in turn.steering]
     yield (

@@ -19,15 +19,15 @@ from subsea.biomechanics.body_plan import Muscles, SwimPlan, TurnPlan
 
 
 class LearnedControllers(NamedTuple):
-    """Controllers that were verified; None where nothing better than the old one was found."""
+    """Verified controllers; None where nothing better than the old one was found."""
 
     swim: SwimPlan | None
     turn: TurnPlan | None
-    notes: list[str]  # what was rejected, and why
+    notes: list[str]  # rejected candidates and the reasons
 
 
-Tell = Callable[[str, float, SwimPlan | TurnPlan], object]
-"""Called with ``swim`` or ``turn``, a candidate's loss and the candidate."""
+Progress = Callable[[str, float, SwimPlan | TurnPlan], object]
+"""Called with ``swim`` or ``turn``, the loss of a candidate and the candidate."""
 
 
 def learn(
@@ -37,44 +37,46 @@ def learn(
     budget: int = 300,
     seed: int = 1,
     ticks: int | None = None,
-    thrift: float = ECONOMY,
-    tell: Tell = lambda stage, loss, plan: None,
+    economy: float = ECONOMY,
+    progress: Progress = lambda stage, loss, plan: None,
 ) -> LearnedControllers:
-    """Search for a better swim and turn controller of a body, begun at the given ones.
+    """Search for better swim and turn controllers of a body, from the given ones.
 
-    ``only`` is ``swim``, ``turn`` or empty for both; a new gait gets new holds in the steering
-    map in any case. ``budget`` counts the evaluations of each search, ``ticks`` fixes the ticks
-    of a beat, ``thrift`` is what economy weighs beside speed. ``tell`` is called after each
-    evaluation.
+    ``only`` is ``swim``, ``turn`` or empty for both; a new gait always gets new hold times in
+    the steering map. ``budget`` is the number of evaluations of each search, ``ticks`` fixes the
+    ticks of a beat, ``economy`` is the weight of economy relative to speed. ``progress`` is
+    called after each evaluation.
     """
     plan, swim, turn = muscles
     body = build_body(plan)
     notes: list[str] = []
 
-    def hunt(
+    def optimize(
         stage: str,
         loss: Callable[[Any], float],
         at: Callable[[Floats | tuple[float, ...]], Any],
         start: Floats,
     ) -> list[Evaluation]:
-        def told(one: Evaluation) -> None:
-            tell(stage, one.loss, at(one.point))
+        def report(one: Evaluation) -> None:
+            progress(stage, one.loss, at(one.point))
 
-        return search(lambda point: loss(at(point)), start, method, budget, seed, told)
+        return search(lambda point: loss(at(point)), start, method, budget, seed, report)
 
     def learn_turn(gait: SwimPlan, new: bool) -> TurnPlan | None:
         found = None
         if only != "swim":
-            found = verified_turn(body, gait, turn, new, seed, partial(hunt, "turn"), notes)
+            found = verified_turn(body, gait, turn, new, seed, partial(optimize, "turn"), notes)
         if found is None and new:
             found = refit_holds(body, gait, turn, seed, notes)
         return found
 
     if only == "turn":
         return LearnedControllers(None, learn_turn(swim, False), notes)
-    for winner in verified_swims(body, swim, ticks, thrift, seed, partial(hunt, "swim"), notes):
-        bends = learn_turn(winner, True)
-        if bends is not None:
-            return LearnedControllers(winner, bends, notes)
+    for winner in verified_swims(
+        body, swim, ticks, economy, seed, partial(optimize, "swim"), notes
+    ):
+        turns = learn_turn(winner, True)
+        if turns is not None:
+            return LearnedControllers(winner, turns, notes)
         notes.append("swim: rejected: it cannot turn")
     return LearnedControllers(None, None if only else learn_turn(swim, False), notes)

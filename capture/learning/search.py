@@ -1,7 +1,6 @@
-"""Searching a box for the least loss: CMA-ES, or simulated annealing as in KS §I.D.
+"""Minimise a loss in a box: CMA-ES, or simulated annealing as in KS §I.D.
 
-Both are kept libraries (`cma`, `scipy`). They only propose points; what is worth keeping is
-decided by whoever asked, from all that was tried.
+The libraries `cma` and `scipy` propose the points; the caller chooses among all evaluations.
 """
 
 from collections.abc import Callable, Iterator
@@ -14,11 +13,11 @@ from subsea.core.errors import UserError
 
 METHODS = ("cma", "annealing")
 SPREAD = 0.2
-"""First step of CMA-ES in each direction of the unit box."""
-APART = 0.02
-"""In some direction of the unit box, for points that count as different."""
+"""Initial step size of CMA-ES in the unit box."""
+MIN_DISTANCE = 0.02
+"""Least distance, in some coordinate of the unit box, of points that count as different."""
 TEMPERATURE = 5.0
-"""At which annealing begins; scipy's 5230 is for budgets a thousand times as large."""
+"""Initial temperature of annealing; scipy's 5230 suits budgets a thousand times larger."""
 
 
 class Evaluation(NamedTuple):
@@ -32,7 +31,7 @@ Candidate = TypeVar("Candidate")
 
 
 class Optimizer(Protocol[Candidate]):
-    """A search with method, budget and seed settled, that knows its candidates."""
+    """A search with a fixed method, budget and seed."""
 
     def __call__(
         self,
@@ -40,12 +39,12 @@ class Optimizer(Protocol[Candidate]):
         at: Callable[[Floats | tuple[float, ...]], Candidate],
         start: Floats,
     ) -> list[Evaluation]:
-        """Minimise ``loss`` over the candidates ``at`` the points of the unit box."""
+        """Minimise ``loss`` over the candidates ``at(point)`` of the unit box."""
         ...
 
 
-class _Spent(Exception):  # noqa: N818 - it ends a search, nothing is wrong
-    """The budget is spent."""
+class _BudgetSpent(Exception):  # noqa: N818 - ends a search, no error
+    """All evaluations of the budget are made."""
 
 
 def search(
@@ -54,26 +53,26 @@ def search(
     method: str,
     budget: int,
     seed: int,
-    tell: Callable[[Evaluation], object] = lambda tried: None,
+    progress: Callable[[Evaluation], object] = lambda evaluation: None,
 ) -> list[Evaluation]:
-    """Evaluate ``loss`` at ``budget`` points of the unit box [0, 1]ⁿ and return them, best first.
+    """Evaluate ``loss`` at ``budget`` points of the unit box [0, 1]ⁿ; return them, best first.
 
-    The search begins at ``start`` (n,). ``tell`` is called after each evaluation with its point.
-    The same arguments give the same points. UserError where the library is not installed.
+    The search begins at ``start`` (n,). ``progress`` is called after each evaluation. The same
+    arguments give the same points. UserError where the library is not installed.
     """
     tried: list[Evaluation] = []
 
     def evaluate(point: Floats) -> float:
         if len(tried) == budget:
-            raise _Spent
+            raise _BudgetSpent
         point = np.clip(point, 0.0, 1.0)
         tried.append(Evaluation(loss(point), tuple(point.tolist())))
-        tell(tried[-1])
+        progress(tried[-1])
         return tried[-1].loss
 
     try:
         {"cma": _cma, "annealing": _annealing}[method](evaluate, np.clip(start, 0, 1), seed, budget)
-    except _Spent:
+    except _BudgetSpent:
         pass
     except ImportError as fault:
         raise UserError(f"learning needs {fault.name}: install subsea[learn]") from fault
@@ -81,22 +80,22 @@ def search(
 
 
 def distinct(tried: list[Evaluation]) -> Iterator[Evaluation]:
-    """Those of ``tried``, best first, that lie apart from all that were yielded before.
+    """Evaluations, best first, that are not close to one yielded before.
 
-    Whoever takes the next because the last was no good is not offered its like.
+    So a rejected candidate is not followed by similar ones.
     """
     yielded: list[tuple[float, ...]] = []
     for one in sorted(tried):
-        if all(np.abs(np.subtract(one.point, other)).max() > APART for other in yielded):
+        if all(np.abs(np.subtract(one.point, other)).max() > MIN_DISTANCE for other in yielded):
             yielded.append(one.point)
             yield one
 
 
 def _cma(evaluate: Callable[[Floats], float], start: Floats, seed: int, budget: int) -> None:
-    """CMA-ES, begun again elsewhere with twice the population where it has converged."""
+    """CMA-ES; after convergence restarted at random with twice the population."""
     import cma
 
-    # Its generator is numpy's global one, which is put back as it was.
+    # It uses numpy's global generator, which is restored afterwards.
     state = np.random.get_state()  # noqa: NPY002
     rng = np.random.default_rng(seed)
     evaluate(start)
@@ -120,7 +119,7 @@ def _cma(evaluate: Callable[[Floats], float], start: Floats, seed: int, budget: 
 
 
 def _annealing(evaluate: Callable[[Floats], float], start: Floats, seed: int, budget: int) -> None:
-    """Generalised simulated annealing without local search: KS's has none."""
+    """Generalised simulated annealing without local search, as in KS."""
     from scipy.optimize import dual_annealing
 
     dual_annealing(

@@ -1,4 +1,4 @@
-"""Put learned controllers into a species file: their numbers change, every other byte stays."""
+"""Write learned controllers to a species file; only their numbers change."""
 
 from pathlib import Path
 from typing import Any
@@ -15,8 +15,7 @@ from subsea.fish.species import Species
 def write_controllers(source: Path, target: Path, swim: SwimPlan, turn: TurnPlan) -> None:
     """Write the species file ``source`` to ``target`` with these tables [swim] and [turn].
 
-    Comments, order and everything else are kept. The file appears whole or not at all. UserError
-    where it cannot be written.
+    Comments and order are kept. The file is written whole or not at all; UserError on failure.
     """
     import tomlkit
     from tomlkit.exceptions import TOMLKitError

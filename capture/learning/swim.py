@@ -1,4 +1,4 @@
-"""Learn a swim controller: its contractions, lag and ticks of a beat, and from them its grades."""
+"""Learn a swim controller: contractions, lag and ticks of a beat, and its grades."""
 
 from collections.abc import Iterator
 from itertools import islice
@@ -15,42 +15,42 @@ from subsea.biomechanics.controllers import S_MAX, swim_amplitude
 from subsea.biomechanics.solver import STEPS_PER_TICK
 from subsea.core.errors import UserError
 
-TICKS = (8, 24)
-"""Ticks of a beat that are searched, unless the number is given."""
-STRONGEST = 0.6
-"""Greatest contraction, as in the species file."""
+TICKS_PER_BEAT = (8, 24)
+"""Range of the search, unless the number is given."""
+MAX_CONTRACTION = 0.6
+"""Limit of the species file."""
 LAGS = (0.0, 3.2)
 GRADES = (1 / 1.5**2, 1 / 1.5)
 """Speeds of slow and medium relative to fast."""
-BETTER = 0.002
-"""By how much a winner's loss must lie below the old one's."""
-VERIFIED = 12
-"""Candidates of a search that are verified at most."""
+MIN_GAIN = 0.002
+"""Least improvement of the loss over the old controller."""
+MAX_VERIFIED = 12
+"""Most candidates of a search that are verified."""
 
 
 def verified_swims(
     body: Body,
     old: SwimPlan,
     ticks: int | None,
-    thrift: float,
+    economy: float,
     seed: int,
-    hunt: Optimizer[SwimPlan],
+    optimize: Optimizer[SwimPlan],
     notes: list[str],
 ) -> Iterator[SwimPlan]:
-    """Verified swim controllers that beat the old one, best first; ``notes`` tell the others."""
+    """Verified swim controllers better than the old one, best first; ``notes`` collects faults."""
     start = swim_point(body, old)
-    tried = hunt(
-        lambda swim: swim_loss(body, swim, seed, thrift),
+    tried = optimize(
+        lambda swim: swim_loss(body, swim, seed, economy),
         lambda point: swim_at(body, old, point, ticks),
         start if ticks is None else start[:3],
     )
     faults = swim_faults(body, old, seed)
-    bound = swim_loss(body, old, seed, thrift)
+    bound = swim_loss(body, old, seed, economy)
     if faults:
         bound = UNSOUND
         notes.append(f"swim: the old controller is faulty: {faults[0]}")
-    better = (one for one in distinct(tried) if one.loss < bound - BETTER)
-    for one in islice(better, VERIFIED):
+    better = (one for one in distinct(tried) if one.loss < bound - MIN_GAIN)
+    for one in islice(better, MAX_VERIFIED):
         swim = swim_at(body, old, one.point, ticks)
         faults = gait_faults(body, swim)
         if not faults:
@@ -66,13 +66,14 @@ def verified_swims(
 
 
 def swim_point(body: Body, swim: SwimPlan) -> Floats:
-    """The point (4,) of the unit box at which a swim controller lies, see :func:`swim_at`."""
+    """The point (4,) of a swim controller in the unit box, the inverse of :func:`swim_at`."""
     low, high = LAGS
+    fewest, most = TICKS_PER_BEAT
     return np.array(
         [
-            *(np.array(swim.contraction) / strongest(body, swim.ticks_per_beat)),
+            *(np.array(swim.contraction) / max_contractions(body, swim.ticks_per_beat)),
             (swim.lag - low) / (high - low),
-            (swim.ticks_per_beat + 0.5 - TICKS[0]) / (TICKS[1] + 1 - TICKS[0]),
+            (swim.ticks_per_beat + 0.5 - fewest) / (most + 1 - fewest),
         ]
     )
 
@@ -80,15 +81,16 @@ def swim_point(body: Body, swim: SwimPlan) -> Floats:
 def swim_at(
     body: Body, base: SwimPlan, point: Floats | tuple[float, ...], ticks: int | None = None
 ) -> SwimPlan:
-    """The swim controller at a point of the unit box; grades are those of ``base``.
+    """The swim controller at a point of the unit box, with the grades of ``base``.
 
-    Contractions are shares of the greatest that keeps to S_MAX, then the lag and, unless it is
-    given, the ticks of a beat. Numbers are rounded as they are written.
+    The point holds both contractions as fractions of the greatest that keeps S_MAX, the lag and,
+    unless given, the ticks of a beat. Numbers are rounded as in the file.
     """
     if ticks is None:
-        ticks = min(int(TICKS[0] + point[3] * (TICKS[1] + 1 - TICKS[0])), TICKS[1])
-    # Rounded down, or the strongest stroke would be too fast.
-    front, back = np.floor(1000 * np.array(point[:2]) * strongest(body, ticks)) / 1000
+        fewest, most = TICKS_PER_BEAT
+        ticks = min(int(fewest + point[3] * (most + 1 - fewest)), most)
+    # Rounded down, so that the strongest beat keeps S_MAX.
+    front, back = np.floor(1000 * np.array(point[:2]) * max_contractions(body, ticks)) / 1000
     low, high = LAGS
     return msgspec.structs.replace(
         base,
@@ -98,19 +100,19 @@ def swim_at(
     )
 
 
-def strongest(body: Body, ticks: int) -> Floats:
-    """The greatest contractions (2,) of the swimming segments with beats of ``ticks`` ticks.
+def max_contractions(body: Body, ticks: int) -> Floats:
+    """The greatest contractions (2,) of the swimming segments in a beat of ``ticks`` ticks.
 
     A sine of contraction c on a muscle of length l over n steps is steepest with c l sin(π/n).
     """
     lengths = body.length[:MUSCLES].reshape(3, 4).max(axis=1)[1:]
-    return np.minimum(STRONGEST, S_MAX / (lengths * np.sin(np.pi / (ticks * STEPS_PER_TICK))))
+    return np.minimum(MAX_CONTRACTION, S_MAX / (lengths * np.sin(np.pi / (ticks * STEPS_PER_TICK))))
 
 
 def with_grades(body: Body, swim: SwimPlan) -> SwimPlan:
-    """The controller with amplitudes of slow and medium that make them clearly slower grades.
+    """Set the amplitudes of slow and medium to fixed fractions of the fast speed.
 
-    Raises UserError where the body does not swim steadily at any amplitude.
+    UserError where the body does not swim steadily at all amplitudes.
     """
     speeds = speed_map(body, swim)
     if not (np.diff(speeds.speed) > 0).all():

@@ -1,11 +1,11 @@
-"""Learn the turn controllers: how far and fast to bend, and from that the steering map's holds."""
+"""Learn the turn controllers: angle and speed of bends, and the holds of the steering map."""
 
 from itertools import islice
 
 import msgspec
 import numpy as np
 
-from capture.inspection.gait import turned, widest_pull
+from capture.inspection.gait import turn_contraction_step, turned
 from capture.learning.fitness import (
     GRADUAL_DEG,
     UNSOUND,
@@ -15,7 +15,7 @@ from capture.learning.fitness import (
     turn_loss,
 )
 from capture.learning.search import Optimizer, distinct
-from capture.learning.swim import BETTER, VERIFIED
+from capture.learning.swim import MAX_VERIFIED, MIN_GAIN
 from capture.recording.trial import beat_contraction, steady_beat
 from subsea.biomechanics.body import Body, Floats
 from subsea.biomechanics.body_plan import Steering, SwimPlan, TurnPlan
@@ -29,12 +29,12 @@ RESTORE_TICKS = (8.0, 40.0)
 AMPLITUDES = (0.0, 1.0)
 LONGEST_HOLD = 160.0
 """Ticks."""
-GRADUAL_TURN = 8.0
-"""Degrees that a gradual turn turns in a beat."""
+GRADUAL_DEG_PER_BEAT = 8.0
+"""Angle of a gradual turn in one beat."""
 
 
-class Unreachable(Exception):  # noqa: N818 - a finding, not a fault
-    """A steering map lacks holds; ``share`` of its rows cannot be reached."""
+class Unreachable(Exception):  # noqa: N818 - a finding, no error
+    """No hold times reach the angles of ``share`` of the rows of a steering map."""
 
     def __init__(self, share: float) -> None:
         super().__init__("its bends do not reach every angle of the steering map")
@@ -47,15 +47,15 @@ def verified_turn(
     old: TurnPlan,
     new_gait: bool,
     seed: int,
-    hunt: Optimizer[TurnPlan],
+    optimize: Optimizer[TurnPlan],
     notes: list[str],
 ) -> TurnPlan | None:
-    """A verified turn controller that beats the old one, or None; ``notes`` tell the others.
+    """A verified turn controller better than the old one, or None; ``notes`` collects faults.
 
-    With a new gait the old controller has no worth: its holds are of the old one.
+    With a new gait any controller is better: the old hold times do not fit.
     """
     steady = steady_beat(body, beat_contraction(swim, swim.medium)).state
-    # The angles between follow: what turns by the least and the widest one is a map for all.
+    # Two rows suffice for the search: the angles between them follow.
     ends = (old.steering[0], old.steering[-1])
     angles = [row.angle for row in ends]
     outline = msgspec.structs.replace(old, steering=ends)
@@ -69,7 +69,7 @@ def verified_turn(
         except UserError:
             return UNSOUND + 2.0
 
-    tried = hunt(loss, lambda point: turn_at(outline, point), turn_point(old))
+    tried = optimize(loss, lambda point: turn_at(outline, point), turn_point(old))
     bound = UNSOUND
     if not new_gait:
         faults = turn_faults(body, swim, old, seed)
@@ -77,8 +77,8 @@ def verified_turn(
             notes.append(f"turn: the old controller is faulty: {faults[0]}")
         else:
             bound = turn_loss(measure_turning(body, swim, outline, steady, angles), angles)
-    better = (one for one in distinct(tried) if one.loss < bound - BETTER)
-    for one in islice(better, VERIFIED):
+    better = (one for one in distinct(tried) if one.loss < bound - MIN_GAIN)
+    for one in islice(better, MAX_VERIFIED):
         found = _verified(body, swim, turn_at(old, one.point), steady, seed, notes)
         if found is not None:
             return found
@@ -88,9 +88,9 @@ def verified_turn(
 def refit_holds(
     body: Body, swim: SwimPlan, turn: TurnPlan, seed: int, notes: list[str]
 ) -> TurnPlan | None:
-    """The old bends with the holds that a new gait needs, beating less where it is too fast."""
+    """The old bends with hold times for a new gait, and a smaller beat where it is too fast."""
     angles = [row.angle for row in turn.steering]
-    while widest_pull(body, swim, turn, angles) > 0.99 * S_MAX and turn.amplitude > 0:
+    while turn_contraction_step(body, swim, turn, angles) > 0.99 * S_MAX and turn.amplitude > 0:
         turn = msgspec.structs.replace(turn, amplitude=max(0.0, round(turn.amplitude - 0.01, 3)))
     steady = steady_beat(body, beat_contraction(swim, swim.medium)).state
     return _verified(body, swim, turn, steady, seed, notes)
@@ -99,7 +99,7 @@ def refit_holds(
 def _verified(
     body: Body, swim: SwimPlan, turn: TurnPlan, steady: BodyState, seed: int, notes: list[str]
 ) -> TurnPlan | None:
-    """The controller with its holds and gradual turn, if it passes."""
+    """The controller with hold times and gradual turn, if it passes verification."""
     try:
         whole = with_gradual(body, swim, with_holds(body, swim, turn, steady))
         faults = turn_faults(body, swim, whole, seed)
@@ -112,7 +112,7 @@ def _verified(
 
 
 def turn_point(turn: TurnPlan) -> Floats:
-    """The point (5,) of the unit box at which a turn controller's widest row lies."""
+    """The point (5,) of a turn controller's widest row in the unit box."""
     row = turn.steering[-1]
     low, high = np.array([BENDS, BENDS, BEND_TICKS, RESTORE_TICKS, AMPLITUDES]).T
     values = [*row.contraction, row.bend_ticks, row.restore_ticks, turn.amplitude]
@@ -120,7 +120,7 @@ def turn_point(turn: TurnPlan) -> Floats:
 
 
 def turn_at(base: TurnPlan, point: Floats | tuple[float, ...]) -> TurnPlan:
-    """The turn controller at a point of the unit box: all rows bend alike, holds are ``base``'s.
+    """The turn controller at a point of the unit box: equal bends, hold times of ``base``.
 
     A body is never straightened faster than it was bent (Tu §4.6.1).
     """
@@ -139,10 +139,10 @@ def turn_at(base: TurnPlan, point: Floats | tuple[float, ...]) -> TurnPlan:
 
 
 def with_holds(body: Body, swim: SwimPlan, turn: TurnPlan, steady: BodyState) -> TurnPlan:
-    """The controller with holds that make each row turn by its angle out of ``steady``.
+    """Set the hold times so that each row turns by its angle from ``steady``.
 
-    Raises Unreachable where a bend turns too far by itself, or not far enough however long, or
-    where the body loses its shape.
+    Unreachable where a bend turns too far without a hold, not far enough with the longest one,
+    or where the body loses its shape.
     """
     from scipy.optimize import brentq
 
@@ -174,10 +174,9 @@ def with_holds(body: Body, swim: SwimPlan, turn: TurnPlan, steady: BodyState) ->
 
 
 def with_gradual(body: Body, swim: SwimPlan, turn: TurnPlan) -> TurnPlan:
-    """The controller with a gradual turn of :data:`GRADUAL_TURN` degrees a beat.
+    """Set the gradual turn to :data:`GRADUAL_DEG_PER_BEAT`, in the proportion of the widest turn.
 
-    It bends the two segments in the proportion of the widest turn. Raises UserError where no
-    part of that bend turns so.
+    UserError where the bend of the widest turn is too small.
     """
     from scipy.optimize import brentq
 
@@ -188,11 +187,11 @@ def with_gradual(body: Body, swim: SwimPlan, turn: TurnPlan) -> TurnPlan:
         return front, back
 
     def error(share: float) -> float:
-        return gradual_turn(body, swim, part(share)) - GRADUAL_TURN
+        return gradual_turn(body, swim, part(share)) - GRADUAL_DEG_PER_BEAT
 
     if error(1.0) > 0:
         share = brentq(error, 0.0, 1.0, xtol=0.01)
-    elif error(1.0) + GRADUAL_TURN >= GRADUAL_DEG.low:
+    elif error(1.0) + GRADUAL_DEG_PER_BEAT >= GRADUAL_DEG.low:
         share = 1.0
     else:
         raise UserError("its bend is too small for a gradual turn")

@@ -1,4 +1,4 @@
-"""Pictures of a repertoire: one page for each segment and one for the whole."""
+"""Plot a repertoire: a page for each segment and one for the whole."""
 
 from pathlib import Path
 from typing import Any
@@ -35,11 +35,11 @@ ANGLES = np.arange(15.0, 91.0, 15.0)
 
 
 def plot_repertoire(repertoire: Repertoire, folder: Path) -> list[Path]:
-    """Write a page for every segment and one for the repertoire as PNG; return the files.
+    """Write a PNG page for each segment and one for the repertoire; return the files.
 
-    What only swimming again can tell (first frames, and of muscle-driven fishes the speed and
-    steering maps) comes from the provenance, and is left out where that holds no fish. Raises
-    UserError without matplotlib or where the folder cannot be written.
+    First frames and, of muscle-driven fishes, speed and steering maps are simulated again from
+    the provenance; they are left out where it holds no plans. UserError without matplotlib or
+    where the folder cannot be written.
     """
     try:
         from matplotlib import rc_context
@@ -74,7 +74,7 @@ def _motion(repertoire: Repertoire) -> Motion | None:
 
 
 def _first_frame(repertoire: Repertoire, motion: Motion | None, name: str) -> Floats | None:
-    """The deformation (23, 3) that a segment starts from: a file holds those that follow."""
+    """The first deformation (23, 3) of a segment, which its file does not hold."""
     if motion:
         frames = run_trial(motion, name).frames
     else:
@@ -127,17 +127,17 @@ def _repertoire_page(page: Any, repertoire: Repertoire, motion: Motion | None) -
         return
     grid[1, 0].remove()
     grid[1, 1].remove()
-    places = grid[0, 0].get_gridspec()[1, :].subgridspec(1, 3)
+    cells = grid[0, 0].get_gridspec()[1, :].subgridspec(1, 3)
     body = build_body(motion.body)
     panels.speed_control(
-        rows[1].add_subplot(places[0]), speed_map(body, motion.swim), motion.body.length
+        rows[1].add_subplot(cells[0]), speed_map(body, motion.swim), motion.body.length
     )
-    panels.turned(rows[1].add_subplot(places[1]), ANGLES, _turned(motion))
-    panels.steering_map(rows[1].add_subplot(places[2]), motion.turn)
+    panels.turned(rows[1].add_subplot(cells[1]), ANGLES, _turned(motion))
+    panels.steering_map(rows[1].add_subplot(cells[2]), motion.turn)
 
 
 def _turned(motion: Motion) -> Floats:
-    """Angles turned (n, phases) when `ANGLES` are asked for, entered at several phases."""
+    """Measured angles (n, phases) of turns by `ANGLES`, entered at several phases."""
     body = build_body(motion.body)
     swim, turn = motion.swim, motion.turn
     starts = entries(body, swim, run_trial(motion, "swim_medium").state)

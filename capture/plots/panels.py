@@ -35,12 +35,12 @@ X_COLOUR, Z_COLOUR = "#08306b", "0.6"
 SCALES_CM = (0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100)
 LEFT_EDGE, RIGHT_EDGE = (0, 1, 5, 9, 13, 17, 21), (21, 18, 14, 10, 6, 2, 0)
 OUTLINE = LEFT_EDGE + RIGHT_EDGE
-"""Nodes down the left and up the right flank, seen from above."""
+"""Nodes along the left flank to the tail and back along the right one."""
 MAX_HZ = 12.0
 
 
 def strip_limits(segment: Segment) -> tuple[tuple[float, float], tuple[float, float]]:
-    """What every picture of the strip shows, to the right and ahead, cm."""
+    """Limits of all pictures of the strip, to the right and ahead, cm."""
     played = top_view(segment, 1)
     tips = np.concatenate([played.origin + arrow for _, arrow in _arrows(played)])
     right, ahead = _screen(np.concatenate([played.nodes.ravel(), tips]))
@@ -48,19 +48,18 @@ def strip_limits(segment: Segment) -> tuple[tuple[float, float], tuple[float, fl
 
 
 def strip_frames(segment: Segment) -> list[int]:
-    """The frames that the strip shows: the last one, and others at equal intervals before it."""
+    """The frames of the strip: the last one, and others at equal intervals before it."""
     right, ahead = strip_limits(segment)
-    # The slenderer the pictures, the more of them find room side by side.
+    # Narrower pictures leave room for more of them.
     most = np.clip(4.3 * np.ptp(ahead) / np.ptp(right), *STRIP_FRAMES)
     count = len(segment.nodes)
     return list(range(count - 1, -1, -int(np.ceil(count / most))))[::-1]
 
 
 def strip(axes: Any, segment: Segment, tick_s: float) -> None:
-    """The body from above in some frames, with the axes x and z of the frames before (SMC fig. 3).
+    """The body from above in some frames, with the axes of earlier frames (SMC fig. 3).
 
-    ``axes`` are as many as frames are shown. The fish stands in its place on the way; the way up
-    to this frame is drawn by the dark arrows of x and the light ones of z.
+    ``axes`` has one for each frame. Dark arrows are x and light ones z of the body frame.
     """
     played = top_view(segment, 1)
     count = len(played.origin)
@@ -86,13 +85,13 @@ def strip(axes: Any, segment: Segment, tick_s: float) -> None:
 
 
 def _arrows(played: TopView) -> tuple[tuple[str, Any], tuple[str, Any]]:
-    """Colours and arrows (t,) of the axes z and x."""
+    """Colours and arrows (t,) of the body axes z and x."""
     length = np.abs(played.midline[:, 0] - played.midline[:, -1]).max()
     return (Z_COLOUR, 0.25 * length * played.right), (X_COLOUR, 0.4 * length * played.forward)
 
 
 def trajectories(ahead: Any, aside: Any, segment: Segment, tick_s: float) -> None:
-    """Where the origin of the body frame and the tail are, along x and along z, over time."""
+    """Position of the body frame and the tail along x and z, over time."""
     played = top_view(segment, CYCLES)
     seconds = _seconds(played, tick_s)
     for name, points in (("origin", played.origin), ("tail", played.midline[:, -1])):
@@ -107,7 +106,7 @@ def trajectories(ahead: Any, aside: Any, segment: Segment, tick_s: float) -> Non
 
 
 def path(axis: Any, segment: Segment) -> None:
-    """The ways of nose, origin and tail from above."""
+    """Paths of nose, origin and tail from above."""
     played = top_view(segment, CYCLES)
     for name, points in (
         ("nose", played.midline[:, 0]),
@@ -122,7 +121,7 @@ def path(axis: Any, segment: Segment) -> None:
 
 
 def speed(axis: Any, segment: Segment, repertoire: Repertoire) -> None:
-    """Speed from frame to frame, and its mean."""
+    """Speed in each frame, and its mean."""
     tick, length = repertoire.tick_s, repertoire.body_length_cm
     values = speeds(segment, tick, CYCLES)
     seconds = tick * (np.arange(len(values)) + 1.5)
@@ -135,7 +134,7 @@ def speed(axis: Any, segment: Segment, repertoire: Repertoire) -> None:
 
 
 def tail_sweep(axis: Any, segment: Segment, repertoire: Repertoire) -> None:
-    """How far the tail stands to the right of the way, over time."""
+    """Offset of the tail to the right of the path, over time."""
     tick, length = repertoire.tick_s, repertoire.body_length_cm
     tail = lateral_offset(segment, CYCLES)[:, -1] / length
     if segment.cyclic:
@@ -150,7 +149,7 @@ def tail_sweep(axis: Any, segment: Segment, repertoire: Repertoire) -> None:
 
 
 def tail_spectrum(axis: Any, segment: Segment, repertoire: Repertoire) -> None:
-    """What sines the tail's lateral motion is made of."""
+    """Spectrum of the tail's lateral motion."""
     tail = lateral_offset(segment)[:, -1] / repertoire.body_length_cm
     hertz, amplitude = spectrum(tail, repertoire.tick_s, segment.cyclic)
     seen = (hertz > 0) & (hertz <= max(MAX_HZ, hertz[1]))
@@ -162,7 +161,7 @@ def tail_spectrum(axis: Any, segment: Segment, repertoire: Repertoire) -> None:
 
 
 def envelope(axis: Any, segment: Segment, repertoire: Repertoire) -> None:
-    """The midline in every frame and what it fills, from the nose to the tail."""
+    """The midline in all frames and its envelope, from the nose to the tail."""
     length = repertoire.body_length_cm
     lines = lateral_offset(segment) / length
     rest = midline(repertoire.rest_nodes)[:, 0]
@@ -178,7 +177,7 @@ def envelope(axis: Any, segment: Segment, repertoire: Repertoire) -> None:
 
 
 def closure(axis: Any, segment: Segment, first: Floats | None) -> None:
-    """The last frame over the first one, nodes (23, 3) in body axes; None if it is not known."""
+    """The last frame over the first one (23, 3), in body axes; None if unknown."""
     last = above(segment.nodes[-1])
     if first is not None:
         axis.fill(*_upright(above(first)[list(OUTLINE)]), BODY, label="first")
@@ -192,7 +191,7 @@ def closure(axis: Any, segment: Segment, first: Floats | None) -> None:
 
 
 def paths(axes: Any, repertoire: Repertoire) -> None:
-    """The ways of all segments from above, at one scale."""
+    """Paths of all segments from above, at one scale."""
     played = {name: top_view(one, CYCLES) for name, one in in_order(repertoire)}
     everything = np.concatenate([p.midline.ravel() for p in played.values()])
     width = max(np.ptp(_limits(-p.midline.imag.ravel())) for p in played.values())
@@ -237,7 +236,7 @@ def tail_beats(axis: Any, repertoire: Repertoire) -> None:
         label = name.replace("_", " ")
         axis.plot(seconds, tail - tail.mean(), color=SEGMENT_COLOURS.get(name), label=label)
     axis.axhline(0, color=FAINT, linewidth=1, zorder=0)
-    axis.set(xlabel="time, s", ylabel="right of the way, L", title="Tail beats")
+    axis.set(xlabel="time, s", ylabel="right of the path, L", title="Tail beats")
     axis.margins(y=0.15)
     axis.legend(fontsize=9, loc="upper center", ncols=3)
 
@@ -251,25 +250,25 @@ def speed_control(axis: Any, levels: SpeedMap, length: float) -> None:
 
 
 def turned(axis: Any, asked: Floats, measured: Floats) -> None:
-    """Angles turned (n, phases) against those asked for (n,); the map holds for the first phase."""
+    """Measured angles (n, phases) against desired ones (n,); the map is for the first phase."""
     top = 1.05 * max(asked.max(), measured.max())
     axis.plot([0, top], [0, top], color=FAINT, linewidth=1, zorder=0)
     low, high = measured.min(axis=1), measured.max(axis=1)
     axis.vlines(asked, low, high, color=BODY, linewidth=5, label="entered at any phase")
     axis.plot(asked, measured[:, 0], "o", color=POINTS["tail"], ms=4, label="entered at phase 0")
-    axis.set(xlabel="angle asked for, °", ylabel="angle turned, °", title="Turns as measured")
+    axis.set(xlabel="desired angle, °", ylabel="measured angle, °", title="Turns as measured")
     axis.set(xlim=(0, top), ylim=(0, top))
     axis.legend(fontsize=9)
 
 
 def steering_map(axis: Any, turn: TurnPlan) -> None:
-    """How long a bend comes, holds and is given back, and how strong it is, for each angle."""
+    """Bend, hold and restore times and contractions of the steering map, for each angle."""
     angles = [row.angle for row in turn.steering]
     stacked = np.array([(r.bend_ticks, r.hold_ticks, r.restore_ticks) for r in turn.steering]).T
     axis.stackplot(
         angles, stacked, labels=("bend", "hold", "restore"), colors=(FAINT, BODY, "#6baed6")
     )
-    axis.set(xlabel="angle asked for, °", ylabel="ticks", title="Steering map")
+    axis.set(xlabel="desired angle, °", ylabel="ticks", title="Steering map")
     axis.set(xlim=(angles[0], angles[-1]), ylim=(0, 1.3 * stacked.sum(axis=0).max()))
     other = axis.twinx()
     for place, (name, style) in enumerate((("anterior", "o-"), ("posterior", "s--"))):
@@ -286,7 +285,7 @@ def steering_map(axis: Any, turn: TurnPlan) -> None:
 
 
 def in_order(repertoire: Repertoire) -> list[tuple[str, Segment]]:
-    """The segments by name, those that playback knows first and in its order."""
+    """The segments by name: those of playback in its order, then others."""
     known = [name for name in SEGMENTS if name in repertoire.segments]
     others = [name for name in repertoire.segments if name not in SEGMENTS]
     return [(name, repertoire.segments[name]) for name in known + others]
@@ -297,12 +296,12 @@ def _seconds(played: TopView, tick_s: float) -> Floats:
 
 
 def _screen(points: Any) -> tuple[Floats, Floats]:
-    """Right and up on paper: to the right, and ahead."""
+    """Coordinates of a plot with ahead up: to the right, and ahead."""
     return -np.imag(points), np.real(points)
 
 
 def _upright(points: Any) -> tuple[Floats, Floats]:
-    """Body axes with the nose to the right of the paper."""
+    """Coordinates of a plot with the nose to the right."""
     return np.real(points), -np.imag(points)
 
 
@@ -312,10 +311,10 @@ def _limits(values: Floats) -> tuple[float, float]:
 
 
 def _mark_beats(axis: Any, segment: Segment, tick_s: float) -> None:
-    """Where a cycle begins again."""
+    """Mark the beginnings of cycles."""
     for cycle in range(1, CYCLES if segment.cyclic else 1):
         axis.axvline(cycle * len(segment.nodes) * tick_s, color=FAINT, linewidth=1, zorder=0)
 
 
 def _reference(segment: Segment) -> str:
-    return "the way" if segment.cyclic else "the body axis"
+    return "the path" if segment.cyclic else "the body axis"

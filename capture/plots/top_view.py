@@ -1,7 +1,7 @@
-"""A segment as it is looked at: from above, along and across its way, beat by beat.
+"""A segment from above: along and across its path.
 
-Points seen from above are complex numbers: the real part is ahead and the imaginary part to the
-left, in cm. A turn is then a product.
+Points are complex numbers: the real part is ahead and the imaginary part to the left, in cm. A
+rotation is a product.
 """
 
 from cmath import phase
@@ -19,11 +19,11 @@ from subsea.repertoire import Segment
 Complex = NDArray[np.complex128]
 
 STRAIGHT = 1e-3
-"""Radians of heading a cycle below which its way counts as straight."""
+"""Change of heading in a cycle, rad, below which its path counts as straight."""
 
 
 class TopView(NamedTuple):
-    """A segment played back so that it begins along its way, from above."""
+    """A replayed segment from above, that begins along its path."""
 
     nodes: Complex  # (t, 23)
     midline: Complex  # (t, 7) nose, five ring centres, tail
@@ -33,7 +33,7 @@ class TopView(NamedTuple):
 
 
 def top_view(segment: Segment, cycles: int) -> TopView:
-    """The states of ``cycles`` cycles (1 if it isn't cyclic), each after its increment."""
+    """Replay ``cycles`` cycles of a segment (1 if it is not cyclic)."""
     frames = replay(segment, np.zeros(3), np.eye(3), cycles if segment.cyclic else 1)
     origin, rotation = body_frame(frames)
     start = np.conj(_direction(segment))
@@ -58,10 +58,10 @@ def midline(nodes: Array) -> Floats:
 
 
 def lateral_offset(segment: Segment, cycles: int = 1) -> Floats:
-    """How far the midline stands to the right (t, 7), cm: of the way, or of the body axis.
+    """Offset (t, 7) of the midline to the right of the path, cm.
 
-    The way of a cycle is the straight line or the circle that it follows in the mean. A segment
-    that isn't cyclic has no such way, so the axis of the body frame stands for it.
+    The path of a cycle is the straight line or circle that it follows in the mean; for other
+    segments it is the axis of the body frame.
     """
     if not segment.cyclic:
         return np.asarray(midline(segment.nodes)[..., 2])
@@ -72,19 +72,19 @@ def lateral_offset(segment: Segment, cycles: int = 1) -> Floats:
     else:
         centre = shift / (1 - np.exp(1j * turn)) * np.conj(_direction(segment))
         aside = np.sign(turn) * np.abs(played.midline - centre)
-    return np.asarray(aside - aside[:, :1].mean())  # the nose sways about the way
+    return np.asarray(aside - aside[:, :1].mean())  # the nose sways about the path
 
 
 def speeds(segment: Segment, tick_s: float, cycles: int) -> Floats:
-    """Speed of the middle of all nodes over each tick (t - 1,), cm/s, from above."""
+    """Horizontal speed (t - 1,) of the mean of all nodes over each tick, cm/s."""
     middle = top_view(segment, cycles).nodes.mean(axis=1)
     return np.asarray(np.abs(np.diff(middle)) / tick_s)
 
 
 def spectrum(values: Floats, tick_s: float, cyclic: bool) -> tuple[Floats, Floats]:
-    """Frequencies, Hz, and the amplitudes of the sines that ``values`` (t,) are made of.
+    """Frequencies, Hz, and amplitudes of the Fourier series of ``values`` (t,).
 
-    One cycle is a whole period and needs no window; anything else is tapered (Hann).
+    A cycle is a whole period and needs no window; other values get a Hann window.
     """
     window = np.ones(len(values)) if cyclic else np.hanning(len(values) + 1)[:-1]
     amplitude = 2 * np.abs(np.fft.rfft((values - values.mean()) * window)) / window.sum()
@@ -92,7 +92,7 @@ def spectrum(values: Floats, tick_s: float, cyclic: bool) -> tuple[Floats, Float
 
 
 def _cycle(segment: Segment) -> tuple[float, complex]:
-    """The turn of the body frame over the segment, radians to the left, and its shift."""
+    """Rotation of the body frame over the segment, rad to the left, and its displacement."""
     last = replay(segment, np.zeros(3), np.eye(3), 1)[-1]
     origin, rotation = body_frame(last)
     heading, shift = complex(above(rotation[:, 0])), complex(above(origin))
@@ -100,9 +100,9 @@ def _cycle(segment: Segment) -> tuple[float, complex]:
 
 
 def _direction(segment: Segment) -> complex:
-    """Where the way of a cycle leads at its beginning, in the body frame; of length 1."""
+    """Initial direction of the path of a cycle in the body frame, of length 1."""
     if not segment.cyclic:
         return 1 + 0j
     turn, shift = _cycle(segment)
-    chord = shift * np.exp(-0.5j * turn)  # a chord of a circle stands half the turn aside
+    chord = shift * np.exp(-0.5j * turn)  # the chord of an arc is rotated by half its angle
     return complex(chord / abs(chord))

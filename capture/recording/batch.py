@@ -1,4 +1,4 @@
-"""Record several species: only what is missing, whole files or none."""
+"""Record several species: only what is missing, and whole files only."""
 
 from collections.abc import Callable, Mapping
 from contextlib import closing
@@ -21,14 +21,14 @@ def record_all(
     folders: Mapping[str, Path],
     workers: Workers,
     check: Check = lambda: None,
-    tell: Callable[[str, int], object] = lambda name, segments: None,
+    progress: Callable[[str, int], object] = lambda name, segments: None,
     force: bool = False,
 ) -> list[str]:
     """Write the repertoires of species to their folders; return the names of those recorded.
 
-    The others were up to date already; ``force`` records them again. Segments that an interrupted
-    run has kept are taken. ``tell(species, segments)`` is called as the number of finished
-    segments grows, for each species that is recorded.
+    Repertoires that are up to date are skipped without ``force``. Segments saved by an
+    interrupted run are reused. ``progress(species, segments)`` is called when the number of
+    finished segments of a species grows.
     """
     species = {name: load_species(name) for name in folders}
     done: dict[str, dict[str, Recorded]] = {}
@@ -36,10 +36,10 @@ def record_all(
         if force:
             remove_segments(folders[name], name)
         elif is_up_to_date(folders[name], name, one):
-            remove_segments(folders[name], name)  # what a kill just before the end may have left
+            remove_segments(folders[name], name)  # a run killed at its end may have left them
             continue
         done[name] = finished_segments(folders[name], name, one)
-        tell(name, len(done[name]))
+        progress(name, len(done[name]))
     jobs = {
         (name, segment): species[name]
         for name, segments in done.items()
@@ -59,6 +59,6 @@ def record_all(
         for (name, segment), recorded in results:
             save_segment(folders[name], name, species[name], segment, recorded)
             done[name][segment] = recorded
-            tell(name, len(done[name]))
+            progress(name, len(done[name]))
             finish(name)
     return list(done)

@@ -14,15 +14,15 @@ from subsea.fish.species import Species
 
 CONNECT_S = 4.0
 FETCH_S = 5.0
-PATIENCE_S = 15.0
-"""How long a cluster may be without any worker."""
+NO_WORKER_S = 15.0
+"""Longest time without any worker."""
 
 
 def dask_workers(address: str) -> Workers:
-    """Workers that record on the Dask cluster whose scheduler listens at ``address``.
+    """Workers of the Dask cluster with a scheduler at ``address``.
 
-    The jobs of a worker that dies are done again by others. A UserError without `distributed`,
-    where nothing answers, where no worker is left, or where a worker runs another program.
+    The jobs of a lost worker are repeated. UserError without the package `distributed`, without
+    an answer or a worker, or if a worker runs another version.
     """
 
     def run(jobs: Mapping[Job, Species], check: Check) -> Results:
@@ -42,8 +42,8 @@ def dask_workers(address: str) -> Workers:
                         yield tasks.pop(task), result
                 if _has_workers(client, address):
                     last_seen = monotonic()
-                elif monotonic() - last_seen > PATIENCE_S:
-                    raise UserError(f"{address}: no worker for {PATIENCE_S:g} s; start some")
+                elif monotonic() - last_seen > NO_WORKER_S:
+                    raise UserError(f"{address}: no worker for {NO_WORKER_S:g} s; start some")
                 sleep(POLL_S)
 
     return run
@@ -55,27 +55,27 @@ def _connect(address: str) -> Any:
         from distributed import Client
     except ImportError as fault:
         raise UserError("--cluster needs Dask: install subsea[cluster]") from fault
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # we say ourselves what is amiss
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # replaced by our own messages
     try:
         asyncio.run(asyncio.wait_for(_identify(address), CONNECT_S))
         return Client(address, timeout=CONNECT_S, set_as_default=False)
-    except Exception as fault:  # a stranger who listens there can provoke any
+    except Exception as fault:  # another program at that address may cause any
         raise UserError(f"{address}: no Dask scheduler answers there") from fault
 
 
 async def _identify(address: str) -> None:
-    """Ask who is there: a Client that finds nobody hangs once more when it is removed."""
+    """Raise unless a scheduler answers; a Client without one would hang also when removed."""
     from distributed import Security
     from distributed.core import rpc
 
     async with rpc(address, connection_args=Security().get_connection_args("client")) as peer:
-        who = await peer.identity()
-    if who["type"] != "Scheduler":
-        raise ValueError(who["type"])
+        identity = await peer.identity()
+    if identity["type"] != "Scheduler":
+        raise ValueError(identity["type"])
 
 
 def _record(job: Job, species: Species, expected: str) -> Recorded:
-    """Record a segment on a worker, if it does so exactly as the program that asks."""
+    """Record a segment on a worker; UserError if its version differs from the caller's."""
     if fingerprint(species) != expected:
         raise UserError("a worker has another version of subsea, numpy or numba; install the same")
     return record_job(job, species)
@@ -85,11 +85,11 @@ def _has_workers(client: Any, address: str) -> bool:
     try:
         return bool(client.scheduler_info()["workers"])
     except Exception as fault:
-        raise UserError(f"{address}: the scheduler is gone") from fault
+        raise UserError(f"{address}: the scheduler has stopped") from fault
 
 
 def _result(task: Any, address: str) -> Recorded | None:
-    """The result of a task that is done; None if it was lost with a worker and is made again."""
+    """The result of a finished task; None if it was lost with a worker and is repeated."""
     from distributed import CancelledError, KilledWorker
 
     try:
@@ -97,14 +97,14 @@ def _result(task: Any, address: str) -> Recorded | None:
     except TimeoutError:
         return None
     except KilledWorker as fault:
-        raise UserError(f"{address}: workers that record keep dying; is memory short?") from fault
+        raise UserError(f"{address}: workers keep crashing; is there enough memory?") from fault
     except (CancelledError, OSError) as fault:
-        raise UserError(f"{address}: the scheduler is gone") from fault
+        raise UserError(f"{address}: the scheduler has stopped") from fault
     except ImportError as fault:
         raise UserError(f"{address}: a worker lacks a package: {fault}") from fault
     except UserError:
         raise
-    except Exception as fault:  # another program may fail in any way
+    except Exception as fault:  # another version may fail in any way
         reason = f"{type(fault).__name__}: {fault}".splitlines()[0]
         raise UserError(
             f"{address}: a worker cannot record ({reason}); install the same subsea there"

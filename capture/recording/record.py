@@ -19,13 +19,13 @@ from subsea.fish.surface import SurfacePlan, rest_control_points
 from subsea.repertoire import SEGMENTS, Repertoire, Segment
 
 Motion = Muscles
-"""The three plans that decide how a species moves."""
+"""The three plans that determine how a species moves."""
 
 
 def steady_contraction(motion: Motion, name: str) -> Floats:
-    """Contractions (6 T, 12) of one beat of a swim or gradual turn, or of that before a sharp turn.
+    """Contractions (6 T, 12) of one beat of a segment such as ``turn_left_gradual``.
 
-    ``name`` is a segment's, such as ``turn_left_gradual``.
+    For a sharp turn: of the beat before it.
     """
     swim = motion.swim
     kind, _, grade = name.rpartition("_")
@@ -36,12 +36,12 @@ def steady_contraction(motion: Motion, name: str) -> Floats:
 
 
 def side_of(name: str) -> float:
-    """LEFT or RIGHT, the side of a turn's segment."""
+    """LEFT or RIGHT: the side of a turn, by the name of its segment."""
     return LEFT if "left" in name else RIGHT
 
 
 def run_trial(motion: Motion, name: str) -> Trial:
-    """The trial behind the segment ``name``."""
+    """Simulate the trial of the segment ``name``."""
     body = build_body(motion.body)
     trial = steady_beat(body, steady_contraction(motion, name))
     if not name.endswith("sharp"):
@@ -52,14 +52,13 @@ def run_trial(motion: Motion, name: str) -> Trial:
 
 
 Recorded = tuple[Segment, int]
-"""A segment and the beats of its warm-up."""
+"""A segment and the number of its warm-up beats."""
 
 
 def record_segment(species: Species, name: str) -> Recorded:
-    """One segment of a species' repertoire.
+    """Record one segment of a species.
 
-    Of the species that muscles move only schooling ones carry control points: they are many, and
-    SMC §4.1 trades the memory for them alone.
+    Of muscle-driven species only schooling ones store control points, as in SMC §4.1.
     """
     if species.spine:
         return record_spine_segment(species.spine, species.surface, name), 0
@@ -85,14 +84,14 @@ def _surface_coupling(surface: SurfacePlan, body: BodyPlan) -> Coupling:
 
 
 def motion_of(species: Species) -> Motion:
-    """The plans of a species that the recording depends on; ValueError if it has no muscles."""
+    """The plans of a species with muscles; ValueError without."""
     if species.muscles is None:
         raise ValueError(f"{species.name} has no muscles")
     return species.muscles
 
 
 def motion_from_provenance(provenance: dict[str, Any]) -> Motion:
-    """The plans a repertoire was recorded from; msgspec.ValidationError where they are no plans."""
+    """The plans that a repertoire was recorded from; msgspec.ValidationError without them."""
     return Motion(
         msgspec.convert(provenance.get("body"), BodyPlan),
         msgspec.convert(provenance.get("swim"), SwimPlan),
@@ -101,7 +100,7 @@ def motion_from_provenance(provenance: dict[str, Any]) -> Motion:
 
 
 def spine_from_provenance(provenance: dict[str, Any]) -> tuple[SpinePlan, SurfacePlan]:
-    """The same of a fish that its spine moves."""
+    """The plans of a spine-driven fish; msgspec.ValidationError without them."""
     return (
         msgspec.convert(provenance.get("spine"), SpinePlan),
         msgspec.convert(provenance.get("surface"), SurfacePlan),
@@ -109,14 +108,14 @@ def spine_from_provenance(provenance: dict[str, Any]) -> tuple[SpinePlan, Surfac
 
 
 def record_species(name: str, species: Species) -> Repertoire:
-    """The whole repertoire of a species, recorded in this process."""
+    """Record the whole repertoire of a species in this process."""
     return assemble(
         name, species, {segment: record_segment(species, segment) for segment in SEGMENTS}
     )
 
 
 def assemble(name: str, species: Species, recorded: dict[str, Recorded]) -> Repertoire:
-    """Put recorded segments together; the provenance holds all it takes to record them again."""
+    """Make a repertoire of recorded segments; its provenance suffices to record them again."""
     if species.spine:
         source, rest = "spine", nodes_at_rest(species.spine, species.surface)
         plans = {"spine": species.spine, "surface": species.surface}

@@ -1,4 +1,4 @@
-"""From the nodes of a trial to a segment: increments and deformation (SMC eqs. 1-9)."""
+"""Make a segment of the nodes of a trial: increments and deformation (SMC eqs. 1-9)."""
 
 import numpy as np
 
@@ -22,9 +22,9 @@ def make_segment(
     """The segment that leads through the states ``frames`` (T + 1, 23, 3), world axes, cm.
 
     Row k holds the increment from state k to k + 1 in the body axes of state k, (Rᵏ)ᵀ Rᵏ⁺¹, and
-    the deformation at k + 1. SMC eq. 6 gives the rotation in world axes, which is right only for
-    a fish that heads as the recorded one did. ``coupling``, if given, places the control
-    points (SMC eq. 9); ``surface`` (T + 1, 426, 3) gives them, in world axes as the nodes.
+    the deformation at k + 1. (SMC eq. 6 gives the rotation in world axes, which holds only for
+    the heading of the recorded fish.) The control points come from ``coupling`` (SMC eq. 9) or
+    are ``surface`` (T + 1, 426, 3), in world axes.
     """
     origin, rotation = body_frame(frames)
     turn = np.swapaxes(rotation[:-1], -1, -2) @ rotation[1:]
@@ -34,9 +34,9 @@ def make_segment(
     if surface is not None:
         points = to_body(surface, origin, rotation)
     reach = nodes if surface is None else np.concatenate([nodes, points], axis=1)
-    # A cycle sways about its way and ends in the pose it began in: its way is the chord.
-    way = origin[[0, -1]] if cyclic else origin
-    distance = np.linalg.norm(np.diff(way, axis=0), axis=1).sum()
+    # A cycle sways about its path and ends in its first pose: the path is the chord.
+    path = origin[[0, -1]] if cyclic else origin
+    distance = np.linalg.norm(np.diff(path, axis=0), axis=1).sum()
     return Segment(
         pattern=pattern,
         grade=grade,
@@ -53,7 +53,7 @@ def make_segment(
 
 
 def heading_change(before: Floats, after: Floats) -> float:
-    """Degrees from the heading of rotation ``before`` (3, 3) to that of ``after``, left positive.
+    """Change of heading between rotations (3, 3), degrees, left positive.
 
     Measured about the dorsal axis of ``before``.
     """

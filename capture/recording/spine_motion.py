@@ -1,6 +1,6 @@
-"""Record a species that its spine moves: the same seven segments, by rule (KS part II).
+"""Record a spine-driven species: the same seven segments, kinematically (KS part II).
 
-There is no water: how far a beat takes the fish follows from a number of its plan, the slip.
+There is no water: the distance of a beat follows from the slip in the species' plan.
 """
 
 from typing import NamedTuple
@@ -15,41 +15,41 @@ from subsea.fish.spine import MIDDLES, Gait, SpinePlan, carried, flapped, spines
 from subsea.fish.surface import SurfacePlan, along, fitted, rest_surface
 from subsea.repertoire import Segment
 
-PATH_STEPS = 20000  # in which the path of a segment is added up
+PATH_STEPS = 20000  # steps of the integration of a path
 RING_SHARE = 0.7  # of the body's half-width and half-height
-FRAME_NODES = [0, 5, 6, 7, 8]  # of which the body frame is read
+FRAME_NODES = [0, 5, 6, 7, 8]  # define the body frame
 RING_ON_WING = 0.6  # half spans
 
 
 class SpineMotion(NamedTuple):
-    """A segment in world axes (x ahead, y up, z right), cm."""
+    """The motion of a segment in world axes (x ahead, y up, z right), cm."""
 
     nodes: Floats  # (T + 1, 23, 3)
     points: Floats  # (T + 1, 426, 3) control points
 
 
 class SwimPath(NamedTuple):
-    """Where the fish's centre goes: a bend of `turn` rad between two places of a way."""
+    """The path of the fish's centre: straight, with a bend between two distances."""
 
-    way: float  # body lengths in all
+    length: float  # body lengths
     bend: tuple[float, float]  # body lengths from the start
-    turn: float  # left positive
-    even: bool  # whether the bend is an arc of a circle; else it begins and ends gently
+    turn: float  # rad, left positive
+    circular: bool  # an arc that also continues before and after; otherwise eased in and out
 
     def heading(self, at: Array) -> Array:
-        """Direction in rad at the places `at`; an even bend goes on before and behind."""
+        """Direction in rad at the distances `at`, body lengths."""
         share = (at - self.bend[0]) / (self.bend[1] - self.bend[0])
-        if not self.even:
+        if not self.circular:
             share = np.clip(share, 0.0, 1.0)
             share = share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
         return np.asarray(self.turn * share)
 
 
 def record_spine_segment(plan: SpinePlan, surface: SurfacePlan, name: str) -> Segment:
-    """The segment ``name`` of a repertoire, with its control points.
+    """Record the segment ``name`` with its control points.
 
-    23 nodes are too few for the wave of an eel or the wing of a ray, so the surface always comes
-    from the spine itself.
+    23 nodes are too few for the wave of an eel or the wing of a ray, so the surface is always
+    computed from the spine.
     """
     kind, _, grade = name.rpartition("_")
     motion = spine_motion(plan, surface, name)
@@ -64,12 +64,12 @@ def record_spine_segment(plan: SpinePlan, surface: SurfacePlan, name: str) -> Se
 
 
 def spine_motion(plan: SpinePlan, surface: SurfacePlan, name: str) -> SpineMotion:
-    """The motion of a segment, frame by frame from its start to its end."""
+    """Compute all frames of a segment."""
     gait, beats, path = gait_and_path(plan, name)
     beat = np.linspace(0.0, beats, beats * gait.ticks_per_beat + 1)
     travelled = beat * plan.stride(gait)
     heading = path.heading(travelled)
-    # To the right everything is the mirror image of the left, and so the beat begins there.
+    # A right turn is the mirror image of a left one: its beat begins half a beat later.
     side = 0.5 if path.turn < 0 else 0.0
     around = path.heading(travelled[:, None] + plan.centre - MIDDLES) - heading[:, None]
     spine = spines(plan, beat + side, gait.amplitude, around, unit_mass(surface))
@@ -77,12 +77,11 @@ def spine_motion(plan: SpinePlan, surface: SurfacePlan, name: str) -> SpineMotio
     body = rest
     if plan.wings:
         body = flapped(plan.wings, rest, half_span(surface), beat, gait.amplitude)
-    there = carried(spine, body)
-    there = roll(there, bank_angle(plan, path, travelled))
-    # The body frame neither sways nor leans, so that playback can steer it: it is the path's own.
-    there[:, FRAME_NODES] = (plan.centre, 0.0, 0.0) + rest[FRAME_NODES] * (-1, 1, 1)
+    moved = roll(carried(spine, body), bank_angle(plan, path, travelled))
+    # The body frame follows the path without sway and bank, so that playback can steer it.
+    moved[:, FRAME_NODES] = (plan.centre, 0.0, 0.0) + rest[FRAME_NODES] * (-1, 1, 1)
     c, s = np.cos(heading)[:, None], np.sin(heading)[:, None]
-    ahead, up, right = np.moveaxis(there, -1, 0)
+    ahead, up, right = np.moveaxis(moved, -1, 0)
     place = path_points(path, travelled)
     world = np.stack(
         [
@@ -97,41 +96,37 @@ def spine_motion(plan: SpinePlan, surface: SurfacePlan, name: str) -> SpineMotio
 
 
 def gait_and_path(plan: SpinePlan, name: str) -> tuple[Gait, int, SwimPath]:
-    """Gait, number of beats and path of the segment ``name``, such as ``turn_left_gradual``."""
+    """Gait, number of beats and path of a segment such as ``turn_left_gradual``."""
     kind, _, grade = name.rpartition("_")
     if kind == "swim":
         gait = {"slow": plan.slow, "medium": plan.medium, "fast": plan.fast}[grade]
-        way = plan.stride(gait)
-        return gait, 1, SwimPath(way, (0.0, way), 0.0, True)
+        length = plan.stride(gait)
+        return gait, 1, SwimPath(length, (0.0, length), 0.0, True)
     side = 1.0 if kind == "turn_left" else -1.0
-    way = plan.stride(plan.medium)
+    length = plan.stride(plan.medium)
     if grade == "gradual":
         turn = np.radians(plan.turn.gradual)
-        return plan.medium, 1, SwimPath(way, (0.0, way), side * turn, True)
-    # The snout enters the bend as the segment begins, and the tail has left it when it ends.
-    way *= plan.turn.sharp_beats
-    bend = plan.centre, way - (1.0 - plan.centre)
-    return plan.medium, plan.turn.sharp_beats, SwimPath(way, bend, side * sharpness(plan), False)
-
-
-def sharpness(plan: SpinePlan) -> float:
-    """Angle of the sharp turn, rad."""
-    return float(np.radians(plan.turn.sharp))
+        return plan.medium, 1, SwimPath(length, (0.0, length), side * turn, True)
+    # The snout enters the bend at the start, and the tail leaves it at the end.
+    length *= plan.turn.sharp_beats
+    bend = plan.centre, length - (1.0 - plan.centre)
+    turn = float(np.radians(plan.turn.sharp))
+    return plan.medium, plan.turn.sharp_beats, SwimPath(length, bend, side * turn, False)
 
 
 def path_points(path: SwimPath, travelled: Array) -> Array:
-    """Places (T, 2) of the fish's centre, (ahead, left) of the start, body lengths."""
-    at = np.linspace(0.0, path.way, PATH_STEPS + 1)
+    """Positions (T, 2) of the fish's centre, (ahead, left) of the start, body lengths."""
+    at = np.linspace(0.0, path.length, PATH_STEPS + 1)
     heading = path.heading(0.5 * (at[1:] + at[:-1]))
-    step = path.way / PATH_STEPS
+    step = path.length / PATH_STEPS
     x, y = (np.concatenate([[0.0], np.cumsum(step * f(heading))]) for f in (np.cos, np.sin))
     return np.stack([np.interp(travelled, at, x), np.interp(travelled, at, y)], axis=-1)
 
 
 def bank_angle(plan: SpinePlan, path: SwimPath, travelled: Array) -> Array:
-    """How far the fish leans into the bend of its path, rad, positive with its left side down.
+    """Bank angle of the fish on its path, rad, positive with its left side down.
 
-    In proportion to the curvature: `bank` is reached where a sharp turn bends most.
+    Proportional to the curvature; `bank` is reached at the greatest curvature of a sharp turn.
     """
     _, _, sharp = gait_and_path(plan, "turn_left_sharp")
     step = 1e-4
@@ -141,20 +136,20 @@ def bank_angle(plan: SpinePlan, path: SwimPath, travelled: Array) -> Array:
 
 
 def roll(points: Array, angle: Array) -> Array:
-    """Points (T, p, 3) in path axes turned about the way ahead by `angle` (T,), rad."""
+    """Points (T, p, 3) in path axes, rotated about the forward axis by `angle` (T,), rad."""
     c, s = np.cos(angle)[:, None], np.sin(angle)[:, None]
     ahead, up, right = np.moveaxis(points, -1, 0)
     return np.stack([ahead, c * up + s * right, c * right - s * up], axis=-1)
 
 
 def unit_mass(surface: SurfacePlan) -> Array:
-    """What each unit of the spine weighs (n,), as its cross-section: no unit of its own."""
+    """Relative mass (n,) of each unit of the spine: its cross-section."""
     back, belly = along(surface.back, MIDDLES), along(surface.belly, MIDDLES)
     return np.asarray(along(surface.width, MIDDLES) * (back - belly))
 
 
 def half_span(surface: SurfacePlan) -> float:
-    """From the spine to the tip of a wing, body lengths."""
+    """Distance from the spine to the tip of a wing, body lengths."""
     return surface.wing.span if surface.wing else max(width for _, width in surface.width)
 
 
@@ -169,8 +164,8 @@ def nodes_at_rest(plan: SpinePlan, surface: SurfacePlan) -> Array:
 def rest_nodes(plan: SpinePlan, surface: SurfacePlan) -> Array:
     """The 23 nodes (23, 3) at rest, (distance behind the snout, up, right), body lengths.
 
-    They lie in the order of the mass-spring fish around the spine; the second ring, of which the
-    body frame is read, around the centre. Those before and behind it ride on the wings.
+    They are in the order of the mass-spring fish, in rings around the spine. The second ring,
+    which defines the body frame, is at the centre; on rays its neighbours lie on the wings.
     """
     c = plan.centre
     stations = np.array([0.0, c / 2, c, *np.linspace(c, 1.0, 5)[1:]])

@@ -1,7 +1,7 @@
-"""A trial: make the simulated fish swim or turn, and keep the nodes of what is worth recording.
+"""Let the simulated fish swim or turn, and return its nodes.
 
-Trials begin and end at phase 0 of a tail beat for a fish that turns left or swims straight, and
-half a beat later for one that turns right, so that a right turn is the exact mirror of a left one.
+Trials begin and end at phase 0 of a tail beat, for right turns half a beat later, so that a right
+turn is the exact mirror image of a left one.
 """
 
 from typing import NamedTuple
@@ -26,12 +26,12 @@ from subsea.core.errors import UserError
 MIN_WARM_UP = 24
 MAX_WARM_UP = 1000
 CLOSURE_GOAL = 1e-9
-"""Loop closure, in body lengths, at which a beat counts as steady."""
+"""Loop closure of a steady beat, body lengths."""
 STRAIGHT = (0.0, 0.0)
 
 
 class Trial(NamedTuple):
-    """Nodes (T + 1, 23, 3) in world axes, cm, of T ticks, and how they came about."""
+    """Nodes (T + 1, 23, 3) of T ticks in world axes, cm, and the state at the end."""
 
     frames: Floats
     state: BodyState
@@ -50,12 +50,12 @@ def loop_error(frames: Floats) -> float:
 
 
 def side_phase(side: float) -> float:
-    """The swim phase, in radians, that is phase 0 of a fish that turns to this side."""
+    """The swim phase, rad, at which the beat of a turn to this side begins."""
     return 0.0 if side == LEFT else np.pi
 
 
 def beat_phase(swim: SwimPlan, ticks: int, side: float = LEFT) -> Floats:
-    """Swim phases (6 ticks,) of the steps of ``ticks`` ticks that begin at this side's phase 0."""
+    """Swim phases (6 ticks,) of all steps, from phase 0 of this side."""
     steps = np.arange(ticks * STEPS_PER_TICK)
     return np.asarray(side_phase(side) + 2 * np.pi * steps / (swim.ticks_per_beat * STEPS_PER_TICK))
 
@@ -66,22 +66,22 @@ def beat_contraction(
     bias: tuple[float, float] = STRAIGHT,
     side: float = LEFT,
 ) -> Floats:
-    """Contractions (6 T, 12) of one beat from this side's phase 0.
+    """Contractions (6 T, 12) of one beat from phase 0 of this side.
 
-    ``bias`` contracts the turning muscles on ``side`` besides: the gradual turn.
+    ``bias`` also contracts the turning muscles on ``side``: the gradual turn.
     """
     phase = beat_phase(swim, swim.ticks_per_beat, side)
     return swim_contraction(swim, phase, amplitude) + bend_contraction(bias, side)
 
 
 def steady_beat(body: Body, beat: Floats) -> Trial:
-    """One beat of steady swimming, from rest through as many beats as it takes to close the loop.
+    """Swim from rest until the loop closes; return the last, steady beat.
 
-    ``beat`` (6 T, 12) are the contractions of a beat. Raises UserError where the body loses its
-    shape or never comes to swim steadily.
+    ``beat`` (6 T, 12) are the contractions of a beat. UserError where the body loses its shape
+    or never swims steadily.
     """
     state = at_rest(body)
-    # The first beat raises everything from nothing, so that no muscle jerks.
+    # The first beat is faded in, so that no muscle jerks.
     simulate(body, state, ease(np.arange(len(beat)) / len(beat))[:, None] * beat)
     length = float(np.ptp(body.rest[:, 0]))
     for beats in range(1, MAX_WARM_UP):
@@ -95,9 +95,9 @@ def steady_beat(body: Body, beat: Floats) -> Trial:
 
 
 def speed_map(body: Body, swim: SwimPlan, levels: int = 10) -> SpeedMap:
-    """The steady speeds at ``levels`` amplitudes of the beat, measured by swimming.
+    """Measure the steady speeds at ``levels`` amplitudes of the beat.
 
-    Raises UserError where the body loses its shape at one of them.
+    UserError where the body loses its shape at one of them.
     """
     amplitude = np.linspace(0.0, 1.0, levels + 1)
     beat_tu = swim.ticks_per_beat * STEPS_PER_TICK * STEP
@@ -109,7 +109,7 @@ def speed_map(body: Body, swim: SwimPlan, levels: int = 10) -> SpeedMap:
 
 
 def displacement(frames: Floats) -> Floats:
-    """From where the fish is at the first of ``frames`` (T, 23, 3) to where it is at the last."""
+    """Mean displacement (3,) of the nodes from the first to the last of ``frames`` (T, 23, 3)."""
     return np.asarray((frames[-1] - frames[0]).mean(axis=0))
 
 
@@ -122,11 +122,10 @@ def sharp_turn(
     start: BodyState,
     entry_phase: float = 0.0,
 ) -> Trial:
-    """Turn by about ``angle`` degrees out of steady swimming at grade medium, and swim on.
+    """Turn by about ``angle`` degrees from steady swimming at grade medium, and swim on.
 
-    ``start`` is that swimming, left as it is, ``entry_phase`` radians after this side's phase 0.
-    The trial lasts a whole number of beats, so that it ends in the phase in which it began.
-    Raises UserError where the body loses its shape.
+    ``start`` is the state at ``entry_phase`` radians after phase 0 of this side; it is not
+    changed. The trial lasts a whole number of beats. UserError where the body loses its shape.
     """
     state = copy_state(start)
     phase = entry_phase + side_phase(side)

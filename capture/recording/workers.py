@@ -1,7 +1,7 @@
-"""Where segments are recorded: in this process or in several; the result is the same.
+"""Record segments in this process or in a pool of processes, with the same result.
 
-A job is one segment of one species. *Workers* are a function that takes jobs and gives each with
-its result, in any order, as soon as it is done.
+A job is one segment of one species. Workers are a function that takes jobs and yields each with
+its result, in any order, as soon as it is finished.
 """
 
 import signal
@@ -17,17 +17,17 @@ from subsea.fish.species import Species
 
 Job = tuple[str, str]  # names of species and segment
 Check = Callable[[], object]
-"""Called between two jobs and while waiting; it raises KeyboardInterrupt to call all off."""
+"""Called between jobs and while waiting; raises KeyboardInterrupt to cancel."""
 Results = Generator[tuple[Job, Recorded], None, None]
 Workers = Callable[[Mapping[Job, Species], Check], Results]
 
 POLL_S = 0.2
-LOST_PROCESSES = 3
-"""How many times processes may die before the recording is given up."""
+MAX_CRASHES = 3
+"""Crashes of worker processes after which recording stops."""
 
 
 def record_job(job: Job, species: Species) -> Recorded:
-    """The segment of a job; a fish that cannot swim is a UserError that names it."""
+    """Record the segment of a job; UserError with its names if the fish cannot swim."""
     try:
         return record_segment(species, job[1])
     except UserError as fault:
@@ -35,21 +35,21 @@ def record_job(job: Job, species: Species) -> Recorded:
 
 
 def serial(jobs: Mapping[Job, Species], check: Check) -> Results:
-    """Record in this process, one job after another."""
+    """Run the jobs in this process, one after another."""
     for job, species in jobs.items():
         check()
         yield job, record_job(job, species)
 
 
 def process_pool(number: int) -> Workers:
-    """Workers that record in ``number`` processes of this machine.
+    """Workers in ``number`` processes of this computer.
 
-    The jobs of a process that dies are done again by others; a UserError if that goes on.
+    The jobs of a crashed process are repeated; UserError after MAX_CRASHES crashes.
     """
 
     def run(jobs: Mapping[Job, Species], check: Check) -> Results:
         left = dict(jobs)
-        for _ in range(LOST_PROCESSES):
+        for _ in range(MAX_CRASHES):
             try:
                 for job, result in _in_pool(number, left, check):
                     del left[job]
@@ -58,7 +58,7 @@ def process_pool(number: int) -> Workers:
                 continue
             return
         raise UserError(
-            f"processes that record keep dying, {LOST_PROCESSES} so far; is memory short? "
+            f"worker processes crashed {MAX_CRASHES} times; is there enough memory? "
             f"Not recorded: {', '.join(' '.join(job) for job in left)}"
         )
 
@@ -68,7 +68,7 @@ def process_pool(number: int) -> Workers:
 def _in_pool(number: int, jobs: Mapping[Job, Species], check: Check) -> Results:
     pool = ProcessPoolExecutor(number, get_context("spawn"))
     try:
-        with _inherited_deafness():
+        with _ctrl_c_blocked():
             tasks = {pool.submit(record_job, job, species): job for job, species in jobs.items()}
         waiting = set(tasks)
         while waiting:
@@ -81,11 +81,11 @@ def _in_pool(number: int, jobs: Mapping[Job, Species], check: Check) -> Results:
 
 
 @contextmanager
-def _inherited_deafness() -> Iterator[None]:
-    """Processes started within never hear Ctrl-C: the main process does, and calls them off.
+def _ctrl_c_blocked() -> Iterator[None]:
+    """Block Ctrl-C in processes that are started inside; they inherit the signal mask.
 
-    A terminal sends it to all of them. The main process hears it when this is over. Processes
-    that would make themselves deaf could be struck while they start.
+    A terminal sends Ctrl-C to all processes of a group; only the main one shall react, after
+    this block. A process that blocked it by itself could be interrupted before.
     """
     before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
     try:

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from capture.inspection.gait import muscle_work, pull, straightness, sweep, tension_work
+from capture.inspection.gait import contraction_step, muscle_work, straightness, sweep, tension_work
 from capture.recording.trial import beat_contraction, steady_beat
 from subsea.biomechanics.body import NODES, UNITS, Body, Floats, build_body
 from subsea.biomechanics.controllers import muscle_lengths
@@ -69,7 +69,8 @@ def test_pull_is_the_steepest_stroke_of_the_beat(species: Species) -> None:
     body, swim = build_body(species.body), species.swim
     steps = swim.ticks_per_beat * STEPS_PER_TICK
     longest = max(swim.contraction[0] * body.length[4], swim.contraction[1] * body.length[8])
-    assert pull(body, beat_contraction(swim, 1.0)) == pytest.approx(longest * np.pi / steps, 1e-3)
+    step = contraction_step(body, beat_contraction(swim, 1.0))
+    assert step == pytest.approx(longest * np.pi / steps, 1e-3)
 
 
 def test_straightness_and_sweep_of_a_known_way() -> None:

@@ -1,13 +1,13 @@
 import numpy as np
 
-from capture.inspection.simulated import measure, replay
+from capture.inspection.simulated import measure_simulated, replay
 from capture.recording.record import motion_of
 from subsea.fish.species import Species
 from subsea.repertoire import Repertoire
 
 
 def test_every_measure_reaches_what_is_asked(repertoire: Repertoire, species: Species) -> None:
-    report = list(measure(motion_of(species), repertoire))
+    report = list(measure_simulated(motion_of(species), repertoire))
     # The cost depends on what else this machine does; everything else must hold anywhere.
     short = [m for m in report if not m.passed and "µs" not in m.value]
     assert not short

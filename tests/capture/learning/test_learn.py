@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from capture.cli.main import main
-from capture.learning import improve as teach
+from capture.learning import improve
 from capture.learning import swim as learn_swim
 from capture.learning.fitness import (
     GAIT_LIMITS,
@@ -20,7 +20,7 @@ from capture.learning.fitness import (
     swim_loss,
 )
 from capture.learning.learn import LearnedControllers, learn
-from capture.learning.search import APART, METHODS, Evaluation, distinct, search
+from capture.learning.search import METHODS, MIN_DISTANCE, Evaluation, distinct, search
 from capture.learning.species_edit import write_controllers
 from capture.learning.swim import swim_at, swim_point
 from capture.learning.turn import turn_at, turn_point, with_holds
@@ -142,7 +142,9 @@ def test_a_full_disk_leaves_the_old_file(
     fish = load_toml(path, Species)
     assert fish.swim
     new = msgspec.structs.replace(fish.swim, lag=1.0)
-    monkeypatch.setattr(teach, "learn", lambda *given, **options: LearnedControllers(new, None, []))
+    monkeypatch.setattr(
+        improve, "learn", lambda *given, **options: LearnedControllers(new, None, [])
+    )
 
     def full(file: Path, data: bytes) -> None:
         file.open("wb").close()
@@ -183,7 +185,7 @@ def test_the_same_seed_finds_the_same(method: str) -> None:
             method=method,
             budget=4,
             only="turn",
-            tell=lambda *step, told=told: told.append(step),
+            progress=lambda *step, told=told: told.append(step),
         )
         runs.append([*told, found])
     assert len(runs[0]) == 5
@@ -210,7 +212,7 @@ def test_both_methods_approach_the_least_of_a_bowl(method: str) -> None:
 
 
 def test_who_is_rejected_takes_its_like_along() -> None:
-    near, far = (0.5, 0.5 + APART / 2), (0.5, 0.5 + 2 * APART)
+    near, far = (0.5, 0.5 + MIN_DISTANCE / 2), (0.5, 0.5 + 2 * MIN_DISTANCE)
     tried = [Evaluation(3.0, far), Evaluation(2.0, near), Evaluation(1.0, (0.5, 0.5))]
     assert [one.loss for one in distinct(tried)] == [1.0, 3.0]
 
@@ -239,7 +241,7 @@ def test_a_winner_that_fails_verification_gives_way_to_the_next(
 
     monkeypatch.setattr(learn_swim, "gait_faults", lambda body, swim: [])
     monkeypatch.setattr(learn_swim, "swim_faults", faults)
-    monkeypatch.setattr("capture.learning.learn.refitted", refitted)
+    monkeypatch.setattr("capture.learning.learn.refit_holds", refitted)
     found = learn(fish.muscles, only="swim", budget=12, ticks=14)
     # The old controller, two winners that circle, one that cannot turn, and the next.
     assert len(verified) == 5
@@ -267,7 +269,7 @@ def test_an_interrupted_lesson_tells_the_best_and_leaves_the_file(
     assert len(calls) == 4
     err = capsys.readouterr().err.splitlines()[-1]
     assert "best swim so far, not verified: SwimPlan(" in err
-    assert "as it was" in err
+    assert "is unchanged" in err
     assert path.read_bytes() == before
     assert list(tmp_path.iterdir()) == [path]
 
@@ -278,7 +280,7 @@ def test_an_interrupted_lesson_tells_the_best_and_leaves_the_file(
         ([], "SPECIES"),
         (["fusiler"], "did you mean 'fusilier'?"),
         (["no/such.toml"], "no/such.toml: cannot read"),
-        (["ribbon_eel"], "ribbon_eel.toml: its spine moves it"),
+        (["ribbon_eel"], "ribbon_eel.toml: driven by its spine"),
         (["fusilier", "--method", "guessing"], "guessing"),
         (["fusilier", "--budget", "0"], "whole number from 1"),
         (["fusilier", "--only", "glide"], "glide"),
@@ -293,7 +295,7 @@ def test_what_the_user_can_mend_is_told_before_the_search(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    monkeypatch.setattr(teach, "learn", lambda *a, **b: pytest.fail("searched before"))
+    monkeypatch.setattr(improve, "learn", lambda *a, **b: pytest.fail("searched before"))
     assert main(["learn", *arguments]) == 2
     out, err = capsys.readouterr()
     assert not out
@@ -301,11 +303,11 @@ def test_what_the_user_can_mend_is_told_before_the_search(
     assert expected in err
 
 
-@pytest.mark.parametrize("library", teach.LIBRARIES)
+@pytest.mark.parametrize("library", improve.LIBRARIES)
 def test_a_missing_library_is_named_with_its_extra(
     library: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(teach, "find_spec", lambda name: None if name == library else object())
+    monkeypatch.setattr(improve, "find_spec", lambda name: None if name == library else object())
     assert main(["learn", "fusilier"]) == 2
     err = capsys.readouterr().err
     assert err == f"subsea-capture: learning needs {library}: install subsea[learn]\n"
@@ -317,7 +319,7 @@ def test_an_installed_package_is_not_written_into(
     def elsewhere(name: str) -> Path:
         return tmp_path / name if name == "pyproject.toml" else resource_path(name)
 
-    monkeypatch.setattr(teach, "resource_path", elsewhere)
+    monkeypatch.setattr(improve, "resource_path", elsewhere)
     assert main(["learn", "fusilier"]) == 2
     assert "--out" in capsys.readouterr().err
 
@@ -335,14 +337,15 @@ def test_points_of_the_box_are_controllers(species: Species) -> None:
 
 @pytest.mark.parametrize("ticks", [8, 14, 24])
 def test_no_point_of_the_box_contracts_faster_than_a_muscle_can(ticks: int) -> None:
-    from capture.inspection.gait import pull
+    from capture.inspection.gait import contraction_step
 
     fish = load_species("fusilier")
     body = build_body(fish.body)
     swim = swim_at(body, fish.swim, (1.0, 1.0, 0.5), ticks)
-    assert pull(body, beat_contraction(swim, 1.0)) <= S_MAX
+    step = contraction_step(body, beat_contraction(swim, 1.0))
+    assert step <= S_MAX
     # ... and the box reaches nearly as far as that, or as the species file allows.
-    assert max(swim.contraction) > 0.59 or pull(body, beat_contraction(swim, 1.0)) > 0.98 * S_MAX
+    assert max(swim.contraction) > 0.59 or step > 0.98 * S_MAX
 
 
 def test_holds_are_found_anew_for_the_shipped_bends(species: Species) -> None:
@@ -363,9 +366,9 @@ def test_a_body_out_of_shape_is_worse_than_any_that_keeps_it() -> None:
     assert sound < lame < 100 <= torn
 
 
-def test_thrift_weighs_the_logarithm_of_the_cost(species: Species) -> None:
+def test_economy_weighs_the_logarithm_of_the_cost(species: Species) -> None:
     body = build_body(species.body)
-    loss = [swim_loss(body, species.swim, 1, thrift) for thrift in (0.0, 1.0)]
+    loss = [swim_loss(body, species.swim, 1, weight) for weight in (0.0, 1.0)]
     assert np.exp(loss[1] - loss[0]) == pytest.approx(steady_gait(species).cost, rel=1e-3)
 
 

@@ -67,7 +67,7 @@ def test_the_number_of_processes_changes_nothing(whole: Path, tmp_path: Path) ->
     told: list[tuple[str, int]] = []
     assert (
         record_all(
-            dict.fromkeys(NAMES, tmp_path), process_pool(2), tell=lambda *at: told.append(at)
+            dict.fromkeys(NAMES, tmp_path), process_pool(2), progress=lambda *at: told.append(at)
         )
         == NAMES
     )
@@ -161,7 +161,7 @@ def test_processes_that_keep_dying_are_one_line(tmp_path: Path) -> None:
         for child in multiprocessing.active_children():
             os.kill(child.pid or 0, signal.SIGKILL)
 
-    with pytest.raises(UserError, match=r"keep dying, 3 so far.*fusilier swim_slow") as caught:
+    with pytest.raises(UserError, match=r"crashed 3 times.*fusilier swim_slow") as caught:
         record_all({"fusilier": tmp_path}, process_pool(2), check=kill)
     assert "\n" not in str(caught.value)
     assert not list(tmp_path.iterdir())

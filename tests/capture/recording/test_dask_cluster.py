@@ -82,7 +82,8 @@ def test_a_worker_that_is_killed_midway_loses_nothing(
             dask.workers[0].kill()
 
     assert (
-        record_all(dict.fromkeys(NAMES, tmp_path), dask_workers(dask.address), tell=tell) == NAMES
+        record_all(dict.fromkeys(NAMES, tmp_path), dask_workers(dask.address), progress=tell)
+        == NAMES
     )
     assert dask.workers[0].wait() == -9
     assert dask.workers[1].poll() is None
@@ -94,20 +95,20 @@ def test_a_worker_that_is_killed_midway_loses_nothing(
 
 
 @pytest.mark.parametrize(
-    ("lost", "line"), [("workers", "no worker for"), ("scheduler", "the scheduler is gone")]
+    ("lost", "line"), [("workers", "no worker for"), ("scheduler", "the scheduler has stopped")]
 )
 def test_a_cluster_that_is_lost_is_one_line_and_what_is_done_is_kept(
     lost: str, line: str, dask: Cluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def tell(name: str, segments: int) -> None:
         if segments == 2:
-            monkeypatch.setattr(module, "PATIENCE_S", 0.5)
+            monkeypatch.setattr(module, "NO_WORKER_S", 0.5)
             monkeypatch.setattr(module, "FETCH_S", 0.5)
             for process in dask.workers if lost == "workers" else [dask.scheduler]:
                 process.kill()
 
     with pytest.raises(UserError, match=line) as caught:
-        record_all({"fusilier": tmp_path}, dask_workers(dask.address), tell=tell)
+        record_all({"fusilier": tmp_path}, dask_workers(dask.address), progress=tell)
     assert "\n" not in str(caught.value)
     assert len(list(tmp_path.glob(".fusilier.*.recording"))) >= 2
 

@@ -127,7 +127,7 @@ def test_inspect_judges_it_by_its_rules(species, tmp_path, capsys):
     assert main(["inspect", str(path)]) == 0
     told = capsys.readouterr().out
     assert "from spine" in told
-    assert "replayed against the rule" in told
+    assert "replayed against the plan" in told
     other = msgspec.structs.replace(
         load_species(name).spine, turn=msgspec.convert(OTHER_TURN, Turn)
     )
@@ -136,7 +136,7 @@ def test_inspect_judges_it_by_its_rules(species, tmp_path, capsys):
     assert main(["inspect", str(path)]) == 1
     write_repertoire(path, dataclasses.replace(repertoire, provenance={}))
     assert main(["inspect", str(path)]) == 2
-    assert "holds no fish" in capsys.readouterr().err
+    assert "holds no plans" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
