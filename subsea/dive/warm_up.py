@@ -27,7 +27,8 @@ from subsea.state import Clock
 from subsea.submarine.helm import HANDS_OFF
 from subsea.view.display_rigs import cockpit, views_for
 from subsea.world import step
-from subsea.world.world import TICK_S, World, create_world
+from subsea.world.build import create_world
+from subsea.world.world import TICK_S, World
 
 CLOCK = Clock(0, 0, TICK_S)
 POLL_S = 0.1  # how often Ctrl-C and the visitor are listened to meanwhile

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from subsea.behavior.steering import ease_goals
-from subsea.core.kernels.cache import Matched
+from subsea.core.kernels.cache import VerifiedFile
 from subsea.core.source_stamp import ROOT, stamp
 
 
@@ -40,12 +40,12 @@ def test_a_change_of_anything_imported_changes_the_stamp(tmp_path):
 def test_kernels_are_kept_by_that_stamp():
     file = ROOT / "subsea" / "behavior" / "steering.py"
     assert ease_goals._cache._impl.locator.get_source_stamp() == stamp(file)
-    assert isinstance(ease_goals._cache._cache_file, Matched)
+    assert isinstance(ease_goals._cache._cache_file, VerifiedFile)
 
 
 def test_code_that_does_not_match_its_index_is_not_taken(tmp_path, monkeypatch):
     def file(stamp):
-        return Matched(str(tmp_path), "kernel", stamp)
+        return VerifiedFile(str(tmp_path), "kernel", stamp)
 
     def full(*unused):
         raise OSError("no room")
@@ -53,7 +53,7 @@ def test_code_that_does_not_match_its_index_is_not_taken(tmp_path, monkeypatch):
     file("old").save("key", "old code")
     assert file("old").load("key") == "old code"
     with monkeypatch.context() as patched, pytest.raises(OSError, match="no room"):
-        patched.setattr(Matched, "_save_data", full)
+        patched.setattr(VerifiedFile, "_save_data", full)
         file("new").save("key", "new code")
     assert file("new").load("key") is None
     file("new").save("key", "new code")
@@ -67,7 +67,7 @@ def test_code_that_does_not_match_its_index_is_not_taken(tmp_path, monkeypatch):
 
 
 def test_damaged_files_are_compiled_anew(tmp_path):
-    file = Matched(str(tmp_path), "kernel", "stamp")
+    file = VerifiedFile(str(tmp_path), "kernel", "stamp")
     for length in (0, 9):
         for suffix in (".nbi", ".nbc"):
             file.save("key", "code")
@@ -87,7 +87,7 @@ def test_damaged_files_are_compiled_anew(tmp_path):
 
 
 def test_code_of_another_numba_is_not_taken(tmp_path):
-    file = Matched(str(tmp_path), "kernel", "stamp")
+    file = VerifiedFile(str(tmp_path), "kernel", "stamp")
     file._version = "0.60"
     file.save("key", "code")
     index = file._load_index()
