@@ -18,7 +18,7 @@ from plates import STYLE, folder_asked, keep, keep_plot
 
 from subsea.behavior.chasing import mouth_of
 from subsea.frame.packet import make_scene, pack
-from subsea.geometry.rotation import rotate
+from subsea.geometry.rotation import x_axis
 from subsea.render import Renderer, headless_context
 from subsea.render.output.quality import PRESETS
 from subsea.scenario.load import load_scenario
@@ -89,7 +89,7 @@ def capture() -> Image.Image:
     def beside(world: World) -> tuple[Array, Array]:
         fishes = world.state.fishes
         mouth = np.array(mouth_of(fishes, 0))
-        ahead = np.array(rotate(fishes.orientation[0], (1.0, 0.0, 0.0)))
+        ahead = np.array(x_axis(fishes.orientation[0]))
         right = np.cross(ahead, (0.0, 0.0, 1.0))
         middle = mouth - 2.0 * ahead
         return middle + 34.0 * ahead + 44.0 * right - (0.0, 0.0, 4.0), middle

@@ -13,6 +13,7 @@ from subsea.motor.controller import command
 from subsea.motor.fins import flap
 from subsea.motor.playback import play
 from subsea.scenario.load import load_scenario
+from subsea.state import Clock
 from subsea.world.build import create_world
 from subsea.world.world import TICK_S
 
@@ -47,7 +48,7 @@ def main() -> None:
     rows = {
         "copy the arrays that playback touches": copying,
         "playback of root motion": fastest_ms(lambda: play(fishes, library, TICK_S)),
-        "secondary controller": fastest_ms(lambda: command(fishes, library, 1, 0, TICK_S)),
+        "secondary controller": fastest_ms(lambda: command(fishes, library, Clock(1, 0, TICK_S))),
         "fins and breath": fastest_ms(lambda: flap(fishes, TICK_S)),
     }
     print(f"{number} fishes, a tick")

@@ -12,7 +12,15 @@ from scipy.linalg import solveh_banded
 
 from capture.inspection.timing import fastest_us, step_cost
 from capture.recording.trial import beat_contraction, steady_beat
-from subsea.biomechanics.body import HALF_BANDWIDTH, MUSCLES, NODES, Body, Floats, build_body
+from subsea.biomechanics.body import (
+    HALF_BANDWIDTH,
+    MUSCLES,
+    NODES,
+    Body,
+    Floats,
+    Material,
+    build_body,
+)
 from subsea.biomechanics.controllers import muscle_lengths
 from subsea.biomechanics.simulation import STILL, BodyState, at_rest, is_sound
 from subsea.biomechanics.solver import ROWS, STEP, advance, assemble, factorize, substitute
@@ -28,11 +36,7 @@ REPEATS = 200
 def advance_explicitly(
     x: Floats,
     v: Floats,
-    mass: Floats,
-    length: Floats,
-    stiffness: Floats,
-    viscosity: Floats,
-    drag: float,
+    material: Material,
     muscles: Floats,
     water: Floats,
     force: Floats,
@@ -44,13 +48,13 @@ def advance_explicitly(
     load = np.zeros((ROWS, 3))
     for n in range(muscles.shape[0]):
         load[:NODES] = force
-        add_water_force(x, v, water, drag, load)
-        assemble(x, v, mass, length, stiffness, viscosity, muscles[n], step, band, load, watch[:2])
+        add_water_force(x, v, water, material.drag, load)
+        assemble(x, v, material, muscles[n], step, band, load, watch[:2])
         watch[2] = 1.0
         for i in range(NODES):
             for axis in range(3):
                 x[i, axis] += step * v[i, axis]
-                v[i, axis] = load[i, axis] * step / mass[i]
+                v[i, axis] = load[i, axis] * step / material.mass[i]
 
 
 def survives(advance: Callable[..., None], body: Body, beat: Floats, step: float) -> bool:
@@ -61,7 +65,7 @@ def survives(advance: Callable[..., None], body: Body, beat: Floats, step: float
     state, none = at_rest(body), np.zeros((NODES, 3))
     for number in range(BEATS):
         muscles = muscle_lengths(body, min(1.0, (number + 1) / 4) * contraction)
-        advance(state.x, state.v, *body[1:], muscles, STILL, none, step, state.watch)
+        advance(state.x, state.v, body.material, muscles, STILL, none, step, state.watch)
         if not is_sound(state):
             return False
     return True
@@ -81,8 +85,7 @@ def costs(body: Body, state: BodyState) -> dict[str, float]:
     band, load = np.zeros((ROWS, HALF_BANDWIDTH + 1)), np.zeros((ROWS, 3))
     strain, muscle = np.array([np.inf, 0.0]), body.length[:MUSCLES].copy()
     add_water_force(state.x, state.v, STILL, body.drag, load)
-    assemble(state.x, state.v, body.mass, body.length, body.stiffness, body.viscosity, muscle,
-             STEP, band, load, strain)  # fmt: skip
+    assemble(state.x, state.v, body.material, muscle, STEP, band, load, strain)  # fmt: skip
     lower = np.ascontiguousarray(band[:NODES].T)
     right = load[:NODES].copy()
     ours, mine = band.copy(), load.copy()

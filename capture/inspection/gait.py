@@ -128,7 +128,7 @@ def muscle_work(body: Body, state: BodyState, contraction: Floats) -> float:
     lengths = [_muscle_spans(state.x)]
     rests = muscle_lengths(body, contraction)
     for rest in rests:
-        advance(state.x, state.v, *body[1:], rest[None], STILL, NO_FORCE, STEP, state.watch)
+        advance(state.x, state.v, body.material, rest[None], STILL, NO_FORCE, STEP, state.watch)
         lengths.append(_muscle_spans(state.x))
     return tension_work(body.stiffness[:MUSCLES], np.array(lengths), rests)
 

@@ -25,7 +25,7 @@ def step_cost(body: Body, state: BodyState) -> float:
     def swim() -> None:
         x, v, watch = copy_state(state)
         still, none = np.zeros(3), np.zeros((NODES, 3))
-        advance(x, v, *body[1:], muscles, still, none, STEP, watch)
+        advance(x, v, body.material, muscles, still, none, STEP, watch)
 
     return fastest_us(swim) / STEPS
 

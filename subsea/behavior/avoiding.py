@@ -1,8 +1,9 @@
 """Avoiding a collision, with another fish or with what stands in the way (Tu §7.8.1)."""
 
+from subsea.behavior.chasing import set_urge
 from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
-from subsea.geometry.rotation import rotate
+from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import dot, minus, norm, plus, times, unit, vector
 from subsea.state import (
     ASCEND,
@@ -42,13 +43,12 @@ def desire(
 def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
     """Turn aside, to where the motor preferences point if both sides are as good."""
     for i in who:
-        ahead = rotate(fishes.orientation[i], (1.0, 0.0, 0.0))
+        ahead = x_axis(fishes.orientation[i])
         j = minds.threat[i]
         if j == NOBODY:
             # Around what stands still leads `steering.keep_clear`; slower, the turn is narrower.
             fishes.goal_speed[i] = min(max(fishes.goal_speed[i], SLOWED), CAREFUL)
-            for axis in range(3):
-                minds.urge[i, axis] = ahead[axis]
+            set_urge(minds, i, ahead)
             side = _side(minds, i)
             minds.urge[i, 0] -= 0.4 * side * ahead[1]
             minds.urge[i, 1] += 0.4 * side * ahead[0]
@@ -65,8 +65,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
             urge = (urge[0], urge[1], 0.0)
         if minds.preference[i, DESCEND] < 0.0 > urge[2]:
             urge = (urge[0], urge[1], 0.0)
-        for axis in range(3):
-            minds.urge[i, axis] = urge[axis]
+        set_urge(minds, i, urge)
         if before > 0.0:
             # In a school all behind would have to slow down as well.
             least = max(0.8 * fishes.goal_speed[j], SLOWED) if schooling else SLOWED

@@ -3,7 +3,7 @@
 import numpy as np
 
 from subsea.core.kernels import kernel
-from subsea.geometry.rotation import rotate
+from subsea.geometry.rotation import rotate, x_axis
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, vector
 from subsea.state import Fishes, Minds
 
@@ -12,6 +12,7 @@ LEAST_SPEED = 0.25  # share of the fastest with which it arrives
 LEAST_BL_S = 0.4  # body lengths a second with which a slow fish reckons, to foresee a meeting
 CIRCLE_BL = 2.2  # radius of a gradual turn at full speed
 TURNING = 0.12  # share of the fastest speed with which it turns toward what is too near
+BESIDE = 0.3  # share of the fastest speed beside a fish that it follows
 FORESIGHT_S = 2.0  # how far ahead a target's motion is reckoned with
 
 
@@ -30,10 +31,9 @@ def chase(fishes: Fishes, minds: Minds, i: int, target: Vector, velocity: Vector
     speed = max(norm(vector(fishes.velocity[i])), LEAST_BL_S * fishes.length[i])
     meeting = min(distance / max(speed, 1.0), FORESIGHT_S)
     ahead = plus(toward, times(meeting, minus(velocity, vector(fishes.drift[i]))))
-    for axis in range(3):
-        minds.urge[i, axis] = ahead[axis]
+    set_urge(minds, i, ahead)
     share = max(distance / (NEAR_BL * fishes.length[i]), LEAST_SPEED)
-    heading = rotate(fishes.orientation[i], (1.0, 0.0, 0.0))
+    heading = x_axis(fishes.orientation[i])
     cosine = dot(heading, ahead) / max(norm(ahead), 1e-6)
     sine = np.sqrt(max(1.0 - cosine * cosine, 0.0)) if cosine > 0.0 else 1.0
     # A chord of the circle: a target at that angle is reached if it is 2 R sin away.
@@ -41,6 +41,21 @@ def chase(fishes: Fishes, minds: Minds, i: int, target: Vector, velocity: Vector
     turning = max(distance / max(wide, 1e-6), TURNING)
     fishes.goal_speed[i] = min(share, turning, 1.0)
     return distance
+
+
+@kernel
+def follow(fishes: Fishes, minds: Minds, i: int, j: int) -> None:
+    """Chase fish j, and slow down beside it."""
+    distance = chase(fishes, minds, i, vector(fishes.position[j]), vector(fishes.velocity[j]))
+    if distance < fishes.length[i] + fishes.length[j]:
+        fishes.goal_speed[i] = min(fishes.goal_speed[i], BESIDE)
+
+
+@kernel
+def set_urge(minds: Minds, i: int, urge: Vector) -> None:
+    """Let `urge` be where fish i wants to go."""
+    for axis in range(3):
+        minds.urge[i, axis] = urge[axis]
 
 
 @kernel

@@ -4,12 +4,9 @@ Approaching, looping, circling, spawning ascent, nuzzling. Lengths are in body l
 fish, times in those of the recorded fish: a smaller one beats and turns faster.
 """
 
-from collections.abc import Callable
-from typing import NamedTuple
-
 import numpy as np
 
-from subsea.behavior.chasing import chase, mouth_of
+from subsea.behavior.chasing import chase, follow, mouth_of, set_urge
 from subsea.behavior.manoeuvring import (
     CLOSE_RAD,
     abdomen_of,
@@ -17,7 +14,6 @@ from subsea.behavior.manoeuvring import (
     careful,
     heading_of,
     hover,
-    set_urge,
     steer,
     tail_of,
     turn_to,
@@ -26,9 +22,20 @@ from subsea.behavior.manoeuvring import (
 from subsea.behavior.nuzzling import nuzzle, nuzzled
 from subsea.core.arrays import Bools, Ints
 from subsea.core.kernels import kernel
-from subsea.geometry.rotation import rotate
+from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import Vector, minus, norm, plus, vector
-from subsea.state import ASCENDING, CIRCLING, LOOPING, MATE, NOBODY, Clock, Fishes, Minds, Sea
+from subsea.state import (
+    APPROACHING,
+    ASCENDING,
+    CIRCLING,
+    LOOPING,
+    MATE,
+    NOBODY,
+    Clock,
+    Fishes,
+    Minds,
+    Sea,
+)
 
 AHEAD_BL, ABOVE_BL = 1.15, 0.25  # where before her head he shows off, in their mean body length
 DISPLAY_BL = 1.5  # so near that place he begins to
@@ -51,19 +58,10 @@ STEEP = 0.78  # slope of her ascent: the motor system's steepest
 FOLLOWED_BL = 1.3  # so near her abdomen he has kept up
 BELOW_BL = 0.3  # and so far under it he keeps, in his
 
-# Sets urge and goal speed of each of the fishes `who`.
-Component = Callable[[Ints, Fishes, Minds, Sea, Clock], None]
-# Whether each of the fishes `who` has completed its state.
-Transition = Callable[[Ints, Fishes, Minds, Sea], Bools]
-
-
-class CourtshipState(NamedTuple):
-    """A state of courtship: what is done in it, when it is completed, when it is given up."""
-
-    component: Component
-    completed: Transition
-    limit_s: float  # given up after so long ...
-    alone_s: float  # ... or when the partner has minded somebody or something else for so long
+# For each state, none to nuzzling: it is given up after so long, ...
+LIMIT_S = np.array([np.inf, 60.0, 60.0, 45.0, 30.0, 60.0])
+# ... or when the partner has minded somebody or something else for so long.
+ALONE_S = np.array([np.inf, 25.0, 8.0, 10.0, 10.0, 10.0])
 
 
 @kernel
@@ -71,13 +69,10 @@ def approach(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) ->
     """Chase her, or the place before her head where he will show off if she has a mind to mate."""
     for i in who:
         j = minds.partner[i]
-        velocity = vector(fishes.velocity[j])
         if minds.intention[j] == MATE:
-            chase(fishes, minds, i, stage(fishes, i, j), velocity)
+            chase(fishes, minds, i, stage(fishes, i, j), vector(fishes.velocity[j]))
             continue
-        distance = chase(fishes, minds, i, vector(fishes.position[j]), velocity)
-        if distance < fishes.length[i] + fishes.length[j]:
-            fishes.goal_speed[i] = min(fishes.goal_speed[i], 0.3)
+        follow(fishes, minds, i, j)
 
 
 @kernel
@@ -203,7 +198,7 @@ def ascend(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> N
         elif _at_top(fishes, minds, i):
             hover(fishes, minds, i, 0.0)
         else:
-            ahead = rotate(fishes.orientation[i], (1.0, 0.0, 0.0))
+            ahead = x_axis(fishes.orientation[i])
             level = max(np.sqrt(ahead[0] * ahead[0] + ahead[1] * ahead[1]), 1e-6)
             set_urge(minds, i, (ahead[0], ahead[1], STEEP * level))
             gap = norm(minus(vector(fishes.position[minds.partner[i]]), vector(fishes.position[i])))
@@ -233,17 +228,6 @@ def _at_top(fishes: Fishes, minds: Minds, i: int) -> bool:
 
 
 @kernel
-def idle(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
-    """Nothing: no courtship."""
-
-
-@kernel
-def never(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Bools:
-    """Nobody completes this state."""
-    return np.zeros(len(who), np.bool_)
-
-
-@kernel
 def enter(fishes: Fishes, minds: Minds, i: int, code: int) -> None:
     """Begin a state: nothing counted yet."""
     minds.courtship[i] = code
@@ -261,7 +245,7 @@ def enter(fishes: Fishes, minds: Minds, i: int, code: int) -> None:
 @kernel
 def stage(fishes: Fishes, i: int, j: int) -> Vector:
     """The place in front of and slightly above the head of fish j where fish i shows off."""
-    x = rotate(fishes.orientation[j], (1.0, 0.0, 0.0))
+    x = x_axis(fishes.orientation[j])
     level = max(np.sqrt(x[0] * x[0] + x[1] * x[1]), 1e-6)
     length = 0.5 * (fishes.length[i] + fishes.length[j])
     ahead = fishes.snout[j] + AHEAD_BL * length
@@ -275,14 +259,20 @@ def _beat(fishes: Fishes, i: int, hertz: float, clock: Clock) -> float:
     return 2.0 * np.pi * hertz * fishes.rate[i] * clock.tick * clock.dt
 
 
-# By code: what NO_COURTSHIP, APPROACHING, LOOPING, CIRCLING, ASCENDING and NUZZLING are.
-STATES = (
-    CourtshipState(idle, never, np.inf, np.inf),
-    CourtshipState(approach, arrived, 60.0, 25.0),
-    CourtshipState(loop, chosen, 60.0, 8.0),
-    CourtshipState(circle, circled, 45.0, 10.0),
-    CourtshipState(ascend, ascended, 30.0, 10.0),
-    CourtshipState(nuzzle, nuzzled, 60.0, 10.0),
-)
-LIMIT_S = np.array([state.limit_s for state in STATES])
-ALONE_S = np.array([state.alone_s for state in STATES])
+@kernel
+def perform(state: int, who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> Bools:
+    """Do what a state asks of each of the fishes `who`; return which of them completed it."""
+    if state == APPROACHING:
+        approach(who, fishes, minds, sea, clock)
+        return arrived(who, fishes, minds, sea)
+    if state == LOOPING:
+        loop(who, fishes, minds, sea, clock)
+        return chosen(who, fishes, minds, sea)
+    if state == CIRCLING:
+        circle(who, fishes, minds, sea, clock)
+        return circled(who, fishes, minds, sea)
+    if state == ASCENDING:
+        ascend(who, fishes, minds, sea, clock)
+        return ascended(who, fishes, minds, sea)
+    nuzzle(who, fishes, minds, sea, clock)
+    return nuzzled(who, fishes, minds, sea)

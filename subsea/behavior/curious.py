@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from subsea.behavior.chasing import chase
+from subsea.behavior.chasing import chase, set_urge
 from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
-from subsea.geometry.rotation import rotate
+from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, vector
 from subsea.state import PACIFIST, Clock, Fishes, Minds, Nature, Sea
 
@@ -37,7 +37,7 @@ def desire(
             # Fatigue falls by a second in a second: here it is forgotten more slowly.
             minds.fatigue[CURIOUS, i] += (1.0 - FORGETS) * minds.pause[i]
         toward = minus(hull, vector(fishes.position[i]))
-        ahead = rotate(fishes.orientation[i], (1.0, 0.0, 0.0))
+        ahead = x_axis(fishes.orientation[i])
         drawn = minds.kind[i] == PACIFIST and seen < enough
         out[i] = INTEREST if drawn and _sees(toward, ahead, nature.curiosity_cm) else 0.0
 
@@ -52,8 +52,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         toward = minus(hull, vector(fishes.position[i]))
         near = norm(toward) - (WATCH_CM + 0.5 * fishes.length[i])
         if gap < THERE_BL * fishes.length[i] or near < 0.0:
-            for axis in range(3):
-                minds.urge[i, axis] = toward[axis]
+            set_urge(minds, i, toward)
             too_close = norm(toward) < CLOSE * (WATCH_CM + 0.5 * fishes.length[i])
             fishes.goal_speed[i] = BACKS_OFF if too_close else WATCHES
 

@@ -7,11 +7,11 @@ from subsea.behavior.chasing import chase, mouth_of
 from subsea.behavior.hunting import EAGER, hunt
 from subsea.behavior.hunting import hunger as hunters_hunger
 from subsea.behavior.schooling import straggles
-from subsea.behavior.wandering import cruise, heading
+from subsea.behavior.wandering import wander
 from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
 from subsea.geometry.keyed_random import uniform
-from subsea.geometry.rotation import rotate
+from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import ZERO, dot, minus, norm, vector
 from subsea.state import EAT, HUNGER, PREDATOR, Clock, Fishes, Minds, Nature, Sea
 
@@ -56,7 +56,7 @@ def _on_the_way(fishes: Fishes, minds: Minds, i: int, sea: Sea, eats: bool, now:
         return False
     toward = minus(vector(sea.plankton[minds.food[i]]), vector(fishes.position[i]))
     distance = norm(toward)
-    ahead = rotate(fishes.orientation[i], (1.0, 0.0, 0.0))
+    ahead = x_axis(fishes.orientation[i])
     reach = BROWSE_BL * fishes.length[i] * (1.3 if eats else 1.0)
     aside = 0.0 if eats else BROWSE_COS
     return distance < reach and dot(toward, ahead) > aside * distance
@@ -75,10 +75,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
             continue
         k = minds.target[i]
         if k < 0 or sea.absent[k] > 0.0:
-            toward = heading(fishes, minds, i, sea, clock)
-            for axis in range(3):
-                minds.urge[i, axis] = toward[axis]
-            fishes.goal_speed[i] = cruise(fishes, minds, i)
+            wander(fishes, minds, i, sea, clock)
             continue
         distance = chase(fishes, minds, i, vector(sea.plankton[k]), ZERO)
         near = 1.0 - (distance / fishes.length[i] - SUCK_BL) / (OPEN_BL - SUCK_BL)

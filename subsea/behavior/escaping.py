@@ -4,10 +4,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from subsea.behavior.chasing import set_urge
 from subsea.behavior.schooling import has_school
 from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
-from subsea.geometry.rotation import rotate
+from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import Vector, dot, minus, norm, vector
 from subsea.state import FEAR, NOBODY, PREY, SUBMARINE, Clock, Fishes, Minds, Nature, Sea
 
@@ -58,11 +59,11 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
             continue
         danger = danger_of(fishes, minds, i, sea, nature)
         turn = turn_of(rule_of(danger), danger)
-        ahead = rotate(fishes.orientation[i], (1.0, 0.0, 0.0))
+        ahead = x_axis(fishes.orientation[i])
         heading = np.arctan2(ahead[1], ahead[0]) + turn
-        minds.urge[i, 0] = np.cos(heading)
-        minds.urge[i, 1] = np.sin(heading)
-        minds.urge[i, 2] = -min(max(danger.above, -STEEP), STEEP)
+        set_urge(
+            minds, i, (np.cos(heading), np.sin(heading), -min(max(danger.above, -STEEP), STEEP))
+        )
         fishes.goal_speed[i] = 1.0
 
 
@@ -78,10 +79,10 @@ def danger_of(fishes: Fishes, minds: Minds, i: int, sea: Sea, nature: Nature) ->
         dread = float(minds.dread[i])
     toward = minus(there, vector(fishes.position[i]))
     distance = max(norm(toward), 1e-6)
-    ahead = rotate(fishes.orientation[i], (1.0, 0.0, 0.0))
+    ahead = x_axis(fishes.orientation[i])
     course = velocity
     if j != SUBMARINE:
-        course = rotate(fishes.orientation[j], (1.0, 0.0, 0.0))
+        course = x_axis(fishes.orientation[j])
     elif norm(velocity) < ADRIFT_CM_S:
         course = (-toward[0], -toward[1], -toward[2])
     return Danger(

@@ -4,10 +4,10 @@ import numpy as np
 
 from subsea.behavior.chasing import chase, mouth_of
 from subsea.behavior.death import remove
-from subsea.behavior.wandering import cruise, heading
+from subsea.behavior.wandering import wander
 from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
-from subsea.geometry.rotation import rotate
+from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import Vector, dot, minus, norm, times, vector
 from subsea.state import EAT, HUNGER, PREDATOR, PREY, Clock, Fishes, Minds, Nature, Sea
 
@@ -51,10 +51,7 @@ def hunt(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
     since = clock.tick * clock.dt - minds.last_meal[i]
     chews = since < CHEW_S and minds.eaten[i] > 0.0 and minds.last_meal[i] > 0.0
     if j < 0 or not fishes.alive[j] or chews:
-        toward = heading(fishes, minds, i, sea, clock)
-        for axis in range(3):
-            minds.urge[i, axis] = toward[axis]
-        fishes.goal_speed[i] = cruise(fishes, minds, i)
+        wander(fishes, minds, i, sea, clock)
         if chews:
             fishes.gape[i] = 0.15 + 0.15 * np.sin(2.0 * np.pi * CHEWS_PER_S * since)
         return
@@ -78,7 +75,7 @@ def hunt(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
 @kernel
 def _aside(fishes: Fishes, minds: Minds, i: int) -> float:
     """The angle between where fish i heads and where it wants to go, rad."""
-    ahead, urge = rotate(fishes.orientation[i], (1.0, 0.0, 0.0)), vector(minds.urge[i])
+    ahead, urge = x_axis(fishes.orientation[i]), vector(minds.urge[i])
     return np.arccos(min(max(dot(ahead, urge) / max(norm(urge), 1e-9), -1.0), 1.0))
 
 

@@ -1,5 +1,6 @@
 """Leaving a place that is too bright, dark, cold or warm (Tu §7.3, §7.5)."""
 
+from subsea.behavior.chasing import set_urge
 from subsea.behavior.wandering import cruise, heading
 from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
@@ -37,9 +38,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
     """Wander, but upward to light and warmth, downward to darkness and cold."""
     for i in who:
         toward = heading(fishes, minds, i, sea, clock)
-        minds.urge[i, 0] = toward[0]
-        minds.urge[i, 1] = toward[1]
-        minds.urge[i, 2] = CLIMB * _wanted_rise(minds, i)
+        set_urge(minds, i, (toward[0], toward[1], CLIMB * _wanted_rise(minds, i)))
         fishes.goal_speed[i] = max(cruise(fishes, minds, i), BRISK)
 
 

@@ -5,8 +5,9 @@ A fish that plays back recorded motion turns and climbs only so fast (SMC §6.2)
 
 import numpy as np
 
+from subsea.behavior.chasing import set_urge
 from subsea.core.kernels import kernel
-from subsea.geometry.rotation import rotate
+from subsea.geometry.rotation import rotate, x_axis
 from subsea.geometry.vector import Vector, plus, vector
 from subsea.state import Fishes, Minds
 
@@ -53,13 +54,6 @@ def bend(fishes: Fishes, minds: Minds, i: int, toward: Vector, turn: float) -> N
 
 
 @kernel
-def set_urge(minds: Minds, i: int, urge: Vector) -> None:
-    """Let `urge` be where fish i wants to go."""
-    for axis in range(3):
-        minds.urge[i, axis] = urge[axis]
-
-
-@kernel
 def turn_to(fishes: Fishes, i: int, toward: Vector) -> float:
     """The angle, rad, by which fish i would have to turn left to head along `toward`."""
     return wrapped(np.arctan2(toward[1], toward[0]) - heading_of(fishes, i))
@@ -68,7 +62,7 @@ def turn_to(fishes: Fishes, i: int, toward: Vector) -> float:
 @kernel
 def heading_of(fishes: Fishes, i: int) -> float:
     """The angle, rad, that the body heads left of the world's x axis."""
-    x = rotate(fishes.orientation[i], (1.0, 0.0, 0.0))
+    x = x_axis(fishes.orientation[i])
     return float(np.arctan2(x[1], x[0]))
 
 

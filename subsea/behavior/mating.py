@@ -3,9 +3,9 @@
 `behavior/courtship.py` is the dance itself.
 """
 
-from subsea.behavior.chasing import chase
-from subsea.behavior.courtship import ALONE_S, LIMIT_S, STATES, enter
-from subsea.behavior.wandering import cruise, heading
+from subsea.behavior.chasing import follow
+from subsea.behavior.courtship import ALONE_S, LIMIT_S, enter, perform
+from subsea.behavior.wandering import wander
 from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
 from subsea.geometry.vector import Vector, minus, norm, plus, times, vector
@@ -55,17 +55,15 @@ def desire(
             out[i] = libido
 
 
+@kernel
 def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
     """Choose a partner, do what the courtship's state asks for, go on when it is completed."""
     choose_partner(who, fishes, minds, sea, clock)
     courtship = minds.courtship[who]
-    for code, state in enumerate(STATES[1:], start=1):
-        those = who[courtship == code]
-        if len(those):
-            state.component(those, fishes, minds, sea, clock)
-            done = state.completed(those, fishes, minds, sea)
-            if done.any():
-                enter_next_state(those[done], fishes, minds, clock)
+    for state in range(APPROACHING, NUZZLING + 1):
+        those = who[courtship == state]
+        done = perform(state, those, fishes, minds, sea, clock)
+        enter_next_state(those[done], fishes, minds, clock)
 
 
 @kernel
@@ -84,16 +82,9 @@ def choose_partner(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clo
         if minds.courtship[i] != NO_COURTSHIP:
             continue
         if able and minds.intention[j] != MATE:
-            distance = chase(
-                fishes, minds, i, vector(fishes.position[j]), vector(fishes.velocity[j])
-            )
-            if distance < fishes.length[i] + fishes.length[j]:
-                fishes.goal_speed[i] = min(fishes.goal_speed[i], 0.3)
+            follow(fishes, minds, i, j)
             continue
-        toward = heading(fishes, minds, i, sea, clock)
-        for axis in range(3):
-            minds.urge[i, axis] = toward[axis]
-        fishes.goal_speed[i] = cruise(fishes, minds, i)
+        wander(fishes, minds, i, sea, clock)
         if able and minds.partner[j] == i:
             # He is coming: she does not run away.
             fishes.goal_speed[i] = min(fishes.goal_speed[i], COY)

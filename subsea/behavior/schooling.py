@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.behavior.chasing import set_urge
 from subsea.behavior.detour import detour
 from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
@@ -74,8 +75,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
             way = (way[0], way[1], toward[2] / max(norm(toward), 1.0))
             urge = plus(times(OWN_WAY, way), (COMPANY * company[0], COMPANY * company[1], 0.0))
             pace = max(pace, HURRY)
-        for axis in range(3):
-            minds.urge[i, axis] = urge[axis]
+        set_urge(minds, i, urge)
         whim = 0.08 * (fishes.identity[i] - 0.5)
         fishes.goal_speed[i] = _pace(toward, ahead, length, pace + whim)
 

@@ -2,10 +2,11 @@
 
 import numpy as np
 
+from subsea.behavior.chasing import set_urge
 from subsea.core.arrays import Ints
 from subsea.core.kernels import kernel
 from subsea.geometry.height_field import height_at
-from subsea.geometry.rotation import rotate
+from subsea.geometry.rotation import x_axis
 from subsea.geometry.solids import far_from_rock, from_pillar, from_rock
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, unit, vector
 from subsea.state import HULL_CM, LEFT, RIGHT, Clock, Fishes, Minds, Sea
@@ -31,17 +32,13 @@ def keep_clear(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> None:
         here = vector(fishes.position[i])
         urge = vector(minds.urge[i])
         length = norm(urge)
-        if length < 1e-9:
-            urge = rotate(fishes.orientation[i], (1.0, 0.0, 0.0))
-        else:
-            urge = times(1.0 / length, urge)
+        urge = times(1.0 / length, urge) if length >= 1e-9 else x_axis(fishes.orientation[i])
         # Twice, so that in a corner neither undoes the other.
         for _ in range(2):
             urge = _inside(fishes, i, sea, urge)
             urge = _around(fishes, i, sea, urge)
             urge = _off_the_hull(here, fishes.length[i], hull, velocity, urge)
-        for axis in range(3):
-            minds.urge[i, axis] = urge[axis]
+        set_urge(minds, i, urge)
 
 
 @kernel

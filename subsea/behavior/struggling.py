@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from subsea.behavior.chasing import set_urge
 from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
 from subsea.geometry.keyed_random import uniform
@@ -31,8 +32,6 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         heading = 2.0 * np.pi * uniform(clock.seed, fish, epoch, HEADING_PURPOSE)
         low, high = DIVE
         dive = low + (high - low) * uniform(clock.seed, fish, epoch, DIVE_PURPOSE)
-        minds.urge[i, 0] = np.cos(heading)
-        minds.urge[i, 1] = np.sin(heading)
-        minds.urge[i, 2] = -dive
+        set_urge(minds, i, (np.cos(heading), np.sin(heading), -dive))
         fishes.goal_speed[i] = 1.0
         fishes.gape[i] = GASP

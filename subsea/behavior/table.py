@@ -17,6 +17,7 @@ from subsea.behavior import (
     wandering,
 )
 from subsea.core.arrays import Array, Ints
+from subsea.core.kernels import kernel
 from subsea.state import Clock, Fishes, Minds, Nature, Sea
 
 # Writes into `out` (n,) how strongly each of the fishes `who` wants something: 0 not at all, to 1.
@@ -69,20 +70,36 @@ BEHAVIOR_OF_DESIRE = np.array([code for _, code, _ in DESIRES])
 TIRES = np.array([behavior.tires for behavior in BEHAVIORS])
 
 
+@kernel
 def compute_desires(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock
 ) -> None:
-    """Fill `minds.desire` for the fishes `who`."""
-    for row, (_, _, desire) in enumerate(DESIRES):
-        desire(who, fishes, minds, sea, nature, clock, minds.desire[row])
+    """Fill `minds.desire` of the fishes `who`: a line for each row of `DESIRES`, in that order."""
+    out = minds.desire
+    avoiding.desire(who, fishes, minds, sea, nature, clock, out[0])
+    struggling.desire(who, fishes, minds, sea, nature, clock, out[1])
+    escaping.desire(who, fishes, minds, sea, nature, clock, out[2])
+    schooling.alarmed_desire(who, fishes, minds, sea, nature, clock, out[3])
+    eating.desire(who, fishes, minds, sea, nature, clock, out[4])
+    mating.desire(who, fishes, minds, sea, nature, clock, out[5])
+    schooling.desire(who, fishes, minds, sea, nature, clock, out[6])
+    leaving.desire(who, fishes, minds, sea, nature, clock, out[7])
+    wandering.desire(who, fishes, minds, sea, nature, clock, out[8])
+    curious.desire(who, fishes, minds, sea, nature, clock, out[9])
 
 
+@kernel
 def run_routines(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock
 ) -> None:
-    """Let each of the fishes `who` follow its intention."""
-    intention = minds.intention[who]
-    for code, behavior in enumerate(BEHAVIORS):
-        those = who[intention == code]
-        if len(those):
-            behavior.routine(those, fishes, minds, sea, nature, clock)
+    """Let each of the fishes `who` follow its intention: a line for each row of `BEHAVIORS`."""
+    now = minds.intention[who]
+    avoiding.act(who[now == 0], fishes, minds, sea, nature, clock)
+    escaping.act(who[now == 1], fishes, minds, sea, nature, clock)
+    schooling.act(who[now == 2], fishes, minds, sea, nature, clock)
+    eating.act(who[now == 3], fishes, minds, sea, nature, clock)
+    mating.act(who[now == 4], fishes, minds, sea, nature, clock)
+    leaving.act(who[now == 5], fishes, minds, sea, nature, clock)
+    wandering.act(who[now == 6], fishes, minds, sea, nature, clock)
+    curious.act(who[now == 7], fishes, minds, sea, nature, clock)
+    struggling.act(who[now == 8], fishes, minds, sea, nature, clock)

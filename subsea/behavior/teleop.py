@@ -9,9 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from subsea.behavior.chasing import set_urge
 from subsea.behavior.steering import keep_clear
 from subsea.core.kernels import kernel
-from subsea.geometry.rotation import rotate
+from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import dot, times, vector
 from subsea.state import WANDER, Fishes, Minds, Sea
 
@@ -43,15 +44,13 @@ def follow_command(
     minds.preference[i] = 0.0
     fishes.gape[i] = 0.0
     one = np.array([i])
-    ahead = rotate(fishes.orientation[i], (1.0, 0.0, 0.0))
+    ahead = x_axis(fishes.orientation[i])
     way = ahead if speed >= 0.0 else times(-1.0, ahead)
-    for axis in range(3):
-        minds.urge[i, axis] = way[axis]
+    set_urge(minds, i, way)
     keep_clear(one, fishes, minds, sea)
     fishes.goal_speed[i] = speed * max(dot(vector(minds.urge[i]), way), 0.0)
     heading = np.arctan2(ahead[1], ahead[0]) + turn * ASIDE_RAD
     climb = rise * STEEP_RAD
-    minds.urge[i, 0] = np.cos(climb) * np.cos(heading)
-    minds.urge[i, 1] = np.cos(climb) * np.sin(heading)
-    minds.urge[i, 2] = np.sin(climb)
+    level = np.cos(climb)
+    set_urge(minds, i, (level * np.cos(heading), level * np.sin(heading), np.sin(climb)))
     keep_clear(one, fishes, minds, sea)

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from subsea.behavior.chasing import set_urge
 from subsea.behavior.schooling import leaves_behind
 from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
@@ -41,14 +42,17 @@ def desire(
 def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
     """Swim to the waypoint at a cruising speed."""
     for i in who:
-        toward = heading(fishes, minds, i, sea, clock)
-        for axis in range(3):
-            minds.urge[i, axis] = toward[axis]
-        speed = cruise(fishes, minds, i)
+        wander(fishes, minds, i, sea, clock)
         alone = minds.neighbour[i, 0] < 0
         if minds.leads[i] and (alone or leaves_behind(fishes, minds, i, clock.tick * clock.dt)):
-            speed = min(speed, WAITING)
-        fishes.goal_speed[i] = speed
+            fishes.goal_speed[i] = min(fishes.goal_speed[i], np.float32(WAITING))
+
+
+@kernel
+def wander(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
+    """Let fish i swim to its waypoint at its cruising speed."""
+    set_urge(minds, i, heading(fishes, minds, i, sea, clock))
+    fishes.goal_speed[i] = cruise(fishes, minds, i)
 
 
 @kernel

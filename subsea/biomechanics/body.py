@@ -101,8 +101,18 @@ HALF_BANDWIDTH = int((UNITS[:, 1] - UNITS[:, 0]).max())
 """Greatest difference of node numbers in a unit, 7: the numbering keeps the matrix narrow."""
 
 
+class Material(NamedTuple):
+    """What the solver needs of a body, arrays in cm, g and tu."""
+
+    mass: Floats  # (23,)
+    length: Floats  # (91,) rest length of the units
+    stiffness: Floats  # (91,)
+    viscosity: Floats  # (91,)
+    drag: float  # µ of Tu eq. 4.3
+
+
 class Body(NamedTuple):
-    """A body ready for the solver, arrays in cm, g and tu."""
+    """A body at rest and its material, arrays in cm, g and tu."""
 
     rest: Floats  # (23, 3) nodes at rest in body axes
     mass: Floats  # (23,)
@@ -110,6 +120,11 @@ class Body(NamedTuple):
     stiffness: Floats  # (91,)
     viscosity: Floats  # (91,)
     drag: float  # µ of Tu eq. 4.3
+
+    @property
+    def material(self) -> Material:
+        """The body without its shape."""
+        return Material(*self[1:])
 
 
 def rest_nodes(plan: BodyPlan, back: float = 1.0) -> Floats:

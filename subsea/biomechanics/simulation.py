@@ -48,16 +48,13 @@ def simulate(
     if left_over or contraction.shape[1:] != (MUSCLES,):
         raise ValueError(f"contraction {contraction.shape} is not (6 T, {MUSCLES})")
     muscles = muscle_lengths(body, contraction)
+    material = body.material
     frames = np.empty((ticks, NODES, 3))
     for tick in range(ticks):
         advance(
             state.x,
             state.v,
-            body.mass,
-            body.length,
-            body.stiffness,
-            body.viscosity,
-            body.drag,
+            material,
             muscles[tick * STEPS_PER_TICK : (tick + 1) * STEPS_PER_TICK],
             water,
             force,

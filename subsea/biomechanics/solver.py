@@ -8,7 +8,7 @@ needs to know where the matrix ends.
 
 import numpy as np
 
-from subsea.biomechanics.body import HALF_BANDWIDTH, MUSCLES, NODES, UNITS, Floats
+from subsea.biomechanics.body import HALF_BANDWIDTH, MUSCLES, NODES, UNITS, Floats, Material
 from subsea.biomechanics.water import add_water_force
 from subsea.core.kernels import kernel
 
@@ -76,10 +76,7 @@ def substitute(band: Floats, load: Floats) -> None:
 def assemble(
     x: Floats,
     v: Floats,
-    mass: Floats,
-    length: Floats,
-    stiffness: Floats,
-    viscosity: Floats,
+    material: Material,
     muscle: Floats,
     step: float,
     band: Floats,
@@ -88,9 +85,10 @@ def assemble(
 ) -> None:
     """Add units and inertia to A (``band`` (30, 8)) and G (``load`` (30, 3)): Tu eqs. 4.10, 4.11.
 
-    ``length`` (91,) are rest lengths; those of the muscles, the first twelve, are replaced by
-    ``muscle`` (12,). ``strain`` (2,) keeps the extremes of length over natural rest length.
+    ``muscle`` (12,) replaces the rest lengths of the first twelve units. ``strain`` (2,) keeps
+    the extremes of length over natural rest length.
     """
+    length, stiffness, viscosity = material.length, material.stiffness, material.viscosity
     for s in range(UNITS.shape[0]):
         i, j = UNITS[s, 0], UNITS[s, 1]
         rx, ry, rz = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1], x[j, 2] - x[i, 2]
@@ -118,7 +116,7 @@ def assemble(
             band[j, 0] += eta * step
             band[i, j - i] -= eta * step
     for i in range(NODES):
-        inertia = mass[i] / step
+        inertia = material.mass[i] / step
         band[i, 0] += inertia
         for axis in range(3):
             load[i, axis] += inertia * v[i, axis]
@@ -128,11 +126,7 @@ def assemble(
 def advance(
     x: Floats,
     v: Floats,
-    mass: Floats,
-    length: Floats,
-    stiffness: Floats,
-    viscosity: Floats,
-    drag: float,
+    material: Material,
     muscles: Floats,
     water: Floats,
     force: Floats,
@@ -143,16 +137,15 @@ def advance(
 
     ``muscles`` (steps, 12) are the muscles' rest lengths in cm, ``water`` (3,) the velocity of
     the water in cm/tu, ``force`` (23, 3) a constant further force (pectoral fins). ``watch`` (3,)
-    keeps the least and the greatest length ratio of any unit and the smallest pivot. The other
-    arguments are the fields of :class:`~subsea.biomechanics.body.Body` (Tu §4.5.2).
+    keeps the least and the greatest length ratio of any unit and the smallest pivot (Tu §4.5.2).
     """
     band = np.empty((ROWS, HALF_BANDWIDTH + 1))
     load = np.zeros((ROWS, 3))
     for n in range(muscles.shape[0]):
         band[:] = 0.0
         load[:NODES] = force
-        add_water_force(x, v, water, drag, load)
-        assemble(x, v, mass, length, stiffness, viscosity, muscles[n], step, band, load, watch[:2])
+        add_water_force(x, v, water, material.drag, load)
+        assemble(x, v, material, muscles[n], step, band, load, watch[:2])
         watch[2] = min(watch[2], factorize(band))
         substitute(band, load)
         for i in range(NODES):

@@ -16,7 +16,6 @@ from pathlib import Path
 import numba
 import numpy as np
 
-from subsea.behavior.table import BEHAVIORS
 from subsea.core.disk_cache import folder
 from subsea.core.source_stamp import ROOT, stamp
 from subsea.frame.packet import pack
@@ -48,15 +47,12 @@ def _desires(world: World) -> None:
 
 
 def _routines(world: World) -> None:
-    state, nobody = world.state, _everyone(world)[:0]
-    for behavior in BEHAVIORS:
-        behavior.routine(nobody, state.fishes, state.minds, state.sea, world.nature, CLOCK)
-    step.act(world, nobody, HANDS_OFF, CLOCK)
+    step.act(world, _everyone(world)[:0], HANDS_OFF, CLOCK)
 
 
 def _motion(world: World) -> None:
     step.move_water(world, CLOCK)
-    step.move_fishes(world)
+    step.move_fishes(world, CLOCK)
     pack(world, views_for("mono", (64, 64), cockpit(world.state.submarine, 1.0)), 1.0)
 
 

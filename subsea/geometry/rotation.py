@@ -19,6 +19,18 @@ SMALL = 0.25  # sine of half an angle below which a short series is exact to rou
 
 
 @kernel
+def quaternion(row: Array) -> Quaternion:
+    """Four numbers of any precision as a quaternion."""
+    return float(row[0]), float(row[1]), float(row[2]), float(row[3])
+
+
+@kernel
+def conjugate(q: Quaternion) -> Quaternion:
+    """The inverse of the unit quaternion q: world to body."""
+    return q[0], -q[1], -q[2], -q[3]
+
+
+@kernel
 def multiply(a: Quaternion, b: Quaternion) -> Quaternion:
     """The Hamilton product a·b: first b, then a."""
     return (
@@ -40,6 +52,12 @@ def rotate(q: Quaternion, v: Vector) -> Vector:
         v[1] + q[0] * ty + q[3] * tx - q[1] * tz,
         v[2] + q[0] * tz + q[1] * ty - q[2] * tx,
     )
+
+
+@kernel
+def x_axis(q: Quaternion) -> Vector:
+    """The world direction of the body's x axis: where the snout points."""
+    return rotate(q, (1.0, 0.0, 0.0))
 
 
 @kernel

@@ -13,6 +13,8 @@ from subsea.geometry.height_field import height_at
 from subsea.geometry.vector import Vector
 
 NEVER = math.inf  # where a ray meets what it doesn't meet
+MIDDLE = 1e-9  # of a gradient that vanishes
+MIDDLE = 1e-9  # of a gradient that vanishes
 NEARLY_CM = 0.01  # more than rounding errors come to
 
 
@@ -40,14 +42,26 @@ def from_rock(rock: Array, p: Vector) -> tuple[Vector, float]:
     """
     c, s = math.cos(rock[6]), math.sin(rock[6])
     dx, dy, dz = p[0] - rock[0], p[1] - rock[1], p[2] - rock[2]
-    x, y, z = (c * dx + s * dy) / rock[3], (c * dy - s * dx) / rock[4], dz / rock[5]
+    half = (float(rock[3]), float(rock[4]), float(rock[5]))
+    (x, y, z), slope, distance = from_ellipsoid(half, (c * dx + s * dy, c * dy - s * dx, dz))
+    if slope < MIDDLE:
+        return (0.0, 0.0, 1.0), distance
+    return ((c * x - s * y) / slope, (s * x + c * y) / slope, z / slope), distance
+
+
+@kernel
+def from_ellipsoid(half: Vector, p: Vector) -> tuple[Vector, float, float]:
+    """Outward gradient, its length, and about how far p is from an ellipsoid, in its own axes.
+
+    The distance is exact on the surface and to first order beside it (cm, negative inside). In
+    the very middle the gradient vanishes.
+    """
+    x, y, z = p[0] / half[0], p[1] / half[1], p[2] / half[2]
     scaled = math.sqrt(x * x + y * y + z * z)
-    gx, gy, gz = x / rock[3], y / rock[4], z / rock[5]
-    slope = math.sqrt(gx * gx + gy * gy + gz * gz)
-    if slope < 1e-9:  # in its very middle
-        return (0.0, 0.0, 1.0), -min(rock[3], rock[4], rock[5])
-    normal = ((c * gx - s * gy) / slope, (s * gx + c * gy) / slope, gz / slope)
-    return normal, scaled * (scaled - 1.0) / slope
+    x, y, z = x / half[0], y / half[1], z / half[2]
+    slope = math.sqrt(x * x + y * y + z * z)
+    distance = scaled * (scaled - 1.0) / slope if slope >= MIDDLE else -min(half)
+    return (x, y, z), slope, distance
 
 
 @kernel

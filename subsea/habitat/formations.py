@@ -10,31 +10,21 @@ infinite.
 """
 
 import math
-from concurrent.futures import ThreadPoolExecutor
-from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 
 from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
 from subsea.geometry.noise import fractal, noise
+from subsea.geometry.solids import from_ellipsoid
 from subsea.geometry.vector import Vector, vector
 
 SHELL_CM, SHELL = 9.0, 0.13  # room for growth, at most, and as a share of a solid's least half axis
 RELIEF_CM, RELIEF = 28.0, 0.32  # depth of the deepest hollow, likewise
 BLEND = 0.10  # of the mean least half axis: how smoothly one block goes over into the next
 FAR_CM = 35.0  # a block that is farther than another by so much doesn't change its surface
-STEM_CM = 700.0  # so far below its top a pillar is strewn with samples
 NEAR_CM = FAR_CM + 25.0  # blocks nearer than that shape what is near
 PROBE_CM = 1.5  # over which slopes are taken
-SUN = (0.28, 0.17, 0.945)  # toward it, below the surface, as in `optics.glsl`
-# Directions of the upper half of the sky, even in the light that they give to level ground.
-SKY = np.array(
-    [(0.0, 0.0, 1.0)]
-    + [(0.62 * math.cos(t), 0.62 * math.sin(t), 0.785) for t in np.arange(4) * math.pi / 2 + 0.4]
-    + [(0.91 * math.cos(t), 0.91 * math.sin(t), 0.415) for t in np.arange(5) * math.pi * 0.4]
-)
 
 
 def blocks_of(pillars: Array, rocks: Array) -> Array:
@@ -69,83 +59,6 @@ def first_of_formation(pillars: Array, rocks: Array) -> Ints:
     group = _groups(blocks_of(pillars, rocks), _even(48))
     _, first, which = np.unique(group, return_index=True, return_inverse=True)
     return np.asarray(first[which])
-
-
-class Samples(NamedTuple):
-    """Places on stone that is drawn."""
-
-    place: Array  # (n, 3) cm
-    normal: Array  # (n, 3) unit vectors outward, over a stretch of PROBE_CM
-    open: Array  # (n,) share of the sky's light that other stone lets through, 0 to 1
-    formation: Ints  # (n,) which of `formations`
-
-
-def samples(pillars: Array, rocks: Array, per_m2: float, rng: np.random.Generator) -> Samples:
-    """About `per_m2` places for each square metre of stone, even over it, in random order.
-
-    They lie on the surface that is drawn to about 1 cm, on undersides and in the ground too:
-    leave out what is lower than `height_at` and what faces the wrong way.
-    """
-    found = formations(pillars, rocks)
-    if not found:
-        return Samples(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0), np.zeros(0, np.int64))
-    strewn = [_strewn(blocks, per_m2, rng) for blocks in found]
-    with ThreadPoolExecutor() as pool:  # compiled kernels leave the interpreter to others
-        given = ([part.tobytes() for part in parts] for parts in (found, strewn))
-        all_of = list(pool.map(_settled, *given))
-    which = np.repeat(np.arange(len(found)), [len(part[0]) for part in all_of])
-    joined = [*(np.concatenate(part) for part in zip(*all_of, strict=True)), which]
-    order = rng.permutation(len(joined[0]))
-    return Samples(*(part[order] for part in joined))
-
-
-def _strewn(blocks: Array, per_m2: float, rng: np.random.Generator) -> Array:
-    """Places (n, 3) near the surface of a formation."""
-    return np.concatenate(
-        [
-            _on_pillar(block, per_m2, rng) if np.isinf(block[5]) else _on_rock(block, per_m2, rng)
-            for block in blocks
-        ]
-    )
-
-
-@lru_cache(maxsize=32)
-def _settled(blocks: bytes, places: bytes) -> tuple[Array, Array, Array]:
-    """Place, normal and openness where places (n, 3) come to lie on a formation of blocks (k, 11).
-
-    Kept for a while: who moves one formation of several needs the others as they are.
-    """
-    stone = np.frombuffer(blocks).reshape(-1, 11).copy()
-    strewn = np.frombuffer(places).reshape(-1, 3).copy()
-    place, normal, error = on_the_surface(stone, strewn, 4)
-    kept = error < 2.0
-    place, normal = place[kept], normal[kept]
-    return place, normal, openness(shade_of(stone), place, normal)
-
-
-def _on_rock(block: Array, per_m2: float, rng: np.random.Generator) -> Array:
-    """Places (n, 3), even over an ellipsoid somewhat smaller than the rock."""
-    half = block[3:6] - block[8] - 0.4 * block[9]
-    # A sphere that is stretched has its points crowded where it is stretched least.
-    number = per_m2 / 1e4 * 4 * np.pi * half.prod() / half.min()
-    unit = _unit(rng.normal(size=(int(np.ceil(number)), 3)))
-    kept = rng.uniform(size=len(unit)) < np.linalg.norm(unit / half, axis=1) * half.min()
-    x, y, z = (unit[kept] * half).T
-    c, s = block[6:8]
-    return np.asarray(block[:3] + np.stack([c * x - s * y, s * x + c * y, z], axis=1))
-
-
-def _on_pillar(block: Array, per_m2: float, rng: np.random.Generator) -> Array:
-    """Places (n, 3), even over the top and the upper part of a cylinder in the pillar."""
-    radius = block[3] - block[8] - 0.6 * block[9]
-    number = per_m2 / 1e4 * np.pi * radius * (radius + 2.0 * STEM_CM)
-    turn, low = rng.uniform((0.0, -0.5 * radius), (2 * np.pi, STEM_CM), (int(number) + 1, 2)).T
-    # What would lie above the top lies on it.
-    away = np.where(low < 0.0, radius * np.sqrt(np.maximum(-2.0 * low / radius, 0.0)), radius)
-    return np.asarray(
-        block[:3]
-        + np.stack([away * np.cos(turn), away * np.sin(turn), -np.maximum(low, 0.0)], axis=1)
-    )
 
 
 @kernel
@@ -259,13 +172,7 @@ def _from_block(block: Array, p: Vector) -> float:
             return max(side, above) - worn
         return math.sqrt(side * side + above * above) - worn
     x, y = block[6] * dx + block[7] * dy, block[6] * dy - block[7] * dx
-    x, y, z = x / block[3], y / block[4], dz / block[5]
-    scaled = math.sqrt(x * x + y * y + z * z)
-    x, y, z = x / block[3], y / block[4], z / block[5]
-    slope = math.sqrt(x * x + y * y + z * z)
-    if slope < 1e-9:
-        return -min(block[3], block[4], block[5])
-    return scaled * (scaled - 1.0) / slope
+    return from_ellipsoid((block[3], block[4], block[5]), (x, y, dz))[2]
 
 
 @kernel
@@ -303,106 +210,6 @@ def outward(blocks: Array, p: Vector) -> tuple[Vector, float]:
     if size < 1e-9:
         return (0.0, 0.0, 1.0), 0.0
     return (x / size, y / size, z / size), size / (4.0 * PROBE_CM)
-
-
-class Shade(NamedTuple):
-    """Distances from a formation on a grid about it: looked up where light is followed."""
-
-    field: Array  # (a, b, c) cm
-    corner: Array  # (3,) cm
-    cell: float  # cm
-    reach: float  # cm, from which it takes little of the sky's light
-
-
-def box_of(blocks: Array) -> tuple[Array, Array]:
-    """Lowest and highest corner (3,) of what is avoided; a pillar has no lower end."""
-    long = np.maximum(blocks[:, 3], blocks[:, 4])
-    reach = np.stack([long, long, blocks[:, 5]], axis=1)
-    rise = np.where(np.isinf(reach), 0.0, reach)
-    return (blocks[:, :3] - reach).min(axis=0), (blocks[:, :3] + rise).max(axis=0)
-
-
-def shade_of(blocks: Array) -> Shade:
-    """The grid of a formation."""
-    low, high = box_of(blocks)
-    low[2] = max(low[2], high[2] - 1200.0)
-    cell = float(np.clip((high - low).max() / 44.0, 8.0, 26.0))
-    low, high = low - 2.0 * cell, high + 2.0 * cell
-    number = np.ceil((high - low) / cell).astype(int) + 1
-    reach = max(0.4 * float((high - low).max()), 100.0)
-    return Shade(_rough_grid(blocks, low, cell, *number), low, cell, reach)
-
-
-@kernel
-def _rough_grid(blocks: Array, corner: Array, cell: float, nx: int, ny: int, nz: int) -> Array:
-    out = np.empty((nx, ny, nz))
-    for i in range(nx):
-        for j in range(ny):
-            for k in range(nz):
-                p = (corner[0] + cell * i, corner[1] + cell * j, corner[2] + cell * k)
-                out[i, j, k] = rough_distance(blocks, p)
-    return out
-
-
-@kernel
-def shade_distance(shade: Shade, p: Vector) -> float:
-    """About how far p is from the formation, cm; inside of it negative."""
-    nx, ny, nz = shade.field.shape
-    x = (p[0] - shade.corner[0]) / shade.cell
-    y = (p[1] - shade.corner[1]) / shade.cell
-    z = (p[2] - shade.corner[2]) / shade.cell
-    u, v, w = (
-        min(max(x, 0.0), nx - 1.001),
-        min(max(y, 0.0), ny - 1.001),
-        min(max(z, 0.0), nz - 1.001),
-    )
-    i, j, k = int(u), int(v), int(w)
-    outside = math.sqrt((x - u) ** 2 + (y - v) ** 2 + (z - w) ** 2) * shade.cell
-    u, v, w = u - i, v - j, w - k
-    f = shade.field
-    low = (1.0 - v) * ((1.0 - u) * f[i, j, k] + u * f[i + 1, j, k]) + v * (
-        (1.0 - u) * f[i, j + 1, k] + u * f[i + 1, j + 1, k]
-    )
-    high = (1.0 - v) * ((1.0 - u) * f[i, j, k + 1] + u * f[i + 1, j, k + 1]) + v * (
-        (1.0 - u) * f[i, j + 1, k + 1] + u * f[i + 1, j + 1, k + 1]
-    )
-    return outside + (1.0 - w) * low + w * high
-
-
-@kernel
-def openness(shade: Shade, places: Array, normals: Array) -> Array:
-    """The share (n,) of the sky's light that a formation lets through to places, 0 to 1."""
-    out = np.empty(len(places))
-    for i in range(len(places)):
-        n = vector(normals[i])
-        p = (places[i, 0] + 2.0 * n[0], places[i, 1] + 2.0 * n[1], places[i, 2] + 2.0 * n[2])
-        if shade_distance(shade, p) > shade.reach:
-            out[i] = 1.0
-            continue
-        light = 0.0
-        for k in range(len(SKY)):
-            facing = 0.5 + 0.5 * (n[0] * SKY[k, 0] + n[1] * SKY[k, 1] + n[2] * SKY[k, 2])
-            light += min(2.0 * facing, 1.0) * passes(shade, p, vector(SKY[k]), 0.5)
-        out[i] = light / len(SKY)
-    return out
-
-
-@kernel
-def passes(shade: Shade, p: Vector, way: Vector, wide: float) -> float:
-    """The share of a cone of light, as wide as `wide` times its length, that reaches p."""
-    left, along = 1.0, 7.0
-    for _ in range(7):
-        at = (p[0] + along * way[0], p[1] + along * way[1], p[2] + along * way[2])
-        gap = shade_distance(shade, at) + 6.0
-        left = min(left, 0.2 + gap / (wide * along + 3.0))
-        if left <= 0.0:
-            return 0.0
-        along = along * 1.2 + max(gap, 0.0) + 4.0
-    return min(left, 1.0)
-
-
-def _unit(rows: Array) -> Array:
-    return np.asarray(rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-12))
 
 
 def _even(number: int) -> Array:

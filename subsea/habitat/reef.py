@@ -8,8 +8,8 @@ from subsea.core.arrays import Array, Bools, Ints
 from subsea.core.disk_cache import kept
 from subsea.core.kernels import kernel
 from subsea.habitat.clearance import clearances
-from subsea.habitat.formations import samples
 from subsea.habitat.mounds import HEIGHT, dome, variant_of
+from subsea.habitat.stone_samples import samples
 from subsea.habitat.terrain import heights_at
 from subsea.scenario.schema import ReefTable, Scenario
 from subsea.state import Reef, Sea

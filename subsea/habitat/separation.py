@@ -6,7 +6,7 @@ import numpy as np
 
 from subsea.core.arrays import Array
 from subsea.core.kernels import kernel
-from subsea.geometry.rotation import rotate
+from subsea.geometry.rotation import x_axis
 from subsea.geometry.solids import far_from_rock, from_pillar, from_rock
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, vector
 from subsea.state import APPROACHING, NOBODY, PREDATOR, Fishes, Minds, Sea
@@ -58,7 +58,7 @@ def keep_off_solids(fishes: Fishes, sea: Sea) -> None:
         if away > sea.radius - RIM_CM:
             inward = (-middle[0] / away, -middle[1] / away, 0.0)
             _give_way(fishes.drift[i], inward, sea.radius - away, RIM_CM, RIM_PER_S)
-        ahead = rotate(fishes.orientation[i], (1.0, 0.0, 0.0))
+        ahead = x_axis(fishes.orientation[i])
         snout = float(fishes.snout[i])
         for k in range(len(sea.pillars)):
             way, gap = from_pillar(sea.pillars[k], middle)
@@ -97,8 +97,8 @@ def _between(
     position: Array, orientation: Array, snout: Array, length: Array, i: int, j: int
 ) -> Vector:
     """From the nearest point of the straight centre line of j to that of i, cm."""
-    a = rotate(orientation[i], (1.0, 0.0, 0.0))
-    b = rotate(orientation[j], (1.0, 0.0, 0.0))
+    a = x_axis(orientation[i])
+    b = x_axis(orientation[j])
     half_a, half_b = 0.5 * float(length[i]), 0.5 * float(length[j])
     middle_a = plus(vector(position[i]), times(float(snout[i]) - half_a, a))
     middle_b = plus(vector(position[j]), times(float(snout[j]) - half_b, b))

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from subsea.core.kernels import kernel
-from subsea.geometry.rotation import Quaternion, about, multiply, rotate
+from subsea.geometry.rotation import Quaternion, about, multiply, rotate, x_axis
 from subsea.state import Fishes
 
 ROLL_TIME_S = 0.25  # time constant of the smoothed roll: a steady beat wobbles by ±3°
@@ -21,7 +21,7 @@ def roll_of(q: Quaternion) -> float:
     The signed angle from the upright y' = z' × x with z' = x × up. SMC takes the arccos, which
     does not tell left from right. Nearly vertical fishes have none.
     """
-    x = rotate(q, (1.0, 0.0, 0.0))
+    x = x_axis(q)
     y = rotate(q, (0.0, 1.0, 0.0))
     if abs(x[2]) > VERTICAL:
         return 0.0

@@ -5,10 +5,10 @@ import numpy as np
 from subsea.core.arrays import Array
 from subsea.core.kernels import kernel
 from subsea.geometry.keyed_random import uniform
-from subsea.geometry.rotation import rotate
+from subsea.geometry.rotation import x_axis
 from subsea.motor.playback import TEMPO
 from subsea.repertoire.library import Library
-from subsea.state import Fishes
+from subsea.state import Clock, Fishes
 
 # Codes of repertoire.schema.SEGMENTS, as plain numbers for the compiled kernel.
 SLOW, MEDIUM, FAST, LEFT_GRADUAL, LEFT_SHARP, RIGHT_GRADUAL, RIGHT_SHARP = range(7)
@@ -31,16 +31,17 @@ GRADE_MARGIN = 1.12  # a fish keeps its grade until another fits better by this 
 
 
 @kernel
-def command(fishes: Fishes, library: Library, seed: int, tick: int, dt: float) -> None:
+def command(fishes: Fishes, library: Library, clock: Clock) -> None:
     """Choose `wanted_segment`; ease `tempo`, `thrust` and `steering` toward what the goal asks.
 
     The angle to the goal in the horizontal plane chooses between swims and turns, its height the
     pitch, the goal's speed the grade. Playback takes the choice up at the next row from which
     the glide is gentle.
     """
+    dt = clock.dt
     for i in range(len(fishes.species)):
         kind = fishes.species[i]
-        x = rotate(fishes.orientation[i], (1.0, 0.0, 0.0))
+        x = x_axis(fishes.orientation[i])
         g = fishes.goal_direction[i]
         azimuth = np.arctan2(x[0] * g[1] - x[1] * g[0], x[0] * g[0] + x[1] * g[1])
         climb = np.arctan2(np.float64(g[2]), np.sqrt(np.float64(g[0] * g[0] + g[1] * g[1])))
@@ -82,11 +83,11 @@ def command(fishes: Fishes, library: Library, seed: int, tick: int, dt: float) -
         fishes.steering[i, 0] += np.float32(min(max(yaw - fishes.steering[i, 0], -ease), ease))
         fishes.steering[i, 1] += np.float32(min(max(lift - fishes.steering[i, 1], -ease), ease))
 
-        _watch_monotony(fishes, i, seed, tick, dt)
+        _watch_monotony(fishes, i, clock)
 
 
 @kernel
-def _watch_monotony(fishes: Fishes, i: int, seed: int, tick: int, dt: float) -> None:
+def _watch_monotony(fishes: Fishes, i: int, clock: Clock) -> None:
     """Time the present segment; past the threshold recommend another swim at random (SMC §6.1).
 
     The intention generator may refuse. The timer starts anew either way.
@@ -95,11 +96,11 @@ def _watch_monotony(fishes: Fishes, i: int, seed: int, tick: int, dt: float) -> 
     if fishes.segment[i] != fishes.wanted_segment[i]:
         fishes.monotony[i] = 0.0
         return
-    fishes.monotony[i] += np.float32(dt)
+    fishes.monotony[i] += np.float32(clock.dt)
     low, high = MONOTONY_S
     if fishes.monotony[i] > low + (high - low) * fishes.identity[i]:
         fishes.monotony[i] = 0.0
-        other = int(2.0 * uniform(seed, i, tick, MONOTONY_PURPOSE))
+        other = int(2.0 * uniform(clock.seed, i, clock.tick, MONOTONY_PURPOSE))
         if other >= fishes.segment[i]:
             other += 1
         fishes.recommended[i] = other

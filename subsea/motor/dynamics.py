@@ -10,16 +10,33 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from subsea.biomechanics.body import MUSCLE_LEFT, MUSCLE_SEGMENT, MUSCLES, NODES, Body, build_body
+from subsea.biomechanics.body import (
+    MUSCLE_LEFT,
+    MUSCLE_SEGMENT,
+    MUSCLES,
+    NODES,
+    Body,
+    Material,
+    build_body,
+)
 from subsea.biomechanics.body_plan import Muscles
 from subsea.biomechanics.fins import PITCH_GAIN, ROLL_GAIN, STEEPEST
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, TICK_S, advance
-from subsea.core.arrays import Array
+from subsea.core.arrays import Array, Bools
 from subsea.core.kernels import kernel
 from subsea.fish.species import Species
-from subsea.geometry.rotation import Quaternion, fraction, multiply, normalised, of_axes, rotate
+from subsea.geometry.rotation import (
+    Quaternion,
+    conjugate,
+    fraction,
+    multiply,
+    normalised,
+    of_axes,
+    quaternion,
+    rotate,
+    x_axis,
+)
 from subsea.geometry.vector import Vector, cross, dot, unit
 from subsea.motor.controller import STEER_GAIN
 from subsea.repertoire import SEGMENTS
@@ -128,26 +145,27 @@ def _roll_lead(body: Body, fin_area: float) -> float:
     return float(ROLL_LEAD / math.sqrt(stiffness / inertia))
 
 
+class Integration(NamedTuple):
+    """How a tick of the simulation is integrated."""
+
+    dt: float  # s, a tick
+    time_step: float  # factor on the step of 5.5 ms, as in `state.Physics`
+    iterations: int  # steps in a tick of a fish of the recorded size
+    strain: tuple[float, float]  # limits of a unit's length over its rest length
+
+
 @kernel
 def swim_live(
-    fishes: Fishes,
-    library: Library,
-    bodies: BodyTables,
-    live: Live,
-    dt: float,
-    time_step: float,
-    iterations: int,
-    least: float,
-    most: float,
-) -> NDArray[np.bool_]:
-    """Advance every simulated fish by one tick; whether each slot's body (k,) stayed sound.
+    fishes: Fishes, library: Library, bodies: BodyTables, live: Live, integration: Integration
+) -> Bools:
+    """Advance every simulated fish by one tick; return which slots' bodies (k,) stayed sound.
 
-    A body that did not is left as it was a tick ago, so that playback can take over from there.
-    `time_step` and `iterations` as in `state.Physics`; a unit's length over its length at rest must
-    stay within `least` and `most`.
-    The pose goes to the slot's other row and so do the increments that brought it there, per
-    recorded frame: a glide takes them up as if they had been recorded.
+    A body is sound while its strain stays within the limits. One that is not keeps the state of
+    the last tick, so that playback can take over from there. The pose goes to the slot's other
+    row, with the increments that lead to it, per recorded frame: a glide reads them like
+    recorded ones.
     """
+    dt, time_step, iterations, (least, most) = integration
     sound = np.ones(len(live.fish), np.bool_)
     muscles = np.empty((MAX_RATE * iterations, MUSCLES))
     time = STEP * time_step * iterations  # that a tick is, of a fish of the recorded size
@@ -169,11 +187,11 @@ def swim_live(
         x, v = live.x[slot].copy(), live.v[slot].copy()
         force = fin_force(fishes, bodies, i, x, v, _brake(fishes, library, live, slot))
         watch = np.array([np.inf, 0.0, np.inf])
-        advance(
-            x, v, bodies.mass[kind], bodies.length[kind], bodies.stiffness[kind],
-            bodies.viscosity[kind], bodies.drag[kind], muscles[:steps], np.zeros(3), force, step,
-            watch,
+        material = Material(
+            bodies.mass[kind], bodies.length[kind], bodies.stiffness[kind],
+            bodies.viscosity[kind], bodies.drag[kind],
         )  # fmt: skip
+        advance(x, v, material, muscles[:steps], np.zeros(3), force, step, watch)
         sound[slot] = least <= watch[0] and watch[1] <= most and watch[2] > 0.0
         leap = LEAP_BL * rate * library.recorded_length[kind]
         sound[slot] &= np.isfinite(x).all() and np.abs(x - live.x[slot]).max() < leap
@@ -254,8 +272,8 @@ def fin_force(
     """
     kind = fishes.species[i]
     area = bodies.fin_area[kind]
-    q = _quaternion(fishes.orientation[i])
-    x, y = rotate(q, (1.0, 0.0, 0.0)), rotate(q, (0.0, 1.0, 0.0))
+    q = normalised(quaternion(fishes.orientation[i]))
+    x, y = x_axis(q), rotate(q, (0.0, 1.0, 0.0))
     # The controller's rate of pitch is in proportion to the angle between nose and goal.
     lift = PITCH_GAIN / STEER_GAIN * fishes.steering[i, 1] / fishes.rate[i]
     u = (v[1:13, 0].mean(), v[1:13, 1].mean(), v[1:13, 2].mean())
@@ -322,8 +340,8 @@ def _settle(fishes: Fishes, live: Live, slot: int, rows: int, dt: float, pace: f
         fishes.position[i, axis] = place
         for node in range(NODES):
             x[node, axis] -= o[axis]
-    before = _quaternion(fishes.orientation[i])
-    back = (before[0], -before[1], -before[2], -before[3])
+    before = normalised(quaternion(fishes.orientation[i]))
+    back = conjugate(before)
     frames = float(fishes.rate[i]) * pace  # that a tick is worth
     turned = fraction(normalised(multiply(back, q)), 1.0 / frames)
     shift = rotate(back, o)
@@ -338,7 +356,7 @@ def _settle(fishes: Fishes, live: Live, slot: int, rows: int, dt: float, pace: f
         live.rotation[row, part] = turned[part]
     for axis in range(3):
         live.translation[row, axis] = shift[axis] / frames
-    inverse = (q[0], -q[1], -q[2], -q[3])
+    inverse = conjugate(q)
     for node in range(NODES):
         place_body = rotate(inverse, (x[node, 0], x[node, 1], x[node, 2]))
         for axis in range(3):
@@ -355,8 +373,3 @@ def frame_of(x: Array) -> tuple[Quaternion, Vector]:
     across = (x[5, 0] - x[6, 0], x[5, 1] - x[6, 1], x[5, 2] - x[6, 2])
     up = unit(cross(ahead, across))
     return of_axes(ahead, up, cross(ahead, up)), o
-
-
-@kernel
-def _quaternion(q: Array) -> Quaternion:
-    return normalised((float(q[0]), float(q[1]), float(q[2]), float(q[3])))

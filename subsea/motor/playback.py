@@ -1,6 +1,5 @@
 """Playback of recorded motion and gliding (SMC §5.1, §5.2), one pass per tick."""
 
-from subsea.core.arrays import Array
 from subsea.core.kernels import kernel
 from subsea.geometry.rotation import (
     Quaternion,
@@ -9,6 +8,7 @@ from subsea.geometry.rotation import (
     mixed,
     multiply,
     normalised,
+    quaternion,
     rotate,
 )
 from subsea.geometry.vector import Vector, vector
@@ -58,7 +58,7 @@ def advance(fishes: Fishes, library: Library, i: int) -> tuple[Vector, Quaternio
     segment move on in place.
     """
     o = vector(fishes.position[i])
-    q = _quaternion(fishes.orientation[i])
+    q = quaternion(fishes.orientation[i])
     weight = float(fishes.weight[i])
     left = 1.0  # of the tick
     while left > 0.0:
@@ -72,12 +72,12 @@ def advance(fishes: Fishes, library: Library, i: int) -> tuple[Vector, Quaternio
         rate = fishes.rate[i] * tempo  # frames in a tick
         until_b = (1.0 - weight) * span
         frames = min(left * rate, until_b)
-        rotation = _quaternion(library.rotation[b])
+        rotation = quaternion(library.rotation[b])
         shift = vector(library.translation[b])
         if gliding:
             # A glide keeps the fish's way: the last increment fades into the next one.
             middle = weight + 0.5 * frames / span
-            rotation = mixed(_quaternion(library.rotation[a]), rotation, middle)
+            rotation = mixed(quaternion(library.rotation[a]), rotation, middle)
             before = vector(library.translation[a])
             shift = (
                 (1.0 - middle) * before[0] + middle * shift[0],
@@ -98,11 +98,6 @@ def advance(fishes: Fishes, library: Library, i: int) -> tuple[Vector, Quaternio
             _next_row(fishes, library, i)
     fishes.weight[i] = weight
     return o, q
-
-
-@kernel
-def _quaternion(q: Array) -> Quaternion:
-    return float(q[0]), float(q[1]), float(q[2]), float(q[3])
 
 
 @kernel

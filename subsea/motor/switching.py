@@ -17,7 +17,7 @@ from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import matrix
 from subsea.motor.balance import roll_of
 from subsea.motor.controller import RIGHT_GRADUAL
-from subsea.motor.dynamics import TICK_TU, BodyTables, make_bodies, swim_live, under
+from subsea.motor.dynamics import TICK_TU, BodyTables, Integration, make_bodies, swim_live, under
 from subsea.motor.playback import TEMPO
 from subsea.repertoire import SEGMENTS, Repertoire
 from subsea.repertoire.library import Library
@@ -29,7 +29,7 @@ from subsea.repertoire.transitions import (
     rotation_vectors,
     usual_change,
 )
-from subsea.state import Fishes, Live, Physics, Sea
+from subsea.state import Clock, Fishes, Live, Physics, Sea
 
 REVIEW_TICKS = 10  # how often the choice of fishes is thought over
 MIN_STAY_S = 4.0  # a fish that changed over stays for so long at least
@@ -70,7 +70,7 @@ def make_dynamics(
 
 def swim(
     fishes: Fishes, library: Library, dynamics: Dynamics, live: Live,
-    viewer: Array, tick: int, dt: float, physics: Physics = USUAL, sea: Sea | None = None,
+    viewer: Array, clock: Clock, physics: Physics = USUAL, sea: Sea | None = None,
 ) -> Ints:  # fmt: skip
     """One tick of all simulated fishes, before playback moves the others.
 
@@ -80,18 +80,16 @@ def swim(
     """
     if not len(live.fish) or not len(fishes.live):
         return NONE
-    fishes.stay[:] += np.float32(dt)
+    fishes.stay[:] += np.float32(clock.dt)
     _free(fishes, live, len(dynamics.motion.nodes))
-    if tick % REVIEW_TICKS == 0:
+    if clock.tick % REVIEW_TICKS == 0:
         _review(fishes, library, dynamics, live, viewer, physics.fish)
     for slot in np.flatnonzero(live.waiting):
         _try_to_leave(fishes, library, dynamics, live, int(slot))
     bodies = under(dynamics.bodies, physics)
     limits = STRAIN_LIMITS if physics == USUAL else EXPERIMENT_LIMITS
-    sound = swim_live(
-        fishes, library, bodies, live, dt, float(physics.time_step), int(physics.iterations),
-        *limits,
-    )  # fmt: skip
+    integration = Integration(clock.dt, float(physics.time_step), int(physics.iterations), limits)
+    sound = swim_live(fishes, library, bodies, live, integration)
     burst = live.fish[~sound].copy()
     for slot in np.flatnonzero(~sound):
         way = way_back(fishes, library, dynamics, live, int(slot))

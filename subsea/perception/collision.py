@@ -1,12 +1,13 @@
 """Danger of collision, with other fishes and with what stands still (Tu §6.6.1, SMC §6.2)."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array, Bools, Ints
+from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
-from subsea.geometry.rotation import rotate
+from subsea.geometry.rotation import conjugate, rotate
 from subsea.geometry.solids import (
     NEVER,
     from_pillar,
@@ -50,7 +51,7 @@ FINEST, MOST_STATIONS = 0.3, 64  # ... and no farther apart than so many lengths
 
 @kernel
 def find_threats(
-    who: Ints, bodies: Bodies, minds: Minds, alive: Bools, grids: tuple[Grid, Grid], nature: Nature
+    who: Ints, bodies: Bodies, minds: Minds, grids: tuple[Grid, Grid], nature: Nature
 ) -> None:
     """Enter into `minds.threat` with whom each of the fishes `who` is in danger to collide.
 
@@ -58,41 +59,65 @@ def find_threats(
     the largest share of its centre line in the sensitivity region counts, of equal ones the
     nearest. A fish takes no prey that it hunts for a threat, and no partner in courtship.
     """
-    small, large = grids
-    motions = motion(bodies, small), motion(bodies, large)
-    most = _most(motions[0]), _most(motions[1])
-    slots = np.empty(max(len(small.member), len(large.member)), np.int64)
+    small, large = _crowd(bodies, grids[0]), _crowd(bodies, grids[1])
+    slots = np.empty(max(len(small.motion), len(large.motion)), np.int64)
     for i in who:
-        intention = minds.intention[i]
-        margin, foresight, welcome = sensitivity(minds, i, nature)
+        region = sensitivity(minds, i, nature)
         worst = (np.int64(NOBODY), 0.0, np.inf)
         before = minds.threat[i]
-        if intention == AVOID and before != NOBODY and before != welcome and alive[before]:
-            share = share_inside(bodies, i, before, HELD * margin, HELD * foresight)
+        avoids = minds.intention[i] == AVOID and before != NOBODY and before != region.welcome
+        if avoids and bodies.alive[before]:
+            share = share_inside(bodies, i, before, HELD * region.margin, HELD * region.foresight)
             gap = minus(along_body(bodies, before, 0.5), along_body(bodies, i, 0.5))
             if share > 0.0:
                 worst = (np.int64(before), share, dot(gap, gap))
-        for g in range(2):
-            worst = worst_threat(
-                bodies, i, grids[g], motions[g], most[g], slots, margin, foresight, welcome, worst
-            )
+        worst = worst_threat(bodies, i, region, small, slots, worst)
+        worst = worst_threat(bodies, i, region, large, slots, worst)
         minds.threat[i] = worst[0]
 
 
+class Region(NamedTuple):
+    """The collision sensitivity region of a fish."""
+
+    margin: float  # body lengths beyond the body, on all sides
+    foresight: float  # s, for which the relative motion is extrapolated
+    welcome: int  # the fish that may enter it, or NOBODY
+
+
 @kernel
-def sensitivity(minds: Minds, i: int, nature: Nature) -> tuple[float, float, int]:
-    """Margin, body lengths, and foresight, s, of fish i's region, and who is welcome in it."""
+def sensitivity(minds: Minds, i: int, nature: Nature) -> Region:
+    """The region of fish i, by what it intends."""
     scale = ENLARGED * nature.timidity
     intention = minds.intention[i]
     interrupted = minds.memory[i] if intention == AVOID else intention
+    margin, foresight, welcome = MARGIN_BL, FORESIGHT_S, int(NOBODY)
     if minds.courtship[i] > APPROACHING:
-        return scale * COURTING_BL, scale * COURTING_S, minds.partner[i]
-    if interrupted == SCHOOL:
-        return scale * SCHOOLING_BL, scale * SCHOOLING_S, NOBODY
-    welcome = NOBODY
-    if interrupted == EAT and minds.kind[i] == PREDATOR:
-        welcome = minds.memory_target[i] if intention == AVOID else minds.target[i]
-    return scale * MARGIN_BL, scale * FORESIGHT_S, welcome
+        margin, foresight, welcome = COURTING_BL, COURTING_S, int(minds.partner[i])
+    elif interrupted == SCHOOL:
+        margin, foresight = SCHOOLING_BL, SCHOOLING_S
+    elif interrupted == EAT and minds.kind[i] == PREDATOR:
+        prey = minds.memory_target[i] if intention == AVOID else minds.target[i]
+        welcome = int(prey)
+    return Region(scale * margin, scale * foresight, welcome)
+
+
+class Crowd(NamedTuple):
+    """The fishes of a grid that may be run into."""
+
+    grid: Grid  # of the middles of their bodies
+    motion: Array  # (m, 5) of each slot: velocity, cm/s, radius about the middle, cm, and speed
+    radius: float  # the largest
+    speed: float  # the largest
+
+
+@kernel
+def _crowd(bodies: Bodies, grid: Grid) -> Crowd:
+    moving = motion(bodies, grid)
+    radius, speed = 0.0, 0.0
+    for slot in range(len(moving)):
+        radius = max(radius, moving[slot, 3])
+        speed = max(speed, moving[slot, 4])
+    return Crowd(grid, moving, radius, speed)
 
 
 @kernel
@@ -112,28 +137,20 @@ def motion(bodies: Bodies, grid: Grid) -> Array:
 
 
 @kernel
-def _most(motion: Array) -> tuple[float, float]:
-    """The largest radius and speed."""
-    radius, speed = 0.0, 0.0
-    for slot in range(len(motion)):
-        radius = max(radius, motion[slot, 3])
-        speed = max(speed, motion[slot, 4])
-    return radius, speed
-
-
-@kernel
 def worst_threat(
-    bodies: Bodies, i: int, grid: Grid, motion: Array, most: tuple[float, float], slots: Ints,
-    margin: float, foresight: float, welcome: int, worst: tuple[int, float, float],
+    bodies: Bodies, i: int, region: Region, crowd: Crowd, slots: Ints,
+    worst: tuple[int, float, float],
 ) -> tuple[int, float, float]:  # fmt: skip
-    """The worst threat to fish i in a grid of the middles of fishes, if it is worse than `worst`.
+    """The worst threat to fish i in a crowd, or `worst` where none is worse.
 
-    A threat is the fish or NOBODY, the share of it that is inside, and its distance squared.
+    A threat is a fish or NOBODY, the share of it inside the region, and its distance squared.
     """
+    margin, foresight, welcome = region
+    grid, motion = crowd.grid, crowd.motion
     here, velocity = along_body(bodies, i, 0.5), vector(bodies.velocity[i])
     around = _radius(bodies, i) + 3.0 * margin * float(bodies.length[i])
     speed = norm(velocity)
-    reach = around + most[0] + foresight * (speed + most[1])
+    reach = around + crowd.radius + foresight * (speed + crowd.speed)
     for k in range(near_slots(grid, here, reach, slots)):
         slot = slots[k]
         gap = minus(vector(grid.place[slot]), here)
@@ -174,8 +191,7 @@ def share_inside(bodies: Bodies, i: int, j: int, margin: float, foresight: float
     fish that swims alongside is none, however near, and one that is met head-on is from afar.
     What i cannot see for it is straight behind does not count.
     """
-    q = bodies.orientation[i]
-    back = (q[0], -q[1], -q[2], -q[3])
+    back = conjugate(bodies.orientation[i])
     length, other = float(bodies.length[i]), float(bodies.length[j])
     room = margin * length
     tall = 0.5 * (float(bodies.girth[i, 0]) + float(bodies.girth[j, 0])) + room

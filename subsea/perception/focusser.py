@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from subsea.core.arrays import Array, Bools, Ints
+from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
 from subsea.geometry.height_field import height_at
-from subsea.geometry.rotation import rotate
+from subsea.geometry.rotation import conjugate, rotate
 from subsea.geometry.solids import far_from_rock, from_pillar, from_rock
 from subsea.geometry.vector import Vector, dot, minus, norm, times, vector
 from subsea.perception.collision import ANTENNA_BL, ENLARGED
@@ -62,16 +62,13 @@ def focus(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clo
     gone or no longer perceived stays a target. What else is intended has none.
     """
     bodies, scene = bodies_of(fishes), surroundings_of(sea)
-    set_preferences(who, bodies, minds, scene, sea.plankton, sea.submarine, nature)
-    set_targets(
-        who, bodies, minds, scene, fishes.species, fishes.alive, sea.plankton, sea.absent, nature
-    )
+    set_preferences(who, bodies, minds, scene, nature)
+    set_targets(who, bodies, minds, scene, nature)
 
 
 @kernel
 def set_targets(
-    who: Ints, bodies: Bodies, minds: Minds, scene: Surroundings, species: Ints, alive: Bools,
-    plankton: Array, absent: Array, nature: Nature,
+    who: Ints, bodies: Bodies, minds: Minds, scene: Surroundings, nature: Nature,
 ) -> None:  # fmt: skip
     """Set the target of each of the fishes `who`.
 
@@ -91,7 +88,7 @@ def set_targets(
             minds.target[i] = minds.predator[i]
         elif intention == EAT and minds.kind[i] == PREDATOR:
             best = minds.foods[i, 0]
-            if now >= 0 and best >= 0 and alive[now]:
+            if now >= 0 and best >= 0 and bodies.alive[now]:
                 toward = minus(vector(bodies.position[now]), eye)
                 if perceives(bodies, i, now, scene, nature, norm(toward)):
                     schools = is_in_school(minds, now)
@@ -104,12 +101,14 @@ def set_targets(
         elif intention == EAT:
             for k, speck in enumerate(minds.foods[i]):
                 if speck >= 0:
-                    gaps[k] = way_to(minus(vector(plankton[speck]), eye), ahead)
+                    gaps[k] = way_to(minus(vector(scene.plankton[speck]), eye), ahead)
                     desire[k] = max(1.0 - gaps[k] / nature.smell_cm, 0.0)
-            k = most_desirable(bodies, i, minds.foods[i], desire, plankton, minds.preference[i])
+            k = most_desirable(
+                bodies, i, minds.foods[i], desire, scene.plankton, minds.preference[i]
+            )
             best = minds.foods[i, k] if k >= 0 else -1
-            if now >= 0 and best >= 0 and absent[now] <= 0.0:
-                gap = way_to(minus(vector(plankton[now]), eye), ahead)
+            if now >= 0 and best >= 0 and scene.absent[now] <= 0.0:
+                gap = way_to(minus(vector(scene.plankton[now]), eye), ahead)
                 if gap <= nature.smell_cm and gap - gaps[k] <= nature.devotion_cm:
                     best = now
             minds.target[i] = best
@@ -121,13 +120,18 @@ def set_targets(
                     desire[k] = length / (length + float(bodies.length[i]))
                     if minds.male[i]:
                         desire[k] = max(1.0 - gaps[k] / nature.vision_cm, 0.0)
-                    if species[i] != species[j]:
+                    if bodies.species[i] != bodies.species[j]:
                         desire[k] *= STRANGER
             k = most_desirable(
                 bodies, i, minds.mates[i], desire, bodies.position, minds.preference[i]
             )
             best = minds.mates[i, k] if k >= 0 else NOBODY
-            if now >= 0 and best >= 0 and alive[now] and sees_fish(bodies, i, now, scene, nature):
+            if (
+                now >= 0
+                and best >= 0
+                and bodies.alive[now]
+                and sees_fish(bodies, i, now, scene, nature)
+            ):
                 gap = norm(minus(vector(bodies.position[now]), eye))
                 if gap - gaps[k] <= nature.devotion_cm:
                     best = now
@@ -184,14 +188,13 @@ def most_desirable(
 
 @kernel
 def set_preferences(
-    who: Ints, bodies: Bodies, minds: Minds, scene: Surroundings, plankton: Array, hull: Array,
-    nature: Nature,
+    who: Ints, bodies: Bodies, minds: Minds, scene: Surroundings, nature: Nature,
 ) -> None:  # fmt: skip
     """Set the motor preferences of each of the fishes `who` (Tu §6.5.2, §7.6).
 
     Each stimulus recommends the directions in which it lies, or warns of them, as strongly as
     the desire is that it concerns, against the present intention. Recommendations and warnings
-    are averaged apart, and added. `hull` is where the submarine is.
+    are averaged apart, and added.
     """
     sums, counts = np.zeros((2, 6)), np.zeros((2, 6))
     for i in who:
@@ -210,13 +213,13 @@ def set_preferences(
         fear = against(minds.mental[i, FEAR], strength)
         for j in minds.predators[i]:
             if j != NOBODY and fear > 0.0:
-                danger = vector(hull) if j == SUBMARINE else vector(bodies.position[j])
+                danger = vector(scene.submarine) if j == SUBMARINE else vector(bodies.position[j])
                 note(q, minus(danger, eye), -fear, sums, counts)
         hunger = against(minds.mental[i, HUNGER], strength)
         hunts = minds.kind[i] == PREDATOR
         for k in minds.foods[i]:
             if k >= 0 and hunger > 0.0:
-                food = vector(bodies.position[k]) if hunts else vector(plankton[k])
+                food = vector(bodies.position[k]) if hunts else vector(scene.plankton[k])
                 toward = minus(food, eye)
                 if norm(toward) < APPETISING_BL * bodies.length[i]:
                     note(q, toward, hunger, sums, counts)
@@ -294,4 +297,4 @@ def note(q: Array, toward: Vector, value: float, sums: Array, counts: Array) -> 
 @kernel
 def to_body(q: Array, v: Vector) -> Vector:
     """A vector in the axes of a body of orientation q: forward, up, right."""
-    return rotate((q[0], -q[1], -q[2], -q[3]), v)
+    return rotate(conjugate(q), v)

@@ -38,13 +38,7 @@ def perceive_plankton(who: Ints, bodies: Bodies, minds: Minds, grid: Grid, natur
 
 @kernel
 def perceive_prey(
-    who: Ints,
-    bodies: Bodies,
-    minds: Minds,
-    species: Ints,
-    scene: Surroundings,
-    grid: Grid,
-    nature: Nature,
+    who: Ints, bodies: Bodies, minds: Minds, scene: Surroundings, grid: Grid, nature: Nature
 ) -> None:
     """Enter the prey of `grid` that the predators among the fishes `who` see or smell.
 
@@ -71,7 +65,7 @@ def perceive_prey(
                 distance = norm(toward)
                 if not inner < distance <= outer or distance > cost[-1]:
                     continue
-                if not is_quarry(minds, species, i, j):
+                if not is_quarry(minds, bodies.species, i, j):
                     continue
                 if not perceives(bodies, i, j, scene, nature, distance):
                     continue

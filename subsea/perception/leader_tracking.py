@@ -1,8 +1,5 @@
 """Where its leader is, as far as a schooling fish knows: from its own eyes, or its companions'."""
 
-import numpy as np
-from numpy.typing import NDArray
-
 from subsea.core.arrays import Ints
 from subsea.core.kernels import kernel
 from subsea.perception.vision import Bodies, Surroundings, sees_fish
@@ -11,13 +8,7 @@ from subsea.state import Clock, Minds, Nature
 
 @kernel
 def watch_leader(
-    who: Ints,
-    bodies: Bodies,
-    alive: NDArray[np.bool_],
-    minds: Minds,
-    scene: Surroundings,
-    nature: Nature,
-    clock: Clock,
+    who: Ints, bodies: Bodies, minds: Minds, scene: Surroundings, nature: Nature, clock: Clock
 ) -> None:
     """Renew `leader_place` and `leader_seen` of the fishes `who` that school.
 
@@ -27,7 +18,7 @@ def watch_leader(
     now = clock.tick * clock.dt
     for i in who:
         leader = minds.leader[i]
-        if leader < 0 or not minds.schools[i] or not alive[leader]:
+        if leader < 0 or not minds.schools[i] or not bodies.alive[leader]:
             continue
         if sees_fish(bodies, i, leader, scene, nature):
             minds.leader_seen[i] = now

@@ -17,13 +17,7 @@ STRANGE_CM = 1e6  # so much farther away a fish of another species counts
 
 @kernel
 def see_mates(
-    who: Ints,
-    bodies: Bodies,
-    minds: Minds,
-    species: Ints,
-    scene: Surroundings,
-    grid: Grid,
-    nature: Nature,
+    who: Ints, bodies: Bodies, minds: Minds, scene: Surroundings, grid: Grid, nature: Nature
 ) -> None:
     """Enter possible mates in sight of the fishes `who`, from the pacifists in `grid`.
 
@@ -59,6 +53,7 @@ def see_mates(
                     if not inner < price <= outer or minds.male[i] == minds.male[j]:
                         continue
                     taken = minds.courtship[j] > LOOPING and minds.partner[j] != i
+                    species = bodies.species
                     odd = not 1.0 / ODD < bodies.length[i] / bodies.length[j] < ODD
                     taken |= minds.betrothed[j] >= 0
                     if minds.shunned[i] == j or taken or (odd and species[i] != species[j]):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
+from subsea.core.arrays import Ints
 from subsea.core.kernels import kernel
 from subsea.geometry.vector import minus, norm, vector
 from subsea.perception.grid import Grid, insert, near_slots
@@ -22,18 +22,12 @@ CELL_CM = 400.0  # predators are few, and seen from afar
 
 @kernel
 def see_predators(
-    who: Ints,
-    bodies: Bodies,
-    minds: Minds,
-    scene: Surroundings,
-    hull: Array,
-    grid: Grid,
-    nature: Nature,
+    who: Ints, bodies: Bodies, minds: Minds, scene: Surroundings, grid: Grid, nature: Nature
 ) -> None:
     """Enter what the fishes `who` have to fear: those in sight of the predators in `grid`.
 
-    Predator j, d cm away, is as fearful as Fʲ = min(D₀/d, 1). The submarine, whose middle
-    is at `hull`, is one more, with a D₀ of its own. Only prey fear (Tu §7.9). `minds.menaces`
+    Predator j, d cm away, is as fearful as Fʲ = min(D₀/d, 1). The submarine is one
+    more, with a D₀ of its own. Only prey fear (Tu §7.9). `minds.menaces`
     is their sum, at most 1: no fish fears more, and who fears so much looks at none but the worst.
     """
     longest = 0.0
@@ -48,7 +42,7 @@ def see_predators(
         total = 0.0
         if minds.kind[i] == PREY:
             eye = eye_of(bodies, i)
-            there = vector(hull)
+            there = vector(scene.submarine)
             if sees_point(bodies, i, scene, there, sight(SUBMARINE_CM, nature)):
                 danger = fearfulness(nature.submarine_cm, norm(minus(there, eye)))
                 total += min(danger, 1.0)

@@ -21,25 +21,25 @@ def sense(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clo
     feel_water(who, fishes.position, sea.climate, minds.light, minds.temperature)
     find_neighbours(who, fishes, minds, REACH_CM)
     bodies, scene = bodies_of(fishes), surroundings_of(sea)
-    leader_tracking.watch_leader(who, bodies, fishes.alive, minds, scene, nature, clock)
+    leader_tracking.watch_leader(who, bodies, minds, scene, nature, clock)
     alive, place, kinds = fishes.alive, fishes.position, minds.kind
     large, middles = fishes.length > LARGE_CM, middles_of(bodies)
     crowd = (
         make_grid(middles, np.flatnonzero(alive & ~large), SMALL_CELL_CM),
         make_grid(middles, np.flatnonzero(alive & large), LARGE_CELL_CM),
     )
-    collision.find_threats(who, bodies, minds, alive, crowd, nature)
+    collision.find_threats(who, bodies, minds, crowd, nature)
     collision.find_barriers(who, bodies, minds, scene, nature)
     hunters = make_grid(place, np.flatnonzero(alive & (kinds == PREDATOR)), predators.CELL_CM)
-    predators.see_predators(who, bodies, minds, scene, sea.submarine, hunters, nature)
+    predators.see_predators(who, bodies, minds, scene, hunters, nature)
     specks = make_grid(sea.plankton, np.flatnonzero(sea.absent <= 0.0), foraging.cell_cm(sea))
     foraging.perceive_plankton(who, bodies, minds, specks, nature)
     if (kinds[who] == PREDATOR).any():
         prey = make_grid(place, np.flatnonzero(alive & (kinds == PREY)), foraging.PREY_CELL_CM)
-        foraging.perceive_prey(who, bodies, minds, fishes.species, scene, prey, nature)
+        foraging.perceive_prey(who, bodies, minds, scene, prey, nature)
     if (kinds[who] == PACIFIST).any():
         mild = make_grid(place, np.flatnonzero(alive & (kinds == PACIFIST)), mates.CELL_CM)
-        mates.see_mates(who, bodies, minds, fishes.species, scene, mild, nature)
+        mates.see_mates(who, bodies, minds, scene, mild, nature)
 
 
 @kernel

@@ -5,9 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.core.arrays import Array, Bools, Ints
 from subsea.core.kernels import kernel
-from subsea.geometry.rotation import rotate
+from subsea.geometry.rotation import x_axis
 from subsea.geometry.solids import ray_meets_pillar, ray_meets_rock, ray_meets_seabed
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, vector
 from subsea.state import Fishes, Nature, Sea
@@ -22,11 +22,10 @@ SUBMARINE_CM = 300.0  # how long the submarine is to the eye of a fish
 
 
 class Bodies(NamedTuple):
-    """What kernels of perception need of `Fishes`: to hand them all of it costs more than they do.
+    """The arrays of `Fishes` that perception reads, with the same names, shapes and units."""
 
-    The fields have the names, shapes and units that they have there.
-    """
-
+    species: Ints
+    alive: Bools
     position: Array
     orientation: Array
     velocity: Array
@@ -36,7 +35,7 @@ class Bodies(NamedTuple):
 
 
 class Surroundings(NamedTuple):
-    """What kernels of perception need of `Sea`: what can hide or be run into."""
+    """The fields of `Sea` that perception reads: what hides others, blocks the way or is food."""
 
     pillars: Array
     rocks: Array
@@ -45,6 +44,9 @@ class Surroundings(NamedTuple):
     half_width: float
     radius: float
     crest: float
+    plankton: Array
+    absent: Array
+    submarine: Array
 
 
 def bodies_of(fishes: Fishes) -> Bodies:
@@ -60,7 +62,7 @@ def surroundings_of(sea: Sea) -> Surroundings:
 @kernel
 def ahead_of(bodies: Bodies, i: int) -> Vector:
     """Unit vector along the x axis of the body."""
-    return rotate(bodies.orientation[i], (1.0, 0.0, 0.0))
+    return x_axis(bodies.orientation[i])
 
 
 @kernel

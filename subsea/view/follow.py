@@ -7,7 +7,7 @@ import numpy as np
 from subsea.core.arrays import Array
 from subsea.core.kernels import kernel
 from subsea.geometry.height_field import height_at
-from subsea.geometry.rotation import rotate
+from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import Vector, minus, plus, times, vector
 from subsea.habitat.clearance import clearance, out_of_solids
 from subsea.state import Sea
@@ -44,7 +44,7 @@ def follow_fish(
     """
     now = (world.state.tick - 1 + alpha) * TICK_S
     aim, turn = body_at(world, fish, alpha)
-    way = np.array(rotate(turn, (1.0, 0.0, 0.0)))
+    way = np.array(x_axis(turn))
     share = 1.0
     if before is not None and 0.0 <= now - before.at_s < 1.0:
         spent = now - before.at_s

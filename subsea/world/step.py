@@ -66,7 +66,7 @@ def step(world: World, order: Order) -> None:
         act(world, free, order, clock)
         state.minds.pause[who] = 0.0
     with _stage(world, "motor"):
-        move_fishes(world)
+        move_fishes(world, clock)
     if isinstance(order, Rail):
         ride(state.submarine, order, TICK_S)
     else:
@@ -129,13 +129,13 @@ def act(world: World, free: Ints, order: Order, clock: Clock) -> None:
     ease_display(fishes, minds, clock)
 
 
-def move_fishes(world: World) -> None:
+def move_fishes(world: World, clock: Clock) -> None:
     """Move every fish by one recorded frame, or by six steps of simulation."""
     state, fishes = world.state, world.state.fishes
-    command(fishes, world.library, state.seed, state.tick, TICK_S)
+    command(fishes, world.library, clock)
     burst = swim(
         fishes, world.library, world.dynamics, state.live,
-        state.submarine.position, state.tick, TICK_S, world.physics, state.sea,
+        state.submarine.position, clock, world.physics, state.sea,
     )  # fmt: skip
     world.report_bursts(burst)
     play(fishes, world.library, TICK_S)

@@ -57,10 +57,7 @@ def test_the_smallest_pivot_tells_an_indefinite_matrix() -> None:
 def assembled(body: Body, x: Floats, v: Floats) -> tuple[Floats, Floats, Floats]:
     band, load, strain = to_band(np.zeros((23, 23))), np.zeros((ROWS, 3)), np.array([np.inf, 0.0])
     muscle = body.length[:MUSCLES] * 0.9
-    assemble(
-        x, v, body.mass, body.length, body.stiffness, body.viscosity, muscle, STEP,
-        band, load, strain,
-    )  # fmt: skip
+    assemble(x, v, body.material, muscle, STEP, band, load, strain)
     return from_band(band), load[:NODES], strain
 
 
@@ -182,9 +179,7 @@ def test_a_step_costs_less_than_two_fifths_of_a_banded_lapack_solve(fusilier: Sp
     state.v[:] = np.random.default_rng(2).normal(0, 0.3, (NODES, 3))
     muscles = np.tile(body.length[:MUSCLES], (100, 1))
     band, load = np.zeros((ROWS, HALF_BANDWIDTH + 1)), np.zeros((ROWS, 3))
-    assemble(
-        state.x, state.v, *body[1:5], muscles[0], STEP, band, load, np.array([np.inf, 0.0])
-    )  # fmt: skip
+    assemble(state.x, state.v, body.material, muscles[0], STEP, band, load, np.array([np.inf, 0.0]))
     lower, right = np.ascontiguousarray(band[:NODES].T), load[:NODES].copy()
     still, none = np.zeros(3), np.zeros((NODES, 3))
 
@@ -193,7 +188,7 @@ def test_a_step_costs_less_than_two_fifths_of_a_banded_lapack_solve(fusilier: Sp
 
     def steps() -> None:
         x, v, watch = copy_state(state)
-        advance(x, v, *body[1:], muscles, still, none, STEP, watch)
+        advance(x, v, body.material, muscles, still, none, STEP, watch)
 
     def solves() -> None:
         for _ in range(100):

@@ -12,16 +12,13 @@ from subsea.habitat.formations import (
     blocks_of,
     drawn_distance,
     formations,
-    openness,
     outward,
-    passes,
     plain_distance,
     rough_distance,
-    samples,
-    shade_distance,
-    shade_of,
     stone_above,
 )
+from subsea.habitat.stone_samples import samples
+from subsea.habitat.stone_shade import openness, passes, shade_distance, shade_of
 
 NO_PILLARS, NO_ROCKS = np.zeros((0, 4)), np.zeros((0, 7))
 SIZE = st.floats(15.0, 150.0)

@@ -15,7 +15,7 @@ from subsea.motor.switching import make_dynamics, swim, to_live
 from subsea.repertoire import read_repertoire
 from subsea.repertoire.library import Library, pack
 from subsea.repertoire.schema import SEGMENTS
-from subsea.state import Fishes, Live, empty
+from subsea.state import Clock, Fishes, Live, empty
 
 TICK = 0.033
 STILL = np.zeros(3)
@@ -96,8 +96,9 @@ class Tank:
         f = self.fishes
         for _ in range(ticks):
             if obey:
-                command(f, self.library, 1, self.tick, TICK)
-            swim(f, self.library, self.dynamics, self.live, STILL, 10 * self.tick + 1, TICK)
+                command(f, self.library, Clock(1, self.tick, TICK))
+            clock = Clock(1, 10 * self.tick + 1, TICK)
+            swim(f, self.library, self.dynamics, self.live, STILL, clock)
             play(f, self.library, TICK)
             self.tick += 1
 

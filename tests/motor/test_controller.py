@@ -7,6 +7,7 @@ from subsea.geometry.rotation import about, matrix, multiply
 from subsea.motor.controller import command
 from subsea.motor.playback import play
 from subsea.repertoire import SEGMENTS
+from subsea.state import Clock
 
 TICK = 0.033
 STILL = np.zeros(3)
@@ -20,7 +21,7 @@ def _ask(fishes, library, azimuth_deg=0.0, climb_deg=0.0, speed=0.6, ticks=1, ti
     fishes.goal_speed[:] = speed
     path = [fishes.position[0].copy()]
     for k in range(ticks):
-        command(fishes, library, 1, tick + k, TICK)
+        command(fishes, library, Clock(1, tick + k, TICK))
         play(fishes, library, TICK)
         path.append(fishes.position[0].copy())
     return np.array(path)

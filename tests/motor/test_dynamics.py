@@ -18,10 +18,19 @@ from subsea.biomechanics.solver import STEPS_PER_TICK, STRAIN_LIMITS
 from subsea.fish.species import load_species, muscular_names
 from subsea.geometry.rotation import about, from_matrix, matrix, multiply
 from subsea.motor.balance import roll_of
-from subsea.motor.dynamics import SCULL_SPEED, contract, fin_force, frame_of, roll_rate, swim_live
+from subsea.motor.dynamics import (
+    SCULL_SPEED,
+    Integration,
+    contract,
+    fin_force,
+    frame_of,
+    roll_rate,
+    swim_live,
+)
 
 TICK = 0.033
 STILL = np.zeros(3)
+USUAL = Integration(TICK, 1.0, 6, STRAIN_LIMITS)
 
 every_species = pytest.mark.parametrize("species", muscular_names())
 
@@ -56,7 +65,7 @@ def test_a_tick_is_six_steps_of_the_plain_simulation(make_tank, species):
     state = BodyState(live.x[0].copy(), live.v[0].copy(), np.array([np.inf, 0.0, np.inf]))
     steps = 2 * np.pi / (plan.swim.ticks_per_beat * STEPS_PER_TICK) * np.arange(STEPS_PER_TICK)
     begin = live.phase[0]
-    assert swim_live(tank.fishes, tank.library, bodies, live, TICK, 1.0, 6, *STRAIN_LIMITS)[0]
+    assert swim_live(tank.fishes, tank.library, bodies, live, USUAL)[0]
     # The kernel eases amplitude and bend first, then keeps them for the tick.
     contraction = swim_contraction(plan.swim, begin + steps, live.amplitude[0])
     contraction += bend_contraction(tuple(np.abs(live.bend[0])), np.sign(live.bend[0, 0]))
@@ -181,16 +190,7 @@ def test_a_current_carries_it_along(make_tank):
     carried.fishes.drift[:] = flow
     for _ in range(60):
         for tank in (still, carried):
-            swim_live(
-                tank.fishes,
-                tank.library,
-                tank.dynamics.bodies,
-                tank.live,
-                TICK,
-                1.0,
-                6,
-                *STRAIN_LIMITS,
-            )
+            swim_live(tank.fishes, tank.library, tank.dynamics.bodies, tank.live, USUAL)
     gap = carried.fishes.position[0] - still.fishes.position[0]
     np.testing.assert_allclose(gap, 60 * TICK * flow, atol=1e-3)
 

@@ -10,7 +10,7 @@ from subsea.motor.controller import command
 from subsea.motor.playback import play
 from subsea.repertoire import read_repertoire
 from subsea.repertoire.library import pack
-from subsea.state import Fishes, empty
+from subsea.state import Clock, Fishes, empty
 
 TICK = 0.033
 HOUR = int(3600 / TICK)
@@ -39,7 +39,7 @@ def test_an_hour_at_random_commands():
             wish /= np.linalg.norm(wish, axis=1, keepdims=True)
             fishes.goal_direction[change] = wish[change]
             fishes.goal_speed[change] = rng.uniform(-0.5, 1.0, FISHES)[change]
-        command(fishes, library, 1, tick, TICK)
+        command(fishes, library, Clock(1, tick, TICK))
         play(fishes, library, TICK)
         if tick % 30 == 0:
             rolls = np.array([abs(roll_of(q)) for q in fishes.orientation.astype(float)])

@@ -41,7 +41,7 @@ def _threats(t):
         make_grid(middles, np.flatnonzero(fishes.alive & ~large), SMALL_CELL_CM),
         make_grid(middles, np.flatnonzero(fishes.alive & large), LARGE_CELL_CM),
     )
-    find_threats(np.arange(len(large)), bodies_of(fishes), t.minds, fishes.alive, grids, t.nature)
+    find_threats(np.arange(len(large)), bodies_of(fishes), t.minds, grids, t.nature)
     return list(t.minds.threat)
 
 

@@ -19,7 +19,7 @@ def _school(tank):
 
 def _watch(t, tick):
     watch_leader(
-        FOLLOWERS, bodies_of(t.fishes), t.fishes.alive, t.minds, surroundings_of(t.sea), t.nature,
+        FOLLOWERS, bodies_of(t.fishes), t.minds, surroundings_of(t.sea), t.nature,
         t.at(tick).clock,
     )  # fmt: skip
 

@@ -10,7 +10,7 @@ from subsea.core import disk_cache
 from subsea.core.errors import UserError
 from subsea.core.undo import History
 from subsea.geometry.height_field import height_at
-from subsea.habitat import formations
+from subsea.habitat import stone_samples
 from subsea.scenario.load import load_scenario
 from subsea.scenario.save import save_scenario
 from subsea.scenario.schema import Bounds, Individual, Scenario, Shoal, Start, Terrain, Water
@@ -263,7 +263,7 @@ def test_placed_saved_and_loaded_it_is_the_same_world(full, tmp_path, monkeypatc
     world = create_world(scenario)
     with monkeypatch.context() as patch:
         patch.setattr(disk_cache, "folder", lambda: tmp_path / "kept")  # nothing that was kept
-        formations._settled.cache_clear()
+        stone_samples._settled.cache_clear()
         other = create_world(load_scenario(str(path))[0])
     assert snapshot.checksum(other) == snapshot.checksum(world)
     constant = snapshot.constant(world)

@@ -9,7 +9,7 @@ from subsea.core.arrays import Array
 from subsea.core.kernels import kernel
 from subsea.frame.packet import FISH, KIND, ORIENTATION, POSITION, SCALE, Packet, Scene
 from subsea.geometry.height_field import height_at
-from subsea.habitat.formations import SUN
+from subsea.habitat.stone_shade import SUN
 from subsea.render.gl.shaders import program, set_uniforms
 from subsea.state import HULL_CM
 

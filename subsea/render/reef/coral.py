@@ -8,9 +8,9 @@ import numpy as np
 
 from subsea.core.arrays import Array
 from subsea.core.disk_cache import kept
-from subsea.habitat.formations import SUN
 from subsea.habitat.mounds import variant_of
 from subsea.habitat.reef import KINDS, MOUND, RUBBLE
+from subsea.habitat.stone_shade import SUN
 from subsea.render.gl.id_buffer import CORAL, object_id
 from subsea.render.gl.mipmaps import Texels
 from subsea.render.gl.shaders import program, wanted

@@ -15,16 +15,18 @@ from subsea.geometry.vector import vector
 from subsea.habitat.formations import NEAR_CM as NEAR_BLOCKS_CM
 from subsea.habitat.formations import (
     RELIEF_CM,
-    SUN,
-    Shade,
     blocks_near,
-    box_of,
     carved,
     drawn_distance,
     on_the_surface,
+    rough_distance,
+)
+from subsea.habitat.stone_shade import (
+    SUN,
+    Shade,
+    box_of,
     openness,
     passes,
-    rough_distance,
     shade_of,
 )
 from subsea.render.gl.static_batch import StaticMesh

@@ -11,7 +11,15 @@ from numpy.typing import NDArray
 from subsea.core.arrays import Array
 from subsea.core.kernels import kernel
 from subsea.geometry.noise import fractal
-from subsea.habitat.formations import SUN, Shade, box_of, openness, passes, shade_distance, shade_of
+from subsea.habitat.stone_shade import (
+    SUN,
+    Shade,
+    box_of,
+    openness,
+    passes,
+    shade_distance,
+    shade_of,
+)
 
 Floor = Callable[[Array, Array], Array]  # x and y in cm -> height of the seabed in cm
 

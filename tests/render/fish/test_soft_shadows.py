@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from subsea.frame.packet import FADE, FISH, INSTANCE_COLUMNS
-from subsea.habitat.formations import SUN
+from subsea.habitat.stone_shade import SUN
 from subsea.render.fish.soft_shadows import COLUMNS, FADING_CM, FARTHEST_CM, HIGHEST_CM, MOST, cast
 from subsea.view.display_rigs import display_rig
 

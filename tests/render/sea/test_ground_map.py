@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from subsea.habitat.formations import SUN, formations
+from subsea.habitat.formations import formations
+from subsea.habitat.stone_shade import SUN
 from subsea.render.sea.ground_map import MOST_TEXELS, ground_map
 
 NO_PILLARS, NO_ROCKS = np.zeros((0, 4)), np.zeros((0, 7))

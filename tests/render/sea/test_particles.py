@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.habitat.formations import SUN
+from subsea.habitat.stone_shade import SUN
 from subsea.render.gl.shaders import set_uniforms, source
 from subsea.render.sea.particles import SNOW_BOX_CM, SNOW_LOOK
 from subsea.view.display_rigs import views_for

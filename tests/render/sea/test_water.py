@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from subsea.habitat.formations import SUN
+from subsea.habitat.stone_shade import SUN
 from subsea.render import Renderer
 from subsea.render.gl.shaders import set_uniforms, source
 from subsea.render.gl.textures import near_and_far, repeating

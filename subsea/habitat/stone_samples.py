@@ -1,0 +1,94 @@
+"""Places on the drawn stone, even over its surface: where corals settle."""
+
+from concurrent.futures import ThreadPoolExecutor
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from subsea.core.arrays import Array, Ints
+from subsea.habitat.formations import formations, on_the_surface
+from subsea.habitat.stone_shade import openness, shade_of
+
+STEM_CM = 700.0  # so far below its top a pillar is strewn with samples
+
+
+class Samples(NamedTuple):
+    """Places on stone that is drawn."""
+
+    place: Array  # (n, 3) cm
+    normal: Array  # (n, 3) unit vectors outward, over a stretch of PROBE_CM
+    open: Array  # (n,) share of the sky's light that other stone lets through, 0 to 1
+    formation: Ints  # (n,) which of `formations`
+
+
+def samples(pillars: Array, rocks: Array, per_m2: float, rng: np.random.Generator) -> Samples:
+    """About `per_m2` places for each square metre of stone, even over it, in random order.
+
+    They lie on the surface that is drawn to about 1 cm, on undersides and in the ground too:
+    leave out what is lower than `height_at` and what faces the wrong way.
+    """
+    found = formations(pillars, rocks)
+    if not found:
+        return Samples(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0), np.zeros(0, np.int64))
+    strewn = [_strewn(blocks, per_m2, rng) for blocks in found]
+    with ThreadPoolExecutor() as pool:  # compiled kernels leave the interpreter to others
+        given = ([part.tobytes() for part in parts] for parts in (found, strewn))
+        all_of = list(pool.map(_settled, *given))
+    which = np.repeat(np.arange(len(found)), [len(part[0]) for part in all_of])
+    joined = [*(np.concatenate(part) for part in zip(*all_of, strict=True)), which]
+    order = rng.permutation(len(joined[0]))
+    return Samples(*(part[order] for part in joined))
+
+
+def _strewn(blocks: Array, per_m2: float, rng: np.random.Generator) -> Array:
+    """Places (n, 3) near the surface of a formation."""
+    return np.concatenate(
+        [
+            _on_pillar(block, per_m2, rng) if np.isinf(block[5]) else _on_rock(block, per_m2, rng)
+            for block in blocks
+        ]
+    )
+
+
+@lru_cache(maxsize=32)
+def _settled(blocks: bytes, places: bytes) -> tuple[Array, Array, Array]:
+    """Place, normal and openness where places (n, 3) come to lie on a formation of blocks (k, 11).
+
+    Kept for a while: who moves one formation of several needs the others as they are.
+    """
+    stone = np.frombuffer(blocks).reshape(-1, 11).copy()
+    strewn = np.frombuffer(places).reshape(-1, 3).copy()
+    place, normal, error = on_the_surface(stone, strewn, 4)
+    kept = error < 2.0
+    place, normal = place[kept], normal[kept]
+    return place, normal, openness(shade_of(stone), place, normal)
+
+
+def _on_rock(block: Array, per_m2: float, rng: np.random.Generator) -> Array:
+    """Places (n, 3), even over an ellipsoid somewhat smaller than the rock."""
+    half = block[3:6] - block[8] - 0.4 * block[9]
+    # A sphere that is stretched has its points crowded where it is stretched least.
+    number = per_m2 / 1e4 * 4 * np.pi * half.prod() / half.min()
+    unit = _unit(rng.normal(size=(int(np.ceil(number)), 3)))
+    kept = rng.uniform(size=len(unit)) < np.linalg.norm(unit / half, axis=1) * half.min()
+    x, y, z = (unit[kept] * half).T
+    c, s = block[6:8]
+    return np.asarray(block[:3] + np.stack([c * x - s * y, s * x + c * y, z], axis=1))
+
+
+def _on_pillar(block: Array, per_m2: float, rng: np.random.Generator) -> Array:
+    """Places (n, 3), even over the top and the upper part of a cylinder in the pillar."""
+    radius = block[3] - block[8] - 0.6 * block[9]
+    number = per_m2 / 1e4 * np.pi * radius * (radius + 2.0 * STEM_CM)
+    turn, low = rng.uniform((0.0, -0.5 * radius), (2 * np.pi, STEM_CM), (int(number) + 1, 2)).T
+    # What would lie above the top lies on it.
+    away = np.where(low < 0.0, radius * np.sqrt(np.maximum(-2.0 * low / radius, 0.0)), radius)
+    return np.asarray(
+        block[:3]
+        + np.stack([away * np.cos(turn), away * np.sin(turn), -np.maximum(low, 0.0)], axis=1)
+    )
+
+
+def _unit(rows: Array) -> Array:
+    return np.asarray(rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-12))

@@ -1,0 +1,115 @@
+"""How much of the sky's light the stone of a formation lets through, on a grid of distances."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from subsea.core.arrays import Array
+from subsea.core.kernels import kernel
+from subsea.geometry.vector import Vector, vector
+from subsea.habitat.formations import rough_distance
+
+SUN = (0.28, 0.17, 0.945)  # toward it, below the surface, as in `optics.glsl`
+# Directions of the upper half of the sky, even in the light that they give to level ground.
+SKY = np.array(
+    [(0.0, 0.0, 1.0)]
+    + [(0.62 * math.cos(t), 0.62 * math.sin(t), 0.785) for t in np.arange(4) * math.pi / 2 + 0.4]
+    + [(0.91 * math.cos(t), 0.91 * math.sin(t), 0.415) for t in np.arange(5) * math.pi * 0.4]
+)
+
+
+class Shade(NamedTuple):
+    """Distances from a formation on a grid about it: looked up where light is followed."""
+
+    field: Array  # (a, b, c) cm
+    corner: Array  # (3,) cm
+    cell: float  # cm
+    reach: float  # cm, from which it takes little of the sky's light
+
+
+def box_of(blocks: Array) -> tuple[Array, Array]:
+    """Lowest and highest corner (3,) of what is avoided; a pillar has no lower end."""
+    long = np.maximum(blocks[:, 3], blocks[:, 4])
+    reach = np.stack([long, long, blocks[:, 5]], axis=1)
+    rise = np.where(np.isinf(reach), 0.0, reach)
+    return (blocks[:, :3] - reach).min(axis=0), (blocks[:, :3] + rise).max(axis=0)
+
+
+def shade_of(blocks: Array) -> Shade:
+    """The grid of a formation."""
+    low, high = box_of(blocks)
+    low[2] = max(low[2], high[2] - 1200.0)
+    cell = float(np.clip((high - low).max() / 44.0, 8.0, 26.0))
+    low, high = low - 2.0 * cell, high + 2.0 * cell
+    number = np.ceil((high - low) / cell).astype(int) + 1
+    reach = max(0.4 * float((high - low).max()), 100.0)
+    return Shade(_rough_grid(blocks, low, cell, *number), low, cell, reach)
+
+
+@kernel
+def _rough_grid(blocks: Array, corner: Array, cell: float, nx: int, ny: int, nz: int) -> Array:
+    out = np.empty((nx, ny, nz))
+    for i in range(nx):
+        for j in range(ny):
+            for k in range(nz):
+                p = (corner[0] + cell * i, corner[1] + cell * j, corner[2] + cell * k)
+                out[i, j, k] = rough_distance(blocks, p)
+    return out
+
+
+@kernel
+def shade_distance(shade: Shade, p: Vector) -> float:
+    """About how far p is from the formation, cm; inside of it negative."""
+    nx, ny, nz = shade.field.shape
+    x = (p[0] - shade.corner[0]) / shade.cell
+    y = (p[1] - shade.corner[1]) / shade.cell
+    z = (p[2] - shade.corner[2]) / shade.cell
+    u, v, w = (
+        min(max(x, 0.0), nx - 1.001),
+        min(max(y, 0.0), ny - 1.001),
+        min(max(z, 0.0), nz - 1.001),
+    )
+    i, j, k = int(u), int(v), int(w)
+    outside = math.sqrt((x - u) ** 2 + (y - v) ** 2 + (z - w) ** 2) * shade.cell
+    u, v, w = u - i, v - j, w - k
+    f = shade.field
+    low = (1.0 - v) * ((1.0 - u) * f[i, j, k] + u * f[i + 1, j, k]) + v * (
+        (1.0 - u) * f[i, j + 1, k] + u * f[i + 1, j + 1, k]
+    )
+    high = (1.0 - v) * ((1.0 - u) * f[i, j, k + 1] + u * f[i + 1, j, k + 1]) + v * (
+        (1.0 - u) * f[i, j + 1, k + 1] + u * f[i + 1, j + 1, k + 1]
+    )
+    return outside + (1.0 - w) * low + w * high
+
+
+@kernel
+def openness(shade: Shade, places: Array, normals: Array) -> Array:
+    """The share (n,) of the sky's light that a formation lets through to places, 0 to 1."""
+    out = np.empty(len(places))
+    for i in range(len(places)):
+        n = vector(normals[i])
+        p = (places[i, 0] + 2.0 * n[0], places[i, 1] + 2.0 * n[1], places[i, 2] + 2.0 * n[2])
+        if shade_distance(shade, p) > shade.reach:
+            out[i] = 1.0
+            continue
+        light = 0.0
+        for k in range(len(SKY)):
+            facing = 0.5 + 0.5 * (n[0] * SKY[k, 0] + n[1] * SKY[k, 1] + n[2] * SKY[k, 2])
+            light += min(2.0 * facing, 1.0) * passes(shade, p, vector(SKY[k]), 0.5)
+        out[i] = light / len(SKY)
+    return out
+
+
+@kernel
+def passes(shade: Shade, p: Vector, way: Vector, wide: float) -> float:
+    """The share of a cone of light, as wide as `wide` times its length, that reaches p."""
+    left, along = 1.0, 7.0
+    for _ in range(7):
+        at = (p[0] + along * way[0], p[1] + along * way[1], p[2] + along * way[2])
+        gap = shade_distance(shade, at) + 6.0
+        left = min(left, 0.2 + gap / (wide * along + 3.0))
+        if left <= 0.0:
+            return 0.0
+        along = along * 1.2 + max(gap, 0.0) + 4.0
+    return min(left, 1.0)
