@@ -1,5 +1,7 @@
 """Playback against the motion that was recorded."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
@@ -125,33 +127,32 @@ def _largest_step(library, make_fishes, name):
     return np.linalg.norm(np.diff(path, axis=0), axis=2).max()
 
 
-@pytest.mark.parametrize("before", SEGMENTS)
-@pytest.mark.parametrize("after", SEGMENTS)
-def test_glides_keep_the_way_and_make_no_leap(library, make_fishes, before, after):
+def test_glides_keep_the_way_and_make_no_leap(library, make_fishes):
     """From any segment to any other: the fish never nearly stops, and no node leaps."""
-    fishes = make_fishes(1, before)
-    fishes.orientation[0] = about(1.0, 0.0, 0.0, np.pi / 2)
-    # A segment that isn't cyclic is played to its end before it is left.
-    for _ in range(5):
-        play(fishes, library, TICK)
-    fishes.wanted_segment[:] = SEGMENTS.index(after)
-    nodes, speeds = [nodes_world(fishes, library, 0)], []
-    for _ in range(40):
-        play(fishes, library, TICK)
-        nodes.append(nodes_world(fishes, library, 0))
-        speeds.append(np.linalg.norm(fishes.velocity[0]))
-    assert fishes.segment[0] == SEGMENTS.index(after)
-    step = np.linalg.norm(np.diff(nodes, axis=0), axis=2).max()
-    usual = max(_largest_step(library, make_fishes, name) for name in (before, after))
-    assert step < 1.4 * usual
-    codes = [SEGMENTS.index(before), SEGMENTS.index(after)]
-    assert min(speeds) > 0.6 * library.speed[0, codes].min()
+    usual = {name: _largest_step(library, make_fishes, name) for name in SEGMENTS}
+    for before, after in product(SEGMENTS, SEGMENTS):
+        fishes = make_fishes(1, before)
+        fishes.orientation[0] = about(1.0, 0.0, 0.0, np.pi / 2)
+        # A segment that isn't cyclic is played to its end before it is left.
+        for _ in range(5):
+            play(fishes, library, TICK)
+        fishes.wanted_segment[:] = SEGMENTS.index(after)
+        nodes, speeds = [nodes_world(fishes, library, 0)], []
+        for _ in range(40):
+            play(fishes, library, TICK)
+            nodes.append(nodes_world(fishes, library, 0))
+            speeds.append(np.linalg.norm(fishes.velocity[0]))
+        where = f"{before} to {after}"
+        assert fishes.segment[0] == SEGMENTS.index(after), where
+        step = np.linalg.norm(np.diff(nodes, axis=0), axis=2).max()
+        assert step < 1.4 * max(usual[before], usual[after]), where
+        codes = [SEGMENTS.index(before), SEGMENTS.index(after)]
+        assert min(speeds) > 0.6 * library.speed[0, codes].min(), where
 
 
-@pytest.mark.parametrize("after", SEGMENTS[3:])
-def test_a_turn_waits_for_the_beat_but_not_for_long(library, make_fishes, after):
+def test_a_turn_waits_for_the_beat_but_not_for_long(library, make_fishes):
     """From any phase of a swim the turn begins within a beat."""
-    for phase in range(12):
+    for after, phase in product(SEGMENTS[3:], range(12)):
         fishes = make_fishes(1, "swim_medium")
         for _ in range(phase):
             play(fishes, library, TICK)
@@ -160,7 +161,7 @@ def test_a_turn_waits_for_the_beat_but_not_for_long(library, make_fishes, after)
         while fishes.segment[0] != SEGMENTS.index(after):
             play(fishes, library, TICK)
             waited += 1
-        assert waited <= 12
+        assert waited <= 12, f"{after}, phase {phase}"
 
 
 def test_a_sharp_turn_is_played_to_its_end(library, make_fishes):

@@ -55,12 +55,17 @@ def test_only_those_whose_turn_it_is_perceive(tank):
     assert list(t.minds.neighbour[:, 0] != NOBODY) == [False, True, False]
 
 
-def test_nobody_is_there(tank):
-    t = tank(0, specks=3)
-    sense(np.zeros(0, np.int64), *t)
-    t = tank(2)
-    t.fishes.alive[:] = False
-    sense(np.zeros(0, np.int64), *t)
+def test_a_fish_alone_among_the_dead_perceives_nobody(tank):
+    t = tank(3)
+    t.minds.kind[:] = PREY, PREDATOR, PACIFIST
+    t.fishes.alive[1:] = False
+    _sense(t, 0)
+    for found in (t.minds.neighbour[0, 0], t.minds.threat[0], t.minds.predator[0], t.minds.mate[0]):
+        assert found == NOBODY
+    before = [array.copy() for array in t.minds]
+    sense(np.zeros(0, np.int64), *t)  # nobody's turn: nothing is written
+    for array, kept in zip(t.minds, before, strict=True):
+        np.testing.assert_array_equal(array, kept)
 
 
 def test_the_nearest_specks_are_smelled_even_behind_and_out_of_sight(tank):
