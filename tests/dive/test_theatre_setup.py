@@ -256,6 +256,6 @@ def test_only_keys_that_are_here_are_judged(tmp_path):
     assert cluster_faults(cluster, nodes, path) == ()  # left needs the master's and its own
     (ours / "middle.key").unlink()
     [fault] = cluster_faults(cluster, nodes, path)
-    assert "middle.key: cannot read" in fault
+    assert "middle.key: cannot read" in str(fault)
     with pytest.raises(UserError, match=r"hall\.toml: \[cluster\]: .*middle\.key: cannot read"):
         credentials(cluster, nodes, "left", path)

@@ -13,6 +13,7 @@ from subsea.core.errors import UserError
 from subsea.core.resources import resource_names, resource_path
 from subsea.fish.species import species_names
 from subsea.scenario import schema as tables
+from subsea.scenario.checks import shoals_of
 from subsea.scenario.load import load_scenario
 from subsea.scenario.save import save_scenario, scenario_text
 from subsea.scenario.schema import Pillar, Rock, Scenario
@@ -105,7 +106,7 @@ def scenarios(draw):
     tours = draw(st.sampled_from([[], TOUR])) if follows(values["fish"]) else []
     scenario = Scenario(**values, bounds=BOUNDS, individual=individuals, tour=tours)
     names, hook = [tour.name for tour in tours], scenario.hook is not None
-    directed = draw(directions(tables.shoals_of(scenario), names, hook, THERE))
+    directed = draw(directions(shoals_of(scenario), names, hook, THERE))
     return replace(scenario, direction=directed)
 
 

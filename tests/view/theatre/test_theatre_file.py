@@ -160,4 +160,4 @@ def test_a_channel_that_cannot_be_is_one_line_and_the_others_go_on(tmp_path, scr
     found, faults = channels(*load_theatre(written(tmp_path, WINDOW + CHANNEL + screen + good)))
     assert [one.name for one in found] == ["good"]
     assert len(faults) == 1
-    assert "channel 'c'" in faults[0]
+    assert "channel 'c'" in str(faults[0])

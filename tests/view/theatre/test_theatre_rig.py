@@ -276,13 +276,13 @@ def test_a_screen_that_an_eye_is_behind_is_told_and_the_others_go_on(tmp_path):
     kept, faults = seen_channels(theatre, found, "anaglyph", apart)
     assert [one.name for one in kept] == ["front", "right"]
     assert len(faults) == 1
-    assert "channel 'left': the eye is behind the screen" in faults[0]
+    assert "channel 'left': the eye is behind the screen" in str(faults[0])
     assert len(theatre_rig(theatre, kept, [1, 2], "anaglyph", apart).eyes) == 4
     assert seen_channels(theatre, found, "mono", apart) == (found, ())
     dome, found = opened("dome")
     kept, faults = seen_channels(dome, found, "anaglyph", Stereo(separation_cm=1100.0))
     assert kept == ()
-    assert "the eye is outside of its screen" in faults[0]
+    assert "the eye is outside of its screen" in str(faults[0])
 
 
 @pytest.mark.parametrize("name", ["dome", "equirectangular"])
