@@ -4,17 +4,18 @@ In the file the upper row is the first, as picture viewers have it; in arrays th
 as OpenGL wants it.
 """
 
+import tomllib
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-import tomlkit
 
 from subsea.core.arrays import Bytes
 from subsea.core.atomic_io import replacing
 from subsea.core.disk_cache import kept
 from subsea.core.errors import UserError
+from subsea.core.toml_edit import edit_toml
 from subsea.core.toml_files import load_toml
 from subsea.fish import paint
 from subsea.fish.species import Species
@@ -84,9 +85,11 @@ def wear(path: Path, sheet: Bytes) -> Path:
     is a UserError.
     """
     picture = picture_of(path)
-    document = tomlkit.parse(path.read_text(encoding="utf-8"))
-    document["skin"]["sheet"] = picture.name
+    text = path.read_text(encoding="utf-8")
+    old = tomllib.loads(text)["skin"].get("sheet")
+    was = {} if old is None else {"sheet": old}
+    text = edit_toml(text, was, {"sheet": picture.name}, ("skin",), path)
     write(picture, sheet)
     with replacing(path) as temporary:
-        temporary.write_text(tomlkit.dumps(document), encoding="utf-8", newline="\n")
+        temporary.write_text(text, encoding="utf-8", newline="\n")
     return picture

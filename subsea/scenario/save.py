@@ -12,19 +12,19 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import msgspec
-import tomlkit
-from tomlkit.items import InlineTable
 
 from subsea.core.atomic_io import replacing
 from subsea.core.errors import UserError
+from subsea.core.toml_edit import edit_toml, toml_value
 from subsea.core.toml_files import load_toml, locate_errors
+from subsea.core.toml_positions import Place
+from subsea.core.validation import convert
 from subsea.scenario.checks import check_scenario
 from subsea.scenario.schema import Scenario
 
 Content = dict[str, Any]  # of a table: what differs from the defaults, as TOML has it
 
 KEYS = [field.encode_name for field in msgspec.structs.fields(Scenario)]
-WIDE = 100  # characters: a longer list of tables has a line for each
 _HEADER = re.compile(r"\s*(\[\[?)\s*([A-Za-z0-9_-]+)(\s*\.[^\]]*)?\]\]?\s*(#.*)?")
 _MISSING = object()
 
@@ -47,7 +47,7 @@ def scenario_text(scenario: Scenario, like: Path | None = None) -> str:
         check_scenario(scenario)
     if like is not None:
         # Where the old file is gone, or is written in a way that cannot be edited: a new one.
-        with suppress(UserError, OSError, ValueError, tomlkit.exceptions.TOMLKitError):
+        with suppress(UserError, OSError, ValueError):
             old = load_toml(like, Scenario)
             text = _edited(like.read_bytes().decode("utf-8"), _short(old), _short(scenario))
             if _read(text) == scenario:
@@ -55,13 +55,13 @@ def scenario_text(scenario: Scenario, like: Path | None = None) -> str:
     text = _fresh(_short(scenario))
     try:
         _read(text)
-    except msgspec.ValidationError as fault:
+    except UserError as fault:
         raise UserError(f"the scenario cannot be saved: {fault}") from fault
     return text
 
 
 def _read(text: str) -> Scenario:
-    return msgspec.convert(tomllib.loads(text), Scenario)
+    return convert(tomllib.loads(text), Scenario)
 
 
 def _short(struct: msgspec.Struct) -> Content:
@@ -109,21 +109,7 @@ def _block(key: str, value: Any, table: Content) -> str:
 
 
 def _lines(content: Content) -> str:
-    return "".join(f"{key} = {_text(value)}\n" for key, value in content.items())
-
-
-def _text(value: Any) -> str:
-    """A value in TOML."""
-    if isinstance(value, list):
-        parts = [_text(one) for one in value]
-        line = f"[{', '.join(parts)}]"
-        if len(line) > WIDE and isinstance(value[0], dict):
-            return "[\n" + "".join(f"    {part},\n" for part in parts) + "]"
-        return line
-    if isinstance(value, dict):
-        return f"{{ {', '.join(f'{key} = {_text(one)}' for key, one in value.items())} }}"
-    text: str = tomlkit.item(value).as_string()
-    return text
+    return "".join(f"{key} = {toml_value(value)}\n" for key, value in content.items())
 
 
 class _Piece(NamedTuple):
@@ -145,8 +131,8 @@ def _edited(text: str, old: Content, new: Content) -> str:
             continue
         present = was if now is _MISSING else now
         if key in in_head or not _is_table(present):
-            changes = ({} if one is _MISSING else {key: one} for one in (was, now))
-            head = _changed(head, (), *changes)
+            before, after = ({} if one is _MISSING else {key: one} for one in (was, now))
+            head = edit_toml(head, before, after)
         else:
             tables = [[] if one is _MISSING else _tables(one) for one in (was, now)]
             _exchange(pieces, key, tables[0], tables[1], isinstance(present, list))
@@ -194,8 +180,8 @@ def _exchange(
             _take_out(pieces, place)
         for k in reversed(range(both)):
             place = places[i + k]
-            path = (key, 0) if listed else (key,)
-            text = _changed(pieces[place].text, path, was[i + k], now[m + k])
+            path: Place = (key, 0) if listed else (key,)
+            text = edit_toml(pieces[place].text, was[i + k], now[m + k], path)
             pieces[place] = pieces[place]._replace(text=text)
 
 
@@ -227,47 +213,3 @@ def _take_out(pieces: list[_Piece], place: int) -> None:
     del pieces[place]
     if last and pieces:
         pieces[-1] = pieces[-1]._replace(text=pieces[-1].text.rstrip("\n") + "\n")
-
-
-def _changed(text: str, path: tuple[str | int, ...], was: Content, now: Content) -> str:
-    """Text of TOML in which the table at `path` is changed."""
-    # What follows the last value is left aside: new values go before it.
-    lines = text.splitlines(keepends=True)
-    end = len(lines)
-    while end > 0 and (not lines[end - 1].strip() or lines[end - 1].lstrip().startswith("#")):
-        end -= 1
-    if end and not lines[end - 1].endswith("\n"):
-        lines[end - 1] += "\n"
-    document: Any = tomlkit.parse("".join(lines[:end]))
-    table = document
-    for step in path:
-        table = table[step]
-    _change(table, was, now)
-    return tomlkit.dumps(document) + "".join(lines[end:])
-
-
-def _change(table: Any, was: Content, now: Content) -> None:
-    """Set the values of a tomlkit table that differ."""
-    for key in {**was, **now}:
-        old, new = was.get(key, _MISSING), now.get(key, _MISSING)
-        if old == new:
-            continue
-        if new is _MISSING:
-            table.pop(key, None)
-        else:
-            _set(table, key, old, new)
-
-
-def _set(container: Any, key: Any, old: Any, new: Any) -> None:
-    """Set one value of a tomlkit table or array, and of lists and tables what differs."""
-    there = isinstance(key, int) or key in container
-    lists = there and isinstance(old, list) and isinstance(new, list) and len(old) == len(new)
-    tables = there and isinstance(old, dict) and isinstance(new, dict)
-    if lists:
-        for k, (one, other) in enumerate(zip(old, new, strict=True)):
-            if one != other:
-                _set(container[key], k, one, other)
-    elif tables and (old.keys() == new.keys() or not isinstance(container[key], InlineTable)):
-        _change(container[key], old, new)
-    else:
-        container[key] = tomlkit.parse(f"value = {_text(new)}\n")["value"]

@@ -6,6 +6,7 @@ can always be read, and is what was shown. Places are (distance behind the snout
 width) in body lengths in both views, the scaffold's too, though its file keeps them in cm.
 """
 
+import tomllib
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -20,6 +21,7 @@ from msgspec import structs
 from subsea.biomechanics.body_plan import HALF_SIZES, NODES_AT_STATION, SHORTEST_SECTION
 from subsea.core.atomic_io import replacing
 from subsea.core.errors import UserError
+from subsea.core.toml_edit import edit_toml
 from subsea.core.toml_files import load_toml
 from subsea.core.validation import convert
 from subsea.fish.species import Species, own_species_file
@@ -67,8 +69,6 @@ class Spot(NamedTuple):
 def read(path: Path) -> Draft:
     """The draft of a species file; a faulty one is a UserError in one line."""
     species = load_toml(path, Species)
-    import tomllib
-
     text = path.read_bytes().decode("utf-8")  # with the ends of lines that it has
     sheet = path.absolute().with_name(species.skin.sheet) if species.skin.sheet else None
     return Draft(path.stem, tomllib.loads(text), species, text, sheet)
@@ -503,11 +503,7 @@ def as_long(draft: Draft, cm: float) -> Draft:
 
 def to_toml(draft: Draft) -> str:
     """The file: as it was read, but for the values that are others now."""
-    import tomlkit
-
-    document = tomlkit.parse(draft.text)
-    _write(document, draft.content)
-    return tomlkit.dumps(document)
+    return edit_toml(draft.text, tomllib.loads(draft.text), draft.content)
 
 
 def differs(path: Path, known: Draft | None) -> bool:
@@ -533,31 +529,6 @@ def save(draft: Draft, path: Path) -> None:
         temporary.write_bytes(text.encode("utf-8"))
         if load_toml(temporary, Species) != draft.species:
             raise UserError("its tables cannot be edited", file=path)
-
-
-def _write(table: Any, new: dict[str, Any], path: Path_ = ()) -> None:
-    """Change what differs in a table of tomlkit; all else stays as it was written."""
-    import tomlkit
-
-    for key in [key for key in table if key not in new]:
-        del table[key]
-    for key, value in new.items():
-        old = table.get(key)
-        if isinstance(value, dict) and old is not None:
-            _write(old, value, (*path, key))
-        elif isinstance(value, dict):  # fins are one line each, their colours tables
-            made = tomlkit.inline_table() if path == ("surface",) else tomlkit.table()
-            made.update(value)
-            table[key] = made
-        elif _rows(value) and old is not None and len(old) == len(value):
-            for number, (row, values) in enumerate(zip(old, value, strict=True)):
-                _write(row, values, (*path, key, number))
-        elif old is None or tomlkit.item(old).unwrap() != value:
-            table[key] = value
-
-
-def _rows(value: Any) -> bool:
-    return isinstance(value, list) and bool(value) and isinstance(value[0], dict)
 
 
 def _short(x: float) -> float:
