@@ -5,7 +5,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 import pytest
 
-from subsea.scenario.schema import load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.state import GROUPS, TRAITS, Fishes, Minds, Submarine, arrays, declared, empty
 from subsea.state.declaration import F32, I32, NUMBER, creation, motor
 from subsea.world.build import create_world
