@@ -17,7 +17,7 @@ import numpy as np
 from subsea.dive.clock import MAX_TICKS_PER_FRAME, TickClock
 from subsea.world import snapshot
 from subsea.world.step import Order, step
-from subsea.world.tunables import Constants, constants_of, put_back
+from subsea.world.tunables import Tunables, get_tunables, set_tunables
 from subsea.world.world import TICK_S, World
 
 RATES = (0.25, 0.5, 1.0, 2.0, 4.0)
@@ -31,7 +31,7 @@ class _Kept(NamedTuple):
 
     tick: int
     world: bytes  # see `snapshot.take`
-    constants: Constants
+    constants: Tunables
     touched: bool  # whether it is not what the tick before made of it
     sure: float = np.inf  # the last tick that can be made from it: later the world was touched
 
@@ -170,7 +170,7 @@ class Timeline:
             tick = start.tick
         tick = int(min(tick, start.sure))
         if not start.tick <= self.tick <= tick:  # else the way from here is shorter
-            put_back(self._world, start.constants)
+            set_tunables(self._world, start.constants)
             snapshot.restore(self._world, start.world)
         while self.tick < tick:
             made = self._made[self.tick - self.earliest]
@@ -194,7 +194,7 @@ class Timeline:
 
     def _keep(self, touched: bool = False) -> None:
         """Keep the world of now, and no more of the past than there is room for."""
-        world, constants = snapshot.take(self._world), constants_of(self._world)
+        world, constants = snapshot.take(self._world), get_tunables(self._world)
         self._kept.append(_Kept(self.tick, world, constants, touched))
         begin, spare = self.earliest, self.bytes - self._most_bytes
         while spare > 0 and (dense := self._dense()):

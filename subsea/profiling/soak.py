@@ -34,7 +34,7 @@ from subsea.view.stereo import PAGED
 from subsea.view.theatre.theatre_file import FOLDER
 from subsea.world import snapshot
 from subsea.world.step import Order, step
-from subsea.world.tunables import constants_of, put_back
+from subsea.world.tunables import get_tunables, set_tunables
 from subsea.world.world import TICK_S, World
 
 SECOND = round(1.0 / TICK_S)  # ticks, about
@@ -169,12 +169,12 @@ def _dive(
         for k in range(1, ticks + 1):
             check()
             if k % REPLAY_EVERY == REPLAY_EVERY - REPLAYED:
-                before, done = (snapshot.take(world), constants_of(world)), []
+                before, done = (snapshot.take(world), get_tunables(world)), []
             done.append(next(doing))
             act(world, done[-1])
             if before and k % REPLAY_EVERY == 0:
                 after = snapshot.checksum(world)
-                put_back(world, before[1])
+                set_tunables(world, before[1])
                 snapshot.restore(world, before[0])
                 for one in done:
                     act(world, one)

@@ -36,7 +36,7 @@ from subsea.ui.picture import ScenePicture
 from subsea.ui.text_layer import TextLayer
 from subsea.ui.window import GlWindow
 from subsea.world.build import create_world
-from subsea.world.migrate import carry
+from subsea.world.migrate import migrate
 from subsea.world.world import World
 
 TickSourceMaker = Callable[[World, Pilot], TickSource]
@@ -232,13 +232,13 @@ class Dive:
         """Replace the world by that of a scenario; False, with a note, if it has a fault.
 
         `source` is the scenario's file. With `keep` the submarine and all that lives go on from
-        where they are (`world.migrate.carry`), and so does time.
+        where they are (`world.migrate.migrate`), and so does time.
         """
         before, ride, time = self.world, self.picture.ride, self.timeline
         try:
             if keep:
                 world = create_world(scenario, seed, source=str(source))
-                carry(before, world)
+                migrate(before, world)
             else:
                 world = self._create(scenario, source, seed)
         except UserError as fault:

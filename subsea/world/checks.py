@@ -28,27 +28,27 @@ def check_in_sea(scenario: Scenario, sea: Sea) -> None:
         return float(height_at(sea.heights, sea.half_width, x, y))
 
     check_scenario(scenario)
-    _refuse_crowded(scenario)
+    _check_number(scenario)
     there = sea._replace(pillars=pillar_rows(scenario, floor), rocks=rock_rows(scenario, floor)[0])
-    _refuse_too_high(scenario, there)
-    _refuse_misplaced(scenario, there)
+    _check_heights(scenario, there)
+    _check_places(scenario, there)
 
 
 def make_surroundings(
     scenario: Scenario, rng: np.random.Generator, seed: int
 ) -> tuple[Sea, Reef, Seaweed]:
     """Make sea, reef and seaweed; raises a UserError for misplaced things."""
-    _refuse_crowded(scenario)
+    _check_number(scenario)
     sea = make_sea(scenario, rng)
-    _refuse_too_high(scenario, sea)
+    _check_heights(scenario, sea)
     sea, reef = grow_reefs(scenario, sea)
-    _refuse_misplaced(scenario, sea)
+    _check_places(scenario, sea)
     check_tours(scenario, sea, rock_rows(scenario, lambda x, y: 0.0)[1])
     sea, seaweed = plant_seaweed(scenario, sea, reef, seed)
     return sea, reef, seaweed
 
 
-def _refuse_crowded(scenario: Scenario) -> None:
+def _check_number(scenario: Scenario) -> None:
     """Raise a UserError for more rocks than a sea may have."""
     number = len(rock_rows(scenario, lambda x, y: 0.0)[0])
     if number > MAX_SOLIDS:
@@ -58,7 +58,7 @@ def _refuse_crowded(scenario: Scenario) -> None:
         )
 
 
-def _refuse_too_high(scenario: Scenario, sea: Sea) -> None:
+def _check_heights(scenario: Scenario, sea: Sea) -> None:
     """Raise a UserError for a pillar higher than the depth of the sea there."""
     for k, top in enumerate(sea.pillars[:, 3]):
         if top > 0.0:
@@ -70,7 +70,7 @@ def _refuse_too_high(scenario: Scenario, sea: Sea) -> None:
             )
 
 
-def _refuse_misplaced(scenario: Scenario, sea: Sea) -> None:
+def _check_places(scenario: Scenario, sea: Sea) -> None:
     """Raise a UserError for a place inside the seabed, the reef, a rock or a pillar."""
     _, rocks = rock_rows(scenario, lambda x, y: 0.0)
     places = [("submarine.position_cm", scenario.submarine.position_cm, HULL_CM)]

@@ -1,7 +1,7 @@
-"""How many of everything a scenario has (Tu §9.1), and the same scenario with other numbers.
+"""Count fishes, seaweed and pillars of a scenario (Tu §9.1), and change their numbers.
 
-Where several shoals are of a species, or several groups of seaweed of a kind, a number is that of
-all of them, and another number is shared out as the former was.
+A number is that of all shoals of a species, or all groups of a kind of seaweed. A new number is
+divided among them in proportion to the old ones.
 """
 
 import math
@@ -15,30 +15,30 @@ from msgspec.structs import replace
 from subsea.fish.species import species_names
 from subsea.scenario.schema import Pillar, Scenario, Seaweed, Shoal
 from subsea.state import HULL_CM
-from subsea.world.placement import numbered
+from subsea.world.placement import with_shoal_size
 
-ROOM_CM = 3.0 * HULL_CM  # between a new pillar and what is there
+ROOM_CM = 3.0 * HULL_CM  # from a new pillar to other things
 KINDS: tuple[str, ...] = get_args(Seaweed.__annotations__["kind"])
-USUAL = Seaweed()
-SPREAD = 0.7549, 0.5698  # places at multiples of both lie far from one another
+DEFAULT_SEAWEED = Seaweed()
+SPREAD = 0.7549, 0.5698  # multiples of both, modulo 1, are evenly spread
 TRIES = 400
 
 
 @dataclass
 class Counts:
-    """How many there are of everything that a scenario begins with, and its dice."""
+    """Numbers of things in a scenario, and its seed."""
 
-    fishes: dict[str, int]  # by species: all that there are
+    fishes: dict[str, int]  # by species, of all species
     plankton: int
     clusters: dict[str, int]  # of seaweed, by kind
-    leaves: dict[str, int]  # of each cluster, or of most of a kind
+    leaves: dict[str, int]  # of a cluster, in the largest group of a kind
     pillars: int
     seed: int
 
 
 def counts(scenario: Scenario) -> Counts:
-    """The numbers of a scenario."""
-    # One of the visitor's own may have been deleted since the scenario was read.
+    """Count the things of a scenario."""
+    # A species of the visitor may have been deleted since the scenario was read.
     numbers = dict.fromkeys([*species_names(), *scenario.species], 0)
     for shoal in scenario.fish:
         numbers[shoal.species] += shoal.number
@@ -48,7 +48,9 @@ def counts(scenario: Scenario) -> Counts:
         plankton=scenario.water.plankton,
         clusters={kind: sum(group.clusters for group in groups[kind]) for kind in KINDS},
         leaves={
-            kind: max(groups[kind], key=lambda group: group.clusters, default=USUAL).leaves
+            kind: max(
+                groups[kind], key=lambda group: group.clusters, default=DEFAULT_SEAWEED
+            ).leaves
             for kind in KINDS
         },
         pillars=len(scenario.pillar),
@@ -57,7 +59,7 @@ def counts(scenario: Scenario) -> Counts:
 
 
 def with_counts(scenario: Scenario, wanted: Counts) -> Scenario:
-    """The scenario with other numbers; what they do not change stays as it is."""
+    """The scenario with other numbers; unchanged numbers leave their tables as they are."""
     was = counts(scenario)
     for species, number in wanted.fishes.items():
         if number != was.fishes[species]:
@@ -73,9 +75,9 @@ def with_counts(scenario: Scenario, wanted: Counts) -> Scenario:
 
 
 def with_fishes(scenario: Scenario, species: str, number: int) -> Scenario:
-    """So many fishes of a species; where there was no shoal of it a new one, all over the sea.
+    """Set the number of fishes of a species; a new shoal is spread over the whole sea.
 
-    What single fishes have of their own stays with them, as long as they are there.
+    Tables of single fishes stay with these fishes.
     """
     shoals = [*scenario.fish]
     if number and not any(shoal.species == species for shoal in shoals):
@@ -83,12 +85,12 @@ def with_fishes(scenario: Scenario, species: str, number: int) -> Scenario:
     these = [k for k, shoal in enumerate(shoals) if shoal.species == species]
     scenario = replace(scenario, fish=shoals)
     for k, share in zip(these, share_out(number, [shoals[k].number for k in these]), strict=True):
-        scenario = numbered(scenario, k, share)
+        scenario = with_shoal_size(scenario, k, share)
     return scenario
 
 
 def with_seaweed(scenario: Scenario, kind: str, clusters: int, leaves: int) -> Scenario:
-    """So many clusters of a kind, of so many leaves each; new ones are all over the sea."""
+    """Set clusters and leaves of a kind; a new group is spread over the whole sea."""
     groups = [*scenario.seaweed]
     if clusters and not any(group.kind == kind for group in groups):
         high = {"kelp": 400.0, "grass": 32.0, "red": 32.0}.get(kind, 90.0)
@@ -101,7 +103,7 @@ def with_seaweed(scenario: Scenario, kind: str, clusters: int, leaves: int) -> S
 
 
 def with_pillars(scenario: Scenario, number: int) -> Scenario:
-    """So many pillars: the last ones go, new ones stand where there is room."""
+    """Set the number of pillars: remove the last, put new ones where there is room."""
     pillars, radius, high = scenario.pillar[:number], 35.0, round(0.4 * scenario.bounds.depth_cm)
     for k in range(1, TRIES):
         if len(pillars) >= number:
@@ -109,26 +111,26 @@ def with_pillars(scenario: Scenario, number: int) -> Scenario:
         far = 0.8 * scenario.bounds.radius_cm * math.sqrt(SPREAD[0] * k % 1.0)
         angle = 2.0 * math.pi * (SPREAD[1] * k % 1.0)
         place = (float(round(far * math.cos(angle))), float(round(far * math.sin(angle))))
-        taken = _taken(replace(scenario, pillar=pillars))
-        if all(math.dist(place, other) > room + radius for other, room in taken):
+        occupied = _occupied(replace(scenario, pillar=pillars))
+        if all(math.dist(place, other) > room + radius for other, room in occupied):
             pillars = [*pillars, Pillar(position_cm=place, radius_cm=radius, height_cm=high)]
     return replace(scenario, pillar=pillars)
 
 
-def _taken(scenario: Scenario) -> list[tuple[tuple[float, ...], float]]:
-    """Places (x, y) beside which nothing new may stand, and how far from them, cm."""
-    taken: list[tuple[tuple[float, ...], float]]
+def _occupied(scenario: Scenario) -> list[tuple[tuple[float, ...], float]]:
+    """Occupied places (x, y) and the distance to keep from them, cm."""
+    occupied: list[tuple[tuple[float, ...], float]]
     places = [scenario.submarine.position_cm]
     places += [at for shoal in scenario.fish for at in (shoal.position_cm, shoal.toward_cm) if at]
-    taken = [(place[:2], ROOM_CM) for place in places]
-    taken += [(p.position_cm, p.radius_cm + ROOM_CM) for p in scenario.pillar]
-    taken += [(r.position_cm, max(r.size_cm[:2]) + ROOM_CM) for r in scenario.rock]
-    taken += [(r.position_cm, max(r.size_cm[:2]) + ROOM_CM) for r in scenario.outcrop]
-    taken += [(a.position_cm, a.span_cm + ROOM_CM) for a in scenario.arch]
+    occupied = [(place[:2], ROOM_CM) for place in places]
+    occupied += [(p.position_cm, p.radius_cm + ROOM_CM) for p in scenario.pillar]
+    occupied += [(r.position_cm, max(r.size_cm[:2]) + ROOM_CM) for r in scenario.rock]
+    occupied += [(r.position_cm, max(r.size_cm[:2]) + ROOM_CM) for r in scenario.outcrop]
+    occupied += [(a.position_cm, a.span_cm + ROOM_CM) for a in scenario.arch]
     if scenario.hook is not None:
-        taken.append((scenario.hook.position_cm, ROOM_CM))
-    taken += [(p.position_cm[:2], ROOM_CM) for tour in scenario.tour for p in tour.waypoint]
-    return taken
+        occupied.append((scenario.hook.position_cm, ROOM_CM))
+    occupied += [(p.position_cm[:2], ROOM_CM) for tour in scenario.tour for p in tour.waypoint]
+    return occupied
 
 
 def share_out(number: int, shares: Sequence[int]) -> list[int]:

@@ -1,4 +1,4 @@
-"""A dive that goes on where it is, in another world: where things stand otherwise."""
+"""Continue a dive in another world, after the visitor has moved things."""
 
 from collections.abc import Iterator, Sequence
 
@@ -10,7 +10,7 @@ from subsea.scenario.schema import Shoal
 from subsea.state import NOBODY, TRAITS
 from subsea.world.populate import ROOM_BL
 from subsea.world.snapshot import changing, constant
-from subsea.world.tunables import constants_of, put_back
+from subsea.world.tunables import get_tunables, set_tunables
 from subsea.world.world import World
 
 LIVING = (
@@ -23,26 +23,25 @@ LIVING = (
     "sea.hook",
     "sea.catch",
 )
-"""How the names begin of what goes on, in the arrays of `snapshot`."""
+"""Prefixes of the arrays that continue, by their names in a snapshot."""
 
-INHABITANTS = ("fish", "individual", "hook", "direction")  # of a scenario
+INHABITANTS = ("fish", "individual", "hook", "direction")  # tables of a scenario
 
-CLEAR_CM = 40.0  # of the seabed and the surface, for fishes that are moved out of a solid
+CLEAR_CM = 40.0  # distance of fishes from seabed and surface when moved out of a solid
 
 
-def carry(before: World, world: World) -> None:
-    """Have a new world go on from a moment of the one before.
+def migrate(before: World, world: World) -> None:
+    """Continue the dive of the world `before` in a new `world`.
 
-    The submarine stays where it is. So do fishes, with all that they have in mind, plankton and
-    time, if the same live in both: who is inside a solid then is moved out of it. In any case what
-    panels have changed stays changed.
+    The submarine keeps its place. If both have the same inhabitants, fishes, plankton and time
+    continue, and fishes inside a solid are moved out of it. What panels have changed is kept.
     """
     for name, array in vars(before.state.submarine).items():
         getattr(world.state.submarine, name)[...] = array
-    if not _alike(before, world):
+    if not _same_inhabitants(before, world):
         _keep_changes(before, world)
         return
-    put_back(world, constants_of(before))
+    set_tunables(world, get_tunables(before))
     theirs = {**changing(before), **constant(before)}
     for name, array in {**changing(world), **constant(world)}.items():
         if name.startswith("live."):  # there may be more slots than before
@@ -61,7 +60,7 @@ def carry(before: World, world: World) -> None:
 
 
 def _keep_changes(before: World, world: World) -> None:
-    """Keep what panels have changed, in single fishes as far as these are there again."""
+    """Keep changes of panels; those of single fishes where the fish exists in both worlds."""
     world.nature, world.physics = before.nature, before.physics
     world.current_cm_s = before.current_cm_s
     minds = world.state.minds
@@ -70,15 +69,15 @@ def _keep_changes(before: World, world: World) -> None:
         for name in TRAITS:
             was, now = before.initial_traits[name][old], getattr(before.state.minds, name)[old]
             np.copyto(getattr(minds, name)[new], now, where=now != was)
-    minds.eaten[:] = fed * minds.appetite  # as hungry as they began
+    minds.eaten[:] = fed * minds.appetite  # the same hunger
 
 
 def _same_fishes(old: Sequence[Shoal], new: Sequence[Shoal]) -> Iterator[tuple[slice, slice]]:
-    """Which fishes of some shoals are which of others, of which some are gone or new."""
+    """Match fishes of old and new shoals: pairs of equal slices."""
     both = min(len(old), len(new))
     first = next((k for k in range(both) if old[k] != new[k]), both)
     for k in range(both):
-        # Where one of a list is gone, or new, those behind it are in other places.
+        # Behind an inserted or removed shoal, indices are shifted.
         i, j = (k, k) if k < first else (k + len(old) - both, k + len(new) - both)
         many = min(old[i].number, new[j].number)
         if old[i].species == new[j].species:
@@ -86,10 +85,10 @@ def _same_fishes(old: Sequence[Shoal], new: Sequence[Shoal]) -> Iterator[tuple[s
             yield slice(begins[0], begins[0] + many), slice(begins[1], begins[1] + many)
 
 
-def _alike(before: World, world: World) -> bool:
-    """Whether the same live in both: their sizes, which the dice decided, may differ.
+def _same_inhabitants(before: World, world: World) -> bool:
+    """Whether both have the same inhabitants; their random sizes may differ.
 
-    More of them may be simulated in the new one, but not fewer.
+    The new world may have more slots for simulated fishes, but not fewer.
     """
     ours, theirs = changing(world), changing(before)
     return (

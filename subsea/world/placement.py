@@ -168,7 +168,7 @@ TURNS = {"fish": "heading_deg", "submarine": "heading_deg", "rock": "yaw_deg",
 
 def resized(scenario: Scenario, handle: Handle, factor: float) -> Scenario:
     """The scenario with a thing so many times as large, as far as it may be."""
-    one = thing(scenario, handle.kind, handle.number)
+    one = table_of(scenario, handle.kind, handle.number)
     changes: dict[str, Any] = {}
     for key in SIZES.get(handle.kind, ()):
         value = getattr(one, key)
@@ -185,7 +185,7 @@ def turned(scenario: Scenario, handle: Handle, degrees: float) -> Scenario:
     if key is None:
         return scenario
     angle = float(
-        round((getattr(thing(scenario, handle.kind, handle.number), key) or 0.0) + degrees)
+        round((getattr(table_of(scenario, handle.kind, handle.number), key) or 0.0) + degrees)
     )
     return _with(scenario, handle, **{key: (angle + 180.0) % 360.0 - 180.0})
 
@@ -196,7 +196,7 @@ HEIGHTS = {"pillar": "height_cm", "arch": "height_cm", "seaweed": "height_cm"}
 
 def raised(scenario: Scenario, handle: Handle, factor: float) -> Scenario:
     """The scenario with what stands on the seabed so many times as high, as far as it may be."""
-    one = thing(scenario, handle.kind, handle.number)
+    one = table_of(scenario, handle.kind, handle.number)
     if handle.kind in HEIGHTS:
         key = HEIGHTS[handle.kind]
         high = _clamped(type(one), key, factor * getattr(one, key))
@@ -208,7 +208,7 @@ def raised(scenario: Scenario, handle: Handle, factor: float) -> Scenario:
     return scenario
 
 
-def before(sea: Sea, eye: Array, way: Array) -> Place:
+def place_ahead(sea: Sea, eye: Array, way: Array) -> Place:
     """The place on the seabed that a ray goes to, at most `AHEAD_CM` away, inside the sea."""
     a, b = _ray(sea, eye, way)
     t = ray_meets_seabed(sea.heights, sea.half_width, 0.0, a, b)
@@ -253,7 +253,7 @@ def removed(scenario: Scenario, handle: Handle) -> Scenario:
     if handle.kind == "hook":
         return msgspec.structs.replace(scenario, hook=None)
     if handle.kind == "fish":
-        scenario = numbered(scenario, handle.number, 0)
+        scenario = with_shoal_size(scenario, handle.number, 0)
         gone = handle.number
         directions = renumbered(
             scenario.direction, lambda fish: fish, lambda k: -1 if k == gone else k - (k > gone)
@@ -264,7 +264,7 @@ def removed(scenario: Scenario, handle: Handle) -> Scenario:
     return msgspec.structs.replace(scenario, **{handle.kind: rest})
 
 
-def numbered(scenario: Scenario, index: int, number: int) -> Scenario:
+def with_shoal_size(scenario: Scenario, index: int, number: int) -> Scenario:
     """The scenario with so many fishes in a shoal; what is about single fishes goes with them."""
     first = sum(shoal.number for shoal in scenario.fish[:index])
     last, more = first + scenario.fish[index].number, number - scenario.fish[index].number
@@ -287,7 +287,7 @@ def numbered(scenario: Scenario, index: int, number: int) -> Scenario:
     )
 
 
-def check(scenario: Scenario, source: str = "the scenario", seed: int | None = None) -> None:
+def check_placed(scenario: Scenario, source: str = "the scenario", seed: int | None = None) -> None:
     """A UserError of one line for what could not be dived in; takes up to a second."""
     with locate_errors(scenario, source):
         convert(msgspec.to_builtins(scenario), Scenario)
@@ -295,7 +295,7 @@ def check(scenario: Scenario, source: str = "the scenario", seed: int | None = N
         check_world(scenario, seed)
 
 
-def thing(scenario: Scenario, kind: str, number: int) -> Any:
+def table_of(scenario: Scenario, kind: str, number: int) -> Any:
     """The table of a thing; None where there is no such thing."""
     those = getattr(scenario, kind)
     if kind in SINGLE:
@@ -303,12 +303,12 @@ def thing(scenario: Scenario, kind: str, number: int) -> Any:
     return those[number] if number < len(those) else None
 
 
-def exchanged(scenario: Scenario, kind: str, number: int, one: msgspec.Struct) -> Scenario:
+def with_table(scenario: Scenario, kind: str, number: int, one: msgspec.Struct) -> Scenario:
     """The scenario with another table for a thing."""
     if kind in SINGLE:
         return msgspec.structs.replace(scenario, **{kind: one})
     if isinstance(one, Shoal):
-        scenario = numbered(scenario, number, one.number)
+        scenario = with_shoal_size(scenario, number, one.number)
     those = list(getattr(scenario, kind))
     those[number] = one
     return msgspec.structs.replace(scenario, **{kind: those})
@@ -316,8 +316,8 @@ def exchanged(scenario: Scenario, kind: str, number: int, one: msgspec.Struct) -
 
 def _with(scenario: Scenario, handle: Handle, **changes: Any) -> Scenario:
     """The scenario with a thing changed."""
-    one = msgspec.structs.replace(thing(scenario, handle.kind, handle.number), **changes)
-    return exchanged(scenario, handle.kind, handle.number, one)
+    one = msgspec.structs.replace(table_of(scenario, handle.kind, handle.number), **changes)
+    return with_table(scenario, handle.kind, handle.number, one)
 
 
 def _clamped(table: type[msgspec.Struct], key: str, value: float) -> float:

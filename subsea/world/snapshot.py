@@ -1,8 +1,8 @@
-"""All that changes in a world, as bytes and back, and a checksum of it.
+"""Save and restore everything that changes in a world; a checksum of it.
 
 A snapshot is a JSON header (names, dtypes, shapes and offsets of the arrays, tick, seed and
-checksum) and the arrays' bytes behind it. It may come from another computer: everything in it is
-checked against the world that is to take it before a byte is copied, nothing is ever executed.
+checksum) followed by the bytes of the arrays. It may come from another computer: all of it is
+checked against the world before a byte is copied, and nothing is executed.
 """
 
 import hashlib
@@ -24,7 +24,7 @@ Arrays = dict[str, NDArray[Any]]
 
 MAGIC = b"subsea snapshot 1\n"
 MAX_HEADER = 1 << 16  # bytes
-MAX_VALUE = 1e7  # of any number that is not infinite: far more than a centimetre or a second here
+MAX_VALUE = 1e7  # of finite numbers: far beyond any valid length or time
 
 SPECS: dict[str, Spec] = {
     f"{part}.{name}": spec
@@ -49,12 +49,12 @@ class _Header(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 def changing(world: World) -> Arrays:
-    """Every array that a tick may change, by a name such as ``fishes.position``: no copies."""
+    """Arrays that a tick may change, by names such as ``fishes.position``, no copies."""
     return {name: array for name, array, spec in arrays_of(world.state) if spec.saved}
 
 
 def constant(world: World) -> Arrays:
-    """Every array of a world's state that stays as it was created, numbers as arrays of one."""
+    """Arrays that no tick changes; numbers are arrays without a dimension."""
     return {name: array for name, array, spec in arrays_of(world.state) if not spec.saved}
 
 
@@ -64,7 +64,7 @@ def may_be_infinite(name: str) -> bool:
 
 
 def checksum_of(arrays: Arrays, *more: object) -> str:
-    """BLAKE2b over names, dtypes, shapes and bytes of arrays, and what else is given, as text."""
+    """BLAKE2b over names, dtypes, shapes and bytes of arrays, and the text of `more`."""
     blake = hashlib.blake2b(repr(more).encode(), digest_size=16)
     for name, array in arrays.items():
         blake.update(f"{name} {array.dtype.str} {array.shape}".encode())
@@ -73,12 +73,12 @@ def checksum_of(arrays: Arrays, *more: object) -> str:
 
 
 def checksum(world: World) -> str:
-    """Of everything that changes: equal checksums are equal worlds."""
+    """Checksum of everything that changes: equal checksums mean equal worlds."""
     return checksum_of(changing(world), world.state.tick, world.state.seed, _seen_light(world))
 
 
 def take(world: World) -> bytes:
-    """Everything that changes in the world, as it is now."""
+    """Make a snapshot of a world."""
     arrays = changing(world)
     tick, seed = world.state.tick, world.state.seed
     header = _Header(tick, seed, _seen_light(world), checksum(world), _entries(arrays))
@@ -88,37 +88,37 @@ def take(world: World) -> bytes:
 
 
 def size_limit(world: World) -> int:
-    """Bytes that no snapshot of this world exceeds."""
+    """Largest size of a snapshot of this world, bytes."""
     return MAX_HEADER + 64 + sum(array.nbytes for array in changing(world).values())
 
 
 def restore(world: World, data: bytes) -> None:
-    """Put a world of the same scenario and seed into the state that `take` saw.
+    """Restore the state of a snapshot in a world of the same scenario and seed.
 
-    Whatever does not fit it to the byte is a UserError, and the world stays as it is.
+    Raises a UserError and leaves the world unchanged if the snapshot does not fit exactly.
     """
     header, content = _read(data)
     arrays, state = changing(world), world.state
     if header.seed != state.seed:
-        raise _fault(f"of seed {header.seed}, expected {state.seed}")
+        raise _error(f"seed {header.seed}, expected {state.seed}")
     expected = _entries(arrays)
     for theirs, ours in zip(header.arrays, expected, strict=False):
         if theirs != ours:
-            raise _fault(f"{_words(theirs)} where {_words(ours)} was expected")
+            raise _error(f"{_describe(theirs)} where {_describe(ours)} was expected")
     if len(header.arrays) != len(expected):
-        raise _fault(f"{len(header.arrays)} arrays, expected {len(expected)}")
+        raise _error(f"{len(header.arrays)} arrays, expected {len(expected)}")
     length = sum(array.nbytes for array in arrays.values())
     if len(content) != length:
-        raise _fault(f"{len(content)} bytes of arrays, expected {length}")
+        raise _error(f"{len(content)} bytes of arrays, expected {length}")
     given = {
         name: np.frombuffer(content, array.dtype, array.size, entry.offset).reshape(array.shape)
         for (name, array), entry in zip(arrays.items(), expected, strict=True)
     }
     if checksum_of(given, header.tick, header.seed, header.seen_light) != header.checksum:
-        raise _fault("the checksum is not that of its arrays")
-    _refuse_impossible(world, given)
+        raise _error("the checksum is not that of its arrays")
+    _check_values(world, given)
     if not all(0 <= fish < len(state.fishes.species) for fish in header.seen_light):
-        raise _fault("the light that is seen by a fish that is none")
+        raise _error("`seen_light` names a fish that does not exist")
     for name, array in arrays.items():
         array[...] = given[name]
     state.tick = header.tick
@@ -127,12 +127,12 @@ def restore(world: World, data: bytes) -> None:
 
 
 def check(world: World) -> None:
-    """A UserError that names a number in the world which no tick writes."""
+    """Raise a UserError that names an invalid number in the world."""
     arrays = changing(world)
     for name, array in arrays.items():
         if array.dtype.kind == "f" and np.isnan(array).any():
-            raise UserError(f"{name} holds what is no number")
-    _refuse_impossible(world, arrays)
+            raise UserError(f"{name} contains NaN")
+    _check_values(world, arrays)
 
 
 def _seen_light(world: World) -> dict[int, float]:
@@ -140,7 +140,7 @@ def _seen_light(world: World) -> dict[int, float]:
 
 
 def _entries(arrays: Arrays) -> list[_Entry]:
-    """What the header says of arrays that follow one another."""
+    """Header entries of consecutive arrays."""
     entries, offset = [], 0
     for name, array in arrays.items():
         entries.append(_Entry(name, array.dtype.str, list(array.shape), offset))
@@ -149,22 +149,22 @@ def _entries(arrays: Arrays) -> list[_Entry]:
 
 
 def _read(data: bytes) -> tuple[_Header, memoryview]:
-    """Header and the arrays' bytes."""
+    """Split a snapshot into header and bytes of the arrays."""
     begin = len(MAGIC) + 4
     if data[: len(MAGIC)] != MAGIC or len(data) < begin:
-        raise _fault("it does not begin as one")
+        raise _error("it does not begin as one")
     length = int.from_bytes(data[len(MAGIC) : begin], "little")
     if length > MAX_HEADER or begin + length > len(data):
-        raise _fault(f"a header of {length} bytes does not fit")
+        raise _error(f"a header of {length} bytes does not fit")
     try:
         header = msgspec.json.decode(data[begin : begin + length], type=_Header)
     except (msgspec.DecodeError, UnicodeDecodeError) as fault:
-        raise _fault(f"its header: {fault}") from fault
+        raise _error(f"its header: {fault}") from fault
     return header, memoryview(data)[begin + length :]
 
 
-def _refuse_impossible(world: World, given: Arrays) -> None:
-    """A UserError for values that no tick writes: compiled code does not check its indices."""
+def _check_values(world: World, given: Arrays) -> None:
+    """Raise a UserError for invalid values: compiled code does not check its indices."""
     limits = _limits(world, given)
     for name, array in given.items():
         if array.dtype.kind == "f":
@@ -182,13 +182,13 @@ def _refuse_impossible(world: World, given: Arrays) -> None:
             wrong = (array < low) | (array >= high)
         if wrong.any():
             where = [int(k) for k in np.argwhere(wrong)[0]]
-            raise _fault(f"{name}{where} is {array[tuple(where)]}, which no tick writes")
+            raise _error(f"{name}{where} is {array[tuple(where)]}, which no tick writes")
     recorded = len(world.library.entry)
     live, a, b = given["fishes.live"], given["fishes.row_a"], given["fishes.row_b"]
     slots = given["live.fish"]
     simulated = slots[(slots >= 0) & live[slots]] if len(live) else slots[:0]
     if (b[~live] >= recorded).any() or (np.minimum(a, b)[simulated] < recorded).any():
-        raise _fault("a fish's pose is not among the rows of its motor")
+        raise _error("a fish's pose is not among the rows of its motor")
 
 
 def _limits(world: World, given: Arrays) -> dict[int | str, Any]:
@@ -213,9 +213,9 @@ def _limits(world: World, given: Arrays) -> dict[int | str, Any]:
     }
 
 
-def _words(entry: _Entry) -> str:
+def _describe(entry: _Entry) -> str:
     return f"{entry.name} {entry.dtype} {entry.shape} at {entry.offset}"
 
 
-def _fault(what: str) -> UserError:
+def _error(what: str) -> UserError:
     return UserError(f"not a snapshot of this dive: {what}")

@@ -1,8 +1,8 @@
-"""A scenario with what panels have changed in its world: what is to be saved of a dive.
+"""Export a world as a scenario, with the parameters that panels have changed.
 
-Sexes, habits and tempers of fishes, what holds for all of them, the current and the physics. What
-all of a shoal have in common goes into its own table, what single ones have into `[[individual]]`.
-Hunger and libido of the moment are none of these: a dive begins with the scenario's.
+Traits of fishes, constants of all fishes, the current and the physics. Traits that a whole shoal
+shares go into its table, those of single fishes into `[[individual]]`. Current hunger and libido
+are not exported.
 """
 
 from typing import Any
@@ -18,13 +18,13 @@ from subsea.scenario.schema import Individual, PhysicsTable, Scenario, Shoal, Te
 from subsea.state import KINDS
 from subsea.world.world import World
 
-Columns = dict[str, NDArray[Any]]  # a value of each fish, by the keys of `Individual`
+Columns = dict[str, NDArray[Any]]  # one value for each fish, by the keys of `Individual`
 
 RATES = {"digestion": DIGESTION, "libido_rate": LIBIDO_RATE, "dread_cm": DREAD_CM}
 
 
-def as_it_is(world: World) -> Scenario:
-    """The scenario that a world began with, so that one made of it has the constants of now."""
+def to_scenario(world: World) -> Scenario:
+    """The scenario of a world with its current parameters."""
     shoals, tables = _fishes(world)
     return replace(
         world.scenario,
@@ -37,7 +37,7 @@ def as_it_is(world: World) -> Scenario:
 
 
 def _fishes(world: World) -> tuple[list[Shoal], list[Individual]]:
-    """Shoals, and what single fishes have of their own."""
+    """Shoals, and tables of single fishes."""
     scenario = world.scenario
     own = {one.fish: one for one in scenario.individual}
     shoals: list[Shoal] = []
@@ -73,7 +73,7 @@ def _now(world: World, these: slice) -> Columns:
 
 
 def _usual(shoal: Shoal, species: Species, now: Columns, length: NDArray[Any]) -> Columns:
-    """What a shoal's table gives to its fishes, of the lengths and kinds that they have."""
+    """Traits that a shoal's table gives to fishes of these lengths and kinds."""
     schooling = species.schooling if shoal.schooling is None else shoal.schooling
     rates = {
         key: usual if getattr(shoal, key) is None else getattr(shoal, key)
@@ -90,7 +90,7 @@ def _usual(shoal: Shoal, species: Species, now: Columns, length: NDArray[Any]) -
 
 
 def _common(shoal: Shoal, species: Species, now: Columns) -> Shoal:
-    """The shoal with what all of its fishes have, and would not have by its table."""
+    """The shoal with the traits that all of its fishes share, where its table gives others."""
     if not shoal.number:
         return shoal
     usual = _usual(shoal, species, now, np.zeros(shoal.number))
@@ -105,17 +105,17 @@ def _common(shoal: Shoal, species: Species, now: Columns) -> Shoal:
 
 
 def _unlike(one: NDArray[Any], other: NDArray[Any]) -> NDArray[np.bool_]:
-    """Of which fishes a value is another."""
+    """Fishes (n,) whose values differ."""
     unlike = one != other
     return unlike if unlike.ndim == 1 else unlike.any(axis=1)
 
 
 def _plain(key: str, value: Any) -> Any:
-    """A value as a file has it."""
+    """A value as in a file."""
     if key == "kind":
         return KINDS[value]
     if key == "likes":
         return [name for name, on in zip(HABITS, value, strict=True) if on]
     if key in ("male", "schooling"):
         return bool(value)
-    return float(str(value))  # in as few digits as single precision needs
+    return float(str(value))  # with the digits of single precision

@@ -1,6 +1,6 @@
-"""What no tick changes, but a panel may while diving: as it is now, and back.
+"""Save and restore parameters that panels edit.
 
-`snapshot` holds all that a tick changes. The two together are a world at a moment.
+A snapshot holds all that a tick changes. Both together are the world at a moment.
 """
 
 from typing import Any, NamedTuple
@@ -12,33 +12,33 @@ from subsea.state import TRAITS, Nature, Physics
 from subsea.world.world import World
 
 
-class Constants(NamedTuple):
-    """A copy: nothing that happens to the world changes it."""
+class Tunables(NamedTuple):
+    """A copy of the parameters that panels edit."""
 
     nature: Nature
     current_cm_s: tuple[float, float]  # strength of the swinging current along x and y
-    physics: Physics  # of the fishes that are simulated
-    minds: dict[str, NDArray[Any]]  # by the names of `TRAITS`
+    physics: Physics  # of simulated fishes
+    traits: dict[str, NDArray[Any]]  # by the names in `state.TRAITS`
 
 
-def constants_of(world: World) -> Constants:
-    """The constants of a world as they are now."""
-    minds = {name: getattr(world.state.minds, name).copy() for name in TRAITS}
-    return Constants(world.nature, world.current_cm_s, world.physics, minds)
+def get_tunables(world: World) -> Tunables:
+    """Copy the parameters of a world."""
+    traits = {name: getattr(world.state.minds, name).copy() for name in TRAITS}
+    return Tunables(world.nature, world.current_cm_s, world.physics, traits)
 
 
-def put_back(world: World, constants: Constants) -> None:
-    """Give the world the constants that `constants_of` saw in it.
+def set_tunables(world: World, tunables: Tunables) -> None:
+    """Restore the parameters of a world.
 
-    Before `snapshot.restore` of the same moment: what a snapshot may hold depends on them.
+    Call it before `snapshot.restore`: the values allowed in a snapshot depend on the traits.
     """
-    world.nature, world.current_cm_s, world.physics = constants[:3]
-    for name, values in constants.minds.items():
+    world.nature, world.current_cm_s, world.physics = tunables[:3]
+    for name, values in tunables.traits.items():
         getattr(world.state.minds, name)[...] = values
 
 
-def same(one: Constants, other: Constants) -> bool:
-    """Whether worlds with these constants go on alike from the same snapshot."""
+def equal_tunables(one: Tunables, other: Tunables) -> bool:
+    """Whether worlds with these parameters continue equally from the same snapshot."""
     return one[:3] == other[:3] and all(
-        np.array_equal(values, other.minds[name]) for name, values in one.minds.items()
+        np.array_equal(values, other.traits[name]) for name, values in one.traits.items()
     )

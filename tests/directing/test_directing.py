@@ -39,7 +39,7 @@ from subsea.world import snapshot
 from subsea.world.build import create_world
 from subsea.world.placement import Handle, removed
 from subsea.world.step import step
-from subsea.world.to_scenario import as_it_is
+from subsea.world.to_scenario import to_scenario
 from subsea.world.world import TICK_S
 from tests.support.directions import directions
 
@@ -318,7 +318,7 @@ def test_whatever_is_directed_the_world_stays_one(tmp_path, data):
     position = one.state.fishes.position
     assert np.hypot(position[:, 0], position[:, 1]).max() < scenario.bounds.radius_cm
     assert position[one.state.fishes.alive, 2].max() < 0.0
-    assert as_it_is(one) == scenario  # what directions did is not what a scenario is saved with
+    assert to_scenario(one) == scenario  # what directions did is not what a scenario is saved with
 
 
 @pytest.mark.parametrize("seed", [0, 7])

@@ -15,7 +15,7 @@ from subsea.submarine.helm import Helm
 from subsea.submarine.rail import Rail
 from subsea.world import snapshot
 from subsea.world.build import create_world
-from subsea.world.tunables import constants_of, put_back, same
+from subsea.world.tunables import equal_tunables, get_tunables, set_tunables
 from subsea.world.world import TICK_S
 
 REACH, KEPT = 50, 7  # ticks; as in a dive, but sooner at an end
@@ -28,7 +28,7 @@ def begun():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "REACH_TICKS", REACH)
         patch.setattr(module, "KEPT_TICKS", KEPT)
-        yield world, snapshot.take(world), constants_of(world)
+        yield world, snapshot.take(world), get_tunables(world)
 
 
 @pytest.fixture
@@ -38,7 +38,7 @@ def world(begun):
 
 def afresh(begun):
     world, whole, constants = begun
-    put_back(world, constants)
+    set_tunables(world, constants)
     snapshot.restore(world, whole)
     return world
 
@@ -69,17 +69,17 @@ deeds = st.one_of(
 def test_a_tick_of_the_past_is_the_one_that_was(begun, what, chance):
     world = afresh(begun)
     time = Timeline(world)
-    was = {0: (snapshot.checksum(world), constants_of(world))}  # what each tick has been
+    was = {0: (snapshot.checksum(world), get_tunables(world))}  # what each tick has been
 
     def as_it_was():
         checksum, constants = was[time.tick]
         assert snapshot.checksum(world) == checksum
-        assert same(constants_of(world), constants)
+        assert equal_tunables(get_tunables(world), constants)
 
     def changed():
         for tick in [tick for tick in was if tick > time.tick]:
             del was[tick]
-        was[time.tick] = snapshot.checksum(world), constants_of(world)
+        was[time.tick] = snapshot.checksum(world), get_tunables(world)
 
     def made(order):
         time.make(order)
@@ -177,14 +177,14 @@ def test_a_slider_that_is_dragged_takes_little_of_the_time_that_can_be_had_again
         world.nature = world.nature._replace(keen=0.1 + 0.8 * (k % 9) / 9)
         world.state.minds.eaten[k % 9] = 0.0
         time.touch()
-        was[time.tick] = snapshot.checksum(world), constants_of(world)
+        was[time.tick] = snapshot.checksum(world), get_tunables(world)
     assert time.bytes <= (4 + 3 * REACH // KEPT) * one
     assert time.latest - time.earliest >= REACH - KEPT
 
     def there():
         checksum, constants = was[time.tick]
         assert snapshot.checksum(world) == checksum
-        assert same(constants_of(world), constants)
+        assert equal_tunables(get_tunables(world), constants)
 
     for asked in [*range(time.latest, time.earliest, -3), *range(time.earliest, time.latest)]:
         before = time.tick
@@ -205,7 +205,7 @@ def test_a_slider_that_is_dragged_takes_little_of_the_time_that_can_be_had_again
     begin = time.tick
     for _ in range(KEPT):
         time.make(Helm(surge=-0.5))
-        was[time.tick] = snapshot.checksum(world), constants_of(world)
+        was[time.tick] = snapshot.checksum(world), get_tunables(world)
     for tick in range(begin, time.latest + 1):
         time.go(tick)
         assert time.tick == tick

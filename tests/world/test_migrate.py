@@ -10,7 +10,7 @@ from subsea.scenario.schema import Individual, Pillar, Shoal
 from subsea.state import TRAITS
 from subsea.world import placement
 from subsea.world.build import create_world
-from subsea.world.migrate import carry
+from subsea.world.migrate import migrate
 
 
 @pytest.fixture(scope="module")
@@ -37,8 +37,8 @@ def changed(few):
 @pytest.mark.parametrize(
     ("edit", "there"),
     [
-        (lambda s: placement.numbered(s, 0, 4), {3: 4, 5: 6}),  # one more before them
-        (lambda s: placement.numbered(s, 1, 2), {3: 3}),  # the last of them is gone
+        (lambda s: placement.with_shoal_size(s, 0, 4), {3: 4, 5: 6}),  # one more before them
+        (lambda s: placement.with_shoal_size(s, 1, 2), {3: 3}),  # the last of them is gone
         (lambda s: replace(s, fish=s.fish[1:]), {3: 0, 5: 2}),
         (lambda s: replace(s, fish=[*s.fish, s.fish[0]]), {3: 3, 5: 5}),
         (lambda s: replace(s, fish=[s.fish[0], s.fish[2]]), {}),
@@ -56,7 +56,7 @@ def changed(few):
 )
 def test_what_panels_changed_stays_changed(few, changed, edit, there):
     world, plain = create_world(edit(few)), create_world(edit(few))
-    carry(changed, world)
+    migrate(changed, world)
     assert world.nature.keen == 0.77
     assert world.physics.viscosity == 3.0
     assert world.current_cm_s == (5.0, -6.0)

@@ -17,7 +17,7 @@ from subsea.scenario.schema import Bounds, Individual, Scenario, Shoal, Start, T
 from subsea.submarine.helm import HANDS_OFF
 from subsea.world import placement, snapshot
 from subsea.world.build import create_world
-from subsea.world.placement import added, aim, check, grip, handles, moved, pick
+from subsea.world.placement import added, aim, check_placed, grip, handles, moved, pick
 from subsea.world.step import step
 
 replace = msgspec.structs.replace
@@ -149,15 +149,15 @@ def test_single_fishes_keep_their_tables_when_shoals_change():
     scenario = load_scenario("peaceful")[0]
     own = [Individual(fish=k, dread_cm=float(k)) for k in (2, 30, 33, 50, 58)]
     scenario = replace(scenario, individual=own)
-    fewer = placement.numbered(scenario, 0, 20)
+    fewer = placement.with_shoal_size(scenario, 0, 20)
     assert [(one.fish, one.dread_cm) for one in fewer.individual] == [
         (2, 2.0), (20, 33.0), (37, 50.0), (45, 58.0),
     ]  # fmt: skip
-    more = placement.numbered(scenario, 1, 28)
+    more = placement.with_shoal_size(scenario, 1, 28)
     assert [one.fish for one in more.individual] == [2, 30, 33, 50, 68]
     for fish, then in ((-1, -1), (2, 2), (30, -1), (50, 37)):  # which one is simulated first
         first = replace(scenario, physics=replace(scenario.physics, fish=fish))
-        assert placement.numbered(first, 0, 20).physics.fish == then
+        assert placement.with_shoal_size(first, 0, 20).physics.fish == then
     shoal = next(
         one for one in handles(scenario, create_world(scenario).state.sea) if one[:2] == ("fish", 0)
     )
@@ -171,7 +171,7 @@ def test_what_would_be_misplaced_is_one_line(full):
     those = {one.kind: one for one in handles(scenario, sea)}
     x, y, z = those["pillar"].place
     low = (x, y, z + 100.0)
-    check(scenario)
+    check_placed(scenario)
     for wrong, words in (
         (moved(scenario, those["submarine"], low), ["`submarine.position_cm`", "`pillar[0]`"]),
         (moved(scenario, those["fish"], (0.0, 0.0, -599.0)), ["`fish[0].position_cm`", "seabed"]),
@@ -183,7 +183,7 @@ def test_what_would_be_misplaced_is_one_line(full):
         (replace(scenario, rock=scenario.rock * 190), ["rock"]),
     ):
         with pytest.raises(UserError) as caught:
-            check(wrong, "bay.toml")
+            check_placed(wrong, "bay.toml")
         assert "\n" not in str(caught.value)
         assert all(word in str(caught.value) for word in ["bay.toml", *words]), caught.value
     for kind in ("submarine", "fish"):
@@ -254,7 +254,7 @@ def test_placed_saved_and_loaded_it_is_the_same_world(full, tmp_path, monkeypatc
     for act in acts:
         after = acted(scenario, sea, act)
         try:
-            check(after)
+            check_placed(after)
         except UserError:
             continue
         scenario = after

@@ -168,7 +168,7 @@ def test_the_light_that_a_fish_was_told_to_see_goes_along(small):
     assert other.seen_light == {1: float(np.float32(0.3))}
     assert snapshot.checksum(other) == snapshot.checksum(world)
     world.seen_light[3] = 0.5
-    refused(other, snapshot.take(world), "a fish that is none")
+    refused(other, snapshot.take(world), "a fish that does not exist")
     for one in (world, other):
         snapshot.restore(one, whole)
         assert not one.seen_light

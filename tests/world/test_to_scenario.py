@@ -9,8 +9,8 @@ from subsea.scenario.load import load_scenario
 from subsea.scenario.save import save_scenario
 from subsea.scenario.schema import Individual
 from subsea.world.build import create_world
-from subsea.world.to_scenario import as_it_is
-from subsea.world.tunables import constants_of, same
+from subsea.world.to_scenario import to_scenario
+from subsea.world.tunables import equal_tunables, get_tunables
 
 
 @pytest.fixture(scope="module")
@@ -31,7 +31,7 @@ def set_of(world, **own):
 
 
 def test_what_nobody_changed_is_the_same_scenario(world, few):
-    assert as_it_is(world) == few
+    assert to_scenario(world) == few
 
 
 def test_a_world_of_it_has_the_same_constants(world, few, tmp_path):
@@ -42,21 +42,21 @@ def test_a_world_of_it_has_the_same_constants(world, few, tmp_path):
     world.nature = world.nature._replace(keen=0.4, timidity=1.5)
     world.current_cm_s = (3.0, -2.0)
     world.physics = world.physics._replace(viscosity=2.0)
-    saved = as_it_is(world)
+    saved = to_scenario(world)
     save_scenario(saved, tmp_path / "saved.toml")
     again = create_world(load_scenario(str(tmp_path / "saved.toml"))[0])
-    assert same(constants_of(again), constants_of(world))
+    assert equal_tunables(get_tunables(again), get_tunables(world))
     # What a shoal has in common is told once.
     assert [one.fish for one in saved.individual] == [1, 2, 4]
     assert (saved.fish[2].kind, saved.fish[2].male_share) == ("prey", 0.0)
     assert saved.individual[1] == few.individual[0]
-    assert as_it_is(again) == saved
+    assert to_scenario(again) == saved
 
 
 def test_what_was_changed_and_back_again_leaves_no_trace(world, few):
     male = bool(world.state.minds.male[5])
     set_of(world, fish=5, male=not male)
-    assert as_it_is(world).individual[1] == Individual(fish=5, male=not male)
+    assert to_scenario(world).individual[1] == Individual(fish=5, male=not male)
     set_of(world, fish=5, male=male)
-    assert as_it_is(world) == few
+    assert to_scenario(world) == few
     np.testing.assert_array_equal(world.state.minds.male[5], male)

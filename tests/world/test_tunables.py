@@ -8,7 +8,7 @@ from subsea.submarine.helm import HANDS_OFF
 from subsea.world import snapshot
 from subsea.world.build import create_world
 from subsea.world.step import step
-from subsea.world.tunables import constants_of, put_back, same
+from subsea.world.tunables import equal_tunables, get_tunables, set_tunables
 
 
 def made():
@@ -38,29 +38,29 @@ def meddled(world):
 def test_a_world_with_its_constants_back_goes_on_as_it_would_have():
     world, twin = made(), made()
     went_on(world, 40), went_on(twin, 40)
-    then, bytes_then = constants_of(world), snapshot.take(world)
+    then, bytes_then = get_tunables(world), snapshot.take(world)
     meddled(world)
     assert went_on(world, 30) != went_on(twin, 30)
     for name in TRAITS:
-        assert (getattr(world.state.minds, name) != then.minds[name]).any(), name
-    put_back(world, then)
+        assert (getattr(world.state.minds, name) != then.traits[name]).any(), name
+    set_tunables(world, then)
     snapshot.restore(world, bytes_then)
     assert went_on(world, 30) == snapshot.checksum(twin)
-    assert same(constants_of(world), then)
+    assert equal_tunables(get_tunables(world), then)
 
 
 def test_each_constant_counts_as_a_difference():
     world = made()
-    before = constants_of(world)
-    assert same(before, constants_of(world))
+    before = get_tunables(world)
+    assert equal_tunables(before, get_tunables(world))
     for change in (
         {"nature": world.nature._replace(keen=0.1)},
         {"current_cm_s": (1.0, 0.0)},
         {"physics": world.physics._replace(stiffness=2.0)},
-        *({"minds": before.minds | {name: before.minds[name] + 1}} for name in TRAITS[4:]),
-        *({"minds": before.minds | {name: before.minds[name] ^ 1}} for name in TRAITS[:4]),
+        *({"traits": before.traits | {name: before.traits[name] + 1}} for name in TRAITS[4:]),
+        *({"traits": before.traits | {name: before.traits[name] ^ 1}} for name in TRAITS[:4]),
     ):
-        assert not same(before, before._replace(**change)), change
+        assert not equal_tunables(before, before._replace(**change)), change
 
 
 def test_the_current_turns_while_diving():

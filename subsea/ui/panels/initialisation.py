@@ -24,7 +24,7 @@ from subsea.scenario.schema import (
 from subsea.ui.context import PanelContext
 from subsea.ui.panels.fields import typed_whole
 from subsea.world.inventory import KINDS, Counts, counts, with_counts
-from subsea.world.to_scenario import as_it_is
+from subsea.world.to_scenario import to_scenario
 
 MAX_PLANKTON = 100_000
 NUMBER, SEED, NAME = 6.5, 9.0, 14.0  # how wide fields are, in heights of letters
@@ -131,7 +131,7 @@ def save(context: PanelContext, name: str = "") -> Path | None:
 def present(context: PanelContext) -> Scenario:
     """The dive's scenario with what panels have changed."""
     world = context.dive.world
-    return replace(as_it_is(world), seed=world.state.seed)
+    return replace(to_scenario(world), seed=world.state.seed)
 
 
 def _fishes(wanted: Counts) -> None:

@@ -142,7 +142,7 @@ def _enter(context: PanelContext, scenario: Scenario) -> bool:
     placing, dive = context.state(PlacementState), context.dive
     placing.said = ""
     try:
-        placement.check(scenario, str(dive.source), dive.world.state.seed)
+        placement.check_placed(scenario, str(dive.source), dive.world.state.seed)
     except UserError as fault:
         placing.said = str(fault)
         dive.note(placing.said)
@@ -206,7 +206,7 @@ def _add(context: PanelContext, kind: str) -> None:
         eye = submarine.position
     else:
         eye, way = sight.ray(0.5, 0.6)
-    at = placement.before(sea, eye, way)
+    at = placement.place_ahead(sea, eye, way)
     if apply_placement(context, placement.added(dive.scenario, kind, at, sea)):
         those = getattr(dive.scenario, kind)
         placing.chosen = kind, 0 if kind in placement.SINGLE else len(those) - 1
@@ -233,7 +233,7 @@ def _numbers(context: PanelContext, placing: PlacementState, scenario: Scenario,
     if placing.chosen is None:
         return
     kind, number = placing.chosen
-    one = placement.thing(scenario, kind, number)
+    one = placement.table_of(scenario, kind, number)
     if one is None:
         placing.chosen = None
         return
@@ -246,7 +246,7 @@ def _numbers(context: PanelContext, placing: PlacementState, scenario: Scenario,
     new, entered = fields.table(new)
     imgui.pop_id()
     if new != one:
-        changed = placement.exchanged(scenario, kind, number, new)
+        changed = placement.with_table(scenario, kind, number, new)
         placing.try_out(changed, sea, str(context.dive.source))
     if (settled or entered) and placing.trial is not None:
         context.later(partial(apply_placement, context, placing.trial))
