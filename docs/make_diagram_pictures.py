@@ -10,7 +10,8 @@ from plates import folder_asked, keep
 
 from subsea.dive.start import headless, picture_maker, start_world
 from subsea.dive.tour import Tour
-from subsea.frame.diagrams import DiagramBuilder, place_labels
+from subsea.frame.diagrams import DiagramBuilder
+from subsea.frame.labels import place_labels
 from subsea.frame.packet import pack
 from subsea.geometry.height_field import height_at
 from subsea.media.film import lettered

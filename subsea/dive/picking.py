@@ -44,7 +44,7 @@ def pick(renderer: Renderer, packet: Packet, x: float, y: float) -> Picked | Non
         return None
     view = packet.views[number]
     part = _about(view.viewport, at)
-    seen = renderer.look_up(packet, (number,), part)
+    seen = renderer.id_maps(packet, (number,), part)
     height, width = seen.kind.shape
     # The pixel of the map that the place is in: maps are larger or smaller than the canvas.
     column = min(int((at[0] - part[0]) / part[2] * width), width - 1)

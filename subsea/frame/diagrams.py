@@ -1,13 +1,13 @@
-"""Lines and labels that show what cannot be seen: bodies' springs, senses, bonds (Tu §9.2, §9.4).
+"""Diagrams of what is invisible: springs of bodies, senses, bonds of schools (Tu §9.2, §9.4).
 
-The drawing modes of Tu's general control, and a few more. Whatever belongs to fishes is drawn for
-those in sight, the ones that look largest first and no more than MOST of them; of the chosen fish
-more strongly than of others.
+The drawing modes of Tu's general control, and a few more. Diagrams of fishes are drawn for those in
+sight, the largest in the picture first and at most MOST of them; that of the chosen fish is
+stronger than others.
 """
 
 from collections import deque
 from collections.abc import Callable, Collection, Iterable, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,6 +15,17 @@ from subsea.biomechanics.body import KINDS, UNITS
 from subsea.core.arrays import Array, Ints
 from subsea.core.errors import unknown
 from subsea.fish.surface import DORSAL, FIN_U, FIN_V, LEFT, RIGHT, VENTRAL, U, V
+from subsea.frame.labels import Label
+from subsea.frame.lines import (
+    NO_LINES,
+    ROUND,
+    Lines,
+    arc,
+    faded,
+    frustum_edges,
+    join_lines,
+    make_lines,
+)
 from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import matrix
 from subsea.motor.pose import pose_at
@@ -26,10 +37,9 @@ from subsea.view.camera import View
 from subsea.view.culling import IN_SIGHT, coverage
 from subsea.view.display_rigs import cockpit, views_for
 from subsea.view.retina import FishEyes, control_points_at, fish_eyes, retina_rig, retinal_views
-from subsea.view.rig import CameraRig, Projection
 from subsea.world.world import World
 
-Colour = tuple[float, float, float]  # as it is to appear on the screen, sRGB, 0 to 1
+Colour = tuple[float, float, float]  # sRGB as on the screen, 0 to 1
 
 DIAGRAMS = {
     "scaffold": "springs and muscles of bodies, the redder the more they contract",
@@ -43,18 +53,18 @@ DIAGRAMS = {
     "bounds": "the edge of the sea",
     "indices": "numbers of fishes",
 }
-"""What may be shown, and in words what that is."""
+"""Names of the diagrams, with descriptions."""
 
-# Of how many fishes in sight each is drawn, those that look largest first.
+# The most fishes that have each diagram.
 MOST = {
     "scaffold": 60, "control mesh": 24, "sensitivity": 60, "school": 400, "perception": 3,
     "axes": 100, "paths": 200, "indices": 100,
 }  # fmt: skip
 
-AROUND = ("sensitivity", "school", "perception")  # what lies outside of a body
+AROUND = ("sensitivity", "school", "perception")  # diagrams outside of a body
 
 PALE, RED = (0.95, 0.86, 0.80), (0.95, 0.10, 0.08)  # a muscle at rest, and contracted
-CONTRACTED = 0.2  # share of its length by which a muscle is shorter when it is all red
+CONTRACTED = 0.2  # shortening, as a share of the length, at which a muscle is all red
 CROSS, OTHER = (0.45, 0.62, 0.72), (0.86, 0.92, 0.94)
 MESH, FIN = (0.95, 0.86, 0.40), (0.95, 0.66, 0.36)
 CALM, ALARMED = (0.36, 0.90, 0.66), (0.95, 0.30, 0.20)
@@ -64,56 +74,24 @@ VESSEL, EYES = (0.95, 0.90, 0.72), (0.75, 0.95, 0.85)
 AXES: tuple[Colour, ...] = (0.95, 0.25, 0.20), (0.35, 0.90, 0.30), (0.35, 0.55, 0.95)
 PATH, WAKE, EDGE = (0.90, 0.90, 0.75), (0.95, 0.90, 0.72), (0.80, 0.90, 0.95)
 
-STRONG, PLAIN, FAINT = 1.0, 0.75, 0.35  # opacity of the chosen fish's lines, of all, of others
-ABOVE_CM = 3.0  # a number stands so far above a back
-EACH_TICKS, KEPT = 3, 50  # of paths: how often a place is kept, and how many of them
-FRUSTUM_CM, RETINA_CM = 160.0, 25.0  # how far frusta are drawn
-WIDE = 256, 144  # the shape of the picture that the submarine is taken to look at
+STRONG, PLAIN, FAINT = 1.0, 0.75, 0.35  # opacity: of the chosen fish, of all, of others
+ABOVE_CM = 3.0  # height of a number above the back
+EACH_TICKS, KEPT = 3, 50  # of paths: ticks between points, and their number
+FRUSTUM_CM, RETINA_CM = 160.0, 25.0  # length of frusta
+WIDE = 256, 144  # picture whose aspect the submarine's frustum has
 AXIS_BL, AXIS_CM = 0.6, 100.0  # length of a body's axes and of the world's
-ROUND = 48  # pieces of a circle
 BOX_EDGES = np.array([(a, a | bit) for a in range(8) for bit in (1, 2, 4) if not a & bit])
 
 
-class Lines(NamedTuple):
-    """k straight lines in the world."""
-
-    ends: Array  # (k, 2, 3) float32, cm
-    colours: Array  # (k, 4) float32: as they appear on the screen, sRGB; opacity
-    # (k,) float32, cm: a line is hidden as if it were so much nearer to the eye, so that what lies
-    # within a body shows.
-    lift: Array
-
-
-class Label(NamedTuple):
-    """A word at a place."""
-
-    place: Array  # (3,) cm
-    text: str
-
-
 class Diagram(NamedTuple):
-    """What is to be drawn, and written."""
+    """Lines and labels."""
 
     lines: Lines
     labels: tuple[Label, ...] = ()
 
 
-class PlacedLabel(NamedTuple):
-    """Where a label stands in a finished picture."""
-
-    output: int
-    x: float  # pixels from the left ...
-    y: float  # ... and from the top, of the middle of its foot
-    text: str
-
-
-NO_LINES = Lines(
-    np.zeros((0, 2, 3), np.float32), np.zeros((0, 4), np.float32), np.zeros(0, np.float32)
-)
-
-
 def chosen_diagrams(text: str) -> tuple[str, ...]:
-    """The diagrams of a list such as "scaffold,frusta"; another name is a UserError."""
+    """The diagrams of a list such as "scaffold,frusta"; raises UserError for unknown names."""
     names = [name.strip().replace("_", " ").replace("-", " ") for name in text.split(",")]
     for name in filter(None, names):
         if name not in DIAGRAMS:
@@ -122,16 +100,16 @@ def chosen_diagrams(text: str) -> tuple[str, ...]:
 
 
 class DiagramBuilder:
-    """Draws the diagrams of a world, and remembers what they need: where all was, whose eyes."""
+    """Builds the diagrams of a world; remembers past positions for paths."""
 
     def __init__(self, world: World) -> None:
-        """Nothing is remembered yet."""
+        """Measure the recorded lengths of the springs."""
         self.world = world
         self._trail: deque[tuple[int, Array]] = deque(maxlen=KEPT)
         self._riders: dict[int, FishEyes] = {}
         slow = SEGMENTS.index("swim_slow")
         first, count = world.library.first[:, slow], world.library.length[:, slow]
-        self._rest = np.array(  # of units (s, 91): their mean over a beat, as recorded
+        self._rest = np.array(  # of units (s, 91), means over a recorded beat
             [
                 _lengths(world.library.nodes[row : row + rows]).mean(axis=0)
                 for row, rows in zip(first, count, strict=True)
@@ -139,7 +117,7 @@ class DiagramBuilder:
         )
 
     def follow(self) -> None:
-        """Remember where all is now, for `paths`; after a rewind, what came later never was."""
+        """Remember positions for `paths`, and forget those after the current tick."""
         tick, state = self.world.state.tick, self.world.state
         while self._trail and self._trail[-1][0] > tick:
             self._trail.pop()
@@ -154,9 +132,9 @@ class DiagramBuilder:
         alpha: float,
         chosen: int | None = None,
     ) -> Diagram:
-        """The diagrams `shown`, names of DIAGRAMS, `alpha` of the way from tick to tick.
+        """Build the diagrams named in `shown`, `alpha` of the way from the last tick to this one.
 
-        `chosen` is the fish that a visitor has picked, or rides.
+        `chosen` is the fish that a visitor has picked or rides.
         """
         if "paths" in shown:
             self.follow()
@@ -179,28 +157,28 @@ class DiagramBuilder:
                 continue
             most = seen[: MOST[name]]
             if chosen is None:
-                parts += _faded(draw(most, alpha), PLAIN)
+                parts += faded(draw(most, alpha), PLAIN)
                 continue
-            # What is about a fish is seen from its own eyes too, what is in it is not.
+            # A ridden fish sees diagrams around it, but none in its body.
             there = alive[chosen] and (name in AROUND or chosen in most)
-            parts += _faded(draw(np.array([chosen] * there, np.int64), alpha), STRONG)
+            parts += faded(draw(np.array([chosen] * there, np.int64), alpha), STRONG)
             if name != "perception":
-                parts += _faded(draw(most[most != chosen], alpha), FAINT)
+                parts += faded(draw(most[most != chosen], alpha), FAINT)
         if "frusta" in shown:
-            parts += _faded(self._frusta(views, alpha, chosen), PLAIN)
+            parts += faded(self._frusta(views, alpha, chosen), PLAIN)
         if "axes" in shown:
             parts.append(self._world_axes())
         if "paths" in shown:
-            parts += _faded([self._wake(alpha)], FAINT)
+            parts += faded([self._wake(alpha)], FAINT)
         if "bounds" in shown:
-            parts += _faded(self._bounds(), PLAIN)
+            parts += faded(self._bounds(), PLAIN)
         labels: tuple[Label, ...] = ()
         if "indices" in shown:
             labels = self._indices(seen[: MOST["indices"]], alpha, chosen)
-        return Diagram(joined(parts), labels)
+        return Diagram(join_lines(parts), labels)
 
     def _in_sight(self, views: Sequence[View], alpha: float, chosen: int | None) -> Ints:
-        """The fishes that some view sees, the chosen one first, then those that look largest."""
+        """The fishes in sight of any view: the chosen one, then the largest in the picture."""
         fishes, library = self.world.state.fishes, self.world.library
         middle = fishes.previous_position + np.float32(alpha) * (
             fishes.position - fishes.previous_position
@@ -209,7 +187,7 @@ class DiagramBuilder:
         reach = IN_SIGHT * self.world.scenario.water.visibility_cm
         pixels, _ = coverage(middle, radii, fishes.length, views, reach)
         without = {view.without for view in views}
-        if len(without) == 1:  # nobody sees its own body
+        if len(without) == 1:  # a fish does not see its own body
             pixels[[one for one in without if one >= 0]] = -1.0
         pixels[~fishes.alive] = -1.0
         if chosen is not None and pixels[chosen] >= 0.0:
@@ -218,7 +196,7 @@ class DiagramBuilder:
         return order[: int((pixels >= 0.0).sum())]
 
     def _frames(self, who: Ints, alpha: float) -> tuple[Array, Array]:
-        """Origins (n, 3), cm, and axes (n, 3, 3), columns, of bodies, as `frame.pack` has them."""
+        """Origins (n, 3), cm, and axes (n, 3, 3), columns, of bodies, interpolated."""
         fishes = self.world.state.fishes
         before = fishes.previous_orientation[who].astype(np.float64)
         after = fishes.orientation[who].astype(np.float64)
@@ -229,12 +207,12 @@ class DiagramBuilder:
         return place + alpha * (fishes.position[who] - place), matrix(turn)
 
     def _within(self, who: Ints, each: int) -> Array:
-        """The lift of `each` lines within every one of the bodies `who`, one after another."""
+        """The lift of `each` lines within each of the bodies `who`."""
         fishes = self.world.state.fishes
         return np.repeat(fishes.girth[who].sum(axis=1), each)
 
     def _scaffold(self, who: Ints, alpha: float) -> Iterable[Lines]:
-        """The 91 units of every fish, from node to node of its pose."""
+        """The 91 springs between the nodes of each fish."""
         fishes, library = self.world.state.fishes, self.world.library
         nodes = np.zeros((len(who), *library.nodes.shape[1:]))
         for k, i in enumerate(who):
@@ -248,21 +226,21 @@ class DiagramBuilder:
         place, axes = self._frames(who, alpha)
         body = fishes.scale[who][:, None, None] * nodes
         world = place[:, None] + np.einsum("nij,nkj->nki", axes, body)
-        yield _lines(world[:, UNITS], colours, self._within(who, len(UNITS)))
+        yield make_lines(world[:, UNITS], colours, self._within(who, len(UNITS)))
 
     def _control_mesh(self, who: Ints, alpha: float) -> Iterable[Lines]:
-        """The grids of control points of both halves of a body and of its two fins."""
+        """The grids of control points of both body halves and of the two median fins."""
         place, axes = self._frames(who, alpha)
         for k, i in enumerate(who):
             points = control_points_at(self.world, int(i), alpha)
             world = place[k] + self.world.state.fishes.scale[i] * points @ axes[k].T
             ends, colours = world[GRID_EDGES], np.where(ON_BODY[:, None], MESH, FIN)
-            yield _lines(ends, colours, self._within(who[k : k + 1], len(ends)))
+            yield make_lines(ends, colours, self._within(who[k : k + 1], len(ends)))
 
     def _sensitivity(self, who: Ints, alpha: float) -> Iterable[Lines]:
-        """The box that `perception.collision` sweeps, for one who is met that is infinitely thin.
+        """The box that `perception.collision` sweeps, for an infinitely thin obstacle.
 
-        It and the ray ahead are red while something is in them, and a line goes to who threatens.
+        It and the ray ahead are red while something is in them; a line leads to the threat.
         """
         minds, fishes = self.world.state.minds, self.world.state.fishes
         place, axes = self._frames(who, alpha)
@@ -271,17 +249,17 @@ class DiagramBuilder:
             corner = np.array([[c & 1, c >> 1 & 1, c >> 2 & 1] for c in range(8)])
             box = place[k] + (low + corner * (high - low)) @ axes[k].T
             threat = int(minds.threat[i])
-            yield _lines(box[BOX_EDGES], CALM if threat == NOBODY else ALARMED)
+            yield make_lines(box[BOX_EDGES], CALM if threat == NOBODY else ALARMED)
             reach = ENLARGED * self.world.nature.timidity * ANTENNA_BL * float(fishes.length[i])
             snout = place[k] + float(fishes.snout[i]) * axes[k][:, 0]
             tip = snout + reach * axes[k][:, 0]
-            yield _lines([(snout, tip)], CALM if minds.barrier[i] == -1 else ALARMED)
+            yield make_lines([(snout, tip)], CALM if minds.barrier[i] == -1 else ALARMED)
             if threat != NOBODY:
                 there, _ = self._frames(np.array([threat]), alpha)
-                yield _lines([(snout, there[0])], ALARMED)
+                yield make_lines([(snout, there[0])], ALARMED)
 
     def _school(self, who: Ints, alpha: float) -> Iterable[Lines]:
-        """From every schooling fish to its leader, and to those it minds."""
+        """Lines from each schooling fish to its leader and its neighbours."""
         minds, alive = self.world.state.minds, self.world.state.fishes.alive
         schooling = who[minds.schools[who]]
         led = schooling[minds.leader[schooling] >= 0]
@@ -295,10 +273,10 @@ class DiagramBuilder:
             (np.stack([led, minds.leader[led]], axis=1), LEADER),
         ):
             ends, _ = self._frames(those.ravel(), alpha)
-            yield _lines(ends.reshape(-1, 2, 3), colour)
+            yield make_lines(ends.reshape(-1, 2, 3), colour)
 
     def _perception(self, who: Ints, alpha: float) -> Iterable[Lines]:
-        """How far things of standard size are seen (Tu §6.3), the blind cone, and smell."""
+        """Range of vision for standard sizes (Tu §6.3), blind cone, and range of smell."""
         nature = self.world.nature
         bodies = bodies_of(self.world.state.fishes)
         place, axes = self._frames(who, alpha)
@@ -307,16 +285,16 @@ class DiagramBuilder:
             ahead, up, right = axes[k].T
             eye = place[k] + float(bodies.snout[i]) * ahead
             for aside in (up, right):
-                yield _lines(_arc(eye, nature.vision_cm, ahead, aside, -edge, edge), SIGHT)
+                yield make_lines(arc(eye, nature.vision_cm, ahead, aside, -edge, edge), SIGHT)
             for one, other in ((ahead, up), (ahead, right), (up, right)):
-                yield _lines(_arc(eye, nature.smell_cm, one, other, -np.pi, np.pi), SMELL)
+                yield make_lines(arc(eye, nature.smell_cm, one, other, -np.pi, np.pi), SMELL)
             behind = eye + FIELD_COS * nature.vision_cm * ahead
-            rim = _arc(behind, np.sin(edge) * nature.vision_cm, up, right, -np.pi, np.pi)
-            yield _lines(rim, BLIND)
-            yield _lines([(eye, rim[n, 0]) for n in range(0, ROUND, ROUND // 8)], BLIND)
+            rim = arc(behind, np.sin(edge) * nature.vision_cm, up, right, -np.pi, np.pi)
+            yield make_lines(rim, BLIND)
+            yield make_lines([(eye, rim[n, 0]) for n in range(0, ROUND, ROUND // 8)], BLIND)
 
     def _frusta(self, views: Sequence[View], alpha: float, chosen: int | None) -> Iterable[Lines]:
-        """Of all but those through which one looks: their edges are the picture's."""
+        """Frusta of the submarine and of the chosen fish, unless the view is from there."""
         pilot = views_for("mono", WIDE, cockpit(self.world.state.submarine, alpha))
         shown = [(view, FRUSTUM_CM, VESSEL) for view in pilot]
         if chosen is not None and self.world.state.fishes.alive[chosen]:
@@ -327,22 +305,24 @@ class DiagramBuilder:
             shown += [(view, RETINA_CM, EYES) for view in retinal_views(self.world, by, rig, alpha)]
         for view, reach, colour in shown:
             if all(np.linalg.norm(np.asarray(view.eye) - one.eye) > 10.0 for one in views):
-                yield _lines(frustum(view, reach), colour)
+                yield make_lines(frustum_edges(view, reach), colour)
 
     def _axes(self, who: Ints, alpha: float) -> Iterable[Lines]:
-        """The body frame: forward, up, right."""
+        """Body axes: forward, up, right."""
         place, axes = self._frames(who, alpha)
         length = AXIS_BL * self.world.state.fishes.length[who][:, None]
         for axis, colour in enumerate(AXES):
             tip = place + length * axes[:, :, axis]
-            yield _lines(np.stack([place, tip], axis=1), colour, self._within(who, 1))
+            yield make_lines(np.stack([place, tip], axis=1), colour, self._within(who, 1))
 
     def _world_axes(self) -> Lines:
-        """x red, y green, z blue, over the middle of the seabed."""
+        """World axes over the middle of the seabed: x red, y green, z blue."""
         sea = self.world.state.sea
         foot = np.array([0.0, 0.0, height_at(sea.heights, sea.half_width, 0.0, 0.0) + 2.0])
         tips = foot + AXIS_CM * np.eye(3)
-        return joined(_lines([(foot, tip)], colour) for tip, colour in zip(tips, AXES, strict=True))
+        return join_lines(
+            make_lines([(foot, tip)], colour) for tip, colour in zip(tips, AXES, strict=True)
+        )
 
     def _paths(self, who: Ints, alpha: float) -> Iterable[Lines]:
         place, _ = self._frames(who, alpha)
@@ -355,25 +335,27 @@ class DiagramBuilder:
         return self._way(np.array([-1]), now[None], WAKE)
 
     def _way(self, columns: Ints, now: Array, colour: Colour) -> Lines:
-        """Through the places that are remembered of some columns to where they are now."""
+        """Lines through the remembered positions of some columns to the current ones."""
         tick = self.world.state.tick
         past = [places[columns] for at, places in self._trail if at < tick]
         points = np.stack([*past, now], axis=1)
-        return _lines(np.stack([points[:, :-1], points[:, 1:]], axis=2).reshape(-1, 2, 3), colour)
+        return make_lines(
+            np.stack([points[:, :-1], points[:, 1:]], axis=2).reshape(-1, 2, 3), colour
+        )
 
     def _bounds(self) -> Iterable[Lines]:
         """The cylinder that bounds the sea, from the seabed to the surface."""
         sea = self.world.state.sea
         middle, x, y = np.zeros(3), np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
-        above = _arc(middle, sea.radius, x, y, -np.pi, np.pi)
+        above = arc(middle, sea.radius, x, y, -np.pi, np.pi)
         below = above.copy()
         for point in below.reshape(-1, 3):
             point[2] = height_at(sea.heights, sea.half_width, point[0], point[1]) + 2.0
-        yield _lines(np.concatenate([above, below]), EDGE)
-        yield _lines(np.stack([below[::4, 0], above[::4, 0]], axis=1), EDGE)
+        yield make_lines(np.concatenate([above, below]), EDGE)
+        yield make_lines(np.stack([below[::4, 0], above[::4, 0]], axis=1), EDGE)
 
     def _indices(self, who: Ints, alpha: float, chosen: int | None) -> tuple[Label, ...]:
-        """The number of every fish above its back; of the chosen one its species too."""
+        """The number of each fish above its back; for the chosen one the species too."""
         fishes = self.world.state.fishes
         place, _ = self._frames(who, alpha)
         place[:, 2] += 0.5 * fishes.girth[who, 0] + ABOVE_CM
@@ -383,70 +365,15 @@ class DiagramBuilder:
 
 
 def sensitivity_box(world: World, i: int) -> tuple[Array, Array]:
-    """Lowest and highest corner (3,) of fish i's sensitivity region, cm, in the body's axes.
+    """Lowest and highest corner (3,) of fish i's sensitivity region, cm, in body axes.
 
-    As in `perception.collision.share_inside`, where it is larger by half of who is met.
+    `perception.collision.share_inside` enlarges it by half the size of the other fish.
     """
     fishes = world.state.fishes
     length, snout = float(fishes.length[i]), float(fishes.snout[i])
     room = sensitivity(world.state.minds, i, world.nature)[0] * length
     tall, wide = 0.5 * fishes.girth[i].astype(np.float64) + room
     return np.array([snout - length - room, -tall, -wide]), np.array([snout + room, tall, wide])
-
-
-def frustum(view: View, reach_cm: float) -> Array:
-    """Its edges (8, 2, 3), cm: four from the eye on, and their ends joined, `reach_cm` ahead."""
-    inverse = np.linalg.inv(view.projection.astype(np.float64) @ view.view.astype(np.float64))
-    corners = np.array([(-1, -1, 1, 1), (1, -1, 1, 1), (1, 1, 1, 1), (-1, 1, 1, 1)]) @ inverse.T
-    rays = corners[:, :3] / corners[:, 3:] - view.eye
-    ahead = -view.view[2, :3].astype(np.float64)
-    ends = view.eye + reach_cm * rays / (rays @ ahead)[:, None]
-    edges = [(view.eye, end) for end in ends]
-    return np.array(edges + [(ends[k - 1], ends[k]) for k in range(4)])
-
-
-def joined(parts: Iterable[Lines]) -> Lines:
-    """All lines of all parts."""
-    return Lines(*(np.concatenate(column) for column in zip(NO_LINES, *parts, strict=True)))
-
-
-def place_labels(
-    rig: CameraRig, views: Sequence[View], labels: Sequence[Label]
-) -> list[PlacedLabel]:
-    """Where labels stand in the pictures of a rig that draws these `views`, the farthest first.
-
-    On every patch that shows an eye's picture as it is; of two eyes that share pixels where the
-    left one sees it. What a mesh bends or all-round pictures show has none.
-    """
-    found = []
-    for patch in rig.patches:
-        view = next((one for one in views if one.viewport == patch.left), None)
-        if view is None or patch.shape != Projection.FLAT:
-            continue
-        x, y, width, height = patch.place
-        top = rig.outputs[patch.output][1]
-        for distance, across, up, text in projected(view, labels):
-            at = PlacedLabel(patch.output, x + width * across, top - y - height * up, text)
-            found.append((distance, at))
-    return [at for _, at in sorted(found, key=lambda pair: -pair[0])]
-
-
-def projected(view: View, labels: Sequence[Label]) -> list[tuple[float, float, float, str]]:
-    """Distance, cm, shares of the viewport from its lower left corner, and text of labels.
-
-    Of those that lie in the picture.
-    """
-    if not labels:
-        return []
-    places = np.array([label.place for label in labels])
-    both = view.projection.astype(np.float64) @ view.view.astype(np.float64)
-    clip = np.concatenate([places, np.ones((len(places), 1))], axis=1) @ both.T
-    inside = (clip[:, 3] > 0.0) & (np.abs(clip[:, :2]) <= clip[:, 3:]).all(axis=1)
-    shares = 0.5 + 0.5 * clip[:, :2] / np.where(inside, clip[:, 3], 1.0)[:, None]
-    return [
-        (float(clip[k, 3]), float(shares[k, 0]), float(shares[k, 1]), labels[k].text)
-        for k in np.flatnonzero(inside).tolist()
-    ]
 
 
 def _grid(first: int, rows: int, columns: int) -> list[tuple[int, int]]:
@@ -460,32 +387,11 @@ def _grid(first: int, rows: int, columns: int) -> list[tuple[int, int]]:
 _BODY = [*_grid(LEFT.start, U, V), *_grid(RIGHT.start, U, V)]
 _FINS = [*_grid(DORSAL.start, FIN_U, FIN_V), *_grid(VENTRAL.start, FIN_U, FIN_V)]
 GRID_EDGES = np.array(_BODY + _FINS)
-"""Pairs of control points (m, 2) that are neighbours: two grids of 9 × 21, two of 2 × 12."""
+"""Pairs (m, 2) of adjacent control points: two grids of 9 × 21, two of 2 × 12."""
 ON_BODY = np.arange(len(GRID_EDGES)) < len(_BODY)
 
 
-def _lines(ends: Any, colours: Any, lift: Any = 0.0) -> Lines:
-    """Lines that are opaque, of one colour or of (…, 3) colours."""
-    placed = np.asarray(ends, np.float32).reshape(-1, 2, 3)
-    tinted = np.ones((len(placed), 4), np.float32)
-    tinted[:, :3] = np.asarray(colours, np.float32).reshape(-1, 3)
-    lifted = np.broadcast_to(np.asarray(lift, np.float32), len(placed))
-    return Lines(placed, tinted, lifted)
-
-
-def _faded(parts: Iterable[Lines], opacity: float) -> list[Lines]:
-    share = np.array([1.0, 1.0, 1.0, opacity], np.float32)
-    return [part._replace(colours=part.colours * share) for part in parts]
-
-
 def _lengths(nodes: Array) -> Array:
-    """Of the 91 units (…, 91), cm, from nodes (…, 23, 3)."""
+    """Lengths (…, 91) of the springs, cm, between nodes (…, 23, 3)."""
     ends = nodes[..., UNITS, :]
     return np.asarray(np.linalg.norm(ends[..., 1, :] - ends[..., 0, :], axis=-1))
-
-
-def _arc(middle: Array, radius: float, a: Array, b: Array, low: float, high: float) -> Array:
-    """Pieces (ROUND, 2, 3) of a circle from `low` to `high` rad, from unit vector a toward b."""
-    turn = np.linspace(low, high, ROUND + 1)[:, None]
-    points = middle + radius * (np.cos(turn) * a + np.sin(turn) * b)
-    return np.stack([points[:-1], points[1:]], axis=1)

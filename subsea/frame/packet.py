@@ -13,7 +13,7 @@ from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
 from subsea.fish.coupling import Coupling, place
 from subsea.fish.species import Species
-from subsea.frame.diagrams import NO_LINES, Lines
+from subsea.frame.lines import NO_LINES, Lines
 from subsea.habitat.seaweed import KINDS as SEAWEED_KINDS
 from subsea.motor.pose import pose_at
 from subsea.scenario.schema import Water

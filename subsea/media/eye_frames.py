@@ -119,7 +119,7 @@ def film_eyes(options: EyeFilmOptions) -> int:
             if k in wanted:
                 renderer.draw(packet)
                 pictures = [renderer.read_pixels(side) for side in range(len(SIDES))]
-                write(k, labelled(pictures, renderer.look_up(packet)))
+                write(k, labelled(pictures, renderer.id_maps(packet)))
                 durations.append(time.perf_counter() - begun)
                 done()
             else:

@@ -15,7 +15,8 @@ from subsea.dive.captions import caption_of, draw_caption
 from subsea.dive.directed_camera import check_tour, is_cut, tour_steering
 from subsea.dive.start import headless, picture_maker, start_world
 from subsea.dive.theatre_setup import chosen_rig, theatre_digest
-from subsea.frame.diagrams import DiagramBuilder, PlacedLabel, place_labels
+from subsea.frame.diagrams import DiagramBuilder
+from subsea.frame.labels import PlacedLabel, place_labels
 from subsea.frame.packet import pack
 from subsea.media.film_options import TourFilmOptions
 from subsea.media.film_timing import film_length_s, instants, reach

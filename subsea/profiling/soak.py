@@ -245,7 +245,7 @@ def rigs() -> list[CameraRig]:
 
 def _painting(world: World, context: Any, watch: Watch, ticks: int) -> Generator[None, None, None]:
     """Make a picture at every call, with one rig after another, at one quality after another."""
-    from subsea.render import living
+    from subsea.render import count_objects
 
     shown = rigs()
     pictures = int(np.clip(ticks // (SECOND * ROUNDS * len(shown)), *PICTURES))
@@ -261,7 +261,7 @@ def _painting(world: World, context: Any, watch: Watch, ticks: int) -> Generator
                         watch.faults.append(f"tick {world.state.tick}: an empty picture")
                 yield
         if rig is shown[-1]:
-            watch.objects.append(living(context))
+            watch.objects.append(count_objects(context))
 
 
 def _compare(watch: Watch, ticks: int, older: _Report) -> None:

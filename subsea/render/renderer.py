@@ -1,4 +1,4 @@
-"""The order of a picture: solids, seabed, water behind it, fishes, particles, then tone mapping."""
+"""Draws a picture: rocks, reef, seabed, water, fishes, particles; then tone mapping."""
 
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -18,6 +18,7 @@ from subsea.frame.packet import Packet, Scene
 from subsea.render.fish.fishes import FishRenderer
 from subsea.render.fish.soft_shadows import SoftShadowRenderer
 from subsea.render.gl.id_buffer import IdBuffer, IdMaps
+from subsea.render.gl.owner import GpuOwner
 from subsea.render.gl.textures import near_and_far, noise, repeating
 from subsea.render.output.lines import LineRenderer
 from subsea.render.output.quality import PRESETS, Quality
@@ -37,8 +38,8 @@ from subsea.view.culling import IN_SIGHT
 from subsea.view.rig import CameraRig, DisplayPatch, Rect
 
 
-class Renderer:
-    """Everything on the GPU for one dive. Draws packets; knows nothing of their origin."""
+class Renderer(GpuOwner):
+    """Draws the packets of one scene; owns everything on the GPU."""
 
     def __init__(
         self,
@@ -49,54 +50,61 @@ class Renderer:
         page: Callable[[int], object] = lambda number: None,
         heed: Callable[[], object] = lambda: None,
     ) -> None:
-        """Make every object for the pictures of a `rig` in this `quality`.
+        """Upload a scene for packets whose views are those of `rig`.
 
-        The packets' views must be the rig's. `page(0)`, `page(1)` choose the left or right buffer
-        of a window that has two. `heed` is called now and then, and may raise.
+        `page(0)` and `page(1)` select the left and right buffer of a window that has two. `heed`
+        is called between steps, and may raise to stop.
         """
+        super().__init__()
         self._context = context
         self._page = page
         self._scene = scene
         self.quality = quality
-        self.wireframe = False  # whether triangles are drawn as their edges, the water as ever
+        self.wireframe = False  # draw the edges of triangles, except for the water
         self.triangles = 0  # of the last picture
         self.draw_calls = 0  # of the last picture
         self.draw_s = 0.0  # of the last picture: until its drawing calls returned
         self.upload_s = 0.0  # of the last picture: copying the packet to the GPU
-        # numpy and compiled kernels leave the interpreter to others, among them OpenGL's thread.
+        # numpy and compiled kernels release the GIL, so they run beside the calls of OpenGL.
         with ThreadPoolExecutor() as pool:
-            stands = scene.terrain, scene.terrain_half_width_cm, scene.pillars, scene.rocks
-            stone = pool.submit(lambda: kept(pieces, *stands))
-            ground = pool.submit(lambda: kept(surroundings, *stands))
+            solids = scene.terrain, scene.terrain_half_width_cm, scene.pillars, scene.rocks
+            stone = pool.submit(lambda: kept(pieces, *solids))
+            ground = pool.submit(lambda: kept(surroundings, *solids))
             growths = pool.submit(bake, scene.reef)
-            self._caustics = repeating(context, near_and_far, 1)
-            self._noise = repeating(context, noise, 2)
-            self._shafts = LightShaftRenderer(context, quality)
+            self._caustics = self.own(repeating(context, near_and_far, 1))
+            self._noise = self.own(repeating(context, noise, 2))
+            self._shafts: LightShaftRenderer = self.own(LightShaftRenderer(context, quality))
             heed()
-            self._water = WaterRenderer(context, scene)
+            self._water: WaterRenderer = self.own(WaterRenderer(context, scene))
             heed()
-            self._seabed = SeabedRenderer(context, scene, ground.result())
+            self._seabed: SeabedRenderer = self.own(SeabedRenderer(context, scene, ground.result()))
             heed()
-            self._solids = RockRenderer(context, scene, stone.result())
-            self._blobs = SoftShadowRenderer(context, scene)
+            self._rocks: RockRenderer = self.own(RockRenderer(context, scene, stone.result()))
+            self._shadows: SoftShadowRenderer = self.own(SoftShadowRenderer(context, scene))
             heed()
-            self._coral = CoralRenderer(
-                context, scene.reef, growths.result(), IN_SIGHT * scene.water.visibility_cm,
-                partial(drawn_height, scene.terrain, scene.terrain_half_width_cm),
-            )  # fmt: skip
-            self._seaweed = SeaweedRenderer(context)
+            self._coral: CoralRenderer = self.own(
+                CoralRenderer(
+                    context,
+                    scene.reef,
+                    growths.result(),
+                    IN_SIGHT * scene.water.visibility_cm,
+                    partial(drawn_height, scene.terrain, scene.terrain_half_width_cm),
+                )
+            )
+            self._seaweed: SeaweedRenderer = self.own(SeaweedRenderer(context))
             heed()
-            self._fishes = FishRenderer(context, scene)
-        self._hook = HookRenderer(context)
+            self._fishes: FishRenderer = self.own(FishRenderer(context, scene))
+        self._hook: HookRenderer = self.own(HookRenderer(context))
         heed()
-        self._bubbles = BubbleRenderer(context, scene)
-        self._particles = ParticleRenderer(context, scene)
-        self._lines = LineRenderer(context)
-        self._resolve = ResolvePass(context, rig.patches, quality.smooth)
-        self._held_for_size: list[Any] = []
-        self._marks: IdBuffer | None = None  # made when it is first asked for
-        self._pasted: ResolvePass | None = None  # likewise
-        self._apart: ResolvePass | None = None  # likewise
+        self._bubbles: BubbleRenderer = self.own(BubbleRenderer(context, scene))
+        self._particles: ParticleRenderer = self.own(ParticleRenderer(context, scene))
+        self._lines: LineRenderer = self.own(LineRenderer(context))
+        self._resolve: ResolvePass = self.own(ResolvePass(context, rig.patches, quality.smooth))
+        self._sized: list[Any] = []  # released when the size changes
+        # Made when first needed.
+        self._ids: IdBuffer | None = None
+        self._overlay: ResolvePass | None = None
+        self._second: ResolvePass | None = None
         self._make_target(rig, quality)
         self.adapt(quality)
 
@@ -106,9 +114,10 @@ class Renderer:
         return self.rig.outputs[0]
 
     def arrange(self, rig: CameraRig) -> None:
-        """Draw for another rig from the next packet on: another size, or another display.
+        """Draw for another rig from the next packet on.
 
-        A UserError if the GPU cannot hold it: then it stays as it is.
+        Raises:
+            UserError: The GPU cannot hold it; nothing changes.
         """
         if rig is not self.rig:
             self._make_target(rig, self.quality)
@@ -117,7 +126,8 @@ class Renderer:
     def adapt(self, quality: Quality) -> None:
         """Draw in this quality from the next picture on.
 
-        A UserError if the GPU cannot hold it: then it stays as it is.
+        Raises:
+            UserError: The GPU cannot hold it; nothing changes.
         """
         before = self.quality
         if (before.scale, before.samples) != (quality.scale, quality.samples):
@@ -127,46 +137,45 @@ class Renderer:
         self._shafts.adapt(quality)
         self._water.adapt(quality)
         self._resolve.adapt(quality)
-        if self._apart:
-            self._apart.adapt(quality)
+        if self._second:
+            self._second.adapt(quality)
 
     def choose(self, packet: Packet) -> None:
-        """Choose how finely everything that stands is drawn; this depends on earlier packets.
+        """Choose the levels of detail of static geometry, which depend on earlier packets.
 
-        For those who leave packets out but want what follows to be as if all had been drawn.
+        Call it for packets that are not drawn, so that later pictures do not depend on that.
         """
-        self._solids.choose(packet, self.quality.detail)
+        self._rocks.choose(packet, self.quality.detail)
         self._coral.choose(packet.views, self.quality.detail, self.quality.growth)
         self._seabed.choose(packet, self.quality.detail)
 
     @contextmanager
     def apart(self, rig: CameraRig) -> Iterator[None]:
-        """Draw for another rig in between: as if nothing had been drawn before.
+        """Draw for another rig within the context, independent of pictures before and after.
 
-        And what is drawn afterwards is as if nothing had been drawn in between; but the `pictures`
-        are other ones, still empty.
+        `pictures` are other ones within, at first empty.
         """
-        before, standing = self.rig, [*self._solids.standing, *self._coral.standing]
-        standing += self._seabed.standing
+        before, second = self.rig, self._second
+        batches = [*self._rocks.batches, *self._coral.batches, *self._seabed.batches]
         self._make_target(rig, self.quality)
-        if self._apart is None:
-            self._apart = ResolvePass(self._context, rig.patches, self.quality.smooth)
-        self._apart.arrange(rig.patches)
-        levels = [one.recall() for one in standing]
-        self._resolve, self._apart = self._apart, self._resolve
+        if second is None:
+            second = self.own(ResolvePass(self._context, rig.patches, self.quality.smooth))
+        second.arrange(rig.patches)
+        levels = [batch.recall() for batch in batches]
+        self._resolve, self._second = second, self._resolve
         try:
             yield
         finally:
-            self._resolve, self._apart = self._apart, self._resolve
-            for one, level in zip(standing, levels, strict=True):
-                one.recall(level)
+            self._resolve, self._second = self._second, self._resolve
+            for batch, level in zip(batches, levels, strict=True):
+                batch.recall(level)
             self._make_target(before, self.quality)
 
     def draw(self, packet: Packet, into: Any = None) -> None:
-        """Draw every view of a packet and show the result.
+        """Draw every view of a packet and resolve the canvas to the outputs.
 
-        `into` is a framebuffer for a rig with a single output. With None the outputs are the
-        renderer's own `pictures`, which `read_pixels` returns.
+        `into` is the framebuffer for a rig with one output; None draws into the renderer's own
+        `pictures`, which `read_pixels` returns.
         """
         context = self._context
         calls, seconds = context.extra.calls, context.extra.seconds
@@ -179,26 +188,26 @@ class Renderer:
         self._lines.upload(packet)
         self.choose(packet)
         if self.quality.shadows:
-            self._blobs.upload(packet)
+            self._shadows.upload(packet)
         self.upload_s = time.perf_counter() - start
         self._caustics.use(1)
         self._noise.use(2)
         self.triangles = 0
         context.enable(context.PROGRAM_POINT_SIZE)
-        context.depth_func = "<="  # the water lies on the far plane
+        context.depth_func = "<="  # water lies on the far plane
         context.blend_func = context.SRC_ALPHA, context.ONE_MINUS_SRC_ALPHA
         eye = None
         for number, view in enumerate(map(self._on_canvas, packet.views)):
             uniforms = uniforms_of(packet, view, self._scene.water)
-            if uniforms["u_eye"] != eye:  # views through one eye have their shafts in common
-                self._shafts.cast(uniforms)
+            if uniforms["u_eye"] != eye:  # views through one eye share their shafts
+                self._shafts.draw(uniforms)
             eye = uniforms["u_eye"]
             self._target.framebuffer.use()
-            context.viewport = context.scissor = view.viewport  # specks must not spill over
+            context.viewport = context.scissor = view.viewport  # points must not cross the edge
             context.disable(context.BLEND)
             context.enable(context.DEPTH_TEST)
             context.wireframe = self.wireframe
-            self.triangles += self._solids.draw(number, uniforms)
+            self.triangles += self._rocks.draw(number, uniforms)
             context.enable(context.CULL_FACE)
             self.triangles += self._coral.draw(number, uniforms)
             context.disable(context.CULL_FACE)
@@ -206,9 +215,9 @@ class Renderer:
             self.triangles += self._seabed.draw(number, uniforms)
             if self.quality.shadows and not self.wireframe:
                 context.enable(context.BLEND)
-                self._target.framebuffer.depth_mask = False  # shadows may lie on one another
+                self._target.framebuffer.depth_mask = False  # shadows may overlap
                 self.triangles += self._coral.draw_shadows(number, uniforms)
-                self.triangles += self._blobs.draw(uniforms)
+                self.triangles += self._shadows.draw(uniforms)
                 self._target.framebuffer.depth_mask = True
                 context.disable(context.BLEND)
             context.wireframe = False
@@ -229,9 +238,9 @@ class Renderer:
         self.draw_s = context.extra.seconds - seconds
 
     def show(self, canvas: NDArray[np.uint8], into: Any = None) -> None:
-        """Show a picture (h, w, 3), top row first, instead of what would be on the canvas.
+        """Show a test pattern (h, w, 3), top row first, in place of the canvas.
 
-        As it is, but warped and blended: a test pattern. Its size is that of the rig's canvas.
+        It has the size of the rig's canvas, and is warped and blended but not tone mapped.
         """
         texture = self._upload(canvas)
         try:
@@ -239,21 +248,21 @@ class Renderer:
         finally:
             texture.release()
 
-    def look_up(
+    def id_maps(
         self, packet: Packet, numbers: Sequence[int] | None = None, part: Rect | None = None
     ) -> IdMaps:
-        """What each pixel of the canvas shows of the packet that was drawn last, and how far away.
+        """Draw the object ids and depths of the packet that was drawn last.
 
-        Of the views with these `numbers` alone, and of a `part` of the canvas, if they are given.
-        Where no view is there is water.
+        Only of the views with these `numbers`, and of a `part` of the canvas, if given. Pixels
+        outside all views are water.
         """
         context, size = self._context, self._target.size
-        if self._marks is None or self._marks.size != size:
-            if self._marks:
-                self._marks.release()
-            self._marks = IdBuffer(context, size)
-        self._marks.framebuffer.use()
-        self._marks.framebuffer.clear()
+        if self._ids is None or self._ids.size != size:
+            if self._ids:
+                self._ids.release()
+            self._ids = self.own(IdBuffer(context, size))
+        self._ids.framebuffer.use()
+        self._ids.framebuffer.clear()
         self._noise.use(2)
         context.enable(context.PROGRAM_POINT_SIZE | context.DEPTH_TEST)
         context.disable(context.BLEND)
@@ -263,29 +272,29 @@ class Renderer:
                 continue
             uniforms = uniforms_of(packet, view, self._scene.water)
             context.viewport = context.scissor = view.viewport
-            self._solids.draw(number, uniforms, marked=True)
+            self._rocks.draw(number, uniforms, as_ids=True)
             context.enable(context.CULL_FACE)
-            self._coral.draw(number, uniforms, marked=True)
+            self._coral.draw(number, uniforms, as_ids=True)
             context.disable(context.CULL_FACE)
-            self._seabed.draw(number, uniforms, marked=True)
-            self._water.draw_surface(view, uniforms, marked=True)
+            self._seabed.draw(number, uniforms, as_ids=True)
+            self._water.draw_surface(view, uniforms, as_ids=True)
             for moving in (self._seaweed, self._fishes, self._hook, self._bubbles):
-                moving.draw(packet, number, uniforms, marked=True)
+                moving.draw(packet, number, uniforms, as_ids=True)
         context.scissor = None
         scale = self._scale(self.rig, self.quality)
-        return self._marks.read(None if part is None else scaled(part, scale))
+        return self._ids.read(None if part is None else scaled(part, scale))
 
     def paste(
         self, picture: NDArray[np.uint8], patches: Sequence[DisplayPatch], into: Any = None
     ) -> None:
-        """Lay a picture (h, w, 3), top row first, over what is shown, as it is.
+        """Draw a picture (h, w, 3), top row first, over the outputs without tone mapping.
 
-        Of each of the `patches` the sources are parts of the picture; `into` is as for `draw`.
+        The sources of `patches` are parts of the picture; `into` is as for `draw`.
         """
-        if self._pasted is None:
-            self._pasted = ResolvePass(self._context, patches)
-        elif self._pasted.patches != tuple(patches):
-            self._pasted.arrange(patches)
+        if self._overlay is None:
+            self._overlay = self.own(ResolvePass(self._context, patches))
+        elif self._overlay.patches != tuple(patches):
+            self._overlay.arrange(patches)
         texture = self._upload(picture)
         try:
             for number, patch in enumerate(patches):
@@ -294,12 +303,12 @@ class Renderer:
                 if into is not None:
                     self._page(patch.page)
                 size = self.rig.outputs[patch.output]
-                self._pasted.draw(texture, target, size, number, 1.0, False)
+                self._overlay.draw(texture, target, size, number, 1.0, False)
         finally:
             texture.release()
 
     def _upload(self, picture: NDArray[np.uint8]) -> Any:
-        """A picture (h, w, 3), top row first, as a texture; the caller releases it."""
+        """Upload a picture (h, w, 3), top row first; the caller releases the texture."""
         height, width = picture.shape[:2]
         data = np.ascontiguousarray(picture[::-1]).tobytes()
         texture = self._context.texture((width, height), 3, data, alignment=1)
@@ -307,7 +316,7 @@ class Renderer:
         return texture
 
     def read_pixels(self, output: int = 0, page: int = 0) -> NDArray[np.uint8]:
-        """The last picture drawn into one of the renderer's own: (h, w, 3), top row first."""
+        """The last of the renderer's own `pictures`: (h, w, 3), top row first."""
         width, height = self.rig.outputs[output]
         data = self._own[output, page].read(components=3, alignment=1)
         return np.frombuffer(data, np.uint8).reshape(height, width, 3)[::-1]
@@ -315,18 +324,10 @@ class Renderer:
     def release(self) -> None:
         """Free every OpenGL object."""
         self._release_target()
-        for made in (self._marks, self._pasted, self._apart):
-            if made:
-                made.release()
-        for part in (
-            self._resolve, self._lines, self._particles, self._bubbles, self._hook, self._fishes,
-            self._seaweed, self._coral, self._blobs, self._solids, self._seabed, self._water,
-            self._shafts, self._noise, self._caustics,
-        ):  # fmt: skip
-            part.release()
+        super().release()
 
     def _show(self, canvas: Any, into: Any, scale: float, linear: bool) -> None:
-        """Take every patch of the rig from the canvas to its output."""
+        """Draw every patch of the rig from the canvas to its output."""
         begun = set()
         for number, patch in enumerate(self.rig.patches):
             output = patch.output, patch.page
@@ -334,15 +335,15 @@ class Renderer:
             target = self._own[output] if into is None else into
             target.use()
             if into is not None:
-                self._page(patch.page)  # a buffer is chosen of the framebuffer in use
+                self._page(patch.page)  # applies to the framebuffer in use
             if output not in begun and (patch.place[2:] != size or patch.warp is not None):
                 self._context.viewport = (0, 0, *size)
-                target.clear()  # where no patch lies it is dark
+                target.clear()  # dark outside the patches
             begun.add(output)
             self._resolve.draw(canvas, target, size, number, scale, linear)
 
     def _make_target(self, rig: CameraRig, quality: Quality) -> None:
-        """Canvas and pictures of another rig or quality instead of those that there are."""
+        """Replace the canvas and the pictures for another rig or quality."""
         canvas = scaled((0, 0, *rig.canvas), self._scale(rig, quality))[2:]
         limit = self._context.info["GL_MAX_TEXTURE_SIZE"]
         what = " and ".join(f"{width}x{height}" for width, height in rig.outputs)
@@ -367,20 +368,20 @@ class Renderer:
                 self.pictures[output, page] = picture
                 held += [own[output, page], picture]
         self._release_target()
-        self.rig, self._target, self._own, self._held_for_size = rig, target, own, held
+        self.rig, self._target, self._own, self._sized = rig, target, own, held
 
     def _scale(self, rig: CameraRig, quality: Quality) -> float:
-        """How much larger than the rig's the canvas is."""
+        """The size of the canvas over that of the rig's."""
         return 1.0 if rig.exact else quality.scale
 
     def _on_canvas(self, view: View) -> View:
-        """The view in its place on the canvas."""
+        """The view with its viewport on the canvas."""
         scale = self._scale(self.rig, self.quality)
-        # Its planes are known already if it stays the same.
+        # An unchanged view keeps its cached planes.
         return view if scale == 1.0 else replace(view, viewport=scaled(view.viewport, scale))
 
     def _release_target(self) -> None:
-        # moderngl binds the last framebuffer again when it makes one; it must not be a freed one.
+        # moderngl binds the last framebuffer again when it makes one, which must not be freed.
         self._context.detect_framebuffer(0).use()
-        for held in self._held_for_size:
+        for held in self._sized:
             held.release()

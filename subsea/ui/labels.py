@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from imgui_bundle import imgui
 
-from subsea.frame.diagrams import Label
+from subsea.frame.labels import Label
 from subsea.ui.gui import INK, colour
 from subsea.view.unproject import FrontView
 

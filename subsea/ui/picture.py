@@ -12,7 +12,8 @@ from subsea.dive.options import RETINA_COLOURS, DisplayOptions, RetinaColours
 from subsea.dive.picking import pick
 from subsea.dive.retina_images import retina_brightness, velocity_of
 from subsea.dive.ride import Ride, joined, pasted, pictured, with_insets
-from subsea.frame.diagrams import DiagramBuilder, Label
+from subsea.frame.diagrams import DiagramBuilder
+from subsea.frame.labels import Label
 from subsea.frame.packet import Packet, make_scene, pack
 from subsea.render import Renderer
 from subsea.render.gl.id_buffer import FISH
@@ -239,7 +240,7 @@ class ScenePicture:
         self.renderer.draw(packet, into)
         self._drawn = packet
         if self.insets and self.colours != "colours":
-            maps = self.renderer.look_up(packet, range(own, len(seen)), joined(self.insets))
+            maps = self.renderer.id_maps(packet, range(own, len(seen)), joined(self.insets))
             picture = pictured(maps, self.colours)
             self.renderer.paste(picture, pasted(self.renderer.rig, self.rig, picture), into)
 

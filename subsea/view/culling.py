@@ -1,7 +1,8 @@
-"""What is in sight, and how large it looks (SMC §7.1)."""
+"""View-frustum culling, and how large things look (SMC §7.1)."""
 
 from collections.abc import Sequence
 from math import sqrt
+from typing import NamedTuple
 
 import numpy as np
 
@@ -9,18 +10,32 @@ from subsea.core.arrays import Array
 from subsea.core.kernels import kernel
 from subsea.view.camera import View
 
-OUT_OF_SIGHT = -1.0  # in place of the pixels that something covers
-IN_SIGHT = 1.3  # visibilities; beyond, the fog hides all
+OUT_OF_SIGHT = -1.0  # instead of pixels
+IN_SIGHT = 1.3  # visibilities; fog hides everything beyond
 
 
 def pixels_per_radian(view: View) -> float:
-    """Pixels that an object of 1 cm at a distance of 1 cm would cover, near the axis.
-
-    Where a display stretches pixels, these are the mean of across and up, as its square counts.
-    """
+    """Pixels per radian near the axis: the geometric mean of across and up."""
     across = float(view.projection[0, 0]) * view.viewport[2] / 2
     up = float(view.projection[1, 1]) * view.viewport[3] / 2
     return sqrt(across * up)
+
+
+class ViewArrays(NamedTuple):
+    """What kernels need of v views."""
+
+    planes: Array  # (v, 6, 4) of their frusta, see `View.planes`
+    eyes: Array  # (v, 3) cm
+    scales: Array  # (v,) pixels per radian
+
+
+def view_arrays(views: Sequence[View]) -> ViewArrays:
+    """The planes, eyes and scales of views, as arrays."""
+    return ViewArrays(
+        np.stack([view.planes for view in views]),
+        np.stack([np.asarray(view.eye, np.float64) for view in views]),
+        np.array([pixels_per_radian(view) for view in views]),
+    )
 
 
 def coverage(
@@ -31,25 +46,22 @@ def coverage(
     reach_cm: float = np.inf,
     culling: bool = True,
 ) -> tuple[Array, Array]:
-    """Pixels (n,) that each of n things covers where it covers most, and how far (v, n) it is, cm.
+    """Pixels (n,) that each of n things covers in its largest view, and distances (v, n) in cm.
 
-    `centres` (n, 3), `radii` (n,) of the bounding spheres and `lengths` (n,) in cm. For each of the
-    v views a centre is compared with the frustum enlarged by the radius, and nothing is seen beyond
-    `reach_cm`. What a view does not see is infinitely far from its eye, what none sees covers
-    OUT_OF_SIGHT pixels. Without `culling` all is in sight.
+    `centres` (n, 3), `radii` (n,) of the bounding spheres and `lengths` (n,) in cm. A view sees a
+    thing whose centre lies in the frustum enlarged by the radius and within `reach_cm`. Distances
+    are infinite for views that do not see it; pixels are OUT_OF_SIGHT if none does. Without
+    `culling` every view sees everything.
     """
-    planes = np.stack([view.planes for view in views])
-    eyes = np.stack([np.asarray(view.eye, np.float64) for view in views])
-    scales = np.array([pixels_per_radian(view) for view in views])
     pixels = np.empty(len(centres), np.float32)
     distance = np.empty((len(views), len(centres)), np.float32)
-    _cover(centres, radii, lengths, planes, eyes, scales, reach_cm, culling, pixels, distance)
+    _cover(centres, radii, lengths, view_arrays(views), reach_cm, culling, pixels, distance)
     return pixels, distance
 
 
 @kernel
 def in_frustum(planes: Array, v: int, x: float, y: float, z: float, radius: float) -> bool:
-    """Whether anything of a sphere is on the inner side of all `planes` (v, 6, 4) of view `v`."""
+    """Whether a sphere reaches into the frustum of view `v`, with `planes` (v, 6, 4)."""
     for p in range(6):  # number by number: rows would be counted references
         away = planes[v, p, 0] * x + planes[v, p, 1] * y + planes[v, p, 2] * z + planes[v, p, 3]
         if away < -radius:
@@ -62,14 +74,13 @@ def _cover(
     centres: Array,
     radii: Array,
     lengths: Array,
-    planes: Array,
-    eyes: Array,
-    scales: Array,
+    views: ViewArrays,
     reach: float,
     culling: bool,
     pixels: Array,
     distance: Array,
 ) -> None:
+    planes, eyes, scales = views
     for i in range(len(centres)):
         x, y, z = centres[i, 0], centres[i, 1], centres[i, 2]
         pixels[i] = OUT_OF_SIGHT

@@ -14,13 +14,11 @@ from subsea.frame.diagrams import (
     MOST,
     STRONG,
     DiagramBuilder,
-    Label,
     chosen_diagrams,
-    frustum,
-    place_labels,
-    projected,
     sensitivity_box,
 )
+from subsea.frame.labels import Label, place_labels, projected
+from subsea.frame.lines import frustum_edges
 from subsea.geometry.rotation import matrix
 from subsea.motor.pose import control_points_world, nodes_world
 from subsea.perception.collision import sensitivity, share_inside
@@ -189,7 +187,7 @@ def test_the_view_volume_is_where_a_fish_sees(world, sketch, in_sight):
 
 def test_a_frustum_ends_in_the_corners_of_its_picture(world):
     [view] = sights(world)
-    edges = frustum(view, 200.0)
+    edges = frustum_edges(view, 200.0)
     both = view.projection.astype(float) @ view.view.astype(float)
     clip = np.concatenate([edges[:4, 1], np.ones((4, 1))], axis=1) @ both.T
     assert np.abs(clip[:, :2] / clip[:, 3:]) == pytest.approx(np.ones((4, 2)), abs=1e-4)

@@ -15,7 +15,7 @@ from PIL import Image
 from subsea.cli.main import main
 from subsea.core.errors import UserError
 from subsea.dive.start import picture_maker, start_world
-from subsea.frame.diagrams import PlacedLabel
+from subsea.frame.labels import PlacedLabel
 from subsea.frame.packet import pack
 from subsea.media import eye_frames, film, film_timing, frame_writers
 from subsea.render.output.quality import PRESETS

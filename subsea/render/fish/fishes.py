@@ -1,7 +1,7 @@
 """Fishes: B-spline surfaces from pre-evaluated tables, evaluated in the vertex shader (SMC §7).
 
-All species are drawn by the same calls: their skins lie side by side on one atlas, what else is
-constant per species is one block of uniforms, and each instance says which species it is.
+All species are drawn by the same calls: their skins share one atlas, other constants of species are
+in one uniform block, and each instance has the index of its species.
 """
 
 from math import ceil, cos, radians, sin, sqrt
@@ -21,88 +21,79 @@ from subsea.fish.surface import PaddlePlan
 from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, Scene
 from subsea.render.fish import speck as fish_speck
 from subsea.render.fish.speck import COARSEST, Speck, places, speck
-from subsea.render.gl.id_buffer import FISH, double, object_id
+from subsea.render.gl.id_buffer import FISH, object_id
 from subsea.render.gl.mipmaps import kept_texture, mipmapped
-from subsea.render.gl.shaders import program, set_uniforms, wanted
+from subsea.render.gl.owner import GpuOwner, replace_data
+from subsea.render.gl.programs import variant_array
+from subsea.render.gl.shaders import program, required_defines, set_uniforms
 
 SKINS_UNIT, VERTICES_UNIT, PLACES_UNIT = 3, 9, 10  # of textures
 FINE = 2  # levels whose fins are drawn after all bodies
-# What a program is wanted for; see `shaders/fishes.frag` and `shaders/show.glsl`.
+# Defines of program variants, see `shaders/fishes.frag` and `shaders/show.glsl`.
 SPECK, OWN_MARKS = ("SPECK",), ("OWN_MARKS",)
 NO_TRIANGLE = np.zeros((1, 3), np.int32)
 NOBODY = np.zeros((1, INSTANCE_COLUMNS), np.float32)
-LOOKS_BINDING = 0  # of the block of uniforms
+LOOKS_BINDING = 0  # of the uniform block
 
-# Texels around each skin that repeat its border: one at the coarsest mipmap, so that none mixes
-# neighbours on the atlas.
+# Texels around each skin that repeat its border: one texel at the coarsest mipmap.
 GUTTER = 2**COARSEST
 CELL = paint.SIZE[0] + 2 * GUTTER, paint.SIZE[1] + 2 * GUTTER
 
-# How far the lower jaw of a predator, and of any other, turns down.
+# How far the lower jaw turns down.
 GAPE_RAD = {"predator": radians(32.0), "prey": radians(22.0), "pacifist": radians(22.0)}
-LIPS = 0.25  # half the width of the border between the jaws, of the length of the mouth
-TEETH = 24.0  # of a predator, in half the round of its body
+LIPS = 0.25  # half the width of the border between the jaws over the length of the mouth
+TEETH = 24.0  # of a predator, on half the circumference of its body
 
 INSTANCE_FORMAT = "4f4 4f4 4f4 4f4 3f4 4f4"
 INSTANCE_ATTRIBUTES = ("i_place", "i_turn", "i_pose", "i_pectoral", "i_fins", "i_show")
 
 
-class FishRenderer:
-    """Holds the table of control points, a mesh per level, the skins, and the instances."""
+class FishRenderer(GpuOwner):
+    """Draws instances from a table of control points, a mesh per level and an atlas of skins."""
 
     def __init__(
         self, context: Any, scene: Scene, skins: list[NDArray[np.uint8]] | None = None
     ) -> None:
-        """Make every object.
-
-        The species of the scene wear their own skins, or other ones as `paint` makes them.
-        """
+        """Upload the species of a scene, with their own skins or `skins` as `paint` makes them."""
+        super().__init__()
         self._context = context
         kinds = len(scene.species)
-        # By whether what they draw is distant, and whether it fades: to discard pixels costs time.
-        # Those that write marks are made when they are first asked for.
         self._kinds = kinds
+        # Separate programs for distant and for fading fishes, because discarding pixels is slow.
         self._programs: dict[tuple[str, ...], Any] = {}
-        self._content: dict[bool, tuple[Any, ...]] = {}  # of arrays: of specks, and of others
+        self._content: dict[bool, tuple[Any, ...]] = {}  # of specks, and of other levels
         rows, points = scene.control_points.shape[:2]
         table = np.zeros((rows, points, 4), "f4")
         table[..., :3] = scene.control_points
-        self._table = _table(context, table)
-        self._instances = context.buffer(reserve=INSTANCE_COLUMNS * 4)
-        self._skins = _atlas(context, scene.species, skins)
-        self._looks = context.buffer(_looks(scene.species, scene.recorded_length_cm).tobytes())
+        self._table = self.own(_table(context, table))
+        self._instances = self.own(context.buffer(reserve=INSTANCE_COLUMNS * 4))
+        self._skins = self.own(_atlas(context, scene.species, skins))
+        looks = _looks(scene.species, scene.recorded_length_cm)
+        self._looks = self.own(context.buffer(looks.tobytes()))
         self._meshes = [fish_mesh(detail) for detail in DETAILS]
         vertices, triangles, self._first = joined(self._meshes)
-        self._vertices = _table(context, kept(outfits, scene.species, self._meshes))
-        shape = speck()
-        self._places = _table(context, speck_places(scene.species, shape))
-        self._shape = shape
-        buffers = [context.buffer(part.tobytes()) for part in (vertices, triangles)]
+        self._vertices = self.own(_table(context, kept(outfits, scene.species, self._meshes)))
+        self._shape = shape = speck()
+        self._places = self.own(_table(context, speck_places(scene.species, shape)))
+        buffers = [self.own(context.buffer(part.tobytes())) for part in (vertices, triangles)]
         self._content[False] = [(buffers[0], VERTEX_FORMAT, *VERTEX_ATTRIBUTES)], buffers[1]
         self._speck_triangles = len(shape.triangles)
         listed = np.concatenate([shape.triangles, NO_TRIANGLE]).astype("i4")
-        speck_buffers = [context.buffer(part.tobytes()) for part in (shape.vertices, listed)]
+        buffers = [self.own(context.buffer(part.tobytes())) for part in (shape.vertices, listed)]
         layout = fish_speck.VERTEX_FORMAT, *fish_speck.VERTEX_ATTRIBUTES
-        self._content[True] = [(speck_buffers[0], *layout)], speck_buffers[1]
-        self._held = [
-            *buffers, *speck_buffers, self._instances, self._looks,
-            self._table, self._vertices, self._places, self._skins,
-        ]  # fmt: skip
+        self._content[True] = [(buffers[0], *layout)], buffers[1]
         self._arrays: dict[Any, Any] = {}
-        # For drivers that build a program when it first draws: the last triangle has no area.
+        # Drivers that build programs at their first draw do it with the first picture: the last
+        # triangle of each array has no area.
         plain = (), ("DISTANT",), ("FADING",), ("DISTANT", "FADING")
         self._cold = {self._made(wants): len(triangles) - 1 for wants in plain}
         self._cold[self._made(SPECK)] = self._speck_triangles
 
     def upload(self, packet: Packet) -> None:
-        """Send instance records, and the control points of fishes that are simulated.
-
-        The old instances are orphaned, never waited for.
-        """
-        # An empty packet too leaves a record behind, which the first calls of a program read.
+        """Upload the instances, and the control points of simulated fishes."""
+        # Never empty: the first call of a program reads one instance.
         records = packet.instances if len(packet.instances) else NOBODY
-        self._instances.orphan(records.nbytes)
-        self._instances.write(records.tobytes())
+        replace_data(self._instances, np.ascontiguousarray(records))
         rows, points = packet.live_points.shape[:2]
         if rows:
             texels = np.zeros((rows, points, 4), "f4")
@@ -113,7 +104,7 @@ class FishRenderer:
         self, species: tuple[Species, ...], length_cm: tuple[float, ...],
         skins: list[NDArray[np.uint8]] | None = None,
     ) -> None:  # fmt: skip
-        """Other shapes, and other skins if there are any, for as many species as before."""
+        """Replace the shapes, and the skins if given, of all species."""
         self._looks.write(_looks(species, length_cm).tobytes())
         self._vertices.write(outfits(species, self._meshes).tobytes())
         self._places.write(speck_places(species, self._shape).tobytes())
@@ -122,13 +113,12 @@ class FishRenderer:
             self._skins.build_mipmaps(max_level=COARSEST)
 
     def draw(
-        self, packet: Packet, number: int, uniforms: dict[str, Any], marked: bool = False
+        self, packet: Packet, number: int, uniforms: dict[str, Any], as_ids: bool = False
     ) -> int:
-        """Draw the fishes of a view, or their marks; the number of triangles.
+        """Draw the fishes of a view or their object ids; returns the number of triangles.
 
-        Coarse levels, which are mostly far away, come first, each in one call: fins have triangles
-        on both sides there. Of fine levels all bodies come before all fins, which are translucent
-        but write depth: so every body behind a fin shows.
+        Coarse levels come first, each in one call, with fins of two sides. Of fine levels all
+        bodies come before all fins, which are translucent but write depth.
         """
         self._table.use(0)
         self._skins.use(SKINS_UNIT)
@@ -142,10 +132,10 @@ class FishRenderer:
             "u_places": PLACES_UNIT,
         }
         batches = packet.batches[number]
-        wants = wanted(uniforms, marked) + OWN_MARKS * marked
-        for compiled in {*self._cold, *(self._program(batch, wants) for batch in batches)}:
+        defines = required_defines(uniforms, as_ids) + OWN_MARKS * as_ids
+        for compiled in {*self._cold, *(self._program(batch, defines) for batch in batches)}:
             set_uniforms(compiled, **units, **uniforms, u_mark=object_id(FISH))
-        while self._cold:  # so that no picture later on waits for what it is the first to need
+        while self._cold:
             compiled, nothing = self._cold.popitem()
             self._render(compiled, nothing, 1, 0, 1)
         total = 0
@@ -160,40 +150,39 @@ class FishRenderer:
                 if batch.level < FINE and not batch.fading:
                     triangles = mesh.body
                     fine.append(batch)
-            self._render(self._program(batch, wants), first, triangles, batch.first, batch.count)
+            self._render(self._program(batch, defines), first, triangles, batch.first, batch.count)
             total += triangles * batch.count
         self._context.disable(moderngl.CULL_FACE)
-        if fine:  # which follow each other, and have the same fins
+        if fine:  # consecutive batches with the same fins
             mesh, first = self._meshes[0], self._first[0] + self._meshes[0].body
             count = sum(batch.count for batch in fine)
-            self._render(self._made(wants), first, mesh.fins, min(b.first for b in fine), count)
+            self._render(self._made(defines), first, mesh.fins, min(b.first for b in fine), count)
             total += mesh.fins * count
         return total
 
-    def _program(self, batch: Batch, wants: tuple[str, ...]) -> Any:
+    def _program(self, batch: Batch, defines: tuple[str, ...]) -> Any:
         own = ("DISTANT",) * (batch.level >= FINE) + ("FADING",) * batch.fading
         if batch.level == len(DETAILS):
             own = SPECK
-        return self._made(own + wants)
+        return self._made(own + defines)
 
-    def _made(self, wants: tuple[str, ...]) -> Any:
-        """The program with these definitions, which has an array from now on."""
-        if wants not in self._programs:
-            name = "fish_speck" if SPECK[0] in wants else "fishes"
-            defined = dict.fromkeys(wants, 1) | {"SPECIES": self._kinds, "COARSEST": COARSEST}
-            compiled = program(self._context, name, **defined)
+    def _made(self, defines: tuple[str, ...]) -> Any:
+        """The program with these defines, compiled with its vertex array when first needed."""
+        if defines not in self._programs:
+            is_speck = SPECK[0] in defines
+            values = dict.fromkeys(defines, 1) | {"SPECIES": self._kinds, "COARSEST": COARSEST}
+            name = "fish_speck" if is_speck else "fishes"
+            compiled = self.own(program(self._context, name, **values))
             compiled["Looks"].binding = LOOKS_BINDING
-            self._programs[wants] = compiled
-            self._arrays[compiled] = double(
-                self._context, compiled, *self._content[SPECK[0] in wants]
-            )
-        return self._programs[wants]
+            self._programs[defines] = compiled
+            array = variant_array(self._context, compiled, *self._content[is_speck])
+            self._arrays[compiled] = self.own(array)
+        return self._programs[defines]
 
     def _render(self, compiled: Any, first: int, triangles: int, record: int, count: int) -> None:
         """Draw `triangles` from the `first` on, for `count` instances from `record` on.
 
-        3.3 core has no base instance: the attributes are told where to begin, those that the
-        program has.
+        OpenGL 3.3 has no base instance, so the instance attributes are bound with an offset.
         """
         array = self._arrays[compiled]
         stride = INSTANCE_COLUMNS * 4
@@ -205,16 +194,11 @@ class FishRenderer:
             offset += 4 * int(kind[0])
         array.render(vertices=3 * triangles, first=3 * first, instances=count)
 
-    def release(self) -> None:
-        """Free every OpenGL object."""
-        for held in (*self._arrays.values(), *self._arrays, *self._held):
-            held.release()
-
 
 def joined(meshes: list[Mesh]) -> tuple[Array, NDArray[np.int32], list[int]]:
-    """All vertices and triangles of all levels, and the first triangle of each.
+    """Vertices and triangles of all levels, and the first triangle of each level.
 
-    The last triangle is none: its corners are one.
+    A triangle without area follows at the end.
     """
     starts = np.cumsum([0] + [len(mesh.vertices) for mesh in meshes])
     triangles = [mesh.triangles + start for mesh, start in zip(meshes, starts, strict=False)]
@@ -227,7 +211,7 @@ def joined(meshes: list[Mesh]) -> tuple[Array, NDArray[np.int32], list[int]]:
 
 
 def outfits(species: tuple[Species, ...], meshes: list[Mesh]) -> Array:
-    """What the vertices of all levels have of their own, (species, n, 4) float32."""
+    """What differs between species at the vertices of all levels, (species, n, 4) float32."""
     return np.array(
         [
             np.concatenate(
@@ -240,7 +224,7 @@ def outfits(species: tuple[Species, ...], meshes: list[Mesh]) -> Array:
 
 
 def speck_places(species: tuple[Species, ...], shape: Speck) -> Array:
-    """Of the vertices of specks, (species, n, 4) float32: place on the atlas, ABSENT or 0."""
+    """Atlas position, and ABSENT or 0, of the vertices of specks, (species, n, 4) float32."""
     out = np.zeros((len(species), len(shape.points), 4), "f4")
     for k, one in enumerate(species):
         left, bottom, width, height = cell(k, len(species))
@@ -250,7 +234,7 @@ def speck_places(species: tuple[Species, ...], shape: Speck) -> Array:
 
 
 def cell(kind: int, kinds: int) -> tuple[float, float, float, float]:
-    """Where the skin of a species lies on the atlas: left, bottom, width, height, of its size."""
+    """Left, bottom, width and height of a species' skin, as shares of the atlas."""
     columns, rows = _columns(kinds), ceil(kinds / _columns(kinds))
     row, column = divmod(kind, columns)
     width, height = columns * CELL[0], rows * CELL[1]
@@ -263,12 +247,12 @@ def cell(kind: int, kinds: int) -> tuple[float, float, float, float]:
 
 
 def _columns(kinds: int) -> int:
-    """How many skins lie beside each other, so that the atlas is about square."""
+    """Skins in a row of the atlas, which is about square."""
     return ceil(sqrt(kinds * CELL[1] / CELL[0]))
 
 
 def _looks(species: tuple[Species, ...], length_cm: tuple[float, ...]) -> Array:
-    """The block of uniforms: what is constant per species, and the frames of a skin."""
+    """The uniform block: constants of each species, and the frames of a skin."""
     rows = [
         row
         for k, one in enumerate(zip(species, length_cm, strict=True))
@@ -280,7 +264,7 @@ def _looks(species: tuple[Species, ...], length_cm: tuple[float, ...]) -> Array:
 def _atlas(
     context: Any, species: tuple[Species, ...], skins: list[NDArray[np.uint8]] | None
 ) -> Any:
-    """Skins side by side as one mipmapped sRGB texture; those that are painted alone are kept."""
+    """Make the atlas, a mipmapped sRGB texture; cached on disk if no skin comes from a file."""
     if skins is None and not any(one.skin.sheet for one in species):
         return kept_texture(context, COARSEST, True, _painted, species)
     skins = sheets(species) if skins is None else skins
@@ -292,7 +276,7 @@ def _painted(species: tuple[Species, ...]) -> NDArray[np.uint8]:
 
 
 def _side_by_side(skins: list[NDArray[np.uint8]]) -> NDArray[np.uint8]:
-    """Skins on one picture, each with a gutter around it."""
+    """The atlas of skins, each with a gutter around it."""
     columns = _columns(len(skins))
     picture = np.zeros((ceil(len(skins) / columns) * CELL[1], columns * CELL[0], 4), np.uint8)
     around = (GUTTER, GUTTER)
@@ -304,7 +288,7 @@ def _side_by_side(skins: list[NDArray[np.uint8]]) -> NDArray[np.uint8]:
 
 
 def _table(context: Any, texels: Array) -> Any:
-    """Rows of texels (rows, columns, 4) that shaders look up by number."""
+    """A texture of texels (rows, columns, 4) that shaders fetch by index."""
     rows, columns = texels.shape[:2]
     texture = context.texture((columns, rows), 4, np.ascontiguousarray(texels, "f4"), dtype="f4")
     texture.filter = (context.NEAREST, context.NEAREST)
@@ -314,14 +298,14 @@ def _table(context: Any, texels: Array) -> Any:
 def look(
     species: Species, length_cm: float, place: tuple[float, float, float, float]
 ) -> list[tuple[float, ...]]:
-    """What is constant per species, row by row as `fishes.glsl` names it.
+    """The constants of a species, row by row as in `fishes.glsl`.
 
-    `length_cm` is that of the recorded fish, `place` where its skin lies on the atlas.
+    `length_cm` is that of the recorded fish, `place` the `cell` of its skin on the atlas.
     """
     surface, skin = species.surface, species.skin
     top = paint.half_height(surface)
     front, rear = paint.borders(surface)
-    # The mouth of a body with wings lies on its lower side, which is elsewhere on the skin.
+    # The mouth of a ray is on its lower side, which is elsewhere on the skin.
     gape = 0.0 if surface.wing else GAPE_RAD[species.kind]
     soft = LIPS * (skin.mouth[1][0] - skin.mouth[0][0]) * paint.head_size(surface)
     teeth = TEETH if species.kind == "predator" else 0.0
@@ -344,9 +328,9 @@ def look(
 
 
 def frames() -> list[tuple[float, ...]]:
-    """Left, bottom, width and height of the parts of a skin, shares of it, for `fishes.glsl`.
+    """Left, bottom, width and height of the parts of a skin, as shares of it, for `fishes.glsl`.
 
-    Those of the fins are a little smaller on all sides: so none takes on a neighbour's colour.
+    Fins are inset, so that they do not blend with their neighbours.
     """
     inset = np.array([4.0, 1.0]) / paint.SIZE
     parts = np.array([paint.DORSAL, paint.VENTRAL, paint.PECTORAL, paint.PELVIC, paint.BODY])
@@ -356,7 +340,7 @@ def frames() -> list[tuple[float, ...]]:
 
 
 def _stand(plan: PaddlePlan | None) -> tuple[float, ...]:
-    """How a paired fin stands: cosine and sine of its droop, and whether it is a wing."""
+    """Cosine and sine of the droop of a paired fin, and whether it is a wing."""
     if plan is None:
         return (0.0,) * 4
     droop = radians(plan.droop)

@@ -1,7 +1,7 @@
-"""One fish in clear water and even light, seen from an orbit about it: what the tools show.
+"""A preview of one fish in clear water and even light, seen from an orbit about it.
 
-The shaders that draw it in the sea draw it here, from control points that may change with every
-picture, and a shape and a sheet that may change with every edit.
+Uses the shaders of the sea. Control points may change with every picture, the shape and the skin
+with every edit.
 """
 
 from dataclasses import dataclass, replace
@@ -17,6 +17,7 @@ from subsea.fish.surface import CONTROL_POINTS, rest_surface
 from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, Scene
 from subsea.render.fish.fishes import FishRenderer
 from subsea.render.gl.mipmaps import mipmapped
+from subsea.render.gl.owner import GpuOwner
 from subsea.render.output.target import RenderTarget, ResolvePass
 from subsea.render.output.uniforms import uniforms_of
 from subsea.scenario.schema import Water
@@ -24,31 +25,31 @@ from subsea.view.camera import View, look, off_axis
 from subsea.view.display_rigs import display_rig
 
 BACKDROP = (0.012, 0.048, 0.068)  # linear light
-WATER = Water(fog=(0.03, 0.10, 0.14), visibility_cm=1e5)  # what silver mirrors; it veils nothing
+WATER = Water(fog=(0.03, 0.10, 0.14), visibility_cm=1e5)  # for silver to mirror
 HALF_FIELD = 0.16  # tangent of half the angle of view across: little perspective
-ROOM = 1.16  # the picture's width, or height, over the fish's
-LEAST_TALL = 0.3  # body lengths that the picture is high at least, or an eel would be all of it
+ROOM = 1.16  # size of the picture over that of the fish
+LEAST_TALL = 0.3  # least height of the picture, body lengths
 NEAREST, FARTHEST = 0.25, 8.0  # of the zoom
 STEEPEST = np.radians(89.0)
 ALIKE = Variation(hue=0.0, saturation=0.0, brightness=0.0, pattern=0.0, torn=0.0)
-UPRIGHT = np.sqrt([0.5, 0.5, 0.0, 0.0])  # body to world: heading along x, its back up
-DRAWN_CM = 20.0  # its length in the picture's sea, whatever its own: light depends on depth
-DEPTH_CM = 450.0  # where daylight is as in the scenarios
-FINS = (0.5, 0.55, 0.0, 0.0, 0.0, 1.0, 0.0)  # held as a fish at ease does: `frame.FINS`
+UPRIGHT = np.sqrt([0.5, 0.5, 0.0, 0.0])  # body to world: heading along x, back up
+DRAWN_CM = 20.0  # length as drawn, so that all fishes have the same light
+DEPTH_CM = 450.0  # for daylight as in the scenarios
+FINS = (0.5, 0.55, 0.0, 0.0, 0.0, 1.0, 0.0)  # at rest, as `frame.packet.FINS`
 SAMPLES = 4
-LEVEL_CAUSTICS = 1 / 1.85  # light without waves, as `optics.glsl` scales it
+LEVEL_CAUSTICS = 1 / 1.85  # light without waves, in the scale of `optics.glsl`
 
 
 @dataclass(frozen=True)
 class Orbit:
-    """Where the eye is about the fish, which heads left where `turn` is 0."""
+    """Position of the eye about the fish, which heads left at `turn` 0."""
 
-    turn: float = 0.0  # rad, about the vertical: a quarter turn looks it in the face
+    turn: float = 0.0  # rad, about the vertical; a quarter turn shows its face
     tilt: float = 0.0  # rad, up
-    zoom: float = 1.0  # how many times larger than what fits
+    zoom: float = 1.0  # 1: the fish fits
 
     def moved(self, turn: float, tilt: float) -> "Orbit":
-        """Farther round and farther up by so many rad, never over the top."""
+        """Turned by `turn` and `tilt` rad, with the tilt limited."""
         return replace(
             self,
             turn=(self.turn + turn) % (2 * np.pi),
@@ -56,15 +57,16 @@ class Orbit:
         )
 
     def zoomed(self, times: float) -> "Orbit":
-        """So many times as large, within limits."""
+        """Enlarged, within limits."""
         return replace(self, zoom=float(np.clip(self.zoom * times, NEAREST, FARTHEST)))
 
 
-class FishPreview:
+class FishPreview(GpuOwner):
     """A fish on the GPU, and the texture that it is drawn into."""
 
     def __init__(self, context: Any, species: Species, sheet: NDArray[np.uint8]) -> None:
-        """Make every object for a fish that wears a `sheet`, as `skins.paint` makes it."""
+        """Upload a fish with a skin `sheet`, as `fish.paint` makes it."""
+        super().__init__()
         self._context = context
         self._measure(species)
         one = _without_variation(species)
@@ -76,15 +78,16 @@ class FishPreview:
             terrain_half_width_cm=1.0,
             water=WATER,
         )
-        self._fishes = FishRenderer(context, scene, [sheet])
-        self._light = mipmapped(context, np.full((1, 1, 2), LEVEL_CAUSTICS, np.float16))
+        self._fishes: FishRenderer = self.own(FishRenderer(context, scene, [sheet]))
+        even = np.full((1, 1, 2), LEVEL_CAUSTICS, np.float16)
+        self._light = self.own(mipmapped(context, even))
         self._resolve: ResolvePass | None = None
         self._sized: list[Any] = []
         self.size = (0, 0)
         self.texture: Any = None  # the picture, bottom row first
 
     def dress(self, species: Species, sheet: NDArray[np.uint8] | None = None) -> None:
-        """Another shape from the next picture on, and another sheet if there is one."""
+        """Replace the shape, and the skin sheet if given."""
         self._measure(species)
         self._fishes.dress(
             (_without_variation(species),),
@@ -100,10 +103,10 @@ class FishPreview:
         fins: tuple[float, ...] = FINS,
         courting: float = 0.0,
     ) -> Any:
-        """Draw control points (426, 3), cm in body axes; the texture of `size` pixels.
+        """Draw control points (426, 3), cm in body axes; returns the texture of `size` pixels.
 
-        `fins` are those of an instance record (`frame.FINS`), `courting` how much it wears its
-        mating colours. The texture is the same one until another size is asked for.
+        `fins` are as in an instance (`frame.packet.FINS`), `courting` is the share of mating
+        colours. The texture stays the same while `size` does.
         """
         if size != self.size:
             self._resize(size)
@@ -142,10 +145,7 @@ class FishPreview:
     def release(self) -> None:
         """Free every OpenGL object."""
         self._release_sized()
-        if self._resolve:
-            self._resolve.release()
-        self._fishes.release()
-        self._light.release()
+        super().release()
 
     def _view(self, orbit: Orbit, size: tuple[int, int]) -> View:
         across = ROOM * DRAWN_CM * max(1.0, self._tall * size[0] / size[1]) / orbit.zoom
@@ -169,7 +169,7 @@ class FishPreview:
         return DRAWN_CM / self._species.length_cm
 
     def _measure(self, species: Species) -> None:
-        """How tall the fish is, or wide, fins and all, and what the eye is to look at."""
+        """Measure height or width with fins, and the point that the eye looks at."""
         surface, length = species.surface, species.length_cm
         points = rest_surface(surface)
         low, high = float(points[:, 1].min()), float(points[:, 1].max())
@@ -190,13 +190,13 @@ class FishPreview:
         self._sized = [self._target, self._shown, self.texture]
         patches = display_rig("mono", size).patches
         if self._resolve is None:
-            self._resolve = ResolvePass(self._context, patches)
+            self._resolve = self.own(ResolvePass(self._context, patches))
         else:
             self._resolve.arrange(patches)
         self.size = size
 
     def _release_sized(self) -> None:
-        # moderngl binds the last framebuffer again when it makes one; it must not be a freed one.
+        # moderngl binds the last framebuffer again when it makes one, which must not be freed.
         self._context.detect_framebuffer(0).use()
         for held in self._sized:
             held.release()
@@ -204,5 +204,5 @@ class FishPreview:
 
 
 def _without_variation(species: Species) -> Species:
-    """The species as none of its individuals is: nothing added to what its file says."""
+    """The species without individual variation of its skin."""
     return structs.replace(species, skin=structs.replace(species.skin, variation=ALIKE))

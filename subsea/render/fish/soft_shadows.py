@@ -1,6 +1,6 @@
-"""Soft shadows, on the sand, of fishes that swim low and of the vessel from which one looks."""
+"""Soft shadows on the sand, of fishes that swim low and of the submarine."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import moderngl
 import numpy as np
@@ -10,80 +10,90 @@ from subsea.core.kernels import kernel
 from subsea.frame.packet import FISH, KIND, ORIENTATION, POSITION, SCALE, Packet, Scene
 from subsea.geometry.height_field import height_at
 from subsea.habitat.stone_shade import SUN
+from subsea.render.gl.owner import GpuOwner, replace_data
 from subsea.render.gl.shaders import program, set_uniforms
 from subsea.state import HULL_CM
 
-HIGHEST_CM = 200.0  # who swims higher over the sand casts none
-FARTHEST_CM = 700.0  # nor who is farther from the eye,
-FADING_CM = 200.0  # and over the last of these the shadow fades away
+HIGHEST_CM = 200.0  # height over the sand from which on there is no shadow
+FARTHEST_CM = 700.0  # distance from the eye, likewise
+FADING_CM = 200.0  # a shadow fades over this distance before that
 MOST = 600  # shadows
-DARK = 0.62  # share of the light that is missing under a fish that lies on the sand
+DARK = 0.62  # share of the light that is missing under a fish on the sand
 LONG, WIDE = 0.46, 0.13  # half the shadow's length and width over the fish's length
-SOFT = 0.16  # by this share of its height over the sand a shadow is wider all round
-SLOPE_CM = 18.0  # half the distance over which the slope of the sand is taken
+SOFT = 0.16  # widening on each side over the height above the sand
+SLOPE_CM = 18.0  # half the distance over which the slope of the sand is measured
 COLUMNS = 10  # x, y, z; slopes along x and y; axis x, y; half length and width, cm; how dark
 
 
-class SoftShadowRenderer:
-    """Holds one record a shadow."""
+class Sand(NamedTuple):
+    """The height field of the seabed."""
+
+    heights: Array  # (n, n) cm
+    half_width: float  # cm
+
+
+class Caster(NamedTuple):
+    """Something that casts a shadow."""
+
+    x: float  # cm, world
+    y: float
+    z: float
+    ax: float  # unit vector of its long axis, seen from above
+    ay: float
+    long: float  # half its length and width, cm
+    wide: float
+    share: float  # of the darkness of its shadow that its distance from the eye leaves
+
+
+class SoftShadowRenderer(GpuOwner):
+    """Draws one quad for each shadow."""
 
     def __init__(self, context: Any, scene: Scene) -> None:
-        """`scene` says how long the species are and how the sand lies."""
+        """Take the lengths of species and the sand from the scene."""
+        super().__init__()
         self._lengths = np.array(scene.recorded_length_cm, np.float64)
-        self._heights, self._width = scene.terrain, scene.terrain_half_width_cm
+        self._sand = Sand(scene.terrain, float(scene.terrain_half_width_cm))
         self._records = np.zeros((MOST, COLUMNS), np.float32)
         self._number = 0
-        self._program = program(context, "blobs")
-        self._buffer = context.buffer(reserve=self._records.nbytes)
-        self._array = context.vertex_array(
-            self._program, [(self._buffer, "3f4 4f4 3f4 /i", "a_place", "a_lie", "a_size")]
-        )
+        self._program = self.own(program(context, "blobs"))
+        self._buffer = self.own(context.buffer(reserve=self._records.nbytes))
+        content = [(self._buffer, "3f4 4f4 3f4 /i", "a_place", "a_lie", "a_size")]
+        self._array = self.own(context.vertex_array(self._program, content))
 
     def upload(self, packet: Packet) -> None:
-        """Find the shadows of a packet."""
+        """Compute and upload the shadows of a packet."""
         eye = np.mean([view.eye for view in packet.views], axis=0).astype(np.float64)
         vessel = eye if packet.vessel is None else np.asarray(packet.vessel, np.float64)
-        self._number = cast(
-            packet.instances, self._lengths, self._heights, self._width, eye, vessel, self._records
-        )
+        self._number = cast(packet.instances, self._lengths, self._sand, eye, vessel, self._records)
         if self._number:
-            self._buffer.orphan()
-            self._buffer.write(self._records[: self._number].tobytes())
+            replace_data(self._buffer, self._records[: self._number])
 
     def draw(self, uniforms: dict[str, Any]) -> int:
-        """Darken the sand that has been drawn, blended; the number of triangles."""
+        """Blend the shadows over the sand; returns the number of triangles."""
         if self._number:
             set_uniforms(self._program, **uniforms)
             self._array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=self._number)
         return 2 * self._number
-
-    def release(self) -> None:
-        """Free every OpenGL object."""
-        for held in (self._array, self._buffer, self._program):
-            held.release()
 
 
 @kernel
 def cast(
     instances: Array,
     lengths: Array,
-    heights: Array,
-    half_width: float,
+    sand: Sand,
     eye: Array,
     vessel: Array,
     out: Array,
 ) -> int:
-    """Write the records of shadows into `out` (m, COLUMNS) and return how many there are.
+    """Write the shadows into `out` (m, COLUMNS) and return their number.
 
     `instances` are those of a packet, `lengths` (s,) the recorded lengths of the species, cm. The
-    first one is that of the vessel, if it is low enough; the others follow from the last instance
-    to the first, so that what is left out when `out` is full is drawn coarsely and far away. A fish
-    casts one however often it is there, for all views: who is beside one may darken its sand.
+    submarine's shadow comes first, if it is low enough. Instances follow from the last to the
+    first, so that a full `out` lacks those drawn coarsely and far away. Each fish has one shadow
+    for all views, because a fish outside a view may darken sand within it.
     """
-    number = _lay(
-        vessel[0], vessel[1], vessel[2], 1.0, 0.0, 0.8 * HULL_CM, 0.6 * HULL_CM, 1.0, heights,
-        half_width, out, 0,
-    )  # fmt: skip
+    hull = Caster(vessel[0], vessel[1], vessel[2], 1.0, 0.0, 0.8 * HULL_CM, 0.6 * HULL_CM, 1.0)
+    number = _lay(hull, sand, out, 0)
     most = 0.0
     for k in range(len(instances)):
         most = max(most, instances[k, FISH])
@@ -102,26 +112,25 @@ def cast(
             continue
         share = min((FARTHEST_CM - far) / FADING_CM, 1.0)
         a, b, c, d = one[ORIENTATION]
-        # Where its snout points, seen from above.
+        # The direction of its snout, seen from above.
         ax, ay = 1.0 - 2.0 * (c * c + d * d), 2.0 * (b * c + a * d)
         length = lengths[int(one[KIND])] * one[SCALE]
         flat = np.sqrt(ax * ax + ay * ay)
         ax, ay = (ax / flat, ay / flat) if flat > 1e-3 else (1.0, 0.0)
         long = max(LONG * flat, WIDE) * length
         wide = WIDE * length
-        number = _lay(x, y, z, ax, ay, long, wide, share, heights, half_width, out, number)
+        number = _lay(Caster(x, y, z, ax, ay, long, wide, share), sand, out, number)
     return number
 
 
 @kernel
-def _lay(
-    x: float, y: float, z: float, ax: float, ay: float, long: float, wide: float,
-    share: float, heights: Array, half_width: float, out: Array, number: int,
-) -> int:  # fmt: skip
-    """One shadow, where the sun's ray through (x, y, z) meets the sand; the number of all.
+def _lay(caster: Caster, sand: Sand, out: Array, number: int) -> int:
+    """Write a shadow where the sun's ray through the caster meets the sand.
 
-    `share` of its darkness is left at its distance from the eye.
+    `number` shadows are there already; returns the new number.
     """
+    heights, half_width = sand
+    x, y, z, ax, ay, long, wide, share = caster
     high = z - height_at(heights, half_width, x, y)
     if high > HIGHEST_CM:
         return number
@@ -137,7 +146,7 @@ def _lay(
     south = height_at(heights, half_width, x, y - SLOPE_CM)
     soft = SOFT * high
     out[number, 0], out[number, 1] = x, y
-    # On a crest or in a trough it lies on the mean of what is about it.
+    # On a crest or in a trough: the mean height around.
     out[number, 2] = max(ground, 0.25 * (east + west + north + south))
     out[number, 3], out[number, 4] = (
         (east - west) / (2 * SLOPE_CM),
@@ -145,6 +154,6 @@ def _lay(
     )
     out[number, 5], out[number, 6] = ax, ay
     out[number, 7], out[number, 8] = 1.35 * long + soft, 1.35 * wide + soft
-    # The wider it gets the less light is missing in its middle.
+    # The wider the shadow, the paler its middle.
     out[number, 9] = share * DARK * near * min(1.0, 1.6 * wide / (wide + soft))
     return number + 1

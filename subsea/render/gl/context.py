@@ -1,4 +1,4 @@
-"""OpenGL contexts: without a window through EGL, or on a window that somebody else made."""
+"""OpenGL contexts: headless through EGL, or on an existing window."""
 
 import ctypes
 import time
@@ -15,11 +15,15 @@ INSTALL = "sudo apt-get install --no-install-recommends libegl1 libgl1 libgl1-me
 
 
 def headless_context() -> Any:
-    """A context without a window. Missing or too old OpenGL is a UserError."""
-    try:  # what fails here, a driver or a missing library, is raised as plain Exception
+    """Make a context without a window.
+
+    Raises:
+        UserError: OpenGL is missing or too old.
+    """
+    try:  # moderngl raises plain Exceptions
         context = _create(standalone=True, backend="egl")
     except Exception as egl_fault:
-        # EGL is Linux's way; other systems have their own hidden windows.
+        # Systems other than Linux make hidden windows instead.
         try:
             context = _create(standalone=True)
         except Exception:
@@ -28,28 +32,27 @@ def headless_context() -> Any:
 
 
 class _Loader:
-    """moderngl finds OpenGL's functions through the window library's own look-up."""
+    """Lets moderngl find OpenGL functions through the window library."""
 
     def __init__(self, get_proc_address: Callable[[str], int | None]) -> None:
         self._look_up = get_proc_address
 
     def load_opengl_function(self, name: str) -> int:
-        """The address of a function, 0 if there is none."""
+        """The address of a function, 0 if it is missing."""
         return self._look_up(name) or 0
 
     def release(self) -> None:
-        """The window owns the context."""
+        """Nothing to release: the window owns the context."""
 
     def __enter__(self) -> "_Loader":
         return self
 
     def __exit__(self, *arguments: object) -> None:
-        """It has returned."""
-        pass
+        """Nothing to do."""
 
 
 def window_context(get_proc_address: Callable[[str], int | None]) -> Any:
-    """A context on the current window, for example with ``glfw.get_proc_address``."""
+    """Make a context on the current window, for example with ``glfw.get_proc_address``."""
     try:
         context = _create(context=_Loader(get_proc_address))
     except Exception as fault:
@@ -58,9 +61,9 @@ def window_context(get_proc_address: Callable[[str], int | None]) -> Any:
 
 
 def count_objects(context: Any) -> dict[str, int]:
-    """How many objects of each kind there are in a context without a window.
+    """Count the objects of each kind in a headless context.
 
-    Asked name by name, up to one that is given now. Empty where EGL cannot be asked.
+    Tests every OpenGL name below a new one. Empty without EGL.
     """
     try:
         look_up = ctypes.CDLL("libEGL.so.1").eglGetProcAddress
@@ -84,9 +87,9 @@ def count_objects(context: Any) -> dict[str, int]:
 
 
 def page_switch(get_proc_address: Callable[[str], Any]) -> Callable[[int], None]:
-    """A function that chooses the left (0) or right (1) back buffer of the current window.
+    """A function that selects the left (0) or right (1) back buffer of the current window.
 
-    moderngl has no word for it. It holds for the framebuffer of the window, while that is in use.
+    moderngl cannot. The window's framebuffer must be in use.
     """
     address = ctypes.cast(get_proc_address("glDrawBuffer"), ctypes.c_void_p).value
     draw_buffer = ctypes.CFUNCTYPE(None, ctypes.c_uint)(address or 0)
@@ -102,23 +105,23 @@ def _create(**settings: Any) -> Any:
 
 
 class DrawCallCounter:
-    """Drawing calls in a context since it was made, and the seconds that they took to return.
+    """Counts the drawing calls in a context, and the seconds that they took to return.
 
-    moderngl enters the `scope` of a vertex array about each of its drawing calls: this is it.
+    Is the `scope` of every vertex array: moderngl enters it for each drawing call.
     """
 
     def __init__(self) -> None:
-        """Nothing drawn yet."""
+        """Start at 0."""
         self.calls = 0
         self.seconds = 0.0
         self._start = 0.0
 
     def __enter__(self) -> None:
-        """A drawing call begins."""
+        """Note the time at which a drawing call begins."""
         self._start = time.perf_counter()
 
     def __exit__(self, *arguments: object) -> None:
-        """It has returned."""
+        """Add a drawing call that has returned."""
         self.calls += 1
         self.seconds += time.perf_counter() - self._start
 

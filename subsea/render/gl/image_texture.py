@@ -1,4 +1,4 @@
-"""A picture as a texture, for those who show it in a panel."""
+"""Pictures as textures for panels."""
 
 from typing import Any
 
@@ -7,13 +7,10 @@ from numpy.typing import NDArray
 
 
 class ImageTexture:
-    """A picture on the graphics card; `glo` is its number there, as panels want it."""
+    """A picture on the GPU; `glo` is its OpenGL name, which panels need."""
 
     def __init__(self, context: Any, pixels: NDArray[np.uint8]) -> None:
-        """Of pixels (h, w, 3 or 4), top row first.
-
-        One that is larger than the card can hold is made smaller by halves.
-        """
+        """Upload pixels (h, w, 3 or 4), top row first, halved until the GPU can hold them."""
         most = context.info["GL_MAX_TEXTURE_SIZE"]
         while max(pixels.shape[:2]) > most:
             pixels = pixels[::2, ::2]
@@ -27,5 +24,5 @@ class ImageTexture:
         self.glo: int = self._texture.glo
 
     def release(self) -> None:
-        """Free it; no panel may show it any more."""
+        """Free the texture; no panel may show it any more."""
         self._texture.release()

@@ -1,7 +1,7 @@
-"""Textures with mipmaps, which OpenGL makes once: then they are kept on the disk.
+"""Mipmapped textures, cached on disk.
 
-A renderer without a GPU compiles a program for each format that it makes mipmaps of, 0.05 s every
-time a dive begins.
+A software renderer compiles a program for each format that it makes mipmaps of, which takes 0.05 s
+at every start.
 """
 
 import ctypes
@@ -17,16 +17,16 @@ from subsea.core.disk_cache import kept, name_of
 P = ParamSpec("P")
 Texels = NDArray[Any]  # half floats or bytes (h, w, c), bottom row first
 
-# OpenGL's names; of formats by the number of planes.
+# OpenGL enums; formats by the number of planes.
 TEXTURE_2D, MAX_LEVEL, UNSIGNED_BYTE, HALF_FLOAT = 0x0DE1, 0x813D, 0x1401, 0x140B
 PLANES = 0x1903, 0x8227, 0x1907, 0x1908
 HALVES, BYTES = (0x822D, 0x822F, 0x881B, 0x881A), (0x8229, 0x822B, 0x8051, 0x8058)
-SRGB8_ALPHA8 = 0x8C43  # of colours that are no light, but the eye's measure of it
-ALL = 1000  # levels, down to one texel
+SRGB8_ALPHA8 = 0x8C43  # for colours in sRGB
+ALL = 1000  # levels: down to one texel
 
 
 def mipmapped(context: Any, texels: Texels, last: int = ALL, srgb: bool = False) -> Any:
-    """A texture, with mipmaps up to the `last` that OpenGL makes now."""
+    """Make a texture with mipmaps up to level `last`."""
     texture = _plain(context, texels, srgb)
     texture.build_mipmaps(max_level=last)
     return texture
@@ -40,9 +40,9 @@ def kept_texture(
     *given: P.args,
     **named: P.kwargs,
 ) -> Any:
-    """The same of what `make` returns for these arguments, as `kept` keeps it, mipmaps and all."""
+    """As `mipmapped`, of `make(*given, **named)`; texels and mipmaps are cached on disk."""
 
-    # What it is of, and the driver that makes it, are asked for as parts of the name it is kept by.
+    # `of` and `driver` are parts of the cache key.
     def levels(of: str, driver: tuple[str, ...], last: int, srgb: bool) -> list[Texels]:
         base = make(*given, **named)
         texture = mipmapped(context, base, last, srgb)
@@ -58,7 +58,7 @@ def kept_texture(
     base, *smaller = kept(levels, name_of(make, *given, **named), driver, last, srgb)
     texture = _plain(context, base, srgb)
     texture.filter = moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR
-    # moderngl has no word for a level that is not made of the first one.
+    # moderngl cannot upload single levels.
     write = _function(context, "glTexImage2D", *[ctypes.c_int] * 8, ctypes.c_void_p)
     limit = _function(context, "glTexParameteri", *[ctypes.c_int] * 3)
     texture.use()

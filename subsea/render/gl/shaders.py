@@ -1,4 +1,4 @@
-"""Shader sources: `#include "file"` once each, and line numbers that stay true."""
+"""Shader sources with `#include "file"`, once each, and line numbers that stay correct."""
 
 import re
 from typing import Any
@@ -11,30 +11,29 @@ _INCLUDE = re.compile(r'^\s*#include\s+"([^"]+)"\s*$')
 
 
 def program(context: Any, name: str, **constants: int) -> Any:
-    """The program of `shaders/NAME.vert` and `shaders/NAME.frag`, with `constants` defined."""
+    """Compile `shaders/NAME.vert` and `shaders/NAME.frag` with these `constants` defined."""
     return context.program(
         vertex_shader=source(f"{name}.vert", **constants),
         fragment_shader=source(f"{name}.frag", **constants),
     )
 
 
-def wanted(uniforms: dict[str, Any], marked: bool = False) -> tuple[str, ...]:
-    """What a program is to be compiled with for these uniforms, besides what it always has.
+def required_defines(uniforms: dict[str, Any], as_ids: bool = False) -> tuple[str, ...]:
+    """The defines that select a program variant: MARKS to draw object ids, LIT with lamps on.
 
-    MARKS for who asks what is where, LIT where the submarine's lights are on. So a picture without
-    them costs nothing more: a software renderer would walk every branch for every pixel.
+    Separate variants, because a software renderer would walk every branch for every pixel.
     """
-    return ("MARKS",) if marked else ("LIT",) if "u_lamps" in uniforms else ()
+    return ("MARKS",) if as_ids else ("LIT",) if "u_lamps" in uniforms else ()
 
 
 def source(name: str, **constants: int) -> str:
-    """One shader with its includes, ready to compile; `constants` are defined before it."""
+    """The text of one shader with its includes, after a `#define` for each constant."""
     defined = "".join(f"#define {key} {value}\n" for key, value in constants.items())
     return VERSION + defined + "\n".join(_lines(name, {})) + "\n"
 
 
 def _lines(name: str, seen: dict[str, int]) -> list[str]:
-    """The lines of a file; each file has a number, which `#line` reports in errors."""
+    """The lines of a file; `#line` reports errors by the number of the file in `seen`."""
     number = seen.setdefault(name, len(seen))
     out = [f"#line 1 {number}"]
     path = resource_path(f"shaders/{name}")
@@ -54,9 +53,9 @@ def _lines(name: str, seen: dict[str, int]) -> list[str]:
 
 
 def set_uniforms(target: Any, **values: Any) -> None:
-    """Set those uniforms that the compiler has kept and that have another value.
+    """Set the uniforms that the program uses and whose value has changed.
 
-    Nothing else sets any: the last value is kept as moderngl's `extra`, as are the program's own.
+    Must be the only way to set uniforms: `extra` of each caches its last value.
     """
     if target.extra is None:
         target.extra = {name: target[name] for name in target}

@@ -1,4 +1,4 @@
-"""What stands still: all shapes in one buffer, of which a view draws those in sight at once."""
+"""Static geometry in one vertex buffer: each view draws the visible items in one call."""
 
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
@@ -8,108 +8,104 @@ import numpy as np
 
 from subsea.core.arrays import Array, Bools, Ints
 from subsea.core.kernels import kernel
-from subsea.render.gl.id_buffer import double
-from subsea.render.gl.shaders import set_uniforms, wanted
+from subsea.render.gl.owner import GpuOwner, replace_data
+from subsea.render.gl.programs import ProgramVariants
 from subsea.view.camera import View
-from subsea.view.culling import in_frustum, pixels_per_radian
+from subsea.view.culling import ViewArrays, in_frustum, view_arrays
 
-OUT_OF_SIGHT = -1  # in place of a level
-NEAR_PX, MIDDLE_PX = 360.0, 130.0  # a level is used while its shape's diameter covers so many
-LEAST_PX = 3.0  # what covers fewer is not drawn
+OUT_OF_SIGHT = -1  # instead of a level
+NEAR_PX, MIDDLE_PX = 360.0, 130.0  # default diameters from which the levels are used
+LEAST_PX = 3.0  # what covers less is not drawn
 HYSTERESIS = 0.12  # share by which a threshold is overstepped before the level changes
 
 
 class StaticMesh(NamedTuple):
-    """One shape at one level of detail, in world coordinates."""
+    """One item at one level of detail, in world coordinates."""
 
-    vertices: Array  # (n, c) float32; the first three columns are the place, cm
+    vertices: Array  # (n, c) float32; the first three columns are the position, cm
     triangles: Ints  # (m, 3), counter-clockwise from outside
 
     @property
     def number(self) -> int:
-        """How many vertices there are."""
+        """The number of vertices."""
         return len(self.vertices)
 
 
 class LazyMesh(NamedTuple):
-    """The same, but its vertices are made whenever they are asked for."""
+    """A static mesh whose vertices are computed whenever they are read."""
 
     make: Callable[[], Array]
-    number: int
+    number: int  # of vertices
     triangles: Ints
 
     @property
     def vertices(self) -> Array:
-        """As those of a shape."""
+        """As those of a StaticMesh."""
         return self.make()
 
 
-class StaticBatch:
-    """Holds the vertices of all shapes, and the triangles of those that are drawn now."""
+class StaticBatch(GpuOwner):
+    """The vertices of all items, and the indices of the triangles that are drawn now."""
 
     def __init__(
         self,
-        context: Any,
-        compiled: Any,
+        programs: ProgramVariants,
         layout: str,
         attributes: str,
-        shapes: Sequence[Sequence[StaticMesh | LazyMesh]],
+        items: Sequence[Sequence[StaticMesh | LazyMesh]],
         reach_cm: float,
         thresholds_px: Sequence[float] = (NEAR_PX, MIDDLE_PX),
         spheres: Array | None = None,
     ) -> None:
-        """Make room for `shapes`, per item its levels, finest first; the last stands for coarser.
+        """Reserve space for `items`: the levels of each, finest first; the last is used beyond.
 
-        `compiled` is the program, `layout` and `attributes` are those of moderngl, `reach_cm` is
-        how far one sees. Level k is used from `thresholds_px[k]` pixels on. The `spheres` (k, 4)
-        about items, centre and radius, need not be given. The program stays the caller's.
+        `layout` and `attributes` are moderngl's, `reach_cm` is how far one sees. Level k is used
+        from `thresholds_px[k]` pixels on. `spheres` (k, 4) are the bounding spheres of the items,
+        computed if None. The batch releases `programs`.
         """
+        super().__init__()
+        self._programs = self.own(programs)
         self._reach = reach_cm
         self._thresholds = np.asarray(thresholds_px, np.float64)
-        # What stands for two levels is held once; shapes that differ in their vertices alone have
-        # their triangles in common.
-        flat = list({id(shape): shape for levels in shapes for shape in levels}.values())
-        meshes = list({id(shape.triangles): shape.triangles for shape in flat}.values())
-        self._triangles = np.concatenate([np.zeros((0, 3), np.int32), *meshes]).astype("i4")
-        self._ranges = _ranges(shapes, len(thresholds_px) + 1, flat, meshes)
-        spheres = bounding_spheres(shapes) if spheres is None else spheres
+        # A mesh used for two levels is held once; meshes that differ only in their vertices share
+        # their triangles.
+        flat = list({id(mesh): mesh for levels in items for mesh in levels}.values())
+        lists = list({id(mesh.triangles): mesh.triangles for mesh in flat}.values())
+        self._triangles = np.concatenate([np.zeros((0, 3), np.int32), *lists]).astype("i4")
+        self._ranges = _ranges(items, len(thresholds_px) + 1, flat, lists)
+        spheres = bounding_spheres(items) if spheres is None else spheres
         self._centres, self._radii = spheres[:, :3].copy(), spheres[:, 3].copy()
-        self._level = np.full(len(shapes), OUT_OF_SIGHT)
-        self._seen = np.zeros((0, len(shapes)), np.bool_)
-        self._starts = [0]  # of each view's triangles, with the end
-        self._held: list[Any] = []
-        # What draws it, by what that is wanted for (`shaders.wanted`): array and program.
-        self._by: dict[tuple[str, ...], tuple[Any, Any]] = {}
-        # Of each shape which item it is, and how many vertices it has.
-        item = {id(shape): k for k, levels in enumerate(shapes) for shape in levels}
-        self._owners = [item[id(shape)] for shape in flat], [shape.number for shape in flat]
+        self._level = np.full(len(items), OUT_OF_SIGHT)
+        self._seen = np.zeros((0, len(items)), np.bool_)
+        self._starts = [0]  # of the triangles of each view, and the end
+        item = {id(mesh): k for k, levels in enumerate(items) for mesh in levels}
+        self._owners = [item[id(mesh)] for mesh in flat], [mesh.number for mesh in flat]
+        self._array: Any = None
         if not flat:
             return
-        self._context = context
-        # Most are never seen as finely as they could be: each is uploaded when it is first drawn.
+        # Most meshes are never drawn at their finest: each is uploaded when first drawn.
         first = np.cumsum([0, *self._owners[1]]).tolist()
-        self._waiting = {at: own for at, own in zip(first, flat, strict=False) if own.number}
-        self._absent = np.isin(self._ranges[..., 2], [*self._waiting])  # (k, levels), of the items
+        self._waiting = {at: mesh for at, mesh in zip(first, flat, strict=False) if mesh.number}
+        self._absent = np.isin(self._ranges[..., 2], [*self._waiting])  # (k, levels)
         self._stride = sum(int(part[0]) * int(part[2]) for part in layout.split())
-        self._vertices = context.buffer(reserve=self._stride * first[-1])
-        self._indices = context.buffer(reserve=12)
-        self._content = [(self._vertices, layout, *attributes.split())]
-        array = context.vertex_array(compiled, self._content, self._indices)
-        self._by[()] = array, compiled
-        self._held = [array, self._vertices, self._indices]
+        self._vertices = self.own(programs.context.buffer(reserve=self._stride * first[-1]))
+        self._indices = self.own(programs.context.buffer(reserve=12))
+        content = [(self._vertices, layout, *attributes.split())]
+        self._array = programs.array(content, self._indices)
 
     def choose(
         self, views: Sequence[View], detail: float = 1.0, shown: Bools | None = None
     ) -> None:
-        """Decide what each view draws, and once for all of them how finely.
+        """Choose the items that each view draws, and a level for each that all views share.
 
-        `detail` is a factor on the pixels that a shape covers, infinite: all are drawn in full,
-        in sight or not; `shown` (k,) leaves items out.
+        `detail` is a factor on the pixels that an item covers; infinite draws every item at its
+        finest level. `shown` (k,) leaves items out.
         """
-        if not self._held:
+        if self._array is None:
             return
+        spheres = self._centres, self._radii
         level, seen = levels_in_sight(
-            self._centres, self._radii, views, self._reach, detail, self._thresholds, self._level
+            spheres, views, self._reach, detail, self._thresholds, self._level
         )
         if shown is not None:
             level[~shown] = OUT_OF_SIGHT
@@ -117,7 +113,7 @@ class StaticBatch:
         if np.array_equal(level, self._level) and np.array_equal(seen, self._seen):
             return
         self._level, self._seen = level, seen
-        # The near first: what they cover need not be lit. As near as when the choice last changed.
+        # Near items first, so that hidden pixels are not lit; sorted only when the choice changes.
         drawn = [
             own[np.argsort(np.linalg.norm(self._centres[own] - eye, axis=1) - self._radii[own])]
             for own, eye in (
@@ -133,74 +129,52 @@ class StaticBatch:
         self._starts = np.cumsum([0, *((own[:, 1] - own[:, 0]).sum() for own in ranges)]).tolist()
         if self._starts[-1]:
             data = _gathered(self._triangles, np.concatenate(ranges))
-            self._indices.orphan(data.nbytes)
-            self._indices.write(data)
+            replace_data(self._indices, data)
 
     def recall(self, level: Ints | None = None) -> Ints:
-        """Choose next as if `level` (k,) had been chosen last, None: nothing; returns what was."""
+        """Set the levels (k,) that the next choice starts from, None: no item; returns the old."""
         before = self._level
         self._level = np.full_like(before, OUT_OF_SIGHT) if level is None else level
-        self._seen = np.zeros((0, len(before)), np.bool_)  # the indices are to be written anew
+        self._seen = np.zeros((0, len(before)), np.bool_)  # forces new indices
         return before
 
     @property
     def owners(self) -> Ints:
-        """Which item each vertex (n,) belongs to."""
+        """The item that each vertex (n,) belongs to."""
         return np.repeat(*self._owners)
 
-    def draw_by(self, wants: tuple[str, ...], compiled: Any, marks: Array | None = None) -> None:
-        """Draw by another program what is wanted so; `marks` (n,) are its vertices' `a_mark`."""
-        if not self._held:
-            return
-        content = list(self._content)
-        if marks is not None:
-            buffer = self._context.buffer(marks.astype("f4"))
-            content.append((buffer, "1f4", "a_mark"))
-            self._held.append(buffer)
-        array = double(self._context, compiled, content, self._indices)
-        self._by[wants] = array, compiled
-        self._held.append(array)
-
-    def draw(self, number: int, uniforms: dict[str, Any], marked: bool = False) -> int:
-        """Draw in one call what view `number` sees, or its marks; the number of triangles."""
-        if not self._held:
+    def draw(self, number: int, uniforms: dict[str, Any], as_ids: bool = False) -> int:
+        """Draw what view `number` sees, or its object ids; returns the number of triangles."""
+        if self._array is None:
             return 0
         first, end = self._starts[number : number + 2]
         if end > first:
-            # Of shadows, which no lamp lights, there is one program.
-            array, compiled = self._by.get(wanted(uniforms, marked), self._by[()])
-            set_uniforms(compiled, **uniforms)
+            array = self._programs.ready(self._array, as_ids, **uniforms)
             array.render(moderngl.TRIANGLES, vertices=3 * (end - first), first=3 * first)
         return end - first
 
-    def release(self) -> None:
-        """Free the buffers."""
-        for held in self._held:
-            held.release()
-
 
 def levels_in_sight(
-    centres: Array,
-    radii: Array,
+    spheres: tuple[Array, Array],
     views: Sequence[View],
     reach_cm: float,
     detail: float,
     thresholds_px: Array,
     before: Ints,
 ) -> tuple[Ints, Bools]:
-    """Levels of detail (k,) of spheres, and which of them (v, k) each view sees.
+    """Levels of detail (k,) of `spheres`, and which of them (v, k) each view sees.
 
-    A level follows from the pixels that the diameter covers where it covers most; OUT_OF_SIGHT is
-    what no view sees, or what is too small. One `before` is kept until a threshold is overstepped
-    by HYSTERESIS.
+    `spheres` are centres (k, 3) and radii (k,), cm. The level follows from the largest diameter in
+    pixels; it is OUT_OF_SIGHT for what no view sees or what is too small. The level `before` is
+    kept until a threshold is overstepped by HYSTERESIS.
     """
+    centres, radii = spheres
     seen = np.ones((len(views), len(centres)), np.bool_)
     if np.isinf(detail):
         return np.zeros(len(centres), np.int64), seen
-    planes = np.stack([view.planes for view in views])
-    eyes = np.stack([np.asarray(view.eye, np.float64) for view in views])
-    scales = detail * np.array([pixels_per_radian(view) for view in views])
-    level = _levels(centres, radii, planes, eyes, scales, reach_cm, thresholds_px, before, seen)
+    arrays = view_arrays(views)
+    arrays = arrays._replace(scales=detail * arrays.scales)
+    level = _levels(centres, radii, arrays, reach_cm, thresholds_px, before, seen)
     return np.asarray(level), seen
 
 
@@ -208,14 +182,13 @@ def levels_in_sight(
 def _levels(
     centres: Array,
     radii: Array,
-    planes: Array,
-    eyes: Array,
-    scales: Array,
+    views: ViewArrays,
     reach: float,
     thresholds: Array,
     before: Ints,
     seen: Bools,
 ) -> Ints:
+    planes, eyes, scales = views
     level = np.empty(len(centres), np.int64)
     for i in range(len(centres)):
         x, y, z = centres[i, 0], centres[i, 1], centres[i, 2]
@@ -269,31 +242,31 @@ def bounding_sphere(vertices: Array) -> tuple[Array, float]:
     return centre, np.sqrt(square)
 
 
-def bounding_spheres(shapes: Sequence[Sequence[StaticMesh | LazyMesh]]) -> Array:
-    """The centres and radii (k, 4) of spheres about items at their finest level."""
-    spheres = np.zeros((len(shapes), 4))
-    for k, levels in enumerate(shapes):
+def bounding_spheres(items: Sequence[Sequence[StaticMesh | LazyMesh]]) -> Array:
+    """The bounding spheres (k, 4) of items at their finest level: centre, radius."""
+    spheres = np.zeros((len(items), 4))
+    for k, levels in enumerate(items):
         spheres[k, :3], spheres[k, 3] = bounding_sphere(levels[0].vertices)
     return spheres
 
 
 def _ranges(
-    shapes: Sequence[Sequence[StaticMesh | LazyMesh]],
+    items: Sequence[Sequence[StaticMesh | LazyMesh]],
     levels: int,
     flat: list[StaticMesh | LazyMesh],
-    meshes: list[Ints],
+    lists: list[Ints],
 ) -> Ints:
     """First triangle, end and first vertex (k, levels, 3) of every item at every level.
 
-    `flat` are all shapes and `meshes` all triangles, each once, in the order in which they lie.
+    `flat` are all meshes and `lists` all lists of triangles, each once, in buffer order.
     """
-    vertices = np.cumsum([0] + [shape.number for shape in flat])
-    triangles = np.cumsum([0] + [len(mesh) for mesh in meshes])
+    vertices = np.cumsum([0] + [mesh.number for mesh in flat])
+    triangles = np.cumsum([0] + [len(part) for part in lists])
     vertex = dict(zip(map(id, flat), vertices, strict=False))
-    first = dict(zip(map(id, meshes), triangles, strict=False))
-    ranges = np.zeros((len(shapes), levels, 3), np.int64)
-    for item, own in enumerate(shapes):
-        for level, shape in enumerate(own):
-            start = first[id(shape.triangles)]
-            ranges[item, level:] = start, start + len(shape.triangles), vertex[id(shape)]
+    first = dict(zip(map(id, lists), triangles, strict=False))
+    ranges = np.zeros((len(items), levels, 3), np.int64)
+    for item, own in enumerate(items):
+        for level, mesh in enumerate(own):
+            start = first[id(mesh.triangles)]
+            ranges[item, level:] = start, start + len(mesh.triangles), vertex[id(mesh)]
     return ranges

@@ -1,29 +1,31 @@
-"""A finished picture in a window that has no part in drawing it."""
+"""Presenting finished pictures in further windows."""
 
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from subsea.render.gl.owner import GpuOwner
 from subsea.render.gl.shaders import program
 
 
-class Presenter:
-    """Stretches textures of one context over the window of another that shares its objects.
+class Presenter(GpuOwner):
+    """Draws textures of one context over the window of another that shares its objects.
 
-    What a context draws with is its own (vertex arrays, programs, state), so each window has a
-    presenter, made and used while that window is current.
+    Vertex arrays and state belong to one context, so each window needs a presenter of its own,
+    made and used while that window is current.
     """
 
     def __init__(self, context: Any, page: Callable[[int], object] = lambda number: None) -> None:
-        """`context` is the window's; `page` chooses a buffer of a window that has two."""
+        """Use the context of the window; `page` selects a buffer of a window that has two."""
+        super().__init__()
         self._context = context
         self._page = page
-        self._program = program(context, "present")
-        self._triangle = context.vertex_array(self._program, [])
+        compiled = self.own(program(context, "present"))
+        self._triangle = self.own(context.vertex_array(compiled, []))
 
     def show(self, pages: Sequence[Any], size: tuple[int, int]) -> None:
-        """Fill the window of `size` pixels: one texture, or one for each eye.
+        """Fill the window of `size` pixels with one texture, or one for each eye.
 
-        They must be finished: nothing makes one context wait for another.
+        Nothing makes one context wait for another: the textures must be finished.
         """
         context = self._context
         context.screen.use()
@@ -37,8 +39,3 @@ class Presenter:
             seen.repeat_x = seen.repeat_y = False
             seen.use(0)
             self._triangle.render(vertices=3)
-
-    def release(self) -> None:
-        """Free every OpenGL object."""
-        self._triangle.release()
-        self._program.release()

@@ -1,7 +1,7 @@
-"""How much is spent on a picture: presets, and the ladder that a choice by itself climbs.
+"""Rendering quality: presets, and the ladder for automatic choice.
 
-Every part of the renderer that can do with less reads its own field of `Quality`. The world
-never does: what happens in the sea is the same at every quality.
+Each part of the renderer reads its own field of `Quality`. The world never does, so what happens in
+the sea is the same at every quality.
 """
 
 from dataclasses import dataclass, replace
@@ -15,25 +15,24 @@ SMALLEST_SCALE, SCALE_STEP = 0.5, 0.05
 
 @dataclass(frozen=True)
 class Quality:
-    """What each part of a picture may cost. `adapt(quality)` of a part takes it at any time."""
+    """How much each part of a picture may cost; applied by `adapt(quality)` of that part."""
 
-    # Pixels of the canvas per pixel of the picture, along each side, in [0.25, 2]. `renderer.py`;
-    # of a display for two eyes or all round the canvas is always exact.
+    # Pixels of the canvas per pixel of the picture, along each side, in [0.25, 2]; ignored by rigs
+    # that are exact.
     scale: float = 1.0
-    # Samples per pixel of the canvas that smooth the edges of triangles; 0 none. `target.py`.
+    # Samples per pixel of the canvas (MSAA); 0 none.
     samples: int = 0
-    # Whether edges are smoothed in the finished picture, by their contrast. `target.py`.
+    # Whether edges are smoothed in the finished picture, by their contrast.
     smooth: bool = True
-    # Factor on the pixels that anything is taken to cover when its level of detail is chosen:
-    # larger is finer. `frame.pack` for fishes and seaweed, `standing.py` for what stands still.
+    # Factor on the pixels by which levels of detail are chosen: larger is finer.
     detail: float = 1.0
-    # Share of corals and of clusters of seaweed that is drawn, in [0, 1]. `coral.py`, `frame.pack`.
+    # Share of corals and of clusters of seaweed that is drawn, in [0, 1].
     growth: float = 1.0
-    # Specks of marine snow in the box about the eye. `particles.py`.
+    # Specks of marine snow in the box about the eye.
     snow: int = 1400
-    # Places where light enters that each shaft is made of; 0 no shafts. `shafts.py`.
+    # Samples of each light shaft; 0 none.
     shafts: int = 8
-    # Whether corals, fishes and the submarine darken the sand beneath. `coral.py`, `blobs.py`.
+    # Whether corals, fishes and the submarine darken the sand beneath.
     shadows: bool = True
 
 
@@ -44,8 +43,8 @@ PRESETS = {
 }
 CHOICES = (AUTO, *PRESETS)
 
-# What `auto` chooses among, cheapest first: the lowest preset on a smaller and smaller canvas,
-# then the presets in full. Neighbours differ so little in the first part that nobody sees a step.
+# What `auto` chooses among, cheapest first: the lowest preset at growing scales, in steps too small
+# to see, then the presets in full.
 LADDER = (
     *(
         replace(PRESETS["low"], scale=round(SMALLEST_SCALE + k * SCALE_STEP, 2))
@@ -56,24 +55,24 @@ LADDER = (
 
 
 def check_choice(name: str) -> str:
-    """The name of a preset, or "auto"; any other is a UserError."""
+    """Return the name of a preset, or "auto"; raise UserError for any other."""
     if name not in CHOICES:
         raise unknown("quality", name, list(CHOICES))
     return name
 
 
 def name_of(quality: Quality) -> str:
-    """The preset that a quality is, with the scale of its canvas if that is not 1."""
+    """The name of the preset, with the scale of the canvas if it is not 1."""
     full = replace(quality, scale=1.0)
     name = next((name for name, preset in PRESETS.items() if preset == full), "own")
     return name if quality.scale == 1.0 else f"{name} at {quality.scale:.0%}"
 
 
 def on_software(renderer: str) -> bool:
-    """Whether the `GL_RENDERER` of a context computes its pictures without a GPU."""
+    """Whether the `GL_RENDERER` of a context is a software renderer."""
     return any(name in renderer.lower() for name in SOFTWARE)
 
 
 def first_rung(renderer: str) -> int:
-    """Where on the LADDER a choice by itself begins: low without a GPU, high with one."""
+    """The index in LADDER at which `auto` begins: low without a GPU, high with one."""
     return LADDER.index(PRESETS["low" if on_software(renderer) else "high"])

@@ -1,81 +1,73 @@
-"""The picture in linear light, and its way to the screen."""
+"""The canvas in linear light, and the pass that resolves its patches to eight bits."""
 
 from collections.abc import Sequence
-from itertools import chain
 from typing import Any
 
 import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.render.gl.owner import GpuOwner
 from subsea.render.gl.shaders import program, set_uniforms
 from subsea.render.output.quality import Quality
 from subsea.view.rig import CUBES, DisplayPatch, Projection, Rect, Warp, Weave
 from subsea.view.surround import ROWS, half_tangent
 
-MASK_UNIT = 1  # nothing of the scene is drawn any more
+MASK_UNIT = 1  # texture unit, free again after the scene is drawn
 
 LINEAR = moderngl.LINEAR, moderngl.LINEAR
-NEAREST = moderngl.NEAREST, moderngl.NEAREST  # quicker, where each pixel has its own
+NEAREST = moderngl.NEAREST, moderngl.NEAREST  # faster where texels match pixels
 
 
-class RenderTarget:
-    """A half-float picture with depth, smoothed by multisampling if asked for."""
+class RenderTarget(GpuOwner):
+    """A half-float texture with depth, optionally multisampled."""
 
     def __init__(self, context: Any, size: tuple[int, int], samples: int) -> None:
-        """Whatever of it cannot be made, nothing of it is left behind."""
+        """Make all of it, or release what was made and raise moderngl.Error."""
+        super().__init__()
         self.size = size
         self._context = context
         self._samples = samples
-        self._held: list[Any] = []
         try:
-            self._picture = self._keep(context.texture(size, 4, dtype="f2"))
-            self._picture.repeat_x = self._picture.repeat_y = False  # its neighbours at the edge
-            self._flat = self._keep(context.framebuffer([self._picture]))
+            self._picture = self.own(context.texture(size, 4, dtype="f2"))
+            self._picture.repeat_x = self._picture.repeat_y = False
+            self._flat = self.own(context.framebuffer([self._picture]))
             colour = self._picture
             if samples:
-                colour = self._keep(context.renderbuffer(size, 4, samples=samples, dtype="f2"))
-            depth = self._keep(context.depth_renderbuffer(size, samples=samples))
-            self.framebuffer = self._keep(context.framebuffer([colour], depth))
+                colour = self.own(context.renderbuffer(size, 4, samples=samples, dtype="f2"))
+            depth = self.own(context.depth_renderbuffer(size, samples=samples))
+            self.framebuffer = self.own(context.framebuffer([colour], depth))
         except moderngl.Error:
             self.release()
             raise
 
-    def _keep(self, made: Any) -> Any:
-        self._held.insert(0, made)
-        return made
-
     def picture(self) -> Any:
-        """The finished picture as a texture."""
+        """The finished picture as a texture, with samples resolved."""
         if self._samples:
             self._context.copy_framebuffer(self._flat, self.framebuffer)
         return self._picture
 
-    def release(self) -> None:
-        """Free every OpenGL object."""
-        for held in self._held:
-            held.release()
 
-
-class ResolvePass:
-    """The patches of a rig: from a linear canvas to eight bits, each at its place."""
+class ResolvePass(GpuOwner):
+    """Draws the patches of a rig from a linear canvas to eight-bit outputs."""
 
     def __init__(self, context: Any, patches: Sequence[DisplayPatch], smooth: bool = False) -> None:
-        """For these patches; with `smooth` edges are smoothed where a patch shows one eye."""
+        """Prepare these patches; `smooth` smooths edges where a patch shows one eye."""
+        super().__init__()
         self._context = context
-        self._made: dict[tuple[int, ...], Any] = {}
+        self._programs: dict[tuple[int, ...], Any] = {}  # by constants
         self._plain: dict[tuple[int, ...], Any] = {}  # arrays without vertices
-        self._meshes: list[Any] = []  # (vertices, triangles, arrays by program) of warped patches
+        self._meshes: list[Any] = []  # (vertices, triangles, arrays by constants) of warps
         self._masks: list[Any] = []
         self._smooth = smooth
         self.arrange(patches)
 
     def adapt(self, quality: Quality) -> None:
-        """Smooth edges, or not, from now on."""
+        """Smooth edges as this quality says."""
         self._smooth = quality.smooth
 
     def arrange(self, patches: Sequence[DisplayPatch]) -> None:
-        """Other patches from now on."""
+        """Replace the patches."""
         self._release_patches()
         self.patches = tuple(patches)
         for patch in self.patches:
@@ -93,10 +85,10 @@ class ResolvePass:
         scale: float = 1.0,
         linear: bool = True,
     ) -> None:
-        """Show the patch of this `number` in `into`, a framebuffer of `size` pixels.
+        """Draw patch `number` into `into`, a framebuffer of `size` pixels.
 
-        The canvas is as large as the rig's times `scale`. It holds light, or, if not `linear`,
-        what is to be shown as it is.
+        The canvas is `scale` times the size of the rig's. It holds linear light, or final colours
+        if not `linear`.
         """
         context, patch = self._context, self.patches[number]
         into.use()
@@ -129,30 +121,29 @@ class ResolvePass:
     def release(self) -> None:
         """Free every OpenGL object."""
         self._release_patches()
-        for held in chain(self._plain.values(), self._made.values()):
-            held.release()
+        super().release()
 
     def _array(self, number: int, linear: bool) -> tuple[Any, Any]:
-        """The program of a patch, compiled once, and its vertices."""
+        """The program of a patch, compiled when first needed, and its vertex array."""
         patch = self.patches[number]
         smooth = self._smooth and linear and patch.weave == Weave.PLAIN and patch.shape not in CUBES
         masked = patch.mask is not None
         mesh = patch.warp is not None
         key = tuple(map(int, (patch.weave, patch.shape, mesh, smooth, masked, linear)))
-        if key not in self._made:
+        if key not in self._programs:
             names = "WEAVE", "SHAPE", "MESH", "SMOOTH", "MASKED", "LINEAR"
             constants = dict(zip(names, key, strict=True))
-            self._made[key] = program(self._context, "resolve", **constants)
+            self._programs[key] = self.own(program(self._context, "resolve", **constants))
             if not mesh:
-                self._plain[key] = self._context.vertex_array(self._made[key], [])
+                self._plain[key] = self.own(self._context.vertex_array(self._programs[key], []))
         if self._meshes[number] is None:
-            return self._made[key], self._plain[key]
+            return self._programs[key], self._plain[key]
         vertices, triangles, arrays = self._meshes[number]
         if key not in arrays:
             arrays[key] = self._context.vertex_array(
-                self._made[key], [(vertices, "2f 4f", "in_place", "in_seen")], triangles
+                self._programs[key], [(vertices, "2f 4f", "in_place", "in_seen")], triangles
             )
-        return self._made[key], arrays[key]
+        return self._programs[key], arrays[key]
 
     def _mesh(self, warp: Warp) -> tuple[Any, Any, dict[tuple[int, ...], Any]]:
         vertices = self._context.buffer(np.ascontiguousarray(warp.vertices, "f4").tobytes())
@@ -176,14 +167,14 @@ class ResolvePass:
 
 
 def _shown(patch: DisplayPatch) -> tuple[float, float]:
-    """Sides of what a patch shows, were it not squeezed; a dome that a mesh bends is a square."""
+    """Width and height that a patch shows unsqueezed; a warped dome is a square."""
     if patch.warp is not None and patch.shape == Projection.DOME:
         return 1.0, 1.0
     return patch.place[2] * patch.squeezed[0], patch.place[3] * patch.squeezed[1]
 
 
 def scaled(rect: Rect, scale: float) -> Rect:
-    """A rectangle on a canvas that is `scale` times as large; neighbours still meet."""
+    """A rectangle on a canvas `scale` times as large; adjacent ones stay adjacent."""
     x, y, width, height = rect
     left, bottom = round(scale * x), round(scale * y)
     right, top = round(scale * (x + width)), round(scale * (y + height))

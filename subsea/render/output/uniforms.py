@@ -1,4 +1,4 @@
-"""What every shader may ask for of a view: where the eye is, the water, the time, the lamps."""
+"""Uniforms that all shaders share: eye, water, time, lamps."""
 
 from typing import Any
 
@@ -9,15 +9,15 @@ from subsea.frame.packet import Packet
 from subsea.scenario.schema import Water
 from subsea.view.camera import View
 
-SHAFTS_UNIT = 15  # texture unit: all shaders read it, so nothing else may use it
-# After so long the shaders count time from 0 again, and waves and snow leap once. Their float32
-# tells 1 ms apart up to then, but 8 after a day and 60 after a week: waves would move by jerks.
+SHAFTS_UNIT = 15  # texture unit that all shaders read
+# Period of the shaders' time; waves and snow jump when it ends. Their float32 resolves 1 ms up to
+# here, but only 8 ms after a day, and waves would jerk.
 TIDE_S = 4 * 3600.0
-CONTRAST_LEFT = 0.02  # at the distance that a scenario calls its visibility
+CONTRAST_LEFT = 0.02  # at the visibility of a scenario
 
 
 def uniforms_of(packet: Packet, view: View, water: Water) -> dict[str, Any]:
-    """What every shader may ask for."""
+    """The uniforms of a view."""
     both = view.projection.astype(np.float64) @ view.view.astype(np.float64)
     return {
         "u_view": _columns(view.view),
@@ -37,7 +37,7 @@ def uniforms_of(packet: Packet, view: View, water: Water) -> dict[str, Any]:
 
 
 def _lamps(packet: Packet) -> dict[str, Any]:
-    """Where the lights are and the way they shine; nothing while they are off."""
+    """Positions and axes of the lamps; empty while they are off."""
     if packet.lamps is None:
         return {}
     places, ways = ([tuple(map(float, one)) for one in part] for part in packet.lamps)
@@ -45,5 +45,5 @@ def _lamps(packet: Packet) -> dict[str, Any]:
 
 
 def _columns(matrix: NDArray[np.floating[Any]]) -> bytes:
-    """A matrix as OpenGL wants it: column after column."""
+    """A matrix in OpenGL's column-major order."""
     return np.ascontiguousarray(matrix.T, dtype="f4").tobytes()

@@ -1,4 +1,4 @@
-"""Corals, sponges and anemones: every growth of a reef in its own place, size and colours."""
+"""Drawing corals, sponges and anemones: meshes in place, size and colours of each growth."""
 
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -13,7 +13,8 @@ from subsea.habitat.reef import KINDS, MOUND, RUBBLE
 from subsea.habitat.stone_shade import SUN
 from subsea.render.gl.id_buffer import CORAL, object_id
 from subsea.render.gl.mipmaps import Texels
-from subsea.render.gl.shaders import program, wanted
+from subsea.render.gl.owner import GpuOwner
+from subsea.render.gl.programs import ProgramVariants
 from subsea.render.gl.static_batch import LazyMesh, StaticBatch, StaticMesh, bounding_spheres
 from subsea.render.gl.textures import halves, nearest_of_cells, repeating, tileable_noise
 from subsea.render.reef.coral_mesh import CoralMesh, unit
@@ -24,37 +25,32 @@ from subsea.view.camera import View
 GRAIN_UNIT = 8  # texture unit
 TILE_CM = 32.0  # of the grain
 MOST_SWAY_CM = 10.0  # as `coral.vert`
-FINEST_CM = 15.0  # smaller growths do without the finest level
+FINEST_CM = 15.0  # radius below which growths have no finest level
 SATURATION = 1.15
-SHADE = 0.8  # of the light is missing under a growth
-SHADED = 0.4  # of the light is left where stone hides the whole sky
-SHADE_PX = 16.0  # that a shadow covers at least
+SHADE = 0.8  # share of the light missing under a growth
+SHADED = 0.4  # share of the light left where stone hides the whole sky
+SHADE_PX = 16.0  # smaller shadows are not drawn
 SECTORS = 8  # of a shadow
-SLANT = (
-    0.4 * np.array(SUN[:2]) / SUN[2]
-)  # from the foot to the middle of the shadow, over the height
-FOOT = {
-    "mound": 1.05,
-    "fan": 0.3,
-    "table": 0.9,
-}  # of the radius: how wide the shadow is
+# Offset of the middle of a shadow over the height of the growth; its width over the radius.
+SLANT = 0.4 * np.array(SUN[:2]) / SUN[2]
+FOOT = {"mound": 1.05, "fan": 0.3, "table": 0.9}
 
 NOTHING = StaticMesh(np.zeros((0, 4), np.float32), np.zeros((0, 3), np.int32))
 Ground = Callable[[Array, Array], Array]  # x and y in cm -> height of the sand in cm
-THRESHOLDS_PX = (300.0, 120.0, 50.0, 16.0)  # that a growth covers at each level but the last
-# Place, then four bytes a word: normal and sway; colour (its root) and what shines through; how
-# strongly the three grains show, and light. Last the place on the grain, in half floats.
+THRESHOLDS_PX = (300.0, 120.0, 50.0, 16.0)  # diameters from which the levels are used
+# Position; then words of four bytes: normal and sway; square root of the colour, and translucency;
+# strength of the three grains, and light; last the texture position, in half floats.
 LAYOUT = "3f4 4f1 4f1 4f1 2f2"
 ATTRIBUTES = "a_position a_normal a_colour a_grain a_along"
 COLUMNS = 7
 
 
 class CoralLook(NamedTuple):
-    """How a kind looks: linear colours of body and tips, and what its surface is like."""
+    """Surface of a kind: linear colours of body and tips, and texture."""
 
     colours: tuple[tuple[tuple[float, float, float], tuple[float, float, float]], ...]
-    grain: tuple[float, float, float]  # ridges that wind, polyps, pores
-    through: float  # how much light shines through thin parts
+    grain: tuple[float, float, float]  # strength of winding ridges, polyps, pores
+    through: float  # translucency of thin parts
     sway_cm: float  # at the tips of a growth of 30 cm
 
 
@@ -138,8 +134,8 @@ LOOKS = {
 }  # fmt: skip
 
 
-class CoralRenderer:
-    """Holds all growths of a reef; one call draws those in sight."""
+class CoralRenderer(GpuOwner):
+    """Draws the growths in sight, and their shadows."""
 
     def __init__(
         self,
@@ -153,61 +149,51 @@ class CoralRenderer:
 
         `reach_cm` is how far one sees, `sand` is the ground as it is drawn.
         """
-        # Others stand on mounds: none is left out.
+        super().__init__()
+        # Mounds are always drawn: other growths stand on them.
         self._own = np.where(reef.kind == MOUND, 0.0, reef.own)
-        self._context = context
-        # Others are made when they are first asked for.
-        self._programs: dict[tuple[str, ...], Any] = {(): program(context, "coral")}
-        self._grain = repeating(context, grained, 6)
-        self._standing = StaticBatch(
-            context, self._programs[()], LAYOUT, ATTRIBUTES, growths, reach_cm, THRESHOLDS_PX,
-            kept(spheres, reef),
-        )  # fmt: skip
-        self._shade = program(context, "shadow")
-        # What stands on a mound darkens no sand, and a few sticks none to speak of.
+        self._grain = self.own(repeating(context, grained, 6))
+        programs = ProgramVariants(context, "coral", lambda: object_id(CORAL, self._batch.owners))
+        self._batch: StaticBatch = self.own(
+            StaticBatch(
+                programs, LAYOUT, ATTRIBUTES, growths, reach_cm, THRESHOLDS_PX, kept(spheres, reef)
+            )
+        )
+        # Growths on mounds do not darken sand, and the shadow of rubble is negligible.
         gap = reef.place[:, 2] - sand(reef.place[:, 0], reef.place[:, 1])
         shaded = np.flatnonzero(~reef.on_rock & (gap < 3.0) & (reef.kind != RUBBLE))
         self._shaded = self._own[shaded]
-        self._shadows = StaticBatch(
-            context, self._shade, "3f4 1f4", "a_position a_dark",
-            [[shadow(reef.taken(k), sand), NOTHING] for k in shaded],
-            reach_cm, (SHADE_PX,),
+        self._shadows: StaticBatch = self.own(
+            StaticBatch(
+                ProgramVariants(context, "shadow"), "3f4 1f4", "a_position a_dark",
+                [[shadow(reef.taken(k), sand), NOTHING] for k in shaded],
+                reach_cm, (SHADE_PX,),
+            )
         )  # fmt: skip
 
     @property
-    def standing(self) -> tuple[StaticBatch, ...]:
+    def batches(self) -> tuple[StaticBatch, ...]:
         """What depends on earlier packets."""
-        return self._standing, self._shadows
+        return self._batch, self._shadows
 
     def choose(self, views: Sequence[View], detail: float = 1.0, growth: float = 1.0) -> None:
-        """Decide for a frame what is drawn, and how finely; `growth` is the share of all."""
-        self._standing.choose(views, detail, self._own <= growth)
+        """Choose what `views` draw; `growth` is the share of growths to draw."""
+        self._batch.choose(views, detail, self._own <= growth)
         self._shadows.choose(views, detail, self._shaded <= growth)
 
-    def draw(self, number: int, uniforms: dict[str, Any], marked: bool = False) -> int:
-        """Draw what was chosen, or marks of it; the number of triangles."""
-        if (wants := wanted(uniforms, marked)) not in self._programs:
-            made = program(self._context, "coral", **dict.fromkeys(wants, 1), OWN_MARKS=1)
-            marks = object_id(CORAL, self._standing.owners) if marked else None
-            self._standing.draw_by(wants, made, marks)
-            self._programs[wants] = made
+    def draw(self, number: int, uniforms: dict[str, Any], as_ids: bool = False) -> int:
+        """Draw the chosen growths or their object ids; returns the number of triangles."""
         self._grain.use(GRAIN_UNIT)
-        return self._standing.draw(number, uniforms | {"u_grain": GRAIN_UNIT}, marked)
+        return self._batch.draw(number, uniforms | {"u_grain": GRAIN_UNIT}, as_ids)
 
     def draw_shadows(self, number: int, uniforms: dict[str, Any]) -> int:
-        """Darken the sand that has been drawn, blended; the number of triangles."""
-        return self._shadows.draw(number, uniforms)
-
-    def release(self) -> None:
-        """Free every OpenGL object."""
-        for held in (
-            self._standing, self._shadows, self._grain, self._shade, *self._programs.values(),
-        ):  # fmt: skip
-            held.release()
+        """Blend shadows over the sand; returns the number of triangles."""
+        unlit = {name: value for name, value in uniforms.items() if name != "u_lamps"}
+        return self._shadows.draw(number, unlit)
 
 
 def bake(reef: Reef) -> list[list[LazyMesh]]:
-    """The shapes of all growths, level by level."""
+    """The meshes of all growths, level by level."""
     shapes: list[list[LazyMesh]] = [[] for _ in reef.kind]
     variant = variant_of(reef.own)
     groups = np.unique(np.stack([reef.kind, variant], axis=1), axis=0)
@@ -215,9 +201,9 @@ def bake(reef: Reef) -> list[list[LazyMesh]]:
     meshes = kept(forms, [(list(KINDS)[kind], int(number)) for kind, number in groups])
     for group, levels in zip(groups, meshes, strict=True):
         chosen = np.flatnonzero((reef.kind == group[0]) & (variant == group[1]))
-        placed = _Placed(list(KINDS)[group[0]], reef.taken(chosen))
+        placed = _PlacedGrowths(list(KINDS)[group[0]], reef.taken(chosen))
         for number, k in enumerate(chosen.tolist()):
-            # No eye comes so near to a small one that it would need the finest level.
+            # No eye comes near enough to a small one to need the finest level.
             shapes[k] = [
                 LazyMesh(partial(placed.vertices, mesh, number), len(mesh.tip), mesh.triangles)
                 for mesh in levels[int(reef.radius[k] < FINEST_CM) :]
@@ -226,11 +212,11 @@ def bake(reef: Reef) -> list[list[LazyMesh]]:
 
 
 def spheres(reef: Reef) -> Array:
-    """The spheres (k, 4) about all growths, as `StaticBatch` takes them."""
+    """The bounding spheres (k, 4) of all growths."""
     return bounding_spheres(bake(reef))
 
 
-class _Placed:
+class _PlacedGrowths:
     """k growths of one kind and variant: their axes, sizes and colours."""
 
     def __init__(self, kind: str, reef: Reef) -> None:
@@ -240,7 +226,7 @@ class _Placed:
         flat = np.stack([cos, sin, 0.0 * cos], axis=1)
         east = unit(flat - (flat * up).sum(axis=1, keepdims=True) * up)
         axes = np.stack([east, np.cross(up, east), up], axis=1)
-        # No two of one form are alike: each is stretched its own way. Others stand on mounds.
+        # Each is stretched differently, except for mounds, on which others stand.
         uneven = 0.0 if kind == "mound" else 0.08
         stretch = (
             1.0 - uneven + uneven * np.sin(np.outer(reef.own, (731.0, 1153.0, 1597.0)))[:, :, None]
@@ -248,13 +234,13 @@ class _Placed:
         self.axes = (reef.radius[:, None, None] * stretch * axes).astype(np.float32)
         self.slants = (axes / stretch).astype(np.float32)
         tints = _tints(self.look, reef.own.astype(np.float64), reef.hue.astype(np.float64))
-        # As the bytes of a vertex hold them.
+        # Square roots, as vertices store them.
         self.body, self.tips = (np.sqrt(np.clip(tint, 0, 1)).astype(np.float32) for tint in tints)
         self.place, self.radius, self.own = reef.place, reef.radius, reef.own
         self.light = SHADED + (1.0 - SHADED) * reef.light
 
     def vertices(self, mesh: CoralMesh, k: int) -> Array:
-        """Vertices (n, COLUMNS) of the one with this number, in its own place and colours."""
+        """Vertices (n, COLUMNS) of growth k in world coordinates and its own colours."""
         tip, size, look = mesh.tip, self.radius[k], self.look
         normal = mesh.normal @ self.slants[k]
         normal *= (127.5 / np.sqrt(np.einsum("ni,ni->n", normal, normal)))[:, None]
@@ -277,13 +263,13 @@ class _Placed:
 
 
 def shadow(growth: Reef, sand: Ground) -> StaticMesh:
-    """The sand at the foot of one growth: places and the share of light that is missing there."""
+    """The shadow of a growth: a mesh on the sand with the share of light missing."""
     kind = list(KINDS)[int(growth.kind)]
     tall = KINDS[kind].height
     out = np.array([0.6, 0.95, 1.5])[:, None] * FOOT.get(kind, 0.8)
     dark = np.array([0.95, 0.5, 0.0])[:, None] * SHADE
     turn = np.linspace(0.0, 2 * np.pi, SECTORS + 1)
-    # What is tall throws its shadow aside, away from the sun.
+    # Tall growths cast it to the side away from the sun.
     x, y = (
         growth.place[axis] + growth.radius * (out * np.array([np.cos, np.sin][axis](turn)) - slant)
         for axis, slant in enumerate(SLANT * tall)
@@ -299,12 +285,12 @@ def shadow(growth: Reef, sand: Ground) -> StaticMesh:
 
 
 def _tints(look: CoralLook, own: Array, hue: Array) -> tuple[Array, Array]:
-    """Colours (k, 3) of body and tips: one of the kind's pairs, a little off it."""
+    """Colours (k, 3) of body and tips: one of the kind's pairs, varied a little."""
     pairs = np.array(look.colours)
     pick = pairs[(hue * len(pairs)).astype(int)]
     off = np.stack([np.sin(own * f) for f in (911.0, 1327.0, 1741.0)], axis=1)
     bright = 1.0 + 0.16 * np.sin(own * 613.0)
-    # Water takes the strength of a colour; they have some to spare.
+    # More saturated, because water weakens colours.
     grey = pick.mean(axis=2, keepdims=True)
     pick = np.maximum(grey + SATURATION * (pick - grey), 0.015)
     pick = pick * (bright[:, None] * (1.0 + 0.12 * off))[:, None]
@@ -317,7 +303,7 @@ def grained(seed: int) -> Texels:
 
 
 def grain(seed: int, size: int = 256) -> list[Array]:
-    """What the surface is like, three tileable layers (size, size): ridges, polyps, pores."""
+    """Surface texture in three tileable layers (size, size): ridges, polyps, pores."""
     k = np.fft.fftfreq(size) * size
     wave = np.hypot(k[:, None], k[None, :])
     rng = np.random.default_rng([seed, 0x9A])

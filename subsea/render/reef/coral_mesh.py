@@ -1,7 +1,7 @@
-"""Meshes of what grows: skins over rings of points, as tubes, turned profiles and thin plates.
+"""Meshes of growths: surfaces over rings of points, as tubes, turned profiles and thin plates.
 
-Every skin is a block of `b` pieces of `r` rings of `c` points each, whose first and last point
-coincide; seen from outside, points go round counter-clockwise about the way from ring to ring.
+Points are arrays (b, r, c, 3): b pieces of r rings of c points, whose first and last coincide. Seen
+from outside, points run counter-clockwise about the direction from ring to ring.
 """
 
 from typing import NamedTuple
@@ -10,21 +10,24 @@ import numpy as np
 
 from subsea.core.arrays import Array, Ints
 
+Rng = np.random.Generator
+UP = np.array([0.0, 0.0, 1.0])
+
 
 class CoralMesh(NamedTuple):
-    """n vertices and m triangles, counter-clockwise from outside; lengths have no unit yet."""
+    """n vertices and m triangles, counter-clockwise from outside; size 1."""
 
     place: Array  # (n, 3)
     normal: Array  # (n, 3), unit
-    along: Array  # (n, 2), coordinates on the surface, as long as it is
-    tip: Array  # (n,) from 0, body, to 1, tip: the colours of both are mixed
-    light: Array  # (n,) share of the light that comes through to it
+    along: Array  # (n, 2), coordinates along the surface
+    tip: Array  # (n,) from 0 at the body to 1 at the tip, to mix their colours
+    light: Array  # (n,) share of the light that reaches it
     sway: Array  # (n,) share of the full sway
     triangles: Ints  # (m, 3)
 
 
 def single(mesh: CoralMesh) -> CoralMesh:
-    """The same in single precision."""
+    """The mesh in single precision."""
     parts = mesh._asdict()
     triangles = parts.pop("triangles")
     return CoralMesh(
@@ -40,9 +43,9 @@ def skin(
     sway: Array | float = 0.0,
     along: Array | None = None,
 ) -> CoralMesh:
-    """The surface over points (b, r, c, 3); the other arguments broadcast to (b, r, c).
+    """The surface over points (b, r, c, 3); other arguments broadcast to (b, r, c).
 
-    Rings that have shrunk to a point close it.
+    Rings of radius 0 close it.
     """
     b, r, c, _ = place.shape
     around = np.empty_like(place)
@@ -52,7 +55,7 @@ def skin(
     onward[:, 1:-1] = place[:, 2:] - place[:, :-2]
     onward[:, 0], onward[:, -1] = place[:, 1] - place[:, 0], place[:, -1] - place[:, -2]
     normal = cross(around, onward)
-    # A point has no girth: there the surface faces as the fan about it does on the whole.
+    # At a ring of radius 0: the mean normal of the triangles about it.
     shrunk = (around * around).sum(axis=(2, 3)) < 1e-12
     for ring, beside, sign in ((0, 1, -1.0), (-1, -2, 1.0)):
         spoke = place[:, beside] - place[:, ring]
@@ -89,14 +92,14 @@ def tubes(
     light: Array | float = 1.0,
     sway: Array | float = 0.0,
 ) -> CoralMesh:
-    """Tubes about paths (b, r, 3) of radii (b, r), open where the radius is not 0.
+    """Tubes along paths (b, r, 3) with radii (b, r), open where the last radius is not 0.
 
-    `way` (b, r, 3) is where the axis goes, if not as the path does; `flat` shrinks the tubes along
-    the world's y. What is given per ring is (b, r).
+    `way` (b, r, 3) is the direction of the axis, if not that of the path; `flat` scales the tubes
+    along y. Values per ring are (b, r).
     """
     way = unit(np.gradient(path, axis=1) if way is None else way)
     whole = way.sum(axis=1)
-    # A reference that no part of the path comes near to.
+    # A reference direction far from the whole path.
     aside = np.where(np.abs(whole[:, 1:2]) < 0.8 * np.linalg.norm(whole, axis=1)[:, None], 1.0, 0.0)
     aside = np.concatenate([1.0 - aside, aside, 0.0 * aside], axis=1)
     side = unit(cross(way, aside[:, None, :]))
@@ -110,7 +113,7 @@ def tubes(
 
 
 def capped(path: Array, radius: Array, share: float = 0.8) -> tuple[Array, Array]:
-    """Paths and radii with round ends: two more rings, of which the last is a point."""
+    """Paths and radii with round ends: two more rings each, the last of radius 0."""
     end = unit(path[:, -1:] - path[:, -2:-1]) * radius[:, -1:, None]
     path = np.concatenate([path, path[:, -1:] + 0.6 * end * share, path[:, -1:] + end * share], 1)
     last = radius[:, -1:]
@@ -120,7 +123,7 @@ def capped(path: Array, radius: Array, share: float = 0.8) -> tuple[Array, Array
 def turned(
     reach: Array, height: Array, **given: Array | float
 ) -> CoralMesh:  # fmt: skip
-    """A profile turned about z: distances from the axis and heights, both (r, c)."""
+    """A surface of revolution about z: distances from the axis and heights, both (r, c)."""
     turn = np.linspace(0.0, 2 * np.pi, reach.shape[1])
     place = np.stack([reach * np.cos(turn), reach * np.sin(turn), height], axis=-1)
     given = {key: np.asarray(x)[None] if np.ndim(x) >= 2 else x for key, x in given.items()}
@@ -130,9 +133,9 @@ def turned(
 def plates(
     top: Array, thick: float, *, tip: Array | float = 0.0, light: Array | float = 1.0
 ) -> CoralMesh:
-    """Thin plates of upper sides (b, r, c, 3), from the foot to the rim; both sides are skinned.
+    """Thin two-sided plates with upper sides (b, r, c, 3), from the foot to the rim.
 
-    They are `thick` at the foot and sharp at the rim. What is given is (b, r, c).
+    They are `thick` at the foot and sharp at the rim. Other values are (b, r, c).
     """
     top = top[:, :, ::-1]
     b, r, c, _ = top.shape
@@ -152,7 +155,7 @@ def plates(
 
 
 def joined(*meshes: CoralMesh) -> CoralMesh:
-    """All in one."""
+    """Join meshes."""
     starts = np.cumsum([0] + [len(mesh.place) for mesh in meshes])
     triangles = [mesh.triangles + start for mesh, start in zip(meshes, starts, strict=False)]
     parts = [np.concatenate(part) for part in list(zip(*meshes, strict=True))[:-1]]
@@ -160,7 +163,7 @@ def joined(*meshes: CoralMesh) -> CoralMesh:
 
 
 def fitted(mesh: CoralMesh, height: float) -> CoralMesh:
-    """The mesh at size 1: no point farther than 1 from the axis, none higher than `height`."""
+    """The mesh scaled to a largest distance of 1 from the axis and to this height."""
     place = mesh.place
     wide = float(np.hypot(place[:, 0], place[:, 1]).max())
     scale = np.array([1.0 / wide, 1.0 / wide, height / float(place[:, 2].max())])
@@ -170,7 +173,7 @@ def fitted(mesh: CoralMesh, height: float) -> CoralMesh:
 
 
 def bumps(rng: np.random.Generator, places: Array, wave: float, octaves: int = 2) -> Array:
-    """Smooth noise (...) about 0, within about ±1, at places (..., 3), of waves so long."""
+    """Smooth noise (...) within about ±1 at points (..., 3); `wave` is the longest wavelength."""
     out = np.zeros(places.shape[:-1])
     for octave in range(octaves):
         share = 0.5**octave
@@ -185,7 +188,7 @@ def unit(rows: Array) -> Array:
 
 
 def cross(a: Array, b: Array) -> Array:
-    """The cross products of rows (..., 3); numpy's own takes thrice as long."""
+    """Cross products of rows (..., 3), three times as fast as numpy's."""
     out = np.empty(np.broadcast_shapes(a.shape, b.shape))
     for k, i, j in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
         np.multiply(a[..., i], b[..., j], out=out[..., k])

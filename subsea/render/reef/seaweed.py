@@ -1,4 +1,4 @@
-"""Seaweed: ribbons along the chains of its leaves, bent in the vertex shader."""
+"""Drawing seaweed: ribbons bent along the chains of leaves in the vertex shader."""
 
 from typing import Any
 
@@ -8,13 +8,14 @@ from numpy.typing import NDArray
 
 from subsea.core.arrays import Array
 from subsea.frame.packet import LEAF_TEXELS, Packet
-from subsea.render.gl.id_buffer import SEAWEED, ProgramVariants
+from subsea.render.gl.id_buffer import SEAWEED
+from subsea.render.gl.owner import GpuOwner, replace_data
+from subsea.render.gl.programs import ProgramVariants
 
 LEAVES_UNIT = 5  # texture unit
-FINE, COARSE = (13, 3), (7, 2)  # samples along a leaf and across it
+FINE, COARSE = (13, 3), (7, 2)  # vertices along and across a leaf
 
-
-# Numbers of the fronds that are drawn along and on the chain of each kind, near and far.
+# Numbers of the fronds drawn on a chain of each kind: near, far.
 FRONDS = {
     "ribbon": ([0], [0]),
     "kelp": ([*range(25)], [0, *range(1, 25, 2)]),
@@ -23,24 +24,23 @@ FRONDS = {
 }
 
 
-class SeaweedRenderer:
-    """Holds two ribbons, the texture of the leaves in sight, a row each, and what grows on them."""
+class SeaweedRenderer(GpuOwner):
+    """Draws fronds as instances of two ribbons; a texture holds the leaves, a row each."""
 
     def __init__(self, context: Any) -> None:
-        """Make the ribbons; the leaves come with each packet."""
+        """Make the ribbons; leaves come with each packet."""
+        super().__init__()
         self._context = context
-        self._drawn = ProgramVariants(context, "seaweed", SEAWEED)
-        self._held: list[Any] = [self._drawn]
+        self._programs = self.own(ProgramVariants(context, "seaweed", SEAWEED))
         self._ribbons = []
         for size in (FINE, COARSE):
             places, triangles = ribbon(*size)
-            buffers = [context.buffer(part.tobytes()) for part in (places, triangles)]
-            fronds = context.buffer(reserve=8, dynamic=True)
+            buffers = [self.own(context.buffer(part.tobytes())) for part in (places, triangles)]
+            fronds = self.own(context.buffer(reserve=8, dynamic=True))
             layout = [(buffers[0], "2f4", "a_place"), (fronds, "2f4/i", "a_frond")]
-            array = self._drawn.array(layout, buffers[1])
+            array = self._programs.array(layout, buffers[1])
             self._ribbons.append((array, len(triangles), fronds))
-            self._held += [*buffers, fronds]
-        self._starts = [[0], [0]]  # of each view's fronds, with the end
+        self._starts = [[0], [0]]  # of the fronds of each view, and the end
         self._rows = 0
         self._leaves = self._texture(64)
 
@@ -51,7 +51,7 @@ class SeaweedRenderer:
         return texture
 
     def upload(self, packet: Packet) -> None:
-        """Send the leaves in sight, and the fronds on them."""
+        """Upload the leaves in sight, and the fronds on them."""
         number = len(packet.leaves)
         if number > self._rows:
             self._leaves.release()
@@ -73,20 +73,18 @@ class SeaweedRenderer:
                 fronds = fronds[np.nonzero(seen)[1]]
             self._starts[level] = np.cumsum([0, *lengths]).tolist()
             if len(fronds):
-                buffer = self._ribbons[level][2]
-                buffer.orphan(fronds.nbytes)
-                buffer.write(fronds.tobytes())
+                replace_data(self._ribbons[level][2], np.ascontiguousarray(fronds))
 
     def draw(
-        self, packet: Packet, number: int, uniforms: dict[str, Any], marked: bool = False
+        self, packet: Packet, number: int, uniforms: dict[str, Any], as_ids: bool = False
     ) -> int:
-        """Draw a view's fronds, the near ones finely, or their marks; the number of triangles."""
+        """Draw the fronds of a view or their object ids; returns the number of triangles."""
         self._leaves.use(LEAVES_UNIT)
         total = 0
         for (array, triangles, fronds), starts in zip(self._ribbons, self._starts, strict=True):
             first, end = starts[number : number + 2]
             if end > first:
-                array = self._drawn.ready(array, marked, u_leaves=LEAVES_UNIT, **uniforms)
+                array = self._programs.ready(array, as_ids, u_leaves=LEAVES_UNIT, **uniforms)
                 at = array.program["a_frond"].location
                 array.bind(at, "f", fronds, "2f4", 8 * first, 8, 1)
                 array.render(moderngl.TRIANGLES, instances=end - first)
@@ -95,12 +93,12 @@ class SeaweedRenderer:
 
     def release(self) -> None:
         """Free every OpenGL object."""
-        for held in (*self._held, self._leaves):
-            held.release()
+        self._leaves.release()
+        super().release()
 
 
 def fronds_of(leaves: Array, level: int) -> Array:
-    """Row and number (m, 2) float32 of the fronds on leaves (k, LEAF_TEXELS, 4)."""
+    """Leaf and number (m, 2) float32 of the fronds on leaves (k, LEAF_TEXELS, 4)."""
     kind = leaves[:, 0, 3].astype(int)
     parts = [np.zeros((0, 2), np.float32)]
     for number, fronds in enumerate(FRONDS.values()):
@@ -113,7 +111,7 @@ def fronds_of(leaves: Array, level: int) -> Array:
 
 
 def ribbon(along: int, across: int) -> tuple[Array, NDArray[np.integer[Any]]]:
-    """Places (n, 2) in [0, 1] along a leaf and [-1, 1] across it, and triangles (m, 3)."""
+    """Vertices (n, 2), [0, 1] along a leaf and [-1, 1] across, and triangles (m, 3)."""
     t, u = np.meshgrid(np.linspace(0, 1, along), np.linspace(-1, 1, across), indexing="ij")
     k, j = (a.ravel() for a in np.meshgrid(range(along - 1), range(across - 1), indexing="ij"))
     a = k * across + j

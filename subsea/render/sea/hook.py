@@ -1,4 +1,4 @@
-"""The hook on its line: a bent wire with a worm on it."""
+"""The fishing hook: a bent wire with a worm, on its line."""
 
 from typing import Any
 
@@ -7,52 +7,53 @@ import numpy as np
 
 from subsea.core.arrays import Array, Ints
 from subsea.frame.packet import Packet
-from subsea.render.gl.id_buffer import HOOK, ProgramVariants
+from subsea.render.gl.id_buffer import HOOK
+from subsea.render.gl.owner import GpuOwner
+from subsea.render.gl.programs import ProgramVariants
 
 METAL, BAIT, LINE = range(3)
 SIDES = 10
 BEND_CM, SHANK_CM, POINT_CM, WIRE_CM = 1.3, 4.2, 1.6, 0.16
 WORM_CM = 0.42
-LINE_CM = 0.05  # the shader draws it no thinner than a pixel, but fainter
-TOP_CM = 80.0  # the line goes on above the surface
+LINE_CM = 0.05  # where that is less than a pixel, the shader draws a pixel and fades it
+TOP_CM = 80.0  # height of the upper end of the line above the surface
 
 
-class HookRenderer:
-    """Holds the shape; its place comes with each packet."""
+class HookRenderer(GpuOwner):
+    """Draws the hook of a packet."""
 
     def __init__(self, context: Any) -> None:
-        """Bend the wire."""
+        """Upload the mesh."""
+        super().__init__()
         vertices, triangles = shape()
         self._count = triangles.size
-        self._drawn = ProgramVariants(context, "hook", HOOK)
-        self._vertices = context.buffer(vertices.astype("f4").tobytes())
-        self._triangles = context.buffer(triangles.astype("i4").tobytes())
-        self._array = self._drawn.array(
-            [(self._vertices, "3f4 3f4 1f4 1f4", "a_middle", "a_normal", "a_radius", "a_kind")],
-            self._triangles,
+        self._programs = self.own(ProgramVariants(context, "hook", HOOK))
+        buffers = [
+            self.own(context.buffer(part.tobytes()))
+            for part in (vertices.astype("f4"), triangles.astype("i4"))
+        ]
+        self._array = self._programs.array(
+            [(buffers[0], "3f4 3f4 1f4 1f4", "a_middle", "a_normal", "a_radius", "a_kind")],
+            buffers[1],
         )
 
     def draw(
-        self, packet: Packet, number: int, uniforms: dict[str, Any], marked: bool = False
+        self, packet: Packet, number: int, uniforms: dict[str, Any], as_ids: bool = False
     ) -> int:
-        """Draw it, or its mark, where it is in the water; the number of triangles."""
+        """Draw it, or its object id, if it is in the water; returns the number of triangles."""
         if packet.hook is None:
             return 0
         place = tuple(float(x) for x in packet.hook)
         own = {"u_hook": place, "u_top": TOP_CM, "u_bait": packet.bait}
-        self._drawn.ready(self._array, marked, **uniforms, **own).render(moderngl.TRIANGLES)
+        self._programs.ready(self._array, as_ids, **uniforms, **own).render(moderngl.TRIANGLES)
         return self._count // 3
-
-    def release(self) -> None:
-        """Free every OpenGL object."""
-        for held in (self._drawn, self._vertices, self._triangles):
-            held.release()
 
 
 def shape() -> tuple[Array, Ints]:
-    """Vertices (n, 8) and triangles (m, 3): middle, normal, radius, kind; cm, origin in the bend.
+    """Vertices (n, 8) and triangles (m, 3) of hook, bait and line, cm, with the bend as origin.
 
-    The line's upper end is given as height 1: the shader draws it out to the surface.
+    Columns are the point on the centre line, normal, radius and part. The upper end of the line is
+    at height 1; the shader moves it above the surface.
     """
     bend = np.linspace(np.pi, 2 * np.pi, 17)
     arc = BEND_CM * np.stack([np.cos(bend), 0 * bend, np.sin(bend) + 1], axis=1)
@@ -83,7 +84,7 @@ def shape() -> tuple[Array, Ints]:
 
 
 def _tube(path: Array, radius: Array, kind: int) -> tuple[Array, Ints]:
-    """A tube about a path (n, 3) in the plane y = 0 with a radius (n,) at each point."""
+    """Vertices and triangles of a tube along a path (n, 3) in the plane y = 0, of radii (n,)."""
     along = np.gradient(path, axis=0)
     along /= np.linalg.norm(along, axis=1)[:, None]
     aside = np.stack([along[:, 2], 0 * along[:, 0], -along[:, 0]], axis=1)

@@ -1,4 +1,4 @@
-"""The seabed: the height field in square tiles, in three levels of detail, and what lies on it."""
+"""The seabed: the height field in square tiles at three levels of detail, with sand textures."""
 
 from functools import partial
 from typing import Any
@@ -8,85 +8,75 @@ import numpy as np
 from subsea.core.arrays import Array, Ints
 from subsea.frame.packet import Packet, Scene
 from subsea.habitat.formations import formations
-from subsea.render.gl.id_buffer import SEABED, object_id
-from subsea.render.gl.shaders import program, set_uniforms, wanted
+from subsea.render.gl.id_buffer import SEABED
+from subsea.render.gl.owner import GpuOwner
+from subsea.render.gl.programs import ProgramVariants
 from subsea.render.gl.static_batch import StaticBatch, StaticMesh
 from subsea.render.gl.textures import repeating
 from subsea.render.sea import ground_map, sand
 from subsea.view.culling import IN_SIGHT
 
-CELLS = 12  # of a tile, along each side; every second and every fourth on coarser levels
-LEVELS_PX = (640.0, 210.0)  # a level is used while its tile's diameter covers so many pixels
-APRON_CM = 120.0  # the edge's height goes on outward in cells so wide, into the fog
-SKIRT_CM = 9.0  # hangs from a tile's rim, where it meets one of another level
+CELLS = 12  # of a side of a tile; coarser levels use every second and fourth
+LEVELS_PX = (640.0, 210.0)  # diameters of a tile from which its levels are used
+APRON_CM = 120.0  # width of cells outside the height field, which continue its edge into the fog
+SKIRT_CM = 9.0  # hides gaps between tiles of different levels
 GROUND_UNIT, RIPPLES_UNIT, LITTER_UNIT = 8, 9, 10  # texture units
 
 
-class SeabedRenderer:
-    """Holds the tiles and the textures of the sand."""
+class SeabedRenderer(GpuOwner):
+    """Draws the tiles in sight."""
 
-    def __init__(self, context: Any, scene: Scene, about: ground_map.GroundMap) -> None:
-        """Lay the tiles; `scene.terrain` as SMC §6.2 has it, `about` are its `surroundings`."""
-        width = scene.terrain_half_width_cm
-        self._context = context
-        # Others are made when they are first asked for.
-        self._programs: dict[tuple[str, ...], Any] = {(): program(context, "seabed")}
-        self._standing = StaticBatch(
-            context,
-            self._programs[()],
-            "3f4 2f4",
-            "a_position a_slope",
-            tiles(*surface(scene.terrain, width)),
-            IN_SIGHT * scene.water.visibility_cm,
-            LEVELS_PX,
+    def __init__(self, context: Any, scene: Scene, ground: ground_map.GroundMap) -> None:
+        """Cut `scene.terrain` (SMC §6.2) into tiles; `ground` is its `surroundings`."""
+        super().__init__()
+        self._batch = self.own(
+            StaticBatch(
+                ProgramVariants(context, "seabed", SEABED),
+                "3f4 2f4",
+                "a_position a_slope",
+                tiles(*surface(scene.terrain, scene.terrain_half_width_cm)),
+                IN_SIGHT * scene.water.visibility_cm,
+                LEVELS_PX,
+            )
         )
-        self._map = (*about.corner, *about.size)
-        self._textures = [
-            ground_map.upload(context, about),
-            repeating(context, sand.rippled, 3),
-            repeating(context, sand.littered, 4),
-        ]
+        self._textures = {
+            GROUND_UNIT: self.own(ground_map.upload(context, ground)),
+            RIPPLES_UNIT: self.own(repeating(context, sand.rippled, 3)),
+            LITTER_UNIT: self.own(repeating(context, sand.littered, 4)),
+        }
+        self._uniforms = {
+            "u_ground": GROUND_UNIT,
+            "u_ripples": RIPPLES_UNIT,
+            "u_litter": LITTER_UNIT,
+            "u_map": (*ground.corner, *ground.size),
+        }
 
     @property
-    def standing(self) -> tuple[StaticBatch, ...]:
+    def batches(self) -> tuple[StaticBatch, ...]:
         """What depends on earlier packets."""
-        return (self._standing,)
+        return (self._batch,)
 
     def choose(self, packet: Packet, detail: float = 1.0) -> None:
-        """Decide once for all views of a packet what is drawn."""
-        self._standing.choose(packet.views, detail)
+        """Choose what the views of a packet draw."""
+        self._batch.choose(packet.views, detail)
 
-    def draw(self, number: int, uniforms: dict[str, Any], marked: bool = False) -> int:
-        """Draw the tiles that were chosen, or their marks; the number of triangles."""
-        if (wants := wanted(uniforms, marked)) not in self._programs:
-            made = program(self._context, "seabed", **dict.fromkeys(wants, 1))
-            self._standing.draw_by(wants, made)
-            self._programs[wants] = made
-        units = (GROUND_UNIT, RIPPLES_UNIT, LITTER_UNIT)
-        for texture, unit in zip(self._textures, units, strict=True):
+    def draw(self, number: int, uniforms: dict[str, Any], as_ids: bool = False) -> int:
+        """Draw the chosen tiles or their object ids; returns the number of triangles."""
+        for unit, texture in self._textures.items():
             texture.use(unit)
-        set_uniforms(
-            self._programs[wants],
-            u_ground=GROUND_UNIT, u_ripples=RIPPLES_UNIT, u_litter=LITTER_UNIT, u_map=self._map,
-        )  # fmt: skip
-        return self._standing.draw(number, uniforms | {"u_mark": object_id(SEABED)}, marked)
-
-    def release(self) -> None:
-        """Free every OpenGL object."""
-        for held in (self._standing, *self._textures, *self._programs.values()):
-            held.release()
+        return int(self._batch.draw(number, uniforms | self._uniforms, as_ids))
 
 
 def surroundings(
     terrain: Array, half_width_cm: float, pillars: Array, rocks: Array
 ) -> ground_map.GroundMap:
-    """What the stone of a `Scene` does to the sand about it."""
+    """The ground map of the stones of a `Scene`."""
     floor = partial(drawn_height, terrain, half_width_cm)
     return ground_map.ground_map(formations(pillars, rocks), floor)
 
 
 def drawn_height(heights: Array, half_width: float, x: Array, y: Array) -> Array:
-    """Height of the drawn triangles at places of any shape, cm, at the finest level."""
+    """Height of the finest triangles at points x, y of any shape, cm."""
     last = len(heights) - 1
     u = np.clip((x + half_width) / (2 * half_width) * last, 0, last)
     v = np.clip((y + half_width) / (2 * half_width) * last, 0, last)
@@ -100,7 +90,7 @@ def drawn_height(heights: Array, half_width: float, x: Array, y: Array) -> Array
 
 
 def surface(heights: Array, half_width: float) -> tuple[Array, Array]:
-    """Positions (m, m, 3) in cm and slopes (m, m, 2) along x and y, with the apron around.
+    """Positions (m, m, 3) in cm and slopes (m, m, 2) along x and y, apron included.
 
     The apron makes the number of cells on a side a multiple of CELLS.
     """
@@ -120,7 +110,7 @@ def surface(heights: Array, half_width: float) -> tuple[Array, Array]:
 
 
 def tiles(positions: Array, slopes: Array) -> list[list[StaticMesh]]:
-    """Of each tile the levels, finest first, as `StaticBatch` takes them: vertices (n, 5)."""
+    """The levels of each tile, finest first; vertices (n, 5) are position and slope."""
     vertices = np.concatenate([positions, slopes], axis=2).astype(np.float32)
     meshes = [_mesh(CELLS // step) for step in (1, 2, 4)]
     found = []
@@ -138,7 +128,7 @@ def tiles(positions: Array, slopes: Array) -> list[list[StaticMesh]]:
 
 
 def _mesh(cells: int) -> tuple[Ints, Ints]:
-    """The rim (r,) of a tile of cells², and triangles (m, 3) of the tile and of its skirt."""
+    """Rim (r,) of a tile of cells², and triangles (m, 3) of the tile and its skirt."""
     side = cells + 1
     i, j = (k.ravel() for k in np.meshgrid(range(cells), range(cells), indexing="ij"))
     a = i * side + j

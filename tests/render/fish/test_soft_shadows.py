@@ -5,7 +5,15 @@ import pytest
 
 from subsea.frame.packet import FADE, FISH, INSTANCE_COLUMNS
 from subsea.habitat.stone_shade import SUN
-from subsea.render.fish.soft_shadows import COLUMNS, FADING_CM, FARTHEST_CM, HIGHEST_CM, MOST, cast
+from subsea.render.fish.soft_shadows import (
+    COLUMNS,
+    FADING_CM,
+    FARTHEST_CM,
+    HIGHEST_CM,
+    MOST,
+    Sand,
+    cast,
+)
 from subsea.view.display_rigs import display_rig
 
 WIDTH, SAND = 900.0, -300.0
@@ -23,7 +31,7 @@ def shadows(fishes, eye=(0.0, 0.0, -90.0), heights=HEIGHTS, fades=0.0, vessel=No
     records[:, FISH] = range(len(fishes)) if numbers is None else numbers
     out = np.zeros((MOST, COLUMNS), np.float32)
     places = (np.array(place, float) for place in (eye, vessel or eye))
-    number = cast(records, np.array([20.0]), heights, WIDTH, *places, out)
+    number = cast(records, np.array([20.0]), Sand(heights, WIDTH), *places, out)
     return out[:number].astype(float)
 
 

@@ -18,7 +18,7 @@ from subsea.frame.packet import Packet, Scene
 from subsea.render import Renderer, headless_context
 from subsea.scenario.schema import Water
 from subsea.fish.species import load_species
-from subsea.view.rig import pose
+from subsea.view.rig import pose_from_angles
 from subsea.view.display_rigs import display_rig, views_for
 
 context = headless_context()
@@ -29,7 +29,7 @@ scene = Scene(
     water=Water(fog=(0.0, 0.1, 0.2), visibility_cm=900.0),
 )
 renderer = Renderer(context, scene, display_rig("mono", (64, 36)))
-views = views_for("mono", (64, 36), pose(np.array([0.0, 0.0, -200.0]), 0.0, 0.0))
+views = views_for("mono", (64, 36), pose_from_angles(np.array([0.0, 0.0, -200.0]), 0.0, 0.0))
 empty = np.zeros((0, 16), np.float32)
 renderer.draw(Packet(0.0, views, empty, ((),), np.zeros((0, 3), np.float32), 0))
 print(context.version_code, renderer.read_pixels().max() > 50)

@@ -14,7 +14,7 @@ from subsea.geometry.solids import ray_meets_seabed
 from subsea.render import Renderer
 from subsea.render.gl.id_buffer import FISH, HOOK, PILLAR, ROCK, SEABED, SURFACE, WATER
 from subsea.render.output.quality import PRESETS
-from subsea.render.reef.rocks import solid_marks
+from subsea.render.reef.rocks import object_ids
 from subsea.view.camera import View, look
 from subsea.view.display_rigs import display_rig
 from subsea.view.retina import retina_rig
@@ -40,7 +40,7 @@ def maps(context, scene, make_packet):
         packet = replace(packet, views=views, **own)
         renderer.draw(packet)
         picture = renderer.read_pixels().astype(int)
-        seen = renderer.look_up(packet)
+        seen = renderer.id_maps(packet)
         return SimpleNamespace(picture=picture, view=packet.views[0], **seen._asdict())
 
     yield maps
@@ -180,7 +180,7 @@ def test_stone_is_one_pillar_or_the_first_rock_of_those_that_overlap(maps, scene
 def test_marks_of_stone_go_by_the_nearest_solid():
     pillars, rocks = np.array([[0.0, 0.0, 10.0, 0.0]]), np.array([[100.0, 0, 0, 20, 10, 10, 0.5]])
     kind, number = np.divmod(
-        solid_marks(pillars, rocks, np.array([(9.0, 0, -5), (85.0, 0, 0)])), 2**20
+        object_ids(pillars, rocks, np.array([(9.0, 0, -5), (85.0, 0, 0)])), 2**20
     )
     assert kind.tolist() == [PILLAR, ROCK]
     assert number.tolist() == [0, 0]
@@ -221,8 +221,8 @@ def test_a_part_is_cut_out_and_views_that_are_not_asked_for_are_left_out(
     renderer = Renderer(context, scene, display_rig("mono", SIZE), EXACT)
     packet = make_packet([fish(1, (-6, 50, -198), number=3)], size=SIZE)
     renderer.draw(packet)
-    whole, part = renderer.look_up(packet), renderer.look_up(packet, part=(100, 40, 90, 60))
-    nothing = renderer.look_up(packet, numbers=())
+    whole, part = renderer.id_maps(packet), renderer.id_maps(packet, part=(100, 40, 90, 60))
+    nothing = renderer.id_maps(packet, numbers=())
     renderer.release()
     for all_of, cut in zip(whole, part, strict=True):
         np.testing.assert_array_equal(cut, all_of[180 - 100 : 180 - 40, 100:190])
@@ -281,7 +281,7 @@ def test_what_both_eyes_of_a_fish_see(context, scene, make_packet, fish, same_pi
     packet = make_packet(fishes, views=seen)
     renderer.draw(packet)
     same_picture("retina", np.hstack([renderer.read_pixels(side) for side in range(2)]))
-    maps = renderer.look_up(packet)
+    maps = renderer.id_maps(packet)
     assert set(np.unique(maps.number[maps.kind == FISH])) == {1, 2, 3}
     for name in ("identity", "range"):
         same_picture(f"retina-{name}", pictured(maps, name))

@@ -1,10 +1,11 @@
-"""What stands still: chosen once for all views, drawn in one call a view."""
+"""Static batches: items chosen once for all views, drawn in one call a view."""
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from subsea.render.gl.shaders import set_uniforms
 from subsea.render.gl.static_batch import (
     HYSTERESIS,
     OUT_OF_SIGHT,
@@ -34,7 +35,7 @@ FRAGMENT = "out vec4 f_colour; void main() { f_colour = vec4(1.0); }"
 def levels(distances, before, views=AHEAD, detail=1.0, radius=10.0, reach=1e9):
     centres = np.array([[x, 0.0, 0.0] for x in distances])
     radii = np.full(len(centres), radius)
-    return levels_in_sight(centres, radii, views, reach, detail, THRESHOLDS, np.array(before))[0]
+    return levels_in_sight((centres, radii), views, reach, detail, THRESHOLDS, np.array(before))[0]
 
 
 def quad(x, size, pieces):
@@ -81,26 +82,45 @@ def test_a_sphere_holds_all_places():
     assert (np.linalg.norm(places - centre, axis=1) <= radius + 1e-12).all()
 
 
+class OneProgram:
+    """Stands in for ProgramVariants with a white program that is given."""
+
+    def __init__(self, context, program):
+        self.context, self._program = context, program
+
+    def array(self, content, indices):
+        self._array = self.context.vertex_array(self._program, content, indices)
+        return self._array
+
+    def ready(self, array, as_ids, **uniforms):
+        set_uniforms(self._program, **uniforms)
+        return array
+
+    def release(self):
+        pass
+
+
 @pytest.fixture
 def drawn(context):
-    """Draw shapes in the first of some views; white pixels and the number of triangles."""
+    """Draw items in the first of some views; white pixels and the number of triangles."""
     program = context.program(
         vertex_shader="#version 330\n" + VERTEX, fragment_shader="#version 330\n" + FRAGMENT
     )
     target = context.simple_framebuffer(SIZE)
 
-    def drawn(standing, views, **options):
+    def drawn(batch, views, **options):
         target.use()
         target.clear()
-        standing.choose(views, **options)
+        batch.choose(views, **options)
         view = views[0]
         both = (view.projection @ view.view).T.astype("f4")
-        triangles = standing.draw(0, {"u_view_projection": np.ascontiguousarray(both).tobytes()})
+        triangles = batch.draw(0, {"u_view_projection": np.ascontiguousarray(both).tobytes()})
         pixels = np.frombuffer(target.read(components=1), np.uint8).reshape(SIZE)
         return int((pixels > 0).sum()), triangles
 
     def make(shapes, *spheres):
-        return StaticBatch(context, program, "3f4", "a_position", shapes, 1e5, THRESHOLDS, *spheres)
+        programs = OneProgram(context, program)
+        return StaticBatch(programs, "3f4", "a_position", shapes, 1e5, THRESHOLDS, *spheres)
 
     yield make, drawn
     target.release()
@@ -110,15 +130,15 @@ def drawn(context):
 def test_one_call_draws_each_item_at_its_own_level(drawn):
     make, draw = drawn
     pieces = (8, 4, 1)
-    standing = make([[quad(x, 10.0, n) for n in pieces] for x in (30.0, 120.0, 500.0, -50.0)])
-    pixels, triangles = draw(standing, AHEAD)
+    batch = make([[quad(x, 10.0, n) for n in pieces] for x in (30.0, 120.0, 500.0, -50.0)])
+    pixels, triangles = draw(batch, AHEAD)
     assert triangles == 2 * sum(n * n for n in pieces)
     assert pixels > 150
     # Turned round, only the one behind is there; and nothing is left of the others.
-    assert draw(standing, BACK)[1] == 2 * 8 * 8
-    assert draw(standing, AHEAD)[1] == triangles
-    assert draw(standing, AHEAD, shown=np.array([True, False, False, True]))[1] == 2 * 64
-    standing.release()
+    assert draw(batch, BACK)[1] == 2 * 8 * 8
+    assert draw(batch, AHEAD)[1] == triangles
+    assert draw(batch, AHEAD, shown=np.array([True, False, False, True]))[1] == 2 * 64
+    batch.release()
 
 
 def test_what_is_made_later_is_made_when_it_is_first_drawn_and_looks_the_same(drawn):
@@ -132,56 +152,54 @@ def test_what_is_made_later_is_made_when_it_is_first_drawn_and_looks_the_same(dr
 
     items = [[quad(x, 10.0, n) for n in (8, 4, 1)] for x in (30.0, 120.0, -50.0)]
     expected = draw(make(items), AHEAD)
-    standing = make(
-        [[later(shape) for shape in levels] for levels in items], bounding_spheres(items)
-    )
+    batch = make([[later(shape) for shape in levels] for levels in items], bounding_spheres(items))
     assert made == []
-    assert draw(standing, AHEAD) == expected
+    assert draw(batch, AHEAD) == expected
     first = sorted(made)
     assert first == sorted([9 * 9, 5 * 5])  # not what is behind, nor other levels
-    draw(standing, BACK)
+    draw(batch, BACK)
     assert len(made) == 3
-    assert draw(standing, AHEAD) == expected
+    assert draw(batch, AHEAD) == expected
     assert len(made) == 3
-    standing.release()
+    batch.release()
 
 
 def test_each_view_draws_what_it_sees_at_the_level_that_is_common_to_all(drawn):
     make, draw = drawn
     pieces = (8, 4, 1)
-    standing = make([[quad(x, 10.0, n) for n in pieces] for x in (30.0, 120.0, 500.0, -50.0)])
-    pixels, triangles = draw(standing, AHEAD)
+    batch = make([[quad(x, 10.0, n) for n in pieces] for x in (30.0, 120.0, 500.0, -50.0)])
+    pixels, triangles = draw(batch, AHEAD)
     coarse = views_for("mono", (128, 72), pose_from_angles(np.zeros(3), 0.0, 0.0))
-    assert draw(standing, coarse)[1] < triangles
+    assert draw(batch, coarse)[1] < triangles
     for views in ((*AHEAD, *BACK), (*AHEAD, *BACK, *coarse)):
-        assert draw(standing, views) == (pixels, triangles)
-        assert standing.draw(1, {}) == 2 * 8 * 8
-    assert standing.draw(2, {}) == triangles  # as fine as the other needs it
-    standing.release()
+        assert draw(batch, views) == (pixels, triangles)
+        assert batch.draw(1, {}) == 2 * 8 * 8
+    assert batch.draw(2, {}) == triangles  # as fine as the other needs it
+    batch.release()
 
 
 def test_a_choice_apart_knows_nothing_of_earlier_ones_and_leaves_nothing(drawn):
     make, draw = drawn
-    standing, fresh = (make([[quad(100.0, 10.0, n) for n in (8, 4, 1)]]) for _ in range(2))
+    batch, fresh = (make([[quad(100.0, 10.0, n) for n in (8, 4, 1)]]) for _ in range(2))
     nearer = views_for("mono", WIDE, pose_from_angles(np.array([40.0, 0.0, 0.0]), 0.0, 0.0))
     for detail in np.geomspace(0.2, 5.0, 60):  # some of which lie between the two thresholds
-        draw(standing, nearer, detail=8.0)
-        kept = draw(standing, AHEAD, detail=detail)
-        before = standing.recall()
-        apart = draw(standing, AHEAD, detail=detail)
+        draw(batch, nearer, detail=8.0)
+        kept = draw(batch, AHEAD, detail=detail)
+        before = batch.recall()
+        apart = draw(batch, AHEAD, detail=detail)
         assert apart == draw(fresh, AHEAD, detail=detail)
-        standing.recall(before)
-        assert draw(standing, AHEAD, detail=detail) == kept
+        batch.recall(before)
+        assert draw(batch, AHEAD, detail=detail) == kept
         if apart != kept:
             break
         fresh.recall()
     assert apart != kept
-    standing.release()
+    batch.release()
     fresh.release()
 
 
 def test_nothing_may_stand(drawn):
     make, draw = drawn
-    standing = make([])
-    assert draw(standing, AHEAD) == (0, 0)
-    standing.release()
+    batch = make([])
+    assert draw(batch, AHEAD) == (0, 0)
+    batch.release()

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from subsea.dive.start import start_world
-from subsea.frame.diagrams import DIAGRAMS, DiagramBuilder, Lines
+from subsea.frame.diagrams import DIAGRAMS, DiagramBuilder
+from subsea.frame.lines import Lines
 from subsea.frame.packet import make_scene, pack
 from subsea.render import Renderer
 from subsea.submarine.helm import HANDS_OFF

@@ -1,0 +1,27 @@
+"""Ownership of OpenGL objects: what is made together is released together."""
+
+from typing import Any
+
+
+class GpuOwner:
+    """Base class of everything that holds OpenGL objects."""
+
+    def __init__(self) -> None:
+        """Own nothing yet."""
+        self._owned: list[Any] = []
+
+    def own(self, made: Any) -> Any:
+        """Return `made`, anything with a method `release`, after noting that it is ours."""
+        self._owned.append(made)
+        return made
+
+    def release(self) -> None:
+        """Release every owned object, the last one first."""
+        while self._owned:
+            self._owned.pop().release()
+
+
+def replace_data(buffer: Any, data: Any) -> None:
+    """Write a contiguous array to a buffer; draws in progress keep the old data."""
+    buffer.orphan(data.nbytes)
+    buffer.write(data)
