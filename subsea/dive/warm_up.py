@@ -6,6 +6,7 @@ is cached on disk, where the dive finds it.
 """
 
 import os
+import signal
 import subprocess
 import sys
 import threading
@@ -30,6 +31,7 @@ from subsea.world.build import create_world
 from subsea.world.world import TICK_S, World
 
 CLOCK = Clock(0, 0, TICK_S)
+MODULE = "subsea.dive.warm_up"  # which a process runs as a program, with the name of a job
 POLL_S = 0.1  # how often Ctrl-C and the visitor are listened to meanwhile
 
 
@@ -168,7 +170,7 @@ def _start(job: str, stack: ExitStack) -> "subprocess.Popen[bytes]":
     """
     paths = [str(ROOT), os.environ.get("PYTHONPATH", "")]
     worker = subprocess.Popen(
-        [sys.executable, "-P", "-m", "subsea.dive.warm_up", job],
+        [sys.executable, "-P", "-m", MODULE, job],
         stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
         env=os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, paths))},
     )  # fmt: skip
@@ -177,15 +179,17 @@ def _start(job: str, stack: ExitStack) -> "subprocess.Popen[bytes]":
     return worker
 
 
-def _end_with_parent() -> None:
-    """End this process when the one that started it has gone."""
-    sys.stdin.buffer.read()
-    os._exit(1)
+def end_with_parent() -> None:
+    """Ignore Ctrl-C, which the parent gets too, and end when the parent has gone."""
+
+    def wait() -> None:
+        os.read(0, 1)  # not through sys.stdin, whose lock a thread may not hold at exit
+        os._exit(1)
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=wait, daemon=True).start()
 
 
 if __name__ == "__main__":
-    import signal
-
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent gets Ctrl-C too, and ends this
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+    end_with_parent()
     JOBS[sys.argv[1]](create_world(load_scenario("peaceful")[0], fish=12))

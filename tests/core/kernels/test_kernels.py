@@ -18,8 +18,7 @@ LINEAR_ALGEBRA = """
 import sys
 {before}
 import numpy as np
-from numba import njit
-from subsea.geometry.vector import dot
+{imports}
 assert dot((1.0, 0.0, 0.0), (2.0, 0.0, 0.0)) == 2.0
 
 @njit
@@ -61,12 +60,18 @@ def test_changed_callees_are_noticed_in_either_order_of_import(imports):
     assert _printed(STALE_CALLEES.format(imports=imports)) == expected
 
 
-def test_other_code_in_the_process_has_linear_algebra():
-    assert _printed(LINEAR_ALGEBRA.format(before="")) == "4.0"
+OURS, NUMBA = "from subsea.geometry.vector import dot", "from numba import njit"
+
+
+@pytest.mark.parametrize("imports", [f"{OURS}\n{NUMBA}", f"{NUMBA}\n{OURS}"])
+def test_other_code_in_the_process_has_linear_algebra(imports):
+    assert _printed(LINEAR_ALGEBRA.format(before="", imports=imports)) == "4.0"
 
 
 def test_without_scipy_kernels_work_and_linear_algebra_fails_as_numba_has_it():
-    program = LINEAR_ALGEBRA.format(before="sys.modules['scipy'] = None")
+    program = LINEAR_ALGEBRA.format(
+        before="sys.modules['scipy'] = None", imports=f"{OURS}\n{NUMBA}"
+    )
     run = subprocess.run(
         [sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=False
     )
