@@ -1,1 +1,1 @@
-"""A species and its recorded motion in the formats of other programs."""
+"""Export a species and its recorded motion to formats of other programs."""

@@ -1,8 +1,8 @@
-"""What is exported of a species: its mesh, and each recorded segment as a clip of that mesh.
+"""The mesh of a species, and each recorded segment as a clip of that mesh.
 
-The points are those that a dive shows (`shaders/fishes.vert`, with a shut mouth, spread fins and
-the paired fins at ease), of a fish as long as the species' usual adult: larger than the recorded
-one by a factor α, and slower by √α, as playback has it.
+The points are those of a dive (`shaders/fishes.vert` with a shut mouth, spread fins and relaxed
+paired fins), of a typical adult: larger than the recorded fish by a factor α and slower by √α, as
+in playback.
 """
 
 from collections.abc import Mapping
@@ -23,11 +23,10 @@ from subsea.fish.surface import CONTROL_POINTS, PaddlePlan, SurfacePlan, rest_co
 from subsea.geometry.rotation import matrix, multiply, normalised
 from subsea.repertoire import SEGMENTS, Repertoire, Segment, read_repertoire
 
-SWEEP_RAD = 0.35  # of paired fins at ease, away from the body
-# As `shaders/fishes.vert` has them: how far a wing stands out, its share of the sweep, and how much
-# a paddle's plane leans outwards.
+SWEEP_RAD = 0.35  # of relaxed paired fins, away from the body
+# From `shaders/fishes.vert`: spread of a wing, its part of the sweep, outward lean of a paddle.
 WING_SPREAD, WING_BEAT, LEAN = 0.95, 0.2, 0.35
-OPAQUE = 250  # of 255: what is clearer is blended
+OPAQUE = 250  # of 255; less opaque texels are blended
 ROUGHNESS = 0.45  # of a wet skin
 FINS = (
     ("dorsal", FIN, 1.0),
@@ -37,7 +36,7 @@ FINS = (
     ("pelvic_left", PELVIC, -1.0),
     ("pelvic_right", PELVIC, 1.0),
 )
-INSET = (4.0, 1.0)  # texels that a fin keeps off the border of its frame on the sheet
+INSET = (4.0, 1.0)  # texels between a fin and the border of its frame on the sheet
 
 
 class Model(NamedTuple):
@@ -47,39 +46,37 @@ class Model(NamedTuple):
     length_cm: float
     rest: Array  # (n, 3) cm, body axes: x anterior, y dorsal, z right
     normals: Array  # (n, 3)
-    uv: Array  # (n, 2) shares of the sheet, from its lower left corner
-    triangles: Ints  # (m, 3) int32, counter-clockwise from outside; of fins, which have two, one
-    body: int  # how many triangles are the body's, which come first ...
-    solid: int  # ... and how many vertices
-    fins: Mapping[
-        str, Ints
-    ]  # the vertices of dorsal, ventral, pectoral_left, … where there are such
+    uv: Array  # (n, 2) texture coordinates, from the lower left corner
+    triangles: Ints  # (m, 3) int32, counter-clockwise from outside; fins have one side
+    body: int  # number of triangles of the body, which come first ...
+    solid: int  # ... and of its vertices
+    fins: Mapping[str, Ints]  # vertices of the existing fins: dorsal, pectoral_left, …
     sheet: NDArray[np.uint8]  # (h, w, 4) sRGB and opacity, bottom row first
 
 
 class Clip(NamedTuple):
-    """One recorded segment in T frames; a cyclic one ends in the pose that it began with."""
+    """A recorded segment in T frames; a cyclic one ends in its first pose."""
 
     name: str
     fps: float
     cyclic: bool
     points: Array  # (T, n, 3) cm, body axes
     normals: Array  # (T, n, 3)
-    position: Array  # (T, 3) cm, of the body axes' origin; begins at the origin
-    rotation: Array  # (T, 4) unit quaternions (w, x, y, z), neighbours of one sign; begins as none
+    position: Array  # (T, 3) cm, of the body frame; begins at the origin
+    rotation: Array  # (T, 4) unit quaternions (w, x, y, z) of continuous sign; begins as identity
 
 
 def make_clips(name: str, detail: int = 0) -> tuple[Model, list[Clip]]:
     """The mesh of a species at a level of detail, and a clip of each segment of its repertoire.
 
-    An unknown species, a path, or a species without a sound repertoire is a UserError.
+    UserError for an unknown species, a path, or a missing or damaged repertoire.
     """
-    if is_path(name, ".toml"):  # where its repertoire would lie nobody can tell
-        raise UserError(f"{name}: expected the name of a species; own ones lie in {own_species()}")
+    if is_path(name, ".toml"):  # it has no known repertoire
+        raise UserError(f"{name}: expected the name of a species; your own are in {own_species()}")
     species = load_species(name)
     path = repertoire_file(name)
     if not path.is_file():
-        raise UserError(f"no such file; `subsea-capture record {name}` makes it", file=path)
+        raise UserError(f"no such file; run `subsea-capture record {name}`", file=path)
     repertoire = read_repertoire(path)
     if repertoire.species != name:
         raise UserError(f"holds {repertoire.species!r}, expected {name!r}", file=path)
@@ -89,7 +86,7 @@ def make_clips(name: str, detail: int = 0) -> tuple[Model, list[Clip]]:
 def clips_of(
     name: str, species: Species, repertoire: Repertoire, detail: int
 ) -> tuple[Model, list[Clip]]:
-    """The same of a species and a repertoire at hand."""
+    """Mesh and clips of a given species and repertoire."""
     length = float(np.mean(species.size_cm))
     scale = length / repertoire.body_length_cm
     rest = rest_control_points(
@@ -136,9 +133,9 @@ def clips_of(
 
 
 def root_motion(segment: Segment) -> tuple[Array, Array]:
-    """Position (T, 3), cm, and attitude (T, 4) of the body axes in each frame, seen from the first.
+    """Position (T, 3), cm, and attitude (T, 4) of each frame relative to the first.
 
-    A row holds the step that leads to it, so the first row's closes a cycle (SMC eqs. 10 and 11).
+    A row holds the step that leads to it; the first row's closes a cycle (SMC eqs. 10 and 11).
     """
     rows = [*range(1, len(segment.nodes)), *([0] if segment.cyclic else [])]
     position, rotation = [np.zeros(3)], [np.array([1.0, 0.0, 0.0, 0.0])]
@@ -150,13 +147,18 @@ def root_motion(segment: Segment) -> tuple[Array, Array]:
     return np.array(position), np.array(rotation)
 
 
+def first_frames(clips: list[Clip]) -> list[int]:
+    """The number of each clip's first frame, when all clips follow one another."""
+    return np.cumsum([0, *(len(clip.points) for clip in clips[:-1])]).tolist()
+
+
 def transform_points(points: Array, position: Array, rotation: Array) -> Array:
-    """Points (T, n, 3) in body axes brought to where the root (T, 3), (T, 4) is."""
+    """Move points (T, n, 3) from body axes to the axes of a root (T, 3), (T, 4)."""
     return np.asarray(position[:, None] + points @ np.swapaxes(matrix(rotation), 1, 2))
 
 
 def bake_root(clip: Clip) -> Clip:
-    """The same motion with that of the root in the points: the root itself stands still."""
+    """Move the motion of the root into the points; the root stands still."""
     still, upright = np.zeros_like(clip.position), np.zeros_like(clip.rotation)
     upright[:, 0] = 1.0
     return clip._replace(
@@ -168,7 +170,7 @@ def bake_root(clip: Clip) -> Clip:
 
 
 def transparent_triangles(model: Model) -> NDArray[np.bool_]:
-    """Which triangles (m,) show something of the sheet that is not opaque."""
+    """Which triangles (m,) show texels that are not opaque."""
     height, width = model.sheet.shape[:2]
     corners = model.uv[model.triangles]  # (m, 3, 2)
     weights = np.array([(i, j, 4 - i - j) for i in range(5) for j in range(5 - i)]) / 4.0
@@ -179,36 +181,36 @@ def transparent_triangles(model: Model) -> NDArray[np.bool_]:
 
 
 class Surface:
-    """The drawn surface of a species at one level, without the fins that it lacks."""
+    """The drawn surface of a species at a level of detail, without missing fins."""
 
     def __init__(self, plan: SurfacePlan, length_cm: float, detail: int) -> None:
         mesh = fish_mesh(DETAILS[detail])
         own = outfit(plan, mesh, DETAILS[detail])
-        there = own[:, 2] != ABSENT
-        number = np.cumsum(there) - 1
+        exists = own[:, 2] != ABSENT
+        number = np.cumsum(exists) - 1
         once = mesh.triangles[: mesh.body + mesh.fins]
-        has = there[once].all(axis=1)
+        has = exists[once].all(axis=1)
         self.triangles = number[once[has]].astype(np.int32)
         self.body = int(has[: mesh.body].sum())
-        self.uv = _places_on_sheet(plan, mesh, own)[there]
-        part, side = mesh.vertices[there, 12], mesh.vertices[there, 14]
+        self.uv = _texture_coordinates(plan, mesh, own)[exists]
+        part, side = mesh.vertices[exists, 12], mesh.vertices[exists, 14]
         self.solid = int((part == BODY).sum())
         self._outward = np.where(part == BODY, -side, 1.0)
         splines = part <= FIN
         self._splines = int(splines.sum())
-        base = own[there, 2].astype(int)
-        rows = mesh.vertices[there][splines]
+        base = own[exists, 2].astype(int)
+        rows = mesh.vertices[exists][splines]
         # Weights (n, 426) of the control points, and their slopes across and along.
         self._place, self._across, self._along = (
             _weights(rows, base[splines], u, v) for u, v in ((0, 3), (6, 3), (0, 9))
         )
         self._paddles = [
-            (paddle, sign, mine, base[mine], length_cm * own[there][mine, :2])
+            (paddle, sign, mine, base[mine], length_cm * own[exists][mine, :2])
             for paddle, number in ((plan.pectoral, PECTORAL), (plan.pelvic, PELVIC))
             for sign in (-1.0, 1.0)
             if paddle and (mine := (part == number) & (side == sign)).any()
         ]
-        self._along_share = mesh.vertices[there, 13]
+        self._along_share = mesh.vertices[exists, 13]
         self.fins = {
             name: np.flatnonzero((part == number) & (side == sign))
             for name, number, sign in FINS
@@ -229,27 +231,27 @@ class Surface:
             points[:, mine] = control[:, base] + back + across
         normals = np.cross(u, v)
         size = np.linalg.norm(normals, axis=2, keepdims=True)
-        # At the snout all control points of a row are one: the normal is the way ahead.
+        # At the snout all control points of a row coincide: the normal points ahead.
         sound = size**2 > 1e-8
         normals = np.where(sound, normals / np.where(sound, size, 1.0), (1.0, 0.0, 0.0))
         return points, normals * self._outward[:, None]
 
 
 def _weights(vertices: Array, base: Ints, u: int, v: int) -> Array:
-    """The weights (n, 426) of control points; columns `u` and `v` of the vertices hold the taps."""
+    """Weights (n, 426) of the control points; vertex columns `u` and `v` hold the taps."""
     tap = np.arange(3)
     stride = vertices[:, 15].astype(int)[:, None, None]
     points = base[:, None, None] + tap[:, None] * stride + tap
     weight = vertices[:, u : u + 3, None].astype(float) * vertices[:, None, v : v + 3]
     out = np.zeros((len(vertices), CONTROL_POINTS))
-    # A linear patch has a third row of weight zero, which may lie beyond the last point.
+    # The third row of a linear patch has weight zero and may be beyond the last point.
     row = np.broadcast_to(np.arange(len(vertices))[:, None, None], points.shape)
     np.add.at(out, (row, np.minimum(points, CONTROL_POINTS - 1)), weight)
     return out
 
 
 def _paddle_axes(plan: PaddlePlan, side: float, along: Array) -> tuple[Array, Array]:
-    """The ways (n, 3) along and across a paired fin at ease, at shares (n,) of its length."""
+    """Directions (n, 3) along and across a relaxed paired fin, at fractions (n,) of its length."""
     droop = np.radians(plan.droop)
     beat = SWEEP_RAD * (0.6 + 0.55 * along[:, None])
     bend = WING_SPREAD + WING_BEAT * beat if plan.wing else beat
@@ -259,8 +261,8 @@ def _paddle_axes(plan: PaddlePlan, side: float, along: Array) -> tuple[Array, Ar
     return back, np.broadcast_to(across / np.linalg.norm(across), back.shape)
 
 
-def _places_on_sheet(plan: SurfacePlan, mesh: Mesh, own: Array) -> Array:
-    """Where all vertices of a level lie on the sheet, (n, 2) shares of it."""
+def _texture_coordinates(plan: SurfacePlan, mesh: Mesh, own: Array) -> Array:
+    """Texture coordinates (n, 2) of all vertices of a level."""
     part, side, along = mesh.vertices[:, 12], mesh.vertices[:, 14], mesh.vertices[:, 13]
     (front, rear), top = paint.borders(plan), paint.half_height(plan)
     body = (own[:, :2] - (front, -top)) / (rear - front, 2.0 * top)
@@ -280,9 +282,9 @@ def _places_on_sheet(plan: SurfacePlan, mesh: Mesh, own: Array) -> Array:
 
 
 def _facing(triangles: Ints, body: int, points: Array, normals: Array) -> tuple[Ints, int]:
-    """The triangles, those of fins turned to the side of their normals, and how many the body has.
+    """Turn the triangles of fins to the side of their normals; return also the body's count.
 
-    The few at the snout whose corners are one place are left out.
+    Degenerate triangles at the snout are left out.
     """
     a, b, c = (points[triangles[:, k]] for k in range(3))
     across = np.cross(b - a, c - a)

@@ -1,4 +1,4 @@
-"""The container of glTF 2.0: arrays become accessors of one buffer, which follows the JSON."""
+"""The binary container of glTF 2.0: JSON, then one buffer with all arrays."""
 
 import json
 import struct
@@ -11,12 +11,12 @@ from capture.export.clips import ROUGHNESS
 
 TYPES = {"u1": 5121, "u2": 5123, "u4": 5125, "f4": 5126}  # componentType
 SHAPES = {(): "SCALAR", (2,): "VEC2", (3,): "VEC3", (4,): "VEC4", (4, 4): "MAT4"}
-VERTICES, INDICES = 34962, 34963  # what a view is bound as
+VERTICES, INDICES = 34962, 34963  # targets of buffer views
 CLAMPED = 33071  # wrapS and wrapT of a sampler
 
 
 class GlbBuffer:
-    """The binary part of a file as it grows, with its views and accessors."""
+    """The binary part of a file, with its views and accessors."""
 
     def __init__(self) -> None:
         self.data = bytearray()
@@ -24,7 +24,7 @@ class GlbBuffer:
         self.accessors: list[dict[str, Any]] = []
 
     def view(self, data: bytes, target: int | None = None) -> int:
-        """Append bytes, such as a picture's file; return the number of their view."""
+        """Append bytes, such as an image file; return the number of their view."""
         self.data += bytes(-len(self.data) % 4)
         view = {"buffer": 0, "byteOffset": len(self.data), "byteLength": len(data)}
         self.views.append(view | ({"target": target} if target else {}))
@@ -53,7 +53,7 @@ class GlbBuffer:
 
 
 def material(name: str, looks: dict[str, Any]) -> dict[str, Any]:
-    """A skin whose colours are those of texture 0; `looks` are its blending and its sides."""
+    """A material with the colours of texture 0; `looks` are its blending and sides."""
     skin = {
         "baseColorTexture": {"index": 0},
         "metallicFactor": 0.0,
@@ -63,7 +63,7 @@ def material(name: str, looks: dict[str, Any]) -> dict[str, Any]:
 
 
 def glb(content: dict[str, Any], buffer: GlbBuffer) -> bytes:
-    """The bytes of a .glb file with that JSON, to which those of the buffer are added."""
+    """The bytes of a .glb file of JSON content and a buffer."""
     content = content | {
         "accessors": buffer.accessors,
         "bufferViews": buffer.views,

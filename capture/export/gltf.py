@@ -1,7 +1,7 @@
-"""A species and its clips as glTF 2.0 (.glb), with an animation for each clip.
+"""Export a species and its clips as glTF 2.0 (.glb), with an animation for each clip.
 
-Either a skin moves the mesh, fitted by `rig.py`, or, exactly but larger, morph targets: one for
-each frame, the only one of weight 1 at its time. In both, neighbouring frames are mixed linearly.
+The mesh is moved by a fitted skeleton (`skinning.py`) or, exactly but with a larger file, by a
+morph target for each frame. Both interpolate linearly between frames.
 """
 
 from pathlib import Path
@@ -28,9 +28,9 @@ ROOT = 0  # node
 def write_gltf(
     folder: Path, model: Model, clips: list[Clip], baked: bool, rig: Skeleton | None
 ) -> Path:
-    """Write NAME.glb into `folder`, of a skinned mesh or, without a rig, of morph targets.
+    """Write NAME.glb into `folder`, with a skinned mesh or, without a rig, with morph targets.
 
-    The way of the fish is the motion of the node `root`, or `baked` into what it carries. A
+    The path of the fish is the motion of the node `root`, or `baked` into joints or targets.
     UserError if the file cannot be written.
     """
     path = folder / f"{model.name}.glb"
@@ -42,14 +42,14 @@ def write_gltf(
 
 def _skinned(model: Model, clips: list[Clip], baked: bool, rig: Skeleton) -> bytes:
     buffer = GlbBuffer()
-    primitives, materials = _parts(buffer, model, _hung(buffer, rig), {})
+    primitives, materials = _parts(buffer, model, _skin_attributes(buffer, rig), {})
     places = np.array([joint.place for joint in rig.joints])
     count = len(places)
-    first = len((ROOT,))  # joints are nodes in their order, behind the root
+    first = 1  # the joints are the nodes after the root
     parents = np.array(
         [first + joint.parent if joint.parent >= 0 else ROOT for joint in rig.joints]
     )
-    held = np.vstack([np.zeros(3), places])[parents]  # where what each hangs on is
+    held = np.vstack([np.zeros(3), places])[parents]  # positions of the parents
     nodes: list[Json] = [{"name": "root"}]
     nodes += [
         {"name": joint.name, "translation": to_metres(place - hold, Y_UP).tolist()}
@@ -76,7 +76,7 @@ def _skinned(model: Model, clips: list[Clip], baked: bool, rig: Skeleton) -> byt
         if baked:
             root = matrix(clip.rotation)[:, None]
             turn, place = root @ turn, root @ place + clip.position[:, None, :, None]
-        # All relative to what they hang on; the root is the axes that these are in.
+        # Relative to the parents; the parent of the first joints is the root.
         turns = np.concatenate([np.tile(np.eye(3), (len(turn), 1, 1, 1)), turn], axis=1)
         back = turns[:, parents].swapaxes(2, 3)
         origin = np.pad(place, ((0, 0), (1, 0), (0, 0), (0, 0)))[:, parents]
@@ -87,7 +87,7 @@ def _skinned(model: Model, clips: list[Clip], baked: bool, rig: Skeleton) -> byt
                 (first + k, "translation", to_metres(place[:, k], Y_UP)),
                 (first + k, "rotation", _quaternions(turn[:, k])),
             ]
-        animations.append(_animation(buffer, clip, [*_way(clip, baked), *tracks]))
+        animations.append(_animation(buffer, clip, [*_root_tracks(clip, baked), *tracks]))
     extras = {"rmsErrorPercent": rig.rms_percent, "maxErrorPercent": rig.most_percent}
     content = {
         "nodes": nodes,
@@ -102,7 +102,7 @@ def _skinned(model: Model, clips: list[Clip], baked: bool, rig: Skeleton) -> byt
 def _morphed(model: Model, clips: list[Clip], baked: bool) -> bytes:
     buffer = GlbBuffer()
     ways = [bake_root(clip) if baked else clip for clip in clips]
-    # The frame that closes a cycle is the first one: it needs no target of its own.
+    # The last frame of a cycle is its first one and needs no target.
     frames = [len(clip.points) - (clip.cyclic and not baked) for clip in clips]
     begins = np.cumsum([0, *frames])
     targets = [
@@ -119,7 +119,7 @@ def _morphed(model: Model, clips: list[Clip], baked: bool) -> bytes:
         shares = np.zeros((len(clip.points), len(targets)))
         shown = begin + np.arange(len(clip.points)) % number
         shares[np.arange(len(shares)), shown] = 1.0
-        tracks = [*_way(clip, baked), (ROOT, "weights", shares.ravel())]
+        tracks = [*_root_tracks(clip, baked), (ROOT, "weights", shares.ravel())]
         animations.append(_animation(buffer, clip, tracks))
     mesh = {"name": model.name, "primitives": primitives, "weights": [0.0] * len(targets)}
     content = {
@@ -134,7 +134,7 @@ def _morphed(model: Model, clips: list[Clip], baked: bool) -> bytes:
 def _parts(
     buffer: GlbBuffer, model: Model, attributes: Json, more: Json
 ) -> tuple[list[Json], list[Json]]:
-    """The mesh at rest in up to three primitives, which share its vertices, and their materials."""
+    """The mesh at rest as up to three primitives with shared vertices, and their materials."""
     attributes = {
         "POSITION": buffer.add(_single(to_metres(model.rest, Y_UP)), VERTICES),
         "NORMAL": buffer.add(_single(model.normals @ Y_UP.T), VERTICES),
@@ -162,8 +162,8 @@ def _parts(
     return primitives, materials
 
 
-def _hung(buffer: GlbBuffer, rig: Skeleton) -> Json:
-    """Joints and weights of the vertices; the root, joint 0, moves none."""
+def _skin_attributes(buffer: GlbBuffer, rig: Skeleton) -> Json:
+    """Joints and weights of the vertices; joint 0 is the root and has no weight."""
     most = np.argsort(-rig.weights, axis=1)[:, :MAX_INFLUENCES]
     weights = np.take_along_axis(rig.weights, most, axis=1).astype(np.float32)
     joints = np.where(weights > 0.0, most + 1, 0).astype(np.uint8)
@@ -174,7 +174,7 @@ def _hung(buffer: GlbBuffer, rig: Skeleton) -> Json:
     }
 
 
-def _way(clip: Clip, baked: bool) -> list[tuple[int, str, Array]]:
+def _root_tracks(clip: Clip, baked: bool) -> list[tuple[int, str, Array]]:
     """The tracks of the root."""
     if baked:
         return []
@@ -185,14 +185,14 @@ def _way(clip: Clip, baked: bool) -> list[tuple[int, str, Array]]:
 
 
 def _quaternions(rotation: Array) -> Array:
-    """Rotations (T, 4) as glTF has them, w last; neighbours have one sign, as slerp wants it."""
+    """Rotations (T, 4) for glTF: w last, of continuous sign for slerp."""
     turns = np.sign((rotation[1:] * rotation[:-1]).sum(axis=1))
     signs = np.concatenate([[1.0], np.cumprod(turns)])
     return np.roll(rotate_quaternions(signs[:, None] * rotation, Y_UP), -1, axis=1)
 
 
 def _animation(buffer: GlbBuffer, clip: Clip, tracks: list[tuple[int, str, Array]]) -> Json:
-    """Tracks of nodes' properties, with a key for each frame."""
+    """An animation of tracks (node, property, keys), with a key for each frame."""
     times = buffer.add(_single(np.arange(len(clip.points)) / clip.fps))
     return {
         "name": clip.name,
@@ -216,7 +216,7 @@ def _file(
     extras: Json,
     content: Json,
 ) -> bytes:
-    """The bytes of a file with the sheet in it."""
+    """The bytes of a file that contains its texture."""
     own = {"species": model.name, "bodyLength": METRES * model.length_cm} | extras
     own["root"] = "baked" if baked else "apart"
     content |= {

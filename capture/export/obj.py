@@ -1,4 +1,4 @@
-"""A person's own mesh moved by a recorded segment (KS III.A): OBJ in, one OBJ a frame out."""
+"""Move a user's OBJ mesh with a recorded segment: an OBJ file for each frame (KS III.A)."""
 
 import math
 from pathlib import Path
@@ -14,18 +14,18 @@ from subsea.geometry.tetrahedra import tetrahedral_weights
 from subsea.repertoire import Repertoire
 
 MAX_BYTES = 256 * 2**20
-FARTHEST = 3.0
-"""A vertex this many body lengths from the fish cannot belong to it."""
+MAX_DISTANCE = 3.0
+"""Body lengths between the fish and a vertex."""
 
 
 def read_mesh(path: Path) -> tuple[list[str], Floats]:
-    """The lines of a Wavefront OBJ file and its vertices (n, 3); a fault is a UserError."""
+    """Read the lines and vertices (n, 3) of a Wavefront OBJ file; UserError for a faulty one."""
     try:
         if path.stat().st_size > MAX_BYTES:
             raise UserError(f"larger than {MAX_BYTES >> 20} MiB", file=path)
         lines = path.read_text(encoding="utf-8").splitlines()
     except UnicodeDecodeError as fault:
-        raise UserError("not a Wavefront OBJ file, which is text", file=path) from fault
+        raise UserError("not a Wavefront OBJ file (not text)", file=path) from fault
     except OSError as fault:
         raise UserError(f"{fault.strerror}", file=path) from fault
     vertices = []
@@ -49,14 +49,14 @@ def read_mesh(path: Path) -> tuple[list[str], Floats]:
 
 
 class BoundMesh(NamedTuple):
-    """A mesh hung on the nodes."""
+    """A mesh bound to the nodes."""
 
     lines: list[str]  # of its file
     weights: Array  # (n, 23) of the nodes, for each vertex
 
 
 def fit_to_fish(vertices: Floats, repertoire: Repertoire) -> Floats:
-    """Vertices (n, 3) that head along x, brought to the fish at rest: its length, nose and axis."""
+    """Scale and move vertices (n, 3) that head along x to the length and snout of the fish."""
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     if high[0] <= low[0]:
         raise UserError("no extent along x, the direction of swimming")
@@ -66,10 +66,10 @@ def fit_to_fish(vertices: Floats, repertoire: Repertoire) -> Floats:
 
 
 def bind_mesh(repertoire: Repertoire, path: Path, fit: bool) -> BoundMesh:
-    """The mesh in a file, hung on the nodes of a fish.
+    """Bind the mesh of a file to the nodes of a fish.
 
     It is in body axes and cm: x anterior, y dorsal, z right; with `fit` it only has to head
-    along x. A file that is no mesh, or a mesh that is not where the fish is, is a UserError.
+    along x. UserError for a faulty file or a mesh that is far from the fish.
     """
     lines, vertices = read_mesh(path)
     if fit:
@@ -78,19 +78,19 @@ def bind_mesh(repertoire: Repertoire, path: Path, fit: bool) -> BoundMesh:
         except UserError as fault:
             raise UserError(f"{fault}", file=path) from fault
     away = float(np.linalg.norm(vertices, axis=1).max()) / repertoire.body_length_cm
-    if away > FARTHEST:
+    if away > MAX_DISTANCE:
         raise UserError(
             f"a vertex lies {away:.3g} body lengths from the fish, expected at most "
-            f"{FARTHEST:g}; --fit brings the mesh to the fish",
+            f"{MAX_DISTANCE:g}; use --fit to move the mesh to the fish",
             file=path,
         )
     return BoundMesh(lines, tetrahedral_weights(repertoire.rest_nodes, vertices))
 
 
 def write_mesh(path: Path, mesh: BoundMesh, nodes: Array) -> None:
-    """Write the mesh as it is for nodes (23, 3).
+    """Write the mesh for nodes (23, 3).
 
-    Nothing but the vertices changes; normals, which would be wrong, are left out.
+    Only the vertices change; normals are left out.
     """
     with replacing(path) as temporary:
         temporary.write_text(_moved(mesh.lines, mesh.weights @ nodes), encoding="utf-8")
@@ -101,7 +101,7 @@ def _is_vertex(line: str) -> bool:
 
 
 def _moved(lines: list[str], vertices: Floats) -> str:
-    """The text of the mesh with other places of its vertices, and without normals."""
+    """The text of the mesh with other vertices and without normals."""
     following = iter(vertices)
     out = []
     for line in lines:

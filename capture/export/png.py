@@ -1,4 +1,4 @@
-"""Pictures that go with what is exported, as the bytes of PNG files."""
+"""Encode textures as the bytes of PNG files."""
 
 import io
 import struct
@@ -10,17 +10,17 @@ from PIL import Image
 
 
 def sheet_png(sheet: NDArray[np.uint8]) -> bytes:
-    """A sheet of colours (h, w, 4), bottom row first."""
+    """Encode a colour texture (h, w, 4), bottom row first."""
     file = io.BytesIO()
     Image.fromarray(sheet[::-1]).save(file, "PNG")
     return file.getvalue()
 
 
 def png16(texels: NDArray[np.uint16]) -> bytes:
-    """Texels (h, w, 3), top row first, in 16 bits a channel, which Pillow does not write."""
+    """Encode texels (h, w, 3), top row first, with 16 bits a channel (not in Pillow)."""
     height, width, _ = texels.shape
     rows = texels.astype(">u2").view(np.uint8).reshape(height, -1)
-    # Each row as what it differs by from the one above (filter 2): frames are alike.
+    # Filter 2 stores differences from the row above: frames are similar.
     rows[1:] -= rows[:-1].copy()
     lines = np.concatenate([np.full((height, 1), 2, np.uint8), rows], axis=1)
     header = struct.pack(">IIBBBBB", width, height, 16, 2, 0, 0, 0)

@@ -1,8 +1,8 @@
-"""A skeleton and weights that move a mesh as its clips do: smooth skinning decomposition.
+"""Fit a skeleton and skin weights to the clips of a mesh: smooth skinning decomposition.
 
-After Le and Deng, "Smooth Skinning Decomposition with Rigid Bones" (2012): the rigid motion of the
-joints and the weights of the vertices are fitted in turn by least squares, to frames of all clips
-at once. Weights are not negative and sum to one, and no vertex has more than four.
+After Le and Deng, "Smooth Skinning Decomposition with Rigid Bones" (2012): rigid motions of joints
+and weights of vertices are fitted alternately by least squares, to all frames of all clips. Weights
+are not negative and sum to one; a vertex has at most four.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -15,21 +15,21 @@ from capture.export.clips import Clip, Model
 from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
 
-MAX_INFLUENCES = 4  # joints that a vertex may hang on: what the formats and engines have room for
-NEAR = 8  # joints that it may choose them from, so that none moves what is far
+MAX_INFLUENCES = 4  # joints of a vertex, the limit of formats and engines
+NEAR = 8  # nearest joints to choose them from
 SPINE = 14  # joints from head to tail
 FIN = 2  # along the free edge of the dorsal and of the ventral fin
-WIDE = 0.15  # body lengths aside of the spine: a body as wide as this has wings
-WINGS = (0.4, 0.7, 0.95)  # where along a wing it has joints, at both of its edges
-TAIL = 0.15  # body lengths from the rear in which the tips of the tail are
+WIDE = 0.15  # body lengths from the spine: a wider body has wings
+WINGS = (0.4, 0.7, 0.95)  # positions of joints along both edges of a wing
+TAIL = 0.15  # body lengths from the rear that contain the tips of the tail
 ROUNDS = 5
-LEAST = 24  # vertices about a joint that tell how it turns, or its share of all where that is more
-STEADY = 0.01  # how heavily that counts beside what its vertices do
-SWEEPS = 4  # times that all joints are fitted in a round
+MIN_VERTICES = 24  # around a joint, for its regularisation (or its fraction of all, if more)
+REGULARISATION = 0.01  # weight of that relative to the joint's own vertices
+SWEEPS = 4  # fits of all joints in a round
 
 
 class Joint(NamedTuple):
-    """Where a joint is at rest, cm, body axes, and the number of what it hangs on, -1: the root."""
+    """A joint at rest, cm, body axes, and the number of its parent, -1 for the root."""
 
     name: str
     parent: int
@@ -37,13 +37,13 @@ class Joint(NamedTuple):
 
 
 class Skeleton(NamedTuple):
-    """J joints, and how they move in the F frames of all clips, one after another."""
+    """J joints and their motion in the F frames of all clips, one after another."""
 
     joints: list[Joint]
     weights: Array  # (n, J)
-    motion: Array  # (F, J, 3, 4) rotation and shift, cm, in body axes: x at rest goes to R x + t
-    rms_percent: float  # of the body length that vertices are from where the clips have them ...
-    most_percent: float  # ... and the farthest one, in any frame
+    motion: Array  # (F, J, 3, 4) rotation and translation, cm, body axes: x at rest to R x + t
+    rms_percent: float  # error of the vertices, of the body length: root mean square ...
+    most_percent: float  # ... and largest
 
 
 def fit_skeleton(
@@ -51,33 +51,34 @@ def fit_skeleton(
     clips: list[Clip],
     progress: Callable[[Sequence[int]], Iterable[int]] = lambda rounds: rounds,
 ) -> Skeleton:
-    """The skeleton of a model that follows its clips; `progress` watches the rounds."""
-    joints = skeleton(model)
+    """Fit a skeleton to the clips of a model; `progress` wraps the rounds."""
+    joints = place_joints(model)
     rest = np.pad(model.rest, ((0, 0), (0, 1)), constant_values=1.0)  # (n, 4)
     goal = np.concatenate([clip.points for clip in clips])  # (F, n, 3)
     far = np.linalg.norm(model.rest[:, None] - [joint.place for joint in joints], axis=2)  # (n, J)
     near = far.argsort(axis=1)[:, :NEAR]
-    around = far.argsort(axis=0)[: max(LEAST, len(rest) // len(joints))]
-    # (F, 3, J, 4): what is about a joint, as one
+    around = far.argsort(axis=0)[: max(MIN_VERTICES, len(rest) // len(joints))]
+    # (F, 3, J, 4): rigid motion of the vertices around each joint
     about = np.stack([_rigid(model.rest[those], goal[:, those]) for those in around.T], axis=2)
     motion = about.copy()
     for _ in progress(range(ROUNDS)):
         weights = _fit_weights(rest, goal, motion, near)
-        _fit_motion(rest, goal, weights, motion, about, STEADY * (weights * far**2).sum(axis=0))
+        firm = REGULARISATION * (weights * far**2).sum(axis=0)
+        _fit_motion(rest, goal, weights, motion, about, firm)
     motion = motion.swapaxes(1, 2)
     off = np.linalg.norm(posed(rest, weights, motion) - goal, axis=2) * 100.0 / model.length_cm
     return Skeleton(joints, weights, motion, float(np.sqrt((off**2).mean())), float(off.max()))
 
 
 def posed(rest: Array, weights: Array, motion: Array) -> Array:
-    """Where vertices (n, 4), the last number 1, are in each frame, (F, n, 3)."""
+    """Positions (F, n, 3) of vertices (n, 4), homogeneous, in each frame."""
     parts = (weights[:, :, None] * rest[:, None]).reshape(len(rest), -1)
     rows = motion.swapaxes(1, 2).reshape(-1, parts.shape[1])
     return (rows @ parts.T).reshape(len(motion), 3, -1).swapaxes(1, 2)
 
 
-def skeleton(model: Model) -> list[Joint]:
-    """Joints along the spine, at the tips of the tail, in the fins and in wings."""
+def place_joints(model: Model) -> list[Joint]:
+    """Place joints along the spine, at the tips of the tail, in the fins and in wings."""
     body, length = model.rest[: model.solid], model.length_cm
     front, rear, wide = body[:, 0].max(), body[:, 0].min(), body[:, 2].max()
     joints = []
@@ -88,19 +89,19 @@ def skeleton(model: Model) -> list[Joint]:
         )
     spine = np.array([joint.place[0] for joint in joints])
 
-    def hang(name: str, place: Array) -> None:
+    def attach(name: str, place: Array) -> None:
         joints.append(Joint(name, int(np.abs(spine - place[0]).argmin()), place))
 
     tail = body[body[:, 0] < rear + TAIL * length]
-    hang("tail_upper", tail[tail[:, 1].argmax()])
-    hang("tail_lower", tail[tail[:, 1].argmin()])
+    attach("tail_upper", tail[tail[:, 1].argmax()])
+    attach("tail_lower", tail[tail[:, 1].argmin()])
     for name, vertices in model.fins.items():
         fin = model.rest[vertices]
         if name in ("dorsal", "ventral"):
             for k, part in enumerate(np.array_split(fin[fin[:, 0].argsort()[::-1]], FIN)):
-                hang(f"{name}_{k + 1}", part[np.abs(part[:, 1]).argmax()])
+                attach(f"{name}_{k + 1}", part[np.abs(part[:, 1]).argmax()])
         else:
-            hang(name, fin.mean(axis=0))
+            attach(name, fin.mean(axis=0))
     if wide > WIDE * length:
         for side, sign in (("left", -1.0), ("right", 1.0)):
             for edge, most in (("front", np.argmax), ("rear", np.argmin)):
@@ -109,7 +110,7 @@ def skeleton(model: Model) -> list[Joint]:
                     near = body[np.abs(body[:, 2] - z) < 0.1 * wide, 0]
                     place = np.array([near[most(near)], 0.0, z])
                     if k == 0:
-                        hang(f"wing_{side}_{edge}_1", place)
+                        attach(f"wing_{side}_{edge}_1", place)
                     else:  # on the one before it
                         joints.append(Joint(f"wing_{side}_{edge}_{k + 1}", len(joints) - 1, place))
     return joints
@@ -120,10 +121,9 @@ def _fit_motion(
 ) -> None:
     """Fit one joint after another, SWEEPS times, in place.
 
-    Each gets the rigid motion that makes up best for what the others leave (Procrustes). Of the
-    vertices that only needs sums over them, which are made once. As heavily as `firm` (J,) says its
-    rotation is that of all `about` it: where its own vertices leave that open, as those on a line
-    do, it does not leap from frame to frame.
+    Each gets the rigid motion that best compensates the error of the others (Procrustes), from
+    sums over vertices that are computed once. `firm` (J,) is the weight of the rotation of all
+    vertices `about` it: joints with vertices on a line would otherwise jump between frames.
     """
     frames, _, joints, _ = motion.shape
     parts = (weights[:, :, None] * rest[:, None]).reshape(len(rest), -1)  # (n, 4 J)
@@ -143,26 +143,26 @@ def _fit_motion(
 
 
 def _rigid(rest: Array, goal: Array) -> Array:
-    """The motion (F, 3, 4) that takes places (m, 3) nearest to goal (F, m, 3) (Procrustes).
+    """The rigid motion (F, 3, 4) that fits points (m, 3) to a goal (F, m, 3) (Procrustes).
 
-    About a line that they lie on, such as a whip of a tail, it turns them no more than it must.
+    It is regularised, for points on a line such as a thin tail.
     """
     middle, there = rest.mean(axis=0), goal.mean(axis=1)
     arms = rest - middle
     across = (goal - there[:, None]).swapaxes(1, 2) @ arms
-    turn = _turn(across + STEADY * (arms**2).sum() * np.eye(3))
+    turn = _turn(across + REGULARISATION * (arms**2).sum() * np.eye(3))
     return np.concatenate([turn, (there - turn @ middle)[:, :, None]], axis=2)
 
 
 def _turn(across: Array) -> Array:
-    """The rotations (F, 3, 3) that are nearest to matrices."""
+    """The rotations (F, 3, 3) nearest to matrices."""
     u, _, v = np.linalg.svd(across)
     u[:, :, 2] *= np.linalg.det(u @ v)[:, None]
     return np.asarray(u @ v)
 
 
 def _fit_weights(rest: Array, goal: Array, motion: Array, near: Ints) -> Array:
-    """The weights (n, J) of the joints near each vertex that take rest nearest to goal."""
+    """The weights (n, J) of near joints that fit rest to goal best."""
     frames, _, joints, _ = motion.shape
     rows = motion.reshape(3 * frames, -1)
     pairs = (rows.T @ rows).reshape(joints, 4, joints, 4).swapaxes(1, 2)
@@ -171,7 +171,7 @@ def _fit_weights(rest: Array, goal: Array, motion: Array, near: Ints) -> Array:
     out = np.zeros((len(rest), joints))
     for k, (x, those) in enumerate(zip(rest, near, strict=True)):
         toward = aims[those, :, k] @ x
-        # Of where two joints alone would take the vertex: how far both are off, multiplied.
+        # Scalar products of the errors of each two joints.
         gram = x @ pairs[those[:, None], those] @ x - toward - toward[:, None]
         out[k, those] = best_shares(gram + flat[:, k] @ flat[:, k], MAX_INFLUENCES)
     return out
@@ -179,10 +179,9 @@ def _fit_weights(rest: Array, goal: Array, motion: Array, near: Ints) -> Array:
 
 @kernel
 def best_shares(gram: Array, most: int) -> Array:
-    """Shares w ≥ 0 that sum to one, `most` of them not zero, with a small w·G·w.
+    """Weights w ≥ 0 with sum one and at most `most` not zero, that make w·G·w small.
 
-    All that the least one needs are there first; then the one goes, again and again, without which
-    the rest do best.
+    Starts with the optimum of all and removes one weight after another, the least useful first.
     """
     w = np.zeros(len(gram))
     w[np.argmin(np.diag(gram))] = 1.0
@@ -209,7 +208,7 @@ def best_shares(gram: Array, most: int) -> Array:
 
 @kernel
 def _least(gram: Array, allowed: NDArray[np.bool_], w: Array) -> Array:
-    """The least w·G·w of shares, from some on: what is best passed on from one to another."""
+    """Minimise w·G·w over weights from a start: pairwise exchange."""
     w = w.copy()
     slope = (gram * w).sum(axis=1)
     tiny = 1e-7 * np.trace(gram) / len(gram)

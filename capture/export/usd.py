@@ -1,9 +1,8 @@
-"""A species and its clips as a USD scene: points and normals in every frame (usd-core).
+"""Export a species and its clips as a USD stage with points and normals in every frame.
 
-One stage holds all clips, one after another on the time line; `customLayerData` says where each
-begins and ends. It is in metres, y up and the head along +z, as glTF files are. The body and the
-fins are a mesh each, as only fins are seen from both sides; of the body's faces those that are
-clear, such as the tail's, are a subset.
+All clips follow one another on the time line; `customLayerData` holds their first and last frames.
+Units are metres, y is up and the head along +z, as in glTF. Body and fins are separate meshes,
+because only fins are two-sided; transparent faces of the body, such as the tail's, are a subset.
 """
 
 from pathlib import Path
@@ -13,7 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from capture.export.axes import Y_UP, rotate_quaternions, to_metres
-from capture.export.clips import ROUGHNESS, Clip, Model, bake_root, transparent_triangles
+from capture.export.clips import (
+    ROUGHNESS,
+    Clip,
+    Model,
+    bake_root,
+    first_frames,
+    transparent_triangles,
+)
 from capture.export.png import sheet_png
 from subsea.core.arrays import Array
 from subsea.core.atomic_io import replacing
@@ -22,20 +28,20 @@ from subsea.core.errors import UserError
 SOLID, CLEAR = "solid", "clear"  # materials
 
 
-class _Part(NamedTuple):
-    """A mesh of its own: some of the vertices, and the triangles over them."""
+class _MeshPart(NamedTuple):
+    """A separate mesh of some vertices and their triangles."""
 
     name: str
     vertices: slice
     triangles: NDArray[np.integer[Any]]
-    both_sides: bool
+    two_sided: bool
 
 
 def write_usd(folder: Path, model: Model, clips: list[Clip], baked: bool) -> list[Path]:
-    """Write the stage NAME.usdc and the sheet that it refers to into `folder`; return both files.
+    """Write the stage NAME.usdc and its texture into `folder`; return both files.
 
-    The motion of the root is that of the model's prim, or `baked` into the points. A UserError
-    if usd-core is not installed or a file cannot be written.
+    The motion of the root is that of the model's prim, or `baked` into the points. UserError
+    without usd-core or if a file cannot be written.
     """
     try:
         from pxr import Tf, Usd
@@ -46,7 +52,7 @@ def write_usd(folder: Path, model: Model, clips: list[Clip], baked: bool) -> lis
     _fill(stage, sheet.name, model, clips, baked)
     with replacing(sheet) as picture, replacing(file) as part:
         picture.write_bytes(sheet_png(model.sheet))
-        # The library goes by the suffix, which the name of an unfinished file has not.
+        # The library needs the suffix, which an unfinished file does not have.
         plain = part.with_name(part.name + file.suffix)
         try:
             stage.GetRootLayer().Export(str(plain))
@@ -58,16 +64,11 @@ def write_usd(folder: Path, model: Model, clips: list[Clip], baked: bool) -> lis
     return [file, sheet]
 
 
-def starts(clips: list[Clip]) -> list[int]:
-    """The time code of each clip's first frame, all clips one after another."""
-    return [int(n) for n in np.cumsum([0, *(len(clip.points) for clip in clips[:-1])])]
-
-
 def _fill(stage: Any, sheet: str, model: Model, clips: list[Clip], baked: bool) -> None:
     """Author the whole stage."""
     from pxr import Kind, Tf, Usd, UsdGeom
 
-    first = starts(clips)
+    first = first_frames(clips)
     last = [start + len(clip.points) - 1 for start, clip in zip(first, clips, strict=True)]
     UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.y)
     UsdGeom.SetStageMetersPerUnit(stage, 1.0)
@@ -92,15 +93,16 @@ def _fill(stage: Any, sheet: str, model: Model, clips: list[Clip], baked: bool) 
         name: _material(stage, root.GetPath().AppendPath(f"materials/{name}"), sheet, name == CLEAR)
         for name in (SOLID, CLEAR)
     }
+    body, fins = model.triangles[: model.body], model.triangles[model.body :] - model.solid
     for part in (
-        _Part("body", slice(0, model.solid), model.triangles[: model.body], False),
-        _Part("fins", slice(model.solid, None), model.triangles[model.body :] - model.solid, True),
+        _MeshPart("body", slice(0, model.solid), body, False),
+        _MeshPart("fins", slice(model.solid, None), fins, True),
     ):
         if len(part.triangles):
             mesh = _mesh(stage, root.GetPath().AppendChild(part.name), model, part)
             _animate(mesh, part, clips, first)
-            _bind(mesh, looks[CLEAR if part.both_sides else SOLID])
-            if not part.both_sides:
+            _bind(mesh, looks[CLEAR if part.two_sided else SOLID])
+            if not part.two_sided:
                 _divide(mesh, transparent_triangles(model)[: model.body], looks)
 
 
@@ -108,7 +110,7 @@ def _move(root: Any, clips: list[Clip], first: list[int]) -> None:
     """The root's motion as time samples of its translation and orientation."""
     from pxr import Gf, UsdGeom
 
-    # OpenUSD makes a rotation of it by an arc cosine: single precision would not do.
+    # OpenUSD uses an arc cosine: single precision would be too coarse.
     way, turn = root.AddTranslateOp(), root.AddOrientOp(UsdGeom.XformOp.PrecisionDouble)
     for clip, start in zip(clips, first, strict=True):
         there, facing = to_metres(clip.position, Y_UP), rotate_quaternions(clip.rotation, Y_UP)
@@ -117,8 +119,8 @@ def _move(root: Any, clips: list[Clip], first: list[int]) -> None:
             turn.Set(Gf.Quatd(float(w), Gf.Vec3d(*map(float, axis))), start + frame)
 
 
-def _mesh(stage: Any, path: Any, model: Model, part: _Part) -> Any:
-    """The mesh at rest: what does not change over time."""
+def _mesh(stage: Any, path: Any, model: Model, part: _MeshPart) -> Any:
+    """The mesh at rest: all attributes that are constant."""
     from pxr import Sdf, UsdGeom, Vt
 
     mesh = UsdGeom.Mesh.Define(stage, path)
@@ -127,7 +129,7 @@ def _mesh(stage: Any, path: Any, model: Model, part: _Part) -> Any:
     corners = np.ascontiguousarray(part.triangles, np.int32).ravel()
     mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(corners))
     mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
-    mesh.CreateDoubleSidedAttr(part.both_sides)
+    mesh.CreateDoubleSidedAttr(part.two_sided)
     mesh.CreatePointsAttr(_vectors(to_metres(model.rest[part.vertices], Y_UP)))
     mesh.CreateNormalsAttr(_vectors(model.normals[part.vertices] @ Y_UP.T))
     mesh.SetNormalsInterpolation(UsdGeom.Tokens.vertex)
@@ -139,7 +141,7 @@ def _mesh(stage: Any, path: Any, model: Model, part: _Part) -> Any:
     return mesh
 
 
-def _animate(mesh: Any, part: _Part, clips: list[Clip], first: list[int]) -> None:
+def _animate(mesh: Any, part: _MeshPart, clips: list[Clip], first: list[int]) -> None:
     """Points, normals and extent of every frame of every clip."""
     from pxr import UsdGeom
 
@@ -154,7 +156,7 @@ def _animate(mesh: Any, part: _Part, clips: list[Clip], first: list[int]) -> Non
 
 
 def _material(stage: Any, path: Any, sheet: str, clear: bool) -> Any:
-    """The sheet as the colour of a UsdPreviewSurface, and its opacity where that is wanted."""
+    """A UsdPreviewSurface with the texture as colour and, if `clear`, as opacity."""
     from pxr import Sdf, UsdShade
 
     names = Sdf.ValueTypeNames
@@ -193,9 +195,9 @@ def _bind(thing: Any, material: Any) -> None:
 
 
 def _divide(mesh: Any, clear: NDArray[np.bool_], looks: dict[str, Any]) -> None:
-    """Bind a material each to the clear and the solid faces of a mesh, if it has both.
+    """Bind materials to the transparent and the solid faces of a mesh, if it has both.
 
-    Some importers leave out the material of the mesh where it has subsets: all faces are in one.
+    Some importers ignore the material of a mesh with subsets, so each face is in a subset.
     """
     from pxr import UsdGeom, UsdShade, Vt
 
@@ -209,7 +211,7 @@ def _divide(mesh: Any, clear: NDArray[np.bool_], looks: dict[str, Any]) -> None:
 
 
 def _vectors(values: Array) -> Any:
-    """Rows (n, 3) as USD keeps them."""
+    """Rows (n, 3) as a USD array."""
     from pxr import Vt
 
     return Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(values, np.float32))

@@ -1,18 +1,18 @@
-"""A species and its clips as a vertex animation texture by the conventions of OpenVAT.
+"""Export a species and its clips as a vertex animation texture in the OpenVAT layout.
 
 OpenVAT (https://github.com/sharpen3d/openvat, README and `Development/openvat/`, version 1.1.2) is
-an encoder for Blender with decoders for several engines. What it writes with its standard settings
-(normals packed, single row, PNG16) is a folder NAME_vat with
+an encoder for Blender with decoders for several engines. With its standard settings (normals
+packed, single row, PNG16) it writes a folder NAME_vat with
 
 - NAME_vat.png, 16 bits: column i is a vertex, row f of the upper half frame f of all clips. Red,
-  green and blue are how far the vertex is from its place at rest along x, y and z of Blender,
-  between Min and Max. In the lower half, normals in the same places, from -1 to 1.
-- NAME.glb: the mesh at rest. Its second texture coordinates are the middle of a vertex's texel in
-  frame 0; frame f is f / height farther down, normals half of the texture.
+  green and blue are the offset of the vertex from rest along x, y and z of Blender, from Min to
+  Max. The lower half has the normals, from -1 to 1.
+- NAME.glb: the mesh at rest. Its second texture coordinates are the centre of a vertex's texel in
+  frame 0; frame f is f / height lower, normals half of the height.
 - NAME-remap_info.json: Min, Max and Frames as `os-remap`, and the clips as `animations`, whose
   frames count from 1 and include the last.
 
-Ours has the sheet of colours too, and what we know beyond that in the JSON's `subsea`.
+We add the colour texture, and more data as `subsea` in the JSON.
 """
 
 import json
@@ -25,30 +25,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from capture.export.axes import METRES, Y_UP, Z_UP, rotate_quaternions, to_metres
-from capture.export.clips import Clip, Model, bake_root
+from capture.export.clips import Clip, Model, bake_root, first_frames
 from capture.export.glb import CLAMPED, INDICES, VERTICES, GlbBuffer, glb, material
 from capture.export.png import png16, sheet_png
 from subsea.core.arrays import Array
 from subsea.core.atomic_io import replacing
 
 FULL = 65535  # the greatest value of a texel
-ALPHA_CUTOFF = 0.3  # one material serves the body and fins: what is clearer is left out
+ALPHA_CUTOFF = 0.3  # of the only material, for body and fins
 
 
 class AnimationTexture(NamedTuple):
     """A vertex animation texture of n vertices and F frames."""
 
-    texels: NDArray[np.uint16]  # (2F, n, 3): ways from rest, then normals
-    low: Array  # (3,) metres, Blender's axes: what 0 stands for in the upper half ...
-    high: Array  # ... and FULL
+    texels: NDArray[np.uint16]  # (2F, n, 3): offsets from rest, then normals
+    low: Array  # (3,) metres, Blender's axes: offset of value 0 ...
+    high: Array  # ... and of FULL
     first: list[int]  # each clip's first frame, from 0
 
 
 def write_vat(folder: Path, model: Model, clips: list[Clip], baked: bool) -> list[Path]:
     """Write the folder NAME_vat into `folder`; return the files.
 
-    The motion of the root is told in the JSON, or `baked` into the texture. A UserError if a file
-    cannot be written.
+    The motion of the root is in the JSON, or `baked` into the texture. UserError if a file cannot
+    be written.
     """
     texture = encode(model, clips, baked)
     folder = folder / f"{model.name}_vat"
@@ -66,26 +66,25 @@ def write_vat(folder: Path, model: Model, clips: list[Clip], baked: bool) -> lis
 
 
 def encode(model: Model, clips: list[Clip], baked: bool) -> AnimationTexture:
-    """The texture of all clips, one after another."""
+    """Encode all clips, one after another."""
     if baked:
         clips = [bake_root(clip) for clip in clips]
-    ways = to_metres(np.concatenate([clip.points for clip in clips]) - model.rest, Z_UP)
-    low, high = ways.min(axis=(0, 1)), ways.max(axis=(0, 1))
-    share = (ways - low) / np.where(high > low, high - low, 1.0)
+    offsets = to_metres(np.concatenate([clip.points for clip in clips]) - model.rest, Z_UP)
+    low, high = offsets.min(axis=(0, 1)), offsets.max(axis=(0, 1))
+    share = (offsets - low) / np.where(high > low, high - low, 1.0)
     facing = 0.5 + 0.5 * (np.concatenate([clip.normals for clip in clips]) @ Z_UP.T)
     texels = np.round(FULL * np.clip(np.concatenate([share, facing]), 0.0, 1.0)).astype(np.uint16)
-    first = np.cumsum([0, *(len(clip.points) for clip in clips[:-1])])
-    return AnimationTexture(texels, low, high, first.tolist())
+    return AnimationTexture(texels, low, high, first_frames(clips))
 
 
-def places(count: int, height: int) -> Array:
+def texel_coordinates(count: int, height: int) -> Array:
     """Texture coordinates (count, 2) of the vertices in frame 0, from the upper left corner."""
     across = (np.arange(count) + 0.5) / count
     return np.stack([across, np.full(count, 0.5 / height)], axis=1)
 
 
 def _mesh(model: Model, height: int, colours: str) -> bytes:
-    """The mesh at rest, with the places of its vertices in the texture, as .glb."""
+    """The mesh at rest as .glb, with texture coordinates of the animation texture."""
     buffer = GlbBuffer()
 
     def vertices(values: Array) -> int:
@@ -97,7 +96,7 @@ def _mesh(model: Model, height: int, colours: str) -> bytes:
             "POSITION": vertices(to_metres(model.rest, Y_UP)),
             "NORMAL": vertices(model.normals @ Y_UP.T),
             "TEXCOORD_0": vertices(sheet),
-            "TEXCOORD_1": vertices(places(len(model.rest), height)),
+            "TEXCOORD_1": vertices(texel_coordinates(len(model.rest), height)),
         },
         "indices": buffer.add(model.triangles.astype(np.uint16).ravel(), INDICES),
         "material": 0,
@@ -118,7 +117,7 @@ def _mesh(model: Model, height: int, colours: str) -> bytes:
 
 
 def _ranges(model: Model, clips: list[Clip], texture: AnimationTexture, baked: bool) -> bytes:
-    """The JSON: what OpenVAT's readers want, then what we know beyond that."""
+    """The JSON: the keys of OpenVAT, then our own."""
     frames = len(texture.texels) // 2
     own: dict[str, Any] = {
         "bodyLength": METRES * model.length_cm,

@@ -84,7 +84,7 @@ def test_a_species_of_ones_own_is_exported_by_name(
     mine.write_text(shipped.read_text(encoding="utf-8"), encoding="utf-8")
     arguments = ["export", "my-fish", "--to", "usd", "--detail", "3", "--out", str(tmp_path)]
     assert main(arguments) == 2
-    assert "`subsea-capture record my-fish` makes it" in capsys.readouterr().err
+    assert "run `subsea-capture record my-fish`" in capsys.readouterr().err
     repertoire = read_repertoire(repertoire_file("fusilier"))
     write_repertoire(repertoire_file("my-fish"), replace(repertoire, species="my-fish"))
     assert main(arguments) == 0
