@@ -20,7 +20,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from numba import njit
 from numpy.typing import NDArray
-from plates import BLACK, BLUE, GREEN, GREY, ORANGE, PINK, STYLE, keep_plot
+from picture_files import BLACK, BLUE, GREEN, GREY, ORANGE, PINK, STYLE, save_plot
 
 from subsea.biomechanics.controllers import ease
 from subsea.fish.species import load_species
@@ -666,7 +666,7 @@ def show_body(effort: Effort, folder: Path) -> None:
     for axis in (top, below):
         axis.set(aspect="equal", xlim=(-1.08, 0.06), ylim=(-0.2, 0.2))
         axis.set_ylabel("to the left, L")
-    keep_plot(picture, folder / "flat_body.png")
+    save_plot(picture, folder / "flat_body.png")
 
 
 def in_vacuum(body: Body) -> Body:
@@ -748,7 +748,7 @@ def show_integrators(effort: Effort, folder: Path) -> None:
                 axis.set_title(f"step {k}", fontsize=9)
     rows[0, 0].set_ylabel("explicit")
     rows[1, 0].set_ylabel("implicit")
-    keep_plot(picture, folder / "flat_integrators.png")
+    save_plot(picture, folder / "flat_integrators.png")
     print("a step of            explicit  implicit: body lengths swum in 60 tu")
     for step in (0.0005, 0.002, 0.01, STEP_TU, 0.11, 0.22):
         far = []
@@ -800,7 +800,7 @@ def show_learning(effort: Effort, folder: Path) -> None:
     left.legend(loc="upper left")
     right.set_xticks([0, 1], ["one", "six"])
     right.set(xlabel="frequencies", xlim=(-0.5, 1.5), title=f"after {effort.tries} tries")
-    keep_plot(picture, folder / "flat_learning.png")
+    save_plot(picture, folder / "flat_learning.png")
     one = lessons.swimmer
     print(f"the best: {one.frequency[0]:.3f} beats a tu, amplitudes {np.round(one.amplitude, 3)}, "
           f"phases of left against right "
@@ -846,7 +846,7 @@ def show_swims(effort: Effort, folder: Path) -> None:
         axis.set(aspect="equal", xlim=(-0.22, 0.22), ylim=(-0.75, 0.5), xticks=[], yticks=[])
         axis.spines[:].set_visible(False)
         axis.set_title(f"{k}/8 beat", fontsize=8)
-    keep_plot(picture, folder / "flat_swims.png")
+    save_plot(picture, folder / "flat_swims.png")
 
 
 def show_turns(effort: Effort, folder: Path) -> None:
@@ -886,7 +886,7 @@ def show_turns(effort: Effort, folder: Path) -> None:
     right.plot(*(middle(body, x) / body.long).T, color=ORANGE, linewidth=1.6)
     right.set(aspect="equal", xlabel="ahead, L", ylabel="to the left, L",
               title="the best, a fish each 15 tu")  # fmt: skip
-    keep_plot(picture, folder / "flat_turns.png")
+    save_plot(picture, folder / "flat_turns.png")
 
 
 GOALS_L = ((4.0, 4.0), (-3.5, -4.5))
@@ -940,7 +940,7 @@ def show_switching(effort: Effort, folder: Path) -> None:
     right.set(xlabel="greatest amplitude, share of length", ylabel="passages that fold, %",
               ylim=(-3, 103), title=f"at {effort.moments} moments")  # fmt: skip
     right.legend(title="what passes linearly", title_fontsize=9)
-    keep_plot(picture, folder / "flat_switching.png")
+    save_plot(picture, folder / "flat_switching.png")
 
 
 LEVELS = np.round(np.arange(0.05, 0.61, 0.05), 2)
@@ -985,7 +985,7 @@ def show_folding(effort: Effort, folder: Path) -> None:
               ylim=(0, None), title=f"learned in {effort.tries // 2} tries")  # fmt: skip
     print("bound: learned  " + ", ".join(
         f"{b:g}: {np.median(far):.2f} L" for b, far in found.items()))  # fmt: skip
-    keep_plot(picture, folder / "flat_folding.png")
+    save_plot(picture, folder / "flat_folding.png")
 
 
 # II: motion by rules
@@ -1100,7 +1100,7 @@ def show_rules(effort: Effort, folder: Path) -> None:
     ).max()
     print(f"sinusoidal and linear swing lie {apart:.3f} L apart at most; a wave of "
           f"{float(phase(FISH, np.ones(1))[0] / np.pi):.2f} halves behind the middle")  # fmt: skip
-    keep_plot(picture, folder / "flat_rules.png")
+    save_plot(picture, folder / "flat_rules.png")
 
 
 def even_masses(body: Body) -> Body:

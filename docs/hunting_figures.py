@@ -1,6 +1,6 @@
 """Figures of docs/behavior.md: `python docs/hunting_figures.py preying|go-fish [SEEDS]`.
 
-Runs the scenario from so many seeds, 1 and on, ten if left out, and prints a line for each.
+Runs the scenario with seeds 1 to SEEDS (10) and prints a line for each.
 """
 
 import sys
@@ -28,7 +28,7 @@ def ticks(name: str, seed: int, seconds: float) -> Iterator[World]:
 
 
 def preying(seed: int, seconds: float = SECONDS["preying"]) -> dict[str, Any]:
-    """Who was caught, whether each escape followed on fear, and how the school fared."""
+    """Print the catches, whether each escape followed fear, and the spread of the school."""
     caught: list[tuple[float, bool]] = []
     escapes = fearless = troubled = fed = 0
     alive = before = None
@@ -68,7 +68,7 @@ def preying(seed: int, seconds: float = SECONDS["preying"]) -> dict[str, Any]:
 
 
 def go_fish(seed: int, seconds: float = SECONDS["go-fish"]) -> dict[str, Any]:
-    """When the first bit, and when it was gone."""
+    """Print when the first fish bit and when it was removed."""
     bitten = landed = None
     for world in ticks("go-fish", seed, seconds):
         state, now = world.state.sea.catch[0], world.state.tick * TICK_S
@@ -82,7 +82,7 @@ def go_fish(seed: int, seconds: float = SECONDS["go-fish"]) -> dict[str, Any]:
 
 
 def main() -> None:
-    """A line for each seed."""
+    """Print a line for each seed."""
     name = sys.argv[1] if len(sys.argv) > 1 else ""
     measures = {"preying": preying, "go-fish": go_fish}
     if name not in measures:

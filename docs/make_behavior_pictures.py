@@ -1,7 +1,7 @@
-"""Make the pictures of what fishes do: `python docs/make_behavior_pictures.py [FOLDER]`.
+"""Make the pictures of courtship: `python docs/make_behavior_pictures.py [FOLDER]`.
 
-courtship.jpg: moments of the scenario `mating`, each from near by. courtship_seeds.png: what its
-males do over time with ten seeds; says in how many all goes as in Tu's film (§10.5).
+courtship.jpg: moments of the scenario `mating`, in close-up. courtship_seeds.png: states of its
+males over time with ten seeds; counts the seeds with the whole sequence of Tu's film (§10.5).
 """
 
 from collections.abc import Sequence
@@ -14,8 +14,8 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
+from picture_files import STYLE, output_folder, save, save_plot
 from PIL import Image, ImageDraw
-from plates import STYLE, folder_asked, keep, keep_plot
 
 from subsea.dive.start import headless, picture_maker
 from subsea.frame.packet import pack
@@ -43,7 +43,7 @@ FEMALE, LARGE, SMALL, BUTTERFLY, ANGEL, HIS_MATE = range(6)
 
 
 def courtship_plate() -> Image.Image:
-    """Six moments, in the order in which they happen, with what is to be seen."""
+    """Six moments in order of time, with captions."""
     world = create_world(load_scenario("mating")[0])
     moments = [
         ("Two males loop before her", (FEMALE, LARGE, SMALL), _rivalry, 25.0, 18.0),
@@ -109,13 +109,13 @@ def _courted(seed: int) -> Array:
 
 
 def _completes(states: Array) -> bool:
-    """Whether a fish went through all states in order, to the end of the last."""
+    """Whether a fish went through all states in order."""
     changes = states[np.flatnonzero(np.diff(states, append=255))]
     return " ".join(map(str, range(1, len(COURTSHIP)))) + " 0" in " ".join(map(str, changes))
 
 
 def _is_turned_down(states: Array) -> bool:
-    """Whether the first that a fish courted did not let him come to circling."""
+    """Whether a fish was rejected by the first one that he courted."""
     changes = list(states[np.flatnonzero(np.diff(states, append=255))])
     return LOOPING in changes and changes[changes.index(LOOPING) + 1] < LOOPING
 
@@ -133,7 +133,7 @@ def _flirt(world: World) -> bool:
 
 
 def _lasting(fish: int, state: int, seconds: float | None) -> Any:
-    """When a fish has been in a state of courtship for so long; None: when it has nudged."""
+    """When a fish has been in a state for this long; with None, when it has nudged."""
 
     def comes(world: World) -> bool:
         minds = world.state.minds
@@ -149,10 +149,10 @@ def _lasting(fish: int, state: int, seconds: float | None) -> Any:
 def _moment(
     renderer: Renderer, world: World, who: tuple[int, ...], title: str, aside: float, above: float
 ) -> Image.Image:
-    """These fishes, so near that they fill the picture.
+    """A close-up of fishes.
 
-    Seen from `aside` degrees off where the first one heads, on the side that is nearer to the
-    submarine, and from `above` degrees above the level.
+    The camera is `aside` degrees from the heading of the first one, on the side of the submarine,
+    and `above` degrees above the horizon.
     """
     places = world.state.fishes.position[list(who)].astype(np.float64)
     lengths = world.state.fishes.length[list(who)]
@@ -177,7 +177,7 @@ def _moment(
 
 
 if __name__ == "__main__":
-    folder = folder_asked()
-    keep(courtship_plate(), folder / "courtship.jpg")
+    folder = output_folder()
+    save(courtship_plate(), folder / "courtship.jpg")
     with rc_context(STYLE):
-        keep_plot(seeds_plate(range(1, 11)), folder / "courtship_seeds.png")
+        save_plot(seeds_plate(range(1, 11)), folder / "courtship_seeds.png")

@@ -9,8 +9,8 @@ from collections.abc import Callable
 from contextlib import closing
 from functools import partial
 
+from picture_files import FOLDER, output_folder, save
 from PIL import Image
-from plates import FOLDER, folder_asked, keep
 
 from subsea.fish.editing import draft as drafts
 from subsea.fish.editing.draft import Draft
@@ -23,28 +23,28 @@ RING = ("body", "ring", 1)
 FLANK = 810, 8, 1190, 209  # of a blue tang on the plate of species
 WAIT_S = 60.0  # for checks, at most
 
-folder = folder_asked()
+folder = output_folder()
 
 
 def take(bench: Bench, name: str, pause_s: float = 2.0) -> None:
-    """A picture of the window, when the fish swims and the checks are made."""
+    """Save the window when the fish swims and the checks are done."""
     for _ in range(round(pause_s / 0.05)):
         bench.frame(0.05)
     end = time.monotonic() + WAIT_S
     while bench.busy and time.monotonic() < end:
         bench.frame(0.02)
     bench.frame(0.02)
-    keep(Image.fromarray(bench.picture()), folder / f"builder-{name}.jpg")
+    save(Image.fromarray(bench.picture()), folder / f"builder-{name}.jpg")
 
 
 def edited(bench: Bench, *edits: Callable[[Draft], Draft]) -> None:
-    """Make some edits, as hands would."""
+    """Make some edits by mouse and keys."""
     for edit in edits:
         assert bench.craft.editing.do(edit), bench.craft.editing.refused
 
 
 def main() -> None:
-    """Take all of them."""
+    """Save all pictures."""
     with closing(Bench("subsea build", begun("clownfish"), SIZE)) as bench:
         craft = bench.craft
         take(bench, "start", 6.0)

@@ -7,8 +7,8 @@ emperor_angelfish_swim_fast.png: as `subsea-capture plot` draws them.
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from picture_files import output_folder, save
 from PIL import Image
-from plates import folder_asked, keep
 
 from capture.plots.pages import plot_repertoire
 from subsea.core.resources import resource_path
@@ -21,15 +21,15 @@ SHOWN = {
 
 
 def main() -> None:
-    """Plot both repertoires and keep some pages."""
-    folder = folder_asked()
+    """Plot both repertoires and save some pages."""
+    folder = output_folder()
     for species, pages in SHOWN.items():
         with TemporaryDirectory() as drawn:
             plot_repertoire(
                 read_repertoire(resource_path(f"repertoires/{species}.h5")), Path(drawn)
             )
             for page in pages:
-                keep(Image.open(Path(drawn) / f"{page}.png"), folder / f"{page}.png")
+                save(Image.open(Path(drawn) / f"{page}.png"), folder / f"{page}.png")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""docs/pictures/dive-1-start.jpg, menu.jpg and instruments.jpg: what a visitor sees of the cockpit.
+"""docs/pictures/dive-1-start.jpg, menu.jpg and instruments.jpg: the cockpit of a visitor.
 
 Run from the root of a checkout, where there is a display (or by xvfb-run -a -s "-screen 0
 1280x800x24"): python docs/make_cockpit_pictures.py
@@ -6,8 +6,8 @@ Run from the root of a checkout, where there is a display (or by xvfb-run -a -s 
 
 from contextlib import closing
 
+from picture_files import output_folder, save, window_image
 from PIL import Image
-from plates import folder_asked, keep, window_of
 
 from subsea.dive.options import DisplayOptions, DiveOptions
 from subsea.ui.dive import Dive
@@ -16,7 +16,7 @@ SIZE, SMALL = (1280, 720), (960, 540)
 
 
 def main() -> None:
-    """A dive, and pictures on its way."""
+    """Save pictures during a dive."""
     with closing(
         Dive(DiveOptions("peaceful", seed=1, display=DisplayOptions(size=SIZE, quality="high")))
     ) as dive:
@@ -39,7 +39,7 @@ def _go(dive: Dive, seconds: float) -> None:
 
 
 def _save(dive: Dive, name: str, size: tuple[int, int] = SIZE) -> None:
-    keep(window_of(dive).resize(size, Image.Resampling.LANCZOS), folder_asked() / f"{name}.jpg")
+    save(window_image(dive).resize(size, Image.Resampling.LANCZOS), output_folder() / f"{name}.jpg")
 
 
 if __name__ == "__main__":

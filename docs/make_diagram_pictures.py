@@ -5,8 +5,8 @@ lights.jpg: the ocean's floor and the bay without and with the submarine's light
 """
 
 import numpy as np
+from picture_files import output_folder, save
 from PIL import Image, ImageDraw, ImageFont
-from plates import folder_asked, keep
 
 from subsea.dive.start import headless, picture_maker, start_world
 from subsea.dive.tour import Tour
@@ -40,7 +40,7 @@ LEADER_AHEAD = (-95.0, -75.0, 8.0)  # cm, from the school's fish that is looked 
 
 
 def plate() -> Image.Image:
-    """Two columns of three."""
+    """Draw two columns of three pictures."""
     world, tour = start_world("peaceful"), Tour()
     sketcher, rig = DiagramBuilder(world), display_rig("mono", SIZE)
     for _ in range(TICKS):
@@ -73,7 +73,7 @@ def plate() -> Image.Image:
 
 
 def lights() -> Image.Image:
-    """Two places, dark on the left and lit on the right."""
+    """Draw two places, dark on the left and lit on the right."""
     sheet = Image.new("RGB", (2 * SIZE[0] + 8, 2 * SIZE[1] + 8), "white")
     rig = display_rig("mono", SIZE)
     for row, (name, ticks, place) in enumerate(LIT):
@@ -97,6 +97,6 @@ def lights() -> Image.Image:
 
 
 if __name__ == "__main__":
-    folder = folder_asked()
-    keep(plate(), folder / "diagrams.jpg")
-    keep(lights(), folder / "lights.jpg")
+    folder = output_folder()
+    save(plate(), folder / "diagrams.jpg")
+    save(lights(), folder / "lights.jpg")

@@ -8,8 +8,8 @@ import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from picture_files import output_folder, save
 from PIL import Image
-from plates import folder_asked, keep
 
 CELL = (400, 225)  # pixels of one moment
 MOMENTS_S = (3, 10, 20, 27, 31, 33, 34, 42, 50)
@@ -17,8 +17,8 @@ SEED = 1
 
 
 def main() -> None:
-    """Film a picture a second and keep some."""
-    folder = folder_asked()
+    """Film one picture per second and save some."""
+    folder = output_folder()
     wide, high = CELL
     sheet = Image.new("RGB", (3 * wide, 3 * high))
     with TemporaryDirectory() as film:
@@ -31,7 +31,7 @@ def main() -> None:
         for k, second in enumerate(MOMENTS_S):
             frame = Image.open(Path(film) / f"frame_{second:05d}.png").convert("RGB")
             sheet.paste(frame.resize(CELL, Image.Resampling.LANCZOS), (k % 3 * wide, k // 3 * high))
-    keep(sheet, folder / "rendezvous.jpg")
+    save(sheet, folder / "rendezvous.jpg")
 
 
 if __name__ == "__main__":

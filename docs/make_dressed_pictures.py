@@ -1,8 +1,8 @@
 """Pictures of docs/skin.md: `python docs/make_dressed_pictures.py [FOLDER]`.
 
-skin-photograph.jpg: a fish of the reef, photographed there by the program itself, as no photograph
-of a real fish may be shipped; the meshes before and after they took hold of its outline; the sheet
-that was lifted. skin-worn.jpg: the same fish painted, and wearing that sheet, from other sides.
+skin-photograph.jpg: a rendered fish in place of a photograph (none could be shipped); the meshes
+before and after the fit; the extracted texture. skin-worn.jpg: the same fish painted, and with that
+texture, from other sides.
 """
 
 from dataclasses import replace
@@ -12,8 +12,8 @@ from tempfile import TemporaryDirectory
 import cv2
 import numpy as np
 from msgspec import structs
+from picture_files import output_folder, save
 from PIL import Image
-from plates import folder_asked, keep
 
 from subsea.fish.color_sheet import write
 from subsea.fish.photo.deformable_mesh import BODY, Net, meshes
@@ -43,7 +43,7 @@ INK = {BODY: (255, 236, 120), "dorsal": (120, 235, 255), "ventral": (120, 235, 2
 
 
 def shot(renderer: Renderer, world: World, fish: int, turn: float, away: float) -> np.ndarray:
-    """A picture of a fish, from its left, and farther round to its face by `turn` degrees."""
+    """A picture of a fish from its left, rotated by `turn` degrees towards its face."""
     fishes = world.state.fishes
     ahead, right = (
         np.array(rotate(fishes.orientation[fish], axis)) for axis in ((1, 0, 0), (0, 0, 1))
@@ -59,7 +59,7 @@ def shot(renderer: Renderer, world: World, fish: int, turn: float, away: float) 
 
 
 def with_meshes(colour: np.ndarray, net: Net) -> np.ndarray:
-    """A photograph with meshes drawn over it."""
+    """A photograph overlaid with meshes."""
     picture = np.ascontiguousarray(colour)
     for (name, one), ring in zip(meshes(net).items(), outlines(net), strict=True):
         lines = [*one.nodes, *one.nodes.transpose(1, 0, 2)]
@@ -72,13 +72,13 @@ def with_meshes(colour: np.ndarray, net: Net) -> np.ndarray:
 
 
 def shrunk(picture: np.ndarray) -> np.ndarray:
-    """As it is shown."""
+    """Scale a picture to its size on the page."""
     return cv2.resize(picture, SHOWN, interpolation=cv2.INTER_AREA)
 
 
 def main() -> None:
-    """Make both."""
-    folder = folder_asked()
+    """Make both pictures."""
+    folder = output_folder()
     world = create_world(load_scenario(SCENARIO)[0], seed=SEED)
     kind = [one.name for one in world.species].index(FISH)
     fish = int(np.flatnonzero(world.state.fishes.species == kind)[0])
@@ -122,7 +122,7 @@ def main() -> None:
         (folder / "skin-photograph.jpg", rows),
         (folder / "skin-worn.jpg", [list(map(shrunk, painted)), list(map(shrunk, wearing))]),
     ):
-        keep(Image.fromarray(np.vstack([np.hstack(row) for row in cells])), path)
+        save(Image.fromarray(np.vstack([np.hstack(row) for row in cells])), path)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
-"""Make the picture of docs/export.md: what Blender shows of exported files.
+"""Make the picture of docs/export.md: exported files in Blender.
 
-Blender is no part of the project; its module has an environment of its own:
+Blender is not part of the project; its module needs a separate environment:
 
     python3.11 -m venv /tmp/blender && /tmp/blender/bin/pip install bpy==4.4.0 "numpy<2" pillow
     for form in gltf usd vat; do subsea-capture export fusilier --to $form --out /tmp/exported; done
@@ -29,14 +29,14 @@ Show = Callable[[int], None]  # a frame of the clip
 
 
 def usd(folder: Path) -> Show:
-    """The clip is a part of the stage's time line."""
+    """Set up the stage; a clip is a part of its time line."""
     bpy.ops.wm.usd_import(filepath=str(folder / f"{NAME}.usdc"))
     first = _ranges(folder)["animations"][CLIP]["startFrame"] - 1  # all formats have one order
     return lambda frame: bpy.context.scene.frame_set(first + frame)
 
 
 def vat(folder: Path) -> Show:
-    """The texture decoded, as a shader does, and the root by the JSON."""
+    """Decode the texture as a shader does; move the root by the JSON."""
     folder /= f"{NAME}_vat"
     bpy.ops.import_scene.gltf(filepath=str(folder / f"{NAME}.glb"))
     [fish] = [thing for thing in bpy.context.scene.objects if thing.type == "MESH"]
@@ -65,7 +65,7 @@ def vat(folder: Path) -> Show:
 
 
 def gltf(folder: Path) -> Show:
-    """The skinned mesh: an action is a clip."""
+    """Set up the skinned mesh; an action is a clip."""
     bpy.ops.import_scene.gltf(filepath=str(folder / f"{NAME}.glb"))
     [rig] = [thing for thing in bpy.context.scene.objects if thing.type == "ARMATURE"]
     for track in rig.animation_data.nla_tracks:
@@ -103,7 +103,7 @@ def _ranges(folder: Path) -> dict:
 
 
 def _studio() -> None:
-    """A sun, water about, and the camera."""
+    """Add a sun, water and the camera."""
     scene = bpy.context.scene
     scene.world = bpy.data.worlds.new("water")
     scene.world.use_nodes = True

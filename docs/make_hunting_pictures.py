@@ -1,7 +1,7 @@
 """Make the pictures of docs/behavior.md: `python docs/make_hunting_pictures.py [FOLDER] [NAME]`.
 
 capture.jpg: a reef shark sucks in a prey, moment by moment.
-scatter.png: the paths of a school, seen from above, as the shark comes near and after.
+scatter.png: the paths of a school, seen from above, before and after the shark comes near.
 hook.jpg: the bait, the bite, the way up.
 """
 
@@ -13,8 +13,8 @@ import numpy as np
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
+from picture_files import STYLE, output_folder, save, save_plot
 from PIL import Image
-from plates import STYLE, folder_asked, keep, keep_plot
 
 from subsea.behavior.chasing import mouth_of
 from subsea.frame.packet import make_scene, pack
@@ -47,7 +47,7 @@ def run(scenario: str, seed: int) -> Iterator[World]:
 
 
 def shot(renderer: Renderer, world: World, eye: Array, at: Array) -> Image.Image:
-    """What is seen from `eye` when looking at `at`, cm."""
+    """Draw the view from `eye` to `at`, cm."""
     forward = (at - eye) / np.linalg.norm(at - eye)
     right = np.cross(forward, (0.0, 0.0, 1.0))
     up = np.cross(right / np.linalg.norm(right), forward)
@@ -61,7 +61,7 @@ def strip(
     moments: dict[int, Callable[[World], tuple[Array, Array]]],
     beside: int,
 ) -> Image.Image:
-    """Pictures after so many ticks, each from the eye and toward the point that it names."""
+    """Pictures at the given ticks, each with its eye and target."""
     pictures: list[Image.Image] = []
     with headless_context() as context:
         renderer = None
@@ -83,7 +83,7 @@ def strip(
 
 
 def capture() -> Image.Image:
-    """The second before the first prey is in the hunter's mouth; the hunter is fish 0."""
+    """The last second before fish 0, the hunter, swallows its first prey."""
     caught = next(w.state.tick for w in run("preying", HUNT_SEED) if not w.state.fishes.alive.all())
 
     def beside(world: World) -> tuple[Array, Array]:
@@ -98,7 +98,7 @@ def capture() -> Image.Image:
 
 
 def hook() -> Image.Image:
-    """The hungry about the bait, the bite, and the catch on its way up."""
+    """Hungry fishes around the bait, the bite, and the catch on its way up."""
     bitten = next(w.state.tick for w in run("go-fish", HOOK_SEED) if w.state.sea.catch[0] == HOOKED)
 
     def near(*eye: float) -> Callable[[World], tuple[Array, Array]]:
@@ -115,7 +115,7 @@ def hook() -> Image.Image:
 
 
 def scatter() -> Figure:
-    """Paths of a school for the seconds in which most of it fled, and those after; and its size."""
+    """Paths and size of a school while most of it flees, and afterwards."""
     paths, fled, alive = [], [], []
     for world in run("preying", HUNT_SEED):
         fishes, minds = world.state.fishes, world.state.minds
@@ -162,8 +162,8 @@ def scatter() -> Figure:
 
 
 def main() -> None:
-    """All of them, or the one that is named, into the folder."""
-    folder = folder_asked()
+    """Make all pictures or the named one."""
+    folder = output_folder()
     pictures = {"capture": capture, "hook": hook, "scatter": scatter}
     for name, make in pictures.items():
         if len(sys.argv) > 2 and name not in sys.argv[2:]:
@@ -171,9 +171,9 @@ def main() -> None:
         with rc_context(STYLE):
             made = make()
             if isinstance(made, Figure):
-                keep_plot(made, folder / f"{name}.png")
+                save_plot(made, folder / f"{name}.png")
             else:
-                keep(made, folder / f"{name}.jpg")
+                save(made, folder / f"{name}.jpg")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""docs/pictures/panel-NAME.jpg: every panel of the context over the bay.
+"""docs/pictures/panel-NAME.jpg: every panel over the bay.
 
 Run from the root of a checkout, where there is a display (or by xvfb-run -a -s "-screen 0
 1280x800x24"): python docs/make_panel_pictures.py [NAME ...]
@@ -10,7 +10,7 @@ from contextlib import closing
 from typing import Any
 
 from imgui_bundle import imgui
-from plates import FOLDER, keep, window_of
+from picture_files import FOLDER, save, window_image
 
 from subsea.dive.options import DisplayOptions, DiveOptions
 from subsea.ui.dive import Dive
@@ -34,7 +34,7 @@ rect: list[float] = []
 
 
 def noting(name: str, panel: Panel) -> Panel:
-    """The panel, which notes where it is drawn."""
+    """Wrap a panel to record where it is drawn."""
 
     def drawn(context: Any) -> None:
         panel(context)
@@ -47,7 +47,7 @@ def noting(name: str, panel: Panel) -> Panel:
 
 
 def show(names: list[str], sea: str, size: tuple[int, int], quality: str, *changes: str) -> None:
-    """Keep a picture of each of the panels, of a dive of its own."""
+    """Save a picture of each panel in a dive."""
     with closing(
         Dive(DiveOptions(sea, changes, 1, display=DisplayOptions(size=size, quality=quality)))
     ) as dive:
@@ -65,7 +65,7 @@ def show(names: list[str], sea: str, size: tuple[int, int], quality: str, *chang
             if name == "Fish view":  # with the fish, and what both its eyes see
                 edges = [0, 0, *size]
             out = FOLDER / f"panel-{name.lower().replace(' ', '-')}.jpg"
-            keep(window_of(dive).crop(edges), out)
+            save(window_image(dive).crop(edges), out)
             if name == "Fish view":
                 dive.ride_fish(None)
                 dive.inspector.chosen = FISH
@@ -93,13 +93,13 @@ def arrange(dive: Dive, name: str) -> None:
 
 
 def wait(dive: Dive, seconds: float, frame_s: float = FRAME_S) -> None:
-    """Let so much time pass in the sea."""
+    """Advance the sea by this time."""
     for _ in range(round(seconds / frame_s)):
         dive.frame(frame_s)
 
 
 def main() -> None:
-    """All of them, or those that are named."""
+    """Make all pictures or the named ones."""
     asked = sys.argv[1:] or list(PANELS)
     for name in PANELS:
         PANELS[name] = noting(name, PANELS[name])

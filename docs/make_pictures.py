@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from picture_files import output_folder, save
 from PIL import Image, ImageDraw, ImageFont
-from plates import folder_asked, keep
 
 from subsea.core.resources import resource_path
 from subsea.fish.coupling import couple, place
@@ -41,7 +41,7 @@ IDENTITIES = (0.07, 0.21, 0.38, 0.55, 0.69, 0.93, 0.45)  # the last one courts
 
 
 def species_plate(names: Sequence[str], varied: str | None = None) -> Image.Image:
-    """The species, some beside each other, each from two sides; below, individuals of `varied`."""
+    """Draw all species from two sides; below, individuals of `varied`."""
     species = tuple(load_species(name) for name in names)
     points = [_pose(name, one) for name, one in zip(names, species, strict=True)]
     beside = min(BESIDE, len(species))
@@ -134,7 +134,7 @@ def _turned(q: Array, v: Array) -> Array:
 
 
 def _pose(name: str, species: Species) -> Array:
-    """Control points (426, 3) in body axes, cm, of a fish that swims slowly; at rest, if new."""
+    """Control points (426, 3), body axes, cm, of a slow swimmer; at rest without a repertoire."""
     path = resource_path("repertoires") / f"{name}.h5"
     if not path.exists():
         return rest_control_points(species.surface, species.length_cm, 0.0)
@@ -148,7 +148,7 @@ def _pose(name: str, species: Species) -> Array:
 
 
 if __name__ == "__main__":
-    folder = folder_asked()
+    folder = output_folder()
     names = shipped_species()
     names.sort(key=lambda name: not load_species(name).muscles)
-    keep(species_plate(names, VARIED), folder / "species.jpg")
+    save(species_plate(names, VARIED), folder / "species.jpg")

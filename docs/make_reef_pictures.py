@@ -4,8 +4,8 @@ corals.jpg: every kind of `habitat.reef.KINDS`, by name, on level sand.
 """
 
 import numpy as np
+from picture_files import output_folder, save
 from PIL import Image, ImageDraw
-from plates import folder_asked, keep
 
 from subsea.fish.species import load_species
 from subsea.fish.surface import rest_control_points
@@ -27,7 +27,7 @@ TINTS = (0.1, 0.45, 0.1, 0.35, 0.1, 0.45, 0.8, 0.1, 0.1, 0.3, 0.1, 0.6, 0.1, 0.1
 
 
 def plate() -> Image.Image:
-    """All kinds, the lower ones in front."""
+    """Draw all kinds, low ones in front."""
     order = sorted(range(len(KINDS)), key=lambda k: [*KINDS.values()][k].height)
     rows = order[: len(order) // 2], order[len(order) // 2 :]
     places = [
@@ -83,4 +83,4 @@ def plate() -> Image.Image:
 
 
 if __name__ == "__main__":
-    keep(plate(), folder_asked() / "corals.jpg")
+    save(plate(), output_folder() / "corals.jpg")

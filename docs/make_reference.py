@@ -35,14 +35,14 @@ def main() -> None:
 
 
 def page(name: str) -> str:
-    """A page as it should be: its own words, and what is made between the marks."""
+    """A page: its own text, and the generated part between the marks."""
     before, _, rest = (HERE / name).read_text(encoding="utf-8").partition(BEGIN)
     _, _, after = rest.partition(END)
     return before + BEGIN + "".join(f"{line}\n" for line in MADE[name]()) + END + after
 
 
 def commands() -> Iterator[str]:
-    """All commands of both programs."""
+    """List all commands of both programs."""
     parsers = [
         parser
         for program in (subsea.cli.main, capture.cli.main)
@@ -58,7 +58,7 @@ def commands() -> Iterator[str]:
 
 
 def command(parser: argparse.ArgumentParser) -> Iterator[str]:
-    """One command: what it does, its options, examples."""
+    """Describe a command, its options and examples."""
     summary, text = told(parser)
     positional = [usage(action) for action in parser._actions if not action.option_strings]
     yield from ("", f"## {parser.prog}", "")
@@ -80,7 +80,7 @@ def command(parser: argparse.ArgumentParser) -> Iterator[str]:
 
 
 def paragraphs(text: str) -> str:
-    """A description without the line breaks of the terminal; what is indented there is a list."""
+    """A description without line breaks; indented lines become a list."""
     text = re.sub(r"\n {3,}", " ", text)
     text = re.sub(r"\n  (\w+) +", r"\n\n- `\1`: ", text)
     text = re.sub(r"(\n- .*)\n(?=\w)", r"\1\n\n", text)
@@ -89,20 +89,20 @@ def paragraphs(text: str) -> str:
 
 
 def told(parser: argparse.ArgumentParser) -> tuple[str, str]:
-    """A command's summary, and what is said of it besides."""
+    """The summary and the description of a command."""
     summary, _, text = (parser.description or "").partition("\n\n")
     return summary.removesuffix("."), text
 
 
 def usage(action: argparse.Action) -> str:
-    """An argument as usage lines write it."""
+    """An argument in a usage line."""
     name = str(action.metavar or action.dest)
     more = {"*": f"[{name}…]", "?": f"[{name}]", "+": f"{name}…"}
     return more.get(str(action.nargs), name)
 
 
 def names(action: argparse.Action) -> str:
-    """What is typed for an argument or option."""
+    """The syntax of an argument or option."""
     if not action.option_strings:
         return f"`{cell(usage(action))}`"
     value = "" if action.nargs == 0 else f" {action.metavar or '|'.join(action.choices or ())}"
@@ -110,7 +110,7 @@ def names(action: argparse.Action) -> str:
 
 
 def meaning(action: argparse.Action) -> str:
-    """The help of an argument, its range, and whether it can be left out."""
+    """The help of an argument, its range and whether it is optional."""
     words = [linked(action.help or "")]
     if isinstance(action.type, Number):
         words.append(action.type.expected)
@@ -122,17 +122,17 @@ def meaning(action: argparse.Action) -> str:
 
 
 def linked(text: str) -> str:
-    """Pages are linked, not named."""
+    """Replace names of pages by links."""
     return re.sub(r"docs/([\w-]+)\.md", r"[\1](\1.md)", text)
 
 
 def cell(text: str) -> str:
-    """Text within a table, whose columns are parted by what parts choices elsewhere."""
+    """Escape text for a cell of a table."""
     return text.replace("|", " or ")
 
 
 def settings() -> Iterator[str]:
-    """All tables of a settings file."""
+    """List all tables of a settings file."""
     for table in inspect.type_info(Settings).fields:  # type: ignore[attr-defined]
         yield from ("", f"## `[{table.encode_name}]`", "")
         if table.encode_name == "controls":
@@ -153,7 +153,7 @@ def settings() -> Iterator[str]:
 
 
 def controls() -> Iterator[str]:
-    """What each input does."""
+    """List the action of each input."""
     yield (
         "What each input does: a list for each control. Keys are named by their place on a US "
         "keyboard, alone or as `Ctrl+Shift+Q`; `mouse left`, `right`, `middle`, 4 to 8; the parts "
@@ -166,7 +166,7 @@ def controls() -> Iterator[str]:
 
 
 def span(kind: Any) -> str:
-    """What a value may be."""
+    """The range of a value."""
     match kind:
         case inspect.BoolType():
             return "true, false"

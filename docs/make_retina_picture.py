@@ -1,4 +1,4 @@
-"""docs/pictures/retina.jpg: what a fish sees, what it is, and how far away (as Tu fig. 6.9).
+"""docs/pictures/retina.jpg: the view of a fish: colours, objects and distances (as Tu fig. 6.9).
 
 Run from the root of a checkout: python docs/make_retina_picture.py [FISH SECONDS]
 """
@@ -9,8 +9,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
+from picture_files import FOLDER, save
 from PIL import Image
-from plates import FOLDER, keep
 
 from subsea.dive.retina_images import SIDES
 from subsea.media.eye_frames import film_eyes
@@ -29,7 +29,7 @@ with TemporaryDirectory() as name:
     )
 
     def read(part: str) -> np.ndarray:
-        """Both eyes' beside each other."""
+        """Read the images of both eyes, side by side."""
         found = [np.asarray(Image.open(folder / part / side / "frame_00000.png")) for side in SIDES]
         found = [np.repeat(one[..., None], 3, 2) if one.ndim == 2 else one for one in found]
         return np.concatenate([found[0], np.full((SIZE[1], GAP, 3), 255), found[1]], axis=1)
@@ -39,6 +39,6 @@ with TemporaryDirectory() as name:
     rows = [read(""), read("coded"), grey]
     between = np.full((GAP, rows[0].shape[1], 3), 255)
     sheet = np.concatenate([rows[0], between, rows[1], between, rows[2]])
-    keep(Image.fromarray(sheet.astype(np.uint8)), out)
+    save(Image.fromarray(sheet.astype(np.uint8)), out)
     about = json.loads((folder / "camera.json").read_text(encoding="utf-8"))
     print(about["fish"], about["frames"][0]["fish"]["intention"])

@@ -1,4 +1,4 @@
-"""ride.jpg and steered.jpg: a ride on a fish, and a fish in the visitor's hands.
+"""ride.jpg and steered.jpg: a ride on a fish, and a fish under manual control.
 
 Run from the root of a checkout, where there is a display (or by xvfb-run -a -s "-screen 0
 1280x800x24"): python docs/make_ride_picture.py [FOLDER]
@@ -6,7 +6,7 @@ Run from the root of a checkout, where there is a display (or by xvfb-run -a -s 
 
 from contextlib import closing
 
-from plates import folder_asked, keep, window_of
+from picture_files import output_folder, save, window_image
 
 from subsea.dive.options import DisplayOptions, DiveOptions
 from subsea.ui.dive import Dive
@@ -22,21 +22,21 @@ def _go(dive: Dive, seconds: float) -> None:
 
 
 def main() -> None:
-    """One dive after the other."""
-    folder = folder_asked()
+    """Make both pictures."""
+    folder = output_folder()
     with closing(Dive(DiveOptions("peaceful", seed=1, display=DISPLAY))) as dive:
         _go(dive, WAIT_S)
         dive.ride_fish(FISH)
         dive.run_command("look")
         _go(dive, RIDE_S)
-        keep(window_of(dive), folder / "ride.jpg")
+        save(window_image(dive), folder / "ride.jpg")
     with closing(Dive(DiveOptions("mating", seed=1, display=DISPLAY))) as dive:
         dive.run_command("help")
         _go(dive, COURTED_S)
         dive.ride_fish(FEMALE, behind=True)
         dive.commands.start_ride(None, None, reins=True)
         _go(dive, STEER_S)
-        keep(window_of(dive), folder / "steered.jpg")
+        save(window_image(dive), folder / "steered.jpg")
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 """Make the pictures of the sea itself: `python docs/make_sea_pictures.py [FOLDER] [NAME ...]`.
 
-dive.jpg: the bay at its best, for the first page. swimming.webp: some seconds of it.
-qualities.jpg: the three presets beside each other. visitors.jpg, preying.jpg: other scenarios.
+dive.jpg: the bay, for the first page. swimming.webp: some seconds of it. qualities.jpg: the three
+presets side by side. visitors.jpg, preying.jpg: other scenarios.
 equirectangular.jpg: all round. lagoon.jpg: the sea of the tutorial, as its blocks build it.
 """
 
@@ -15,8 +15,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from picture_files import output_folder, save
 from PIL import Image, ImageDraw, ImageFont
-from plates import folder_asked, keep
 
 from subsea.core.resources import ROOT
 from subsea.dive.start import headless, picture_maker
@@ -34,7 +34,7 @@ Array = NDArray[np.floating[Any]]
 
 
 class Shot(NamedTuple):
-    """A view of a world: when, of whom, and from where."""
+    """A view of a world: time, target and eye."""
 
     scenario: str
     seed: int
@@ -56,7 +56,7 @@ JEWEL = "reef_jewel"  # the species of the tutorial
 
 
 def filmed(shot: Shot, size: tuple[int, int], quality: str = "high", ticks: int = 1) -> list[Array]:
-    """Pictures of a shot, from its tick on; the eye stays where it is."""
+    """Pictures of a shot from its tick on, with a fixed eye."""
     world = create_world(load_scenario(shot.scenario)[0], seed=shot.seed)
     while world.state.tick < shot.tick:
         step(world, HANDS_OFF)
@@ -79,12 +79,12 @@ def filmed(shot: Shot, size: tuple[int, int], quality: str = "high", ticks: int 
 
 
 def one(shot: Shot, size: tuple[int, int]) -> Image.Image:
-    """A picture of a shot."""
+    """The first picture of a shot."""
     return Image.fromarray(filmed(shot, size)[0])
 
 
 def swimming(path: Path) -> None:
-    """Some seconds of the bay, as fast as they were."""
+    """Film some seconds of the bay in real time."""
     frames = [Image.fromarray(one) for one in filmed(SWIMMING, STRIP, ticks=TICKS)]
     # Each picture whole: those that tell only what changed show blocks in the water.
     frames[0].save(
@@ -95,7 +95,7 @@ def swimming(path: Path) -> None:
 
 
 def qualities() -> Image.Image:
-    """The same part of the bay with each preset."""
+    """Draw the same part of the bay with each preset."""
     wide, high = 2 * (SHARE[2] - SHARE[0]), 2 * (SHARE[3] - SHARE[1])
     sheet = Image.new("RGB", (len(PRESETS) * wide, high))
     font = ImageFont.load_default(LETTERS)
@@ -108,7 +108,7 @@ def qualities() -> Image.Image:
 
 
 def filmed_by(*arguments: str, page: str | None = None) -> Image.Image:
-    """What `subsea film` makes, in a home with the files that a page builds up."""
+    """Run `subsea film` in a home folder with the files of a page."""
     with TemporaryDirectory() as home:
         surroundings = os.environ | {"XDG_DATA_HOME": home, "PYTHONPATH": str(ROOT)}
 
@@ -123,7 +123,7 @@ def filmed_by(*arguments: str, page: str | None = None) -> Image.Image:
 
 
 def furnish(home: Path, page: str) -> None:
-    """Write the files that a page builds up, and the species that it copies."""
+    """Write the files and copy the species of a page."""
     text = (Path(__file__).parent / page).read_text(encoding="utf-8")
     for block in re.findall(r"^```toml\n(.*?)^```$", text, re.MULTILINE | re.DOTALL):
         name = re.match(r"# ([\w.]+)", block)
@@ -137,8 +137,8 @@ def furnish(home: Path, page: str) -> None:
 
 
 def main() -> None:
-    """All of them, or those that are named, into the folder."""
-    folder = folder_asked()
+    """Make all pictures or the named ones."""
+    folder = output_folder()
     lagoon = ("--scenario", "lagoon.toml", "--tour", "directed", "--seconds", "8")
     made = {
         "dive": lambda: one(BAY, FIRST),
@@ -153,7 +153,7 @@ def main() -> None:
     wanted = sys.argv[2:] or ["swimming", *made]
     for name, make in made.items():
         if name in wanted:
-            keep(make(), folder / f"{name}.jpg")
+            save(make(), folder / f"{name}.jpg")
     if "swimming" in wanted:
         swimming(folder / "swimming.webp")
 

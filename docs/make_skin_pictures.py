@@ -1,4 +1,4 @@
-"""The window of `subsea skin`, used by its own mouse: skin-{window,whole,relax}.jpg.
+"""Operate the window of `subsea skin`: skin-{window,whole,relax}.jpg.
 
 Run from the root of a checkout, where there is a display (or by xvfb-run -a -s "-screen 0
 1280x800x24"): python docs/make_skin_pictures.py
@@ -9,8 +9,8 @@ from contextlib import closing
 from pathlib import Path
 
 import numpy as np
+from picture_files import output_folder, save
 from PIL import Image
-from plates import folder_asked, keep
 from skin_accuracy import CASES, made
 
 from subsea.fish.photo import mesh_edit
@@ -25,7 +25,7 @@ CASE, SPECIES = "gravel", "blue_tang"
 TIPS = Node(BODY, 0, 20), Node(BODY, 8, 20)  # of the tail, which are as dark as the gravel
 AFTER = 0, 12, 120  # frames of the simulation, for its strip
 
-folder = folder_asked()
+folder = output_folder()
 
 
 class Hand:
@@ -35,30 +35,30 @@ class Hand:
         self.bench, self.easel = bench, bench.craft.easel
 
     def frames(self, count):
-        """Draw some."""
+        """Draw some frames."""
         for _ in range(count):
             self.bench.frame(FRAME_S)
 
     def rest(self):
-        """Draw until nothing is done in the background."""
+        """Draw until background work is done."""
         self.frames(3)
         while self.bench.busy or self.bench.craft.working:
             self.frames(1)
         self.frames(3)
 
     def go(self, place, frames=2):
-        """Point at a place of the photograph."""
+        """Point at a position in the photograph."""
         x, y = self.easel.canvas.on_screen(place)
         self.bench.gui.pointed(float(x), float(y))
         self.frames(frames)
 
     def press(self, down):
-        """Press the left button, or let it go."""
+        """Press or release the left button."""
         self.bench.gui.pressed(0, down)
         self.frames(3)
 
     def drag(self, begin, end, steps=10, let_go=True):
-        """Drag from one place to another."""
+        """Drag between two positions."""
         self.go(begin)
         self.press(True)
         for share in np.linspace(0.0, 1.0, steps):
@@ -68,9 +68,9 @@ class Hand:
             self.press(False)
 
     def save(self, name, box=None):
-        """The window, or a part of it, as a picture."""
+        """Save the window or a part of it."""
         picture = Image.fromarray(self.bench.picture())
-        keep(picture if box is None else picture.crop(box), folder / f"skin-{name}.jpg")
+        save(picture if box is None else picture.crop(box), folder / f"skin-{name}.jpg")
 
     def seen(self, box):
         """A part of the window."""
@@ -126,4 +126,4 @@ with tempfile.TemporaryDirectory() as temporary:
         hand.frames(60)
         strip.append(hand.seen(view)[::2, ::2])
         rows = [np.hstack(strip[k : k + 2]) for k in (0, 2)]
-        keep(Image.fromarray(np.vstack(rows)), folder / "skin-relax.jpg")
+        save(Image.fromarray(np.vstack(rows)), folder / "skin-relax.jpg")

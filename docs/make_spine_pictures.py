@@ -1,8 +1,8 @@
 """Make the pictures of docs/spine.md: `python docs/make_spine_pictures.py [FOLDER]`.
 
-spine_swings.png: a beat of the ribbon eel's spine seen from above, for both swing functions and
-for two rules of propagation (KS's movies B1 and B2).
-spine_beats.jpg: a beat of each such species as it is drawn, from two sides.
+spine_swings.png: a beat of the ribbon eel's spine from above, for both swing functions and two
+rules of propagation (KS's movies B1 and B2).
+spine_beats.jpg: a rendered beat of each spine-driven species from two sides.
 """
 
 from typing import Any
@@ -11,8 +11,8 @@ import msgspec
 import numpy as np
 from matplotlib import rc_context
 from matplotlib.figure import Figure
+from picture_files import BLUE, ORANGE, STYLE, output_folder, save, save_plot
 from PIL import Image
-from plates import BLUE, ORANGE, STYLE, folder_asked, keep, keep_plot
 
 from subsea.core.resources import resource_path
 from subsea.fish.species import load_species, shipped_species
@@ -44,7 +44,7 @@ LOOKS = (  # from where, in lengths of the fish that heads along x, and what is 
 
 
 def beats() -> Image.Image:
-    """A fast beat of each species that its spine moves: moments from left to right."""
+    """Draw a fast beat of each spine-driven species, from left to right."""
     names = [name for name in shipped_species() if load_species(name).spine]
     species = tuple(load_species(name) for name in names)
     poses = []
@@ -94,7 +94,7 @@ def beats() -> Image.Image:
 
 
 def swings() -> Any:
-    """The spine at moments of half a beat, and the directions of its units."""
+    """Plot the spine during half a beat, and the directions of its units."""
     plan = load_species(SPECIES).spine
     assert plan
     picture = Figure(figsize=(9, 4.8), layout="constrained")
@@ -134,7 +134,7 @@ def swings() -> Any:
 
 
 if __name__ == "__main__":
-    folder = folder_asked()
-    keep(beats(), folder / "spine_beats.jpg")
+    folder = output_folder()
+    save(beats(), folder / "spine_beats.jpg")
     with rc_context(STYLE):
-        keep_plot(swings(), folder / "spine_swings.png")
+        save_plot(swings(), folder / "spine_swings.png")

@@ -1,6 +1,6 @@
 """Make the plots of docs/behavior.md: `python docs/make_study_plots.py [FOLDER]`.
 
-Records peaceful for ten minutes and schooling for two, draws what they show and prints the tables.
+Records peaceful for ten minutes and schooling for two, plots both and prints the tables.
 """
 
 import sys

@@ -1,11 +1,11 @@
-"""Make docs/pictures/theatre.jpg: what three projectors get, and what their screen shows.
+"""Make docs/pictures/theatre.jpg: the images of three projectors and their screen.
 
 python docs/make_theatre_pictures.py
 """
 
 import numpy as np
+from picture_files import output_folder, save
 from PIL import Image
-from plates import folder_asked, keep
 
 from subsea.dive.start import headless, picture_maker, start_world
 from subsea.dive.theatre_setup import set_up_theatre
@@ -48,17 +48,17 @@ def main() -> None:
     for row in rows:
         sheet.paste(Image.fromarray(row), ((width - row.shape[1]) // 2, top))
         top += row.shape[0] + GAP
-    keep(sheet, folder_asked() / "theatre.jpg")
+    save(sheet, output_folder() / "theatre.jpg")
 
 
 def _beside(pictures: list[np.ndarray]) -> np.ndarray:
-    """What the projectors get, with gaps between."""
+    """The images of the projectors side by side, with gaps."""
     gap = np.full((pictures[0].shape[0], GAP, 3), 255, np.uint8)
     return np.hstack([part for picture in pictures for part in (picture, gap)][:-1])
 
 
 def _lit(pictures: list[np.ndarray]) -> np.ndarray:
-    """What the screen shows: the light of all projectors, each where its picture falls."""
+    """The screen: the sum of the light of all projectors."""
     height, width, _ = pictures[0].shape
     across = width - round(OVERLAP * width)
     light = np.zeros((height, across * (len(pictures) - 1) + width, 3))

@@ -1,7 +1,7 @@
 """Figures of docs/scenarios.md: `python docs/rendezvous_figures.py [SEEDS] [SCENARIO]`.
 
-Runs the first minute of the scenario `rendezvous` from so many seeds, 0 and on, ten if left out,
-and prints for each when what its directions are for was so at once, in its camera's picture.
+Runs the first minute of the scenario `rendezvous` with SEEDS (10) seeds from 0, and prints when all
+parts of its scene were in the picture of its camera at the same time.
 """
 
 import sys
@@ -29,7 +29,7 @@ PARTS = ("pair", "school", "shark")
 
 
 class Seen(NamedTuple):
-    """What is so in a tick."""
+    """Which parts of the scene are present in a tick."""
 
     pair: bool  # it courts, in front of the camera and in view
     school: bool  # it is in view behind the pair
@@ -37,7 +37,7 @@ class Seen(NamedTuple):
 
 
 def seen(world: World) -> Seen:
-    """What of it is so now."""
+    """Observe the current tick."""
     fishes, minds = world.state.fishes, world.state.minds
     camera = cockpit(world.state.submarine, 1.0)
     far = np.linalg.norm(fishes.position - camera.eye, axis=1)
@@ -55,7 +55,7 @@ def seen(world: World) -> Seen:
 
 
 def in_view(places: Any, camera: CameraPose) -> Any:
-    """Which of the places (n, 3) are in its picture."""
+    """Which points (n, 3) are in the picture."""
     right = np.cross(camera.forward, camera.up)
     x, y, z = ((places - camera.eye) @ axis for axis in (right, camera.up, camera.forward))
     tall = z * np.tan(VERTICAL_FOV / 2)
@@ -63,7 +63,7 @@ def in_view(places: Any, camera: CameraPose) -> Any:
 
 
 def rendezvous(seed: int, name: str = "rendezvous", enough: bool = False) -> dict[str, Any]:
-    """When and for how long each part was so, and all at once, s; no longer than `enough`."""
+    """Start and duration of each part and of all together, s, up to `enough`."""
     world = create_world(load_scenario(name)[0], seed=seed)
     steer, moments = directed_steering(world), []
     least = round(LEAST_S / TICK_S) + 1
@@ -87,7 +87,7 @@ def rendezvous(seed: int, name: str = "rendezvous", enough: bool = False) -> dic
 
 
 def main() -> None:
-    """A line for each seed, and how many it worked in."""
+    """Print a line for each seed, and the number of successes."""
     number = int(sys.argv[1]) if len(sys.argv) > 1 else 10
     name = sys.argv[2] if len(sys.argv) > 2 else "rendezvous"
     rows = []

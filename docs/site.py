@@ -1,4 +1,4 @@
-"""What the site has beside the pages here: README, CONTRIBUTING and CHANGELOG of the project."""
+"""Add README, CONTRIBUTING and CHANGELOG to the site."""
 
 import re
 from pathlib import Path
@@ -13,14 +13,14 @@ PAGES = {
 
 
 def on_files(files: Files, config: Any) -> Files:
-    """Add them, their links made to hold from within docs/."""
+    """Add the files, with links relative to docs/."""
     for name, page in PAGES.items():
         files.append(File.generated(config, page, content=moved((ROOT / name).read_text())))
     return files
 
 
 def moved(text: str) -> str:
-    """A page of the project's root as one of docs/."""
+    """A page of the project's root, as a page of docs/."""
     text = text.replace("](docs/", "](")
     for name, page in PAGES.items():
         text = re.sub(rf"\]\({re.escape(name)}(#[^)]*)?\)", rf"]({page}\1)", text)
@@ -28,7 +28,7 @@ def moved(text: str) -> str:
 
 
 def on_page_markdown(text: str, **unused: Any) -> str:
-    """Let links from here to pages of the project's root lead to those of the site."""
+    """Make links to pages of the project's root lead to those of the site."""
     for name, page in PAGES.items():
         text = text.replace(f"](../{name}", f"]({page}")
     return text

@@ -1,9 +1,9 @@
-"""How well `subsea skin --auto` finds outlines: photographs that are made, so that these are known.
+"""Measure the accuracy of `subsea skin --auto` on rendered photographs with known outlines.
 
 Run from the root of a checkout: python docs/skin_accuracy.py [FOLDER]
 
-Prints a table; into FOLDER go the photographs with the outlines that were found drawn over them.
-The exit code is 1 if the worst error is not below 1.5% of the length.
+Prints a table, and writes the photographs with the detected outlines to FOLDER. Exit code 1
+if the worst error is 1.5% of the length or more.
 """
 
 import sys
@@ -27,7 +27,7 @@ MOST = 0.015  # body lengths that outlines may be off
 
 
 class Case(NamedTuple):
-    """A photograph that is made."""
+    """Parameters of a rendered photograph."""
 
     species: str
     background: str = "plain"
@@ -43,14 +43,14 @@ class Case(NamedTuple):
 
 
 class Made(NamedTuple):
-    """A photograph, and the truth about it."""
+    """A photograph and its ground truth."""
 
     photograph: Photograph
     mask: np.ndarray  # (h, w) what body, tail, dorsal and ventral fin cover
 
 
 def _shaped(places: np.ndarray, case: Case, fin: bool = False) -> np.ndarray:
-    """Places of another individual, whose shape is not quite that of the species."""
+    """Points of an individual with a slightly different shape."""
     rng = np.random.default_rng(case.seed)
     deeper, bend, wave = case.other * rng.uniform((-0.1, -0.07, -0.012), (0.12, 0.07, 0.012))
     phase = rng.uniform(0.0, 6.3)
@@ -62,7 +62,7 @@ def _shaped(places: np.ndarray, case: Case, fin: bool = False) -> np.ndarray:
 
 
 def made(case: Case) -> Made:
-    """The photograph of a case."""
+    """Render the photograph of a case."""
     species = load_species(case.species)
     plan = species.surface
     width, height = (FINER * n for n in case.size)
@@ -141,7 +141,7 @@ def made(case: Case) -> Made:
 
 
 def _background(case: Case, species: object, sheet: np.ndarray) -> np.ndarray:
-    """What lies behind the fish, (h, w, 3) of 255, at the finer size."""
+    """The background (h, w, 3) of 255, at the finer size."""
     rng = np.random.default_rng(case.seed + 7)
     wide, high = case.size
     y, x = np.mgrid[:high, :wide].astype(np.float32)
@@ -215,7 +215,7 @@ CASES = {
 
 
 def main() -> int:
-    """Print the table, and draw what was found; 1 if one is off too far."""
+    """Print the table and draw the outlines; 1 if an error is too large."""
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else None
     print("| photograph | species | mean error, % of length |")
     print("| --- | --- | --- |")

@@ -1,11 +1,11 @@
 """Figures of docs/behavior.md: `python docs/study_figures.py [SCENARIO SECONDS SEEDS]`.
 
-Records each scenario from each seed, for so many seconds, and prints what `subsea study` measures;
-without arguments all that the page tells of: `peaceful 600 1,2`, `schooling 50 3,4,5` and
+Records each scenario with each seed and prints the measures of `subsea study`; without arguments,
+all figures of the page: `peaceful 600 1,2`, `schooling 50 3,4,5` and
 `schooling 200 3,4,5,6`.
 
-`python docs/study_figures.py hungry SCENARIO MINUTES SEEDS` records nothing: every ten minutes it
-counts those that are as hungry as can be.
+`python docs/study_figures.py hungry SCENARIO MINUTES SEEDS` records nothing; every ten minutes it
+counts the fishes with full hunger.
 """
 
 import sys
@@ -35,7 +35,7 @@ LOOKS_MIN = 10.0  # minutes between two looks at who is hungry
 
 
 def hungry(scenario: str, minutes: float, seed: int) -> Iterator[str]:
-    """A line each ten minutes: of each species how many are as hungry as can be."""
+    """Print the number of fishes of each species with full hunger, every ten minutes."""
     world = create_world(load_scenario(scenario)[0], seed=seed)
     fishes, minds = world.state.fishes, world.state.minds
     every = round(60.0 * LOOKS_MIN / TICK_S)
@@ -52,7 +52,7 @@ def hungry(scenario: str, minutes: float, seed: int) -> Iterator[str]:
 
 
 def measured(scenario: str, seconds: float, seed: int) -> Iterator[str]:
-    """What `subsea study` tells of a record."""
+    """The measures of a record by `subsea study`."""
     with tempfile.TemporaryDirectory() as place:
         file = Path(place) / "record.h5"
         simulate(round(seconds / TICK_S), file, scenario, None, seed)
@@ -60,7 +60,7 @@ def measured(scenario: str, seconds: float, seed: int) -> Iterator[str]:
 
 
 def main() -> None:
-    """A table for each seed."""
+    """Print a table for each seed."""
     given = sys.argv[1:]
     counts = given[:1] == ["hungry"]
     told = TOLD

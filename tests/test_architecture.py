@@ -5,6 +5,7 @@ import re
 import subprocess
 import sys
 from collections import defaultdict
+from fnmatch import fnmatch
 from pathlib import Path
 
 import pytest
@@ -19,6 +20,16 @@ def test_imports_only_go_up_the_list_of_folders():
         [str(program), "--no-cache"], cwd=ROOT, capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_pytest_skips_no_folder_of_tests(pytestconfig):
+    folders = {
+        name
+        for path in ROOT.glob("tests/**/test_*.py")
+        for name in path.relative_to(ROOT).parts[:-1]
+    }
+    skipped = pytestconfig.getini("norecursedirs")
+    assert not [name for name in folders for pattern in skipped if fnmatch(name, pattern)]
 
 
 MOST_PARAMETERS = 8

@@ -18,7 +18,7 @@ def flat() -> Iterator[ModuleType]:
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(DOCS)
         yield import_module("fish_in_two_dimensions")
-        for name in ("fish_in_two_dimensions", "plates"):
+        for name in ("fish_in_two_dimensions", "picture_files"):
             del sys.modules[name]
 
 

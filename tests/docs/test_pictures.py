@@ -58,6 +58,6 @@ def test_plates_that_are_put_together_by_hand_are_drawn(script, draw, monkeypatc
     else:
         monkeypatch.setattr(module, "CELL", (70, 42))
     picture = np.asarray(getattr(module, draw)())
-    for name in (script, "plates"):
+    for name in (script, "picture_files"):
         del sys.modules[name]
     assert picture.std(axis=(0, 1)).min() > 8
