@@ -1,8 +1,8 @@
-"""The quality that chooses itself: from one frame to the next, so that a target time is held.
+"""Adaptive quality: hold a target frame time.
 
-A pace is where on `render.quality.LADDER` the picture stands, and what is known of its cost. It
-steps down when frames take too long, and up when the next rung would still be quick enough:
-between the two lies a range in which nothing changes, so it comes to rest.
+A `Pace` is a rung of `render.output.quality.LADDER` and what is known of its cost. It steps down
+when frames take too long, and up when the next rung is expected to be quick enough; hysteresis
+between the two lets it settle.
 """
 
 from itertools import pairwise
@@ -13,19 +13,19 @@ from subsea.render.output.quality import LADDER, PRESETS, on_software
 
 GPU_TARGET_MS = 1000.0 / 60.0
 SOFTWARE_TARGET_MS = 1000.0 / 20.0  # smooth enough to steer; a finer picture is worth more
-SETTLING = 3  # frames after a change that tell nothing: shaders compile, buffers are made
-BRIEF, LONG = 24, 90  # frames whose median leads down, and up
-TOO_SLOW, QUICK = 1.08, 0.85  # of the target: above is too long, and foreseen below is room
-PATIENT = 300  # frames to wait before another preset, which one sees come, is taken up
-MOST_PATIENT = 2400  # a rung that was too slow before is tried ever more seldom, to this limit
-PRESET_RATIO = 1.8  # how much longer a frame of the next preset takes, until it was measured
+SETTLING = 3  # frames after a change that do not count: shaders compile
+BRIEF, LONG = 24, 90  # frames whose median decides on a step down, and up
+TOO_SLOW, QUICK = 1.08, 0.85  # of the target: step down above, up if expected below
+PATIENT = 300  # frames to wait before the step to another preset, which is visible
+MOST_PATIENT = 2400  # limit of the waiting time, which doubles after each failed step
+PRESET_RATIO = 1.8  # assumed cost of the next preset, until it was measured
 
 
 T = TypeVar("T")
 
 
 class Pace(NamedTuple):
-    """What is known; `start` makes the first, `paced` every further one."""
+    """The state of the controller; `start` makes the first, `paced` each further one."""
 
     rung: int  # on the LADDER
     since: int  # frames since the last change
@@ -37,9 +37,9 @@ class Pace(NamedTuple):
 
 
 def start(rung: int, exact: bool = False) -> Pace:
-    """A pace that begins on this rung of the LADDER and knows nothing yet.
+    """Begin on a rung of the LADDER, without measurements.
 
-    A rig whose canvas is `exact` has no use for the rungs of smaller ones.
+    A rig with an `exact` canvas does not use the rungs with smaller ones.
     """
     ratios, patience = [], []
     for a, b in pairwise(LADDER):
@@ -51,10 +51,10 @@ def start(rung: int, exact: bool = False) -> Pace:
 
 
 def paced(pace: Pace, frame_ms: float, target_ms: float) -> Pace:
-    """The pace after a frame that took `frame_ms`; at most one rung from where it was.
+    """The pace after a frame of `frame_ms`; moves by at most one rung.
 
-    A single long frame moves no median. A rung that turned out too slow is not tried again
-    before frames have become so much quicker that its measured cost fits.
+    Medians ignore single long frames. A rung that was too slow is tried again only when its
+    measured cost fits.
     """
     pace = pace._replace(since=pace.since + 1)
     if pace.since <= SETTLING:
@@ -70,7 +70,7 @@ def paced(pace: Pace, frame_ms: float, target_ms: float) -> Pace:
             longer = min(2 * pace.patience[rung - 1], MOST_PATIENT)
             pace = pace._replace(patience=_with(pace.patience, rung - 1, longer))
         return pace._replace(rung=rung - 1, since=0, times=(), rose_from_ms=0.0)
-    if len(pace.times) == LONG:  # it held: what happens later is not for the step up
+    if len(pace.times) == LONG:  # the step up has succeeded
         pace = pace._replace(rose_from_ms=0.0)
     if len(pace.times) == LONG and rung < len(pace.ratios) and pace.since >= pace.patience[rung]:
         lasting = median(pace.times)
@@ -80,17 +80,17 @@ def paced(pace: Pace, frame_ms: float, target_ms: float) -> Pace:
 
 
 def resumed(pace: Pace) -> Pace:
-    """The pace when quality chooses itself again: what was drawn meanwhile tells nothing."""
+    """Continue after other frames were drawn, which do not count."""
     return pace._replace(since=0, times=(), rose_from_ms=0.0)
 
 
 def target_for(renderer: str) -> float:
-    """The time of a frame in ms to hold where none is asked for, by the name of the renderer."""
+    """The default target in ms, by the name of the renderer."""
     return SOFTWARE_TARGET_MS if on_software(renderer) else GPU_TARGET_MS
 
 
 def _ratio(pace: Pace, frame_ms: float) -> float:
-    """What the step up cost; nothing is cheaper for being finer, whatever the scene did."""
+    """The measured cost of the step up, at least a little more than 1."""
     return max(frame_ms / pace.rose_from_ms, 1.02)
 
 

@@ -1,6 +1,6 @@
-"""Lines of text that directions show at the foot of the picture: which, how visible, and where.
+"""Captions of directions at the foot of the picture: text, opacity and layout.
 
-`subtitles.py` draws them in a window, `titled` here on the pictures of a film.
+`ui/subtitles.py` draws them in a window, `draw_caption` on the pictures of a film.
 """
 
 import importlib.util
@@ -20,30 +20,30 @@ from subsea.world.world import TICK_S, World
 Pixels = NDArray[np.uint8]
 
 FADE_S = 0.6
-READ_S, LETTER_S = 2.5, 0.06  # how long a caption is up if nobody says: to be read without haste
-TALL, NARROW = 0.045, 0.034  # of letters: share of the screen's height, or less of its width
-ROOM = 0.8  # share of the screen's width that lines may have
+READ_S, LETTER_S = 2.5, 0.06  # default time of a caption: to read it, with a part for each letter
+TALL, NARROW = 0.045, 0.034  # of letters: share of the screen's height; at most of its width
+ROOM = 0.8  # longest line, share of the screen's width
 FOOT = 0.85  # where the last line ends, share of the screen's height
 LEADING = 1.3  # from line to line, in heights of letters
 INK, SHADE = (0.97, 0.98, 1.0), (0.0, 0.04, 0.06)
-# Of a picture all round this is before the viewer: left, top, width, height.
+# The part of an equirectangular picture before the viewer: left, top, width, height.
 BEFORE = 0.35, 0.25, 0.3, 0.42
 
 
 class Caption(NamedTuple):
-    """What is to be read now."""
+    """A caption to be shown now."""
 
     words: str = ""
-    opacity: float = 0.0  # from 0 to 1: it comes and goes softly
+    opacity: float = 0.0  # in [0, 1]: it fades in and out
 
 
 def shown_s(words: str, for_s: float | None) -> float:
-    """How long a caption is up: as long as its direction says, else as long as reading takes."""
+    """How long a caption is shown: as its direction says, else the time to read it."""
     return READ_S + LETTER_S * len(words) if for_s is None else for_s
 
 
 def caption_of(world: World, alpha: float) -> Caption:
-    """That of a world, `alpha` of the way from the last tick to the present one."""
+    """The caption of a world at `alpha` between its last two ticks."""
     cue = latest(world.scenario, world.state, "caption")
     if cue is None:
         return Caption()
@@ -56,17 +56,17 @@ def caption_of(world: World, alpha: float) -> Caption:
 
 
 def room_of(rig: CameraRig) -> tuple[float, float, float, float]:
-    """Left, top, width and height of what is before the viewer, shares of the screen ahead."""
+    """Left, top, width and height of the part before the viewer, shares of the screen."""
     return BEFORE if front(rig).shape == Projection.EQUIRECTANGULAR else (0.0, 0.0, 1.0, 1.0)
 
 
 def letters_of(width: float, height: float) -> float:
-    """How tall the letters of a caption are in a room of that size."""
+    """The height of a caption's letters in a room of that size."""
     return min(TALL * height, NARROW * width)
 
 
 def lines_of(words: str, room: float, width_of: Callable[[str], float]) -> list[str]:
-    """The words in as few lines as have room, about equally long; a longer word has its own."""
+    """Wrap words into the fewest lines, of about equal length."""
 
     def broken(room: float) -> list[str]:
         lines: list[str] = []
@@ -79,7 +79,7 @@ def lines_of(words: str, room: float, width_of: Callable[[str], float]) -> list[
         return lines
 
     low, high = 0.0, room
-    for _ in range(10):  # to the least room in which there are no more lines
+    for _ in range(10):  # find the least width with the same number of lines
         middle = (low + high) / 2
         fits = len(broken(middle)) <= len(broken(room))
         low, high = (low, middle) if fits else (middle, high)
@@ -87,7 +87,7 @@ def lines_of(words: str, room: float, width_of: Callable[[str], float]) -> list[
 
 
 def draw_caption(picture: Pixels, rig: CameraRig, output: int, caption: Caption) -> Pixels:
-    """The picture (h, w, 3) of a rig's `output` with the caption on it, for each eye."""
+    """Draw a caption on the picture (h, w, 3) of a rig's `output`, for each eye."""
     if output != front(rig).output or caption.opacity == 0.0 or not caption.words:
         return picture
     from PIL import Image
@@ -108,7 +108,7 @@ def draw_caption(picture: Pixels, rig: CameraRig, output: int, caption: Caption)
 
 @lru_cache(maxsize=4)
 def _sign(words: str, size: tuple[int, int]):  # type: ignore[no-untyped-def]
-    """A picture (RGBA) of that size with the words near its foot, in a shade that is soft."""
+    """A picture (RGBA) of that size with the words near its foot, on a soft shade."""
     from PIL import Image, ImageDraw, ImageFilter, ImageFont
 
     width, height = max(size[0], 1), max(size[1], 1)
@@ -131,7 +131,7 @@ def _sign(words: str, size: tuple[int, int]):  # type: ignore[no-untyped-def]
 
 
 def _font() -> Path:
-    """The letters of the windows' texts."""
+    """The font of the windows."""
     found = importlib.util.find_spec("imgui_bundle")
-    assert found is not None and found.origin is not None  # it is a dependency
+    assert found is not None and found.origin is not None  # a dependency
     return Path(found.origin).parent / "assets" / "fonts" / "Roboto" / "Roboto-Regular.ttf"

@@ -1,7 +1,7 @@
-"""The camera that directions cue: where each wants it, and a soft way there.
+"""The camera that directions cue, and a smooth way to each of its places.
 
-Nothing is remembered here. What is cued is in the state of the world, and the way goes on from
-where the submarine is, as fast as it is: after time went back, and after a hand had the helm, too.
+Stateless: cues are in the state of the world, and a way goes on from the submarine's position and
+velocity, also after time went back or the pilot had steered.
 """
 
 import math
@@ -29,19 +29,19 @@ from subsea.submarine.rail import Rail, board
 from subsea.view.rig import CameraPose
 from subsea.world.world import TICK_S, World
 
-LOOK_S = 6.0  # so long a camera that has arrived is looked through, if nobody says
-SHORTEST_S = 1.2  # in which what is left of a way is gone at least: so softly it follows fishes
+LOOK_S = 6.0  # default time to look from a place
+SHORTEST_S = 1.2  # least time for the rest of a way: it smooths how fishes are followed
 LEAP_CM = 30.0
-ON_RAILS_CM = 0.5  # who is so near to a tour follows it to the letter
-HASTE = 1.6  # a way that is begun and ended softly is so much faster in between than on average
+ON_RAILS_CM = 0.5  # nearer to a tour than this, it is followed exactly
+HASTE = 1.6  # peak over mean speed on a way with a smooth start and end
 AROUND = [math.radians(side * turn) for turn in range(0, 181, 20) for side in (1, -1)]
-RISES = (0.0, 0.4, 0.9)  # tangents: so much higher it looks on where something is in its way
-SLOPES = -0.15, 0.35  # of what it looks at, as seen from the side it is on: neither far ...
-BEHIND = 0.25  # ... and from behind
+RISES = (0.0, 0.4, 0.9)  # tangents of the higher views tried around obstacles
+SLOPES = -0.15, 0.35  # least and largest slope of a view from the side
+BEHIND = 0.25  # slope of a view from behind
 
 
 class CameraGoal(NamedTuple):
-    """Where the camera of a cue is to be, how it moves there, and how it looks."""
+    """The target of a cued camera: place, velocity and direction."""
 
     place: Array  # (3,) cm
     velocity: Array  # (3,) cm/s
@@ -55,7 +55,7 @@ def is_directed(scenario: Scenario) -> bool:
 
 
 def check_tour(scenario: Scenario, tour: str) -> None:
-    """A UserError unless there is such a tour: the autopilot, by directions, or by name."""
+    """A UserError unless the tour exists: autopilot, directions, or one by name."""
     if tour == DIRECTED and not is_directed(scenario):
         raise UserError("tour 'directed': no [[direction]] of this scenario has a `camera`")
     known = [AUTOPILOT, *[DIRECTED] * is_directed(scenario), *(one.name for one in scenario.tour)]
@@ -64,7 +64,7 @@ def check_tour(scenario: Scenario, tour: str) -> None:
 
 
 def tour_steering(world: World, tour: str) -> Steer:
-    """Who takes the submarine along on a tour that `check_tour` lets pass, from its beginning."""
+    """Steering on a tour, which `check_tour` has accepted, from its beginning."""
     if tour == DIRECTED:
         return directed_steering(world)
     return steer_along(world, None if tour == AUTOPILOT else course_of(world.scenario, tour))
@@ -95,9 +95,9 @@ def endless_tour(world: World, name: str) -> Steer:
 
 
 def is_over(world: World) -> bool:
-    """Whether a direction has ended the film, or all cameras and captions were shown to their end.
+    """Whether a direction has ended the film, or all cameras and captions were shown in full.
 
-    Those that come again and again need not do so.
+    Repeated ones count once shown.
     """
     scenario, log = world.scenario, world.state.directions
     if any(one.end for one in scenario.direction):
@@ -113,14 +113,14 @@ def is_over(world: World) -> bool:
 
 
 def is_cut(before: CameraPose | None, now: CameraPose, elapsed_s: float) -> bool:
-    """Whether an eye was elsewhere `elapsed_s` ago than from where a hull comes: a cut."""
+    """Whether the eye moved farther in `elapsed_s` than the hull can: a cut."""
     if before is None:
         return False
     return bool(np.linalg.norm(now.eye - before.eye) > LEAP_CM + 2.0 * AHEAD_CM_S * elapsed_s)
 
 
 def _lasts_s(scenario: Scenario, one: Direction) -> float:
-    """How long what a direction shows is worth seeing."""
+    """How long a direction shows its camera and caption."""
     words_s = 0.0 if one.caption is None else shown_s(one.caption, one.for_s)
     if one.camera is None:
         return words_s
@@ -130,9 +130,9 @@ def _lasts_s(scenario: Scenario, one: Direction) -> float:
 
 
 def directed_steering(world: World) -> Steer:
-    """Who takes the submarine where the latest direction wants its camera; station before that.
+    """Steering to the camera of the latest direction; station before the first.
 
-    Where the first is a cut it is there at once.
+    If the first is a cut, the submarine is put there at once.
     """
     tours = {one.camera.tour for one in world.scenario.direction if one.camera is not None}
     courses = {name: course_of(world.scenario, name) for name in tours if name is not None}
@@ -148,14 +148,14 @@ def directed_steering(world: World) -> Steer:
 
 
 def _toward(world: World, cue: int, courses: Mapping[str, Course]) -> Rail:
-    """Where the submarine is a tick later on its way to where a direction wants it."""
+    """The submarine a tick later, on its way to a direction's camera."""
     camera = world.scenario.direction[cue].camera
     assert camera is not None
     since = world.state.tick - int(world.state.directions.began[cue])  # ticks, 1 at first
     goal = _goal(world, cue, camera, courses)
     cut = since == 1 and camera.over_s == 0.0
     if camera.tour is not None and not cut:
-        gone_s = since * TICK_S  # a tick ago, for those that are on their rails
+        gone_s = since * TICK_S  # a tick ago
         on = rail_at(courses[camera.tour], world.state, gone_s).position
         if float(np.linalg.norm(on - world.state.submarine.position)) < ON_RAILS_CM:
             return Rail(goal.place, goal.velocity, goal.angles)
@@ -169,7 +169,7 @@ def _toward(world: World, cue: int, courses: Mapping[str, Course]) -> Rail:
 
 
 def _goal(world: World, cue: int, camera: Camera, courses: Mapping[str, Course]) -> CameraGoal:
-    """What a direction's camera is to be now; where it is, if there is nothing left to follow."""
+    """The target of a direction's camera; the current pose if no fish is left to follow."""
     boat, log = world.state.submarine, world.state.directions
     if camera.tour is not None:
         gone_s = (world.state.tick + 1 - int(log.began[cue])) * TICK_S
@@ -202,9 +202,9 @@ def _goal(world: World, cue: int, camera: Camera, courses: Mapping[str, Course])
 
 
 def _beside(world: World, target: Array, way: Array, slope: float, far: float) -> Array:
-    """A free place `far` from a target, about the `way` from it, from where the target is seen.
+    """A free place at `far` cm from a target that sees it, about in the direction `way`.
 
-    Where there is none, that where the submarine is.
+    The submarine's place if there is none.
     """
     sea, bounds = world.state.sea, world.scenario.bounds
     bearing = math.atan2(way[1], way[0])
@@ -222,9 +222,9 @@ def _beside(world: World, target: Array, way: Array, slope: float, far: float) -
 
 
 def _nearer(world: World, goal: CameraGoal, left_s: float) -> tuple[Array, Array]:
-    """Place and velocity a tick later on the softest way to a goal that takes so long, or longer.
+    """Place and velocity a tick later on a smooth way of at least `left_s` seconds.
 
-    The way is the cubic through both ends with their velocities; nothing solid is touched.
+    The way is the cubic through both ends with their velocities; it avoids solids.
     """
     boat, sea = world.state.submarine, world.state.sea
     place, speed = goal.place, goal.velocity
@@ -245,13 +245,13 @@ def _nearer(world: World, goal: CameraGoal, left_s: float) -> tuple[Array, Array
 
 
 def _clear(world: World, place: Array) -> Array:
-    """The place, or the nearest that touches nothing."""
+    """The nearest place that touches nothing."""
     half = 0.5 * HULL_CM
     return np.array(out_of_solids(world.state.sea, vector(place), half, half, half))
 
 
 def _detour(world: World, place: Array) -> Array:
-    """A place on a free way round what stands between the submarine and a place."""
+    """A place on a free way around what lies between the submarine and a place."""
     sea, boat = world.state.sea, world.state.submarine
     ahead = (place - boat.position) / np.linalg.norm(place - boat.position)
     left = np.array([-ahead[1], ahead[0], 0.0]) / max(math.hypot(ahead[0], ahead[1]), 1e-6)
@@ -259,7 +259,7 @@ def _detour(world: World, place: Array) -> Array:
         (np.cross(ahead, left), left, -left), key=lambda side: -round(float(side @ boat.velocity))
     )
     for angle in DETOURS:
-        for side in sides:  # rather on where it goes round it already
+        for side in sides:  # the side it moves to comes first
             tip = boat.position + DETOUR_CM * (math.cos(angle) * ahead + math.sin(angle) * side)
             floor = height_at(sea.floor, sea.half_width, tip[0], tip[1])
             free = floor + HULL_CM < tip[2] < -HULL_CM

@@ -1,8 +1,8 @@
-"""What is under the pointer, by the renderer's own identity map: nothing that hides it is missed.
+"""Pick what is under the pointer, with the renderer's identity map.
 
-A place on the screen is followed back to the canvas on which it was drawn, through the patch that
-shows it: as it is, through a mesh, or out of the faces of a cube, as `shaders/resolve.frag` does.
-Where two eyes share the screen, what the left one sees counts.
+A place on the screen is mapped back to the canvas through the patch that shows it: directly,
+through a warp mesh, or from the faces of a cube, as in `shaders/resolve.frag`. If two eyes share
+the screen, the left one counts.
 """
 
 from typing import Any, NamedTuple
@@ -19,12 +19,12 @@ from subsea.view.rig import CUBES, CameraRig, DisplayPatch, Projection, Rect, fr
 from subsea.view.surround import COLUMNS, ROWS, Surround, directions, half_tangent, on_faces
 from subsea.view.theatre.warp import sources_at
 
-NEAR_PX = 4  # a fish so near to the pointer is meant, where there is none under it
+NEAR_PX = 4  # radius in which a fish is picked if there is none under the pointer
 DISPLAYS = {shape: display for display, shape in SURROUNDS.items()}
 
 
 class Picked(NamedTuple):
-    """What is seen at a place."""
+    """What is visible at a place."""
 
     kind: int  # as `render.marks.KINDS` are numbered
     number: int  # which one of that kind: of a fish its number in the world
@@ -32,9 +32,9 @@ class Picked(NamedTuple):
 
 
 def pick(renderer: Renderer, packet: Packet, x: float, y: float) -> Picked | None:
-    """What is seen at a place on the screen ahead, in shares of it from its upper left corner.
+    """Pick at a place on the screen ahead, in shares of it from its upper left corner.
 
-    Of the packet that was drawn last. None where the screen is dark.
+    `packet` was drawn last. None where the screen is dark.
     """
     at = canvas_place(renderer.rig, x, y)
     if at is None:
@@ -46,7 +46,7 @@ def pick(renderer: Renderer, packet: Packet, x: float, y: float) -> Picked | Non
     part = _about(view.viewport, at)
     seen = renderer.id_maps(packet, (number,), part)
     height, width = seen.kind.shape
-    # The pixel of the map that the place is in: maps are larger or smaller than the canvas.
+    # Maps may be larger or smaller than the canvas.
     column = min(int((at[0] - part[0]) / part[2] * width), width - 1)
     row = height - 1 - min(int((at[1] - part[1]) / part[3] * height), height - 1)
     if seen.kind[row, column] != FISH and (seen.kind == FISH).any():
@@ -59,9 +59,9 @@ def pick(renderer: Renderer, packet: Packet, x: float, y: float) -> Picked | Non
 
 
 def canvas_place(rig: CameraRig, x: float, y: float) -> tuple[float, float] | None:
-    """Where on the canvas a place on the screen ahead is drawn, in pixels from the lower left.
+    """The canvas pixel, from the lower left, shown at a place on the screen ahead.
 
-    None where the screen is dark. Of patches that lie over one another the last counts.
+    None where the screen is dark. The last of overlapping patches counts.
     """
     ahead = front(rig)
     left, bottom, width, height = seen_part(ahead)
@@ -79,7 +79,7 @@ def canvas_place(rig: CameraRig, x: float, y: float) -> tuple[float, float] | No
 
 
 def _source(patch: DisplayPatch, x: float, y: float) -> tuple[float, float] | None:
-    """Where on the canvas the left eye's picture is at a place in shares of a patch."""
+    """The canvas pixel of the left eye at a place in shares of a patch."""
     share = np.array([x, y])
     if patch.warp is not None:
         share = sources_at(patch.warp, share[None])[0]
@@ -91,7 +91,7 @@ def _source(patch: DisplayPatch, x: float, y: float) -> tuple[float, float] | No
         surround = Surround(*np.degrees(patch.wide))
         size: Any = tuple(shown)
         d = directions(DISPLAYS[patch.shape], size, surround, (share * shown)[None])
-        if patch.shape == Projection.PANORAMA:  # on whose cylinder the eyes are so far apart
+        if patch.shape == Projection.PANORAMA:  # its eye separation is on the cylinder
             d = d / np.hypot(d[:, 0], d[:, 2])[:, None]
         d[:, 0] += patch.apart
         if np.isnan(d).any():
@@ -105,7 +105,7 @@ def _source(patch: DisplayPatch, x: float, y: float) -> tuple[float, float] | No
 
 
 def _about(viewport: Rect, at: tuple[float, float]) -> Rect:
-    """The pixels about a place that lie in a viewport."""
+    """The pixels of a viewport near a place."""
     low = [max(int(value) - NEAR_PX, start) for value, start in zip(at, viewport[:2], strict=True)]
     high = [
         min(int(value) + NEAR_PX + 1, start + size)
@@ -115,7 +115,7 @@ def _about(viewport: Rect, at: tuple[float, float]) -> Rect:
 
 
 def _place(view: View, at: tuple[float, float], depth: float) -> Array:
-    """The place (3,), cm, that is seen there at a depth along the axis of the view."""
+    """The point (3,), cm, at a pixel and a depth along the axis of the view."""
     x, y, width, height = view.viewport
     p = view.projection.astype(np.float64)
     across, up = 2.0 * (at[0] - x) / width - 1.0, 2.0 * (at[1] - y) / height - 1.0

@@ -1,7 +1,7 @@
-"""From hands to helm: what pointer, buttons, wheel, keys and sticks ask of the submarine.
+"""From input to helm: pointer, buttons, wheel, keys and sticks.
 
-Nothing here knows the window library. The pilot hears which inputs ask for which actions, and of
-a pointer in [-1, 1] from the middle of the window (x right, y up), and gives one Helm a tick.
+Independent of the window library. The pilot receives actions of inputs and a pointer in [-1, 1]
+from the middle of the window (x right, y up), and returns one Helm a tick.
 """
 
 import math
@@ -11,30 +11,30 @@ from subsea.dive.bindings import Action
 from subsea.dive.settings import DEFAULTS, Settings
 from subsea.submarine.helm import Helm
 
-DEAD_ZONE = 0.10  # of half the window: here the submarine keeps its course
-CURVE = 1.6  # exponent of the answer: fine near the middle, strong at the edge
-MOUSE_PITCH = 0.75  # the pointer at the edge asks for this share of the steepest pitch
+DEAD_ZONE = 0.10  # of half the window: no turn
+CURVE = 1.6  # exponent of the response: fine near the middle, strong at the edge
+MOUSE_PITCH = 0.75  # share of the steepest pitch, for a pointer at the edge
 WHEEL_STEP = 0.125  # of full thrust a notch
-TAKE_S = 1.2  # the pointer takes the helm gradually, so entering the window is no jolt
+TAKE_S = 1.2  # the pointer takes the helm gradually, without a jolt when it enters
 RELEASE_S = 0.35
-SMOOTH_S = 0.12  # keys are on or off; the helm is not
-HAND_MOVED = 0.01  # of half the window: less is a nudged table
-STICK_MOVED = 0.15  # of its way: less is no hand that asks for something else after a full stop
+SMOOTH_S = 0.12  # smoothing of keys
+POINTER_MOVED = 0.01  # of half the window: less is noise
+STICK_MOVED = 0.15  # of its range: less does not end a full stop
 
 
 class Pilot:
-    """Holds what the visitor's hands do now, and hands out the helm.
+    """The state of all steering inputs, and the helm that follows from it.
 
-    The last hand to move steers: a steering key takes the helm from a resting pointer, a
-    moved pointer takes it back. A full stop holds until any hand asks for something else.
+    The last input wins: a steering key takes the helm from a resting pointer, a moved pointer
+    takes it back. A full stop lasts until any other input.
     """
 
     def __init__(self, settings: Settings = DEFAULTS) -> None:
-        """Hands off: no pointer, nothing held, no speed set."""
+        """No pointer, nothing held, no speed set."""
         self.settings, self.bindings = settings, settings.bindings
         self.pointer: tuple[float, float] | None = None
         self._rested: tuple[float, float] | None = None  # where the pointer lost the helm
-        self.held: dict[str, tuple[Action, float]] = {}  # by inputs: what they ask, how much
+        self.held: dict[str, tuple[Action, float]] = {}  # by input: action and amount
         self._stopped: dict[str, float] = {}  # inputs that were held when a full stop began
         self._throttle = 0.0
         self._stopping = False
@@ -45,17 +45,17 @@ class Pilot:
 
     @property
     def riding(self) -> bool:
-        """Whether the submarine is left alone, and hands turn the gaze of a fish."""
+        """Whether inputs turn the gaze of a fish while the submarine waits."""
         return self._riding
 
     def set_riding(self, riding: bool) -> None:
-        """Mount a fish, or come back: the submarine stops and waits."""
+        """Begin or end a ride on a fish: the submarine stops."""
         self._riding = riding
         self.full_stop()
 
     @property
     def gaze_rate(self) -> tuple[float, float]:
-        """How fast the keys turn the gaze of who is ridden: right and up, in [-1, 1]."""
+        """Speed at which keys turn the gaze of a fish: right and up, in [-1, 1]."""
         return self._axis("right", "left"), self._axis("up", "down")
 
     @property
@@ -65,16 +65,16 @@ class Pilot:
 
     @property
     def stopping(self) -> bool:
-        """Whether a full stop holds."""
+        """Whether a full stop lasts."""
         return self._stopping
 
     def point(self, x: float, y: float) -> None:
         """The pointer is at (x, y) in [-1, 1]² from the middle of the window."""
         here = (min(max(x, -1.0), 1.0), min(max(y, -1.0), 1.0))
         if self.pointer is None:
-            self._rested = here  # it entered, or was there at the start: wait for a movement
+            self._rested = here  # it entered: wait for a movement
         self.pointer = here
-        if self._rested is not None and math.dist(here, self._rested) > HAND_MOVED:
+        if self._rested is not None and math.dist(here, self._rested) > POINTER_MOVED:
             self._rested = None
             self._stopping = False
 
@@ -84,12 +84,12 @@ class Pilot:
         self._rested = None
 
     def wheel(self, notches: float) -> None:
-        """The wheel turned by `notches`, away from the hand positive: set a lasting speed."""
+        """The wheel turned by `notches`, forward positive: change the set speed."""
         self._stopping = False
         self._throttle = min(max(self._throttle + notches * WHEEL_STEP, -1.0), 1.0)
 
     def hold(self, action: Action, name: str, amount: float = 1.0) -> None:
-        """The input `name` asks for `action`, with `amount` in [0, 1] of its strength."""
+        """The input `name` is held for an `action`, at an `amount` in [0, 1]."""
         if amount <= 0.0:
             self.release(name)
             return
@@ -103,31 +103,31 @@ class Pilot:
         self.held[name] = action, min(amount, 1.0)
         self._stopping = False
         if action in ("ahead", "astern"):
-            self._throttle = 0.0  # a hand that goes ahead outranks the speed set before
+            self._throttle = 0.0  # takes precedence over the set speed
         if action in ("left", "right", "up", "down"):
             self._rested = self.pointer
 
     def release(self, name: str) -> None:
-        """The input `name` asks for nothing any more."""
+        """The input `name` was released."""
         self.held.pop(name, None)
         self._stopped.pop(name, None)
 
     def note_activity(self) -> None:
-        """A hand has done something, whatever that means."""
+        """Note any input, bound or not."""
         self._active = True
 
     def was_active(self) -> bool:
-        """Whether a hand has done anything since the last call."""
+        """Whether there was any input since the last call."""
         active, self._active = self._active, False
         return active
 
     def reset(self) -> None:
-        """Nobody is at the helm: nothing is set, held or pointed at until a hand moves."""
+        """Release the helm until there is input."""
         self.full_stop()
         self._stopping, self._smooth = False, Helm()
 
     def full_stop(self) -> None:
-        """Brake, level, hold the heading, until a hand asks for something else."""
+        """Brake, level and keep the heading until any other input."""
         self._stopping = True
         self._throttle = 0.0
         self._rested = self.pointer
@@ -136,24 +136,24 @@ class Pilot:
         self.held.clear()
 
     def release_all(self) -> None:
-        """The window lost the keyboard: nothing counts as held any more."""
+        """Release all inputs: the window lost the keyboard."""
         self.held.clear()
         self._stopped.clear()
         self.pointer_left()
 
     def helm(self, dt: float) -> Helm:
-        """What the submarine is asked for over the next `dt` seconds."""
+        """The submarine's helm for the next `dt` seconds."""
         if self._riding:
             self._smooth = Helm(full_stop=True)
             return self._smooth
         return self.commanded(dt)
 
     def predicted(self, dt: float) -> Helm:
-        """What `helm` would say, without that any time has passed."""
+        """What `helm` would return, without changing the state."""
         return copy(self).helm(dt)
 
     def commanded(self, dt: float) -> Helm:
-        """What the hands ask for over the next `dt` seconds, of whatever they steer."""
+        """The helm of all inputs for the next `dt` seconds, of the submarine or a fish."""
         if self._stopping:
             self._smooth = Helm(full_stop=True)
             return self._smooth
@@ -192,12 +192,12 @@ class Pilot:
         return self._amount(positive) - self._amount(negative)
 
     def _amount(self, action: Action) -> float:
-        """How much the input asks that asks most for it."""
+        """The largest amount of the inputs held for an action."""
         return max((share for held, share in self.held.values() if held == action), default=0.0)
 
 
 def _answer(offset: float) -> float:
-    """The helm in [-1, 1] for a pointer at `offset`; zero in the dead zone, smooth."""
+    """Response in [-1, 1] to a pointer at `offset`: smooth, zero in the dead zone."""
     beyond = max(min(abs(offset), 1.0) - DEAD_ZONE, 0.0) / (1.0 - DEAD_ZONE)
     return math.copysign(beyond**CURVE, offset)
 

@@ -1,8 +1,7 @@
-"""Where the pilot's eye is in a picture: in the present, so that a hand sees at once what it does.
+"""Predict the pilot's eye, so that input is seen without delay.
 
-Fishes are drawn between the last two ticks, up to one late: nobody knows yet what they will do.
-What the submarine does the helm tells. So it is drawn between the last tick and the next, as that
-will be if the helm stays as it is; and when it comes, the picture is just there.
+Fishes are drawn between the last two ticks, up to one tick late. The submarine is drawn between
+the last tick and the next, which is predicted from the current helm.
 """
 
 from copy import deepcopy
@@ -13,24 +12,24 @@ from subsea.view.rig import CameraPose
 from subsea.world.step import steer
 from subsea.world.world import World
 
-CATCH_UP_S = 0.5  # who comes from a tour, or from the past, comes to the present so gently
+CATCH_UP_S = 0.5  # to change from delayed to predicted, after a tour or a pause
 
 
 class Prediction:
-    """How far behind the present the submarine is drawn, in ticks."""
+    """The delay at which the submarine is drawn: 0 or, on tours, 1 tick."""
 
     def __init__(self) -> None:
-        """It is drawn in the present."""
-        self._late = 0.0
+        """No delay."""
+        self._delay = 0.0
 
-    def go_on(self, elapsed_s: float, known: bool) -> None:
-        """So much time has passed; is the next tick `known`, or is one to be late as fishes are?"""
-        self._late = max(self._late - elapsed_s / CATCH_UP_S, 0.0) if known else 1.0
+    def update(self, elapsed_s: float, known: bool) -> None:
+        """Reduce the delay `elapsed_s` later if the next tick is `known`; else set it to 1."""
+        self._delay = max(self._delay - elapsed_s / CATCH_UP_S, 0.0) if known else 1.0
 
     def eye(self, world: World, alpha: float, helm: Helm) -> CameraPose:
-        """The pilot's eye, when `alpha` of the next tick has passed, in which `helm` holds."""
+        """The pilot's eye at `alpha` of the next tick, if the `helm` stays as it is."""
         submarine = world.state.submarine
-        ahead = alpha - self._late
+        ahead = alpha - self._delay
         if ahead < 0.0:
             return cockpit(submarine, 1.0 + ahead)
         after = deepcopy(submarine)

@@ -1,4 +1,4 @@
-"""What pictures of a fish's eyes tell: what each pixel shows, as numbers and colours; the light."""
+"""Retina pictures of a fish: identities of pixels as values and colours; brightness."""
 
 from functools import cache
 
@@ -13,25 +13,25 @@ from subsea.view.retina import FishEyes, retina_rig, retinal_views
 from subsea.world.world import World
 
 SIDES = "left", "right"
-# Values of identity maps: of the first of each kind; what has no number has one value.
+# Values of identity maps: of the first of each kind.
 VALUES = {
     "water": 0, "surface": 1, "seabed": 2, "seaweed": 3, "bubbles": 4, "hook": 5,
     "pillar": 100, "rock": 300, "coral": 1000, "fish": 10000,
 }  # fmt: skip
 FIRST = np.array([VALUES[kind] for kind in KINDS], np.int32)
-MOST_FISHES = 2**16 - VALUES["fish"]  # that a map of 16 bits can tell apart
+MOST_FISHES = 2**16 - VALUES["fish"]  # with values of their own in 16 bits
 PLAIN = {
     "surface": (0.20, 0.24, 0.24), "seabed": (0.42, 0.38, 0.26), "seaweed": (0.16, 0.46, 0.14),
     "bubbles": (0.90, 0.90, 0.90), "hook": (0.95, 0.90, 0.20),
 }  # fmt: skip
-SEEN_SIZE = 48, 48  # pixels of the retinae whose brightness a fish goes by
+SEEN_SIZE = 48, 48  # pixels of the retinae whose brightness is measured
 
 
 def retina_brightness(renderer: Renderer, world: World, by: FishEyes) -> float:
-    """Mean brightness, 0 to 1, of what a fish sees at the present tick, looking ahead (Tu §6.2).
+    """Mean brightness in [0, 1] of both retinae in the current tick, looking ahead (Tu §6.2).
 
-    The mean value of the two pictures as a screen would show them; it depends on nothing but the
-    world and the quality of the renderer, and what that draws next does not depend on it.
+    The mean of the two pictures as a screen shows them. It depends only on the world and the
+    renderer's quality, and leaves the renderer as it was.
     """
     rig = retina_rig(SEEN_SIZE, by.half_cm)
     with renderer.apart(rig):
@@ -40,7 +40,7 @@ def retina_brightness(renderer: Renderer, world: World, by: FishEyes) -> float:
 
 
 def velocity_of(world: World, fish: int) -> tuple[float, float, float]:
-    """How fast a fish goes, cm/s, world."""
+    """The velocity of a fish, cm/s, in world axes."""
     x, y, z = world.state.fishes.velocity[fish].tolist()
     return x, y, z
 
@@ -51,8 +51,8 @@ def values_of(seen: IdMaps) -> Ints:
 
 
 def coded(value: Ints) -> NDArray[np.uint8]:
-    """Colours (h, w, 3) of identities (h, w): fishes in reds, what stands in blues (Tu §6.7)."""
-    # Neighbours in number are far apart in shade.
+    """Colours (h, w, 3) of identities (h, w): fishes red, solids blue (Tu §6.7)."""
+    # Successive numbers get different shades.
     shade = 0.35 + 0.65 * (value * 0.6180339887 % 1.0)
     tint = value * 0.7548776662 % 1.0
     red = np.stack([shade, 0.45 * tint * shade, 0.25 * shade], axis=-1)
@@ -68,5 +68,5 @@ def coded(value: Ints) -> NDArray[np.uint8]:
 
 @cache
 def codes() -> NDArray[np.uint8]:
-    """The colours (65536, 3) of every value that a map of 16 bits has."""
+    """The colours (65536, 3) of all values of a 16-bit map."""
     return coded(np.arange(2**16))

@@ -36,23 +36,23 @@ GREY_CM = 250.0  # over which what is farther gets darker by a factor e
 
 
 class Ride:
-    """Whom the visitor rides, where its eyes look, and how that is shown."""
+    """A ride on a fish: its eyes, their gaze, and the view."""
 
     def __init__(self, world: World, fish: int, behind: bool = False) -> None:
-        """On a fish of the world, looking straight ahead; or `behind` it, following."""
+        """Through the eyes of a fish, looking straight ahead; or from `behind` it."""
         self.by = fish_eyes(world, fish)
         self.gaze = Gaze()
-        self.behind = behind  # whether it is followed, rather than looked through its eyes
+        self.behind = behind  # followed, rather than looked through its eyes
         self._camera: FollowCamera | None = None  # that follows it
         self._at_s = 0.0
         self._axes: Array | None = None  # forward and up, as they are followed
 
     def look_from(self, behind: bool) -> None:
-        """See it from behind, or what it sees."""
+        """Look from behind the fish, or through its eyes."""
         self.behind, self._camera, self._axes = behind, None, None
 
     def turn_gaze(self, right: float, up: float, dt: float) -> None:
-        """Turn the gaze, at shares of full speed in [-1, 1], for `dt` seconds."""
+        """Turn the gaze for `dt` seconds, at speeds in [-1, 1]."""
         pan = self.gaze.pan_deg + right * GLANCE_DEG_S * dt
         tilt = self.gaze.tilt_deg + up * GLANCE_DEG_S * dt
         self.gaze = Gaze(
@@ -61,7 +61,7 @@ class Ride:
         )
 
     def observer(self, world: World, alpha: float) -> CameraPose:
-        """Between the fish's eyes, as calm as a rider wants it: beat and roll are damped.
+        """The pose between the fish's eyes, with tail beat and roll damped.
 
         Or behind it, if it is followed.
         """
@@ -79,7 +79,7 @@ class Ride:
         self._at_s = now
         forward = self._axes[0] / np.linalg.norm(self._axes[0])
         up = self._axes[1] - forward * (self._axes[1] @ forward)
-        if np.linalg.norm(up) < 1e-3:  # it went over head and heels
+        if np.linalg.norm(up) < 1e-3:  # it turned upside down
             self._axes, forward, up = axes, looking.forward, looking.up
         up = up / np.linalg.norm(up)
         origin, _ = body_at(world, self.by.fish, alpha)
@@ -91,10 +91,10 @@ class Ride:
     def views(
         self, world: World, rig: CameraRig, insets: Sequence[Rect], alpha: float
     ) -> tuple[View, ...]:
-        """Those of a rig that hangs on the fish, then those of its eyes in the `insets`, if any.
+        """Views of a rig on the fish, then of its eyes in the `insets`, if any.
 
-        Eyes of a rig that looks through the fish's are no farther apart than these: two that are
-        could not be brought to bear on its neighbours.
+        Through the fish's eyes, a stereo rig has at most their separation: with a larger one near
+        neighbours could not be fused.
         """
         near = rig if self.behind else limit_separation(rig, self.by.half_cm)
         seen = [
@@ -110,7 +110,7 @@ class Ride:
         return tuple(seen)
 
     def text(self, world: World, look: RetinaColours, steered: bool = False) -> str:
-        """Whom one rides and what it has in mind, or who steers it, in one line."""
+        """The fish and its mental state, or that it is steered, in one line."""
         fishes, minds, fish = world.state.fishes, world.state.minds, self.by.fish
         name = world.species[fishes.species[fish]].name
         state = [f"{one} {x:.0%}" for one, x in zip(MENTAL_STATES, minds.mental[fish], strict=True)]
@@ -122,10 +122,10 @@ class Ride:
 
 
 def with_insets(rig: CameraRig) -> tuple[CameraRig, tuple[Rect, ...]]:
-    """A rig with a picture of each eye in the upper corners of the screen ahead, for each viewer.
+    """Add a picture of each eye in the upper corners of the screen ahead, for each viewer.
 
-    And where on its canvas both are to be drawn: above all else that is there. Each picture lies
-    on a patch that is a little larger and all light: its frame.
+    Returns the rig, and where on its canvas to draw both pictures. Each lies on a slightly larger
+    white patch, its frame.
     """
     ahead = front(rig)
     screen = ahead.output, ahead.channel
@@ -145,7 +145,7 @@ def with_insets(rig: CameraRig) -> tuple[CameraRig, tuple[Rect, ...]]:
 
 
 def places(patch: DisplayPatch, size: tuple[int, int]) -> tuple[Rect, Rect]:
-    """Where insets of `size` lie over a patch, as squeezed as it is; left and right."""
+    """The places of insets of `size` over a patch, left and right, squeezed as it is."""
     x, y, across, up = seen_part(patch)
     width, height = (round(a / b) for a, b in zip(size, patch.squeezed, strict=True))
     aside = round(EDGE * across)
@@ -155,14 +155,14 @@ def places(patch: DisplayPatch, size: tuple[int, int]) -> tuple[Rect, Rect]:
 
 
 def framed(place: Rect) -> Rect:
-    """A place with the thin line round it."""
+    """A place with its frame."""
     x, y, width, height = place
     line = max(height // 150, 1)
     return x - line, y - line, width + 2 * line, height + 2 * line
 
 
 def joined(insets: Sequence[Rect]) -> Rect:
-    """The part of the canvas in which the insets lie beside each other."""
+    """The part of the canvas that holds all insets, side by side."""
     left, bottom, width, height = insets[0]
     return left, bottom, len(insets) * width, height
 
@@ -170,7 +170,7 @@ def joined(insets: Sequence[Rect]) -> Rect:
 def pasted(
     drawn: CameraRig, rig: CameraRig, picture: NDArray[np.uint8]
 ) -> tuple[DisplayPatch, ...]:
-    """The insets' patches, which `drawn` has more than `rig`, as taken from a picture of both."""
+    """The patches of the insets in `drawn`, with sources in a picture of both eyes."""
     height, width = picture.shape[0], picture.shape[1] // len(SIDES)
     patches = []
     pictures = (patch for patch in drawn.patches[len(rig.patches) :] if patch.mask is None)
@@ -181,10 +181,10 @@ def pasted(
 
 
 def pictured(seen: IdMaps, look: RetinaColours) -> NDArray[np.uint8]:
-    """What a map shows, in colours (h, w, 3): identities, or ranges, the farther the darker."""
+    """A map as colours (h, w, 3): identities, or ranges, the farther the darker."""
     if look == "identity":
         value, first = values_of(seen), VALUES["fish"]
-        # Of more fishes than have a colour of their own some have the same.
+        # Colours repeat if there are more fishes than colours.
         return np.asarray(
             codes()[np.where(value < first, value, first + (value - first) % MOST_FISHES)]
         )
@@ -193,10 +193,9 @@ def pictured(seen: IdMaps, look: RetinaColours) -> NDArray[np.uint8]:
 
 
 def nearest_to_middle(world: World, view: View) -> int | None:
-    """The fish that a visitor means who looks at it: nearest to the middle of the picture.
+    """The visible fish nearest to the middle of the view; if none is visible, the nearest.
 
-    Of those that the water does not hide; of all, if none of them is in sight. None: there is no
-    living fish but that whose view it is.
+    None if no fish lives but that whose view it is.
     """
     fishes = world.state.fishes
     alive = fishes.alive.copy()

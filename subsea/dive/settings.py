@@ -1,4 +1,4 @@
-"""The visitor's settings: `settings.toml` in the platform's usual place, or a file by its name."""
+"""User settings: `settings.toml` in the folder of the platform, or a file by name."""
 
 import json
 from collections.abc import Callable, Iterator
@@ -104,9 +104,9 @@ class PictureSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, k
 
 
 class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """Everything that a settings file may say, with its defaults."""
+    """All settings, with their defaults."""
 
-    # Only what the file names: see `bindings`.
+    # Only what the file sets: see `bindings`.
     controls: dict[str, list[str]] = msgspec.field(default_factory=dict)
     mouse: MouseSettings = MouseSettings()
     gamepad: GamepadSettings = GamepadSettings()
@@ -118,7 +118,7 @@ class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
 
     @property
     def bindings(self) -> Bindings:
-        """What every input means."""
+        """The bindings of all inputs."""
         return bindings_of(self.controls)
 
 
@@ -126,12 +126,12 @@ DEFAULTS = Settings()
 
 
 def settings_path() -> Path:
-    """Where the settings are unless a file is named; it need not be there."""
+    """The path of the settings if no file is named; it may not exist."""
     return platformdirs.user_config_path("subsea", appauthor=False) / "settings.toml"
 
 
 def read_settings(path: Path) -> Settings:
-    """The settings of a file. Any fault is a UserError: which key, what was expected."""
+    """Read a settings file. A UserError names the key and what was expected."""
     settings = load_toml(path, Settings)
     for place, check in (
         ("controls", lambda: settings.bindings),
@@ -149,8 +149,7 @@ def read_settings(path: Path) -> Settings:
 def usual_settings(tell: Callable[[str], None]) -> Settings:
     """The settings in the usual place, or the defaults.
 
-    A file that makes no sense is kept aside under another name and told in one line; one that
-    cannot be read is told, and left where it is.
+    A faulty file is renamed and reported in one line; an unreadable one is reported and left.
     """
     path = settings_path()
     try:
@@ -163,12 +162,12 @@ def usual_settings(tell: Callable[[str], None]) -> Settings:
     try:
         return read_settings(path)
     except UserError as fault:
-        tell(f"{fault}; {_kept_aside(path)}")
+        tell(f"{fault}; {_rename_aside(path)}")
         return DEFAULTS
 
 
 def write_settings(path: Path) -> None:
-    """Write a file with every setting, each as it is by default; one that is there is kept."""
+    """Write a file with every setting at its default; never replaces a file."""
     if path.exists():
         raise UserError("is there already, and is kept; delete or rename it first", file=path)
     with replacing(path) as part:
@@ -176,7 +175,7 @@ def write_settings(path: Path) -> None:
 
 
 def default_text() -> str:
-    """A settings file that says what every key is for, and changes nothing."""
+    """The text of a settings file that explains every key and changes none."""
     lines = [
         "# The settings of subsea. Every line below is as it is without this file:",
         "# take its first # away and change it.",
@@ -187,7 +186,7 @@ def default_text() -> str:
 
 
 def show_settings(write: bool) -> int:
-    """`subsea settings`: say where they are, or write the defaults there; exit code 0."""
+    """`subsea settings`: print the path, or write the defaults there; exit code 0."""
     path = settings_path()
     if write:
         write_settings(path)
@@ -198,7 +197,7 @@ def show_settings(write: bool) -> int:
 
 
 def _rows(table: Any) -> Iterator[str]:
-    """The lines of a table: what it is for, and its keys."""
+    """The lines of a table: its purpose and its keys."""
     if table.encode_name == "controls":
         yield "# What each input does. Keys are named by their place on a US keyboard, alone or as"
         yield "# Ctrl+Shift+Q; mouse left, right, middle, 4 to 8; the parts of a gamepad as below."
@@ -221,8 +220,8 @@ def _check_mode(mode: str) -> None:
     check_display(mode)
 
 
-def _kept_aside(path: Path) -> str:
-    """Rename a file to the first `kept-N` that is free; what became of it, in words."""
+def _rename_aside(path: Path) -> str:
+    """Rename a file to the first free `kept-N`; returns what was done, as a text."""
     number = 1
     while (other := path.with_name(f"{path.name}.kept-{number}")).exists():
         number += 1

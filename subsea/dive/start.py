@@ -1,4 +1,4 @@
-"""From a scenario's name to a world that is awake, and to pictures without a window."""
+"""Load a scenario into a world that is ready to run; draw without a window."""
 
 import math
 import os
@@ -30,10 +30,10 @@ def start_world(
     scenario: str, seed: int | None = None, fish: int | None = None, tell: Say = say,
     motor: str | None = None, changes: Sequence[str] = (),
 ) -> World:  # fmt: skip
-    """The world of a scenario after its first tick and packet: every kernel is compiled.
+    """The world of a named scenario after its first tick and packet, with kernels compiled.
 
     The motor "playback" simulates no fish, "dynamics" every one as soon as its motion allows,
-    None those that the scenario says. `changes` are those of `--set`.
+    None: as the scenario says. `changes` are those of `--set`.
     """
     chosen, path = load_scenario(scenario, changes)
     number = sum(shoal.number for shoal in chosen.fish) if fish is None else fish
@@ -47,9 +47,9 @@ def ready_world(
     scenario: Scenario, source: Path, seed: int | None = None, tell: Say = say,
     fish: int | None = None, live: int | None = None, live_reach_cm: float = LIVE_REACH_CM,
 ) -> World:  # fmt: skip
-    """The world of a scenario after its first tick and packet: every kernel is compiled.
+    """The world of a scenario after its first tick and packet, with kernels compiled.
 
-    `source` is the scenario's file; all else is what :func:`subsea.world.build.create_world` takes.
+    `source` is the scenario's file; for the others see :func:`subsea.world.build.create_world`.
     """
     warm_up(tell)
     world = create_world(scenario, seed, fish, tell, live, live_reach_cm, str(source))
@@ -61,8 +61,8 @@ def ready_world(
 
 @contextmanager
 def headless() -> Iterator[Any]:
-    """An OpenGL context without a window, released in the end; no OpenGL is a UserError."""
-    # Mesa's remarks would hide the one line that tells what to install.
+    """An OpenGL context without a window; a UserError without OpenGL."""
+    # Messages of Mesa would hide the line that says what to install.
     os.environ.setdefault("EGL_LOG_LEVEL", "fatal")
     from subsea.render import headless_context
 
@@ -70,7 +70,7 @@ def headless() -> Iterator[Any]:
     try:
         yield context
     finally:
-        # Leaving it takes the context off this thread: while it is there, no window can open.
+        # Detach the context from this thread: no window could open otherwise.
         with context:
             pass
         context.release()
@@ -83,7 +83,7 @@ def picture_maker(
     rig: CameraRig,
     quality: "Quality",
 ) -> Iterator["Renderer"]:
-    """A renderer for the pictures of a rig, released in the end."""
+    """A renderer for the pictures of a rig."""
     from subsea.render import Renderer
 
     renderer = Renderer(context, make_scene(world), rig, quality)

@@ -1,4 +1,4 @@
-"""A theatre as a command finds it: which channels work, on which windows, with which rig."""
+"""Set up a theatre: its working channels, their windows, and the rig."""
 
 from collections.abc import Sequence
 from hashlib import file_digest, sha256
@@ -22,7 +22,7 @@ from subsea.view.theatre.warp import describe_warp
 
 
 class TheatreSetup(NamedTuple):
-    """What is to be shown of a theatre."""
+    """The part of a theatre that this computer shows."""
 
     theatre: Theatre
     path: Path
@@ -37,10 +37,10 @@ def set_up_theatre(
     node: str | None = None,
     shrink: int = 1,
 ) -> TheatreSetup:
-    """The theatre called `name`, with what does not work told and left out.
+    """Load a theatre; faulty channels are reported and left out.
 
-    `node` asks for the windows of one computer, None for all; `shrink` for so many times fewer
-    pixels a side. A theatre of which nothing can be shown is a UserError.
+    `node`: the windows of one computer; None: all. `shrink`: times fewer pixels a side. A UserError
+    if nothing can be shown.
     """
     theatre, path = load_theatre(name)
     if node is not None and theatre.cluster is None:
@@ -70,9 +70,9 @@ def chosen_rig(
     theatre: str | None = None,
     shrink: int = 1,
 ) -> tuple[CameraRig, tuple[str, ...]]:
-    """The rig of a theatre, or of a display mode for one picture of `size` if none is named.
+    """The rig of a theatre, or of a display mode if none is named; and names of its outputs.
 
-    Also what its outputs are called: "" if there is only one.
+    `size` is that of the one picture of a display mode. A single output is called "".
     """
     if theatre is not None:
         house = set_up_theatre(theatre, display, stereo, shrink=shrink)
@@ -84,7 +84,7 @@ def chosen_rig(
 
 
 def theatre_digest(name: str | None) -> str | None:
-    """What decides how a theatre looks: its whole file, and the calibration data that it names."""
+    """A digest of a theatre file and the calibration files that it names; None without one."""
     if name is None:
         return None
     theatre, path = load_theatre(name)
@@ -95,13 +95,13 @@ def theatre_digest(name: str | None) -> str | None:
         try:
             with file.open("rb") as data:
                 whole.update(file_digest(data, "sha256").digest())
-        except (OSError, ValueError):  # which is told where it is used
+        except (OSError, ValueError):  # reported where it is used
             whole.update(b"none")
     return whole.hexdigest()
 
 
 def shown_windows(theatre: Theatre, found: Sequence[Lighted], node: str | None) -> list[int]:
-    """The numbers of a computer's windows, None: of all, in which there is something to see."""
+    """Indices of the windows with a channel, of one node; None: of all nodes."""
     return [
         number
         for number, window in enumerate(theatre.window)
@@ -110,9 +110,9 @@ def shown_windows(theatre: Theatre, found: Sequence[Lighted], node: str | None) 
 
 
 def shrink_theatre(theatre: Theatre, times: int) -> Theatre:
-    """The same theatre with so many times fewer pixels a side.
+    """The same theatre with `times` fewer pixels a side.
 
-    A UserError if of a window or a part of one less would be left than its file may say.
+    A UserError if a window or viewport would get smaller than a file may ask for.
     """
     if times == 1:
         return theatre
@@ -127,7 +127,7 @@ def shrink_theatre(theatre: Theatre, times: int) -> Theatre:
         if channel.viewport is None:
             return channel
         x, y, width, height = channel.viewport
-        left, top = x // times, y // times  # edges that meet go on to meet
+        left, top = x // times, y // times  # common edges stay common
         size = (x + width) // times - left, (y + height) // times - top
         _check_left(times, size, f"channel {channel.name!r}")
         return msgspec.structs.replace(channel, viewport=(left, top, *size))
@@ -148,7 +148,7 @@ def _check_left(times: int, size: tuple[int, int], what: str) -> None:
 
 
 def describe(name: str) -> int:
-    """Print what a theatre has and what of it does not work: exit code 0 if all works, else 1."""
+    """Print the parts and faults of a theatre; exit code 0 if all works, else 1."""
     theatre, path = load_theatre(name)
     print(f"{path}: {theatre.title or 'a theatre'}")
     found: Sequence[Lighted]
@@ -188,7 +188,7 @@ def describe(name: str) -> int:
 
 
 def _words(one: Lighted) -> str:
-    """What a channel is, in a few words."""
+    """A short description of a channel."""
     parts = [f"{one.place[2]}x{one.place[3]} pixels, {type(one.screen).__name__.lower()}"]
     if one.screen is None:
         parts = [f"{one.place[2]}x{one.place[3]} pixels, {one.shape.name.lower()}"]

@@ -1,4 +1,4 @@
-"""Whose clock and hands make the ticks of a dive: this computer's, or the master's of several."""
+"""Where ticks come from: this computer, or the master of a cluster."""
 
 import time
 from collections.abc import Callable, Iterator
@@ -20,67 +20,68 @@ from subsea.view.theatre.theatre_file import Theatre
 from subsea.world.step import Order
 from subsea.world.world import TICK_S, World
 
-if TYPE_CHECKING:  # those who dive alone need not load it
+if TYPE_CHECKING:  # loaded only in a cluster
     from subsea.dive.cluster.follower import Follower
     from subsea.dive.cluster.master import Master
 
-PATIENCE_S = 0.02  # for so long a node looks for the next picture before it looks at its window
-HOLD_S = 0.25  # the same while the master is silent: the picture that is held is drawn so often
+PATIENCE_S = 0.02  # a follower waits for the next picture before it handles window events
+HOLD_S = 0.25  # the same while the master is silent
 
 
 class TickSource(Protocol):
-    """Makes the ticks of each picture, and has it shown at the right moment."""
+    """Makes the ticks of each picture, and synchronises when it is shown."""
 
-    steered_fish: int | None  # the fish whose reins the hands hold, where nobody shares the dive
+    steered_fish: int | None  # the fish that the pilot steers; None in a cluster
 
     @property
     def has_pilot(self) -> bool:
-        """Whether the pilot is here."""
+        """Whether the pilot sits at this computer."""
 
     @property
     def shared(self) -> bool:
-        """Whether other computers show the same dive, so that all look from the same place."""
+        """Whether other computers show the same dive."""
 
     @property
     def timeline(self) -> Timeline | None:
-        """Stops time and takes it back; None where others share it."""
+        """Controls time; None in a cluster."""
 
     @property
     def waiting(self) -> str:
-        """What the dive waits for, in words; nothing while it goes on."""
+        """What the dive waits for, as a text; empty while it runs."""
 
     @property
     def idle_s(self) -> float:
-        """Time of the last call of `picture` in which there was nothing to do."""
+        """Time that the last call of `advance` spent waiting."""
 
     def advance(self, elapsed_s: float) -> float | None:
-        """Make the ticks that are due; the point between the last two at which to draw.
+        """Make the ticks that are due `elapsed_s` after the last picture.
 
-        `elapsed_s` is the time since the last picture. None if there is nothing new to draw.
+        Returns the share of the way from the last tick but one to the last at which to draw; None
+        if there is nothing new to draw.
         """
 
     def eye(self) -> CameraPose:
-        """Where the pilot's eye is in that picture."""
+        """The pose of the pilot's eye in that picture."""
 
     def set_tour(self, tour: Steer | None) -> None:
-        """Have a tour take the submarine along from now on, until a hand moves; None: hands do."""
+        """Have a tour steer from the next tick on, until there is input; None: the pilot steers."""
 
     def swap(self, drawn: Callable[[], None]) -> None:
-        """Return when the picture is to be shown; `drawn` returns when it is drawn."""
+        """Wait until the picture may be shown; `drawn` waits until it is drawn."""
 
     def close(self) -> list[str]:
-        """End the dive; what is to be told of it."""
+        """End the dive; returns lines to report."""
 
 
 class SteeringSource:
-    """What the submarine does: a tour, if there is one, until a hand moves."""
+    """Steers the submarine: a tour until there is input, then the pilot."""
 
     def __init__(self, world: World, pilot: Pilot, tour: Steer | None) -> None:
         self.tour = tour
         self._world, self._pilot = world, pilot
 
     def ticks(self, number: int) -> Iterator[Helm | Rail]:
-        """What to do in each of the next ticks; to be asked for when the tick before is made."""
+        """Commands for the next ticks; take each one when the tick before is made."""
         for _ in range(number):
             helm = self._pilot.helm(TICK_S)
             if helm != HANDS_OFF:
@@ -89,30 +90,30 @@ class SteeringSource:
 
 
 class LocalTicks:
-    """This computer's clock and hands; a tour until these move, if there is one."""
+    """Ticks by this computer's clock and pilot, or a tour until there is input."""
 
     has_pilot, shared, waiting, idle_s = True, False, "", 0.0
 
     def __init__(self, world: World, pilot: Pilot, tour: Steer | None = None) -> None:
         self.timeline = Timeline(world)
-        self.steered_fish: int | None = None  # the fish whose reins the hands hold
+        self.steered_fish: int | None = None  # the fish that the pilot steers
         self._world, self._pilot = world, pilot
         self.steering, self._prediction = SteeringSource(world, pilot, tour), Prediction()
 
     def advance(self, elapsed_s: float) -> float:
-        """As many ticks as have become due."""
+        """Make the ticks that are due."""
         for one in self._orders(self.timeline.due(elapsed_s)):
             self.timeline.make(one)
         carried = self.steering.tour or self.steered_fish is not None
-        self._prediction.go_on(elapsed_s, not carried and not self.timeline.paused)
+        self._prediction.update(elapsed_s, not carried and not self.timeline.paused)
         return self.timeline.alpha
 
     def eye(self) -> CameraPose:
-        """In the present, unless it is on a tour or time stands still."""
+        """Predicted, unless on a tour or while time is paused."""
         return self._prediction.eye(self._world, self.timeline.alpha, self._pilot.predicted(TICK_S))
 
     def _orders(self, number: int) -> Iterator[Order]:
-        """What the course or the hands ask for; hands that hold reins ask it of their fish."""
+        """Commands to the submarine, or to the fish that is steered."""
         if self.steered_fish is None:
             return self.steering.ticks(number)
         return (
@@ -120,19 +121,19 @@ class LocalTicks:
         )
 
     def set_tour(self, tour: Steer | None) -> None:
-        """From the next tick on."""
+        """See `TickSource.set_tour`."""
         self.steering.tour = tour
 
     def swap(self, drawn: Callable[[], None]) -> None:
-        """At once: nobody is waited for."""
+        """Return at once."""
 
     def close(self) -> list[str]:
-        """Nothing to tell."""
+        """Nothing to report."""
         return []
 
 
 def teleop_command(helm: Helm, fish: int) -> TeleopCommand:
-    """What hands at a helm ask of a fish: it rises where the submarine would pitch up or rise."""
+    """The command to a fish for a helm: it rises if the submarine would pitch up or rise."""
     if helm.full_stop:
         return TeleopCommand(fish)
     rise = min(max(helm.pitch + helm.heave, -1.0), 1.0)
@@ -140,7 +141,7 @@ def teleop_command(helm: Helm, fish: int) -> TeleopCommand:
 
 
 class LeaderTicks:
-    """This computer's clock and hands, or the tour until these move, which others follow."""
+    """Ticks as `LocalTicks`, made by all computers of a cluster together."""
 
     has_pilot, shared, waiting, idle_s = True, True, "", 0.0
     timeline = None
@@ -151,34 +152,34 @@ class LeaderTicks:
         self.steering = SteeringSource(master.world, pilot, tour)
 
     def advance(self, elapsed_s: float) -> float:
-        """As many ticks as have become due, here and on all nodes."""
+        """Make the ticks that are due, here and on all nodes."""
         ticks = self.steering.ticks(self._clock.advance(elapsed_s))
-        # Hands do not look at the world: what they do can be told ahead.
+        # The pilot's commands do not depend on the world: they can be sent ahead of the ticks.
         self._master.picture(ticks if self.steering.tour else list(ticks), self._clock.alpha)
         return self._clock.alpha
 
     def eye(self) -> CameraPose:
-        """A tick late, where all nodes see it."""
+        """Interpolated as on all nodes, a tick late."""
         return cockpit(self._master.world.state.submarine, self._clock.alpha)
 
     def set_tour(self, tour: Steer | None) -> None:
-        """From the next tick on, for all."""
+        """See `TickSource.set_tour`."""
         self.steering.tour = tour
 
     def swap(self, drawn: Callable[[], None]) -> None:
-        """When all nodes have drawn theirs."""
+        """Wait until all nodes have drawn."""
         drawn()
         self._master.swap()
 
     def close(self) -> list[str]:
-        """How long each node was waited for."""
+        """Report how long each node was waited for."""
         report = self._master.report()
         self._master.close()
         return report
 
 
 class FollowerTicks:
-    """The clock and hands of the master."""
+    """The ticks of the master."""
 
     has_pilot, shared, timeline = False, True, None
     steered_fish: int | None = None
@@ -190,11 +191,11 @@ class FollowerTicks:
 
     @property
     def waiting(self) -> str:
-        """What the node waits for."""
+        """See `TickSource.waiting`."""
         return self._node.waiting
 
     def advance(self, elapsed_s: float) -> float | None:
-        """The master's next ticks; its time counts, not `elapsed_s`."""
+        """Make the master's next ticks, whatever `elapsed_s` is."""
         start = time.perf_counter()
         alpha = self._node.picture(HOLD_S if self._node.waiting else PATIENCE_S)
         self.idle_s = time.perf_counter() - start
@@ -202,19 +203,19 @@ class FollowerTicks:
         return alpha
 
     def eye(self) -> CameraPose:
-        """Where the master's is."""
+        """The master's."""
         return cockpit(self._node.world.state.submarine, self._alpha)
 
     def set_tour(self, tour: Steer | None) -> None:
-        """That is the master's to do."""
+        """Ignored: the master decides."""
 
     def swap(self, drawn: Callable[[], None]) -> None:
-        """When the master and all other nodes have drawn theirs."""
+        """Wait until the master and all other nodes have drawn."""
         drawn()
         self._node.swap()
 
     def close(self) -> list[str]:
-        """Nothing to tell: the master does."""
+        """Nothing to report: the master does."""
         self._node.close()
         return []
 
@@ -225,11 +226,10 @@ def tick_source_maker(
     node: str | None,
     view: str = "",
 ) -> Callable[[World, Pilot], TickSource]:
-    """Who makes the ticks on the computer `node` of a theatre, from the file `path`.
+    """The maker of the tick source on the computer `node` of a theatre.
 
-    None shows all of its windows on this computer, alone. All need the same `view`.
-    Keys that are missing and an address that needs some are UserErrors, here rather than when the
-    world is there.
+    None: this computer shows all windows. `view` must be equal on all computers. A UserError if
+    keys are missing, raised here rather than after the world is loaded. `path` is the theatre's.
     """
     cluster = theatre.cluster
     if node is None or cluster is None:

@@ -1,5 +1,4 @@
-"""Who steers in films and benchmarks: a tour of the scenario, or an autopilot that goes where
-something happens and keeps a polite distance."""
+"""Automatic steering: a tour of the scenario, or an autopilot that follows the action."""
 
 import math
 from collections.abc import Callable
@@ -29,13 +28,13 @@ from subsea.world.world import TICK_S, World
 
 Array = NDArray[np.float64]
 
-# What the tour looks at, the most interesting first.
+# Kinds of subjects, the most interesting first.
 HOOK, HUNT, PAIR, SHOAL = range(4)
-KEEP_S = 4.0  # so long it looks on when its subject has ended, lest it is only interrupted
-FAITH = 0.5  # the present hunter or pair counts as so much nearer
-TURN_S = 2.0  # so long it takes to look at something else
-DIPPED_CM = 30.0  # so deep a hook is worth looking at
-COURT_CM = 350.0  # from farther away a pair is too small to be sought out
+KEEP_S = 4.0  # it keeps looking after its subject has ended, which may only be interrupted
+FAITH = 0.5  # factor on the distance of the current hunter or pair, which is preferred
+TURN_S = 2.0  # to change to another subject
+DIPPED_CM = 30.0  # least depth of a hook to look at
+COURT_CM = 350.0  # largest distance of a pair to look at
 
 # Close enough to see a fish's eye, far enough not to crowd it: a pair stops dancing if it is.
 SHOAL_CM, HOOK_CM, NEAREST_CM, FARTHEST_CM = 200.0, 140.0, 115.0, 350.0
@@ -43,18 +42,18 @@ SHOAL_CM, HOOK_CM, NEAREST_CM, FARTHEST_CM = 200.0, 140.0, 115.0, 350.0
 NEARER, NEARER_S = 0.35, 31.0
 ASIDE_RAD, ASIDE_S = 0.20, 23.0
 ABOVE, ABOVE_S = 0.22, 17.0
-LOOKAHEAD_S = 1.5  # the hull slips so long: begin to brake before it is there
+LOOKAHEAD_S = 1.5  # the hull slips: begin to brake early
 
-MARGIN_CM = 10.0  # what passes a pillar or rock so closely is hidden by it
-DETOURS = np.radians([20.0, 35.0, 50.0, 65.0, 80.0])  # tried in turn to come round what hides
+MARGIN_CM = 10.0  # added to pillars and rocks when they hide something
+DETOURS = np.radians([20.0, 35.0, 50.0, 65.0, 80.0])  # tried in turn, to get around an obstacle
 DETOUR_CM, DETOUR_SURGE = 300.0, 0.3
 
 
-Steer = Callable[[World], Helm | Rail]  # what to ask of the submarine; to be called once a tick
+Steer = Callable[[World], Helm | Rail]  # called once a tick; returns the command to the submarine
 
 
 def steer_along(world: World, course: Course | None) -> Steer:
-    """Who takes the submarine along a course, on which it is put at once; None: the autopilot."""
+    """Steering along a course, onto which the submarine is put at once; None: the autopilot."""
     if course is None:
         return Tour().helm
     tick = world.state.tick
@@ -67,10 +66,10 @@ def steer_along(world: World, course: Course | None) -> Steer:
 
 
 class Subject(NamedTuple):
-    """What to look at: HOOK to SHOAL, and of whom.
+    """What to look at: a kind from HOOK to SHOAL, and its members.
 
-    Members are the catch of a hook, if there is one; a hunter and its prey; a male and a female;
-    of a shoal its species and how many are alive.
+    Members of a hook: its catch, if any; of a hunt: hunter and prey; of a pair: male and female;
+    of a shoal: its species and number of living fishes.
     """
 
     kind: int
@@ -78,22 +77,22 @@ class Subject(NamedTuple):
 
 
 class Tour:
-    """What a pilot with time to look asks for, tick by tick; the same for the same dive.
+    """The autopilot. It depends on the world alone: the same dive has the same tour.
 
-    It faces its subject and follows it, now nearer, now farther, a little to the side, a little
-    above, and comes round what stands between. Without fishes it cruises.
+    It faces and follows its subject, with slow changes of distance, bearing and height, and gets
+    around obstacles. Without fishes it cruises.
     """
 
     def __init__(self) -> None:
         self.subject: Subject | None = None
-        self.aim = np.zeros(4)  # cm: the place that it looks at, and how far off it keeps
-        self._seen = 0.0  # s, world time, when the subject was last there ...
-        self._changed = 0.0  # ... and when anything about it last changed
+        self.aim = np.zeros(4)  # cm: the place that it looks at, and its distance
+        self._seen = 0.0  # s, world time, when the subject was last seen
+        self._changed = 0.0  # s, when the subject last changed
         self._offset = np.zeros(4)  # from the subject to the aim, at that moment
-        self._side = 0.0  # on which it goes round what hides the subject: 1 left, -1 right
+        self._side = 0.0  # on which it passes an obstacle: 1 left, -1 right
 
     def helm(self, world: World) -> Helm:
-        """The commands for this tick; ask once a tick."""
+        """The command for this tick; call once a tick."""
         now = world.state.tick * TICK_S
         subject = self._choose(world, now)
         if subject is None:
@@ -106,9 +105,9 @@ class Tour:
         return self._steer(world, now)
 
     def _choose(self, world: World, now: float) -> Subject | None:
-        """The most interesting subject; the present one for a while after its end.
+        """The most interesting subject; or the current one, for a while after its end.
 
-        The end of a hook is no interruption: it has left the water.
+        A hook is dropped at once: it has left the water.
         """
         found = _subjects(world, self.subject)
         kind = self.subject.kind if self.subject else HOOK
@@ -142,7 +141,7 @@ class Tour:
         )
 
     def _detour(self, world: World, bearing: float) -> float:
-        """How far left of the subject to steer (rad) to see it again, 0 while it is in sight."""
+        """Angle (rad) to steer left of the subject to see it again; 0 while it is visible."""
         boat = vector(world.state.submarine.position)
         if not hidden(world, boat, vector(self.aim[:3]), MARGIN_CM):
             self._side = 0.0
@@ -159,11 +158,11 @@ class Tour:
 
 
 def _subjects(world: World, present: Subject | None) -> list[Subject]:
-    """All that may be looked at, the most interesting first.
+    """All possible subjects, the most interesting first.
 
-    Of hunts the nearest, of pairs the furthest on comes first; the present ones are preferred,
-    a pair that dances together to its end. Hunts count within sight of the submarine, pairs
-    within COURT_CM.
+    The nearest hunt and the furthest advanced pair come first; the current ones are preferred, and
+    a pair that circles is kept to its end. Hunts count within the visibility, pairs within
+    COURT_CM.
     """
     fishes, minds, sea = world.state.fishes, world.state.minds, world.state.sea
     if len(fishes.position) == 0:
@@ -195,12 +194,12 @@ def _subjects(world: World, present: Subject | None) -> list[Subject]:
 
 
 def _aim(world: World, subject: Subject) -> Array:
-    """Where a subject is, and from how far to look at it: (4,), cm."""
+    """The place of a subject and the distance to look from: (4,), cm."""
     fishes = world.state.fishes
     if subject.kind == HOOK:
         return np.array([*world.state.sea.hook, HOOK_CM])
     if subject.kind == SHOAL:
-        # The median ignores a straggler that would drag the mean away from the shoal.
+        # The median ignores stragglers.
         shoal = fishes.species == subject.members[0]
         living = shoal & fishes.alive
         shoal = living if living.any() else shoal
@@ -213,7 +212,7 @@ def _aim(world: World, subject: Subject) -> Array:
 
 
 def hidden(world: World, a: Vector, b: Vector, margin: float) -> bool:
-    """Whether a pillar or rock stands between a and b, other than one within which b lies."""
+    """Whether a pillar or rock lies between a and b, except one that contains b."""
     sea = world.state.sea
     return any(0.0 < ray_meets_pillar(row, margin, b, a) <= 1.0 for row in sea.pillars) or any(
         0.0 < ray_meets_rock(row, margin, b, a) <= 1.0 for row in sea.rocks
@@ -221,7 +220,7 @@ def hidden(world: World, a: Vector, b: Vector, margin: float) -> bool:
 
 
 def _faded(share: float) -> float:
-    """1 at 0, 0 from 1 on, with a level start and end."""
+    """Smooth step from 1 at 0 to 0 at 1."""
     t = min(max(share, 0.0), 1.0)
     return 1.0 - t * t * (3.0 - 2.0 * t)
 

@@ -1,6 +1,4 @@
-"""What makes moving pictures easy to bear: a horizon while the nose is up or down, a darker rim
-while the picture turns or the hull speeds up.
-"""
+"""Against motion sickness: a horizon while the nose is up or down, and a vignette in fast turns."""
 
 import math
 
@@ -11,18 +9,18 @@ from subsea.submarine.hull import ACCELERATION_CM_S2, YAW_RAD_S
 from subsea.ui.gui import INK, colour
 from subsea.view.unproject import FrontView
 
-TILTED, STEEP = math.radians(4.0), math.radians(12.0)  # where the horizon begins to show, and does
-SHOWN = 0.55  # how visible it is then
+TILTED, STEEP = math.radians(4.0), math.radians(12.0)  # pitch: horizon begins to show, and does
+SHOWN = 0.55  # its opacity then
 FAR_CM = 1e6
-ASIDE = math.radians(8.0)  # of straight ahead, where its height is asked for
-PARTS = ((0.30, 0.44), (0.56, 0.70))  # of the width that it takes: straight ahead stays free
+ASIDE = math.radians(8.0)  # from straight ahead, where its height is computed
+PARTS = ((0.30, 0.44), (0.56, 0.70))  # shares of the width that it covers: the middle stays free
 EASE_S = 0.4
-FEW, SEGMENTS = 0.35, 48  # of full turning nothing darkens; the rim's pieces
+FEW, SEGMENTS = 0.35, 48  # share of the fastest turn that darkens nothing; segments of the rim
 DARK = (0.0, 0.03, 0.05)
 
 
 def draw_horizon(sight: FrontView) -> None:
-    """A line on the screen ahead where the water's horizon is, if that is not straight ahead."""
+    """Draw the water's horizon on the screen ahead, if it is not straight ahead."""
     eye, way = sight.ray(0.5, 0.5)
     pitch = math.asin(float(np.clip(way[2], -1.0, 1.0)))
     share = (abs(pitch) - TILTED) / (STEEP - TILTED)
@@ -49,15 +47,15 @@ def draw_horizon(sight: FrontView) -> None:
 
 
 class Vignette:
-    """How dark the rim is: as much of `most` as the submarine turns and speeds up fast."""
+    """A darker rim while the submarine turns or accelerates fast."""
 
     def __init__(self, most: float) -> None:
-        """None at first; `most` in [0, 1] is what the settings allow."""
+        """`most` in [0, 1] is the largest opacity, from the settings."""
         self.most, self.amount = most, 0.0
         self._velocity = np.zeros(3)
 
     def update(self, rates: np.ndarray, velocity: np.ndarray, dt: float) -> None:
-        """The hull turns at `rates`, rad/s, and moves so (3,), cm/s, `dt` seconds later."""
+        """Adapt to rates, rad/s, and velocity (3,), cm/s, of the hull `dt` seconds later."""
         if dt <= 0.0:
             return
         faster = float(np.linalg.norm(velocity - self._velocity)) / dt / ACCELERATION_CM_S2
@@ -67,7 +65,7 @@ class Vignette:
         self.amount += (1.0 - math.exp(-dt / EASE_S)) * (wanted - self.amount)
 
     def draw(self) -> None:
-        """Darken the rim of the present frame's screen."""
+        """Draw it in the current frame."""
         shown = self.most * self.amount
         if shown < 0.01:
             return
@@ -77,7 +75,7 @@ class Vignette:
         angles = np.linspace(0.0, math.tau, SEGMENTS + 1)
         round_ = np.stack([np.cos(angles), np.sin(angles)], axis=1)
         middle = np.array([size.x, size.y]) / 2
-        # Within half the way to the edges nothing darkens; the corners are beyond the outer rim.
+        # The inner half stays clear; the corners are beyond the outer rim.
         rims = [(middle + share * middle * round_).tolist() for share in (0.5, 1.15, 2.0)]
         tints = (clear, dark, dark)
         canvas.prim_reserve(12 * SEGMENTS, 12 * SEGMENTS)

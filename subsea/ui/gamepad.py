@@ -1,8 +1,7 @@
-"""Gamepads: what their sticks, triggers and buttons ask for, looked at once a picture.
+"""Gamepads, polled once a picture.
 
-A part of a gamepad is an input like any key, with a name, but it may be moved by a part of its way
-only. Which part of which model is which, mappings tell: the window library's own, those in
-`assets/gamecontrollerdb.txt`, and the user's.
+A part of a gamepad is a named input like a key, with an amount in [0, 1]. Mappings name the parts
+of each model: those of the window library, of `assets/gamecontrollerdb.txt`, and of the user.
 """
 
 import os
@@ -19,38 +18,39 @@ from subsea.dive.pilot import Pilot
 from subsea.dive.settings import GamepadSettings, settings_path
 from subsea.ui.window import Listener
 
-MAPPINGS = "gamecontrollerdb.txt"  # the name that such files have everywhere
-IN_ENVIRONMENT = "SDL_GAMECONTROLLERCONFIG"  # more mappings, as games know it
-CURVE = 1.5  # exponent of the answer of a stick: fine near the middle
-STEP = 0.01  # of its way: a part that moves by less has not moved
-PRESSED, RELEASED = 0.5, 0.3  # of its way: beyond, and below, an axis is a button
+MAPPINGS = "gamecontrollerdb.txt"  # the usual name of such files
+IN_ENVIRONMENT = "SDL_GAMECONTROLLERCONFIG"  # more mappings, as in games
+CURVE = 1.5  # exponent of the response of a stick: fine near the middle
+STEP = 0.01  # smaller changes are ignored
+PRESSED, RELEASED = 0.5, 0.3  # thresholds at which an axis acts as a button
 
 
 class GamepadState(NamedTuple):
-    """A gamepad as it is now, in the window library's order of buttons and axes."""
+    """The state of a gamepad, in the window library's order of buttons and axes."""
 
     name: str
     buttons: Sequence[int]  # 1 where pressed
     axes: Sequence[float]  # in [-1, 1]; down and right positive, a trigger at rest -1
 
 
-Read = Callable[[], Mapping[int, GamepadState | None]]  # by their numbers; None: no known gamepad
+Read = Callable[[], Mapping[int, GamepadState | None]]  # by number; None: not a known gamepad
 
 
 class Gamepads:
-    """All gamepads there are steer the same submarine. They may come and go at any time."""
+    """All connected gamepads, which steer the same submarine and may come and go."""
 
     def __init__(self, pilot: Pilot, commands: list[Command], read: Read | None = None) -> None:
-        """What is asked for goes to the `pilot`, and is added to the `commands`."""
+        """Actions go to the `pilot`, others are added to the `commands`."""
         self._pilot, self._commands = pilot, commands
         self.read = _there if read is None else read
-        self._amounts: dict[str, float] = {}  # of inputs, as the pilot knows them
+        self._amounts: dict[str, float] = {}  # by name of the input
         self._down: set[str] = set()  # inputs beyond PRESSED
         self._names: dict[int, str | None] = {}
 
     def poll(self, listener: Listener | None = None) -> list[str]:
-        """Hand on what has moved since the last call, to the `listener` first; what is to be told
-        of those that came or went, in lines.
+        """Process changes since the last call, which the `listener` may take.
+
+        Returns lines on gamepads that came or went.
         """
         there = self.read()
         lines = self._told({number: state and state.name for number, state in there.items()})
@@ -77,14 +77,13 @@ class Gamepads:
                 lines.append(f"the gamepad {name!r} steers")
             else:
                 own = settings_path().parent / MAPPINGS
-                lines.append(
-                    f"unknown gamepad {_text(glfw.get_joystick_name(number))!r}: {own} may map it, "
-                    f"by its number {_text(glfw.get_joystick_guid(number))}"
-                )
+                model = _text(glfw.get_joystick_name(number))
+                guid = _text(glfw.get_joystick_guid(number))
+                lines.append(f"unknown gamepad {model!r}: add a mapping for the ID {guid} to {own}")
         return lines
 
     def _move(self, name: str, amount: float, listener: Listener | None) -> None:
-        """The input `name` is at `amount` of its way."""
+        """The input `name` is at `amount` in [0, 1]."""
         before = self._amounts.get(name, 0.0)
         if abs(amount - before) < STEP and (amount > 0.0) == (before > 0.0):
             return
@@ -112,7 +111,7 @@ class Gamepads:
 
 
 def amounts(state: GamepadState, settings: GamepadSettings) -> dict[str, float]:
-    """How far each part of a gamepad is moved that is: its input's name, in (0, 1]."""
+    """Amounts in (0, 1] of the parts of a gamepad that are moved, by input name."""
     found = {}
     for name, down in zip(PAD_BUTTONS, state.buttons, strict=True):
         if down:
@@ -130,21 +129,21 @@ def amounts(state: GamepadState, settings: GamepadSettings) -> dict[str, float]:
 
 
 def add_mappings(tell: Callable[[str], None]) -> None:
-    """Teach the window library, which must have started, all mappings; later ones go before."""
+    """Add all mappings to the window library, which must be running; later ones win."""
     texts = [resource_path(f"assets/{MAPPINGS}").read_text(encoding="utf-8")]
     own = settings_path().parent / MAPPINGS
     if own.exists():
         texts.append(_text_of(own, tell))
     texts.append(os.environ.get(IN_ENVIRONMENT, ""))
     for text in texts:
-        # Line by line: one that the library cannot read must not take the others with it.
+        # Line by line, so that one faulty line does not affect the others.
         for line in text.splitlines():
             if line and not line.startswith("#") and not _add(line):
-                tell(f"no mapping of a gamepad: {line[:60]}")
+                tell(f"not a gamepad mapping: {line[:60]}")
 
 
 def _there() -> dict[int, GamepadState | None]:
-    """The gamepads that the window library sees now."""
+    """All connected gamepads."""
     found: dict[int, GamepadState | None] = {}
     for number in range(glfw.JOYSTICK_1, glfw.JOYSTICK_LAST + 1):
         if not glfw.joystick_present(number):
@@ -162,7 +161,7 @@ def _text(words: Any) -> str:
 
 
 def _beyond(offset: float, settings: GamepadSettings) -> float:
-    """How far a part is moved beyond the dead zone, in [0, 1]."""
+    """The amount beyond the dead zone, in [0, 1]."""
     zone = settings.dead_zone
     return min(max(offset - zone, 0.0) / (1.0 - zone) * settings.sensitivity, 1.0)
 
@@ -176,7 +175,7 @@ def _text_of(path: Path, tell: Callable[[str], None]) -> str:
 
 
 def _add(line: str) -> bool:
-    """Teach the window library a mapping; whether it is one."""
+    """Add a mapping to the window library; False if it is faulty."""
     guid = line.partition(",")[0]
     if len(guid) != 32 or not set(guid) <= set("0123456789abcdef"):
         return guid == "xinput"

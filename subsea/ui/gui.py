@@ -1,4 +1,4 @@
-"""Dear ImGui in the pilot's window: its frames, what hands do in them, and where they are drawn."""
+"""Dear ImGui in the pilot's window: frames, input and drawing."""
 
 import time
 from collections.abc import Iterator, Sequence
@@ -13,15 +13,15 @@ from imgui_bundle import imgui
 from subsea.view.text_viewports import WHOLE, TextViewport
 
 TEXT_PT = 18.0
-ROOM = 34.0, 20.0  # what the help needs of the screen at least, in heights of its letters
-SQUEEZED = 1.2  # how much larger, and bold, text is whose strokes would be lost
+ROOM = 34.0, 20.0  # the least screen for the help, in heights of its letters
+SQUEEZED = 1.2  # factor on text in squeezed viewports, which is also bold
 INK = (0.93, 0.97, 1.0)
 QUIET = (0.62, 0.76, 0.84)
 DEEP = (0.02, 0.13, 0.20)
-GLASS = (0.01, 0.06, 0.10)  # what panels are made of
+GLASS = (0.01, 0.06, 0.10)  # background of panels
 LIT = (0.16, 0.52, 0.66)
-MARK = (0.55, 0.90, 1.0)  # of what is chosen, and of curves
-SHADE = (0.0, 0.05, 0.08)  # behind what stands over the sea itself
+MARK = (0.55, 0.90, 1.0)  # what is chosen, and curves
+SHADE = (0.0, 0.05, 0.08)  # behind text over the sea
 
 KEYS = {
     glfw.KEY_TAB: imgui.Key.tab,
@@ -40,7 +40,7 @@ KEYS = {
     glfw.KEY_ENTER: imgui.Key.enter,
     glfw.KEY_KP_ENTER: imgui.Key.keypad_enter,
     glfw.KEY_ESCAPE: imgui.Key.escape,
-    # What text fields know with Ctrl: all, copy, paste, cut, redo, undo; and what saves.
+    # With Ctrl: all, copy, paste, cut, redo, undo, save.
     glfw.KEY_A: imgui.Key.a,
     glfw.KEY_C: imgui.Key.c,
     glfw.KEY_V: imgui.Key.v,
@@ -59,7 +59,7 @@ MODIFIERS = (
     (glfw.MOD_ALT, imgui.Key.mod_alt),
     (glfw.MOD_SUPER, imgui.Key.mod_super),
 )
-# The parts of a gamepad that go from one entry to the next, choose it, and go back.
+# Parts of a gamepad that navigate: to the next entry, choose, back.
 PADS = {
     "pad A": imgui.Key.gamepad_face_down,
     "pad B": imgui.Key.gamepad_face_right,
@@ -74,26 +74,26 @@ PADS = {
         )
     },
 }
-PUSHED = 0.5  # of its way: so far a part of a gamepad is moved that is meant
+PUSHED = 0.5  # amount from which a part of a gamepad navigates
 
 
 class Gui:
-    """One frame of it after another over the present picture, drawn with its OpenGL 3 backend.
+    """Draws frames over the picture, with the OpenGL 3 backend.
 
-    What hands do reaches it while it is `open`: then the pointer is its own, and does not steer,
-    and so are the keys while something is being typed.
+    While it is `open` it receives the pointer, which does not steer then, and keys while text is
+    typed.
     """
 
     def __init__(self) -> None:
         """Attach to the window whose OpenGL context is current."""
         self.open = False
-        self.heard = 0  # how many things hands have done that reached it
+        self.heard = 0  # count of input events
         self._navigated = False
-        self._unsure = 0  # frames until it is known whether the last click was on a field of text
+        self._unsure = 0  # frames until it is known whether the last click was on a text field
         self._context = imgui.create_context()
         self._io = imgui.get_io()
         self._io.set_ini_filename(None)
-        self._io.config_error_recovery_enable_debug_log = False  # see `mended`
+        self._io.config_error_recovery_enable_debug_log = False  # see `recovering_errors`
         self._io.config_error_recovery_enable_tooltip = False
         fonts = Path(imgui_bundle.__file__).parent / "assets" / "fonts" / "Roboto"
         self._plain, self._bold = (
@@ -110,9 +110,9 @@ class Gui:
         self, points: tuple[int, int], pixels: tuple[int, int], scale: float,
         panes: Sequence[TextViewport] = (WHOLE,),
     ) -> None:  # fmt: skip
-        """Begin a frame on a window of so many pointer units and pixels.
+        """Begin a frame on a window of a size in pointer units and in pixels.
 
-        What follows goes to each of the `panes`, in the same place for both eyes: at the screen.
+        What follows is drawn in each of the `panes`, for both eyes at the depth of the screen.
         """
         imgui.backends.opengl3_new_frame()
         now = time.perf_counter()
@@ -144,7 +144,7 @@ class Gui:
         across, down = scale.x, scale.y
         for pane in self._panes:
             pane.page(pane.number)
-            # What would fill the screen is drawn as the pane's part of a larger window.
+            # The viewport shows its part of a larger window.
             wider, higher = pane.screen[0] / pane.width, pane.screen[1] / pane.height
             width, height = wider * self._window[0], higher * self._window[1]
             data.display_pos = imgui.ImVec2(-pane.x * width, -pane.y * height)
@@ -153,7 +153,7 @@ class Gui:
             imgui.backends.opengl3_render_draw_data(data)
 
     def navigate(self, on: bool) -> None:
-        """Whether arrows, Enter and a gamepad go from one thing to the next, and choose it."""
+        """Set whether arrows, Enter and a gamepad navigate."""
         flags = imgui.ConfigFlags_
         keys = flags.nav_enable_keyboard.value | flags.nav_enable_gamepad.value
         self._io.config_flags = self._io.config_flags & ~keys | (keys if on else 0)
@@ -162,19 +162,19 @@ class Gui:
 
     @property
     def on_panel(self) -> bool:
-        """Whether the pointer is on a panel, or drags what began on one."""
+        """Whether the pointer is on a panel, or in a drag that began on one."""
         return bool(self._io.want_capture_mouse)
 
     @property
     def pointer(self) -> tuple[float, float]:
-        """Where the pointer is on the screen, in shares of it from the upper left corner."""
+        """The pointer, in shares of the screen from the upper left corner."""
         place, size = self._io.mouse_pos, self._io.display_size
         return place.x / size.x, place.y / size.y
 
     def pointed(self, x: float, y: float) -> bool:
-        """The pointer is there, in pointer units of the window; whether that is for panels."""
+        """The pointer moved, in pointer units of the window; True if panels take it."""
         self.heard += 1
-        # Two eyes see one pointer: where it is on the screen that their panes show squeezed.
+        # Map from the viewport under the pointer to the screen that all show.
         share_x, share_y = x / self._window[0], y / self._window[1]
         pane = next((one for one in self._panes if _within(one, share_x, share_y)), self._panes[0])
         self._io.add_mouse_pos_event(
@@ -184,7 +184,7 @@ class Gui:
         return self.open
 
     def pressed(self, button: int, down: bool) -> bool:
-        """A mouse button went down or up; whether that is for panels."""
+        """A mouse button went down or up; True if panels take it."""
         self.heard += 1
         if self.open and down:
             self._unsure = 2
@@ -193,22 +193,22 @@ class Gui:
         return self.open
 
     def scrolled(self, dx: float, dy: float) -> bool:
-        """The wheel turned; whether that is for panels."""
+        """The wheel turned; True if panels take it."""
         self.heard += 1
         if self.open:
             self._io.add_mouse_wheel_event(dx, dy)
         return self.open
 
     def keyed(self, key: int, down: bool, modifiers: int) -> bool:
-        """A key went down or up; whether that is for a field in which something is typed.
+        """A key went down or up; True if a text field takes it.
 
-        Or may be: just after a click nobody knows yet whether there is one under the pointer.
+        Also just after a click, when it is not yet known whether that was on a text field.
         """
         self.heard += 1
         if self.open or not down:
             for bit, name in MODIFIERS:
                 self._io.add_key_event(name, bool(modifiers & bit))
-            # The modifiers of an event are those of before it.
+            # Modifiers of an event are those before it.
             for name, keys in PRESSED.items():
                 if key in keys:
                     self._io.add_key_event(name, down)
@@ -217,7 +217,7 @@ class Gui:
         return self.open and (bool(self._io.want_text_input) or self._unsure > 0)
 
     def moved(self, name: str, amount: float) -> bool:
-        """A part of a gamepad moved; whether that is for what it navigates. Else it steers on."""
+        """A part of a gamepad moved; True if it navigates."""
         if not self._navigated or name not in PADS:
             return False
         self._io.add_key_event(PADS[name], amount > PUSHED)
@@ -230,7 +230,7 @@ class Gui:
             self._io.add_input_character(character)
 
     def release_all(self) -> None:
-        """The window lost the keyboard, or the panels were put away."""
+        """Release all inputs: the window lost the keyboard, or panels were closed."""
         self.heard += 1
         for button in range(3):
             self._io.add_mouse_button_event(button, False)
@@ -238,14 +238,14 @@ class Gui:
             self._io.add_key_event(name, False)
 
     def close(self) -> None:
-        """Release what it holds; the window's context must still be current."""
+        """Release resources; the window's context must still be current."""
         imgui.backends.opengl3_shutdown()
         imgui.destroy_context(self._context)
 
 
 @contextmanager
 def recovering_errors() -> Iterator[None]:
-    """What is drawn in it may fail: what it has begun and not ended is ended then."""
+    """If drawing fails within, end all scopes of ImGui that it has begun."""
     before, io = imgui.internal.ErrorRecoveryState(), imgui.get_io()
     imgui.internal.error_recovery_store_state(before)
     try:
@@ -258,7 +258,7 @@ def recovering_errors() -> Iterator[None]:
 
 
 def fill_with_text(text: str) -> None:
-    """Fill the window with one line of text on deep water, in the present frame."""
+    """Fill the window with one line of text, in the current frame."""
     size = imgui.get_io().display_size
     box = imgui.calc_text_size(text)
     canvas = imgui.get_background_draw_list()
@@ -267,7 +267,7 @@ def fill_with_text(text: str) -> None:
 
 
 def colour(rgb: tuple[float, float, float], alpha: float = 1.0) -> int:
-    """A colour as draw lists want it."""
+    """A colour packed for draw lists."""
     packed: int = imgui.get_color_u32((*rgb, alpha))
     return packed
 
@@ -276,7 +276,7 @@ def draw_shadowed_text(
     place: tuple[float, float], text: str, size: float, rgb: tuple[float, float, float],
     alpha: float = 1.0, share: float = 0.0,
 ) -> None:  # fmt: skip
-    """Text over the sea, letters of `size`; `share` of its width lies left of the place."""
+    """Draw text with a shadow over the sea; `share` of its width lies left of the place."""
     canvas = imgui.get_background_draw_list()
     imgui.push_font(None, size)
     x, y = place[0] - share * imgui.calc_text_size(text).x, place[1]
@@ -293,7 +293,7 @@ def _within(pane: TextViewport, x: float, y: float) -> bool:
 
 
 def _dress(style: Any) -> None:
-    """How panels look: dark glass over the sea, one light colour for what is chosen."""
+    """Style panels: dark glass over the sea, one light colour for what is chosen."""
     style.window_rounding, style.frame_rounding, style.grab_rounding = 8.0, 4.0, 4.0
     style.popup_rounding, style.scrollbar_rounding, style.tab_rounding = 6.0, 6.0, 4.0
     style.window_border_size, style.popup_border_size = 0.0, 0.0

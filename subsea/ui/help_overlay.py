@@ -1,7 +1,4 @@
-"""The sign beside the exhibit: a mouse, with what each part of it does, and the keys that matter.
-
-What it tells are the inputs that the settings bind.
-"""
+"""The help: a mouse with the functions of its parts, and the most important keys, as bound."""
 
 from collections.abc import Sequence
 from typing import Any, NamedTuple
@@ -11,13 +8,13 @@ from imgui_bundle import imgui
 from subsea.dive.bindings import Bindings, ControlName
 from subsea.ui.gui import GLASS, INK, LIT, QUIET, colour, draw_shadowed_text
 
-WIDE, HIGH = 32.0, 15.6  # of the sign, in heights of letters
+WIDE, HIGH = 32.0, 15.6  # of the help, in heights of letters
 ROW = 1.38
-KEYS_X, WORDS_X = 17.0, 21.8  # where the columns of keys and of their words begin
-CAP = 1.15  # how high a key is drawn
+KEYS_X, WORDS_X = 17.0, 21.8  # left edges of the columns of keys and texts
+CAP = 1.15  # height of a key
 ARROWS = {"Left": (-1.0, 0.0), "Right": (1.0, 0.0), "Up": (0.0, -1.0), "Down": (0.0, 1.0)}
 
-# What the parts of the mouse are called beside it.
+# Labels beside the mouse.
 BESIDE_MOUSE: dict[ControlName, str] = {
     "ahead": "ahead", "astern": "back", "full stop": "stop", "left": "left", "right": "right",
     "up": "nose up", "down": "nose down", "rise": "rise", "dive": "dive",
@@ -37,16 +34,16 @@ PAIRS: tuple[tuple[tuple[ControlName, ...], str], ...] = (
 
 
 class Row(NamedTuple):
-    """Keys, and what they do."""
+    """Keys, and their function."""
 
     keys: tuple[str, ...]
     what: str
 
 
 class HelpContent(NamedTuple):
-    """What is on it."""
+    """Texts of the help."""
 
-    left: str  # what the buttons of the mouse do, by a word each
+    left: str  # function of the left mouse button
     right: str
     wheel: str
     moving: str
@@ -57,7 +54,7 @@ class HelpContent(NamedTuple):
 def help_content(
     bindings: Bindings, steers: bool = True, without: Sequence[ControlName] = ()
 ) -> HelpContent:
-    """The sign for these bindings, whose pointer `steers`; `without` what cannot be done here."""
+    """The help for these bindings; the pointer `steers`. `without`: unavailable controls."""
     left, right, middle = (
         BESIDE_MOUSE.get(control, "") if (control := bindings.control(f"mouse {name}")) else ""
         for name in ("left", "right", "middle")
@@ -78,8 +75,8 @@ def help_content(
     )
 
 
-def draw_help(sign: HelpContent, opacity: float, foot: float) -> None:
-    """Draw it in the present frame, at the right, its lower edge at `foot`."""
+def draw_help(content: HelpContent, opacity: float, foot: float) -> None:
+    """Draw it at the right of the current frame, its lower edge at `foot`."""
     size = imgui.get_io().display_size
     line = min(imgui.get_font_size(), foot / (HIGH + 1.2), size.x / (WIDE + 2.4))
     if line < 1.0:
@@ -89,9 +86,9 @@ def draw_help(sign: HelpContent, opacity: float, foot: float) -> None:
     canvas.add_rect_filled(
         (x, y), (x + WIDE * line, foot), colour(GLASS, 0.62 * opacity), 0.6 * line
     )
-    _mouse(canvas, sign, x + 8.0 * line, y + 0.3 * line, line, opacity)
-    top = y + (HIGH - ROW * len(sign.rows)) / 2 * line
-    for number, row in enumerate(sign.rows):
+    _mouse(canvas, content, x + 8.0 * line, y + 0.3 * line, line, opacity)
+    top = y + (HIGH - ROW * len(content.rows)) / 2 * line
+    for number, row in enumerate(content.rows):
         high, at = top + (ROW * number + (ROW - CAP) / 2) * line, x + KEYS_X * line
         for key in row.keys:
             at += _cap(canvas, key, at, high, line, opacity) + 0.3 * line
@@ -99,19 +96,21 @@ def draw_help(sign: HelpContent, opacity: float, foot: float) -> None:
         draw_shadowed_text(words, row.what, line, INK, opacity)
 
 
-def _mouse(canvas: Any, sign: HelpContent, x: float, y: float, line: float, opacity: float) -> None:
-    """A mouse seen from above, its middle at x, with words around it."""
+def _mouse(
+    canvas: Any, content: HelpContent, x: float, y: float, line: float, opacity: float
+) -> None:
+    """Draw a mouse from above, its middle at x, with labels."""
     wide, high = 5.2 * line, 7.6 * line
     top = y + 3.3 * line
-    cut = top + 0.42 * high  # where its buttons end
+    cut = top + 0.42 * high  # lower end of its buttons
     left, right, foot = x - wide / 2, x + wide / 2, top + high
     flags = imgui.ImDrawFlags_
     round_, thick = 2.5 * line, max(0.13 * line, 1.5)
     ink, glow = colour(INK, opacity), colour(LIT, 0.75 * opacity)
     canvas.add_rect_filled((left, top), (right, foot), colour(GLASS, 0.6 * opacity), round_)
     for lit, begin, end, corner in (
-        (sign.left, left, x, flags.round_top_left),
-        (sign.right, x, right, flags.round_top_right),
+        (content.left, left, x, flags.round_top_left),
+        (content.right, x, right, flags.round_top_right),
     ):
         if lit:
             canvas.add_rect_filled((begin, top), (end, cut), glow, round_, corner.value)
@@ -122,19 +121,19 @@ def _mouse(canvas: Any, sign: HelpContent, x: float, y: float, line: float, opac
         (x - 0.38 * line, top + 0.7 * line), (x + 0.38 * line, top + 2.2 * line), ink, 0.38 * line
     )
     beside, gap = top + 0.9 * line, 0.7 * line
-    draw_shadowed_text((left - gap, beside), sign.left, 1.1 * line, INK, opacity, 1.0)
-    draw_shadowed_text((right + gap, beside), sign.right, 1.1 * line, INK, opacity)
-    draw_shadowed_text((x, y + 1.5 * line), sign.wheel, line, INK, opacity, 0.5)
-    if sign.moving:
+    draw_shadowed_text((left - gap, beside), content.left, 1.1 * line, INK, opacity, 1.0)
+    draw_shadowed_text((right + gap, beside), content.right, 1.1 * line, INK, opacity)
+    draw_shadowed_text((x, y + 1.5 * line), content.wheel, line, INK, opacity, 0.5)
+    if content.moving:
         middle = cut + 0.5 * (foot - cut)
         for way in ARROWS.values():
             _arrow(canvas, x + 1.15 * way[0] * line, middle + 1.15 * way[1] * line, way, line, ink)
-        draw_shadowed_text((x, foot + 0.55 * line), sign.moving, 1.15 * line, INK, opacity, 0.5)
-    draw_shadowed_text((x, foot + 2.0 * line), sign.both, 0.85 * line, QUIET, opacity, 0.5)
+        draw_shadowed_text((x, foot + 0.55 * line), content.moving, 1.15 * line, INK, opacity, 0.5)
+    draw_shadowed_text((x, foot + 2.0 * line), content.both, 0.85 * line, QUIET, opacity, 0.5)
 
 
 def _cap(canvas: Any, key: str, x: float, y: float, line: float, opacity: float) -> float:
-    """A key with its name; how wide it is."""
+    """Draw a key with its name; returns its width."""
     imgui.push_font(None, 0.8 * line)
     text = imgui.calc_text_size(key)
     imgui.pop_font()
@@ -153,7 +152,7 @@ def _cap(canvas: Any, key: str, x: float, y: float, line: float, opacity: float)
 def _arrow(
     canvas: Any, x: float, y: float, way: tuple[float, float], line: float, ink: int
 ) -> None:
-    """A triangle about (x, y) that points there."""
+    """Draw a triangle at (x, y) that points along `way`."""
     (dx, dy), long, half = way, 0.34 * line, 0.36 * line
     canvas.add_triangle_filled(
         (x + long * dx, y + long * dy),
@@ -164,7 +163,7 @@ def _arrow(
 
 
 def _key(bindings: Bindings, control: ControlName) -> str:
-    """The first key that means it; nothing if only the mouse or a gamepad does."""
+    """The first key of a control; "" if only the mouse or a gamepad has it."""
     return next(
         (name for name in bindings.inputs(control) if not name.startswith(("mouse ", "pad "))), ""
     )

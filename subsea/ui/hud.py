@@ -1,7 +1,4 @@
-"""The instruments: a compass, depth and speed at the foot of the picture.
-
-They fade while nothing changes, and come back when something does.
-"""
+"""Instruments at the foot of the picture: compass, depth and speed; they fade while unchanged."""
 
 import math
 from itertools import pairwise
@@ -13,12 +10,12 @@ from subsea.state import Submarine
 from subsea.submarine.hull import AHEAD_CM_S, ASTERN_CM_S, hull_axes
 from subsea.ui.gui import INK, MARK, QUIET, SHADE, colour, draw_shadowed_text
 
-STILL_S = 6.0  # nothing has changed for so long when they fade
+STILL_S = 6.0  # they fade after this time without change
 FADE_S, SHOW_S = 1.5, 0.3
-TAPE = 15.0  # the compass is so wide, in heights of letters ...
-SPAN_DEG = 60.0  # ... and shows so much to either side
-BAR = 5.5  # so long is the bar of speed
-HIGH = 4.4  # all is so high
+TAPE = 15.0  # width of the compass, in heights of letters
+SPAN_DEG = 60.0  # that the compass shows to either side
+BAR = 5.5  # length of the speed bar
+HIGH = 4.4  # height of all instruments
 POINTS = {0: "N", 90: "E", 180: "S", 270: "W"}
 
 Mode = Literal["as needed", "always", "never"]
@@ -26,12 +23,12 @@ MODES: tuple[Mode, ...] = ("as needed", "always", "never")
 
 
 class Reading(NamedTuple):
-    """What the instruments show."""
+    """Values of the instruments."""
 
     depth_m: float
     heading_deg: float  # by the compass: clockwise from the x axis of the world, [0, 360)
     ahead_m_s: float
-    set_share: float  # the speed that the wheel has set, of full thrust
+    set_share: float  # speed set by the wheel, share of full thrust
     stopping: bool
 
     def differs(self, other: "Reading") -> bool:

@@ -1,7 +1,7 @@
-"""The desk: a bar over the world from which panels are opened (Tu §9.3), and what they may do.
+"""The inspector ("desk" in settings and manual): a bar that opens panels over the sea (Tu §9.3).
 
-While it is open the pointer is the desk's: on a panel the panel's, elsewhere it picks and drags
-what is in the sea. Keys steer on.
+While it is open the pointer does not steer: it uses panels, and picks and drags things in the sea.
+Keys still steer.
 """
 
 import itertools
@@ -20,15 +20,15 @@ from subsea.ui.gui import GLASS, MARK, colour, recovering_errors
 from subsea.ui.panels import PANELS
 from subsea.ui.panels.intention import name_of
 
-RING = 0.62  # radius of the ring about the chosen fish, in lengths of it ...
-LEAST_RING = 0.6  # ... and at least, in heights of letters
-MARGIN, BAR = 0.7, 1.9  # about panels, and the bar's height, in heights of letters
-LIKELY = 26.0, 20.0  # how large a panel is taken to be before it was drawn, in the same
+RING = 0.62  # radius of the ring around the chosen fish, in its lengths
+LEAST_RING = 0.6  # least radius, in heights of letters
+MARGIN, BAR = 0.7, 1.9  # around panels, and height of the bar, in heights of letters
+LIKELY = 26.0, 20.0  # expected size of a panel before it is drawn, in the same
 BACK = "To the helm"  # the bar's last entry
-LEAST_SHARE = 0.1  # of the bar's letters, in a window in which nothing could be read
-LEAST_GAP = 2.0  # on either side of the bar's entries, in pointer units
+LEAST_SHARE = 0.1  # smallest factor on the bar's letters, in a narrow window
+LEAST_GAP = 2.0  # between the bar's entries, in pointer units
 PANEL = imgui.WindowFlags_.always_auto_resize.value | imgui.WindowFlags_.horizontal_scrollbar.value
-STEP = 1.6  # by which further panels are moved where there is no room beside the others
+STEP = 1.6  # offset of further panels when there is no free room
 
 
 class Inspector(PanelContext):
@@ -42,15 +42,15 @@ class Inspector(PanelContext):
 
     @property
     def open(self) -> bool:
-        """Whether the pointer is the desk's."""
+        """Whether the pointer uses panels rather than steers."""
         return self.dive.gui.open
 
     def toggle(self) -> None:
-        """Open or close it; its panels are where they were when it is opened again."""
+        """Open or close it; open panels stay open."""
         gui = self.dive.gui
         gui.open = not gui.open
         if gui.open:
-            self.dive.overlay.hide_help()  # it tells of a pointer that steers
+            self.dive.overlay.hide_help()  # it explains steering with the pointer
         else:
             gui.release_all()
 
@@ -60,8 +60,8 @@ class Inspector(PanelContext):
         self.take_changes()
 
     def draw(self) -> None:
-        """The bar and the panels that are open, in the present frame of the gui."""
-        self._let_the_dead_go()
+        """Draw the bar and the open panels in the current frame."""
+        self._drop_dead()
         if not self.open:
             return
         self._mark_chosen()
@@ -89,7 +89,7 @@ class Inspector(PanelContext):
         self.dragging &= imgui.is_mouse_down(0)
 
     def _bar(self) -> None:
-        """An entry for each panel, and one that leads back; closer together where it is narrow."""
+        """Draw an entry for each panel, and one that closes; closer together if narrow."""
         words = [*PANELS, BACK]
         screen, style = imgui.get_io().display_size, imgui.get_style()
         wide, gaps = sum(imgui.calc_text_size(word).x for word in words), 3 * len(words)
@@ -111,7 +111,7 @@ class Inspector(PanelContext):
 
     @contextmanager
     def _contained(self, what: str) -> Iterator[None]:
-        """A fault in it is told, and costs the visitor that panel, if it is one, but no dive."""
+        """Report an error within, close the panel `what`, and let the dive go on."""
         try:
             yield
         except LeftError:
@@ -125,7 +125,7 @@ class Inspector(PanelContext):
             warnings.warn(traceback.format_exc(), RuntimeWarning, stacklevel=3)
 
     def _room(self) -> tuple[float, float]:
-        """Where one more panel hides none of those that are open, if there is room."""
+        """A place for another panel that hides none of the open ones, if possible."""
         line, size = imgui.get_font_size(), imgui.get_io().display_size
         margin, taken = MARGIN * line, self.areas.values()
         columns = sorted([margin, *(x + width + margin for x, _, width, _ in taken)])
@@ -143,7 +143,7 @@ class Inspector(PanelContext):
         return margin + step, BAR * line + step
 
     def end_frame(self) -> None:
-        """Do what panels asked for after the frame."""
+        """Do what panels have deferred to the end of the frame."""
         if self.take_changes() and self.dive.timeline:
             self.dive.timeline.touch()
         for act in self.take_waiting():
@@ -151,17 +151,17 @@ class Inspector(PanelContext):
                 act()
 
     def _choose_at(self, x: float, y: float) -> None:
-        """Choose the fish that is seen at a place on the screen; none where there is none."""
+        """Choose the fish at a place on the screen; None if there is none."""
         self.chosen = self.dive.picture.fish_at(x, y)
 
-    def _let_the_dead_go(self) -> None:
+    def _drop_dead(self) -> None:
         world = self.dive.world
         if self.chosen is not None and not world.state.fishes.alive[self.chosen]:
-            self.dive.overlay.note(f"{name_of(world, self.chosen)} is no more")
+            self.dive.overlay.note(f"{name_of(world, self.chosen)} has died")
             self.chosen = None
 
     def _mark_chosen(self) -> None:
-        """A thin ring about the chosen fish, under all panels."""
+        """Draw a thin ring around the chosen fish, under all panels."""
         sight, ride = self.dive.picture.sight, self.dive.picture.ride
         if self.chosen is None or sight is None or (ride and ride.by.fish == self.chosen):
             return
@@ -183,7 +183,7 @@ class Inspector(PanelContext):
 
 
 def _keep_inside(name: str) -> None:
-    """Have a panel that is about to be drawn lie within the screen, and be no larger."""
+    """Keep a panel that is about to be drawn within the screen."""
     screen, window = imgui.get_io().display_size, imgui.internal.find_window_by_name(name)
     margin, bar = (heights * imgui.get_font_size() for heights in (MARGIN, BAR))
     most = screen.x - 2.0 * margin, screen.y - bar - margin

@@ -1,4 +1,4 @@
-"""A dive in an exhibition: nothing that a visitor does can strand it, and one key leaves it."""
+"""Kiosk mode for exhibitions: only a key of the operator ends the dive."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -12,17 +12,18 @@ from subsea.dive.bindings import COMMANDS, Command, bindings_of, input_name
 from subsea.dive.settings import Settings
 from subsea.ui.window import GlWindow
 
-# What visitors may wish for. The rest has no inputs.
+# Commands of visitors; all others have no inputs.
 ALLOWED: tuple[Command, ...] = (
     "help", "menu", "ride", "look", "follow", "reins", "alight", "lights", "leave",
 )  # fmt: skip
-POINTER_S = 3.0  # a pointer that has rested so long is hidden
-AGAIN_S = 1.0  # so often the keyboard is asked for while another program has it
+POINTER_S = 3.0  # until a resting pointer is hidden
+AGAIN_S = 1.0  # between attempts to take the keyboard back
 
 
 def kiosk_settings(settings: Settings) -> Settings:
-    """The same settings for a kiosk: inputs mean what visitors may wish for, the operator's key
-    leaves. A UserError if that is an input of visitors.
+    """The same settings with inputs for visitors only, and the operator's key to leave.
+
+    A UserError if that key is an input of visitors.
     """
     nothing: dict[str, list[str]] = {wish: [] for wish in COMMANDS if wish not in ALLOWED}
     controls = settings.controls | nothing
@@ -36,10 +37,10 @@ def kiosk_settings(settings: Settings) -> Settings:
 
 
 class Kiosk:
-    """Keeps windows open and before all others, and hides a pointer that rests."""
+    """Keeps windows open and in front, and hides a resting pointer."""
 
     def __init__(self, windows: Sequence[GlWindow]) -> None:
-        """From now on."""
+        """Begin now."""
         self._windows = windows
         self._rested_s = self._away_s = 0.0
         self._hidden = False
@@ -48,7 +49,7 @@ class Kiosk:
             glfw.set_window_attrib(window.handle, glfw.AUTO_ICONIFY, False)
 
     def update(self, moved: bool, dt: float) -> None:
-        """`dt` seconds later; whether a hand has `moved` anything meanwhile."""
+        """Update `dt` seconds later; `moved`: there was input."""
         self._rested_s = 0.0 if moved else self._rested_s + dt
         hidden = self._rested_s > POINTER_S
         if hidden != self._hidden:
@@ -65,7 +66,7 @@ class Kiosk:
 
     @staticmethod
     def _take_back(handle: Any) -> None:
-        """Ask for the keyboard again."""
+        """Restore the window and take the keyboard."""
         if glfw.get_window_attrib(handle, glfw.ICONIFIED):
             glfw.restore_window(handle)
         glfw.focus_window(handle)

@@ -1,4 +1,4 @@
-"""Labels of diagrams over the picture, in a frame of the gui."""
+"""Labels of diagrams over the picture."""
 
 from collections.abc import Sequence
 
@@ -9,12 +9,12 @@ from subsea.frame.labels import Label
 from subsea.ui.gui import INK, colour
 from subsea.view.unproject import FrontView
 
-SMALL = 0.8  # of the gui's letters
+SMALL = 0.8  # factor on the size of letters
 SHADE = (0.0, 0.05, 0.08)
 
 
 def draw_labels(labels: Sequence[Label], sight: FrontView | None) -> None:
-    """Write labels where the screen ahead shows their places; nowhere if that is no flat picture.
+    """Draw labels at their places on the screen ahead; none if that is not a flat picture.
 
     For two eyes: where the left one sees them.
     """
@@ -25,7 +25,7 @@ def draw_labels(labels: Sequence[Label], sight: FrontView | None) -> None:
     canvas = imgui.get_background_draw_list()
     places = sight.places(np.array([label.place for label in labels]))
     for (x, y), label in zip(places.tolist(), labels, strict=True):
-        if not (0.0 <= x <= 1.0 and 0.0 <= y <= 1.0):  # nor what is behind, which is nowhere
+        if not (0.0 <= x <= 1.0 and 0.0 <= y <= 1.0):  # NaN for what is behind
             continue
         wide = SMALL * imgui.calc_text_size(label.text).x
         left, top = x * size.x - wide / 2, y * size.y - tall

@@ -1,7 +1,6 @@
-"""The menu: what a visitor may choose without knowing a key, large enough for three metres.
+"""The menu, readable from three metres, used by mouse, arrows and Enter, or gamepad.
 
-The sea goes on behind it, dimmed, and the submarine holds station. The mouse chooses, or the
-arrows and Enter, or a gamepad.
+The sea goes on behind it, dimmed, while the submarine holds station.
 """
 
 from collections.abc import Callable, Iterator
@@ -22,11 +21,11 @@ from subsea.ui.gui import DEEP, LIT, QUIET, colour
 from subsea.ui.panels.fields import typed_whole
 
 APPEAR_S = 0.25
-DIM = 0.5  # how much of the sea behind it is lost
-LARGE = 2.0  # its letters, in those of other text, where there is room ...
-LEAST = 0.8  # ... and where there is not; what has no room then is scrolled to
-ROW = 1.75  # an entry is so high, in heights of letters
-WIDE = 17.0  # and so wide
+DIM = 0.5  # opacity of the shade over the sea
+LARGE = 2.0  # size of its letters over that of other text, if there is room
+LEAST = 0.8  # least size; then pages scroll
+ROW = 1.75  # height of an entry, in heights of letters
+WIDE = 17.0  # width of an entry, in the same
 
 DISPLAYS = {
     "mono": "One picture",
@@ -49,21 +48,21 @@ class Entry(NamedTuple):
 
     text: str
     act: Callable[[], object]
-    aside: str = ""  # at its right end
+    aside: str = ""  # text at its right end
     chosen: bool = False
 
 
 class Menu:
-    """Pages of entries. What an entry does waits for the end of the frame."""
+    """Pages of entries. Entries act after the frame."""
 
     def __init__(self, dive: DiveContext, kiosk: bool = False) -> None:
-        """Closed. In a `kiosk` it has no entry by which an exhibit could be stranded."""
+        """Closed. In a `kiosk` it lacks entries that could block an exhibit."""
         self.dive, self.kiosk = dive, kiosk
         self.open = False
-        self.seed = 0  # in its field
+        self.seed = 0  # value of its field
         self.page = ""
         self._opacity = 0.0
-        self._at_the_desk = False
+        self._gui_was_open = False
         self._titles: dict[Path, str] = {}
         self._pages: dict[str, Callable[[], Iterator[Entry]]] = {
             "": self._first,
@@ -73,23 +72,23 @@ class Menu:
         }
 
     def show(self) -> None:
-        """Open it: from now on the pointer, the arrows and Enter are its own."""
+        """Open it; it takes the pointer, arrows and Enter."""
         self.open, self.page, self._opacity = True, "", 0.0
         self.seed = self.dive.world.state.seed
         self._titles = scenario_titles()
-        self._at_the_desk = self.dive.gui.open
+        self._gui_was_open = self.dive.gui.open
         self.dive.gui.open = True
         self.dive.gui.navigate(True)
 
     def hide(self) -> None:
-        """Close it, and go back to the helm or the desk."""
+        """Close it, and return to the helm or the inspector."""
         self.open = False
         self.dive.gui.navigate(False)
         self.dive.gui.release_all()
-        self.dive.gui.open = self._at_the_desk
+        self.dive.gui.open = self._gui_was_open
 
     def back(self) -> None:
-        """To the first page, or out of it."""
+        """Return to the first page, or close it."""
         if self.page:
             self._turn("")
         else:
@@ -100,7 +99,7 @@ class Menu:
         return list(self._pages[self.page]())
 
     def draw(self, dt: float) -> None:
-        """Draw it in the present frame, `dt` seconds after the last."""
+        """Draw it in the current frame, `dt` seconds after the last."""
         self._opacity = min(self._opacity + dt / APPEAR_S, 1.0)
         size = imgui.get_io().display_size
         shade = colour(DEEP, DIM * self._opacity)
@@ -122,7 +121,7 @@ class Menu:
         imgui.set_next_window_pos((size.x / 2, size.y / 2), 0, (0.5, 0.5))
         imgui.set_next_window_size_constraints((0.0, 0.0), (size.x, size.y))
         flags = imgui.WindowFlags_
-        # A name for each page: each begins where it says, rather than where the last one was left.
+        # One name for each page, so that each keeps its own scroll position.
         imgui.begin(
             f"menu {self.page}",
             None,
@@ -249,9 +248,9 @@ class _Titled(msgspec.Struct, frozen=True):
 
 
 def scenario_titles() -> dict[Path, str]:
-    """The files of the scenarios that have names, and their titles.
+    """Files of all named scenarios, with their titles.
 
-    One that cannot be read goes by its name: choosing it tells why.
+    An unreadable file is listed by its name; choosing it reports the error.
     """
     return {(path := scenario_file(name).resolve()): _title(path) for name in scenario_names()}
 

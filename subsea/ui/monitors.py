@@ -1,4 +1,4 @@
-"""Where windows open: the display, its monitors, and what is asked of them."""
+"""The display, its monitors, and the placement of windows on them."""
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -10,7 +10,7 @@ import imgui_bundle  # noqa: F401  # before glfw: it brings the one libglfw that
 from subsea.core.errors import UserError
 from subsea.view.rig import CameraRig
 
-FILM = "`subsea film dive.mp4` makes a film"  # what can be done without a display
+FILM = "`subsea film dive.mp4` makes a film"  # the alternative without a display
 PLATFORMS = {
     glfw.PLATFORM_X11: "X11",
     glfw.PLATFORM_WAYLAND: "Wayland",
@@ -20,7 +20,7 @@ PLATFORMS = {
 
 
 class Screen(NamedTuple):
-    """What is asked of a window: a monitor that it fills, else a position, else what comes."""
+    """Placement of a window: a monitor to fill, else a position, else by the desktop."""
 
     name: str
     size: tuple[int, int]  # pixels
@@ -29,12 +29,12 @@ class Screen(NamedTuple):
 
     @property
     def fixed(self) -> bool:
-        """Whether it has a place of its own: then it has no border, and stays there."""
+        """Whether its place is given: then it has no border, and stays there."""
         return self.position is not None or self.monitor is not None
 
 
 class Installation(NamedTuple):
-    """A rig that stays as it is whatever becomes of its windows, one for each of its outputs."""
+    """A fixed rig, with one window for each of its outputs."""
 
     rig: CameraRig
     screens: Sequence[Screen]
@@ -42,7 +42,7 @@ class Installation(NamedTuple):
 
 
 class Monitor(NamedTuple):
-    """A monitor that there is."""
+    """A connected monitor."""
 
     number: int  # from 1, the primary one
     name: str
@@ -52,12 +52,12 @@ class Monitor(NamedTuple):
     handle: Any = None
 
     def __str__(self) -> str:
-        """Number, name and size: what a theatre file may call it."""
+        """Number, name and size, as in a theatre file."""
         return f"{self.number} {self.name!r} {self.size[0]}x{self.size[1]}"
 
 
 class DesktopDisplay(NamedTuple):
-    """Where windows open."""
+    """The display that windows open on."""
 
     platform: str  # "X11", "Wayland", …
     monitors: list[Monitor]
@@ -67,7 +67,7 @@ class DesktopDisplay(NamedTuple):
 def on_display(without: str = FILM) -> Iterator[DesktopDisplay]:
     """Start the window library, and stop it in the end.
 
-    No display is a UserError that tells what can be done `without` one.
+    A UserError without a display, with the alternative `without` one.
     """
     glfw.ERROR_REPORTING = "exception"
     try:
@@ -84,7 +84,7 @@ def on_display(without: str = FILM) -> Iterator[DesktopDisplay]:
 
 
 def monitors() -> list[Monitor]:
-    """The monitors of the display that is open."""
+    """The monitors of the open display."""
     found = []
     for number, handle in enumerate(glfw.get_monitors(), start=1):
         mode = glfw.get_video_mode(handle)
@@ -96,7 +96,7 @@ def monitors() -> list[Monitor]:
 
 
 def monitor_name(handle: Any) -> str:
-    """What a monitor calls itself."""
+    """The name of a monitor."""
     name: Any = glfw.get_monitor_name(handle)
     return name.decode("utf-8", "replace") if isinstance(name, bytes) else str(name)
 
@@ -107,10 +107,10 @@ def placed(
     source: str = "",
     tell: Callable[[str], None] = lambda message: None,
 ) -> list[tuple[int, Monitor | None]]:
-    """The screens that can be shown, by their numbers, and their monitors if they ask for one.
+    """Indices of the screens that can be shown, with the monitors that they ask for.
 
-    A screen whose monitor is missing, or another's, is left out and told; if no other is left it
-    is a UserError.
+    Screens whose monitor is missing or taken are reported and left out; a UserError if none is
+    left.
     """
     found: list[tuple[int, Monitor | None]] = []
     faults = []

@@ -1,6 +1,6 @@
-"""The windows of a dive, open before the world is there, and before what makes it is loaded.
+"""Open the windows of a dive before its modules and its world are loaded.
 
-Nothing here imports the world: so a visitor sees within half a second that something happens.
+Nothing here imports the world, so that a window appears within half a second.
 """
 
 from collections.abc import Callable
@@ -18,16 +18,16 @@ from subsea.view.stereo import PAGED
 
 
 class Opening(NamedTuple):
-    """Windows, what is drawn over pictures in the first of them, and whose hands are heard."""
+    """Open windows, with the gui of the first one and the pilot."""
 
     window_set: WindowSet
     gui: Gui
     pilot: Pilot
-    rig: CameraRig | None  # that stays, whatever the size of windows; None: there is one window
+    rig: CameraRig | None  # fixed; None: it follows the size of the one window
     close: Callable[[], None]  # may be called twice
 
     def show(self, text: str) -> None:
-        """Fill the pilot's window with one line of text on deep water."""
+        """Fill the pilot's window with one line of text."""
         window = self.window_set.front
         self.gui.begin(window.points, window.size, window.text_scale)
         fill_with_text(text)
@@ -44,10 +44,10 @@ def open_windows(
     title: str = "subsea",
     without: str = FILM,
 ) -> Opening:
-    """Open one window for pictures of a `display` mode, or those of an `installation`.
+    """Open one window for a `display` mode, or those of an `installation`.
 
-    A single window has the `title`. Where there is no display it is told what can be done `without`
-    one. Whatever fails, all that was opened is closed again.
+    A single window has the `title`. The error without a display suggests the alternative `without`
+    one. If anything fails, all that was opened is closed again.
     """
     pilot, rig = Pilot(settings), None
     with ExitStack() as undo:

@@ -1,4 +1,4 @@
-"""What stands over the water: the help, the instruments, and a word while loading."""
+"""Help, instruments and notes over the picture, and messages while loading."""
 
 import math
 import re
@@ -12,18 +12,17 @@ from subsea.ui.hud import HIGH, Hud, Reading
 
 FADE_S = 1.5
 NOTE_S = 4.0
-MOVED_CM = 60.0  # how far the visitor must have gone by herself before the help fades
+MOVED_CM = 60.0  # distance after which the help fades
 
 
 class Overlay:
     """Text over the picture, drawn in a frame of the gui.
 
-    The help shows at the start, fades when the visitor gets under way, and comes and goes with
-    `toggle_help`.
+    The help shows at the start, and fades when the submarine gets under way.
     """
 
     def __init__(self, help: HelpContent) -> None:
-        """With this sign for its help."""
+        """Show this help."""
         self.help, self.hud = help, Hud()
         self.help_opacity = 1.0
         self._pinned = False
@@ -33,24 +32,24 @@ class Overlay:
         self._note_s = 0.0
 
     def note(self, text: str) -> None:
-        """Show a few words for a while, above the instruments."""
+        """Show a text for a while, above the instruments."""
         self.note_text, self._note_s = text, NOTE_S
 
     def show_help(self) -> None:
-        """Show the help until told otherwise."""
+        """Show the help until it is hidden."""
         self._shown = self._pinned = True
         self._gone_cm = math.inf
 
     def greet(self) -> None:
-        """Show the help to somebody who has just come, until she is under way."""
+        """Show the help to a new visitor, until the submarine is under way."""
         self._shown, self._pinned, self._gone_cm = True, False, 0.0
 
     def hide_help(self) -> None:
-        """Have the help fade."""
+        """Fade out the help."""
         self._shown = self._pinned = False
 
     def toggle_help(self) -> None:
-        """Show the help until told otherwise, or hide it."""
+        """Show the help until it is hidden, or hide it."""
         self._shown = not self._shown
         self._pinned = self._shown
         self._gone_cm = math.inf
@@ -61,21 +60,20 @@ class Overlay:
         return self.help_opacity == 0.0
 
     def message(self, text: str) -> None:
-        """Fill the window with one line of text on deep water."""
+        """Fill the window with one line of text."""
         fill_with_text(text)
 
     def draw(self, now: Reading, dt: float, circumstances: str = "", away: bool = False) -> None:
-        """Draw help and instruments over the present picture; `dt` is the time since the last.
+        """Draw help, notes and instruments, `dt` seconds after the last frame.
 
-        `circumstances` are told as long as there are any. Who is `away` from the helm has no
-        instruments.
+        `circumstances` is a text that stays. `away` from the helm there are no instruments.
         """
         self._note_s -= dt
         self._fade(abs(now.ahead_m_s) * 100.0 * dt, dt, away)
         self.hud.look(now, dt, wanted=not away)
         self.hud.draw(now)
         size, line = imgui.get_io().display_size, imgui.get_font_size()
-        # Words stand above the instruments, also while those are not needed: they do not jump.
+        # Text stays above the instruments even while they are hidden, so that it does not jump.
         foot = size.y - (1.2 if away else 1.2 + HIGH) * line
         note = self.note_text if self._note_s > 0.0 else ""
         words = "   ".join(filter(None, (circumstances, note)))
@@ -85,20 +83,20 @@ class Overlay:
             draw_help(self.help, self.help_opacity, foot)
 
     def caption(self, text: str) -> None:
-        """Draw one line at the foot of the present picture."""
+        """Draw one line at the foot of the picture."""
         if text:
             size = imgui.get_io().display_size
             self._line(text, size, size.y - 1.2 * imgui.get_font_size())
 
     def _fade(self, gone_cm: float, dt: float, away: bool) -> None:
-        self._gone_cm += math.inf if away else gone_cm  # under way, if not by submarine
+        self._gone_cm += math.inf if away else gone_cm  # on a ride or tour counts as under way
         if self._gone_cm > MOVED_CM and not self._pinned:
             self._shown = False
         step = dt / FADE_S if self._shown else -dt / FADE_S
         self.help_opacity = min(max(self.help_opacity + step, 0.0), 1.0)
 
     def _line(self, text: str, size: Any, foot: float) -> float:
-        """Text that ends at `foot`, in as many lines as it needs; where it begins, less a gap."""
+        """Draw wrapped text that ends at `foot`; returns its upper edge less a gap."""
         line, font = imgui.get_font_size(), imgui.get_font()
         room = size.x - 2.4 * line
         x, y = 1.2 * line, foot - imgui.calc_text_size(text, wrap_width=room).y
@@ -109,5 +107,5 @@ class Overlay:
 
 
 def unbroken(text: str) -> str:
-    """The same text, whose lines end between its parts only: three blanks are between them."""
+    """The same text, to be wrapped only between parts, which three blanks separate."""
     return re.sub(r"(?<! ) (?! )", "\u00a0", text)

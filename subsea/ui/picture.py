@@ -1,4 +1,4 @@
-"""What a dive shows: the sea in the rig of its windows, as finely as there is time for."""
+"""Draw the sea for the windows of a dive, at a quality that holds the frame time."""
 
 import gc
 import traceback
@@ -38,30 +38,30 @@ from subsea.world.world import World
 
 
 class ScenePicture:
-    """Draws one world after another for the windows of a wall.
+    """Draws a world for a set of windows.
 
-    From the submarine, whose `eye` is told, or from a fish that is ridden; with diagrams, with what
-    a fish's eyes see in the corners, or the test pattern instead of all.
+    Seen from the submarine's `eye`, or from a fish that is ridden; with diagrams and retina
+    pictures, or a test pattern instead.
     """
 
     def __init__(self, wall: WindowSet, fixed: CameraRig | None, display: DisplayOptions) -> None:
-        """Of no world yet. The rig is the one that is `fixed`, else that of the display mode."""
+        """Without a world. The rig is the `fixed` one, else that of the display mode."""
         self.display = display.mode
         self.quality = display.quality
-        self.alpha = 1.0  # the point between the last two ticks that is shown
+        self.alpha = 1.0  # the shown point between the last two ticks
         self.eye: CameraPose
         self.ride: Ride | None = None
         self.pattern = False  # whether the test pattern is shown
-        self.colours: RetinaColours = "colours"  # of the pictures of a fish's eyes ...
-        self.eyes_shown = True  # ... and whether there are any
-        self.diagrams = set(display.diagrams)  # names of `diagrams.DIAGRAMS` that are drawn
-        self.wireframe = display.wireframe  # whether the sea is drawn as the edges of its triangles
+        self.colours: RetinaColours = "colours"  # of retina pictures
+        self.eyes_shown = True  # whether retina pictures are shown
+        self.diagrams = set(display.diagrams)  # names in `diagrams.DIAGRAMS`
+        self.wireframe = display.wireframe  # draw edges of triangles
         self.labels: Sequence[Label] = ()  # of diagrams
         self.panes: tuple[TextViewport, ...]  # where text goes
         self._window_set, self._fixed, self._options = wall, fixed, display
-        self.insets: tuple[Rect, ...] = ()  # where pictures of a fish's eyes are on the canvas
+        self.insets: tuple[Rect, ...] = ()  # of retina pictures on the canvas
         self._drawn: Packet | None = None
-        self._seen: tuple[View, ...] = ()  # the views of the present picture
+        self._seen: tuple[View, ...] = ()  # views of the current picture
         self._context = wall.context
         renderer = self._context.info["GL_RENDERER"]
         self.target_ms = display.target_ms or adaptive_quality.target_for(renderer)
@@ -69,9 +69,9 @@ class ScenePicture:
         self._pace = adaptive_quality.start(first_rung(renderer), self.rig.exact)
 
     def open_world(self, world: World, check: Callable[[], object] = lambda: None) -> None:
-        """Draw this world from now on; the one before was left.
+        """Draw this world from now on; `close_world` ended the one before.
 
-        That takes a while, in which `check` is called, and may raise.
+        `check` is called while loading, and may raise.
         """
         try:
             self.renderer = Renderer(
@@ -83,7 +83,7 @@ class ScenePicture:
                 check,
             )
         except BaseException as fault:
-            # What was made of it goes while its context is there: later it would be a crash.
+            # Release what was made while the context exists: later it would crash.
             traceback.clear_frames(fault.__traceback__)
             gc.collect()
             raise
@@ -92,18 +92,18 @@ class ScenePicture:
         self.jump()
 
     def close_world(self) -> None:
-        """Release what is there for the world."""
+        """Release the world's renderer."""
         self.renderer.release()
 
     def jump(self) -> None:
-        """What comes is seen from elsewhere, or at another time: nothing fades into it."""
+        """Reset fades: the next picture is from another place or time."""
         self._memory = empty_lod_state(len(self._world.state.fishes.species))
 
     def draw(self, clear: bool, chosen: int | None) -> None:
-        """The sea, as the windows show it now.
+        """Draw the picture.
 
-        What a fish's eyes see needs a `clear` corner. Of the fish that is `chosen`, or ridden,
-        diagrams are stronger.
+        Retina pictures need a `clear` corner. Diagrams of the fish that is `chosen` or ridden are
+        stronger.
         """
         if self._fixed is None and self._window_set.front.size != self.rig.outputs[0]:
             self._take_rig()
@@ -116,20 +116,20 @@ class ScenePicture:
             self._window_set.show(self.renderer.pictures)
 
     def arrange(self, clear: bool = True) -> None:
-        """Have the renderer draw what is to be seen: the rig, what a fish's eyes see, a pattern."""
+        """Set up the renderer for the rig, with retina pictures or a test pattern."""
         rig, self.insets = with_insets(self.rig) if self._with_insets(clear) else (self.rig, ())
         self._seen = ()
         self.renderer.arrange(rig)
         self._draw_pattern()
 
     def show_pattern(self, clear: bool) -> None:
-        """The test pattern, or again the sea."""
+        """Toggle the test pattern."""
         self.pattern = not self.pattern
         self._pace = adaptive_quality.resumed(self._pace)
         self.arrange(clear)
 
     def show_as(self, display: str) -> None:
-        """In another display mode from now on, one of `displays`."""
+        """Change to another display mode, one of `displays`."""
         self.display = display
         self._take_rig()
         self._pace = adaptive_quality.start(self._pace.rung, self.rig.exact)
@@ -137,35 +137,35 @@ class ScenePicture:
 
     @property
     def displays(self) -> tuple[str, ...]:
-        """The display modes that it may be shown in from now on; none where that is fixed."""
+        """The display modes to choose from; none if the rig is fixed."""
         if self._fixed is not None or self.display == PAGED:
             return ()
         return tuple(name for name in DISPLAYS if name != PAGED)
 
     def choose(self, quality: str) -> None:
-        """Draw with this quality from now on, one of `render.quality.CHOICES`."""
+        """Set the quality, one of `render.output.quality.CHOICES`."""
         self.quality = quality
         self._pace = adaptive_quality.resumed(self._pace)
         self.renderer.adapt(self._chosen())
         self._draw_pattern()
 
     def choose_next(self) -> None:
-        """The next quality, and after the finest the first again."""
+        """Set the next quality, cyclically."""
         self.choose(CHOICES[(CHOICES.index(self.quality) + 1) % len(CHOICES)])
 
     def next_colours(self) -> None:
-        """The next look of what a fish's eyes see."""
+        """Set the next colours of retina pictures, cyclically."""
         following = RETINA_COLOURS.index(self.colours) + 1
         self.colours = RETINA_COLOURS[following % len(RETINA_COLOURS)]
 
     @property
     def quality_text(self) -> str:
-        """How it is drawn, in words."""
+        """The quality, as a text."""
         name = name_of(self.renderer.quality)
         return f"picture {name}" if self.quality != AUTO else f"picture auto: {name}"
 
     def adapt_quality(self, spent_s: Callable[[], float]) -> None:
-        """Adapt the quality that chooses itself to how long this picture took until now."""
+        """Adapt automatic quality to the time `spent_s` on this picture."""
         if self.quality != AUTO or self.pattern:
             return
         self._context.finish()  # the time of the picture, without waiting for the display
@@ -174,22 +174,22 @@ class ScenePicture:
             self.renderer.adapt(self._chosen())
 
     def finish(self) -> None:
-        """Return when all that was asked for is drawn."""
+        """Wait until all is drawn."""
         self._context.finish()
 
     def views(self) -> tuple[View, ...]:
-        """What is seen from the submarine, or from the fish that is ridden."""
+        """The views from the submarine, or from the fish that is ridden."""
         if self.ride is None:
             return views(self.rig, self.eye)
         return self.ride.views(self._world, self.rig, self.insets, self.alpha)
 
     @property
     def sight(self) -> FrontView | None:
-        """What the screen ahead shows now; None where that is no flat picture."""
+        """The view on the screen ahead; None if that is not a flat picture."""
         return front_screen(self.rig, self._seen or self.views())
 
     def fish_at(self, x: float, y: float) -> int | None:
-        """The fish that is seen at a place on the screen, in shares of it from its upper left."""
+        """The fish at a place on the screen, in shares of it from its upper left."""
         if self._drawn is None or self.pattern:
             return None
         picked = pick(self.renderer, self._drawn, x, y)
@@ -197,14 +197,14 @@ class ScenePicture:
         return picked.number if picked is not None and picked.kind == FISH else None
 
     def brightness(self, ride: Ride) -> float:
-        """How bright it is in the eyes of the fish that is ridden, in [0, 1]."""
+        """Brightness in the eyes of the fish that is ridden, in [0, 1]."""
         light = retina_brightness(self.renderer, self._world, ride.by)
-        self._draw_pattern()  # seeing has emptied the renderer's own pictures
+        self._draw_pattern()  # the renderer's pictures were overwritten
         return light
 
     @property
     def counts(self) -> dict[str, int]:
-        """How many of what there is, and of that in the present picture."""
+        """Counts of fishes and triangles, in all and in the picture."""
         fishes, drawn = self._world.state.fishes, self._drawn
         return {
             "fishes": int(np.count_nonzero(fishes.alive)),
@@ -215,17 +215,17 @@ class ScenePicture:
 
     @property
     def _direct(self) -> bool:
-        """Whether the one window there is has the size of the picture: no need to copy it."""
+        """Whether the picture is drawn straight into the only window."""
         return self.rig.outputs == (self._window_set.front.size,)
 
     def _with_insets(self, clear: bool) -> bool:
         return self.ride is not None and self.eyes_shown and clear and not self.pattern
 
     def _draw(self, chosen: int | None) -> None:
-        """The sea, into the window or into the renderer's own pictures."""
+        """Draw the sea into the window or the renderer's pictures."""
         quality, ride = self.renderer.quality, self.ride
         self._seen = seen = self.views()
-        own = len(seen) - len(self.insets)  # what a fish's eyes see has no diagrams
+        own = len(seen) - len(self.insets)  # retina pictures have no diagrams
         marked = chosen if ride is None else ride.by.fish
         lines, self.labels = self._sketcher.draw(self.diagrams, seen[:own], self.alpha, marked)
         self.renderer.wireframe = self.wireframe
@@ -245,14 +245,14 @@ class ScenePicture:
             self.renderer.paste(picture, pasted(self.renderer.rig, self.rig, picture), into)
 
     def _draw_pattern(self) -> None:
-        """The test pattern, if it is shown, into the renderer's own pictures: once is enough."""
+        """Draw the test pattern, if shown, into the renderer's pictures, once."""
         if self.pattern:
             from subsea.view.theatre.lineup import lineup
 
             self.renderer.show(lineup(self.rig))
 
     def _take_rig(self) -> None:
-        """The rig that is for the windows as they are now, and where text goes on it."""
+        """Set the rig for the current windows, and its text viewports."""
         self.rig = self._fixed or display_rig(
             self.display, self._window_set.front.size, self._options.stereo, self._options.surround
         )

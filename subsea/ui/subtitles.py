@@ -1,4 +1,4 @@
-"""Captions in a window: in a frame of the gui, so for each eye on the screen ahead."""
+"""Captions in a window, drawn for each eye on the screen ahead."""
 
 import math
 
@@ -18,16 +18,16 @@ from subsea.dive.captions import (
 from subsea.ui.gui import colour
 from subsea.view.rig import CameraRig
 
-CLEAR = 7.4  # so far above the foot stand captions, in heights of the gui's letters: above notes
+CLEAR = 7.4  # distance of captions from the lower edge, in heights of letters: above notes
 SOFT = tuple(
     (reach * math.cos(k * math.tau / 12), reach * math.sin(k * math.tau / 12), alpha)
     for reach, alpha in ((0.16, 0.05), (0.1, 0.09), (0.05, 0.22))
     for k in range(12)
-)  # where letters are written again, in their heights, and how dark: a shade without an edge
+)  # offsets in heights of letters, and opacities, of a soft shadow
 
 
 def draw(caption: Caption, rig: CameraRig) -> None:
-    """Write a caption near the foot of the present picture of a rig."""
+    """Draw a caption near the foot of the picture of a rig."""
     if caption.opacity == 0.0 or not caption.words:
         return
     size = imgui.get_io().display_size

@@ -1,4 +1,4 @@
-"""A window: made, resized and closed here; what hands do in it goes to the pilot."""
+"""A window with OpenGL; its input goes to the pilot."""
 
 import math
 from collections.abc import Callable, Iterator, Sequence
@@ -23,17 +23,17 @@ from subsea.ui.monitors import Monitor, Screen, monitors, reason
 from subsea.ui.system_packages import INSTALL
 from subsea.view.stereo import OTHER_STEREO
 
-NUDGE = 3.0  # units of the pointer by which it moves without a hand
+NUDGE = 3.0  # pointer units: smaller movements are noise
 
 
 class Listener(Protocol):
-    """Hears of everything that hands do in a window before the pilot does.
+    """Receives all input of a window before the pilot.
 
-    Where it answers True that was for it, and the pilot does not hear of it.
+    If a method returns True, the listener takes the input and the pilot does not get it.
     """
 
     def pointed(self, x: float, y: float) -> bool:
-        """The pointer is there, in its units from the upper left corner."""
+        """The pointer moved, in its units from the upper left corner."""
 
     def pressed(self, button: int, down: bool) -> bool:
         """A mouse button went down or up."""
@@ -45,7 +45,7 @@ class Listener(Protocol):
         """A key went down or up."""
 
     def moved(self, name: str, amount: float) -> bool:
-        """The part of a gamepad that bindings call `name` is at `amount` of its way, in [0, 1]."""
+        """A part of a gamepad, by its name in bindings, is at an `amount` in [0, 1]."""
 
     def typed(self, character: int) -> None:
         """A character was typed."""
@@ -55,14 +55,14 @@ class Listener(Protocol):
 
 
 class PointerRange(NamedTuple):
-    """Where the pointer may go, in its units from the upper left corner of a window."""
+    """The range of the pointer, in its units from the upper left corner of a window."""
 
     corner: tuple[float, float]  # the upper left
     middle: tuple[float, float]  # straight ahead
     end: tuple[float, float]  # the lower right corner
 
     def share(self, x: float, y: float) -> tuple[float, float]:
-        """The place in [-1, 1] from the middle, right and up; each edge is at 1 or -1."""
+        """A place in [-1, 1] from the middle, right and up; each edge is at 1 or -1."""
         across, down = (
             (at - middle) / (end - middle if at > middle else middle - low)
             for at, low, middle, end in zip((x, y), *self, strict=True)
@@ -72,7 +72,7 @@ class PointerRange(NamedTuple):
 
 @contextmanager
 def hidden_window(stereo: bool = False) -> Iterator[Callable[[str], Any] | None]:
-    """A window nobody sees, current, and its loader of OpenGL functions; None if there is none."""
+    """The loader of OpenGL functions of a hidden window, made current; None if that fails."""
     _context_hints()
     glfw.window_hint(glfw.VISIBLE, False)
     glfw.window_hint(glfw.STEREO, stereo)
@@ -91,9 +91,9 @@ def hidden_window(stereo: bool = False) -> Iterator[Callable[[str], Any] | None]
 
 
 class GlWindow:
-    """One window with an OpenGL 3.3 context, current in this thread when it is made.
+    """A window with an OpenGL 3.3 context, which is made current in this thread.
 
-    What the visitor asks for by a key is added to the list `commands`.
+    Commands of keys and buttons are appended to `commands`.
     """
 
     def __init__(
@@ -107,15 +107,15 @@ class GlWindow:
     ) -> None:
         """Open it where `screen` says, or filling a monitor.
 
-        `paged` asks for a buffer for each eye; with `share` it has textures in common with another
-        window. No OpenGL is a UserError that says what to do.
+        `paged`: with a buffer for each eye; `share`: a window to share textures with. A UserError
+        without OpenGL.
         """
         _context_hints()
         glfw.window_hint(glfw.STEREO, paged)
         size = screen.size if monitor is None else monitor.size
         if screen.fixed:
             glfw.window_hint(glfw.DECORATED, False)
-            glfw.window_hint(glfw.AUTO_ICONIFY, False)  # other windows have the keyboard too
+            glfw.window_hint(glfw.AUTO_ICONIFY, False)  # other windows take the keyboard, too
             glfw.window_hint(glfw.SCALE_TO_MONITOR, False)
             glfw.window_hint(glfw.REFRESH_RATE, monitor.rate if monitor else glfw.DONT_CARE)
         if screen.position is not None:
@@ -144,14 +144,14 @@ class GlWindow:
         self.inside = False  # whether the pointer is in it
         self.focused = bool(glfw.get_window_attrib(self.handle, glfw.FOCUSED))
         self.listener: Listener | None = None
-        self.reach: PointerRange | None = None  # of the pointer, if that is more than the window
+        self.pointer_range: PointerRange | None = None  # if larger than the window
         self._commands = commands
-        # Where the pointer was when it last moved; None: it has just entered.
+        # Where the pointer was last noted; None: it has just entered.
         self._rested: tuple[float, float] | None = None
-        self.stays = False  # whether closing it is not for the visitor
-        self.fixed = screen.fixed  # whether it stays as it is: no full screen
-        self._home = monitor  # that it is to fill
-        self._filling = False  # whether a visitor has had it fill the screen
+        self.stays = False  # visitors cannot close it
+        self.fixed = screen.fixed  # no full screen
+        self._home = monitor  # to fill
+        self._filling = False  # full screen was asked for by a command
         self._windowed = (0, 0, *size)
         self.make_current()
         glfw.set_key_callback(self.handle, self._on_key)
@@ -177,7 +177,7 @@ class GlWindow:
 
     @property
     def text_scale(self) -> float:
-        """How much larger than 96 dpi the desktop wants text, in pointer units."""
+        """Scale of text of the desktop, relative to 96 dpi, in pointer units."""
         return float(glfw.get_window_content_scale(self.handle)[0]) * self.points[0] / self.size[0]
 
     @property
@@ -188,26 +188,26 @@ class GlWindow:
 
     @property
     def open(self) -> bool:
-        """Whether nobody has asked to close it."""
+        """Whether it was not asked to close."""
         return not glfw.window_should_close(self.handle)
 
     @property
     def position(self) -> tuple[int, int]:
-        """The upper left corner on the desktop, in the units of the pointer."""
+        """The upper left corner on the desktop, in pointer units."""
         left, top = glfw.get_window_pos(self.handle)
         return left, top
 
     def make_current(self) -> None:
-        """OpenGL works for this window from now on."""
+        """Make its OpenGL context current."""
         glfw.make_context_current(self.handle)
 
     def take_keyboard(self) -> None:
-        """Ask for the keyboard, if it has not got it."""
+        """Take the keyboard focus."""
         if not self.focused:
             glfw.focus_window(self.handle)
 
     def ask_to_close(self) -> None:
-        """It is no longer `open`."""
+        """End `open`."""
         glfw.set_window_should_close(self.handle, True)
 
     def present(self) -> None:
@@ -219,9 +219,9 @@ class GlWindow:
         glfw.destroy_window(self.handle)
 
     def toggle_fullscreen(self) -> None:
-        """Fill the screen that the window is on, or go back to the former place and size.
+        """Fill the screen that the window is on, or restore the former place and size.
 
-        A window that has a place of its own stays as it is.
+        No effect on a window with a fixed place.
         """
         if self.fixed:
             return
@@ -234,7 +234,7 @@ class GlWindow:
 
     @property
     def filled(self) -> tuple[int, int] | None:
-        """Where on the desktop the monitor is that it fills; None if it fills none."""
+        """The position of the monitor that it fills; None if it fills none."""
         monitor = glfw.get_window_monitor(self.handle)
         if not monitor:
             return None
@@ -242,10 +242,10 @@ class GlWindow:
         return left, top
 
     def settle(self, free: Sequence[Monitor]) -> None:
-        """Monitors have come or gone, and those that no window fills are these.
+        """Adapt to monitors that came or went; `free` are those that no window fills.
 
-        A window that is to fill a monitor does so again when that is back; one that a visitor had
-        fill a screen that is gone has its former place and size again, unless it `stays`.
+        A window fills its monitor again when that is back. One that was put on a full screen which
+        is gone gets its former place and size, unless it `stays`.
         """
         if self.filled is not None:
             return
@@ -264,13 +264,13 @@ class GlWindow:
         glfw.set_window_monitor(self.handle, monitor.handle, 0, 0, *monitor.size, monitor.rate)
 
     def _go_back(self) -> None:
-        """Be as wide and high as before it filled the screen, and there."""
+        """Restore place and size from before the full screen."""
         windowed: Any = None
         self._filling = False
         glfw.set_window_monitor(self.handle, windowed, *self._windowed, glfw.DONT_CARE)
 
     def _monitor(self) -> Monitor | None:
-        """The monitor that holds the middle of the window, else the first; None without any."""
+        """The monitor under the middle of the window, else the first; None without any."""
         x, y = glfw.get_window_pos(self.handle)
         x, y = x + self.points[0] // 2, y + self.points[1] // 2
         there = monitors()
@@ -281,12 +281,12 @@ class GlWindow:
         return there[0] if there else None
 
     def _on_key(self, handle: object, key: int, scancode: int, action: int, mods: int) -> None:
-        if action != glfw.REPEAT:  # a key on which something lies is no hand
+        if action != glfw.REPEAT:  # a repeated key may be blocked
             self.pilot.note_activity()
         heard = self.listener is not None and self.listener.keyed(key, action != glfw.RELEASE, mods)
         name = KEYS.get(key, "")
         if action == glfw.RELEASE:
-            self.pilot.release(name)  # also where the listener heard it: it may have been held
+            self.pilot.release(name)  # even if the listener took it: it may have been held
         elif not heard:
             control = self.pilot.bindings.key(key, mods, self.pilot.riding)
             self._ask(control, name, action == glfw.REPEAT)
@@ -301,13 +301,13 @@ class GlWindow:
             self._ask(self.pilot.bindings.control(name, self.pilot.riding), name)
 
     def _ask(self, control: ControlName | None, name: str, again: bool = False) -> None:
-        """The input `name`, which means that, went down; `again` by itself, as held keys do."""
+        """The input `name` of a control went down; `again`: by key repeat."""
         if control is None or (again and control not in REPEATING):
             return
         if is_action(control):
             self.pilot.hold(control, name)
         elif control == "fullscreen":
-            self.toggle_fullscreen()  # this window, whichever is the pilot's
+            self.toggle_fullscreen()  # this window, not the pilot's
         elif is_command(control):
             self._commands.append(control)
 
@@ -317,9 +317,11 @@ class GlWindow:
 
     def _on_pointer(self, handle: object, x: float, y: float) -> None:
         width, height = self.points
-        reach = self.reach or PointerRange((0.0, 0.0), (width / 2, height / 2), (width, height))
+        span = self.pointer_range or PointerRange(
+            (0.0, 0.0), (width / 2, height / 2), (width, height)
+        )
         self.inside = True
-        if self._rested is None:  # the window may have come to the pointer
+        if self._rested is None:  # the window may have moved instead
             self._rested = x, y
         elif math.dist((x, y), self._rested) > NUDGE:
             self._rested = x, y
@@ -327,7 +329,7 @@ class GlWindow:
         if self.listener and self.listener.pointed(x, y):
             self.pilot.pointer_left()
         else:
-            self.pilot.point(*reach.share(x, y))
+            self.pilot.point(*span.share(x, y))
 
     def _on_enter(self, handle: object, entered: int) -> None:
         self.inside = bool(entered)

@@ -1,7 +1,7 @@
-"""The windows of a dive: one for each picture, the first of them the pilot's.
+"""The windows of a dive: one for each output of the rig.
 
-All drawing is done in the context of the front window, which is the pilot's. Every other window
-has a small context that shares its textures, and shows one.
+All is drawn in the context of the front window, which is the pilot's. The others have contexts
+that share its textures.
 """
 
 from collections.abc import Mapping, Sequence
@@ -22,7 +22,7 @@ from subsea.view.text_viewports import one_page
 
 
 class _Shown(NamedTuple):
-    """A window and what shows pictures in it."""
+    """A window, its context and its presenter."""
 
     window: GlWindow
     context: Any
@@ -30,7 +30,7 @@ class _Shown(NamedTuple):
 
 
 class WindowSet:
-    """Opens the windows of `screens`, in the order of the outputs that they show."""
+    """Windows on `screens`, in the order of the outputs that they show."""
 
     def __init__(
         self,
@@ -39,9 +39,9 @@ class WindowSet:
         paged: bool = False,
         front: int = 0,
     ) -> None:
-        """`front` is the number of the pilot's window; `paged` asks for a buffer for each eye.
+        """Open all. `front`: index of the pilot's window; `paged`: with a buffer for each eye.
 
-        No OpenGL is a UserError; whatever fails, all that was opened is closed again.
+        A UserError without OpenGL. If anything fails, all that was opened is closed again.
         """
         self.pilot = pilot
         self._commands: list[Command] = []
@@ -56,11 +56,11 @@ class WindowSet:
                 context = window_context(window.get_proc_address)
                 self.page = page_switch(window.get_proc_address) if paged else one_page
                 shown[number] = _Shown(window, context, Presenter(context, self.page))
-                # Freed while its window is there and current: later it would be a crash.
+                # Released while the window exists and is current: later it would crash.
                 undo.callback(shown[number].presenter.release)
                 undo.callback(window.make_current)
-                # Only the last to be presented waits for its display: else a frame would take as
-                # many refreshes as there are windows.
+                # Only the window presented last waits for its display: otherwise a frame would
+                # take one refresh for each window.
                 glfw.swap_interval(1 if number == (others or [front])[-1] else 0)
                 context.clear()
                 window.present()
@@ -69,7 +69,7 @@ class WindowSet:
             nobody: Any = None
             undo.callback(glfw.set_monitor_callback, nobody)
             self._undo = undo.pop_all()
-        # From here on a hiccup of the desktop must not end the dive.
+        # From here on errors of the desktop must not end the dive.
         glfw.ERROR_REPORTING = "ignore"
         self._front, self._others = shown[front], [(k, shown[k]) for k in others]
         self._number = front
@@ -84,22 +84,22 @@ class WindowSet:
 
     @property
     def open(self) -> bool:
-        """Whether nobody has asked to close any of them."""
+        """Whether none was asked to close."""
         return all(window.open for window in self.windows)
 
     def poll(self, wait_s: float = 0.0) -> list[Command]:
-        """Hand all events since the last call to the pilot; what else the visitor wants.
+        """Process all events since the last call; returns the commands.
 
-        If there are none it waits for one, at most for so long.
+        If there are none, wait for one at most `wait_s`.
         """
         if len(self.windows) > 1:
-            self._reach()
-        inside, focused = self._hands()
+            self._share_pointer()
+        inside, focused = self._pointer_and_focus()
         if wait_s > 0.0:
             glfw.wait_events_timeout(wait_s)
         else:
             glfw.poll_events()
-        now_inside, now_focused = self._hands()
+        now_inside, now_focused = self._pointer_and_focus()
         if inside and not now_inside:
             self.pilot.pointer_left()
         if focused and not now_focused:
@@ -112,14 +112,14 @@ class WindowSet:
         return commands
 
     def notes(self) -> list[str]:
-        """What is to be told of monitors and inputs since the last call, in lines."""
+        """Lines on monitors and inputs since the last call."""
         lines, self._notes = self._notes, []
         return lines
 
     def show(self, pictures: Mapping[tuple[int, int], Any]) -> None:
-        """Fill every window with its pictures, by output and page; `present` makes them seen.
+        """Draw pictures, by output and page, in all windows; `present` shows them.
 
-        The front window is current then, for what is to lie over its picture.
+        The front window is current afterwards.
         """
         self.context.finish()
         for number, shown in [*self._others, (self._number, self._front)]:
@@ -130,7 +130,7 @@ class WindowSet:
                 shown.context.finish()
 
     def present(self) -> None:
-        """Make seen what is in all windows, at about the same time."""
+        """Show all windows, at about the same time."""
         self.front.present()
         for _, shown in self._others:
             shown.window.make_current()
@@ -139,10 +139,10 @@ class WindowSet:
             self.front.make_current()
 
     def picture(self) -> NDArray[np.uint8]:
-        """What is about to be seen in the front window: (h, w, 3), top row first."""
+        """The picture about to be shown in the front window: (h, w, 3), top row first."""
         width, height = self.front.size
         data = self.context.screen.read((0, 0, width, height), components=3, alignment=1)
-        self.context.error  # moderngl asks for an attachment that a window has not  # noqa: B018
+        self.context.error  # clear it: moderngl asks for an attachment that windows lack  # noqa: B018
         return np.frombuffer(data, np.uint8).reshape(height, width, 3)[::-1]
 
     def close(self) -> None:
@@ -156,21 +156,21 @@ class WindowSet:
         self._monitors_changed = True
 
     def _settle(self) -> None:
-        """Give every window its place on the monitors that there are now."""
+        """Place all windows on the current monitors."""
         self._monitors_changed = False
         for window in self.windows:
             filled = [other.filled for other in self.windows]
             window.settle([one for one in monitors() if one.position not in filled])
 
-    def _hands(self) -> tuple[bool, bool]:
-        """Whether the pointer is in one of the windows, and whether one has the keyboard."""
+    def _pointer_and_focus(self) -> tuple[bool, bool]:
+        """Whether any window has the pointer, and any the keyboard."""
         return (
             any(window.inside for window in self.windows),
             any(window.focused for window in self.windows),
         )
 
-    def _reach(self) -> None:
-        """The pointer moves over all windows; straight ahead is the middle of the front one."""
+    def _share_pointer(self) -> None:
+        """Let the pointer range over all windows; straight ahead is the middle of the front."""
         corners = [window.position for window in self.windows]
         ends = [
             (x + window.points[0], y + window.points[1])
@@ -181,7 +181,7 @@ class WindowSet:
         (x, y), (across, down) = self.front.position, self.front.points
         middle = x + across / 2, y + down / 2
         for window, (own_x, own_y) in zip(self.windows, corners, strict=True):
-            window.reach = PointerRange(
+            window.pointer_range = PointerRange(
                 (left - own_x, top - own_y),
                 (middle[0] - own_x, middle[1] - own_y),
                 (right - own_x, bottom - own_y),

@@ -56,8 +56,8 @@ def apart(one, other):
 def test_the_picture_is_where_the_tick_will_be(world, begin, helm, late, ticks):
     snapshot.restore(world, begin)
     present, submarine = Prediction(), world.state.submarine
-    present.go_on(0.0, known=False)
-    present.go_on(CATCH_UP_S * (1.0 - late), known=True)
+    present.update(0.0, known=False)
+    present.update(CATCH_UP_S * (1.0 - late), known=True)
     for _ in range(ticks):
         steer(world, submarine, helm)
     before = snapshot.checksum(world)

@@ -173,7 +173,7 @@ def test_the_list_of_mappings_is_complete_and_any_other_line_is_told(monkeypatch
     own.write_text(lines[1])
     gamepad.add_mappings(told.append)
     assert taught == [*lines, lines[1], lines[0]]
-    assert told == ["no mapping of a gamepad: nonsense"]
+    assert told == ["not a gamepad mapping: nonsense"]
     own.write_bytes(b"\xff")
     gamepad.add_mappings(told.append)
     assert "not UTF-8 text" in told[1]

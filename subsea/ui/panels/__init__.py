@@ -1,4 +1,4 @@
-"""The panels of the context (Tu ch. 9): one module each, with a function that draws it and acts."""
+"""The panels of the inspector (Tu ch. 9): one module with one function for each."""
 
 from collections.abc import Callable
 
@@ -26,4 +26,4 @@ PANELS: dict[str, Panel] = {
     "Fish view": fish_view.panel,
     "Time": time.panel,
 }
-"""Every panel by the name that the bar has for it, in its order."""
+"""Panels by their names on the bar, in its order."""

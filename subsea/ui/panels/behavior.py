@@ -1,4 +1,4 @@
-"""Behavior (Tu fig. 9.4): what goes on in the chosen fish, and what makes it so."""
+"""Behavior (Tu fig. 9.4): mental state and temperament of the chosen fish, and constants."""
 
 from typing import NamedTuple
 
@@ -20,13 +20,13 @@ from subsea.world.world import TICK_S, World
 
 WIDE, HIGH = 24.0, 3.0  # of a chart, in heights of letters
 DIRECTIONS = ("left", "right", "ahead", "back", "up", "down")  # columns of `minds.preference`
-WARM = (0.98, 0.70, 0.45)  # what warns
+WARM = (0.98, 0.70, 0.45)  # warnings
 CLAMP = imgui.SliderFlags_.always_clamp.value
 LOGARITHMIC = imgui.SliderFlags_.logarithmic.value | CLAMP
 
 
 class StateSlider(NamedTuple):
-    """A number that can be set."""
+    """A slider for a value."""
 
     name: str
     label: str
@@ -42,8 +42,8 @@ TEMPER = (
     StateSlider("libido_rate", "libido grows, 1/s", 0.0005, 0.2, "%.4f", LOGARITHMIC),
     StateSlider("dread_cm", "dreads from, cm", 0.0, 1000.0, "%.0f"),
 )
-"""What makes the mental state of one fish what it is: keys of `Individual` (Tu §7.4)."""
-COLUMNS = {"dread_cm": "dread"}  # of `state.Minds`, where these are called otherwise
+"""Parameters of the mental state of one fish: keys of `Individual` (Tu §7.4)."""
+COLUMNS = {"dread_cm": "dread"}  # names in `state.Minds`, where they differ
 
 NATURE = (
     StateSlider("vision_cm", "sees as far as, cm", 20.0, 2000.0, "%.0f"),
@@ -60,19 +60,19 @@ NATURE = (
     StateSlider("submarine_cm", "dreads the submarine from, cm", 0.0, 1000.0, "%.0f"),
     StateSlider("curiosity_cm", "is curious from, cm", 0.0, 2000.0, "%.0f"),
 )
-"""What holds for all fishes: every member of `state.Nature`."""
+"""Constants of all fishes: members of `state.Nature`."""
 
 
 class ChartState:
-    """The chart of the fish that the panel is about."""
+    """The chart of the chosen fish."""
 
     def __init__(self) -> None:
-        """Of nobody."""
+        """No fish."""
         self.world: World | None = None
         self.chart = Chart(-1)
 
     def of(self, world: World, fish: int) -> Chart:
-        """The chart of a fish up to now; another fish begins another one."""
+        """The chart of a fish up to now; new for another fish."""
         if self.world is not world or self.chart.fish != fish:
             self.world, self.chart = world, Chart(fish)
         self.chart.follow(world)
@@ -80,7 +80,7 @@ class ChartState:
 
 
 def panel(context: PanelContext) -> None:
-    """Draw it, and act on the world."""
+    """Draw the panel, and change the world."""
     world = context.dive.world
     fish = choose_fish(context)
     if fish is not None:
@@ -93,14 +93,14 @@ def panel(context: PanelContext) -> None:
 
 
 def _charts(values: NDArray[np.floating], nature: Nature) -> None:
-    """Each mental state over the last minute, with what it must exceed to matter."""
+    """Charts of each mental state over the last minute, with its thresholds."""
     line = imgui.get_font_size()
     canvas, size = imgui.get_window_draw_list(), (WIDE * line, HIGH * line)
     marks = ((nature.keen,), (nature.keen,), (nature.alarmed, nature.panicked))
     imgui.push_style_color(imgui.Col_.frame_bg.value, (0.0, 0.0, 0.0, 0.0))
     imgui.push_style_var(imgui.StyleVar_.frame_padding.value, (0.0, 0.0))
     imgui.push_style_var(imgui.StyleVar_.disabled_alpha.value, 1.0)
-    imgui.begin_disabled()  # a chart tells nothing more under the pointer
+    imgui.begin_disabled()  # without tooltips
     for name, row, thresholds in zip(MENTAL_STATES, values, marks, strict=True):
         corner = imgui.get_cursor_screen_pos()
         end = corner.x + size[0], corner.y + size[1]
@@ -122,12 +122,12 @@ def _charts(values: NDArray[np.floating], nature: Nature) -> None:
 
 
 def _intentions(world: World, fish: int) -> None:
-    """All intentions, the present one lit, and what it is about."""
+    """All intentions, the current one lit, and its target."""
     minds, line = world.state.minds, imgui.get_font_size()
     names = imgui.Col_
     imgui.push_style_var(imgui.StyleVar_.disabled_alpha.value, 1.0)
     imgui.push_style_var(imgui.StyleVar_.item_spacing.value, (0.25 * line, 0.25 * line))
-    imgui.begin_disabled()  # they tell, and can't be pressed
+    imgui.begin_disabled()  # they are no buttons
     for code, name in enumerate(INTENTIONS):
         lit = code == minds.intention[fish]
         imgui.push_style_color(names.button.value, (*LIT, 1.0) if lit else (*GLASS, 0.5))
@@ -148,7 +148,7 @@ def _intentions(world: World, fish: int) -> None:
 
 
 def _preferences(preference: NDArray[np.floating]) -> None:
-    """Motor preferences (Tu §6.5.2): to the right what is recommended, to the left warnings."""
+    """Bars of motor preferences (Tu §6.5.2): recommendations right, warnings left."""
     line = imgui.get_font_size()
     canvas, corner = imgui.get_window_draw_list(), imgui.get_cursor_screen_pos()
     across, down, text = WIDE * line / 3.0, 1.25 * line, 3.0 * line
@@ -171,7 +171,7 @@ def _preferences(preference: NDArray[np.floating]) -> None:
 
 
 def _temper(context: PanelContext, fish: int) -> None:
-    """Hunger and libido as they are, and what they come from: each a slider."""
+    """Sliders for hunger, libido and their parameters."""
     world = context.dive.world
     minds = world.state.minds
     imgui.push_item_width(0.5 * WIDE * imgui.get_font_size())
@@ -181,7 +181,7 @@ def _temper(context: PanelContext, fish: int) -> None:
         value = float(minds.mental[fish, row])
         moved, value = imgui.slider_float(name, value, 0.0, 1.0, "%.2f", CLAMP)
         if moved:
-            set_to[name] = minds.mental[fish, row] = value  # shown until it thinks again
+            set_to[name] = minds.mental[fish, row] = value  # shown until the fish updates it
     for slider in TEMPER:
         values = getattr(minds, COLUMNS.get(slider.name, slider.name))
         moved, value = _slider(slider, float(values[fish]))
@@ -195,7 +195,7 @@ def _temper(context: PanelContext, fish: int) -> None:
 
 
 def _nature(context: PanelContext) -> None:
-    """Every constant of perception and behavior, and back to the scenario's."""
+    """Sliders for the constants of all fishes, and a reset to the scenario's."""
     world = context.dive.world
     imgui.push_item_width(0.4 * WIDE * imgui.get_font_size())
     for slider in NATURE:
@@ -213,7 +213,7 @@ def _nature(context: PanelContext) -> None:
 
 
 def _slider(slider: StateSlider, value: float) -> tuple[bool, float]:
-    """Whether it was moved, and where it is, as exactly as it tells."""
+    """Draw a slider; whether it moved, and its value as precisely as shown."""
     moved, value = imgui.slider_float(
         slider.label, value, slider.low, slider.high, slider.form, slider.flags
     )
@@ -221,7 +221,7 @@ def _slider(slider: StateSlider, value: float) -> tuple[bool, float]:
 
 
 def ordered(nature: Nature, name: str, value: float) -> Nature:
-    """With another value of one constant; one that must be more or less than it gives way."""
+    """Set one constant, and adapt those that must stay above or below it."""
     nature = nature._replace(**{name: value})
     if name == "vision_cm":
         return nature._replace(smell_cm=max(nature.smell_cm, value))

@@ -1,4 +1,4 @@
-"""Control (Tu fig. 9.6): what is drawn over the sea, pictures, the camera, and how fast all is."""
+"""Control (Tu fig. 9.6): diagrams, pictures, the camera, and timing."""
 
 import glfw
 import numpy as np
@@ -10,26 +10,26 @@ from subsea.view.camera import View
 from subsea.world.world import TICK_S
 
 ACROSS = 8.0  # of a column of diagrams, in heights of letters
-AHEAD_CM = 200.0  # where a waypoint looks at
-CALM = 0.05  # share of the newest in what is told of times: else nobody could read them
+AHEAD_CM = 200.0  # distance of the point that a waypoint looks at
+CALM = 0.05  # weight of the newest time in the smoothed ones
 
 
 class StageTimes:
-    """How long each stage of a tick takes, smoothed."""
+    """Smoothed times of the stages of a tick."""
 
     def __init__(self) -> None:
-        """Nothing is known yet."""
+        """Empty."""
         self.ms: dict[str, float] = {}
 
     def follow(self, stages_s: dict[str, float]) -> None:
-        """Take in the last tick's."""
+        """Add the last tick's."""
         for name, seconds in stages_s.items():
             new = 1000.0 * seconds
             self.ms[name] = new + (1.0 - CALM) * (self.ms.get(name, new) - new)
 
 
 def panel(context: PanelContext) -> None:
-    """Draw it, and act on the dive."""
+    """Draw the panel, and control the dive."""
     _drawn(context)
     imgui.separator()
     _pictures(context)
@@ -40,7 +40,7 @@ def panel(context: PanelContext) -> None:
 
 
 def _drawn(context: PanelContext) -> None:
-    """Drawing modes, and diagrams over the sea."""
+    """Diagrams, wireframe and lights."""
     dive, line = context.dive, imgui.get_font_size()
     for number, (name, meaning) in enumerate(DIAGRAMS.items()):
         if number % 3:
@@ -56,7 +56,7 @@ def _drawn(context: PanelContext) -> None:
 
 
 def _pictures(context: PanelContext) -> None:
-    """What is put into files: a picture of the screen, a film of it."""
+    """Save a picture, or a film."""
     if imgui.button("take a picture"):
         context.dive.run_command("picture")
     imgui.same_line()
@@ -65,7 +65,7 @@ def _pictures(context: PanelContext) -> None:
 
 
 def _camera(context: PanelContext) -> None:
-    """Where the camera is and looks, as a tour could go there."""
+    """The camera's pose, also as a waypoint of a tour."""
     dive = context.dive
     sight = dive.picture.sight
     if sight is None:
@@ -80,7 +80,7 @@ def _camera(context: PanelContext) -> None:
 
 
 def _speed(context: PanelContext) -> None:
-    """How long a picture takes, the stages of a tick of it, and how much there is."""
+    """Times of a picture and of the stages of a tick, and counts."""
     times, line = context.state(StageTimes), imgui.get_font_size()
     times.follow(context.dive.world.stages_s)
     rate = max(imgui.get_io().framerate, 1e-3)
@@ -94,14 +94,14 @@ def _speed(context: PanelContext) -> None:
 
 
 def angles_deg(view: View) -> tuple[float, float]:
-    """Heading, left of the x axis, in [0, 360), and pitch, up, of where a view looks."""
+    """Heading, left of the x axis, in [0, 360), and pitch, up, of a view."""
     ahead = -view.view[2, :3].astype(np.float64)
     heading = np.degrees(np.arctan2(ahead[1], ahead[0])) % 360.0
     return float(heading), float(np.degrees(np.arcsin(np.clip(ahead[2], -1.0, 1.0))))
 
 
 def waypoint(view: View, time_s: float) -> str:
-    """A waypoint of a tour in a scenario's file: there, looking the same way."""
+    """A waypoint for a scenario file, with the place and direction of a view."""
     eye = np.asarray(view.eye, np.float64)
     ahead = eye - AHEAD_CM * view.view[2, :3].astype(np.float64)
     position, target = (", ".join(f"{value:.1f}" for value in place) for place in (eye, ahead))

@@ -1,4 +1,4 @@
-"""Fields for the values of a scenario's tables: what can be entered is what a file may say."""
+"""Input fields for the tables of a scenario, with the limits of the file format."""
 
 from collections.abc import Callable
 from functools import cache
@@ -15,16 +15,16 @@ UNITS = {"cm": "cm", "deg": "°", "s": "s", "cm_s": "cm/s", "per_s": "1/s"}
 
 
 class Edit(NamedTuple):
-    """What hands did to a value in this frame."""
+    """A value after this frame's input."""
 
     value: Any
-    settled: bool  # whether it was let go of, so that it is worth to act on it
+    settled: bool  # the input is complete
 
 
 def table(struct: T, hidden: tuple[str, ...] = ()) -> tuple[T, bool]:
-    """A line for each key of a table but the `hidden` ones: the table as it is then.
+    """Draw a field for each key of a table but the `hidden` ones.
 
-    And whether a value was entered: while a field is dragged the table changes before that.
+    Returns the table, and whether an input is complete: it changes before that in a drag.
     """
     settled = False
     for field in _fields(type(struct)):
@@ -39,7 +39,7 @@ def table(struct: T, hidden: tuple[str, ...] = ()) -> tuple[T, bool]:
 
 
 def label(key: str) -> str:
-    """The key as people read it: its unit behind it."""
+    """A key as a label: its unit last."""
     for unit, sign in sorted(UNITS.items(), key=lambda pair: -len(pair[0])):
         if key.endswith(f"_{unit}"):
             return f"{key.removesuffix(f'_{unit}').replace('_', ' ')}, {sign}"
@@ -55,16 +55,16 @@ def choice(name: str, value: str, choices: list[str]) -> Edit:
 
 
 def whole(name: str, value: int, low: int, high: int) -> Edit:
-    """A whole number, with a smaller and a larger one a click away; what is typed is cut to fit."""
+    """A whole number with buttons for the next ones, clamped to its limits."""
     _narrow()
     number = typed_whole(name, value, low, high)
     return Edit(number, imgui.is_item_deactivated_after_edit())
 
 
 def typed_whole(name: str, value: int, low: int, high: int, step: int = 1) -> int:
-    """The number in such a field, as wide as was said before.
+    """A field for a whole number, of the width set before.
 
-    A field of doubles: those of whole numbers end at 2³¹, below where seeds do.
+    Stored as a double, because fields of whole numbers end at 2³¹, below the largest seed.
     """
     changed, entered = imgui.input_double(name, value, step, 0.0, "%.0f")
     return round(min(max(entered, low), high)) if changed else value
@@ -73,7 +73,7 @@ def typed_whole(name: str, value: int, low: int, high: int, step: int = 1) -> in
 def real(
     name: str, value: float, low: float, high: float, per_point: float, form: str = "%.4g"
 ) -> Edit:
-    """A number that is dragged, `per_point` of it for each unit of the pointer, or typed."""
+    """A number to drag, by `per_point` a pointer unit, or to type."""
     _narrow()
     clamp = imgui.SliderFlags_.always_clamp.value
     _, entered = imgui.drag_float(name, value, per_point, low, high, form, clamp)
@@ -85,7 +85,7 @@ def _narrow() -> None:
 
 
 def _short(entered: float, value: float) -> float:
-    """Six digits of what single precision has made of a number."""
+    """Round to six digits what ImGui has stored in single precision."""
     return value if abs(entered - value) <= 1e-6 * abs(value) else float(f"{entered:.6g}")
 
 
@@ -97,7 +97,7 @@ def _fields(kind: type[msgspec.Struct]) -> tuple[Any, ...]:
 
 
 def _any(name: str, value: Any, kind: inspect.Type) -> Edit:
-    """The field for a value of a type, or nothing for what has none."""
+    """Draw the field for a value of a type, if there is one."""
     if isinstance(kind, inspect.Metadata):
         return _any(name, value, kind.type)
     if isinstance(kind, inspect.UnionType):
@@ -110,7 +110,7 @@ def _any(name: str, value: Any, kind: inspect.Type) -> Edit:
 
 
 def _perhaps(name: str, value: Any, kind: Any) -> Edit:
-    """A value that may be left out: a tick before it."""
+    """An optional value: a checkbox before it."""
     changed, given = imgui.checkbox(f"##{name}", value is not None)
     imgui.same_line()
     if changed:
@@ -122,7 +122,7 @@ def _perhaps(name: str, value: Any, kind: Any) -> Edit:
 
 
 def _least(kind: Any) -> Any:
-    """Some value of a type, to begin with."""
+    """A first value of a type."""
     if isinstance(kind, inspect.Metadata):
         return _least(kind.type)
     if isinstance(kind, inspect.TupleType):
@@ -167,7 +167,7 @@ def _literal(name: str, value: str, kind: Any) -> Edit:
 
 
 def _tuple(name: str, value: tuple[float, ...], kind: Any) -> Edit:
-    """Two or three numbers beside one another."""
+    """Two or three numbers, side by side."""
     low, high = _limits(_bare(kind.item_types[0]))
     _narrow()
     drag = imgui.drag_float2 if len(value) == 2 else imgui.drag_float3
@@ -189,4 +189,4 @@ FIELDS: tuple[tuple[type, Callable[[str, Any, Any], Edit]], ...] = (
     (inspect.LiteralType, _literal),
     (inspect.TupleType, _tuple),
 )
-"""How values of a type are entered; lists and tables within tables are left to files."""
+"""Fields by type; nested lists and tables can only be edited in files."""

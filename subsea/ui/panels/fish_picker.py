@@ -1,4 +1,4 @@
-"""Which fish a panel is about: the head of all panels about one fish."""
+"""The head of all panels about one fish: choose the fish."""
 
 import numpy as np
 from imgui_bundle import imgui
@@ -9,7 +9,7 @@ from subsea.world.world import World
 
 
 def choose_fish(context: PanelContext) -> int | None:
-    """The chosen fish, who it is, and fields to choose another; None while none is chosen."""
+    """Draw fields to choose a fish; returns the chosen one or None."""
     fishes, fish = context.dive.world.state.fishes, context.chosen
     line = imgui.get_font_size()
     for name, way, step in (("previous", imgui.Dir.left, -1), ("next", imgui.Dir.right, 1)):
@@ -32,7 +32,7 @@ def choose_fish(context: PanelContext) -> int | None:
 
 
 def describe_fish(world: World, fish: int) -> str:
-    """A fish's species, length and sex, in words."""
+    """A fish's species, length and sex, as a text."""
     fishes, minds = world.state.fishes, world.state.minds
     name = world.species[fishes.species[fish]].name
     sex = "male" if minds.male[fish] else "female"
@@ -40,7 +40,7 @@ def describe_fish(world: World, fish: int) -> str:
 
 
 def next_fish(fish: int | None, step: int, alive: NDArray[np.bool_]) -> int | None:
-    """The next one that is alive, `step` of 1 upward or -1 downward, all round; None of no fish."""
+    """The next living fish, `step` 1 up or -1 down, cyclically; None if there is none."""
     living = np.flatnonzero(alive)
     if not len(living):
         return None

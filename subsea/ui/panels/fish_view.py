@@ -1,4 +1,4 @@
-"""Fish view (Tu fig. 9.7): from where the sea is seen, and what the eyes of a fish see of it."""
+"""Fish view (Tu fig. 9.7): the point of view, and the eyes of a fish."""
 
 from imgui_bundle import imgui
 
@@ -14,7 +14,7 @@ CLAMP = imgui.SliderFlags_.always_clamp.value
 
 
 def panel(context: PanelContext) -> None:
-    """Draw it, and act on the dive."""
+    """Draw the panel, and control the dive."""
     dive, fish = context.dive, choose_fish(context)
     ride = dive.picture.ride
     imgui.begin_disabled(fish is None)
@@ -33,13 +33,13 @@ def panel(context: PanelContext) -> None:
 
 
 def _see_from(context: PanelContext, fish: int | None, behind: bool | None) -> None:
-    """From behind a fish or through its eyes; from the submarine: None."""
+    """Look from behind a fish, through its eyes, or (None) from the submarine."""
     chosen = None if behind is None else fish
     context.later(lambda: context.dive.ride_fish(chosen, behind))
 
 
 def _eyes(context: PanelContext) -> None:
-    """Where its eyes look and what they see, of the fish that is ridden or followed."""
+    """Gaze, retina pictures and teleoperation of the fish that is ridden."""
     dive, ride = context.dive, context.dive.picture.ride
     gaze = ride.gaze if ride else Gaze()
     imgui.separator()

@@ -1,4 +1,4 @@
-"""Habits (Tu fig. 9.5): sex, what it likes, and its kind; of one fish or all of its species."""
+"""Habits (Tu fig. 9.5): sex, kind and likings, of one fish or all of its species."""
 
 from typing import Any
 
@@ -12,20 +12,20 @@ from subsea.ui.context import PanelContext
 from subsea.ui.panels.fish_picker import choose_fish
 from subsea.world.world import TICK_S
 
-PAIRS = ((0, 1, "light"), (2, 3, "temperature"))  # two columns of `minds.likes`, and of what
-INDENT = 7.0  # of what can be chosen, in heights of letters
+PAIRS = ((0, 1, "light"), (2, 3, "temperature"))  # pairs of columns of `minds.likes`
+INDENT = 7.0  # of choices, in heights of letters
 
 
 class HabitsScope:
-    """Whether habits are set of the chosen fish alone."""
+    """Whether habits are set for one fish or all of its species."""
 
     def __init__(self) -> None:
-        """Of it alone."""
+        """For one fish."""
         self.all_of_species = False
 
 
 def panel(context: PanelContext) -> None:
-    """Draw it, and act on the world."""
+    """Draw the panel, and change the world."""
     fish = choose_fish(context)
     if fish is None:
         return
@@ -72,14 +72,14 @@ def panel(context: PanelContext) -> None:
 
 
 def _row(name: str) -> None:
-    """The name of a line of choices, which come after it, all from the same place on."""
+    """Begin a row of choices with its name."""
     imgui.align_text_to_frame_padding()
     imgui.text_disabled(name)
     imgui.same_line(INDENT * imgui.get_font_size())
 
 
 def _set(context: PanelContext, fish: int, **habits: Any) -> None:
-    """Give these to the chosen fish, or to all of its species that are alive."""
+    """Set habits of a fish, or of all living fishes of its species."""
     world = context.dive.world
     fishes, minds = world.state.fishes, world.state.minds
     those = np.array([fish])

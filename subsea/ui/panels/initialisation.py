@@ -1,4 +1,4 @@
-"""The panel *Initialisation* (Tu §9.1): how many of everything, and the files."""
+"""Initialisation (Tu §9.1): numbers of everything, and scenario files."""
 
 import random
 from dataclasses import dataclass, field
@@ -32,17 +32,17 @@ NUMBER, SEED, NAME = 6.5, 9.0, 14.0  # how wide fields are, in heights of letter
 
 @dataclass
 class InitialisationState:
-    """What is entered, until the dive begins with it."""
+    """The entered values, until the dive starts with them."""
 
-    base: Scenario | None = None  # whose numbers these were
+    base: Scenario | None = None  # scenario of these numbers
     counts: Counts | None = None
-    names: list[str] = field(default_factory=list)  # of scenarios that there are
+    names: list[str] = field(default_factory=list)  # of scenarios
     wanted: str = ""  # the name or path to open
     title: str = ""  # the name or path to save as
-    said: str = ""  # how the last of it went
+    said: str = ""  # result of the last action
 
     def begin(self, scenario: Scenario, seed: int) -> Counts:
-        """From a scenario, with the seed that its dive has."""
+        """Begin with the numbers of a scenario, and the seed of its dive."""
         self.base, self.counts = scenario, counts(scenario)
         self.counts.seed, self.names = seed, scenario_names()
         return self.counts
@@ -79,7 +79,7 @@ def panel(context: PanelContext) -> None:
 
 
 def start_anew(context: PanelContext, wanted: Counts) -> bool:
-    """Begin the dive with these numbers; whether that was possible. If not, it is told."""
+    """Start the dive with these numbers; False, with a note, if that is not possible."""
     draft, dive = context.state(InitialisationState), context.dive
     scenario = with_counts(present(context), wanted)
     try:
@@ -97,7 +97,7 @@ def start_anew(context: PanelContext, wanted: Counts) -> bool:
 
 
 def open_file(context: PanelContext, name: str) -> bool:
-    """Begin the dive of another scenario, by name or path; whether that was possible."""
+    """Start another scenario, by name or path; False, with a note, if not possible."""
     draft, dive = context.state(InitialisationState), context.dive
     try:
         scenario, path = storage.opened(name)
@@ -113,7 +113,7 @@ def open_file(context: PanelContext, name: str) -> bool:
 
 
 def save(context: PanelContext, name: str = "") -> Path | None:
-    """Save the dive's scenario as it is, under a name or where it belongs; where, if it was."""
+    """Save the current scenario under a name, or in its file; returns the path if saved."""
     draft, dive = context.state(InitialisationState), context.dive
     try:
         path = storage.place_named(name.strip()) if name else storage.place_of(dive.source)
@@ -129,19 +129,19 @@ def save(context: PanelContext, name: str = "") -> Path | None:
 
 
 def present(context: PanelContext) -> Scenario:
-    """The dive's scenario with what panels have changed."""
+    """The dive's scenario with the changes of panels."""
     world = context.dive.world
     return replace(to_scenario(world), seed=world.state.seed)
 
 
 def _fishes(wanted: Counts) -> None:
-    """A line for each species that there is."""
+    """A field for each species."""
     for species, number in wanted.fishes.items():
         wanted.fishes[species] = _number(species.replace("_", " "), number, MAX_FISHES)
 
 
 def _sea(wanted: Counts) -> None:
-    """What floats, grows and stands there, and the dice."""
+    """Fields for plankton, seaweed, pillars and the seed."""
     wanted.plankton = _number("plankton", wanted.plankton, MAX_PLANKTON, 100)
     for kind in KINDS:
         wanted.clusters[kind] = _number(f"##{kind}", wanted.clusters[kind], MAX_SEAWEED)
@@ -164,7 +164,7 @@ def _number(
 
 
 def _files(context: PanelContext, draft: InitialisationState) -> None:
-    """Open another scenario, save this one."""
+    """Open a scenario, save this one."""
     line = imgui.get_font_size()
     imgui.set_next_item_width(NAME * line)
     chosen = imgui.begin_combo("##there", "scenarios", imgui.ComboFlags_.height_large.value)
@@ -189,7 +189,7 @@ def _files(context: PanelContext, draft: InitialisationState) -> None:
 
 
 def _line(name: str, hint: str, text: str) -> tuple[str, bool]:
-    """A field for a line of text: what it holds, and whether it was ended with Enter."""
+    """A text field: its text, and whether Enter was pressed."""
     imgui.set_next_item_width(NAME * imgui.get_font_size())
     _, text = imgui.input_text_with_hint(name, hint, text)
     return text, imgui.is_item_deactivated() and imgui.is_key_pressed(imgui.Key.enter)

@@ -1,4 +1,4 @@
-"""What a fish's intention is about, in words, and how far away that is."""
+"""The target of a fish's intention, as a text, and its distance."""
 
 from typing import Any
 
@@ -28,9 +28,7 @@ CURIOUS, STRUGGLE = INTENTIONS.index("curious"), INTENTIONS.index("struggle")
 BARRIERS = {SEABED: "the seabed", SURFACE: "the surface", WALL: "the edge of the sea"}
 NOTHING = "nothing"
 
-Focus = tuple[
-    str, float | None
-]  # what, and how far from the middle of the body, cm, if it is a place
+Focus = tuple[str, float | None]  # what, and its distance from the body, cm, if it is a place
 
 
 def name_of(world: World, fish: int) -> str:
@@ -39,7 +37,7 @@ def name_of(world: World, fish: int) -> str:
 
 
 def focus(world: World, fish: int) -> Focus:
-    """What a fish minds now: somebody, something, or nothing."""
+    """The current target of a fish: a fish, a thing, or nothing."""
     minds, sea = world.state.minds, world.state.sea
     intention, target = int(minds.intention[fish]), int(minds.target[fish])
     if intention == AVOID:

@@ -1,4 +1,4 @@
-"""The last minute of a fish's hunger, libido and fear, to be plotted (Tu fig. 9.4)."""
+"""The last minute of a fish's hunger, libido and fear, for plots (Tu fig. 9.4)."""
 
 from typing import Any
 
@@ -9,25 +9,25 @@ from subsea.state import MENTAL_STATES
 from subsea.world.world import TICK_S, World
 
 SPAN = round(60.0 / TICK_S)  # ticks
-GAP = 40  # so many ticks at once are no picture: nobody looked meanwhile
+GAP = 40  # ticks: a longer gap clears the chart
 
 
 class Chart:
     """A value of each mental state of one fish for every tick of the last minute.
 
-    Each is kept twice, a minute apart, so that the last minute always lies in one piece.
+    A ring buffer, stored twice so that the last minute is always contiguous.
     """
 
     def __init__(self, fish: int) -> None:
-        """Empty, of this fish."""
+        """Empty."""
         self.fish = fish
         self._values = np.zeros((len(MENTAL_STATES), 2 * SPAN), np.float32)
-        self._tick, self._ticks = 0, 0  # the last one that is known, and how many are
+        self._tick, self._ticks = 0, 0  # the last known tick, and the number of known ticks
 
     def follow(self, world: World) -> None:
-        """Note the present; in ticks since the last picture it is taken to have been the same.
+        """Add the current values, also for the ticks since the last call.
 
-        What a rewind has undone is forgotten, and so is all after a while in which nobody looked.
+        Values after a rewind are dropped, and all after a long gap.
         """
         tick, mental = world.state.tick, world.state.minds.mental[self.fish]
         new = tick - self._tick

@@ -1,4 +1,4 @@
-"""The panel *Physics* (Tu fig. 9.3): bodies and water of simulated fishes, and the current."""
+"""Physics (Tu fig. 9.3): bodies and water of simulated fishes, and the current."""
 
 import math
 from dataclasses import dataclass
@@ -16,8 +16,8 @@ from subsea.ui.gui import MARK, QUIET, colour
 from subsea.ui.panels.fish_picker import choose_fish
 
 WIDE, DIAL = 13.0, 5.0  # of a slider and across the dial, in heights of letters
-STRONGEST_CM_S = 60.0  # that can be set here
-SOME_CM_S = 6.0  # a current that is switched on where there was none
+STRONGEST_CM_S = 60.0  # largest value here
+SOME_CM_S = 6.0  # default of a current that is switched on
 LOG = imgui.SliderFlags_.logarithmic.value | imgui.SliderFlags_.always_clamp.value
 
 
@@ -50,16 +50,16 @@ class SavedCurrent:
 
 
 def panel(context: PanelContext) -> None:
-    """Whom it is about, what they are made of, and what moves them."""
-    _whom(context)
+    """Draw the panel, and change the world."""
+    _simulated(context)
     imgui.separator()
     _factors(context)
     imgui.separator()
     _current(context)
 
 
-def _whom(context: PanelContext) -> None:
-    """How many fishes are simulated, and whether the chosen one is."""
+def _simulated(context: PanelContext) -> None:
+    """Number of simulated fishes, and whether the chosen one is simulated."""
     dive = context.dive
     world, line = dive.world, imgui.get_font_size()
     live = np.flatnonzero(world.state.fishes.live)
@@ -88,7 +88,7 @@ def _whom(context: PanelContext) -> None:
 
 
 def simulate(context: PanelContext, most: int) -> bool:
-    """Let so many fishes be simulated at most; whether that was possible."""
+    """Set the largest number of simulated fishes; False if not possible."""
     dive = context.dive
     if most == len(dive.world.state.live.fish):
         return True
@@ -99,7 +99,7 @@ def simulate(context: PanelContext, most: int) -> bool:
 
 
 def _factors(context: PanelContext) -> None:
-    """A slider for each, and back to what is usual."""
+    """A slider for each factor, and a reset."""
     world, line = context.dive.world, imgui.get_font_size()
     before = physics = world.physics
     for slider in SLIDERS:
@@ -136,7 +136,7 @@ def _factors(context: PanelContext) -> None:
 
 
 def _current(context: PanelContext) -> None:
-    """A dial for where the current flows, how strong it is, and whether there is any."""
+    """Direction and strength of the current, and a switch."""
     world, still, line = context.dive.world, context.state(SavedCurrent), imgui.get_font_size()
     x, y = world.current_cm_s
     on = bool(x or y)

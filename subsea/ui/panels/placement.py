@@ -1,7 +1,7 @@
-"""The panel *Placement* (Tu §9.1): what stands where, dragged in the view or set by numbers.
+"""Placement (Tu §9.1): positions of things, by dragging in the view or by numbers.
 
-While it is open a click in the sea takes the thing under the pointer; it follows until it is let
-go of, and the world is made anew around the submarine then.
+While it is open, a click in the sea chooses the thing under the pointer, and a drag moves it; then
+the world is rebuilt around the submarine.
 """
 
 import math
@@ -26,57 +26,57 @@ from subsea.world import placement
 from subsea.world.checks import check_in_sea
 from subsea.world.placement import Grip, Handle
 
-REFUSED = (1.0, 0.42, 0.34)  # what cannot be
+REFUSED = (1.0, 0.42, 0.34)  # refused places
 WIDE, ROWS = 20.0, 7.5  # of the list, in heights of letters
 BIGGER, TURN_DEG = 1.08, 5.0  # of a step of the wheel
-HIGHER = 3.0  # how many times e as high, from the foot of the screen to its head
-REST_S = 0.5  # after the wheel's last step the world is made anew
-NEAR_CM = 60.0  # what is so near to the eye is not taken hold of: one is inside
+HIGHER = 3.0  # a drag over the height of the screen scales by exp(HIGHER)
+REST_S = 0.5  # from the wheel's last step until the world is rebuilt
+NEAR_CM = 60.0  # nearer things are not picked: the eye is inside
 
 
 @dataclass
 class PlacementState:
-    """What is being placed, and what was before."""
+    """The state of the panel: history, choice and drag."""
 
     history: History[Scenario] | None = None
     chosen: tuple[str, int] | None = None  # kind and number of a thing
     held: Grip | None = None  # while it is dragged
-    begun: tuple[float, float] = (0.0, 0.0)  # where on the screen that began
-    trial: Scenario | None = None  # what the dive would be if it were let go of now
-    fault: str = ""  # why that cannot be
-    rest_s: float = 0.0  # since the wheel has turned
-    said: str = ""  # why the last one could not be
-    seen: tuple[Scenario, Sea, list[Handle]] | None = None  # of what things were made, and these
-    frame: int = 0  # of the gui, that it was drawn in last
+    begun: tuple[float, float] = (0.0, 0.0)  # start of the drag on the screen
+    trial: Scenario | None = None  # scenario if the drag ended now
+    fault: str = ""  # error of the trial
+    rest_s: float = 0.0  # time left after the wheel has turned
+    said: str = ""  # error of the last change
+    seen: tuple[Scenario, Sea, list[Handle]] | None = None  # cache of `things`
+    frame: int = 0  # of the last drawing
 
     def things(self, scenario: Scenario, sea: Sea) -> list[Handle]:
-        """All that may be placed: made anew when something has changed."""
+        """All things that can be placed, cached."""
         if not self.seen or self.seen[0] is not scenario or self.seen[1] is not sea:
             self.seen = scenario, sea, placement.handles(scenario, sea)
         return self.seen[2]
 
     def try_out(self, scenario: Scenario, sea: Sea, source: str) -> None:
-        """Show how it would be, and whether it may."""
+        """Try a scenario, and check it."""
         self.trial, self.fault = scenario, ""
         try:
             check_in_sea(scenario, sea)
         except UserError as fault:
             self.fault = f"{source}: {fault}"
 
-    def let_go(self) -> None:
-        """Nothing is tried out any more."""
+    def reset_trial(self) -> None:
+        """End a trial."""
         self.trial, self.held, self.fault, self.rest_s = None, None, "", 0.0
 
 
 def panel(context: PanelContext) -> None:
-    """The list, the numbers of what is chosen, and the hand in the sea."""
+    """Draw the panel, and drag things in the sea."""
     placing, dive = context.state(PlacementState), context.dive
     if placing.history is None or placing.history.present is not dive.scenario:
         placing.history, placing.chosen = History(dive.scenario), None
-        placing.let_go()
+        placing.reset_trial()
     frame = imgui.get_frame_count()
-    if frame > placing.frame + 1:  # it was hidden, and what was held meanwhile nobody has dropped
-        placing.let_go()
+    if frame > placing.frame + 1:  # it was hidden during a drag
+        placing.reset_trial()
     placing.frame = frame
     sea, scenario = dive.world.state.sea, placing.trial or dive.scenario
     things = placing.things(scenario, sea)
@@ -93,7 +93,7 @@ def panel(context: PanelContext) -> None:
         imgui.text_disabled("Things are dragged in flat pictures.")
         return
     within = [thing for thing in things if math.dist(thing.place, sight.view.eye) > NEAR_CM]
-    over = _hand(context, placing, sight, within)
+    over = _drag(context, placing, sight, within)
     for thing in within:
         if (thing.kind, thing.number) == placing.chosen:
             _show(sight, thing, REFUSED if placing.fault else MARK, 0.1)
@@ -102,7 +102,7 @@ def panel(context: PanelContext) -> None:
 
 
 def name_of(scenario: Scenario, kind: str, number: int) -> str:
-    """A thing in words: how many of them came before it, and what it is."""
+    """A thing as a text: its kind and number."""
     words = placement.KINDS[kind]
     if kind in placement.SINGLE:
         return words
@@ -113,9 +113,9 @@ def name_of(scenario: Scenario, kind: str, number: int) -> str:
 
 
 def apply_placement(context: PanelContext, scenario: Scenario) -> bool:
-    """Have the dive go on with things placed otherwise; whether that may be. If not, it is told."""
+    """Continue the dive with a changed scenario; False, with a note, if it has a fault."""
     placing, dive = context.state(PlacementState), context.dive
-    placing.let_go()
+    placing.reset_trial()
     if scenario == dive.scenario:
         return True
     if not _enter(context, scenario):
@@ -126,11 +126,11 @@ def apply_placement(context: PanelContext, scenario: Scenario) -> bool:
 
 
 def undo(context: PanelContext, forth: bool = False) -> bool:
-    """Undo what was placed last, or with `forth` what was undone last; whether there was any."""
+    """Undo the last change, or with `forth` redo it; False if there is none."""
     history = context.state(PlacementState).history
     if history is None or not (history.may_redo if forth else history.may_undo):
         return False
-    context.state(PlacementState).let_go()
+    context.state(PlacementState).reset_trial()
     scenario = history.redo() if forth else history.undo()
     if not _enter(context, scenario):
         _ = history.undo() if forth else history.redo()
@@ -151,7 +151,7 @@ def _enter(context: PanelContext, scenario: Scenario) -> bool:
 
 
 def _list(placing: PlacementState, scenario: Scenario, things: list[Handle]) -> None:
-    """All that may be placed; one is chosen."""
+    """The list of things, to choose one."""
     line = imgui.get_font_size()
     if imgui.begin_list_box("##things", (WIDE * line, ROWS * line)):
         for thing in things:
@@ -162,7 +162,7 @@ def _list(placing: PlacementState, scenario: Scenario, things: list[Handle]) -> 
 
 
 def _buttons(context: PanelContext, placing: PlacementState) -> None:
-    """Add, remove, undo and redo; the last two by the usual keys, too."""
+    """Buttons to add, remove, undo and redo, with the usual keys."""
     history, chosen, dive = placing.history, placing.chosen, context.dive
     assert history is not None
     if imgui.button("Add"):
@@ -196,7 +196,7 @@ def _buttons(context: PanelContext, placing: PlacementState) -> None:
 
 
 def _add(context: PanelContext, kind: str) -> None:
-    """One more thing before the submarine."""
+    """Add a thing before the submarine."""
     dive, placing = context.dive, context.state(PlacementState)
     sight, sea = dive.picture.sight, dive.world.state.sea
     submarine = dive.world.state.submarine
@@ -229,7 +229,7 @@ def _remove(context: PanelContext, kind: str, number: int) -> None:
 
 
 def _numbers(context: PanelContext, placing: PlacementState, scenario: Scenario, sea: Sea) -> None:
-    """A field for each number of what is chosen."""
+    """Fields for the numbers of the chosen thing."""
     if placing.chosen is None:
         return
     kind, number = placing.chosen
@@ -252,10 +252,10 @@ def _numbers(context: PanelContext, placing: PlacementState, scenario: Scenario,
         context.later(partial(apply_placement, context, placing.trial))
 
 
-def _hand(
+def _drag(
     context: PanelContext, placing: PlacementState, sight: FrontView, things: list[Handle]
 ) -> Handle | None:
-    """What the pointer does in the sea; the thing that is under it."""
+    """Drag things with the pointer; returns the thing under it."""
     dive, io = context.dive, imgui.get_io()
     sea, source, pointer = dive.world.state.sea, str(dive.source), dive.gui.pointer
     over = None
@@ -288,7 +288,7 @@ def _hand(
 
 
 def _turn_wheel(context: PanelContext, placing: PlacementState, things: list[Handle]) -> None:
-    """The wheel makes the chosen thing larger, or with Ctrl turns it, and rests."""
+    """Resize the chosen thing with the wheel, or turn it with Ctrl."""
     io, dive = imgui.get_io(), context.dive
     chosen = [thing for thing in things if (thing.kind, thing.number) == placing.chosen]
     if io.mouse_wheel and chosen:
@@ -306,17 +306,17 @@ def _turn_wheel(context: PanelContext, placing: PlacementState, things: list[Han
 
 
 def _drop(context: PanelContext, placing: PlacementState) -> None:
-    """Let go of what was tried out: the dive goes on with it, or as it was."""
+    """Apply the trial, or report its error."""
     if placing.fault:
         placing.said = placing.fault
         context.dive.note(placing.said)
-        placing.let_go()
+        placing.reset_trial()
     elif placing.trial is not None:
         context.later(partial(apply_placement, context, placing.trial))
 
 
 def _show(sight: FrontView, thing: Handle, ink: tuple[float, float, float], wide: float) -> None:
-    """The outline of a thing, under all panels."""
+    """Draw the outline of a thing, under all panels."""
     size, line = imgui.get_io().display_size, imgui.get_font_size()
     canvas = imgui.get_background_draw_list()
     lines = sight.lines(thing.outline) * (size.x, size.y)
@@ -324,7 +324,7 @@ def _show(sight: FrontView, thing: Handle, ink: tuple[float, float, float], wide
         return
     many = len(thing.body) > 1
     tint, wide = colour(ink, 0.95), max((0.5 if many else 1.0) * wide * line, 1.2)
-    # One call for each curve: lines that follow one another.
+    # One call for each run of connected lines.
     ends = np.flatnonzero((lines[1:, 0] != lines[:-1, 1]).any(axis=1)) + 1
     for curve in np.split(lines, ends):
         points: list[Any] = [

@@ -1,4 +1,4 @@
-"""Time: it stands still, goes tick by tick, slower, faster, and back over the last minute."""
+"""Time: pause, single ticks, rates, and going back over the last minute."""
 
 from imgui_bundle import imgui
 
@@ -11,7 +11,7 @@ NAMES = {0.25: "×¼", 0.5: "×½"}
 
 
 def panel(context: PanelContext) -> None:
-    """Draw it, and act on the timeline."""
+    """Draw the panel, and control time."""
     time, line = context.dive.timeline, imgui.get_font_size()
     if time is None:
         imgui.text_disabled("Another computer makes the time of this dive.")
@@ -41,6 +41,6 @@ def panel(context: PanelContext) -> None:
 
 
 def minutes(tick: int) -> str:
-    """Since the dive began, in minutes and seconds."""
+    """The time of a tick, in minutes and seconds."""
     seconds = tick * TICK_S
     return f"{int(seconds // 60)}:{seconds % 60:04.1f}"
