@@ -217,18 +217,18 @@ def test_only_a_cut_is_a_leap():
 def test_time_goes_back_over_cuts_to_the_very_same_worlds(tmp_path):
     late = f"at_s = 1.5\n{STILL.replace('}', ', over_s = 0.0 }')}"
     world = world_of(tmp_path, CUT, late, "at_s = 2.5\n" + BEYOND + "\nlights = true")
-    crew = LocalTicks(world, Pilot(), directed_steering(world))
+    ticks = LocalTicks(world, Pilot(), directed_steering(world))
     sums = {}
     while world.state.tick < 130:
-        crew.picture(TICK_S)
+        ticks.advance(TICK_S)
         sums[world.state.tick] = snapshot.checksum(world)
     for tick in (100, 20, 60, 47, 46):
-        crew.timeline.go(tick)
+        ticks.timeline.go(tick)
         assert snapshot.checksum(world) == sums[tick]
     assert not world.state.submarine.lights[0]
     # Playing on asks the tour again, which knows no more than the world does.
     while world.state.tick < 130:
-        crew.picture(TICK_S)
+        ticks.advance(TICK_S)
         assert snapshot.checksum(world) == sums[world.state.tick]
 
 

@@ -168,7 +168,7 @@ EVENTS = st.lists(
             st.just("hold"), st.sampled_from(["left", "up", "ahead", "rise"]), st.just("x"),
             st.floats(0, 1),
         ),
-        st.tuples(st.just("leave")),
+        st.tuples(st.just("pointer_left")),
     ),
     max_size=40,
 )  # fmt: skip

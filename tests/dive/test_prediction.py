@@ -38,11 +38,11 @@ def begin(world):
     return snapshot.take(world)
 
 
-def pictures(crew, rate, seconds):
+def pictures(ticks, rate, seconds):
     """Where the eye is in each picture of a display that shows `rate` of them a second."""
     for _ in range(round(rate * seconds)):
-        crew.picture(1.0 / rate)
-        yield crew.eye()
+        ticks.advance(1.0 / rate)
+        yield ticks.eye()
 
 
 def apart(one, other):
@@ -94,11 +94,11 @@ def test_a_key_shows_after_two_pictures_at_most(world, begin, rate, held, phase)
     for hands in (False, True):
         snapshot.restore(world, begin)
         pilot = Pilot()
-        crew = LocalTicks(world, pilot)
-        crew.picture((1.0 + phase) * TICK_S)
+        ticks = LocalTicks(world, pilot)
+        ticks.advance((1.0 + phase) * TICK_S)
         if hands:
             pilot.hold(held, "W")
-        still.append(list(pictures(crew, rate, 2.0 / rate)))
+        still.append(list(pictures(ticks, rate, 2.0 / rate)))
     changed = [max(apart(*pair)) > 1e-5 for pair in zip(*still, strict=True)]
     assert changed[1]  # the second picture, and mostly the first
 
@@ -110,12 +110,12 @@ def test_most_keys_show_in_the_first_picture(world, begin):
         for hands in (False, True):
             snapshot.restore(world, begin)
             pilot = Pilot()
-            crew = LocalTicks(world, pilot)
-            crew.picture((1.0 + phase) * TICK_S)
+            ticks = LocalTicks(world, pilot)
+            ticks.advance((1.0 + phase) * TICK_S)
             if hands:
                 pilot.hold("left", "A")
-            crew.picture(1.0 / 60.0)
-            eyes.append(crew.eye())
+            ticks.advance(1.0 / 60.0)
+            eyes.append(ticks.eye())
         shown += max(apart(*eyes)) > 1e-5
     assert shown >= 19
 
@@ -128,30 +128,30 @@ def test_on_a_tour_it_is_drawn_as_fishes_are_and_catches_up_gently(world, begin)
         return Rail(start + (world.state.tick + 1) * TICK_S * way, way, (0.0, 0.0))
 
     pilot, rate = Pilot(), 60.0
-    crew = LocalTicks(world, pilot, tour)
-    for eye in pictures(crew, rate, 1.0):
-        late = cockpit(world.state.submarine, crew.timeline.alpha)
+    ticks = LocalTicks(world, pilot, tour)
+    for eye in pictures(ticks, rate, 1.0):
+        late = cockpit(world.state.submarine, ticks.timeline.alpha)
         assert apart(eye, late) == pytest.approx((0.0, 0.0), abs=1e-7)
     pilot.hold("ahead", "W")
-    seen = [eye.eye[0] for eye in pictures(crew, rate, 1.0)]
+    seen = [eye.eye[0] for eye in pictures(ticks, rate, 1.0)]
     moves = np.diff(seen) * rate
     assert (moves > 0.0).all() and moves.max() < 1.2 * AHEAD_CM_S
-    assert apart(crew.eye(), cockpit(world.state.submarine, 0.0))[0] > 0.0
-    ahead = crew.eye().eye[0] - cockpit(world.state.submarine, 1.0).eye[0]
-    assert ahead == pytest.approx(moves[-1] * crew.timeline.alpha * TICK_S, rel=0.05, abs=1e-3)
+    assert apart(ticks.eye(), cockpit(world.state.submarine, 0.0))[0] > 0.0
+    ahead = ticks.eye().eye[0] - cockpit(world.state.submarine, 1.0).eye[0]
+    assert ahead == pytest.approx(moves[-1] * ticks.timeline.alpha * TICK_S, rel=0.05, abs=1e-3)
 
 
 def test_while_time_stands_still_so_does_the_eye(world, begin):
     snapshot.restore(world, begin)
     pilot = Pilot()
-    crew = LocalTicks(world, pilot)
+    ticks = LocalTicks(world, pilot)
     pilot.hold("ahead", "W")
-    list(pictures(crew, 60.0, 1.0))
-    crew.timeline.pause()
-    seen = list(pictures(crew, 60.0, 0.5))
+    list(pictures(ticks, 60.0, 1.0))
+    ticks.timeline.pause()
+    seen = list(pictures(ticks, 60.0, 0.5))
     assert all(apart(one, seen[0])[0] == 0.0 for one in seen)
     assert apart(seen[0], cockpit(world.state.submarine, 1.0)) == pytest.approx((0.0, 0.0))
-    crew.timeline.pause()
-    again = [*seen[-1:], *pictures(crew, 60.0, 0.5)]
+    ticks.timeline.pause()
+    again = [*seen[-1:], *pictures(ticks, 60.0, 0.5)]
     moves = [apart(*pair)[0] for pair in pairwise(again)]
     assert max(moves) < FASTEST_CM_S / 60.0

@@ -41,16 +41,16 @@ def pressed(action):
 
 def test_alone_the_clock_makes_the_ticks_and_the_hands_steer(worlds):
     world = worlds[0]
-    crew, tick = LocalTicks(world, pressed("ahead")), world.state.tick
-    assert crew.picture(2.5 * TICK_S) == pytest.approx(0.5)
+    ticks, tick = LocalTicks(world, pressed("ahead")), world.state.tick
+    assert ticks.advance(2.5 * TICK_S) == pytest.approx(0.5)
     assert world.state.tick == tick + 2
-    assert crew.picture(0.25 * TICK_S) == pytest.approx(0.75)
+    assert ticks.advance(0.25 * TICK_S) == pytest.approx(0.75)
     assert world.state.tick == tick + 2
-    crew.swap(None)
-    crew.picture(4 * TICK_S)
+    ticks.swap(None)
+    ticks.advance(4 * TICK_S)
     assert np.linalg.norm(world.state.submarine.velocity) > 1.0
-    assert (crew.hands, crew.shared, crew.waiting, crew.idle_s) == (True, False, "", 0.0)
-    assert crew.close() == []
+    assert (ticks.has_pilot, ticks.shared, ticks.waiting, ticks.idle_s) == (True, False, "", 0.0)
+    assert ticks.close() == []
 
 
 def along(world):
@@ -78,19 +78,19 @@ def test_one_leads_and_another_follows(worlds, tour):
 
     def node():
         while not ended.is_set():
-            alpha = follow.picture(100.0)  # its own time does not count
+            alpha = follow.advance(100.0)  # its own time does not count
             if alpha is not None:
                 shown.append((alpha, worlds[1].state.tick, snapshot.checksum(worlds[1])))
                 follow.swap(lambda: drawn.append("node"))
 
-    assert follow.picture(1.0) is None
+    assert follow.advance(1.0) is None
     assert follow.waiting == f"waiting for the master at {address}"
     thread = threading.Thread(target=node)
     thread.start()
     try:
         led, end = [], time.monotonic() + 60.0
         while len(shown) < 30 and time.monotonic() < end:
-            alpha = lead.picture(0.7 * TICK_S)
+            alpha = lead.advance(0.7 * TICK_S)
             led.append((alpha, worlds[0].state.tick, snapshot.checksum(worlds[0])))
             lead.swap(lambda: drawn.append("master"))
             time.sleep(0.001)
@@ -144,10 +144,10 @@ def test_a_theatre_says_who_leads_and_who_follows(tmp_path, worlds):
         taken.bind(("127.0.0.1", 0))
         found = theatre(tmp_path, f"127.0.0.1:{taken.getsockname()[1]}")
     for node, kind, hands in (("right", LeaderTicks, True), ("left", FollowerTicks, False)):
-        crew = tick_source_maker(*found, node)(worlds[0], Pilot())
-        assert isinstance(crew, kind)
-        assert (crew.hands, crew.shared) == (hands, True)
-        crew.close()
+        ticks = tick_source_maker(*found, node)(worlds[0], Pilot())
+        assert isinstance(ticks, kind)
+        assert (ticks.has_pilot, ticks.shared) == (hands, True)
+        ticks.close()
 
 
 def test_a_node_that_would_look_otherwise_is_refused(tmp_path, worlds):
@@ -160,8 +160,8 @@ def test_a_node_that_would_look_otherwise_is_refused(tmp_path, worlds):
     try:
         with pytest.raises(UserError, match=r"refuses node left: .* another theatre file or calib"):
             while time.monotonic() < end:
-                follow.picture(0.1)
-                lead.picture(0.0)
+                follow.advance(0.1)
+                lead.advance(0.0)
                 lead.swap(lambda: None)
     finally:
         follow.close()

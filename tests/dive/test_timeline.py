@@ -223,21 +223,21 @@ class Hands(Pilot):
 
 
 def test_a_dive_stands_still_goes_tick_by_tick_slower_and_faster(world):
-    crew = LocalTicks(world, hands := Hands())
-    time = crew.timeline
+    ticks = LocalTicks(world, hands := Hands())
+    time = ticks.timeline
     for _ in range(10):
-        crew.picture(TICK_S)
+        ticks.advance(TICK_S)
     at = time.tick
     assert at == hands.asked == pytest.approx(10, abs=1)
     time.pause()
-    assert crew.picture(5.0) == 1.0
+    assert ticks.advance(5.0) == 1.0
     assert (time.tick, time.text) == (at, "paused")
     time.single()
-    crew.picture(5.0)
-    crew.picture(5.0)
+    ticks.advance(5.0)
+    ticks.advance(5.0)
     assert time.tick == at + 1
     time.pause()
-    assert crew.picture(0.25 * TICK_S) == pytest.approx(0.25)  # it goes on from what was shown
+    assert ticks.advance(0.25 * TICK_S) == pytest.approx(0.25)  # it goes on from what was shown
     assert time.tick == at + 2
     assert time.text == ""
     for call, expected in ((time.slower, RATES[1::-1]), (time.faster, RATES[1:])):
@@ -247,7 +247,7 @@ def test_a_dive_stands_still_goes_tick_by_tick_slower_and_faster(world):
             assert time.text == ("" if rate == 1.0 else f"time ×{rate:g}")
             before = time.tick
             for _ in range(16):
-                crew.picture(TICK_S)
+                ticks.advance(TICK_S)
             assert time.tick - before == pytest.approx(16 * rate, abs=1)
 
 
@@ -259,25 +259,25 @@ def test_time_goes_back_without_asking_hands_or_the_tour(world):
         return Helm(yaw=0.5)
 
     hands.helm = lambda dt: Helm()
-    crew = LocalTicks(world, hands, tour)
-    time = crew.timeline
+    ticks = LocalTicks(world, hands, tour)
+    time = ticks.timeline
     was = []
     for _ in range(45):
-        crew.picture(TICK_S)
+        ticks.advance(TICK_S)
         was.append(snapshot.checksum(world))
     asked = len(legs)
     time.pause()
     for seconds in (1.0, 0.1):
         time.rewind(seconds)
-    crew.picture(0.0)
+    ticks.advance(0.0)
     back = round(1.0 / TICK_S) + round(0.1 / TICK_S)
     assert snapshot.checksum(world) == was[-1 - back]
     assert time.text == f"paused, {back * TICK_S:.1f} s back"
     time.single()
-    crew.picture(0.0)
+    ticks.advance(0.0)
     assert snapshot.checksum(world) == was[-back]
     assert len(legs) == asked
     time.pause()
-    crew.picture(0.0)  # the tick that was shown already, of the tour
+    ticks.advance(0.0)  # the tick that was shown already, of the tour
     assert len(legs) == asked + 1
     assert time.latest == time.tick

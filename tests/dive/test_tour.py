@@ -179,15 +179,15 @@ def test_the_same_tour_each_time():
 def test_a_visitor_is_taken_along_until_a_hand_moves():
     world = create_world(load_scenario("peaceful")[0], seed=3, fish=12)
     course, pilot = course_of(world.scenario, "reef"), Pilot()
-    boat, crew = world.state.submarine, LocalTicks(world, pilot, steer_along(world, course))
+    boat, ticks = world.state.submarine, LocalTicks(world, pilot, steer_along(world, course))
     for _ in range(5):
-        crew.picture(1.5 * TICK_S)
+        ticks.advance(1.5 * TICK_S)
     there = rail_at(course, world.state, world.state.tick * TICK_S).position
     np.testing.assert_array_equal(boat.position, there)
     pilot.hold("ahead", "W")
-    crew.picture(1.1 * TICK_S)
+    ticks.advance(1.1 * TICK_S)
     pilot.release("W")
-    crew.picture(5.1 * TICK_S)
+    ticks.advance(5.1 * TICK_S)
     taken = rail_at(course, world.state, world.state.tick * TICK_S)
     assert np.linalg.norm(boat.position - taken.position) > 0.01
     assert np.linalg.norm(boat.position - there) < 10.0  # it goes on from where it was

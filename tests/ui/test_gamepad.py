@@ -80,7 +80,7 @@ def test_buttons_ask_for_things_once_and_stop():
     box.at("B")
     assert box.commands == []
     box.at()
-    box.pilot.ride(True)
+    box.pilot.set_riding(True)
     box.at("B")
     assert box.commands == ["alight"]
 

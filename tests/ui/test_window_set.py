@@ -202,11 +202,11 @@ def test_the_pointer_steers_from_the_middle_of_the_front_window_to_the_edges_of_
 def test_the_helm_is_not_let_go_where_the_pointer_crosses_a_seam(boat):
     left, top = PLACES[0]
     left_at = []
-    leave, boat.pilot.leave = boat.pilot.leave, lambda: left_at.append(1)
+    leave, boat.pilot.pointer_left = boat.pilot.pointer_left, lambda: left_at.append(1)
     for x in range(left + SIZE[0] - 20, left + SIZE[0] + 20, 5):
         hands("mousemove", x, top + 90)
         boat.frame(FRAME_S)
-    boat.pilot.leave = leave
+    boat.pilot.pointer_left = leave
     assert not left_at
 
 
