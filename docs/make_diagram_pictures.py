@@ -12,7 +12,7 @@ from subsea.dive.start import headless, picture_maker, start_world
 from subsea.dive.tour import Tour
 from subsea.frame.diagrams import DiagramBuilder
 from subsea.frame.labels import place_labels
-from subsea.frame.packet import pack
+from subsea.frame.packet import PackOptions, pack
 from subsea.geometry.height_field import height_at
 from subsea.media.film import lettered
 from subsea.render.output.quality import PRESETS
@@ -61,7 +61,7 @@ def plate() -> Image.Image:
             chosen = fish if "perception" in names else None
             drawing = sketcher.draw(names, seen, 1.0, chosen)
             renderer.wireframe = wireframe
-            renderer.draw(pack(world, seen, 1.0, detail=1.6, lines=drawing.lines))
+            renderer.draw(pack(world, seen, 1.0, PackOptions(detail=1.6), lines=drawing.lines))
             words = place_labels(rig, seen, drawing.labels)
             picture = Image.fromarray(lettered(renderer.read_pixels(), words, 0))
             ImageDraw.Draw(picture).text(
@@ -90,7 +90,7 @@ def lights() -> Image.Image:
         with headless() as context, picture_maker(context, world, rig, PRESETS["high"]) as renderer:
             for column, on in enumerate((False, True)):
                 submarine.lights[:] = on
-                renderer.draw(pack(world, seen, 1.0, detail=1.6))
+                renderer.draw(pack(world, seen, 1.0, PackOptions(detail=1.6)))
                 picture = Image.fromarray(renderer.read_pixels())
                 sheet.paste(picture, (column * (SIZE[0] + 8), row * (SIZE[1] + 8)))
     return sheet

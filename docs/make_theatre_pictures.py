@@ -10,7 +10,7 @@ from PIL import Image
 from subsea.dive.start import headless, picture_maker, start_world
 from subsea.dive.theatre_setup import set_up_theatre
 from subsea.dive.tour import Tour
-from subsea.frame.packet import pack
+from subsea.frame.packet import PackOptions, pack
 from subsea.render.output.quality import PRESETS
 from subsea.view.display_rigs import cockpit
 from subsea.view.rig import views
@@ -37,7 +37,7 @@ def main() -> None:
         with picture_maker(context, world, house.rig, quality) as renderer:
             observer = cockpit(world.state.submarine, 1.0)
             numbers = range(len(house.windows))
-            renderer.draw(pack(world, views(house.rig, observer), 1.0, detail=quality.detail))
+            renderer.draw(pack(world, views(house.rig, observer), 1.0, PackOptions(quality.detail)))
             sea = [renderer.read_pixels(number) for number in numbers]
             renderer.show(lineup(house.rig))
             patterns = [renderer.read_pixels(number) for number in numbers]

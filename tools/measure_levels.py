@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from subsea.dive.tour import Tour
-from subsea.frame.packet import Batch, Packet, make_scene, pack
+from subsea.frame.packet import Batch, Packet, PackOptions, make_scene, pack
 from subsea.render import Renderer, headless_context
 from subsea.render.output.quality import PRESETS
 from subsea.scenario.load import load_scenario
@@ -62,7 +62,7 @@ def sea(fish: int) -> World:
 def packed(world: World, **options: bool) -> Packet:
     """A frame of the tour."""
     views = views_for("mono", SIZE, cockpit(world.state.submarine, 1.0))
-    return pack(world, views, 1.0, detail=QUALITY.detail, **options)
+    return pack(world, views, 1.0, PackOptions(QUALITY.detail, **options))
 
 
 def each_level(world: World) -> None:
@@ -94,7 +94,7 @@ def with_and_without(world: World, number: int) -> None:
     for batch in both.batches[0]:
         counts[batch.level] += batch.count
     print(dict(zip(LEVELS, counts.tolist(), strict=True)))
-    packing = least_ms(lambda: pack(world, views, 1.0, detail=QUALITY.detail, memory=memory))
+    packing = least_ms(lambda: pack(world, views, 1.0, PackOptions(QUALITY.detail), memory=memory))
     print(f"packing {packing:.2f} ms, a tick {least_ms(lambda: step(world, tour.helm(world))):.1f}")
 
 

@@ -56,9 +56,7 @@ def packets(
         if tick in AT_TICKS:
             views = views_for("mono", size, cockpit(world.state.submarine, 1.0))
             for name, quality in qualities.items():
-                found[name].append(
-                    pack(world, views, 1.0, detail=quality.detail, growth=quality.growth)
-                )
+                found[name].append(pack(world, views, 1.0, options=quality.packing))
     return make_scene(world), found
 
 

@@ -106,7 +106,7 @@ class Measured:
         start = time.thread_time()
         packet = pack(
             world, views(self.rig, cockpit(world.state.submarine, 1.0)), 1.0,
-            detail=quality.detail, growth=quality.growth, memory=self.memory,
+            options=quality.packing, memory=self.memory,
         )  # fmt: skip
         if self.packets:
             self.packing.append(time.thread_time() - start)

@@ -94,8 +94,7 @@ def main() -> None:
                     if arguments.only not in (None, title):
                         continue
                     views = views_for("mono", size, eye)
-                    fine = {"detail": quality.detail, "growth": quality.growth}
-                    renderer.draw(pack(world, views, 1.0, **fine))
+                    renderer.draw(pack(world, views, 1.0, quality.packing))
                     pictures.append(Image.fromarray(renderer.read_pixels()))
                     pictures[-1].save(arguments.out / f"{name}-{title}.png")
             sheet = Image.new("RGB", (2 * size[0], -(-len(pictures) // 2) * size[1]))

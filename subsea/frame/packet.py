@@ -1,4 +1,4 @@
-"""World and views in, packet out: all that drawing ever sees of the world."""
+"""Packs a world and views into a packet, all that rendering sees of the world."""
 
 import time
 from collections.abc import Sequence
@@ -32,111 +32,126 @@ from subsea.view.levels import (
 from subsea.view.rig import CameraPose
 from subsea.world.world import TICK_S, World
 
-# Columns of an instance record: 23 float32, 92 bytes, six attributes in the shader.
-POSITION = slice(0, 3)  # cm, world, interpolated between the last two ticks
-SCALE = 3  # length of the fish over length of the recorded one (α of SMC eq. 12)
+# Columns of an instance: 23 float32, 92 bytes, six attributes in the shader.
+POSITION = slice(0, 3)  # cm, world
+SCALE = 3  # length of the fish over that of the recorded one (α of SMC eq. 12)
 ORIENTATION = slice(4, 8)  # w, x, y, z, body to world
-ROW_A, ROW_B, WEIGHT = 8, 9, 10  # a pose mixes two rows of the control-point table
-IDENTITY = 11  # constant per fish, in [0, 1): individual variation
+ROW_A, ROW_B, WEIGHT = 8, 9, 10  # two rows of the control-point table, and the weight of b
+IDENTITY = 11  # in [0, 1), constant per fish, for individual variation
 FINS = slice(12, 19)  # as `state.Fishes.fins`: sweeps, lifts, mouth, dorsal fin, tail
-KIND = 19  # which species of the scene it is
-# Of the pixels, in an even pattern, the share that is drawn while two levels cross-fade; 0: all.
-# A share f > 0 takes the first f of the pattern, f < 0 the last -f.
+KIND = 19  # index of the species in the scene
+# Share of the pixels drawn while two levels cross-fade; 0: all. f > 0 draws the first f of an even
+# pattern, f < 0 the last -f.
 FADE = 20
-DISPLAY = 21  # how much it wears its mating colours, 0 to 1
-FISH = 22  # which fish of the world it is
+DISPLAY = 21  # share of mating colours, 0 to 1
+FISH = 22  # index of the fish in the world
 INSTANCE_COLUMNS = 23
 
-# Texels of a leaf of seaweed: its nodes from the root to the tip, then what it looks like.
+# Texels of a leaf of seaweed: its nodes from the root to the tip, then its look.
 LEAF_NODES = 8
 LEAF_TEXELS = LEAF_NODES + 2  # width, facing, twist, own number; colour, length
-LEAF_NEAR_PX = 260.0  # a leaf that covers fewer pixels is drawn coarsely ...
-LEAF_LEAST_PX = 7.0  # ... and not at all if it covers fewer
-LEAF_MOST_CM = 150.0  # of a cluster count
+LEAF_NEAR_PX = 260.0  # below this a leaf is drawn coarsely ...
+LEAF_LEAST_PX = 7.0  # ... and below this not at all
+LEAF_MOST_CM = 150.0  # largest size of a cluster that counts
 BLADE = 9.0  # length of the longest blade of kelp over its width, as in `seaweed.vert`
 KELP = SEAWEED_KINDS.index("kelp")
-GOLDEN = 0.6180339887  # multiples of it fill [0, 1) evenly
+GOLDEN = 0.6180339887  # its multiples modulo 1 fill [0, 1) evenly
 
-# The lamps: so far aside, above and before the pilot's eye, and turned inward and down, rad.
+# Lamps: right of, above and ahead of the pilot's eye, cm; turned inward and down, rad.
 LAMPS_CM, LAMPS_TURNED = (48.0, -26.0, 10.0), (0.06, 0.02)
 
-PLANKTON_REACH_CM = 1400.0  # a speck has faded there
-SPECK_CM = 4.0  # from its place, which it hops about, to the farthest that is drawn of its middle
+PLANKTON_REACH_CM = 1400.0  # where specks have faded
+SPECK_CM = 4.0  # farthest that a speck is drawn from its position
 
-# A fish's sphere holds its nodes; its surface, with a tail that spreads, reaches a little farther.
+# Bounding spheres hold the nodes; the surface reaches a little farther.
 ENLARGED = 1.1
-NEVER_COARSE = np.zeros(len(LEVELS) - 1)  # thresholds of those who want no levels
+NEVER_COARSE = np.zeros(len(LEVELS) - 1)  # thresholds without levels of detail
 
 
 @dataclass(frozen=True)
 class Scene:
-    """What drawing needs once: constant for a dive."""
+    """What rendering needs of a world once."""
 
     species: tuple[Species, ...]
-    control_points: Array  # (rows, 426, 3) float32 cm: all species and frames, then live fishes
+    control_points: (
+        Array  # (rows, 426, 3) float32 cm: recorded frames of all species, then live fishes
+    )
     recorded_length_cm: tuple[float, ...]  # per species
     terrain: Array  # (n, n) float32 cm, height of the seabed, row i is y, column j is x
-    terrain_half_width_cm: float  # the grid spans [-w, w] in x and y
+    terrain_half_width_cm: float  # the terrain spans [-w, w] in x and y
     water: Water
     pillars: Array = field(default_factory=lambda: np.zeros((0, 4)))  # (k, 4) as `state.Sea` has it
     rocks: Array = field(default_factory=lambda: np.zeros((0, 7)))  # (k, 7) likewise
-    # (k, 4): x and y in cm, bubbles a second, the largest one's diameter in cm
+    # (k, 4): x and y in cm, bubbles per second, diameter of the largest in cm
     vents: Array = field(default_factory=lambda: np.zeros((0, 4)))
     reef: Reef = field(default_factory=lambda: empty(Reef, k=0))
 
 
 @dataclass(frozen=True)
 class Batch:
-    """Consecutive instances of a view that share a level of detail, the farthest first."""
+    """Consecutive instances of a view at one level of detail, the farthest first."""
 
     level: int
     first: int
     count: int
-    fading: bool = False  # each is there twice, at two levels; specks that fade are not apart
+    fading: bool = False  # each fish is there twice, at two levels; not so with specks
 
 
 class Lamps(NamedTuple):
-    """The lights of the submarine: left and right."""
+    """The lamps of the submarine: left and right."""
 
     places: Array  # (2, 3) cm
-    ways: Array  # (2, 3) unit vectors, the axes of their beams
+    ways: Array  # (2, 3) unit vectors along the beams
 
 
 @dataclass(frozen=True)
 class Packet:
-    """One frame."""
+    """One frame of a world."""
 
     time_s: float  # world time, interpolated
     views: tuple[View, ...]
-    # (m, 23) float32, sorted by batch; who is in sight of several views is there for each of them
+    # (m, 23) float32, sorted by batch; a fish is there once for each view that sees it
     instances: Array
-    # Of each view those at rest, coarsest first, then those that fade.
+    # For each view: batches at rest, coarsest first, then fading ones.
     batches: tuple[tuple[Batch, ...], ...]
-    plankton: Array  # (p, 3) float32 cm: all that there is
+    plankton: Array  # (p, 3) float32 cm, all specks
     hidden: int  # fishes culled away
-    # Control points (r, 426, 3) float32 cm that replace rows of the scene's from `live_row` on:
-    # those of fishes that are simulated.
+    # Control points (r, 426, 3) float32 cm of simulated fishes, which replace the rows of the scene
+    # from `live_row` on.
     live_points: Array = field(default_factory=lambda: np.zeros((0, 426, 3), np.float32))
     live_row: int = 0
     passing_cm_s: tuple[float, float, float] = (0.0, 0.0, 0.0)  # velocity of the submarine
-    vessel: Array | None = None  # (3,) cm, where the submarine is; None: where the views' eyes are
-    hook: Array | None = None  # (3,) cm, of the bend; None: no hook is in the water
-    bait: bool = False  # whether it is still on the hook
-    # Leaves of seaweed in sight, those to be drawn finely first, how many these are, and which of
-    # all of them (v, k) each view sees; None: each sees all.
+    vessel: Array | None = None  # (3,) cm, position of the submarine; None: that of the eyes
+    hook: Array | None = None  # (3,) cm, position of its bend; None: no hook in the water
+    bait: bool = False  # whether bait is on the hook
+    # Leaves of seaweed in sight, fine ones first, and the number of those; which leaves (v, k) each
+    # view sees, None: all.
     leaves: Array = field(default_factory=lambda: np.zeros((0, LEAF_TEXELS, 4), np.float32))
     fine_leaves: int = 0
     leaves_seen: NDArray[np.bool_] | None = None
-    # Of each view which specks of the plankton it sees; None: each sees all.
+    # Indices of the plankton that each view sees; None: all.
     plankton_seen: tuple[Ints, ...] | None = None
-    lines: Lines = NO_LINES  # of diagrams ...
-    lined: int | None = None  # ... in so many of the views, the first ones; None: in all
-    current_cm_s: tuple[float, float] | None = None  # of the water; None: as in the scene
-    lamps: Lamps | None = None  # of the submarine, None while they are off
+    lines: Lines = NO_LINES  # of diagrams
+    lined: int | None = None  # number of views with lines, the first ones; None: all
+    current_cm_s: tuple[float, float] | None = None  # None: as in the scene
+    lamps: Lamps | None = None  # None while they are off
+
+
+@dataclass(frozen=True)
+class PackOptions:
+    """How much of a world is packed."""
+
+    detail: float = 1.0  # factor on the pixels by which levels of fishes and leaves are chosen
+    growth: float = 1.0  # share of the clusters of seaweed
+    culling: bool = True  # leave out what no view sees
+    lod: bool = True  # choose levels of detail; otherwise everything is at its finest
+
+
+PLAIN = PackOptions()
 
 
 def make_scene(world: World) -> Scene:
-    """The constant part of a world, for the renderer to upload once."""
+    """The constant part of a world."""
     return Scene(
         species=world.species,
         control_points=world.library.control_points,
@@ -157,22 +172,17 @@ def pack(
     world: World,
     views: Sequence[View],
     alpha: float,
+    options: PackOptions = PLAIN,
     *,
-    culling: bool = True,
-    lod: bool = True,
-    detail: float = 1.0,
-    growth: float = 1.0,
     memory: LodState | None = None,
     lines: Lines = NO_LINES,
     pilot: CameraPose | None = None,
 ) -> Packet:
-    """The frame that lies `alpha` (0 to 1) of the way from the last tick to the present one.
+    """Pack the frame `alpha` (0 to 1) of the way from the last tick to the current one.
 
-    `detail` is a factor on the pixels that a fish or a leaf is taken to cover when its level is
-    chosen, `growth` the share of the clusters of seaweed that is drawn. `memory` is that of the
-    frame before, and becomes that of this one; without it no fish fades from one level to another.
-    The `pilot` is where the submarine is drawn, None: between the two ticks too. The times of the
-    stages "cull" and "pose" are added to `world.stages_s`.
+    `memory` holds the levels of the frame before and is updated; without it no fish fades from one
+    level to another. `pilot` is the pose of the submarine's pilot, None: interpolated too. Writes
+    the times of the stages "cull" and "pose" to `world.stages_s`.
     """
     pilot = cockpit(world.state.submarine, alpha) if pilot is None else pilot
     fishes, library = world.state.fishes, world.library
@@ -183,16 +193,22 @@ def pack(
     time_s = (world.state.tick - 1 + alpha) * TICK_S
     radii = ENLARGED * library.bounding_radius[fishes.species] * fishes.length
     reach = IN_SIGHT * world.scenario.water.visibility_cm
-    pixels, distance = coverage(centres, radii, fishes.length, views, reach, culling)
+    pixels, distance = coverage(centres, radii, fishes.length, views, reach, options.culling)
     pixels[~fishes.alive] = OUT_OF_SIGHT
-    # Where a whole wave runs along a body coarse levels would cut its crests, of body and fins at
-    # different places: it is drawn one level finer.
+    # Coarse levels would cut the crests of waves along a body, differently for body and fins: such
+    # fishes are drawn one level finer.
     wavy = np.array([one.spine is not None for one in world.species])[fishes.species]
     memory = empty_lod_state(len(pixels)) if memory is None else memory
-    update_levels(pixels, wavy, THRESHOLDS_PX / detail if lod else NEVER_COARSE, time_s, memory)
+    update_levels(
+        pixels,
+        wavy,
+        THRESHOLDS_PX / options.detail if options.lod else NEVER_COARSE,
+        time_s,
+        memory,
+    )
     order, share, starts = draw_order(distance, time_s, len(LEVELS), memory)
     culled = time.perf_counter()
-    leaves, fine_leaves, leaves_seen = _leaves_in_sight(world, views, culling, lod, detail, growth)
+    leaves, fine_leaves, leaves_seen = _leaves_in_sight(world, views, options)
     instances = np.empty((len(order), INSTANCE_COLUMNS), np.float32)
     _write_instances(fishes, centres, order, share, alpha, instances)
     live_points = _skin_live(world, order)
@@ -212,7 +228,7 @@ def pack(
         instances=instances,
         batches=batches,
         plankton=world.state.sea.plankton.copy(),
-        plankton_seen=_plankton_in_sight(world.state.sea, views, culling),
+        plankton_seen=_plankton_in_sight(world.state.sea, views, options.culling),
         hidden=int((pixels < 0.0).sum()),
         live_points=live_points,
         live_row=len(library.entry),
@@ -230,7 +246,7 @@ def pack(
 
 
 def lamps_of(pilot: CameraPose) -> Lamps:
-    """Where the lights of a submarine are whose pilot is there, and how they shine."""
+    """The lamps of a submarine whose pilot has this pose."""
     axes = np.stack([np.cross(pilot.forward, pilot.up), pilot.up, pilot.forward])
     side = np.array([[-1.0], [1.0]])
     places = pilot.eye + (side * (1.0, 0.0, 0.0) * LAMPS_CM + (0.0, *LAMPS_CM[1:])) @ axes
@@ -241,14 +257,14 @@ def lamps_of(pilot: CameraPose) -> Lamps:
 
 
 def _velocity(world: World) -> tuple[float, float, float]:
-    """How fast the submarine went between the last tick and the present one, cm/s."""
+    """Velocity of the submarine over the last tick, cm/s."""
     submarine = world.state.submarine
     x, y, z = (submarine.position - submarine.previous_position) / TICK_S
     return float(x), float(y), float(z)
 
 
 def _hook(sea: Sea, alpha: float) -> Array | None:
-    """Where the hook is between two ticks, None if it is out of the water."""
+    """Interpolated position of the hook, None if it is out of the water."""
     state = sea.catch[0]
     if state in (STOWED, LANDED):
         return None
@@ -257,7 +273,7 @@ def _hook(sea: Sea, alpha: float) -> Array | None:
 
 
 def _plankton_in_sight(sea: Sea, views: Sequence[View], culling: bool) -> tuple[Ints, ...]:
-    """Of each view the specks in sight. They keep their numbers: a speck looks as that tells."""
+    """Indices of the plankton that each view sees; the look of a speck depends on its index."""
     size = np.full(len(sea.plankton), SPECK_CM)
     _, distance = coverage(sea.plankton, size, size, views, PLANKTON_REACH_CM, culling)
     present = sea.absent == 0.0
@@ -265,26 +281,24 @@ def _plankton_in_sight(sea: Sea, views: Sequence[View], culling: bool) -> tuple[
 
 
 def _leaves_in_sight(
-    world: World, views: Sequence[View], culling: bool, lod: bool, detail: float, growth: float
+    world: World, views: Sequence[View], options: PackOptions
 ) -> tuple[Ints, int, NDArray[np.bool_]]:
-    """Leaves (k,) of those clusters whose centroid is in some view, or nearly.
+    """Leaves (k,) of clusters in sight, fine ones first; the number of fine ones.
 
-    The near ones first, and how many these are; and which of them (v, k) each view sees.
+    The last result says which of the leaves (v, k) each view sees.
     """
     box, seaweed = world.state.sea.seaweed, world.state.seaweed
     centres, size = (box[:, :3] + box[:, 3:]) / 2, box[:, 3:] - box[:, :3]
-    # A leaf is wider than its chain, and between two ticks outside of its box; blades of kelp
-    # stand off from it.
+    # Leaves are wider than their chains, leave their boxes between ticks, and carry blades of kelp.
     blades = np.where(seaweed.kind == KELP, BLADE * seaweed.look[:, 0], 0.0)
     blades = np.maximum.reduceat(blades, seaweed.first[:-1]) if len(box) else np.zeros(0)
     radii = np.linalg.norm(size, axis=1) / 2 + 10.0 + blades
     reach = IN_SIGHT * world.scenario.water.visibility_cm
-    # However tall a plant is: it is made of parts.
     covers = np.minimum(2 * radii, LEAF_MOST_CM)
-    pixels, distance = coverage(centres, radii, covers, views, reach, culling)
-    pixels *= np.float32(detail)
-    near = pixels > LEAF_NEAR_PX if lod else pixels >= 0.0
-    shown = np.arange(len(box)) * GOLDEN % 1.0 < growth
+    pixels, distance = coverage(centres, radii, covers, views, reach, options.culling)
+    pixels *= np.float32(options.detail)
+    near = pixels > LEAF_NEAR_PX if options.lod else pixels >= 0.0
+    shown = np.arange(len(box)) * GOLDEN % 1.0 < options.growth
     cluster = np.repeat(np.arange(len(box)), np.diff(seaweed.first))
     fine, coarse = shown & near, shown & ~near & (pixels > LEAF_LEAST_PX)
     fine_leaves = np.flatnonzero(fine[cluster])
@@ -293,7 +307,7 @@ def _leaves_in_sight(
 
 
 def _leaves(world: World, order: Ints, alpha: float) -> Array:
-    """The texels of the leaves `order`, `alpha` of the way from the last tick to the present."""
+    """Texels of the leaves `order`, `alpha` of the way from the last tick to the current one."""
     seaweed = world.state.seaweed
     out = np.zeros((len(order), LEAF_TEXELS, 4), np.float32)
     before, after = seaweed.previous[order], seaweed.node[order]
@@ -304,10 +318,10 @@ def _leaves(world: World, order: Ints, alpha: float) -> Array:
 
 
 def _skin_live(world: World, order: Ints) -> Array:
-    """Control points (r, 426, 3) of the slots' poses, up to the last slot that is in use.
+    """Control points (r, 426, 3) of live fishes, up to the last slot in use.
 
-    They are written to the library's own rows, where the oracle of `motor/pose.py` finds them.
-    Slots of fishes that are not in sight keep what they held.
+    Written to the library's rows, which `motor.pose` reads too. Slots of fishes out of sight keep
+    old values.
     """
     live, library = world.state.live, world.library
     table = library.control_points[len(library.entry) :]
@@ -329,7 +343,7 @@ def _skin_live(world: World, order: Ints) -> Array:
 def _write_instances(
     fishes: Fishes, centres: Array, order: Ints, share: Array, alpha: float, out: Array
 ) -> None:
-    # Number by number: results of whole rows would be allocated, which costs more than all else.
+    # Element by element, because results of whole rows would be allocated.
     for k in range(len(order)):
         i, row = order[k], out[k]
         row[POSITION] = centres[i]

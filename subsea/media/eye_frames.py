@@ -112,9 +112,7 @@ def film_eyes(options: EyeFilmOptions) -> int:
             begun = time.perf_counter()
             alpha = reach(world, instant, steer, check, see)
             views = retinal_views(world, by, rig, alpha)
-            packet = pack(
-                world, views, alpha, detail=preset.detail, growth=preset.growth, memory=memory
-            )
+            packet = pack(world, views, alpha, options=preset.packing, memory=memory)
             packet = replace(packet, passing_cm_s=velocity_of(world, fish))
             if k in wanted:
                 renderer.draw(packet)

@@ -111,7 +111,7 @@ def film(options: TourFilmOptions) -> int:
                 seen = views(rig, observer)
                 drawing = diagrams.draw(show, seen, alpha)
                 packet = pack(
-                    world, seen, alpha, detail=preset.detail, growth=preset.growth,
+                    world, seen, alpha, options=preset.packing,
                     memory=memory, lines=drawing.lines,
                 )  # fmt: skip
                 if k not in wanted:

@@ -3,7 +3,7 @@
 import time
 from collections import defaultdict
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -188,8 +188,12 @@ def measure(
             step(world, order)
             packet = pack(
                 world, views(rig, cockpit(world.state.submarine, 1.0)), 1.0,
-                culling="culling" not in without, lod="lod" not in without,
-                detail=renderer.quality.detail, growth=renderer.quality.growth, memory=memory,
+                replace(
+                    renderer.quality.packing,
+                    culling="culling" not in without,
+                    lod="lod" not in without,
+                ),
+                memory=memory,
             )  # fmt: skip
             packed = time.perf_counter()
             drawing, host_s = _draw(renderer, context, packet)

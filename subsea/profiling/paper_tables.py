@@ -18,7 +18,7 @@ from subsea.core.console import say
 from subsea.core.kernels import kernel
 from subsea.dive.start import headless, picture_maker, start_world
 from subsea.fish.species import load_species
-from subsea.frame.packet import Packet, pack
+from subsea.frame.packet import Packet, PackOptions, pack
 from subsea.geometry.rotation import rotate
 from subsea.profiling.machine import described, sentence
 from subsea.render.output.quality import PRESETS
@@ -167,10 +167,12 @@ def rendering_ms(scenario: str) -> tuple[Drawn, str]:
         views = view_of(world, IN_SIGHT_1999)
         quality = PRESETS["low"]
         with picture_maker(context, world, display_rig("mono", SIZE), quality) as renderer:
-            packet = pack(world, views, 1.0, detail=quality.detail, growth=quality.growth)
+            packet = pack(world, views, 1.0, options=quality.packing)
             reduced, reduced_cpu = drawing_ms(renderer, context, packet, REDUCED_PICTURES)
             renderer.adapt(replace(quality, detail=np.inf))  # for what stands still
-            everything = pack(world, views, 1.0, culling=False, lod=False, growth=quality.growth)
+            everything = pack(
+                world, views, 1.0, PackOptions(growth=quality.growth, culling=False, lod=False)
+            )
             full, full_cpu = drawing_ms(renderer, context, everything, FULL_PICTURES)
         title, name = world.scenario.title, context.info["GL_RENDERER"]
     fishes = len(world.state.fishes.species)

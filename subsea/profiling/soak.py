@@ -255,7 +255,7 @@ def _painting(world: World, context: Any, watch: Watch, ticks: int) -> Generator
         with picture_maker(context, world, rig, quality) as renderer:
             for _ in range(pictures):
                 seen = views(rig, cockpit(world.state.submarine, 1.0))
-                renderer.draw(pack(world, seen, 1.0, detail=quality.detail, growth=quality.growth))
+                renderer.draw(pack(world, seen, 1.0, options=quality.packing))
                 for output in range(len(rig.outputs)):
                     if np.ptp(renderer.read_pixels(output)) == 0:
                         watch.faults.append(f"tick {world.state.tick}: an empty picture")

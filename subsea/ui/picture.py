@@ -230,7 +230,7 @@ class ScenePicture:
         lines, self.labels = self._sketcher.draw(self.diagrams, seen[:own], self.alpha, marked)
         self.renderer.wireframe = self.wireframe
         packet = pack(
-            self._world, seen, self.alpha, detail=quality.detail, growth=quality.growth,
+            self._world, seen, self.alpha, options=quality.packing,
             memory=self._memory, lines=lines, pilot=self.eye,
         )  # fmt: skip
         into = self._context.screen if self._direct else None

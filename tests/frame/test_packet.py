@@ -25,9 +25,9 @@ def world():
     return world
 
 
-def _pack(world, alpha=0.5, **options):
+def _pack(world, alpha=0.5, memory=None, **options):
     views = views_for("mono", (640, 360), cockpit(world.state.submarine, alpha))
-    return frame.pack(world, views, alpha, **options)
+    return frame.pack(world, views, alpha, frame.PackOptions(**options), memory=memory)
 
 
 def test_without_culling_every_fish_is_there_once(world):
@@ -204,7 +204,8 @@ def overgrown():
 def _leaves_of(world, heading, alpha=1.0, **options):
     submarine = world.state.submarine
     eye = pose_from_angles(submarine.position, heading, -0.5)
-    return frame.pack(world, views_for("mono", (1280, 720), eye), alpha, **options)
+    views = views_for("mono", (1280, 720), eye)
+    return frame.pack(world, views, alpha, frame.PackOptions(**options))
 
 
 def test_leaves_lie_between_the_last_tick_and_this_one(overgrown):

@@ -289,7 +289,7 @@ def every_mode():
                 renderer.adapt(preset)
                 renderer.arrange(rig)
                 seen = views(rig, cockpit(world.state.submarine, 0.5))
-                renderer.draw(pack(world, seen, 0.5, detail=preset.detail, growth=preset.growth))
+                renderer.draw(pack(world, seen, 0.5, options=preset.packing))
                 pictures[quality, display] = renderer.read_pixels().tobytes()
     return pictures
 

@@ -78,8 +78,7 @@ def test_500_frames_three_sizes_and_all_qualities_leak_nothing(context, living, 
         quality = renderer.quality
         renderer.draw(
             pack(
-                world, sight(world, renderer), k % 5 / 5.0, detail=quality.detail,
-                growth=quality.growth, memory=memory,
+                world, sight(world, renderer), k % 5 / 5.0, options=quality.packing, memory=memory,
             )
         )  # fmt: skip
         if k % 100 == 99:

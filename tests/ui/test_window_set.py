@@ -114,7 +114,7 @@ def in_one(running):
     quality = renderer.quality
     packet = pack(
         running.world, views(ONE, running.picture.eye), alpha,
-        detail=quality.detail, growth=quality.growth,
+        options=quality.packing,
     )  # fmt: skip
     renderer.draw(packet)
     picture = renderer.read_pixels().astype(int)

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from subsea.fish.species import load_species, species_names
 from subsea.fish.surface import LEFT, RIGHT, rest_control_points
-from subsea.frame.packet import pack
+from subsea.frame.packet import PackOptions, pack
 from subsea.geometry.rotation import matrix
 from subsea.motor.pose import control_points_world
 from subsea.scenario.load import load_scenario
@@ -88,7 +88,12 @@ def test_eyes_of_a_simulated_fish_lie_on_the_body_that_is_drawn():
     by = [fish_eyes(world, fish) for fish in range(12)]
     # Nobody has skinned them yet: their rows of control points are what they were.
     eyes = [eyes_pose(world, one, 1.0).eye for one in by]
-    pack(world, retinal_views(world, by[0], retina_rig(SIZE, 1.0), 1.0), 1.0, culling=False)
+    pack(
+        world,
+        retinal_views(world, by[0], retina_rig(SIZE, 1.0), 1.0),
+        1.0,
+        PackOptions(culling=False),
+    )
     for one, eye in zip(by, eyes, strict=True):
         points = control_points_world(world.state.fishes, world.library, one.fish)
         np.testing.assert_allclose(eye, one.weights @ (points[LEFT] + points[RIGHT]) / 2, atol=1e-3)

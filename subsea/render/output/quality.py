@@ -7,6 +7,7 @@ the sea is the same at every quality.
 from dataclasses import dataclass, replace
 
 from subsea.core.errors import unknown
+from subsea.frame.packet import PackOptions
 
 AUTO = "auto"
 SOFTWARE = ("llvmpipe", "softpipe", "swrast")  # renderers without a GPU
@@ -34,6 +35,11 @@ class Quality:
     shafts: int = 8
     # Whether corals, fishes and the submarine darken the sand beneath.
     shadows: bool = True
+
+    @property
+    def packing(self) -> PackOptions:
+        """The options of `frame.packet.pack` for this quality."""
+        return PackOptions(self.detail, self.growth)
 
 
 PRESETS = {

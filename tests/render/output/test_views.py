@@ -49,8 +49,7 @@ class Sea:
 
     def pack(self, seen, memory, lod=True):
         return pack(
-            self.world, seen, 1.0, lod=lod,
-            detail=QUALITY.detail, growth=QUALITY.growth, memory=memory,
+            self.world, seen, 1.0, replace(QUALITY.packing, lod=lod), memory=memory
         )  # fmt: skip
 
     def drawn(self, packet):
