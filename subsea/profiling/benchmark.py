@@ -22,13 +22,13 @@ from subsea.frame.packet import Packet, pack
 from subsea.profiling.comparison import compare, read_reports
 from subsea.profiling.frame_statistics import (
     Frames,
-    figures,
     print_ladder,
     print_report,
+    statistics,
     write_csv,
     write_json,
 )
-from subsea.profiling.machine import described, yardstick
+from subsea.profiling.machine import describe_machine, reference_work
 from subsea.render.output.quality import AUTO, LADDER, PRESETS, first_rung, name_of
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import AUTOPILOT
@@ -123,7 +123,7 @@ def _run(
             options.scenario, options.seed, fish, motor=options.motor, changes=options.changes
         )
         gpu, hold_ms = context.info["GL_RENDERER"], None
-        machine = described(context.info)
+        machine = describe_machine(context.info)
         if automatic:
             hold_ms = options.target_ms or adaptive_quality.target_for(gpu)
         begin = LADDER[first_rung(gpu)] if automatic else PRESETS[options.quality]
@@ -151,7 +151,7 @@ def _run(
         "without": sorted(options.without),
         "motor": options.motor,
         "machine": machine,
-        **figures(measured),
+        **statistics(measured),
     }, measured
 
 
@@ -180,7 +180,7 @@ def measure(
     levels = np.zeros((frames, len(LEVELS)))
     memory = empty_lod_state(len(world.state.fishes.species))
     pace = adaptive_quality.start(LADDER.index(renderer.quality), rig.exact) if hold_ms else None
-    with yardstick() as fixed_work:
+    with reference_work() as fixed_work:
         for k in tqdm(range(-WARM_UP_FRAMES, frames), unit="frame", disable=None, leave=False):
             order = steer(world)  # not measured: a visitor steers instead
             fixed_s = fixed_work()

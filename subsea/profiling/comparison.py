@@ -1,4 +1,4 @@
-"""A benchmark beside an older one: how many times faster, and whether that is to be believed."""
+"""Compare a benchmark with an older one: speedup, and whether it is significant."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -14,12 +14,12 @@ SETTINGS = (
     "frames", "without", "motor",
 )  # fmt: skip
 MACHINE = "cpu", "cores", "driver"
-LEAST = 1.05  # runs of the same code differ by less, but for what the yardstick shows
-LARGEST = 100_000_000  # bytes of a report
+SIGNIFICANT = 1.05  # runs of the same code differ by less, apart from the machine's own speed
+MAX_BYTES = 100_000_000  # bytes of a report
 
 
-class Report(msgspec.Struct, frozen=True):
-    """What a comparison needs of a report that was written before."""
+class OlderReport(msgspec.Struct, frozen=True):
+    """The parts of an older report that are compared."""
 
     fish: int
     version: str
@@ -43,20 +43,20 @@ class Report(msgspec.Struct, frozen=True):
     machine: dict[str, Any] = {}
 
 
-def read_reports(path: Path) -> list[Report]:
+def read_reports(path: Path) -> list[OlderReport]:
     """The reports in a file of `subsea benchmark --json`; a UserError names what is wrong."""
     try:
         with path.open("rb") as file:
-            content = file.read(LARGEST + 1)
+            content = file.read(MAX_BYTES + 1)
     except OSError as fault:
         raise UserError(f"cannot read ({fault.strerror})", file=path) from fault
     try:
-        if len(content) > LARGEST:
+        if len(content) > MAX_BYTES:
             raise ValueError("too large")
         found = msgspec.json.decode(content)
         if isinstance(found, dict):
             found = found.get("ladder", [found])
-        reports = msgspec.convert(found, list[Report])
+        reports = msgspec.convert(found, list[OlderReport])
         if not reports or any("p50" not in report.frame_ms for report in reports):
             raise ValueError("missing `frame_ms.p50`")
     except (ValueError, RecursionError) as fault:
@@ -66,8 +66,8 @@ def read_reports(path: Path) -> list[Report]:
     return reports
 
 
-def compare(reports: Sequence[dict[str, Any]], older: Sequence[Report], path: Path) -> None:
-    """Print the figures of both for each number of fishes, and what else is not alike."""
+def compare(reports: Sequence[dict[str, Any]], older: Sequence[OlderReport], path: Path) -> None:
+    """Print the figures of both for each number of fishes, and settings that differ."""
     before = {report.fish: report for report in older}
     for report in reports:
         old = before.get(report["fish"])
@@ -84,7 +84,7 @@ def compare(reports: Sequence[dict[str, Any]], older: Sequence[Report], path: Pa
             if name in old.machine and old.machine[name] != report["machine"][name]
         ]
         if others:
-            print(f"not alike: {', '.join(others)}")
+            print(f"different: {', '.join(others)}")
         parts = old.parts_ms
         machine = spread(parts.get("yardstick", []), report["parts_ms"]["yardstick"])
         print(f"{'ms':<14}{'then':>10}{'now':>10}{'times faster':>14}{'in most parts':>20}")
@@ -92,13 +92,13 @@ def compare(reports: Sequence[dict[str, Any]], older: Sequence[Report], path: Pa
             own = spread(parts.get(name, []), report["parts_ms"][name])
             ratio = f"{then / now:.2f}" if now > 0.0 else "-"
             part = f"{own[0]:.2f} to {own[1]:.2f}" if own else "-"
-            # Processor time is not lengthened by what others do.
+            # Processor time does not depend on other programs.
             told = "" if name == "yardstick" else verdict(own, None if name == "cpu" else machine)
             print(f"{name:<14}{then:>10.3f}{now:>10.3f}{ratio:>14}{part:>20}  {told}".rstrip())
 
 
-def _rows(report: dict[str, Any], old: Report) -> Iterator[tuple[str, float, float]]:
-    """Name, and medians then and now, of all that both have."""
+def _rows(report: dict[str, Any], old: OlderReport) -> Iterator[tuple[str, float, float]]:
+    """Names, and medians then and now, of all common figures."""
     then = {
         "frame": old.frame_ms["p50"],
         "cpu": old.cpu_ms.get("all"),
@@ -118,9 +118,9 @@ def _rows(report: dict[str, Any], old: Report) -> Iterator[tuple[str, float, flo
 
 
 def spread(then: Sequence[float], now: Sequence[float]) -> tuple[float, float] | None:
-    """The 10th and 90th percentile of the ratios of parts that lie at the same place of a tour.
+    """10th and 90th percentile of the ratios of corresponding parts of a tour.
 
-    None unless there are as many of both, and more than one.
+    None unless both have the same number of parts, and more than one.
     """
     if len(then) != len(now) or len(now) < 2 or min(now) <= 0.0:
         return None
@@ -129,15 +129,15 @@ def spread(then: Sequence[float], now: Sequence[float]) -> tuple[float, float] |
 
 
 def verdict(own: tuple[float, float] | None, machine: tuple[float, float] | None) -> str:
-    """The words for ratios in most parts, and those of the yardstick.
+    """Classify the ratios of a figure, given those of the machine's own speed.
 
-    Different is what lies beyond 1 by at least `LEAST`, and beyond what the machine itself did
-    meanwhile. Empty where a report has no parts.
+    A difference is significant beyond 1 and the machine's own change by the factor `SIGNIFICANT`.
+    Empty for a report without parts.
     """
     if own is None:
         return ""
     usual = 1.0, *(machine or ())
     low, high = min(usual), max(usual)
-    if own[0] > high * LEAST:
+    if own[0] > high * SIGNIFICANT:
         return "faster"
-    return "slower" if own[1] * LEAST < low else "no difference"
+    return "slower" if own[1] * SIGNIFICANT < low else "no difference"

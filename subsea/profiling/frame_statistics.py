@@ -1,4 +1,4 @@
-"""What the frames of a benchmark say: docs/diving.md has the formulas."""
+"""Statistics of the frames of a benchmark; formulas are in docs/diving.md."""
 
 import csv
 import json
@@ -11,7 +11,7 @@ import numpy as np
 from subsea.core.arrays import Array
 from subsea.core.atomic_io import replacing
 from subsea.core.durations import summary
-from subsea.profiling.machine import sentence
+from subsea.profiling.machine import machine_line
 from subsea.view.levels import LEVELS
 
 STAGES = (
@@ -25,18 +25,18 @@ STAGES = (
     "draw",
     "present",
 )
-PARTS = 10  # of a run, the medians of which tell how even it was
+PARTS = 10  # of a run, whose medians show how even it was
 SHOWN = ("visible", "simulated", "triangles", "draw_calls")
 
 
 class Frames(NamedTuple):
-    """What each of F frames took, in seconds, and showed."""
+    """Times of F frames in seconds, and what they showed."""
 
     frame_s: Array  # (F,) all of it
-    host_s: Array  # (F,) without the time in which drawing calls run or are waited for
+    host_s: Array  # (F,) without running and waiting for drawing calls
     cpu_s: Array  # (F,) processor time of all threads
     thread_s: Array  # (F,) processor time of the calling thread
-    yardstick_s: Array  # (F,) what a fixed work took beside it, see `machine.yardstick`
+    yardstick_s: Array  # (F,) what a fixed work took beside it, see `machine.reference_work`
     stages_s: dict[str, Array]  # (F,) each
     visible: Array  # (F,) fishes drawn
     simulated: Array  # (F,) fishes simulated
@@ -46,11 +46,11 @@ class Frames(NamedTuple):
 
     @property
     def rest_s(self) -> Array:
-        """(F,) what is in no stage: the hull, the views, and what others took between stages."""
+        """(F,) time outside the stages: hull, views, and other programs between stages."""
         return self.frame_s - np.sum([self.stages_s[name] for name in STAGES], axis=0)
 
 
-def figures(frames: Frames) -> dict[str, Any]:
+def statistics(frames: Frames) -> dict[str, Any]:
     """The measured part of a report."""
     frame_ms = summary(frames.frame_s)
     return {
@@ -80,17 +80,17 @@ def figures(frames: Frames) -> dict[str, Any]:
 
 
 def _parts_ms(durations_s: Array) -> list[float]:
-    """Medians, ms, of the tenths of a run one after another; fewer of less than ten frames."""
+    """Medians of consecutive tenths of a run, ms; fewer for less than ten frames."""
     parts = np.array_split(durations_s, min(PARTS, len(durations_s)))
     return [1000.0 * float(np.median(part)) for part in parts]
 
 
 def print_report(report: dict[str, Any]) -> None:
-    """The report for people: one figure a line."""
+    """Print a report, one figure a line."""
     print(f"{report['fish']} fishes, {report['visible_mean']:.1f} visible, {_pixels(report)}")
     print(f"motor {report['motor']}, {report['simulated_mean']:.1f} simulated")
     print(_drawn_by(report))
-    print(sentence(report["machine"]))
+    print(machine_line(report["machine"]))
     for title in ("frame_ms", "cpu_ms", "stages_ms", "lod"):
         print(title)
         for name, value in report[title].items():
@@ -101,10 +101,10 @@ def print_report(report: dict[str, Any]) -> None:
 
 
 def print_ladder(reports: Sequence[dict[str, Any]]) -> None:
-    """Several reports for people: one a line, medians in ms."""
+    """Print several reports, one a line, medians in ms."""
     print(f"{reports[0]['scenario']}, motor {reports[0]['motor']}, {_pixels(reports[0])}")
     print(_drawn_by(reports[0]))
-    print(sentence(reports[0]["machine"]))
+    print(machine_line(reports[0]["machine"]))
     names = ("fishes", "visible", "fps", "frame", "p95", "cpu", *STAGES)
     print("".join(f"{name:>{_wide(name)}}" for name in names))
     for report in reports:
@@ -137,14 +137,14 @@ def _drawn_by(report: dict[str, Any]) -> str:
 
 
 def write_json(path: Path, reports: Sequence[dict[str, Any]]) -> None:
-    """A report as JSON; several as the list `ladder`."""
+    """Write a report as JSON; several as the list `ladder`."""
     content = reports[0] if len(reports) == 1 else {"ladder": [*reports]}
     with replacing(path) as temporary:
         temporary.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
 
 
 def write_csv(path: Path, runs: Sequence[tuple[dict[str, Any], Frames]]) -> None:
-    """A row for every frame: fishes in all, its number from 0, times in ms, what it showed."""
+    """Write a row for every frame: number of fishes, frame, times in ms, what it showed."""
     with replacing(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
         rows = csv.writer(file)
         rows.writerow(

@@ -1,4 +1,4 @@
-"""On what a figure was measured, and how fast that was meanwhile."""
+"""The machine of a measurement, and its speed meanwhile."""
 
 import os
 import platform
@@ -16,13 +16,13 @@ import numpy as np
 import subsea
 
 PACKAGES = "numpy", "numba", "moderngl"
-YARD = 1 << 15  # numbers whose sines are taken on each core: about a third of a millisecond
+REFERENCE_SINES = 1 << 15  # on each core: about a third of a millisecond
 
 
-def described(graphics: Mapping[str, str]) -> dict[str, Any]:
-    """What somebody who cites a figure has to say; `graphics` is the `info` of an OpenGL context.
+def describe_machine(graphics: Mapping[str, str]) -> dict[str, Any]:
+    """What to cite with a figure; `graphics` is the `info` of an OpenGL context.
 
-    `load` is how many programs wanted a processor in the minute before, None where no system tells.
+    `load` is the load average of the last minute, None where the system has none.
     """
     return {
         "cpu": _processor(),
@@ -36,7 +36,7 @@ def described(graphics: Mapping[str, str]) -> dict[str, Any]:
     }
 
 
-def sentence(machine: Mapping[str, Any]) -> str:
+def machine_line(machine: Mapping[str, Any]) -> str:
     """The machine in one line."""
     count = f"{machine['cores']} cores" if machine["cores"] > 1 else "1 core"
     load = "" if machine["load"] is None else f", load {machine['load']}"
@@ -45,7 +45,7 @@ def sentence(machine: Mapping[str, Any]) -> str:
 
 
 def cores() -> int:
-    """How many this process may use."""
+    """Number of cores that this process may use."""
     here = getattr(os, "sched_getaffinity", None)
     return len(here(0)) if here else os.cpu_count() or 1
 
@@ -60,7 +60,7 @@ def _processor() -> str:
 
 
 def _commit(checkout: Path) -> str | None:
-    """The commit of a checkout, with "+" if its files are not those; None elsewhere."""
+    """The commit of a checkout, with "+" if files differ from it; None elsewhere."""
     if not (checkout / ".git").exists():
         return None
     ask = ["git", "-C", str(checkout), "describe", "--always", "--exclude=*", "--dirty=+"]
@@ -72,14 +72,14 @@ def _commit(checkout: Path) -> str | None:
 
 
 @contextmanager
-def yardstick() -> Iterator[Callable[[], float]]:
-    """A function that does a small fixed work on every core and returns how long it took, s.
+def reference_work() -> Iterator[Callable[[], float]]:
+    """Yield a function that does a small fixed work on every core and returns its time, s.
 
-    Other programs lengthen it as they lengthen frames, and no version of this program does.
+    Other programs slow it down as they slow down frames, independently of our version.
     """
     number = cores()
-    work = [np.linspace(0.0, 1.0, YARD) for _ in range(number)]
-    out = [np.empty(YARD) for _ in range(number)]
+    work = [np.linspace(0.0, 1.0, REFERENCE_SINES) for _ in range(number)]
+    out = [np.empty(REFERENCE_SINES) for _ in range(number)]
 
     def measure() -> float:
         start = time.perf_counter()

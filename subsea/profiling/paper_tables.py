@@ -20,7 +20,7 @@ from subsea.dive.start import headless, picture_maker, start_world
 from subsea.fish.species import load_species
 from subsea.frame.packet import Packet, PackOptions, pack
 from subsea.geometry.rotation import rotate
-from subsea.profiling.machine import described, sentence
+from subsea.profiling.machine import describe_machine, machine_line
 from subsea.render.output.quality import PRESETS
 from subsea.state import Fishes
 from subsea.submarine.helm import HANDS_OFF
@@ -39,10 +39,10 @@ SIMULATED_TICKS, GROUP_TICKS = 2000, 20
 PLAYED_FISH, PLAYED_TICKS = 1000, 60
 RENDERED = ("peaceful", "open-ocean")
 IN_SIGHT_1999 = 40  # fishes
-HEADINGS = 72  # that are tried to find a view of so many
+HEADINGS = 72  # tried to find a view of so many
 AWAKE_TICKS = 30
 REDUCED_PICTURES, FULL_PICTURES = 15, 3
-PATIENCE_S = 12.0  # no further picture of a kind is begun after it
+MAX_DRAWING_S = 12.0  # no further picture of a kind begins after it
 SIZE = (1280, 720)
 SCENARIO = "peaceful"
 UNIT = np.eye(3, dtype=np.float32)
@@ -50,8 +50,8 @@ UNIT = np.eye(3, dtype=np.float32)
 
 def paper_tables() -> int:
     """Measure and print both tables; takes well under two minutes. Returns the exit code."""
-    with headless() as context:  # no OpenGL is told before anything is measured
-        machine = described(context.info)
+    with headless() as context:  # missing OpenGL is reported before anything is measured
+        machine = describe_machine(context.info)
     say("measuring the simulation of one fish")
     dynamics = dynamics_ms()
     say(f"measuring the playback of {PLAYED_FISH} fishes")
@@ -88,12 +88,12 @@ def paper_tables() -> int:
         print(f"{scene.title}: {scene.in_sight} of {scene.fishes} fishes in sight.")
     print("1999: one 194 MHz R10000 with InfiniteReality.")
     print(f"Here: subsea {version('subsea')}, {scenes[0][1]}, {SIZE[0]}x{SIZE[1]}, quality low;")
-    print(f"{sentence(machine)}.")
+    print(f"{machine_line(machine)}.")
     return 0
 
 
 def dynamics_ms() -> float:
-    """Milliseconds that one tick of one simulated fish takes: six steps of the whole body."""
+    """Milliseconds for one tick of one simulated fish: six steps of the whole body."""
     muscles = load_species("fusilier").muscles
     assert muscles
     body, swim = build_body(muscles.body), muscles.swim
@@ -108,11 +108,11 @@ def dynamics_ms() -> float:
 
 
 def playback_ms(world: World) -> tuple[float, float]:
-    """Milliseconds that one tick of one played-back fish takes: with all its nodes, and without.
+    """Milliseconds for one tick of one played-back fish, with and without its nodes.
 
-    The first is the motor stage of the world and SMC eqs. 10-12 for all 23 nodes, as the paper
-    counts it. The second is the motor stage alone: command, body frame and fins, which is all
-    that a fish out of sight costs (SMC table 1).
+    The first is the motor stage of the world and SMC eqs. 10-12 for all 23 nodes, as in the paper.
+    The second is the motor stage alone: command, body frame and fins, the full cost of a fish out
+    of sight (SMC table 1).
     """
     fishes, library = world.state.fishes, world.library
     nodes = np.empty((len(fishes.species), *library.nodes.shape[1:]), np.float32)
@@ -146,8 +146,8 @@ def place_nodes(fishes: Fishes, nodes_body: Array, out: Array) -> None:
                     out[i, k, axis] += axes[axis, j] * body
 
 
-class Drawn(NamedTuple):
-    """What it takes to draw a scene, in full and reduced to what is seen."""
+class RenderingTimes(NamedTuple):
+    """Times to draw a scene in full, and with culling and levels of detail."""
 
     title: str
     fishes: int
@@ -158,8 +158,8 @@ class Drawn(NamedTuple):
     reduced_cpu_ms: float
 
 
-def rendering_ms(scenario: str) -> tuple[Drawn, str]:
-    """A scenario from where about 40 fishes are in sight, and the name of the renderer."""
+def rendering_ms(scenario: str) -> tuple[RenderingTimes, str]:
+    """Times of a scenario with about 40 fishes in sight, and the name of the renderer."""
     with headless() as context:
         world = start_world(scenario)
         for _ in range(AWAKE_TICKS):
@@ -169,7 +169,7 @@ def rendering_ms(scenario: str) -> tuple[Drawn, str]:
         with picture_maker(context, world, display_rig("mono", SIZE), quality) as renderer:
             packet = pack(world, views, 1.0, options=quality.packing)
             reduced, reduced_cpu = drawing_ms(renderer, context, packet, REDUCED_PICTURES)
-            renderer.adapt(replace(quality, detail=np.inf))  # for what stands still
+            renderer.adapt(replace(quality, detail=np.inf))  # for static objects
             everything = pack(
                 world, views, 1.0, PackOptions(growth=quality.growth, culling=False, lod=False)
             )
@@ -177,11 +177,12 @@ def rendering_ms(scenario: str) -> tuple[Drawn, str]:
         title, name = world.scenario.title, context.info["GL_RENDERER"]
     fishes = len(world.state.fishes.species)
     seen = len(packet.instances)
-    return Drawn(title, fishes, seen, full, reduced, full_cpu, reduced_cpu), name
+    times = RenderingTimes(title, fishes, seen, full, reduced, full_cpu, reduced_cpu)
+    return times, name
 
 
 def view_of(world: World, number: int) -> tuple[View, ...]:
-    """The view from the submarine, turned to where nearest to so many fishes are in sight."""
+    """The view from the submarine in the heading with closest to `number` fishes in sight."""
     eye = cockpit(world.state.submarine, 1.0).eye
     sights = [
         views_for("mono", SIZE, pose_from_angles(eye, heading, 0.0))
@@ -193,14 +194,14 @@ def view_of(world: World, number: int) -> tuple[View, ...]:
 def drawing_ms(
     renderer: "Renderer", context: Any, packet: Packet, pictures: int
 ) -> tuple[float, float]:
-    """Median time to upload and draw a packet, in ms, of so many pictures, or as patience allows.
+    """Median wall and processor time to upload and draw a packet, ms.
 
-    By the clock, and by the processor time of all threads. The first, for which drivers compile,
-    does not count, unless patience ends with it.
+    Of so many pictures, or of those within MAX_DRAWING_S. The first, for which drivers compile,
+    counts only if it is the only one.
     """
     took: list[tuple[float, float]] = []
     begun = time.perf_counter()
-    while (len(took) <= pictures and time.perf_counter() - begun < PATIENCE_S) or not took:
+    while (len(took) <= pictures and time.perf_counter() - begun < MAX_DRAWING_S) or not took:
         start, cpu = time.perf_counter(), time.process_time()
         renderer.draw(packet)
         context.finish()
@@ -218,10 +219,7 @@ def _seconds(work: Callable[[], object]) -> float:
 def _table(
     title: str, columns: tuple[str, ...], slow: tuple[Any, ...], fast: tuple[Any, ...]
 ) -> None:
-    """Two rows of a name and its figures, one a column, and how many times faster the second is.
-
-    Columns without a name are empty.
-    """
+    """Print two rows of a name and its figures, and the speedup; unnamed columns are empty."""
     ratios = [
         a / b if column else "" for column, a, b in zip(columns, slow[1:], fast[1:], strict=True)
     ]

@@ -1,4 +1,4 @@
-"""`subsea soak`: hours of a dive with hands at random, watched for what must never happen."""
+"""`subsea soak`: hours of a dive with random input, checked for broken invariants."""
 
 import ctypes
 import gc
@@ -25,7 +25,7 @@ from subsea.core.resources import resource_names
 from subsea.dive.start import headless, picture_maker, start_world
 from subsea.dive.theatre_setup import chosen_rig
 from subsea.frame.packet import pack
-from subsea.profiling.invariants import faults_in, reach_now, starving, stuck, widen
+from subsea.profiling.invariants import faults_in, starving, stuck, visited_now, widen
 from subsea.render.output.quality import PRESETS
 from subsea.submarine.helm import HANDS_OFF, Helm
 from subsea.view.display_rigs import DISPLAYS, cockpit, display_rig
@@ -41,25 +41,25 @@ SECOND = round(1.0 / TICK_S)  # ticks, about
 MINUTE = round(60.0 / TICK_S)
 SIZE = (320, 180)
 SHRINK = 6  # of theatres
-ROUNDS = 8  # of all displays and theatres in a soak, if it has the time
-PICTURES = 5, 30  # at least and at most in each of them, a second apart
-REPLAY_EVERY, REPLAYED = MINUTE, 3 * SECOND  # so often time goes back so far
-SPELL_S = 0.5, 8.0  # how long hands do one thing
+ROUNDS = 8  # of all displays and theatres in a soak, if it is long enough
+PICTURES = 5, 30  # minimum and maximum in each of them, a second apart
+REPLAY_EVERY, REPLAYED = MINUTE, 3 * SECOND  # interval between rewinds, and their length
+SPELL_S = 0.5, 8.0  # duration of one kind of input
 CURRENT_CM_S = 30.0
 TIMIDITY = 0.5, 2.0
 SHARES = {"steer": 0.6, "let go": 0.1, "ride": 0.2, "change": 0.1}
-STILL = 180 * SECOND  # who stays where it is so long is stuck
-# So many minutes of a soak that draws its memory grows, as the driver makes programs for every
-# display at every quality; it is judged if as many follow.
+STILL = 180 * SECOND  # a fish that stays in place for this long is stuck
+# While a soak draws, memory grows for this long, as the driver compiles programs for every display
+# at every quality; it is judged if the same time follows.
 WARM_UP_MIN = 24
-QUARTER = 0.25  # after that the last quarter is compared with the second
-GROWTH = 0.02  # by which something has grown is too much
-MOST_FAULTS = 10  # then the dive ends
-LARGEST = 100_000_000  # bytes of a report
+QUARTER = 0.25  # the last quarter is compared with the second
+MAX_GROWTH = 0.02
+MAX_FAULTS = 10  # then the dive ends
+MAX_BYTES = 100_000_000  # of a report
 
 
-class Hands(NamedTuple):
-    """What a visitor does in a tick."""
+class RandomInput(NamedTuple):
+    """Input of a visitor in a tick."""
 
     order: Order
     lights: bool
@@ -68,7 +68,7 @@ class Hands(NamedTuple):
 
 
 class _Report(msgspec.Struct):
-    """What a soak is compared with."""
+    """The parts of an older report that are compared."""
 
     scenario: str
     set: list[str]
@@ -79,16 +79,16 @@ class _Report(msgspec.Struct):
     checksums: list[str]
 
 
-class Watch(NamedTuple):
-    """What was seen so far."""
+class Observations(NamedTuple):
+    """Observations so far."""
 
-    checksums: list[str]  # after every minute of the sea
-    memory_mb: list[float]  # then; empty where the system does not tell
-    things: list[int]  # then: objects that the garbage collector knows
+    checksums: list[str]  # after every simulated minute
+    memory_mb: list[float]  # then; empty where the system has no such figure
+    things: list[int]  # then: objects of the garbage collector
     alive: list[int]  # then: fishes
-    starving: list[int]  # then: fishes as hungry as can be
+    starving: list[int]  # then: fishes of maximum hunger
     objects: list[dict[str, int]]  # of OpenGL, after every round of displays
-    replays: list[int]  # ticks at which time had gone back and come again
+    replays: list[int]  # ticks at which a rewound past had been repeated
     faults: list[str]
 
 
@@ -102,21 +102,24 @@ def soak(
     against: Path | None,
     changes: Sequence[str] = (),
 ) -> int:
-    """Dive `minutes` of the sea's own time with hands at random, and print what was seen.
+    """Dive for `minutes` of simulated time with random input, and print the observations.
 
-    Faults are: what `soundness` finds; fishes that stay where they are; a past that does not come
-    again equally; what no tick changes, and has changed; memory and objects that grow; empty
-    pictures; checksums other than those of the same dive in the report `against`. With `draw` a
-    picture is made every second, in one display mode or theatre after another and at every
-    quality. The report goes to `out` as JSON.
+    Faults are: broken `invariants`; stuck fishes; a rewound past that repeats differently;
+    constants that changed; memory and objects that grow; empty pictures; checksums that differ from
+    those of the same dive in the report `against`. With `draw` a picture is drawn every second, in
+    one display mode or theatre after another and at every quality. The report goes to `out` as
+    JSON.
 
-    Returns 0 if all was sound, 1 if not. The same arguments make the same dive.
+    Returns 0 without faults, else 1. The same arguments give the same dive.
     """
     if out is not None:
         check_file(out)
     older = None if against is None else _report(against)
     world = start_world(scenario, seed, fish, changes=changes)
-    watch, ticks = Watch(*([] for _ in Watch._fields)), max(round(minutes * MINUTE), 1)
+    watch, ticks = (
+        Observations(*([] for _ in Observations._fields)),
+        max(round(minutes * MINUTE), 1),
+    )
     about = {
         "scenario": scenario,
         "set": [*changes],
@@ -131,7 +134,7 @@ def soak(
     begun, first = time.monotonic(), world.state.tick
 
     def conclude() -> None:
-        """Judge what was seen, write it and tell it: also of a soak that was interrupted."""
+        """Judge the observations, write and print them, also after an interruption."""
         made = world.state.tick - first
         if older is not None:
             _compare(watch, made, older)
@@ -146,9 +149,9 @@ def soak(
         if draw:
             with (
                 headless() as context,
-                closing(_painting(world, context, watch, ticks)) as painting,
+                closing(_draw_all(world, context, watch, ticks)) as drawing,
             ):
-                _dive(world, ticks, watch, painting)
+                _dive(world, ticks, watch, drawing)
         else:
             _dive(world, ticks, watch)
     except KeyboardInterrupt:
@@ -159,18 +162,21 @@ def soak(
 
 
 def _dive(
-    world: World, ticks: int, watch: Watch, painting: Generator[None, None, None] | None = None
+    world: World,
+    ticks: int,
+    watch: Observations,
+    drawing: Generator[None, None, None] | None = None,
 ) -> None:
-    doing = hands(world, np.random.default_rng(world.state.seed))
-    done: list[Hands] = []  # since the moment to which time goes back
-    before, reach = None, reach_now(world)
+    given = random_input(world, np.random.default_rng(world.state.seed))
+    done: list[RandomInput] = []  # since the snapshot to which time is rewound
+    before, boxes = None, visited_now(world)
     fixed = snapshot.checksum_of(snapshot.constant(world))
     with interrupts.deferred() as check, progress(ticks, "tick") as made:
         for k in range(1, ticks + 1):
             check()
             if k % REPLAY_EVERY == REPLAY_EVERY - REPLAYED:
                 before, done = (snapshot.take(world), get_tunables(world)), []
-            done.append(next(doing))
+            done.append(next(given))
             act(world, done[-1])
             if before and k % REPLAY_EVERY == 0:
                 after = snapshot.checksum(world)
@@ -179,22 +185,24 @@ def _dive(
                 for one in done:
                     act(world, one)
                 if snapshot.checksum(world) != after:
-                    watch.faults.append(f"tick {world.state.tick}: the past did not come again")
+                    watch.faults.append(
+                        f"tick {world.state.tick}: a rewound past repeated differently"
+                    )
                 watch.replays.append(world.state.tick)
                 before = None
             if k % SECOND == 0:
-                widen(reach, world)
+                widen(boxes, world)
                 found = faults_in(world)
                 if k % STILL == 0:
-                    found.extend(f"fish {i} is stuck" for i in stuck(reach, world))
-                    reach = reach_now(world)
+                    found.extend(f"fish {i} is stuck" for i in stuck(boxes, world))
+                    boxes = visited_now(world)
                 watch.faults.extend(f"tick {world.state.tick}: {what}" for what in found)
-                if painting:
-                    next(painting)
+                if drawing:
+                    next(drawing)
             if k % MINUTE == 0 or k == ticks:
                 if snapshot.checksum_of(snapshot.constant(world)) != fixed:
                     watch.faults.append(
-                        f"tick {world.state.tick}: what stays as it began has changed"
+                        f"tick {world.state.tick}: a constant of the world has changed"
                     )
                 watch.checksums.append(snapshot.checksum(world))
                 watch.memory_mb.extend(resident_mb())
@@ -202,40 +210,40 @@ def _dive(
                 watch.alive.append(int(world.state.fishes.alive.sum()))
                 watch.starving.append(starving(world))
             made()
-            if len(watch.faults) >= MOST_FAULTS:
+            if len(watch.faults) >= MAX_FAULTS:
                 break
 
 
-def hands(world: World, dice: np.random.Generator) -> Iterator[Hands]:
-    """What hands at random do, tick by tick: steer, let go, take a fish's reins, change things."""
+def random_input(world: World, rng: np.random.Generator) -> Iterator[RandomInput]:
+    """Yield random input for each tick: steering, letting go, riding a fish, changes."""
     current, timidity, lights = world.current_cm_s, world.nature.timidity, False
     while True:
         order: Order = HANDS_OFF
-        what = dice.choice(list(SHARES), p=list(SHARES.values()))
-        ask = dice.uniform(-1.0, 1.0, 4)
-        ticks = round(dice.uniform(*SPELL_S) / TICK_S)
+        what = rng.choice(list(SHARES), p=list(SHARES.values()))
+        ask = rng.uniform(-1.0, 1.0, 4)
+        ticks = round(rng.uniform(*SPELL_S) / TICK_S)
         living = np.flatnonzero(world.state.fishes.alive)
         if what == "steer":
             order = Helm(*ask.tolist())
         elif what == "ride" and len(living):
-            order = TeleopCommand(int(dice.choice(living)), *ask[:3].tolist())
+            order = TeleopCommand(int(rng.choice(living)), *ask[:3].tolist())
         elif what == "change":
             current = float(CURRENT_CM_S * ask[0]), float(CURRENT_CM_S * ask[1])
-            timidity, lights = float(dice.uniform(*TIMIDITY)), not lights
+            timidity, lights = float(rng.uniform(*TIMIDITY)), not lights
         for _ in range(ticks):
-            yield Hands(order, lights, current, timidity)
+            yield RandomInput(order, lights, current, timidity)
 
 
-def act(world: World, doing: Hands) -> None:
-    """Make one tick of the world with these hands in it."""
-    world.state.submarine.lights[0] = doing.lights
-    world.current_cm_s = doing.current_cm_s
-    world.nature = world.nature._replace(timidity=doing.timidity)
-    step(world, doing.order)
+def act(world: World, given: RandomInput) -> None:
+    """Make one tick of the world with this input."""
+    world.state.submarine.lights[0] = given.lights
+    world.current_cm_s = given.current_cm_s
+    world.nature = world.nature._replace(timidity=given.timidity)
+    step(world, given.order)
 
 
 def rigs() -> list[CameraRig]:
-    """Of every display mode that needs no special window, and of every theatre, shrunk."""
+    """Rigs of every display mode without a special window, and of every theatre, shrunk."""
     theatres = resource_names(FOLDER, ".toml")
     return [
         *(display_rig(display, SIZE) for display in DISPLAYS if display != PAGED),
@@ -243,8 +251,10 @@ def rigs() -> list[CameraRig]:
     ]
 
 
-def _painting(world: World, context: Any, watch: Watch, ticks: int) -> Generator[None, None, None]:
-    """Make a picture at every call, with one rig after another, at one quality after another."""
+def _draw_all(
+    world: World, context: Any, watch: Observations, ticks: int
+) -> Generator[None, None, None]:
+    """Draw a picture at every `next`, cycling through rigs and qualities."""
     from subsea.render import count_objects
 
     shown = rigs()
@@ -264,53 +274,53 @@ def _painting(world: World, context: Any, watch: Watch, ticks: int) -> Generator
             watch.objects.append(count_objects(context))
 
 
-def _compare(watch: Watch, ticks: int, older: _Report) -> None:
-    """Add a fault for each minute that both have, and the end if it is one, that is not alike."""
+def _compare(watch: Observations, ticks: int, older: _Report) -> None:
+    """Add a fault for each common minute, and a common end, with different checksums."""
     both = min(ticks, older.ticks) // MINUTE
     pairs = list(zip(watch.checksums, older.checksums, strict=False))
     for k, (mine, theirs) in enumerate(pairs if ticks == older.ticks else pairs[:both]):
         if mine != theirs:
-            watch.faults.append(f"minute {k + 1}: not the checksum of the older soak")
+            watch.faults.append(f"minute {k + 1}: checksum differs from the older soak")
 
 
-def judge(watch: Watch, drawn: bool) -> None:
-    """Add faults for what has grown; memory of a dive that was drawn only after its warm-up."""
+def judge(watch: Observations, drawn: bool) -> None:
+    """Add faults for growth; memory of a dive with drawing counts after its warm-up."""
     if grown := growth(steady(watch, drawn)):
         watch.faults.append(f"memory grew by {grown:.1%}")
     if grown := growth(watch.things):
-        watch.faults.append(f"objects of Python grew by {grown:.1%}")
+        watch.faults.append(f"Python objects grew by {grown:.1%}")
     for kind in watch.objects[0] if watch.objects else ():
         numbers = [objects[kind] for objects in watch.objects]
         if numbers[-1] > numbers[0]:
-            watch.faults.append(f"objects of OpenGL that are not released: {kind}, {numbers}")
+            watch.faults.append(f"OpenGL objects not released: {kind}, {numbers}")
 
 
-def steady(watch: Watch, drawn: bool) -> list[float]:
-    """Memory after the warm-up; an empty list of a dive that is too short to judge it."""
+def steady(watch: Observations, drawn: bool) -> list[float]:
+    """Memory after the warm-up; empty if the dive is too short to judge it."""
     if not drawn:
         return watch.memory_mb
     return watch.memory_mb[WARM_UP_MIN:] if len(watch.memory_mb) >= 2 * WARM_UP_MIN else []
 
 
 def growth(values: Sequence[float]) -> float:
-    """By which share values, one a minute, have grown beyond what they may, 0 if they have not.
+    """Relative growth of values, one a minute; 0 if it is acceptable.
 
-    The median of the last quarter is compared with that of the second: single minutes differ by a
-    tenth, with the display and the quality that are drawn then.
+    Compares the medians of the last and the second quarter: single minutes differ by a tenth with
+    the display and the quality that are drawn.
     """
     quarter = round(QUARTER * len(values))
     if quarter < 1:
         return 0.0
     grown = median(values[-quarter:]) / median(values[quarter : 2 * quarter]) - 1.0
-    return grown if grown > GROWTH else 0.0
+    return grown if grown > MAX_GROWTH else 0.0
 
 
 def resident_mb() -> list[float]:
-    """The resident memory of this process, MB, in a list; an empty one where nobody tells.
+    """Resident memory of this process, MB, in a list; empty where the system does not tell.
 
-    What the allocator holds free it gives back before: of a dive that is drawn, up to half.
+    Returns free memory of the allocator to the system first: up to half of a dive with drawing.
     """
-    with suppress(AttributeError, OSError, TypeError):  # of another C library than glibc
+    with suppress(AttributeError, OSError, TypeError):  # not glibc
         ctypes.CDLL(None).malloc_trim(0)
     try:
         status = Path("/proc/self/status").read_text(encoding="ascii")
@@ -321,10 +331,10 @@ def resident_mb() -> list[float]:
 
 
 def _report(path: Path) -> _Report:
-    """An older report."""
+    """Read an older report."""
     try:
         with path.open("rb") as file:
-            return msgspec.json.decode(file.read(LARGEST), type=_Report)
+            return msgspec.json.decode(file.read(MAX_BYTES), type=_Report)
     except OSError as fault:
         raise UserError(f"cannot read ({fault.strerror})", file=path) from fault
     except (ValueError, RecursionError) as fault:
@@ -333,25 +343,25 @@ def _report(path: Path) -> _Report:
         ) from fault
 
 
-def _tell(world: World, watch: Watch, drawn: bool, seconds: float) -> None:
+def _tell(world: World, watch: Observations, drawn: bool, seconds: float) -> None:
     number = len(world.state.fishes.species)
     fishes = counted(number, "fish", "fishes")
-    print(f"{clock(world.state.tick * TICK_S)} of the sea, {fishes}, in {clock(seconds)}")
+    print(f"{clock(world.state.tick * TICK_S)} simulated, {fishes}, in {clock(seconds)}")
     if watch.checksums:
         print(f"checksum at the end: {watch.checksums[-1]}")
         print(f"alive at the end: {watch.alive[-1]} of {number}, {watch.starving[-1]} starving")
-    print(f"time went back {counted(len(watch.replays), 'time', 'times')}")
+    print(f"time was rewound {counted(len(watch.replays), 'time', 'times')}")
     if watch.memory_mb:
         first, last = watch.memory_mb[len(watch.memory_mb) // 4], watch.memory_mb[-1]
         judged = "" if steady(watch, drawn) else ", too short to judge it"
         print(f"memory: {first:.1f} MB after a quarter, {last:.1f} at the end{judged}")
     if watch.things:
         first, last = watch.things[len(watch.things) // 4], watch.things[-1]
-        print(f"objects of Python: {first} after a quarter, {last} at the end")
+        print(f"Python objects: {first} after a quarter, {last} at the end")
     if watch.objects:
         for when, objects in (("first", watch.objects[0]), ("last", watch.objects[-1])):
             kinds = ", ".join(f"{kind} {number}" for kind, number in objects.items())
-            print(f"objects of OpenGL after the {when} round of displays: {kinds}")
+            print(f"OpenGL objects after the {when} round of displays: {kinds}")
     for fault in watch.faults:
         say(fault)
     print(counted(len(watch.faults), "fault", "faults") if watch.faults else "sound")

@@ -1,4 +1,4 @@
-"""A picture of what every frame of a benchmark took: its stages, one upon another."""
+"""Plot the stages of every frame of a benchmark, stacked."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -17,7 +17,7 @@ COLOURS = (
 
 
 def plot_stages(path: Path, runs: Sequence[tuple[dict[str, Any], Frames]]) -> None:
-    """Write a PNG with a chart for each run, whole or not at all. Needs matplotlib."""
+    """Write a PNG with a chart for each run, atomically. Needs matplotlib."""
     from matplotlib import rc_context
     from matplotlib.figure import Figure
 

@@ -10,8 +10,11 @@ import numpy as np
 from subsea.core.arrays import Array
 from subsea.core.atomic_io import replacing
 from subsea.core.errors import UserError
-from subsea.study import measures
+from subsea.study.clearance import BARRIERS, clearances
+from subsea.study.minds import meals, time_budget
 from subsea.study.record import Record
+from subsea.study.schools import LINK_BL, WHOLE, schools
+from subsea.study.series import SAMPLE_S
 
 DPI = 100
 STYLE = {
@@ -70,7 +73,7 @@ def plot(record: Record, folder: Path, check: Callable[[], None] = lambda: None)
     with rc_context(STYLE), ExitStack() as whole:
         for path, draw in zip(plots_in(folder), _PAGES.values(), strict=True):
             check()
-            if draw is _schools_page and not measures.schools(record):
+            if draw is _schools_page and not schools(record):
                 continue
             page = Figure(dpi=DPI, layout="constrained")
             draw(page, record)
@@ -88,7 +91,7 @@ def _colours(record: Record) -> list[str]:
 
 def _budget_page(page: Any, record: Record) -> None:
     """Share of time per intention, a bar for each species."""
-    budget, colours = measures.time_budget(record), _colours(record)
+    budget, colours = time_budget(record), _colours(record)
     number = len(budget)
     page.set_size_inches(9, 1.3 + 0.42 * number)
     axis = page.subplots()
@@ -123,7 +126,7 @@ def _span(record: Record) -> str:
 
 def _schools_page(page: Any, record: Record) -> None:
     """Polarisation, distance to the nearest and what hangs together, over time."""
-    largest = sorted(measures.schools(record), key=lambda s: -int(s.members.max()))[:SHOWN_SCHOOLS]
+    largest = sorted(schools(record), key=lambda s: -int(s.members.max()))[:SHOWN_SCHOOLS]
     page.set_size_inches(10, 6.2)
     top, middle, bottom = page.subplots(3, 1, sharex=True, height_ratios=(3, 3, 2))
     for school, colour in zip(largest, LINES, strict=False):
@@ -140,9 +143,9 @@ def _schools_page(page: Any, record: Record) -> None:
     middle.axhspan(0.6, 1.6, color="0.93", zorder=0)
     middle.set(ylim=(0, 3), ylabel="body lengths")
     middle.set_title("Distance to the nearest companion (median)")
-    bottom.axhline(measures.WHOLE, color="0.6", linestyle="--", linewidth=0.8)
+    bottom.axhline(WHOLE, color="0.6", linestyle="--", linewidth=0.8)
     bottom.set(ylim=(0, 1.05), xlim=(0, record.time[-1]), xlabel="time, s", ylabel="share")
-    bottom.set_title(f"Largest part that hangs together (within {measures.LINK_BL:g} body lengths)")
+    bottom.set_title(f"Largest part that hangs together (within {LINK_BL:g} body lengths)")
     page.legend(
         *top.get_legend_handles_labels(), loc="outside upper right", ncols=min(3, len(largest))
     )
@@ -151,7 +154,7 @@ def _schools_page(page: Any, record: Record) -> None:
 
 def _smooth(values: Array) -> Array:
     """A running mean that leaves gaps where there is nothing."""
-    width = max(round(SMOOTH_S / measures.SAMPLE_S), 1)
+    width = max(round(SMOOTH_S / SAMPLE_S), 1)
     there = np.isfinite(values)
     kernel = np.ones(min(width, len(values)))
     total = np.convolve(np.where(there, values, 0.0), kernel, "same")
@@ -178,7 +181,7 @@ def _minds_page(page: Any, record: Record) -> None:
             lines.plot(
                 record.time[::step], values, color=MENTAL_COLOURS[state], label=name, linewidth=1.1
             )
-        eaten = record.time[measures.meals(record)[:, fish]]
+        eaten = record.time[meals(record)[:, fish]]
         lines.plot(eaten, np.full(len(eaten), 1.06), "|", color="0.25", markersize=5, label="meal")
         lines.set(ylim=(-0.02, 1.12), yticks=(0, 0.5, 1))
         lines.set_title(f"{record.species_names[record.species[fish]]}, fish {fish}")
@@ -241,7 +244,7 @@ def _paths_page(page: Any, record: Record) -> None:
             Ellipse((x, y), 2 * a, 2 * b, angle=np.degrees(rock[6]), color=STONE, alpha=0.6,
                     zorder=2)
         )  # fmt: skip
-    every = max(round(measures.SAMPLE_S / record.tick_s), 1)
+    every = max(round(SAMPLE_S / record.tick_s), 1)
     recent = round(RECENT_S / record.tick_s)
     fishes = np.unique(np.linspace(0, len(record.species) - 1, SHOWN_PATHS).round().astype(int))
     for k, name in enumerate(record.species_names):
@@ -279,7 +282,7 @@ def _frame(record: Record) -> tuple[Array, Array]:
 
 def _clearance_page(page: Any, record: Record) -> None:
     """How often which clearance from bounds and obstacles occurs."""
-    clearance, which = measures.clearances(record)
+    clearance, which = clearances(record)
     page.set_size_inches(9, 4)
     axis = page.subplots()
     there = np.isfinite(clearance)
@@ -287,11 +290,11 @@ def _clearance_page(page: Any, record: Record) -> None:
     least = min(float(clearance[there].min()), 0.0) if there.any() else 0.0
     width = max((most - least) / 60, 0.5)
     bins = np.arange(np.floor(least / width) * width, most + width, width)
-    parts = [clearance[there & (which == k)] for k in range(len(measures.BARRIERS))]
+    parts = [clearance[there & (which == k)] for k in range(len(BARRIERS))]
     shown = [k for k, part in enumerate(parts) if len(part)]
     axis.hist(
         [parts[k] for k in shown], bins=bins, stacked=True, log=True,
-        color=[BARRIER_COLOURS[k] for k in shown], label=[measures.BARRIERS[k] for k in shown],
+        color=[BARRIER_COLOURS[k] for k in shown], label=[BARRIERS[k] for k in shown],
     )  # fmt: skip
     axis.axvline(0, color="#D55E00", linewidth=1.2)
     axis.set(xlabel="clearance of snout, middle or tail, whichever is least, cm")

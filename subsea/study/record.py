@@ -16,7 +16,7 @@ STATIONS = 13  # places along a body, from the snout to the tail's edge, where i
 MAX_FISH_TICKS = 20_000_000  # what a study holds in memory: some 2 GB
 
 
-class Field(NamedTuple):
+class DatasetSpec(NamedTuple):
     """One dataset."""
 
     type: type
@@ -28,75 +28,79 @@ class Field(NamedTuple):
 _BY_TICK, _BY_FISH, _BY_EVENT = ("T",), ("n",), ("e",)
 _CODES = "position in the file's attribute "
 FIELDS = {
-    "time": Field(np.float64, _BY_TICK, "s", "end of the tick, from the start of the dive"),
-    "fish/position": Field(np.float32, ("T", "n", 3), "cm", "origin of the body frame"),
-    "fish/orientation": Field(
+    "time": DatasetSpec(np.float64, _BY_TICK, "s", "end of the tick, from the start of the dive"),
+    "fish/position": DatasetSpec(np.float32, ("T", "n", 3), "cm", "origin of the body frame"),
+    "fish/orientation": DatasetSpec(
         np.float32, ("T", "n", 4), "1",
         "unit quaternion w, x, y, z from body axes (x to the snout, y to the back, z right) to the"
         " world's",
     ),
-    "fish/velocity": Field(np.float32, ("T", "n", 3), "cm/s", "of that origin"),
-    "fish/snout": Field(np.float32, ("T", "n", 3), "cm", "tip of the snout, as the body is bent"),
-    "fish/tail": Field(np.float32, ("T", "n", 3), "cm", "middle of the tail's edge"),
-    "fish/intention": Field(np.uint8, ("T", "n"), "1", _CODES + "intention_names"),
-    "fish/segment": Field(
+    "fish/velocity": DatasetSpec(np.float32, ("T", "n", 3), "cm/s", "of that origin"),
+    "fish/snout": DatasetSpec(
+        np.float32, ("T", "n", 3), "cm", "tip of the snout, as the body is bent"
+    ),
+    "fish/tail": DatasetSpec(np.float32, ("T", "n", 3), "cm", "middle of the tail's edge"),
+    "fish/intention": DatasetSpec(np.uint8, ("T", "n"), "1", _CODES + "intention_names"),
+    "fish/segment": DatasetSpec(
         np.uint8, ("T", "n"), "1", "recorded motion it plays: " + _CODES + "segment_names"
     ),
-    "fish/mental_state": Field(
+    "fish/mental_state": DatasetSpec(
         np.float32, ("T", "n", 3), "1", "hunger, libido and fear, 0 to 1: mental_state_names"
     ),
-    "fish/alive": Field(np.bool_, ("T", "n"), "1", "false from when it was eaten or landed"),
-    "fish/leader": Field(
+    "fish/alive": DatasetSpec(np.bool_, ("T", "n"), "1", "false from when it was eaten or landed"),
+    "fish/leader": DatasetSpec(
         np.int32, ("T", "n"), "1", "fish that it follows in a school, -1 for leaders and loners"
     ),
-    "fish/target": Field(
+    "fish/target": DatasetSpec(
         np.int32, ("T", "n"), "1",
         "what its intention is about: a fish, or of what eats plankton a speck: target_names;"
         " -1 nothing, -2 the submarine, -3 a bait",
     ),
-    "fish/partner": Field(np.int32, ("T", "n"), "1", "fish with which it courts, -1 for none"),
-    "fish/courtship": Field(np.uint8, ("T", "n"), "1", _CODES + "courtship_names"),
-    "fish/last_meal": Field(
+    "fish/partner": DatasetSpec(
+        np.int32, ("T", "n"), "1", "fish with which it courts, -1 for none"
+    ),
+    "fish/courtship": DatasetSpec(np.uint8, ("T", "n"), "1", _CODES + "courtship_names"),
+    "fish/last_meal": DatasetSpec(
         np.float32, ("T", "n"), "s", "time of its latest meal, 0 before the first"
     ),
-    "fish/species": Field(
+    "fish/species": DatasetSpec(
         np.uint8, _BY_FISH, "1", _CODES + "species_names (for people), species_keys (files)"
     ),
-    "fish/kind": Field(np.uint8, _BY_FISH, "1", _CODES + "kind_names"),
-    "fish/male": Field(np.bool_, _BY_FISH, "1", "its sex"),
-    "fish/schools": Field(np.bool_, _BY_FISH, "1", "whether it likes schooling"),
-    "fish/length": Field(np.float32, _BY_FISH, "cm", "from the snout to the tail's edge"),
-    "fish/snout_reach": Field(
+    "fish/kind": DatasetSpec(np.uint8, _BY_FISH, "1", _CODES + "kind_names"),
+    "fish/male": DatasetSpec(np.bool_, _BY_FISH, "1", "its sex"),
+    "fish/schools": DatasetSpec(np.bool_, _BY_FISH, "1", "whether it likes schooling"),
+    "fish/length": DatasetSpec(np.float32, _BY_FISH, "cm", "from the snout to the tail's edge"),
+    "fish/snout_reach": DatasetSpec(
         np.float32, _BY_FISH, "cm", "from the tip of the snout to the origin of the body frame"
     ),
-    "species/half_width": Field(
+    "species/half_width": DatasetSpec(
         np.float32, ("s", STATIONS), "body lengths",
         "of the body without fins, at even distances from the snout to the tail's edge",
     ),
-    "species/half_height": Field(
+    "species/half_height": DatasetSpec(
         np.float32, ("s", STATIONS), "body lengths", "there too, with the tail fin"
     ),
-    "sea/heights": Field(
+    "sea/heights": DatasetSpec(
         np.float32, ("m", "m"), "cm",
         "of the seabed (z, the surface is 0): row i along y, column j along x, even over the"
         " square from -sea_half_width_cm to sea_half_width_cm",
     ),
-    "sea/pillars": Field(
+    "sea/pillars": DatasetSpec(
         np.float64, ("p", 4), "cm", "x, y, radius and height of the top (z) of each pillar"
     ),
-    "sea/rocks": Field(
+    "sea/rocks": DatasetSpec(
         np.float64, ("r", 7), "cm",
         "centre x, y, z and half axes of each ellipsoid; then, in rad, its turn to the left",
     ),
-    "plankton/count": Field(np.int32, _BY_TICK, "1", "specks that are there"),
-    "submarine/position": Field(np.float64, ("T", 3), "cm", "of the vessel"),
-    "direction/time": Field(
+    "plankton/count": DatasetSpec(np.int32, _BY_TICK, "1", "specks that are there"),
+    "submarine/position": DatasetSpec(np.float64, ("T", 3), "cm", "of the vessel"),
+    "direction/time": DatasetSpec(
         np.float64, _BY_EVENT, "s", "end of the tick in which a direction began, as in time"
     ),
-    "direction/number": Field(
+    "direction/number": DatasetSpec(
         np.uint8, _BY_EVENT, "1", "which: among those of the scenario and in direction_names"
     ),
-    "direction/cast": Field(
+    "direction/cast": DatasetSpec(
         np.int32, ("e", 2), "1",
         "whom it is about: fishes, -1 nobody, -2 the submarine; of a pair he and she, of a hunt"
         " the hunter and its prey, of who was eaten it and by whom, of who flees it and from whom",

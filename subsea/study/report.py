@@ -1,4 +1,4 @@
-"""`subsea study`: what a record of a simulation shows, as a table, as JSON and as plots."""
+"""`subsea study`: measures of a record as a table, as JSON and as plots."""
 
 import json
 import os
@@ -13,9 +13,14 @@ from numpy.typing import NDArray
 from subsea.core import interrupts
 from subsea.core.atomic_io import check_file, check_folder, replacing
 from subsea.core.errors import UserError
-from subsea.study import measures
+from subsea.study.captures import captures
+from subsea.study.clearance import BARRIERS, clearances
+from subsea.study.courtships import courtships
+from subsea.study.minds import changes_per_second, escapes, meals, saturated, time_budget
+from subsea.study.overlap import overlaps
 from subsea.study.plots import check_plots, plot, plots_in
 from subsea.study.record import Record, read_record
+from subsea.study.schools import School, schools, splits
 from subsea.study.table import table
 
 Measured = dict[str, Any]
@@ -24,9 +29,9 @@ Measured = dict[str, Any]
 def study(record: Path, out: Path | None, json_file: Path | None) -> int:
     """Measure the record in a file and print a table; returns the exit code.
 
-    `out` is a folder for plots, `json_file` takes the measures. What cannot be read, written or
-    plotted is a UserError, said before the work; so is a result in the record's place. Ctrl-C
-    leaves no result.
+    `out` is a folder for plots, `json_file` gets the measures. Raises a UserError before any work
+    if something cannot be read, written or plotted, or would replace the record. Ctrl-C leaves no
+    result.
     """
     results = [*([json_file] if json_file else []), *(plots_in(out) if out else [])]
     _refuse_clashes(record, results)
@@ -35,7 +40,7 @@ def study(record: Path, out: Path | None, json_file: Path | None) -> int:
     if out:
         check_folder(out)
         check_plots()
-    # Within compiled code Ctrl-C comes up as another fault.
+    # In compiled code Ctrl-C would surface as another error.
     with interrupts.deferred() as check:
         read = read_record(record)
         found = measure(read, check)
@@ -51,7 +56,7 @@ def study(record: Path, out: Path | None, json_file: Path | None) -> int:
 
 
 def _refuse_clashes(record: Path, results: list[Path]) -> None:
-    """A UserError if a result would take the place of the record or of another one."""
+    """Raise a UserError if a result would replace the record or another result."""
     taken = {os.path.realpath(record): "the record"}
     for result in results:
         place = os.path.realpath(result)
@@ -61,9 +66,9 @@ def _refuse_clashes(record: Path, results: list[Path]) -> None:
 
 
 def measure(record: Record, check: Callable[[], None] = lambda: None) -> Measured:
-    """All measures of docs/records.md, ready for JSON; None where there is nothing to measure.
+    """All measures of docs/records.md for JSON; None where there is nothing to measure.
 
-    `check` is called between two of them, and may raise.
+    `check`, which may raise, is called between two of them.
     """
     ticks, n = record.alive.shape
     found: Measured = {
@@ -85,28 +90,28 @@ def measure(record: Record, check: Callable[[], None] = lambda: None) -> Measure
 
 
 def _sea(record: Record) -> Measured:
-    clearance, which = measures.clearances(record)
-    touching = measures.overlaps(record)[record.alive]
+    clearance, which = clearances(record)
+    touching = overlaps(record)[record.alive]
     least = np.unravel_index(np.argmin(clearance), clearance.shape)
     alive = int(record.alive.sum())
     return {
         "fish_ticks": alive,
         "out_of_bounds_or_inside": int((clearance < 0).sum()),
         "least_clearance_cm": _rounded(clearance[least]) if alive else None,
-        "least_clearance_from": measures.BARRIERS[which[least]] if alive else None,
+        "least_clearance_from": BARRIERS[which[least]] if alive else None,
         "overlap_share": _share(touching == 2, 6),
         "meant_overlap_share": _share(touching == 1, 6),
     }
 
 
 def _minds(record: Record) -> Measured:
-    changes = measures.changes_per_second(record)
-    began, warned = measures.escapes(record)
-    budget = measures.time_budget(record)
+    changes = changes_per_second(record)
+    began, warned = escapes(record)
+    budget = time_budget(record)
     return {
         "changes_per_second": _rounded(changes.mean()),
         "changes_per_second_most": _rounded(changes.max()),
-        "hunger_saturated_share": _share(measures.saturated(record)[record.alive], 6),
+        "hunger_saturated_share": _share(saturated(record)[record.alive], 6),
         "escapes": began,
         "escapes_after_fear_share": _rounded(warned / began) if began else None,
         "time_budget": {
@@ -120,12 +125,12 @@ def _minds(record: Record) -> Measured:
 
 
 def _schools(record: Record) -> list[Measured]:
-    return [_school(one, float(record.time[-1])) for one in measures.schools(record)]
+    return [_school(one, float(record.time[-1])) for one in schools(record)]
 
 
-def _school(school: measures.School, end: float) -> Measured:
+def _school(school: School, end: float) -> Measured:
     cruising = school.polarisation[school.cruises]
-    splits = measures.splits(school, end)
+    parts = splits(school, end)
     return {
         "leader": school.leader,
         "fishes": int(school.members.max()),
@@ -135,19 +140,19 @@ def _school(school: measures.School, end: float) -> Measured:
         "nearest_bl": {
             f"p{k}": _percentile(school.distances, k) for k in (5, 50, 95)
         },
-        "splits": len(splits),
-        "longest_split_s": _rounded(max((s.lasted for s in splits), default=0.0)),
-        "not_rejoined": sum(not s.rejoined for s in splits),
+        "splits": len(parts),
+        "longest_split_s": _rounded(max((s.duration for s in parts), default=0.0)),
+        "not_rejoined": sum(not s.rejoined for s in parts),
         "each_split": [
-            {"start_s": _rounded(s.start), "lasted_s": _rounded(s.lasted),
+            {"start_s": _rounded(s.start), "lasted_s": _rounded(s.duration),
              "apart_share": _rounded(s.apart), "rejoined": s.rejoined}
-            for s in splits
+            for s in parts
         ],
     }  # fmt: skip
 
 
 def _captures(record: Record) -> Measured:
-    caught = measures.captures(record)
+    caught = captures(record)
     together, alone = (
         {
             "caught": number,
@@ -161,7 +166,7 @@ def _captures(record: Record) -> Measured:
 
 def _mating(record: Record) -> Measured:
     names = record.courtship_names
-    found = measures.courtships(record)
+    found = courtships(record)
     return {
         "courtships": len(found),
         "complete": sum(one.complete for one in found),
@@ -169,7 +174,7 @@ def _mating(record: Record) -> Measured:
         "rejected_and_turned_away": sum(one.turned_away for one in found),
         "each": [
             {"male": one.male, "partner": one.partner, "start_s": _rounded(one.start),
-             "lasted_s": _rounded(one.lasted), "states": [names[k] for k in one.states],
+             "lasted_s": _rounded(one.duration), "states": [names[k] for k in one.states],
              "complete": one.complete, "rejected": one.rejected, "turned_away": one.turned_away}
             for one in found
         ],
@@ -177,7 +182,7 @@ def _mating(record: Record) -> Measured:
 
 
 def _food(record: Record) -> Measured:
-    eaten = measures.meals(record)
+    eaten = meals(record)
     minutes = record.alive.sum(axis=0) * record.tick_s / 60.0
     of = [record.species == k for k in range(len(record.species_names))]
     return {

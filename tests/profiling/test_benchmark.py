@@ -76,10 +76,10 @@ def test_the_report_tells_on_what_it_was_measured(reports, capsys):
     }  # fmt: skip
     assert told["cores"] == len(os.sched_getaffinity(0))
     assert told["packages"]["numba"] == version("numba")
-    line = machine.sentence(told)
+    line = machine.machine_line(told)
     assert told["cpu"] in line
     assert told["driver"] in line
-    assert "commit" not in machine.sentence(told | {"commit": None})
+    assert "commit" not in machine.machine_line(told | {"commit": None})
 
 
 def test_without_culling_and_levels_all_fishes_are_drawn_in_full(reports):

@@ -1,10 +1,17 @@
-"""What must never be in a world is found, whatever of it that is; a sound one is let alone."""
+"""Every broken invariant is found, and a sound world has none."""
 
 import numpy as np
 import pytest
 
 from subsea.geometry.solids import from_pillar, from_rock
-from subsea.profiling.invariants import depth_in_stone, faults_in, reach_now, starving, stuck, widen
+from subsea.profiling.invariants import (
+    depth_in_rock,
+    faults_in,
+    starving,
+    stuck,
+    visited_now,
+    widen,
+)
 from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import HANDS_OFF
 from subsea.world import snapshot
@@ -46,7 +53,7 @@ def test_a_sound_world_is_let_alone(world):
         ("fishes", "velocity", 4, (np.nan, 0.0, 0.0), "fishes.velocity contains NaN"),
         ("fishes", "row_a", 4, -3, "fishes.row_a[4] is -3, which no tick writes"),
         ("fishes", "previous_position", 4, (0.0, 0.0, -9.0), "fish 4 moves at "),
-        ("fishes", "orientation", 4, (0.5, 0.0, 0.0, 0.0), "fishes.orientation[4] is a turn of"),
+        ("fishes", "orientation", 4, (0.5, 0.0, 0.0, 0.0), "fishes.orientation[4] is a quaternion"),
         ("minds", "mental", (4, 0), 1.5, "minds.mental[4, 0] is 1.5, expected a share"),
         ("fishes", "gape", 4, -0.5, "fishes.gape[4] is -0.5, expected a share"),
         ("sea", "plankton", 7, (0.0, 0.0, 1.0), "a speck of plankton is out of the sea, at 0, 0,"),
@@ -65,33 +72,33 @@ def test_what_must_never_be_is_found(world, part, name, place, value, told):
     assert len(found) == 1 and told in found[0], found
 
 
-def test_who_is_in_stone_is_found(world):
+def test_bodies_inside_rock_are_found(world):
     there = middle_of_a_rock(world)
     world.state.submarine.position[:] = there
     world.state.fishes.position[3] = world.state.fishes.previous_position[3] = there
     told = " ".join(faults_in(world))
     assert "fish 3 is" in told
     assert "the submarine is" in told
-    assert told.count("cm deep in stone") == 2
+    assert told.count("cm inside rock") == 2
 
 
-def test_stone_is_where_fishes_are_kept_out_of(world):
+def test_rock_is_where_fishes_are_kept_out(world):
     sea = world.state.sea
     sea = sea._replace(pillars=np.array([[60.0, -40.0, 50.0, -200.0]]))
     around = np.random.default_rng(1).normal(0.0, 60.0, (400, 3))
     corner = np.array([60.0, -40.0, -210.0])
     places = np.concatenate([corner + around, middle_of_a_rock(world) + around])
-    gap = [
+    gap = np.array([
         min(
             [from_pillar(row, tuple(p))[1] for row in sea.pillars]
             + [from_rock(row, tuple(p))[1] for row in sea.rocks]
         )
         for p in places
-    ]
-    deep = depth_in_stone(places, sea)
-    np.testing.assert_array_equal(deep > 0.0, np.array(gap) < 0.0)
+    ])  # fmt: skip
+    deep = depth_in_rock(places, sea)
+    np.testing.assert_allclose(deep, np.maximum(-gap, 0.0), atol=1e-9)
     assert 100 < (deep > 0.0).sum() < 700
-    assert depth_in_stone(np.array([[60.0, -10.0, -280.0]]), sea) == pytest.approx(20.0)
+    assert depth_in_rock(np.array([[60.0, -10.0, -280.0]]), sea) == pytest.approx(20.0)
 
 
 def test_a_dead_fish_may_lie_anywhere_and_a_caught_one_rises(world):
@@ -102,15 +109,15 @@ def test_a_dead_fish_may_lie_anywhere_and_a_caught_one_rises(world):
 
 
 def test_who_does_not_move_is_stuck(world):
-    reach = reach_now(world)
+    boxes = visited_now(world)
     held = world.state.fishes.position[6].copy()
     for _ in range(150):
         step(world, HANDS_OFF)
         world.state.fishes.position[6] = held
-        widen(reach, world)
-    assert stuck(reach, world) == [6]
+        widen(boxes, world)
+    assert stuck(boxes, world) == [6]
     world.state.fishes.alive[6] = False
-    assert stuck(reach, world) == []
+    assert stuck(boxes, world) == []
 
 
 def test_the_starving_are_counted(world):

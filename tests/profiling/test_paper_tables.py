@@ -40,12 +40,12 @@ def test_the_tables_print_both_machines(capsys, monkeypatch):
         assert figure in out.split()
 
 
-def test_who_has_no_patience_draws_once(monkeypatch):
+def test_a_slow_machine_draws_once(monkeypatch):
     drawn = []
     renderer = SimpleNamespace(draw=drawn.append)
     context = SimpleNamespace(finish=lambda: None)
     assert min(paper_tables.drawing_ms(renderer, context, "packet", 5)) > 0.0
     assert len(drawn) == 6
-    monkeypatch.setattr(paper_tables, "PATIENCE_S", 0.0)
+    monkeypatch.setattr(paper_tables, "MAX_DRAWING_S", 0.0)
     assert min(paper_tables.drawing_ms(renderer, context, "packet", 5)) > 0.0
     assert len(drawn) == 7

@@ -1,4 +1,4 @@
-"""A short soak is sound, comes again equally, and one that is spoilt is told."""
+"""A short soak is sound and repeatable, and every spoilt one is reported."""
 
 import json
 from contextlib import nullcontext
@@ -11,7 +11,7 @@ from subsea.cli.main import main
 from subsea.core.resources import resource_names
 from subsea.dive.theatre_setup import chosen_rig
 from subsea.profiling import soak
-from subsea.profiling.soak import Hands, Watch, act, growth, hands, judge
+from subsea.profiling.soak import Observations, RandomInput, act, growth, judge, random_input
 from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import HANDS_OFF, Helm
 from subsea.view.display_rigs import DISPLAYS, display_rig
@@ -78,7 +78,7 @@ def test_a_longer_soak_is_compared_by_the_minutes_that_both_have(tmp_path, capsy
     assert main([*words, "--minutes", "2.5", "--compare", str(report)]) == 1
     told = capsys.readouterr()
     assert told.out.splitlines()[-1] == "1 fault"
-    assert "minute 1: not the checksum of the older soak" in told.err
+    assert "minute 1: checksum differs from the older soak" in told.err
 
 
 def test_another_dive_is_not_compared(report, capsys):
@@ -89,10 +89,10 @@ def test_another_dive_is_not_compared(report, capsys):
 
 
 def test_an_interrupted_soak_is_told_and_written(tmp_path, monkeypatch, capsys):
-    def interrupted(world, doing):
+    def interrupted(world, given):
         if world.state.tick > 70:
             raise KeyboardInterrupt
-        act(world, doing)
+        act(world, given)
 
     monkeypatch.setattr(soak, "act", interrupted)
     report = tmp_path / "soak.json"
@@ -101,9 +101,9 @@ def test_an_interrupted_soak_is_told_and_written(tmp_path, monkeypatch, capsys):
     assert "sound" in capsys.readouterr().out
 
 
-def test_hands_do_all_that_hands_may(world):
-    doing = hands(world, np.random.default_rng(3))
-    seen = [next(doing) for _ in range(20_000)]
+def test_random_input_covers_all_that_a_visitor_may_do(world):
+    given = random_input(world, np.random.default_rng(3))
+    seen = [next(given) for _ in range(20_000)]
     orders = {type(one.order) for one in seen}
     assert orders == {Helm, TeleopCommand}
     assert any(one.order == HANDS_OFF for one in seen)
@@ -114,20 +114,20 @@ def test_hands_do_all_that_hands_may(world):
 def test_time_that_does_not_come_again_is_a_fault(monkeypatch, capsys):
     ran = iter(range(10**9))
 
-    def drifting(world, doing):
-        act(world, doing)
+    def drifting(world, given):
+        act(world, given)
         world.state.submarine.position[2] -= 1e-4 * next(ran)
 
     monkeypatch.setattr(soak, "act", drifting)
     monkeypatch.setattr(soak, "REPLAY_EVERY", 150)
     assert main(["soak", "--minutes", "0.5", "--fish", "3", "--no-draw"]) == 1
-    assert "the past did not come again" in capsys.readouterr().err
+    assert "a rewound past repeated differently" in capsys.readouterr().err
 
 
 def test_a_fish_that_stays_where_it_is_is_a_fault(monkeypatch, capsys):
-    def holding(world, doing):
+    def holding(world, given):
         there = world.state.fishes.position[1].copy()
-        act(world, doing)
+        act(world, given)
         world.state.fishes.position[1] = there
 
     monkeypatch.setattr(soak, "act", holding)
@@ -137,13 +137,13 @@ def test_a_fish_that_stays_where_it_is_is_a_fault(monkeypatch, capsys):
 
 
 def test_a_constant_that_changes_is_a_fault(monkeypatch, capsys):
-    def spoiling(world, doing):
-        act(world, doing)
+    def spoiling(world, given):
+        act(world, given)
         world.state.sea.heights[0, 0] = world.state.tick
 
     monkeypatch.setattr(soak, "act", spoiling)
     assert main(["soak", "--minutes", "0.2", "--fish", "3", "--no-draw"]) == 1
-    assert "tick 73: what stays as it began has changed" in capsys.readouterr().err
+    assert "tick 73: a constant of the world has changed" in capsys.readouterr().err
 
 
 def test_a_picture_of_nothing_is_a_fault(monkeypatch, capsys):
@@ -168,17 +168,17 @@ def test_every_display_and_theatre_has_its_turn():
     assert all(max(max(size) for size in rig.outputs) < 800 for rig in shown)
 
 
-def test_hands_leave_the_world_that_a_snapshot_takes(world):
-    doing = Hands(HANDS_OFF, True, (4.0, 5.0), 1.5)
+def test_input_changes_the_state_that_a_snapshot_takes(world):
+    given = RandomInput(HANDS_OFF, True, (4.0, 5.0), 1.5)
     before = snapshot.checksum(world)
-    act(world, doing)
+    act(world, given)
     assert snapshot.checksum(world) != before
     assert world.state.submarine.lights[0]
     assert world.current_cm_s == (4.0, 5.0)
     assert world.nature.timidity == 1.5
 
 
-def test_memory_that_grows_is_told():
+def test_growth_compares_quarters_after_the_warm_up():
     assert growth([]) == growth([5.0]) == 0.0
     assert growth([100.0] * 60) == 0.0
     assert growth([50.0] * 10 + [100.0] * 50) == 0.0  # while it warms up
@@ -188,7 +188,7 @@ def test_memory_that_grows_is_told():
 @pytest.mark.parametrize("drawn", [False, True])
 def test_what_grows_is_a_fault(drawn):
     steady = [500] * 60
-    watch = Watch(*([] for _ in Watch._fields))
+    watch = Observations(*([] for _ in Observations._fields))
     watch.memory_mb.extend(steady)
     watch.things.extend(steady)
     watch.objects.extend([{"Buffer": 2}, {"Buffer": 2}])
@@ -199,14 +199,14 @@ def test_what_grows_is_a_fault(drawn):
     judge(watch, drawn)
     assert watch.faults == [
         "memory grew by 20.0%",
-        "objects of Python grew by 20.0%",
-        "objects of OpenGL that are not released: Buffer, [2, 2, 3]",
+        "Python objects grew by 20.0%",
+        "OpenGL objects not released: Buffer, [2, 2, 3]",
     ]
 
 
 def test_memory_of_a_dive_that_is_drawn_is_judged_after_its_warm_up():
     def faults(memory_mb, drawn):
-        watch = Watch(*([] for _ in Watch._fields))._replace(memory_mb=memory_mb)
+        watch = Observations(*([] for _ in Observations._fields))._replace(memory_mb=memory_mb)
         judge(watch, drawn)
         return watch.faults
 

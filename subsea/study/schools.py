@@ -1,0 +1,146 @@
+"""Schools: shape, spacing and splits."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from subsea.core.arrays import Array, Bools, Ints
+from subsea.core.kernels import kernel
+from subsea.geometry.vector import minus, norm, vector
+from subsea.state import AVOID, ESCAPE, FEAR, SCHOOL
+from subsea.study.record import Record
+from subsea.study.series import SAMPLE_S, headings, runs
+
+LINK_BL = 4.0  # fishes of a school within this distance are connected
+WHOLE = 0.9  # connected share from which a school is whole
+SPLIT_S = 0.5  # minimum duration of a split
+
+
+class School(NamedTuple):
+    """The fishes of one leader, sampled k times."""
+
+    leader: int
+    time: Array  # (k,) s
+    members: Ints  # (k,) fishes alive
+    cruises: Bools  # (k,), whether at least half of them school, unalarmed
+    polarisation: Array  # (k,) length of the mean heading of those that school
+    nearest: Array  # (k,) median distance to the nearest of the school, body lengths
+    distances: Array  # every such distance while it cruises, body lengths
+    together: Array  # (k,) share of those that school in the largest connected part
+
+
+class Split(NamedTuple):
+    """A period in which a school was in parts."""
+
+    leader: int
+    start: float  # s
+    duration: float  # s
+    rejoined: bool  # else the record ended
+    apart: float  # largest share outside the largest part
+
+
+def schools(record: Record) -> list[School]:
+    """The shape of every school of at least three fishes, five times a second.
+
+    Counts the leader and the fishes that currently school, avoid something or escape; the others
+    pursue intentions of their own.
+    """
+    every = max(round(SAMPLE_S / record.tick_s), 1)
+    followed = record.leader[::every]
+    leaders = [int(k) for k in np.unique(followed) if k >= 0]
+    return [school for leader in leaders if len((school := _school(record, leader, every)).time)]
+
+
+def _school(record: Record, leader: int, every: int) -> School:
+    rows: list[tuple[float, int, bool, float, float, float]] = []
+    distances: list[Array] = []
+    for t in range(0, len(record.time), every):
+        those = record.alive[t] & (record.leader[t] == leader)
+        those[leader] = record.alive[t, leader]
+        members = np.flatnonzero(those)
+        doing = record.intention[t, members]
+        led = members == leader
+        schooling = members[np.isin(doing, (SCHOOL, AVOID, ESCAPE)) | led]
+        if len(members) < 3 or len(schooling) < 2:
+            continue
+        calm = record.mental_state[t, members, FEAR].max() <= record.alarmed
+        cruises = bool(calm and 2 * ((doing == SCHOOL) | led).sum() >= len(members))
+        polarisation = float(
+            np.linalg.norm(headings(record.orientation[t, schooling]).mean(axis=0))
+        )
+        nearest, together = _shape(
+            record.position[t, schooling].astype(np.float64), record.length[schooling], LINK_BL
+        )
+        if cruises:
+            distances.append(nearest)
+        rows.append((
+            float(record.time[t]), len(members), cruises, polarisation, float(np.median(nearest)),
+            together,
+        ))  # fmt: skip
+    columns = [np.array(column) for column in zip(*rows, strict=True)] or [np.zeros(0)] * 6
+    return School(
+        leader=leader,
+        time=columns[0],
+        members=columns[1],
+        cruises=columns[2],
+        polarisation=columns[3],
+        nearest=columns[4],
+        distances=np.concatenate(distances) if distances else np.zeros(0),
+        together=columns[5],
+    )
+
+
+@kernel
+def _shape(position: Array, length: Array, link: float) -> tuple[Array, float]:
+    """Distance to the nearest (m,) in body lengths, and the share of the largest connected part.
+
+    A pair's body length is the mean of both.
+    """
+    m = len(length)
+    order = np.argsort(position[:, 0], kind="mergesort")
+    nearest = np.full(m, np.inf)
+    part = np.arange(m)
+    longest = length.max()
+    for a in range(m):
+        i = order[a]
+        for side in (1, -1):
+            b = a + side
+            while 0 <= b < m:
+                j = order[b]
+                along = abs(position[j, 0] - position[i, 0]) / longest
+                if along > link and along > nearest[i]:
+                    break
+                gap = norm(minus(vector(position[j]), vector(position[i])))
+                distance = gap / (0.5 * (length[i] + length[j]))
+                nearest[i] = min(nearest[i], distance)
+                if distance <= link:
+                    x, y = _root(part, i), _root(part, j)
+                    part[max(x, y)] = min(x, y)
+                b += side
+    count = np.zeros(m, np.int64)
+    for i in range(m):
+        count[_root(part, i)] += 1
+    return nearest, count.max() / m
+
+
+@kernel
+def _root(part: Ints, i: int) -> int:
+    while part[i] != i:
+        part[i] = part[part[i]]
+        i = part[i]
+    return i
+
+
+def splits(school: School, end: float) -> list[Split]:
+    """Periods in which less than nine tenths of a school were connected.
+
+    Ones shorter than half a second do not count. `end` is the time of the last tick, s.
+    """
+    found = []
+    for first, after in runs(school.together < WHOLE):
+        rejoined = after < len(school.time)
+        duration = float((school.time[after] if rejoined else end) - school.time[first])
+        if duration >= SPLIT_S:
+            apart = float(1.0 - school.together[first:after].min())
+            found.append(Split(school.leader, float(school.time[first]), duration, rejoined, apart))
+    return found

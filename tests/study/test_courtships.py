@@ -1,0 +1,55 @@
+"""Courtships: states, success and rejection."""
+
+import numpy as np
+import pytest
+
+from subsea.state import APPROACHING, ASCENDING, CIRCLING, LOOPING, NUZZLING
+from subsea.study.courtships import courtships
+from tests.support.records import EAST, NORTH, a_record, still
+
+
+def courting(states, heading=EAST, ticks=120):
+    """A male that goes through `states`, each for two seconds from 1 s on."""
+    codes = np.zeros((ticks, 2), int)
+    for k, state in enumerate(states):
+        codes[10 + 20 * k : 30 + 20 * k, 0] = state
+    partner = np.full((ticks, 2), -1)
+    partner[30:, 0] = 1
+    return a_record(
+        still(ticks, (0, 0, -9), (50, 0, -9)), heading, courtship=codes, partner=partner,
+        male=np.array([True, False]),
+    )  # fmt: skip
+
+
+def test_a_complete_courtship_has_its_states_in_order():
+    states = (APPROACHING, LOOPING, CIRCLING, ASCENDING, NUZZLING)
+    (found,) = courtships(courting(states))
+    assert found.states == states
+    assert found.complete and not found.rejected
+    assert (found.male, found.partner) == (0, 1)
+    assert (found.start, found.duration) == pytest.approx((1.1, 10.0))
+
+
+def test_the_wrong_order_or_no_end_is_not_complete():
+    (found,) = courtships(courting((LOOPING, ASCENDING, CIRCLING, NUZZLING)))
+    assert not found.complete
+    states = (APPROACHING, LOOPING, CIRCLING, ASCENDING, NUZZLING)
+    (found,) = courtships(courting(states, ticks=100))
+    assert not found.complete and not found.rejected
+
+
+@pytest.mark.parametrize("turns", [True, False])
+def test_a_rejected_male_turns_away(turns):
+    heading = np.tile(EAST, (120, 2, 1))
+    if turns:
+        heading[65:, 0] = NORTH  # 1.5 s after the end
+    (found,) = courtships(courting((APPROACHING, LOOPING), heading))
+    assert found.rejected
+    assert found.turned_away == turns
+
+
+def test_what_is_shorter_than_a_second_is_no_courtship():
+    codes = np.zeros((40, 1), int)
+    codes[5:14] = LOOPING
+    record = a_record(still(40, (0, 0, -9)), courtship=codes, male=np.array([True]))
+    assert courtships(record) == []
