@@ -1,4 +1,4 @@
-"""What directions do: what they put into minds, and into the sea."""
+"""Influences of directions on minds, the hook, the current and the lights."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -9,7 +9,7 @@ from subsea.behavior.hunting import STALK
 from subsea.behavior.mating import REST_S
 from subsea.behavior.temperament import HABITS, set_hunger, set_libido, urge_to_mate
 from subsea.core.arrays import Array, Ints
-from subsea.directing.script import Act, Scene, hunger_of, now_s
+from subsea.directing.script import Act, DirectingContext, hunger_of, now_s
 from subsea.scenario.directions import INFLUENCES, MOVES, Whose
 from subsea.state import (
     ANYONE,
@@ -32,82 +32,82 @@ from subsea.state import (
 
 Cast = tuple[int, int]
 
-CRUISING = 0.62  # share of its fastest speed at which a fish that is sent goes, if nothing is said
-# A point of a path is reached within so many lengths, or within so many once the fish recedes
-# from it: a fish turns in a wide circle.
+CRUISING = 0.62  # default share of its fastest speed on an errand
+# Body lengths at which a point of a path is reached, and at which it is once the fish recedes:
+# fishes turn in wide circles.
 ARRIVED_BL, PASSED_BL = 1.0, 4.0
-# Two that are to court have come together within this, are apart again beyond that, and turn
-# back to the place from where they are farther off than the last.
+# A pair has gathered within the first distance of its place, is apart beyond the second, and
+# returns from beyond the third.
 TOGETHER_CM, APART_CM, HOME_CM = 90.0, 250.0, 60.0
-COY = 0.08  # share of her fastest speed with which she turns to him
+COY = 0.08  # share of her fastest speed at which she turns to him
 # Stages of a pair.
 GATHERING, READY, COURTING, OVER = range(4)
-MOST_SUITORS = 200  # so many are looked at to find the nearest two ...
-STRANGE_CM = 1e6  # ... of whom those of different species count as so much farther apart
+MOST_SUITORS = 200  # candidates for the nearest two, at most
+STRANGE_CM = 1e6  # added to the distance of different species
 
 
-def begin(scene: Scene, k: int, cast: Cast) -> None:
-    """Enter that direction k, which is about those two, begins, and start what it does."""
-    act, log = scene.script.acts[k], scene.state.directions
-    _make_way(scene, k)
-    log.began[k], log.running[k], log.stage[k] = scene.clock.tick, True, 0
+def start(context: DirectingContext, k: int, cast: Cast) -> None:
+    """Start direction k, which is about these two."""
+    act, log = context.script.acts[k], context.state.directions
+    _take_over(context, k)
+    log.began[k], log.running[k], log.stage[k] = context.clock.tick, True, 0
     log.ceded[k] = 0
     log.cast[k] = cast if act.direction.pair is None else NOBODY
     log.times[k] += 1
     for name in act.influences:
-        if name in START:
-            START[name](scene, act)
+        if name in ON_START:
+            ON_START[name](context, act)
 
 
-def _make_way(scene: Scene, k: int) -> None:
-    """End what others do of the same kinds as direction k to the same fishes, and k itself.
+def _take_over(context: DirectingContext, k: int) -> None:
+    """Take over influences of the same kinds on the same fishes from all running directions.
 
-    Whose way ends does nothing any more.
+    A direction whose path is taken over ends.
     """
-    acts, log = scene.script.acts, scene.state.directions
-    kinds, mine = _kinds(acts[k].influences), _moved(scene, k)
+    acts, log = context.script.acts, context.state.directions
+    kinds, mine = _kinds(acts[k].influences), _moved(context, k)
     for other in map(int, np.flatnonzero(log.running)):
-        theirs = np.isin(_moved(scene, other), mine)
+        theirs = np.isin(_moved(context, other), mine)
         common = theirs.any() if acts[other].direction.pair is not None else theirs.all()
-        held = _held(scene, other)
+        held = _active(context, other)
         if other == k or (common and "way" in kinds & _kinds(held)):
             ceded = held
         else:
             ceded = [name for name in held if common and kinds & _kinds([name])]
-        _release(scene, other, ceded)
+        _release(context, other, ceded)
         log.ceded[other] |= sum(1 << INFLUENCES.index(name) for name in ceded)
         log.running[other] = len(ceded) < len(held)
 
 
-def goes_on(scene: Scene, k: int) -> bool:
-    """Do what direction k does in every tick; whether there is more to come."""
+def advance(context: DirectingContext, k: int) -> bool:
+    """Advance direction k by a tick; returns whether it continues."""
     going = False
-    held = _held(scene, k)
+    held = _active(context, k)
     for name in held:
-        if _lasts(scene, k, 0.0 if name in LET_GO else np.inf):
-            going |= HOLD[name](scene, k)
+        if _lasts(context, k, 0.0 if name in TRANSIENT else np.inf):
+            going |= ADVANCE[name](context, k)
     if not going:
-        _release(scene, k, held)
+        _release(context, k, held)
     return going
 
 
-def _held(scene: Scene, k: int) -> list[str]:
-    """What direction k does in every tick, but for what others do now."""
-    ceded = int(scene.state.directions.ceded[k])
-    names = scene.script.acts[k].influences
-    return [name for name in names if name in HOLD and not ceded >> INFLUENCES.index(name) & 1]
+def _active(context: DirectingContext, k: int) -> list[str]:
+    """Influences of direction k in every tick, except those that others took over."""
+    ceded = int(context.state.directions.ceded[k])
+    names = context.script.acts[k].influences
+    return [name for name in names if name in ADVANCE and not ceded >> INFLUENCES.index(name) & 1]
 
 
-def _release(scene: Scene, k: int, names: list[str]) -> None:
-    """Leave those whom direction k has moved to themselves, as far as these influences go."""
-    act, minds = scene.script.acts[k], scene.state.minds
+def _release(context: DirectingContext, k: int, names: list[str]) -> None:
+    """Undo these influences of direction k on its fishes."""
+    act, minds = context.script.acts[k], context.state.minds
     for name in names:
         if name in ("path_cm", "hunts"):
             minds.errand[act.who] = 0.0
         if name in ("hunts", "rests"):
             minds.quarry[act.who] = ANYONE
         if name == "pair":
-            two = scene.state.directions.cast[k]
+            two = context.state.directions.cast[k]
             two = two[two >= 0]
             minds.betrothed[two], minds.errand[two] = NOBODY, 0.0
         if name == "fear":
@@ -117,14 +117,14 @@ def _release(scene: Scene, k: int, names: list[str]) -> None:
 
 
 def _kinds(names: Iterable[str]) -> set[str]:
-    """What of these influences two cannot do to the same fishes at the same time."""
+    """Kinds of these influences; two of a kind exclude each other on the same fishes."""
     kinds = {"path_cm": {"way"}, "pair": {"way"}, "hunts": {"way", "prey"}, "rests": {"prey"}}
-    return {kind for name in names if name in HOLD for kind in kinds.get(name, {name})}
+    return {kind for name in names if name in ADVANCE for kind in kinds.get(name, {name})}
 
 
-def _moved(scene: Scene, k: int) -> Ints:
-    """Whom direction k moves; nobody if it moves the water, say."""
-    act, pair = scene.script.acts[k], scene.state.directions.cast[k]
+def _moved(context: DirectingContext, k: int) -> Ints:
+    """Fishes that direction k moves; empty if it moves the water, for example."""
+    act, pair = context.script.acts[k], context.state.directions.cast[k]
     those = act.who if any(name in MOVES for name in act.influences) else act.who[:0]
     if isinstance(act.direction.pair, tuple):
         return np.append(those, act.direction.pair)
@@ -133,42 +133,42 @@ def _moved(scene: Scene, k: int) -> Ints:
     return those
 
 
-def _share(scene: Scene, k: int) -> float:
-    """The share of what is left of a change that is due in this tick, so that it is even."""
-    one, began = scene.script.acts[k].direction, int(scene.state.directions.began[k])
-    left = round(one.over_s / scene.clock.dt) - (scene.clock.tick - began)
+def _share(context: DirectingContext, k: int) -> float:
+    """Share of the remaining change that is due in this tick, for an even change."""
+    one, began = context.script.acts[k].direction, int(context.state.directions.began[k])
+    left = round(one.over_s / context.clock.dt) - (context.clock.tick - began)
     return 1.0 / max(left, 1)
 
 
-def _lasts(scene: Scene, k: int, held_s: float) -> bool:
-    """Whether direction k, which is held for so long if it does not say so itself, lasts on."""
-    one, log = scene.script.acts[k].direction, scene.state.directions
+def _lasts(context: DirectingContext, k: int, held_s: float) -> bool:
+    """Whether direction k lasts on; `held_s` is its default duration after the change."""
+    one, log = context.script.acts[k].direction, context.state.directions
     held = held_s if one.for_s is None else one.for_s
-    ticks = max((one.over_s + held) / scene.clock.dt, 1.0)
-    return bool(scene.clock.tick - log.began[k] < ticks)
+    ticks = max((one.over_s + held) / context.clock.dt, 1.0)
+    return bool(context.clock.tick - log.began[k] < ticks)
 
 
-def _alive(scene: Scene, act: Act) -> Ints:
-    return act.who[scene.state.fishes.alive[act.who]]
+def _alive(context: DirectingContext, act: Act) -> Ints:
+    return act.who[context.state.fishes.alive[act.who]]
 
 
-# Each of these does its part in a tick and says whether it is not over for good.
+# Each of these acts for one tick and returns whether it continues.
 
 
-def _lead(scene: Scene, k: int) -> bool:
-    """Bind those who lead for the next point of the path, until they were at the last."""
-    act, log = scene.script.acts[k], scene.state.directions
-    minds, one = scene.state.minds, act.direction
+def _lead(context: DirectingContext, k: int) -> bool:
+    """Send the leaders to the next point of the path, until the last is reached."""
+    act, log = context.script.acts[k], context.state.directions
+    minds, one = context.state.minds, act.direction
     points = one.path_cm or []
     minds.errand[act.who] = 0.0
-    those = _alive(scene, act)
+    those = _alive(context, act)
     if len(act.who) > 1:
         free = those[minds.leader[those] == NOBODY]
         leads = free[minds.leads[free]]
         those = leads if len(leads) else free
     if not len(those) or log.stage[k] == len(points):
         return False
-    if _arrived(scene, those, np.array(points[log.stage[k]])):
+    if _arrived(context, those, np.array(points[log.stage[k]])):
         log.stage[k] += 1
         if log.stage[k] == len(points) and not one.loop:
             minds.patience[those] = 0.0
@@ -176,145 +176,145 @@ def _lead(scene: Scene, k: int) -> bool:
         log.stage[k] %= len(points)
     share = np.float32(CRUISING)
     if one.speed_cm_s is not None:
-        share = np.clip(one.speed_cm_s / scene.script.fastest_cm_s[those], 0.05, 1.0)
-    _send(scene, those, points[log.stage[k]], share)
+        share = np.clip(one.speed_cm_s / context.script.fastest_cm_s[those], 0.05, 1.0)
+    _send(context, those, points[log.stage[k]], share)
     return True
 
 
-def _arrived(scene: Scene, those: Ints, point: Array) -> bool:
-    """Whether half of the fishes are at a point, cm, or have just passed it by."""
-    fishes = scene.state.fishes
+def _arrived(context: DirectingContext, those: Ints, point: Array) -> bool:
+    """Whether half of the fishes are at a point, cm, or have just passed it."""
+    fishes = context.state.fishes
     toward = point - fishes.position[those]
     lengths = np.linalg.norm(toward, axis=1) / fishes.length[those]
     recedes = (toward * fishes.velocity[those]).sum(axis=1) < 0.0
     return bool(np.median(lengths < np.where(recedes, PASSED_BL, ARRIVED_BL)) >= 0.5)
 
 
-def _send(scene: Scene, those: Ints, place: Any, share: Any) -> None:
-    """Bind fishes for a place, cm, at a share of their fastest speed."""
-    minds = scene.state.minds
+def _send(context: DirectingContext, those: Ints, place: Any, share: Any) -> None:
+    """Send fishes to a place, cm, at a share of their fastest speed."""
+    minds = context.state.minds
     minds.waypoint[those], minds.errand[those] = place, share
 
 
-def _hunger(scene: Scene, k: int) -> bool:
-    """Ease hunger to what it is to be, and hold it there."""
-    act, minds = scene.script.acts[k], scene.state.minds
+def _hunger(context: DirectingContext, k: int) -> bool:
+    """Ease hunger to the given value, and hold it."""
+    act, minds = context.script.acts[k], context.state.minds
     assert act.direction.hunger is not None
-    now = hunger_of(scene, act.who)
-    wish = now + _share(scene, k) * (act.direction.hunger - now)
-    set_hunger(minds, act.who, np.clip(wish, 0.0, 1.0), now_s(scene))
+    now = hunger_of(context, act.who)
+    wish = now + _share(context, k) * (act.direction.hunger - now)
+    set_hunger(minds, act.who, np.clip(wish, 0.0, 1.0), now_s(context))
     return True
 
 
-def _libido(scene: Scene, k: int) -> bool:
-    """Ease libido to what it is to be, and hold it there."""
-    act, minds = scene.script.acts[k], scene.state.minds
+def _libido(context: DirectingContext, k: int) -> bool:
+    """Ease libido to the given value, and hold it."""
+    act, minds = context.script.acts[k], context.state.minds
     assert act.direction.libido is not None
-    now, hunger = urge_to_mate(minds, act.who, now_s(scene)), hunger_of(scene, act.who)
-    wish = now + _share(scene, k) * (act.direction.libido - now)
-    set_libido(minds, act.who, hunger, wish, now_s(scene))
+    now, hunger = urge_to_mate(minds, act.who, now_s(context)), hunger_of(context, act.who)
+    wish = now + _share(context, k) * (act.direction.libido - now)
+    set_libido(minds, act.who, hunger, wish, now_s(context))
     return True
 
 
-def _fear(scene: Scene, k: int) -> bool:
-    """Ease fear to what it is to be, and hold it there."""
-    act, minds = scene.script.acts[k], scene.state.minds
+def _fear(context: DirectingContext, k: int) -> bool:
+    """Ease fear to the given value, and hold it."""
+    act, minds = context.script.acts[k], context.state.minds
     assert act.direction.fear is not None
     fright = minds.fright[act.who]
     now = np.where(fright < 0.0, minds.mental[act.who, FEAR], fright)
-    minds.fright[act.who] = now + _share(scene, k) * (act.direction.fear - now)
+    minds.fright[act.who] = now + _share(context, k) * (act.direction.fear - now)
     return True
 
 
-def _likes(scene: Scene, k: int) -> bool:
-    """Have those habits."""
-    act = scene.script.acts[k]
+def _likes(context: DirectingContext, k: int) -> bool:
+    """Impose habits."""
+    act = context.script.acts[k]
     bits = sum(1 << HABITS.index(habit) for habit in {*(act.direction.likes or ())})
-    scene.state.minds.fancy[act.who] = bits
+    context.state.minds.fancy[act.who] = bits
     return True
 
 
-def _current(scene: Scene, k: int) -> bool:
-    """Ease the strength of the current to what it is to be."""
-    current = scene.state.directions.current
-    wish = np.array(scene.script.acts[k].direction.current_cm_s) - scene.current_cm_s
-    current += _share(scene, k) * (wish - current)
+def _current(context: DirectingContext, k: int) -> bool:
+    """Ease the strength of the current to the given value."""
+    current = context.state.directions.current
+    wish = np.array(context.script.acts[k].direction.current_cm_s) - context.current_cm_s
+    current += _share(context, k) * (wish - current)
     return True
 
 
-def _rouse(scene: Scene, act: Act) -> None:
-    """Let predators be hungry and fresh, and mind those alone whom they may hunt."""
-    minds, hunts = scene.state.minds, act.direction.hunts
-    those = _hunters(scene, act)
-    set_hunger(minds, those, 1.0, now_s(scene))
+def _make_hungry(context: DirectingContext, act: Act) -> None:
+    """Make predators hungry and fresh, and limit their prey."""
+    minds, hunts = context.state.minds, act.direction.hunts
+    those = _hunters(context, act)
+    set_hunger(minds, those, 1.0, now_s(context))
     minds.fatigue[EAT, those] = 0.0
     if isinstance(hunts, Whose) and hunts.species is not None:
-        minds.quarry[those] = *ANYONE[:2], scene.script.species.index(hunts.species)
+        minds.quarry[those] = *ANYONE[:2], context.script.species.index(hunts.species)
     else:
         minds.quarry[those] = (act.prey[0], act.prey[-1] + 1, -1) if len(act.prey) else NOBODY
-    _forget_prey(scene, those)
+    _forget_prey(context, those)
 
 
-def _lull(scene: Scene, act: Act) -> None:
-    """Let predators be sated, and mind nobody."""
-    minds, those = scene.state.minds, _hunters(scene, act)
-    set_hunger(minds, those, 0.0, now_s(scene))
+def _sate(context: DirectingContext, act: Act) -> None:
+    """Make predators sated, without prey."""
+    minds, those = context.state.minds, _hunters(context, act)
+    set_hunger(minds, those, 0.0, now_s(context))
     minds.quarry[those] = NOBODY
-    _forget_prey(scene, those)
+    _forget_prey(context, those)
 
 
-def _hunters(scene: Scene, act: Act) -> Ints:
-    return act.who[scene.state.minds.kind[act.who] == PREDATOR]
+def _hunters(context: DirectingContext, act: Act) -> Ints:
+    return act.who[context.state.minds.kind[act.who] == PREDATOR]
 
 
-def _forget_prey(scene: Scene, those: Ints) -> None:
-    minds = scene.state.minds
+def _forget_prey(context: DirectingContext, those: Ints) -> None:
+    minds = context.state.minds
     for name in ("target", "food", "foods", "memory", "memory_target"):
         getattr(minds, name)[those] = -1
     minds.food_distance[those] = np.inf
 
 
-def _hunt(scene: Scene, k: int) -> bool:
-    """Send predators that are hungry, and perceive nobody of their prey, to where that is."""
-    act, fishes, minds = scene.script.acts[k], scene.state.fishes, scene.state.minds
+def _hunt(context: DirectingContext, k: int) -> bool:
+    """Send hungry predators that perceive no prey to the nearest one."""
+    act, fishes, minds = context.script.acts[k], context.state.fishes, context.state.minds
     if act.direction.path_cm is None:
-        those = _hunters(scene, act)
+        those = _hunters(context, act)
         minds.errand[those] = 0.0
         prey = act.prey[fishes.alive[act.prey] & (minds.kind[act.prey] == PREY)]
         seeks = fishes.alive[those] & (minds.food[those] < 0)
-        for i in those[seeks & (hunger_of(scene, those) > scene.nature.keen)]:
+        for i in those[seeks & (hunger_of(context, those) > context.nature.keen)]:
             if len(prey):
                 gaps = np.linalg.norm(fishes.position[prey] - fishes.position[i], axis=1)
-                _send(scene, np.array([i]), fishes.position[prey[np.argmin(gaps)]], STALK)
+                _send(context, np.array([i]), fishes.position[prey[np.argmin(gaps)]], STALK)
     return True
 
 
-def _rest(scene: Scene, k: int) -> bool:
-    """Mind nobody."""
+def _rest(context: DirectingContext, k: int) -> bool:
+    """Continue without prey."""
     return True
 
 
-def _court(scene: Scene, k: int) -> bool:
-    """Bring two together, and to a place if one is said; there each minds the other alone.
+def _pair(context: DirectingContext, k: int) -> bool:
+    """Bring a pair together, at a place if one is given, until it has spawned.
 
-    Until they have spawned: if they part before, they begin anew.
+    If the two part before, they gather again.
     """
-    act, log, state = scene.script.acts[k], scene.state.directions, scene.state
+    act, log, state = context.script.acts[k], context.state.directions, context.state
     minds, fishes = state.minds, state.fishes
     if log.cast[k, 0] < 0:
-        log.cast[k] = _betrothed(scene, act)
+        log.cast[k] = _choose_pair(context, act)
         if log.cast[k, 0] < 0:
             return True
     two, other = log.cast[k], log.cast[k, ::-1]
     spawned = (log.courtship[two] == NUZZLING) & (minds.courtship[two] == NO_COURTSHIP)
-    just = minds.last_mating[two] >= now_s(scene) - 1.5 * scene.clock.dt
+    just = minds.last_mating[two] >= now_s(context) - 1.5 * context.clock.dt
     if not fishes.alive[two].all() or (spawned & just).all():
         log.stage[k] = OVER
     if log.stage[k] == OVER:
         minds.betrothed[two], minds.errand[two] = NOBODY, 0.0
         return False
     minds.betrothed[two], minds.errand[two] = other, 0.0
-    set_hunger(minds, two, 0.0, now_s(scene))
+    set_hunger(minds, two, 0.0, now_s(context))
     if (minds.courtship[two] >= LOOPING).all() and (minds.partner[two] == other).all():
         log.stage[k] = COURTING
         return True
@@ -324,19 +324,19 @@ def _court(scene: Scene, k: int) -> bool:
     gathers = gaps.max() > (TOGETHER_CM if log.stage[k] == GATHERING else APART_CM)
     log.stage[k] = GATHERING if gathers else READY
     minds.shunned[two] = NOBODY
-    set_libido(minds, two, 0.0, float(not gathers), now_s(scene))
+    set_libido(minds, two, 0.0, float(not gathers), now_s(context))
     if not gathers:
-        rested = now_s(scene) - REST_S - 1.0
+        rested = now_s(context) - REST_S - 1.0
         minds.last_mating[two] = np.minimum(minds.last_mating[two], rested)
         if gaps[1] <= HOME_CM:
-            _send(scene, two[1:], fishes.position[two[0]], COY)
-    _send(scene, two[gaps > HOME_CM], meet, CRUISING)
+            _send(context, two[1:], fishes.position[two[0]], COY)
+    _send(context, two[gaps > HOME_CM], meet, CRUISING)
     return True
 
 
-def _betrothed(scene: Scene, act: Act) -> Cast:
-    """He and she: the two that are named, or the nearest two of them, also to the place."""
-    fishes, minds, one = scene.state.fishes, scene.state.minds, act.direction
+def _choose_pair(context: DirectingContext, act: Act) -> Cast:
+    """Male and female: the two given, or the two nearest to each other and the place."""
+    fishes, minds, one = context.state.fishes, context.state.minds, act.direction
     those = np.array(one.pair) if isinstance(one.pair, tuple) else act.who
     those = those[those < len(fishes.alive)]
     those = those[fishes.alive[those] & (minds.kind[those] == PACIFIST)]
@@ -359,9 +359,9 @@ def _betrothed(scene: Scene, act: Act) -> Cast:
     return int(he[i]), int(she[j])
 
 
-def _lower(scene: Scene, act: Act) -> None:
-    """Let the hook down anew, or draw it up without a catch."""
-    sea, down = scene.state.sea, act.direction.hook == "down"
+def _lower(context: DirectingContext, act: Act) -> None:
+    """Lower the hook, or raise it without a catch."""
+    sea, down = context.state.sea, act.direction.hook == "down"
     if down and sea.catch[0] in (STOWED, LANDED):
         sea.hook[:] = *sea.tackle[:2], 0.0
         sea.catch[0] = SINKING
@@ -369,16 +369,16 @@ def _lower(scene: Scene, act: Act) -> None:
         sea.catch[:] = HOOKED, NOBODY
 
 
-def _light(scene: Scene, act: Act) -> None:
+def _light(context: DirectingContext, act: Act) -> None:
     """Switch the submarine's lights."""
-    scene.state.submarine.lights[:] = bool(act.direction.lights)
+    context.state.submarine.lights[:] = bool(act.direction.lights)
 
 
-# What is done when a direction begins, ...
-START = {"hunts": _rouse, "rests": _lull, "hook": _lower, "lights": _light}
-# ... and in every tick from then on, as long as it lasts; some are let go once they are reached.
-LET_GO = ("hunger", "libido", "current_cm_s")
-HOLD = {
+# Influences when a direction starts ...
+ON_START = {"hunts": _make_hungry, "rests": _sate, "hook": _lower, "lights": _light}
+# ... and in every tick as long as it lasts; transient ones end once their value is reached.
+TRANSIENT = ("hunger", "libido", "current_cm_s")
+ADVANCE = {
     "path_cm": _lead,
     "hunger": _hunger,
     "libido": _libido,
@@ -386,6 +386,6 @@ HOLD = {
     "likes": _likes,
     "hunts": _hunt,
     "rests": _rest,
-    "pair": _court,
+    "pair": _pair,
     "current_cm_s": _current,
 }

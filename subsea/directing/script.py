@@ -1,4 +1,4 @@
-"""Directions in the numbers of a world: of which fishes, and in which order."""
+"""Directions of a scenario resolved to indices of fishes, in order of dependence."""
 
 from typing import NamedTuple
 
@@ -12,38 +12,38 @@ from subsea.state import Clock, Nature, State
 
 
 class Act(NamedTuple):
-    """A direction in the numbers of a world."""
+    """A direction resolved to indices of fishes."""
 
     direction: Direction
-    influences: tuple[str, ...]  # its own
-    who: Ints  # whom it moves
-    of: Ints  # whose event it waits for
-    prey: Ints  # whom they hunt
-    shown: Ints  # whom its camera follows
-    after: int  # which direction it follows, -1 for none
+    influences: tuple[str, ...]  # names of those that it has
+    who: Ints  # fishes that it moves
+    of: Ints  # fishes whose event it waits for
+    prey: Ints  # prey of a hunt
+    shown: Ints  # fishes that its camera follows
+    after: int  # index of the direction that it follows, -1 for none
 
 
 class Script(NamedTuple):
-    """All directions of a world. Constant."""
+    """All directions of a world; constant."""
 
     acts: tuple[Act, ...]
-    order: tuple[int, ...]  # each behind the one that it follows
+    order: tuple[int, ...]  # indices, each after the one that it follows
     fastest_cm_s: Array  # (n,) float32, of each fish
-    species: tuple[str, ...]  # as they are numbered
+    species: tuple[str, ...]  # names by index
 
 
-class Scene(NamedTuple):
-    """What a direction acts on."""
+class DirectingContext(NamedTuple):
+    """World and time in which directions act."""
 
     script: Script
     state: State
     nature: Nature
-    current_cm_s: tuple[float, float]  # as it is without directions
+    current_cm_s: tuple[float, float]  # without directions
     clock: Clock
 
 
 def make_script(scenario: Scenario, numbers: list[int], fastest_cm_s: Array) -> Script:
-    """The directions of a scenario of whose shoals so many fishes each live in its world."""
+    """Resolve the directions of a scenario whose shoals have these numbers of fishes."""
     shoals = Shoals([shoal.species for shoal in scenario.fish], numbers, [])
     everybody = np.arange(sum(numbers))
 
@@ -75,12 +75,12 @@ def make_script(scenario: Scenario, numbers: list[int], fastest_cm_s: Array) -> 
     return Script(acts, order, fastest_cm_s, tuple(scenario.species))
 
 
-def now_s(scene: Scene) -> float:
-    """The time of the world, s."""
-    return scene.clock.tick * scene.clock.dt
+def now_s(context: DirectingContext) -> float:
+    """World time, s."""
+    return context.clock.tick * context.clock.dt
 
 
-def hunger_of(scene: Scene, those: Ints) -> Array:
-    """The urge of fishes to eat, without what food in sight adds."""
-    urge: Array = urge_to_eat(scene.state.minds, those, now_s(scene))
+def hunger_of(context: DirectingContext, those: Ints) -> Array:
+    """Urge of fishes to eat, without the stimulus of food in sight."""
+    urge: Array = urge_to_eat(context.state.minds, those, now_s(context))
     return urge

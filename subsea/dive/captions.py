@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.directing import latest
+from subsea.directing.director import latest
 from subsea.view.rig import CameraRig, Projection, front
 from subsea.view.text_viewports import text_viewports
 from subsea.world.world import TICK_S, World

@@ -12,7 +12,7 @@ import numpy as np
 
 from subsea.core.arrays import Array
 from subsea.core.errors import UserError, unknown
-from subsea.directing import latest
+from subsea.directing.director import latest
 from subsea.dive.captions import shown_s
 from subsea.dive.tour import DETOUR_CM, DETOURS, MARGIN_CM, Steer, Tour, hidden, steer_along
 from subsea.geometry.height_field import height_at

@@ -7,7 +7,7 @@ import numpy as np
 
 from subsea.core.errors import UserError
 from subsea.core.toml_files import locate_errors
-from subsea.directing import make_script
+from subsea.directing.script import make_script
 from subsea.motor.switching import make_dynamics
 from subsea.repertoire.library import pack
 from subsea.scenario.schema import MAX_SIMULATED, Scenario

@@ -18,7 +18,7 @@ from subsea.behavior.table import (
 )
 from subsea.behavior.teleop import TeleopCommand, follow_command
 from subsea.core.arrays import Ints
-from subsea.directing import direct
+from subsea.directing.director import direct
 from subsea.geometry.height_field import height_at
 from subsea.habitat import hook, plankton
 from subsea.habitat.bow_wave import add_bow_wave

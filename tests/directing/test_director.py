@@ -14,7 +14,7 @@ from msgspec.structs import replace
 from subsea.behavior.temperament import HABITS, set_hunger
 from subsea.core.errors import UserError
 from subsea.core.resources import ROOT
-from subsea.directing import direct, latest
+from subsea.directing.director import direct, latest
 from subsea.scenario.checks import check_scenario
 from subsea.scenario.directions import Shoals
 from subsea.scenario.load import load_scenario
