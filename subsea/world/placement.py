@@ -1,7 +1,7 @@
-"""Placement (Tu §9.1): what stands where in a scenario, taken with the pointer and moved.
+"""Placement (Tu §9.1): pick the things of a scenario with the pointer, move and edit them.
 
-Nothing here changes a world: every act gives another scenario, to be checked, kept in a `History`
-and dived in. Rays are those of `view.unproject.FrontView.ray`: an eye in cm and a unit vector.
+No function changes a world: each returns another scenario. A ray is an eye (3,), cm, and a unit
+vector (3,).
 """
 
 import math
@@ -9,6 +9,7 @@ from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hi
 
 import msgspec
 import numpy as np
+from msgspec.structs import replace
 
 from subsea.core.arrays import Array
 from subsea.core.errors import UserError
@@ -42,37 +43,37 @@ KINDS = {
     "arch": "an arch", "seaweed": "seaweed", "reef": "a reef", "vent": "a vent of bubbles",
     "hook": "the hook", "submarine": "where the submarine starts",
 }  # fmt: skip
-"""The tables of a scenario that may be placed, and in words what they are."""
+"""Tables of a scenario with a place, and their names for users."""
 
-FREE = ("fish", "hook", "submarine")  # these hang in the water; all others stand on the seabed
-SINGLE = ("hook", "submarine")  # of these there is one at most
-KNOB_CM = 18.0  # radius of what is taken hold of in things without a body
-GROUPS_ABOVE_CM = 25.0  # how high the knobs of what grows are over the seabed
-SIDES = 32  # of a circle
-AHEAD_CM = 420.0  # how far away at most something new is put
-NEW_ABOVE_CM = 90.0  # the seabed: where something that hangs in the water is put on it
+FREE = ("fish", "hook", "submarine")  # suspended in the water; all others stand on the seabed
+SINGLE = ("hook", "submarine")  # at most one of these
+KNOB_CM = 18.0  # radius of the handle of things without a body
+GROUPS_ABOVE_CM = 25.0  # height of the handles of plants over the seabed
+SIDES = 32  # segments of a circle
+AHEAD_CM = 420.0  # greatest distance of a new thing
+NEW_ABOVE_CM = 90.0  # height over the seabed of a new thing that is suspended
 
 
 class Handle(NamedTuple):
-    """Something that may be placed: ``scenario.KIND[number]``."""
+    """Handle of a thing with a place: ``scenario.KIND[number]``."""
 
     kind: str  # one of `KINDS`
     number: int  # in the scenario's list, 0 for the hook and the submarine
-    place: Place  # where it is: its foot on the seabed, or its middle in the water
-    body: Array  # (k, 7) ellipsoids as `Sea.rocks`, or (1, 4) as `Sea.pillars`: what rays meet
-    outline: Array  # (n, 2, 3) cm, lines that show it
+    place: Place  # its foot on the seabed, or its middle in the water
+    body: Array  # for rays: (k, 7) ellipsoids as `Sea.rocks`, or (1, 4) as `Sea.pillars`
+    outline: Array  # (n, 2, 3) lines to draw, cm
 
 
 class Grip(NamedTuple):
-    """A handle that was taken hold of: it follows the pointer, wherever on it that was."""
+    """A handle that is being dragged."""
 
     handle: Handle
-    offset: Array  # (3,) from the pointer's ray to the one that goes through its place
-    facing: Array  # (3,) level unit vector from the eye: what hangs in the water moves across it
+    offset: Array  # (3,) from the direction of the pointer to that of its place
+    facing: Array  # (3,) horizontal unit vector from the eye, normal of the plane of motion
 
 
 def handles(scenario: Scenario, sea: Sea) -> list[Handle]:
-    """All that may be placed, on the seabed of `sea`; not what is spread over all of it."""
+    """Handles of all things with a place, on the seabed of `sea`."""
     rows, names = rock_rows(scenario, lambda x, y: _floor(sea, x, y))
     out = [
         _handle("submarine", 0, scenario.submarine.position_cm, HULL_CM, sea),
@@ -97,12 +98,12 @@ def handles(scenario: Scenario, sea: Sea) -> list[Handle]:
     return out
 
 
-def pick(those: list[Handle], sea: Sea, eye: Array, way: Array) -> Handle | None:
-    """The first of those that a ray meets, unless the seabed is before it."""
-    a, b = _ray(sea, eye, way)
+def pick(candidates: list[Handle], sea: Sea, eye: Array, direction: Array) -> Handle | None:
+    """The first handle that a ray meets before the seabed."""
+    a, b = _ray(sea, eye, direction)
     nearest = ray_meets_seabed(sea.heights, sea.half_width, 0.0, a, b)
     found = None
-    for handle in those:
+    for handle in candidates:
         meets = ray_meets_pillar if handle.body.shape[1] == 4 else ray_meets_rock
         for row in handle.body:
             t = meets(row, 0.0, a, b)
@@ -111,35 +112,35 @@ def pick(those: list[Handle], sea: Sea, eye: Array, way: Array) -> Handle | None
     return found
 
 
-def grip(handle: Handle, eye: Array, way: Array) -> Grip:
-    """Take hold of a handle with the pointer."""
+def grip(handle: Handle, eye: Array, direction: Array) -> Grip:
+    """Begin to drag a handle."""
     toward = np.array(handle.place) - eye
     facing = toward * (1.0, 1.0, 0.0)
     size = np.linalg.norm(facing)
     facing = facing / size if size > 1e-6 else np.array([1.0, 0.0, 0.0])
-    return Grip(handle, toward / max(float(np.linalg.norm(toward)), 1e-6) - way, facing)
+    return Grip(handle, toward / max(float(np.linalg.norm(toward)), 1e-6) - direction, facing)
 
 
-def aim(held: Grip, sea: Sea, eye: Array, way: Array, level: bool = False) -> Place | None:
-    """Where the pointer moves what it holds; None: to nowhere in the sea.
+def aim(held: Grip, sea: Sea, eye: Array, direction: Array, level: bool = False) -> Place | None:
+    """Place of a dragged handle for a ray of the pointer; None outside the sea.
 
-    What stands on the seabed goes along that. What hangs in the water goes up and down and
-    sideways; with `level` near and far at its depth.
+    Things on the seabed move along it. Suspended things move vertically and sideways; with
+    `level` horizontally at their depth.
     """
-    way = way + held.offset
-    way = way / max(float(np.linalg.norm(way)), 1e-9)
+    direction = direction + held.offset
+    direction = direction / max(float(np.linalg.norm(direction)), 1e-9)
     if held.handle.kind not in FREE:
-        a, b = _ray(sea, eye, way)
+        a, b = _ray(sea, eye, direction)
         t = ray_meets_seabed(sea.heights, sea.half_width, 0.0, a, b)
         if t == NEVER:
             return None
     else:
         facing = np.array([0.0, 0.0, 1.0]) if level else held.facing
-        along = float(way @ facing)
+        along = float(direction @ facing)
         t = float((np.array(held.handle.place) - eye) @ facing) / along if along else -1.0
         if t <= 0.0:
             return None
-        a, b = vector(eye), vector(eye + way)
+        a, b = vector(eye), vector(eye + direction)
     x, y, z = (a[axis] + t * (b[axis] - a[axis]) for axis in range(3))
     if held.handle.kind in FREE:
         z = min(max(z, _floor(sea, x, y)), 0.0)
@@ -147,7 +148,7 @@ def aim(held: Grip, sea: Sea, eye: Array, way: Array, level: bool = False) -> Pl
 
 
 def moved(scenario: Scenario, handle: Handle, place: Place) -> Scenario:
-    """The scenario with a thing elsewhere, to the centimetre."""
+    """Move a thing, to the centimetre."""
     x, y, z = (float(round(value)) for value in place)
     if handle.kind == "hook":
         return _with(scenario, handle, position_cm=(x, y), depth_cm=_clamped(Hook, "depth_cm", -z))
@@ -159,15 +160,15 @@ SIZES = {
     "pillar": ("radius_cm", "height_cm"), "rock": ("size_cm",), "outcrop": ("size_cm",),
     "arch": ("span_cm", "height_cm", "thickness_cm"),
 }  # fmt: skip
-"""What of each kind a change of its size changes."""
+"""Keys of each kind that scale with its size."""
 
 TURNS = {"fish": "heading_deg", "submarine": "heading_deg", "rock": "yaw_deg",
          "outcrop": "yaw_deg", "arch": "yaw_deg"}  # fmt: skip
-"""What of each kind a turn changes."""
+"""Key of each kind for its direction."""
 
 
 def resized(scenario: Scenario, handle: Handle, factor: float) -> Scenario:
-    """The scenario with a thing so many times as large, as far as it may be."""
+    """Scale a thing within its limits."""
     one = table_of(scenario, handle.kind, handle.number)
     changes: dict[str, Any] = {}
     for key in SIZES.get(handle.kind, ()):
@@ -180,7 +181,7 @@ def resized(scenario: Scenario, handle: Handle, factor: float) -> Scenario:
 
 
 def turned(scenario: Scenario, handle: Handle, degrees: float) -> Scenario:
-    """The scenario with a thing turned left by so many degrees, if it has a front."""
+    """Turn a thing left, if its kind has a direction."""
     key = TURNS.get(handle.kind)
     if key is None:
         return scenario
@@ -191,11 +192,11 @@ def turned(scenario: Scenario, handle: Handle, degrees: float) -> Scenario:
 
 
 HEIGHTS = {"pillar": "height_cm", "arch": "height_cm", "seaweed": "height_cm"}
-"""Which key says how high things of a kind are; of rocks and knolls the last of `size_cm`."""
+"""Key of each kind for its height; rocks and knolls have the last of `size_cm`."""
 
 
 def raised(scenario: Scenario, handle: Handle, factor: float) -> Scenario:
-    """The scenario with what stands on the seabed so many times as high, as far as it may be."""
+    """Scale the height of a thing on the seabed within its limits."""
     one = table_of(scenario, handle.kind, handle.number)
     if handle.kind in HEIGHTS:
         key = HEIGHTS[handle.kind]
@@ -208,21 +209,22 @@ def raised(scenario: Scenario, handle: Handle, factor: float) -> Scenario:
     return scenario
 
 
-def place_ahead(sea: Sea, eye: Array, way: Array) -> Place:
-    """The place on the seabed that a ray goes to, at most `AHEAD_CM` away, inside the sea."""
-    a, b = _ray(sea, eye, way)
+def place_ahead(sea: Sea, eye: Array, direction: Array) -> Place:
+    """Place on the seabed along a ray, at most `AHEAD_CM` away, inside the sea."""
+    a, b = _ray(sea, eye, direction)
     t = ray_meets_seabed(sea.heights, sea.half_width, 0.0, a, b)
     far = float(np.linalg.norm(np.subtract(b, a))) * t if t < NEVER else np.inf
-    x, y, _ = np.asarray(eye) + min(far, AHEAD_CM) * np.asarray(way) / np.linalg.norm(way)
+    unit = np.asarray(direction) / np.linalg.norm(direction)
+    x, y, _ = np.asarray(eye) + min(far, AHEAD_CM) * unit
     inward = min(1.0, 0.95 * sea.radius / max(math.hypot(x, y), 1e-6))
     x, y = inward * float(x), inward * float(y)
     return x, y, _floor(sea, x, y)
 
 
 def added(scenario: Scenario, kind: str, place: Place, sea: Sea) -> Scenario:
-    """The scenario with one more thing of a kind, the last of its list, at a place."""
+    """Add a thing of a kind at a place, at the end of its list."""
     x, y, z = (float(round(value)) for value in place)
-    # Whatever is put on the seabed but swims, or hangs, is put over it.
+    # Suspended things are put above the seabed.
     high = max(z, min(round(_floor(sea, x, y) + NEW_ABOVE_CM), -NEW_ABOVE_CM))
     on, number = (x, y), 0 if kind in SINGLE else len(getattr(scenario, kind))
     new: dict[str, msgspec.Struct] = {
@@ -239,56 +241,56 @@ def added(scenario: Scenario, kind: str, place: Place, sea: Sea) -> Scenario:
         "hook": Hook(position_cm=on, depth_cm=-high),
     }
     if kind == "submarine":
-        start = msgspec.structs.replace(scenario.submarine, position_cm=(x, y, high))
-        return msgspec.structs.replace(scenario, submarine=start)
+        start = replace(scenario.submarine, position_cm=(x, y, high))
+        return replace(scenario, submarine=start)
     if kind == "hook":
-        return msgspec.structs.replace(scenario, hook=new[kind])
-    return msgspec.structs.replace(scenario, **{kind: [*getattr(scenario, kind), new[kind]]})
+        return replace(scenario, hook=new[kind])
+    return replace(scenario, **{kind: [*getattr(scenario, kind), new[kind]]})
 
 
 def removed(scenario: Scenario, handle: Handle) -> Scenario:
-    """The scenario without a thing; the submarine and the last school are UserErrors."""
+    """Remove a thing; raises a UserError for the submarine and the last school."""
     if handle.kind == "submarine" or (handle.kind == "fish" and len(scenario.fish) == 1):
-        raise UserError(f"{KINDS[handle.kind]} cannot be taken away: a dive begins with it")
+        raise UserError(f"{KINDS[handle.kind]} cannot be taken away: a dive needs it")
     if handle.kind == "hook":
-        return msgspec.structs.replace(scenario, hook=None)
+        return replace(scenario, hook=None)
     if handle.kind == "fish":
         scenario = with_shoal_size(scenario, handle.number, 0)
         gone = handle.number
         directions = renumbered(
             scenario.direction, lambda fish: fish, lambda k: -1 if k == gone else k - (k > gone)
         )
-        scenario = msgspec.structs.replace(scenario, direction=directions)
+        scenario = replace(scenario, direction=directions)
     rest = list(getattr(scenario, handle.kind))
     del rest[handle.number]
-    return msgspec.structs.replace(scenario, **{handle.kind: rest})
+    return replace(scenario, **{handle.kind: rest})
 
 
 def with_shoal_size(scenario: Scenario, index: int, number: int) -> Scenario:
-    """The scenario with so many fishes in a shoal; what is about single fishes goes with them."""
+    """Set the number of fishes of a shoal; tables of single fishes follow their fishes."""
     first = sum(shoal.number for shoal in scenario.fish[:index])
     last, more = first + scenario.fish[index].number, number - scenario.fish[index].number
 
     def then(fish: int) -> int:
-        """The number that this fish gets; -1 for one that goes."""
+        """New index of a fish; -1 for a removed one."""
         if fish >= last:
             return fish + more
         return fish if fish < first + number else -1
 
-    own = [msgspec.structs.replace(one, fish=then(one.fish)) for one in scenario.individual]
+    own = [replace(one, fish=then(one.fish)) for one in scenario.individual]
     shoals = list(scenario.fish)
-    shoals[index] = msgspec.structs.replace(shoals[index], number=number)
-    return msgspec.structs.replace(
+    shoals[index] = replace(shoals[index], number=number)
+    return replace(
         scenario,
         fish=shoals,
         individual=[one for one in own if one.fish >= 0],
         direction=renumbered(scenario.direction, then, lambda shoal: shoal),
-        physics=msgspec.structs.replace(scenario.physics, fish=then(scenario.physics.fish)),
+        physics=replace(scenario.physics, fish=then(scenario.physics.fish)),
     )
 
 
 def check_placed(scenario: Scenario, source: str = "the scenario", seed: int | None = None) -> None:
-    """A UserError of one line for what could not be dived in; takes up to a second."""
+    """Raise a UserError if no world can be made of a scenario; takes up to a second."""
     with locate_errors(scenario, source):
         convert(msgspec.to_builtins(scenario), Scenario)
         check_scenario(scenario)
@@ -296,7 +298,7 @@ def check_placed(scenario: Scenario, source: str = "the scenario", seed: int | N
 
 
 def table_of(scenario: Scenario, kind: str, number: int) -> Any:
-    """The table of a thing; None where there is no such thing."""
+    """Table of a thing, or None if there is no such thing."""
     those = getattr(scenario, kind)
     if kind in SINGLE:
         return those
@@ -304,24 +306,24 @@ def table_of(scenario: Scenario, kind: str, number: int) -> Any:
 
 
 def with_table(scenario: Scenario, kind: str, number: int, one: msgspec.Struct) -> Scenario:
-    """The scenario with another table for a thing."""
+    """Replace the table of a thing."""
     if kind in SINGLE:
-        return msgspec.structs.replace(scenario, **{kind: one})
+        return replace(scenario, **{kind: one})
     if isinstance(one, Shoal):
         scenario = with_shoal_size(scenario, number, one.number)
     those = list(getattr(scenario, kind))
     those[number] = one
-    return msgspec.structs.replace(scenario, **{kind: those})
+    return replace(scenario, **{kind: those})
 
 
 def _with(scenario: Scenario, handle: Handle, **changes: Any) -> Scenario:
-    """The scenario with a thing changed."""
-    one = msgspec.structs.replace(table_of(scenario, handle.kind, handle.number), **changes)
+    """Change keys of a thing."""
+    one = replace(table_of(scenario, handle.kind, handle.number), **changes)
     return with_table(scenario, handle.kind, handle.number, one)
 
 
 def _clamped(table: type[msgspec.Struct], key: str, value: float) -> float:
-    """The nearest that a key of a table, a length, may be; large ones to the centimetre."""
+    """Clamp a length to the limits of its key; large ones to the centimetre."""
     value = float(round(value)) if value >= 20.0 else round(value, 1)
     for limit in _limits(get_type_hints(table, include_extras=True)[key]):
         value = max(value, limit.ge if limit.ge is not None else value)
@@ -331,7 +333,7 @@ def _clamped(table: type[msgspec.Struct], key: str, value: float) -> float:
 
 
 def _limits(kind: Any) -> list[msgspec.Meta]:
-    """All limits that stand in a type."""
+    """All limits in a type annotation."""
     own = [part for part in getattr(kind, "__metadata__", ()) if isinstance(part, msgspec.Meta)]
     inner = get_args(kind)[:1] if get_origin(kind) in (Annotated, tuple) else ()
     return own + [limit for part in inner for limit in _limits(part)]
@@ -346,13 +348,13 @@ def _foot(one: Any, sea: Sea) -> Place:
     return x, y, _floor(sea, x, y)
 
 
-def _ray(sea: Sea, eye: Array, way: Array) -> tuple[Any, Any]:
-    """Both ends of a ray that goes as far as the sea does."""
-    return vector(eye), vector(np.asarray(eye) + 2.5 * sea.half_width * np.asarray(way))
+def _ray(sea: Sea, eye: Array, direction: Array) -> tuple[Any, Any]:
+    """Both ends of a ray through the whole sea."""
+    return vector(eye), vector(np.asarray(eye) + 2.5 * sea.half_width * np.asarray(direction))
 
 
 def _each(kind: str, those: Any, sea: Sea, reach: Any) -> list[Handle]:
-    """Handles of a list of tables that have a place."""
+    """Handles of the tables in a list that have a place."""
     out = []
     for k, one in enumerate(those):
         if one.position_cm is not None:
@@ -362,7 +364,7 @@ def _each(kind: str, those: Any, sea: Sea, reach: Any) -> list[Handle]:
 
 
 def _handle(kind: str, index: int, place: Place, reach: float, sea: Sea) -> Handle:
-    """A knob to take hold of, and a circle as wide as the thing; on the seabed it follows that."""
+    """Make a handle: a small ellipsoid, and a circle as wide as the thing on the seabed."""
     x, y, z = place
     middle = place if kind in FREE else (x, y, z + GROUPS_ABOVE_CM)
     knob = np.array([[*middle, KNOB_CM, KNOB_CM, KNOB_CM, 0.0]])
@@ -376,7 +378,7 @@ def _handle(kind: str, index: int, place: Place, reach: float, sea: Sea) -> Hand
 
 
 def _circle(middle: Place, radius: float) -> Array:
-    """Lines (SIDES, 2, 3) of a level circle."""
+    """Lines (SIDES, 2, 3) of a horizontal circle."""
     turn = np.linspace(0.0, 2.0 * np.pi, SIDES + 1)
     flat = np.stack([np.cos(turn), np.sin(turn), np.zeros(SIDES + 1)], axis=1)
     points = np.array(middle) + radius * flat
@@ -384,7 +386,7 @@ def _circle(middle: Place, radius: float) -> Array:
 
 
 def _ellipses(rows: Array) -> Array:
-    """Lines (3 k SIDES, 2, 3): of each ellipsoid the ellipses along its axes."""
+    """Lines (3 k SIDES, 2, 3): three principal ellipses of each ellipsoid."""
     turn = np.linspace(0.0, 2.0 * np.pi, SIDES + 1)
     c, s, o = np.cos(turn), np.sin(turn), np.zeros(SIDES + 1)
     unit = np.stack([np.stack(axes, axis=1) for axes in ((c, s, o), (c, o, s), (o, c, s))])
