@@ -1,4 +1,4 @@
-"""Directions: what is to happen, and when."""
+"""Directions of a scenario: when they start, and their influences."""
 
 import re
 import tomllib
@@ -80,7 +80,7 @@ SHARK, PAIR = 6, (7, 8)
 
 
 def scenario_of(folder, *directions):
-    """The bare sea with these `[[direction]]`."""
+    """The bare sea with these directions."""
     file = folder / "directed.toml"
     file.write_text(SEA + "".join(f"[[direction]]\n{one}\n" for one in directions))
     return load_scenario(str(file))[0]
@@ -101,7 +101,7 @@ def begun_s(world):
     return [round(float(tick) * TICK_S, 1) if tick >= 0 else -1 for tick in began]
 
 
-def test_a_school_follows_the_path_of_its_leader_and_then_its_own_ways(tmp_path):
+def test_a_school_follows_a_path_and_is_then_free(tmp_path):
     path = "path_cm = [[-190, 60, -250], [-60, 0, -250]]\nspeed_cm_s = 20"
     world = world_of(tmp_path, f"who = {{ shoal = 0 }}\nfear = 0\n{path}")
     leader, errand = world.state.fishes.position[0], world.state.minds.errand
@@ -118,7 +118,7 @@ def test_a_school_follows_the_path_of_its_leader_and_then_its_own_ways(tmp_path)
     assert not errand.any()
 
 
-def test_directions_follow_one_another_and_what_happens(tmp_path):
+def test_directions_follow_one_another_and_events(tmp_path):
     world = world_of(
         tmp_path,
         'after = "gate"\nlights = true',
@@ -137,7 +137,7 @@ def test_directions_follow_one_another_and_what_happens(tmp_path):
     assert latest(world.scenario, world.state, "caption") == 3
 
 
-def test_a_snapshot_amid_directions_goes_on_alike(tmp_path):
+def test_a_world_restored_amid_directions_continues_equally(tmp_path):
     directions = (
         'name = "go"\nwho = { shoal = 0 }\npath_cm = [[0, 0, -250]]\nfear = 0.9\nover_s = 2.0',
         'after = "go"\ndelay_s = 1.0\ncurrent_cm_s = [20, 0]\nover_s = 2.0',
@@ -175,7 +175,7 @@ def test_a_snapshot_amid_directions_goes_on_alike(tmp_path):
         ('camera = { position_cm = [0, 0, -200] }', "expected `tour`, `look_at_cm` or `follow`"),
     ],
 )  # fmt: skip
-def test_a_faulty_direction_is_one_line(tmp_path, direction, words):
+def test_errors_in_directions_are_one_line(tmp_path, direction, words):
     with pytest.raises(UserError) as fault:
         scenario_of(tmp_path, direction)
     assert words in str(fault.value)
@@ -183,7 +183,7 @@ def test_a_faulty_direction_is_one_line(tmp_path, direction, words):
     assert "\n" not in str(fault.value)
 
 
-def test_a_shark_is_started_minds_its_quarry_alone_and_is_lulled(tmp_path):
+def test_a_shark_hunts_only_its_quarry_and_then_rests(tmp_path):
     world = world_of(
         tmp_path,
         'name = "hunt"\nat_s = 0.5\nwho = { fish = 6 }\nhunts = { fish = 2 }',
@@ -206,7 +206,7 @@ def test_a_shark_is_started_minds_its_quarry_alone_and_is_lulled(tmp_path):
     assert minds.food[SHARK] == -1
 
 
-def test_two_are_brought_together_where_they_are_to_court(tmp_path):
+def test_a_pair_is_brought_together_to_court(tmp_path):
     place = (-100.0, 150.0, -240.0)
     world = world_of(
         tmp_path,
@@ -228,7 +228,7 @@ def test_two_are_brought_together_where_they_are_to_court(tmp_path):
     assert minds.betrothed[list(PAIR)].tolist() == [PAIR[1], PAIR[0]]
 
 
-def test_a_hook_waits_for_its_direction_and_goes_up_again(tmp_path):
+def test_a_hook_is_lowered_and_raised(tmp_path):
     hook = "\n[hook]\nposition_cm = [200, 0]\ndepth_cm = 200\nspeed_cm_s = 100\n"
     world = world_of(
         tmp_path,
@@ -248,7 +248,7 @@ def test_a_hook_waits_for_its_direction_and_goes_up_again(tmp_path):
     assert sea.catch[0] == SINKING
 
 
-def test_hunger_and_fear_are_eased_held_and_let_go(tmp_path):
+def test_hunger_and_fear_are_eased_held_and_released(tmp_path):
     world = world_of(
         tmp_path,
         "who = { shoal = 0 }\nfear = 0.8\nover_s = 1.0\nfor_s = 0.5",
@@ -266,7 +266,7 @@ def test_hunger_and_fear_are_eased_held_and_let_go(tmp_path):
     assert minds.mental[PAIR[0], LIBIDO] == pytest.approx(0.4, abs=0.05)
 
 
-def test_a_later_direction_takes_the_place_of_one_of_its_kind(tmp_path):
+def test_a_later_direction_takes_over_from_one_of_its_kind(tmp_path):
     world = world_of(
         tmp_path,
         "who = { shoal = 0 }\npath_cm = [[0, 300, -250], [0, -300, -250]]\nloop = true\nfear = 0",
@@ -280,11 +280,11 @@ def test_a_later_direction_takes_the_place_of_one_of_its_kind(tmp_path):
     play(world, 1.5)
     assert log.running.tolist() == [True, True, False, True, False, False]
     assert set(minds.fancy[pair]) == {1 << HABITS.index("warmth")}
-    play(world, 0.4)  # what was taken from the path is over, the path is not
+    play(world, 0.4)  # the likes that took over are done, the path is not
     assert log.running.tolist() == [True, True, False, False, False, False]
     assert set(minds.fancy[pair]) == {-1}
     assert minds.errand[pair].any()
-    play(world, 0.6)  # a path that ends takes nothing from who likes something else by now
+    play(world, 0.6)  # the end of a path leaves later likes alone
     assert log.running.tolist() == [False, False, True, False, True, True]
     assert minds.waypoint[0].tolist() == [200, 0, -250]
     assert (minds.fright < 0).all()
@@ -298,8 +298,8 @@ WITHIN = st.tuples(st.floats(-500, 500), st.floats(-500, 500), st.floats(-420, -
 
 @settings(max_examples=8, deadline=None, suppress_health_check=list(HealthCheck))
 @given(st.data())
-def test_whatever_is_directed_the_world_stays_one(tmp_path, data):
-    """Two runs are alike, one with a snapshot in its middle; all is finite and in bounds."""
+def test_any_directions_leave_the_world_valid_and_repeatable(tmp_path, data):
+    """Two runs are equal, one restored from a snapshot; all is finite and in bounds."""
     bare = scenario_of(tmp_path)
     hook = Hook(position_cm=(100.0, 0.0), depth_cm=200.0)
     chosen = data.draw(directions(ANY, [], True, WITHIN))
@@ -318,7 +318,7 @@ def test_whatever_is_directed_the_world_stays_one(tmp_path, data):
     position = one.state.fishes.position
     assert np.hypot(position[:, 0], position[:, 1]).max() < scenario.bounds.radius_cm
     assert position[one.state.fishes.alive, 2].max() < 0.0
-    assert to_scenario(one) == scenario  # what directions did is not what a scenario is saved with
+    assert to_scenario(one) == scenario  # directions do not change the exported scenario
 
 
 @pytest.mark.parametrize("seed", [0, 7])
@@ -330,14 +330,14 @@ def test_a_pair_courts_in_front_while_a_shark_hunts_a_school_behind(seed):
     assert found["so"], found
 
 
-def test_a_direction_can_be_set_from_outside():
+def test_a_direction_can_be_set_on_the_command_line():
     scenario, _ = load_scenario("rendezvous", ["direction.0.at_s=5"])
     assert scenario.direction[0].at_s == 5.0
     with pytest.raises(UserError, match="direction"):
         load_scenario("rendezvous", ["direction.0.at_s=-1"])
 
 
-def test_fishes_that_are_left_out_are_not_directed():
+def test_directions_work_with_any_number_of_fishes():
     nearest = ["direction.11.pair=nearest", "direction.11.who.shoal=0"]
     for number in (0, 1, 20):
         world = create_world(load_scenario("rendezvous", nearest)[0], fish=number)
@@ -355,14 +355,14 @@ def test_fishes_that_are_left_out_are_not_directed():
         ("pair = [7, 8]\nplace_cm = [0, 0, -499]", "`direction[0].place_cm` (0.0, 0.0, -4"),
     ],
 )
-def test_nobody_is_sent_into_the_seabed(tmp_path, direction, words):
+def test_places_below_the_seabed_are_refused(tmp_path, direction, words):
     with pytest.raises(UserError) as fault:
         world_of(tmp_path, direction)
     assert words in str(fault.value)
     assert "below the seabed" in str(fault.value)
 
 
-def test_who_is_gone_takes_their_directions_along(tmp_path):
+def test_removing_fishes_removes_their_directions(tmp_path):
     scenario = scenario_of(
         tmp_path,
         "pair = [7, 8]",
@@ -375,7 +375,7 @@ def test_who_is_gone_takes_their_directions_along(tmp_path):
     assert left[1].who.shoal == 1
 
 
-def test_what_happens_to_fishes_is_noticed_with_whom_it_is_about(tmp_path):
+def test_events_are_noticed_with_the_fishes_they_are_about(tmp_path):
     events = ("eaten", "caught", "sated", "fleeing", "spawned")
     of = ("shoal = 0", "fish = 7", "shoal = 1", "shoal = 0", "species = 'clownfish'")
     world = world_of(
@@ -389,7 +389,7 @@ def test_what_happens_to_fishes_is_noticed_with_whom_it_is_about(tmp_path):
     minds, fishes, sea = state.minds, state.fishes, state.sea
 
     def now():
-        """The times that events have happened after another tick."""
+        """Counts of events after another tick."""
         direct(world.script, state, world.nature, (0.0, 0.0), Clock(1, state.tick, TICK_S))
         state.tick += 1
         return dict(zip((*events, "few", "later"), log.times.tolist(), strict=True))
@@ -407,7 +407,7 @@ def test_what_happens_to_fishes_is_noticed_with_whom_it_is_about(tmp_path):
     then = now()
     assert (then["sated"], then["fleeing"], then["later"]) == (1, 1, 0)
     assert log.cast[3].tolist() == [4, SHARK]
-    assert now() == then  # it goes on, but does not happen anew
+    assert now() == then  # it continues, but is no new event
     minds.mental[4, FEAR] = 0.0
     now()
     minds.mental[4, FEAR] = 0.9
@@ -424,8 +424,8 @@ def test_what_happens_to_fishes_is_noticed_with_whom_it_is_about(tmp_path):
 
 
 @pytest.mark.parametrize("page", ["scenarios.md", "directing.md"])
-def test_what_documents_show_of_directions_is_as_they_say(page):
-    """Each example is directions that the rendezvous can have."""
+def test_examples_in_documents_are_valid(page):
+    """The rendezvous accepts each example as directions."""
     text = (ROOT / "docs" / page).read_text()
     examples = re.findall(r"```toml\n(\[\[direction\]\].*?)```", text, re.DOTALL)
     assert len(examples) >= 3

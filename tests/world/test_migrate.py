@@ -1,4 +1,4 @@
-"""A dive that goes on in another world: what panels have changed is in that world, too."""
+"""Continuing a dive in another world keeps what panels have changed."""
 
 import numpy as np
 import pytest
@@ -22,7 +22,7 @@ def few():
 
 @pytest.fixture
 def changed(few):
-    """A world in which panels have changed much: of all fishes, and of the middle shoal's."""
+    """A world with parameters changed by panels, and traits of two fishes of a shoal."""
     world = create_world(few)
     world.nature = world.nature._replace(keen=0.77)
     world.physics = world.physics._replace(viscosity=3.0)
@@ -54,7 +54,7 @@ def changed(few):
         ),
     ],
 )
-def test_what_panels_changed_stays_changed(few, changed, edit, there):
+def test_changes_of_panels_are_kept(few, changed, edit, there):
     world, plain = create_world(edit(few)), create_world(edit(few))
     migrate(changed, world)
     assert world.nature.keen == 0.77
@@ -70,5 +70,5 @@ def test_what_panels_changed_stays_changed(few, changed, edit, there):
     for name in TRAITS:
         np.testing.assert_array_equal(getattr(ours, name)[others], getattr(usual, name)[others])
     assert (ours.eaten <= ours.appetite).all()
-    if len(ours.male) != len(theirs.male):  # they begin anew, as hungry as they would have
+    if len(ours.male) != len(theirs.male):  # they start again, with the usual hunger
         np.testing.assert_allclose(ours.eaten / ours.appetite, usual.eaten / usual.appetite, 1e-5)

@@ -1,4 +1,4 @@
-"""Placement: rays take hold of what they meet, things go where they are put, and come back."""
+"""Placement: picking with rays, moving and editing things, undo."""
 
 import msgspec
 import numpy as np
@@ -54,7 +54,7 @@ def toward(eye, place):
 
 
 def before(handle, away=250.0, high=60.0):
-    """An eye on the side of a thing that is toward the middle of the sea, and a ray to its body."""
+    """An eye between a thing and the middle of the sea, and a ray to the thing."""
     row = handle.body[0]
     z = row[2] if len(row) == 7 else row[3] - 20.0
     middle = np.array([row[0], row[1], z])
@@ -63,7 +63,7 @@ def before(handle, away=250.0, high=60.0):
     return eye, toward(eye, middle)
 
 
-def test_a_ray_takes_hold_of_what_it_meets_first(full):
+def test_a_ray_picks_the_first_thing_that_it_meets(full):
     scenario, sea = full
     those = handles(scenario, sea)
     assert sorted(one.kind for one in those) == sorted(placement.KINDS)
@@ -80,7 +80,7 @@ def test_a_ray_takes_hold_of_what_it_meets_first(full):
         assert 10.0 < near < 400.0
 
 
-def test_of_two_in_a_line_the_nearer_is_taken(full):
+def test_the_nearer_of_two_things_in_a_line_is_picked(full):
     scenario, sea = full
     rock = next(one for one in handles(scenario, sea) if one.kind == "rock")
     eye, way = before(rock)
@@ -91,7 +91,7 @@ def test_of_two_in_a_line_the_nearer_is_taken(full):
     assert pick(those[::-1], sea, eye, way).number == 1
 
 
-def test_what_is_held_follows_the_pointer_from_wherever_it_was_held(full):
+def test_a_dragged_thing_follows_the_pointer(full):
     scenario, sea = full
     for handle in handles(scenario, sea):
         eye, way = before(handle)
@@ -114,7 +114,7 @@ def test_what_is_held_follows_the_pointer_from_wherever_it_was_held(full):
         assert aim(held, sea, eye, np.array([0.0, 0.0, 1.0])) is None or handle.kind == "hook"
 
 
-def test_a_thing_goes_where_it_is_put_and_nothing_else_changes(full):
+def test_moving_a_thing_changes_nothing_else(full):
     scenario, sea = full
     for handle in handles(scenario, sea):
         there = moved(scenario, handle, (123.4, -77.7, -222.2))
@@ -130,7 +130,7 @@ def test_a_thing_goes_where_it_is_put_and_nothing_else_changes(full):
     assert min(sizes) > 10
 
 
-def test_sizes_and_turns_keep_within_what_may_be(full):
+def test_sizes_and_turns_keep_their_limits(full):
     scenario, sea = full
     for handle in handles(scenario, sea):
         for factor in (1.5, 1e-6, 1e6):
@@ -139,7 +139,7 @@ def test_sizes_and_turns_keep_within_what_may_be(full):
             assert (changed != scenario) == (handle.kind in placement.SIZES)
         quarter = placement.turned(scenario, handle, 90.0)
         assert (quarter != scenario) == (handle.kind in placement.TURNS)
-        # Four quarters are none; a school without a heading has one then.
+        # Four quarters are a full turn; a school without a heading has one then.
         for _ in range(3):
             quarter = placement.turned(quarter, handle, 90.0)
         assert quarter == scenario or handle.kind == "fish"
@@ -166,7 +166,7 @@ def test_single_fishes_keep_their_tables_when_shoals_change():
     assert len(gone.fish) == len(scenario.fish) - 1
 
 
-def test_what_would_be_misplaced_is_one_line(full):
+def test_misplaced_things_are_errors_of_one_line(full):
     scenario, sea = full
     those = {one.kind: one for one in handles(scenario, sea)}
     x, y, z = those["pillar"].place
@@ -203,8 +203,8 @@ ACTS = st.lists(
 )
 
 
-def acted(scenario, sea, act):
-    """The scenario after one act on one of its things."""
+def edited(scenario, sea, act):
+    """The scenario after one edit of one of its things."""
     what, which, x, y = act
     those = handles(scenario, sea)
     handle = those[which % len(those)]
@@ -224,11 +224,11 @@ def acted(scenario, sea, act):
 
 @settings(max_examples=30, deadline=None, suppress_health_check=list(HealthCheck))
 @given(ACTS)
-def test_undo_and_redo_bring_back_every_scenario(full, acts):
+def test_undo_and_redo_restore_every_scenario(full, acts):
     scenario, sea = full
     history, all_of = History(scenario), [scenario]
     for act in acts:
-        history.do(acted(history.present, sea, act))
+        history.do(edited(history.present, sea, act))
         if history.present != all_of[-1]:
             all_of.append(history.present)
     for was in reversed(all_of[:-1]):
@@ -249,10 +249,10 @@ def test_undo_and_redo_bring_back_every_scenario(full, acts):
 
 @settings(max_examples=4, deadline=None, suppress_health_check=list(HealthCheck))
 @given(ACTS)
-def test_placed_saved_and_loaded_it_is_the_same_world(full, tmp_path, monkeypatch, acts):
+def test_a_saved_and_loaded_placement_is_the_same_world(full, tmp_path, monkeypatch, acts):
     scenario, sea = full
     for act in acts:
-        after = acted(scenario, sea, act)
+        after = edited(scenario, sea, act)
         try:
             check_placed(after)
         except UserError:

@@ -13,12 +13,12 @@ from subsea.repertoire import files
 from subsea.world import repertoires
 
 
-def test_a_repertoire_is_read_by_its_content(tmp_path, monkeypatch):
+def test_a_repertoire_is_cached_by_its_content(tmp_path, monkeypatch):
     monkeypatch.setattr(disk_cache, "folder", lambda: tmp_path / "kept")
     path = tmp_path / "clownfish.h5"
     shutil.copy(repertoire_file("clownfish"), path)
 
-    def read(stamp):  # a stamp that is new: nothing in memory is asked
+    def read(stamp):  # a new stamp: not from memory
         return repertoires._repertoire(path, "clownfish", (stamp, 0))
 
     first = read(1)
@@ -35,7 +35,7 @@ def test_a_repertoire_is_read_by_its_content(tmp_path, monkeypatch):
         read(5)
 
 
-def test_a_repertoire_that_changes_while_it_is_read_is_not_kept(tmp_path, monkeypatch):
+def test_a_repertoire_that_changes_while_being_read_is_not_cached(tmp_path, monkeypatch):
     monkeypatch.setattr(disk_cache, "folder", lambda: tmp_path / "kept")
     path = tmp_path / "clownfish.h5"
     shutil.copy(repertoire_file("clownfish"), path)
@@ -55,15 +55,15 @@ def test_a_repertoire_that_changes_while_it_is_read_is_not_kept(tmp_path, monkey
     assert found.body_length_cm == read(path).body_length_cm
 
 
-def test_what_claims_to_be_huge_or_is_no_file_is_not_read_through(tmp_path, monkeypatch):
+def test_huge_files_and_pipes_are_not_read_completely(tmp_path, monkeypatch):
     monkeypatch.setattr(disk_cache, "folder", lambda: tmp_path / "kept")
     path = tmp_path / "clownfish.h5"
     shutil.copy(repertoire_file("clownfish"), path)
     with path.open("r+b") as file:
-        file.truncate(1 << 40)  # it has holes: a digest of all of it would take an hour
+        file.truncate(1 << 40)  # sparse: a digest would take an hour
     assert repertoires._repertoire(path, "clownfish", (1, 0)).species == "clownfish"
     path.unlink()
-    os.mkfifo(path)  # who opens it waits for somebody who writes
+    os.mkfifo(path)  # opening it waits for a writer
     with pytest.raises(UserError, match=str(path)):
         repertoires._repertoire(path, "clownfish", (2, 0))
     assert not (tmp_path / "kept").exists()

@@ -1,4 +1,4 @@
-"""Everything that changes in a world, as bytes and back."""
+"""Snapshots: saving and restoring everything that changes in a world."""
 
 import numpy as np
 import pytest
@@ -27,33 +27,33 @@ def made(name, fish, live):
     return create_world(load_scenario(name)[0], fish=fish, live=live, live_reach_cm=np.inf)
 
 
-def went_on(world, ticks):
+def stepped(world, ticks):
     for _ in range(ticks):
         step(world, AHEAD)
     return world
 
 
 @pytest.mark.parametrize(("name", "fish", "live"), SCENARIOS)
-def test_a_world_that_takes_a_snapshot_goes_on_alike(name, fish, live):
+def test_a_world_restored_from_a_snapshot_continues_equally(name, fish, live):
     world, other = made(name, fish, live), made(name, fish, live)
     first = {key: array.copy() for key, array in snapshot.constant(world).items()}
     for _ in range(4):
-        went_on(world, 150)
+        stepped(world, 150)
         snapshot.restore(other, snapshot.take(world))
         for _ in range(25):
             assert snapshot.checksum(other) == snapshot.checksum(world)
             step(world, AHEAD)
             step(other, AHEAD)
     assert world.state.fishes.live.any() == (live > 0)
-    # What is taken for constant is.
+    # Constant arrays are constant.
     for key, array in snapshot.constant(world).items():
         np.testing.assert_array_equal(array, first[key], err_msg=key)
 
 
 @pytest.fixture(scope="module")
 def small():
-    """A world, another one in another state, and a snapshot of the first."""
-    world, other = went_on(made("peaceful", 3, 1), 30), went_on(made("peaceful", 3, 1), 7)
+    """A world, a second one in another state, and a snapshot of the first."""
+    world, other = stepped(made("peaceful", 3, 1), 30), stepped(made("peaceful", 3, 1), 7)
     return world, other, snapshot.take(world)
 
 
@@ -65,34 +65,34 @@ def refused(world, data, words="not a snapshot of this dive"):
 
 
 @given(st.data())
-def test_mangled_bytes_are_refused_and_change_nothing(small, data):
+def test_damaged_snapshots_are_refused_and_change_nothing(small, data):
     _, other, whole = small
     at = data.draw(st.integers(0, len(whole) - 1))
     kind = data.draw(st.sampled_from(["flip", "cut", "insert", "head"]))
     if kind == "flip":
         bit = 1 << data.draw(st.integers(0, 7))
-        mangled = whole[:at] + bytes([whole[at] ^ bit]) + whole[at + 1 :]
+        damaged = whole[:at] + bytes([whole[at] ^ bit]) + whole[at + 1 :]
     elif kind == "cut":
-        mangled = whole[:at]
+        damaged = whole[:at]
     elif kind == "insert":
-        mangled = whole[:at] + data.draw(st.binary(min_size=1, max_size=20)) + whole[at:]
-        if mangled == whole:
+        damaged = whole[:at] + data.draw(st.binary(min_size=1, max_size=20)) + whole[at:]
+        if damaged == whole:
             return
     else:
-        mangled = data.draw(st.binary(max_size=200)) + whole[at:]
-        if mangled == whole:
+        damaged = data.draw(st.binary(max_size=200)) + whole[at:]
+        if damaged == whole:
             return
-    refused(other, mangled)
+    refused(other, damaged)
 
 
-def test_the_header_is_mangled_in_every_byte(small):
+def test_a_damaged_header_is_refused(small):
     _, other, whole = small
     end = whole.index(b"}]}") + 3
     for at in range(0, end, 7):
         refused(other, whole[:at] + bytes([whole[at] ^ 1]) + whole[at + 1 :])
 
 
-def test_another_world_does_not_take_it(small):
+def test_another_world_refuses_it(small):
     *_, whole = small
     refused(made("peaceful", 4, 1), whole, "fishes.position")
     refused(made("peaceful", 3, 2), whole, r"live\.fish .*where.*was expected")
@@ -118,8 +118,8 @@ def test_another_world_does_not_take_it(small):
         ("minds.food_distance", np.nan),
     ],
 )
-def test_a_sound_snapshot_of_an_unsound_world_is_refused(small, name, value):
-    """With a right checksum, but with what compiled code would follow out of its arrays."""
+def test_invalid_values_are_refused(small, name, value):
+    """The checksum is right, but compiled code would read outside its arrays."""
     world, other, whole = small
     array = snapshot.changing(world)[name]
     array.reshape(-1)[0] = value
@@ -129,7 +129,7 @@ def test_a_sound_snapshot_of_an_unsound_world_is_refused(small, name, value):
         snapshot.restore(world, whole)
 
 
-def test_a_pose_that_is_not_the_motors_is_refused(small):
+def test_a_pose_outside_the_rows_of_its_motor_is_refused(small):
     world, other, whole = small
     recorded = len(world.library.entry)
     world.state.fishes.live[:] = False
@@ -138,14 +138,14 @@ def test_a_pose_that_is_not_the_motors_is_refused(small):
     snapshot.restore(world, whole)
 
 
-def test_truth_is_true_or_false(small):
+def test_booleans_are_0_or_1(small):
     world, other, whole = small
     world.state.fishes.alive.view(np.uint8)[0] = 2
     refused(other, snapshot.take(world), "fishes.alive")
     snapshot.restore(world, whole)
 
 
-def test_the_submarines_lights_go_along(small):
+def test_a_snapshot_holds_the_lights_of_the_submarine(small):
     world, other, whole = small
     lights = world.state.submarine.lights
     lights[:] = True
@@ -158,7 +158,7 @@ def test_the_submarines_lights_go_along(small):
     snapshot.restore(other, whole)
 
 
-def test_the_light_that_a_fish_was_told_to_see_goes_along(small):
+def test_a_snapshot_holds_the_brightness_of_eye_views(small):
     world, other, whole = small
     before = snapshot.checksum(world)
     world.seen_light[1] = np.float32(0.3)

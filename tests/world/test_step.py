@@ -1,4 +1,4 @@
-"""The whole world, tick by tick."""
+"""The whole world over many ticks."""
 
 import os
 import subprocess
@@ -27,7 +27,7 @@ def _world(seed=None, fish=None):
 
 @pytest.fixture(scope="module")
 def voyage():
-    """A minute of the peaceful bay: the world, the ways (T, n, 3) of fishes, (T, 3) of the hull."""
+    """A minute of the peaceful bay: world, paths of fishes (T, n, 3) and of the hull (T, 3)."""
     world = _world()
     path, hull = [], []
     for _ in range(1800):
@@ -39,7 +39,7 @@ def voyage():
 
 @pytest.fixture(scope="module")
 def minute(voyage):
-    """The world and the fishes of that."""
+    """World and paths of fishes of the voyage."""
     return voyage[:2]
 
 
@@ -49,25 +49,25 @@ def test_the_sea_has_the_fishes_of_the_scenario():
 
 
 @pytest.mark.parametrize("fish", [0, 1, 7, 61, 500])
-def test_any_number_of_fishes_can_be_asked_for(fish):
+def test_shoals_scale_to_any_number_of_fishes(fish):
     world = _world(fish=fish)
     step(world, AHEAD)
     assert len(world.state.fishes.species) == fish
 
 
-def test_a_courting_male_grows_colourful():
+def test_courting_males_show_their_colours():
     world = _world(fish=7)
     minds, display = world.state.minds, world.state.fishes.display
     minds.male[:2] = True, False
     for _ in range(10):
-        minds.courtship[:2] = LOOPING  # nobody is there to court: behavior ends it at each thought
+        minds.courtship[:2] = LOOPING  # without partners, behavior ends it at each turn
         minds.pause[:2] = 0.0
         step(world, Helm())
     assert display[0] > 0.0
     assert display[1] == 0.0
 
 
-def test_nobody_leaves_the_sea(minute):
+def test_fishes_stay_inside_the_sea(minute):
     world, path = minute
     bounds = world.scenario.bounds
     assert np.isfinite(path).all()
@@ -80,10 +80,10 @@ def test_nobody_leaves_the_sea(minute):
     assert min(depth) > 3.0
 
 
-def test_fishes_move_like_fishes(voyage):
-    """No leaps, no standing still. A small fish beats faster, so it goes farther for its length.
+def test_speeds_are_those_of_fishes(voyage):
+    """No leaps, no standing still. Small fishes beat faster: they go farther for their length.
 
-    Whom the bow wave of the submarine, which goes ahead all the time, carries along is not counted.
+    Fishes in the bow wave of the moving submarine are not counted.
     """
     world, path, hull = voyage
     speed = np.linalg.norm(np.diff(path, axis=0), axis=2) / TICK_S
@@ -113,7 +113,7 @@ def test_schooling_fishes_keep_their_distance(minute):
     assert np.median(nearest) > 0.5
 
 
-def test_backs_stay_up(minute):
+def test_fishes_stay_upright(minute):
     world, _ = minute
     rolls = [abs(roll_of(q)) for q in world.state.fishes.orientation.astype(float)]
     assert np.degrees(np.median(rolls)) < 5
@@ -167,10 +167,10 @@ GOLDEN = Path(__file__).parent / "golden_positions.npy"
 GOLDEN_TICKS = 150
 
 
-def test_the_world_is_the_one_it_was(request):
-    """Positions after 150 ticks are those on file: a change of behaviour is a change on purpose.
+def test_positions_match_the_golden_file(request):
+    """Positions after 150 ticks match the file within 1 mm.
 
-    Within a millimetre, for processors and their mathematical libraries differ in the last bit.
+    Processors and their mathematical libraries differ in the last bits.
     """
     world = _world(seed=11)
     for _ in range(GOLDEN_TICKS):

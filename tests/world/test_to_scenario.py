@@ -1,4 +1,4 @@
-"""A dive is saved as it is: a world made of what was saved has its constants."""
+"""A world exported as a scenario and built again has the same parameters."""
 
 import numpy as np
 import pytest
@@ -30,11 +30,11 @@ def set_of(world, **own):
     apply_individual(world.state.fishes, world.state.minds, one, 0.0)
 
 
-def test_what_nobody_changed_is_the_same_scenario(world, few):
+def test_without_changes_the_scenario_is_the_same(world, few):
     assert to_scenario(world) == few
 
 
-def test_a_world_of_it_has_the_same_constants(world, few, tmp_path):
+def test_a_world_built_from_the_export_has_the_same_parameters(world, few, tmp_path):
     set_of(world, fish=1, male=True, likes=["cold", "warmth"], dread_cm=70.0)
     set_of(world, fish=4, kind="predator", digestion=0.0123, appetite=7.0, schooling=True)
     for fish in (6, 7, 8):
@@ -46,14 +46,14 @@ def test_a_world_of_it_has_the_same_constants(world, few, tmp_path):
     save_scenario(saved, tmp_path / "saved.toml")
     again = create_world(load_scenario(str(tmp_path / "saved.toml"))[0])
     assert equal_tunables(get_tunables(again), get_tunables(world))
-    # What a shoal has in common is told once.
+    # Traits that a shoal shares are in its table.
     assert [one.fish for one in saved.individual] == [1, 2, 4]
     assert (saved.fish[2].kind, saved.fish[2].male_share) == ("prey", 0.0)
     assert saved.individual[1] == few.individual[0]
     assert to_scenario(again) == saved
 
 
-def test_what_was_changed_and_back_again_leaves_no_trace(world, few):
+def test_a_change_that_is_taken_back_leaves_no_trace(world, few):
     male = bool(world.state.minds.male[5])
     set_of(world, fish=5, male=not male)
     assert to_scenario(world).individual[1] == Individual(fish=5, male=not male)

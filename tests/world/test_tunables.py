@@ -1,4 +1,4 @@
-"""What only a panel changes: as it was, back, and acting at once."""
+"""Parameters that panels edit: saving, restoring, and their effect."""
 
 import numpy as np
 
@@ -15,14 +15,14 @@ def made():
     return create_world(load_scenario("mating")[0])
 
 
-def went_on(world, ticks):
+def stepped(world, ticks):
     for _ in range(ticks):
         step(world, HANDS_OFF)
     return snapshot.checksum(world)
 
 
-def meddled(world):
-    """Change every constant there is."""
+def change_all(world):
+    """Change every parameter."""
     world.nature = world.nature._replace(keen=0.05, vision_cm=200.0)
     world.current_cm_s = (80.0, -20.0)
     for name in TRAITS:
@@ -35,21 +35,21 @@ def meddled(world):
             values[...] *= 1.5
 
 
-def test_a_world_with_its_constants_back_goes_on_as_it_would_have():
+def test_a_world_with_restored_parameters_continues_as_before():
     world, twin = made(), made()
-    went_on(world, 40), went_on(twin, 40)
+    stepped(world, 40), stepped(twin, 40)
     then, bytes_then = get_tunables(world), snapshot.take(world)
-    meddled(world)
-    assert went_on(world, 30) != went_on(twin, 30)
+    change_all(world)
+    assert stepped(world, 30) != stepped(twin, 30)
     for name in TRAITS:
         assert (getattr(world.state.minds, name) != then.traits[name]).any(), name
     set_tunables(world, then)
     snapshot.restore(world, bytes_then)
-    assert went_on(world, 30) == snapshot.checksum(twin)
+    assert stepped(world, 30) == snapshot.checksum(twin)
     assert equal_tunables(get_tunables(world), then)
 
 
-def test_each_constant_counts_as_a_difference():
+def test_each_parameter_counts_as_a_difference():
     world = made()
     before = get_tunables(world)
     assert equal_tunables(before, get_tunables(world))
@@ -63,9 +63,9 @@ def test_each_constant_counts_as_a_difference():
         assert not equal_tunables(before, before._replace(**change)), change
 
 
-def test_the_current_turns_while_diving():
+def test_the_current_changes_at_once():
     world = made()
-    went_on(world, 60)
+    stepped(world, 60)
     drifts = []
     for current in ((0.0, 0.0), (40.0, 0.0), (0.0, -40.0)):
         world.current_cm_s = current
