@@ -1,10 +1,10 @@
-"""Damage every kind of file that the program reads, and watch how it takes that.
+"""Damage every kind of file that the program reads, and check how readers react.
 
     python tools/fuzz.py [KIND…] [--rounds N] [--seed S] [--keep DIR]
 
-A reader may succeed or refuse in one line; anything else is a finding: another exception, a crash
-of the process, more than SECONDS, more than MEMORY beyond what it had, a file written. The damaged
-file of a finding is kept in DIR (default fuzz-findings). Exit code 1 if there is any.
+A reader may succeed or raise a UserError of one line. Anything else is a finding: another
+exception, a crash, more than SECONDS, more than MEMORY, a file written. The damaged file of a
+finding is saved in DIR (default fuzz-findings). Exit code 1 if there is any.
 """
 
 import argparse
@@ -54,12 +54,12 @@ from subsea.world import snapshot
 from subsea.world.build import create_world
 
 SECONDS = 10  # for one file
-PATIENCE = 6  # times that, until a process is killed that a library does not come back to
+KILL_AFTER = 6  # times SECONDS, then the process is killed
 MEMORY = 2 * 2**30  # bytes
-MOST_FINDINGS = 5  # of a kind, then its next
-CHANGES = {"os.remove", "os.rename", "os.mkdir", "os.rmdir", "subprocess.Popen", "os.system"}
-WRITES = re.compile(r"[wax+]")
-DRASTIC = [
+MAX_FINDINGS = 5  # of a kind, then the next kind
+FILE_EVENTS = {"os.remove", "os.rename", "os.mkdir", "os.rmdir", "subprocess.Popen", "os.system"}
+WRITE_MODES = re.compile(r"[wax+]")
+EXTREME_VALUES = [
     b"nan",
     b"inf",
     b"-1",
@@ -78,15 +78,15 @@ DRASTIC = [
 
 
 class Kind(NamedTuple):
-    """Something that is read from outside."""
+    """A kind of file, with samples and a reader."""
 
     suffix: str
-    samples: Callable[[Path], list[bytes]]  # whole ones; may write into the folder it is given
+    samples: Callable[[Path], list[bytes]]  # sound files; may write to the given folder
     read: Callable[[Path], object]
 
 
 def shipped(folder: str, suffix: str) -> Callable[[Path], list[bytes]]:
-    """The files of that kind that come with the program."""
+    """The shipped files in a folder."""
     paths = sorted(resource_path(folder).glob(f"*{suffix}"))
     return lambda unused: [path.read_bytes() for path in paths]
 
@@ -115,7 +115,7 @@ def floats(unused: Path) -> list[bytes]:
 
 
 def archives(folder: Path) -> list[bytes]:
-    """A projector as a calibration program measured it."""
+    """A projector of a calibration program."""
     Image.effect_noise((16, 12), 60.0).save(folder / "alpha.png")
     xml = (
         '<MPCDI profile="2d"><display><buffer id="b">\n'
@@ -144,17 +144,17 @@ def squares(folder: Path) -> list[bytes]:
 
 
 def sound(sample: bytes, path: Path, read: Callable[[Path], object]) -> list[bytes]:
-    """A sample that is read once before anybody watches: kernels are compiled and kept then."""
+    """A sample that was read once, so that kernels are compiled."""
     path.write_bytes(sample)
     read(path)
     return [sample]
 
 
 class Snapshots:
-    """A world, its snapshot, and the way back."""
+    """A world and its snapshot."""
 
     def __init__(self) -> None:
-        """Nothing made yet."""
+        """No world yet."""
         self.world: Any = None
 
     def samples(self, unused: Path) -> list[bytes]:
@@ -163,19 +163,19 @@ class Snapshots:
         return [snapshot.take(self.world)]
 
     def read(self, path: Path) -> None:
-        """Put the world there."""
+        """Restore the world."""
         snapshot.restore(self.world, path.read_bytes())
 
 
-def from_nodes(unused: Path) -> list[bytes]:
-    """What nodes of a cluster say."""
+def node_messages(unused: Path) -> list[bytes]:
+    """Messages of nodes of a cluster."""
     who = messages.Identity("0.1.0", "A bay", "s" * 8, 1, "p", "r", "a", "v")
     said = [messages.Hello("left", who), messages.Drawn(7), messages.Diverged(40)]
     return [messages.encode(one) for one in said]
 
 
-def from_masters(unused: Path) -> list[bytes]:
-    """What their master says."""
+def master_messages(unused: Path) -> list[bytes]:
+    """Messages of the master of a cluster."""
     picture = messages.Picture(7, 40, 0.5, [(0.1, -0.2, 0.3, 0.0, False)], [(*(1.0,) * 8, True)])
     said = [messages.State("d", 7, bytes(40)), picture, messages.Swap(7), messages.Refused("no")]
     return [messages.encode(one) for one in said]
@@ -185,7 +185,7 @@ SEA = Snapshots()
 
 
 def photographs(folder: Path) -> list[bytes]:
-    """Pictures as cameras and painting programs write them, whatever they are called."""
+    """Pictures of cameras and paint programs in several formats."""
     picture = Image.effect_noise((160, 120), 60.0)
     about = Image.Exif()
     about[ExifTags.Base.Orientation] = 6
@@ -194,20 +194,15 @@ def photographs(folder: Path) -> list[bytes]:
     fine = Image.fromarray(np.arange(160 * 120, dtype=np.uint16).reshape(120, 160))
     fine.save(folder / "picture", "PNG")
     out.append((folder / "picture").read_bytes())
-    for name, mode in (
-        ("JPEG", "RGB"),
-        ("PNG", "RGBA"),
-        ("TIFF", "CMYK"),
-        ("WEBP", "RGB"),
-        ("GIF", "P"),
-    ):
+    modes = {"JPEG": "RGB", "PNG": "RGBA", "TIFF": "CMYK", "WEBP": "RGB", "GIF": "P"}
+    for name, mode in modes.items():
         picture.convert("RGB").convert(mode).save(folder / "picture", name)
         out.append((folder / "picture").read_bytes())
     return out
 
 
 def sheets(folder: Path) -> list[bytes]:
-    """The sheet of a species."""
+    """The texture of a species."""
     color_sheet.write(folder / "sheet.png", np.zeros((640, 1024, 4), np.uint8))
     return [(folder / "sheet.png").read_bytes()]
 
@@ -219,13 +214,13 @@ class Skin:
     photograph = Photograph(Path("fish.png"), np.zeros((120, 160, 3), np.uint8), None)
 
     def samples(self, folder: Path) -> list[bytes]:
-        """As they are kept."""
+        """A saved mesh."""
         plan = self.species.surface
         save_mesh(folder / "mesh.json", self.photograph, laid(plan, across(160, 120, plan)))
         return [(folder / "mesh.json").read_bytes()]
 
     def read(self, path: Path) -> object:
-        """As `--mesh` does."""
+        """Read a mesh as `--mesh` does."""
         return load_mesh(path, self.photograph, self.species)
 
 
@@ -241,8 +236,8 @@ KINDS = {
     "theatre": Kind(".toml", shipped("assets/theatres", ".toml"), lambda p: load_theatre(str(p))),
     "settings": Kind(".toml", lambda unused: [default_text().encode()], read_settings),
     "snapshot": Kind(".bin", SEA.samples, SEA.read),
-    "from-node": Kind(".bin", from_nodes, lambda p: messages.from_node(p.read_bytes())),
-    "from-master": Kind(".bin", from_masters, lambda p: messages.from_master(p.read_bytes())),
+    "from-node": Kind(".bin", node_messages, lambda p: messages.from_node(p.read_bytes())),
+    "from-master": Kind(".bin", master_messages, lambda p: messages.from_master(p.read_bytes())),
     "report": Kind(".json", reports, read_reports),
     "photograph": Kind(".png", photographs, read_photograph),
     "sheet": Kind(".png", sheets, color_sheet.read),
@@ -257,69 +252,70 @@ KINDS = {
 # Damage
 
 
-def damaged(sample: bytes, suffix: str, dice: random.Random) -> bytes:
-    """A sample after one to four accidents that happen to files of its kind."""
-    ways = [cut, flipped, zeroed]
+def damage(sample: bytes, suffix: str, rng: random.Random) -> bytes:
+    """Damage a sample by one to four accidents typical of its kind."""
+    accidents = [truncate, flip_bits, zero_range]
     if suffix in (".toml", ".json", ".obj"):
-        ways += [other_value, other_value, other_value, line_lost, line_twice, odd_line, nested]
+        accidents += [*3 * [replace_number], delete_line, duplicate_line]
+        accidents += [insert_odd_line, nest_brackets]
     if suffix == ".h5":
-        ways += [rebuilt, rebuilt, rebuilt]
+        accidents += 3 * [corrupt_hdf5]
     if suffix == ".mpcdi":
-        ways += [repacked, repacked, repacked, repacked, repacked]
+        accidents += 5 * [corrupt_zip]
     if suffix == ".bin":
-        ways += [enclosed]
-    for _ in range(dice.randint(1, 4)):
-        sample = dice.choice(ways)(sample, dice)
+        accidents += [nest_messagepack]
+    for _ in range(rng.randint(1, 4)):
+        sample = rng.choice(accidents)(sample, rng)
     return sample
 
 
-def cut(data: bytes, dice: random.Random) -> bytes:
-    """It ends too early."""
-    return data[: dice.randrange(len(data) + 1)]
+def truncate(data: bytes, rng: random.Random) -> bytes:
+    """Cut off the end."""
+    return data[: rng.randrange(len(data) + 1)]
 
 
-def flipped(data: bytes, dice: random.Random) -> bytes:
-    """Bits are not what they were."""
+def flip_bits(data: bytes, rng: random.Random) -> bytes:
+    """Flip some bits."""
     made = bytearray(data)
-    for _ in range(dice.randint(1, 20) if made else 0):
-        made[dice.randrange(len(made))] ^= 1 << dice.randrange(8)
+    for _ in range(rng.randint(1, 20) if made else 0):
+        made[rng.randrange(len(made))] ^= 1 << rng.randrange(8)
     return bytes(made)
 
 
-def zeroed(data: bytes, dice: random.Random) -> bytes:
-    """A piece was never written."""
-    begin = dice.randrange(len(data) + 1)
-    long = min(dice.choice([1, 8, 512, 4096]), len(data) - begin)
+def zero_range(data: bytes, rng: random.Random) -> bytes:
+    """Overwrite a range with zeros."""
+    begin = rng.randrange(len(data) + 1)
+    long = min(rng.choice([1, 8, 512, 4096]), len(data) - begin)
     return data[:begin] + bytes(long) + data[begin + long :]
 
 
-def other_value(data: bytes, dice: random.Random) -> bytes:
-    """A number is another, or none."""
+def replace_number(data: bytes, rng: random.Random) -> bytes:
+    """Replace a number by an extreme value."""
     numbers = list(re.finditer(rb"-?\d+\.?\d*", data))
     if not numbers:
         return data
-    one = dice.choice(numbers)
-    return data[: one.start()] + dice.choice(DRASTIC) + data[one.end() :]
+    one = rng.choice(numbers)
+    return data[: one.start()] + rng.choice(EXTREME_VALUES) + data[one.end() :]
 
 
-def line_lost(data: bytes, dice: random.Random) -> bytes:
-    """A line is missing."""
+def delete_line(data: bytes, rng: random.Random) -> bytes:
+    """Delete a line."""
     lines = data.splitlines(keepends=True)
     if lines:
-        del lines[dice.randrange(len(lines))]
+        del lines[rng.randrange(len(lines))]
     return b"".join(lines)
 
 
-def line_twice(data: bytes, dice: random.Random) -> bytes:
-    """A line stands elsewhere, too."""
+def duplicate_line(data: bytes, rng: random.Random) -> bytes:
+    """Repeat a line elsewhere."""
     lines = data.splitlines(keepends=True)
     if lines:
-        lines.insert(dice.randrange(len(lines)), dice.choice(lines))
+        lines.insert(rng.randrange(len(lines)), rng.choice(lines))
     return b"".join(lines)
 
 
-def odd_line(data: bytes, dice: random.Random) -> bytes:
-    """A line that nobody would write."""
+def insert_odd_line(data: bytes, rng: random.Random) -> bytes:
+    """Insert an odd line."""
     odd = [
         b'nonsense = "\\u0000"\n',
         b"[a.b.c]\n",
@@ -331,30 +327,31 @@ def odd_line(data: bytes, dice: random.Random) -> bytes:
         b"x = " + b"{a=" * 50_000 + b"\n",
     ]
     lines = data.splitlines(keepends=True)
-    lines.insert(dice.randint(0, len(lines)), dice.choice(odd))
+    lines.insert(rng.randint(0, len(lines)), rng.choice(odd))
     return b"".join(lines)
 
 
-def nested(data: bytes, dice: random.Random) -> bytes:
-    """Brackets within brackets."""
-    deep = dice.choice([5, 500, 50_000])
-    return data + b"\nx = " + b"[" * deep + b"]" * dice.choice([0, deep]) + b"\n"
+def nest_brackets(data: bytes, rng: random.Random) -> bytes:
+    """Append nested brackets."""
+    deep = rng.choice([5, 500, 50_000])
+    return data + b"\nx = " + b"[" * deep + b"]" * rng.choice([0, deep]) + b"\n"
 
 
-def enclosed(data: bytes, dice: random.Random) -> bytes:
-    """Tables within tables, in MessagePack, behind where a message says what it is."""
-    begin = dice.choice([0, len(messages.MAGIC)])
-    return data[:begin] + dice.choice([b"\x91", b"\x81\xa1x", b"\x81\xa4type"]) * 1300
+def nest_messagepack(data: bytes, rng: random.Random) -> bytes:
+    """Append nested MessagePack tables after the head of a message."""
+    begin = rng.choice([0, len(messages.MAGIC)])
+    return data[:begin] + rng.choice([b"\x91", b"\x81\xa1x", b"\x81\xa4type"]) * 1300
 
 
-def rebuilt(data: bytes, dice: random.Random) -> bytes:
-    """An HDF5 file whose parts are not what they should be; unreadable ones stay as they are."""
+def corrupt_hdf5(data: bytes, rng: random.Random) -> bytes:
+    """Corrupt objects of an HDF5 file; unreadable files are not changed."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "file.h5"
         path.write_bytes(data)
-        # Not even writing to a file that is damaged already is safe with that library.
+        # With this library even writing to a damaged file may crash.
         fork = multiprocessing.get_context("fork")
-        maker = fork.Process(target=_rebuild, args=(path, random.Random(dice.getrandbits(64))))
+        other = random.Random(rng.getrandbits(64))
+        maker = fork.Process(target=_corrupt_in_process, args=(path, other))
         maker.start()
         maker.join(SECONDS)
         maker.kill()
@@ -362,20 +359,20 @@ def rebuilt(data: bytes, dice: random.Random) -> bytes:
         return data if maker.exitcode else path.read_bytes()
 
 
-def _rebuild(path: Path, dice: random.Random) -> None:
+def _corrupt_in_process(path: Path, rng: random.Random) -> None:
     try:
-        with _unheard(), h5py.File(path, "r+", locking=False) as file:
+        with _record_unraisable(), h5py.File(path, "r+", locking=False) as file:
             names: list[str] = []
             file.visit(names.append)
             if names:
-                _spoil(file, dice.choice(names), dice)
-    except Exception:  # whatever the library says of a file that is damaged already
+                _corrupt_object(file, rng.choice(names), rng)
+    except Exception:  # the file is damaged already
         os._exit(1)
     os._exit(0)
 
 
-def bomb() -> bytes:
-    """2.5 MB that deflate unpacks to more than there is memory for."""
+def zip_bomb() -> bytes:
+    """2.5 MB that deflate to more than the available memory."""
     packing = zlib.compressobj(9)
     first, next_ = (
         packing.compress(bytes(2**22)) + packing.flush(zlib.Z_FULL_FLUSH) for _ in range(2)
@@ -383,37 +380,37 @@ def bomb() -> bytes:
     return first + next_ * (MEMORY // 2**22 + 128)
 
 
-def repacked(data: bytes, dice: random.Random) -> bytes:
-    """A zip archive in which one file has had accidents, or is not where it was."""
+def corrupt_zip(data: bytes, rng: random.Random) -> bytes:
+    """Damage or move one file in a zip archive."""
     packed = io.BytesIO()
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as before, zipfile.ZipFile(packed, "w") as after:
-            chosen = dice.choice(before.namelist())
+            chosen = rng.choice(before.namelist())
             for name in before.namelist():
                 content = before.read(name)
                 if name == chosen:
                     suffix = ".toml" if name.endswith(".xml") else Path(name).suffix
-                    content = damaged(content, suffix, dice)
-                    name = dice.choice([name, name, name, f"../../{name}", f"/etc/{name}"])
+                    content = damage(content, suffix, rng)
+                    name = rng.choice([name, name, name, f"../../{name}", f"/etc/{name}"])
                 after.writestr(
-                    name, content, dice.choice([zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED])
+                    name, content, rng.choice([zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED])
                 )
-    except Exception:  # an archive that is damaged already
+    except Exception:  # the archive is damaged already
         return data
     return packed.getvalue()
 
 
-def _spoil(file: Any, name: str, dice: random.Random) -> None:
-    """Make something else of one part of a file."""
+def _corrupt_object(file: Any, name: str, rng: random.Random) -> None:
+    """Corrupt one object of a file."""
     here = file[name]
     shape = getattr(here, "shape", None) or (3,)
-    way = dice.randrange(14)
+    way = rng.randrange(14)
     if way == 0 and here.attrs:
-        key = dice.choice(list(here.attrs))
-        here.attrs[key] = dice.choice([np.nan, -1, "text", np.zeros(3), np.bytes_(b"\xff"), 1e300])
+        key = rng.choice(list(here.attrs))
+        here.attrs[key] = rng.choice([np.nan, -1, "text", np.zeros(3), np.bytes_(b"\xff"), 1e300])
         return
     if way == 1 and isinstance(here, h5py.Dataset) and here.dtype.kind == "f" and here.size:
-        here[...] = dice.choice([np.nan, np.inf, 1e30])
+        here[...] = rng.choice([np.nan, np.inf, 1e30])
         return
     del file[name]
     if way == 2:
@@ -428,45 +425,45 @@ def _spoil(file: Any, name: str, dice: random.Random) -> None:
         file.create_dataset(name, (3,), h5py.string_dtype())
     elif way == 7:
         file.create_group(name)
-    elif way == 8:  # it holds itself
+    elif way == 8:  # a cycle
         file[name] = file["/"]
-    elif way == 9:  # numbers of another file, or its own
-        source = dice.choice(["/etc/passwd", "."])
+    elif way == 9:  # a virtual dataset
+        source = rng.choice(["/etc/passwd", "."])
         layout = h5py.VirtualLayout(shape, "f8")
         layout[...] = h5py.VirtualSource(source, name, shape)
         file.create_virtual_dataset(name, layout)
-    elif way == 10:  # a piece that is far larger than all
+    elif way == 10:  # a chunk much larger than the data
         huge = (2**16, 2**13, *shape[2:])[: len(shape)]
         file.create_dataset(
             name, shape, "f8", maxshape=(None,) * len(shape), chunks=huge, compression="gzip"
         )
-    elif way == 11:  # a piece that holds far more than it should
+    elif way == 11:  # a chunk that unpacks to far more
         made = file.create_dataset(name, shape, "f4", chunks=shape, compression="gzip")
-        made.id.write_direct_chunk((0,) * len(shape), bomb())
+        made.id.write_direct_chunk((0,) * len(shape), zip_bomb())
     elif way == 12:
         file.create_dataset(name, shape, h5py.enum_dtype({"a": 1}))
     else:
-        file.create_dataset(name, shape, dice.choice(["f2", "i8", "c16", "S7", "f4,i2"]))
+        file.create_dataset(name, shape, rng.choice(["f2", "i8", "c16", "S7", "f4,i2"]))
 
 
-# Watching
+# Observation
 
 
 def fuzz(name: str, kind: Kind, rounds: int, seed: int, keep: Path) -> int:
-    """Read `rounds` damaged files in a process of their own; print and count the findings."""
+    """Read `rounds` damaged files in a separate process; print and count the findings."""
     begin, findings = 0, 0
-    while begin < rounds and findings < MOST_FINDINGS:
+    while begin < rounds and findings < MAX_FINDINGS:
         with tempfile.TemporaryDirectory() as folder:
             mine, theirs = multiprocessing.Pipe(duplex=False)
             worker = multiprocessing.get_context("fork").Process(
-                target=_work, args=(kind, range(begin, rounds), seed, Path(folder), theirs)
+                target=_read_damaged, args=(kind, range(begin, rounds), seed, Path(folder), theirs)
             )
             worker.start()
             theirs.close()
             number, what = begin, None
             try:
-                mine.recv()  # samples may take their time: kernels may have to be compiled
-                while what is None and mine.poll(PATIENCE * SECONDS):
+                mine.recv()  # samples may take long: kernels are compiled
+                while what is None and mine.poll(KILL_AFTER * SECONDS):
                     number, what = mine.recv()
             except EOFError:
                 pass
@@ -487,16 +484,16 @@ def fuzz(name: str, kind: Kind, rounds: int, seed: int, keep: Path) -> int:
     return findings
 
 
-def _work(kind: Kind, rounds: range, seed: int, folder: Path, told: Any) -> None:
-    """Read one file after another; tell the number of each before, and what is wrong with it."""
+def _read_damaged(kind: Kind, rounds: range, seed: int, folder: Path, told: Any) -> None:
+    """Read files one after another; send the number of each before, and its finding after."""
     samples = kind.samples(folder)
     path = folder / f"damaged{kind.suffix}"
     used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
     resource.setrlimit(resource.RLIMIT_AS, (used + MEMORY, -1))
     told.send("ready")
     for number in rounds:
-        dice = random.Random(f"{seed} {number}")
-        path.write_bytes(damaged(dice.choice(samples), kind.suffix, dice))
+        rng = random.Random(f"{seed} {number}")
+        path.write_bytes(damage(rng.choice(samples), kind.suffix, rng))
         told.send((number, None))
         what = finding(kind.read, path)
         if what:
@@ -505,9 +502,9 @@ def _work(kind: Kind, rounds: range, seed: int, folder: Path, told: Any) -> None
 
 
 def finding(read: Callable[[Path], object], path: Path) -> str | None:
-    """What is wrong with how a reader takes a file, None if nothing is."""
+    """The finding about how a reader treats a file; None if correct."""
     try:
-        with _unwritten() as written, _in_time(), _unheard() as ignored:
+        with _record_writes() as written, _time_limit(), _record_unraisable() as ignored:
             read(path)
     except UserError as refused:
         if len(str(refused).splitlines()) != 1:
@@ -515,7 +512,7 @@ def finding(read: Callable[[Path], object], path: Path) -> str | None:
     except BaseException:
         return traceback.format_exc(limit=-4)
     if ignored:
-        return f"told in a traceback, but not raised: {ignored[0]}"
+        return f"unraisable exception: {ignored[0]}"
     return f"written: {', '.join(written)}" if written else None
 
 
@@ -525,9 +522,9 @@ _written: list[str] | None = None
 def _audit(event: str, arguments: tuple[Any, ...]) -> None:
     if _written is None:
         return
-    if event == "open" and isinstance(arguments[1], str) and WRITES.search(arguments[1]):
+    if event == "open" and isinstance(arguments[1], str) and WRITE_MODES.search(arguments[1]):
         _written.append(str(arguments[0]))
-    elif event in CHANGES:
+    elif event in FILE_EVENTS:
         _written.append(f"{event} {arguments[0]}")
 
 
@@ -535,8 +532,8 @@ sys.addaudithook(_audit)
 
 
 @contextmanager
-def _unwritten() -> Iterator[list[str]]:
-    """The list of files that are opened for writing, moved or removed within."""
+def _record_writes() -> Iterator[list[str]]:
+    """List the files opened for writing, moved or removed inside."""
     global _written
     _written = found = []
     try:
@@ -546,8 +543,8 @@ def _unwritten() -> Iterator[list[str]]:
 
 
 @contextmanager
-def _unheard() -> Iterator[list[str]]:
-    """The list of faults within that Python only tells, as those of destructors."""
+def _record_unraisable() -> Iterator[list[str]]:
+    """List the exceptions inside that cannot be raised, as in destructors."""
     found: list[str] = []
     before, sys.unraisablehook = sys.unraisablehook, lambda one: found.append(str(one.exc_value))
     try:
@@ -557,8 +554,8 @@ def _unheard() -> Iterator[list[str]]:
 
 
 @contextmanager
-def _in_time() -> Iterator[None]:
-    """A TimeoutError after SECONDS, as soon as Python is back from a library."""
+def _time_limit() -> Iterator[None]:
+    """Raise TimeoutError after SECONDS, as soon as a library returns to Python."""
 
     def late(*unused: object) -> None:
         raise TimeoutError(f"not done after {SECONDS} s")

@@ -1,10 +1,9 @@
-"""How the surface suffers from the three ways in which it may hang on the nodes.
+"""Measure the distortion of the surface by the three kinds of coupling to the nodes.
 
 .venv/bin/python tools/measure_coupling.py [SPECIES...]
 
-Over all frames of a fast swim and a sharp turn, of both flanks: the least and the greatest area of
-a piece over that at rest, and by how much more than at rest lines along the body bend between two
-pieces, one behind the other.
+Over all frames of a fast swim and a sharp turn, for both flanks: the least and greatest area of a
+patch relative to rest, and the greatest increase of the angle between consecutive patches.
 """
 
 import sys
@@ -23,35 +22,35 @@ from subsea.repertoire import read_repertoire
 Array = NDArray[np.floating[Any]]
 
 SEGMENTS = "swim_fast", "turn_left_sharp"
-PIECES = 48, 120  # of a flank, across it and along the body
+PATCHES = 48, 120  # of a flank, across it and along the body
 
 
 def flanks(control: Array) -> Iterator[Array]:
     """The surface (49, 121, 3) of the left and of the right flank of control points (426, 3)."""
     across, along = (
-        dense(basis_at(number, np.linspace(0.0, 1.0, pieces + 1)), number)
-        for number, pieces in zip((U, V), PIECES, strict=True)
+        dense(basis_at(number, np.linspace(0.0, 1.0, patches + 1)), number)
+        for number, patches in zip((U, V), PATCHES, strict=True)
     )
     for flank in (LEFT, RIGHT):
         yield np.einsum("au,bv,uvx->abx", across, along, control[flank].reshape(U, V, 3))
 
 
 def areas(surface: Array) -> Array:
-    """Of each piece (48, 120)."""
+    """Areas (48, 120) of the patches."""
     both = np.cross(surface[1:, 1:] - surface[:-1, :-1], surface[1:, :-1] - surface[:-1, 1:])
     return np.asarray(0.5 * np.linalg.norm(both, axis=2))
 
 
 def bends_deg(surface: Array) -> Array:
-    """Angles (49, 119) along the body between edges of pieces that are one behind the other."""
+    """Angles (49, 119) between consecutive edges along the body."""
     edge = np.diff(surface, axis=1)
     edge /= np.maximum(np.linalg.norm(edge, axis=2, keepdims=True), 1e-12)
     cosine = (edge[:, 1:] * edge[:, :-1]).sum(axis=2)
     return np.asarray(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
 
 
-def suffered(name: str, way: Way) -> tuple[float, float, float]:
-    """Least and greatest area over that at rest, and the most that is bent, degrees."""
+def distortion(name: str, way: Way) -> tuple[float, float, float]:
+    """Least and greatest relative area, and the greatest increase of an angle, degrees."""
     species, repertoire = load_species(name), read_repertoire(repertoire_file(name))
     nodes = repertoire.rest_nodes
     control = rest_control_points(
@@ -69,13 +68,13 @@ def suffered(name: str, way: Way) -> tuple[float, float, float]:
 
 
 def main() -> None:
-    """A row for each way."""
+    """Print a row for each kind of coupling."""
     names = sys.argv[1:] or ["fusilier", "emperor_angelfish"]
     print(f"{'':14s}" + "".join(f"{name:>30s}" for name in names))
     for way in get_args(Way):
         told = []
         for name in names:
-            least, most, bend = suffered(name, way)
+            least, most, bend = distortion(name, way)
             told.append(f"{least:.2f} to {most:.2f}, {bend:.1f} degrees")
         print(f"{way:14s}" + "".join(f"{text:>30s}" for text in told))
 

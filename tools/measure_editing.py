@@ -1,9 +1,8 @@
-"""How long a world takes to be made anew when something in its scenario has changed.
+"""Time rebuilding a world after a change of its scenario.
 
 .venv/bin/python tools/measure_editing.py
 
-Processor time of the peaceful bay, the least of several; what is kept on the disk lies in a folder
-of its own, which is thrown away.
+Processor time of the peaceful bay, the least of several runs, with a temporary disk cache.
 """
 
 import os
@@ -18,7 +17,7 @@ from subsea.scenario.load import load_scenario
 from subsea.world.build import create_world
 
 TIMES = 4
-# What is moved, a centimetre at a time: the key, and where it is at first.
+# Moved by one centimetre at a time: key and first position.
 MOVED = {
     "a school": ("fish.0.position_cm", (-130.0, 40.0, -340.0)),
     "seaweed": ("seaweed.0.position_cm", (-120.0, 150.0)),
@@ -33,7 +32,7 @@ def moved(key: str, place: tuple[float, ...], k: int) -> str:
 
 
 def all_moved(k: int) -> dict[str, list[Any]]:
-    """Everything of the peaceful bay that stands somewhere, moved by k cm."""
+    """All positions of the peaceful bay, moved by k cm."""
     scenario = load_scenario("peaceful")[0]
     return {
         kind: [
@@ -56,7 +55,7 @@ def least_s(make: Callable[[int], object]) -> float:
 
 
 def main() -> None:
-    """A line for each."""
+    """Print a line for each change."""
     create_world(load_scenario("peaceful")[0])  # compiles, and reads repertoires
 
     def anew(k: int) -> None:

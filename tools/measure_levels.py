@@ -1,16 +1,14 @@
-"""What levels of detail and culling save: a fish at each level, and a sea full of fishes.
+"""Measure levels of detail and culling: a fish at each level, and a sea full of fishes.
 
 .venv/bin/python tools/measure_levels.py
 
-Times are those of all processors together, so that other work on the machine counts for little.
-Every figure is the least of several.
+Figures are processor times of all threads, the least of several runs.
 """
 
-import time
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+from fastest import fastest_ms
 
 from subsea.dive.tour import Tour
 from subsea.frame.packet import Batch, Packet, PackOptions, make_scene, pack
@@ -26,33 +24,21 @@ from subsea.world.world import World
 SIZE = (1280, 720)
 QUALITY = PRESETS["low"]
 WARM_UP_TICKS = 40
-REPEATS = 5
-
-
-def least_ms(work: Callable[[], object]) -> float:
-    """The shortest of several runs, in milliseconds; the first one compiles."""
-    work()
-    durations = []
-    for _ in range(REPEATS):
-        start = time.process_time()
-        work()
-        durations.append(time.process_time() - start)
-    return 1000.0 * min(durations)
 
 
 def drawing_ms(context: object, renderer: Renderer, packet: Packet) -> float:
-    """What the fishes of a picture cost beside the picture without them."""
+    """The cost of the fishes of a picture: with minus without them."""
 
     def draw(shown: Packet) -> None:
         renderer.draw(shown)
         renderer.read_pixels()
 
     bare = replace(packet, instances=packet.instances[:0], batches=((),))
-    return least_ms(lambda: draw(packet)) - least_ms(lambda: draw(bare))
+    return fastest_ms(lambda: draw(packet)) - fastest_ms(lambda: draw(bare))
 
 
 def sea(fish: int) -> World:
-    """The open ocean, some ticks after its start."""
+    """The open ocean after some ticks."""
     world, tour = create_world(load_scenario("open-ocean")[0], fish=fish), Tour()
     for _ in range(WARM_UP_TICKS):
         step(world, tour.helm(world))
@@ -66,7 +52,7 @@ def packed(world: World, **options: bool) -> Packet:
 
 
 def each_level(world: World) -> None:
-    """The same fishes, in the same places, all of them at one level and then at the next."""
+    """Measure the same fishes at each level in turn."""
     packet = packed(world)
     count = len(packet.instances)
     with headless_context() as context:
@@ -79,7 +65,7 @@ def each_level(world: World) -> None:
 
 
 def with_and_without(world: World, number: int) -> None:
-    """The fishes of a picture with and without both, and the rest of a frame."""
+    """Measure the fishes of a picture with and without both, and the rest of a frame."""
     memory = empty_lod_state(number)
     views = views_for("mono", SIZE, cockpit(world.state.submarine, 1.0))
     tour = Tour()
@@ -94,8 +80,10 @@ def with_and_without(world: World, number: int) -> None:
     for batch in both.batches[0]:
         counts[batch.level] += batch.count
     print(dict(zip(LEVELS, counts.tolist(), strict=True)))
-    packing = least_ms(lambda: pack(world, views, 1.0, PackOptions(QUALITY.detail), memory=memory))
-    print(f"packing {packing:.2f} ms, a tick {least_ms(lambda: step(world, tour.helm(world))):.1f}")
+    options = PackOptions(QUALITY.detail)
+    packing = fastest_ms(lambda: pack(world, views, 1.0, options, memory=memory))
+    tick = fastest_ms(lambda: step(world, tour.helm(world)))
+    print(f"packing {packing:.2f} ms, a tick {tick:.1f}")
 
 
 def main() -> None:

@@ -1,6 +1,6 @@
 """Time perception and behavior of `open-ocean` with more and more fishes, on one core.
 
-Processor time of the thread counts, so what else the machine does matters little.
+Figures are processor times of the thread.
 
 .venv/bin/python tools/measure_minds.py [FISHES ...]
 """
@@ -27,13 +27,13 @@ SETTLED, TICKS = 32, 24  # ticks before the first that counts, and those that co
 def everybody(
     fishes: Fishes, minds: Minds, sea: Sea, visibility: float, clock: Clock
 ) -> NDArray[np.integer[Any]]:
-    """Instead of taking turns all living fishes think in every tick."""
+    """Let all living fishes think in every tick instead of taking turns."""
     minds.pause[:] += clock.dt
     return np.flatnonzero(fishes.alive)
 
 
 def medians_ms(number: int) -> list[float]:
-    """Median milliseconds of the stages in a tick of so many fishes."""
+    """Median milliseconds of the stages of a tick with this number of fishes."""
     world = create_world(load_scenario("open-ocean")[0], fish=number)
     rows = []
     for tick in range(SETTLED + TICKS):
@@ -44,7 +44,7 @@ def medians_ms(number: int) -> list[float]:
 
 
 def main() -> None:
-    """Print a row for each number of fishes: with turns, then everybody in every tick."""
+    """Print a row for each number of fishes: in turns, then all in every tick."""
     numbers = [int(word) for word in sys.argv[1:]] or list(NUMBERS)
     taking_turns = step.fish_due
     step.time = SimpleNamespace(perf_counter=time.thread_time)

@@ -1,13 +1,14 @@
-"""Time a tick of the motor system for many fishes beside a copy of the arrays it touches.
+"""Time a tick of the motor system for many fishes, against a copy of its arrays.
 
 .venv/bin/python tools/measure_motor.py [FISHES]
 """
 
 import sys
 import time
-from collections.abc import Callable
+from functools import partial
 
 import numpy as np
+from fastest import fastest_ms
 
 from subsea.motor.controller import command
 from subsea.motor.fins import flap
@@ -17,24 +18,13 @@ from subsea.state import Clock
 from subsea.world.build import create_world
 from subsea.world.world import TICK_S
 
-REPEATS = 20
+fastest = partial(fastest_ms, clock=time.thread_time, repeats=20)
 TOUCHED = (
     "position", "orientation", "row_a", "row_b", "weight", "span", "previous_position",
     "previous_orientation", "previous_row_a", "previous_row_b", "previous_weight",
     "previous_span", "velocity", "segment", "wanted_segment", "tempo", "thrust", "steering",
     "roll", "scale", "rate", "species",
 )  # fmt: skip
-
-
-def fastest_ms(work: Callable[[], object]) -> float:
-    """The least processor time of several runs, in milliseconds; the first one compiles."""
-    work()
-    durations = []
-    for _ in range(REPEATS):
-        start = time.thread_time()
-        work()
-        durations.append(time.thread_time() - start)
-    return 1000.0 * min(durations)
 
 
 def main() -> None:
@@ -44,12 +34,12 @@ def main() -> None:
     fishes, library = world.state.fishes, world.library
     arrays = [getattr(fishes, name) for name in TOUCHED]
     copies = [np.empty_like(a) for a in arrays]
-    copying = fastest_ms(lambda: [*map(np.copyto, copies, arrays)])
+    copying = fastest(lambda: [*map(np.copyto, copies, arrays)])
     rows = {
         "copy the arrays that playback touches": copying,
-        "playback of root motion": fastest_ms(lambda: play(fishes, library, TICK_S)),
-        "secondary controller": fastest_ms(lambda: command(fishes, library, Clock(1, 0, TICK_S))),
-        "fins and breath": fastest_ms(lambda: flap(fishes, TICK_S)),
+        "playback of root motion": fastest(lambda: play(fishes, library, TICK_S)),
+        "secondary controller": fastest(lambda: command(fishes, library, Clock(1, 0, TICK_S))),
+        "fins and breath": fastest(lambda: flap(fishes, TICK_S)),
     }
     print(f"{number} fishes, a tick")
     for name, duration in rows.items():

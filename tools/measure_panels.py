@@ -1,12 +1,11 @@
-"""What the panels of the desk cost a frame.
+"""Measure the cost of panels in a frame.
 
 .venv/bin/python tools/measure_panels.py [SCENARIO] [--rounds N] [--size WxH]
 
-Opens a dive at quality `low` and draws one frame after another, a tick each: with the desk closed,
-with the bar alone, with each panel, and with all panels, in turn, N times round. Figures are
-medians of processor time in milliseconds: of what is drawn over the picture, by the calling thread
-and by all threads; and of the whole frame, by all threads, over the frame with the desk closed of
-the same round. Needs a display.
+Opens a dive at quality `low` and draws frames of one tick each: with the inspector closed, with
+its bar, with each panel, and with all panels, in turn, for N rounds. Figures are medians of
+processor time, ms: of the user interface, by the calling thread and by all threads; and of the
+whole frame, by all threads, minus that with a closed inspector in the same round. Needs a display.
 """
 
 import argparse

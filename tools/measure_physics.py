@@ -1,4 +1,4 @@
-"""Measure the simulated fish: what a step costs, and how long a step may be.
+"""Measure the simulated fish: the cost of a step, and the longest stable step.
 
 .venv/bin/python tools/measure_physics.py [SPECIES...]
 """

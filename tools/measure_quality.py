@@ -1,10 +1,9 @@
-"""What each preset of quality costs, each of its fields, each stage and each part of drawing.
+"""Measure the presets of quality, their fields, the stages and the parts of drawing.
 
 .venv/bin/python tools/measure_quality.py [SCENARIO] [--size WxH]
 
-Times are those of all processors together, so that other work on the machine counts for little;
-on a software rasteriser that is the cost of a picture, on a GPU only what the driver does. Every
-figure is the least of several, for three moments of the tour.
+Figures are processor times of all threads, the least of several runs, at three moments of the
+tour. With a software rasteriser that is the cost of a picture, with a GPU only that of the driver.
 """
 
 import argparse

@@ -1,13 +1,12 @@
-"""What several views cost, relative to one view of as many pixels.
+"""Measure several views relative to one view with the same number of pixels.
 
 LP_NUM_THREADS=1 .venv/bin/python tools/measure_views.py [SCENARIO] [--size WxH] [--moments N]
 
-A pair: an arrangement of views, and one view that fills as many pixels as they do together; three
-channels are held against one flat wide window. Both are packed and drawn at the same moments of the
-tour, in turn, several ticks in a row each. Figures are medians, in milliseconds: processor time of
-all threads and time by the clock of a picture (uploading, drawing, showing), processor time of
-packing. Last the ratio of processor times of packing and drawing, arrangement over one view: the
-median of the moments' ratios.
+A pair is an arrangement of views and one view with as many pixels; three channels are compared
+with one flat wide window. Both are packed and drawn at the same moments of the tour, in turn, for
+several ticks each. Figures are medians, ms: processor time of all threads and elapsed time of a
+picture (upload, draw, show), and processor time of packing. The last column is the median ratio of
+processor times, arrangement over one view.
 """
 
 import argparse

@@ -1,15 +1,14 @@
-"""Hands at random in the window of a real dive, for minutes: keys, mouse, wheel, sizes, text.
+"""Send random input to the window of a real dive: keys, mouse, wheel, sizes, text.
 
 .venv/bin/python tools/monkey.py [--minutes M] [--seed S] [--keep DIR] [--replay FILE] [-- DIVE…]
 
-Opens `subsea dive`, with the options after `--`, on a virtual display and in a home of its own,
-and sends it real events (Xvfb, xdotool). A dive that its visitor leaves by the menu is opened
-again. A finding is any other end, a traceback or a warning, a panel that failed, no picture for
-STILL_S, memory that grows by more than GROWTH, or a dive that Ctrl-C does not end. Then the last
-events are printed, and all of them, with what the dive told, are kept in DIR (default
-monkey-findings); --replay sends them again. The same seed sends the same events, each
-after a picture; which world they find depends on how fast the machine draws. Exit code 1 if
-anything was found.
+Opens `subsea dive`, with the options after `--`, on a virtual display with a temporary home, and
+sends it real events (Xvfb, xdotool). A dive that is left by the menu is opened again. Findings are
+any other end, a traceback or a warning, a panel that failed, no picture for STILL_S, memory that
+grows by more than GROWTH, and a dive that Ctrl-C does not end. Then the last events are printed,
+and all events and the output of the dive are saved in DIR (default monkey-findings); --replay sends
+them again. The same seed sends the same events, each after a picture; the state of the world
+depends on the speed of the computer. Exit code 1 if anything was found.
 """
 
 import argparse
@@ -29,10 +28,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 SCREEN = 800, 600
-SIZE = 480, 320  # of the window in the beginning
-BEGUN = 15  # pictures: while it loads it shows fewer, and then Esc would end it
+SIZE = 480, 320  # of the window at the start
+BEGUN = 15  # pictures; Esc would end a dive that is still loading
 START_S, STILL_S, LEAVE_S = 180.0, 60.0, 60.0
-LOOK_S = 1.0  # so often the dive is looked at
+LOOK_S = 1.0  # between two checks of the dive
 GROWTH = 0.1  # of resident memory, the most of the last quarter over that of the second
 LAST = 40  # events that are printed
 PAUSE_S = 0.15  # between two events, on average
@@ -55,68 +54,68 @@ SHARES = {
 
 
 class Event(NamedTuple):
-    """What hands do: words of xdotool, after a pause."""
+    """Arguments of xdotool, after a pause."""
 
     pause_s: float
     words: tuple[str, ...]
 
 
 class Dive(NamedTuple):
-    """A dive that runs, and where its pulse and its words are found."""
+    """A running dive and its files."""
 
     process: subprocess.Popen[bytes]
-    pulse: Path  # how many pictures it has shown
-    told: Path
+    pulse: Path  # number of pictures shown
+    output: Path
 
 
-def events(dice: random.Random) -> Iterator[Event]:
-    """Events without end."""
+def events(rng: random.Random) -> Iterator[Event]:
+    """Endless random events."""
     while True:
-        kind = dice.choices([*SHARES], [*SHARES.values()])[0]
-        first, *rest = _words(kind, dice)
-        yield Event(round(dice.expovariate(1.0 / PAUSE_S), 3), first)
+        kind = rng.choices([*SHARES], [*SHARES.values()])[0]
+        first, *rest = _words(kind, rng)
+        yield Event(round(rng.expovariate(1.0 / PAUSE_S), 3), first)
         for words in rest:
-            yield Event(round(dice.uniform(0.02, 0.4), 3), words)
+            yield Event(round(rng.uniform(0.02, 0.4), 3), words)
 
 
-def _words(kind: str, dice: random.Random) -> list[tuple[str, ...]]:
-    """One thing that hands do, in steps."""
-    x, y = (str(dice.randrange(side)) for side in SCREEN)
-    button = dice.choices("123", (6, 1, 2))[0]
-    move, bar = ("mousemove", x, y), ("mousemove", str(dice.randrange(SIZE[0])), "8")
+def _words(kind: str, rng: random.Random) -> list[tuple[str, ...]]:
+    """The steps of one action."""
+    x, y = (str(rng.randrange(side)) for side in SCREEN)
+    button = rng.choices("123", (6, 1, 2))[0]
+    move, bar = ("mousemove", x, y), ("mousemove", str(rng.randrange(SIZE[0])), "8")
     click: list[tuple[str, ...]] = [("mousedown", button), ("mouseup", button)]
     match kind:
         case "key":
-            return [("key", dice.choice(KEYS))]
+            return [("key", rng.choice(KEYS))]
         case "likely":
-            return [("key", dice.choice(LIKELY))]
+            return [("key", rng.choice(LIKELY))]
         case "with":
-            return [("key", f"{dice.choice(HELD)}+{dice.choice(KEYS)}")]
+            return [("key", f"{rng.choice(HELD)}+{rng.choice(KEYS)}")]
         case "hold":
-            key = dice.choice([*KEYS, *HELD])
+            key = rng.choice([*KEYS, *HELD])
             return [("keydown", key), move, ("keyup", key)]
         case "move":
             return [move]
         case "click":
             return [move, *click]
-        case "bar":  # of the desk, where its panels are opened
+        case "bar":  # of the inspector, which opens panels
             return [bar, *click]
         case "menu":
-            keys = dice.choices(("Down", "Up", "Return"), (3, 1, 2), k=dice.randint(2, 9))
+            keys = rng.choices(("Down", "Up", "Return"), (3, 1, 2), k=rng.randint(2, 9))
             return [("key", "Escape"), *(("key", key) for key in keys)]
         case "desk":
-            steps = (_words(dice.choice(("click", "drag", "text")), dice) for _ in range(5))
+            steps = (_words(rng.choice(("click", "drag", "text")), rng) for _ in range(5))
             return [("key", "Tab"), bar, *click, *chain.from_iterable(steps)]
         case "drag":
-            to = tuple(str(dice.randrange(side)) for side in SCREEN)
+            to = tuple(str(rng.randrange(side)) for side in SCREEN)
             return [move, ("mousedown", button), ("mousemove", *to), ("mouseup", button)]
         case "wheel":
-            return [("click", "--repeat", str(dice.randint(1, 5)), dice.choice("4567"))]
+            return [("click", "--repeat", str(rng.randint(1, 5)), rng.choice("4567"))]
         case "text":
-            return [("key", "ctrl+a"), ("type", "--", dice.choice(TEXTS)), ("key", "Return")]
+            return [("key", "ctrl+a"), ("type", "--", rng.choice(TEXTS)), ("key", "Return")]
         case "size":
-            odd = [str(dice.choice((1, 64, 200, side))) for side in SCREEN]
-            usual = [str(dice.randint(side // 3, 2 * side // 3)) for side in SCREEN]
+            odd = [str(rng.choice((1, 64, 200, side))) for side in SCREEN]
+            usual = [str(rng.randint(side // 3, 2 * side // 3)) for side in SCREEN]
             window = ("search", "--name", "subsea", "windowsize", "%@")
             return [(*window, *odd), (*window, *usual)]
     window = ("search", "--name", "subsea", "windowmove", "%@")
@@ -124,7 +123,7 @@ def _words(kind: str, dice: random.Random) -> list[tuple[str, ...]]:
 
 
 def send(words: tuple[str, ...]) -> None:
-    """Let xdotool do it; where there is no window, or no such key, nothing happens."""
+    """Run xdotool; a missing window or key has no effect."""
     subprocess.run(["xdotool", *words], timeout=30, check=False, capture_output=True)
 
 
@@ -135,16 +134,16 @@ def play(
     sent: list[Event],
     do: Callable[[tuple[str, ...]], None] = send,
 ) -> tuple[list[str], list[float]]:
-    """Send events for `seconds` or until anything is found; also add them to `sent`.
+    """Send events for `seconds` or until a finding; also add them to `sent`.
 
-    Returns what was found, and the memory of the dive once a second, MB.
+    Returns the findings, and the memory of the dive once a second, MB.
     """
     end, memory, dives = time.monotonic() + seconds, [], 0
     dive: Dive | None = None
     try:
         while time.monotonic() < end:
             dive, dives = open_dive(), dives + 1
-            found = _begun(dive)
+            found = _wait_for_start(dive)
             shown, since, looked = _pictures(dive), time.monotonic(), 0.0
             while not found and dive.process.poll() is None and time.monotonic() < end:
                 event = next(stream, None)
@@ -161,16 +160,16 @@ def play(
                 if (pictures := _pictures(dive)) != shown:
                     shown, since = pictures, now
                 elif now - since > STILL_S:
-                    dive.process.send_signal(signal.SIGABRT)  # it tells where it is
+                    dive.process.send_signal(signal.SIGABRT)  # prints its stack
                     dive.process.wait()
                     found = [f"no picture for {STILL_S:.0f} s"]
-                found += _told(dive)
+                found += _error_lines(dive)
                 memory += _memory_mb(dive)
             if dive.process.poll() is None and not found:
-                found = _left(dive)
+                found = _end_by_ctrl_c(dive)
             elif not found and dive.process.returncode:
                 found = [f"it ended with {dive.process.returncode}"]
-            found = list(dict.fromkeys(found + _told(dive)))
+            found = list(dict.fromkeys(found + _error_lines(dive)))
             print(f"dive {dives}: {len(sent)} events so far, {shown} pictures in it")
             if found:
                 return found, memory
@@ -182,7 +181,7 @@ def play(
 
 
 def growth(memory_mb: list[float]) -> list[str]:
-    """What memory has grown by, if that is too much."""
+    """The growth of memory, if it is too large."""
     quarter = len(memory_mb) // 4
     if quarter == 0:
         return []
@@ -190,8 +189,8 @@ def growth(memory_mb: list[float]) -> list[str]:
     return [f"memory grew by {grown:.0%}"] if grown > GROWTH else []
 
 
-def _begun(dive: Dive) -> list[str]:
-    """Wait for its first pictures; what is wrong if there are none."""
+def _wait_for_start(dive: Dive) -> list[str]:
+    """Wait for the first pictures; return a finding without."""
     end = time.monotonic() + START_S
     while dive.process.poll() is None and time.monotonic() < end:
         if _pictures(dive) >= BEGUN:
@@ -201,14 +200,14 @@ def _begun(dive: Dive) -> list[str]:
 
 
 def _next_picture(dive: Dive) -> None:
-    """Wait a moment for its next picture: what is done faster than it draws falls into one."""
+    """Wait a moment for the next picture; faster events would fall into the same one."""
     end, before = time.monotonic() + LOOK_S, _pictures(dive)
     while time.monotonic() < end and dive.process.poll() is None and _pictures(dive) == before:
         time.sleep(0.005)
 
 
-def _left(dive: Dive) -> list[str]:
-    """End it by Ctrl-C; what is wrong with how it takes that."""
+def _end_by_ctrl_c(dive: Dive) -> list[str]:
+    """End the dive by Ctrl-C; return findings."""
     dive.process.send_signal(signal.SIGINT)
     try:
         code = dive.process.wait(LEAVE_S)
@@ -217,9 +216,9 @@ def _left(dive: Dive) -> list[str]:
     return [] if code in (0, 130) else [f"Ctrl-C ends it with {code}"]
 
 
-def _told(dive: Dive) -> list[str]:
-    """Lines that no dive should print."""
-    text = dive.told.read_text(encoding="utf-8", errors="replace")
+def _error_lines(dive: Dive) -> list[str]:
+    """Printed lines that look like an error."""
+    text = dive.output.read_text(encoding="utf-8", errors="replace")
     return [line for line in text.splitlines() if FAULT.search(line)]
 
 
@@ -240,7 +239,7 @@ def _memory_mb(dive: Dive) -> list[float]:
 
 @contextmanager
 def virtual_display() -> Iterator[str]:
-    """The name of an X display that nobody sees."""
+    """Start a virtual X display; yield its name."""
     read, write = os.pipe()
     command = ["Xvfb", "-displayfd", str(write), "-screen", "0", f"{SCREEN[0]}x{SCREEN[1]}x24"]
     server = subprocess.Popen(
@@ -257,29 +256,29 @@ def virtual_display() -> Iterator[str]:
 
 
 def opener(home: Path, options: list[str]) -> Callable[[], Dive]:
-    """What opens a dive whose home is a folder, in which it may write what it likes."""
-    cache = os.environ.get("XDG_CACHE_HOME", str(Path.home() / ".cache"))  # reefs stay kept
+    """A function that opens a dive with a home folder of its own."""
+    cache = os.environ.get("XDG_CACHE_HOME", str(Path.home() / ".cache"))  # keep the disk cache
     environment = os.environ | {"HOME": str(home), "XDG_CACHE_HOME": cache}
     for name in ("XDG_CONFIG_HOME", "XDG_DATA_HOME", "XDG_PICTURES_DIR", "WAYLAND_DISPLAY"):
         environment.pop(name, None)
-    pulse, told = home / "pulse", home / "told"
+    pulse, output = home / "pulse", home / "output"
     size = "x".join(map(str, SIZE))
     command = [sys.executable, "-X", "faulthandler", __file__, "--child", str(pulse)]
     command += ["dive", "--size", size, "--quality", "low", *options]
 
     def open_dive() -> Dive:
         pulse.write_text("0")
-        with told.open("wb") as file:
+        with output.open("wb") as file:
             process = subprocess.Popen(
                 command, env=environment, cwd=home, stdout=file, stderr=subprocess.STDOUT
             )
-        return Dive(process, pulse, told)
+        return Dive(process, pulse, output)
 
     return open_dive
 
 
 def child(pulse: Path, options: list[str]) -> int:
-    """The dive itself, which counts its pictures."""
+    """Run the dive and count its pictures."""
     import glfw
 
     from subsea.cli.main import main
@@ -297,24 +296,24 @@ def child(pulse: Path, options: list[str]) -> int:
 
 
 def written(sent: list[Event]) -> str:
-    """Events as text, one a line."""
+    """Events as lines of text."""
     return "".join(f"{event.pause_s}\t" + "\t".join(event.words) + "\n" for event in sent)
 
 
 def read(text: str) -> Iterator[Event]:
-    """Events of such a text."""
+    """Events from lines of text."""
     for line in text.splitlines():
         pause, *words = line.split("\t")
         yield Event(float(pause), tuple(words))
 
 
 def main() -> int:
-    """Play; the exit code."""
+    """Run from the command line; return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--minutes", type=float, default=10.0, help="default 10")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--keep", type=Path, default=Path("monkey-findings"), metavar="DIR")
-    parser.add_argument("--replay", type=Path, metavar="FILE", help="events that were kept")
+    parser.add_argument("--replay", type=Path, metavar="FILE", help="saved events")
     parser.add_argument("dive", nargs="*", metavar="DIVE", help="after --: options of the dive")
     options = parser.parse_args()
     stream = events(random.Random(options.seed))
@@ -333,7 +332,7 @@ def main() -> int:
             options.keep.mkdir(parents=True, exist_ok=True)
             kept = options.keep / f"monkey-{options.seed}.tsv"
             kept.write_text(written(sent))
-            shutil.copy(home / "told", kept.with_suffix(".txt"))
+            shutil.copy(home / "output", kept.with_suffix(".txt"))
             print("the last events:", *written(sent[-LAST:]).splitlines(), sep="\n  ")
             print(*found, f"kept: {kept} and .txt", sep="\n")
     print("findings" if found else "sound")

@@ -1,7 +1,7 @@
 """Look at a scenario from five viewpoints: `python tools/viewpoints.py OUT [SCENARIO…]`.
 
-One picture a viewpoint and a sheet of all five: the pilot's start, the reef near, the largest
-school, up toward the surface, and the bay from above.
+A picture for each viewpoint and a sheet of all: the start of the pilot, a near reef, the largest
+school, the surface from below, and the bay from above.
 """
 
 import argparse

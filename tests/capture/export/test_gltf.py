@@ -18,6 +18,7 @@ from capture.export.gltf import write_gltf
 from capture.export.skinning import MAX_INFLUENCES, Skeleton, best_shares, fit_skeleton
 
 RMS_PERCENT, MOST_PERCENT = 0.2, 1.5  # of the body length: what fitted joints may be off
+BAKED = ["fusilier", "spotted_eagle_ray"]  # species that are also exported with a baked root
 EXACT_PERCENT = 1e-3  # single precision, some lengths from the origin
 Exported = tuple[Model, list[Clip], Skeleton]
 
@@ -167,7 +168,7 @@ def sound(report: dict[str, Any]) -> bool:
 
 
 def test_joints_move_the_mesh_as_playback_does(fitted: Exported, files: tuple[Path, Path]) -> None:
-    """Whole segments, with the way of the root; what is said about the error is true."""
+    """Whole segments, with the path of the root; the reported error is correct."""
     model, clips, rig = fitted
     reader = Reader(files[0])
     off = np.concatenate([off_percent(reader, model, clip) for clip in clips])
@@ -177,6 +178,12 @@ def test_joints_move_the_mesh_as_playback_does(fitted: Exported, files: tuple[Pa
     said = reader.content["asset"]["extras"]
     assert (said["rmsErrorPercent"], said["maxErrorPercent"]) == (rig.rms_percent, rig.most_percent)
     assert off_percent(reader, model, clips[-1], 0.5).max() < MOST_PERCENT
+    # The weights and joints are those of a rigid skeleton.
+    assert (rig.weights >= 0.0).all()
+    np.testing.assert_allclose(rig.weights.sum(axis=1), 1.0, atol=1e-9)
+    assert ((rig.weights > 0.0).sum(axis=1) <= MAX_INFLUENCES).all()
+    np.testing.assert_allclose(np.linalg.det(rig.motion[..., :3]), 1.0)
+    assert len(rig.joints) <= 30
 
 
 def test_morph_targets_are_exact(fitted: Exported, files: tuple[Path, Path]) -> None:
@@ -189,16 +196,21 @@ def test_morph_targets_are_exact(fitted: Exported, files: tuple[Path, Path]) -> 
 
 
 def test_the_validator_has_no_objection(
-    fitted: Exported, files: tuple[Path, Path], khronos: Callable[[Path], dict[str, Any]]
+    known: str,
+    fitted: Exported,
+    files: tuple[Path, Path],
+    khronos: Callable[[Path], dict[str, Any]],
+    request: pytest.FixtureRequest,
 ) -> None:
     _, clips, _ = fitted
-    for path in files:
+    baked = request.getfixturevalue("baked") if known in BAKED else ()
+    for path in (*files, *baked):
         report = khronos(path)
         assert sound(report)
         assert report["info"]["animationCount"] == len(clips) == 7
 
 
-@pytest.mark.parametrize("known", ["fusilier", "spotted_eagle_ray"], indirect=True)
+@pytest.mark.parametrize("known", BAKED, indirect=True)
 def test_the_way_can_be_baked_into_joints_and_targets(
     fitted: Exported, baked: tuple[Path, Path]
 ) -> None:
@@ -211,14 +223,6 @@ def test_the_way_can_be_baked_into_joints_and_targets(
             assert off_percent(reader, model, clip).max() < least
             moved = [one["target"] for one in reader.animations[clip.name]["channels"]]
             assert not [one for one in moved if one["node"] == 0 and one["path"] != "weights"]
-
-
-@pytest.mark.parametrize("known", ["fusilier", "spotted_eagle_ray"], indirect=True)
-def test_the_validator_has_no_objection_to_baked_ones(
-    baked: tuple[Path, Path], khronos: Callable[[Path], dict[str, Any]]
-) -> None:
-    for path in baked:
-        assert sound(khronos(path))
 
 
 def test_a_cycle_ends_as_it_began(fitted: Exported, files: tuple[Path, Path]) -> None:
@@ -238,15 +242,6 @@ def test_a_cycle_ends_as_it_began(fitted: Exported, files: tuple[Path, Path]) ->
                 elif clip.cyclic:
                     np.testing.assert_array_equal(np.abs(keys[0]), np.abs(keys[-1]))
             assert reader.content["nodes"][0]["name"] in ("root", model.name)
-
-
-def test_no_vertex_hangs_on_more_than_four_joints(fitted: Exported) -> None:
-    _, _, rig = fitted
-    assert (rig.weights >= 0.0).all()
-    np.testing.assert_allclose(rig.weights.sum(axis=1), 1.0, atol=1e-9)
-    assert ((rig.weights > 0.0).sum(axis=1) <= MAX_INFLUENCES).all()
-    np.testing.assert_allclose(np.linalg.det(rig.motion[..., :3]), 1.0)
-    assert len(rig.joints) <= 30
 
 
 def test_shares_are_the_best_there_are() -> None:
