@@ -19,9 +19,9 @@ FEW, SEGMENTS = 0.35, 48  # share of the fastest turn that darkens nothing; segm
 DARK = (0.0, 0.03, 0.05)
 
 
-def draw_horizon(sight: FrontView) -> None:
+def draw_horizon(front_view: FrontView) -> None:
     """Draw the water's horizon on the screen ahead, if it is not straight ahead."""
-    eye, way = sight.ray(0.5, 0.5)
+    eye, way = front_view.ray(0.5, 0.5)
     pitch = math.asin(float(np.clip(way[2], -1.0, 1.0)))
     share = (abs(pitch) - TILTED) / (STEEP - TILTED)
     if share <= 0.0:
@@ -29,7 +29,7 @@ def draw_horizon(sight: FrontView) -> None:
     heading = math.atan2(way[1], way[0])
     turns = heading + np.array([ASIDE, -ASIDE])
     level = np.stack([np.cos(turns), np.sin(turns), np.zeros(2)], axis=1)
-    (x0, y0), (x1, y1) = sight.places(eye + FAR_CM * level)
+    (x0, y0), (x1, y1) = front_view.places(eye + FAR_CM * level)
     if not np.isfinite([x0, y0, x1, y1]).all() or abs(x1 - x0) < 1e-6:
         return
     size, line = imgui.get_io().display_size, imgui.get_font_size()

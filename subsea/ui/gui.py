@@ -102,25 +102,25 @@ class Gui:
         )
         imgui.backends.opengl3_init("#version 330")
         self._window = 1.0, 1.0
-        self._panes: Sequence[TextViewport] = (WHOLE,)
+        self._viewports: Sequence[TextViewport] = (WHOLE,)
         self._last = time.perf_counter()
         _dress(imgui.get_style())
 
     def begin(
         self, points: tuple[int, int], pixels: tuple[int, int], scale: float,
-        panes: Sequence[TextViewport] = (WHOLE,),
+        viewports: Sequence[TextViewport] = (WHOLE,),
     ) -> None:  # fmt: skip
         """Begin a frame on a window of a size in pointer units and in pixels.
 
-        What follows is drawn in each of the `panes`, for both eyes at the depth of the screen.
+        What follows is drawn in each of the `viewports`, for both eyes at the depth of the screen.
         """
         imgui.backends.opengl3_new_frame()
         now = time.perf_counter()
         self._io.delta_time, self._last = max(now - self._last, 1e-4), now
-        self._window, self._panes = (float(points[0]), float(points[1])), panes
-        pane = panes[0]
+        self._window, self._viewports = (float(points[0]), float(points[1])), viewports
+        viewport = viewports[0]
         width, height = (
-            share * size for share, size in zip(pane.screen, self._window, strict=True)
+            share * size for share, size in zip(viewport.screen, self._window, strict=True)
         )
         self._io.display_size = imgui.ImVec2(width, height)
         self._io.display_framebuffer_scale = imgui.ImVec2(
@@ -129,11 +129,11 @@ class Gui:
         imgui.new_frame()
         self._unsure = max(self._unsure - 1, 0)
         tall = min(
-            TEXT_PT * scale * (SQUEEZED if pane.squeezed else 1.0),
+            TEXT_PT * scale * (SQUEEZED if viewport.squeezed else 1.0),
             width / ROOM[0],
             height / ROOM[1],
         )
-        imgui.push_font(self._bold if pane.squeezed else self._plain, max(tall, 1.0))
+        imgui.push_font(self._bold if viewport.squeezed else self._plain, max(tall, 1.0))
 
     def end(self) -> None:
         """End the frame and draw it."""
@@ -142,12 +142,15 @@ class Gui:
         data = imgui.get_draw_data()
         scale = data.framebuffer_scale
         across, down = scale.x, scale.y
-        for pane in self._panes:
-            pane.page(pane.number)
+        for viewport in self._viewports:
+            viewport.page(viewport.number)
             # The viewport shows its part of a larger window.
-            wider, higher = pane.screen[0] / pane.width, pane.screen[1] / pane.height
+            wider, higher = (
+                viewport.screen[0] / viewport.width,
+                viewport.screen[1] / viewport.height,
+            )
             width, height = wider * self._window[0], higher * self._window[1]
-            data.display_pos = imgui.ImVec2(-pane.x * width, -pane.y * height)
+            data.display_pos = imgui.ImVec2(-viewport.x * width, -viewport.y * height)
             data.display_size = imgui.ImVec2(width, height)
             data.framebuffer_scale = imgui.ImVec2(across / wider, down / higher)
             imgui.backends.opengl3_render_draw_data(data)
@@ -176,10 +179,12 @@ class Gui:
         self.heard += 1
         # Map from the viewport under the pointer to the screen that all show.
         share_x, share_y = x / self._window[0], y / self._window[1]
-        pane = next((one for one in self._panes if _within(one, share_x, share_y)), self._panes[0])
+        viewport = next(
+            (one for one in self._viewports if _within(one, share_x, share_y)), self._viewports[0]
+        )
         self._io.add_mouse_pos_event(
-            (share_x - pane.x) / pane.width * pane.screen[0] * self._window[0],
-            (share_y - pane.y) / pane.height * pane.screen[1] * self._window[1],
+            (share_x - viewport.x) / viewport.width * viewport.screen[0] * self._window[0],
+            (share_y - viewport.y) / viewport.height * viewport.screen[1] * self._window[1],
         )
         return self.open
 
@@ -288,8 +293,11 @@ def draw_shadowed_text(
     imgui.pop_font()
 
 
-def _within(pane: TextViewport, x: float, y: float) -> bool:
-    return pane.x <= x < pane.x + pane.width and pane.y <= y < pane.y + pane.height
+def _within(viewport: TextViewport, x: float, y: float) -> bool:
+    return (
+        viewport.x <= x < viewport.x + viewport.width
+        and viewport.y <= y < viewport.y + viewport.height
+    )
 
 
 def _dress(style: Any) -> None:

@@ -162,16 +162,16 @@ class Inspector(PanelContext):
 
     def _mark_chosen(self) -> None:
         """Draw a thin ring around the chosen fish, under all panels."""
-        sight, ride = self.dive.picture.sight, self.dive.picture.ride
-        if self.chosen is None or sight is None or (ride and ride.by.fish == self.chosen):
+        front_view, ride = self.dive.picture.front_view, self.dive.picture.ride
+        if self.chosen is None or front_view is None or (ride and ride.by.fish == self.chosen):
             return
         fishes = self.dive.world.state.fishes
         before = fishes.previous_position[self.chosen].astype(np.float64)
         place = before + self.dive.picture.alpha * (fishes.position[self.chosen] - before)
-        up = sight.view.view[1, :3].astype(np.float64)
+        up = front_view.view.view[1, :3].astype(np.float64)
         rim = place + RING * float(fishes.length[self.chosen]) * up
         size = imgui.get_io().display_size
-        seen = sight.places(np.stack([place, rim])) * (size.x, size.y)
+        seen = front_view.places(np.stack([place, rim])) * (size.x, size.y)
         if not np.isfinite(seen).all():
             return
         middle = float(seen[0, 0]), float(seen[0, 1])

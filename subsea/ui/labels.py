@@ -13,17 +13,17 @@ SMALL = 0.8  # factor on the size of letters
 SHADE = (0.0, 0.05, 0.08)
 
 
-def draw_labels(labels: Sequence[Label], sight: FrontView | None) -> None:
+def draw_labels(labels: Sequence[Label], front_view: FrontView | None) -> None:
     """Draw labels at their places on the screen ahead; none if that is not a flat picture.
 
     For two eyes: where the left one sees them.
     """
-    if sight is None or not labels:
+    if front_view is None or not labels:
         return
     size, font = imgui.get_io().display_size, imgui.get_font()
     tall = SMALL * imgui.get_font_size()
     canvas = imgui.get_background_draw_list()
-    places = sight.places(np.array([label.place for label in labels]))
+    places = front_view.places(np.array([label.place for label in labels]))
     for (x, y), label in zip(places.tolist(), labels, strict=True):
         if not (0.0 <= x <= 1.0 and 0.0 <= y <= 1.0):  # NaN for what is behind
             continue

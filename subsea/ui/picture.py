@@ -57,7 +57,7 @@ class ScenePicture:
         self.diagrams = set(display.diagrams)  # names in `diagrams.DIAGRAMS`
         self.wireframe = display.wireframe  # draw edges of triangles
         self.labels: Sequence[Label] = ()  # of diagrams
-        self.panes: tuple[TextViewport, ...]  # where text goes
+        self.viewports: tuple[TextViewport, ...]  # where text goes
         self._window_set, self._fixed, self._options = wall, fixed, display
         self.insets: tuple[Rect, ...] = ()  # of retina pictures on the canvas
         self._drawn: Packet | None = None
@@ -184,7 +184,7 @@ class ScenePicture:
         return self.ride.views(self._world, self.rig, self.insets, self.alpha)
 
     @property
-    def sight(self) -> FrontView | None:
+    def front_view(self) -> FrontView | None:
         """The view on the screen ahead; None if that is not a flat picture."""
         return front_screen(self.rig, self._seen or self.views())
 
@@ -256,7 +256,7 @@ class ScenePicture:
         self.rig = self._fixed or display_rig(
             self.display, self._window_set.front.size, self._options.stereo, self._options.surround
         )
-        self.panes = text_viewports(self.rig, self._window_set.page)
+        self.viewports = text_viewports(self.rig, self._window_set.page)
 
     def _chosen(self) -> Quality:
         return LADDER[self._pace.rung] if self.quality == AUTO else PRESETS[self.quality]

@@ -31,7 +31,7 @@ class TextLayer:
         if picture.pattern:
             return
         self._begin()
-        draw_labels(picture.labels, picture.sight)
+        draw_labels(picture.labels, picture.front_view)
         if not self._menu.open:  # nor is a caption to be read behind the help
             caption = caption_of(dive.world, picture.alpha)
             opacity = caption.opacity * (1.0 - overlay.help_opacity)
@@ -39,8 +39,8 @@ class TextLayer:
         if dive.tick_source.has_pilot:
             submarine = dive.world.state.submarine
             at_helm = picture.ride is None and not tours.timer.touring
-            if at_helm and self.horizon and picture.sight:
-                draw_horizon(picture.sight)
+            if at_helm and self.horizon and picture.front_view:
+                draw_horizon(picture.front_view)
             self.vignette.update(submarine.rates, submarine.velocity, elapsed_s)
             self.vignette.draw()
             if not self._menu.open:
@@ -75,5 +75,5 @@ class TextLayer:
         """Begin a frame of the gui on the pilot's window."""
         window = self._dive.window
         self._dive.gui.begin(
-            window.points, window.size, window.text_scale, self._dive.picture.panes
+            window.points, window.size, window.text_scale, self._dive.picture.viewports
         )

@@ -58,10 +58,11 @@ def test_in_every_display_each_eye_reads_them_on_any_ground(display, ground):
     picture = np.full((size[1], size[0], 3), ground, np.uint8)
     shown = draw_caption(picture, rig, 0, Caption(WORDS, 1.0)).astype(int)
     assert (picture == ground).all()  # a copy
-    for pane in text_viewports(rig):
-        left, top = round(pane.x * size[0]), round(pane.y * size[1])
+    for viewport in text_viewports(rig):
+        left, top = round(viewport.x * size[0]), round(viewport.y * size[1])
         part = shown[
-            top : top + round(pane.height * size[1]), left : left + round(pane.width * size[0])
+            top : top + round(viewport.height * size[1]),
+            left : left + round(viewport.width * size[0]),
         ]
         differs = np.abs(part - np.array(ground)).sum(axis=2) > 60
         rows, columns = np.flatnonzero(differs.any(axis=1)), np.flatnonzero(differs.any(axis=0))

@@ -153,9 +153,9 @@ def test_insets_lie_where_no_other_projector_shines():
         assert patch.output == ahead.output
         assert x < patch.place[0]
         assert patch.place[0] + patch.place[2] < x + width
-    (pane,) = text_viewports(rig, lambda page: None)
-    assert (pane.x, pane.width) == (x / 360, width / 360)
-    assert not pane.squeezed
+    (viewport,) = text_viewports(rig, lambda page: None)
+    assert (viewport.x, viewport.width) == (x / 360, width / 360)
+    assert not viewport.squeezed
 
 
 def test_on_a_fish_a_persons_eyes_are_as_near_each_other_as_its_own(world):

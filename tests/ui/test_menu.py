@@ -233,7 +233,7 @@ def test_a_line_is_where_the_horizon_is_and_the_rim_darkens_if_wished(boat, hand
     far = submarine.position + 1e6 * np.array(
         [math.cos(heading(boat)), math.sin(heading(boat)), 0.0]
     )
-    ((_, y),) = boat.picture.sight.places(far[None])
+    ((_, y),) = boat.picture.front_view.places(far[None])
     found = np.flatnonzero(rows > 20)
     assert abs(found[0] - y * SIZE[1]) < 4 and found[-1] - found[0] < 20
     rim.most, rim.amount = 1.0, 1.0

@@ -14,24 +14,24 @@ def page(number):
     """Nothing is drawn here."""
 
 
-def corners(pane):
-    """The corners (4, 2) of a pane, in pixels from the middle of the window."""
-    x, y = (pane.x, pane.x + pane.width), (pane.y, pane.y + pane.height)
+def corners(viewport):
+    """The corners (4, 2) of a viewport, in pixels from the middle of the window."""
+    x, y = (viewport.x, viewport.x + viewport.width), (viewport.y, viewport.y + viewport.height)
     return (np.array([(a, b) for a in x for b in y]) - 0.5) * SIZE
 
 
 @pytest.mark.parametrize("display", [name for name in DISPLAYS if name != "dome"])
 def test_all_of_the_window_is_for_text_in_the_part_of_each_eye(display):
     found = text_viewports(display_rig(display, SIZE), page)
-    assert all(pane.screen == (1.0, 1.0) for pane in found)
-    area = sum(pane.width * pane.height for pane in found)
+    assert all(viewport.screen == (1.0, 1.0) for viewport in found)
+    area = sum(viewport.width * viewport.height for viewport in found)
     assert area == pytest.approx(2.0 if display == "stereo" else 1.0)
 
 
 def test_on_a_dome_text_stands_within_the_circle():
-    (pane,) = text_viewports(display_rig("dome", SIZE), page)
-    assert pane.screen == pytest.approx((pane.width, pane.height))
-    far = np.linalg.norm(corners(pane), axis=1)
+    (viewport,) = text_viewports(display_rig("dome", SIZE), page)
+    assert viewport.screen == pytest.approx((viewport.width, viewport.height))
+    far = np.linalg.norm(corners(viewport), axis=1)
     np.testing.assert_allclose(far, min(SIZE) / 2, atol=2.0)
 
 
@@ -42,10 +42,10 @@ def test_both_eyes_of_a_dome_have_the_same_text_within_their_circles(layout):
     left, right = text_viewports(rig, page)
     assert left.screen == right.screen
     squeezed = rig.patches[0].squeezed
-    for pane, patch in zip((left, right), rig.patches, strict=True):
-        assert pane.screen[0] / pane.width == pytest.approx(squeezed[0], abs=0.02)
-        assert pane.screen[1] / pane.height == pytest.approx(squeezed[1], abs=0.02)
+    for viewport, patch in zip((left, right), rig.patches, strict=True):
+        assert viewport.screen[0] / viewport.width == pytest.approx(squeezed[0], abs=0.02)
+        assert viewport.screen[1] / viewport.height == pytest.approx(squeezed[1], abs=0.02)
         x, y, width, height = patch.place
         middle = np.array([x + width / 2, SIZE[1] - y - height / 2]) - np.array(SIZE) / 2
-        off = (corners(pane) - middle) * squeezed
+        off = (corners(viewport) - middle) * squeezed
         np.testing.assert_allclose(np.linalg.norm(off, axis=1), min(SIZE) / 2, atol=2.5)

@@ -56,7 +56,7 @@ def windows(display, empty_sea):
             running.frame(0.0)
             with_text = shown(running)
             if mode == "mono":
-                running.picture.panes = (Bold(),)
+                running.picture.viewports = (Bold(),)
                 running.frame(0.0)
                 running.frame(0.0)
                 bold = shown(running)

@@ -112,14 +112,14 @@ def test_hands_steer_the_fish_while_the_submarine_keeps_station(boat, hands, mon
 def test_the_fish_under_the_pointer_is_the_one_at_its_place(boat, hands):
     world = boat.world
     hands.glide(boat, 0.2)
-    sight, fishes = boat.picture.sight, world.state.fishes
+    front_view, fishes = boat.picture.front_view, world.state.fishes
     fish = 4
-    eye, way = sight.ray(0.3, 0.4)
+    eye, way = front_view.ray(0.3, 0.4)
     fishes.position[fish] = fishes.previous_position[fish] = eye + 90.0 * way
     boat.timeline.touch()
     boat.timeline.pause()
     boat.frame(0.0)
-    x, y = boat.picture.sight.places(fishes.position[fish][None])[0]
+    x, y = boat.picture.front_view.places(fishes.position[fish][None])[0]
     assert boat.picture.fish_at(x, y) == fish
     assert boat.picture.fish_at(x + 0.45, y + 0.5) != fish
     boat.frame(0.0)  # it goes on being drawn

@@ -133,8 +133,10 @@ def test_three_windows_show_one_continuous_picture(boat):
 
 
 def test_where_text_goes_is_found_once(boat, monkeypatch):
-    monkeypatch.setattr(picture, "panes", None)
+    found = []
+    monkeypatch.setattr(picture, "text_viewports", lambda *given: found.append(given))
     glide(boat, 0.3)
+    assert not found
 
 
 def test_help_is_in_the_front_window_only(boat):

@@ -67,14 +67,14 @@ def _pictures(context: PanelContext) -> None:
 def _camera(context: PanelContext) -> None:
     """The camera's pose, also as a waypoint of a tour."""
     dive = context.dive
-    sight = dive.picture.sight
-    if sight is None:
+    front_view = dive.picture.front_view
+    if front_view is None:
         imgui.text_disabled("All round, the camera looks everywhere.")
         return
-    (x, y, z), (heading, pitch) = sight.view.eye, angles_deg(sight.view)
+    (x, y, z), (heading, pitch) = front_view.view.eye, angles_deg(front_view.view)
     imgui.text(f"camera {x:.0f}, {y:.0f}, {z:.0f} cm; heading {heading:.0f}°, pitch {pitch:+.0f}°")
     if imgui.button("copy it as a waypoint of a tour"):
-        text = waypoint(sight.view, dive.world.state.tick * TICK_S)
+        text = waypoint(front_view.view, dive.world.state.tick * TICK_S)
         glfw.set_clipboard_string(None, text)  # type: ignore[arg-type]  # any window is deprecated
         dive.overlay.note("the waypoint can be pasted into a scenario")
 

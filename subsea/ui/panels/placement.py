@@ -88,17 +88,17 @@ def panel(context: PanelContext) -> None:
         imgui.push_text_wrap_pos(WIDE * 1.4 * imgui.get_font_size())
         imgui.text_colored((*REFUSED, 1.0), said)
         imgui.pop_text_wrap_pos()
-    sight = dive.picture.sight
-    if sight is None:
+    front_view = dive.picture.front_view
+    if front_view is None:
         imgui.text_disabled("Things are dragged in flat pictures.")
         return
-    within = [thing for thing in things if math.dist(thing.place, sight.view.eye) > NEAR_CM]
-    over = _drag(context, placing, sight, within)
+    within = [thing for thing in things if math.dist(thing.place, front_view.view.eye) > NEAR_CM]
+    over = _drag(context, placing, front_view, within)
     for thing in within:
         if (thing.kind, thing.number) == placing.chosen:
-            _show(sight, thing, REFUSED if placing.fault else MARK, 0.1)
+            _show(front_view, thing, REFUSED if placing.fault else MARK, 0.1)
         elif thing is over:
-            _show(sight, thing, MARK, 0.05)
+            _show(front_view, thing, MARK, 0.05)
 
 
 def name_of(scenario: Scenario, kind: str, number: int) -> str:
@@ -190,7 +190,7 @@ def _buttons(context: PanelContext, placing: PlacementState) -> None:
         imgui.set_item_tooltip(f"Ctrl+{letter}")
         if (pressed or (imgui.is_key_chord_pressed(ctrl | key.value) and not typing)) and may:
             context.later(partial(undo, context, forth))
-    if dive.picture.sight is not None:
+    if dive.picture.front_view is not None:
         imgui.text_disabled("Drag in the sea. Shift: height, or near and far.")
         imgui.text_disabled("Wheel: size. Ctrl and wheel: turn.")
 
@@ -198,14 +198,14 @@ def _buttons(context: PanelContext, placing: PlacementState) -> None:
 def _add(context: PanelContext, kind: str) -> None:
     """Add a thing before the submarine."""
     dive, placing = context.dive, context.state(PlacementState)
-    sight, sea = dive.picture.sight, dive.world.state.sea
+    front_view, sea = dive.picture.front_view, dive.world.state.sea
     submarine = dive.world.state.submarine
-    if sight is None:
+    if front_view is None:
         heading = float(submarine.angles[0])
         way = np.array([math.cos(heading), math.sin(heading), -0.3])
         eye = submarine.position
     else:
-        eye, way = sight.ray(0.5, 0.6)
+        eye, way = front_view.ray(0.5, 0.6)
     at = placement.place_ahead(sea, eye, way)
     if apply_placement(context, placement.added(dive.scenario, kind, at, sea)):
         those = getattr(dive.scenario, kind)
@@ -253,17 +253,17 @@ def _numbers(context: PanelContext, placing: PlacementState, scenario: Scenario,
 
 
 def _drag(
-    context: PanelContext, placing: PlacementState, sight: FrontView, things: list[Handle]
+    context: PanelContext, placing: PlacementState, front_view: FrontView, things: list[Handle]
 ) -> Handle | None:
     """Drag things with the pointer; returns the thing under it."""
     dive, io = context.dive, imgui.get_io()
     sea, source, pointer = dive.world.state.sea, str(dive.source), dive.gui.pointer
     over = None
     if placing.held is None and not dive.gui.on_panel:
-        over = placement.pick(things, sea, *sight.ray(*pointer))
+        over = placement.pick(things, sea, *front_view.ray(*pointer))
         if imgui.is_mouse_clicked(0) and over is not None:
             placing.chosen, context.dragging = (over.kind, over.number), True
-            placing.held, placing.begun = placement.grip(over, *sight.ray(*pointer)), pointer
+            placing.held, placing.begun = placement.grip(over, *front_view.ray(*pointer)), pointer
             placing.said = ""
         _turn_wheel(context, placing, things)
     held = placing.held
@@ -280,7 +280,7 @@ def _drag(
             up = HIGHER * (placing.begun[1] - pointer[1])
             new: Scenario | None = placement.raised(now, held.handle, math.exp(up))
         else:
-            at = placement.aim(held, sea, *sight.ray(*pointer), level=io.key_shift)
+            at = placement.aim(held, sea, *front_view.ray(*pointer), level=io.key_shift)
             new = None if at is None else placement.moved(now, held.handle, at)
         if new is not None and new != placing.trial:
             placing.try_out(new, sea, source)
@@ -315,11 +315,13 @@ def _drop(context: PanelContext, placing: PlacementState) -> None:
         context.later(partial(apply_placement, context, placing.trial))
 
 
-def _show(sight: FrontView, thing: Handle, ink: tuple[float, float, float], wide: float) -> None:
+def _show(
+    front_view: FrontView, thing: Handle, ink: tuple[float, float, float], wide: float
+) -> None:
     """Draw the outline of a thing, under all panels."""
     size, line = imgui.get_io().display_size, imgui.get_font_size()
     canvas = imgui.get_background_draw_list()
-    lines = sight.lines(thing.outline) * (size.x, size.y)
+    lines = front_view.lines(thing.outline) * (size.x, size.y)
     if not len(lines):
         return
     many = len(thing.body) > 1

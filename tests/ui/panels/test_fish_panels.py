@@ -61,7 +61,7 @@ def opened(boat, hands, name, fish=None):
 
 def put(boat, fish, x, y, far_cm):
     """A fish where a place on the screen is seen."""
-    eye, way = boat.picture.sight.ray(x, y)
+    eye, way = boat.picture.front_view.ray(x, y)
     fishes = boat.world.state.fishes
     fishes.position[fish] = fishes.previous_position[fish] = eye + far_cm * way
 
@@ -274,7 +274,7 @@ def test_the_camera_is_copied_as_a_waypoint_that_a_tour_can_have(still, hands, s
     point = msgspec.convert(entry, Waypoint)
     ahead = np.subtract(point.look_at_cm, point.position_cm)
     np.testing.assert_allclose(point.position_cm, submarine.position, atol=60.0)
-    heading, pitch = angles_deg(still.picture.sight.view)
+    heading, pitch = angles_deg(still.picture.front_view.view)
     level = np.cos(np.radians(pitch)) * np.linalg.norm(ahead)
     expected = [np.cos(np.radians(heading)) * level, np.sin(np.radians(heading)) * level]
     np.testing.assert_allclose(ahead[:2], expected, atol=0.2)

@@ -74,7 +74,7 @@ def on_screen(dive, kind, number=0):
     things = placement.handles(dive.scenario, dive.world.state.sea)
     thing = next(one for one in things if (one.kind, one.number) == (kind, number))
     middle = thing.outline.reshape(-1, 3).mean(axis=0)
-    x, y = dive.picture.sight.places(middle[None])[0]
+    x, y = dive.picture.front_view.places(middle[None])[0]
     (left, top), (wide, high) = dive.window.position, dive.window.points
     return round(left + x * wide), round(top + y * high)
 
@@ -163,12 +163,12 @@ def test_the_wheel_resizes_and_with_ctrl_turns(lagoon, hands):
 def test_what_would_be_misplaced_is_red_and_refused_in_one_line(lagoon, hands, capsys):
     """The pillar would stand where the school starts."""
     before, world = lagoon.scenario, lagoon.world
-    sea, sight, begin = world.state.sea, lagoon.picture.sight, on_screen(lagoon, "pillar")
+    sea, front_view, begin = world.state.sea, lagoon.picture.front_view, on_screen(lagoon, "pillar")
     pillar = next(one for one in placement.handles(before, sea) if one.kind == "pillar")
 
     def ray(x, y):
         (left, top), (wide, high) = lagoon.window.position, lagoon.window.points
-        return sight.ray((x - left) / wide, (y - top) / high)
+        return front_view.ray((x - left) / wide, (y - top) / high)
 
     held = placement.grip(pillar, *ray(*begin))
     ways = [(x, y) for x in range(0, 200, 6) for y in range(-160, 20, 4)]
