@@ -16,7 +16,7 @@ from subsea.core.resources import resource_path
 from subsea.fish.coupling import couple, place
 from subsea.fish.species import Species, load_species, shipped_species
 from subsea.fish.surface import rest_control_points
-from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, Scene
+from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, RenderScene
 from subsea.geometry.rotation import multiply
 from subsea.render import Renderer, headless_context
 from subsea.render.output.quality import PRESETS
@@ -48,7 +48,7 @@ def species_plate(names: Sequence[str], varied: str | None = None) -> Image.Imag
     columns, rows = 2 * beside, -(-len(species) // beside) + bool(varied)
     size = (CELL[0] * columns, CELL[1] * rows)
     cm = CELL_CM / CELL[0]  # a pixel's width
-    scene = Scene(
+    scene = RenderScene(
         species=species,
         control_points=np.array(points, np.float32),
         recorded_length_cm=tuple(one.length_cm for one in species),

@@ -9,7 +9,7 @@ from PIL import Image, ImageDraw
 
 from subsea.fish.species import load_species
 from subsea.fish.surface import rest_control_points
-from subsea.frame.packet import INSTANCE_COLUMNS, Packet, Scene
+from subsea.frame.packet import INSTANCE_COLUMNS, Packet, RenderScene
 from subsea.habitat.reef import KINDS
 from subsea.render import Renderer, headless_context
 from subsea.render.output.quality import PRESETS
@@ -53,7 +53,7 @@ def plate() -> Image.Image:
         on_rock=np.zeros(n, np.bool_),
     )
     species = load_species("fusilier")
-    scene = Scene(
+    scene = RenderScene(
         species=(species,),
         control_points=rest_control_points(species.surface, 20.0, 0.0)[None].astype(np.float32),
         recorded_length_cm=(20.0,),

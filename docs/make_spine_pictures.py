@@ -17,7 +17,7 @@ from PIL import Image
 from subsea.core.resources import resource_path
 from subsea.fish.species import load_species, shipped_species
 from subsea.fish.spine import MIDDLES, UNITS, spines, swung
-from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, Scene
+from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, RenderScene
 from subsea.render import Renderer, headless_context
 from subsea.render.output.quality import PRESETS
 from subsea.repertoire import read_repertoire
@@ -74,7 +74,7 @@ def beats() -> Image.Image:
             half = NEAR_CM * HALF_FIELD * np.array([1.0, CELL[1] / CELL[0]])
             projection = off_axis(-half[0], half[0], -half[1], half[1])
             views.append(View(viewport, look(eye, place - eye, np.array(up)), projection, eye))
-    scene = Scene(
+    scene = RenderScene(
         species=species,
         control_points=np.concatenate(poses).astype(np.float32),
         recorded_length_cm=tuple(one.length_cm for one in species),

@@ -69,7 +69,7 @@ NEVER_COARSE = np.zeros(len(LEVELS) - 1)  # thresholds without levels of detail
 
 
 @dataclass(frozen=True)
-class Scene:
+class RenderScene:
     """What rendering needs of a world once."""
 
     species: tuple[Species, ...]
@@ -150,9 +150,9 @@ class PackOptions:
 PLAIN = PackOptions()
 
 
-def make_scene(world: World) -> Scene:
+def make_scene(world: World) -> RenderScene:
     """The constant part of a world."""
-    return Scene(
+    return RenderScene(
         species=world.species,
         control_points=world.library.control_points,
         recorded_length_cm=tuple(float(x) for x in world.library.recorded_length),

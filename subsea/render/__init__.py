@@ -19,7 +19,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """The renderer, loaded when it is first asked for: a window is open long before."""
+    """Import the renderer when first needed: a window opens long before."""
     if name != "Renderer":
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from subsea.render.renderer import Renderer

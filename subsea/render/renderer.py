@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from subsea.core.disk_cache import kept
 from subsea.core.errors import UserError
-from subsea.frame.packet import Packet, Scene
+from subsea.frame.packet import Packet, RenderScene
 from subsea.render.fish.fishes import FishRenderer
 from subsea.render.fish.soft_shadows import SoftShadowRenderer
 from subsea.render.gl.id_buffer import IdBuffer, IdMaps
@@ -44,7 +44,7 @@ class Renderer(GpuOwner):
     def __init__(
         self,
         context: Any,
-        scene: Scene,
+        scene: RenderScene,
         rig: CameraRig,
         quality: Quality = PRESETS["medium"],
         page: Callable[[int], object] = lambda number: None,

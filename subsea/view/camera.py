@@ -1,7 +1,7 @@
-"""Views, and the matrices behind them: the only module that uses pyrr.
+"""Views and their matrices; the only module that uses pyrr.
 
-Matrices follow the textbook: ``clip = projection @ view @ (p, 1)`` with column vectors. pyrr
-keeps rows, so its matrices are transposed here and nowhere else.
+``clip = projection @ view @ (p, 1)`` with column vectors. pyrr uses rows, so its matrices are
+transposed here.
 """
 
 import warnings
@@ -23,17 +23,17 @@ FAR_CM = 6000.0
 
 @dataclass(frozen=True)
 class View:
-    """One picture of the world: where it goes and how points map into it."""
+    """A camera: its viewport and the matrices that map points into it."""
 
     viewport: tuple[int, int, int, int]  # x, y, width, height in pixels, origin lower left
     view: Array  # (4, 4) world to eye, looking along -z
     projection: Array  # (4, 4) eye to clip
     eye: Array  # (3,) cm, world
-    without: int = -1  # the fish whose own eye it is: it does not see itself
+    without: int = -1  # the fish whose eye it is, which it does not show
 
     @cached_property
     def planes(self) -> Array:
-        """The six planes (6, 4) of the frustum: a·x + b·y + c·z + d ≥ 0 inside, unit normals."""
+        """Planes (6, 4) of the frustum, unit normals: a·x + b·y + c·z + d ≥ 0 inside."""
         m = self.projection.astype(np.float64) @ self.view.astype(np.float64)
         planes = np.concatenate([m[3] + m[:3], m[3] - m[:3]])
         return np.asarray(planes / np.linalg.norm(planes[:, :3], axis=1, keepdims=True))
@@ -49,9 +49,9 @@ def look(eye: Array, forward: Array, up: Array) -> Array:
 
 
 def axes_of(heading: float, pitch: float, roll: float = 0.0) -> Array:
-    """The axes (3, 3) of who is turned from an observer, rows right, up, ahead in those of that.
+    """Rows right, up, ahead (3, 3) of turned axes, in the axes they were turned from.
 
-    By angles in radians: first to the right, then up, then clockwise.
+    Turned by angles in radians: to the right, then up, then clockwise.
     """
     ch, sh, cp, sp = np.cos(heading), np.sin(heading), np.cos(pitch), np.sin(pitch)
     level, above = np.array([ch, 0.0, -sh]), np.array([-sh * sp, cp, -ch * sp])
@@ -68,7 +68,7 @@ def off_axis(
     near: float = NEAR_CM,
     far: float = FAR_CM,
 ) -> Array:
-    """A projection (4, 4) through a window given by its edges on the near plane, in cm."""
+    """A projection (4, 4) through a window with these edges on the near plane, cm."""
     matrix = pyrr.matrix44.create_perspective_projection_from_bounds(
         left, right, bottom, top, near, far, dtype=np.float64
     )

@@ -1,4 +1,4 @@
-"""Rigs of the display modes: one eye, two eyes, or all round."""
+"""Camera rigs of the display modes: mono, stereo and surround."""
 
 from typing import TYPE_CHECKING
 
@@ -27,10 +27,10 @@ from subsea.view.surround import (
     Surround,
     face_size,
     half_tangent,
-    looked_at,
+    visible_parts,
 )
 
-if TYPE_CHECKING:  # the words of display modes are known before any world is loaded
+if TYPE_CHECKING:  # display modes are needed before any world is loaded
     from subsea.state import Submarine
 
 
@@ -39,23 +39,23 @@ SURROUNDS = {
     "dome": Projection.DOME,
     "equirectangular": Projection.EQUIRECTANGULAR,
 }
-LEVEL = ("equirectangular", "dome")  # displays whose horizon stays level
+LEVEL = ("equirectangular", "dome")  # displays with a level horizon
 DISPLAYS = ("mono", *LAYOUTS, *SURROUNDS)
 
-AHEAD = np.eye(3)  # axes of an eye that looks where the observer does
+AHEAD = np.eye(3)  # axes of an eye that looks as the observer does
 VERTICAL_FOV = np.radians(55.0)
-WINDOW_AHEAD_CM = 20.0  # the eye sits this far before the hull's centre
+WINDOW_AHEAD_CM = 20.0  # from the hull's centre to the eye
 
 
 def check_display(name: str) -> str:
-    """The name of a display mode; another one is a UserError."""
+    """Return the name of a display mode; raise UserError for any other."""
     if name not in DISPLAYS:
         raise unknown("display", name, list(DISPLAYS))
     return name
 
 
 def cockpit(submarine: "Submarine", alpha: float) -> CameraPose:
-    """The pilot's eye, `alpha` of the way from the last tick to the present one."""
+    """The pilot's pose, `alpha` of the way from the last tick to the current one."""
     position = submarine.previous_position + alpha * (
         submarine.position - submarine.previous_position
     )
@@ -74,7 +74,7 @@ def display_rig(
 ) -> CameraRig:
     """The rig of a display mode for one picture of `size` pixels (width, height).
 
-    The left eye comes first. A picture of all directions keeps its horizon level.
+    The left eye comes first.
     """
     place: Rect = (0, 0, *size)
     if display in SURROUNDS:
@@ -87,9 +87,9 @@ def display_rig(
             shape=SURROUNDS[display],
             wide=surround.wide,
         )
-        eyes = cube((0, 0), face, looked_at(display, size, surround))
+        eyes = cube((0, 0), face, visible_parts(display, size, surround))
         return CameraRig(canvas, (size,), eyes, (patch,), level=display in LEVEL)
-    # Where both eyes share the picture each is stretched over it, so the picture's aspect counts.
+    # Each eye is stretched over the whole picture, so the picture's aspect counts.
     aspect = size[0] / size[1]
     if display == "mono":
         eye = _eye(place, aspect, 0.0, stereo)
@@ -115,16 +115,16 @@ def views_for(
     stereo: Stereo = EYES,
     surround: Surround = ALL_ROUND,
 ) -> tuple[View, ...]:
-    """The views of a display mode's rig, see `display_rig`, from where the observer is."""
+    """The views of the `display_rig` of an observer."""
     return views(display_rig(display, size, stereo, surround), observer)
 
 
 def cube(
     corner: tuple[int, int], face: int, shown: list[Array | None], offset: Array | None = None
 ) -> tuple[Eye, ...]:
-    """Eyes through the faces of a cube of `face` pixels, whose canvas begins at `corner`.
+    """Eyes through the faces of a cube of `face` pixels, with `corner` on the canvas.
 
-    Of each face only the part that is `shown` (`surround.looked_at`) is drawn, and a margin.
+    Each draws only the part of its face that is `shown` (`surround.visible_parts`), and a margin.
     """
     eyes, half = [], half_tangent(face)
     for number, (part, (forward, up)) in enumerate(zip(shown, FACES.values(), strict=True)):
@@ -150,7 +150,7 @@ def cube(
 
 
 def _eye(viewport: Rect, aspect: float, offset: float, stereo: Stereo) -> Eye:
-    """An eye `offset` cm right of the observer; its frustum leans back to the common screen."""
+    """An eye `offset` cm right of the observer, with an off-axis frustum to the common screen."""
     top = NEAR_CM * np.tan(VERTICAL_FOV / 2)
     lean = -offset * NEAR_CM / stereo.screen_cm
     projection = off_axis(lean - aspect * top, lean + aspect * top, -top, top)

@@ -1,4 +1,4 @@
-"""A calm camera behind and above a fish, which enters neither stone nor sand nor air."""
+"""A smooth camera behind and above a fish that stays clear of stone, sand and air."""
 
 from typing import NamedTuple
 
@@ -15,32 +15,32 @@ from subsea.view.retina import body_at
 from subsea.view.rig import CameraPose
 from subsea.world.world import TICK_S, World
 
-BACK_CM, BACK_BL = 15.0, 1.9  # how far behind the middle of the fish: so much, and so many lengths
-ABOVE = 0.35  # and how far above, as a share of that
-BEYOND_BL = 1.5  # so far ahead of the fish lies what it looks at
-SLANT = 0.5  # how much of the fish's climb it goes along with
-ROOM_CM = 12.0  # from all that is solid and from the surface: more than the near plane's corners
-PLACE_S, WAY_S = 0.25, 0.9  # in which it follows where the fish is, and the way that it heads
-RECEDES = 0.6  # 1/s: share of its way back to its place, from where something made it come nearer
-STEPS = 24  # places on its way to the fish at which is looked whether they are free
+BACK_CM, BACK_BL = 15.0, 1.9  # distance behind the fish: constant, and per body length
+ABOVE = 0.35  # height above the fish, as a share of that distance
+BEYOND_BL = 1.5  # the camera looks at a point this far ahead of the fish
+SLANT = 0.5  # share of the fish's climb that the camera follows
+ROOM_CM = 12.0  # clearance from solids and the surface, beyond the near plane's corners
+PLACE_S, WAY_S = 0.25, 0.9  # time constants of position and heading
+RECEDES = 0.6  # 1/s: speed at which the camera moves back after an obstacle
+STEPS = 24  # points tested between the fish and the camera
 
 
 class FollowCamera(NamedTuple):
-    """Where it was, in the terms in which it follows."""
+    """State of the camera in the last picture."""
 
     at_s: float  # time of the world
-    aim: Array  # (3,) cm, the fish
-    way: Array  # (3,) that the fish heads, not unit
-    share: float  # of its distance: less than 1 where something is in its way
+    aim: Array  # (3,) cm, smoothed position of the fish
+    way: Array  # (3,) smoothed heading of the fish, not unit
+    share: float  # of the full distance, less than 1 near obstacles
 
 
 def follow_fish(
     world: World, fish: int, alpha: float, before: FollowCamera | None
 ) -> tuple[FollowCamera, CameraPose]:
-    """The camera now, `alpha` of the way from the last tick to the present one, and its view.
+    """Move the camera; returns its state and pose.
 
-    `before` is what it was in the last picture. Without that, or if time has leapt, it is at once
-    where it belongs.
+    `alpha` is the share of the way from the last tick to the current one. `before` is the state in
+    the last picture; None, or a jump in time, puts the camera at its place at once.
     """
     now = (world.state.tick - 1 + alpha) * TICK_S
     aim, turn = body_at(world, fish, alpha)
@@ -68,10 +68,9 @@ def follow_fish(
 
 @kernel
 def _free(sea: Sea, fish: Vector, wanted: Vector, most: float) -> tuple[Vector, float]:
-    """The place nearest to the wanted one, on the way there from the fish, that has room about it.
+    """The farthest point with clearance between the fish and the wanted point, and its share.
 
-    And its share of that way, of which it is at most `most`. Nothing solid is between it and the
-    fish.
+    The share of the way is at most `most`. Nothing solid lies between the point and the fish.
     """
     floor = height_at(sea.floor, sea.half_width, wanted[0], wanted[1])
     wanted = wanted[0], wanted[1], min(max(wanted[2], floor + ROOM_CM), -ROOM_CM)

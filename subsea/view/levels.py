@@ -1,8 +1,8 @@
-"""In what detail each fish is drawn (SMC §7.3): by projected size, and without a visible switch.
+"""Levels of detail of fishes by projected size (SMC §7.3), with cross-fades.
 
-A level is kept until its threshold is overstepped by HYSTERESIS, and changes within FADE_S, in
-which a fish is drawn at both levels, each in the pixels that the other leaves out. What this has to
-remember is `Memory`: it belongs to whoever draws, not to the world.
+A level is kept until its threshold is overstepped by HYSTERESIS. During a change, which takes
+FADE_S, a fish is drawn at both levels, each in the pixels that the other leaves out. `LodState`
+belongs to the viewer, not to the world.
 """
 
 from typing import NamedTuple
@@ -15,23 +15,23 @@ from subsea.core.kernels import kernel
 
 # Finest first; the second and the third are those of SMC table 2.
 LEVELS = ("tessellated", "close", "distant", "far", "speck")
-# A level is used as long as the fish's length covers at least so many pixels.
+# Least length of a fish in pixels for each level but the last.
 THRESHOLDS_PX = np.array([190.0, 110.0, 60.0, 24.0])
 HYSTERESIS = 0.12
 FADE_S = 0.3
-HIDDEN = 255  # in place of a level
+HIDDEN = 255  # instead of a level
 
 
 class LodState(NamedTuple):
-    """How n fishes were drawn last."""
+    """The levels of n fishes in the last picture."""
 
     level: Ints  # (n,) uint8, or HIDDEN
-    former: Ints  # (n,) uint8, the level before that
-    since: Array  # (n,) float64 s, when it changed
+    former: Ints  # (n,) uint8, the level before
+    since: Array  # (n,) float64 s, time of the change
 
 
 def empty_lod_state(n: int) -> LodState:
-    """The memory of whoever has drawn none of n fishes yet."""
+    """The state before the first picture of n fishes."""
     return LodState(np.full(n, HIDDEN, np.uint8), np.full(n, HIDDEN, np.uint8), np.full(n, -np.inf))
 
 
@@ -39,10 +39,10 @@ def empty_lod_state(n: int) -> LodState:
 def update_levels(
     pixels: Array, finer: NDArray[np.bool_], thresholds: Array, time_s: float, memory: LodState
 ) -> None:
-    """Set the levels of the fishes whose length covers `pixels` (n,), below 0 out of sight.
+    """Update the levels of fishes whose length covers `pixels` (n,), below 0 if out of sight.
 
-    `finer` are to be drawn one level finer than others. A fish that comes into sight has its level
-    at once, and while one change is under way no other begins.
+    Those in `finer` are drawn one level finer. A fish that comes into sight has its level at once;
+    no change begins during another.
     """
     level, former, since = memory
     for i in range(len(pixels)):
@@ -67,13 +67,12 @@ def update_levels(
 def draw_order(
     distance: Array, time_s: float, levels: int, memory: LodState
 ) -> tuple[Ints, Array, Ints]:
-    """What is drawn: fishes, their share of a cross-fade, and where each group of them begins.
+    """Sort the fishes to draw into groups: indices, shares of the cross-fade, starts of groups.
 
-    For each view one group a level, coarsest first, of the fishes at rest; then one for each of
-    those that fade, which are drawn at both levels. Specks that fade are among those at rest. A
-    view's fishes are those at a finite `distance` (v, n); within a group those at the greatest come
-    first. Returns the fishes (m,), the shares (m,) as `frame.FADE` has them, and the beginnings
-    (v, 2 levels + 1,), each with the end.
+    Each view has one group per level, coarsest first, of fishes at rest, then one per level of
+    fading fishes, which are in two groups. Fading specks count as at rest. A view draws the fishes
+    at a finite `distance` (v, n), in each group the farthest first. Returns indices (m,), shares
+    (m,) as `frame.packet.FADE`, and starts (v, 2 levels + 1), which include the end.
     """
     seen = [np.flatnonzero((row < np.inf) & (memory.level != HIDDEN)) for row in distance]
     order = [
@@ -87,7 +86,7 @@ def draw_order(
 def _grouped(
     order: Ints, first: Ints, time_s: float, levels: int, memory: LodState
 ) -> tuple[Ints, Array, Ints]:
-    """As `arranged`; in `order` those of view v are from first[v] to first[v + 1]."""
+    """As `draw_order`, of fishes `order`; view v has those from first[v] to first[v + 1]."""
     level, former, since = memory
     groups, views = 2 * levels, len(first) - 1
     count = np.zeros(views * groups + 1, np.int64)

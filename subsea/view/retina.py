@@ -1,11 +1,10 @@
-"""Through the eyes of a fish: where they are, and the rig that hangs on them (Tu §6.7, §9.3).
+"""The eyes of a fish, and their camera rig (Tu §6.7, §9.3).
 
-Both eyes lie on the skin as it is drawn, where `fish/paint.py` paints them, and look where the
-fish is heading: along the x axis of its body frame, with its back up, however it rolls. They turn
-together (pan, tilt). A retina is a perspective picture, flat, as wide as it is high or not.
+Both eyes lie on the drawn skin, where `fish.paint` paints them, and look along the x axis of the
+body frame with the y axis up. They turn together (pan, tilt). A retina is a flat perspective
+picture.
 
-Nobody sees its own body: an eye looks along its own cheek, and the inside of the head that the
-other half of the picture would show is nothing to be seen. Views name the fish (`View.without`).
+A fish does not see its own body (`View.without`): the picture would show the inside of its head.
 """
 
 from dataclasses import replace
@@ -25,11 +24,11 @@ from subsea.world.world import World
 
 FIELD_DEG = 90.0  # from left to right
 NEAR_CM = 0.5  # other fishes may come close
-SAMPLES = 161  # along and across a flank, among which the eye is looked for
+SAMPLES = 161  # along and across a flank, to locate the eye
 
 
 class Gaze(NamedTuple):
-    """Where both eyes look, from the way in which the fish is heading (Tu §9.3)."""
+    """Direction of both eyes relative to the heading of the fish (Tu §9.3)."""
 
     pan_deg: float = 0.0  # to its right
     tilt_deg: float = 0.0  # toward its back
@@ -39,15 +38,15 @@ AHEAD = Gaze()
 
 
 class FishEyes(NamedTuple):
-    """Whose eyes are looked through, and what is constant about them."""
+    """The eyes of one fish: what is constant about them."""
 
-    fish: int  # its number in the world
+    fish: int  # index in the world
     weights: Array  # (189,) see `eye_weights`
-    half_cm: float  # from the middle between its eyes to each of them, when it is at rest
+    half_cm: float  # half the distance between the eyes at rest
 
 
 def fish_eyes(world: World, fish: int) -> FishEyes:
-    """Who looks through the eyes of this fish."""
+    """The eyes of a fish of the world."""
     plan = world.species[world.state.fishes.species[fish]].surface
     weights = eye_weights(plan)
     rest = rest_control_points(plan, float(world.state.fishes.length[fish]), 0.0)
@@ -55,10 +54,7 @@ def fish_eyes(world: World, fish: int) -> FishEyes:
 
 
 def eyes_pose(world: World, by: FishEyes, alpha: float) -> CameraPose:
-    """Between the eyes of a fish, `alpha` of the way from the last tick to the present one.
-
-    It looks along the x axis of the fish's body, whose y axis is up.
-    """
+    """The pose midway between the eyes, `alpha` of the way from the last tick to this one."""
     origin, turn = body_at(world, by.fish, alpha)
     axes = matrix(turn)
     control = control_points_at(world, by.fish, alpha)
@@ -68,7 +64,7 @@ def eyes_pose(world: World, by: FishEyes, alpha: float) -> CameraPose:
 
 
 def body_at(world: World, fish: int, alpha: float) -> tuple[Array, Array]:
-    """Origin (3,), cm, and orientation (4,) of a fish's body frame, as `frame.pack` has them."""
+    """Origin (3,), cm, and orientation (4,) of a fish's body frame, interpolated."""
     fishes = world.state.fishes
     before = fishes.previous_orientation[fish].astype(np.float64)
     after = fishes.orientation[fish].astype(np.float64)
@@ -79,13 +75,13 @@ def body_at(world: World, fish: int, alpha: float) -> tuple[Array, Array]:
 
 
 def eye_weights(plan: SurfacePlan) -> Array:
-    """What the control points (189,) of a flank add to the middle of the eye on it."""
+    """Weights (189,) of the control points of a flank in the centre of its eye."""
     t = np.linspace(0.0, 1.0, SAMPLES)
     across, along = dense(basis_at(U, t), U), dense(basis_at(V, t), V)
     half = rest_control_points(plan, 1.0, 0.0)[RIGHT].reshape(U, V, 3)
     surface = np.einsum("au,bv,uvx->abx", across, along, half)
     behind, up, aside = -surface[..., 0], surface[..., 1], surface[..., 2]
-    # Of a body with wings the eye's height is how far it is from the spine, on the upper side.
+    # On a body with wings the eye's height is its distance from the spine, on the upper side.
     off = np.where(up > 0.0, aside - plan.eye.height, np.inf) if plan.wing else up - plan.eye.height
     a, b = np.unravel_index(np.argmin((behind - plan.eye.at) ** 2 + off**2), behind.shape)
     return np.outer(across[a], along[b]).ravel()
@@ -94,9 +90,9 @@ def eye_weights(plan: SurfacePlan) -> Array:
 def retina_rig(
     size: tuple[int, int], half_cm: float, gaze: Gaze = AHEAD, field_deg: float = FIELD_DEG
 ) -> CameraRig:
-    """Two pictures of `size` (width, height), of the left eye and of the right one.
+    """A rig with one picture of `size` (width, height) for each eye, left first.
 
-    The eyes are `half_cm` left and right of the observer and see `field_deg` from left to right.
+    The eyes are `half_cm` left and right of the observer, with a field of view of `field_deg`.
     """
     width, height = size
     edge = NEAR_CM * np.tan(np.radians(field_deg) / 2)
@@ -112,21 +108,21 @@ def retina_rig(
 
 
 def gaze_axes(gaze: Gaze) -> Array:
-    """The axes (3, 3) of eyes that look there, rows right, up, ahead in those of the observer."""
+    """Rows right, up, ahead (3, 3) of the eyes, in the axes of the observer."""
     pan, tilt = np.radians(gaze)
     return axes_of(pan, tilt)
 
 
 def retinal_views(world: World, by: FishEyes, rig: CameraRig, alpha: float) -> tuple[View, ...]:
-    """What both eyes of a fish see: its rig's views, without itself."""
+    """The views of a fish's eyes, without its own body."""
     return tuple(replace(view, without=by.fish) for view in views(rig, eyes_pose(world, by, alpha)))
 
 
 def control_points_at(world: World, fish: int, alpha: float) -> Array:
-    """The control points (426, 3) of a fish's pose, body axes, of the recorded size."""
+    """Control points (426, 3) of a fish's pose, in body axes at the recorded size."""
     a, b, weight = pose_at(world.state.fishes, fish, alpha)
     library = world.library
-    # Simulated fishes are skinned where they are in sight; this one need not be in its own.
+    # Simulated fishes are skinned only when in sight; this one may be out of sight.
     if max(a, b) >= len(library.entry):
         kind = world.state.fishes.species[fish]
         coupling = Coupling(*(part[kind] for part in library.coupling))

@@ -1,8 +1,8 @@
-"""What a rig is: the eyes that a display or a theatre needs, and how their pictures are shown.
+"""Camera rigs: the eyes of a display or theatre, and how their pictures are shown.
 
-Every eye draws its view into its part of one *canvas*. *Patches* take parts of the canvas to the
-pictures that are shown, the outputs: one for each window or projector. A rig is constant for a
-display at a size; only the observer from whom its eyes hang moves.
+Each eye draws into its viewport on one *canvas*. *Patches* copy parts of the canvas to *outputs*,
+one for each window or projector. A rig is constant for a display at a size; only the observer that
+carries its eyes moves.
 """
 
 from collections.abc import Sequence
@@ -16,12 +16,12 @@ from subsea.view.camera import View, look
 
 Rect = tuple[int, int, int, int]  # x, y, width, height in pixels, origin lower left
 
-BRIGHT = 0.995  # of a mask's largest factor: less is where another projector shines too
-FINE = 100  # values a side of a mask that are asked at least, if there are so many
+BRIGHT = 0.995  # share of a mask's largest factor below which another projector blends in
+FINE = 100  # least number of mask values sampled per side
 
 
 class CameraPose(NamedTuple):
-    """Where an observer is and how it looks."""
+    """Position and orientation of an observer."""
 
     eye: Array  # (3,) cm
     forward: Array  # (3,) unit
@@ -29,30 +29,30 @@ class CameraPose(NamedTuple):
 
 
 class Eye(NamedTuple):
-    """A view as it hangs on the observer, whose axes are right, up, ahead."""
+    """A camera mounted on an observer with the axes right, up, ahead."""
 
     viewport: Rect  # on the canvas
     offset: Array  # (3,) cm
-    axes: Array  # (3, 3) rows: the view's own right, up, ahead
+    axes: Array  # (3, 3) rows: right, up, ahead of the camera
     projection: Array  # (4, 4)
 
 
 class Weave(IntEnum):
-    """How two eyes share the pixels of a patch; the numbers are those of `shaders/resolve.frag`."""
+    """How two eyes share the pixels of a patch; values as in `shaders/resolve.frag`."""
 
-    PLAIN = 0  # the left one has them all
-    ROWS = 1  # left and right in turn, the topmost row of the output is left
-    CHECKERS = 2  # the same within each row, the upper left pixel is left
+    PLAIN = 0  # left eye only
+    ROWS = 1  # alternating rows, the topmost row of the output is left
+    CHECKERS = 2  # checkerboard, the upper left pixel is left
     RED_CYAN = 3  # red from the left eye, green and blue from the right
-    DUBOIS = 4  # the same with colours mixed so that both eyes see about the same brightness
+    DUBOIS = 4  # likewise, with colours mixed for equal brightness
 
 
 class Projection(IntEnum):
-    """What a pixel of a patch shows; the numbers are those of `shaders/resolve.frag`."""
+    """How pixels of a patch map to its source; values as in `shaders/resolve.frag`."""
 
-    FLAT = 0  # the same place of the source
-    WARPED = 1  # what a mesh says
-    EQUIRECTANGULAR = 2  # a direction, from the faces of a cube, as the next two
+    FLAT = 0  # linearly
+    WARPED = 1  # by a mesh
+    EQUIRECTANGULAR = 2  # from the faces of a cube, as the next two
     DOME = 3
     PANORAMA = 4
 
@@ -61,48 +61,48 @@ CUBES = (Projection.EQUIRECTANGULAR, Projection.DOME, Projection.PANORAMA)
 
 
 class Warp(NamedTuple):
-    """A mesh that lies over a patch and says where on the canvas each of its points is seen."""
+    """A mesh over a patch with texture coordinates in its sources."""
 
-    # (n, 6): x, y in shares of the place from its lower left corner; u, v in shares of the left
-    # eye's source, u, v in shares of the right one's
+    # (n, 6): x, y as shares of the place from its lower left corner; u, v as shares of the left
+    # source; u, v as shares of the right source
     vertices: Array
     triangles: Ints  # (m, 3)
 
 
 class DisplayPatch(NamedTuple):
-    """A part of an output, and how it is taken from the canvas."""
+    """A part of an output, and how it is drawn from the canvas."""
 
     place: Rect  # on the output
-    left: Rect  # on the canvas: what the left eye, or the only one, drew; of a cube all its faces
+    left: Rect  # on the canvas: source of the left or only eye, or all faces of a cube
     right: Rect  # the same for the right eye
     weave: Weave = Weave.PLAIN
     shape: Projection = Projection.FLAT
     wide: tuple[float, float] = (0.0, 0.0)  # rad: angle of a panorama, tilt of a dome
-    squeezed: tuple[float, float] = (1.0, 1.0)  # how many times narrower and lower it is shown
-    apart: float = 0.0  # of cubes: half the eyes' separation over the distance of the screen
+    squeezed: tuple[float, float] = (1.0, 1.0)  # factors by which it is shown narrower and lower
+    apart: float = 0.0  # of cubes: half the eye separation over the screen distance
     output: int = 0
     page: int = 0  # 1: the right buffer of an output that has two
-    # Of Shape.WARPED; or of those that show all round: u, v are shares of the wide picture then,
-    # of a dome of its square.
+    # For Projection.WARPED; or for surround projections, with u, v as shares of the wide picture,
+    # or of the square of a dome.
     warp: Warp | None = None
-    # (h, w, 4), stretched over the place, top row first: factors of red, green and blue, and what
-    # is added then, on the values that go to the projector; None: left as they are.
+    # (h, w, 4), top row first, stretched over the place: factors of red, green and blue, and an
+    # offset, applied to the values sent to the projector; None: no mask.
     mask: Array | None = None
-    channel: int = 0  # the projector, or screen: both eyes' patches of one have the same
+    channel: int = 0  # index of the projector or screen, the same for both eyes
 
 
 class CameraRig(NamedTuple):
-    """What is drawn, and what is shown of it."""
+    """The canvas, its eyes, and the patches on the outputs."""
 
     canvas: tuple[int, int]  # width, height in pixels
     outputs: tuple[tuple[int, int], ...]
     eyes: tuple[Eye, ...]
     patches: tuple[DisplayPatch, ...]
-    level: bool = False  # the horizon stays level, whatever the submarine's pitch
+    level: bool = False  # keep the horizon level
 
     @property
     def exact(self) -> bool:
-        """Whether pixels of the canvas and of outputs must meet one by one."""
+        """Whether pixels of the canvas must match pixels of the outputs."""
         return any(
             patch.weave in (Weave.ROWS, Weave.CHECKERS) or patch.shape in CUBES
             for patch in self.patches
@@ -110,20 +110,20 @@ class CameraRig(NamedTuple):
 
     @property
     def pages(self) -> int:
-        """How many buffers an output has."""
+        """The number of buffers of an output."""
         return 1 + max(patch.page for patch in self.patches)
 
 
 def front(rig: CameraRig) -> DisplayPatch:
-    """The patch whose middle is most straight ahead; of several the first."""
+    """The first of the patches whose centre is closest to straight ahead."""
     return max(rig.patches, key=lambda patch: max(map(_ahead, seen_by(rig, patch)), default=-1.0))
 
 
 def seen_part(patch: DisplayPatch) -> Rect:
-    """The rectangle of a patch's place in which all is seen as it is, in pixels of the output.
+    """The rectangle of a patch that is fully visible, in pixels of the output.
 
-    Of a dome the largest within its circle, else what no other projector blends into. What a mesh
-    makes of a place is not known: that is left as it is.
+    The largest in the circle of a dome, otherwise the part that no other projector blends into.
+    Warps are ignored.
     """
     x, y, width, height = patch.place
     if patch.shape != Projection.DOME or patch.warp is not None:
@@ -135,17 +135,17 @@ def seen_part(patch: DisplayPatch) -> Rect:
 
 
 def seen_by(rig: CameraRig, patch: DisplayPatch) -> list[Eye]:
-    """The eyes that draw what a patch shows, of a stereo one those of the left eye first."""
+    """The eyes that a patch shows, left ones first."""
     return [
         eye for part in (patch.left, patch.right) for eye in rig.eyes if _meet(eye.viewport, part)
     ]
 
 
 def limit_separation(rig: CameraRig, half_cm: float) -> CameraRig:
-    """The same rig with eyes at most `half_cm` from the observer, as if that had shrunk.
+    """Scale the eye offsets of a rig to at most `half_cm` from the observer.
 
-    Its screens, which the projections know by their angles alone, have shrunk with it: what is a
-    tenth as far for eyes a tenth as far apart is seen as before.
+    Projections depend only on angles, so the screens scale too: something at a tenth of the
+    distance looks the same to eyes a tenth as far apart.
     """
     widest = max(float(np.linalg.norm(eye.offset)) for eye in rig.eyes)
     if widest <= half_cm:
@@ -155,7 +155,7 @@ def limit_separation(rig: CameraRig, half_cm: float) -> CameraRig:
 
 
 def select_outputs(rig: CameraRig, outputs: Sequence[int]) -> CameraRig:
-    """The same rig with only these outputs, in this order, and the eyes that they need."""
+    """The rig with only these outputs, in this order, and the eyes that they need."""
     patches = tuple(
         patch._replace(output=outputs.index(patch.output))
         for patch in rig.patches
@@ -170,7 +170,7 @@ def select_outputs(rig: CameraRig, outputs: Sequence[int]) -> CameraRig:
 
 
 def pose_from_angles(eye: Array, heading: float, pitch: float) -> CameraPose:
-    """A pose from the angles in radians: heading left positive from +x, pitch up positive."""
+    """A pose from angles in radians: heading from +x to the left, pitch upward."""
     ch, sh, cp, sp = np.cos(heading), np.sin(heading), np.cos(pitch), np.sin(pitch)
     return CameraPose(
         np.asarray(eye, np.float64),
@@ -180,13 +180,13 @@ def pose_from_angles(eye: Array, heading: float, pitch: float) -> CameraPose:
 
 
 def levelled(observer: CameraPose) -> CameraPose:
-    """The same observer with the head upright, looking level."""
+    """The observer without pitch and roll."""
     heading = float(np.arctan2(observer.forward[1], observer.forward[0]))
     return pose_from_angles(observer.eye, heading, 0.0)
 
 
 def views(rig: CameraRig, observer: CameraPose) -> tuple[View, ...]:
-    """The views of a rig's eyes from where the observer is now, in their order."""
+    """The views of a rig's eyes for an observer."""
     if rig.level:
         observer = levelled(observer)
     axes = np.stack([np.cross(observer.forward, observer.up), observer.up, observer.forward])
@@ -199,9 +199,9 @@ def views(rig: CameraRig, observer: CameraPose) -> tuple[View, ...]:
 
 
 def _unblended(patch: DisplayPatch, mask: Array) -> Rect:
-    """The part of a patch's place that it has to itself: nothing blends in there, or is masked.
+    """The part of a patch without blending or masking.
 
-    Where that is less than a third a side no part is better than another: the whole place.
+    The whole patch if that is less than a third of a side.
     """
     x, y, width, height = patch.place
     factor = mask[..., :3].min(axis=2)
@@ -221,14 +221,14 @@ def _unblended(patch: DisplayPatch, mask: Array) -> Rect:
 
 
 def _ahead(eye: Eye) -> float:
-    """Cosine of the angle between the middle of an eye's picture and straight ahead."""
+    """Cosine of the angle between the centre of an eye's picture and straight ahead."""
     p = eye.projection
     middle = np.array([p[0, 2] / p[0, 0], p[1, 2] / p[1, 1], 1.0]) @ eye.axes
     return float(middle[2] / np.linalg.norm(middle))
 
 
 def _meet(a: Rect, b: Rect) -> bool:
-    """Whether two rectangles have pixels in common."""
+    """Whether two rectangles overlap."""
     return all(
         low < other + long and other < low + size
         for low, size, other, long in zip(a[:2], a[2:], b[:2], b[2:], strict=True)

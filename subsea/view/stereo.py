@@ -1,4 +1,4 @@
-"""Two eyes: how far apart they are, and which parts of canvas and picture are theirs."""
+"""Stereo displays: eye separation, and the parts of canvas and picture for each eye."""
 
 from typing import NamedTuple
 
@@ -13,22 +13,20 @@ SCREEN_DISTANCE_CM = 120.0
 class Stereo(NamedTuple):
     """The eyes of a stereo display, in cm of the sea unless said otherwise."""
 
-    separation_cm: float | None = None  # None: a person's, or what the theatre says
-    screen_cm: float = SCREEN_DISTANCE_CM  # where both eyes' pictures coincide
+    separation_cm: float | None = None  # None: EYE_SEPARATION_CM, or that of the theatre
+    screen_cm: float = SCREEN_DISTANCE_CM  # distance of zero parallax
     screen_width_cm: float | None = None  # of the real screen, in real centimetres
     swapped: bool = False  # the left eye gets the right one's picture
-    comfort_deg: float | None = None  # most that eyes turn between screen and infinity
+    comfort_deg: float | None = None  # largest vergence between screen and infinity
 
     def eyes(self, window_cm: float) -> float:
-        """How far apart the eyes are, if the screen shows `window_cm` of the sea at its distance.
+        """Eye separation, cm, if the screen shows `window_cm` of the sea at its distance.
 
-        What is infinitely far lies on the screen as far apart for the two eyes as they are
-        themselves. On a screen so wide that this is more than a person's eyes are apart, they
-        would have to turn outwards, which they cannot: then they are brought nearer together.
+        The parallax of infinity on the screen equals the eye separation. It is limited to that of
+        a person on a real screen of known width, because eyes cannot diverge.
 
-        Between the screen and infinity the eyes turn by separation over distance, and by as much
-        again to what is at half the screen's distance, while they keep focusing on the screen:
-        what tires. `comfort_deg` limits that angle.
+        Vergence changes by separation over distance from the screen to infinity, while focus stays
+        on the screen, which is tiring. `comfort_deg` limits that angle.
         """
         apart = EYE_SEPARATION_CM if self.separation_cm is None else self.separation_cm
         if self.screen_width_cm is not None:
@@ -42,7 +40,7 @@ EYES = Stereo()
 
 
 class StereoLayout(NamedTuple):
-    """How a stereo mode divides the canvas and the picture between the eyes."""
+    """How a stereo mode divides canvas and picture between the eyes."""
 
     beside: bool = False  # each eye has half of the canvas' width, else half of its height
     tall: bool = False  # the canvas is twice as high as the picture: each eye in full
@@ -64,9 +62,9 @@ OTHER_STEREO = "side-by-side, top-bottom, anaglyph, interlaced or checkerboard"
 
 
 def halves(rect: Rect, beside: bool) -> tuple[Rect, Rect]:
-    """The left eye's and the right eye's part of a rectangle: left and right, or upper and lower.
+    """Split a rectangle for the left and right eye: left and right, or upper and lower.
 
-    Of an odd number of rows the upper half has one more, of an odd number of columns the right.
+    An odd row goes to the upper half, an odd column to the right.
     """
     x, y, width, height = rect
     if beside:
@@ -75,12 +73,12 @@ def halves(rect: Rect, beside: bool) -> tuple[Rect, Rect]:
 
 
 def canvas_of(layout: StereoLayout, size: tuple[int, int]) -> tuple[int, int]:
-    """Pixels of the canvas that two eyes need for a picture of `size`."""
+    """Size of the canvas for a picture of `size`."""
     return size[0], 2 * size[1] if layout.tall else size[1]
 
 
 def patches_of(layout: StereoLayout, both: DisplayPatch) -> tuple[DisplayPatch, ...]:
-    """How two eyes come to their place in the way of a mode: one patch for both, or one each."""
+    """The patches of a stereo mode: one for both eyes, or one each."""
     if layout.weave != Weave.PLAIN:
         return (both._replace(weave=layout.weave),)
     one = both._replace(right=both.left)

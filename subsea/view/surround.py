@@ -1,8 +1,8 @@
-"""All round: six views on the faces of a cube, from which a wide picture is taken.
+"""Surround displays: six views on the faces of a cube, resampled to a wide picture.
 
 Directions are (right, up, ahead) in the axes of the observer. The six faces lie on a canvas of
-three columns and two rows; each is a little wider than a right angle, so that pixels next to an
-edge have neighbours to be smoothed with.
+three columns and two rows; each is a little wider than a right angle, so that pixels at its edge
+have neighbours to interpolate with.
 """
 
 from typing import NamedTuple
@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from subsea.core.arrays import Array
 from subsea.view.camera import axes_of
 
-# Where a face looks and what is up there, in the order of its place on the canvas: the lower row
-# from the left, then the upper row. `shaders/resolve.frag` knows the same order.
+# Direction and up vector of each face, in canvas order: the lower row from the left, then the upper
+# row. `shaders/resolve.frag` has the same order.
 FACES = {
     "left": ((-1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
     "ahead": ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0)),
@@ -25,16 +25,16 @@ FACES = {
 }
 COLUMNS, ROWS = 3, 2
 MARGIN_PX = 12  # by which a face is wider than a right angle: half the largest speck of plankton
-STEPS = 256  # places a side of a picture at which is looked what it shows of each face
-UNSURE = 16.0 / STEPS  # of half a face: no two of those places are farther apart on it
-LARGEST_FACE = 2560  # pixels: three of them side by side are a texture that GPUs of today hold
+STEPS = 256  # samples per side to find which parts of the faces a picture shows
+UNSURE = 16.0 / STEPS  # largest distance of samples on a face, in half faces
+LARGEST_FACE = 2560  # pixels; GPUs hold textures of three side by side
 
 
 class Surround(NamedTuple):
-    """What a wide picture shows, in degrees."""
+    """Extent of a wide picture, degrees."""
 
     angle_deg: float = 160.0  # of a panorama, from left to right
-    tilt_deg: float = 30.0  # of a dome toward the front: 0 has the zenith in its middle
+    tilt_deg: float = 30.0  # of a dome toward the front; 0: zenith in the middle
 
     @property
     def wide(self) -> tuple[float, float]:
@@ -46,7 +46,7 @@ ALL_ROUND = Surround()
 
 
 def face_size(display: str, size: tuple[int, int], surround: Surround) -> int:
-    """Pixels of a cube's face: as fine as the picture is where it is finest, up to a limit."""
+    """Pixels of a side of a cube face: as fine as the picture at its finest, up to a limit."""
     width, height = size
     per_radian = {
         "equirectangular": width / (2 * np.pi),
@@ -57,20 +57,20 @@ def face_size(display: str, size: tuple[int, int], surround: Surround) -> int:
 
 
 def on_faces(d: Array) -> tuple[NDArray[np.int_], Array]:
-    """On which face directions (n, 3) lie, (n,), and where there, (n, 2) in [-1, 1]."""
+    """Face index (n,) of directions (n, 3), and position (n, 2) on it in [-1, 1]."""
     axes = np.array([[np.cross(up, ahead), up, ahead] for ahead, up in FACES.values()])
     number = np.argmax(axes[:, 2] @ d.T, axis=0)
     own = np.einsum("nij,nj->ni", axes[number], d)
     return number, own[:, :2] / own[:, 2:]
 
 
-def looked_at(
+def visible_parts(
     display: str, size: tuple[int, int], surround: Surround, aside: float = 0.0
 ) -> list[Array | None]:
-    """Of each face the part that the picture shows, (4,): left, right, bottom, top in [-1, 1].
+    """The part (4,) of each face in the picture: left, right, bottom, top in [-1, 1].
 
-    None where it shows nothing of a face: then that view need not be drawn. An eye may be `aside`
-    to the right of the middle, in shares of the distance of the screen.
+    None if the picture shows nothing of a face. The eye is `aside` to the right of the middle, as
+    a share of the screen distance.
     """
     x, y = (np.linspace(0.0, pixels, STEPS + 1) for pixels in size)
     pixels = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
@@ -88,14 +88,14 @@ def looked_at(
 
 
 def half_tangent(face: int) -> float:
-    """Tangent of half a face's angle of view: one, and the margin."""
+    """Tangent of half the field of view of a face with its margin."""
     return face / (face - 2 * MARGIN_PX)
 
 
 def directions(display: str, size: tuple[int, int], surround: Surround, pixels: Array) -> Array:
-    """Where pixels (n, 2) look, (n, 3); NaN outside a dome. The plain form of the shader's.
+    """Directions (n, 3) of pixels (n, 2), NaN outside a dome; as in the shader.
 
-    Pixels are counted from the lower left corner of the picture; their middles lie at .5.
+    Pixels count from the lower left corner; their centres are at .5.
     """
     width, height = size
     x, y = np.asarray(pixels, np.float64).T / [[width], [height]]

@@ -1,4 +1,4 @@
-"""Where text goes in the windows of a rig: on the screen ahead, once for each eye."""
+"""Viewports for text: on the front screen of a rig, one for each eye."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -7,14 +7,14 @@ from subsea.view.rig import CameraRig, front, seen_part
 
 
 def one_page(number: int) -> None:
-    """There is only one buffer to draw into."""
+    """Select nothing: the window has one buffer."""
 
 
 class TextViewport(NamedTuple):
-    """A part of the window that shows everything, in shares of it from the upper left corner.
+    """A part of the window, in shares of it from the upper left corner.
 
-    Where two eyes share a screen each has a pane, into which all is squeezed that would fill the
-    screen: `screen` is its width and height, in the same shares.
+    Where two eyes share a screen, each has a viewport into which the whole screen is squeezed;
+    `screen` is the width and height of the screen, in the same shares.
     """
 
     x: float = 0.0
@@ -27,7 +27,7 @@ class TextViewport(NamedTuple):
 
     @property
     def squeezed(self) -> bool:
-        """Whether thin strokes would be lost."""
+        """Whether thin strokes would get lost."""
         return self.screen[0] > 1.4 * self.width or self.screen[1] > 1.4 * self.height
 
 
@@ -37,7 +37,7 @@ WHOLE = TextViewport()
 def text_viewports(
     rig: CameraRig, page: Callable[[int], None] = one_page
 ) -> tuple[TextViewport, ...]:
-    """Where text goes: in the pilot's window, on the screen ahead, in the part of each eye."""
+    """The text viewports of a rig, one for each eye on the front screen."""
     ahead = front(rig)
     width, height = rig.outputs[ahead.output]
     parts = [
@@ -49,7 +49,7 @@ def text_viewports(
         [choose(p.place[axis] + far * p.place[axis + 2] for p in parts) for axis in (0, 1)]
         for choose, far in ((min, 0), (max, 1))
     )
-    # As much of it as is seen of each part.
+    # Limited to the visible share of each part.
     seen, place = seen_part(ahead), ahead.place
     screen = (
         (high[0] - low[0]) / width * seen[2] / place[2],
@@ -60,6 +60,6 @@ def text_viewports(
         x, y, across, up = seen_part(patch)
         top = height - y - up
         share = x / width, top / height, across / width, up / height
-        if min(*share[2:], *screen) > 0.0:  # of a pixel an eye may have none
+        if min(*share[2:], *screen) > 0.0:  # an eye may have no part of one pixel
             found.append(TextViewport(*share, screen, patch.page, page))
     return tuple(found) or (WHOLE,)

@@ -1,4 +1,4 @@
-"""From a place on the pilot's screen to a ray into the sea, and back."""
+"""Projection between the front screen and the sea: points to rays, and back."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -9,13 +9,14 @@ from subsea.core.arrays import Array
 from subsea.view.camera import View
 from subsea.view.rig import CameraRig, Projection, front, seen_by, seen_part
 
-NEAR_CM = 4.0  # from the eye: lines are drawn from there on
+NEAR_CM = 4.0  # lines are clipped at this distance from the eye
 
 
 class FrontView(NamedTuple):
-    """A view, and what of it the screen ahead shows: places there are shares, from its upper left.
+    """A view and the part of it on the front screen.
 
-    `low` and `high` are the lower left and upper right corner of that, in [-1, 1] of the view.
+    Screen points are shares of the screen from its upper left corner. `low` and `high` are its
+    lower left and upper right corner in the view, in [-1, 1].
     """
 
     view: View
@@ -23,7 +24,7 @@ class FrontView(NamedTuple):
     high: tuple[float, float]
 
     def ray(self, x: float, y: float) -> tuple[Array, Array]:
-        """Where the eye is, cm, and the unit vector to what is seen at a place on the screen."""
+        """The eye, cm, and the unit vector through a screen point."""
         across = self.low[0] + x * (self.high[0] - self.low[0])
         up = self.high[1] - y * (self.high[1] - self.low[1])
         p = self.view.projection.astype(np.float64)
@@ -32,7 +33,7 @@ class FrontView(NamedTuple):
         return np.asarray(self.view.eye, np.float64), way / np.linalg.norm(way)
 
     def places(self, points: Array) -> Array:
-        """Where points (n, 3), cm, are seen: (n, 2); not a number for what is behind the eye."""
+        """Screen points (n, 2) of points (n, 3), cm; NaN behind the eye."""
         p = self.view.projection.astype(np.float64)
         away = np.asarray(points, np.float64) - np.asarray(self.view.eye, np.float64)
         seen = away @ self.view.view[:3, :3].astype(np.float64).T
@@ -48,7 +49,7 @@ class FrontView(NamedTuple):
         )
 
     def lines(self, segments: Array) -> Array:
-        """Where lines (n, 2, 3), cm, are seen: (k, 2, 2), as far as they are before the eye."""
+        """Screen lines (k, 2, 2) of lines (n, 2, 3), cm, clipped to those in front of the eye."""
         ends = np.asarray(segments, np.float64)
         ahead = -(ends - np.asarray(self.view.eye, np.float64)) @ self.view.view[2, :3]
         share = (NEAR_CM - ahead) / np.where(ahead[:, ::-1] == ahead, 1.0, ahead[:, ::-1] - ahead)
@@ -58,9 +59,9 @@ class FrontView(NamedTuple):
 
 
 def front_screen(rig: CameraRig, views: Sequence[View]) -> FrontView | None:
-    """Through the screen ahead, of a stereo with the left eye; None where that is no flat picture.
+    """The left eye's view through the front screen; None if its picture is not flat.
 
-    `views` are those of the rig's eyes, in their order.
+    `views` are those of the rig's eyes.
     """
     ahead = front(rig)
     if ahead.shape != Projection.FLAT:
@@ -73,5 +74,5 @@ def front_screen(rig: CameraRig, views: Sequence[View]) -> FrontView | None:
 
 
 def front_view(rig: CameraRig) -> int:
-    """The number of the view that a visitor looks at."""
+    """Index of the view on the front screen."""
     return next(k for k, eye in enumerate(rig.eyes) if eye is seen_by(rig, front(rig))[0])

@@ -10,7 +10,7 @@ from PIL import Image
 from subsea.fish.coupling import couple, place
 from subsea.fish.species import load_species
 from subsea.fish.surface import rest_control_points
-from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, Scene
+from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, RenderScene
 from subsea.geometry.rotation import from_matrix
 from subsea.render import headless_context
 from subsea.scenario.schema import Water
@@ -104,7 +104,7 @@ def scene(known_repertoire):
             rows.append(place(coupling, bent))
     axis = np.linspace(-HALF_WIDTH, HALF_WIDTH, 61)
     x, y = np.meshgrid(axis, axis)
-    return Scene(
+    return RenderScene(
         species=tuple(load_species(name) for name in SPECIES),
         control_points=np.array(rows, np.float32),
         recorded_length_cm=(LENGTH, LENGTH),

@@ -18,7 +18,7 @@ from subsea.fish.color_sheet import sheets
 from subsea.fish.mesh import DETAILS, VERTEX_ATTRIBUTES, VERTEX_FORMAT, Mesh, fish_mesh, outfit
 from subsea.fish.species import Display, Species
 from subsea.fish.surface import PaddlePlan
-from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, Scene
+from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, RenderScene
 from subsea.render.fish import speck as fish_speck
 from subsea.render.fish.speck import COARSEST, Speck, places, speck
 from subsea.render.gl.id_buffer import FISH, object_id
@@ -52,7 +52,7 @@ class FishRenderer(GpuOwner):
     """Draws instances from a table of control points, a mesh per level and an atlas of skins."""
 
     def __init__(
-        self, context: Any, scene: Scene, skins: list[NDArray[np.uint8]] | None = None
+        self, context: Any, scene: RenderScene, skins: list[NDArray[np.uint8]] | None = None
     ) -> None:
         """Upload the species of a scene, with their own skins or `skins` as `paint` makes them."""
         super().__init__()

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from subsea.core.arrays import Array
 from subsea.fish.species import Species, Variation
 from subsea.fish.surface import CONTROL_POINTS, rest_surface
-from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, Scene
+from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, RenderScene
 from subsea.render.fish.fishes import FishRenderer
 from subsea.render.gl.mipmaps import mipmapped
 from subsea.render.gl.owner import GpuOwner
@@ -70,7 +70,7 @@ class FishPreview(GpuOwner):
         self._context = context
         self._measure(species)
         one = _without_variation(species)
-        scene = Scene(
+        scene = RenderScene(
             species=(one,),
             control_points=np.zeros((1, CONTROL_POINTS, 3), np.float32),
             recorded_length_cm=(species.length_cm,),

@@ -7,7 +7,7 @@ import numpy as np
 
 from subsea.core.arrays import Array
 from subsea.core.kernels import kernel
-from subsea.frame.packet import FISH, KIND, ORIENTATION, POSITION, SCALE, Packet, Scene
+from subsea.frame.packet import FISH, KIND, ORIENTATION, POSITION, SCALE, Packet, RenderScene
 from subsea.geometry.height_field import height_at
 from subsea.habitat.stone_shade import SUN
 from subsea.render.gl.owner import GpuOwner, replace_data
@@ -48,7 +48,7 @@ class Caster(NamedTuple):
 class SoftShadowRenderer(GpuOwner):
     """Draws one quad for each shadow."""
 
-    def __init__(self, context: Any, scene: Scene) -> None:
+    def __init__(self, context: Any, scene: RenderScene) -> None:
         """Take the lengths of species and the sand from the scene."""
         super().__init__()
         self._lengths = np.array(scene.recorded_length_cm, np.float64)

@@ -1,7 +1,7 @@
-"""The coarsest level of a fish: some of its control points themselves, lit at these alone.
+"""The coarsest level of a fish, a few pixels large: 28 control points as vertices.
 
-A speck is a few pixels large: 28 of the 426 control points, without weights, slopes or paired fins.
-Its colours are those of the coarsest mipmap of the skin, so that it does not flicker.
+It has no spline weights, slopes or paired fins, and is lit per vertex. Its colours come from the
+coarsest mipmap of the skin, so that it does not flicker.
 """
 
 from typing import NamedTuple
@@ -28,23 +28,23 @@ from subsea.geometry.spline import greville
 VERTEX_FORMAT = "3f4 3f4"
 VERTEX_ATTRIBUTES = ("a_normal", "a_part")
 
-RINGS = 3, 6, 9  # columns of the body of which four points are taken; the last runs to a wing's tip
-ROOT, EDGE = V - TAIL_COLUMNS - 1, V - 1  # columns where the tail fin begins and ends
-# Length of the normals on back and belly: flanks are flat, and bend only near these.
+RINGS = 3, 6, 9  # columns of the body with four vertices each
+ROOT, EDGE = V - TAIL_COLUMNS - 1, V - 1  # first and last column of the tail fin
+# Length of the normals on back and belly: shorter, because flanks bend only near them.
 RIDGE = 0.6
-COARSEST = 5  # mipmap of the skins: the last there is, and what specks wear
+COARSEST = 5  # last mipmap of the skins, used by specks
 FIN_COLUMNS = 3, 8  # of the free edge of a dorsal or ventral fin
 
 
 class Speck(NamedTuple):
-    """Vertices and triangles of a speck, the same for all species."""
+    """Vertices and triangles of a speck, common to all species."""
 
     points: Ints  # (n,) the control point of each vertex
-    roots: Ints  # (n,) the one from which it rises if it is of the edge of a fin, else the same
-    normals: Array  # (n, 3) in body axes; of what is thin either side
+    roots: Ints  # (n,) for the edge of a fin the point at its root, else the same
+    normals: Array  # (n, 3) in body axes; on fins of either side
     thin: NDArray[np.bool_]  # (n,) whether it belongs to a fin
-    fin: Ints  # (n,) 0, or 1 for the dorsal and 2 for the ventral fin, which a species may lack
-    triangles: Ints  # (m, 3) int32, both sides of what is thin
+    fin: Ints  # (n,) 1 on the dorsal and 2 on the ventral fin, which a species may lack; else 0
+    triangles: Ints  # (m, 3) int32, both sides of fins
 
     @property
     def vertices(self) -> Array:
@@ -99,9 +99,9 @@ def speck() -> Speck:
 
 
 def places(plan: SurfacePlan, shape: Speck) -> Array:
-    """Where a species' vertices (n, 3) lie on its skin, in shares of its sheet, and ABSENT or 0.
+    """Texture coordinates of a species' vertices as shares of its skin sheet, and ABSENT or 0.
 
-    They keep off the borders of the sheet's frames by half a texel of the coarsest mipmap.
+    Returns (n, 3). Coordinates are inset by half a texel of the coarsest mipmap.
     """
     rest = rest_control_points(plan, 1.0, 0.0)[shape.points]
     height = rest[:, 1]
@@ -124,7 +124,7 @@ def places(plan: SurfacePlan, shape: Speck) -> Array:
 
 
 def _framed(frame: paint.Frame, within: Array) -> Array:
-    """Places (n, 2) on the sheet of places in a frame, 0 to 1 both ways."""
+    """Coordinates (n, 2) on the sheet of points in a frame, 0 to 1 both ways."""
     half = 0.5 * 2**COARSEST / np.array(paint.SIZE)
     low, high = np.array(frame[:2]) + half, np.array(frame[2:]) - half
     return np.clip(low - half + within * (high - low + 2.0 * half), low, high)

@@ -1,4 +1,4 @@
-"""Tileable textures, made at start: noise for the sand, caustics for the light."""
+"""Tileable textures: noise, caustics, waves and the relief of stone."""
 
 from collections.abc import Callable
 from typing import Any
@@ -10,13 +10,13 @@ from subsea.core.arrays import Array
 from subsea.render.gl.mipmaps import ALL, Texels, kept_texture
 
 SIZE = 256
-WIND = 0.6  # rad, which way most waves run
+WIND = 0.6  # rad, main direction of the waves
 
 
 def tileable_noise(seed: int, size: int = SIZE, roughness: float = 1.6) -> Array:
-    """Smooth noise (size, size) with mean 0 and deviation 1 whose edges meet.
+    """Tileable noise (size, size) with mean 0 and deviation 1.
 
-    Random phases over a spectrum that falls with wave number to the power `roughness`.
+    Random phases over a spectrum that falls with the wave number to the power `roughness`.
     """
     rng = np.random.default_rng([seed, 0x401])
     k = np.fft.fftfreq(size) * size
@@ -35,12 +35,12 @@ def caustics(
     reach: float = 0.020,
     penumbra: float = 0.0035,
 ) -> Array:
-    """Brightness (size, size), mean 1, of light that a rippled surface focuses on the ground.
+    """Brightness (size, size), mean 1, of light that a wavy surface focuses on the ground.
 
-    A grid of vertical rays is bent by the slope of a tileable wave field and gathered where it
-    lands: bright lines are where neighbouring rays meet. The waves run mostly one way; `waves` are
-    how many of the longest and of the shortest fit into the tile, `reach` how far a ray of mean
-    slope is carried and `penumbra` how far the sun's disc blurs it, shares of the tile.
+    A grid of vertical rays is refracted by the slopes of a tileable wave field and counted where it
+    lands. `waves` are the numbers of the longest and shortest waves in the tile, `reach` is the
+    displacement of a ray of mean slope and `penumbra` the blur by the sun's disc, as shares of the
+    tile.
     """
     fine = 2 * size
     n = np.fft.fftfreq(size) * size
@@ -67,7 +67,7 @@ def caustics(
 
 
 def _gathered(x: Array, y: Array, size: int) -> Array:
-    """How many points fall on each texel (size, size); each is shared among the nearest four."""
+    """Points per texel (size, size), each split among the nearest four texels."""
     column, row = np.floor(x).astype(np.int64), np.floor(y).astype(np.int64)
     right, down = x - column, y - row
     out = np.zeros(size * size)
@@ -79,10 +79,9 @@ def _gathered(x: Array, y: Array, size: int) -> Array:
 
 
 def ripples(seed: int, size: int = SIZE) -> list[Array]:
-    """Slopes of a wind-blown surface along x and y, each (size, size), tileable, deviation 1.
+    """Slopes of a windy surface along x and y, each (size, size), tileable, deviation 1.
 
-    Mean square slopes of waves fall slowly with their number (Cox and Munk), so that each scale
-    shows; and again the waves run mostly one way.
+    The mean square slope falls slowly with the wave number (Cox and Munk).
     """
     rng = np.random.default_rng([seed, 0x51])
     n = np.fft.fftfreq(size) * size
@@ -99,10 +98,10 @@ def ripples(seed: int, size: int = SIZE) -> list[Array]:
 
 
 def relief(seed: int, size: int = SIZE, cells: int = 24) -> list[Array]:
-    """Stone that corals grew on, four tileable layers (size, size).
+    """Relief of encrusted stone in four tileable layers (size, size).
 
-    Its height, about 0, with the slopes of that along x and y, per texel times `size`; and how
-    near the middle of a polyp is, 0 to 1.
+    Height with mean 0; its slopes along x and y, per texel times `size`; nearness of the middle of
+    a polyp, 0 to 1.
     """
     polyps = np.clip(1.0 - 1.4 * nearest_of_cells(seed, size, cells), 0.0, 1.0)
     rough = tileable_noise(seed + 1, size, 1.9)
@@ -139,13 +138,13 @@ def halves(layers: list[Array]) -> Texels:
 
 
 def in_bytes(layers: list[Array], low: Array, high: Array) -> Texels:
-    """Layers (n, n) as bytes from `low` to `high`."""
+    """Layers (n, n) as bytes that span `low` to `high`."""
     data = np.clip((np.stack(layers, axis=-1) - low) / (np.asarray(high) - low), 0.0, 1.0)
     return (255.0 * data + 0.5).astype(np.uint8)
 
 
 def near_and_far(seed: int) -> Texels:
-    """The caustics of short waves, and of what is left of them far below: long ones, blurred."""
+    """Caustics near the surface, of short waves, and far below, of long waves, blurred."""
     return halves([caustics(seed), caustics(seed, waves=(4.0, 14.0), reach=0.040, penumbra=0.010)])
 
 
@@ -155,8 +154,8 @@ def noise(seed: int) -> Texels:
 
 
 def repeating(context: Any, make: Callable[[int], Texels], seed: int) -> Any:
-    """What `make` returns for a seed as a texture that repeats, kept on the disk."""
+    """A repeating texture of `make(seed)`, cached on disk."""
     texture = kept_texture(context, ALL, False, make, seed)
-    # Reading two mipmaps for every sample would show little and take a sixth of a picture.
+    # Trilinear filtering would show little and take a sixth of the time of a picture.
     texture.filter = moderngl.LINEAR_MIPMAP_NEAREST, moderngl.LINEAR
     return texture

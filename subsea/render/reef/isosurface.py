@@ -1,4 +1,4 @@
-"""Triangles about the inside of a sampled field: naive surface nets (Gibson 1998)."""
+"""Isosurfaces of sampled fields by naive surface nets (Gibson 1998)."""
 
 import numpy as np
 
@@ -6,11 +6,11 @@ from subsea.core.arrays import Array, Ints
 
 
 def surface_net(field: Array) -> tuple[Array, Ints]:
-    """Where a field (a, b, c) is 0: places (n, 3) in cells of the grid, triangles (m, 3).
+    """The zero surface of a field (a, b, c): vertices (n, 3) in cells, triangles (m, 3).
 
-    One vertex lies in each cell that the surface passes, in the mean of where it crosses the
-    cell's edges; one square about each edge of the grid that it crosses. Triangles are
-    counter-clockwise seen from where the field is positive. The surface ends at the grid's rim.
+    Each cell that the surface crosses has one vertex, the mean of the crossings of its edges; each
+    edge of the grid that it crosses has one square. Triangles are counter-clockwise seen from
+    where the field is positive. The surface ends at the edge of the grid.
     """
     inside = field < 0.0
     total = np.zeros([n - 1 for n in field.shape] + [3])
@@ -26,7 +26,7 @@ def surface_net(field: Array) -> tuple[Array, Ints]:
         place = at.astype(np.float64)
         place[:, axis] += here / (here - there)
         crossings.append((at, here < 0.0))
-        # An edge is one of four cells'.
+        # Four cells share each edge.
         for cell in _about(at, axis):
             valid = ((cell >= 0) & (cell < count.shape)).all(axis=1)
             np.add.at(total, tuple(cell[valid].T), place[valid])
@@ -46,7 +46,7 @@ def surface_net(field: Array) -> tuple[Array, Ints]:
 
 
 def _about(edges: Ints, axis: int) -> list[Ints]:
-    """The cells (n, 3) about edges along an axis, counter-clockwise seen from its far end."""
+    """The four cells (n, 3) around edges along an axis, counter-clockwise from its far end."""
     one, other = (axis + 1) % 3, (axis + 2) % 3
     around = []
     for step in ((-1, -1), (0, -1), (0, 0), (-1, 0)):

@@ -1,6 +1,6 @@
-"""Rock formations as triangles: in three levels of detail, with the light that reaches them.
+"""Meshes of rock formations at three levels of detail, with baked light.
 
-The surface is where `habitat.formations.drawn_distance` is 0: inside of what the fishes avoid.
+The surface is where `habitat.formations.drawn_distance` is 0, inside of what fishes avoid.
 """
 
 from collections.abc import Callable
@@ -35,23 +35,23 @@ from subsea.render.reef.isosurface import surface_net
 Floor = Callable[[Array, Array], Array]  # x and y in cm -> height of the seabed in cm
 
 LEVELS = 3
-COARSE = 2 ** (LEVELS - 1)  # cells of the finest level along one of the coarsest
-BURIED_CM = 20.0  # a shape goes on so far below the sand
-CELLS = 46.0  # along the longest side of a formation, at the finest level, but ...
-FINEST_CM, COARSEST_CM = 4.5, 10.0  # ... no smaller and no larger than that
-ACROSS = 4.0  # cells at least, where a formation is thinnest
-PIECE_CM = 220.0  # formations are cut into boxes so wide, so that far parts are drawn coarsely
-NEAR_CM = 200.0  # solids so near shade one another
-SUN_WIDE = 0.16  # of the cone of light that counts as the sun: how soft shadows are
+COARSE = 2 ** (LEVELS - 1)  # finest cells along a coarsest one
+BURIED_CM = 20.0  # depth of meshes below the sand
+CELLS = 46.0  # along the longest side of a formation, at the finest level
+FINEST_CM, COARSEST_CM = 4.5, 10.0  # limits of their size
+ACROSS = 4.0  # least number of cells across a formation
+PIECE_CM = 220.0  # width of pieces, each of which has its own level
+NEAR_CM = 200.0  # formations closer than this shade one another
+SUN_WIDE = 0.16  # width of the cone of sunlight, for soft shadows
 
-# Columns of a vertex: place, normal, then how it is lit and what grows there.
+# Columns of a vertex: position, normal, then light and cover.
 COLUMNS = 13
 SKY, SUNNY, HOLLOW, ABOVE, TURF, CORALLINE, SPONGE = range(6, 13)
 
 
 def shapes(formations: list[Array], floor: Floor) -> list[list[StaticMesh]]:
-    """Of each formation the levels, finest first, as `StaticBatch` takes them."""
-    # Compiled kernels and numpy leave the interpreter to others.
+    """The levels of each formation, finest first."""
+    # Kernels and numpy release the GIL.
     with ThreadPoolExecutor() as pool:
         shades = list(pool.map(shade_of, formations))
 
@@ -60,15 +60,15 @@ def shapes(formations: list[Array], floor: Floor) -> list[list[StaticMesh]]:
             return _levels(formations[number], near, floor)
 
         shaped = list(pool.map(levels, range(len(formations))))
-    # Of a pebble that lies deep in the sand nothing is there to be drawn.
+    # A stone deep in the sand has no triangles.
     return [own for own in shaped if len(own[0].triangles)]
 
 
 def cut(levels: list[StaticMesh]) -> list[list[StaticMesh]]:
-    """The levels of a formation in pieces of which each has a level of its own.
+    """Cut the levels of a formation into pieces, each of which is drawn at its own level.
 
-    Beyond its box each piece has triangles as far as its level's are long: neighbours of different
-    levels overlap, on the same surface, and nothing gapes.
+    Pieces extend beyond their boxes by the length of a triangle, so that neighbours at different
+    levels overlap without gaps.
     """
     low = levels[0].vertices[:, :3].min(axis=0)
     number = np.ceil(np.ptp(levels[0].vertices[:, :3], axis=0) / PIECE_CM).astype(int)
@@ -90,13 +90,13 @@ def cut(levels: list[StaticMesh]) -> list[list[StaticMesh]]:
 
 
 def _long(shape: StaticMesh) -> float:
-    """How long the edges of a shape's triangles are, on average."""
+    """Mean edge length of the triangles."""
     corners = shape.vertices[:, :3][shape.triangles]
     return float(np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1).mean())
 
 
 def _neighbours(formations: list[Array], number: int) -> list[int]:
-    """Those formations that may shade one of them, itself first."""
+    """Indices of formations that may shade one, itself first."""
     low, high = box_of(formations[number])
     found = [number]
     for k, other in enumerate(formations):
@@ -108,20 +108,20 @@ def _neighbours(formations: list[Array], number: int) -> list[int]:
 
 
 def _levels(blocks: Array, near: list[Shade], floor: Floor) -> list[StaticMesh]:
-    """One field, of whose samples ever fewer are taken."""
+    """The levels of a formation from one field: every sample, every second, and so on."""
     field, corner, cell = sampled(blocks, floor)
     levels: list[StaticMesh] = []
     for k in range(LEVELS):
         shape = _shape(field[:: 2**k, :: 2**k, :: 2**k], corner, cell * 2**k, blocks, near, floor)
-        # A thin stone may slip between coarse samples.
+        # A thin stone may fall between coarse samples.
         levels.append(levels[-1] if levels and not len(shape.triangles) else shape)
     return levels
 
 
 def sampled(blocks: Array, floor: Floor) -> tuple[Array, Array, float]:
-    """Distances from the drawn stone on a grid about it, the grid's corner and its cells, cm.
+    """Distances to the drawn stone on a grid, the grid's corner and cell size, cm.
 
-    Far from the surface they are only of the right sign.
+    Far from the surface only the sign is correct.
     """
     low, high = box_of(blocks)
     thin = (high - low).min()
@@ -130,7 +130,7 @@ def sampled(blocks: Array, floor: Floor) -> tuple[Array, Array, float]:
     low[2] = max(low[2], min(float(ground), high[2] - 1.0) - BURIED_CM)
     cell = float(np.clip((high - low).max() / CELLS, FINEST_CM, COARSEST_CM))
     cell = min(cell, thin / ACROSS)
-    # One cell of every level is free all round; the lowest ones are cut by the grid's end.
+    # One free cell around at every level, except at the bottom.
     coarse = cell * COARSE
     corner = low - (coarse, coarse, 0.0)
     number = np.ceil((high + coarse - corner) / coarse).astype(int)
@@ -141,7 +141,7 @@ def _shape(
     field: Array, corner: Array, cell: float, blocks: Array, near: list[Shade], floor: Floor
 ) -> StaticMesh:
     cells, triangles = surface_net(field)
-    # Coarse levels lie on the same surface, not on chords of it; but no place leaves its cell.
+    # Vertices of coarse levels move onto the surface, but stay in their cells.
     start = corner + cell * cells
     place, normal, _ = on_the_surface(blocks, start, 1 if cell <= COARSEST_CM else 2)
     shift = place - start
@@ -194,7 +194,7 @@ def _sample(blocks: Array, corner: Array, cell: float, nx: int, ny: int, nz: int
 
 @kernel
 def _sun(shade: Shade, place: Array, normal: Array, out: Array) -> None:
-    """Take from the sunlight what a formation keeps away."""
+    """Multiply the sunlight by what a formation lets through."""
     for i in range(len(place)):
         x, y, z = place[i]
         n = vector(normal[i])
@@ -204,12 +204,12 @@ def _sun(shade: Shade, place: Array, normal: Array, out: Array) -> None:
 
 @kernel
 def _dress(blocks: Array, place: Array, normal: Array, out: Array) -> None:
-    """Enter hollows and what grows; patches run on from one stone to the next."""
+    """Write hollows and cover; patches continue from one stone to the next."""
     for i in range(len(place)):
         x, y, z = place[i]
         n = vector(normal[i])
         few = blocks_near(blocks, (x, y, z), NEAR_BLOCKS_CM)
-        # A place whose surroundings stand out is a hollow, whatever made it.
+        # Hollow: stone lies ahead along the normal.
         outside = drawn_distance(few, (x + 14.0 * n[0], y + 14.0 * n[1], z + 14.0 * n[2]))
         out[i, 8] = min(max(1.15 - outside / 14.0, 0.0), 1.0) + 0.4 * (carved((x, y, z)) - 0.4)
         bx = x + 30.0 * fractal(x / 90.0, y / 90.0, z / 90.0, 2)

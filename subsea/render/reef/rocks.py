@@ -8,7 +8,7 @@ import numpy as np
 
 from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
-from subsea.frame.packet import Packet, Scene
+from subsea.frame.packet import Packet, RenderScene
 from subsea.geometry.solids import from_pillar, from_rock
 from subsea.geometry.vector import vector
 from subsea.habitat.formations import first_of_formation, formations
@@ -30,7 +30,7 @@ LEVELS_PX = (900.0, 230.0)  # diameters of a piece from which its levels are use
 def pieces(
     terrain: Array, half_width_cm: float, pillars: Array, rocks: Array
 ) -> list[list[StaticMesh]]:
-    """The formations of a `Scene` in pieces: the levels of each piece, finest first."""
+    """The formations of a `RenderScene` in pieces: the levels of each piece, finest first."""
     floor = partial(drawn_height, terrain, half_width_cm)
     found = formations(pillars, rocks)
     return [piece for levels in shapes(found, floor) for piece in cut(levels)]
@@ -65,7 +65,7 @@ def roughness(seed: int) -> Texels:
 class RockRenderer(GpuOwner):
     """Draws the pieces of formations in sight."""
 
-    def __init__(self, context: Any, scene: Scene, stone: list[list[StaticMesh]]) -> None:
+    def __init__(self, context: Any, scene: RenderScene, stone: list[list[StaticMesh]]) -> None:
         """Upload the `pieces` of a scene's formations."""
         super().__init__()
         self._context = context

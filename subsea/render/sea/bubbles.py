@@ -6,7 +6,7 @@ import moderngl
 import numpy as np
 
 from subsea.core.arrays import Array
-from subsea.frame.packet import Packet, Scene
+from subsea.frame.packet import Packet, RenderScene
 from subsea.render.gl.id_buffer import BUBBLES
 from subsea.render.gl.owner import GpuOwner, replace_data
 from subsea.render.gl.programs import ProgramVariants
@@ -20,7 +20,7 @@ STREAM_CM = 60.0  # half width of a stream without current
 class BubbleRenderer(GpuOwner):
     """Draws the bubbles of the vents in sight; the shader moves them by the time alone."""
 
-    def __init__(self, context: Any, scene: Scene) -> None:
+    def __init__(self, context: Any, scene: RenderScene) -> None:
         """Put the vents of a scene on the sand as drawn."""
         super().__init__()
         x, y = scene.vents[:, 0], scene.vents[:, 1]

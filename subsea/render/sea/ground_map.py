@@ -1,4 +1,4 @@
-"""The sand about what stands on it, as a map: how much of sun and sky it sees, and its rubble."""
+"""A map of the sand around formations: sun, sky and rubble."""
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -23,23 +23,23 @@ from subsea.habitat.stone_shade import (
 
 Floor = Callable[[Array, Array], Array]  # x and y in cm -> height of the seabed in cm
 
-TEXEL_CM, MOST_TEXELS = 8.0, 1024  # a side of the map has at most so many
-REACH_CM = 170.0  # farther from a formation the sand is as if there were none
-SUN_WIDE = 0.2  # of the cone of light that counts as the sun: how soft shadows are
-RUBBLE_CM = 90.0  # from its foot a formation strews rubble so far, about
+TEXEL_CM, MOST_TEXELS = 8.0, 1024  # size, and most per side of the map
+REACH_CM = 170.0  # distance at which formations have no effect
+SUN_WIDE = 0.2  # width of the cone of sunlight, for soft shadows
+RUBBLE_CM = 90.0  # decay length of rubble around a formation
 UP = np.array([[0.0, 0.0, 1.0]])
 
 
 class GroundMap(NamedTuple):
-    """What shaders look up; outside of the map it is what its rim is."""
+    """The map and its place; its edge extends outward."""
 
-    light: NDArray[np.uint8]  # (rows, columns, 4): sun, sky, rubble, nothing; 255 is all
-    corner: Array  # (2,) cm, x and y of its south-western corner
+    light: NDArray[np.uint8]  # (rows, columns, 4): sun, sky, rubble, unused; 255 is 1
+    corner: Array  # (2,) cm, lowest x and y
     size: Array  # (2,) cm
 
 
 def ground_map(formations: list[Array], floor: Floor) -> GroundMap:
-    """The map about all formations, which are arrays of blocks (`habitat.formations`)."""
+    """The map of formations, which are arrays of blocks (`habitat.formations`)."""
     if not formations:
         return GroundMap(np.full((1, 1, 4), (255, 255, 0, 255), np.uint8), np.zeros(2), np.ones(2))
     boxes = [np.array(box_of(blocks))[:, :2] for blocks in formations]
@@ -53,7 +53,7 @@ def ground_map(formations: list[Array], floor: Floor) -> GroundMap:
     light[:] = 1.0, 1.0, 0.0
 
     def around(blocks: Array) -> tuple[tuple[slice, slice], Array]:
-        """What of the map a formation changes, and how."""
+        """The part of the map that a formation changes, and its factors there."""
         box = np.array(box_of(blocks))[:, :2]
         first = np.clip((box[0] - REACH_CM - low) / texel, 0, None).astype(int)
         end = np.minimum(np.ceil((box[1] + REACH_CM - low) / texel).astype(int), (columns, rows))
@@ -84,10 +84,7 @@ def upload(context: Any, ground: GroundMap) -> Any:
 
 @kernel
 def _light(shade: Shade, places: Array, fade: Array) -> Array:
-    """Shares of sun and sky and of rubble (n, 3) at places on the sand (n, 3).
-
-    `fade` (n,) is the share of all these effects that counts.
-    """
+    """Sun, sky and rubble (n, 3) at points on the sand (n, 3); `fade` (n,) weighs the effect."""
     out = np.empty((len(places), 3))
     for i in range(len(places)):
         x, y, z = places[i]

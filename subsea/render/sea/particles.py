@@ -5,7 +5,7 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from subsea.frame.packet import PLANKTON_REACH_CM, Packet, Scene
+from subsea.frame.packet import PLANKTON_REACH_CM, Packet, RenderScene
 from subsea.render.gl.owner import GpuOwner, replace_data
 from subsea.render.gl.programs import ProgramVariants
 from subsea.render.output.quality import PRESETS, Quality
@@ -20,7 +20,7 @@ PLANKTON_LOOK = {"u_diameter": 1.0, "u_colour": (0.85, 0.88, 0.80), "u_reach": P
 class ParticleRenderer(GpuOwner):
     """Draws points."""
 
-    def __init__(self, context: Any, scene: Scene) -> None:
+    def __init__(self, context: Any, scene: RenderScene) -> None:
         """Scatter the snow; plankton comes with each packet."""
         super().__init__()
         places = np.random.default_rng(0x5A0).uniform(size=(SNOW, 3)).astype("f4")

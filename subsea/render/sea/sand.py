@@ -1,4 +1,4 @@
-"""Sand close up, as tileable textures: ripple marks, and the litter that lies on it."""
+"""Tileable textures of sand: ripple marks, and litter of shells and coral."""
 
 from typing import Any
 
@@ -10,19 +10,19 @@ from subsea.render.gl.mipmaps import Texels
 from subsea.render.gl.textures import in_bytes, tileable_noise
 
 SIZE, FINE_SIZE = 384, 256
-RIPPLES = 12  # ripples across a texture, on average
-CELLS = 26  # bits of litter across a texture
+RIPPLES = 12  # mean number of ripples across a texture
+CELLS = 26  # chips of litter across a texture
 
-# What the bytes of the textures span: deviations, and of litter its tone and how common it is.
+# Ranges of the bytes of the textures.
 SPAN = np.array([3.0, 3.0, 3.0, 4.0])
 LITTER_LOW, LITTER_HIGH = np.array([-3.5, -3.5, 0.0, 0.0]), np.array([3.5, 3.5, 1.0, 1.0])
 
 
 def ripples(seed: int, size: int = SIZE) -> list[Array]:
-    """Ripple marks, crests along y: slopes along x and y, height, grain; about 0, deviation 1.
+    """Ripple marks with crests along y: slopes along x and y, height, grain; deviation 1.
 
-    Noise of one band of waves wanders, forks and ends as ripples do; a steep side and a gentle
-    one make it sand that a current has driven along x.
+    Band-limited noise wanders, forks and ends as ripples do; its phase is skewed, so that one side
+    is steep, as from a current along x.
     """
     rng = np.random.default_rng([seed, 0x21])
     k = np.fft.fftfreq(size) * size
@@ -41,14 +41,14 @@ def ripples(seed: int, size: int = SIZE) -> list[Array]:
 
 
 def litter(seed: int, size: int = FINE_SIZE) -> list[Array]:
-    """Bits of shell and coral: slopes along x and y, tone 0 to 1, and how common each is, 0 to 1.
+    """Chips of shell and coral: slopes along x and y, tone, and frequency, both 0 to 1.
 
-    Between the bits nothing is common: 0.
+    The frequency is 0 between chips.
     """
     x, y, which = _nearest(seed, size, CELLS)
     rng = np.random.default_rng([seed, 0x11])
     tone, common, turn, long, wide = rng.uniform(size=(5, CELLS * CELLS))[:, which]
-    # Chips: turned anyhow, some long, their outline broken.
+    # Chips at random angles, some long, with irregular outlines.
     rough = [0.09 * tileable_noise(seed + k, size, 1.5) for k in (1, 2)]
     c, s = np.cos(2 * np.pi * turn), np.sin(2 * np.pi * turn)
     u = (c * x + s * y + rough[0]) * (1.0 + 1.4 * long)
@@ -70,7 +70,7 @@ def littered(seed: int) -> Texels:
 
 
 def _slopes(height: Array) -> tuple[Array, Array]:
-    """Slopes along x and y, of deviation 1 together."""
+    """Slopes along x and y with a joint deviation of 1."""
     x, y = (np.roll(height, -1, axis) - np.roll(height, 1, axis) for axis in (1, 0))
     size = float(np.sqrt((x**2 + y**2).mean()))
     return x / size, y / size
@@ -81,7 +81,7 @@ def _even(values: Array) -> Array:
 
 
 def _nearest(seed: int, size: int, cells: int) -> tuple[Array, Array, NDArray[np.integer[Any]]]:
-    """From the nearest of one point in each cell, the way (size, size), in cells; its number."""
+    """Offset (size, size) from the nearest of one random point per cell, and its index (Worley)."""
     rng = np.random.default_rng([seed, 0x33])
     points = rng.uniform(0.1, 0.9, (cells * cells, 2))
     at = (np.arange(size) + 0.5) * cells / size

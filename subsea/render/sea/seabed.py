@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from subsea.core.arrays import Array, Ints
-from subsea.frame.packet import Packet, Scene
+from subsea.frame.packet import Packet, RenderScene
 from subsea.habitat.formations import formations
 from subsea.render.gl.id_buffer import SEABED
 from subsea.render.gl.owner import GpuOwner
@@ -26,7 +26,7 @@ GROUND_UNIT, RIPPLES_UNIT, LITTER_UNIT = 8, 9, 10  # texture units
 class SeabedRenderer(GpuOwner):
     """Draws the tiles in sight."""
 
-    def __init__(self, context: Any, scene: Scene, ground: ground_map.GroundMap) -> None:
+    def __init__(self, context: Any, scene: RenderScene, ground: ground_map.GroundMap) -> None:
         """Cut `scene.terrain` (SMC §6.2) into tiles; `ground` is its `surroundings`."""
         super().__init__()
         self._batch = self.own(
@@ -70,7 +70,7 @@ class SeabedRenderer(GpuOwner):
 def surroundings(
     terrain: Array, half_width_cm: float, pillars: Array, rocks: Array
 ) -> ground_map.GroundMap:
-    """The ground map of the stones of a `Scene`."""
+    """The ground map of the stones of a `RenderScene`."""
     floor = partial(drawn_height, terrain, half_width_cm)
     return ground_map.ground_map(formations(pillars, rocks), floor)
 

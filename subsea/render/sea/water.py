@@ -7,7 +7,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.frame.packet import Scene
+from subsea.frame.packet import RenderScene
 from subsea.render.gl.id_buffer import SURFACE
 from subsea.render.gl.mipmaps import Texels
 from subsea.render.gl.owner import GpuOwner
@@ -28,7 +28,7 @@ RIPPLES_UNIT = 7  # texture unit
 class WaterRenderer(GpuOwner):
     """Draws the background on a grid, and the surface on a disc."""
 
-    def __init__(self, context: Any, scene: Scene) -> None:
+    def __init__(self, context: Any, scene: RenderScene) -> None:
         """Compile the shaders; the surface mirrors the sand of the scene."""
         super().__init__()
         self._context = context

@@ -10,7 +10,7 @@ from subsea.view.camera import NEAR_CM, off_axis
 from subsea.view.display_rigs import SURROUNDS, cube
 from subsea.view.rig import CUBES, CameraRig, DisplayPatch, Eye, Projection, Rect, Warp
 from subsea.view.stereo import EYES, LAYOUTS, Stereo, halves, patches_of
-from subsea.view.surround import COLUMNS, MARGIN_PX, ROWS, face_size, looked_at
+from subsea.view.surround import COLUMNS, MARGIN_PX, ROWS, face_size, visible_parts
 from subsea.view.theatre.channels import Lighted, grid_of, mesh_of
 from subsea.view.theatre.screens import Flat, Frustum, frustum_of, points_on, seen_at
 from subsea.view.theatre.theatre_file import Theatre
@@ -202,7 +202,7 @@ def _face(one: Lighted) -> int:
 def _round(one: Lighted, rect: Rect, offset: Array) -> tuple[Eye, ...]:
     """The eyes of a channel that shows all round."""
     aside = float(offset[0]) / one.distance_cm
-    shown = looked_at(_display(one), one.place[2:], one.surround, aside)
+    shown = visible_parts(_display(one), one.place[2:], one.surround, aside)
     return cube(rect[:2], _face(one), shown, offset)
 
 

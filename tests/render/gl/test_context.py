@@ -14,7 +14,7 @@ from subsea.view.display_rigs import display_rig
 
 DRAW = """
 import numpy as np
-from subsea.frame.packet import Packet, Scene
+from subsea.frame.packet import Packet, RenderScene
 from subsea.render import Renderer, headless_context
 from subsea.scenario.schema import Water
 from subsea.fish.species import load_species
@@ -22,7 +22,7 @@ from subsea.view.rig import pose_from_angles
 from subsea.view.display_rigs import display_rig, views_for
 
 context = headless_context()
-scene = Scene(
+scene = RenderScene(
     species=(load_species("fusilier"),), control_points=np.zeros((1, 426, 3), np.float32),
     recorded_length_cm=(20.0,), terrain=np.full((9, 9), -300, np.float32),
     terrain_half_width_cm=500.0,
