@@ -1,9 +1,9 @@
-"""The flat fish of KS, built, taught and drawn: `python docs/fish_in_two_dimensions.py [FOLDER]`.
+"""Build, train and draw the flat fish of KS: `python docs/fish_in_two_dimensions.py [FOLDER]`.
 
 The script of docs/two-dimensional-fish.md: prints its numbers and draws FOLDER/flat_*.png (default
-docs/pictures). `--only NAME` does one part of it, `--quick` spends a little of everything, for the
-tests. Everything is seeded. Lengths are cm, masses g, times tu (0.1 s); the plane is seen from
-above, x ahead and y to the left of a fish at rest.
+docs/pictures). `--only NAME` runs one part, `--quick` all parts briefly, for the tests. All
+seeds are fixed. Units are cm, g and tu (0.1 s); the plane is seen from above, x ahead and y to the
+left of a fish at rest.
 """
 
 import argparse
@@ -30,28 +30,28 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 STEP_TU = 0.055
-"""As large as that of the fish in space."""
+"""The step of the three-dimensional fish."""
 FRAME = 6
-"""Steps between two states that are kept."""
+"""Steps between two stored states."""
 MUSCLES = 6
-"""Three segments, left and right each."""
+"""Three segments, left and right."""
 DRAG = 2.0
 """µ of the water, g/(cm² tu)."""
 LARGEST = 0.15
-"""Bound of the amplitudes, share of a muscle's length."""
+"""Bound of the amplitudes, relative to a muscle's length."""
 FREQUENCIES = (0.05, 0.4)
 """Bounds of the frequencies, beats a tu."""
 SWIM_TU = 60.0
-"""How long a try swims."""
+"""Duration of an evaluation."""
 TURN_TU = 60.0
 MEAN = 30
-"""Frames over which headings are averaged, some 10 tu: a beat yaws to and fro."""
+"""Frames over which headings are averaged, about 10 tu, to average the yaw of a beat."""
 RISE_TU = 4.0
-"""In which muscles set in, and one controller gives way to the next."""
+"""Duration of a fade-in, and of a transition between controllers."""
 
 
 class Effort(NamedTuple):
-    """How much of everything is spent."""
+    """Sizes of the experiments."""
 
     seeds: int = 8
     tries: int = 600
@@ -78,8 +78,8 @@ class Body(NamedTuple):
     stiffness: Floats  # (s,) g/tu²
     viscosity: Floats  # (s,) g/tu
     hull: Ints  # (e, 2) nodes, anticlockwise: outside is to the right
-    height: Floats  # (e,) cm, of the fish where this edge is
-    triangles: Ints  # (t, 3) that fill the scaffold, anticlockwise
+    height: Floats  # (e,) cm, of the fish at this edge
+    triangles: Ints  # (t, 3) of the scaffold, anticlockwise
     drag: float  # g/(cm² tu)
 
     @property
@@ -89,7 +89,7 @@ class Body(NamedTuple):
 
 
 def flat_body() -> Body:
-    """The fusilier's scaffold seen from above: what lies over one another is one."""
+    """The fusilier's scaffold from above, with nodes above each other merged."""
     muscles = load_species("fusilier").muscles
     assert muscles
     plan = muscles.body
@@ -128,7 +128,7 @@ def flat_body() -> Body:
 
 @njit(cache=True, error_model="numpy")
 def add_forces(x: Floats, v: Floats, body: Body, rest: Floats, force: Floats) -> None:
-    """Add to ``force`` (n, 2) what units, whose lengths at rest are ``rest`` (s,), and water do.
+    """Add the forces of units with rest lengths ``rest`` (s,) and of water to ``force`` (n, 2).
 
     An edge of the hull takes min(0, -µ A (n·v)) n (KS I.C), half of it at each end.
     """
@@ -217,10 +217,10 @@ def solve(matrix: Floats, load: Floats) -> None:
 def swim(
     body: Body, start: Floats, muscles: Floats, step: float, implicit: bool, every: int
 ) -> Floats:
-    """States (frames, 2, n, 2) of nodes and velocities, each ``every`` steps from ``start`` on.
+    """Simulate: states (frames, 2, n, 2) of positions and velocities, each ``every`` steps.
 
-    ``muscles`` (steps, 6) are their lengths at rest, cm. Explicit Euler takes forces and
-    velocities of the beginning of a step, implicit Euler those of its end, from one linear system
+    ``muscles`` (steps, 6) are their lengths at rest, cm. Explicit Euler uses forces and
+    velocities of the start of a step, implicit Euler those of its end, from one linear system
     (Baraff, KS [2]): (M + h D + h² K) Δv = h (f - h K v), with K = -∂f/∂x and D = -∂f/∂v.
     """
     n = start.shape[1]
@@ -276,14 +276,14 @@ def middle(body: Body, x: Floats) -> Floats:
 
 
 def heading(body: Body, x: Floats) -> Floats:
-    """Angle (T,), rad, by which nodes (T, n, 2) as a whole are turned to the left."""
+    """Mean rotation (T,) of nodes (T, n, 2) to the left, rad."""
     complex_rest = (body.rest - middle(body, body.rest)) @ [1.0, 1.0j]
     now = (x - middle(body, x)[:, None]) @ [1.0, 1.0j]
     return np.unwrap(np.angle((body.mass * complex_rest.conj() * now).sum(axis=1)))
 
 
 def room(body: Body, x: Floats) -> Floats:
-    """The least area (T,) of a triangle of the scaffold over that at rest; below 0 it is folded."""
+    """The least relative area (T,) of a triangle of the scaffold; negative if folded."""
     return np.asarray((areas(body, x) / areas(body, body.rest)).min(axis=-1))
 
 
@@ -325,7 +325,7 @@ class Controller(NamedTuple):
     phase: Floats  # (6,) rad
 
     def mirrored(self) -> "Controller":
-        """The controller that does the same to the other side."""
+        """The mirrored controller."""
         return Controller(*(part.reshape(3, 2)[:, ::-1].ravel() for part in self))
 
 
@@ -341,12 +341,12 @@ def controller_at(point: Floats, largest: float = LARGEST) -> Controller:
 
 
 def steps_of(tu: float) -> int:
-    """Steps in so long a time, whole frames of them."""
+    """Number of steps of whole frames in this time."""
     return round(tu / STEP_TU / FRAME) * FRAME
 
 
 def lengths(body: Body, one: Controller, steps: int, rise: bool = True) -> Floats:
-    """Lengths at rest (steps, 6) of the muscles, cm, risen from nothing at the start."""
+    """Rest lengths (steps, 6) of the muscles, cm, faded in at the start."""
     time = STEP_TU * np.arange(steps)[:, None]
     wave = one.amplitude * np.sin(2.0 * np.pi * one.frequency * time + one.phase)
     return np.asarray(
@@ -367,7 +367,7 @@ def is_sound(body: Body, frames: Floats) -> bool:
 
 
 def distance(body: Body, one: Controller, tu: float = SWIM_TU) -> float:
-    """KS's score: body lengths that the centre of mass gets ahead; -1 for a fish that folds."""
+    """The score of KS: body lengths of the centre of mass ahead; -1 for a folded fish."""
     frames = run(body, lengths(body, one, steps_of(tu)))
     if not is_sound(body, frames):
         return -1.0
@@ -375,7 +375,7 @@ def distance(body: Body, one: Controller, tu: float = SWIM_TU) -> float:
 
 
 class Annealing(NamedTuple):
-    """What a search has tried, in order."""
+    """The evaluations of a search, in order."""
 
     points: Floats  # (tries, d)
     scores: Floats  # (tries,)
@@ -397,8 +397,8 @@ def anneal(
 ) -> Annealing:
     """Simulated annealing in the unit box, from a random point (Metropolis, geometric cooling).
 
-    A step that is worse by d is taken with the probability exp(-d/T); T falls from ``hot`` to a
-    hundredth of it, and steps shrink with its root. Walls reflect.
+    A step worse by d is accepted with probability exp(-d/T); T falls from ``hot`` to a hundredth
+    of it, and the step size falls with its square root. Walls reflect.
     """
     rng = np.random.default_rng(seed)
     here, points, scores, held = rng.random(dimensions), [], [], []
@@ -416,7 +416,7 @@ def anneal(
 
 
 class Lessons(NamedTuple):
-    """What all seeds have learned."""
+    """The controllers learned with all seeds."""
 
     swims: tuple[Annealing, ...]  # with one frequency
     many: tuple[Annealing, ...]  # with one for each muscle
@@ -439,7 +439,7 @@ HOT_L, HOT_DEG = 0.3, 5.0
 
 @lru_cache(maxsize=2)
 def learn(effort: Effort) -> Lessons:
-    """Anneal swimming and turning, each with several seeds."""
+    """Anneal swimming and turning with several seeds."""
     body = flat_body()
 
     def swims(dimensions: int) -> tuple[Annealing, ...]:
@@ -461,12 +461,12 @@ def learn(effort: Effort) -> Lessons:
 
 
 def turn(body: Body, start: Floats, one: Controller) -> Floats:
-    """States of a fish that sets in to turn as it swims, at ``start``."""
+    """States of a fish that starts to turn while it swims, at ``start``."""
     return run(body, lengths(body, one, steps_of(TURN_TU)), start)
 
 
 def turned(body: Body, start: Floats, one: Controller) -> float:
-    """Degrees to the left that this is in the end; -180 for a fish that folds."""
+    """The final angle to the left, degrees; -180 for a folded fish."""
     frames = turn(body, start, one)
     if not is_sound(body, frames):
         return -180.0
@@ -474,7 +474,7 @@ def turned(body: Body, start: Floats, one: Controller) -> float:
 
 
 def gained(angle: Floats) -> float:
-    """What a heading (T,) gains from its first to its last moments, in the mean of a beat or so."""
+    """Change of a heading (T,) between means over its first and last beat."""
     return float(angle[-MEAN:].mean() - angle[:MEAN].mean())
 
 
@@ -489,11 +489,10 @@ def angles(one: Controller, time: Floats) -> Floats:
 
 
 def passage(body: Body, old: Controller, new: Controller, begin: float, way: str) -> Floats:
-    """Lengths (steps, 6) while ``new`` takes over from ``old``, from the time ``begin`` on, tu.
+    """Lengths (steps, 6) of a transition from ``old`` to ``new`` that starts at ``begin``, tu.
 
-    ``parameters``: amplitudes, frequencies and phases pass linearly, as KS do it; ``phases``: the
-    same, but the sinusoids go on from where they are, at a frequency that passes; ``lengths``:
-    what both ask of the muscles passes linearly.
+    Linear in the ``parameters`` (amplitudes, frequencies, phases, as in KS); in ``phases``: the
+    same with a continuous phase; or in ``lengths``: a blend of both outputs.
     """
     time = begin + STEP_TU * np.arange(steps_of(RISE_TU))
     share = np.linspace(0.0, 1.0, len(time))[:, None]
@@ -515,7 +514,7 @@ def passage(body: Body, old: Controller, new: Controller, begin: float, way: str
 
 
 def steady(body: Body, one: Controller, begin: float, steps: int) -> Floats:
-    """Lengths (steps, 6) that a controller asks for from the time ``begin`` on, tu."""
+    """Lengths (steps, 6) of a controller from the time ``begin`` on, tu."""
     time = begin + STEP_TU * np.arange(steps)
     return np.asarray(body.length[:MUSCLES] * (1.0 + one.amplitude * np.sin(angles(one, time))))
 
@@ -554,7 +553,7 @@ def swim_to(
 
 
 def tightest(body: Body, old: Controller, new: Controller, moments: Floats, way: str) -> Floats:
-    """The least room (m,) of the scaffold as ``new`` takes over from ``old`` at some moments."""
+    """The least room (m,) of the scaffold in transitions at several times."""
     whole = run(body, lengths(body, old, steps_of(moments.max() + 1.0)))
     least = []
     for moment in moments:
@@ -578,7 +577,7 @@ SLIM = 0.8
 def skin() -> tuple[Ints, Floats]:
     """Triangle (p,) and barycentric coordinates (p, 3) of the outline of the fish's body.
 
-    As KS bind it: a point goes with the corners of the triangle of the scaffold that it lies in.
+    As in KS, a point is bound to the triangle of the scaffold that contains it.
     """
     body = flat_body()
     hull = body.rest[body.hull[:7, 0]]  # nose, left side, tail
@@ -609,21 +608,21 @@ def midline(x: Floats) -> Floats:
 
 
 def draw(axis: Any, body: Body, x: Floats, colour: str = BLUE, alpha: float = 1.0) -> None:
-    """The body on a scaffold, in body lengths."""
+    """Draw the body on a scaffold, in body lengths."""
     shape = outline_of(body, x) / body.long
     axis.fill(*shape.T, facecolor=colour, edgecolor="none", alpha=0.25 * alpha)
     axis.plot(*np.concatenate([shape, shape[:1]]).T, color=colour, linewidth=0.9, alpha=alpha)
 
 
 def draw_scaffold(axis: Any, body: Body, x: Floats, scale: float = 1.0) -> None:
-    """Units, muscles in colour, in body lengths."""
+    """Draw the units, muscles in colour, in body lengths."""
     lines = x[body.units] / body.long
     axis.add_collection(LineCollection(lines[MUSCLES:], colors=BLACK, linewidths=0.8 * scale))
     axis.add_collection(LineCollection(lines[:MUSCLES], colors=ORANGE, linewidths=2.6 * scale))
 
 
 def show_body(effort: Effort, folder: Path) -> None:
-    """The scaffold at rest, and what the water does to it as it swims."""
+    """Draw the scaffold at rest, and the forces of water while it swims."""
     body, lessons = flat_body(), learn(effort)
     picture = Figure(figsize=(7.4, 4.4), layout="constrained")
     top, below = picture.subplots(2, 1)
@@ -670,12 +669,12 @@ def show_body(effort: Effort, folder: Path) -> None:
 
 
 def in_vacuum(body: Body) -> Body:
-    """The body where there is no water."""
+    """The body without water."""
     return body._replace(drag=0.0)
 
 
 def stretched(body: Body) -> Floats:
-    """A state (2, n, 2) at rest, but stretched by a twentieth."""
+    """A state (2, n, 2) at rest, stretched by 5%."""
     return np.stack([1.05 * body.rest, np.zeros_like(body.rest)])
 
 
@@ -689,7 +688,7 @@ STEPS = {  # of the comparison: the step over explicit Euler's limit, explicit o
 
 
 def released(body: Body, tu: float) -> dict[str, tuple[Floats, Floats]]:
-    """Times, tu, and energies over that at first of a stretched fish that is let go, by step."""
+    """Times, tu, and relative energies of a released, stretched fish, by step size."""
     limit, natural = explicit_limit(body), np.tile(body.length[:MUSCLES], (1, 1))
     found = {}
     for name, (share, implicit, _) in STEPS.items():
@@ -703,7 +702,7 @@ def released(body: Body, tu: float) -> dict[str, tuple[Floats, Floats]]:
 
 
 def show_integrators(effort: Effort, folder: Path) -> None:
-    """Explicit and implicit Euler: energies, stability, and KS's movie 1."""
+    """Compare explicit and implicit Euler: energies, stability, and KS's movie 1."""
     body = flat_body()
     limit = explicit_limit(body)
     print(f"explicit Euler is stable to a step of {limit:.5f} tu, here {STEP_TU} tu are taken")
@@ -764,7 +763,7 @@ def show_integrators(effort: Effort, folder: Path) -> None:
 
 
 def show_learning(effort: Effort, folder: Path) -> None:
-    """One annealing, all seeds, and one frequency against six."""
+    """Plot an annealing, all seeds, and one frequency against six."""
     lessons = learn(effort)
     picture = Figure(figsize=(7.4, 6.2), layout="constrained")
     above, below = picture.subfigures(2, 1)
@@ -808,7 +807,7 @@ def show_learning(effort: Effort, folder: Path) -> None:
 
 
 def show_swims(effort: Effort, folder: Path) -> None:
-    """The same fish before, while and after it learns."""
+    """Draw a fish before, during and after learning."""
     body, lessons = flat_body(), learn(effort)
     best = max(lessons.swims, key=lambda one: one.scores.max())
     halfway = int(np.argmax(best.best >= 0.5 * best.best[-1]))
@@ -850,7 +849,7 @@ def show_swims(effort: Effort, folder: Path) -> None:
 
 
 def show_turns(effort: Effort, folder: Path) -> None:
-    """Turns that are learned: heading, path and muscles."""
+    """Draw learned turns: heading, path and muscles."""
     body, lessons = flat_body(), learn(effort)
     start = run(body, lengths(body, lessons.swimmer, steps_of(SWIM_TU)))[-1]
     picture = Figure(figsize=(7.4, 3.6), layout="constrained")
@@ -895,7 +894,7 @@ PASSED = (0.06, 0.09, 0.12, 0.15, 0.18, 0.21)
 
 
 def show_switching(effort: Effort, folder: Path) -> None:
-    """From one controller to the next: to a goal, and how much room the scaffold keeps."""
+    """Draw transitions between controllers: a swim to a goal, and the room of the scaffold."""
     body, lessons = flat_body(), learn(effort)
     colours = dict(zip(WAYS, (ORANGE, GREEN, BLUE), strict=True))
     picture = Figure(figsize=(7.4, 6.6), layout="constrained")
@@ -948,7 +947,7 @@ BOUNDS = (0.02, 0.05, 0.1, 0.15, 0.2, 0.3)
 
 
 def folded(body: Body, level: float, number: int) -> float:
-    """Share of random controllers whose muscles all swing by ``level`` that fold the body."""
+    """Fraction of random controllers of amplitude ``level`` that fold the body."""
     rng = np.random.default_rng(7)
     bad = 0
     for _ in range(number):
@@ -960,7 +959,7 @@ def folded(body: Body, level: float, number: int) -> float:
 
 
 def show_folding(effort: Effort, folder: Path) -> None:
-    """What the bound of the amplitudes is good for."""
+    """Plot the need for a bound of the amplitudes."""
     body = flat_body()
     shares = [folded(body, level, effort.folds) for level in LEVELS]
     print("amplitude: folded  " + ", ".join(
@@ -1011,7 +1010,7 @@ FACTORS = {
 
 
 def ruled(swing: Swing, beat: Floats) -> Spines:
-    """Spines (T, …) of a fish that swims straight, in the axes of its path."""
+    """Spines (T, …) of a straight swimmer, in the axes of its path."""
     rules = load_species("ribbon_eel").spine
     assert rules
     easy = msgspec.structs.replace(rules.turn, sharp_beats=20)
@@ -1021,7 +1020,7 @@ def ruled(swing: Swing, beat: Floats) -> Spines:
 
 
 def show_rules(effort: Effort, folder: Path) -> None:
-    """KS's four factors, the two swing functions as strips, and what muscles learn beside them."""
+    """Plot KS's four factors, both swing functions, and the learned motion."""
     body, lessons = flat_body(), learn(effort)
     picture = Figure(figsize=(7.4, 9.6), layout="constrained")
     top, strips, bottom = picture.subfigures(3, 1, height_ratios=(1.6, 1.1, 1.0))
@@ -1104,7 +1103,7 @@ def show_rules(effort: Effort, folder: Path) -> None:
 
 
 def even_masses(body: Body) -> Body:
-    """The body with its mass spread evenly over the nodes."""
+    """The body with equal masses of all nodes."""
     return body._replace(mass=np.full_like(body.mass, body.mass.mean()))
 
 
@@ -1115,7 +1114,7 @@ def width_along(body: Body) -> Floats:
 
 
 def envelope(body: Body, one: Controller) -> tuple[Floats, Floats]:
-    """Places along the midline, L, and how far they swing to a side of the mean way, L."""
+    """Positions along the midline, L, and their amplitudes about the mean path, L."""
     beat = 1.0 / one.frequency[0]
     tick = FRAME * STEP_TU
     frames = run(body, lengths(body, one, steps_of(SWIM_TU)))[-round(2 * beat / tick) :, 0]
@@ -1144,7 +1143,7 @@ PARTS: dict[str, Callable[[Effort, Path], None]] = {
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """All parts, or one."""
+    """Run all parts, or one."""
     parser = argparse.ArgumentParser(description=__doc__.split(":")[0])
     parser.add_argument("folder", nargs="?", type=Path, default=Path(__file__).parent / "pictures")
     parser.add_argument("--quick", action="store_true", help="spend little")

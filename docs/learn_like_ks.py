@@ -1,9 +1,9 @@
-"""Repeat what KS found when their fish learned to swim: `python docs/learn_like_ks.py [FOLDER]`.
+"""Repeat the experiments of KS on learning to swim: `python docs/learn_like_ks.py [FOLDER]`.
 
-Each finding is an experiment with this project's fusilier, seeded: (a) one frequency for all
-muscles against one for each, (b) turns by sinusoids against the steering map, (c) bodies that
-fold, (d) roll by a coarse triangulation. Prints the numbers of docs/learning.md and draws
-FOLDER/ks_*.png (default docs/pictures). `--quick` spends a little of everything, for the tests.
+Each uses this project's fusilier and fixed seeds: (a) one frequency for all muscles against one
+for each, (b) turns by sinusoids against the steering map, (c) folding bodies, (d) roll caused by a
+coarse triangulation. Prints the numbers of docs/learning.md and draws
+FOLDER/ks_*.png (default docs/pictures). `--quick` runs all parts briefly, for the tests.
 """
 
 import argparse
@@ -31,9 +31,9 @@ from subsea.biomechanics.solver import STEP, STEPS_PER_TICK
 from subsea.fish.species import load_species
 
 SIDES = 6
-"""Muscles as KS's flat fish has them: upper and lower one as one, left and right apart."""
+"""Muscle groups as in KS's flat fish: upper and lower together, left and right separate."""
 OF_SIDE = np.array([2 * (k // 4) + (k % 4 in (1, 2)) for k in range(MUSCLES)])
-"""Which of them each of the twelve belongs to: segment by segment, left before right."""
+"""The group of each of the twelve muscles: segment by segment, left before right."""
 FREQUENCIES = (0.1, 0.4)
 """Beats a tu; the shipped gait has 0.216."""
 STRONGEST = 0.5
@@ -47,7 +47,7 @@ START_BEATS = 8
 
 
 class Effort(NamedTuple):
-    """How much of everything is spent."""
+    """Sizes of the experiments."""
 
     seeds: int = 12
     budget: int = 500
@@ -81,9 +81,9 @@ def sinusoids(point: Floats, one_frequency: bool) -> Sinusoids:
 
 
 def contraction_of(controller: Sinusoids, steps: int, about_rest: bool = False) -> Floats:
-    """Contractions (steps, 12) of the twelve muscles, risen from nothing at the start.
+    """Contractions (steps, 12) of the twelve muscles, faded in at the start.
 
-    ``about_rest`` lets rest lengths swing about the natural ones, to both sides as far.
+    ``about_rest`` lets rest lengths swing symmetrically about the natural ones.
     """
     time = STEP * np.arange(steps)[:, None]
     wave = np.sin(2 * np.pi * controller.frequency * time + controller.phase)
@@ -93,7 +93,7 @@ def contraction_of(controller: Sinusoids, steps: int, about_rest: bool = False) 
 
 
 def whole_ticks(tu: float) -> int:
-    """Steps of the whole ticks that last about this long."""
+    """Number of steps of whole ticks in about this time."""
     return round(tu / STEP / STEPS_PER_TICK) * STEPS_PER_TICK
 
 
@@ -101,7 +101,7 @@ def whole_ticks(tu: float) -> int:
 
 
 def forward_speed(body: Body, controller: Sinusoids, tu: float) -> float:
-    """L/tu that the fish gets ahead from rest; below zero the less long it keeps its shape."""
+    """Mean speed from rest, L/tu; negative if the body loses its shape, the sooner the lower."""
     state = at_rest(body)
     start = state.x.mean(axis=0)
     contraction = contraction_of(controller, whole_ticks(tu))
@@ -115,7 +115,7 @@ def forward_speed(body: Body, controller: Sinusoids, tu: float) -> float:
 
 
 def frequencies(body: Body, effort: Effort, folder: Path) -> None:
-    """Distributions of what equal budgets find."""
+    """Compare the results of equal budgets."""
     curves: dict[str, Floats] = {}
     for method in ("annealing", "cma"):
         for one in (True, False):
@@ -161,23 +161,23 @@ def frequencies(body: Body, effort: Effort, folder: Path) -> None:
 
 
 class Turn(NamedTuple):
-    """What a turn did."""
+    """The headings and frames of a turn."""
 
-    heading: Floats  # degrees, each tick of the beat before it, of it, and of six beats after
+    heading: Floats  # degrees, in each tick of a beat before, the turn and six beats after
     frames: Floats  # of the turn alone
 
     def by(self, beat: int) -> float:
-        """Degrees between the mean headings of its first and last beat of so many ticks."""
+        """Degrees between the mean headings of the first and last ``beat`` ticks."""
         return float(self.heading[-beat:].mean() - self.heading[:beat].mean())
 
 
 def turn_from(
     body: Body, swim: SwimPlan, start: BodyState, phase: float, contraction: Floats
 ) -> Turn:
-    """Follow ``contraction`` out of steady swimming at grade medium, then swim on for six beats."""
+    """Follow ``contraction`` from steady swimming at grade medium, then swim for six beats."""
     state = copy_state(start)
     beat = swim_contraction(swim, phase + beat_phase(swim, swim.ticks_per_beat), swim.medium)
-    # A steady beat is like the one before, elsewhere: its headings stand for those before.
+    # The headings of a steady beat equal those of the beat before.
     before = simulate(body, copy_state(state), beat)
     turning = simulate(body, state, contraction)
     after = simulate(body, state, np.tile(beat, (6, 1)))
@@ -186,12 +186,12 @@ def turn_from(
 
 
 def thrash(heading: Floats) -> float:
-    """Degrees that a heading goes to and fro beyond those from its begin to its end."""
+    """Total variation of a heading beyond its net change, degrees."""
     return float(np.abs(np.diff(heading)).sum() - abs(heading[-1] - heading[0]))
 
 
 def turning(body: Body, swim: SwimPlan, turn: TurnPlan, effort: Effort, folder: Path) -> None:
-    """Turns by sinusoids annealed for them, against the steering map's."""
+    """Compare turns by annealed sinusoids with those of the steering map."""
     steady = steady_beat(body, beat_contraction(swim, swim.medium)).state
     starts = entries(body, swim, steady)
     beat, steps = swim.ticks_per_beat, len(turn_contraction(swim, turn, ANGLE))
@@ -261,7 +261,7 @@ def turning(body: Body, swim: SwimPlan, turn: TurnPlan, effort: Effort, folder: 
 
 
 def folding(body: Body, effort: Effort, folder: Path) -> dict[float, float]:
-    """Share of random sinusoids that fold the body, by their amplitude."""
+    """Measure the fraction of random sinusoids that fold the body, by amplitude."""
     rng = np.random.default_rng(7)
     levels = np.round(np.arange(0.05, 0.61, 0.05), 2)
     shares = {}
@@ -291,7 +291,7 @@ def folding(body: Body, effort: Effort, folder: Path) -> dict[float, float]:
 
 
 def one_diagonal() -> tuple[Any, Floats]:
-    """The hull with one diagonal in each quadrilateral face, as KS have triangulated it."""
+    """The hull with one diagonal in each quadrilateral face, as in KS."""
     halves = np.flatnonzero(TRIANGLE_WEIGHTS == 0.5)
     # Four triangles a face: two of the one diagonal, then two of the other.
     kept = np.sort([*np.flatnonzero(TRIANGLE_WEIGHTS == 1.0), *halves[halves_of(len(halves))]])
@@ -299,14 +299,14 @@ def one_diagonal() -> tuple[Any, Floats]:
 
 
 def halves_of(count: int) -> Any:
-    """Which of the triangles of halved faces belong to their first diagonal."""
+    """Which triangles of divided faces belong to the first diagonal."""
     return np.flatnonzero(np.arange(count) % 4 < 2)
 
 
 def simulate_with(triangles: Any, weights: Floats) -> Callable[..., Floats]:
-    """`simulate` whose water presses on another triangulation of the hull.
+    """A `simulate` with another triangulation of the hull.
 
-    The kernels take the hull for a constant, so they are compiled anew.
+    The hull is a constant of the kernels, so they are compiled again.
     """
 
     def again(function: Any, **constants: Any) -> Any:
@@ -326,7 +326,7 @@ def simulate_with(triangles: Any, weights: Floats) -> Callable[..., Floats]:
 
 
 def roll_of(run: Callable[..., Floats], body: Body, swim: SwimPlan, tu: float) -> Floats:
-    """Roll, pitch and heading (beats, 3), degrees, beat by beat of fast swimming from rest."""
+    """Roll, pitch and heading (beats, 3), degrees, of each beat of fast swimming from rest."""
     state = at_rest(body)
     beat = beat_contraction(swim, 1.0)
     found = []
@@ -342,7 +342,7 @@ def roll_of(run: Callable[..., Floats], body: Body, swim: SwimPlan, tu: float) -
 
 
 def rolling(effort: Effort, folder: Path) -> dict[str, Floats]:
-    """Attitude in fast swimming with one diagonal of each face and with both."""
+    """Compare the attitude with one diagonal of each face and with both."""
     hulls = {"one diagonal": simulate_with(*one_diagonal()), "both diagonals": simulate}
     found = {}
     picture = Figure(figsize=(6, 3.2))
@@ -372,7 +372,7 @@ def save(picture: Figure, path: Path) -> None:
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """All four experiments."""
+    """Run the experiments."""
     parser = argparse.ArgumentParser(description=__doc__.split(":")[0])
     parser.add_argument("folder", nargs="?", type=Path, default=Path(__file__).parent / "pictures")
     parser.add_argument("--quick", action="store_true", help="spend little")
