@@ -18,7 +18,7 @@ from msgspec import inspect
 import capture.cli.main
 import subsea.cli.main
 from subsea.core.atomic_io import replacing
-from subsea.core.command_line import Number
+from subsea.core.command_line import NumberReader
 from subsea.dive.bindings import CONTROLS
 from subsea.dive.settings import Settings
 from subsea.state import GROUPS, declared
@@ -112,7 +112,7 @@ def names(action: argparse.Action) -> str:
 def meaning(action: argparse.Action) -> str:
     """The help of an argument, its range and whether it is optional."""
     words = [linked(action.help or "")]
-    if isinstance(action.type, Number):
+    if isinstance(action.type, NumberReader):
         words.append(action.type.expected)
     if action.option_strings and action.required:
         words.append("must be given")

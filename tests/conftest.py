@@ -19,7 +19,7 @@ from subsea.core.console import say
 from subsea.dive.warm_up import warm_up
 from subsea.geometry.rotation import from_matrix
 from subsea.repertoire import SEGMENTS, Repertoire, Segment
-from subsea.scenario.schema import Temper
+from subsea.scenario.schema import NatureTable
 from subsea.state import Clock, Fishes, Minds, Nature, Sea, empty
 
 pytest_plugins = ["tests.support.windows"]
@@ -239,7 +239,7 @@ def make_tank(
         "submarine": np.array([0.0, 0.0, 1e6, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0]),
     }  # fmt: skip
     sea = empty(Sea, given=given, p=specks, c=0)
-    constants = {name: getattr(Temper(), name) for name in Nature._fields}
+    constants = {name: getattr(NatureTable(), name) for name in Nature._fields}
     return Tank(fishes, minds, sea, Nature(**(constants | nature)), Clock(seed, 1, TICK_S))
 
 

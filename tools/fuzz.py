@@ -170,14 +170,19 @@ class Snapshots:
 def node_messages(unused: Path) -> list[bytes]:
     """Messages of nodes of a cluster."""
     who = messages.Identity("0.1.0", "A bay", "s" * 8, 1, "p", "r", "a", "v")
-    said = [messages.Hello("left", who), messages.Drawn(7), messages.Diverged(40)]
+    said = [messages.Hello("left", who), messages.PictureDrawn(7), messages.Diverged(40)]
     return [messages.encode(one) for one in said]
 
 
 def master_messages(unused: Path) -> list[bytes]:
     """Messages of the master of a cluster."""
     picture = messages.Picture(7, 40, 0.5, [(0.1, -0.2, 0.3, 0.0, False)], [(*(1.0,) * 8, True)])
-    said = [messages.State("d", 7, bytes(40)), picture, messages.Swap(7), messages.Refused("no")]
+    said = [
+        messages.WorldState("d", 7, bytes(40)),
+        picture,
+        messages.Swap(7),
+        messages.Refused("no"),
+    ]
     return [messages.encode(one) for one in said]
 
 

@@ -6,13 +6,13 @@ from pathlib import Path
 from typing import Any
 
 from subsea.core.atomic_io import check_folder
-from subsea.core.command_line import command, number
+from subsea.core.command_line import add_command, number_reader
 from subsea.core.errors import UserError
 
 
 def add_to(commands: Any) -> None:
     """Add the command to the program."""
-    parser = command(
+    parser = add_command(
         commands,
         "export",
         "write a species and its motion for other programs",
@@ -48,7 +48,7 @@ def add_to(commands: Any) -> None:
     parser.add_argument(
         "--detail",
         metavar="N",
-        type=number(int, 0, 3),
+        type=number_reader(int, 0, 3),
         default=0,
         help="level of detail, 0 (finest) to 3 (0)",
     )

@@ -3,12 +3,12 @@
 import argparse
 from typing import Any
 
-from subsea.core.command_line import command
+from subsea.core.command_line import add_command
 
 
 def add_to(commands: Any) -> None:
     """Add the command to the program."""
-    parser = command(
+    parser = add_command(
         commands,
         "inspect",
         "show the segments of a repertoire and measure its motion",

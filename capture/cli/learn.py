@@ -4,12 +4,12 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from subsea.core.command_line import command, number
+from subsea.core.command_line import add_command, number_reader
 
 
 def add_to(commands: Any) -> None:
     """Add the command to the program."""
-    parser = command(
+    parser = add_command(
         commands,
         "learn",
         "find the motor controllers of a species' body",
@@ -36,24 +36,24 @@ def add_to(commands: Any) -> None:
     parser.add_argument(
         "--budget",
         metavar="N",
-        type=number(int, 1, 1_000_000),
+        type=number_reader(int, 1, 1_000_000),
         default=300,
         help="evaluations of each search (300)",
     )
     parser.add_argument(
         "--seed",
         metavar="N",
-        type=number(int, 0, 2**31),
+        type=number_reader(int, 0, 2**31),
         default=1,
         help="the same seed gives the same result (1)",
     )
     parser.add_argument(
-        "--ticks", metavar="N", type=number(int, 4, 60), help="fix the ticks of a beat"
+        "--ticks", metavar="N", type=number_reader(int, 4, 60), help="fix the ticks of a beat"
     )
     parser.add_argument(
         "--economy",
         metavar="W",
-        type=number(float, 0, 10),
+        type=number_reader(float, 0, 10),
         default=0.1,
         help="weight of economy relative to speed (0.1)",
     )

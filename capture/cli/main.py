@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from capture.cli import export, inspect, learn, mesh, plot, record
-from subsea.core.command_line import answer, parse, program
+from subsea.core.command_line import make_parser, parse_arguments, run_command
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -15,7 +15,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     0 done, 1 a fish misses a target of `inspect` or `learn` found nothing better, 2 a fault that
     the user can mend (one line on standard error), 130 interrupted.
     """
-    return answer("subsea-capture", lambda: _run(sys.argv[1:] if arguments is None else arguments))
+    return run_command(
+        "subsea-capture", lambda: _run(sys.argv[1:] if arguments is None else arguments)
+    )
 
 
 def _run(arguments: Sequence[str]) -> int:
@@ -23,14 +25,14 @@ def _run(arguments: Sequence[str]) -> int:
     if not arguments:
         parser.print_help()
         return 0
-    options = parse(parser, commands, arguments)
+    options = parse_arguments(parser, commands, arguments)
     code: int = options.run(options)
     return code
 
 
 def parsers() -> tuple[argparse.ArgumentParser, Any]:
     """The parser of ``subsea-capture`` and its commands."""
-    parser = program("subsea-capture", "Record the motion of simulated fishes, and measure it.")
+    parser = make_parser("subsea-capture", "Record the motion of simulated fishes, and measure it.")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
     for command in (record, learn, inspect, plot, mesh, export):
         command.add_to(commands)

@@ -5,13 +5,13 @@ from pathlib import Path
 from typing import Any
 
 from subsea.core.atomic_io import check_folder
-from subsea.core.command_line import command
+from subsea.core.command_line import add_command
 from subsea.core.errors import unknown
 
 
 def add_to(commands: Any) -> None:
     """Add the command to the program."""
-    parser = command(
+    parser = add_command(
         commands,
         "mesh",
         "move your own mesh with a recorded segment",

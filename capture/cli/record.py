@@ -5,9 +5,9 @@ from pathlib import Path
 from typing import Any
 
 from subsea.core.atomic_io import check_folder
-from subsea.core.command_line import command, number
+from subsea.core.command_line import add_command, number_reader
 from subsea.core.errors import UserError, unknown
-from subsea.core.interrupts import deferred
+from subsea.core.interrupts import deferred_interrupts
 from subsea.core.resources import resource_path
 
 MAX_JOBS = 64
@@ -15,7 +15,7 @@ MAX_JOBS = 64
 
 def add_to(commands: Any) -> None:
     """Add the command to the program."""
-    parser = command(
+    parser = add_command(
         commands,
         "record",
         "swim fishes and write their repertoires",
@@ -41,7 +41,7 @@ def add_to(commands: Any) -> None:
     parser.add_argument(
         "--jobs",
         metavar="N",
-        type=number(int, 1, MAX_JOBS),
+        type=number_reader(int, 1, MAX_JOBS),
         default=1,
         help="processes to record in (1)",
     )
@@ -102,7 +102,7 @@ def run(options: argparse.Namespace) -> int:
     else:
         workers = serial if options.jobs == 1 else process_pool(options.jobs)
     try:
-        with deferred() as check:
+        with deferred_interrupts() as check:
             recorded = record_all(folders, workers, check, show, options.force)
     except KeyboardInterrupt:
         raise KeyboardInterrupt("run the same command to continue") from None

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from subsea.behavior.death import forget
 from subsea.behavior.mental_state import DIGESTION, DREAD_CM, LIBIDO_RATE
-from subsea.scenario.schema import Individual, Shoal
+from subsea.scenario.schema import IndividualTable, Shoal
 from subsea.state import KINDS, NO_COURTSHIP, NOBODY, PREDATOR, WANDER, Fishes, Minds
 
 PLANKTON_CM, PREY_CM = 8.0, 40.0  # of its length for each meal that it takes to fill a fish
@@ -32,7 +32,7 @@ def set_temperament(
     set_libido(minds, these, hunger, libido, 0.0)
 
 
-def apply_individual(fishes: Fishes, minds: Minds, one: Individual, now_s: float) -> None:
+def apply_individual(fishes: Fishes, minds: Minds, one: IndividualTable, now_s: float) -> None:
     """Give a fish what is its own, `now_s` into the dive: hunger and libido are those of now.
 
     One of another kind or sex than it was is new to everybody, and minds nothing any more.

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from subsea.cli import options as shared
-from subsea.core.command_line import command, number
+from subsea.core.command_line import add_command, number_reader
 from subsea.core.errors import UserError, unknown
 
 MOTORS = ("playback", "dynamics")
@@ -14,7 +14,7 @@ STAGES_TO_LEAVE_OUT = ("culling", "lod")
 
 def add(commands: Any) -> None:
     """Add the command."""
-    parser = command(
+    parser = add_command(
         commands,
         "benchmark",
         "measure how long every stage of a frame takes",
@@ -45,7 +45,7 @@ def add(commands: Any) -> None:
     )
     parser.add_argument(
         "--frames",
-        type=number(int, 1, 100_000),
+        type=number_reader(int, 1, 100_000),
         default=120,
         metavar="N",
         help="frames that count, after the warm-up (default 120)",
@@ -91,7 +91,7 @@ def add(commands: Any) -> None:
 
 
 def _fish_counts(text: str) -> tuple[int, ...]:
-    one = number(int, 1, 100_000)
+    one = number_reader(int, 1, 100_000)
     counts = tuple(int(one(part.strip())) for part in text.split(","))
     if len(set(counts)) < len(counts):
         raise ArgumentTypeError(f"{text!r}: expected every number once")

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from subsea.cli import options as shared
-from subsea.core.command_line import command, number
+from subsea.core.command_line import add_command, number_reader
 from subsea.core.errors import UserError
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 def add(commands: Any) -> None:
     """Add the command."""
-    parser = command(
+    parser = add_command(
         commands,
         "dive",
         "pilot the submarine in a window",
@@ -60,7 +60,7 @@ def add(commands: Any) -> None:
     )
     parser.add_argument(
         "--attract",
-        type=number(float, 0, 1440),
+        type=number_reader(float, 0, 1440),
         metavar="MIN",
         help="minutes without input until a tour begins by itself; 0: never",
     )
@@ -72,7 +72,7 @@ def add(commands: Any) -> None:
     )
     shared.add_seed(parser)
     parser.add_argument(
-        "--seconds", type=number(float, 0.1, 86400), metavar="S", help="end after S seconds"
+        "--seconds", type=number_reader(float, 0.1, 86400), metavar="S", help="end after S seconds"
     )
     shared.add_drawing(parser)
     _add_ride(parser)

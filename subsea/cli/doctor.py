@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from subsea.core.command_line import command
+from subsea.core.command_line import add_command
 from subsea.core.errors import UserError
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ class Finding(NamedTuple):
 
 def add(commands: Any) -> None:
     """Add the command."""
-    parser = command(
+    parser = add_command(
         commands,
         "doctor",
         "report what this machine can do, and what to install",

@@ -5,13 +5,13 @@ from pathlib import Path
 from typing import Any
 
 from subsea.cli import options as shared
-from subsea.core.command_line import command, number
+from subsea.core.command_line import add_command, number_reader
 from subsea.core.errors import UserError
 
 
 def add(commands: Any) -> None:
     """Add the command."""
-    parser = command(
+    parser = add_command(
         commands,
         "film",
         "film a tour, without a window",
@@ -33,7 +33,7 @@ def add(commands: Any) -> None:
     shared.add_surround(parser)
     parser.add_argument(
         "--seconds",
-        type=number(float, 0.05, 3600),
+        type=number_reader(float, 0.05, 3600),
         metavar="S",
         help="length of the film; a single picture shows its end (default 10, or to the end of a "
         "named tour or of the directions)",
@@ -47,14 +47,14 @@ def add(commands: Any) -> None:
     )
     parser.add_argument(
         "--start",
-        type=number(float, 0.0, 86400.0),
+        type=number_reader(float, 0.0, 86400.0),
         default=0.0,
         metavar="S",
         help="seconds of the dive before the film begins (default 0)",
     )
     parser.add_argument(
         "--fps",
-        type=number(float, 1, 240),
+        type=number_reader(float, 1, 240),
         default=30.0,
         metavar="F",
         help="pictures per second (default 30)",
@@ -82,7 +82,7 @@ def _add_eyes(parser: ArgumentParser) -> None:
     shared.add_gaze(group)
     group.add_argument(
         "--field",
-        type=number(float, 20.0, 150.0),
+        type=number_reader(float, 20.0, 150.0),
         metavar="DEG",
         help="angle of view of a retina from left to right (default 90)",
     )

@@ -4,12 +4,12 @@ from argparse import Namespace
 from pathlib import Path
 from typing import Any
 
-from subsea.core.command_line import command
+from subsea.core.command_line import add_command
 
 
 def add(commands: Any) -> None:
     """Add the command."""
-    parser = command(
+    parser = add_command(
         commands,
         "keys",
         "make keys by which the computers of a theatre know each other",

@@ -20,7 +20,7 @@ from subsea.cli import (
     study,
     theatre,
 )
-from subsea.core.command_line import answer, parse, program
+from subsea.core.command_line import make_parser, parse_arguments, run_command
 
 COMMANDS = (
     dive, film, theatre, simulate, study, benchmark, soak, skin, build, doctor, keys, settings,
@@ -35,7 +35,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     # A start allocates a million objects that stay: collect less often.
     gc.set_threshold(100_000)
-    return answer("subsea", lambda: run(sys.argv[1:] if arguments is None else arguments))
+    return run_command("subsea", lambda: run(sys.argv[1:] if arguments is None else arguments))
 
 
 def run(arguments: Sequence[str]) -> int:
@@ -44,7 +44,7 @@ def run(arguments: Sequence[str]) -> int:
     if not arguments:
         parser.print_help()
         return 0
-    options = parse(parser, commands, arguments)
+    options = parse_arguments(parser, commands, arguments)
     options.words = arguments[1:]
     run_command: Callable[[argparse.Namespace], int] = options.run
     return run_command(options)
@@ -62,7 +62,7 @@ class _Version(argparse.Action):
 
 def parsers() -> tuple[argparse.ArgumentParser, Any]:
     """Return the parser of `subsea` and its commands."""
-    parser = program("subsea", "A submarine among artificial fishes.")
+    parser = make_parser("subsea", "A submarine among artificial fishes.")
     parser.add_argument(
         "--version",
         action=_Version,

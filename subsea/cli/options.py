@@ -4,7 +4,7 @@ from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-from subsea.core.command_line import number
+from subsea.core.command_line import number_reader
 from subsea.core.errors import UserError
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def add_seed(parser: ArgumentParser) -> None:
     """Add --seed."""
     parser.add_argument(
         "--seed",
-        type=number(int, 0, 2**32 - 1),
+        type=number_reader(int, 0, 2**32 - 1),
         metavar="N",
         help="use this seed instead of the scenario's: other fishes, same sea",
     )
@@ -53,7 +53,7 @@ def add_fish(parser: ArgumentParser) -> None:
     """Add --fish."""
     parser.add_argument(
         "--fish",
-        type=number(int, 1, 100_000),
+        type=number_reader(int, 1, 100_000),
         metavar="N",
         help="total number of fishes, instead of the scenario's",
     )
@@ -82,7 +82,7 @@ def add_theatre(parser: ArgumentParser) -> None:
     )
     parser.add_argument(
         "--shrink",
-        type=number(int, 1, 64),
+        type=number_reader(int, 1, 64),
         metavar="N",
         help="divide the theatre's width and height in pixels by N, to try it out",
     )
@@ -93,27 +93,27 @@ def add_stereo(parser: ArgumentParser) -> None:
     parser.add_argument("--swap-eyes", action="store_true", help="exchange left and right")
     parser.add_argument(
         "--eye-distance",
-        type=number(float, 0.0, 100.0),
+        type=number_reader(float, 0.0, 100.0),
         metavar="CM",
         help="distance between the eyes (default 6.4): a larger one deepens the sea and shrinks it",
     )
     parser.add_argument(
         "--screen-distance",
-        type=number(float, 20.0, 5000.0),
+        type=number_reader(float, 20.0, 5000.0),
         metavar="CM",
         help="distance to the screen: nearer things stand out of it, others lie behind it "
         "(default 120)",
     )
     parser.add_argument(
         "--screen-width",
-        type=number(float, 5.0, 10000.0),
+        type=number_reader(float, 5.0, 10000.0),
         metavar="CM",
         help="width of the real screen: on a wide one the eyes come closer together, so that "
         "viewers never have to turn theirs outwards",
     )
     parser.add_argument(
         "--comfort",
-        type=number(float, 0.1, 10.0),
+        type=number_reader(float, 0.1, 10.0),
         metavar="DEG",
         help="limit how far eyes turn between the screen and infinity: 1 tires few people; the "
         "eyes come closer together for it (default: no limit)",
@@ -124,13 +124,13 @@ def add_surround(parser: ArgumentParser) -> None:
     """Add the options of panorama and dome."""
     parser.add_argument(
         "--panorama-angle",
-        type=number(float, 30.0, 359.0),
+        type=number_reader(float, 30.0, 359.0),
         metavar="DEG",
         help="angle of view of a panorama from left to right (default 160)",
     )
     parser.add_argument(
         "--dome-tilt",
-        type=number(float, 0.0, 90.0),
+        type=number_reader(float, 0.0, 90.0),
         metavar="DEG",
         help="tilt of a dome toward the front; 0 has the zenith in its middle (default 30)",
     )
@@ -162,7 +162,7 @@ def add_target(parser: ArgumentParser) -> None:
     """Add --target-ms."""
     parser.add_argument(
         "--target-ms",
-        type=number(float, 1.0, 1000.0),
+        type=number_reader(float, 1.0, 1000.0),
         metavar="MS",
         help="frame time that --quality auto holds (default 16.7 on a GPU, 50 without)",
     )

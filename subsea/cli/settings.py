@@ -3,12 +3,12 @@
 from argparse import Namespace
 from typing import Any
 
-from subsea.core.command_line import command
+from subsea.core.command_line import add_command
 
 
 def add(commands: Any) -> None:
     """Add the command."""
-    parser = command(
+    parser = add_command(
         commands,
         "settings",
         "show where the settings of a dive are, or write them there",

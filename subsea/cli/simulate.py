@@ -5,12 +5,12 @@ from pathlib import Path
 from typing import Any
 
 from subsea.cli import options as shared
-from subsea.core.command_line import command, number
+from subsea.core.command_line import add_command, number_reader
 
 
 def add(commands: Any) -> None:
     """Add the command."""
-    parser = command(
+    parser = add_command(
         commands,
         "simulate",
         "record what every fish does, without pictures",
@@ -24,7 +24,7 @@ def add(commands: Any) -> None:
     )
     parser.add_argument(
         "--ticks",
-        type=number(int, 1, 100_000_000),
+        type=number_reader(int, 1, 100_000_000),
         required=True,
         metavar="N",
         help="length of the run; a tick is 33 ms",

@@ -4,13 +4,13 @@ from argparse import Namespace
 from pathlib import Path
 from typing import Any
 
-from subsea.core.command_line import command
+from subsea.core.command_line import add_command
 from subsea.core.errors import UserError
 
 
 def add(commands: Any) -> None:
     """Add the command."""
-    parser = command(
+    parser = add_command(
         commands,
         "skin",
         "dress a species from a photograph",

@@ -6,12 +6,12 @@ from pathlib import Path
 from typing import Any
 
 from subsea.cli import options as shared
-from subsea.core.command_line import command, number
+from subsea.core.command_line import add_command, number_reader
 
 
 def add(commands: Any) -> None:
     """Add the command."""
-    parser = command(
+    parser = add_command(
         commands,
         "soak",
         "dive for hours with random input, and check invariants",
@@ -30,7 +30,7 @@ def add(commands: Any) -> None:
     shared.add_seed(parser)
     parser.add_argument(
         "--minutes",
-        type=number(float, 0.01, 1440),
+        type=number_reader(float, 0.01, 1440),
         default=10.0,
         metavar="M",
         help="simulated time (default 10)",

@@ -1,4 +1,4 @@
-"""Where results go: asked before the work, written whole or not at all."""
+"""Check output paths before the work, and write files atomically."""
 
 import os
 import re
@@ -11,12 +11,12 @@ from pathlib import Path
 
 from subsea.core.errors import UserError
 
-FORGOTTEN_S = 86400.0  # so old a part is nobody's any more
-PART = re.compile(r"\.\d+\.part(\.\w+)?$")  # the number of a process; and what a library adds
+STALE_S = 86400.0  # age of a partial file whose process has certainly ended
+PART = re.compile(r"\.\d+\.part(\.\w+)?$")  # process ID; libraries may add a suffix
 
 
 def is_folder(path: Path) -> bool:
-    """Whether a folder called `path` is there; a name that no file can have is a UserError."""
+    """Whether `path` is an existing folder; an impossible name is a UserError."""
     try:
         return path.is_dir()
     except OSError as fault:
@@ -24,9 +24,9 @@ def is_folder(path: Path) -> bool:
 
 
 def check_folder(folder: Path) -> None:
-    """Whether files can be made in `folder`, which need not be there yet; else a UserError.
+    """Raise a UserError unless files can be written to `folder`, which may be missing.
 
-    Nothing is left behind: a command that fails later has made no folder.
+    The folder is not created, so that a command that fails later leaves nothing behind.
     """
     there = folder = folder.absolute()
     try:
@@ -40,7 +40,7 @@ def check_folder(folder: Path) -> None:
 
 
 def check_file(path: Path) -> None:
-    """Whether the file `path` can be made or replaced; else a UserError."""
+    """Raise a UserError unless the file `path` can be created or replaced."""
     if is_folder(path):
         raise UserError("is a folder, expected the name of a file", file=path)
     check_folder(path.parent)
@@ -48,15 +48,15 @@ def check_file(path: Path) -> None:
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """A hidden name beside `path` to write to, renamed to `path` in the end.
+    """Yield a hidden path beside `path` to write to; rename it to `path` at the end.
 
-    Folders on the way are made, and a link stays one: what it points to is replaced. On any fault
-    nothing is left: neither a part of the file nor a new folder. An OSError becomes a UserError.
-    Parts of any file in the folder that processes have left, killed a day ago or longer, go.
+    Missing folders are created, and the target of a link is replaced. On an error neither the
+    partial file nor a new folder is left, and an OSError becomes a UserError. Partial files that
+    killed processes left in the folder a day ago or earlier are removed.
     """
     real = Path(os.path.realpath(path))
     temporary = real.with_name(f".{real.name}.{os.getpid()}.part")
-    _forget(real.parent)
+    _remove_stale(real.parent)
     new: list[Path] = []
     try:
         new += [folder for folder in real.parents if not folder.exists()]
@@ -64,24 +64,24 @@ def replacing(path: Path) -> Iterator[Path]:
         yield temporary
         temporary.replace(real)
     except OSError as fault:
-        # The HDF5 library puts lines of its own into the text of an error.
+        # HDF5 adds lines of its own to the text of an error.
         reason = os.strerror(fault.errno) if fault.errno else str(fault).partition("\n")[0]
         raise UserError(f"cannot write ({reason})", file=path) from fault
     finally:
         with suppress(OSError):
             temporary.unlink()
-        with suppress(OSError):  # a folder that holds something stays
+        with suppress(OSError):  # folders that are not empty stay
             for folder in new:
                 folder.rmdir()
 
 
 @cache
-def _forget(folder: Path) -> None:
-    """Remove what processes have left in a folder long ago; once, for listing it takes time."""
+def _remove_stale(folder: Path) -> None:
+    """Remove old partial files from a folder; once per process, as listing takes time."""
     with suppress(OSError):
         for part in folder.glob(".*.*.part*"):
             if not PART.search(part.name):
                 continue
             with suppress(OSError):  # another process may be first
-                if time.time() - part.stat().st_mtime > FORGOTTEN_S:
+                if time.time() - part.stat().st_mtime > STALE_S:
                     part.unlink()

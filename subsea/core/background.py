@@ -1,4 +1,4 @@
-"""Work that takes long, in a thread of its own, while the windows hear what hands do."""
+"""Run long work in a thread while the windows handle events."""
 
 import atexit
 import os
@@ -10,18 +10,20 @@ from typing import TypeVar
 
 T = TypeVar("T")
 
-LOOK_S = 0.03  # between two looks at the windows
+LOOK_S = 0.03  # interval at which the windows handle events
 
 
-class LeftError(Exception):
-    """The visitor left before there was anything to see."""
+class CancelledByUserError(Exception):
+    """The user closed the window while the dive was loading."""
 
 
-def meanwhile(work: Callable[[Callable[[str], None]], T], look: Callable[[str | None], None]) -> T:
-    """What `work` returns or raises; `look` is called over and over until then, in this thread.
+def run_in_background(
+    work: Callable[[Callable[[str], None]], T], look: Callable[[str | None], None]
+) -> T:
+    """Return or raise what `work` does; call `look` in this thread until it is done.
 
-    `work` is given a function to tell how far it is. `look` is given each of these lines once,
-    else None, and may raise, `LeftError` for instance: then nobody waits for the work any more.
+    `work` gets a function that takes lines about its progress. `look` gets each of these lines
+    once, else None. If it raises, as `CancelledByUserError`, the work is abandoned.
     """
     lines: SimpleQueue[str] = SimpleQueue()
     results: list[T] = []
@@ -46,7 +48,7 @@ def meanwhile(work: Callable[[Callable[[str], None]], T], look: Callable[[str | 
             130
             if isinstance(reason, KeyboardInterrupt)
             else 0
-            if isinstance(reason, LeftError)
+            if isinstance(reason, CancelledByUserError)
             else 1
         )
         atexit.register(_end, thread, code)
@@ -57,10 +59,10 @@ def meanwhile(work: Callable[[Callable[[str], None]], T], look: Callable[[str | 
 
 
 def _end(thread: Thread, code: int) -> None:
-    """End the process at once if `thread` still works.
+    """End the process at once if `thread` still runs.
 
-    It may be deep in a compiler, which nothing can interrupt, and which would crash when the
-    process is taken down around it.
+    It may be inside a compiler, which cannot be interrupted and would crash while the
+    interpreter shuts down.
     """
     if thread.is_alive():
         sys.stdout.flush()

@@ -1,4 +1,4 @@
-"""What the command lines of the project share: exit codes, faults in one line, help."""
+"""Exit codes, one-line errors and help, shared by all command lines of the project."""
 
 import argparse
 import errno
@@ -13,11 +13,11 @@ from typing import Any, NoReturn
 from subsea.core.errors import UserError, unknown
 
 
-def answer(program: str, run: Callable[[], int]) -> int:
+def run_command(program: str, run: Callable[[], int]) -> int:
     """Run a command and return the exit code of the process.
 
-    What ``run`` returns (0 done, 1 a negative finding), 2 for something the user can mend (one
-    line on standard error), 130 interrupted. A polite kill ends as Ctrl-C does.
+    That is what ``run`` returns (0 done, 1 a negative finding), 2 for an error that the user can
+    mend (one line on standard error), or 130 after Ctrl-C or SIGTERM.
     """
     signal.signal(signal.SIGTERM, _terminate)
     try:
@@ -28,7 +28,7 @@ def answer(program: str, run: Callable[[], int]) -> int:
     except ImportError as fault:
         if (fault.name or "").partition(".")[0] in ("subsea", "capture"):
             raise
-        # A package that is not installed, or a system library that a package asks for.
+        # A missing package, or a missing system library of a package.
         print(
             f"{program}: {fault}; `make run` in a checkout installs what is missing",
             file=sys.stderr,
@@ -38,11 +38,11 @@ def answer(program: str, run: Callable[[], int]) -> int:
         print(": ".join([program, "interrupted", *interrupt.args]), file=sys.stderr)
         return 130
     except BrokenPipeError:
-        # The reader of our output (`subsea … | head`) has seen enough.
+        # The reader of our output has closed it, as in `subsea … | head`.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except OSError as fault:
-        # Not only results need room: compiled code is kept on the disk too.
+        # Results or compiled code fill the disk.
         if fault.errno not in (errno.ENOSPC, errno.EDQUOT):
             raise
         place = f"{fault.filename}: " if fault.filename else ""
@@ -55,32 +55,32 @@ def _terminate(number: int, frame: object) -> NoReturn:
 
 
 class _Formatter(argparse.RawDescriptionHelpFormatter):
-    """Keeps the line breaks of descriptions and examples, and the columns of options wide."""
+    """Keep line breaks of descriptions and examples; a wide column for options."""
 
     def __init__(self, prog: str, **rest: Any) -> None:
         super().__init__(prog, max_help_position=28, **rest)
-        self._action_max_length = 14  # argparse forgets the indentation of commands
+        self._action_max_length = 14  # argparse ignores the indentation of commands
 
 
 class Parser(argparse.ArgumentParser):
-    """Faults are UserErrors: one line, without the usage before it."""
+    """A parser whose errors are UserErrors, without the usage."""
 
     def __init__(self, **options: Any) -> None:
         super().__init__(formatter_class=_Formatter, allow_abbrev=False, **options)
 
     def error(self, message: str) -> NoReturn:
-        """Say the fault after the command's name."""
+        """Raise a UserError with the name of the command."""
         command = self.prog.partition(" ")[2]
         raise UserError(f"{command}: {message}" if command else message)
 
 
-def program(name: str, description: str) -> Parser:
-    """The parser of a program; its commands are added with :func:`command`."""
+def make_parser(name: str, description: str) -> Parser:
+    """Create the parser of a program, for `add_command`."""
     epilog = f"`{name} COMMAND --help` shows the options and examples of a command."
     return Parser(prog=name, description=description, epilog=epilog)
 
 
-def command(
+def add_command(
     commands: Any, name: str, summary: str, text: str, examples: list[str]
 ) -> argparse.ArgumentParser:
     """Add a command to ``commands`` (of ``add_subparsers``) and return its parser."""
@@ -93,10 +93,10 @@ def command(
     return parser
 
 
-def parse(
+def parse_arguments(
     parser: argparse.ArgumentParser, commands: Any, arguments: Sequence[str]
 ) -> argparse.Namespace:
-    """The options given; an unknown command or option is a UserError with the nearest one."""
+    """Parse options; a UserError for an unknown command or option names the nearest one."""
     first = arguments[0]
     if first.startswith("-") and first not in ("-h", "--help", "--version"):
         raise UserError(
@@ -116,8 +116,8 @@ def parse(
 
 
 @dataclass(frozen=True)
-class Number:
-    """A reader of numbers in [low, high] for argparse; anything else is a fault in one line."""
+class NumberReader:
+    """An argparse type for numbers in [low, high]."""
 
     kind: type[int] | type[float]
     low: float
@@ -125,12 +125,12 @@ class Number:
 
     @property
     def expected(self) -> str:
-        """What it reads, in words."""
+        """The expected input, for messages."""
         noun = "a whole number" if self.kind is int else "a number"
         return f"{noun} from {self.low} to {self.high}"
 
     def __call__(self, text: str) -> float:
-        """The number that is written there."""
+        """Convert a text to a number in the range."""
         try:
             value: float = self.kind(text)
         except ValueError:
@@ -140,6 +140,6 @@ class Number:
         return value
 
 
-def number(kind: type[int] | type[float], low: float, high: float) -> Number:
-    """The reader of such numbers."""
-    return Number(kind, low, high)
+def number_reader(kind: type[int] | type[float], low: float, high: float) -> NumberReader:
+    """Create an argparse type for numbers in [low, high]."""
+    return NumberReader(kind, low, high)

@@ -1,13 +1,13 @@
-"""What the program tells on the terminal while it works."""
+"""Messages on the terminal."""
 
 import sys
 
 
 def say(message: str) -> None:
-    """Tell on standard error what is going on."""
+    """Print a message to standard error."""
     print(f"subsea: {message}", file=sys.stderr, flush=True)
 
 
-def counted(number: int, one: str, many: str) -> str:
+def count_noun(number: int, one: str, many: str) -> str:
     """A number with its noun: 1 fish, 1,200 fishes."""
     return f"{number:,} {one if number == 1 else many}"

@@ -1,7 +1,7 @@
-"""What takes long to make is kept on the disk, until the code that makes it changes.
+"""Disk cache of function results, invalidated when the source changes.
 
-For functions whose result follows from their arguments alone. A file is never wrong, at worst it
-is missing: its name tells the code and the arguments, and one that is damaged is made anew.
+For functions whose result depends on their arguments alone. A file is named after its code and
+arguments, so it is never outdated; a damaged one is computed again.
 """
 
 import hashlib
@@ -20,31 +20,30 @@ import platformdirs
 
 from subsea.core.atomic_io import replacing
 from subsea.core.errors import UserError
-from subsea.core.source_stamp import stamp
+from subsea.core.source_stamp import source_stamp
 
 P = ParamSpec("P")
 T = TypeVar("T")
 
-MOST_BYTES = 512 << 20  # of all files, twice what the shipped scenarios need; the longest unused go
-SUM_BYTES, SIZE_BYTES = 4, 4  # of the checksum that a file begins with, and of the size after it
-ALIGNED = 64  # each part begins at a multiple of so many bytes: kernels want their arrays so
+MAX_BYTES = 512 << 20  # of all files: twice what the shipped scenarios need
+SUM_BYTES, SIZE_BYTES = 4, 4  # of the checksum at the start of a file, of the size after it
+ALIGNED = 64  # bytes: alignment of each part, as kernels need it for arrays
 
 
-def folder() -> Path:
-    """Where the files lie: the platform's place for what may be deleted at any time."""
+def cache_folder() -> Path:
+    """The folder of the files, in the platform's cache folder."""
     return platformdirs.user_cache_path("subsea", appauthor=False) / "kept"
 
 
-def kept(make: Callable[P, T], *given: P.args, **named: P.kwargs) -> T:
-    """What ``make(*given, **named)`` returns, read from the disk if it was made before.
+def cached(make: Callable[P, T], *given: P.args, **named: P.kwargs) -> T:
+    """Return ``make(*given, **named)``, read from the disk if it was computed before.
 
-    Arguments and result are anything that pickles. Where nothing can be written it is made each
-    time.
+    Arguments and result must pickle. Without a writable folder it is computed each time.
     """
-    path = folder() / f"{name_of(make, *given, **named)}.pickle"
-    with suppress(Exception):  # a pickle that is damaged may raise anything
+    path = cache_folder() / f"{cache_name(make, *given, **named)}.pickle"
+    with suppress(Exception):  # a damaged pickle may raise anything
         made: T = _unpacked(np.fromfile(path, np.uint8).data)
-        with suppress(OSError):  # another's file, or a disk that is only read
+        with suppress(OSError):  # a file of another user, or a read-only disk
             os.utime(path)
         return made
     made = make(*given, **named)
@@ -56,7 +55,7 @@ def kept(make: Callable[P, T], *given: P.args, **named: P.kwargs) -> T:
 
 
 def _packed(made: object) -> bytearray:
-    """A checksum, the sizes of what follows, then that: a pickle, and the arrays in it."""
+    """Pack as a checksum, the sizes of the parts, and the parts: a pickle and its arrays."""
     arrays: list[memoryview] = []
     head = pickle.dumps(made, 5, buffer_callback=lambda array: arrays.append(array.raw()))
     sizes = pickle.dumps([len(head), *(array.nbytes for array in arrays)])
@@ -70,7 +69,7 @@ def _packed(made: object) -> bytearray:
 
 
 def _unpacked(data: memoryview) -> Any:
-    """What was packed; what is damaged is an exception of any kind."""
+    """Undo `_packed`; damaged data raises an exception of any kind."""
     if zlib.crc32(data[SUM_BYTES:]) != int.from_bytes(data[:SUM_BYTES]):
         raise ValueError("damaged")
     start = SUM_BYTES + SIZE_BYTES
@@ -83,27 +82,27 @@ def _unpacked(data: memoryview) -> Any:
     return pickle.loads(parts[0], buffers=parts[1:])
 
 
-def name_of(make: Callable[P, object], *given: P.args, **named: P.kwargs) -> str:
-    """The name that is for this code and these arguments, and for nothing else."""
-    code = stamp(Path(make.__code__.co_filename).resolve())
+def cache_name(make: Callable[P, object], *given: P.args, **named: P.kwargs) -> str:
+    """The name of a result, unique for its code and arguments."""
+    code = source_stamp(Path(make.__code__.co_filename).resolve())
     about = io.BytesIO()
     pickler = pickle.Pickler(about)
-    pickler.fast = True  # equal arguments are pickled equally, whatever parts they have in common
+    pickler.fast = True  # equal arguments pickle equally, also if they share parts
     pickler.dump((sys.version_info[:2], np.__version__, given, named))
     name = hashlib.sha256(code.encode() + about.getvalue()).hexdigest()
     return f"{make.__name__}-{name[:32]}"
 
 
 def _make_room(place: Path) -> None:
-    """Delete the files that were not used for longest until all have room."""
+    """Delete least recently used files until the others fit."""
     there = []
-    for path in place.iterdir():  # also what was cut off while it was written
-        with suppress(OSError):  # another process may delete it just now
+    for path in place.iterdir():  # partial files, too
+        with suppress(OSError):  # another process may have deleted it
             about = path.stat()
             there.append((about.st_mtime, about.st_size, path))
     total = sum(one for _, one, _ in there)
     for _, one, path in sorted(there):
-        if total <= MOST_BYTES:
+        if total <= MAX_BYTES:
             return
         with suppress(OSError):
             path.unlink()

@@ -1,4 +1,4 @@
-"""What a list of durations says."""
+"""Statistics of frame times."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -6,23 +6,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.core.console import counted
+from subsea.core.console import count_noun
 
 SUMMARY = ("mean", "p50", "p95", "p99", "max")
 
 
-def summary(durations_s: Sequence[float] | NDArray[np.floating[Any]]) -> dict[str, float]:
+def summarize_ms(durations_s: Sequence[float] | NDArray[np.floating[Any]]) -> dict[str, float]:
     """Mean, percentiles and maximum in milliseconds of durations in seconds, keyed by SUMMARY.
 
-    Percentiles interpolate linearly between the neighbouring ranks.
+    Percentiles are interpolated linearly.
     """
     ms = 1000.0 * np.asarray(durations_s, np.float64)
     p50, p95, p99 = np.percentile(ms, [50, 95, 99])
     return dict(zip(SUMMARY, map(float, (ms.mean(), p50, p95, p99, ms.max())), strict=True))
 
 
-def sentence(durations_s: Sequence[float]) -> str:
-    """The summary in one line, with the number of frames."""
-    figures = summary(durations_s)
+def describe_durations(durations_s: Sequence[float]) -> str:
+    """Number of frames and statistics of their times, in one line."""
+    figures = summarize_ms(durations_s)
     named = ", ".join(f"{name} {figures[name]:.1f}" for name in ("mean", "p50", "p95", "max"))
-    return f"{counted(len(durations_s), 'frame', 'frames')}; frame time in ms: {named}"
+    return f"{count_noun(len(durations_s), 'frame', 'frames')}; frame time in ms: {named}"

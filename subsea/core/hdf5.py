@@ -280,7 +280,7 @@ def _unpacks_within(dataset: Any, most_bytes: int) -> bool:
     return True
 
 
-def is_there(group: Any, name: str) -> bool:
+def has_member(group: Any, name: str) -> bool:
     """Whether `group` has anything of that name; unlike ``in``, this follows no link."""
     return group.get(name, getlink=True) is not None
 

@@ -1,4 +1,4 @@
-"""Ctrl-C at a moment of our choosing."""
+"""Defer Ctrl-C to safe points."""
 
 import signal
 from collections.abc import Callable, Iterator
@@ -7,26 +7,26 @@ from types import FrameType
 
 
 @contextmanager
-def deferred() -> Iterator[Callable[[], None]]:
-    """Within, Ctrl-C and a polite kill are noted; the yielded function raises them.
+def deferred_interrupts() -> Iterator[Callable[[], None]]:
+    """Record Ctrl-C and SIGTERM; the yielded function raises KeyboardInterrupt for them.
 
-    Raised at once, as Python does, KeyboardInterrupt may come up inside a destructor or a weak
-    reference's callback, as the HDF5 library's wrapper has many. There it is printed and lost,
-    and the program runs on. The function raises KeyboardInterrupt between two steps instead.
+    Python raises KeyboardInterrupt at once, which may be inside a destructor or a weak
+    reference's callback (the HDF5 wrapper has many). There it is printed and lost, and the
+    program goes on. Call the yielded function between two steps instead.
     """
-    noted = False
+    pending = False
 
-    def note(number: int, frame: FrameType | None) -> None:
-        nonlocal noted
-        noted = True
+    def record(number: int, frame: FrameType | None) -> None:
+        nonlocal pending
+        pending = True
 
     def check() -> None:
-        nonlocal noted
-        if noted:
-            noted = False
+        nonlocal pending
+        if pending:
+            pending = False
             raise KeyboardInterrupt
 
-    before = {number: signal.signal(number, note) for number in (signal.SIGINT, signal.SIGTERM)}
+    before = {number: signal.signal(number, record) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
         yield check
     finally:

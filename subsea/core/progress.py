@@ -1,4 +1,4 @@
-"""How far a long work is, and how long it will take still."""
+"""Progress of long work, and the time left."""
 
 import sys
 import time
@@ -9,36 +9,36 @@ from tqdm import tqdm
 
 from subsea.core.console import say
 
-TELL_S = 10.0  # between two lines where there is no terminal
+REPORT_S = 10.0  # between two lines where there is no terminal
 
 
 @contextmanager
 def progress(total: int, unit: str, done: int = 0) -> Iterator[Callable[[], object]]:
-    """A function to call once for each of `total` units, of which `done` are done already.
+    """Yield a function to call after each of `total` units; `done` units are done already.
 
-    A bar on a terminal. Elsewhere, where a bar would fill a log, a line now and then.
+    Shows a bar on a terminal, elsewhere a line every `REPORT_S`, so that logs stay short.
     """
     if sys.stderr.isatty():
         with tqdm(total=total, initial=done, unit=unit) as bar:
             yield bar.update
         return
-    told, told_s = done, time.monotonic()
+    reported, reported_s = done, time.monotonic()
 
     def count() -> None:
-        nonlocal done, told, told_s
+        nonlocal done, reported, reported_s
         done += 1
         now = time.monotonic()
-        if now - told_s >= TELL_S:
-            rate = (done - told) / (now - told_s)
+        if now - reported_s >= REPORT_S:
+            rate = (done - reported) / (now - reported_s)
             left = clock((total - done) / rate)
             say(f"{unit} {done} of {total}, {rate:.2g} a second, {left} left")
-            told, told_s = done, now
+            reported, reported_s = done, now
 
     yield count
 
 
 def clock(seconds: float) -> str:
-    """Such as 0:07 or 1:02:03."""
+    """Format a duration as 0:07 or 1:02:03."""
     minutes, seconds = divmod(round(seconds), 60)
     hours, minutes = divmod(minutes, 60)
     return f"{hours}:{minutes:02}:{seconds:02}" if hours else f"{minutes}:{seconds:02}"

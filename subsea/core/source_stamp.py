@@ -1,4 +1,4 @@
-"""A hash over a source file and all files of the project that it imports."""
+"""Hash a source file together with the project files that it imports."""
 
 import hashlib
 import os
@@ -12,8 +12,8 @@ IMPORT = re.compile(r"^\s*from ((?:subsea|capture)[\w.]*) import (\([^)]*\)|[^\n
 
 
 @cache
-def stamp(file: Path, root: Path = ROOT) -> str:
-    """A hash over a source file and all files of the project that it imports, and they import."""
+def source_stamp(file: Path, root: Path = ROOT) -> str:
+    """Hash a source file and, transitively, all files of the project that it imports."""
     found, waiting = {file.as_posix()}, [file.as_posix()]
     while waiting:
         for other in _imported(waiting.pop(), root.as_posix()) - found:
@@ -32,7 +32,7 @@ def _digest(file: str) -> bytes:
 
 @cache
 def _imported(file: str, root: str) -> set[str]:
-    """The files of the project that a file imports itself."""
+    """The files of the project that a file imports directly."""
     found = set()
     for package, names in IMPORT.findall(Path(file).read_text(encoding="utf-8")):
         base = f"{root}/{package.replace('.', '/')}"
@@ -44,5 +44,5 @@ def _imported(file: str, root: str) -> set[str]:
     return {path for path in found if _is_file(path)}
 
 
-# Paths are words here: as objects all this would take four times as long.
+# Strings: with Path objects this takes four times as long.
 _is_file = cache(os.path.isfile)

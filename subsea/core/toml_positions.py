@@ -1,6 +1,6 @@
-"""The lines of a TOML file: where in it a key stands, for faults that name one.
+"""Line numbers of the keys in a TOML file, for error messages.
 
-No reader of TOML tells that. The text is one that such a reader has taken: nothing is checked here.
+TOML parsers do not report them. The text must be valid TOML: nothing is checked here.
 """
 
 import re
@@ -10,7 +10,7 @@ from typing import Any
 Place = tuple[str | int, ...]  # keys of tables, and numbers in lists from 0
 
 _BLANK = re.compile(r"(?:[ \t\r\n]|#[^\n]*)*")
-# One of several lines may end in up to five quotes, of which two are its own.
+# A multi-line string may end in five quotes, of which two belong to it.
 _STRING = re.compile(
     r'"""(?:\\.|[^\\])*?"""(?:"{0,2})' r"|'''.*?'''(?:'{0,2})"
     r'|"(?:\\.|[^"\\])*"' r"|'[^']*'",
@@ -22,17 +22,18 @@ _STEP = re.compile(r"[^.\[\]]+")
 
 
 def key_lines(text: str) -> dict[Place, int]:
-    """The line, from 1, of every table, key and entry of a list in the text of a TOML file.
+    """The line, from 1, of every table, key and list entry in a TOML text.
 
-    A list of tables is where the first of them is, and a table where it is spoken of first.
+    The line of a list of tables is that of its first table, and the line of a table that of its
+    first mention.
     """
     return _Reader(text).lines
 
 
 def line_of(lines: dict[Place, int], place: Place) -> int | None:
-    """The line of a place, or of the table in which it would stand; None if that is the file.
+    """The line of a place, or of the table that it would be in; None if that is the file.
 
-    An entry that a list does not have is nowhere.
+    A list entry that does not exist has no line.
     """
     while place and place not in lines:
         if isinstance(place[-1], int):
@@ -42,30 +43,30 @@ def line_of(lines: dict[Place, int], place: Place) -> int | None:
 
 
 def place_of(words: str) -> Place:
-    """The place that is written as ``fish[0].kind``."""
+    """Parse a place such as ``fish[0].kind``."""
     return tuple(int(step) if is_count(step) else step for step in _STEP.findall(words))
 
 
 def is_count(step: str) -> bool:
-    """Whether a word is the number of an entry: no list has one of ten digits."""
+    """Whether a word is the index of a list entry, of at most nine digits."""
     return step.isdecimal() and len(step) < 10
 
 
 def words_of(place: Place) -> str:
-    """How a place is written: see `place_of`."""
+    """Format a place such as ``fish[0].kind``."""
     steps = [f"[{step}]" if isinstance(step, int) else f".{step}" for step in place]
     return "".join(steps).removeprefix(".")
 
 
 class _Reader:
-    """Goes through a text once, from its beginning to its end."""
+    """A single pass through a text."""
 
     def __init__(self, text: str) -> None:
         self.lines: dict[Place, int] = {}
         self._text, self._at = text, 0
-        self._line, self._counted = 1, 0  # the line at which the character of that number is
+        self._line, self._counted = 1, 0  # the line of the character at this offset
         table: Place = ()
-        listed: dict[Place, int] = {}  # how many tables each list has, so far
+        listed: dict[Place, int] = {}  # number of tables in each list so far
         while self._skip():
             if text[self._at] != "[":
                 self._pair(table)
@@ -85,12 +86,12 @@ class _Reader:
             self._at += 1 + of_list
 
     def _skip(self) -> bool:
-        """Go on to what is neither blank nor a comment; whether there is anything."""
+        """Skip blanks and comments; return whether any text is left."""
         self._take(_BLANK)
         return self._at < len(self._text)
 
     def _take(self, pattern: re.Pattern[str]) -> str:
-        """What the pattern matches here; go on behind it."""
+        """Consume and return what the pattern matches here."""
         found = pattern.match(self._text, self._at)
         self._at = found.end() if found else len(self._text)
         return found[0] if found else ""

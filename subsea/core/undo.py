@@ -1,4 +1,4 @@
-"""States one after another, to go back and forth between: what was done, undone and saved."""
+"""Undo history."""
 
 from typing import Generic, TypeVar
 
@@ -6,53 +6,53 @@ State = TypeVar("State")
 
 
 class History(Generic[State]):
-    """Immutable states one after another; `present` is the one that holds.
+    """Immutable states with undo and redo; `present` is the current one.
 
-    States are compared by ``==``: one that holds arrays should be equal to nothing but itself.
+    States are compared by ``==``: a state with arrays should only be equal to itself.
     """
 
     def __init__(self, state: State) -> None:
-        """Begin with this one, which is saved: there is nothing to undo."""
+        """Begin with a state that counts as saved."""
         self._all = [state]
         self._at = 0
         self._saved: State | None = state
 
     @property
     def present(self) -> State:
-        """The state that holds now."""
+        """The current state."""
         return self._all[self._at]
 
     @property
     def may_undo(self) -> bool:
-        """Whether there is an earlier one."""
+        """Whether there is an earlier state."""
         return self._at > 0
 
     @property
     def may_redo(self) -> bool:
-        """Whether one was undone."""
+        """Whether a state was undone."""
         return self._at < len(self._all) - 1
 
     @property
     def unsaved(self) -> bool:
-        """Whether the present state is another than the one that was saved last."""
+        """Whether the current state differs from the one saved last."""
         return self._saved is None or self.present != self._saved
 
     def saved(self, really: bool = True) -> None:
-        """The present state is saved; or nothing of it `really` is, as of what is new."""
+        """Mark the current state as saved, or as never saved if not `really`."""
         self._saved = self.present if really else None
 
     def do(self, state: State) -> None:
-        """From now on this one holds; what was undone is forgotten."""
+        """Make this the current state and discard undone states."""
         if state != self.present:
             self._all[self._at + 1 :] = [state]
             self._at += 1
 
     def undo(self) -> State:
-        """Back to the one before, if there is one."""
+        """Go back to the previous state, if any."""
         self._at = max(self._at - 1, 0)
         return self.present
 
     def redo(self) -> State:
-        """Forth to the one that was undone last, if there is one."""
+        """Go forward to the state undone last, if any."""
         self._at = min(self._at + 1, len(self._all) - 1)
         return self.present

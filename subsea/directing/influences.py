@@ -10,7 +10,7 @@ from subsea.behavior.mating import REST_S
 from subsea.behavior.temperament import HABITS, set_hunger, set_libido, urge_to_mate
 from subsea.core.arrays import Array, Ints
 from subsea.directing.script import Act, DirectingContext, hunger_of, now_s
-from subsea.scenario.directions import INFLUENCES, MOVES, Whose
+from subsea.scenario.directions import INFLUENCES, MOVES
 from subsea.state import (
     ANYONE,
     CIRCLING,
@@ -248,7 +248,7 @@ def _make_hungry(context: DirectingContext, act: Act) -> None:
     those = _hunters(context, act)
     set_hunger(minds, those, 1.0, now_s(context))
     minds.fatigue[EAT, those] = 0.0
-    if isinstance(hunts, Whose) and hunts.species is not None:
+    if isinstance(hunts, FishSelector) and hunts.species is not None:
         minds.quarry[those] = *ANYONE[:2], context.script.species.index(hunts.species)
     else:
         minds.quarry[those] = (act.prey[0], act.prey[-1] + 1, -1) if len(act.prey) else NOBODY

@@ -6,7 +6,7 @@ import numpy as np
 
 from subsea.behavior.temperament import urge_to_eat
 from subsea.core.arrays import Array, Ints
-from subsea.scenario.directions import Direction, Shoals, Whose, numbers_of
+from subsea.scenario.directions import Direction, FishSelector, Shoals, numbers_of
 from subsea.scenario.schema import Scenario
 from subsea.state import Clock, Nature, State
 
@@ -47,12 +47,12 @@ def make_script(scenario: Scenario, numbers: list[int], fastest_cm_s: Array) -> 
     shoals = Shoals([shoal.species for shoal in scenario.fish], numbers, [])
     everybody = np.arange(sum(numbers))
 
-    def those(whose: Whose | None) -> Ints:
+    def those(whose: FishSelector | None) -> Ints:
         return everybody if whose is None else np.array([*numbers_of(whose, shoals)], np.int64)
 
     def shown(one: Direction) -> Ints:
         follow = None if one.camera is None else one.camera.follow
-        return those(follow) if isinstance(follow, Whose) else np.zeros(0, np.int64)
+        return those(follow) if isinstance(follow, FishSelector) else np.zeros(0, np.int64)
 
     names = {one.name: k for k, one in enumerate(scenario.direction) if one.name}
     acts = tuple(
@@ -61,7 +61,7 @@ def make_script(scenario: Scenario, numbers: list[int], fastest_cm_s: Array) -> 
             one.influences,
             those(one.who),
             those(one.of),
-            those(one.hunts if isinstance(one.hunts, Whose) else None),
+            those(one.hunts if isinstance(one.hunts, FishSelector) else None),
             shown(one),
             names.get(one.after or "", -1),
         )

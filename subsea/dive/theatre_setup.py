@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import msgspec
 
-from subsea.core.console import counted, say
+from subsea.core.console import count_noun, say
 from subsea.core.errors import UserError, unknown
 from subsea.core.toml_files import error_at
 from subsea.dive.cluster.credentials import cluster_faults
@@ -15,7 +15,7 @@ from subsea.view.display_rigs import display_rig
 from subsea.view.rig import CameraRig
 from subsea.view.stereo import EYES, Stereo
 from subsea.view.surround import ALL_ROUND, Surround
-from subsea.view.theatre.channels import Lighted, channels
+from subsea.view.theatre.channels import ProjectorChannel, usable_channels
 from subsea.view.theatre.theatre_file import FEWEST_PIXELS, Channel, Theatre, Window, load_theatre
 from subsea.view.theatre.theatre_rig import seen_channels, theatre_rig
 from subsea.view.theatre.warp import describe_warp
@@ -48,7 +48,7 @@ def set_up_theatre(
     if node is not None and node not in theatre.nodes:
         raise UserError(unknown("node", node, list(theatre.nodes)).message, file=path)
     theatre = shrink_theatre(theatre, shrink)
-    found, faults = channels(theatre, path)
+    found, faults = usable_channels(theatre, path)
     found, unseen = seen_channels(theatre, found, display, stereo)
     unseen = tuple(error_at(path, fault.key or "", fault.message) for fault in unseen)
     if not found:
@@ -100,7 +100,9 @@ def theatre_digest(name: str | None) -> str | None:
     return whole.hexdigest()
 
 
-def shown_windows(theatre: Theatre, found: Sequence[Lighted], node: str | None) -> list[int]:
+def shown_windows(
+    theatre: Theatre, found: Sequence[ProjectorChannel], node: str | None
+) -> list[int]:
     """Indices of the windows with a channel, of one node; None: of all nodes."""
     return [
         number
@@ -151,9 +153,9 @@ def describe(name: str) -> int:
     """Print the parts and faults of a theatre; exit code 0 if all works, else 1."""
     theatre, path = load_theatre(name)
     print(f"{path}: {theatre.title or 'a theatre'}")
-    found: Sequence[Lighted]
+    found: Sequence[ProjectorChannel]
     try:
-        found, faults = channels(theatre, path)
+        found, faults = usable_channels(theatre, path)
     except UserError as fault:
         found, faults = (), (fault,)
     for number, window in enumerate(theatre.window):
@@ -172,7 +174,7 @@ def describe(name: str) -> int:
         rig = theatre_rig(theatre, found, shown_windows(theatre, found, None))
         drawn = sum(eye.viewport[2] * eye.viewport[3] for eye in rig.eyes)
         shown = sum(width * height for width, height in rig.outputs)
-        views = counted(len(rig.eyes), "view", "views")
+        views = count_noun(len(rig.eyes), "view", "views")
         print(
             f"{views}, {drawn / 1e6:.1f} million pixels drawn for "
             f"{shown / 1e6:.1f} million shown, on a canvas of {rig.canvas[0]}x{rig.canvas[1]}"
@@ -187,7 +189,7 @@ def describe(name: str) -> int:
     return 1 if faults else 0
 
 
-def _words(one: Lighted) -> str:
+def _words(one: ProjectorChannel) -> str:
     """A short description of a channel."""
     parts = [f"{one.place[2]}x{one.place[3]} pixels, {type(one.screen).__name__.lower()}"]
     if one.screen is None:

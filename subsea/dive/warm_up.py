@@ -17,8 +17,8 @@ from pathlib import Path
 import numba
 import numpy as np
 
-from subsea.core.disk_cache import folder
-from subsea.core.source_stamp import ROOT, stamp
+from subsea.core.disk_cache import cache_folder
+from subsea.core.source_stamp import ROOT, source_stamp
 from subsea.frame.packet import pack
 from subsea.geometry.height_field import height_at
 from subsea.perception.focusser import focus
@@ -99,8 +99,8 @@ def warm_up(
 
 def _marker() -> Path:
     """The file that says that the kernels of today's code are cached, beside cached kernels."""
-    code = f"{stamp(Path(__file__).resolve())[:32]}-{numba.__version__}"
-    return Path(height_at.stats.cache_path or folder()) / f"warm-{code}"
+    code = f"{source_stamp(Path(__file__).resolve())[:32]}-{numba.__version__}"
+    return Path(height_at.stats.cache_path or cache_folder()) / f"warm-{code}"
 
 
 def _can_write(place: Path) -> bool:
@@ -130,7 +130,7 @@ def _one_at_a_time(tell: Callable[[str], None]) -> Iterator[None]:
         with suppress(ImportError, OSError):
             from fcntl import LOCK_EX, LOCK_NB, flock
 
-            place = folder().parent
+            place = cache_folder().parent
             place.mkdir(parents=True, exist_ok=True)
             lock = stack.enter_context((place / "compiling").open("w"))
             try:

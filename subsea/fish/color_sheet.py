@@ -13,7 +13,7 @@ import numpy as np
 
 from subsea.core.arrays import Bytes
 from subsea.core.atomic_io import replacing
-from subsea.core.disk_cache import kept
+from subsea.core.disk_cache import cached
 from subsea.core.errors import UserError
 from subsea.core.toml_edit import edit_toml
 from subsea.core.toml_files import load_toml
@@ -32,7 +32,7 @@ def sheets(species: Sequence[Species]) -> list[Bytes]:
     A file that is missing, damaged or no sheet is a UserError.
     """
     painted = [one for one in species if not one.skin.sheet]
-    done = iter(kept(paint.paint_all, tuple(painted)) if painted else [])
+    done = iter(cached(paint.paint_all, tuple(painted)) if painted else [])
     return [read(Path(one.skin.sheet)) if one.skin.sheet else next(done) for one in species]
 
 

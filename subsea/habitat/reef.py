@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from subsea.core.arrays import Array, Bools, Ints
-from subsea.core.disk_cache import kept
+from subsea.core.disk_cache import cached
 from subsea.core.kernels import kernel
 from subsea.habitat.clearance import clearances
 from subsea.habitat.mounds import HEIGHT, dome, variant_of
@@ -80,7 +80,7 @@ def grow_reefs(scenario: Scenario, sea: Sea) -> tuple[Sea, Reef]:
     """All reefs of a scenario, and the sea whose floor lies over them."""
     # Reefs do not mind plankton, which is another with every seed.
     still = sea._replace(plankton=sea.plankton[:0], absent=sea.absent[:0])
-    floor, reef = kept(_grown, scenario.reef, scenario.water.current_cm_s, still)
+    floor, reef = cached(_grown, scenario.reef, scenario.water.current_cm_s, still)
     return sea._replace(floor=floor), reef
 
 

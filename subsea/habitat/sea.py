@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.core.disk_cache import kept
+from subsea.core.disk_cache import cached
 from subsea.geometry.height_field import height_at
 from subsea.habitat import hook, plankton
 from subsea.habitat.rocks import Floor, rock_rows
@@ -31,7 +31,7 @@ def make_sea(scenario: Scenario, rng: np.random.Generator) -> Sea:
 
     pillars = pillar_rows(scenario, floor)
     rocks, _ = rock_rows(scenario, floor)
-    heights = kept(drifted, heights, width, pillars, rocks, water.current_cm_s)
+    heights = cached(drifted, heights, width, pillars, rocks, water.current_cm_s)
     lowered = any(one.hook == "down" for one in scenario.direction)
     return empty(
         Sea,

@@ -3,7 +3,7 @@
 import numpy as np
 
 from subsea.core.arrays import Array, Ints
-from subsea.core.disk_cache import kept
+from subsea.core.disk_cache import cached
 from subsea.core.kernels import kernel
 from subsea.geometry.height_field import height_at
 from subsea.geometry.vector import Vector, minus, norm, plus, times, vector
@@ -13,7 +13,7 @@ from subsea.habitat.current import flow_near
 from subsea.habitat.formations import formations, stone_above
 from subsea.habitat.reef import MOUND, RUBBLE
 from subsea.scenario.schema import Scenario
-from subsea.scenario.schema import Seaweed as Group
+from subsea.scenario.schema import SeaweedTable as Group
 from subsea.state import HULL_CM, Clock, Fishes, Reef, Sea, Seaweed
 
 KINDS = ("ribbon", "kelp", "grass", "red")  # as `seaweed.vert`
@@ -54,7 +54,7 @@ TRIES = 30
 def plant_seaweed(scenario: Scenario, sea: Sea, reef: Reef, seed: int) -> tuple[Sea, Seaweed]:
     """All seaweed of a scenario, come to rest in still water, and the sea with its boxes."""
     still = sea._replace(plankton=sea.plankton[:0], absent=sea.absent[:0])  # which it does not mind
-    boxes, seaweed = kept(_planted, scenario.seaweed, still, reef, seed)
+    boxes, seaweed = cached(_planted, scenario.seaweed, still, reef, seed)
     return sea._replace(seaweed=boxes), seaweed
 
 

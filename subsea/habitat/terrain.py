@@ -3,7 +3,7 @@
 import numpy as np
 
 from subsea.core.arrays import Array
-from subsea.core.disk_cache import kept
+from subsea.core.disk_cache import cached
 from subsea.habitat.clearance import clearances
 from subsea.scenario.schema import Bounds, Scenario, Terrain
 
@@ -30,7 +30,7 @@ def make_terrain(scenario: Scenario) -> Array:
     a slower one: long dunes, steep in their lee, with small ones on them. No part is higher than
     half the depth.
     """
-    return kept(_dunes, scenario.terrain, scenario.bounds)
+    return cached(_dunes, scenario.terrain, scenario.bounds)
 
 
 def _dunes(terrain: Terrain, bounds: Bounds) -> Array:

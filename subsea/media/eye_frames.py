@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from subsea.behavior.table import BEHAVIORS
 from subsea.core import interrupts
 from subsea.core.atomic_io import replacing
-from subsea.core.console import counted, say
-from subsea.core.durations import sentence
+from subsea.core.console import count_noun, say
+from subsea.core.durations import describe_durations
 from subsea.core.errors import UserError
 from subsea.core.progress import progress
 from subsea.dive.directed_camera import check_tour, tour_steering
@@ -80,7 +80,7 @@ def film_eyes(options: EyeFilmOptions) -> int:
     windows = [f"{part}/{side}" if part else side for part in PARTS for side in SIDES]
     missing = missing_frames(out, manifest, windows, len(times))
     if not missing and _frames_in(out / CAMERA, manifest) == len(times):
-        print(f"{out}: complete, {counted(len(times), 'frame', 'frames')}")
+        print(f"{out}: complete, {count_noun(len(times), 'frame', 'frames')}")
         return 0
     durations: list[float] = []
     frames: list[dict[str, Any]] = []
@@ -90,7 +90,7 @@ def film_eyes(options: EyeFilmOptions) -> int:
         steer = tour_steering(world, options.tour)
         by = fish_eyes(world, fish)
         rig = retina_rig(options.size, by.half_cm, gaze, field_deg)
-        check = stack.enter_context(interrupts.deferred())
+        check = stack.enter_context(interrupts.deferred_interrupts())
         preset = PRESETS[options.quality]
         renderer = stack.enter_context(picture_maker(context, world, rig, preset))
         write_manifest(out, manifest)
@@ -259,4 +259,4 @@ def _frames_in(path: Path, manifest: dict[str, Any]) -> int:
 
 def _report(out: Path, durations: list[float]) -> None:
     if durations:
-        print(f"{out}: {sentence(durations)}")
+        print(f"{out}: {describe_durations(durations)}")

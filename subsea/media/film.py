@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.core import interrupts
-from subsea.core.console import counted, say
-from subsea.core.durations import sentence
+from subsea.core.console import count_noun, say
+from subsea.core.durations import describe_durations
 from subsea.core.progress import progress
 from subsea.dive.captions import caption_of, draw_caption
 from subsea.dive.directed_camera import check_tour, is_cut, tour_steering
@@ -74,7 +74,7 @@ def film(options: TourFilmOptions) -> int:
         )  # fmt: skip
         missing = missing_frames(out, manifest, windows, len(times))
         if not missing:
-            print(f"{out}: complete, {counted(len(times), 'frame', 'frames')}")
+            print(f"{out}: complete, {count_noun(len(times), 'frame', 'frames')}")
             return 0
     preset = PRESETS[options.quality]
     durations: list[float] = []
@@ -83,7 +83,7 @@ def film(options: TourFilmOptions) -> int:
             context = stack.enter_context(headless())
             world = start_world(options.scenario, options.seed, changes=options.changes)
             steer = tour_steering(world, options.tour)
-            check = stack.enter_context(interrupts.deferred())
+            check = stack.enter_context(interrupts.deferred_interrupts())
             renderer = stack.enter_context(picture_maker(context, world, rig, preset))
             renderer.wireframe = options.wireframe
             diagrams = DiagramBuilder(world)
@@ -161,11 +161,11 @@ def _intent(names: str, frames: int, missing: list[int]) -> str:
     """The message before a film begins."""
     if len(missing) == frames:
         return f"filming to {names}"
-    lacking = counted(len(missing), "frame", "frames")
+    lacking = count_noun(len(missing), "frame", "frames")
     return f"filming to {names}: {lacking} of {frames} missing, from {missing[0]} on"
 
 
 def _report(names: str, kind: str, durations: list[float]) -> None:
     """Print what was written; nothing without a complete picture."""
     if durations:
-        print(f"{names}: {'written' if kind == 'picture' else sentence(durations)}")
+        print(f"{names}: {'written' if kind == 'picture' else describe_durations(durations)}")

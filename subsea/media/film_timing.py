@@ -43,7 +43,7 @@ def directed_length_s(scenario: Scenario, source: Path, seed: int | None) -> flo
     """
     say("rehearsing the directions to find the length of the film")
     world = ready_world(scenario, source, seed)
-    with interrupts.deferred() as check:
+    with interrupts.deferred_interrupts() as check:
         steer = directed_steering(world)
         while not is_over(world):
             check()

@@ -10,7 +10,6 @@ import numpy as np
 
 from subsea.core.arrays import Array
 from subsea.core.atomic_io import replacing
-from subsea.core.durations import summary
 from subsea.profiling.machine import machine_line
 from subsea.view.levels import LEVELS
 
@@ -52,21 +51,21 @@ class Frames(NamedTuple):
 
 def statistics(frames: Frames) -> dict[str, Any]:
     """The measured part of a report."""
-    frame_ms = summary(frames.frame_s)
+    frame_ms = summarize_ms(frames.frame_s)
     return {
         "frames": len(frames.frame_s),
         "visible_mean": float(frames.visible.mean()),
         "simulated_mean": float(frames.simulated.mean()),
         "frame_ms": frame_ms,
-        "host_ms": summary(frames.host_s)["p50"],
+        "host_ms": summarize_ms(frames.host_s)["p50"],
         "cpu_ms": {
-            "all": summary(frames.cpu_s)["p50"],
-            "thread": summary(frames.thread_s)["p50"],
+            "all": summarize_ms(frames.cpu_s)["p50"],
+            "thread": summarize_ms(frames.thread_s)["p50"],
         },
-        "yardstick_ms": summary(frames.yardstick_s)["p50"],
+        "yardstick_ms": summarize_ms(frames.yardstick_s)["p50"],
         "fps": 1000.0 / frame_ms["mean"],
-        "stages_ms": {name: summary(frames.stages_s[name])["p50"] for name in STAGES},
-        "rest_ms": summary(frames.rest_s)["p50"],
+        "stages_ms": {name: summarize_ms(frames.stages_s[name])["p50"] for name in STAGES},
+        "rest_ms": summarize_ms(frames.rest_s)["p50"],
         "parts_ms": {
             "frame": _parts_ms(frames.frame_s),
             "cpu": _parts_ms(frames.cpu_s),

@@ -18,7 +18,7 @@ import numpy as np
 from subsea.behavior.teleop import TeleopCommand
 from subsea.core import interrupts
 from subsea.core.atomic_io import check_file, replacing
-from subsea.core.console import counted, say
+from subsea.core.console import count_noun, say
 from subsea.core.errors import UserError
 from subsea.core.progress import clock, progress
 from subsea.core.resources import resource_names
@@ -171,7 +171,7 @@ def _dive(
     done: list[RandomInput] = []  # since the snapshot to which time is rewound
     before, boxes = None, visited_now(world)
     fixed = snapshot.checksum_of(snapshot.constant(world))
-    with interrupts.deferred() as check, progress(ticks, "tick") as made:
+    with interrupts.deferred_interrupts() as check, progress(ticks, "tick") as made:
         for k in range(1, ticks + 1):
             check()
             if k % REPLAY_EVERY == REPLAY_EVERY - REPLAYED:
@@ -345,12 +345,12 @@ def _report(path: Path) -> _Report:
 
 def _tell(world: World, watch: Observations, drawn: bool, seconds: float) -> None:
     number = len(world.state.fishes.species)
-    fishes = counted(number, "fish", "fishes")
+    fishes = count_noun(number, "fish", "fishes")
     print(f"{clock(world.state.tick * TICK_S)} simulated, {fishes}, in {clock(seconds)}")
     if watch.checksums:
         print(f"checksum at the end: {watch.checksums[-1]}")
         print(f"alive at the end: {watch.alive[-1]} of {number}, {watch.starving[-1]} starving")
-    print(f"time was rewound {counted(len(watch.replays), 'time', 'times')}")
+    print(f"time was rewound {count_noun(len(watch.replays), 'time', 'times')}")
     if watch.memory_mb:
         first, last = watch.memory_mb[len(watch.memory_mb) // 4], watch.memory_mb[-1]
         judged = "" if steady(watch, drawn) else ", too short to judge it"
@@ -364,4 +364,4 @@ def _tell(world: World, watch: Observations, drawn: bool, seconds: float) -> Non
             print(f"OpenGL objects after the {when} round of displays: {kinds}")
     for fault in watch.faults:
         say(fault)
-    print(counted(len(watch.faults), "fault", "faults") if watch.faults else "sound")
+    print(count_noun(len(watch.faults), "fault", "faults") if watch.faults else "sound")

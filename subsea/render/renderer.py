@@ -12,7 +12,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.core.disk_cache import kept
+from subsea.core.disk_cache import cached
 from subsea.core.errors import UserError
 from subsea.frame.packet import Packet, RenderScene
 from subsea.render.fish.fishes import FishRenderer
@@ -68,8 +68,8 @@ class Renderer(GpuOwner):
         # numpy and compiled kernels release the GIL, so they run beside the calls of OpenGL.
         with ThreadPoolExecutor() as pool:
             solids = scene.terrain, scene.terrain_half_width_cm, scene.pillars, scene.rocks
-            stone = pool.submit(lambda: kept(pieces, *solids))
-            ground = pool.submit(lambda: kept(surroundings, *solids))
+            stone = pool.submit(lambda: cached(pieces, *solids))
+            ground = pool.submit(lambda: cached(surroundings, *solids))
             growths = pool.submit(bake, scene.reef)
             self._caustics = self.own(repeating(context, near_and_far, 1))
             self._noise = self.own(repeating(context, noise, 2))

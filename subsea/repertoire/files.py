@@ -106,7 +106,7 @@ def write_repertoire(path: Path, repertoire: Repertoire) -> None:
 
 def _read_transitions(file: Any, segments: dict[str, Segment], where: str) -> Transitions | None:
     """The transitions that were planned when the file was written; none is no fault."""
-    if not hdf5.is_there(file, "transitions") or any(name not in segments for name in SEGMENTS):
+    if not hdf5.has_member(file, "transitions") or any(name not in segments for name in SEGMENTS):
         return None
     group, where = hdf5.subgroup(file, "transitions", where), where + "/transitions"
     rows = sum(len(segments[name].nodes) for name in SEGMENTS)
@@ -140,7 +140,7 @@ def _read_segment(group: Any, length: float, where: str) -> Segment:
     translation = hdf5.array(group, "increment_translation", (frames, 3), where)
     nodes = hdf5.array(group, "nodes", (frames, NODES, 3), where)
     points = None
-    if hdf5.is_there(group, "control_points"):
+    if hdf5.has_member(group, "control_points"):
         points = hdf5.array(group, "control_points", (frames, CONTROL_POINTS, 3), where)
     for name, values in (("increment_translation", translation), ("nodes", nodes)):
         _within(values, length, f"{where}/{name}")

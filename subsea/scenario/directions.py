@@ -29,7 +29,7 @@ MOVES = ("path_cm", "hunger", "libido", "fear", "likes", "hunts", "rests")
 INFLUENCES = (*MOVES, "pair", "current_cm_s", "hook", "lights", "camera", "caption", "end")
 
 
-class Whose(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+class FishSelector(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """Fishes: those of a shoal, one, or all of a species."""
 
     shoal: Number | None = None  # its number, from 0
@@ -49,7 +49,7 @@ class Camera(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
     tour: str | None = None  # the name of one, begun anew
     position_cm: Place | None = None  # where it is; none: `distance_cm` from what it looks at
     look_at_cm: Place | None = None
-    follow: Whose | Literal["cast"] | None = None  # fishes; "cast": whom the event is about
+    follow: FishSelector | Literal["cast"] | None = None  # fishes; "cast": whom the event is about
     distance_cm: Annotated[float, msgspec.Meta(ge=60, le=5000)] = 200.0
     behind: bool = False  # from behind those that it follows, rather than from where it comes
     over_s: Seconds = 3.0  # so long the way there takes, or longer if it is far; 0: a cut
@@ -80,7 +80,7 @@ class Direction(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
     after: str | None = None  # not before the direction of this name has begun ...
     delay_s: Seconds = 0.0  # ... and so many s have passed
     event: Event | None = None
-    of: Whose | None = None  # whose event; none: anybody's, and of "passes" the submarine's
+    of: FishSelector | None = None  # whose event; none: anybody's, and of "passes" the submarine's
     gate_cm: Place | None = None  # what is passed, ...
     radius_cm: Annotated[float, msgspec.Meta(gt=0, le=1e5)] = 100.0  # ... at most so far away
     fewer_than: Annotated[int, msgspec.Meta(ge=1, le=100_000)] | None = None  # of them are alive
@@ -88,7 +88,7 @@ class Direction(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
     every_s: Annotated[float, msgspec.Meta(ge=0.1, le=1e5)] | None = None  # again while it is so
 
     # What, of whom, and for how long.
-    who: Whose | None = None  # whom it moves
+    who: FishSelector | None = None  # whom it moves
     path_cm: Annotated[list[Place], msgspec.Meta(min_length=1, max_length=200)] | None = None
     loop: bool = False  # the path is gone round and round
     speed_cm_s: Annotated[float, msgspec.Meta(gt=0, le=1000)] | None = None  # none: cruising
@@ -98,7 +98,7 @@ class Direction(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
     over_s: Seconds = 0.0  # so long a change takes
     for_s: Seconds | None = None  # and so long it is held
     likes: list[Habit] | None = None  # Tu §7.3
-    hunts: Whose | Literal["any"] | None = None  # predators: whom they may hunt; they start
+    hunts: FishSelector | Literal["any"] | None = None  # predators: whom they may hunt; they start
     rests: bool = False  # predators: they hunt nobody
     pair: tuple[Number, Number] | Literal["nearest"] | None = None  # two are to court ...
     place_cm: Place | None = None  # ... there
@@ -177,8 +177,8 @@ def _faults(
     """Key and fault of what cannot be in a direction, whatever the others are."""
     faults: list[tuple[str, str]] = []
     wholes = [("of", one.of), ("who", one.who)]
-    wholes += [("hunts", one.hunts)] if isinstance(one.hunts, Whose) else []
-    if one.camera is not None and isinstance(one.camera.follow, Whose):
+    wholes += [("hunts", one.hunts)] if isinstance(one.hunts, FishSelector) else []
+    if one.camera is not None and isinstance(one.camera.follow, FishSelector):
         wholes.append(("camera.follow", one.camera.follow))
     for key, whose in wholes:
         if whose is not None:
@@ -240,7 +240,7 @@ def _faults(
     return faults
 
 
-def numbers_of(whose: Whose, shoals: Shoals) -> range | list[int]:
+def numbers_of(whose: FishSelector, shoals: Shoals) -> range | list[int]:
     """The numbers of the fishes that are meant, as far as there are such."""
     if whose.fish is not None:
         return range(whose.fish, min(whose.fish + 1, sum(shoals.numbers)))
@@ -267,14 +267,14 @@ def renumbered(
     """
 
     def now(whose: Any) -> Any:
-        if isinstance(whose, Whose) and whose.fish is not None:
+        if isinstance(whose, FishSelector) and whose.fish is not None:
             return replace(whose, fish=fish(whose.fish))
-        if isinstance(whose, Whose) and whose.shoal is not None:
+        if isinstance(whose, FishSelector) and whose.shoal is not None:
             return replace(whose, shoal=shoal(whose.shoal))
         return whose
 
     def is_gone(whose: Any) -> bool:
-        return isinstance(whose, Whose) and -1 in (whose.fish, whose.shoal)
+        return isinstance(whose, FishSelector) and -1 in (whose.fish, whose.shoal)
 
     left: list[Direction] = []
     gone: set[str] = set()
@@ -296,7 +296,7 @@ def renumbered(
     return left
 
 
-def _strangers(whose: Whose, shoals: Shoals) -> list[tuple[str, str]]:
+def _strangers(whose: FishSelector, shoals: Shoals) -> list[tuple[str, str]]:
     """Key and fault of fishes that there are not."""
     if whose.shoal is not None and whose.shoal >= len(shoals.species):
         last = len(shoals.species) - 1

@@ -141,7 +141,7 @@ class Hook(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True
         return (*self.position_cm, -self.depth_cm)
 
 
-class Seaweed(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+class SeaweedTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """Clusters of leaves that are rooted in the seabed, or on a solid that stands there."""
 
     # Broad leaves, tall stipes with blades, short tufts, branched red algae: each along a chain.
@@ -216,7 +216,7 @@ class TourTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
     loop: bool = False  # the last waypoint is the first again, and it goes on
 
 
-class Temper(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+class NatureTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """Constants of perception and behavior, as `state.Nature` explains them."""
 
     vision_cm: Positive = 500.0
@@ -241,7 +241,7 @@ class Temper(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
             raise ValueError("`vision_cm` must not be more than `smell_cm`")
 
 
-class Individual(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+class IndividualTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """What one fish has of its own, whatever its shoal says; no dice are thrown for it."""
 
     fish: Annotated[int, msgspec.Meta(ge=0, lt=MAX_FISHES)]  # its number, as shoals count from 0
@@ -285,13 +285,13 @@ class Scenario(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     outcrop: Annotated[list[Outcrop], msgspec.Meta(max_length=MAX_SOLIDS)] = []
     arch: Annotated[list[Arch], msgspec.Meta(max_length=MAX_SOLIDS)] = []
     hook: Hook | None = None
-    seaweed: list[Seaweed] = []
+    seaweed: list[SeaweedTable] = []
     vent: Annotated[list[Vent], msgspec.Meta(max_length=MAX_VENTS)] = []
     reef: list[ReefTable] = []
     tour: list[TourTable] = []
     direction: Annotated[list[Direction], msgspec.Meta(max_length=MAX_DIRECTIONS)] = []
-    nature: Temper = Temper()
-    individual: list[Individual] = []
+    nature: NatureTable = NatureTable()
+    individual: list[IndividualTable] = []
     physics: PhysicsTable = PhysicsTable()
     # So many of the nearest fishes are simulated instead of played back.
     simulated: Annotated[int, msgspec.Meta(ge=0, le=MAX_SIMULATED)] = 0

@@ -41,7 +41,7 @@ def study(record: Path, out: Path | None, json_file: Path | None) -> int:
         check_folder(out)
         check_plots()
     # In compiled code Ctrl-C would surface as another error.
-    with interrupts.deferred() as check:
+    with interrupts.deferred_interrupts() as check:
         read = read_record(record)
         found = measure(read, check)
         print("\n".join(table(found)))

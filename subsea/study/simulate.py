@@ -12,7 +12,7 @@ from tqdm import tqdm
 from subsea.behavior.table import INTENTIONS
 from subsea.core import hdf5, interrupts
 from subsea.core.atomic_io import check_file
-from subsea.core.console import counted, say
+from subsea.core.console import count_noun, say
 from subsea.core.errors import UserError
 from subsea.dive.start import start_world
 from subsea.motor.pose import ends_world
@@ -67,7 +67,7 @@ def simulate(
     held, happened = 0, []
     attributes = _attributes(world, scenario_text(chosen, source))
     with (
-        interrupts.deferred() as check,
+        interrupts.deferred_interrupts() as check,
         hdf5.recording(out, attributes, _constants(world), _NOTES) as append,
     ):
         try:
@@ -94,7 +94,7 @@ def simulate(
 
 
 def _extent(ticks: int, fishes: int) -> str:
-    return f"{counted(ticks, 'tick', 'ticks')} of {counted(fishes, 'fish', 'fishes')}"
+    return f"{count_noun(ticks, 'tick', 'ticks')} of {count_noun(fishes, 'fish', 'fishes')}"
 
 
 def _empty_block(length: int, n: int) -> Rows:

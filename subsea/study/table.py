@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from subsea.core.console import counted
+from subsea.core.console import count_noun
 
 Measured = dict[str, Any]
 
@@ -12,8 +12,8 @@ def table(found: Measured) -> list[str]:
     sea, minds, food = found["sea"], found["minds"], found["food"]
     species = ", ".join(f"{number} {name}" for name, number in found["species"].items())
     lines = [
-        f"{counted(found['ticks'], 'tick', 'ticks')} ({found['seconds']:g} s) of "
-        f"{counted(found['fishes'], 'fish', 'fishes')}, seed {found['seed']}: {species}",
+        f"{count_noun(found['ticks'], 'tick', 'ticks')} ({found['seconds']:g} s) of "
+        f"{count_noun(found['fishes'], 'fish', 'fishes')}, seed {found['seed']}: {species}",
         "",
         _line("out of bounds or in an obstacle", f"{sea['out_of_bounds_or_inside']:,} of "
               f"{sea['fish_ticks']:,} fish-ticks"),

@@ -7,7 +7,7 @@ import msgspec
 import numpy as np
 
 from subsea.core.arrays import Array
-from subsea.core.disk_cache import kept
+from subsea.core.disk_cache import cached
 from subsea.core.errors import UserError, unknown
 from subsea.geometry.curve import Curve, curve_at, curve_through
 from subsea.geometry.height_field import height_at
@@ -68,7 +68,7 @@ def check_tours(scenario: Scenario, sea: Sea, rocks: list[str]) -> None:
     `rocks` are the names of the rocks of the sea.
     """
     curves = [_course(tour, scenario).curve for tour in scenario.tour]
-    fault = kept(_first_fault, curves, sea, scenario.bounds, rocks)
+    fault = cached(_first_fault, curves, sea, scenario.bounds, rocks)
     if fault is not None:
         k, t, what = fault
         leg = int(np.searchsorted(curves[k].times, t, side="right")) - 1

@@ -6,10 +6,10 @@ from contextlib import ExitStack, closing, suppress
 from dataclasses import replace
 from pathlib import Path
 
-from subsea.core.background import LeftError, meanwhile
+from subsea.core.background import CancelledByUserError, run_in_background
 from subsea.core.console import say
 from subsea.core.errors import UserError
-from subsea.core.interrupts import deferred
+from subsea.core.interrupts import deferred_interrupts
 from subsea.dive.bindings import Command
 from subsea.dive.directed_camera import check_tour, endless_tour, is_cut
 from subsea.dive.options import DisplayOptions, DiveOptions, TheatreOptions
@@ -66,7 +66,7 @@ def dive(options: DiveOptions, opening: Opening | None = None, notes: Sequence[s
     if theatre is not None:
         installation, make_ticks = _in_theatre(theatre, options.display)
     # An interrupt raised within compiled code or the window library could be lost.
-    with suppress(LeftError), deferred() as check:
+    with suppress(CancelledByUserError), deferred_interrupts() as check:
         running = Dive(options, installation, make_ticks, opening, check)
         if kiosk:
             say(f"a kiosk: {options.settings.kiosk.leave} leaves it, in its window")
@@ -315,7 +315,7 @@ class Dive:
 
     def _create(self, scenario: Scenario, source: Path, seed: int | None) -> World:
         """The world of a scenario after its first tick; events are handled meanwhile."""
-        return meanwhile(lambda tell: ready_world(scenario, source, seed, tell), self._wait)
+        return run_in_background(lambda tell: ready_world(scenario, source, seed, tell), self._wait)
 
     def _show_world(
         self, world: World, check: Callable[[], object] = lambda: None, tour: str | None = None
@@ -360,7 +360,7 @@ class Dive:
             self._shots.picture(pixels)
 
     def _wait(self, message: str | None) -> None:
-        """Handle events while loading, and show a message; LeftError if the visitor leaves."""
+        """Handle events while loading and show a message; raise if the visitor leaves."""
         self._check()
         commands = self.window_set.poll()
         if "leave" in commands:
@@ -368,7 +368,7 @@ class Dive:
         if not self.window_set.open or (
             "menu" in commands and self._loading and self._kiosk is None
         ):
-            raise LeftError
+            raise CancelledByUserError
         if message is not None:
             say(message)
             self.text.message(message)

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 import numpy as np
 from imgui_bundle import imgui
 
-from subsea.core.background import LeftError
+from subsea.core.background import CancelledByUserError
 from subsea.core.errors import UserError
 from subsea.ui.context import DiveContext, PanelContext
 from subsea.ui.gui import GLASS, MARK, colour, recovering_errors
@@ -114,7 +114,7 @@ class Inspector(PanelContext):
         """Report an error within, close the panel `what`, and let the dive go on."""
         try:
             yield
-        except LeftError:
+        except CancelledByUserError:
             raise
         except UserError as fault:
             self.dive.note(str(fault))

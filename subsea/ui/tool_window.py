@@ -37,7 +37,7 @@ from imgui_bundle import imgui
 
 from subsea.core.console import say
 from subsea.core.errors import UserError
-from subsea.core.interrupts import deferred
+from subsea.core.interrupts import deferred_interrupts
 from subsea.ui.gui import MARK, QUIET, TEXT_PT, colour, recovering_errors
 from subsea.ui.open_windows import open_windows
 from subsea.ui.window import GlWindow
@@ -276,7 +276,7 @@ class Bench:
 
     def run(self) -> None:
         """Frames until the window is closed, or Ctrl-C raises KeyboardInterrupt."""
-        with deferred() as check:
+        with deferred_interrupts() as check:
             last = time.perf_counter()
             while self.open:
                 try:
@@ -462,7 +462,7 @@ def work(
 
     Ctrl-C waits until the craft is made: half of one would outlive its OpenGL context.
     """
-    with deferred() as check, closing(Bench(title, make, size, without)) as bench:
+    with deferred_interrupts() as check, closing(Bench(title, make, size, without)) as bench:
         check()
         bench.run()
     return 0

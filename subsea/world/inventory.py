@@ -13,13 +13,13 @@ import numpy as np
 from msgspec.structs import replace
 
 from subsea.fish.species import species_names
-from subsea.scenario.schema import Pillar, Scenario, Seaweed, Shoal
+from subsea.scenario.schema import Pillar, Scenario, SeaweedTable, Shoal
 from subsea.state import HULL_CM
 from subsea.world.placement import with_shoal_size
 
 ROOM_CM = 3.0 * HULL_CM  # from a new pillar to other things
-KINDS: tuple[str, ...] = get_args(Seaweed.__annotations__["kind"])
-DEFAULT_SEAWEED = Seaweed()
+KINDS: tuple[str, ...] = get_args(SeaweedTable.__annotations__["kind"])
+DEFAULT_SEAWEED = SeaweedTable()
 SPREAD = 0.7549, 0.5698  # multiples of both, modulo 1, are evenly spread
 TRIES = 400
 
@@ -94,7 +94,7 @@ def with_seaweed(scenario: Scenario, kind: str, clusters: int, leaves: int) -> S
     groups = [*scenario.seaweed]
     if clusters and not any(group.kind == kind for group in groups):
         high = {"kelp": 400.0, "grass": 32.0, "red": 32.0}.get(kind, 90.0)
-        groups.append(Seaweed(kind=kind, clusters=0, height_cm=high))  # type: ignore[arg-type]
+        groups.append(SeaweedTable(kind=kind, clusters=0, height_cm=high))  # type: ignore[arg-type]
     these = [k for k, group in enumerate(groups) if group.kind == kind]
     shares = share_out(clusters, [groups[k].clusters for k in these])
     for k, share in zip(these, shares, strict=True):

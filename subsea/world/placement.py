@@ -29,7 +29,7 @@ from subsea.scenario.schema import (
     ReefTable,
     Rock,
     Scenario,
-    Seaweed,
+    SeaweedTable,
     Shoal,
     Vent,
 )
@@ -235,7 +235,7 @@ def added(scenario: Scenario, kind: str, place: Place, sea: Sea) -> Scenario:
         "rock": Rock(position_cm=on, size_cm=(45.0, 35.0, 30.0)),
         "outcrop": Outcrop(position_cm=on, size_cm=(120.0, 90.0, 80.0), seed=number),
         "arch": Arch(position_cm=on, span_cm=350.0, height_cm=250.0, seed=number),
-        "seaweed": Seaweed(position_cm=on, spread_cm=60.0, clusters=4),
+        "seaweed": SeaweedTable(position_cm=on, spread_cm=60.0, clusters=4),
         "reef": ReefTable(position_cm=on, spread_cm=120.0, number=40, seed=number),
         "vent": Vent(position_cm=on),
         "hook": Hook(position_cm=on, depth_cm=-high),

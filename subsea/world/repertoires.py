@@ -4,7 +4,7 @@ from functools import lru_cache
 from hashlib import file_digest
 from pathlib import Path
 
-from subsea.core.disk_cache import kept
+from subsea.core.disk_cache import cached
 from subsea.core.errors import UserError
 from subsea.fish.coupling import Coupling, couple
 from subsea.fish.species import Species, load_species, repertoire_file, species_file
@@ -55,7 +55,7 @@ def _repertoire(path: Path, name: str, stamp: object) -> Repertoire:
     if stamp is None:
         raise UserError(f"is not there; `subsea-capture record {name}` makes it", file=path)
     content = _content(path)
-    repertoire = kept(_read, path, content) if content else _read(path, content)
+    repertoire = cached(_read, path, content) if content else _read(path, content)
     if repertoire.species != name:
         raise UserError(f"holds {repertoire.species!r}, expected {name!r}", file=path)
     if abs(repertoire.tick_s - TICK_S) > 1e-6:

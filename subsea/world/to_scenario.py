@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from subsea.behavior.mental_state import DIGESTION, DREAD_CM, LIBIDO_RATE
 from subsea.behavior.temperament import HABITS, appetite_of, males_of
 from subsea.fish.species import Species
-from subsea.scenario.schema import Individual, PhysicsTable, Scenario, Shoal, Temper
+from subsea.scenario.schema import IndividualTable, NatureTable, PhysicsTable, Scenario, Shoal
 from subsea.state import KINDS
 from subsea.world.world import World
 
@@ -30,13 +30,13 @@ def to_scenario(world: World) -> Scenario:
         world.scenario,
         fish=shoals,
         individual=tables,
-        nature=Temper(**world.nature._asdict()),
+        nature=NatureTable(**world.nature._asdict()),
         physics=PhysicsTable(**world.physics._asdict()),
         water=replace(world.scenario.water, current_cm_s=world.current_cm_s),
     )
 
 
-def _fishes(world: World) -> tuple[list[Shoal], list[Individual]]:
+def _fishes(world: World) -> tuple[list[Shoal], list[IndividualTable]]:
     """Shoals, and tables of single fishes."""
     scenario = world.scenario
     own = {one.fish: one for one in scenario.individual}
@@ -51,7 +51,7 @@ def _fishes(world: World) -> tuple[list[Shoal], list[Individual]]:
         usual = _usual(shoal, species, now, world.state.fishes.length[these])
         differs = {key: _unlike(now[key], usual[key]) for key in now}
         for i in range(shoal.number):
-            given = own.get(first + i, Individual(fish=first + i))
+            given = own.get(first + i, IndividualTable(fish=first + i))
             keys = [k for k in now if differs[k][i] or getattr(given, k) is not None]
             one = replace(given, **{key: _plain(key, now[key][i]) for key in keys})
             if one.fish in own or keys:

@@ -6,7 +6,7 @@ import pytest
 
 from subsea.behavior.temperament import apply_individual
 from subsea.scenario.load import load_scenario
-from subsea.scenario.schema import Individual, Shoal
+from subsea.scenario.schema import IndividualTable, Shoal
 from subsea.state import NOBODY
 from subsea.submarine.helm import HANDS_OFF
 from subsea.world import snapshot
@@ -25,11 +25,13 @@ def bay(**options):
 def test_an_individual_has_its_own_and_nobody_elses_dice_change():
     """No random number is drawn for it."""
     plain = bay()
-    own = Individual(
+    own = IndividualTable(
         fish=2, kind="predator", male=True, likes=["cold"], schooling=False, hunger=0.9,
         digestion=0.5, libido_rate=0.4, dread_cm=7.0,
     )  # fmt: skip
-    world = bay(individual=[own, Individual(fish=5, kind="pacifist", libido=0.75, hunger=0.25)])
+    world = bay(
+        individual=[own, IndividualTable(fish=5, kind="pacifist", libido=0.75, hunger=0.25)]
+    )
     minds, was = world.state.minds, plain.state.minds
     for name, array in snapshot.changing(plain).items():
         if not name.startswith("minds."):
@@ -55,7 +57,7 @@ def test_fishes_may_become_others_while_diving(name):
         step(world, HANDS_OFF)
         i, now = tick % 12, state.tick * TICK_S
         kind = ("pacifist", "prey", "predator")[(tick // 12) % 3]
-        own = Individual(
+        own = IndividualTable(
             fish=i, kind=kind, male=bool(tick % 2), schooling=bool(tick % 5), hunger=1.0
         )
         if tick % 4 == 0:
@@ -70,13 +72,13 @@ def test_hunger_and_libido_are_those_of_now():
     state = world.state
     for _ in range(60):
         step(world, HANDS_OFF)
-    lone = Individual(fish=1, kind="pacifist", hunger=0.125, libido=0.5)
+    lone = IndividualTable(fish=1, kind="pacifist", hunger=0.125, libido=0.5)
     apply_individual(state.fishes, state.minds, lone, state.tick * TICK_S)
     step(world, HANDS_OFF)
     assert state.minds.mental[1, :2] == pytest.approx([0.125, 0.5], abs=0.02)
     # What is not named stays.
     apply_individual(
-        state.fishes, state.minds, Individual(fish=1, dread_cm=3.0), state.tick * TICK_S
+        state.fishes, state.minds, IndividualTable(fish=1, dread_cm=3.0), state.tick * TICK_S
     )
     step(world, HANDS_OFF)
     assert state.minds.mental[1, :2] == pytest.approx([0.125, 0.5], abs=0.03)

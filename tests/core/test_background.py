@@ -7,7 +7,7 @@ import threading
 
 import pytest
 
-from subsea.core.background import LeftError, meanwhile
+from subsea.core.background import CancelledByUserError, run_in_background
 from subsea.core.errors import UserError
 
 
@@ -19,7 +19,7 @@ def test_its_lines_come_in_order_and_then_its_result():
         tell("two")
         return threading.current_thread()
 
-    worker = meanwhile(work, heard.append)
+    worker = run_in_background(work, heard.append)
     assert [line for line in heard if line is not None] == ["one", "two"]
     assert worker is not threading.current_thread()
 
@@ -33,7 +33,7 @@ def test_the_windows_are_looked_at_while_it_works():
         if len(looks) == 3:
             go.set()
 
-    assert meanwhile(lambda tell: go.wait(20.0), look)
+    assert run_in_background(lambda tell: go.wait(20.0), look)
 
 
 def test_its_fault_is_the_callers():
@@ -41,7 +41,7 @@ def test_its_fault_is_the_callers():
         raise UserError("no such reef")
 
     with pytest.raises(UserError, match="no such reef"):
-        meanwhile(work, lambda line: None)
+        run_in_background(work, lambda line: None)
 
 
 def test_who_leaves_does_not_wait(monkeypatch):
@@ -49,10 +49,10 @@ def test_who_leaves_does_not_wait(monkeypatch):
     monkeypatch.setattr(atexit, "register", lambda *call: ends.append(call))
 
     def look(line):
-        raise LeftError
+        raise CancelledByUserError
 
-    with pytest.raises(LeftError):
-        meanwhile(lambda tell: go.wait(20.0), look)
+    with pytest.raises(CancelledByUserError):
+        run_in_background(lambda tell: go.wait(20.0), look)
     ((_, worker, code),) = ends
     assert (worker.is_alive(), code) == (True, 0)
     go.set()
@@ -61,17 +61,17 @@ def test_who_leaves_does_not_wait(monkeypatch):
 
 LEAVE = """
 import time
-from subsea.core.background import LeftError, meanwhile
+from subsea.core.background import CancelledByUserError, run_in_background
 def look(line):
     raise {0}
 try:
-    meanwhile(lambda tell: time.sleep(60.0), look)
+    run_in_background(lambda tell: time.sleep(60.0), look)
 except {0}:
     print("left")
 """
 
 
-@pytest.mark.parametrize(("why", "code"), [("LeftError", 0), ("KeyboardInterrupt", 130)])
+@pytest.mark.parametrize(("why", "code"), [("CancelledByUserError", 0), ("KeyboardInterrupt", 130)])
 def test_the_process_ends_while_the_work_goes_on(why, code):
     done = subprocess.run(
         [sys.executable, "-c", LEAVE.format(why)], capture_output=True, text=True, timeout=30

@@ -5,7 +5,7 @@ import signal
 
 import pytest
 
-from subsea.core.command_line import answer
+from subsea.core.command_line import run_command
 from subsea.core.errors import UserError
 
 
@@ -31,7 +31,7 @@ def test_what_a_person_can_mend_is_one_line(fault, code, line, capsys):
     def run():
         raise fault
 
-    assert answer("diver", run) == code
+    assert run_command("diver", run) == code
     assert capsys.readouterr() == ("", line + "\n")
 
 
@@ -48,16 +48,16 @@ def test_a_fault_of_the_program_keeps_its_traceback(fault):
         raise fault
 
     with pytest.raises(type(fault)):
-        answer("diver", run)
+        run_command("diver", run)
 
 
 def test_a_polite_kill_is_an_interruption(capsys):
     before = signal.getsignal(signal.SIGTERM)
     try:
-        assert answer("diver", lambda: signal.raise_signal(signal.SIGTERM)) == 130
+        assert run_command("diver", lambda: signal.raise_signal(signal.SIGTERM)) == 130
     finally:
         signal.signal(signal.SIGTERM, before)
 
 
 def test_the_code_of_the_command_is_passed_on():
-    assert answer("diver", lambda: 1) == 1
+    assert run_command("diver", lambda: 1) == 1

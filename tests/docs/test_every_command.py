@@ -31,10 +31,10 @@ from capture.cli.main import main as capture_cli
 from capture.export import skinning
 from capture.inspection import timing
 from subsea.cli import main
-from subsea.core.command_line import parse
+from subsea.core.command_line import parse_arguments
 from subsea.core.errors import UserError
 from subsea.core.resources import ROOT, resource_names
-from subsea.dive.cluster.waits import Waits
+from subsea.dive.cluster.waits import WaitStatistics
 from subsea.dive.settings import read_settings
 from subsea.fish.photo.fitting import silhouette
 from subsea.fish.photo.side_view import across
@@ -262,11 +262,11 @@ class Workshop:
             return
         parser, commands = program.parsers()
         try:
-            parse(parser, commands, words[1:])
+            parse_arguments(parser, commands, words[1:])
         except UserError as fault:
             if not (inline and re.search("are required|expected one argument", str(fault))):
                 raise
-            parse(*relaxed(*program.parsers()), words[1:])
+            parse_arguments(*relaxed(*program.parsers()), words[1:])
             return
         if only_read:
             return
@@ -353,7 +353,7 @@ def said_again(line):
         name, frames = found[1], int(found[2])
         mean, late, most = (float(number) / 1e3 for number in found.groups()[2:])
         counts = {word: line.count(f"{word} once") for word in ("dropped", "rejoined")}
-        waits = Waits(frames, frames * mean, most, deque([late]), **counts)
+        waits = WaitStatistics(frames, frames * mean, most, deque([late]), **counts)
         return f"subsea: node {name}: {waits.words()}"
     if found := re.match(
         r"subsea: (my\.toml):(\d+): unknown key `(\w+)`, at `direction\[1\]`", line

@@ -6,7 +6,7 @@ import pytest
 
 from subsea.frame import packet as frame
 from subsea.scenario.load import load_scenario
-from subsea.scenario.schema import Seaweed
+from subsea.scenario.schema import SeaweedTable
 from subsea.state import HANGING, HOOKED, LANDED, NOBODY, SINKING, STOWED
 from subsea.submarine.helm import HANDS_OFF, Helm
 from subsea.view.display_rigs import cockpit, views_for
@@ -194,7 +194,7 @@ def overgrown():
     """The peaceful bay with a bed of seaweed before the submarine, moved by the current."""
     scenario = load_scenario("peaceful")[0]
     x, y, _ = scenario.submarine.position_cm
-    bed = Seaweed(position_cm=(x + 150.0, y), spread_cm=150.0, clusters=12, leaves=4)
+    bed = SeaweedTable(position_cm=(x + 150.0, y), spread_cm=150.0, clusters=12, leaves=4)
     world = create_world(msgspec.structs.replace(scenario, seaweed=[bed]), fish=10)
     for _ in range(60):
         step(world, HANDS_OFF)

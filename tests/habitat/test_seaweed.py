@@ -23,7 +23,7 @@ from subsea.habitat.seaweed import (
     step_seaweed,
 )
 from subsea.scenario.load import load_scenario
-from subsea.scenario.schema import Seaweed
+from subsea.scenario.schema import SeaweedTable
 from subsea.state import HULL_CM, Clock, Fishes, Reef, empty
 
 DT = 0.033
@@ -38,7 +38,9 @@ def make_bed(make_sea):
     scenario = load_scenario("peaceful")[0]
 
     def make(*groups, seed=3, reef=NO_REEF, **sea):
-        grown = msgspec.structs.replace(scenario, seaweed=[Seaweed(**group) for group in groups])
+        grown = msgspec.structs.replace(
+            scenario, seaweed=[SeaweedTable(**group) for group in groups]
+        )
         return plant_seaweed(grown, make_sea(**sea), reef, seed)
 
     return make

@@ -332,6 +332,6 @@ def test_a_run_that_cannot_be_is_a_fault_in_one_line(
 
 
 def test_the_summary_of_known_durations():
-    figures = durations.summary([0.001 * k for k in range(1, 102)])
+    figures = durations.summarize_ms([0.001 * k for k in range(1, 102)])
     expected = {"mean": 51.0, "p50": 51.0, "p95": 96.0, "p99": 100.0, "max": 101.0}
     assert figures == pytest.approx(expected)

@@ -82,7 +82,7 @@ OWN = {
         "toward_cm": MAYBE_THERE, "size_cm": SIZES,
     },
     tables.Hook: PLACED | {"depth_cm": st.floats(1.0, 600.0)},
-    tables.Seaweed: {"position_cm": MAYBE_HERE},
+    tables.SeaweedTable: {"position_cm": MAYBE_HERE},
     tables.ReefTable: {"position_cm": MAYBE_HERE},
     **dict.fromkeys(
         (tables.Pillar, tables.Rock, tables.Outcrop, tables.Arch, tables.Vent), PLACED
@@ -101,7 +101,7 @@ def scenarios(draw):
         if field.name not in ("bounds", "tour", "individual", "direction")
     }
     fishes = sum(shoal.number for shoal in values["fish"])
-    several = st.lists(structs(tables.Individual), max_size=3, unique_by=lambda one: one.fish)
+    several = st.lists(structs(tables.IndividualTable), max_size=3, unique_by=lambda one: one.fish)
     individuals = [one for one in draw(several) if one.fish < fishes]
     tours = draw(st.sampled_from([[], TOUR])) if follows(values["fish"]) else []
     scenario = Scenario(**values, bounds=BOUNDS, individual=individuals, tour=tours)

@@ -11,7 +11,7 @@ import pytest
 
 from subsea.cli.main import main
 from subsea.core import hdf5
-from subsea.core.console import counted
+from subsea.core.console import count_noun
 from subsea.fish.species import load_species
 from subsea.scenario.load import load_scenario
 from subsea.study.record import FIELDS
@@ -104,7 +104,7 @@ def test_ctrl_c_leaves_a_valid_file_with_the_ticks_so_far(tmp_path):
         ticks = len(file["time"])
         assert 0 < ticks < 1_000_000
         assert told.endswith(
-            f"subsea: interrupted: {out}: {counted(ticks, 'tick', 'ticks')} of 12 fishes kept"
+            f"subsea: interrupted: {out}: {count_noun(ticks, 'tick', 'ticks')} of 12 fishes kept"
         )
         assert all(
             len(file[name]) == ticks for name, field in FIELDS.items() if field.shape[0] == "T"

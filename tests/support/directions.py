@@ -2,7 +2,7 @@
 
 from hypothesis import strategies as st
 
-from subsea.scenario.directions import Camera, Direction, Shoals, Whose, numbers_of
+from subsea.scenario.directions import Camera, Direction, FishSelector, Shoals, numbers_of
 
 HABITS = ["brightness", "darkness", "cold", "warmth"]
 SHARE, SECONDS = st.floats(0.0, 1.0), st.floats(0.0, 20.0)
@@ -38,10 +38,10 @@ def directions(draw, shoals: Shoals, tours: list[str], hook: bool, places, most:
 
 def whose(shoals: Shoals):
     """Some of them."""
-    kinds = [st.builds(Whose, shoal=st.integers(0, len(shoals.species) - 1)),
-             st.builds(Whose, species=st.sampled_from([*shoals.species]))]  # fmt: skip
+    kinds = [st.builds(FishSelector, shoal=st.integers(0, len(shoals.species) - 1)),
+             st.builds(FishSelector, species=st.sampled_from([*shoals.species]))]  # fmt: skip
     if shoals.kind:
-        kinds.append(st.builds(Whose, fish=st.integers(0, len(shoals.kind) - 1)))
+        kinds.append(st.builds(FishSelector, fish=st.integers(0, len(shoals.kind) - 1)))
     return st.one_of(kinds)
 
 

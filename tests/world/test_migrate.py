@@ -6,7 +6,7 @@ from msgspec.structs import replace
 
 from subsea.behavior.temperament import apply_individual
 from subsea.scenario.load import load_scenario
-from subsea.scenario.schema import Individual, Pillar, Shoal
+from subsea.scenario.schema import IndividualTable, Pillar, Shoal
 from subsea.state import TRAITS
 from subsea.world import placement
 from subsea.world.build import create_world
@@ -29,7 +29,7 @@ def changed(few):
     world.current_cm_s = (5.0, -6.0)
     for fish, appetite in ((3, 31.0), (5, 37.0)):
         male = not world.state.minds.male[fish]
-        one = Individual(fish=fish, male=male, likes=["cold"], appetite=appetite, dread_cm=9.0)
+        one = IndividualTable(fish=fish, male=male, likes=["cold"], appetite=appetite, dread_cm=9.0)
         apply_individual(world.state.fishes, world.state.minds, one, 0.0)
     return world
 

@@ -13,7 +13,7 @@ from subsea.geometry.height_field import height_at
 from subsea.habitat import stone_samples
 from subsea.scenario.load import load_scenario
 from subsea.scenario.save import save_scenario
-from subsea.scenario.schema import Bounds, Individual, Scenario, Shoal, Start, Terrain, Water
+from subsea.scenario.schema import Bounds, IndividualTable, Scenario, Shoal, Start, Terrain, Water
 from subsea.submarine.helm import HANDS_OFF
 from subsea.world import placement, snapshot
 from subsea.world.build import create_world
@@ -147,7 +147,7 @@ def test_sizes_and_turns_keep_their_limits(full):
 
 def test_single_fishes_keep_their_tables_when_shoals_change():
     scenario = load_scenario("peaceful")[0]
-    own = [Individual(fish=k, dread_cm=float(k)) for k in (2, 30, 33, 50, 58)]
+    own = [IndividualTable(fish=k, dread_cm=float(k)) for k in (2, 30, 33, 50, 58)]
     scenario = replace(scenario, individual=own)
     fewer = placement.with_shoal_size(scenario, 0, 20)
     assert [(one.fish, one.dread_cm) for one in fewer.individual] == [
@@ -262,7 +262,9 @@ def test_a_saved_and_loaded_placement_is_the_same_world(full, tmp_path, monkeypa
     save_scenario(scenario, path)
     world = create_world(scenario)
     with monkeypatch.context() as patch:
-        patch.setattr(disk_cache, "folder", lambda: tmp_path / "kept")  # nothing that was kept
+        patch.setattr(
+            disk_cache, "cache_folder", lambda: tmp_path / "kept"
+        )  # nothing that was kept
         stone_samples._settled.cache_clear()
         other = create_world(load_scenario(str(path))[0])
     assert snapshot.checksum(other) == snapshot.checksum(world)

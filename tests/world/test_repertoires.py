@@ -14,7 +14,7 @@ from subsea.world import repertoires
 
 
 def test_a_repertoire_is_cached_by_its_content(tmp_path, monkeypatch):
-    monkeypatch.setattr(disk_cache, "folder", lambda: tmp_path / "kept")
+    monkeypatch.setattr(disk_cache, "cache_folder", lambda: tmp_path / "kept")
     path = tmp_path / "clownfish.h5"
     shutil.copy(repertoire_file("clownfish"), path)
 
@@ -36,7 +36,7 @@ def test_a_repertoire_is_cached_by_its_content(tmp_path, monkeypatch):
 
 
 def test_a_repertoire_that_changes_while_being_read_is_not_cached(tmp_path, monkeypatch):
-    monkeypatch.setattr(disk_cache, "folder", lambda: tmp_path / "kept")
+    monkeypatch.setattr(disk_cache, "cache_folder", lambda: tmp_path / "kept")
     path = tmp_path / "clownfish.h5"
     shutil.copy(repertoire_file("clownfish"), path)
     whole, read = path.read_bytes(), files.read_repertoire
@@ -56,7 +56,7 @@ def test_a_repertoire_that_changes_while_being_read_is_not_cached(tmp_path, monk
 
 
 def test_huge_files_and_pipes_are_not_read_completely(tmp_path, monkeypatch):
-    monkeypatch.setattr(disk_cache, "folder", lambda: tmp_path / "kept")
+    monkeypatch.setattr(disk_cache, "cache_folder", lambda: tmp_path / "kept")
     path = tmp_path / "clownfish.h5"
     shutil.copy(repertoire_file("clownfish"), path)
     with path.open("r+b") as file:

@@ -7,7 +7,7 @@ from msgspec.structs import replace
 from subsea.behavior.temperament import apply_individual
 from subsea.scenario.load import load_scenario
 from subsea.scenario.save import save_scenario
-from subsea.scenario.schema import Individual
+from subsea.scenario.schema import IndividualTable
 from subsea.world.build import create_world
 from subsea.world.to_scenario import to_scenario
 from subsea.world.tunables import equal_tunables, get_tunables
@@ -17,7 +17,7 @@ from subsea.world.tunables import equal_tunables, get_tunables
 def few():
     scenario, _ = load_scenario("peaceful")
     shoals = [replace(shoal, number=3) for shoal in scenario.fish]
-    return replace(scenario, fish=shoals, individual=[Individual(fish=2, hunger=0.5)])
+    return replace(scenario, fish=shoals, individual=[IndividualTable(fish=2, hunger=0.5)])
 
 
 @pytest.fixture
@@ -26,7 +26,7 @@ def world(few):
 
 
 def set_of(world, **own):
-    one = Individual(**own)
+    one = IndividualTable(**own)
     apply_individual(world.state.fishes, world.state.minds, one, 0.0)
 
 
@@ -56,7 +56,7 @@ def test_a_world_built_from_the_export_has_the_same_parameters(world, few, tmp_p
 def test_a_change_that_is_taken_back_leaves_no_trace(world, few):
     male = bool(world.state.minds.male[5])
     set_of(world, fish=5, male=not male)
-    assert to_scenario(world).individual[1] == Individual(fish=5, male=not male)
+    assert to_scenario(world).individual[1] == IndividualTable(fish=5, male=not male)
     set_of(world, fish=5, male=male)
     assert to_scenario(world) == few
     np.testing.assert_array_equal(world.state.minds.male[5], male)

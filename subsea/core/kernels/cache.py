@@ -15,7 +15,7 @@ from typing import Any
 
 from numba.core import caching
 
-from subsea.core.source_stamp import ROOT, stamp
+from subsea.core.source_stamp import ROOT, source_stamp
 
 
 @cache
@@ -46,7 +46,7 @@ class _Stamped:
 
     def get_source_stamp(self) -> object:
         own = _own(self._py_file)
-        return super().get_source_stamp() if own is None else stamp(own)  # type: ignore[misc]
+        return super().get_source_stamp() if own is None else source_stamp(own)  # type: ignore[misc]
 
     def ensure_cache_path(self) -> None:
         _make_folder(self.get_cache_path())  # type: ignore[attr-defined]

@@ -16,14 +16,14 @@ from subsea.dive.cluster.master import Say
 from subsea.dive.cluster.messages import (
     SMALL,
     Diverged,
-    Drawn,
     FromMaster,
     FromNode,
     Hello,
     Picture,
+    PictureDrawn,
     Refused,
-    State,
     Swap,
+    WorldState,
     encode,
     from_master,
     ticks_of,
@@ -91,7 +91,7 @@ class Follower:
             message = self._next(0.0 if made else patience_s - spent)
             if message is None:
                 break
-            if isinstance(message, State):
+            if isinstance(message, WorldState):
                 self._take(message)
                 made = False
             elif isinstance(message, Picture) and self._dive:
@@ -107,7 +107,7 @@ class Follower:
 
     def swap(self) -> None:
         """Tell the master that the picture is drawn, and wait until all show theirs."""
-        self._say(Drawn(self._number))
+        self._say(PictureDrawn(self._number))
         end = time.monotonic() + self._timeout_s
         while (message := self._next(end - time.monotonic())) is not None:
             if isinstance(message, Swap) and message.number >= self._number:
@@ -143,7 +143,7 @@ class Follower:
         self._number, self._alpha = picture.number, picture.alpha
         return True
 
-    def _take(self, state: State) -> None:
+    def _take(self, state: WorldState) -> None:
         try:
             snapshot.restore(self.world, state.snapshot)
         except UserError as fault:

@@ -22,14 +22,14 @@ from subsea.dive.cluster.messages import (
     FromNode,
     Hello,
     Refused,
-    State,
     Swap,
+    WorldState,
     encode,
     from_node,
     picture_of,
     ticks_of,
 )
-from subsea.dive.cluster.waits import Waits
+from subsea.dive.cluster.waits import WaitStatistics
 from subsea.submarine.helm import Helm
 from subsea.submarine.rail import Rail
 from subsea.world import snapshot
@@ -60,7 +60,7 @@ class _Node:
     came: bool = False  # whether it was in step before
     refusal: str = ""  # why one that came with its name was refused ...
     refused_s: float = 0.0  # ... and when that was told
-    waits: Waits = field(default_factory=Waits)
+    waits: WaitStatistics = field(default_factory=WaitStatistics)
 
 
 class Master:
@@ -96,7 +96,7 @@ class Master:
             if keys:
                 self._authenticator = ThreadAuthenticator(self._context)
                 self._authenticator.start()
-                self._authenticator.configure_curve_callback(credentials_provider=_Known(keys))
+                self._authenticator.configure_curve_callback(credentials_provider=_KnownKeys(keys))
             self._socket = link.listening(self._context, address, keys, SMALL)
         except BaseException:
             self._leave()
@@ -194,7 +194,7 @@ class Master:
             if node:
                 asking[node.name] = node
         if asking:
-            state = encode(State(self._dive, self._number, snapshot.take(self.world)))
+            state = encode(WorldState(self._dive, self._number, snapshot.take(self.world)))
             for node in asking.values():
                 self._send(node, state)
 
@@ -309,7 +309,7 @@ class Master:
         self._context.term()
 
 
-class _Known:
+class _KnownKeys:
     """Whose keys are known."""
 
     def __init__(self, keys: Keys) -> None:

@@ -57,7 +57,7 @@ class Hello(Message):
     dive: Hash = ""
 
 
-class Drawn(Message):
+class PictureDrawn(Message, tag="drawn"):
     """From a node: its picture of this number is ready to be shown."""
 
     number: Count
@@ -69,7 +69,7 @@ class Diverged(Message):
     tick: Count
 
 
-class State(Message):
+class WorldState(Message, tag="state"):
     """To a node: the world after the picture of this number; see `subsea/world/snapshot.py`."""
 
     dive: Hash
@@ -102,8 +102,8 @@ class Refused(Message):
     reason: Words
 
 
-FromNode = Hello | Drawn | Diverged
-FromMaster = State | Picture | Swap | Refused
+FromNode = Hello | PictureDrawn | Diverged
+FromMaster = WorldState | Picture | Swap | Refused
 
 _from_node: msgspec.msgpack.Decoder[FromNode] = msgspec.msgpack.Decoder(FromNode)
 _from_master: msgspec.msgpack.Decoder[FromMaster] = msgspec.msgpack.Decoder(FromMaster)

@@ -9,7 +9,7 @@ RECENT = 10_000  # pictures of which the 95th percentile is taken
 
 
 @dataclass
-class Waits:
+class WaitStatistics:
     """Of one node, in seconds; `late` and the like count events."""
 
     frames: int = 0  # pictures that it showed together with the others

@@ -8,7 +8,7 @@ import numpy as np
 
 from subsea.core.atomic_io import check_file, replacing
 from subsea.core.errors import UserError
-from subsea.core.interrupts import deferred
+from subsea.core.interrupts import deferred_interrupts
 from subsea.core.resources import ROOT, is_path
 from subsea.fish.color_sheet import picture_of, wear, write
 from subsea.fish.photo.deformable_mesh import BODY, Net, meshes, root
@@ -39,7 +39,7 @@ def dress(photo: Path, name: str, out: Path | None, flip: bool, mesh: Path | Non
     check_sheet(photo, name, out)
     check_mesh(mesh, flip)
     photograph = read(photo)
-    with deferred() as check:
+    with deferred_interrupts() as check:
         if mesh is not None and mesh.exists():
             net = load_mesh(mesh, photograph, species)
             one = Found(net, under(photograph, net), 1.0)

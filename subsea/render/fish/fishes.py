@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.core.arrays import Array
-from subsea.core.disk_cache import kept
+from subsea.core.disk_cache import cached
 from subsea.fish import paint
 from subsea.fish.color_sheet import sheets
 from subsea.fish.mesh import DETAILS, VERTEX_ATTRIBUTES, VERTEX_FORMAT, Mesh, fish_mesh, outfit
@@ -72,7 +72,7 @@ class FishRenderer(GpuOwner):
         self._looks = self.own(context.buffer(looks.tobytes()))
         self._meshes = [fish_mesh(detail) for detail in DETAILS]
         vertices, triangles, self._first = joined(self._meshes)
-        self._vertices = self.own(_table(context, kept(outfits, scene.species, self._meshes)))
+        self._vertices = self.own(_table(context, cached(outfits, scene.species, self._meshes)))
         self._shape = shape = speck()
         self._places = self.own(_table(context, speck_places(scene.species, shape)))
         buffers = [self.own(context.buffer(part.tobytes())) for part in (vertices, triangles)]

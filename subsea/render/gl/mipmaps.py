@@ -12,7 +12,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.core.disk_cache import kept, name_of
+from subsea.core.disk_cache import cache_name, cached
 
 P = ParamSpec("P")
 Texels = NDArray[Any]  # half floats or bytes (h, w, c), bottom row first
@@ -55,7 +55,7 @@ def kept_texture(
         return found
 
     driver = context.info["GL_RENDERER"], context.info["GL_VERSION"]
-    base, *smaller = kept(levels, name_of(make, *given, **named), driver, last, srgb)
+    base, *smaller = cached(levels, cache_name(make, *given, **named), driver, last, srgb)
     texture = _plain(context, base, srgb)
     texture.filter = moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR
     # moderngl cannot upload single levels.

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from subsea.core.arrays import Array
-from subsea.core.disk_cache import kept
+from subsea.core.disk_cache import cached
 from subsea.habitat.mounds import variant_of
 from subsea.habitat.reef import KINDS, MOUND, RUBBLE
 from subsea.habitat.stone_shade import SUN
@@ -156,7 +156,13 @@ class CoralRenderer(GpuOwner):
         programs = ProgramVariants(context, "coral", lambda: object_id(CORAL, self._batch.owners))
         self._batch: StaticBatch = self.own(
             StaticBatch(
-                programs, LAYOUT, ATTRIBUTES, growths, reach_cm, THRESHOLDS_PX, kept(spheres, reef)
+                programs,
+                LAYOUT,
+                ATTRIBUTES,
+                growths,
+                reach_cm,
+                THRESHOLDS_PX,
+                cached(spheres, reef),
             )
         )
         # Growths on mounds do not darken sand, and the shadow of rubble is negligible.
@@ -198,7 +204,7 @@ def bake(reef: Reef) -> list[list[LazyMesh]]:
     variant = variant_of(reef.own)
     groups = np.unique(np.stack([reef.kind, variant], axis=1), axis=0)
 
-    meshes = kept(forms, [(list(KINDS)[kind], int(number)) for kind, number in groups])
+    meshes = cached(forms, [(list(KINDS)[kind], int(number)) for kind, number in groups])
     for group, levels in zip(groups, meshes, strict=True):
         chosen = np.flatnonzero((reef.kind == group[0]) & (variant == group[1]))
         placed = _PlacedGrowths(list(KINDS)[group[0]], reef.taken(chosen))

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from subsea.behavior.table import INTENTIONS
 from subsea.behavior.temperament import apply_individual
-from subsea.scenario.schema import Individual
+from subsea.scenario.schema import IndividualTable
 from subsea.state import COURTSHIP, HUNGER, LIBIDO, MENTAL_STATES, Nature
 from subsea.ui.context import PanelContext
 from subsea.ui.gui import GLASS, INK, LIT, MARK, QUIET, colour
@@ -188,7 +188,7 @@ def _temper(context: PanelContext, fish: int) -> None:
         if moved:
             set_to[slider.name] = value
     if set_to:
-        one = msgspec.structs.replace(Individual(fish=fish), **set_to)
+        one = msgspec.structs.replace(IndividualTable(fish=fish), **set_to)
         apply_individual(world.state.fishes, minds, one, world.state.tick * TICK_S)
         context.changed()
     imgui.pop_item_width()

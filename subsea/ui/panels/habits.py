@@ -6,7 +6,7 @@ import numpy as np
 from imgui_bundle import imgui
 
 from subsea.behavior.temperament import HABITS, apply_individual
-from subsea.scenario.schema import Individual
+from subsea.scenario.schema import IndividualTable
 from subsea.state import KINDS
 from subsea.ui.context import PanelContext
 from subsea.ui.panels.fish_picker import choose_fish
@@ -87,6 +87,6 @@ def _set(context: PanelContext, fish: int, **habits: Any) -> None:
         those = np.flatnonzero((fishes.species == fishes.species[fish]) & fishes.alive)
     for one in those:
         apply_individual(
-            fishes, minds, Individual(fish=int(one), **habits), world.state.tick * TICK_S
+            fishes, minds, IndividualTable(fish=int(one), **habits), world.state.tick * TICK_S
         )
     context.changed()

@@ -14,7 +14,7 @@ from subsea.core.toml_files import error_at
 from subsea.view.rig import Projection, Rect, Warp
 from subsea.view.surround import ALL_ROUND, Surround
 from subsea.view.theatre.blend import Projector, mask_of
-from subsea.view.theatre.mpcdi import Region, read_mpcdi
+from subsea.view.theatre.mpcdi import MpcdiRegion, read_mpcdi
 from subsea.view.theatre.mpcdi import mask as calibrated_mask
 from subsea.view.theatre.screens import (
     Flat,
@@ -30,7 +30,7 @@ from subsea.view.theatre.theatre_file import (
     Angles,
     Archive,
     Channel,
-    Lit,
+    ScreenTable,
     Theatre,
     Window,
     overlap,
@@ -45,7 +45,7 @@ TALL = 8  # ... in so many pieces upwards
 
 
 @dataclass(frozen=True)
-class Lighted:
+class ProjectorChannel:
     """A projector that can be used: lengths in centimetres of the sea."""
 
     name: str
@@ -63,12 +63,14 @@ class Lighted:
     key: str = ""  # of its table in the theatre file, such as channel[0]
 
 
-def channels(theatre: Theatre, path: Path) -> tuple[tuple[Lighted, ...], tuple[UserError, ...]]:
+def usable_channels(
+    theatre: Theatre, path: Path
+) -> tuple[tuple[ProjectorChannel, ...], tuple[UserError, ...]]:
     """The channels that work, and an error for each thing in the file `path` that does not.
 
     Raises the first error if no channel works.
     """
-    found: list[Lighted] = []
+    found: list[ProjectorChannel] = []
     faults: list[UserError] = []
     for k, channel in enumerate(theatre.channel):
         key = f"channel[{k}]"
@@ -97,7 +99,7 @@ def channels(theatre: Theatre, path: Path) -> tuple[tuple[Lighted, ...], tuple[U
     return tuple(_blended(found)), tuple(faults)
 
 
-def mesh_of(lighted: Lighted) -> tuple[Array, Ints]:
+def mesh_of(lighted: ProjectorChannel) -> tuple[Array, Ints]:
     """Places (n, 2) and what of the screen they show (n, 2), as columns (n, 4), and triangles."""
     assert lighted.screen is not None  # what shows all round has no mesh
     grid = grid_of(lighted.screen)
@@ -121,7 +123,7 @@ def grid_of(screen: Screen) -> Array:
     return np.stack([x, y], axis=-1)
 
 
-def _alone(new: Lighted, found: Sequence[Lighted]) -> Lighted:
+def _alone(new: ProjectorChannel, found: Sequence[ProjectorChannel]) -> ProjectorChannel:
     """The new one, if none of the others fills its place; else a UserError."""
     for other in found:
         if other.window == new.window and overlap(other.place, new.place):
@@ -129,7 +131,7 @@ def _alone(new: Lighted, found: Sequence[Lighted]) -> Lighted:
     return new
 
 
-def _of_channel(theatre: Theatre, channel: Channel, folder: Path, key: str) -> Lighted:
+def _of_channel(theatre: Theatre, channel: Channel, folder: Path, key: str) -> ProjectorChannel:
     names = [window.name for window in theatre.window]
     number = names.index(channel.window)
     window = theatre.window[number]
@@ -145,7 +147,9 @@ def _of_channel(theatre: Theatre, channel: Channel, folder: Path, key: str) -> L
     return replace(lighted, warp=warp, mask=mask)
 
 
-def _of_region(theatre: Theatre, archive: Archive, region: Region, key: str) -> Lighted:
+def _of_region(
+    theatre: Theatre, archive: Archive, region: MpcdiRegion, key: str
+) -> ProjectorChannel:
     """A region of an archive: the part of the screen that is its place in the buffer.
 
     One with a frustum shows that instead, at the distance of the screen.
@@ -166,7 +170,7 @@ def _of_region(theatre: Theatre, archive: Archive, region: Region, key: str) -> 
         )  # fmt: skip
         if (far := _far(theatre, archive)) is not None:
             own = msgspec.structs.replace(own, distance_cm=far)
-        lit = Lit(angles=own, gamma=archive.gamma, black=archive.black)
+        lit = ScreenTable(angles=own, gamma=archive.gamma, black=archive.black)
         lighted = _lit(theatre, lit, region.name, number, place, None)
     elif not any(getattr(archive, kind) for kind in SCREENS):
         raise UserError(f"has no frustum of its own, expected one of {', '.join(SCREENS[:3])}")
@@ -192,16 +196,16 @@ def _far(theatre: Theatre, archive: Archive) -> float | None:
 
 def _lit(
     theatre: Theatre,
-    lit: Lit,
+    lit: ScreenTable,
     name: str,
     number: int,
     place: tuple[int, int, int, int],
     part: tuple[float, float, float, float] | None,
-) -> Lighted:
+) -> ProjectorChannel:
     """What a channel or a region lights: `place` from the window's upper left corner."""
     x, y, width, height = place
     window: Window = theatre.window[number]
-    common = Lighted(
+    common = ProjectorChannel(
         name, number, (x, window.size[1] - y - height, width, height), 1.0, lit.gamma, lit.black
     )
     for table, shape in (
@@ -217,14 +221,14 @@ def _lit(
             )
             return replace(common, distance_cm=far, shape=shape, surround=surround)
     flat = lit.plane or lit.cylinder or lit.angles
-    assert flat is not None  # one of six, as `Lit` has checked
+    assert flat is not None  # one of six, as `ScreenTable` has checked
     screen = screen_of(flat, np.array(theatre.eye_cm), theatre.scale)
     screen = screen if part is None else part_of(screen, part)
     frustum_of(screen, np.zeros(3), points_on(screen, grid_of(screen).reshape(-1, 2)))  # whether
     return replace(common, screen=screen, distance_cm=distance_to(screen))
 
 
-def _blended(found: list[Lighted]) -> Iterator[Lighted]:
+def _blended(found: list[ProjectorChannel]) -> Iterator[ProjectorChannel]:
     """The channels with their masks, where they ask for one and another lights the same place."""
     together = [one for one in found if one.blend and one.screen is not None]
     lamps = [Projector(one.screen, one.gamma, one.black) for one in together if one.screen]

@@ -49,7 +49,7 @@ USED = ("geometrywarpfile", "alphamap", "betamap")
 AGREES = 0.02  # of a buffer: by which u and v that fill a region's place may miss its edges
 
 
-class Frustum(NamedTuple):
+class ViewAngles(NamedTuple):
     """Where a view of the 3d profile looks, in degrees."""
 
     yaw_deg: float  # to the right
@@ -61,14 +61,14 @@ class Frustum(NamedTuple):
     up_deg: float
 
 
-class Region(NamedTuple):
+class MpcdiRegion(NamedTuple):
     """A projector."""
 
     name: str
     buffer: str
     size: tuple[int, int]  # pixels
     place: Rect  # x, y, width, height: shares of the buffer from its lower left corner
-    frustum: Frustum | None = None
+    frustum: ViewAngles | None = None
     warp: Warp | None = None  # u, v are shares of the region, not of the buffer
     alpha: NDArray[np.float32] | None = None  # (h, w, 3), upper row first: 0 to 1, as stored
     alpha_gamma: float = 1.0
@@ -76,15 +76,15 @@ class Region(NamedTuple):
     beta_gamma: float = 1.0
 
 
-class Archive(NamedTuple):
+class MpcdiArchive(NamedTuple):
     """The projectors that can be used, and a line for each thing that cannot."""
 
     profile: str  # 2d or 3d
-    regions: tuple[Region, ...]
+    regions: tuple[MpcdiRegion, ...]
     faults: tuple[str, ...]
 
 
-def read_mpcdi(path: Path) -> Archive:
+def read_mpcdi(path: Path) -> MpcdiArchive:
     """The projectors of an archive; a UserError of one line if not a single one can be used."""
     with opened(path) as fetch:
         for name in ("mpcdi.xml", "mpacs.xml"):
@@ -93,7 +93,7 @@ def read_mpcdi(path: Path) -> Archive:
     raise UserError("no 'mpcdi.xml' in it, expected an MPCDI archive", file=path)
 
 
-def mask(region: Region, gamma: float, most: tuple[int, int]) -> NDArray[np.float32]:
+def mask(region: MpcdiRegion, gamma: float, most: tuple[int, int]) -> NDArray[np.float32]:
     """Factors on red, green and blue code values, and a black level that is added: (h, w, 4).
 
     It is as large as the larger map, but no wider and no higher than `most` pixels.
@@ -126,7 +126,7 @@ def _edges(place: Rect) -> Rect:
     return x, y, x + width, y + height
 
 
-def _archive(root: Element, fetch: Fetch, where: str) -> Archive:
+def _archive(root: Element, fetch: Fetch, where: str) -> MpcdiArchive:
     """All regions; a fault of one leaves the others."""
     profile = root.get("profile", "").strip().lower()
     if root.tag != "mpcdi":
@@ -146,7 +146,7 @@ def _archive(root: Element, fetch: Fetch, where: str) -> Archive:
         raise UserError(
             f"{len(found)} regions in its buffers, expected 1 to {MAX_REGIONS}", file=where
         )
-    regions: dict[str, Region] = {}
+    regions: dict[str, MpcdiRegion] = {}
     faults: list[str] = []
     points = 0
     for buffer, element in found:
@@ -180,17 +180,17 @@ def _archive(root: Element, fetch: Fetch, where: str) -> Archive:
         raise UserError(f"{faults[0]}{more}")
     lost = sorted(set(filesets) - {element.get("id", "") for _, element in found})
     faults.extend(f"{where}: files for region {name[:80]!r}, which is not there" for name in lost)
-    return Archive(profile, tuple(regions.values()), tuple(faults))
+    return MpcdiArchive(profile, tuple(regions.values()), tuple(faults))
 
 
-def _points(region: Region) -> int:
+def _points(region: MpcdiRegion) -> int:
     """How many points its warp and pixels its maps have: what it takes of the memory."""
     maps = [one for one in (region.alpha, region.beta) if one is not None]
     warped = 0 if region.warp is None else len(region.warp.vertices)
     return warped + sum(one.shape[0] * one.shape[1] for one in maps)
 
 
-def _region(element: Element, buffer: str, profile: str, at: str) -> Region:
+def _region(element: Element, buffer: str, profile: str, at: str) -> MpcdiRegion:
     """What the XML says of a region itself."""
     width, height = (
         _number(element.get(f"{axis}resolution"), f"{axis}Resolution", at) for axis in "xy"
@@ -202,16 +202,18 @@ def _region(element: Element, buffer: str, profile: str, at: str) -> Region:
     if not (-1e-3 <= left < right <= 1.001 and -1e-3 <= low < high <= 1.001):
         size = f"{across:g}×{up:g} at {x:g}, {y:g}"
         raise UserError(f"{at}: {size} of the buffer, expected shares of it from 0 to 1")
-    region = Region(element.get("id", ""), buffer, (int(width), int(height)), (x, y, across, up))
+    region = MpcdiRegion(
+        element.get("id", ""), buffer, (int(width), int(height)), (x, y, across, up)
+    )
     return region._replace(frustum=_frustum(element, at)) if profile == "3d" else region
 
 
-def _frustum(element: Element, at: str) -> Frustum:
+def _frustum(element: Element, at: str) -> ViewAngles:
     frustum = element.find("frustum")
     if frustum is None:
         raise UserError(f"{at}: no 'frustum', which profile '3d' needs")
     names = ("yaw", "pitch", "roll", "leftAngle", "rightAngle", "downAngle", "upAngle")
-    found = Frustum(*(_number(frustum.findtext(name.lower()), name, at) for name in names))
+    found = ViewAngles(*(_number(frustum.findtext(name.lower()), name, at) for name in names))
     wide = -89 <= found.left_deg < found.right_deg <= 89
     if not (wide and -89 <= found.down_deg < found.up_deg <= 89):
         angles = " ".join(f"{angle:g}" for angle in found[3:])
@@ -219,7 +221,9 @@ def _frustum(element: Element, at: str) -> Frustum:
     return found
 
 
-def _with_warp(region: Region, files: Mapping[str, Element], fetch: Fetch, at: str) -> Region:
+def _with_warp(
+    region: MpcdiRegion, files: Mapping[str, Element], fetch: Fetch, at: str
+) -> MpcdiRegion:
     """The region with its warp, if it names one."""
     path = _path(files.get("geometrywarpfile"))
     if not path:
@@ -236,7 +240,9 @@ def _with_warp(region: Region, files: Mapping[str, Element], fetch: Fetch, at: s
     return region._replace(warp=checked(from_grid(sources, region.size), at))
 
 
-def _with_alpha(region: Region, files: Mapping[str, Element], fetch: Fetch, at: str) -> Region:
+def _with_alpha(
+    region: MpcdiRegion, files: Mapping[str, Element], fetch: Fetch, at: str
+) -> MpcdiRegion:
     """The region with its alpha map, if it names one, and with the gamma of both maps."""
     element = files.get("alphamap")
     text = element.findtext("gammaembedded") if element is not None else None
@@ -248,7 +254,9 @@ def _with_alpha(region: Region, files: Mapping[str, Element], fetch: Fetch, at: 
     return region if picture is None else region._replace(alpha=picture)
 
 
-def _with_beta(region: Region, files: Mapping[str, Element], fetch: Fetch, at: str) -> Region:
+def _with_beta(
+    region: MpcdiRegion, files: Mapping[str, Element], fetch: Fetch, at: str
+) -> MpcdiRegion:
     """The region with its beta map, if it names one."""
     picture = _map(files.get("betamap"), fetch, at)
     return region if picture is None else region._replace(beta=picture)

@@ -90,7 +90,7 @@ class Equirectangular(_Table, frozen=True, kw_only=True):
 SCREENS = ("plane", "cylinder", "angles", "panorama", "dome", "equirectangular")
 
 
-class Lit(_Table, frozen=True, kw_only=True):
+class ScreenTable(_Table, frozen=True, kw_only=True):
     """What is common to channels and archives: the screen, one of six kinds, and its light."""
 
     plane: Plane | None = None
@@ -124,7 +124,7 @@ class Window(_Table, frozen=True, kw_only=True):
     node: Name = MAIN  # the computer that shows it
 
 
-class Channel(Lit, frozen=True, kw_only=True):
+class Channel(ScreenTable, frozen=True, kw_only=True):
     """What one projector lights, or one part of a window shows."""
 
     name: Name
@@ -136,7 +136,7 @@ class Channel(Lit, frozen=True, kw_only=True):
     warp: str | None = None  # a mesh: .obj, .pfm or .data, beside the theatre file
 
 
-class Archive(Lit, frozen=True, kw_only=True):
+class Archive(ScreenTable, frozen=True, kw_only=True):
     """Channels from a calibration tool's MPCDI archive.
 
     The screen is that of a whole buffer; regions that have a frustum of their own need none.

@@ -11,7 +11,7 @@ from subsea.view.display_rigs import SURROUNDS, cube
 from subsea.view.rig import CUBES, CameraRig, DisplayPatch, Eye, Projection, Rect, Warp
 from subsea.view.stereo import EYES, LAYOUTS, Stereo, halves, patches_of
 from subsea.view.surround import COLUMNS, MARGIN_PX, ROWS, face_size, visible_parts
-from subsea.view.theatre.channels import Lighted, grid_of, mesh_of
+from subsea.view.theatre.channels import grid_of, mesh_of
 from subsea.view.theatre.screens import Flat, Frustum, frustum_of, points_on, seen_at
 from subsea.view.theatre.theatre_file import Theatre
 
@@ -22,7 +22,7 @@ MODES = ("mono", *LAYOUTS)
 
 def theatre_rig(
     theatre: Theatre,
-    channels: Sequence[Lighted],
+    channels: Sequence[ProjectorChannel],
     windows: Sequence[int],
     display: str = "mono",
     stereo: Stereo = EYES,
@@ -73,10 +73,13 @@ def theatre_rig(
 
 
 def seen_channels(
-    theatre: Theatre, channels: Sequence[Lighted], display: str = "mono", stereo: Stereo = EYES
-) -> tuple[tuple[Lighted, ...], tuple[UserError, ...]]:
+    theatre: Theatre,
+    channels: Sequence[ProjectorChannel],
+    display: str = "mono",
+    stereo: Stereo = EYES,
+) -> tuple[tuple[ProjectorChannel, ...], tuple[UserError, ...]]:
     """The channels whose screens lie before all eyes, and an error for each of the others."""
-    kept: list[Lighted] = []
+    kept: list[ProjectorChannel] = []
     faults: list[UserError] = []
     offsets = _offsets(theatre, channels, display, stereo)
     for one in channels:
@@ -112,7 +115,7 @@ def shelves(sizes: Sequence[tuple[int, int]]) -> tuple[list[tuple[int, int]], tu
 
 
 def _offsets(
-    theatre: Theatre, channels: Sequence[Lighted], display: str, stereo: Stereo
+    theatre: Theatre, channels: Sequence[ProjectorChannel], display: str, stereo: Stereo
 ) -> list[Array]:
     """Where the only eye is, or the left one and the right one: (3,) cm of the sea each.
 
@@ -129,7 +132,7 @@ def _offsets(
     return [np.array([x, 0.0, 0.0]) for x in (-half, half)]
 
 
-def _pictures(one: Lighted, display: str) -> list[tuple[int, int]]:
+def _pictures(one: ProjectorChannel, display: str) -> list[tuple[int, int]]:
     """Pixels of a channel's pictures on the canvas, one for each eye, with their margins."""
     layout = None if display == "mono" else LAYOUTS[display]
     if one.shape in CUBES:  # whose faces are never squeezed
@@ -163,7 +166,7 @@ def _with_margin(frustum: Frustum, rect: Rect) -> Array:
     return off_axis(*(NEAR_CM * edge for edge in (left - x, right + x, bottom - y, top + y)))
 
 
-def _finer(one: Lighted) -> tuple[float, float]:
+def _finer(one: ProjectorChannel) -> tuple[float, float]:
     """How many more pixels a curved screen's planar view needs to be nowhere coarser."""
     assert one.screen is not None
     places, middle = grid_of(one.screen), np.zeros(3)
@@ -176,7 +179,7 @@ def _finer(one: Lighted) -> tuple[float, float]:
     return found[0], found[1]
 
 
-def _frustum(one: Lighted, offset: Array) -> Frustum:
+def _frustum(one: ProjectorChannel, offset: Array) -> Frustum:
     """The frustum of an eye that takes in a channel's screen."""
     assert one.screen is not None
     points = points_on(one.screen, grid_of(one.screen).reshape(-1, 2))
@@ -186,7 +189,7 @@ def _frustum(one: Lighted, offset: Array) -> Frustum:
         raise UserError(f"channel {one.name!r}: {fault}", key=one.key) from fault
 
 
-def _warp(one: Lighted, offsets: Sequence[Array], frusta: Sequence[Frustum]) -> Warp:
+def _warp(one: ProjectorChannel, offsets: Sequence[Array], frusta: Sequence[Frustum]) -> Warp:
     """The mesh of a channel, and where each eye's picture has what it shows."""
     assert one.screen is not None
     columns, triangles = mesh_of(one)
@@ -195,17 +198,17 @@ def _warp(one: Lighted, offsets: Sequence[Array], frusta: Sequence[Frustum]) -> 
     return Warp(np.hstack([columns[:, :2], seen[0], seen[-1]]).astype(np.float32), triangles)
 
 
-def _face(one: Lighted) -> int:
+def _face(one: ProjectorChannel) -> int:
     return face_size(_display(one), one.place[2:], one.surround)
 
 
-def _round(one: Lighted, rect: Rect, offset: Array) -> tuple[Eye, ...]:
+def _round(one: ProjectorChannel, rect: Rect, offset: Array) -> tuple[Eye, ...]:
     """The eyes of a channel that shows all round."""
     aside = float(offset[0]) / one.distance_cm
     shown = visible_parts(_display(one), one.place[2:], one.surround, aside)
     return cube(rect[:2], _face(one), shown, offset)
 
 
-def _display(one: Lighted) -> str:
+def _display(one: ProjectorChannel) -> str:
     """The display mode that shows alike."""
     return next(name for name, shape in SURROUNDS.items() if shape == one.shape)

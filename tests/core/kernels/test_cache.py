@@ -6,7 +6,7 @@ import pytest
 
 from subsea.behavior.steering import ease_goals
 from subsea.core.kernels.cache import VerifiedFile
-from subsea.core.source_stamp import ROOT, stamp
+from subsea.core.source_stamp import ROOT, source_stamp
 
 
 def _write(folder: Path, **files: str) -> None:
@@ -27,7 +27,7 @@ def _project(tmp_path: Path, name: str, **changed: str) -> str:
         "d": "K = 1\n",
     }
     _write(folder, **(files | changed))
-    return stamp(folder / "subsea" / "a.py", folder)
+    return source_stamp(folder / "subsea" / "a.py", folder)
 
 
 def test_a_change_of_anything_imported_changes_the_stamp(tmp_path):
@@ -39,13 +39,13 @@ def test_a_change_of_anything_imported_changes_the_stamp(tmp_path):
 
 def test_kernels_are_kept_by_that_stamp():
     file = ROOT / "subsea" / "behavior" / "steering.py"
-    assert ease_goals._cache._impl.locator.get_source_stamp() == stamp(file)
+    assert ease_goals._cache._impl.locator.get_source_stamp() == source_stamp(file)
     assert isinstance(ease_goals._cache._cache_file, VerifiedFile)
 
 
 def test_code_that_does_not_match_its_index_is_not_taken(tmp_path, monkeypatch):
     def file(stamp):
-        return VerifiedFile(str(tmp_path), "kernel", stamp)
+        return VerifiedFile(str(tmp_path), "kernel", source_stamp)
 
     def full(*unused):
         raise OSError("no room")

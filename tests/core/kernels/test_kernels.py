@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from subsea.core.kernels import kernel
-from subsea.core.source_stamp import ROOT, stamp
+from subsea.core.source_stamp import ROOT, source_stamp
 
 STALE_CALLEES = """
 {imports}
@@ -56,7 +56,7 @@ def _printed(program: str) -> str:
 
 @pytest.mark.parametrize("imports", ["import numba\nimport subsea", "import subsea\nimport numba"])
 def test_changed_callees_are_noticed_in_either_order_of_import(imports):
-    expected = stamp(ROOT / "subsea" / "behavior" / "steering.py")
+    expected = source_stamp(ROOT / "subsea" / "behavior" / "steering.py")
     assert _printed(STALE_CALLEES.format(imports=imports)) == expected
 
 

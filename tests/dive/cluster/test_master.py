@@ -12,7 +12,7 @@ from subsea.dive.cluster import identity
 from subsea.dive.cluster.follower import Follower
 from subsea.dive.cluster.keys import Keys, read_keys, write_keys
 from subsea.dive.cluster.master import Master
-from subsea.dive.cluster.messages import MAGIC, SMALL, Hello, State, encode
+from subsea.dive.cluster.messages import MAGIC, SMALL, Hello, WorldState, encode
 from subsea.world import snapshot
 
 
@@ -258,7 +258,7 @@ def test_what_is_told_of_a_state_does_not_steer_the_terminal(seas, address):
     data = snapshot.MAGIC + len(header).to_bytes(4, "little") + header
     node = Follower(seas[1], "left", "master", address)
     with pytest.raises(UserError, match=r"sent what is not a snapshot .*\?\[2J") as caught:
-        node._take(State("dive", 1, data))
+        node._take(WorldState("dive", 1, data))
     node.close()
     assert str(caught.value).isprintable()
 

@@ -13,13 +13,13 @@ from subsea.dive.cluster import messages
 from subsea.dive.cluster.messages import (
     MAGIC,
     Diverged,
-    Drawn,
     Hello,
     Identity,
     Picture,
+    PictureDrawn,
     Refused,
-    State,
     Swap,
+    WorldState,
     encode,
     from_master,
     from_node,
@@ -29,9 +29,9 @@ from subsea.dive.cluster.messages import (
 from subsea.submarine.helm import Helm
 
 IDENTITY = Identity("0.1.0", "Peaceful bay", "ab", 7, "cd", "ef", "01", "23")
-FROM_NODE = [Hello("left", IDENTITY, "dive"), Drawn(12), Diverged(900)]
+FROM_NODE = [Hello("left", IDENTITY, "dive"), PictureDrawn(12), Diverged(900)]
 FROM_MASTER = [
-    State("dive", 3, b"\x00bytes"),
+    WorldState("dive", 3, b"\x00bytes"),
     Picture(4, 77, 0.5, [(0.1, -1.0, 1.0, 0.0, True)], [(*(1.0,) * 8, True)], "checksum", True),
     Swap(4),
     Refused("because"),
@@ -101,7 +101,7 @@ def test_tables_within_tables_are_refused(opening):
 
 
 def test_another_protocol_is_told():
-    data = encode(Drawn(1))
+    data = encode(PictureDrawn(1))
     with pytest.raises(UserError, match=r"speaks protocol 9, expected 3"):
         from_node(data[: len(MAGIC) - 1] + b"\x09" + data[len(MAGIC) :])
 

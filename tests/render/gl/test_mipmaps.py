@@ -51,7 +51,7 @@ def seen(context):
 def test_all_levels_are_there_again(
     context, seen, monkeypatch, tmp_path, planes, kind, srgb, last
 ):  # fmt: skip
-    monkeypatch.setattr(disk_cache, "folder", lambda: tmp_path)
+    monkeypatch.setattr(disk_cache, "cache_folder", lambda: tmp_path)
     plain = mipmapped(context, texels(planes, kind), last, srgb)
     expected = seen(plain)
     assert len(np.unique(expected[:4, 0])) == min(last, 3) + 1
@@ -67,7 +67,7 @@ def test_all_levels_are_there_again(
 
 
 def test_another_driver_makes_its_own(context, monkeypatch, tmp_path):
-    monkeypatch.setattr(disk_cache, "folder", lambda: tmp_path)
+    monkeypatch.setattr(disk_cache, "cache_folder", lambda: tmp_path)
     kept_texture(context, ALL, False, texels, 1, "u1").release()
     monkeypatch.setattr(context, "_info", context.info | {"GL_RENDERER": "another"})
     kept_texture(context, ALL, False, texels, 1, "u1").release()

@@ -104,7 +104,7 @@ def test_bubbles_are_no_slower_than_their_slots_expect():
 
 def test_seaweed_has_the_same_kinds_nodes_and_fronds_everywhere():
     kinds = numbers("seaweed.vert", "const int RIBBON = # , KELP = # , GRASS = # , RED = # ;")
-    names = schema.Seaweed.__annotations__["kind"].__args__
+    names = schema.SeaweedTable.__annotations__["kind"].__args__
     assert seaweed.KINDS == names == tuple(FRONDS) == ("ribbon", "kelp", "grass", "red")
     np.testing.assert_array_equal(kinds, [range(len(names))])
     assert numbers("seaweed.vert", "LAST = # ;") == packet.LEAF_NODES - 1 == seaweed.NODES - 1

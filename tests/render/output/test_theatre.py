@@ -8,7 +8,7 @@ from subsea.render import Renderer
 from subsea.render.output.quality import PRESETS
 from subsea.render.output.target import ResolvePass
 from subsea.view.rig import CUBES, pose_from_angles, views
-from subsea.view.theatre.channels import channels
+from subsea.view.theatre.channels import usable_channels
 from subsea.view.theatre.lineup import lineup
 from subsea.view.theatre.screens import points_on
 from subsea.view.theatre.theatre_file import load_theatre
@@ -23,7 +23,7 @@ SMALL = 10  # times fewer pixels than the theatres that are shipped
 def opened(tmp_path, name="three-projectors", display="mono", shrink=SMALL):
     """A theatre with a tenth of its pixels, its channels and its rig."""
     theatre = shrink_theatre(load_theatre(name)[0], shrink)
-    found, faults = channels(theatre, tmp_path / "theatre.toml")
+    found, faults = usable_channels(theatre, tmp_path / "theatre.toml")
     assert not faults
     return theatre, found, theatre_rig(theatre, found, range(len(theatre.window)), display)
 

@@ -10,7 +10,7 @@ from subsea.core.errors import UserError
 from subsea.core.resources import resource_path
 from subsea.scenario import storage
 from subsea.scenario.load import load_scenario, scenario_names
-from subsea.scenario.schema import Individual, Shoal
+from subsea.scenario.schema import IndividualTable, Shoal
 from subsea.ui.dive import Dive
 from subsea.ui.gui import TEXT_PT
 from subsea.ui.panels.initialisation import NUMBER, InitialisationState, present
@@ -194,7 +194,7 @@ def test_numbers_are_shared_out_as_they_were_and_single_fishes_keep_theirs():
     scenario = replace(
         scenario,
         fish=[*scenario.fish, Shoal(species="fusilier", number=11)],
-        individual=[Individual(fish=50, male=True), Individual(fish=60, male=False)],
+        individual=[IndividualTable(fish=50, male=True), IndividualTable(fish=60, male=False)],
     )
     wanted = counts(scenario)
     assert with_counts(scenario, wanted) == scenario

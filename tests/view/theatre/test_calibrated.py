@@ -6,7 +6,7 @@ import pytest
 from subsea.core.errors import UserError
 from subsea.view.rig import Projection, seen_by
 from subsea.view.surround import MARGIN_PX
-from subsea.view.theatre.channels import channels
+from subsea.view.theatre.channels import usable_channels
 from subsea.view.theatre.screens import points_on
 from subsea.view.theatre.theatre_file import load_theatre
 from subsea.view.theatre.theatre_rig import theatre_rig
@@ -31,7 +31,7 @@ def theatre(tmp_path, making):
         tail = f'[[mpcdi]]\nfile = "all.mpcdi"\n{screen}\n'
         (tmp_path / "theatre.toml").write_text("".join([head, *windows, tail]))
         read, path = load_theatre(str(tmp_path / "theatre.toml"))
-        return read, *channels(read, path)
+        return read, *usable_channels(read, path)
 
     return theatre
 
@@ -80,7 +80,7 @@ def test_a_straight_warp_on_a_curved_screen_shows_what_none_does(tmp_path):
             f'[[channel]]\nname = "a"\nwindow = "a"\n{WHOLE}\n{line}'
         )
         read, path = load_theatre(str(tmp_path / "a.toml"))
-        found, faults = channels(read, path)
+        found, faults = usable_channels(read, path)
         assert faults == ()
         rigs.append(theatre_rig(read, found, [0]))
     places = np.random.default_rng(2).uniform(0.01, 0.99, (200, 2))
@@ -209,7 +209,7 @@ def test_a_mirror_lights_a_dome(tmp_path):
         '[[channel]]\nname = "a"\nwindow = "a"\ndome = {}\nwarp = "mirror.data"\n'
     )
     read, path = load_theatre(str(tmp_path / "a.toml"))
-    found, faults = channels(read, path)
+    found, faults = usable_channels(read, path)
     assert faults == ()
     for display, count in (("mono", 1), ("side-by-side", 2)):
         patches = theatre_rig(read, found, [0], display).patches

@@ -12,7 +12,7 @@ from PIL import Image
 
 from subsea.core.errors import UserError
 from subsea.view.theatre import mpcdi
-from subsea.view.theatre.mpcdi import Frustum, Region, mask, read_mpcdi
+from subsea.view.theatre.mpcdi import MpcdiRegion, ViewAngles, mask, read_mpcdi
 from subsea.view.theatre.warp import sources_at
 
 FRUSTUM = """<frustum><yaw>38</yaw><pitch>-10</pitch><roll>0</roll><rightAngle>25</rightAngle>
@@ -115,7 +115,7 @@ def test_the_black_of_projectors_is_as_bright_everywhere(read, projectors, makin
 @pytest.mark.parametrize("beta", [0.0, 0.2])
 def test_a_mask_is_the_standards_formula_for_black_and_white(beta):
     alpha = np.linspace(0, 1, 12, dtype=np.float32).reshape(3, 4, 1).repeat(3, axis=2)
-    region = Region(
+    region = MpcdiRegion(
         "a", "b", (4, 3), (0, 0, 1, 1), None, None, alpha, 2.2, np.full((6, 8, 3), beta, "f4"), 2.2
     )
     found = mask(region, 1.8, (999, 999))
@@ -157,7 +157,7 @@ def test_the_3d_profile_has_frusta(read, projectors, making):
     for one in projectors:
         one.frustum = FRUSTUM
     regions = read(making.parts(projectors, "3d")).regions
-    assert regions[0].frustum == Frustum(38, -10, 0, -26, 25, -21, 20)
+    assert regions[0].frustum == ViewAngles(38, -10, 0, -26, 25, -21, 20)
 
 
 # What goes wrong: the others go on.

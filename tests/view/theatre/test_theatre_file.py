@@ -6,7 +6,7 @@ import pytest
 
 from subsea.core.errors import UserError
 from subsea.core.resources import resource_names
-from subsea.view.theatre.channels import channels
+from subsea.view.theatre.channels import usable_channels
 from subsea.view.theatre.theatre_file import FOLDER, load_theatre
 
 WINDOW = '[[window]]\nname = "a"\nsize = [640, 360]\n'
@@ -23,7 +23,7 @@ def written(tmp_path, text):
 @pytest.mark.parametrize("name", resource_names(FOLDER, ".toml"))
 def test_every_theatre_that_is_shipped_works(name):
     theatre, path = load_theatre(name)
-    found, faults = channels(theatre, path)
+    found, faults = usable_channels(theatre, path)
     assert len(found) == len(theatre.channel)
     assert not faults
     assert theatre.title
@@ -154,10 +154,12 @@ CYLINDER = (
 def test_a_channel_that_cannot_be_is_one_line_and_the_others_go_on(tmp_path, screen, said):
     path = written(tmp_path, WINDOW + CHANNEL + screen)
     with pytest.raises(UserError, match=f"^{path}:4: channel 'c': .*({said})") as caught:
-        channels(*load_theatre(path))
+        usable_channels(*load_theatre(path))
     assert "\n" not in str(caught.value)
     good = WINDOW.replace('"a"', '"b"') + '[[channel]]\nname = "good"\nwindow = "b"\n' + PLANE
-    found, faults = channels(*load_theatre(written(tmp_path, WINDOW + CHANNEL + screen + good)))
+    found, faults = usable_channels(
+        *load_theatre(written(tmp_path, WINDOW + CHANNEL + screen + good))
+    )
     assert [one.name for one in found] == ["good"]
     assert len(faults) == 1
     assert "channel 'c'" in str(faults[0])

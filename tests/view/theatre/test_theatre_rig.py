@@ -14,7 +14,7 @@ from subsea.view.camera import axes_of
 from subsea.view.rig import CUBES, Projection, pose_from_angles, views
 from subsea.view.stereo import EYES, Stereo
 from subsea.view.surround import MARGIN_PX, directions
-from subsea.view.theatre.channels import channels
+from subsea.view.theatre.channels import usable_channels
 from subsea.view.theatre.screens import points_on
 from subsea.view.theatre.theatre_file import (
     FOLDER,
@@ -37,7 +37,7 @@ WALLS = ["three-projectors", "cave", "wide"]
 
 def opened(name):
     theatre, path = load_theatre(name)
-    return theatre, channels(theatre, path)[0]
+    return theatre, usable_channels(theatre, path)[0]
 
 
 def rig_of(name, display="mono", stereo=EYES):
@@ -165,7 +165,9 @@ def test_so_it_does_on_any_screen_from_any_place(screens, eye, scale, display, p
         ],
     )
     try:
-        found, _ = channels(theatre, Path("any.toml"))  # those too much from the side left out
+        found, _ = usable_channels(
+            theatre, Path("any.toml")
+        )  # those too much from the side left out
     except UserError:
         found = ()
     found, _ = seen_channels(theatre, found, display) if found else ((), ())
@@ -192,7 +194,7 @@ def test_a_theatre_of_half_the_scale_has_half_the_distance_between_the_eyes():
     theatre, found = opened("cave")
     small = msgspec.structs.replace(theatre, scale=0.5)
     path = load_theatre("cave")[1]
-    rig = theatre_rig(small, channels(small, path)[0], [0, 1, 2], "anaglyph")
+    rig = theatre_rig(small, usable_channels(small, path)[0], [0, 1, 2], "anaglyph")
     whole = theatre_rig(theatre, found, [0, 1, 2], "anaglyph")
     assert rig.eyes[0].offset[0] == pytest.approx(0.5 * whole.eyes[0].offset[0])
     for one, other in zip(rig.eyes, whole.eyes, strict=True):
