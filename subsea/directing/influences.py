@@ -10,7 +10,7 @@ from subsea.behavior.mating import REST_S
 from subsea.behavior.temperament import HABITS, set_hunger, set_libido, urge_to_mate
 from subsea.core.arrays import Array, Ints
 from subsea.directing.script import Act, DirectingContext, hunger_of, now_s
-from subsea.scenario.directions import INFLUENCES, MOVES
+from subsea.scenario.directions import INFLUENCES, MOVES, FishSelector
 from subsea.state import (
     ANYONE,
     CIRCLING,

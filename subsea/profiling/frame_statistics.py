@@ -10,6 +10,7 @@ import numpy as np
 
 from subsea.core.arrays import Array
 from subsea.core.atomic_io import replacing
+from subsea.core.durations import summarize_ms
 from subsea.profiling.machine import machine_line
 from subsea.view.levels import LEVELS
 
