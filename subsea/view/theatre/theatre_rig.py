@@ -11,7 +11,7 @@ from subsea.view.display_rigs import SURROUNDS, cube
 from subsea.view.rig import CUBES, CameraRig, DisplayPatch, Eye, Projection, Rect, Warp
 from subsea.view.stereo import EYES, LAYOUTS, Stereo, halves, patches_of
 from subsea.view.surround import COLUMNS, MARGIN_PX, ROWS, face_size, visible_parts
-from subsea.view.theatre.channels import grid_of, mesh_of
+from subsea.view.theatre.channels import ProjectorChannel, grid_of, mesh_of
 from subsea.view.theatre.screens import Flat, Frustum, frustum_of, points_on, seen_at
 from subsea.view.theatre.theatre_file import Theatre
 
