@@ -76,7 +76,7 @@ def find_threats(
         minds.threat[i] = worst[0]
 
 
-class Region(NamedTuple):
+class SensitivityRegion(NamedTuple):
     """The collision sensitivity region of a fish."""
 
     margin: float  # body lengths beyond the body, on all sides
@@ -85,7 +85,7 @@ class Region(NamedTuple):
 
 
 @kernel
-def sensitivity(minds: Minds, i: int, nature: Nature) -> Region:
+def sensitivity(minds: Minds, i: int, nature: Nature) -> SensitivityRegion:
     """The region of fish i, by what it intends."""
     scale = ENLARGED * nature.timidity
     intention = minds.intention[i]
@@ -98,7 +98,7 @@ def sensitivity(minds: Minds, i: int, nature: Nature) -> Region:
     elif interrupted == EAT and minds.kind[i] == PREDATOR:
         prey = minds.memory_target[i] if intention == AVOID else minds.target[i]
         welcome = int(prey)
-    return Region(scale * margin, scale * foresight, welcome)
+    return SensitivityRegion(scale * margin, scale * foresight, welcome)
 
 
 class Crowd(NamedTuple):
@@ -138,7 +138,7 @@ def motion(bodies: Bodies, grid: Grid) -> Array:
 
 @kernel
 def worst_threat(
-    bodies: Bodies, i: int, region: Region, crowd: Crowd, slots: Ints,
+    bodies: Bodies, i: int, region: SensitivityRegion, crowd: Crowd, slots: Ints,
     worst: tuple[int, float, float],
 ) -> tuple[int, float, float]:  # fmt: skip
     """The worst threat to fish i in a crowd, or `worst` where none is worse.
