@@ -1,1 +1,1 @@
-"""What a fish wants: intentions and the motor commands that follow."""
+"""Behavior: desires, intentions, and routines that set goals for the motor system."""

@@ -1,4 +1,4 @@
-"""Avoiding a collision, with another fish or with what stands in the way (Tu §7.8.1)."""
+"""Avoid collisions with other fishes and with obstacles (Tu §7.8.1)."""
 
 from subsea.behavior.chasing import set_urge
 from subsea.core.arrays import Array, Ints
@@ -21,18 +21,18 @@ from subsea.state import (
     Sea,
 )
 
-ASIDE = 1.5  # how hard a fish turns away, over how much it keeps its course
-MAKING_ROOM = 0.6  # the same in a school, which it means to stay with
-SLOWED = 0.35  # share of the fastest speed at which it lets another pass that is ahead
-CAREFUL = 0.6  # and at which it rounds an obstacle, at most
-PASSING_BL = 0.05  # an obstacle whose middle is less far aside is straight ahead
+ASIDE = 1.5  # weight of turning away against keeping the course
+MAKING_ROOM = 0.6  # the same in a school, so that the fish stays with it
+SLOWED = 0.35  # share of the fastest speed while a fish ahead passes
+CAREFUL = 0.6  # the most while it rounds an obstacle
+PASSING_BL = 0.05  # a fish whose middle is less far aside is straight ahead
 
 
 @kernel
 def desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
-    """All or nothing: perception has found a danger of collision. Hunters yield to no prey."""
+    """1 where perception found a danger of collision, else 0. Hunters do not yield to prey."""
     for i in who:
         j = minds.threat[i]
         yields = j != NOBODY and (minds.kind[i] != PREDATOR or minds.kind[j] != PREY)
@@ -41,12 +41,12 @@ def desire(
 
 @kernel
 def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
-    """Turn aside, to where the motor preferences point if both sides are as good."""
+    """Turn aside; where both sides are equal, to the side that the motor preferences favour."""
     for i in who:
         ahead = x_axis(fishes.orientation[i])
         j = minds.threat[i]
         if j == NOBODY:
-            # Around what stands still leads `steering.keep_clear`; slower, the turn is narrower.
+            # `steering.keep_clear` leads around obstacles; a slower fish turns more tightly.
             fishes.goal_speed[i] = min(max(fishes.goal_speed[i], SLOWED), CAREFUL)
             set_urge(minds, i, ahead)
             side = _side(minds, i)
@@ -67,14 +67,14 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
             urge = (urge[0], urge[1], 0.0)
         set_urge(minds, i, urge)
         if before > 0.0:
-            # In a school all behind would have to slow down as well.
+            # In a school, fishes behind it would have to slow down too.
             least = max(0.8 * fishes.goal_speed[j], SLOWED) if schooling else SLOWED
             fishes.goal_speed[i] = min(max(fishes.goal_speed[i], SLOWED), least)
 
 
 @kernel
 def _side(minds: Minds, i: int) -> float:
-    """1 for left, -1 for right: the preferred one, else one that each fish has for itself."""
+    """1 for left, -1 for right: the preferred side, else a fixed one for each fish."""
     difference = minds.preference[i, LEFT] - minds.preference[i, RIGHT]
     if difference == 0.0:
         return 1.0 if i % 2 == 0 else -1.0

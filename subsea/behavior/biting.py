@@ -20,24 +20,24 @@ from subsea.state import (
     Sea,
 )
 
-TEMPTING = 20.0  # the bait is preferred to a speck unless that is so many times as near
-COVER_CM = 10.0  # below the surface a bait is in sight
-BITE_BL = 0.15  # so near the mouth the bait is bitten
-OPEN_BL = 0.4  # the mouth is open so near to it
-FOLLOWS = 6.0  # 1/s: how fast the snout of the catch is drawn to the hook
+TEMPTING = 20.0  # the bait is preferred unless a speck is this many times nearer
+COVER_CM = 10.0  # depth below which the bait is visible
+BITE_BL = 0.15  # distance from the mouth at which the bait is bitten
+OPEN_BL = 0.4  # distance within which the mouth is open
+FOLLOWS = 6.0  # 1/s: rate at which the snout of the catch is drawn to the hook
 YANK_CM_S = 150.0  # at most
-OUT_BL = 0.6  # a catch whose middle is so far above the surface is gone
+OUT_BL = 0.6  # height of its middle above the surface at which a catch is removed
 
 
 @kernel
 def is_offered(sea: Sea) -> bool:
-    """Whether a bait that nobody has bitten is in the water."""
+    """Whether a bait is in the water that no fish has bitten."""
     return sea.catch[0] in (SINKING, HANGING) and sea.hook[2] < -COVER_CM
 
 
 @kernel
 def in_reach(fishes: Fishes, minds: Minds, i: int, sea: Sea, nature: Nature) -> bool:
-    """Whether fish i, no predator, smells the bait that is offered, and no speck is much nearer."""
+    """Whether fish i, not a predator, smells the bait, and no speck is much nearer."""
     distance = norm(minus(vector(sea.hook), mouth_of(fishes, i)))
     return distance < nature.smell_cm and distance < TEMPTING * minds.food_distance[i]
 
@@ -52,10 +52,10 @@ def approach(fishes: Fishes, minds: Minds, i: int, sea: Sea) -> None:
 
 @kernel
 def bite(fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
-    """Catch the first fish whose mouth is at the bait, and pull at the one that is caught.
+    """Catch the first fish whose mouth reaches the bait, and pull the one that is caught.
 
-    Every tick, after all drift has been set. A catch leads nobody, and once it is above the
-    surface it is gone.
+    Runs every tick, after all drift is set. A catch gives up leading its school, and is removed
+    once it is above the surface.
     """
     state = sea.catch[0]
     if state in (SINKING, HANGING):

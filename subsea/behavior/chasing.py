@@ -1,4 +1,4 @@
-"""Chasing a target: the part that eating, hunting, schooling and mating share (Tu §7.8.2)."""
+"""Chase and follow targets: shared by eating, hunting, mating and curiosity (Tu §7.8.2)."""
 
 import numpy as np
 
@@ -7,23 +7,22 @@ from subsea.geometry.rotation import rotate, x_axis
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, vector
 from subsea.state import Fishes, Minds
 
-NEAR_BL = 1.5  # within this distance a fish slows down, to have more control
-LEAST_SPEED = 0.25  # share of the fastest with which it arrives
-LEAST_BL_S = 0.4  # body lengths a second with which a slow fish reckons, to foresee a meeting
+NEAR_BL = 1.5  # distance within which a fish slows down, for better control
+LEAST_SPEED = 0.25  # share of the fastest speed at which it arrives
+LEAST_BL_S = 0.4  # least speed, body lengths per second, for predicting an interception
 CIRCLE_BL = 2.2  # radius of a gradual turn at full speed
-TURNING = 0.12  # share of the fastest speed with which it turns toward what is too near
+TURNING = 0.12  # share of the fastest speed for turning toward a target that is too near
 BESIDE = 0.3  # share of the fastest speed beside a fish that it follows
-FORESIGHT_S = 2.0  # how far ahead a target's motion is reckoned with
+FORESIGHT_S = 2.0  # how far ahead the motion of a target is predicted
 
 
 @kernel
 def chase(fishes: Fishes, minds: Minds, i: int, target: Vector, velocity: Vector) -> float:
     """Head for a target (cm) that moves at `velocity` (cm/s); returns its distance from the mouth.
 
-    The fish aims where the target will be when they meet: interception. It swims at full speed
-    when that is far and slower as it approaches, to have more control over steering; slower still
-    while its circle of turning is too wide to reach what lies aside, or it would swim around it
-    for ever.
+    The fish aims at the point of interception. It swims at full speed while that is far, and
+    slows down as it approaches. It slows down further while its turning circle is too wide to
+    reach a target beside it, which it would otherwise circle for ever.
     """
     mouth = mouth_of(fishes, i)
     toward = minus(target, mouth)
@@ -36,7 +35,7 @@ def chase(fishes: Fishes, minds: Minds, i: int, target: Vector, velocity: Vector
     heading = x_axis(fishes.orientation[i])
     cosine = dot(heading, ahead) / max(norm(ahead), 1e-6)
     sine = np.sqrt(max(1.0 - cosine * cosine, 0.0)) if cosine > 0.0 else 1.0
-    # A chord of the circle: a target at that angle is reached if it is 2 R sin away.
+    # A target at that angle is reached if it is the chord 2 R sin away.
     wide = 2.0 * CIRCLE_BL * fishes.length[i] * sine
     turning = max(distance / max(wide, 1e-6), TURNING)
     fishes.goal_speed[i] = min(share, turning, 1.0)
@@ -53,13 +52,13 @@ def follow(fishes: Fishes, minds: Minds, i: int, j: int) -> None:
 
 @kernel
 def set_urge(minds: Minds, i: int, urge: Vector) -> None:
-    """Let `urge` be where fish i wants to go."""
+    """Set the direction in which fish i wants to go."""
     for axis in range(3):
         minds.urge[i, axis] = urge[axis]
 
 
 @kernel
 def mouth_of(fishes: Fishes, i: int) -> Vector:
-    """Where the tip of the snout of fish i is, cm, world."""
+    """The tip of the snout of fish i, cm, world."""
     along = rotate(fishes.orientation[i], (float(fishes.snout[i]), 0.0, 0.0))
     return plus(vector(fishes.position[i]), along)

@@ -1,11 +1,11 @@
-"""Mating colours: a male grows colourful while he courts (Tu §5.3)."""
+"""Mating colours: males show them while they court (Tu §5.3)."""
 
 import numpy as np
 
 from subsea.core.kernels import kernel
 from subsea.state import NO_COURTSHIP, Clock, Fishes, Minds
 
-EASE_S = 0.7  # time constant: after 2 s all but a twentieth of a change is done
+EASE_S = 0.7  # time constant: 95% of a change is done after 2 s
 
 
 @kernel

@@ -1,7 +1,7 @@
-"""Courtship as a state machine: what each state does and when it is completed (Tu §7.9.3).
+"""Courtship as a state machine: the action and the end of each state (Tu §7.9.3).
 
 Approaching, looping, circling, spawning ascent, nuzzling. Lengths are in body lengths of the
-fish, times in those of the recorded fish: a smaller one beats and turns faster.
+fish; times hold for the recorded size, as smaller fishes beat and turn faster.
 """
 
 import numpy as np
@@ -37,36 +37,36 @@ from subsea.state import (
     Sea,
 )
 
-AHEAD_BL, ABOVE_BL = 1.15, 0.25  # where before her head he shows off, in their mean body length
-DISPLAY_BL = 1.5  # so near that place he begins to
-SWING_BL = 0.55  # how far up and down the point moves that he chases, in his
+AHEAD_BL, ABOVE_BL = 1.15, 0.25  # his place before her head, in their mean body length
+DISPLAY_BL = 1.5  # distance from that place at which he begins
+SWING_BL = 0.55  # vertical amplitude of the point that he chases, in his body length
 SWING_HZ = 0.14
-REACH_BL = 0.45  # so near the point he has reached it
+REACH_BL = 0.45  # distance at which he has reached the point
 VIGOUR, BENT = 0.75, 0.25  # share of the fastest speed at which he loops, and of that in turns
-POINTS = 4  # reached, and he goes on to circle
-IMPRESSED = 1  # point reached by a rival before she compares him with the one she favours
-LARGER = 1.05  # times as long a rival must be
+POINTS = 4  # reached before he goes on to circle
+IMPRESSED = 1  # points a rival reaches before she compares him with her favourite
+LARGER = 1.05  # how many times as long a rival must be
 BOB_HZ, BOB_SLOPE = 0.45, 0.5  # of her head while she looks on
 CIRCLING_BL, CIRCLING_SPEED = 0.45, 0.2  # distance to the other's tail, at which speed
-ROOM_BL = 0.8  # middles nearer than that: he passes above her
-ASTRAY_RAD, LEAST_RAD = np.radians((60.0, 15.0))  # a tail farther astray; the least turn
-TURNS = 2.0  # of hers, and they go on to the ascent
-RISE_BL = 4.0  # how far she ascends, in her body lengths ...
+ROOM_BL = 0.8  # distance of their middles below which he passes above her
+ASTRAY_RAD, LEAST_RAD = np.radians((60.0, 15.0))  # beyond it he goes on round; least turn
+TURNS = 2.0  # of hers before they go on to the ascent
+RISE_BL = 4.0  # height of her ascent, in her body lengths ...
 CEILING_BL, CEILING_CM = 1.6, 10.0  # ... but no nearer to the surface
 LEAST_RISE = 0.4  # share of the fastest speed at which she ascends while he is left behind
 STEEP = 0.78  # slope of her ascent: the motor system's steepest
-FOLLOWED_BL = 1.3  # so near her abdomen he has kept up
-BELOW_BL = 0.3  # and so far under it he keeps, in his
+FOLLOWED_BL = 1.3  # distance from her abdomen at which he has kept up
+BELOW_BL = 0.3  # how far under it he keeps, in his body length
 
-# For each state, none to nuzzling: it is given up after so long, ...
+# For each state, none to nuzzling: how long until it is given up, ...
 LIMIT_S = np.array([np.inf, 60.0, 60.0, 45.0, 30.0, 60.0])
-# ... or when the partner has minded somebody or something else for so long.
+# ... and how long the partner may attend to something else.
 ALONE_S = np.array([np.inf, 25.0, 8.0, 10.0, 10.0, 10.0])
 
 
 @kernel
 def approach(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
-    """Chase her, or the place before her head where he will show off if she has a mind to mate."""
+    """Chase her; if she intends to mate, the place before her head where he displays."""
     for i in who:
         j = minds.partner[i]
         if minds.intention[j] == MATE:
@@ -77,7 +77,7 @@ def approach(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) ->
 
 @kernel
 def arrived(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Bools:
-    """He is where he can show off, and she has a mind to look."""
+    """Whether he is where he can display, and she intends to mate."""
     done = np.zeros(len(who), np.bool_)
     for k in range(len(who)):
         i = who[k]
@@ -90,7 +90,7 @@ def arrived(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Bools:
 
 @kernel
 def loop(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
-    """He chases a point before her head that moves up and down; she hovers and bobs her head."""
+    """He chases a point that moves up and down before her head; she hovers and bobs her head."""
     for i in who:
         if not minds.male[i]:
             hover(fishes, minds, i, BOB_SLOPE * np.sin(_beat(fishes, i, BOB_HZ, clock)))
@@ -105,7 +105,7 @@ def loop(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> Non
         minds.courtship_mark[i] -= minds.pause[i] * fishes.rate[i]
         reached = norm(toward) < REACH_BL * fishes.length[i]
         if reached and minds.courtship_mark[i] <= 0.0:
-            # The point must be at its other end before it counts again.
+            # It counts again once the point is at its other end.
             minds.courtship_mark[i] = 0.4 / SWING_HZ
             minds.courtship_count[i] += 1.0
             minds.fatigue[MATE, i] = 0.0
@@ -114,7 +114,7 @@ def loop(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> Non
 
 @kernel
 def _impress(fishes: Fishes, minds: Minds, i: int, j: int) -> None:
-    """Let her favour the male that loops before her if he is better than whom she favours."""
+    """Make male i the favourite of female j if she prefers him to the present one."""
     best = minds.partner[j]
     if best == i or minds.intention[j] != MATE or minds.courtship[j] > LOOPING:
         return
@@ -136,7 +136,7 @@ def preferred(fishes: Fishes, j: int, i: int, best: int) -> bool:
 
 @kernel
 def chosen(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Bools:
-    """He has reached the point often enough, and it is him that she favours."""
+    """Whether he has reached the point often enough and is her favourite."""
     done = np.zeros(len(who), np.bool_)
     for k in range(len(who)):
         i = who[k]
@@ -147,7 +147,7 @@ def chosen(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Bools:
 
 @kernel
 def circle(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
-    """Each chases the other's tail, both the same way round; her turns are counted."""
+    """Each chases the other's tail in the same sense; her turns are counted."""
     for i in who:
         j = minds.partner[i]
         male = i if minds.male[i] else j
@@ -156,7 +156,7 @@ def circle(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> N
             minus(tail_of(fishes, j), mouth_of(fishes, i)), _make_room(fishes, i, j, minds.male[i])
         )
         turn = way * turn_to(fishes, i, toward)
-        # A tail that is behind is reached by going on round, or one of them would run away.
+        # They go on round to a tail that is behind, or one of them would swim away.
         if turn < -ASTRAY_RAD:
             turn += 2.0 * np.pi
         bend(fishes, minds, i, toward, way * min(max(turn, LEAST_RAD), CLOSE_RAD))
@@ -170,7 +170,7 @@ def circle(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> N
 
 @kernel
 def _make_room(fishes: Fishes, i: int, j: int, upward: bool) -> Vector:
-    """How far, cm, one of two passes above the other while their middles are too near."""
+    """Vertical offset, cm, by which one passes above the other while they are too near."""
     gap = norm(minus(vector(fishes.position[i]), vector(fishes.position[j])))
     room = max(ROOM_BL * 0.5 * (fishes.length[i] + fishes.length[j]) - gap, 0.0)
     return 0.0, 0.0, room if upward else -room
@@ -178,7 +178,7 @@ def _make_room(fishes: Fishes, i: int, j: int, upward: bool) -> Vector:
 
 @kernel
 def circled(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Bools:
-    """She has turned round often enough."""
+    """Whether she has turned often enough."""
     done = np.zeros(len(who), np.bool_)
     for k in range(len(who)):
         done[k] = not minds.male[who[k]] and abs(minds.courtship_count[who[k]]) >= TURNS
@@ -207,7 +207,7 @@ def ascend(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> N
 
 @kernel
 def ascended(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Bools:
-    """She hovers at the peak of her ascent, and he is there."""
+    """Whether she hovers at the peak of her ascent and he is there."""
     done = np.zeros(len(who), np.bool_)
     for k in range(len(who)):
         i = who[k]
@@ -221,7 +221,7 @@ def ascended(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Bools:
 
 @kernel
 def _at_top(fishes: Fishes, minds: Minds, i: int) -> bool:
-    """Whether she has risen as far as she wants, or as the surface lets her."""
+    """Whether she has risen by RISE_BL, or to the ceiling below the surface."""
     height = fishes.position[i, 2]
     ceiling = -CEILING_BL * fishes.length[i] - CEILING_CM
     return bool(height > min(minds.courtship_mark[i] + RISE_BL * fishes.length[i], ceiling))
@@ -229,7 +229,7 @@ def _at_top(fishes: Fishes, minds: Minds, i: int) -> bool:
 
 @kernel
 def enter(fishes: Fishes, minds: Minds, i: int, code: int) -> None:
-    """Begin a state: nothing counted yet."""
+    """Begin a state with fresh counters."""
     minds.courtship[i] = code
     minds.courtship_time[i] = 0.0
     minds.courtship_count[i] = 0.0
@@ -244,7 +244,7 @@ def enter(fishes: Fishes, minds: Minds, i: int, code: int) -> None:
 
 @kernel
 def stage(fishes: Fishes, i: int, j: int) -> Vector:
-    """The place in front of and slightly above the head of fish j where fish i shows off."""
+    """The place before and slightly above the head of fish j where fish i displays."""
     x = x_axis(fishes.orientation[j])
     level = max(np.sqrt(x[0] * x[0] + x[1] * x[1]), 1e-6)
     length = 0.5 * (fishes.length[i] + fishes.length[j])
@@ -255,7 +255,7 @@ def stage(fishes: Fishes, i: int, j: int) -> Vector:
 
 @kernel
 def _beat(fishes: Fishes, i: int, hertz: float, clock: Clock) -> float:
-    """Phase of an oscillation that has this frequency in a fish of recorded size."""
+    """Phase of an oscillation with this frequency at the recorded size."""
     return 2.0 * np.pi * hertz * fishes.rate[i] * clock.tick * clock.dt
 
 

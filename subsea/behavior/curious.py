@@ -1,4 +1,4 @@
-"""Curiosity: pacifists come to the submarine's window and watch it for a while (SMC §9.1)."""
+"""Curiosity: pacifists come to the submarine's window and watch for a while (SMC §9.1)."""
 
 import numpy as np
 
@@ -9,16 +9,16 @@ from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, vector
 from subsea.state import PACIFIST, Clock, Fishes, Minds, Nature, Sea
 
-CURIOUS = 7  # its place in `table.py`, where its fatigue is counted
+CURIOUS = 7  # its row in `table.py`, and of its fatigue
 
 INTEREST = 0.6
-SATED_S = (25.0, 40.0)  # after so long a look a fish has seen enough, one sooner than another
-FORGETS = 0.4  # s of it are forgotten in each second: a minute or more until the next look
+SATED_S = (25.0, 40.0)  # how long a fish watches, by its identity
+FORGETS = 0.4  # s of watching forgotten per second: a minute or more until the next look
 FRESH_S = 2.0
-SIGHT_COS = np.cos(np.radians(150.0))  # what is farther astern a fish does not see
-WATCH_CM = 110.0  # from the middle of the hull to the snout of one that watches
+SIGHT_COS = np.cos(np.radians(150.0))  # limit of the field of view
+WATCH_CM = 110.0  # from the middle of the hull to the snout of a watching fish
 FAN_RAD, TIERS_CM = np.radians(70.0), 90.0  # the crowd's width and height before the window
-THERE_BL, CLOSE = 2.0, 0.75  # it is there within so many lengths; and backs off nearer than that
+THERE_BL, CLOSE = 2.0, 0.75  # distances at which it has arrived, and at which it backs off
 WATCHES, BACKS_OFF = 0.05, -0.4  # shares of the fastest speed
 
 
@@ -26,7 +26,7 @@ WATCHES, BACKS_OFF = 0.05, -0.4  # shares of the fastest speed
 def desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
-    """Interest of a pacifist that sees the submarine and has not seen enough of it lately."""
+    """Interest of pacifists that see the submarine and have not watched it enough lately."""
     hull = vector(sea.submarine[:3])
     for i in who:
         looks = minds.intention[i] == CURIOUS
@@ -34,7 +34,7 @@ def desire(
         low, high = SATED_S
         enough = low + (high - low) * fishes.identity[i] if looks else FRESH_S
         if not looks and seen > 0.0:
-            # Fatigue falls by a second in a second: here it is forgotten more slowly.
+            # Fatigue falls by a second per second: slow that down.
             minds.fatigue[CURIOUS, i] += (1.0 - FORGETS) * minds.pause[i]
         toward = minus(hull, vector(fishes.position[i]))
         ahead = x_axis(fishes.orientation[i])
@@ -44,7 +44,7 @@ def desire(
 
 @kernel
 def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
-    """Come to a place of its own before the window, keep pace with it, and face it."""
+    """Come to the fish's own place before the window, keep pace with it and face it."""
     hull, pace = vector(sea.submarine[:3]), vector(sea.submarine[3:6])
     for i in who:
         spot = plus(hull, place_before(sea, fishes.length[i], fishes.identity[i]))
@@ -59,7 +59,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
 
 @kernel
 def place_before(sea: Sea, length: float, identity: float) -> Vector:
-    """Where fish of that length watches, cm from the middle of the hull: each has its own place."""
+    """Where a fish watches, cm from the middle of the hull: spread by length and identity."""
     gaze = vector(sea.submarine[6:9])
     aside = FAN_RAD * (identity - 0.5)
     c, s = np.cos(aside), np.sin(aside)
@@ -70,6 +70,6 @@ def place_before(sea: Sea, length: float, identity: float) -> Vector:
 
 @kernel
 def _sees(toward: Vector, ahead: Vector, reach: float) -> bool:
-    """Whether what lies `toward` (cm) a fish is within `reach` cm and not behind it."""
+    """Whether a point at `toward` (cm) is within `reach` cm and not behind the fish."""
     distance = norm(toward)
     return distance < reach and dot(ahead, toward) > SIGHT_COS * distance

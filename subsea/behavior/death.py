@@ -1,4 +1,4 @@
-"""What becomes of the others when a fish is gone: eaten, or landed."""
+"""Remove a fish that was eaten or landed from the minds of all others."""
 
 import numpy as np
 
@@ -10,9 +10,9 @@ from subsea.state import MATE, NO_COURTSHIP, NOBODY, PREDATOR, Fishes, Minds
 
 @kernel
 def remove(fishes: Fishes, minds: Minds, dead: int) -> None:
-    """Fish `dead` is no longer alive; nobody follows, courts, hunts or fears it any more.
+    """Mark fish `dead` as dead, and clear every reference to it.
 
-    Its school, if it led one, is led by the frontmost of those who followed (Tu §7.9.2).
+    If it led a school, the frontmost of its followers leads now (Tu §7.9.2).
     """
     fishes.alive[dead] = False
     fishes.gape[dead] = 0.0
@@ -22,7 +22,7 @@ def remove(fishes: Fishes, minds: Minds, dead: int) -> None:
 
 @kernel
 def forget(minds: Minds, dead: int) -> None:
-    """Let nobody court, hunt, fear, avoid or accompany fish `dead` any more."""
+    """Clear fish `dead` from what others court, hunt, fear, avoid or accompany."""
     for i in range(len(minds.leader)):
         if minds.predator[i] == dead:
             minds.predator[i] = NOBODY
@@ -52,7 +52,7 @@ def forget(minds: Minds, dead: int) -> None:
 
 @kernel
 def _strike(row: Ints, dead: int) -> None:
-    """Take `dead` out of a list that ends at the first NOBODY: those who come after move up."""
+    """Remove `dead` from a list that ends at the first NOBODY."""
     kept = 0
     for j in row:
         if j != dead:
@@ -63,7 +63,7 @@ def _strike(row: Ints, dead: int) -> None:
 
 @kernel
 def pass_leadership(fishes: Fishes, minds: Minds, leader: int) -> None:
-    """Let the frontmost of those who follow fish `leader` lead them; it follows nobody itself."""
+    """Make the frontmost follower of fish `leader` the leader of the others."""
     heir = _frontmost(fishes, minds, leader)
     for i in range(len(minds.leader)):
         if minds.leader[i] == leader:
@@ -71,13 +71,13 @@ def pass_leadership(fishes: Fishes, minds: Minds, leader: int) -> None:
     minds.leader[leader] = NOBODY
     minds.leads[leader] = False
     if heir != NOBODY:
-        # With a single follower nobody is left to be led.
+        # A single follower has nobody left to lead.
         minds.leads[heir] = (minds.leader == heir).any()
 
 
 @kernel
 def _frontmost(fishes: Fishes, minds: Minds, leader: int) -> int:
-    """Of the living followers of `leader` the one farthest ahead along its heading, or NOBODY."""
+    """The living follower of `leader` farthest ahead along its heading, or NOBODY."""
     ahead, there = vector(fishes.goal_direction[leader]), vector(fishes.position[leader])
     if norm(ahead) < 1e-6:
         ahead = (1.0, 0.0, 0.0)

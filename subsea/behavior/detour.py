@@ -1,4 +1,4 @@
-"""On which side a fish of a school passes what stands in its way (Tu §7.9.2)."""
+"""On which side a schooling fish passes an obstacle (Tu §7.9.2)."""
 
 import numpy as np
 
@@ -6,10 +6,10 @@ from subsea.core.arrays import Array
 from subsea.core.kernels import kernel
 from subsea.geometry.vector import ZERO, Vector
 
-LOOK_BL = 12.0  # so far ahead a fish sees that it has to pass something
-BERTH_BL = 1.2  # how far from it a fish means to pass
-AWAY = 4.0  # what an angle counts by which it would turn away from where it wants to go
-HEADROOM_BL = 0.6  # so much above or below something it swims over or under it
+LOOK_BL = 12.0  # distance within which a fish plans to pass an obstacle
+BERTH_BL = 1.2  # clearance at which it passes
+AWAY = 4.0  # weight of an angle that leads away from the wish
+HEADROOM_BL = 0.6  # height above or below a rock at which it passes over or under
 
 
 @kernel
@@ -18,12 +18,12 @@ def detour(
 ) -> Vector:
     """Level unit vector past the pillars and rocks that wish or heading lead into, or ZERO.
 
-    Of the tangents to all that is near those count that lead into nothing else. A fish, `length`
-    cm long at `here`, takes the one for which it has to turn least, so that it doesn't change its
-    mind before the obstacle, and hardly one that leads back from where it wants to go, or it might
-    swim around for ever. Each fish decides for itself: a school that meets an obstacle splits. Who
-    means to turn back need not pass what it is heading for. A rock counts as round, as wide as it
-    is long, and as it is at the height of the fish.
+    Candidates are the tangents to all solids near `here` that lead into no other solid. A fish of
+    `length` cm takes the one with the least turn, so that it does not change its mind before the
+    obstacle; tangents that lead away from the wish cost more, or it might circle for ever. Each
+    fish decides for itself: a school splits at an obstacle. A fish that is turning back ignores
+    what lies on its old heading. A rock counts as round, as wide as it is long, with its width at
+    the height of the fish.
     """
     nearest, found = np.inf, -1
     onward = wish[0] * heading[0] + wish[1] * heading[1] >= 0.0  # else it is about to turn back
@@ -58,7 +58,7 @@ def detour(
             if free:
                 best, least = way, cost
     if least == np.inf:
-        # Shut in: about the nearest, on the side to which the fish is heading already.
+        # No free tangent: pass the nearest, on the side the fish is heading to.
         side = 1.0 if near[found, 1] * heading[0] - near[found, 0] * heading[1] <= 0.0 else -1.0
         best = _tangent(near[found], side)
     return best
@@ -68,9 +68,9 @@ def detour(
 def _circle(
     k: int, here: Vector, length: float, pillars: Array, rocks: Array
 ) -> tuple[float, float, float, float]:
-    """Where solid k is from here, seen from above, its radius with the berth, and the gap to it.
+    """Offset (x, y) of solid k from `here`, its radius with the berth, and the gap to it.
 
-    Rocks come after pillars. The gap is infinite if it isn't at that height, or too far off.
+    Rocks follow pillars. The gap is infinite if the solid is at another height or too far away.
     """
     if k < len(pillars):
         x, y, radius = pillars[k, 0], pillars[k, 1], pillars[k, 2]
@@ -89,7 +89,7 @@ def _circle(
 
 @kernel
 def _tangent(circle: Array, side: float) -> Vector:
-    """Unit vector past a circle (x, y, radius) on its left (1) or right (-1); abeam from inside."""
+    """Unit vector past a circle (x, y, radius), on its left (1) or right (-1) side."""
     away = max(np.sqrt(circle[0] * circle[0] + circle[1] * circle[1]), 1e-6)
     ux, uy = circle[0] / away, circle[1] / away
     sine = min(circle[2] / away, 1.0)
@@ -100,7 +100,7 @@ def _tangent(circle: Array, side: float) -> Vector:
 
 @kernel
 def _turn(way: Vector, other: Vector) -> float:
-    """Angle, rad, from a way to a level unit vector, seen from above."""
+    """Angle, rad, between a way and a level unit vector, seen from above."""
     across = way[0] * other[1] - way[1] * other[0]
     return float(abs(np.arctan2(across, way[0] * other[0] + way[1] * other[1])))
 

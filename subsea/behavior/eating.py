@@ -1,4 +1,4 @@
-"""Eating: predators hunt, the others chase a speck of plankton and suck it in (Tu §7.8)."""
+"""Eating: predators hunt, others chase a speck of plankton and suck it in (Tu §7.8)."""
 
 import numpy as np
 
@@ -15,14 +15,14 @@ from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import ZERO, dot, minus, norm, vector
 from subsea.state import EAT, HUNGER, PREDATOR, Clock, Fishes, Minds, Nature, Sea
 
-STILL_KEEN = 0.6  # of `keen`: a fish that eats goes on until its hunger is below that share of it
-# In a school, even at its head, a fish turns aside only for food so near and so far ahead.
+STILL_KEEN = 0.6  # share of `keen` below which a fish that eats stops
+# Food for which a fish of a school turns aside: within this distance and angle ahead.
 BROWSE_BL, BROWSE_COS = 4.5, np.cos(np.radians(50.0))
-OPEN_BL = 0.5  # the mouth begins to open so far from the speck
-SUCK_BL = 0.28  # the vacuum reaches so far ...
-SUCK_CM_S = 25.0  # ... and draws that fast
-SWALLOW_BL = 0.06  # so near a speck is in the mouth
-ABSENCE_S = (40.0, 90.0)  # until there is another speck instead of one that was eaten
+OPEN_BL = 0.5  # distance of the speck at which the mouth begins to open
+SUCK_BL = 0.28  # reach of the suction ...
+SUCK_CM_S = 25.0  # ... and its speed
+SWALLOW_BL = 0.06  # distance at which a speck is in the mouth
+ABSENCE_S = (40.0, 90.0)  # until a speck that was eaten is replaced
 ABSENCE_PURPOSE = 60  # key of the random numbers
 
 
@@ -30,7 +30,7 @@ ABSENCE_PURPOSE = 60  # key of the random numbers
 def desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
-    """Hunger, if there is more than `keen` of it and something to eat."""
+    """Hunger, where it exceeds `keen` and there is food."""
     bait, now = is_offered(sea), clock.tick * clock.dt
     for i in who:
         if minds.kind[i] == PREDATOR:
@@ -48,9 +48,9 @@ def desire(
 
 @kernel
 def _on_the_way(fishes: Fishes, minds: Minds, i: int, sea: Sea, eats: bool, now: float) -> bool:
-    """Whether the nearest speck is worth it for a fish in a school: near, and ahead.
+    """Whether the nearest speck is near and ahead enough for a fish in a school.
 
-    None is for a straggler, which catches up first.
+    Never for a straggler, which catches up first.
     """
     if straggles(fishes, minds, i, now):
         return False
@@ -64,7 +64,7 @@ def _on_the_way(fishes: Fishes, minds: Minds, i: int, sea: Sea, eats: bool, now:
 
 @kernel
 def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
-    """Hunt, or chase the speck that has the fish's attention; once it is near, open the mouth."""
+    """Hunt, bite, or chase the target speck and open the mouth once it is near."""
     bait = is_offered(sea)
     for i in who:
         if minds.kind[i] == PREDATOR:
@@ -84,7 +84,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
 
 @kernel
 def ingest(fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
-    """Draw specks into open mouths, every tick; what is in the mouth is eaten."""
+    """Draw specks into open mouths and eat those inside; runs every tick."""
     for i in range(len(minds.intention)):
         k = minds.target[i]
         if minds.intention[i] != EAT or minds.kind[i] == PREDATOR or k < 0:

@@ -12,21 +12,21 @@ from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import Vector, dot, minus, norm, vector
 from subsea.state import FEAR, NOBODY, PREY, SUBMARINE, Clock, Fishes, Minds, Nature, Sea
 
-CLOSE = 0.6  # of D0: a predator nearer than this is close
-FRONT_RAD = np.radians(45.0)  # it is in front within this angle of the fish's heading ...
-BEHIND_RAD = np.radians(135.0)  # ... and behind beyond this one
-ALIKE_RAD = np.radians(45.0)  # headings that differ by less are roughly the same ...
-OPPOSITE_RAD = np.radians(135.0)  # ... and up to this one roughly perpendicular
-TURN_BACK_RAD = np.radians(175.0)  # 180 degrees, but for a hint of which side to turn by
-DODGE_RAD = np.radians(30.0), np.radians(75.0)  # out of the way of one that is close, and touches
-STEEP = 0.5  # of the way to the side: how much a fish flees upward or downward
-ADRIFT_CM_S = 5.0  # what moves more slowly (the submarine) is taken to head for the fish
+CLOSE = 0.6  # share of D0 within which a predator is close
+FRONT_RAD = np.radians(45.0)  # bearing below which it is in front ...
+BEHIND_RAD = np.radians(135.0)  # ... and beyond which it is behind
+ALIKE_RAD = np.radians(45.0)  # headings that differ by less are the same ...
+OPPOSITE_RAD = np.radians(135.0)  # ... and up to this perpendicular
+TURN_BACK_RAD = np.radians(175.0)  # a half turn, with a side to turn by
+DODGE_RAD = np.radians(30.0), np.radians(75.0)  # from a predator that is close, or touches
+STEEP = 0.5  # steepest escape up or down, as a share of the level way
+ADRIFT_CM_S = 5.0  # a slower submarine is taken to head for the fish
 
 
 class Danger(NamedTuple):
-    """A predator as the fish that flees sees it, in the horizontal plane; angles left positive."""
+    """A predator relative to the fleeing fish, in the horizontal plane; angles left positive."""
 
-    near: float  # 0 where it begins to be close, 1 where it touches; below 0 it is far
+    near: float  # 0 at the limit of close, 1 at contact; below 0 it is far
     bearing: float  # rad, from my heading to where it is
     course: float  # rad, from my heading to its heading
     approaches: bool
@@ -37,9 +37,9 @@ class Danger(NamedTuple):
 def desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
-    """Fear above f0, of prey that see one predator as fearful as f1 or have no school (Tu §7.5).
+    """Fear above f0, of prey without a school or that see a predator as fearful as f1 (Tu §7.5).
 
-    One that likes schooling but has nobody to follow, as the leader itself, is without a school.
+    A fish that has no leader, such as the leader itself, is without a school.
     """
     now = clock.tick * clock.dt
     for i in who:
@@ -53,7 +53,7 @@ def desire(
 
 @kernel
 def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
-    """Turn as the rule says, at full speed; and up or down, away from the predator."""
+    """Turn as the rule says at full speed, and climb or dive away from the predator."""
     for i in who:
         if minds.predator[i] == NOBODY:
             continue
@@ -69,7 +69,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
 
 @kernel
 def danger_of(fishes: Fishes, minds: Minds, i: int, sea: Sea, nature: Nature) -> Danger:
-    """What fish i sees of `minds.predator[i]`, which must not be NOBODY."""
+    """The danger to fish i from `minds.predator[i]`, which must not be NOBODY."""
     j = minds.predator[i]
     if j == SUBMARINE:
         there, velocity = vector(sea.submarine[:3]), vector(sea.submarine[3:6])
@@ -96,7 +96,7 @@ def danger_of(fishes: Fishes, minds: Minds, i: int, sea: Sea, nature: Nature) ->
 
 @kernel
 def rule_of(danger: Danger) -> int:
-    """Which of the eleven rules holds, 1 to 11: four for a predator that is far, seven if close."""
+    """The rule that applies, 1 to 11: four for a far predator, seven for a close one."""
     in_front = abs(danger.bearing) < FRONT_RAD
     behind = abs(danger.bearing) > BEHIND_RAD
     to_the_left = danger.bearing > 0.0
@@ -119,7 +119,7 @@ def rule_of(danger: Danger) -> int:
 
 @kernel
 def turn_of(rule: int, danger: Danger) -> float:
-    """The turn that a rule asks for, rad, left positive."""
+    """The turn of a rule, rad, left positive."""
     from_it = -1.0 if danger.bearing > 0.0 else 1.0
     from_its_course = -1.0 if danger.course > 0.0 else 1.0
     if rule in (1, 6):

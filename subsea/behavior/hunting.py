@@ -1,4 +1,4 @@
-"""Hunting: chase a prey, open the mouth and suck it in (Tu §7.8.2, §7.9.1)."""
+"""Hunting: chase prey, open the mouth and suck it in (Tu §7.8.2, §7.9.1)."""
 
 import numpy as np
 
@@ -11,28 +11,28 @@ from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import Vector, dot, minus, norm, times, vector
 from subsea.state import EAT, HUNGER, PREDATOR, PREY, Clock, Fishes, Minds, Nature, Sea
 
-STILL_HUNGRY = 0.6  # of `keen`: a hunter goes on until its hunger is below that share of it
-EAGER = 1.5  # of `keen`: the least desire of one that hunts, so that it doesn't waver
-STALK = 0.7  # share of the fastest speed at which it comes up
-BURST_BL = 2.5  # within this distance it throws itself forward ...
+STILL_HUNGRY = 0.6  # share of `keen` below which a hunter stops
+EAGER = 1.5  # least desire of a hunter over `keen`, so that it does not waver
+STALK = 0.7  # share of the fastest speed while it approaches
+BURST_BL = 2.5  # distance within which it bursts forward ...
 AIM_RAD = np.radians(50.0)  # ... if it heads for the prey, ...
-BRAKED = 0.12  # ... and if not it slows down, to turn on the spot
-STRAIN = 2.0  # s of fatigue in each second of a burst; coming up and turning cost none
-RESTED_S = 25.0  # a hunter that gave up begins anew once its fatigue is less
-CHEW_S = 5.0  # it grinds what it caught: time for the others to scatter
+BRAKED = 0.12  # ... else it slows down to turn on the spot
+STRAIN = 2.0  # s of fatigue per second of a burst; approach and turns cost none
+RESTED_S = 25.0  # fatigue below which a hunter that gave up hunts again
+CHEW_S = 5.0  # chewing the catch: time for the others to scatter
 CHEWS_PER_S = 2.5
 
-FITS = 0.45  # of its own length is the longest prey that it can swallow
-OPEN_BL = 0.32  # the mouth is open once the prey is so near
-SUCK_BL = 0.28  # the vacuum reaches so far ...
-SUCK_BL_S = 0.9  # ... and draws that fast at the mouth
-MOUTH_BL, MIDDLE = 0.05, 0.2  # a prey is in the mouth when its middle is within so much of the
-# hunter's length and of its own
+FITS = 0.45  # longest prey that it can swallow, over its own length
+OPEN_BL = 0.32  # distance of the prey at which the mouth is open
+SUCK_BL = 0.28  # reach of the suction ...
+SUCK_BL_S = 0.9  # ... and its speed at the mouth
+# Prey is in the mouth when its middle is within these shares of the hunter's and its own length.
+MOUTH_BL, MIDDLE = 0.05, 0.2
 
 
 @kernel
 def hunger(minds: Minds, i: int, nature: Nature) -> float:
-    """How much a predator wants to hunt: its hunger, if it isn't tired from the last chase."""
+    """The desire of a predator to hunt: its hunger, unless the last chase tired it."""
     hunts = minds.intention[i] == EAT or minds.memory[i] == EAT
     least = nature.keen * (STILL_HUNGRY if hunts else 1.0)
     tired = not hunts and minds.fatigue[EAT, i] > RESTED_S
@@ -43,9 +43,9 @@ def hunger(minds: Minds, i: int, nature: Nature) -> float:
 
 @kernel
 def hunt(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
-    """Come up, burst forward once near, and open the mouth before the prey.
+    """Approach, burst forward once near, and open the mouth at the prey.
 
-    Without a prey, or while it still chews the last one, it cruises.
+    Without prey, or while it chews the last one, cruise.
     """
     j = minds.target[i] if minds.target[i] >= 0 else minds.food[i]
     since = clock.tick * clock.dt - minds.last_meal[i]
@@ -66,7 +66,7 @@ def hunt(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
     else:
         fishes.goal_speed[i] = 1.0
         strain = STRAIN
-    # The generator has counted a second for each that it is followed.
+    # The intention generator has already added a second per second.
     fatigue = minds.fatigue[EAT, i] + (strain - 1.0) * minds.pause[i]
     minds.fatigue[EAT, i] = max(fatigue, 0.0)
     fishes.gape[i] = 1.0 if distance < OPEN_BL * length else 0.0
@@ -74,17 +74,17 @@ def hunt(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
 
 @kernel
 def _aside(fishes: Fishes, minds: Minds, i: int) -> float:
-    """The angle between where fish i heads and where it wants to go, rad."""
+    """The angle between heading and urge of fish i, rad."""
     ahead, urge = x_axis(fishes.orientation[i]), vector(minds.urge[i])
     return np.arccos(min(max(dot(ahead, urge) / max(norm(urge), 1e-9), -1.0), 1.0))
 
 
 @kernel
 def inhale(fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
-    """Draw what is near toward the open mouths of hunters, every tick; prey in them is eaten.
+    """Draw fishes and plankton toward open mouths, and eat prey inside; runs every tick.
 
-    Fishes are drawn by their `drift`, specks of plankton at once. The mouths are few and sorted
-    along x, so that each thing looks only at those about it: never all pairs.
+    Fishes are moved by their `drift`, specks directly. The mouths are few and sorted along x, so
+    that no pass goes over all pairs.
     """
     mouths, x = _open_mouths(fishes, minds)
     if len(mouths) == 0:
@@ -105,12 +105,12 @@ def inhale(fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
                 continue
             toward = minus(mouth_of(fishes, i), there)
             flow = suction(toward, fishes.length[i], clock.dt)
-            # A fish that would not go into the mouth resists.
+            # A fish too large for the mouth resists.
             small = min(FITS * fishes.length[i] / fishes.length[j], 1.0) ** 2
             for axis in range(3):
                 fishes.drift[j, axis] += np.float32(small * flow[axis])
             within = MOUTH_BL * fishes.length[i] + MIDDLE * fishes.length[j]
-            free = j != sea.catch[1]  # and not on a hook
+            free = j != sea.catch[1]  # not on the hook
             if minds.kind[j] == PREY and free and small == 1.0 and norm(toward) < within:
                 _swallow(fishes, minds, i, j, clock)
     for k in range(len(sea.plankton)):
@@ -126,7 +126,7 @@ def inhale(fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
 
 @kernel
 def _open_mouths(fishes: Fishes, minds: Minds) -> tuple[Ints, Array]:
-    """Hunters whose mouths are open, and where along x these are, in that order."""
+    """Hunters with open mouths, and the x of these, sorted by x."""
     mouths, x = np.empty(len(fishes.gape), np.int64), np.empty(len(fishes.gape))
     count = 0
     for i in range(len(fishes.gape)):
@@ -144,9 +144,9 @@ def _open_mouths(fishes: Fishes, minds: Minds) -> tuple[Ints, Array]:
 
 @kernel
 def suction(toward: Vector, length: float, dt: float) -> Vector:
-    """Velocity, cm/s, of what lies `toward` (cm) the open mouth of a hunter so long (cm).
+    """Velocity, cm/s, of a thing whose way to the mouth of a hunter of `length` cm is `toward`.
 
-    It falls to nothing at the vacuum's reach, and carries nothing past the mouth in `dt` s.
+    It falls to zero at the reach of the suction, and carries nothing past the mouth in `dt` s.
     """
     distance, reach = norm(toward), SUCK_BL * length
     if distance >= reach or distance < 1e-6:

@@ -6,27 +6,26 @@ from subsea.core.arrays import Array, Bools, Ints
 from subsea.core.kernels import kernel
 from subsea.state import Minds, Nature
 
-# Share of the active desire's strength that its rivals lose: of one that was resumed (Tu §7.7.2),
-# and of any other, so that two equal desires that tire do not take turns at every thought.
+# Share of the active desire's strength by which its rivals are inhibited: of a resumed one (Tu
+# §7.7.2), and of any other, so that two equal desires that tire do not alternate.
 INHIBITION, GRACE = 0.2, 0.05
-# What has tired must recover for a while before it is taken up again: else one that is just
-# not worth following would be, after a moment's rest, and so on in turn.
+# Factor on a desire that still recovers, or it would be taken up again after a moment's rest.
 RESTS = 0.8
-MEMORY_S = 12.0  # what was interrupted for longer is forgotten
-LASTING = 2  # level from which an intention is worth remembering: earlier ones are reactions
+MEMORY_S = 12.0  # after which an interrupted intention is forgotten
+LASTING = 2  # first level whose intentions are remembered; earlier ones are reactions
 
 
 @kernel
 def choose_intention(
     who: Ints, minds: Minds, nature: Nature, level: Ints, behavior: Ints, tires: Bools
 ) -> None:
-    """Set the intention of the fishes `who` (Tu fig. 7.4, of which 7.9 and 7.12 are cases).
+    """Set the intentions of the fishes `who` (Tu fig. 7.4, with the cases 7.9 and 7.12).
 
-    `minds.desire` has a row for each of d desires; `level` and `behavior` (d,) say on which
-    level of the hierarchy it is and what it leads to, most urgent first. The strongest desire on
-    the first level that has any wins. An intention that a reaction interrupts is remembered with
-    what it was about, and resumed once the reaction is over; then it inhibits its rivals (Tu
-    §7.7). A desire whose behavior `tires` (b,) fades while it is followed, and recovers after.
+    `minds.desire` has a row for each of d desires; `level` and `behavior` (d,) are its level in
+    the hierarchy and the behavior it leads to, most urgent first. The strongest desire on the
+    first level that has any wins. An intention interrupted by a reaction is remembered with its
+    target and resumed once the reaction is over; then it inhibits its rivals (Tu §7.7). A desire
+    whose behavior `tires` (b,) fades while it is followed, and recovers afterwards.
     """
     strength = np.empty(len(level), np.float64)
     lasting = np.zeros(len(tires), np.bool_)
@@ -68,7 +67,7 @@ def choose_intention(
             minds.memory[i] = -1
         elif wanted != now:
             minds.resumed[i] = False
-        # One reaction after another is one interruption.
+        # Consecutive reactions are one interruption.
         goes_on = wanted == now or (held and level[row] < LASTING)
         minds.busy[i] = minds.busy[i] + minds.pause[i] if goes_on else 0.0
         if wanted != now and not minds.resumed[i]:
@@ -78,13 +77,13 @@ def choose_intention(
 
 @kernel
 def tiredness(fatigue: float, half: float) -> float:
-    """What remains of a desire after so many s: nearly all at first, half of it after `half`."""
+    """Factor on a desire after `fatigue` s: 1 at first, a half after `half` s."""
     return 0.5 ** ((fatigue / half) ** 2) if fatigue > 0.0 else 1.0
 
 
 @kernel
 def _rival(desire: Array, level: Ints, behavior: Ints, row: int, now: int) -> float:
-    """Strength of the desire that is being followed, if `row` is another one on its level."""
+    """Strength of the followed desire, if `row` is another one on its level; else 0."""
     if behavior[row] == now:
         return 0.0
     most = 0.0
@@ -96,7 +95,7 @@ def _rival(desire: Array, level: Ints, behavior: Ints, row: int, now: int) -> fl
 
 @kernel
 def _strongest(strength: Array, level: Ints, behavior: Ints, now: int) -> int:
-    """Row of the desire that wins; of equals the one that is being followed, else the first."""
+    """Row of the winning desire; of equal ones the followed one, else the first."""
     best, most = len(level) - 1, 0.0
     for row in range(len(level)):
         if most > 0.0 and level[row] != level[best]:
@@ -109,7 +108,7 @@ def _strongest(strength: Array, level: Ints, behavior: Ints, now: int) -> int:
 
 @kernel
 def _row_of(strength: Array, behavior: Ints, code: int) -> int:
-    """The first row by which behavior `code` is still wanted, -1 if it isn't."""
+    """The first row with a desire for behavior `code`, or -1."""
     for row in range(len(behavior)):
         if behavior[row] == code and strength[row] > 0.0:
             return row

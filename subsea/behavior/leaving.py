@@ -1,4 +1,4 @@
-"""Leaving a place that is too bright, dark, cold or warm (Tu §7.3, §7.5)."""
+"""Leave places that are too bright, dark, cold or warm (Tu §7.3, §7.5)."""
 
 from subsea.behavior.chasing import set_urge
 from subsea.behavior.wandering import cruise, heading
@@ -17,8 +17,8 @@ from subsea.state import (
     Sea,
 )
 
-DUSK = 0.4  # less light than that is dark
-MILD_C = 23.0  # water below that is cold
+DUSK = 0.4  # light below which it is dark
+MILD_C = 23.0  # temperature below which it is cold
 CLIMB = 0.8  # how steeply a fish leaves upward or downward
 BRISK = 0.7  # share of the fastest speed
 
@@ -27,7 +27,7 @@ BRISK = 0.7  # share of the fastest speed
 def desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
-    """More than wandering, where the fish dislikes light or temperature; predators never."""
+    """Slightly more than wandering, where a fish dislikes light or temperature; not predators."""
     for i in who:
         upset = _wanted_rise(minds, i) != 0.0 and minds.kind[i] != PREDATOR
         out[i] = 0.015 if upset else 0.0
@@ -35,7 +35,7 @@ def desire(
 
 @kernel
 def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
-    """Wander, but upward to light and warmth, downward to darkness and cold."""
+    """Wander upward to light and warmth, or downward to darkness and cold."""
     for i in who:
         toward = heading(fishes, minds, i, sea, clock)
         set_urge(minds, i, (toward[0], toward[1], CLIMB * _wanted_rise(minds, i)))
@@ -44,7 +44,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
 
 @kernel
 def _wanted_rise(minds: Minds, i: int) -> float:
-    """1 if fish i wants upward to be content, -1 if downward, 0 if it is or if they cancel."""
+    """1 if the habits of fish i lead upward, -1 if downward, 0 if neither or both."""
     rise, light, temperature = 0.0, minds.light[i], minds.temperature[i]
     if _likes(minds, i, BRIGHTNESS) != _likes(minds, i, DARKNESS):
         if _likes(minds, i, BRIGHTNESS) and light < DUSK:
@@ -61,6 +61,6 @@ def _wanted_rise(minds: Minds, i: int) -> float:
 
 @kernel
 def _likes(minds: Minds, i: int, habit: int) -> bool:
-    """Whether fish i has a habit: its own, or what a direction gives it instead."""
+    """Whether fish i has a habit, its own or one set by a direction."""
     fancy = int(minds.fancy[i])
     return bool(minds.likes[i, habit]) if fancy < 0 else (fancy >> habit) & 1 == 1

@@ -1,6 +1,6 @@
-"""Mating: whom to court, and keeping a pair a pair (Tu §7.9.3).
+"""Mating: choose a partner, and begin and end courtships (Tu §7.9.3).
 
-`behavior/courtship.py` is the dance itself.
+`behavior/courtship.py` has the states of a courtship.
 """
 
 from subsea.behavior.chasing import follow
@@ -26,21 +26,21 @@ from subsea.state import (
     Sea,
 )
 
-STILL_KEEN = 0.6  # of `keen`: who courts goes on until its libido is below that share of it
-DEVOTED = 1.5  # times `keen`: the least desire of who courts
-COY = 0.15  # share of the fastest speed of a female to whom a male is on his way
-LOST_CM = 250.0  # a partner farther away than this is out of sight
-REST_S = 30.0  # after spawning nobody tempts a fish for so long
-SHUN_S = 45.0  # for how long a fish leaves alone who turned it down
-APART_CM = 260.0  # how far off the place is to which it turns away
-PARTING_S = 12.0  # and for how long it is bound there
+STILL_KEEN = 0.6  # share of `keen` below which a courting fish stops
+DEVOTED = 1.5  # least desire of a courting fish over `keen`
+COY = 0.15  # share of the fastest speed of a female whom a male approaches
+LOST_CM = 250.0  # distance at which a partner is out of sight
+REST_S = 30.0  # after spawning, before a fish courts again
+SHUN_S = 45.0  # how long a fish shuns a former partner
+APART_CM = 260.0  # distance of the place to which it turns away
+PARTING_S = 12.0  # how long it heads there
 
 
 @kernel
 def desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
-    """Libido, if there is more than `keen` of it and somebody to court; only of pacifists."""
+    """Libido of pacifists, where it exceeds `keen` and there is a mate to court."""
     for i in who:
         libido = minds.mental[i, LIBIDO]
         out[i] = 0.0
@@ -57,7 +57,7 @@ def desire(
 
 @kernel
 def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
-    """Choose a partner, do what the courtship's state asks for, go on when it is completed."""
+    """Choose partners, perform the state of each courtship, and advance those completed."""
     choose_partner(who, fishes, minds, sea, clock)
     courtship = minds.courtship[who]
     for state in range(APPROACHING, NUZZLING + 1):
@@ -68,10 +68,10 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
 
 @kernel
 def choose_partner(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
-    """Take up with the most desirable one in sight, unless there is a partner already.
+    """Begin a courtship with the most desirable fish in sight, unless there is a partner.
 
-    A male approaches her. A female follows a male that has no mind to mate; if he courts somebody
-    else, or comes to her, she goes her way.
+    A male approaches her. A female follows a male that does not intend to mate; if he courts
+    another, or approaches her, she wanders on.
     """
     for i in who:
         j = minds.target[i]
@@ -86,16 +86,16 @@ def choose_partner(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clo
             continue
         wander(fishes, minds, i, sea, clock)
         if able and minds.partner[j] == i:
-            # He is coming: she does not run away.
+            # He approaches: she does not swim away.
             fishes.goal_speed[i] = min(fishes.goal_speed[i], COY)
 
 
 @kernel
 def end_courtships(who: Ints, fishes: Fishes, minds: Minds) -> None:
-    """End the courtships of the fishes `who` that cannot or should not go on.
+    """End the courtships of the fishes `who` that cannot go on.
 
-    Whatever a fish intends: a partner that died, is lost, minds something else for too long or
-    has turned to another, or a state that takes too long.
+    The partner died, is lost, attends to something else for too long or turned to another fish,
+    or the state takes too long.
     """
     for i in who:
         minds.shunning[i] -= minds.pause[i]
@@ -122,7 +122,7 @@ def end_courtships(who: Ints, fishes: Fishes, minds: Minds) -> None:
 
 @kernel
 def _is_alone(fishes: Fishes, minds: Minds, i: int) -> bool:
-    """Whether the partner minds something or somebody else, or is out of sight."""
+    """Whether the partner attends to something else, or is out of sight."""
     j = minds.partner[i]
     if minds.intention[i] != MATE or minds.intention[j] != MATE:
         return True
@@ -134,9 +134,9 @@ def _is_alone(fishes: Fishes, minds: Minds, i: int) -> bool:
 
 @kernel
 def enter_next_state(who: Ints, fishes: Fishes, minds: Minds, clock: Clock) -> None:
-    """The next state for the fishes `who` and, where it is mutual, their partners.
+    """Begin the next state for the fishes `who` and, from circling on, for their partners.
 
-    Who has come to show off begins; she notices by herself. After the last state both have mated.
+    The male begins looping alone; she notices by herself. After the last state both have mated.
     """
     for i in who:
         j = minds.partner[i]
@@ -155,7 +155,7 @@ def enter_next_state(who: Ints, fishes: Fishes, minds: Minds, clock: Clock) -> N
 
 @kernel
 def _may_court(fishes: Fishes, minds: Minds, i: int, j: int) -> bool:
-    """Whether fish j is somebody for fish i: alive, of the other sex, not shunned, not taken."""
+    """Whether fish i may court fish j: alive, of the other sex, not shunned, not taken."""
     if j < 0 or j == minds.shunned[i]:
         return False
     if minds.courtship[j] >= CIRCLING and minds.partner[j] != i:
@@ -165,7 +165,7 @@ def _may_court(fishes: Fishes, minds: Minds, i: int, j: int) -> bool:
 
 @kernel
 def _part(fishes: Fishes, minds: Minds, i: int) -> None:
-    """Courtship is over: turn away from the partner and leave it alone for a while."""
+    """End the courtship of fish i: turn away from the partner and shun it for a while."""
     j = minds.partner[i]
     enter(fishes, minds, i, NO_COURTSHIP)
     minds.partner[i] = NOBODY

@@ -4,11 +4,11 @@ from subsea.core.arrays import Ints
 from subsea.core.kernels import kernel
 from subsea.state import FEAR, HUNGER, LIBIDO, PACIFIST, PREY, Clock, Fishes, Minds, Nature
 
-# Tu's p0 = 0.00067 and p1 = 0.0025, read per unit of his time, which is 0.1 s.
+# Tu's p0 = 0.00067 and p1 = 0.0025 per time unit of 0.1 s.
 DIGESTION = 0.0067  # 1/s: a meal is digested after 149 s
 LIBIDO_RATE = 0.025  # 1/s: libido is full 40 s after a mating
 DREAD_CM = 200.0  # D0
-FOOD_STIMULUS = (0.05, 0.2)  # q1, q2 in 1/cm: food is tempting from 20 cm, irresistible at 5
+FOOD_STIMULUS = (0.05, 0.2)  # q1, q2 in 1/cm: food tempts from 20 cm, fully at 5 cm
 MATE_STIMULUS = (0.025, 0.1)
 
 
@@ -16,10 +16,10 @@ MATE_STIMULUS = (0.025, 0.1)
 def update_mental_state(
     who: Ints, fishes: Fishes, minds: Minds, nature: Nature, clock: Clock
 ) -> None:
-    """Renew `minds.mental` of the fishes `who` from what they perceive and remember.
+    """Update `minds.mental` of the fishes `who` from what they perceive and remember.
 
-    Only prey fear, and only pacifists court (Tu §7.9). Meals that are digested are forgotten.
-    Fear that a direction gives counts instead of what is seen.
+    Only prey fear, and only pacifists court (Tu §7.9). Digested meals are forgotten. Fear set by
+    a direction replaces that of what is seen.
     """
     now = clock.tick * clock.dt
     for i in who:

@@ -9,15 +9,15 @@ from subsea.core.kernels import kernel
 from subsea.geometry.vector import Vector, minus, norm, plus
 from subsea.state import MATE, Clock, Fishes, Minds, Sea
 
-BELOW_BL = 0.6  # so far under her abdomen who comes from elsewhere goes first
-GATHER_BL = 1.1  # nearer than this he sees to it that he comes ...
-SLOPES = (0.3, 0.9)  # ... at a slope between these, and straight
-GENTLE = 0.6  # ... and a retreat leads to where it is at most this
-NIP_BL = 0.25  # nearer than this a try is only broken off when he has passed her by
-LEAST_PACE = 0.12  # share of the fastest speed with which he arrives
+BELOW_BL = 0.6  # depth under her abdomen to which he goes first
+GATHER_BL = 1.1  # distance within which he must approach ...
+SLOPES = (0.3, 0.9)  # ... straight and at a slope between these
+GENTLE = 0.6  # slope at which a retreat may end
+NIP_BL = 0.25  # distance within which he breaks off only once he has passed her
+LEAST_PACE = 0.12  # share of the fastest speed at which he arrives
 TOUCH_BL = 0.1  # mouth to abdomen
-RETREAT_S, WAIT_S = 2.5, 1.0  # after each nudge; it takes a little longer ...
-MORE_S = 0.3  # ... as long as she is too steep above him
+RETREAT_S, WAIT_S = 2.5, 1.0  # after each nudge
+MORE_S = 0.3  # longer retreat while she is too steep above him
 BACKING = -0.4  # speed of the retreat
 NUDGES = 3
 
@@ -44,7 +44,7 @@ def nuzzle(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> N
 
 @kernel
 def _nudge(fishes: Fishes, minds: Minds, i: int, toward: Vector, distance: float) -> None:
-    """To the abdomen, from below and straight; a try that comes otherwise is broken off."""
+    """Nudge the abdomen from below and straight; break off any other approach."""
     length = fishes.length[i]
     slope = _slope(toward)
     if slope < SLOPES[0] and distance > GATHER_BL * length:
@@ -52,7 +52,7 @@ def _nudge(fishes: Fishes, minds: Minds, i: int, toward: Vector, distance: float
     turn = steer(fishes, minds, i, toward)
     pace = min(max(0.5 * distance / length, LEAST_PACE), 1.0)
     fishes.goal_speed[i] = pace * careful(turn)
-    # So near that a small error is a large angle he goes on unless he has passed her by.
+    # Very near, where a small error is a large angle, go on unless he has passed her.
     good = turn < CLOSE_RAD and SLOPES[0] < slope < SLOPES[1]
     if distance < NIP_BL * length:
         good = turn < np.pi / 2.0
@@ -62,9 +62,9 @@ def _nudge(fishes: Fishes, minds: Minds, i: int, toward: Vector, distance: float
 
 @kernel
 def _retreat(fishes: Fishes, minds: Minds, i: int, toward: Vector) -> None:
-    """Back off with the eyes on her: with the nose up, which leads down, or level if too steep.
+    """Back off facing her: nose up, which leads down, or level if she is too steep above.
 
-    It lasts until he can come at her at a gentle slope. Then he waits.
+    It lasts until the slope to her is gentle. Then he waits.
     """
     level = np.sqrt(toward[0] * toward[0] + toward[1] * toward[1])
     steep = toward[2] > GENTLE * level
@@ -85,7 +85,7 @@ def _slope(toward: Vector) -> float:
 
 @kernel
 def nuzzled(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Bools:
-    """He has nudged her often enough."""
+    """Whether he has nudged her often enough."""
     done = np.zeros(len(who), np.bool_)
     for k in range(len(who)):
         done[k] = minds.male[who[k]] and minds.courtship_count[who[k]] >= NUDGES

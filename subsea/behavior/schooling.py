@@ -1,4 +1,4 @@
-"""Schooling: with a leader, heading like the neighbours, one body length apart (Tu §7.9.2)."""
+"""Schooling: follow the leader, align with neighbours, keep apart (Tu §7.9.2)."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,17 +10,17 @@ from subsea.core.kernels import kernel
 from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, times, vector
 from subsea.state import FEAR, PREY, Clock, Fishes, Minds, Nature, Sea
 
-SPACING_BL = 1.0  # schooling fishes keep one body length apart
-FOLLOW_BL = 5.0  # a follower farther than this from its leader catches up
-OWN_WAY, COMPANY = 2.0, 0.3  # what counts for a fish that has to pass something by itself, ...
-HURRY = 0.7  # ... and the share of the fastest speed at which it does so, to rejoin soon
-CLOSED = 0.6  # of the usual spacing, in a school that is alarmed
-SIGHT_S = 1.0  # a leader seen within this time is followed by its heading too
-LOST_S = 25.0  # for so long a fish swims on to where it saw its leader last
-# A straggler is farther from its leader than that, with fewer companions beside it.
+SPACING_BL = 1.0  # distance to each neighbour
+FOLLOW_BL = 5.0  # distance to the leader at which a follower catches up
+OWN_WAY, COMPANY = 2.0, 0.3  # weights of way and company while it passes an obstacle, ...
+HURRY = 0.7  # ... and its least speed, to rejoin soon
+CLOSED = 0.6  # factor on the spacing in an alarmed school
+SIGHT_S = 1.0  # how recently a leader must have been seen to copy its heading
+LOST_S = 25.0  # how long a fish swims on to where it last saw its leader
+# A straggler is farther from its leader than this, with fewer companions than this.
 STRAGGLING_BL, COMPANIONS = 10.0, 4
-# A school of n reaches so many lengths of its leader times n^(1/3) from it; the leader waits while
-# more than a share of them is farther off.
+# A school of n extends REACH_BL n^(1/3) from its leader, which waits while more than the share
+# LEFT_BEHIND is farther away.
 REACH_BL, LEFT_BEHIND = 3.0, 0.1
 
 
@@ -28,7 +28,7 @@ REACH_BL, LEFT_BEHIND = 3.0, 0.1
 def desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
-    """At ease: a little more than wandering, of fishes that like it and know of company."""
+    """Slightly more than wandering, for fishes that like schooling and know of a school."""
     now = clock.tick * clock.dt
     for i in who:
         out[i] = 0.02 if has_school(minds, i, now) else 0.0
@@ -38,7 +38,7 @@ def desire(
 def alarmed_desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
-    """Close the ranks while no single predator is too fearful (f0 < F, F^m < f1; Tu §7.5)."""
+    """Fear, while no single predator is too fearful (f0 < F, F^m < f1; Tu §7.5)."""
     now = clock.tick * clock.dt
     for i in who:
         fear = minds.mental[i, FEAR]
@@ -49,14 +49,14 @@ def alarmed_desire(
 
 @kernel
 def has_school(minds: Minds, i: int, now: float) -> bool:
-    """Whether fish i likes schooling, has a leader, and knows where that or company is."""
+    """Whether fish i likes schooling, has a leader, and knows where it or company is."""
     knows = now - minds.leader_seen[i] < LOST_S or minds.neighbour[i, 0] >= 0
     return minds.schools[i] and minds.leader[i] >= 0 and knows
 
 
 @kernel
 def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
-    """Follow the leader in company; one that is out of sight, to where it was seen last."""
+    """Follow the leader in company, or head for where it was last seen."""
     now = clock.tick * clock.dt
     for i in who:
         here, length = vector(fishes.position[i]), float(fishes.length[i])
@@ -71,7 +71,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         urge = plus(plus(_pull(toward, length), ahead), company)
         way = detour(urge, vector(fishes.velocity[i]), here, length, sea.pillars, sea.rocks)
         if norm(way) > 0.0:
-            # Meanwhile up or down to the leader, as under the bow of an arch.
+            # Meanwhile climb or dive to the leader, as under an arch.
             way = (way[0], way[1], toward[2] / max(norm(toward), 1.0))
             urge = plus(times(OWN_WAY, way), (COMPANY * company[0], COMPANY * company[1], 0.0))
             pace = max(pace, HURRY)
@@ -82,7 +82,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
 
 @kernel
 def _pull(toward: Vector, length: float) -> Vector:
-    """Toward the leader, more the farther it is."""
+    """Pull toward the leader, stronger with distance."""
     distance = norm(toward)
     lag = distance / (FOLLOW_BL * length)
     return times(min(lag * lag, 2.5) / max(distance, 1.0), toward)
@@ -92,7 +92,7 @@ def _pull(toward: Vector, length: float) -> Vector:
 def _company(
     position: Array, velocity: Array, length: Array, neighbour: Ints, i: int, spacing: float
 ) -> Vector:
-    """Heading like the neighbours, and `spacing` body lengths away from each of them."""
+    """Alignment with the neighbours, and separation at `spacing` body lengths."""
     out, ahead = ZERO, ZERO
     here = vector(position[i])
     count = 0
@@ -113,7 +113,7 @@ def _company(
 
 @kernel
 def _pace(toward: Vector, ahead: Vector, length: float, pace: float) -> float:
-    """Faster when behind the leader or far away, slower when ahead of it, but never idle there."""
+    """Speed: faster behind the leader or far away, slower ahead of it, never zero."""
     behind = max(dot(toward, ahead) / (FOLLOW_BL * length), -1.0)
     distance = norm(toward) / (FOLLOW_BL * length)
     return min(max(pace + 0.25 * behind + 0.5 * max(distance - 1.5, 0.0), 0.08), 1.0)
@@ -121,7 +121,7 @@ def _pace(toward: Vector, ahead: Vector, length: float, pace: float) -> float:
 
 @kernel
 def straggles(fishes: Fishes, minds: Minds, i: int, now: float) -> bool:
-    """Whether fish i is far from where it knows its leader to be, and has little company."""
+    """Whether fish i is far from the known place of its leader, with little company."""
     if minds.neighbour[i, COMPANIONS - 1] >= 0:
         return False
     if minds.leader[i] < 0 or now - minds.leader_seen[i] > LOST_S:
@@ -132,9 +132,9 @@ def straggles(fishes: Fishes, minds: Minds, i: int, now: float) -> bool:
 
 @kernel
 def leaves_behind(fishes: Fishes, minds: Minds, leader: int, now: float) -> bool:
-    """Whether more than a tenth of a school is farther from its leader than such a school reaches.
+    """Whether too many followers are farther from their leader than their school extends.
 
-    Who has long lost the leader doesn't count: a school does not wait for ever.
+    Followers that lost the leader long ago do not count: a school does not wait for ever.
     """
     here, followers, behind = vector(fishes.position[leader]), 0, 0
     for i in range(len(minds.leader)):
@@ -149,15 +149,15 @@ def leaves_behind(fishes: Fishes, minds: Minds, leader: int, now: float) -> bool
 
 @kernel
 def _is_followed_by(fishes: Fishes, minds: Minds, leader: int, i: int, now: float) -> bool:
-    """Whether fish i is alive, belongs to the school of a leader and knows where that is."""
+    """Whether fish i is alive, follows that leader and knows where it is."""
     return minds.leader[i] == leader and fishes.alive[i] and now - minds.leader_seen[i] < LOST_S
 
 
 @kernel
 def join_schools(who: Ints, alive: NDArray[np.bool_], minds: Minds) -> None:
-    """Let fishes that like schooling but have no school join their companions: inception.
+    """Let fishes that like schooling but have no school join a companion.
 
-    One that meets a school follows its leader; of loners that meet, one becomes the leader.
+    A fish that meets a school follows its leader; when two loners meet, one becomes the leader.
     """
     for i in who:
         if not minds.schools[i] or minds.leader[i] >= 0 or minds.leads[i]:

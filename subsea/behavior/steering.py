@@ -1,4 +1,4 @@
-"""From what a routine wants to what the motor system is asked for, inside the sea (SMC §6.2)."""
+"""Constrain urges to free water and turn them into goals of the motor system (SMC §6.2)."""
 
 import numpy as np
 
@@ -11,21 +11,20 @@ from subsea.geometry.solids import far_from_rock, from_pillar, from_rock
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, unit, vector
 from subsea.state import HULL_CM, LEFT, RIGHT, Clock, Fishes, Minds, Sea
 
-EASE = 4.0  # 1/s: how fast a wish may change, so that no fish twitches
-ROOM_BL = 4.0  # a fish needs so many body lengths to turn away from what it heads for
-BODY_BL = 0.45  # no part of it is farther than that from its middle ...
-CLEARANCE_CM = 8.0  # ... and so much of the water beyond stays free
-HULL_AHEAD_S = 1.5  # how far ahead fishes reckon with the submarine's motion
-SLOPE_CM = 20.0  # over which the seabed's slope is taken
+EASE = 4.0  # 1/s: how fast a goal follows an urge, so that no fish twitches
+ROOM_BL = 4.0  # room that a fish needs to turn away
+BODY_BL = 0.45  # farthest part of a body from its middle ...
+CLEARANCE_CM = 8.0  # ... and free water beyond
+HULL_AHEAD_S = 1.5  # how far ahead the submarine's motion is predicted
+SLOPE_CM = 20.0  # baseline of the seabed's slope
 
 
 @kernel
 def keep_clear(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> None:
-    """Turn `minds.urge` of the fishes `who` away from the bounds of the sea and what stands in it.
+    """Turn `minds.urge` of the fishes `who` away from the bounds of the sea and from solids.
 
-    Near a boundary a fish is constrained in which directions it may turn (SMC §6.2): its wish may
-    point outward the less, the nearer it is, and must point inward where it is too near. What
-    remains of the wish runs along the boundary.
+    Near a boundary the urge is constrained (SMC §6.2): the nearer the fish, the less it may point
+    outward, and too near it must point inward. The rest of the urge runs along the boundary.
     """
     hull, velocity = vector(sea.submarine[:3]), vector(sea.submarine[3:6])
     for i in who:
@@ -43,7 +42,7 @@ def keep_clear(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> None:
 
 @kernel
 def _inside(fishes: Fishes, i: int, sea: Sea, urge: Vector) -> Vector:
-    """The wish constrained by wall, surface and floor."""
+    """The urge constrained by wall, surface and floor."""
     p = vector(fishes.position[i])
     reach = BODY_BL * fishes.length[i] + CLEARANCE_CM
     room = ROOM_BL * fishes.length[i]
@@ -63,7 +62,7 @@ def _inside(fishes: Fishes, i: int, sea: Sea, urge: Vector) -> Vector:
 
 @kernel
 def _around(fishes: Fishes, i: int, sea: Sea, urge: Vector) -> Vector:
-    """The wish constrained by pillars and rocks."""
+    """The urge constrained by pillars and rocks."""
     p = vector(fishes.position[i])
     reach = BODY_BL * fishes.length[i] + CLEARANCE_CM
     room = ROOM_BL * fishes.length[i]
@@ -84,7 +83,7 @@ def _around(fishes: Fishes, i: int, sea: Sea, urge: Vector) -> Vector:
 def _off_the_hull(
     here: Vector, length: float, hull: Vector, velocity: Vector, urge: Vector
 ) -> Vector:
-    """The wish constrained by the submarine, from where that will be nearest: aside, not ahead."""
+    """The urge constrained by the submarine at its predicted closest approach."""
     away = minus(here, hull)
     reach, room = HULL_CM + BODY_BL * length + CLEARANCE_CM, ROOM_BL * length
     speed = norm(velocity)
@@ -102,10 +101,10 @@ def _off_the_hull(
 
 @kernel
 def constrained(urge: Vector, normal: Vector, distance: float, room: float) -> Vector:
-    """A unit wish that heads for a boundary no harder than `distance` over `room` allows.
+    """A unit urge that heads for a boundary no harder than `distance` over `room` allows.
 
-    `normal` points away from the boundary. At no distance the wish runs along it, and
-    behind it leads back.
+    `normal` points away from the boundary. At distance zero the urge runs along the boundary,
+    and behind it leads back.
     """
     least = -min(max(distance / room, -1.0), 1.0)
     inward = dot(urge, normal)
@@ -122,10 +121,10 @@ def constrained(urge: Vector, normal: Vector, distance: float, room: float) -> V
 
 @kernel
 def ease_goals(fishes: Fishes, minds: Minds, clock: Clock) -> None:
-    """Turn every fish's goal direction toward its urge by a share of the angle, every tick.
+    """Turn every fish's goal direction toward its urge by a share of the angle; runs every tick.
 
-    A turn to a side of which the motor preferences warn is made smaller: its angle is multiplied
-    by min(1, 1.5 + M), where M is negative (Tu §6.5.3).
+    Where the motor preferences warn of a side, the angle is multiplied by min(1, 1.5 + M) for the
+    negative preference M (Tu §6.5.3).
     """
     share = min(EASE * clock.dt, 1.0)
     for i in range(len(minds.intention)):
@@ -140,7 +139,7 @@ def ease_goals(fishes: Fishes, minds: Minds, clock: Clock) -> None:
         if sine < 1e-4:
             if along > 0.0:
                 continue
-            # Dead astern: either side will do, so the left one.
+            # Straight behind: turn left.
             across = unit((1e-6 - now[1], now[0], 0.0))
         else:
             across = times(1.0 / sine, across)

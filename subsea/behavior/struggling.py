@@ -1,4 +1,4 @@
-"""Struggling on the hook: nothing comes before that (Tu §10.1)."""
+"""Struggling on the hook, before all else (Tu §10.1)."""
 
 import numpy as np
 
@@ -8,8 +8,8 @@ from subsea.core.kernels import kernel
 from subsea.geometry.keyed_random import uniform
 from subsea.state import HOOKED, Clock, Fishes, Minds, Nature, Sea
 
-HOLD_TICKS = 14  # it fights in one direction for half a second
-DIVE = 0.3, 0.6  # how steeply downward, against a level stroke
+HOLD_TICKS = 14  # for which a direction is kept
+DIVE = 0.3, 0.6  # slope downward
 GASP = 0.6  # how far the mouth is held open
 HEADING_PURPOSE, DIVE_PURPOSE = 70, 71  # keys of the random numbers
 
@@ -18,14 +18,14 @@ HEADING_PURPOSE, DIVE_PURPOSE = 70, 71  # keys of the random numbers
 def desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
-    """More than anything else, of the one that is caught."""
+    """The strongest desire of all, for the fish on the hook."""
     for i in who:
         out[i] = 2.0 if sea.catch[0] == HOOKED and sea.catch[1] == i else 0.0
 
 
 @kernel
 def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
-    """Beat as fast as it can, downward, every half second in another direction."""
+    """Swim downward at full speed, in a new direction every half second."""
     for i in who:
         epoch = np.int64(clock.tick // HOLD_TICKS)
         fish = np.int64(i)

@@ -20,9 +20,9 @@ from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
 from subsea.state import Clock, Fishes, Minds, Nature, Sea
 
-# Writes into `out` (n,) how strongly each of the fishes `who` wants something: 0 not at all, to 1.
+# Writes the strength of a desire of each of the fishes `who`, 0 to 1, into `out` (n,).
 Desire = Callable[[Ints, Fishes, Minds, Sea, Nature, Clock, Array], None]
-# Sets urge, goal speed, gape and what else is its own for each of the fishes `who`.
+# Sets urge, goal speed and gape of each of the fishes `who`.
 Routine = Callable[[Ints, Fishes, Minds, Sea, Nature, Clock], None]
 
 # Levels of the hierarchy (Tu §7.5): a desire on one comes before all desires on the next.
@@ -30,7 +30,7 @@ COLLISION, DANGER, APPETITE, EASE = range(4)
 
 
 class Behavior(NamedTuple):
-    """An intention: what leads to it, and on which level, and what it does."""
+    """An intention: its routine, and the desires that lead to it with their levels."""
 
     name: str
     routine: Routine
@@ -38,7 +38,7 @@ class Behavior(NamedTuple):
     tires: bool = False  # whether the desire fades while it is followed (Tu §7.7.2)
 
 
-# The first seven in the order of the codes AVOID to WANDER of `state.py`.
+# The first seven in the order of the codes AVOID to WANDER of `state`.
 BEHAVIORS = (
     Behavior("avoid", avoiding.act, ((COLLISION, avoiding.desire),)),
     Behavior("escape", escaping.act, ((DANGER, escaping.desire),)),

@@ -1,8 +1,8 @@
-"""A fish that is steered: its brain yields, its body obeys through its own repertoire.
+"""Teleoperation: a pilot's commands replace the intentions of one fish.
 
-It goes on sensing and feeling, yet has no intention but to wander where it is asked to. Others
-take it for the fish that it is. What it is asked for is held clear of what stands in the sea and
-of its bounds; the motor system turns the rest into segments, tempo and thrust as ever.
+The fish still senses and feels, and others react to it as before; its intention is to wander. The
+command is kept clear of solids and of the bounds of the sea, and the motor system turns it into
+segments, tempo and thrust.
 """
 
 from typing import NamedTuple
@@ -16,14 +16,14 @@ from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import dot, times, vector
 from subsea.state import WANDER, Fishes, Minds, Sea
 
-# So far aside a full turn asks for. There a fish bends its beat and aligns itself at once; farther
-# aside it would throw itself round, which takes a while to begin and is no faster in the end.
+# Angle of a full turn. Here a fish bends its beat and aligns itself at once; beyond, it would make
+# a sharp turn, which begins later and is no faster in the end.
 ASIDE_RAD = np.radians(50.0)
-STEEP_RAD = np.radians(38.0)  # as steep as fishes swim
+STEEP_RAD = np.radians(38.0)  # the steepest that fishes swim
 
 
 class TeleopCommand(NamedTuple):
-    """What is asked of a fish for a tick, in [-1, 1]; no turn, rise and speed: it hovers."""
+    """The command to a fish for a tick, each in [-1, 1]; all zero: hover."""
 
     fish: int
     turn: float = 0.0  # left positive
@@ -35,9 +35,9 @@ class TeleopCommand(NamedTuple):
 def follow_command(
     i: int, turn: float, rise: float, speed: float, fishes: Fishes, minds: Minds, sea: Sea
 ) -> None:
-    """Set the urge and the goal speed of fish i; what was on its mind is forgotten.
+    """Set the urge and the goal speed of fish i, and clear its intention and memory.
 
-    The nearer something is in its way, ahead or astern, the slower it goes, down to a halt.
+    It slows down to a halt before obstacles, ahead or astern.
     """
     minds.intention[i], minds.target[i] = WANDER, -1
     minds.memory[i], minds.resumed[i] = -1, False

@@ -1,4 +1,4 @@
-"""Sexes, habits and mental states: what shoals begin with, and what single fishes have."""
+"""Initial sexes, habits and mental states of shoals, and those of individual fishes."""
 
 from typing import Any
 
@@ -10,7 +10,7 @@ from subsea.behavior.mental_state import DIGESTION, DREAD_CM, LIBIDO_RATE
 from subsea.scenario.schema import IndividualTable, Shoal
 from subsea.state import KINDS, NO_COURTSHIP, NOBODY, PREDATOR, WANDER, Fishes, Minds
 
-PLANKTON_CM, PREY_CM = 8.0, 40.0  # of its length for each meal that it takes to fill a fish
+PLANKTON_CM, PREY_CM = 8.0, 40.0  # body length per meal of its appetite
 DONE_CHEWING_S = 6.0  # after a meal: see `hunting.CHEW_S`
 HABITS = ("brightness", "darkness", "cold", "warmth")  # columns of `minds.likes`
 
@@ -18,7 +18,7 @@ HABITS = ("brightness", "darkness", "cold", "warmth")  # columns of `minds.likes
 def set_temperament(
     shoal: Shoal, fishes: Fishes, minds: Minds, these: slice, rng: np.random.Generator
 ) -> None:
-    """Sexes, habits and the mental state with which the fishes of a shoal begin."""
+    """Set sexes, habits and initial mental states of the fishes of a shoal."""
     number = these.stop - these.start
     minds.male[these] = males_of(shoal, number)
     minds.likes[these] = [name in shoal.likes for name in HABITS]
@@ -33,9 +33,9 @@ def set_temperament(
 
 
 def apply_individual(fishes: Fishes, minds: Minds, one: IndividualTable, now_s: float) -> None:
-    """Give a fish what is its own, `now_s` into the dive: hunger and libido are those of now.
+    """Apply the settings of an individual fish at `now_s`, the time of its hunger and libido.
 
-    One of another kind or sex than it was is new to everybody, and minds nothing any more.
+    A change of kind or sex clears what the fish and others know of each other.
     """
     i = one.fish
     kind = minds.kind[i] if one.kind is None else KINDS.index(one.kind)
@@ -60,13 +60,13 @@ def apply_individual(fishes: Fishes, minds: Minds, one: IndividualTable, now_s: 
 
 
 def males_of(shoal: Shoal, number: int) -> NDArray[np.bool_]:
-    """Which of the fishes of a shoal are males: evenly spread, so that a pair is a pair."""
+    """Which fishes of a shoal are males, spread evenly so that a shoal of two is a pair."""
     males = np.floor(np.arange(1, number + 1) * shoal.male_share + 1e-9)
     return np.asarray(np.diff(males, prepend=0.0) > 0)
 
 
 def appetite_of(length: Any, kind: Any) -> Any:
-    """How many meals fill fishes of these lengths, cm, and kinds, if nothing else is said."""
+    """Default number of meals that fill fishes of these lengths, cm, and kinds."""
     meal_cm = np.where(kind == PREDATOR, PREY_CM, PLANKTON_CM)
     return np.maximum(np.round(length / meal_cm), 2.0)
 
@@ -76,32 +76,32 @@ def _set_appetite(fishes: Fishes, minds: Minds, these: slice | int) -> None:
 
 
 def urge_to_eat(minds: Minds, these: Any, now_s: float) -> Any:
-    """The urge to eat of fishes, or of one, without what food in sight adds (Tu §7.4)."""
+    """Hunger of one or more fishes without the stimulus of food in sight (Tu §7.4)."""
     left = np.maximum(1.0 - minds.digestion[these] * (now_s - minds.last_meal[these]), 0.0)
     return 1.0 - minds.eaten[these] * left / minds.appetite[these]
 
 
 def urge_to_mate(minds: Minds, these: Any, now_s: float) -> Any:
-    """The urge to mate, without what a mate in sight adds, of fishes that are not hungry."""
+    """Libido of fishes that are not hungry, without the stimulus of a mate in sight."""
     since = now_s - minds.last_mating[these]
     return np.clip(minds.libido_rate[these] * since, 0.0, 1.0)
 
 
 def set_hunger(minds: Minds, these: Any, hunger: Any, now_s: float) -> None:
-    """Let the last meal of fishes have been so long ago that none chews, and so large."""
+    """Set the hunger of fishes by time and size of their last meal; none of them chews."""
     minds.last_meal[these] = now_s - DONE_CHEWING_S
     left = np.maximum(1.0 - minds.digestion[these] * DONE_CHEWING_S, 0.05)
     minds.eaten[these] = (1.0 - hunger) * minds.appetite[these] / left
 
 
 def set_libido(minds: Minds, these: Any, hunger: Any, libido: Any, now_s: float) -> None:
-    """How long ago a mating must have been for that libido, in fishes that are as hungry."""
+    """Set the libido of fishes of that hunger by the time of their last mating."""
     share = libido / np.maximum(1.0 - hunger, 0.1)
     minds.last_mating[these] = now_s - share / np.maximum(minds.libido_rate[these], 1e-9)
 
 
 def _forget_all(minds: Minds, i: int) -> None:
-    """Nobody knows fish i any more, and it minds nothing: what an index means goes by its kind."""
+    """Clear all that others know of fish i and it of others: indices depend on its kind."""
     forget(minds, i)
     for name in ("target", "memory", "memory_target", "food"):
         getattr(minds, name)[i] = -1

@@ -1,4 +1,4 @@
-"""Wandering about: from waypoint to waypoint, what a contented fish does (Tu §7.8)."""
+"""Wandering from waypoint to waypoint, when nothing else is wanted (Tu §7.8)."""
 
 import numpy as np
 
@@ -12,20 +12,20 @@ from subsea.geometry.solids import from_pillar, from_rock, ray_meets_pillar, ray
 from subsea.geometry.vector import Vector, dot, minus, norm, times, vector
 from subsea.state import Clock, Fishes, Minds, Nature, Sea
 
-ROAM = 0.8  # share of the sea's radius in which waypoints lie
-SLOPE = 0.3  # of the way to a waypoint
-ARRIVED_BL = 3.0  # a waypoint counts as reached within this many body lengths
-PATIENCE_S = (9.0, 24.0)  # how long a fish keeps a waypoint that it doesn't reach
-FLOOR_CM = 75.0  # waypoints lie so far above the floor ...
-SURFACE_CM = 80.0  # ... and below the surface, ...
-FREE_CM = 40.0  # ... and at least so far from pillars and rocks, ...
-ATTEMPTS = 6  # ... if so many throws of the dice find such a place
-LEADERS_ATTEMPTS = 24  # who leads a school throws more often, for a way that is ...
-BROAD_CM = 100.0  # ... so far from pillars and rocks: a school that meets one splits
+ROAM = 0.8  # share of the sea's radius within which waypoints lie
+SLOPE = 0.3  # steepest way to a waypoint
+ARRIVED_BL = 3.0  # distance at which a waypoint is reached
+PATIENCE_S = (9.0, 24.0)  # how long a fish heads for a waypoint
+FLOOR_CM = 75.0  # height of waypoints above the floor ...
+SURFACE_CM = 80.0  # ... their depth ...
+FREE_CM = 40.0  # ... and their distance from solids, ...
+ATTEMPTS = 6  # ... within this many attempts
+LEADERS_ATTEMPTS = 24  # of a leader, whose way must also be ...
+BROAD_CM = 100.0  # ... this far from solids, which split a school
 CRUISE = (0.1, 0.62, 0.85)  # shares of the fastest speed: hovering, medium and brisk cruising
 LEADING = 0.45  # a leader keeps its school moving
-BOUND = 0.7  # how much a fish that is on an errand wants to get there: more than it is curious
-WAITING = 0.2  # and waits for it while no companion is near, or many are left behind
+BOUND = 0.7  # desire of a fish on an errand: stronger than curiosity
+WAITING = 0.2  # its speed while no companion is near, or many are left behind
 ANGLE_PURPOSE, RADIUS_PURPOSE, DEPTH_PURPOSE, PATIENCE_PURPOSE = range(4)
 
 
@@ -33,7 +33,7 @@ ANGLE_PURPOSE, RADIUS_PURPOSE, DEPTH_PURPOSE, PATIENCE_PURPOSE = range(4)
 def desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
-    """Always a little: when nothing else is wanted; on an errand before all other ease."""
+    """Always a little, and strongest of its level on an errand."""
     for i in who:
         out[i] = BOUND if minds.errand[i] > 0.0 else 0.01
 
@@ -57,9 +57,9 @@ def wander(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None
 
 @kernel
 def heading(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> Vector:
-    """Unit vector to the waypoint, drawn anew when it is reached or was pursued too long.
+    """Unit vector to the waypoint, which is drawn again when reached or after a while.
 
-    Who is on an errand keeps it.
+    A fish on an errand keeps its waypoint.
     """
     minds.patience[i] -= minds.pause[i]
     here = vector(fishes.position[i])
@@ -73,14 +73,14 @@ def heading(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> Vec
 
 @kernel
 def _draw(minds: Minds, i: int, here: Vector, sea: Sea, clock: Clock) -> None:
-    """A new waypoint in free water, at most a gentle climb or dive away, and patience for it."""
+    """Draw a waypoint in free water, with a gentle climb or dive, and the patience for it."""
     for attempt in range(LEADERS_ATTEMPTS if minds.leads[i] else ATTEMPTS):
         tick = clock.tick + (attempt << 40)
         angle = 2.0 * np.pi * uniform(clock.seed, i, tick, ANGLE_PURPOSE)
         reach = ROAM * sea.radius * np.sqrt(uniform(clock.seed, i, tick, RADIUS_PURPOSE))
         x, y = reach * np.cos(angle), reach * np.sin(angle)
         floor = height_at(sea.floor, sea.half_width, x, y) + FLOOR_CM
-        # Most of a reef's life is in the lower half of the water.
+        # Most life of a reef is in the lower half of the water.
         depth = uniform(clock.seed, i, tick, DEPTH_PURPOSE) ** 1.6
         rise = SLOPE * np.sqrt((x - here[0]) ** 2 + (y - here[1]) ** 2)
         z = min(max(floor + depth * (-SURFACE_CM - floor), here[2] - rise), here[2] + rise)
@@ -108,9 +108,9 @@ def _is_free(sea: Sea, p: Vector) -> bool:
 
 @kernel
 def is_broad(sea: Sea, here: Vector, there: Vector) -> bool:
-    """Whether the straight way comes no nearer than BROAD_CM to any pillar or rock.
+    """Whether the straight way keeps BROAD_CM off every pillar and rock.
 
-    What is nearer to begin with does not count, unless the way leads to it.
+    A solid that is nearer at the start counts only if the way leads toward it.
     """
     way = minus(there, here)
     for k in range(len(sea.pillars)):
@@ -126,10 +126,7 @@ def is_broad(sea: Sea, here: Vector, there: Vector) -> bool:
 
 @kernel
 def cruise(fishes: Fishes, minds: Minds, i: int) -> float:
-    """The speed of the swim recommended against monotony, else the present one, if it cruises.
-
-    On an errand that of the errand.
-    """
+    """Cruising speed: of an errand, of the swim recommended against monotony, or the present."""
     if minds.errand[i] > 0.0:
         return float(minds.errand[i])
     speed = float(fishes.goal_speed[i])

@@ -55,8 +55,8 @@ def _connect() -> tuple[list[tuple[int, int]], list[tuple[int, int]], list[tuple
 def _faces() -> tuple[list[tuple[int, int, int]], list[float]]:
     """Triangulate the hull, corners anticlockwise seen from outside, with their weights.
 
-    A quadrilateral takes the triangles of both diagonals at half weight: one diagonal alone is
-    not mirror symmetric and slowly rolls the fish over.
+    A quadrilateral takes the triangles of both diagonals at half weight: a single diagonal is not
+    mirror symmetric and slowly rolls the fish.
     """
     triangles: list[tuple[int, int, int]] = []
     weights: list[float] = []
@@ -98,7 +98,7 @@ TRIANGLE_WEIGHTS: Floats = np.array(_faces()[1])
 """Share of each triangle in the water force (78,)."""
 
 HALF_BANDWIDTH = int((UNITS[:, 1] - UNITS[:, 0]).max())
-"""Greatest difference of node numbers in a unit, 7: the numbering keeps the matrix narrow."""
+"""Greatest difference of node numbers in a unit, 7: half the bandwidth of the matrix."""
 
 
 class Material(NamedTuple):

@@ -9,7 +9,7 @@ def body_frame(nodes: Array) -> tuple[Array, Array]:
     """Origin (…, 3) and rotation (…, 3, 3) of B for world nodes (…, 23, 3).
 
     Columns of the rotation are x anterior, y dorsal, z right lateral. The y axis is normalised,
-    which SMC eq. 3 as printed omits: without it the frame shrinks when x and n5 - n6 are not
+    which SMC eq. 3 as printed omits: else the frame shrinks when x and n5 - n6 are not
     perpendicular.
     """
     n0, n5, n6, n7 = (nodes[..., i, :] for i in (0, 5, 6, 7))

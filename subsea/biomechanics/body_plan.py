@@ -1,4 +1,4 @@
-"""The numbers that make one species' body and motion: the [body], [swim] and [turn] tables."""
+"""Body and motion parameters of a species: the [body], [swim] and [turn] tables."""
 
 from itertools import pairwise
 from operator import mul
@@ -9,14 +9,14 @@ import msgspec
 NODES_AT_STATION = (1, 4, 4, 4, 4, 4, 2)
 """Nose, five rings of four, two tail tips."""
 MODEL_LENGTHS = (10.0, 40.0)
-"""cm; far from Tu's 20 cm his time step and muscle speed describe no fish."""
+"""cm; far from Tu's 20 cm his time step and muscle speed fit no fish."""
 SHORTEST_SECTION = 0.02
 HALF_SIZES = (0.005, 0.45)
 """Least and greatest half-width or half-height of a ring, in body lengths."""
 LONGEST = 1000.0
-"""Ticks that a part of a turn may last, half a minute."""
+"""Longest part of a turn in ticks: half a minute."""
 DENSITIES = (0.3, 6.0)
-"""g for each cm³ between the nodes: that of water, and room for what lies around the nodes."""
+"""g per cm³ between the nodes: water, with room for tissue around the nodes."""
 
 Positive = Annotated[float, msgspec.Meta(gt=0)]
 Modulus = Annotated[float, msgspec.Meta(gt=0, le=1e5)]
@@ -36,8 +36,8 @@ class BodyPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     ``stations`` are the distances behind the nose tip of nose, five rings and tail tips; their
     last is the body length. ``masses`` are grams per node at the same seven stations.
 
-    Tu's constants describe a fish of some 20 cm, so that is the length to model a species at,
-    whatever its own: playback scales motion to the individual (SMC §4.4).
+    Model any species at about 20 cm, the length of Tu's constants: playback scales motion to the
+    individual (SMC §4.4).
     """
 
     stations: tuple[float, float, float, float, float, float, float]
@@ -52,7 +52,7 @@ class BodyPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     water_drag: Modulus = 1.0
 
     def __post_init__(self) -> None:
-        """Refuse a body that no fish has, or that the simulation cannot carry."""
+        """Reject a body that is implausible or that the simulation cannot carry."""
         if self.stations[0] != 0 or not all(a < b for a, b in pairwise(self.stations)):
             raise ValueError("stations must begin with 0 and increase from nose to tail")
         length = self.length
@@ -86,7 +86,7 @@ class BodyPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     def hull_volume(self) -> float:
         """Volume between the nodes in cm³, cross-sections varying linearly between stations.
 
-        The drawn fish is somewhat larger: nodes lie inside its skin.
+        The drawn fish is somewhat larger, as nodes lie inside its skin.
         """
         areas = [
             0.0,
@@ -114,7 +114,7 @@ class SwimPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     medium: Annotated[float, msgspec.Meta(gt=0, lt=1)]
 
     def __post_init__(self) -> None:
-        """Refuse a slow grade that is not the slower one."""
+        """Reject a slow grade that is not slower than medium."""
         if self.slow >= self.medium:
             raise ValueError(f"slow = {self.slow:g} must be less than medium = {self.medium:g}")
 
@@ -147,7 +147,7 @@ class TurnPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     steering: Annotated[tuple[Steering, ...], msgspec.Meta(min_length=2)]
 
     def __post_init__(self) -> None:
-        """Refuse a steering map whose angles do not increase."""
+        """Reject a steering map whose angles do not increase."""
         angles = [row.angle for row in self.steering]
         if any(b <= a for a, b in pairwise(angles)):
             raise ValueError("the angles of the steering map must increase")
@@ -159,7 +159,7 @@ class TurnPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
 
 
 class Muscles(NamedTuple):
-    """The three plans of a fish that muscles move."""
+    """The three plans of a muscle-driven fish."""
 
     body: BodyPlan
     swim: SwimPlan

@@ -1,8 +1,7 @@
 """Motor controllers: what the twelve muscles do to swim, turn and glide (Tu §4.6.1).
 
-Every controller gives *contractions*, the fraction by which a muscle's rest length is shortened,
-as an array (T, 12), a row for each step. Contractions of several controllers add up; see
-:func:`muscle_lengths`.
+Every controller returns *contractions* (T, 12), the fraction by which each muscle's rest length is
+shortened in each step. Contractions of several controllers add up; see :func:`muscle_lengths`.
 """
 
 from typing import NamedTuple
@@ -18,13 +17,13 @@ S_MAX = 0.075
 """Greatest change of a muscle's rest length in one step, cm (Tu §4.6.1)."""
 LEFT, RIGHT = 1.0, -1.0
 WIDEST_TURN = 90.0
-"""Greatest angle, in degrees, of a single turn; wider ones are made of several (Tu §4.6.1)."""
+"""Widest single turn in degrees; wider ones are split (Tu §4.6.1)."""
 SETTLE_TICKS = 4
-"""How long a straightened body takes to come to rest, as far as playback's blending can tell."""
+"""How long a straightened body takes to come to rest."""
 
 
 class SpeedMap(NamedTuple):
-    """What amplitude of the beat makes what steady speed; both increase from nothing."""
+    """Steady speed by amplitude of the beat; both increase from zero."""
 
     amplitude: Floats  # (n,) relative to grade fast
     speed: Floats  # (n,) cm/tu
@@ -33,8 +32,8 @@ class SpeedMap(NamedTuple):
 def swim_amplitude(speeds: SpeedMap, speed: ArrayLike) -> Floats:
     """Amplitude of the beat for a swimming speed in cm/tu: swim-MC (Tu §4.6.1).
 
-    Only the amplitude sets the speed, for the frequency hardly does. Speeds that are out of
-    reach give the amplitude of the nearest that is not.
+    Only the amplitude sets the speed; the frequency hardly matters. Speeds out of range give the
+    amplitude of the nearest in range.
     """
     return np.asarray(np.interp(np.asarray(speed), speeds.speed, speeds.amplitude))
 
@@ -64,7 +63,7 @@ def bend_contraction(bend: tuple[float, float], side: float, share: ArrayLike = 
 
 
 def ease(share: ArrayLike) -> Floats:
-    """Smooth step from 0 to 1, without a jump of speed at either end; clips outside [0, 1]."""
+    """Smooth step from 0 to 1 with level ends; clips outside [0, 1]."""
     u = np.clip(np.asarray(share, dtype=np.float64), 0.0, 1.0)
     return np.asarray(u * u * (3.0 - 2.0 * u))
 
@@ -95,7 +94,7 @@ def steering(plan: TurnPlan, angle: float) -> Steering:
 def turn_share(row: Steering, ticks: ArrayLike) -> Floats:
     """How much of a sharp turn's bend is applied at times ``ticks`` (T,) after its start.
 
-    The bend comes fast and is given back slowly, so that the fish keeps its new heading.
+    The bend comes fast and relaxes slowly, so that the fish keeps its new heading.
     """
     ticks = np.asarray(ticks, dtype=np.float64)
     released = row.bend_ticks + row.hold_ticks
@@ -112,9 +111,9 @@ def turn_contraction(swim: SwimPlan, turn: TurnPlan, angle: float, phase: float 
     """Contractions (6 T, 12) of a turn by ``angle`` degrees, left positive: turn-MC (Tu §4.6.1).
 
     The fish swims steadily at grade medium and is at ``phase`` radians of its beat; the steering
-    map is right for a left turn at phase 0 and for a right one at π. The tail beats on meanwhile.
-    A turn wider than :data:`WIDEST_TURN` is a sequence of equal lesser ones. Each lasts a whole
-    number of beats, so that the fish ends in the phase in which it began.
+    map holds for a left turn at phase 0 and for a right one at π. The tail keeps beating. A turn
+    wider than :data:`WIDEST_TURN` is a sequence of equal smaller ones. Each lasts a whole number
+    of beats, so that the fish ends at the phase at which it began.
     """
     side = LEFT if angle >= 0 else RIGHT
     parts = max(1, int(np.ceil(abs(angle) / WIDEST_TURN)))

@@ -1,8 +1,7 @@
-"""Pectoral fins as the force they exert on the midsection, and the controllers that set them.
+"""Pectoral fins: their force on the midsection, and the controllers that set them.
 
-Five motor controllers work the fins (Tu §4.6.2): ascend, descend, balance, brake and backward.
-Each but the last gives the orientations of the left and the right fin in radians, to be taken up
-anew every tick.
+The five motor controllers are ascend, descend, balance, brake and backward (Tu §4.6.2). Each but
+the last returns the orientations of the left and the right fin in radians, for one tick.
 """
 
 import numpy as np
@@ -12,15 +11,15 @@ from subsea.biomechanics.body_frame import body_frame
 from subsea.biomechanics.simulation import BodyState
 
 EDGE_ON = np.pi / 2
-"""Orientation at which a fin cuts the water and exerts nothing."""
+"""Orientation at which a fin cuts the water without force."""
 BROADSIDE = np.pi
-"""Orientation at which it meets the water with its whole area."""
+"""Orientation at which a fin meets the water with its whole area."""
 STEEPEST = np.pi / 4
 """How far a fin turns from edge-on to ascend, descend or balance (Tu §4.6.2)."""
 ROLL_GAIN, PITCH_GAIN = 2.0, 6.0
-"""Fin angle for each unit of roll and pitch; below one the fish takes many beats to recover."""
+"""Fin angle per unit of roll and pitch; below one recovery takes many beats."""
 UP = np.array([0.0, 1.0, 0.0])
-"""Upwards in the world of a simulation, which a fish at rest shares its axes with."""
+"""Up in the world of a simulation, whose axes are those of a fish at rest."""
 
 _SIDE = np.tile(RING_LEFT, 3)  # of nodes 1 to 12, which carry the fins
 
@@ -48,8 +47,8 @@ def pectoral_force(
 def ascend(state: BodyState, angle: float) -> tuple[float, float]:
     """Left and right fin that make a swimming fish climb at ``angle`` radians, up to π/2.
 
-    Tu's ascend-MC maps the angle itself to an orientation; but a lift that stays would turn the
-    fish over, so here it fades as the fish comes to point where it should. It balances besides.
+    Tu's ascend-MC maps the angle to an orientation; but a constant lift would turn the fish over,
+    so here it fades as the fish reaches the angle. It also balances.
     """
     rotation = body_frame(state.x)[1]
     roll = ROLL_GAIN * (rotation[:, 2] @ UP)
@@ -64,12 +63,12 @@ def descend(state: BodyState, angle: float) -> tuple[float, float]:
 
 
 def balance(state: BodyState) -> tuple[float, float]:
-    """Left and right fin that bring a swimming fish back upright and level."""
+    """Left and right fin that return a swimming fish to upright and level."""
     return ascend(state, 0.0)
 
 
 def brake() -> tuple[float, float]:
-    """Left and right fin of a fish that slows down: both broadside to its way."""
+    """Left and right fin of a braking fish: both broadside."""
     return BROADSIDE, BROADSIDE
 
 
@@ -78,8 +77,8 @@ def backward(body: Body, area: float, speed: float) -> float:
 
     The straight body glides (glide-MC) and the fins, broadside, sweep forwards: use the result as
     ``rowing`` in :func:`pectoral_force`. Where Tu takes the force as proportional to the rowing
-    speed, here a fin meets the water as any plate does (Tu eq. 4.3), so that it balances the
-    drag of the hull at the retreat that was asked for, and braking is rowing at rest.
+    speed, here a fin acts as a plate (Tu eq. 4.3) that balances the drag of the hull at the speed
+    of the retreat, and braking is rowing at rest.
     """
     a, b, c = (body.rest[TRIANGLES[:, corner]] for corner in range(3))
     twice = np.cross(b - a, c - a)

@@ -1,4 +1,4 @@
-"""Run a fish by ticks and keep what it did (Tu §4.5.2)."""
+"""Simulate a fish by ticks and record its nodes (Tu §4.5.2)."""
 
 from typing import NamedTuple
 
@@ -26,7 +26,7 @@ def at_rest(body: Body) -> BodyState:
 
 
 def copy_state(state: BodyState) -> BodyState:
-    """An independent copy, to try several futures from one present."""
+    """An independent copy."""
     return BodyState(*(array.copy() for array in state))
 
 
@@ -68,7 +68,7 @@ def simulate(
 def is_sound(state: BodyState) -> bool:
     """Whether the body kept its shape: finite, definite, every unit within its strain limits.
 
-    Finite numbers alone prove nothing, for a ring that has turned inside out stays so quietly.
+    Finite numbers alone prove nothing: a ring that turned inside out stays finite.
     """
     least, greatest, pivot = state.watch
     low, high = STRAIN_LIMITS

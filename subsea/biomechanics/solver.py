@@ -1,9 +1,8 @@
-"""One semi-implicit step of the fish body after another (Tu §4.5).
+"""The semi-implicit solver of the fish body (Tu §4.5).
 
-The system matrix is kept as a band. Tu packs its skyline, 126 of the band's 184 places; but a
-band has the same width everywhere, so the compiler turns its inner loops into vector code, which
-makes up for the zeros four times over. Rows beyond the last node are padding: with it no loop
-needs to know where the matrix ends.
+The system matrix is stored as a band. Tu packs its skyline, 126 of the band's 184 entries; the
+constant width of a band lets the compiler vectorise the inner loops, which outweighs the zeros
+four times. Rows beyond the last node are padding, so that no loop has to test for the end.
 """
 
 import numpy as np
@@ -20,7 +19,7 @@ TIME_UNIT_S = 0.1
 TICK_S = STEP * STEPS_PER_TICK * TIME_UNIT_S
 """One tick, 0.033 s."""
 STRAIN_LIMITS = (0.65, 1.4)
-"""Length over rest length that every unit must keep; beyond, a ring may have turned inside out."""
+"""Limits of length over rest length; beyond, a ring may have turned inside out."""
 ROWS = NODES + HALF_BANDWIDTH
 """Rows of the padded band and of the load."""
 
@@ -29,9 +28,9 @@ ROWS = NODES + HALF_BANDWIDTH
 def factorize(band: Floats) -> float:
     """Replace a banded matrix by its factors L and D (Tu eq. 4.12).
 
-    ``band`` (30, 8) holds a_{i+k,i} at [i, k]. L has a unit diagonal that is not stored; the
-    diagonal places take 1/D. Returns the smallest pivot of D: at or below zero the matrix was
-    not positive definite and the factors mean nothing.
+    ``band`` (30, 8) holds a_{i+k,i} at [i, k]. The unit diagonal of L is not stored; the diagonal
+    holds 1/D. Returns the smallest pivot of D: at or below zero the matrix was not positive
+    definite and the factors are meaningless.
     """
     smallest = np.inf
     column = np.empty(HALF_BANDWIDTH + 1)
@@ -109,8 +108,8 @@ def assemble(
         load[j, 0] -= eta * rx
         load[j, 1] -= eta * ry
         load[j, 2] -= eta * rz
-        # Under compression eta is negative and could cost A its definiteness; the true force is
-        # in the load all the same, so only the implicit part is held back.
+        # Under compression eta is negative and could make A indefinite: leave out the implicit
+        # part; the load has the full force.
         if eta > 0.0:
             band[i, 0] += eta * step
             band[j, 0] += eta * step

@@ -1,9 +1,9 @@
-"""How long a step a body bears: the limit of the semi-implicit scheme, from its material.
+"""The stability limit of the time step, from the material of a body.
 
-At rest the units' effective stiffness is zero, so a step is symplectic Euler with the damping at
-the old velocity: v ← v - h M⁻¹ (K x + C v), x ← x + h v. It keeps an energy that is positive
-definite exactly while 4 M - h² K - 2 h C is, for K the stiffness and C the damping matrix at rest;
-with a longer step h the stiffest mode grows. Water only takes energy from it.
+At rest the effective stiffness of the units is zero, so a step is symplectic Euler with damping at
+the old velocity: v ← v - h M⁻¹ (K x + C v), x ← x + h v. It conserves an energy that is positive
+definite while 4 M - h² K - 2 h C is, for the stiffness K and the damping C at rest; with a longer
+step h the stiffest mode grows. Water only dissipates energy.
 """
 
 import numpy as np
@@ -13,11 +13,11 @@ from subsea.biomechanics.body_plan import NODES_AT_STATION, BodyPlan
 from subsea.biomechanics.solver import STEP
 
 ROUNDS = 4
-"""Two are exact to 1e-6 for a fish; an absurd body may take another."""
+"""Two are exact to 1e-6 for a fish; extreme bodies may take more."""
 
 
 def check_step(plan: BodyPlan) -> None:
-    """Raise ValueError where a body's units are too stiff for its masses at the usual step."""
+    """Raise ValueError for a body that is too stiff for its masses at the usual step."""
     body = build_body(plan)
     stiff, damped = _per_mass(body)
     try:
@@ -35,8 +35,8 @@ def check_step(plan: BodyPlan) -> None:
 def longest_step(body: Body) -> tuple[float, int]:
     """The longest stable step in tu, and the node that moves most in the mode that limits it.
 
-    A mode z of unit mass bears the h of h² zᵀKz + 2 h zᵀCz = 4; the limit is the least of them.
-    Each round takes the mode that is worst at the step so far, and the step it bears.
+    A mode z of unit mass is stable up to the h with h² zᵀKz + 2 h zᵀCz = 4; the limit is the least
+    over all modes. Each round takes the worst mode at the present step, and its limit.
     """
     stiff, damped = _per_mass(body)
     step = STEP
@@ -49,7 +49,7 @@ def longest_step(body: Body) -> tuple[float, int]:
 
 
 def _per_mass(body: Body) -> tuple[Floats, Floats]:
-    """Stiffness and damping matrices (69, 69) at rest, over the roots of the nodes' masses."""
+    """Stiffness and damping matrices (69, 69) at rest, scaled by the roots of the masses."""
     root = np.repeat(1.0 / np.sqrt(body.mass), 3)
     scale = np.outer(root, root)
     return scale * _lengthwise(body, body.stiffness), scale * _lengthwise(body, body.viscosity)

@@ -19,8 +19,8 @@ def add_water_force(x: Floats, v: Floats, water: Floats, drag: float, force: Flo
         a, b, c = TRIANGLES[k, 0], TRIANGLES[k, 1], TRIANGLES[k, 2]
         px, py, pz = x[b, 0] - x[a, 0], x[b, 1] - x[a, 1], x[b, 2] - x[a, 2]
         qx, qy, qz = x[c, 0] - x[a, 0], x[c, 1] - x[a, 1], x[c, 2] - x[a, 2]
-        # Twice the area times the normal, and three times the mean relative velocity: the
-        # factors are put right once, in the scale below.
+        # Twice the area times the normal, and three times the mean relative velocity; `scale`
+        # corrects the factors.
         nx, ny, nz = py * qz - pz * qy, pz * qx - px * qz, px * qy - py * qx
         ux = v[a, 0] + v[b, 0] + v[c, 0] - 3.0 * water[0]
         uy = v[a, 1] + v[b, 1] + v[c, 1] - 3.0 * water[1]

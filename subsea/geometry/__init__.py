@@ -1,1 +1,1 @@
-"""Body frame, rotations, B-splines and skin: pure functions without state."""
+"""Geometry: vectors, rotations, splines, noise, height fields, solids. Pure functions."""

@@ -1,8 +1,7 @@
-"""A smooth way through places at given times: a cubic spline with continuous acceleration.
+"""A smooth path through places at given times: a cubic spline with continuous acceleration.
 
-Of the curves through all of its places it is the one that accelerates least (∫|a|² dt), so a
-camera on it moves as if it had weight. Between places that are unevenly far apart for their times
-it may swing out: whoever lays one looks where it leads.
+It has the least acceleration (∫|a|² dt) of all curves through its places. It may overshoot between
+places that are unevenly spaced for their times.
 """
 
 from typing import NamedTuple
@@ -18,17 +17,17 @@ class Curve(NamedTuple):
     times: Array  # (n,) s, ascending
     places: Array  # (n, 3) cm
     velocities: Array  # (n, 3) cm/s, there
-    loop: bool  # begins again where it ends
+    loop: bool  # whether it begins again at its end
 
 
 def curve_through(times: Array, places: Array, loop: bool = False) -> Curve:
     """The spline through `places` (n, 3) at `times` (n,), at rest at both ends.
 
-    With `loop`, for which the last place must be the first, it goes on there without a jolt.
+    With `loop`, where the last place must be the first, it is smooth there too.
     """
     n, h = len(times), np.diff(times)
     rise = np.diff(places, axis=0) / h[:, None]
-    # Equal accelerations on both sides of every place are n linear equations for the velocities.
+    # Equal accelerations on both sides of each place give n linear equations for the velocities.
     matrix, right = np.eye(n), np.zeros((n, 3))
     for i in range(1, n - 1):
         matrix[i, i - 1 : i + 2] = h[i], 2.0 * (h[i - 1] + h[i]), h[i - 1]
@@ -43,7 +42,7 @@ def curve_through(times: Array, places: Array, loop: bool = False) -> Curve:
 
 
 def curve_at(curve: Curve, t: float) -> tuple[Array, Array]:
-    """Where the curve is at `t` (3,), cm, and its velocity there (3,), cm/s."""
+    """Position (3,), cm, and velocity (3,), cm/s, of the curve at `t`."""
     first, last = curve.times[0], curve.times[-1]
     if curve.loop:
         t = first + (t - first) % (last - first)

@@ -6,7 +6,7 @@ from subsea.core.kernels import kernel
 
 @kernel
 def height_at(heights: Array, half_width: float, x: float, y: float) -> float:
-    """Height in cm at (x, y); outside the square [-w, w]² the edge's height goes on.
+    """Height in cm at (x, y); outside the square [-w, w]² that of its edge.
 
     `heights` is (n, n), row i along y and column j along x, samples from -w to w inclusive.
     """

@@ -1,4 +1,4 @@
-"""Random numbers keyed by what they are for, so that order and threads do not matter."""
+"""Random numbers from keys, independent of order and threads."""
 
 import numpy as np
 from numba import uint64

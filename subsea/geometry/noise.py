@@ -1,4 +1,4 @@
-"""Smooth noise in space: a pure function of the place, the same on every machine."""
+"""Smooth noise in space: a pure function of position, the same on every machine."""
 
 import math
 
@@ -7,7 +7,7 @@ from subsea.core.kernels import kernel
 
 @kernel
 def noise(x: float, y: float, z: float) -> float:
-    """Gradient noise (Perlin 2002) about 0, seldom beyond ±0.7, whose waves are about 1.5 long."""
+    """Gradient noise (Perlin 2002) around 0, seldom beyond ±0.7, of wavelength about 1.5."""
     fx, fy, fz = math.floor(x), math.floor(y), math.floor(z)
     i, j, k = int(fx), int(fy), int(fz)
     x, y, z = x - fx, y - fy, z - fz
@@ -28,7 +28,7 @@ def noise(x: float, y: float, z: float) -> float:
 
 @kernel
 def fractal(x: float, y: float, z: float, octaves: int) -> float:
-    """Noise over ever shorter waves, each octave half as long and half as strong; about ±0.8."""
+    """Noise summed over octaves, each half as long and half as strong; about ±0.8."""
     total, share = 0.0, 1.0
     for _ in range(octaves):
         total += share * noise(x, y, z)
@@ -48,7 +48,7 @@ def _mix(share: float, a: float, b: float) -> float:
 
 @kernel
 def _corner(i: int, j: int, k: int, x: float, y: float, z: float) -> float:
-    """The slope of a corner of the lattice, from a hash, times the way from it."""
+    """The hashed gradient of a lattice corner times the offset from it."""
     h = (i * 374761393 + j * 668265263 + k * 1440662683) & 0xFFFFFFFF
     h = ((h ^ (h >> 13)) * 1274126177) & 0xFFFFFFFF
     h = h ^ (h >> 16)

@@ -1,8 +1,8 @@
 """Rotations as unit quaternions (w, x, y, z), body to world, in compiled and numpy form.
 
-The functions on a single rotation are compiled for use inside kernels. They take anything that
-can be indexed and return tuples, which live in registers: an array for each would cost twenty
-times as much as the arithmetic.
+Functions on a single rotation are compiled for use inside kernels. They take anything that can be
+indexed and return tuples, which live in registers: small arrays would cost twenty times as much
+as the arithmetic.
 """
 
 import math
@@ -69,7 +69,7 @@ def normalised(q: Quaternion) -> Quaternion:
 
 @kernel
 def mixed(a: Quaternion, b: Quaternion, weight: float) -> Quaternion:
-    """Between the near rotations a and b, at the weight of b: linear, at unit length."""
+    """Normalised linear mix of the near rotations a and b, at the weight of b."""
     k = 1.0 - weight
     return normalised(
         (
@@ -83,12 +83,12 @@ def mixed(a: Quaternion, b: Quaternion, weight: float) -> Quaternion:
 
 @kernel
 def fraction(q: Quaternion, f: float) -> Quaternion:
-    """The part f of the rotation q: the power q**f along the shorter arc."""
+    """The power q**f of the rotation q along the shorter arc."""
     sign = -1.0 if q[0] < 0.0 else 1.0
     w, x, y, z = sign * q[0], sign * q[1], sign * q[2], sign * q[3]
     s = x * x + y * y + z * z
     if s < SMALL * SMALL and -2.0 <= f <= 2.0:
-        # sin(f·asin s) / s as a series in s², to the seventh order: recorded increments are small.
+        # sin(f·asin s) / s as a series in s² to the seventh order: recorded increments are small.
         g = f * f
         a = (1.0 - g) / 6.0
         b = a * (9.0 - g) / 20.0
@@ -117,7 +117,7 @@ def about(x: float, y: float, z: float, angle: float) -> Quaternion:
 
 @kernel
 def of_axes(x: Vector, y: Vector, z: Vector) -> Quaternion:
-    """The rotation whose body axes are x, y and z: :func:`from_matrix` of one, compiled."""
+    """The rotation with body axes x, y and z: :func:`from_matrix` of one, compiled."""
     w = 1.0 + x[0] + y[1] + z[2]
     a = 1.0 + x[0] - y[1] - z[2]
     b = 1.0 - x[0] + y[1] - z[2]
@@ -150,7 +150,7 @@ def matrix(q: Array) -> Array:
 def from_matrix(R: Array) -> Array:
     """Unit quaternions (…, 4) with w ≥ 0 of rotation matrices (…, 3, 3).
 
-    Takes the largest of the four components first, so it is exact at half turns too.
+    Takes the largest of the four components first, so it is exact at half turns.
     """
     R = np.asarray(R)
     r = {(i, j): R[..., i, j] for i in range(3) for j in range(3)}

@@ -1,8 +1,8 @@
-"""What stands in the sea as pure geometry: how far from it a point is, and where a ray meets it.
+"""Solids in the sea: distances of points, and intersections with rays.
 
 A pillar is a row x, y, radius, height of its top: an upright cylinder that goes on below the
 seabed. A rock is a row x, y, z, a, b, c, yaw: an ellipsoid turned about the vertical. The seabed
-is a height field (`heightfield.py`). Lengths are cm.
+is a height field (`height_field.py`). Lengths are cm.
 """
 
 import math
@@ -12,15 +12,15 @@ from subsea.core.kernels import kernel
 from subsea.geometry.height_field import height_at
 from subsea.geometry.vector import Vector
 
-NEVER = math.inf  # where a ray meets what it doesn't meet
+NEVER = math.inf  # the t of a ray that misses
 MIDDLE = 1e-9  # of a gradient that vanishes
 MIDDLE = 1e-9  # of a gradient that vanishes
-NEARLY_CM = 0.01  # more than rounding errors come to
+NEARLY_CM = 0.01  # above rounding errors
 
 
 @kernel
 def from_pillar(pillar: Array, p: Vector) -> tuple[Vector, float]:
-    """Direction away from a pillar at p, and how far p is from it (cm, negative inside)."""
+    """Outward direction at p and distance from a pillar (cm, negative inside)."""
     dx, dy = p[0] - pillar[0], p[1] - pillar[1]
     away = math.sqrt(dx * dx + dy * dy)
     side, above = away - pillar[2], p[2] - pillar[3]
@@ -36,7 +36,7 @@ def from_pillar(pillar: Array, p: Vector) -> tuple[Vector, float]:
 
 @kernel
 def from_rock(rock: Array, p: Vector) -> tuple[Vector, float]:
-    """Direction away from a rock at p, and about how far p is from it (cm, negative inside).
+    """Outward direction at p and approximate distance from a rock (cm, negative inside).
 
     The distance is exact on the surface and to first order beside it.
     """
@@ -66,9 +66,9 @@ def from_ellipsoid(half: Vector, p: Vector) -> tuple[Vector, float, float]:
 
 @kernel
 def far_from_rock(rock: Array, p: Vector, gap: float) -> bool:
-    """Whether p is so far from a rock that `from_rock` tells more than `gap` (≥ 0) cm.
+    """Whether p is surely farther from a rock than `gap` (≥ 0) cm, by `from_rock`.
 
-    Without the turn of the rock, so of some that are it says that they are not.
+    A cheap test without the rock's rotation, so False for some that are farther.
     """
     x, y, z = p[0] - rock[0], p[1] - rock[1], p[2] - rock[2]
     wide = max(rock[3], rock[4])
@@ -81,11 +81,11 @@ def far_from_rock(rock: Array, p: Vector, gap: float) -> bool:
 
 @kernel
 def ray_meets_pillar(pillar: Array, margin: float, a: Vector, b: Vector) -> float:
-    """Where the ray from a to b enters a pillar that is `margin` cm larger: t of a + t (b - a).
+    """The t at which a + t (b - a), t in [0, 1], enters a pillar enlarged by `margin` cm.
 
-    0 if a lies inside, NEVER if no part of the ray does. The stretch inside the circle and the
-    stretch below the top are found in turn (Tu §6.4.1), and must have a part in common: unlike
-    his test this holds for rays through the top and for those that begin or end inside too.
+    0 if a lies inside, NEVER if the ray misses. The intervals inside the circle and below the top
+    must overlap (Tu §6.4.1): unlike his test this holds for rays through the top, and for those
+    that begin or end inside.
     """
     x, y = a[0] - pillar[0], a[1] - pillar[1]
     dx, dy, dz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
@@ -103,11 +103,11 @@ def ray_meets_pillar(pillar: Array, margin: float, a: Vector, b: Vector) -> floa
 
 @kernel
 def ray_meets_rock(rock: Array, margin: float, a: Vector, b: Vector) -> float:
-    """Where the ray from a to b enters a rock whose half axes are `margin` cm longer.
+    """The t at which a + t (b - a), t in [0, 1], enters a rock with half axes longer by `margin`.
 
-    t of a + t (b - a): 0 if a lies inside, NEVER if no part of the ray does.
+    0 if a lies inside, NEVER if the ray misses.
     """
-    # Most rocks are nowhere near: a box about rock and ray tells, before the rock's turn is asked.
+    # Reject most rocks by a box before the rotation.
     reach = max(rock[3], rock[4], rock[5]) + margin + NEARLY_CM
     for axis in range(3):
         if min(a[axis], b[axis]) - rock[axis] > reach or rock[axis] - max(a[axis], b[axis]) > reach:
@@ -126,7 +126,7 @@ def ray_meets_rock(rock: Array, margin: float, a: Vector, b: Vector) -> float:
 
 @kernel
 def _inside_ball(dd: float, xd: float, xx: float, radius: float) -> tuple[float, float]:
-    """The part of t in [0, 1] with |x + t d| ≤ radius, from d·d, x·d and x·x; (1, 0) for none."""
+    """The interval of t in [0, 1] with |x + t d| ≤ radius, by d·d, x·d, x·x; (1, 0): none."""
     inside = xx - radius * radius
     if dd < 1e-18:
         return (0.0, 1.0) if inside <= 0.0 else (1.0, 0.0)
@@ -142,11 +142,10 @@ def _inside_ball(dd: float, xd: float, xx: float, radius: float) -> tuple[float,
 def ray_meets_seabed(
     heights: Array, half_width: float, clearance: float, a: Vector, b: Vector
 ) -> float:
-    """Where the ray from a to b comes within `clearance` cm above the seabed, t of a + t (b - a).
+    """The t at which a + t (b - a), t in [0, 1], comes within `clearance` cm of the seabed.
 
-    0 if a lies there, NEVER if no part of the ray does. The ray is followed from one line of
-    the grid to the next; between two of them the height above a bilinear field is a parabola
-    in t, whose first root is taken.
+    0 if a lies there, NEVER if the ray misses. The ray is followed from grid line to grid line;
+    between two lines the height above a bilinear field is a parabola in t.
     """
     step = 2.0 * half_width / (heights.shape[0] - 1)
     u, v = (a[0] + half_width) / step, (a[1] + half_width) / step
@@ -175,7 +174,7 @@ def _above(heights: Array, half_width: float, a: Vector, b: Vector, t: float) ->
 
 @kernel
 def _next_line(u: float, du: float, t: float) -> float:
-    """The first t beyond `t` at which u + t du is whole."""
+    """The first t beyond `t` at which u + t du is a whole number."""
     if du == 0.0:
         return NEVER
     here = u + (t + 1e-9) * du
@@ -185,13 +184,13 @@ def _next_line(u: float, du: float, t: float) -> float:
 
 @kernel
 def _first_root(before: float, middle: float, after: float) -> float:
-    """Where in [0, 1] the parabola through three values, the first above 0, first falls to 0."""
+    """First root in [0, 1] of the parabola through three values, the first above 0."""
     a = 2.0 * (before + after) - 4.0 * middle
     b = after - before - a
     square = b * b - 4.0 * a * before
     if square < 0.0:
         return NEVER
-    # The stable form, which holds for a straight line too.
+    # The stable form, also for a straight line.
     low = -b + math.sqrt(square)
     if low > 0.0:
         share = 2.0 * before / low

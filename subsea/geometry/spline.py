@@ -1,9 +1,8 @@
 """Pre-evaluated tables of clamped uniform B-spline bases (SMC §7.2).
 
-Bodies are quadratic in u and v: "order 3" of SMC in the usual count, degree plus one. A quadratic
-is C1, so normals are continuous; it stays nearer to the control mesh than a cubic, so a coarser
-level differs less from a finer one; and a vertex needs 9 control points instead of 16. Fins are
-linear across and quadratic along.
+Bodies are quadratic in u and v ("order 3" of SMC, degree plus one). A quadratic is C1, so normals
+are continuous. It stays nearer to the control mesh than a cubic, so that levels differ less, and
+needs 9 control points per vertex instead of 16. Fins are linear across and quadratic along.
 """
 
 from functools import cache
@@ -20,7 +19,7 @@ TAPS = DEGREE + 1
 class Table(NamedTuple):
     """A basis at parameters t: point(t_k) = Σ_j weight[k, j] · control[first[k] + j]."""
 
-    first: Ints  # (k,) the first control point that has a part
+    first: Ints  # (k,) the first control point with a weight
     weight: Array  # (k, 3), sum to one
     slope: Array  # (k, 3) derivatives of the weights by t, sum to zero
 
@@ -28,7 +27,7 @@ class Table(NamedTuple):
 def basis_table(controls: int, samples: int, degree: int = DEGREE) -> Table:
     """The basis of `controls` points at `samples` even parameters in [0, 1].
 
-    A coarser level takes some of the samples: `decimated`.
+    Coarser levels are subsets: see `decimated`.
     """
     return basis_at(controls, np.linspace(0.0, 1.0, samples), degree)
 
@@ -36,7 +35,7 @@ def basis_table(controls: int, samples: int, degree: int = DEGREE) -> Table:
 def basis_at(controls: int, t: Array, degree: int = DEGREE) -> Table:
     """The basis of `controls` points at parameters `t` (k,) in [0, 1], by Cox and de Boor.
 
-    Degree 2, or 1 for two taps and a third that is zero.
+    Degree 2, or 1 with a third weight of zero.
     """
     if degree not in (1, 2) or controls < degree + 1:
         raise ValueError(f"no basis of degree {degree} on {controls} points")
@@ -45,7 +44,7 @@ def basis_at(controls: int, t: Array, degree: int = DEGREE) -> Table:
     first = np.clip((t * (controls - degree)).astype(np.int64), 0, controls - degree - 1)
     weight, slope = np.ones((len(t), 1)), np.zeros((len(t), 1))
     for d in range(1, degree + 1):
-        # The d functions of degree d - 1 that are not zero; each has a part in two of degree d.
+        # The d nonzero functions of degree d - 1; each contributes to two of degree d.
         begin = (first + degree)[:, None] + np.arange(1 - d, 1)
         width = knot[begin + d] - knot[begin]
         rise = (t[:, None] - knot[begin]) / width
@@ -56,7 +55,7 @@ def basis_at(controls: int, t: Array, degree: int = DEGREE) -> Table:
 
 
 def decimated(table: Table, kept: Ints | slice) -> Table:
-    """Those samples alone: the coarser levels are subsets of the finest (SMC §7.2)."""
+    """A subset of the samples, as coarser levels use (SMC §7.2)."""
     return Table(table.first[kept], table.weight[kept], table.slope[kept])
 
 
@@ -69,13 +68,13 @@ def dense(table: Table, controls: int) -> Array:
 
 
 def greville(controls: int, degree: int = DEGREE) -> Array:
-    """The parameter (controls,) at which each control point pulls most."""
+    """The Greville parameters (controls,), where each control point has most influence."""
     knot = _knots(controls, degree)
     return np.stack([knot[1 + k : 1 + k + controls] for k in range(degree)]).mean(axis=0)
 
 
 def through(points: Array, degree: int = DEGREE) -> Array:
-    """The control points (n, …) of the spline that meets `points` (n, …) at `greville`."""
+    """The control points (n, …) of the spline through `points` (n, …) at `greville`."""
     points = np.asarray(points, np.float64)
     matrix = _at_greville(len(points), degree)
     return np.linalg.solve(matrix, points.reshape(len(points), -1)).reshape(points.shape)

@@ -1,9 +1,9 @@
 """A mesh in the scaffold of the nodes, by tetrahedra and barycentric coordinates (KS III.A).
 
-The scaffold is a pyramid at the nose, four sections of eight corners and a wedge at the tail. A
-section is divided into five tetrahedra, in turn one way and the other, so that neighbours agree
-about the diagonals of the ring between them. A point takes the coordinates that it has at rest
-in the tetrahedron that holds it, or, outside the scaffold, in the one that it is least outside of.
+The scaffold is a pyramid at the nose, four sections of eight corners and a wedge at the tail. Each
+section is divided into five tetrahedra, alternately in two ways, so that neighbours share the
+diagonals of their ring. A point has the coordinates at rest in the tetrahedron that contains it,
+or outside the scaffold in the nearest one.
 """
 
 from itertools import pairwise
@@ -21,7 +21,7 @@ def _tetrahedra() -> Ints:
     a, b, c, d = rings[0]
     tetrahedra = [(NOSE, a, b, c), (NOSE, a, c, d)]
     for number, (front, back) in enumerate(pairwise(rings)):
-        # Corners k and k + 2 of the front ring keep together, the other two of the back ring.
+        # Corners k and k + 2 of the front ring stay together, the other two of the back ring.
         k = number % 2
         corners = [(k + place) % 4 for place in range(4)]
         f, g = [front[place] for place in corners], [back[place] for place in corners]
@@ -47,7 +47,7 @@ TETRAHEDRA = _tetrahedra()
 def tetrahedral_weights(rest_nodes: Array, rest_points: Array) -> Array:
     """Weights (p, 23) of the nodes for points (p, 3), both at rest and in the same axes.
 
-    Inside the scaffold no weight is negative; everywhere four at most are not zero.
+    At most four weights are nonzero; inside the scaffold none is negative.
     """
     nodes, points = np.asarray(rest_nodes, np.float64), np.asarray(rest_points, np.float64)
     corners = nodes[TETRAHEDRA]

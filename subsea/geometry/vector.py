@@ -1,7 +1,7 @@
-"""Vectors of three as tuples, for compiled kernels.
+"""3-vectors as tuples, for compiled kernels.
 
-A tuple lives in registers; a small array for each intermediate result costs twenty times as much
-as the arithmetic.
+Tuples live in registers; small arrays for intermediate results cost twenty times as much as the
+arithmetic.
 """
 
 import math

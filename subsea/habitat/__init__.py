@@ -1,1 +1,1 @@
-"""Where the fishes live: terrain, current, plankton."""
+"""The habitat: seabed, rocks, reefs, seaweed, plankton, current and the hook."""

@@ -1,4 +1,4 @@
-"""The water that the submarine pushes aside as it moves, and the fishes with it."""
+"""The bow wave of the submarine, which moves the fishes around it."""
 
 import numpy as np
 
@@ -6,13 +6,13 @@ from subsea.core.kernels import kernel
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, unit, vector
 from subsea.state import HULL_CM, Fishes, Sea
 
-BEAM_BL = 0.25  # the hull is felt as so much larger, of a fish's length: it does not touch it
-SPAN = 4.0  # radii, beyond which the wave has less than 2% of the hull's speed
+BEAM_BL = 0.25  # share of a fish's length added to the hull's radius, so that they do not touch
+SPAN = 4.0  # radii beyond which the wave has less than 2% of the hull's speed
 
 
 @kernel
 def add_bow_wave(fishes: Fishes, sea: Sea) -> None:
-    """Add the bow wave to `fishes.drift`: no hull, however fast, runs into a fish."""
+    """Add the bow wave to `fishes.drift`: a hull of any speed pushes fishes aside."""
     hull, velocity = vector(sea.submarine[:3]), vector(sea.submarine[3:6])
     if norm(velocity) == 0.0:
         return
@@ -27,9 +27,9 @@ def add_bow_wave(fishes: Fishes, sea: Sea) -> None:
 
 @kernel
 def bow_wave(place: Vector, velocity: Vector, radius: float) -> Vector:
-    """Velocity of the water at `place` (cm from the middle of a sphere that moves), cm/s.
+    """Velocity of the water, cm/s, at `place`, cm from the middle of a moving sphere.
 
-    The potential flow about a sphere, a dipole: u = (R/r)³ (3 (v·e) e - v)/2. On the sphere the
+    Potential flow about a sphere, a dipole: u = (R/r)³ (3 (v·e) e - v)/2. On the sphere the
     water moves outward as fast as the sphere does, so nothing passes its surface.
     """
     distance = norm(place)

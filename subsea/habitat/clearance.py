@@ -1,4 +1,4 @@
-"""Which places are free of what stands on the seabed, and the way out of it."""
+"""Distances of places from pillars and rocks, and the way out of these."""
 
 import numpy as np
 
@@ -9,12 +9,12 @@ from subsea.geometry.solids import from_pillar, from_rock
 from subsea.geometry.vector import Vector, norm, plus, times, vector
 from subsea.state import Sea
 
-PASSES = 12  # out of so many solids that overlap
+PASSES = 12  # most steps out of overlapping solids
 
 
 @kernel
 def clearance(pillars: Array, rocks: Array, p: Vector) -> float:
-    """How far p is from the nearest solid (cm, negative inside); infinite if there is none."""
+    """Distance of p from the nearest solid (cm, negative inside); infinite without solids."""
     nearest = np.inf
     for k in range(len(pillars)):
         nearest = min(nearest, from_pillar(pillars[k], p)[1])
@@ -25,7 +25,7 @@ def clearance(pillars: Array, rocks: Array, p: Vector) -> float:
 
 @kernel
 def clearances(pillars: Array, rocks: Array, places: Array) -> Array:
-    """How far each of the places (n, 3) is from the nearest solid (n,), cm."""
+    """Distances (n,) of places (n, 3) from the nearest solid, cm."""
     far = np.empty(len(places))
     for k in range(len(places)):
         far[k] = clearance(pillars, rocks, vector(places[k]))
@@ -50,10 +50,10 @@ def is_free(pillars: Array, rocks: Array, p: Vector) -> bool:
 
 @kernel
 def out_of_solids(sea: Sea, p: Vector, room: float, above: float, below: float) -> Vector:
-    """The place, near p, that is `room` cm off every solid.
+    """A place near p that keeps `room` cm off every solid.
 
-    It is `above` cm over the floor at least, and `below` cm under the surface. Where solids
-    stand too close for that, the last place tried.
+    It is at least `above` cm over the floor and `below` cm under the surface. Where solids stand
+    too close for that, the last place tried.
     """
     for _ in range(PASSES):
         moved = False

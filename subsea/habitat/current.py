@@ -1,4 +1,4 @@
-"""The water's flow: a uniform current that swings, and around each solid a source (Tu §8.1)."""
+"""The current: uniform and oscillating, with a source around each solid (Tu §8.1)."""
 
 import numpy as np
 
@@ -9,8 +9,8 @@ from subsea.geometry.vector import Vector, plus, times, vector
 from subsea.state import Fishes, Sea
 
 PERIOD_S = 14.0
-SOURCE_CM = 40.0  # so near to a solid its source is as strong as the current: none flows in
-SPAN = 5.0  # so many times as far away a source has 4% of its strength, and is left out
+SOURCE_CM = 40.0  # distance at which a source cancels the current: no water flows in
+SPAN = 5.0  # multiple of it at which a source has 4% of its strength and is left out
 
 
 def flow_at(current_cm_s: tuple[float, float], time_s: float) -> Array:
@@ -23,10 +23,10 @@ def flow_at(current_cm_s: tuple[float, float], time_s: float) -> Array:
 def flow_near(pillars: Array, rocks: Array, flow: Vector, p: Vector) -> Vector:
     """Velocity of the water at p, cm/s: the uniform `flow` and the sources of the solids near.
 
-    Tu's source, v^s = a/(d - r)² outward from the axis of a pillar and below its top, is given
-    the present strength of the uniform flow for a, distances in units of SOURCE_CM, and no more
-    than that strength. Of a rock the distance is that from its surface. All flow is level. Of
-    rocks each counts by its share of their strength: those of one stone send out what one does.
+    Tu's source is v^s = a/(d - r)², outward from the axis of a pillar and below its top. Here a is
+    the present strength of the uniform flow, which bounds v^s, and distances are in units of
+    SOURCE_CM. Distances from a rock are those from its surface. All flow is level. The flows of
+    rocks are weighted by their strength, so that the rocks of one stone act as one.
     """
     strength = np.sqrt(flow[0] * flow[0] + flow[1] * flow[1])
     if strength == 0.0:
@@ -40,7 +40,7 @@ def flow_near(pillars: Array, rocks: Array, flow: Vector, p: Vector) -> Vector:
             way, gap = from_pillar((x, y, radius, np.inf), p)
             flow = plus(flow, times(_source(strength, gap), way))
     for k in range(len(rocks)):
-        far = max(rocks[k, 3], rocks[k, 4]) + 1.5 * reach  # far off `from_rock` is too short
+        far = max(rocks[k, 3], rocks[k, 4]) + 1.5 * reach  # far away `from_rock` is too short
         if abs(p[0] - rocks[k, 0]) < far and abs(p[1] - rocks[k, 1]) < far:
             if far_from_rock(rocks[k], p, reach):
                 continue
@@ -52,7 +52,7 @@ def flow_near(pillars: Array, rocks: Array, flow: Vector, p: Vector) -> Vector:
 
 @kernel
 def _source(strength: float, gap: float) -> float:
-    """Speed of the water that a source sends out, `gap` cm from its solid."""
+    """Speed of the water from a source, `gap` cm from its solid."""
     gap = gap / SOURCE_CM
     if gap > SPAN:
         return 0.0
@@ -61,7 +61,7 @@ def _source(strength: float, gap: float) -> float:
 
 @kernel
 def set_drift(fishes: Fishes, sea: Sea, flow: Array) -> None:
-    """Set `fishes.drift`: the velocity of the water where each fish is."""
+    """Set `fishes.drift` to the velocity of the water at each fish."""
     uniform = vector(flow)
     for i in range(len(fishes.drift)):
         here = flow_near(sea.pillars, sea.rocks, uniform, vector(fishes.position[i]))

@@ -1,8 +1,7 @@
 """Rock formations: solids that overlap are one weathered stone, given by a signed distance.
 
-The stone that is drawn, and on which corals grow, lies inside what the fishes avoid
-(`geometry/solids.py`): by a shell in which there is room for growth, and by what strata,
-cracks, bored holes and worn faces have taken away.
+The drawn stone, on which corals grow, lies inside what the fishes avoid (`geometry/solids.py`):
+by a shell with room for growth, and by the depth of strata, cracks, holes and worn faces.
 
 A formation is an array of blocks (k, 11): x, y, z, half axes a, b, c, cosine and sine of the yaw,
 shell, relief and softness, lengths in cm. Of a pillar z is its top, a and b are its radius and c is
@@ -19,12 +18,12 @@ from subsea.geometry.noise import fractal, noise
 from subsea.geometry.solids import from_ellipsoid
 from subsea.geometry.vector import Vector, vector
 
-SHELL_CM, SHELL = 9.0, 0.13  # room for growth, at most, and as a share of a solid's least half axis
+SHELL_CM, SHELL = 9.0, 0.13  # most room for growth, and as a share of a solid's least half axis
 RELIEF_CM, RELIEF = 28.0, 0.32  # depth of the deepest hollow, likewise
-BLEND = 0.10  # of the mean least half axis: how smoothly one block goes over into the next
-FAR_CM = 35.0  # a block that is farther than another by so much doesn't change its surface
-NEAR_CM = FAR_CM + 25.0  # blocks nearer than that shape what is near
-PROBE_CM = 1.5  # over which slopes are taken
+BLEND = 0.10  # smoothness between blocks, over the mean least half axis
+FAR_CM = 35.0  # how much farther than another a block has no effect
+NEAR_CM = FAR_CM + 25.0  # distance of blocks that shape a surface
+PROBE_CM = 1.5  # baseline of slopes
 
 
 def blocks_of(pillars: Array, rocks: Array) -> Array:
@@ -45,17 +44,17 @@ def blocks_of(pillars: Array, rocks: Array) -> Array:
 
 
 def formations(pillars: Array, rocks: Array) -> list[Array]:
-    """The blocks of each formation: solids that overlap, directly or by way of others."""
+    """The blocks of each formation: solids that overlap, directly or through others."""
     blocks = blocks_of(pillars, rocks)
     group = _groups(blocks, _even(48))
     found = [blocks[group == k] for k in np.unique(group)]
     for one in found:
-        one[:, 10] = one[:, 10].mean()  # else it would jump from block to block
+        one[:, 10] = one[:, 10].mean()  # equal, or it would jump between blocks
     return found
 
 
 def first_of_formation(pillars: Array, rocks: Array) -> Ints:
-    """For each solid (k + m,), pillars before rocks, the first one of the formation it is in."""
+    """The first solid of the formation of each solid (k + m,), pillars before rocks."""
     group = _groups(blocks_of(pillars, rocks), _even(48))
     _, first, which = np.unique(group, return_index=True, return_inverse=True)
     return np.asarray(first[which])
@@ -63,7 +62,7 @@ def first_of_formation(pillars: Array, rocks: Array) -> Ints:
 
 @kernel
 def on_the_surface(blocks: Array, places: Array, steps: int) -> tuple[Array, Array, Array]:
-    """Places (n, 3) moved onto the drawn stone along its slope, normals, what is left (n,), cm."""
+    """Places (n, 3) moved onto the drawn stone, normals, and remaining distances (n,), cm."""
     place, normal, error = places.copy(), np.empty_like(places), np.empty(len(places))
     for i in range(len(places)):
         few = blocks_near(blocks, vector(place[i]), NEAR_CM)
@@ -84,14 +83,14 @@ def on_the_surface(blocks: Array, places: Array, steps: int) -> tuple[Array, Arr
 
 @kernel
 def drawn_distance(blocks: Array, p: Vector) -> float:
-    """How far p is from the drawn stone of a formation, to first order; cm, negative inside."""
+    """Distance of p from the drawn stone, to first order; cm, negative inside."""
     distance, relief = plain_distance(blocks, p)
     return distance + relief * carved(p)
 
 
 @kernel
 def stone_above(blocks: Array, x: float, y: float, z: float) -> float:
-    """Height at which one who rises from (x, y, z) leaves the drawn stone: z itself outside it."""
+    """Height at which a vertical line upward from (x, y, z) leaves the drawn stone."""
     while z < 0.0:
         gap = drawn_distance(blocks, (x, y, z))
         if gap > -0.2:
@@ -102,13 +101,13 @@ def stone_above(blocks: Array, x: float, y: float, z: float) -> float:
 
 @kernel
 def plain_distance(blocks: Array, p: Vector) -> tuple[float, float]:
-    """Distance from the formation before it was weathered, and how deep its hollows are here."""
+    """Distance from the unweathered formation, and the depth of its hollows here."""
     nearest, avoided = np.inf, np.inf
     weight, deep, softness = 0.0, 0.0, blocks[0, 10]
     for k in range(len(blocks)):
         block = blocks[k]
         if _at_least(block, p) > nearest + FAR_CM:
-            continue  # too far to have a share
+            continue  # too far to have an effect
         outer = _from_block(block, p)
         d = outer + block[8]
         avoided = min(avoided, outer)
@@ -118,13 +117,13 @@ def plain_distance(blocks: Array, p: Vector) -> tuple[float, float]:
         else:
             share = math.exp((nearest - d) / softness)
             weight, deep = weight + share, deep + share * block[9]
-    # Where blocks meet the smooth union is larger than they are: never than what is avoided.
+    # The smooth union exceeds the blocks, but never what fishes avoid.
     return max(nearest - softness * math.log(weight), avoided + 1.0), deep / weight
 
 
 @kernel
 def rough_distance(blocks: Array, p: Vector) -> float:
-    """As `plain_distance`, without what happens where blocks meet: enough for shade."""
+    """As `plain_distance` with a plain union: enough for shade."""
     nearest = np.inf
     for k in range(len(blocks)):
         if _at_least(blocks[k], p) < nearest:
@@ -134,7 +133,7 @@ def rough_distance(blocks: Array, p: Vector) -> float:
 
 @kernel
 def blocks_near(blocks: Array, p: Vector, reach: float) -> Array:
-    """Those of the blocks (m, 11) that may lie within `reach` of p."""
+    """The blocks (m, 11) that may lie within `reach` of p."""
     out = np.empty_like(blocks)
     number = 0
     for k in range(len(blocks)):
@@ -147,7 +146,7 @@ def blocks_near(blocks: Array, p: Vector, reach: float) -> Array:
 
 @kernel
 def _at_least(block: Array, p: Vector) -> float:
-    """How far p is from a box about a block at least, cm; negative inside."""
+    """Lower bound of the distance from a block, by its box, cm; negative inside."""
     reach = max(block[3], block[4])
     side = max(abs(p[0] - block[0]), abs(p[1] - block[1])) - reach
     above = p[2] - block[2]
@@ -158,10 +157,10 @@ def _at_least(block: Array, p: Vector) -> float:
 
 @kernel
 def _from_block(block: Array, p: Vector) -> float:
-    """Distance from one block, as `solids.from_rock`; a pillar's outline is worn, inside it."""
+    """Distance from a block, as `solids.from_rock`; pillars have a worn outline."""
     dx, dy, dz = p[0] - block[0], p[1] - block[1], p[2] - block[2]
     if block[5] == np.inf:
-        # A stack: narrow at the top, waisted, in no place quite round.
+        # A stack: narrow at the top, waisted, nowhere quite round.
         size = block[3]
         worn = 0.45 * size
         waist = noise(block[0], block[1] + 1.3 * dx / size, dz / (2.1 * size))
@@ -177,14 +176,14 @@ def _from_block(block: Array, p: Vector) -> float:
 
 @kernel
 def carved(p: Vector) -> float:
-    """Which share of the relief is gone at p, 0 to 1: weathering runs on from block to block."""
+    """Share of the relief that weathering took away at p, 0 to 1, continuous over blocks."""
     x, y, z = p
     bend = noise(x / 140.0 + 3.1, y / 140.0, z / 140.0)
     # Ridges between worn faces, large and small.
     faces = abs(noise(x / 66.0 + bend, y / 66.0, z / 58.0))
     faces += 0.55 * abs(noise(x / 29.0, y / 29.0 + 2.0 * bend, z / 26.0 + 5.5))
     lumps = fractal(x / 92.0, y / 92.0, z / 75.0 + 1.7, 2)
-    # Strata: hard layers jut out over soft ones; the one is worn more deeply than the other.
+    # Strata: hard layers jut out over soft ones.
     layer = (z + 30.0 * bend + 0.07 * x) / 36.0
     within = layer - math.floor(layer)
     ledge = 1.0 - within if within > 0.16 else 0.84 * within / 0.16
@@ -199,8 +198,8 @@ def carved(p: Vector) -> float:
 
 @kernel
 def outward(blocks: Array, p: Vector) -> tuple[Vector, float]:
-    """The direction in which the distance from the drawn stone grows, and how fast, about 1."""
-    # Four corners of a tetrahedron make a slope.
+    """Gradient of the distance from the drawn stone: its direction and length, about 1."""
+    # From four corners of a tetrahedron.
     a = drawn_distance(blocks, (p[0] + PROBE_CM, p[1] - PROBE_CM, p[2] - PROBE_CM))
     b = drawn_distance(blocks, (p[0] - PROBE_CM, p[1] - PROBE_CM, p[2] + PROBE_CM))
     c = drawn_distance(blocks, (p[0] - PROBE_CM, p[1] + PROBE_CM, p[2] - PROBE_CM))
@@ -213,7 +212,7 @@ def outward(blocks: Array, p: Vector) -> tuple[Vector, float]:
 
 
 def _even(number: int) -> Array:
-    """Directions (n, 3), even over the sphere (Fibonacci's spiral)."""
+    """Directions (n, 3), even over the sphere (Fibonacci spiral)."""
     k = np.arange(number) + 0.5
     z, turn = 1.0 - 2.0 * k / number, np.pi * (1.0 + 5.0**0.5) * k
     ring = np.sqrt(1.0 - z * z)
@@ -222,7 +221,7 @@ def _even(number: int) -> Array:
 
 @kernel
 def _groups(blocks: Array, directions: Array) -> Ints:
-    """A number (k,) that solids have in common which overlap."""
+    """A group number (k,) that overlapping solids share."""
     group = np.arange(len(blocks))
     for i in range(len(blocks)):
         for j in range(len(blocks)):
@@ -236,12 +235,12 @@ def _groups(blocks: Array, directions: Array) -> Ints:
 
 @kernel
 def _meet(one: Array, other: Array, directions: Array) -> bool:
-    """Whether some point on one block, or its middle, lies inside the other."""
+    """Whether a point of the surface or the middle of one block lies inside the other."""
     if one[5] == np.inf:
         if other[5] == np.inf:
             far = one[3] + other[3]
             return (one[0] - other[0]) ** 2 + (one[1] - other[1]) ** 2 < far * far
-        return False  # asked the other way round
+        return False  # tested with the blocks swapped
     reach = max(one[3], one[4], one[5])
     if abs(one[0] - other[0]) > reach + max(other[3], other[4]) + 1.0 and one[5] != np.inf:
         return False

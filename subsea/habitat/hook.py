@@ -1,4 +1,4 @@
-"""A baited hook that descends on a line and is drawn up with what it caught (Tu §10.1)."""
+"""A baited hook that sinks on a line and is drawn up with its catch (Tu §10.1)."""
 
 from typing import Any
 
@@ -9,13 +9,13 @@ from subsea.core.kernels import kernel
 from subsea.scenario.schema import Hook
 from subsea.state import HANGING, HOOKED, LANDED, SINKING, STOWED, Clock, Sea
 
-OUT_CM = 60.0  # so high above the surface it is out of sight
+OUT_CM = 60.0  # height above the surface at which it is out of sight
 
 
 def hook_constants(plan: Hook | None, waits: bool = False) -> NDArray[np.floating[Any]]:
     """The constants of a hook (5,): x, y, depth, cm, speed, cm/s, start, s.
 
-    Without one, and where it `waits` for a direction, it never comes by itself.
+    Without a hook, or where it `waits` for a direction, the start is infinite.
     """
     if plan is None:
         return np.array([0.0, 0.0, 0.0, 0.0, np.inf])

@@ -1,6 +1,6 @@
-"""Mounds of dead reef: one surface for what grows on them and for what is drawn.
+"""Mounds of dead reef: the surface that is drawn and that growths stand on.
 
-At size 1: no point farther than 1 from the axis, the summit on it at `HEIGHT`.
+In units of the radius: no point is farther than 1 from the axis, with the summit at `HEIGHT`.
 """
 
 import numpy as np
@@ -9,7 +9,7 @@ from subsea.core.arrays import Array, Ints
 
 HEIGHT = 0.45
 VARIANTS = 3  # forms of each kind of growth
-ROUGH = 0.22  # its relief is less than half of its height, so that no knob is above the summit
+ROUGH = 0.22  # relief, low enough that no knob is above the summit
 LOBES = 0.12
 
 _WAVES, _SHIFTS, _BENDS = [], [], []
@@ -23,12 +23,12 @@ _STRENGTH = np.repeat([1.0, 0.5], 5) / 3.2
 
 
 def variant_of(own: Array) -> Ints:
-    """Form (k,) of growths by what is their own."""
+    """Form (k,) of growths by their identity."""
     return np.asarray(own.astype(np.float32) * np.float32(7919.0) % VARIANTS).astype(np.int64)
 
 
 def outline(variant: int, turn: Array) -> Array:
-    """How far out the edge is (...), in each direction from the axis."""
+    """Distance of the edge (...) in each direction from the axis."""
     two, three = _BENDS[variant]
     bend = np.sin(2 * turn + two) + np.sin(3 * turn + three)
     return np.asarray(1.0 - 0.25 * LOBES * (2.0 - bend))

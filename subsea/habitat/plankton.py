@@ -1,4 +1,4 @@
-"""Plankton: floating points that the current carries (Tu §8.2)."""
+"""Plankton: specks carried by the current (Tu §8.2)."""
 
 import numpy as np
 
@@ -12,11 +12,11 @@ from subsea.habitat.current import flow_near
 from subsea.state import Clock, Sea
 
 WANDER_CM_S = 4.0  # size of a speck's own random motion
-HOLD_TICKS = 45  # a speck keeps its random direction this long
+HOLD_TICKS = 45  # how long a speck keeps its random direction
 CLEARANCE_CM = 12.0  # from the seabed and from the surface
-RETURN_CM, RETURN_HEIGHT_CM = 200.0, 100.0  # so far from where it was eaten a speck is there again
+RETURN_CM, RETURN_HEIGHT_CM = 200.0, 100.0  # range around its end in which a speck returns
 RETURN_PURPOSE = 110  # key of the random numbers
-TRIES = 100  # places that a speck is offered before it is left in a solid
+TRIES = 100  # attempts before a speck is left in a solid
 NOTHING = np.zeros((0, 7))
 
 
@@ -29,9 +29,9 @@ def scatter(
     pillars: Array = NOTHING,
     rocks: Array = NOTHING,
 ) -> Array:
-    """Places (p, 3) float32, cm: even over the cylinder's area and over the water's height.
+    """Places (p, 3) float32, cm: even over the cylinder's area and the water's height.
 
-    None lies in a pillar or a rock, unless that fills the sea.
+    None lies in a solid, unless solids fill the sea.
     """
     angle = rng.uniform(0, 2 * np.pi, number)
     distance = radius * np.sqrt(rng.uniform(0, 1, number))
@@ -51,12 +51,11 @@ def scatter(
 
 @kernel
 def drift(sea: Sea, flow: Array, clock: Clock) -> None:
-    """Move every speck by one tick with the water where it is, and a little on its own.
+    """Move every speck by one tick with the water, and a little at random.
 
-    One that leaves the cylinder comes in on the other side. One that was eaten is there again
-    after its absence, not far from where that was: the current swings and brings nothing from
-    afar, and where fishes feed nothing would be left in half an hour. None enters a pillar or a
-    rock: it waits.
+    A speck that leaves the cylinder enters on the other side. One that was eaten returns after its
+    absence near the same place: the oscillating current brings nothing from afar, and feeding
+    grounds would be empty in half an hour. Specks do not enter solids.
     """
     uniform_flow = vector(flow)
     for k in range(len(sea.plankton)):
@@ -71,7 +70,7 @@ def drift(sea: Sea, flow: Array, clock: Clock) -> None:
                 ):
                     _put(speck, entry)
                 else:
-                    sea.absent[k] = clock.dt  # tries again in the next tick
+                    sea.absent[k] = clock.dt  # try again in the next tick
             continue
         epoch = (clock.tick + k) // HOLD_TICKS
         own = (
@@ -86,14 +85,14 @@ def drift(sea: Sea, flow: Array, clock: Clock) -> None:
             x, y = -0.98 * x, -0.98 * y
         floor = height_at(sea.floor, sea.half_width, x, y) + CLEARANCE_CM
         there = (x, y, min(max(z, floor), -CLEARANCE_CM))
-        # One that a mouth has drawn into a solid must get out again.
+        # A speck drawn into a solid by a mouth may leave it.
         if is_free(sea.pillars, sea.rocks, there) or not is_free(sea.pillars, sea.rocks, here):
             _put(speck, there)
 
 
 @kernel
 def _return(sea: Sea, k: int, clock: Clock) -> Vector:
-    """A place in the water about that where speck k was eaten."""
+    """A place in the water near where speck k was eaten."""
     angle = 2.0 * np.pi * uniform(clock.seed, k, clock.tick, RETURN_PURPOSE)
     share = uniform(clock.seed, k, clock.tick, RETURN_PURPOSE + 1)
     distance = RETURN_CM * np.sqrt(uniform(clock.seed, k, clock.tick, RETURN_PURPOSE + 2))

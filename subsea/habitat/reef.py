@@ -1,4 +1,4 @@
-"""Reefs: where corals, sponges and anemones stand, and the floor that fishes keep clear of."""
+"""Reefs: where corals, sponges and anemones grow, and the floor that fishes keep clear of."""
 
 from typing import NamedTuple
 
@@ -16,16 +16,16 @@ from subsea.state import Reef, Sea
 
 
 class GrowthForm(NamedTuple):
-    """What grows alike. Lengths are shares of the radius of a growth, or cm."""
+    """One form of growth. Lengths are shares of the radius of a growth, or cm."""
 
     height: float  # over its radius
     radius_cm: tuple[float, float]  # of the smallest and the largest
-    slope: float  # upward part of the normal of the ground that it likes best, ...
-    picky: float  # ... and by how much else it bears
+    slope: float  # upward component of the normal of the ground that it prefers, ...
+    picky: float  # ... and its tolerance
     sand: float  # how readily it grows on sand, ...
     rock: float  # ... and on rock
-    lean: float  # 0 grows straight up to 1 along the normal of the ground
-    foot: float  # how far out it stands on the ground
+    lean: float  # 0 straight up to 1 along the normal of the ground
+    foot: float  # radius of its foot
 
 
 KINDS = {
@@ -42,34 +42,34 @@ KINDS = {
     "barrel": GrowthForm(1.6, (12.0, 30.0), 0.9, 0.4, 0.1, 0.1, 0.3, 0.6),
     "anemone": GrowthForm(0.7, (9.0, 20.0), 0.9, 0.4, 0.5, 0.9, 0.5, 0.85),
     "rubble": GrowthForm(0.2, (14.0, 34.0), 1.0, 0.3, 2.2, 0.0, 1.0, 0.8),
-    # Dead reef that others grow on; the dice never choose it.
+    # Dead reef that others grow on; never chosen at random.
     "mound": GrowthForm(HEIGHT, (26.0, 68.0), 1.0, 0.3, 0.0, 0.0, 0.0, 0.95),
 }
 MOUND, RUBBLE = (list(KINDS).index(name) for name in ("mound", "rubble"))
 
-PACKED = 0.62  # two growths stand at least this share of the sum of their radii apart
-TRIES = 10  # places that are looked at for each
-ROOM_CM = 40.0  # of water over a growth
-FOOT_CM = 4.0  # growths on rock stand so far above the sand at least
-SUNK = 0.06  # of its radius a growth stands in the ground
-PATCH_CM = 150.0  # neighbours within about this are of few kinds
-FALL_CM = 55.0  # beside a growth the floor comes down over so many cm
-SPOTS_M2 = 50.0  # of stone are looked at
-PROBE_CM = 15.0  # over which the slope of the ground is taken
-STEEPEST = -0.35  # upward part of the normal of an overhang on which something grows
+PACKED = 0.62  # least distance of two growths over the sum of their radii
+TRIES = 10  # candidate places for each growth
+ROOM_CM = 40.0  # water over a growth
+FOOT_CM = 4.0  # least height above the sand of growths on rock
+SUNK = 0.06  # share of its radius by which a growth is sunk in the ground
+PATCH_CM = 150.0  # size of patches of few kinds
+FALL_CM = 55.0  # over which the floor comes down beside a growth
+SPOTS_M2 = 50.0  # candidate places per m² of stone
+PROBE_CM = 15.0  # baseline of the slope of the ground
+STEEPEST = -0.35  # upward component of the normal of the steepest overhang with growths
 HEAP = 15  # growths on the sand for each mound
-ON_MOUND = 0.75  # share of them that stand on it, ...
-STEEP = 0.75  # ... within this share of its radius: beyond it is too steep
-SKIRT = 0.15  # of its radius a mound goes on below its edge
-DEEPEST = 0.4  # of its height a growth may be sunk on a slope
-RIM = 8  # places about a foot that are looked at
-LOW_CM = 7.0  # what is lower does not matter to fishes
+ON_MOUND = 0.75  # share of them on the mound, ...
+STEEP = 0.75  # ... within this share of its radius, beyond which it is too steep
+SKIRT = 0.15  # share of its radius by which a mound extends below its edge
+DEEPEST = 0.4  # share of its height by which a growth may be sunk on a slope
+RIM = 8  # places around a foot that are tested
+LOW_CM = 7.0  # height below which growths do not raise the floor
 
 
 class GrowthSites(NamedTuple):
-    """Where something may grow."""
+    """Places where something may grow."""
 
-    place: Array  # (n, 3) cm, on the sand, a mound or the stone that is drawn; NaN: not free
+    place: Array  # (n, 3) cm, on the sand, a mound or the drawn stone; NaN: not free
     normal: Array  # (n, 3) of the ground
     limit: Array  # (n,) cm, the largest radius that fits, infinite on sand
     light: Array  # (n,) share of the sky's light that stone lets through
@@ -78,7 +78,7 @@ class GrowthSites(NamedTuple):
 
 def grow_reefs(scenario: Scenario, sea: Sea) -> tuple[Sea, Reef]:
     """All reefs of a scenario, and the sea whose floor lies over them."""
-    # Reefs do not mind plankton, which is another with every seed.
+    # Without plankton, which differs with every seed and does not affect reefs.
     still = sea._replace(plankton=sea.plankton[:0], absent=sea.absent[:0])
     floor, reef = cached(_grown, scenario.reef, scenario.water.current_cm_s, still)
     return sea._replace(floor=floor), reef
@@ -111,7 +111,7 @@ def _settle(
     dice: np.random.Generator,
     current_cm_s: tuple[float, float],
 ) -> Array:
-    """Growths (k, COLUMNS) of one table, biggest first, where none of `before` stands."""
+    """Growths (k, COLUMNS) of one table, largest first, that keep off those `before`."""
     names = list(KINDS)
     traits = np.array([KINDS[name][:1] + KINDS[name][1] + KINDS[name][2:] for name in names])
     height, least, most, slope, picky, sand, rock, lean, foot = traits.T
@@ -122,13 +122,13 @@ def _settle(
     mounds = _mounds(table, sea, spots, dice)
     place, normal, limit, light, on_rock = _offered(table, sea, spots, mounds, number, dice)
     stony = np.isfinite(limit)
-    # How well each kind does at each place, patch by patch.
+    # Suitability of each place for each kind, patch by patch.
     suits = np.exp(-(((normal[:, 2:] - slope) / picky) ** 2)) * np.where(stony[:, None], rock, sand)
     suits = suits * share * np.exp(2.0 * _patches(place, len(names), dice)) + 1e-12 * share
     cut = np.cumsum(suits, axis=1)
     kind = (dice.uniform(0, 1, (number, 1)) * cut[:, -1:] > cut).sum(axis=1)
     kind = np.minimum(kind, len(names) - 1)
-    # One vigour for all places that a growth may take: the biggest choose first.
+    # One vigour for all candidates of a growth: the largest choose first.
     vigour = np.repeat(np.sort(dice.uniform(0, 1, table.number))[::-1] ** 2.4, TRIES)
     radius = table.size * (least[kind] + vigour * (most - least)[kind])
     tall = height[kind]
@@ -158,7 +158,7 @@ def _settle(
 def _mounds(
     table: ReefTable, sea: Sea, spots: GrowthSites | None, dice: np.random.Generator
 ) -> Array:
-    """Rows (m, COLUMNS) of the mounds on the sand about which a table's growths stand."""
+    """Rows (m, COLUMNS) of the mounds on the sand around which a table's growths stand."""
     bare = 1.0 if spots is None or not len(spots.place) else 1.0 - table.rock
     m = int(np.ceil(bare * table.number / HEAP))
     if table.position_cm is None:
@@ -182,7 +182,7 @@ def _mounds(
 
 
 def _apart(offers: Array, fits: Bools, before: Array) -> Array:
-    """Of the places (k, tries, COLUMNS) that each growth is offered, the first that is free."""
+    """The first free one of the candidates (k, tries, COLUMNS) of each growth."""
     room = np.column_stack([before[:, PLACE], before[:, RADIUS]])
     taken = np.concatenate([room, np.zeros((len(fits), 4))])
     choice = _first_free(offers[..., PLACE], offers[..., RADIUS], fits, taken, len(room))
@@ -192,7 +192,7 @@ def _apart(offers: Array, fits: Bools, before: Array) -> Array:
 
 @kernel
 def _first_free(place: Array, radius: Array, fits: Bools, taken: Array, count: int) -> Ints:
-    """Which try (k,) of places (k, tries, 3) keeps off those chosen before; or -1.
+    """The first try (k,) of places (k, tries, 3) that keeps off earlier choices, or -1.
 
     `taken` (count + k, 4) has `count` places and radii to keep off, and room for those chosen.
     """
@@ -227,7 +227,7 @@ def _offered(
     number: int,
     dice: np.random.Generator,
 ) -> GrowthSites:
-    """Places for a table's growths: on and about its mounds, and on the rocks that are near."""
+    """Candidate places for a table's growths: around its mounds, and on rocks nearby."""
     sand = _about(table, sea, mounds, number, dice)
     if spots is not None and len(spots.place):
         near = np.ones(len(spots.place))
@@ -248,7 +248,7 @@ def _offered(
 def _about(
     table: ReefTable, sea: Sea, mounds: Array, number: int, dice: np.random.Generator
 ) -> GrowthSites:
-    """Places on and about mounds: nothing grows evenly spread. Without any, on the sand."""
+    """Places on and around mounds, or on the sand where there are none."""
     here, spread = np.array(table.position_cm or (0.0, 0.0)), table.spread_cm
     flat = here + 0.5 * spread * dice.normal(size=(number, 2))
     if len(mounds):
@@ -270,7 +270,7 @@ def _about(
 
 
 def _ground(sea: Sea, mounds: Array, flat: Array) -> tuple[Array, Ints]:
-    """Height (n,) of the sand or the mounds on it at places (n, 2); which mound, or -1."""
+    """Height (n,) of the sand or a mound at places (n, 2), and the mound, or -1."""
     flat = np.nan_to_num(flat)
     height = heights_at(sea.heights, sea.half_width, flat)
     under = np.full(len(flat), -1)
@@ -287,7 +287,7 @@ def _ground(sea: Sea, mounds: Array, flat: Array) -> tuple[Array, Ints]:
 
 
 def _hollow(sea: Sea, mounds: Array, place: Array, axis: Array, reach: Array) -> Array:
-    """How far (n,), at most, the ground is below the rims of feet that are so wide, cm."""
+    """Greatest depth (n,) of the ground below the rims of feet of radius `reach`, cm."""
     east = np.cross([0.0, 1.0, 0.0], axis)
     east /= np.linalg.norm(east, axis=1, keepdims=True)
     north = np.cross(axis, east)
@@ -300,7 +300,7 @@ def _hollow(sea: Sea, mounds: Array, place: Array, axis: Array, reach: Array) ->
 
 
 def rock_spots(sea: Sea, dice: np.random.Generator) -> GrowthSites:
-    """Spots all over rocks and pillars."""
+    """Places all over rocks and pillars."""
     found = samples(sea.pillars, sea.rocks, SPOTS_M2, dice)
     place, normal = found.place, found.normal
     fit = (normal[:, 2] > STEEPEST) & (place[:, 2] < -ROOM_CM) & (found.open > 0.08)
@@ -320,7 +320,7 @@ def rock_spots(sea: Sea, dice: np.random.Generator) -> GrowthSites:
 
 
 def _patches(place: Array, kinds: int, dice: np.random.Generator) -> Array:
-    """Smooth noise (n, kinds) about 0: where a kind thrives."""
+    """Smooth noise (n, kinds) around 0: where a kind thrives."""
     at = np.nan_to_num(place)
     out = np.zeros((len(place), kinds))
     for _ in range(4):
@@ -342,7 +342,7 @@ def _reef(rows: Array) -> Reef:
 
 
 def tops(reef: Reef) -> Array:
-    """Height (k,) of the highest point that each growth may reach, cm."""
+    """Greatest height (k,) of each growth, cm."""
     tall = np.array([kind.height for kind in KINDS.values()])[reef.kind]
     up = reef.axis[:, 2]
     aside = np.sqrt(np.maximum(1.0 - up * up, 0.0))
@@ -350,9 +350,9 @@ def tops(reef: Reef) -> Array:
 
 
 def floor_over(sea: Sea, reef: Reef) -> Array:
-    """Heights (n, n) float32, cm: the seabed, and smoothly over whatever stands on it.
+    """Heights (n, n) float32, cm, of the seabed and smoothly over the growths on it.
 
-    What grows on a rock counts if there is nothing but rock below it: no arch is filled.
+    A growth on rock counts if there is only rock below it, so that no arch is filled.
     """
     floor = sea.heights.astype(np.float64)
     n, w = len(floor), sea.half_width
@@ -365,7 +365,7 @@ def floor_over(sea: Sea, reef: Reef) -> Array:
         tall = KINDS[list(KINDS)[reef.kind[k]]].height * reef.radius[k]
         if tall < LOW_CM:
             continue
-        # It leans: its crown is not above its foot.
+        # The crown of a leaning growth is not above its foot.
         x, y = x + 0.5 * tall * reef.axis[k, 0], y + 0.5 * tall * reef.axis[k, 1]
         inner = reef.radius[k] + 0.72 * cell
         reach = inner + FALL_CM

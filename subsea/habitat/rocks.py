@@ -1,4 +1,4 @@
-"""The rocks that a scenario asks for: single ones, and those of which outcrops and arches are made.
+"""The rocks of a scenario: single ones, and those that make up outcrops and arches.
 
 All are rows of `state.Sea.rocks` (k, 7): x, y, z and half axes a, b, c in cm, yaw in rad.
 """
@@ -16,7 +16,7 @@ GOLDEN = np.pi * (3.0 - 5.0**0.5)  # rad, from one rock of an outcrop to the nex
 
 
 def rock_rows(scenario: Scenario, floor: Floor) -> tuple[Array, list[str]]:
-    """All rocks (k, 7), and of each the table of the scenario that it belongs to."""
+    """All rocks (k, 7), and the scenario table that each belongs to."""
     parts = [(f"`rock[{k}]`", single(rock, floor)) for k, rock in enumerate(scenario.rock)]
     parts += [(f"`outcrop[{k}]`", outcrop(one, floor)) for k, one in enumerate(scenario.outcrop)]
     parts += [(f"`arch[{k}]`", arch(one, floor)) for k, one in enumerate(scenario.arch)]
@@ -32,9 +32,9 @@ def single(rock: Rock, floor: Floor) -> Array:
 
 
 def outcrop(one: Outcrop, floor: Floor) -> Array:
-    """A knoll (k, 7): a large rock in the middle, smaller ones about it and on it.
+    """A knoll (k, 7): a large rock in the middle with smaller ones around and on it.
 
-    All lie in its ellipse and below its height, and overlap the first.
+    All lie within its ellipse and below its height, and overlap the first.
     """
     rng = np.random.default_rng([one.seed, 0x0C])
     x, y = one.position_cm
@@ -45,7 +45,7 @@ def outcrop(one: Outcrop, floor: Floor) -> Array:
         turn += GOLDEN + rng.uniform(-0.3, 0.3)
         high = k % 3 == 0
         half = size * rng.uniform(0.26, 0.44, 3) * (0.85 if high else 1.0)
-        # An ellipsoid that is turned must still fit.
+        # A rotated ellipsoid must still fit.
         away = rng.uniform(0.15, 0.35) if high else rng.uniform(0.80, 1.0)
         room = np.maximum(size[:2] - half[:2].max(), 0.0)
         low, top = (0.35, 1.0) if high else (0.0, 0.55)
@@ -61,10 +61,10 @@ def outcrop(one: Outcrop, floor: Floor) -> Array:
 
 
 def arch(one: Arch, floor: Floor) -> Array:
-    """An arch (k, 7): rocks one on the other up a leg, along the bow and down the other leg.
+    """An arch (k, 7): rocks stacked up a leg, along the bow and down the other leg.
 
-    Others lean on them from outside. Between the legs there is no stone in the half ellipse as
-    wide as the span and as high as the height.
+    Others lean on them from outside. The half ellipse of span and height between the legs is
+    free.
     """
     rng = np.random.default_rng([one.seed, 0xA7])
     thick, yaw = one.thickness_cm, np.radians(one.yaw_deg)
@@ -75,7 +75,7 @@ def arch(one: Arch, floor: Floor) -> Array:
     number = max(int(np.ceil(along[-1] / (0.58 * thick))), 5)
     turns = list(np.interp(np.linspace(0.0, along[-1], number), along, line))
     rows = [_of_arch(t, 0.0, half, high, thick, rng) for t in turns]
-    # Buttresses at the feet and blocks on the shoulders break the line.
+    # Buttresses at the feet and blocks on the shoulders.
     for t in (0.1, 0.4, 0.9, 1.35, np.pi - 1.0, np.pi - 0.5, np.pi - 0.1):
         t, foot = t + rng.uniform(-0.12, 0.12), (1.0 - np.sin(t)) ** 2
         aside = rng.uniform(0.12, 0.3) + 0.35 * foot
@@ -83,7 +83,7 @@ def arch(one: Arch, floor: Floor) -> Array:
     out = np.array(rows)
     c, s = np.cos(yaw), np.sin(yaw)
     out[:, :2] = out[:, :2] @ np.array([[c, s], [-s, c]]) + one.position_cm
-    # A leg stands in the sand wherever that is.
+    # Legs reach down to the sand.
     ground = floor(*one.position_cm)
     lower = np.array([min(floor(x, y) - ground, 0.0) for x, y in out[:, :2]])
     share = np.clip(1.0 - out[:, 2] / (0.6 * high), 0.0, 1.0)
@@ -95,13 +95,13 @@ def arch(one: Arch, floor: Floor) -> Array:
 def _of_arch(
     t: float, out: float, half: float, high: float, thick: float, rng: np.random.Generator
 ) -> list[float]:
-    """One rock at the angle t of the ellipse of an opening, `out` of a thickness outside of it."""
+    """A rock at the angle t of the opening's ellipse, `out` thicknesses outside of it."""
     up = np.sin(t)
     size = 0.5 * thick * rng.uniform(0.92, 1.25, 3)
     a = size[0] * (1.0 + 0.5 * up**6) * (1.0 + 0.3 * (1.0 - up) ** 2)
     b = 1.25 * size[1] * (1.0 + 0.3 * (1.0 - up) ** 2)
     c = size[2] * (1.0 + 0.5 * (1.0 - up) ** 2)
-    # So far out that its inner side only just touches the opening.
+    # Its inner side just touches the opening.
     slope = np.array([np.cos(t) / half, up / high])
     slope /= np.linalg.norm(slope)
     reach = np.hypot(a * slope[0], c * slope[1]) + (0.03 + out) * thick

@@ -1,4 +1,4 @@
-"""The sea as a scenario has it: seabed, what stands on it, climate, plankton."""
+"""The sea of a scenario: seabed, solids, climate, plankton."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,7 @@ from subsea.state import Sea, empty
 
 
 def pillar_rows(scenario: Scenario, floor: Floor) -> NDArray[np.float64]:
-    """All pillars (k, 4) on a seabed of this height, as in `state.Sea`."""
+    """All pillars (k, 4) on this seabed, as in `state.Sea`."""
     rows = np.zeros((len(scenario.pillar), 4))
     for k, pillar in enumerate(scenario.pillar):
         x, y = pillar.position_cm

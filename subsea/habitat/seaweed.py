@@ -1,4 +1,4 @@
-"""Seaweed: leaves as chains of masses and springs that the water moves (Tu §8.2)."""
+"""Seaweed: leaves as chains of masses and springs, moved by the water (Tu §8.2)."""
 
 import numpy as np
 
@@ -19,41 +19,41 @@ from subsea.state import HULL_CM, Clock, Fishes, Reef, Sea, Seaweed
 KINDS = ("ribbon", "kelp", "grass", "red")  # as `seaweed.vert`
 NODES = 8
 SUBSTEPS = 4
-# All per mass of the node at the root; springs and viscosity are the same for all nodes.
+# Per mass of the root node; springs and viscosity are the same for all nodes.
 SPRING = 1600.0  # 1/s²
 DAMPING = 5.0  # 1/s, along a spring
 VISCOSITY = 9.0  # 1/s: μ_w
 BUOYANCY_CM_S2 = 120.0
 MASS = np.linspace(1.0, 0.3, NODES)  # from the root to the tip
-SPACING = np.linspace(1.3, 0.7, NODES - 1)  # distances of nodes, over their mean
+SPACING = np.linspace(1.3, 0.7, NODES - 1)  # distances of nodes over their mean
 
-EDDY_CM_S = 1.6  # what is smaller than the current, in seconds and cm:
+EDDY_CM_S = 1.6  # eddies: speed, period and wavelength
 EDDY_S, EDDY_CM = 3.7, 130.0
-BODY_BL = 0.28  # radius of a fish as the leaves feel it, over its length
-SHOVE_CM_S = 90.0  # how fast the water leaves the place that a body takes
-TORRENT_CM_S = 80.0  # faster water would tear a leaf, and is not felt
-TOUCHING = 10  # so many fishes at most push a cluster at a time
-MARGIN_CM = 40.0  # from a cluster to the middle of a fish that pushes it
+BODY_BL = 0.28  # radius of a fish for the leaves, over its length
+SHOVE_CM_S = 90.0  # speed of the water that a body displaces
+TORRENT_CM_S = 80.0  # fastest water that leaves feel
+TOUCHING = 10  # most fishes that push a cluster at a time
+MARGIN_CM = 40.0  # range of a fish's middle around a cluster that it pushes
 CELL_CM = 100.0
 SETTLING = 240  # ticks in still water before the first
 
 WIDTH = 0.075  # of a broad leaf, over its length
-WIDTH_CM = {"kelp": 8.0, "grass": 2.6, "red": 2.4}  # of a blade; grass and branches are narrower
+WIDTH_CM = {"kelp": 8.0, "grass": 2.6, "red": 2.4}  # of a blade
 COLOURS = {  # linear RGB
     "ribbon": (0.14, 0.155, 0.03), "kelp": (0.125, 0.105, 0.022), "grass": (0.10, 0.17, 0.035),
     "red": (0.22, 0.035, 0.045),
 }  # fmt: skip
 TUFT_CM = 9.0  # how far the roots of a cluster stand apart
 LEAN = 1.0  # how far leaves bend out of their cluster, at the root
-BURIED_CM = 4.0  # the root's node lies so deep
-ROOM_CM = 30.0  # of free water under the surface
-BESIDE_CM = 30.0  # growths that are so much higher or lower are not in its way
+BURIED_CM = 4.0  # depth of the root node
+ROOM_CM = 30.0  # free water under the surface
+BESIDE_CM = 30.0  # height difference at which a growth is not in the way
 TRIES = 30
 
 
 def plant_seaweed(scenario: Scenario, sea: Sea, reef: Reef, seed: int) -> tuple[Sea, Seaweed]:
-    """All seaweed of a scenario, come to rest in still water, and the sea with its boxes."""
-    still = sea._replace(plankton=sea.plankton[:0], absent=sea.absent[:0])  # which it does not mind
+    """All seaweed of a scenario at rest in still water, and the sea with its boxes."""
+    still = sea._replace(plankton=sea.plankton[:0], absent=sea.absent[:0])
     boxes, seaweed = cached(_planted, scenario.seaweed, still, reef, seed)
     return sea._replace(seaweed=boxes), seaweed
 
@@ -70,7 +70,7 @@ def _planted(groups: list[Group], sea: Sea, reef: Reef, seed: int) -> tuple[Arra
             x, y = _middle(group.position_cm, group.spread_cm, sea, stones, reef, rng)
             vigour = rng.uniform(0.7, 1.1)
             for k in range(group.leaves):
-                # The leaves of a cluster turn outward, each its own way.
+                # Leaves of a cluster lean outward.
                 outward = 2 * np.pi * (k + rng.uniform(-0.3, 0.3)) / group.leaves
                 away = TUFT_CM * rng.uniform(0.2, 1.0)
                 here = (x + away * float(np.cos(outward)), y + away * float(np.sin(outward)))
@@ -124,7 +124,7 @@ def _middle(
     reef: Reef,
     rng: np.random.Generator,
 ) -> tuple[float, float]:
-    """Where a cluster grows: within the sea, with water over it, and beside what grows there."""
+    """Where a cluster grows: within the sea, under water, and beside other growths."""
     x, y = middle or (0.0, 0.0)
     for _ in range(TRIES):
         if middle is None:
@@ -142,7 +142,7 @@ def _middle(
 
 
 def _ground(sea: Sea, stones: list[Array], x: float, y: float) -> float:
-    """Height of the seabed at (x, y), or of the top of the stone that stands there; cm."""
+    """Height of the seabed at (x, y), or of the stone on it, cm."""
     z = height_at(sea.heights, sea.half_width, x, y)
     if clearance(sea.pillars, sea.rocks, (x, y, z)) > 0.0:
         return z
@@ -152,12 +152,12 @@ def _ground(sea: Sea, stones: list[Array], x: float, y: float) -> float:
 
 
 def _cells(node: Array, first: Ints, sea: Sea) -> tuple[Ints, Ints]:
-    """Lists of the clusters that a fish in each square cell over the sea may touch."""
+    """For each square cell over the sea, the clusters that a fish in it may touch."""
     side = int(2 * sea.radius / CELL_CM) + 1
     lists: list[list[int]] = [[] for _ in range(side * side)]
     for k in range(len(first) - 1):
         leaves = node[first[k] : first[k + 1]]
-        # However the current bends a leaf, its tip stays within its length of the root.
+        # The tip of a bent leaf stays within its length of the root.
         reach = MARGIN_CM + 0.7 * float((leaves[:, -1, 2] - leaves[:, 0, 2]).max())
         low = ((leaves[:, 0, :2].min(axis=0) - reach + sea.radius) / CELL_CM).astype(int)
         high = ((leaves[:, 0, :2].max(axis=0) + reach + sea.radius) / CELL_CM).astype(int)
@@ -172,9 +172,9 @@ def _cells(node: Array, first: Ints, sea: Sea) -> tuple[Ints, Ints]:
 def step_seaweed(
     seaweed: Seaweed, fishes: Fishes, sea: Sea, flow: Array, visibility: float, clock: Clock
 ) -> None:
-    """Move the leaves by one tick: current, passing fishes and the submarine carry them along.
+    """Move the leaves by one tick in the water of current, passing fishes and submarine.
 
-    Clusters that the submarine cannot see for the water stand still. Writes `sea.seaweed` too.
+    Clusters beyond the visibility of the submarine stand still. Also writes `sea.seaweed`.
     """
     clusters = len(seaweed.first) - 1
     if clusters == 0:
@@ -223,7 +223,7 @@ def step_seaweed(
 
 @kernel
 def _wake(place: Vector, velocity: Vector, radius: float) -> Vector:
-    """Velocity of the water `place` from the middle of a body that moves and takes its room."""
+    """Velocity of the water at `place` from the middle of a moving body."""
     wave = bow_wave(place, velocity, radius)
     away = norm(place)
     if away < radius and away > 1e-6:
@@ -233,7 +233,7 @@ def _wake(place: Vector, velocity: Vector, radius: float) -> Vector:
 
 @kernel
 def _passers(seaweed: Seaweed, fishes: Fishes, sea: Sea) -> tuple[Ints, Ints]:
-    """How many living fishes are near each cluster (c,), and which (c, TOUCHING)."""
+    """Number (c,) and indices (c, TOUCHING) of the living fishes near each cluster."""
     clusters = len(seaweed.first) - 1
     side = int(np.sqrt(len(seaweed.cell_first) - 1) + 0.5)
     count = np.zeros(clusters, np.int32)
@@ -274,8 +274,7 @@ def _settle(seaweed: Seaweed, sea: Sea) -> None:
 def _swing_leaf(seaweed: Seaweed, leaf: int, water: Array, dt: float) -> None:
     """Move a leaf by `dt` in `water` (m, 3), cm/s: springs, buoyancy, and f = μ_w (v - ẋ).
 
-    Springs are explicit, in substeps that are short for the lightest node; the water's drag is
-    implicit.
+    Springs are explicit, with substeps short enough for the lightest node; drag is implicit.
     """
     h = dt / SUBSTEPS
     node, velocity = seaweed.node[leaf], seaweed.velocity[leaf]

@@ -1,4 +1,4 @@
-"""The water between two bodies, or a body and stone or the rim: it gives way slowly."""
+"""Separation of bodies from each other, from solids and from the rim, by water drift."""
 
 import math
 
@@ -11,18 +11,18 @@ from subsea.geometry.solids import far_from_rock, from_pillar, from_rock
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, vector
 from subsea.state import APPROACHING, NOBODY, PREDATOR, Fishes, Minds, Sea
 
-GAP_BL = 0.12  # the cushion begins where skins are so far apart, of the longer body
-FULL_CM_S = 6.0  # how fast two that touch are pushed apart
-STONE_CM, STONE_PER_S = 4.0, 6.0  # so near, and so much faster outward for each cm nearer
+GAP_BL = 0.12  # gap between skins, over the longer body, where separation begins
+FULL_CM_S = 6.0  # speed at which touching bodies are pushed apart
+STONE_CM, STONE_PER_S = 4.0, 6.0  # range, and outward speed per cm within it
 RIM_CM, RIM_PER_S = 12.0, 8.0  # the same at the rim of the sea
-CLOSEST = 2  # so many neighbours are felt, and the fish that threatens
+CLOSEST = 2  # neighbours considered, besides the threat
 
 
 @kernel
 def separate(fishes: Fishes, minds: Minds) -> None:
-    """Add to `fishes.drift` what parts bodies that are about to touch.
+    """Add to `fishes.drift` what separates bodies that are about to touch.
 
-    Partners in a dance are let alone, and so is what a predator hunts.
+    Not for courting partners, nor for predators and their prey.
     """
     for i in range(len(fishes.length)):
         if not fishes.alive[i] or minds.courtship[i] > APPROACHING or minds.kind[i] == PREDATOR:
@@ -47,10 +47,10 @@ def separate(fishes: Fishes, minds: Minds) -> None:
 
 @kernel
 def keep_off_solids(fishes: Fishes, sea: Sea) -> None:
-    """Add to `fishes.drift` what keeps bodies off pillars and rocks, and within the rim.
+    """Add to `fishes.drift` what keeps bodies off solids and within the rim.
 
-    Between two stones a fish may turn from one into the other: the water in the cleft holds it.
-    At the rim one that flees may come too fast to turn in time.
+    Between two stones a fish may turn from one into the other, and a fleeing fish may reach the
+    rim too fast to turn.
     """
     for i in range(len(fishes.length)):
         middle, length = vector(fishes.position[i]), float(fishes.length[i])
@@ -82,10 +82,7 @@ def keep_off_solids(fishes: Fishes, sea: Sea) -> None:
 
 @kernel
 def _give_way(drift: Array, way: Vector, gap: float, reach: float, rate: float) -> None:
-    """Add the water's velocity beside a solid, given the way from it and how far it is.
-
-    It begins within `reach` cm, and is faster by `rate` for each cm nearer.
-    """
+    """Add a drift along `way`, `gap` cm from a solid: `rate` cm/s per cm within `reach`."""
     if gap < reach:
         speed = rate * (reach - gap)
         for axis in range(3):

@@ -10,29 +10,29 @@ from subsea.core.arrays import Array, Ints
 from subsea.habitat.formations import formations, on_the_surface
 from subsea.habitat.stone_shade import openness, shade_of
 
-STEM_CM = 700.0  # so far below its top a pillar is strewn with samples
+STEM_CM = 700.0  # depth below its top to which a pillar is sampled
 
 
 class Samples(NamedTuple):
-    """Places on stone that is drawn."""
+    """Places on the drawn stone."""
 
     place: Array  # (n, 3) cm
     normal: Array  # (n, 3) unit vectors outward, over a stretch of PROBE_CM
-    open: Array  # (n,) share of the sky's light that other stone lets through, 0 to 1
+    open: Array  # (n,) share of the sky's light that stone lets through, 0 to 1
     formation: Ints  # (n,) which of `formations`
 
 
 def samples(pillars: Array, rocks: Array, per_m2: float, rng: np.random.Generator) -> Samples:
     """About `per_m2` places for each square metre of stone, even over it, in random order.
 
-    They lie on the surface that is drawn to about 1 cm, on undersides and in the ground too:
-    leave out what is lower than `height_at` and what faces the wrong way.
+    They lie within about 1 cm of the drawn surface, also on undersides and in the ground: the
+    caller drops what is below the seabed or faces the wrong way.
     """
     found = formations(pillars, rocks)
     if not found:
         return Samples(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0), np.zeros(0, np.int64))
     strewn = [_strewn(blocks, per_m2, rng) for blocks in found]
-    with ThreadPoolExecutor() as pool:  # compiled kernels leave the interpreter to others
+    with ThreadPoolExecutor() as pool:  # kernels release the GIL
         given = ([part.tobytes() for part in parts] for parts in (found, strewn))
         all_of = list(pool.map(_settled, *given))
     which = np.repeat(np.arange(len(found)), [len(part[0]) for part in all_of])
@@ -53,9 +53,9 @@ def _strewn(blocks: Array, per_m2: float, rng: np.random.Generator) -> Array:
 
 @lru_cache(maxsize=32)
 def _settled(blocks: bytes, places: bytes) -> tuple[Array, Array, Array]:
-    """Place, normal and openness where places (n, 3) come to lie on a formation of blocks (k, 11).
+    """Place, normal and openness of places (n, 3) moved onto a formation of blocks (k, 11).
 
-    Kept for a while: who moves one formation of several needs the others as they are.
+    Cached, as moving one formation leaves the others as they are.
     """
     stone = np.frombuffer(blocks).reshape(-1, 11).copy()
     strewn = np.frombuffer(places).reshape(-1, 3).copy()
@@ -68,7 +68,7 @@ def _settled(blocks: bytes, places: bytes) -> tuple[Array, Array, Array]:
 def _on_rock(block: Array, per_m2: float, rng: np.random.Generator) -> Array:
     """Places (n, 3), even over an ellipsoid somewhat smaller than the rock."""
     half = block[3:6] - block[8] - 0.4 * block[9]
-    # A sphere that is stretched has its points crowded where it is stretched least.
+    # Points of a stretched sphere crowd where it is stretched least.
     number = per_m2 / 1e4 * 4 * np.pi * half.prod() / half.min()
     unit = _unit(rng.normal(size=(int(np.ceil(number)), 3)))
     kept = rng.uniform(size=len(unit)) < np.linalg.norm(unit / half, axis=1) * half.min()
@@ -82,7 +82,7 @@ def _on_pillar(block: Array, per_m2: float, rng: np.random.Generator) -> Array:
     radius = block[3] - block[8] - 0.6 * block[9]
     number = per_m2 / 1e4 * np.pi * radius * (radius + 2.0 * STEM_CM)
     turn, low = rng.uniform((0.0, -0.5 * radius), (2 * np.pi, STEM_CM), (int(number) + 1, 2)).T
-    # What would lie above the top lies on it.
+    # Points above the top are put on it.
     away = np.where(low < 0.0, radius * np.sqrt(np.maximum(-2.0 * low / radius, 0.0)), radius)
     return np.asarray(
         block[:3]

@@ -20,16 +20,16 @@ SKY = np.array(
 
 
 class Shade(NamedTuple):
-    """Distances from a formation on a grid about it: looked up where light is followed."""
+    """Distances from a formation on a grid, for tracing light."""
 
     field: Array  # (a, b, c) cm
     corner: Array  # (3,) cm
     cell: float  # cm
-    reach: float  # cm, from which it takes little of the sky's light
+    reach: float  # cm, beyond which it takes little of the sky's light
 
 
 def box_of(blocks: Array) -> tuple[Array, Array]:
-    """Lowest and highest corner (3,) of what is avoided; a pillar has no lower end."""
+    """Lowest and highest corner (3,) of what fishes avoid; pillars have no lower end."""
     long = np.maximum(blocks[:, 3], blocks[:, 4])
     reach = np.stack([long, long, blocks[:, 5]], axis=1)
     rise = np.where(np.isinf(reach), 0.0, reach)
@@ -60,7 +60,7 @@ def _rough_grid(blocks: Array, corner: Array, cell: float, nx: int, ny: int, nz:
 
 @kernel
 def shade_distance(shade: Shade, p: Vector) -> float:
-    """About how far p is from the formation, cm; inside of it negative."""
+    """About how far p is from the formation, cm; negative inside."""
     nx, ny, nz = shade.field.shape
     x = (p[0] - shade.corner[0]) / shade.cell
     y = (p[1] - shade.corner[1]) / shade.cell
@@ -103,7 +103,7 @@ def openness(shade: Shade, places: Array, normals: Array) -> Array:
 
 @kernel
 def passes(shade: Shade, p: Vector, way: Vector, wide: float) -> float:
-    """The share of a cone of light, as wide as `wide` times its length, that reaches p."""
+    """Share of a cone of light, `wide` times as wide as long, that reaches p."""
     left, along = 1.0, 7.0
     for _ in range(7):
         at = (p[0] + along * way[0], p[1] + along * way[1], p[2] + along * way[2])

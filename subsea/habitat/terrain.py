@@ -1,4 +1,4 @@
-"""The seabed: a height field of dunes from a seed (SMC §6.2), and how it lies about solids."""
+"""The seabed: a height field of dunes from a seed (SMC §6.2), with scour around solids."""
 
 import numpy as np
 
@@ -8,13 +8,13 @@ from subsea.habitat.clearance import clearances
 from subsea.scenario.schema import Bounds, Scenario, Terrain
 
 SAMPLES = 193  # per side
-MARGIN = 1.6  # the grid reaches beyond the world's radius, into the fog
+MARGIN = 1.6  # half width of the grid over the world's radius, into the fog
 WAVES = 28
 RIM_CM = 120.0  # the seabed rises toward the rim, as in a bay
-STEEP = 0.5  # rad by which the lee of a dune comes sooner than that of a sine
-# Small dunes, where the grid is fine enough: their length and height, and of how many samples.
+STEEP = 0.5  # rad by which the lee of a dune is ahead of a sine
+# Small dunes, where the grid is fine enough: length, height, and least samples per length.
 SMALL_CM, SMALL_HIGH_CM, SAMPLED = 140.0, 7.0, 4.5
-# About a solid the current digs a moat and heaps up what it took, most of it in the lee.
+# Around a solid the current digs a moat and heaps up a mound, mostly in the lee.
 MOAT_CM, MOAT_WIDE_CM, MOUND_CM, MOUND_FAR_CM, MOUND_WIDE_CM = 6.0, 24.0, 11.0, 75.0, 50.0
 
 
@@ -26,9 +26,8 @@ def half_width(scenario: Scenario) -> float:
 def make_terrain(scenario: Scenario) -> Array:
     """Heights (n, n) float32, cm, row along y and column along x; mean near -depth_cm.
 
-    A sum of waves of random directions whose amplitude falls with the wave number, bent by
-    a slower one: long dunes, steep in their lee, with small ones on them. No part is higher than
-    half the depth.
+    A sum of waves in random directions, with amplitudes that fall with the wave number, bent by
+    a slower one: long dunes with a steep lee and small ones on top. At most half the depth high.
     """
     return cached(_dunes, scenario.terrain, scenario.bounds)
 
@@ -47,7 +46,7 @@ def _dunes(terrain: Terrain, bounds: Bounds) -> Array:
         phase = rng.uniform(0, 2 * np.pi)
         along = (x + bend) * np.cos(angle) + y * np.sin(angle)
         heights += 2.0 ** (-1.7 * octave) * _dune(wave * along + phase)
-    # From crest to trough a sine of this deviation is as high as asked.
+    # A sine with this deviation has the height asked for.
     heights *= terrain.dune_height_cm / (8**0.5 * max(float(heights.std()), 1e-9))
     if SAMPLED * (axis[1] - axis[0]) < SMALL_CM and terrain.dune_height_cm > 0.0:
         patch = np.clip(0.5 + np.sin(0.61 * base * x + 2.0) * np.sin(0.83 * base * y), 0.0, 1.0)
@@ -66,7 +65,7 @@ def _dune(phase: Array) -> Array:
 def drifted(
     heights: Array, half_width: float, pillars: Array, rocks: Array, current: tuple[float, float]
 ) -> Array:
-    """The heights with a moat about the foot of each solid, and a mound behind that."""
+    """The heights with a moat around the foot of each solid, and a mound beyond."""
     axis = np.linspace(-half_width, half_width, len(heights))
     x, y = np.meshgrid(axis, axis)
     reach = MOUND_FAR_CM + 2.5 * MOUND_WIDE_CM
@@ -87,16 +86,16 @@ def drifted(
 
 
 def crest(heights: Array, half_width: float, radius: float) -> float:
-    """The height (cm) that no part of the seabed within `radius` exceeds."""
+    """The greatest height of the seabed within `radius`, cm."""
     axis = np.linspace(-half_width, half_width, len(heights))
     x, y = np.meshgrid(axis, axis)
-    # A sample beyond the radius still shapes what is inside of it, a cell away.
+    # A sample a cell beyond the radius still shapes the inside.
     inside = np.hypot(x, y) <= radius + 2.0 * (axis[1] - axis[0])
     return float(heights[inside].max())
 
 
 def heights_at(heights: Array, half_width: float, places: Array) -> Array:
-    """Heights (n,) at places (n, 2), bilinear as `kinematics.heightfield.height_at`."""
+    """Heights (n,) at places (n, 2), bilinear as `geometry.height_field.height_at`."""
     last = len(heights) - 1
     at = np.clip((places + half_width) / (2 * half_width) * last, 0, last)
     (j, i) = cell = np.minimum(at.astype(int), last - 1).T

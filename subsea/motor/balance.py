@@ -1,4 +1,4 @@
-"""Balancing: a fish rolls slowly back to an upright posture (SMC §5.2, appendix B)."""
+"""Balance: roll slowly back to an upright posture (SMC §5.2, appendix B)."""
 
 import math
 
@@ -9,23 +9,23 @@ from subsea.geometry.rotation import Quaternion, about, multiply, rotate, x_axis
 from subsea.state import Fishes
 
 ROLL_TIME_S = 0.25  # time constant of the smoothed roll: a steady beat wobbles by ±3°
-ROLL_GAIN = 0.9  # 1/s: share of the roll that is undone in a second
-ROLL_RATE = np.radians(50.0)  # rad/s: the fastest that a fish rights itself
-VERTICAL = 0.98  # a fish whose nose points up or down more than this has no roll to mend
+ROLL_GAIN = 0.9  # 1/s: share of the roll corrected per second
+ROLL_RATE = np.radians(50.0)  # rad/s: the fastest correction
+VERTICAL = 0.98  # sine of the pitch beyond which roll is undefined
 
 
 @kernel
 def roll_of(q: Quaternion) -> float:
     """The roll in radians about x, positive when the back leans to the right (SMC app. B).
 
-    The signed angle from the upright y' = z' × x with z' = x × up. SMC takes the arccos, which
-    does not tell left from right. Nearly vertical fishes have none.
+    The signed angle from the upright y' = z' × x with z' = x × up; the arccos of SMC has no sign.
+    0 for nearly vertical fishes.
     """
     x = x_axis(q)
     y = rotate(q, (0.0, 1.0, 0.0))
     if abs(x[2]) > VERTICAL:
         return 0.0
-    # Both are longer than the unit by the same factor, which the angle does not see.
+    # Both arguments carry the same factor, which cancels.
     return math.atan2(y[0] * x[1] - y[1] * x[0], y[2])
 
 

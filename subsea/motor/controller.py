@@ -1,4 +1,4 @@
-"""The secondary controller: from a wanted direction and speed to a segment (SMC §6.1)."""
+"""The secondary controller: choose a segment for a goal direction and speed (SMC §6.1)."""
 
 import numpy as np
 
@@ -13,30 +13,29 @@ from subsea.state import Clock, Fishes
 # Codes of repertoire.schema.SEGMENTS, as plain numbers for the compiled kernel.
 SLOW, MEDIUM, FAST, LEFT_GRADUAL, LEFT_SHARP, RIGHT_GRADUAL, RIGHT_SHARP = range(7)
 
-SHARP_RAD = np.radians(70.0)  # beyond this angle a fish throws itself round
-GRADUAL_RAD = np.radians(24.0)  # beyond this it bends its beat
-RELEASE_RAD = np.radians(9.0)  # a gradual turn ends here, well inside, so that it doesn't flutter
+SHARP_RAD = np.radians(70.0)  # beyond this angle a fish makes a sharp turn
+GRADUAL_RAD = np.radians(24.0)  # beyond this a gradual turn
+RELEASE_RAD = np.radians(9.0)  # a gradual turn ends here: hysteresis
 STEER_RAD = np.radians(45.0)  # careful alignment happens inside this angle (SMC §6.2)
 YAW_RATE = np.radians(24.0)  # rad/s: the most that careful alignment adds, for a recorded fish
 PITCH_RATE = np.radians(32.0)
-STEER_GAIN = 1.6  # 1/s: share of the angle that is closed in a second
-STEER_EASE = np.radians(90.0)  # rad/s²: how fast the alignment's own rate may change
-MAX_PITCH_RAD = np.radians(38.0)  # fishes do not swim steeper than this of their own will
+STEER_GAIN = 1.6  # 1/s: share of the angle closed per second
+STEER_EASE = np.radians(90.0)  # rad/s²: how fast the rate of alignment may change
+MAX_PITCH_RAD = np.radians(38.0)  # the steepest that fishes swim
 TEMPO_EASE = 0.8  # 1/s: how fast the rate may change
-THRUST_EASE = 1.2  # 1/s: from full way to standing still in less than a second
-RETREAT = -0.6  # the fastest retreat, as a share of the slow swim's way
-MONOTONY_S = (4.0, 9.0)  # the fish gets bored of a segment after so long
+THRUST_EASE = 1.2  # 1/s: full thrust to hovering in less than a second
+RETREAT = -0.6  # least thrust: the fastest retreat, over the slow swim
+MONOTONY_S = (4.0, 9.0)  # after which a fish tires of a segment, by its identity
 MONOTONY_PURPOSE = 50  # key of the random numbers
-GRADE_MARGIN = 1.12  # a fish keeps its grade until another fits better by this factor
+GRADE_MARGIN = 1.12  # factor by which another grade must fit better
 
 
 @kernel
 def command(fishes: Fishes, library: Library, clock: Clock) -> None:
-    """Choose `wanted_segment`; ease `tempo`, `thrust` and `steering` toward what the goal asks.
+    """Choose `wanted_segment`; ease `tempo`, `thrust` and `steering` toward the goal.
 
-    The angle to the goal in the horizontal plane chooses between swims and turns, its height the
-    pitch, the goal's speed the grade. Playback takes the choice up at the next row from which
-    the glide is gentle.
+    The horizontal angle to the goal selects a swim or a turn, its elevation the pitch, and the
+    goal's speed the grade. Playback changes over at the next row with a gentle glide.
     """
     dt = clock.dt
     for i in range(len(fishes.species)):
@@ -60,7 +59,7 @@ def command(fishes: Fishes, library: Library, clock: Clock) -> None:
             wanted = _grade(library.speed[kind], now, fishes.goal_speed[i])
         fishes.wanted_segment[i] = wanted
 
-        # Slower than the slowest swim: the same strokes with less way, down to backing off.
+        # Below the slowest swim: the same strokes with less thrust, down to a retreat.
         slowest = TEMPO[0] * library.speed[kind, SLOW] / library.speed[kind, FAST]
         thrust = min(max(fishes.goal_speed[i] / slowest, RETREAT), 1.0)
         ease = THRUST_EASE * dt
@@ -73,7 +72,7 @@ def command(fishes: Fishes, library: Library, clock: Clock) -> None:
         ease = TEMPO_EASE * dt
         fishes.tempo[i] += np.float32(min(max(tempo - fishes.tempo[i], -ease), ease))
 
-        # A large fish swings round more slowly, as it beats more slowly.
+        # Large fishes beat more slowly and turn more slowly.
         rate = np.float64(fishes.rate[i])
         yaw = 0.0
         if angle < STEER_RAD:
@@ -88,9 +87,9 @@ def command(fishes: Fishes, library: Library, clock: Clock) -> None:
 
 @kernel
 def _watch_monotony(fishes: Fishes, i: int, clock: Clock) -> None:
-    """Time the present segment; past the threshold recommend another swim at random (SMC §6.1).
+    """Time the segment; past the threshold recommend another swim at random (SMC §6.1).
 
-    The intention generator may refuse. The timer starts anew either way.
+    The intention generator may ignore it. The timer restarts in any case.
     """
     fishes.recommended[i] = -1
     if fishes.segment[i] != fishes.wanted_segment[i]:
@@ -108,7 +107,7 @@ def _watch_monotony(fishes: Fishes, i: int, clock: Clock) -> None:
 
 @kernel
 def _grade(speed: Array, now: int, share: float) -> int:
-    """The swim whose speed is nearest by ratio to the wanted share of the fastest."""
+    """The swim whose speed is nearest, by ratio, to the share of the fastest."""
     goal = max(share, 0.01) * speed[FAST]
     best = SLOW
     least = np.inf

@@ -1,8 +1,7 @@
-"""Fishes that are simulated: the muscle-driven body under the secondary controller's command.
+"""Simulated fishes: the muscle-driven body under command of the secondary controller.
 
-The body swims at the size and pace of the recorded fish, in the water's frame: the uniform
-current carries it as it carries playback. What the controller asks of playback (segment, tempo,
-thrust, steering) is asked of the muscles and the pectoral fins instead.
+The body swims at the size and pace of the recorded fish, in the frame of the water. Muscles and
+pectoral fins follow the segment, tempo, thrust and steering that the controller asks of playback.
 """
 
 import math
@@ -44,23 +43,23 @@ from subsea.repertoire.library import Library
 from subsea.state import Fishes, Live, Physics
 
 TICK_TU = STEP * STEPS_PER_TICK
-MAX_RATE = 8  # recorded frames in a tick, of a fish that is a 64th of the recorded one
-LEAP_BL = 1.0  # a body that moves farther in a tick, at the pace of its size, has burst
-FIN_AREA = 0.01  # of each pectoral fin, over the square of the body length
+MAX_RATE = 8  # recorded frames per tick, of a fish with 1/64 of the recorded length
+LEAP_BL = 1.0  # displacement per tick, at the pace of its size, that means divergence
+FIN_AREA = 0.01  # of each pectoral fin, over the squared body length
 BEND_EASE = 1.0 / 8.0  # share of the full bend that may change in a tick, as in a sharp turn
 AMPLITUDE_EASE = 1.0 / 14.0  # share of the fast beat's amplitude that may change in a tick
-ROLL_LEAD = 0.7  # radians of a roll's own swing by which the fins look ahead: less overshoots
+ROLL_LEAD = 0.7  # radians of the roll oscillation by which the fins lead; less overshoots
 SCULL_SPEED = 1.2  # cm/tu: the fins of a slower fish beat, and meet the water at this speed
-TEMPO_EASE = 0.025  # by which the beat's tempo may change in a tick, on its way to the recorded one
-SPEED_GAIN = 1.0  # of the speed that is lacking: fins and bends take some of it
-TOO_FAST = 0.03  # share by which the speed may exceed what is asked for before the fins brake
-HARDEST_BRAKE = 2.0  # times the area of the pectoral fins: a fish that stops spreads the others too
-BRAKE_GAIN = 5.0  # share of the fins' area that brakes for each share of speed beyond that
+TEMPO_EASE = 0.025  # change of the tempo per tick toward the recorded one
+SPEED_GAIN = 1.0  # on the speed error, as fins and bends slow the fish
+TOO_FAST = 0.03  # share of excess speed above which the fins brake
+HARDEST_BRAKE = 2.0  # times the pectoral area: a stopping fish spreads its other fins too
+BRAKE_GAIN = 5.0  # braking share of the fin area per share of excess speed
 SPEED_TIME = 21.0  # ticks over which the speed is smoothed: a beat and a half
 
 
 class BodyTables(NamedTuple):
-    """What the simulation needs of S species; cm, g, tu and radians."""
+    """Constants of the simulation for S species; cm, g, tu and radians."""
 
     mass: Array  # (S, 23)
     length: Array  # (S, 91) rest length of the units
@@ -81,10 +80,10 @@ class BodyTables(NamedTuple):
 
 
 def make_bodies(species: Sequence[Species], speed: Array) -> BodyTables:
-    """The tables of these species, from the plans that their repertoires were recorded from.
+    """The tables of these species, from the plans of their repertoires.
 
-    `speed` (S, 7) in cm/s is that of the recorded segments. A species that its spine moves has
-    no body to simulate: a row of zeros, which nothing reads.
+    `speed` (S, 7) in cm/s is that of the recorded segments. Spine-driven species have no body to
+    simulate and get rows of zeros, which nothing reads.
     """
     rows = [
         _body(one.muscles, swum) if one.muscles else NO_BODY
@@ -99,7 +98,7 @@ NO_BODY = tuple(np.zeros(n) if n > 1 else 0.0 for n in _ROW)
 
 
 def under(bodies: BodyTables, physics: Physics) -> BodyTables:
-    """The tables of these bodies under other physics (Tu §9.2)."""
+    """The tables under other physics (Tu §9.2)."""
     if physics == Physics():
         return bodies
     water = physics.water_viscosity if physics.hydrodynamics else 0.0
@@ -117,7 +116,7 @@ def under(bodies: BodyTables, physics: Physics) -> BodyTables:
 def _body(muscles: Muscles, speed: Array) -> tuple[Any, ...]:
     body, swim, turn = build_body(muscles.body), muscles.swim, muscles.turn
     first, second = turn.steering[:2]
-    # Between two rows of the steering map only the time differs for which the bend is held.
+    # Two rows of the steering map differ only in how long the bend is held.
     held = (second.hold_ticks - first.hold_ticks) * TICK_S
     bend_rate = math.radians(second.angle - first.angle) / held
     bend = max((row.contraction for row in turn.steering), key=sum)
@@ -205,10 +204,9 @@ def swim_live(
 def _ease_muscles(
     fishes: Fishes, library: Library, bodies: BodyTables, live: Live, slot: int
 ) -> None:
-    """Ease amplitude and bend toward the speed and the rate of turn that playback would have.
+    """Ease amplitude and bend toward the speed and the turning rate of playback.
 
-    The amplitude alone sets the speed; the tempo goes back to that of the recorded beat, for
-    which body and muscles were found.
+    The amplitude alone sets the speed; the tempo returns to that of the recorded beat.
     """
     i = live.fish[slot]
     kind, wanted = fishes.species[i], fishes.wanted_segment[i]
@@ -229,7 +227,7 @@ def _ease_muscles(
 
 @kernel
 def _wanted_speed(fishes: Fishes, library: Library, i: int) -> float:
-    """The speed in cm/s at which playback would swim, at the recorded size and pace."""
+    """The speed of playback, cm/s, at the recorded size and pace."""
     recorded = library.speed[fishes.species[i], fishes.wanted_segment[i]]
     return float(recorded * fishes.tempo[i] * max(fishes.thrust[i], 0.0))
 
@@ -281,7 +279,7 @@ def fin_force(
     row = max(SCULL_SPEED - ahead, 0.0)
     w = (u[0] + row * x[0], u[1] + row * x[1], u[2] + row * x[2])
     speed = math.sqrt(dot(w, w))
-    # The faster the water, the less the fins need to tilt: the beat itself makes B wobble.
+    # Faster water needs less tilt; the beat itself makes B wobble.
     lean = rotate(q, (0.0, 0.0, 1.0))[2]
     swing = -y[2] * roll_rate(at, v, bodies.mass[kind], x)
     roll = ROLL_GAIN * (lean + bodies.roll_lead[kind] * swing)
@@ -293,7 +291,7 @@ def fin_force(
         c, s = -math.sin(tilt), math.cos(tilt)  # of π/2, edge-on, and the tilt
         normal = (c * x[0] + s * y[0], c * x[1] + s * y[1], c * x[2] + s * y[2])
         push = -area / 6.0 * speed * dot(w, normal)
-        # What rowing takes from the way on the stroke ahead it gives back on the stroke astern.
+        # The forward stroke of rowing costs what the backward stroke gains.
         along = push * c * min(max(ahead / SCULL_SPEED, 0.0), 1.0)
         along -= area / 6.0 * brake * max(ahead, 0.0) ** 2
         for axis in range(3):
@@ -305,8 +303,8 @@ def fin_force(
 def roll_rate(at: Array, v: Array, mass: Array, axis: Vector) -> float:
     """Rate (rad/tu) at which a body rolls about `axis`: angular momentum over inertia.
 
-    `at` and v (23, 3) are the nodes' places and velocities. The frame B leans to and fro with the
-    head in every beat, the momentum of the whole body does not.
+    `at` and v (23, 3) are positions and velocities of the nodes. Frame B sways with the head in
+    every beat; the momentum of the body does not.
     """
     momentum, inertia, total = 0.0, 0.0, 0.0
     middle, drift = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
@@ -325,10 +323,10 @@ def roll_rate(at: Array, v: Array, mass: Array, axis: Vector) -> float:
 
 @kernel
 def _settle(fishes: Fishes, live: Live, slot: int, rows: int, dt: float, pace: float) -> None:
-    """Read body frame and pose from the nodes, and write them where playback would.
+    """Read body frame and pose from the nodes and write them as playback does.
 
-    `rows` is the number of recorded rows, behind which the slots' own begin; the body lives
-    `pace` times as fast as others.
+    The rows of the slots follow the `rows` recorded ones; the body lives `pace` times as fast as
+    others.
     """
     i = live.fish[slot]
     x = live.x[slot]
@@ -367,7 +365,7 @@ def _settle(fishes: Fishes, live: Live, slot: int, rows: int, dt: float, pace: f
 
 @kernel
 def frame_of(x: Array) -> tuple[Quaternion, Vector]:
-    """Orientation and origin of B for nodes (23, 3), compiled: `kinematics.frame.body_frame`."""
+    """Orientation and origin of B for nodes (23, 3): `biomechanics.body_frame`, compiled."""
     o = (0.5 * (x[5, 0] + x[7, 0]), 0.5 * (x[5, 1] + x[7, 1]), 0.5 * (x[5, 2] + x[7, 2]))
     ahead = unit((x[0, 0] - o[0], x[0, 1] - o[1], x[0, 2] - o[2]))
     across = (x[5, 0] - x[6, 0], x[5, 1] - x[6, 1], x[5, 2] - x[6, 2])

@@ -1,4 +1,4 @@
-"""Fins and mouth, moved kinematically: flapping, oaring, breathing (Tu §5.5, appendix B)."""
+"""Kinematic fins and mouth: flapping, oaring, breathing (Tu §5.5, appendix B)."""
 
 import numpy as np
 
@@ -7,12 +7,12 @@ from subsea.motor.controller import LEFT_GRADUAL, RIGHT_GRADUAL
 from subsea.state import DORSAL, LIFT_LEFT, MOUTH, SWEEP_LEFT, TAIL, Fishes
 
 REST_RAD = 0.55  # sweep of a relaxed fin away from the body
-FLAP_RAD = 0.22  # amplitude of the idle flapping
+FLAP_RAD = 0.22  # amplitude of idle flapping
 EFFORT_RAD = 0.35  # added by hard climbing, diving or turning
-OAR_RAD = (0.42, 0.36)  # half-axes of the cone that an oaring fin sweeps: aside and up
+OAR_RAD = (0.42, 0.36)  # half axes of the cone of an oaring fin: aside and up
 BEAT_HZ = 1.1  # idle; a busy fin beats up to three times as fast
 FOLD_RAD = 0.35  # a fast fish folds its fins to the body
-FULL_STEERING = 0.6  # rad/s: the effort of a fish that steers as hard as it can
+FULL_STEERING = 0.6  # rad/s: the hardest steering
 BREATH_HZ = 0.8  # at rest; an effort doubles it
 GAPE = 0.45  # how far the mouth opens to breathe
 FOLDED = 0.3  # by this share the dorsal fin folds at full speed
@@ -25,8 +25,8 @@ def flap(fishes: Fishes, dt: float) -> None:
     """Advance fins and breath by one tick.
 
     Flapping is a·sin(b·t), where a and b grow with the effort (Tu B.1). Flat-bodied fishes oar:
-    each fin sweeps a cone, forwards, but backwards on the inner side of a turn, and on both
-    sides to brake or retreat (Tu B.2).
+    each fin sweeps a cone forwards, or backwards on the inner side of a turn and on both sides to
+    brake or retreat (Tu B.2).
     """
     for i in range(len(fishes.species)):
         fins = fishes.fins[i]
@@ -64,7 +64,7 @@ def flap(fishes: Fishes, dt: float) -> None:
 
 @kernel
 def _side(segment: int) -> float:
-    """The turn that a segment makes: 1 left, -1 right, 0 none."""
+    """The side to which a segment turns: 1 left, -1 right, 0 none."""
     if segment < LEFT_GRADUAL:
         return 0.0
     return 1.0 if segment < RIGHT_GRADUAL else -1.0

@@ -1,4 +1,4 @@
-"""Playback of recorded motion and gliding (SMC §5.1, §5.2), one pass per tick."""
+"""Play recorded motion and glides (SMC §5.1, §5.2), one pass per tick."""
 
 from subsea.core.kernels import kernel
 from subsea.geometry.rotation import (
@@ -16,14 +16,14 @@ from subsea.motor.balance import balanced
 from subsea.repertoire.library import Library
 from subsea.state import Fishes
 
-TEMPO = (0.75, 1.3)  # how far a segment's rate may be bent to meet a speed
+TEMPO = (0.75, 1.3)  # range of a segment's rate, to meet a speed
 
 
 @kernel
 def play(fishes: Fishes, library: Library, dt: float) -> None:
     """Advance every fish by one tick of recorded motion, steering, balance and drift.
 
-    Fishes that are simulated have moved already (`motor/dynamics.py`).
+    Simulated fishes have already moved (`motor/dynamics.py`).
     """
     per_second = 1.0 / dt
     for i in range(len(fishes.species)):
@@ -53,9 +53,8 @@ def play(fishes: Fishes, library: Library, dt: float) -> None:
 def advance(fishes: Fishes, library: Library, i: int) -> tuple[Vector, Quaternion]:
     """Play fish i for one tick: its new origin and orientation.
 
-    R ← R·M, o ← o + R·αt (SMC eqs. 10, 11). A part f of a row moves by M^f and the same part
-    of t, so that the parts of a row join to exactly that row. Row a, row b, weight, span and
-    segment move on in place.
+    R ← R·M, o ← o + R·αt (SMC eqs. 10, 11). A fraction f of a row moves by M^f and f t, so that
+    the fractions of a row add up to it. Advances row a, row b, weight, span and segment in place.
     """
     o = vector(fishes.position[i])
     q = quaternion(fishes.orientation[i])
@@ -75,7 +74,7 @@ def advance(fishes: Fishes, library: Library, i: int) -> tuple[Vector, Quaternio
         rotation = quaternion(library.rotation[b])
         shift = vector(library.translation[b])
         if gliding:
-            # A glide keeps the fish's way: the last increment fades into the next one.
+            # A glide blends the last increment into the next one.
             middle = weight + 0.5 * frames / span
             rotation = mixed(quaternion(library.rotation[a]), rotation, middle)
             before = vector(library.translation[a])
@@ -102,7 +101,7 @@ def advance(fishes: Fishes, library: Library, i: int) -> tuple[Vector, Quaternio
 
 @kernel
 def _next_row(fishes: Fishes, library: Library, i: int) -> None:
-    """Row b is reached: it becomes a, and the next one is chosen."""
+    """Make row b row a, and choose the next row b."""
     kind = fishes.species[i]
     now = fishes.segment[i]
     a = fishes.row_b[i]
@@ -123,10 +122,10 @@ def _next_row(fishes: Fishes, library: Library, i: int) -> None:
 
 @kernel
 def _keep_speed(fishes: Fishes, i: int, ratio: float) -> None:
-    """Enter a segment at the speed of the old one, whose recorded speed is `ratio` times as high.
+    """Keep the speed in a new segment; `ratio` is the old recorded speed over the new one.
 
-    The strokes' rate takes up what it can, the way that they make takes the rest: a fish that
-    slows down coasts. The controller then eases both to what the goal asks.
+    The tempo takes up what it can and the thrust the rest: a fish that slows down coasts. The
+    controller then eases both toward the goal.
     """
     fishes.glide_tempo[i] = fishes.tempo[i]
     fishes.glide_thrust[i] = fishes.thrust[i]

@@ -1,4 +1,4 @@
-"""The pose of every fish between two ticks: which two rows it mixes, and by how much."""
+"""The pose of a fish between two ticks: a mix of two rows."""
 
 import numpy as np
 
@@ -9,16 +9,15 @@ from subsea.geometry.vector import plus, times, vector
 from subsea.repertoire.library import Library
 from subsea.state import Fishes
 
-TAIL_TIPS = 21, 22  # the nodes at the upper and lower tip of the tail
+TAIL_TIPS = 21, 22  # nodes of the upper and lower tail tip
 
 
 @kernel
 def pose_at(fishes: Fishes, i: int, alpha: float) -> tuple[int, int, float]:
     """Rows a and b and the weight of b for fish i, `alpha` of the way to the present tick.
 
-    The pose travels from (a, b, w) of the last tick over b, which the present a follows or is,
-    to the (a, b, w) of now. Lengths on this path are frames, so a glide, whose two rows lie N
-    frames apart, is travelled as evenly as playback.
+    The pose moves from (a, b, w) of the last tick over its row b to the present (a, b, w). Lengths
+    on this path are frames, so a glide over N frames moves as evenly as playback.
     """
     a0, b0 = fishes.previous_row_a[i], fishes.previous_row_b[i]
     a1, b1 = fishes.row_a[i], fishes.row_b[i]

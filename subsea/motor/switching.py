@@ -1,6 +1,6 @@
-"""Who is simulated and who is played back, and the way from one to the other unseen.
+"""Switch fishes between simulation and playback without a visible change.
 
-SMC §9.1 leaves this as future work: fishes near the viewer simulated, all others replayed.
+Fishes near the viewer are simulated, all others played back: future work of SMC §9.1.
 """
 
 import math
@@ -31,32 +31,32 @@ from subsea.repertoire.transitions import (
 )
 from subsea.state import Clock, Fishes, Live, Physics, Sea
 
-REVIEW_TICKS = 10  # how often the choice of fishes is thought over
-MIN_STAY_S = 4.0  # a fish that changed over stays for so long at least
-KEEP = 1.25  # a fish that is simulated counts as nearer than it is by this factor
-GENTLE = 1.2  # a fish leaves when no node's velocity changes by more than usual, times this ...
-MAX_WAIT_TICKS = 45  # ... or when it has waited for about three beats
+REVIEW_TICKS = 10  # interval between choices of fishes
+MIN_STAY_S = 4.0  # least time between two changes of a fish
+KEEP = 1.25  # factor by which a simulated fish counts as nearer: hysteresis
+GENTLE = 1.2  # largest change of a node's velocity over the usual one, to leave ...
+MAX_WAIT_TICKS = 45  # ... before about three beats have passed
 USUAL, NONE = Physics(), np.zeros(0, np.int32)
-EDGE_BL = 0.3  # so near to the surface, the rim and what stands on the seabed a fish is astray
-EXPERIMENT_LIMITS = (0.2, 3.0)  # so far out of shape a body gets before it has exploded
-HOVERING = 0.2  # thrust below which a fish is played back: backing off is not in the muscles
+EDGE_BL = 0.3  # distance to surface, rim and floor below which a fish leaves the sea
+EXPERIMENT_LIMITS = (0.2, 3.0)  # strain limits under unusual physics
+HOVERING = 0.2  # thrust below which a fish is played back: muscles cannot retreat
 
 
 class Dynamics(NamedTuple):
-    """What is constant: the species' bodies and how every recorded row moves."""
+    """Constants: the bodies of all species, and the kinematics of every recorded row."""
 
     bodies: BodyTables
-    muscular: NDArray[np.bool_]  # (S,) whether a species can be simulated: muscles move it
+    muscular: NDArray[np.bool_]  # (S,) whether a species has muscles and can be simulated
     motion: Kinematics  # R rows
     usual: Array  # (S, 7) the largest change of a node's velocity in each segment, cm per frame²
-    reach_cm: float  # fishes farther from the viewer are played back
+    reach_cm: float  # distance from the viewer beyond which fishes are played back
 
 
 def make_dynamics(
     species: Sequence[Species], repertoires: Sequence[Repertoire], library: Library,
     reach_cm: float,
 ) -> Dynamics:  # fmt: skip
-    """The constants of these species, in the order of the library that they were packed to."""
+    """The constants of these species, in the order of the packed library."""
     motions = [[kinematics_of(r.segments[name]) for name in SEGMENTS] for r in repertoires]
     every = [motion for row in motions for motion in row]
     return Dynamics(
@@ -72,11 +72,11 @@ def swim(
     fishes: Fishes, library: Library, dynamics: Dynamics, live: Live,
     viewer: Array, clock: Clock, physics: Physics = USUAL, sea: Sea | None = None,
 ) -> Ints:  # fmt: skip
-    """One tick of all simulated fishes, before playback moves the others.
+    """Advance all simulated fishes by a tick, before playback moves the others.
 
-    `viewer` (3,) is what fishes are near to, in cm. Returns those whose bodies lost their shape
-    ("exploded", Tu §9.2): they are played back from their last sound pose, and come to no harm.
-    Under unusual physics a fish that nothing turns, at the edge of the `sea`, is played back too.
+    Fishes near the `viewer` (3,), cm, are simulated. Returns those whose bodies diverged
+    ("exploded", Tu §9.2), which are played back from their last sound pose. Under unusual physics
+    fishes that leave the `sea` are played back too.
     """
     if not len(live.fish) or not len(fishes.live):
         return NONE
@@ -102,7 +102,7 @@ def swim(
 
 
 def _astray(fishes: Fishes, live: Live, sea: Sea) -> list[int]:
-    """Slots of fishes that were about to leave the sea, put where there is room for them."""
+    """Move fishes that were leaving the sea back inside, and return their slots."""
     found = []
     for slot, i in enumerate(live.fish):
         if i < 0 or not fishes.live[i]:
@@ -118,7 +118,7 @@ def _astray(fishes: Fishes, live: Live, sea: Sea) -> list[int]:
 
 
 def _free(fishes: Fishes, live: Live, rows: int) -> None:
-    """Free the slots whose rows no pose mixes any more."""
+    """Free the slots whose rows no pose uses."""
     i = live.fish
     needed = fishes.live[i] | (fishes.row_a[i] >= rows) | (fishes.previous_row_a[i] >= rows)
     live.fish[(i >= 0) & ~needed] = -1
@@ -127,7 +127,7 @@ def _free(fishes: Fishes, live: Live, rows: int) -> None:
 def _review(
     fishes: Fishes, library: Library, dynamics: Dynamics, live: Live, viewer: Array, first: int
 ) -> None:
-    """Simulate the fishes nearest to the viewer, as many as there are slots; `first` above all."""
+    """Choose the fishes nearest to the viewer for the slots; fish `first` before all."""
     distance = np.linalg.norm(fishes.position - viewer, axis=1)
     distance[fishes.live] /= KEEP
     if 0 <= first < len(distance):
@@ -149,7 +149,7 @@ def _review(
 
 
 def may_go_live(fishes: Fishes, library: Library, i: int) -> bool:
-    """Whether fish i is inside a cyclic segment, where beat and velocities are known."""
+    """Whether fish i is inside a cyclic segment, with known beat and velocities."""
     cyclic = library.cyclic[fishes.species[i], fishes.segment[i]]
     row = fishes.row_a[i] - library.first[fishes.species[i], fishes.segment[i]]
     inside = 0 <= row < library.length[fishes.species[i], fishes.segment[i]]
@@ -159,10 +159,10 @@ def may_go_live(fishes: Fishes, library: Library, i: int) -> bool:
 def to_live(
     fishes: Fishes, library: Library, dynamics: Dynamics, live: Live, slot: int, i: int
 ) -> None:
-    """Hand fish i from playback to the simulation, in a free slot.
+    """Hand fish i from playback to a free slot of the simulation.
 
-    Its nodes are the present pose (SMC eq. 12 at the recorded size); their velocities those of
-    the recorded rows, at the fish's tempo, thrust and rate of turning.
+    Its nodes take the present pose (SMC eq. 12 at the recorded size), and the velocities of the
+    recorded rows at the fish's tempo, thrust and turning rate.
     """
     bodies, motion = dynamics.bodies, dynamics.motion
     kind, segment = int(fishes.species[i]), int(fishes.segment[i])
@@ -190,7 +190,7 @@ def to_live(
     live.tempo[slot] = tempo
     live.bend[slot] = bodies.bend[kind] * bodies.turn_rate[kind, segment] / bodies.bend_rate[kind]
     live.speed[slot] = library.speed[kind, segment] * tempo * float(fishes.thrust[i])
-    # The present pose becomes the slot's first row, the next one is yet to be swum.
+    # The present pose is the first row of the slot; the next tick writes the other.
     own = 2 * slot
     live.nodes[own], live.nodes[own + 1] = nodes, nodes
     live.rotation[own], live.translation[own] = library.rotation[b], library.translation[b]
@@ -203,7 +203,7 @@ def to_live(
 def _try_to_leave(
     fishes: Fishes, library: Library, dynamics: Dynamics, live: Live, slot: int
 ) -> None:
-    """Leave if that is gentle enough now, or if the fish has waited for long."""
+    """Return to playback if the glide is gentle, or after a long wait."""
     way = way_back(fishes, library, dynamics, live, slot)
     usual = dynamics.usual[fishes.species[live.fish[slot]], way.segment]
     live.waiting[slot] += 1
@@ -223,7 +223,7 @@ class WayBack(NamedTuple):
 def way_back(
     fishes: Fishes, library: Library, dynamics: Dynamics, live: Live, slot: int
 ) -> WayBack:
-    """The gentlest glide of the fish in a slot to any row of a cyclic segment."""
+    """The gentlest glide from the pose of a slot to a row of a cyclic segment."""
     i = live.fish[slot]
     kind, rows = fishes.species[i], len(dynamics.motion.nodes)
     here, before = fishes.row_a[i] - rows, fishes.row_b[i] - rows
@@ -248,9 +248,9 @@ def way_back(
 
 
 def to_playback(fishes: Fishes, library: Library, live: Live, slot: int, way: WayBack) -> None:
-    """Hand the fish of a slot back: it glides from its last pose to a recorded row.
+    """Hand the fish of a slot back to playback, with a glide to a recorded row.
 
-    The glide keeps the speed, as between two segments. The slot stays taken till its end.
+    The glide keeps the speed, as between segments. The slot stays taken until it ends.
     """
     i = int(live.fish[slot])
     fishes.row_b[i], fishes.span[i], fishes.weight[i] = way.row, way.frames, 0.0

@@ -1,1 +1,1 @@
-"""What a fish knows of its neighbours."""
+"""Perception: what a fish sees, smells and feels, and what it attends to."""

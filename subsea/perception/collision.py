@@ -1,4 +1,4 @@
-"""Danger of collision, with other fishes and with what stands still (Tu §6.6.1, SMC §6.2)."""
+"""Collision detection, with other fishes and with obstacles (Tu §6.6.1, SMC §6.2)."""
 
 import math
 from typing import NamedTuple
@@ -33,31 +33,31 @@ from subsea.state import (
     Nature,
 )
 
-ANTENNA_BL = 1.0  # length of the ray that feels for obstacles (Tu §6.6.1) ...
-ENLARGED = 1.5  # ... and how much larger all is for fishes that move by recorded motion (SMC §6.2)
-BERTH_WIDTHS = 1.5  # so many widths of the body an obstacle counts as larger
-# The sensitivity region is a box around the body, so many body lengths larger on all sides, ...
+ANTENNA_BL = 1.0  # length of the ray that detects obstacles (Tu §6.6.1) ...
+ENLARGED = 1.5  # ... and factor on all sizes for fishes with recorded motion (SMC §6.2)
+BERTH_WIDTHS = 1.5  # widths of the body by which obstacles are enlarged
+# The sensitivity region is a box around the body with a margin on all sides ...
 MARGIN_BL = 0.08
-SCHOOLING_BL = 0.02  # ... of a fish in formation (Tu §7.9.2), ...
-COURTING_BL = 0.0  # ... and of one that courts (Tu §7.9.3),
-# swept by how fast the two approach each other in so many seconds.
+SCHOOLING_BL = 0.02  # in formation (Tu §7.9.2)
+COURTING_BL = 0.0  # in courtship (Tu §7.9.3)
+# ... swept along the relative velocity for this time.
 FORESIGHT_S = 0.6
 SCHOOLING_S = 0.3
 COURTING_S = 0.1
-HELD = 1.3  # how much larger the region is for what a fish is avoiding already: no dithering
-STATIONS = 7  # points of a centre line, as many as there are sets of nodes along it ...
-FINEST, MOST_STATIONS = 0.3, 64  # ... and no farther apart than so many lengths of the other
+HELD = 1.3  # factor on the region for what a fish is already avoiding: hysteresis
+STATIONS = 7  # least number of points of a centre line ...
+FINEST, MOST_STATIONS = 0.3, 64  # ... which are at most 0.3 lengths of the other apart
 
 
 @kernel
 def find_threats(
     who: Ints, bodies: Bodies, minds: Minds, grids: tuple[Grid, Grid], nature: Nature
 ) -> None:
-    """Enter into `minds.threat` with whom each of the fishes `who` is in danger to collide.
+    """Set `minds.threat` of the fishes `who`: the fish that is most likely to collide with it.
 
-    `grids` holds the middles of all that may be run into, small and large ones apart. The one with
-    the largest share of its centre line in the sensitivity region counts, of equal ones the
-    nearest. A fish takes no prey that it hunts for a threat, and no partner in courtship.
+    `grids` hold the middles of all fishes, small and large ones apart. The threat is the fish with
+    the largest share of its centre line in the sensitivity region; of equal ones the nearest.
+    Hunted prey and the partner in courtship are no threats.
     """
     small, large = _crowd(bodies, grids[0]), _crowd(bodies, grids[1])
     slots = np.empty(max(len(small.motion), len(large.motion)), np.int64)
@@ -122,10 +122,7 @@ def _crowd(bodies: Bodies, grid: Grid) -> Crowd:
 
 @kernel
 def motion(bodies: Bodies, grid: Grid) -> Array:
-    """Velocity (x, y, z), radius about its middle and speed of the fish in each slot (m, 5).
-
-    In cm/s and cm.
-    """
+    """Velocity, cm/s, radius about the middle, cm, and speed of the fish in each slot (m, 5)."""
     out = np.empty((len(grid.member), 5))
     for slot in range(len(out)):
         j = grid.member[slot]
@@ -155,13 +152,13 @@ def worst_threat(
         slot = slots[k]
         gap = minus(vector(grid.place[slot]), here)
         near = around + motion[slot, 3]
-        # Most are too far off, however they move: in a dense school it pays to ask that first.
+        # Most are too far away, however they move: test that first.
         far = near + foresight * (speed + motion[slot, 4])
         squared = dot(gap, gap)
         if squared > far * far:
             continue
         drift = minus(vector(motion[slot]), velocity)
-        # How near the middles come: nothing of a body is farther from its middle than its radius.
+        # Closest approach of the middles, within which the radii must reach.
         met, along = gap, dot(gap, drift)
         if along < 0.0:
             met = plus(gap, times(min(-along / dot(drift, drift), foresight), drift))
@@ -177,7 +174,7 @@ def worst_threat(
 
 @kernel
 def _radius(bodies: Bodies, i: int) -> float:
-    """How far any part of fish i is from its middle at most, cm."""
+    """Farthest distance of any part of fish i from its middle, cm."""
     girth = float(bodies.girth[i, 0]) + float(bodies.girth[i, 1])
     return 0.5 * (float(bodies.length[i]) + girth)
 
@@ -186,10 +183,10 @@ def _radius(bodies: Bodies, i: int) -> float:
 def share_inside(bodies: Bodies, i: int, j: int, margin: float, foresight: float) -> float:
     """The share of the centre line of fish j that lies in the sensitivity region of fish i.
 
-    A point is inside if it would enter the box around i, `margin` body lengths larger than the
-    two are thick, within `foresight` seconds at the velocity that j has against i. So a
-    fish that swims alongside is none, however near, and one that is met head-on is from afar.
-    What i cannot see for it is straight behind does not count.
+    A point is inside if it would enter the box around i, enlarged by half the girths of j and by
+    `margin` body lengths, within `foresight` seconds at the velocity of j relative to i. So a fish
+    alongside is no threat, however near, and one met head-on is one from afar. Points in the
+    blind angle behind i do not count.
     """
     back = conjugate(bodies.orientation[i])
     length, other = float(bodies.length[i]), float(bodies.length[j])
@@ -218,7 +215,7 @@ def share_inside(bodies: Bodies, i: int, j: int, margin: float, foresight: float
 
 @kernel
 def _sweeps(p: Vector, way: Vector, low: Vector, high: Vector, more: float) -> bool:
-    """Whether p on its way enters a box, `more` cm larger on all sides."""
+    """Whether p moved by `way` enters a box that is `more` cm larger on all sides."""
     first, last = 0.0, 1.0
     for axis in range(3):
         a, b = low[axis] - more - p[axis], high[axis] + more - p[axis]
@@ -236,10 +233,9 @@ def _sweeps(p: Vector, way: Vector, low: Vector, high: Vector, more: float) -> b
 def find_barriers(
     who: Ints, bodies: Bodies, minds: Minds, scene: Surroundings, nature: Nature
 ) -> None:
-    """Enter into `minds.barrier` what stands in the way of each of the fishes `who`.
+    """Set `minds.barrier` of the fishes `who`: the first obstacle that a ray ahead meets.
 
-    It is what a ray ahead from the eye meets first: a pillar, a rock, seabed, surface or wall,
-    each nearer by 1.5 widths of the body.
+    A pillar, a rock, seabed, surface or wall, each enlarged by 1.5 widths of the body.
     """
     for i in who:
         antenna = ENLARGED * nature.timidity * ANTENNA_BL * float(bodies.length[i])
@@ -249,9 +245,9 @@ def find_barriers(
 
 @kernel
 def met_first(bodies: Bodies, i: int, scene: Surroundings, antenna: float) -> int:
-    """What stands still that a ray ahead of fish i, `antenna` cm long, meets first; -1: nothing.
+    """The first obstacle that a ray of `antenna` cm ahead of fish i meets, or -1.
 
-    What the fish is within its berth of already only counts if it heads for it.
+    An obstacle within the berth of the fish counts only if the fish heads for it.
     """
     berth = BERTH_WIDTHS * float(bodies.girth[i, 1])
     eye, ahead = eye_of(bodies, i), ahead_of(bodies, i)
@@ -283,7 +279,7 @@ def met_first(bodies: Bodies, i: int, scene: Surroundings, antenna: float) -> in
 
 @kernel
 def _leaves_circle(a: Vector, b: Vector, radius: float) -> float:
-    """The t at which a + t (b - a) leaves the upright cylinder about the world's axis, else 0."""
+    """The t at which a + t (b - a) leaves the upright cylinder about the world's axis, or 0."""
     dx, dy = b[0] - a[0], b[1] - a[1]
     along, square = a[0] * dx + a[1] * dy, dx * dx + dy * dy
     inside = radius * radius - a[0] * a[0] - a[1] * a[1]

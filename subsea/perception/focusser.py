@@ -1,4 +1,4 @@
-"""The focusser: what an intention is about, and motor preferences from all else (Tu §6.5, §7.6)."""
+"""The focusser: targets of intentions, and motor preferences (Tu §6.5, §7.6)."""
 
 import numpy as np
 
@@ -45,21 +45,21 @@ from subsea.state import (
     Sea,
 )
 
-COMPROMISE = 0.2  # p of Tu §6.5.3: what a motor preference adds to a target's desirability
-STRANGER = 0.5  # how desirable a mate of another species is against one of its own
+COMPROMISE = 0.2  # p of Tu §6.5.3: weight of motor preferences in desirability
+STRANGER = 0.5  # factor on the desirability of a mate of another species
 STEEPEST = 0.6  # sine of the steepest climb or dive, as in `motor/controller.py`
-ARC = 0.5  # what is straight behind is so much farther than it looks
-TOWARD = 0.5  # cosine of 60 degrees: what lies so near an axis lies in its direction
-ELBOW_BL = 0.6  # a companion nearer than this is in the way
-APPETISING_BL = 5.0  # food farther off than that does not bend a fish's way
+ARC = 0.5  # share by which the way to a point straight behind is longer
+TOWARD = 0.5  # cosine of the 60 degrees about an axis that count as its direction
+ELBOW_BL = 0.6  # distance within which a companion is in the way
+APPETISING_BL = 5.0  # range of food that sets motor preferences
 
 
 def focus(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
     """Set `minds.preference` and `minds.target` of the fishes `who`, whose intention is known.
 
-    To avoid: the fish that threatens most. To escape: the most fearful predator. To eat: a speck
-    or prey. To mate: a fish to court, until the courtship itself goes on. Nothing that is
-    gone or no longer perceived stays a target. What else is intended has none.
+    The target is the worst threat for avoiding, the most fearful predator for escaping, a speck
+    or prey for eating, and a fish to court for mating, until the courtship goes on. Other
+    intentions have no target. What is gone or no longer perceived is dropped.
     """
     bodies, scene = bodies_of(fishes), surroundings_of(sea)
     set_preferences(who, bodies, minds, scene, nature)
@@ -72,11 +72,10 @@ def set_targets(
 ) -> None:  # fmt: skip
     """Set the target of each of the fishes `who`.
 
-    A speck is desired as D = 1 - d / O_r (Tu §6.5.3), d being the way that must be swum; prey the
-    more the less it costs to catch (§7.9.1). A male likes a female the better the nearer she is, a
-    female a male the larger he is; both like their own species better (§7.9.3). The present target
-    is kept while it is perceived, unless another is nearer, or of prey cheaper, by `devotion_cm`
-    (§7.7.3).
+    A speck has the desirability D = 1 - d / O_r (Tu §6.5.3) for the way d to swim; for prey the
+    least cost decides (§7.9.1). Males prefer near females, females large males, both their own
+    species (§7.9.3). The present target is kept while it is perceived, unless another is nearer,
+    or cheaper to catch, by `devotion_cm` (§7.7.3).
     """
     desire, gaps = np.zeros(minds.foods.shape[1]), np.zeros(minds.foods.shape[1])
     for i in who:
@@ -140,10 +139,10 @@ def set_targets(
 
 @kernel
 def way_to(toward: Vector, ahead: Vector) -> float:
-    """About how far a fish must swim to what lies `toward` (cm) its mouth.
+    """About how far a fish must swim to a point at `toward` (cm) from its mouth.
 
-    It turns in an arc, by half of the distance more for what is straight behind, and doesn't
-    swim steeper than recorded motion allows.
+    The arc of its turn adds up to half of the distance, for a point straight behind; the way is
+    no steeper than recorded motion allows.
     """
     distance = norm(toward)
     cosine = dot(toward, ahead) / max(distance, 1e-6)
@@ -155,12 +154,11 @@ def way_to(toward: Vector, ahead: Vector) -> float:
 def most_desirable(
     bodies: Bodies, i: int, targets: Ints, desire: Array, place: Array, preference: Array
 ) -> int:
-    """Which of up to K targets fish i chooses, -1 of none (Tu §6.5.3).
+    """The target, of up to K, that fish i chooses, or -1 (Tu §6.5.3).
 
-    `targets` (k,) index rows of `place`, -1 for none; `desire` (k,) is how desirable each is.
-    The best wins if it is far better than the next. Otherwise p M is added for the side on which
-    each lies: left, right or front. Far better means by more than p, which a preference at its
-    most adds.
+    `targets` (k,) index rows of `place`, -1 for none; `desire` (k,) is their desirability. The
+    best wins if it is better than the next by more than p. Otherwise p M is added for the side on
+    which each lies: left, right or front.
     """
     first, second = -1, -1
     for k in range(len(targets)):
@@ -192,9 +190,9 @@ def set_preferences(
 ) -> None:  # fmt: skip
     """Set the motor preferences of each of the fishes `who` (Tu §6.5.2, §7.6).
 
-    Each stimulus recommends the directions in which it lies, or warns of them, as strongly as
-    the desire is that it concerns, against the present intention. Recommendations and warnings
-    are averaged apart, and added.
+    Each stimulus recommends the directions in which it lies, or warns of them, with the strength
+    of its desire relative to the present intention. Recommendations and warnings are averaged
+    separately and added.
     """
     sums, counts = np.zeros((2, 6)), np.zeros((2, 6))
     for i in who:
@@ -235,7 +233,7 @@ def set_preferences(
 
 @kernel
 def against(desire: float, strength: float) -> float:
-    """The strength of a desire over that of the intention, at most 1 (Tu §7.6)."""
+    """The strength of a desire relative to the intention, at most 1 (Tu §7.6)."""
     return min(float(desire) / max(float(strength), 1e-6), 1.0)
 
 
@@ -243,7 +241,7 @@ def against(desire: float, strength: float) -> float:
 def warn_of_fishes(
     bodies: Bodies, i: int, threat: int, neighbour: Ints, sums: Array, counts: Array
 ) -> None:
-    """Warn of the fish that threatens to collide, and of companions that are too near."""
+    """Warn of the fish in `threat` and of companions that are too near."""
     here, q = vector(bodies.position[i]), bodies.orientation[i]
     if threat != NOBODY:
         note(q, minus(along_body(bodies, threat, 0.5), here), -1.0, sums, counts)
@@ -260,7 +258,7 @@ def warn_of_fishes(
 def warn_of_solids(
     bodies: Bodies, i: int, scene: Surroundings, nature: Nature, sums: Array, counts: Array
 ) -> None:
-    """Warn of what stands still within an antenna's length of the eye."""
+    """Warn of obstacles within an antenna's length of the eye."""
     eye, q = eye_of(bodies, i), bodies.orientation[i]
     reach = ENLARGED * nature.timidity * ANTENNA_BL * float(bodies.length[i])
     for k in range(len(scene.pillars)):
@@ -283,7 +281,7 @@ def warn_of_solids(
 
 @kernel
 def note(q: Array, toward: Vector, value: float, sums: Array, counts: Array) -> None:
-    """Count a stimulus for the directions within 60 degrees of which it lies."""
+    """Count a stimulus for each direction within 60 degrees of it."""
     x, y, z = to_body(q, times(1.0 / max(norm(toward), 1e-9), toward))
     sign = 0 if value > 0.0 else 1
     for side, along in (

@@ -1,4 +1,4 @@
-"""Which food a fish perceives: specks of plankton, or of a predator prey (Tu §6.3.1, §7.9.1)."""
+"""Food in range: plankton, or prey for predators (Tu §6.3.1, §7.9.1)."""
 
 import math
 
@@ -16,17 +16,17 @@ SCHOOL_COST, TURN_COST = 0.5, 0.2  # beta1 and beta2 of Tu §7.9.1
 
 
 def cell_cm(sea: Sea) -> float:
-    """Side of a cell, cm, in which there is about one speck."""
+    """Side of a cell that holds about one speck, cm."""
     volume = math.pi * sea.radius**2 * float(sea.climate[2])
     return float((volume / max(len(sea.plankton), 1)) ** (1 / 3))
 
 
 @kernel
 def perceive_plankton(who: Ints, bodies: Bodies, minds: Minds, grid: Grid, nature: Nature) -> None:
-    """Enter the specks of `grid` that those of the fishes `who` perceive that live on them.
+    """Set the food of the plankton eaters among the fishes `who` from the specks of `grid`.
 
-    A speck is seen within V_r and smelled within O_r, in all directions and behind what hides
-    it. As O_r is the larger, what is smelled is all that is perceived.
+    A speck is seen within V_r, and smelled within O_r in all directions and behind solids. As O_r
+    is the larger, smell alone decides.
     """
     gaps, slots = np.empty(minds.foods.shape[1]), np.empty(len(grid.member), np.int64)
     for i in who:
@@ -40,7 +40,7 @@ def perceive_plankton(who: Ints, bodies: Bodies, minds: Minds, grid: Grid, natur
 def perceive_prey(
     who: Ints, bodies: Bodies, minds: Minds, scene: Surroundings, grid: Grid, nature: Nature
 ) -> None:
-    """Enter the prey of `grid` that the predators among the fishes `who` see or smell.
+    """Set the food of the predators among the fishes `who` from the prey of `grid`.
 
     `minds.food` is the nearest, `minds.foods` the cheapest to catch.
     """
@@ -81,14 +81,14 @@ def perceive_prey(
 
 @kernel
 def is_quarry(minds: Minds, species: Ints, i: int, j: int) -> bool:
-    """Whether predator i may hunt fish j: anyone, unless a direction says whom."""
+    """Whether predator i may hunt fish j; a direction may restrict its quarry."""
     first, end, kind = minds.quarry[i]
     return bool(first <= j < end and (kind < 0 or species[j] == kind))
 
 
 @kernel
 def is_in_school(minds: Minds, j: int) -> bool:
-    """Whether fish j schools, at this moment or by habit, and has company of its species near."""
+    """Whether fish j belongs to a school and has company of its species near."""
     belongs = minds.leads[j] or (minds.schools[j] and minds.leader[j] >= 0)
     return belongs and minds.neighbour[j, 0] >= 0
 
@@ -97,15 +97,15 @@ def is_in_school(minds: Minds, j: int) -> bool:
 def perceives(
     bodies: Bodies, i: int, j: int, scene: Surroundings, nature: Nature, distance: float
 ) -> bool:
-    """Whether predator i smells or sees prey j, `distance` cm before its mouth."""
+    """Whether predator i smells or sees prey j, `distance` cm from its mouth."""
     return distance <= nature.smell_cm or sees_fish(bodies, i, j, scene, nature)
 
 
 @kernel
 def cost_of(toward: Vector, distance: float, ahead: Vector, schools: bool) -> float:
-    """What it costs to catch a prey: C = d (1 + beta1 S + beta2 E / pi) (Tu §7.9.1), cm.
+    """Cost of catching prey, cm: C = d (1 + beta1 S + beta2 E / pi) (Tu §7.9.1).
 
-    S is whether it is in a school, E the angle by which the predator has to turn.
+    S is 1 for prey in a school, else 0; E is the angle by which the predator has to turn.
     """
     cosine = dot(toward, ahead) / max(distance, 1e-9)
     turn = math.acos(min(max(cosine, -1.0), 1.0))

@@ -1,4 +1,4 @@
-"""A sorted uniform grid over points: who is near, without asking everybody."""
+"""A sorted uniform grid over points, for neighbour search."""
 
 import math
 from typing import NamedTuple
@@ -9,11 +9,11 @@ from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
 from subsea.geometry.vector import Vector, dot, minus, vector
 
-CELLS_EACH, CELLS_MORE = 64, 4096  # at most so many cells for each point, and for them all
+CELLS_EACH, CELLS_MORE = 64, 4096  # most cells: per point, and in addition
 
 
 class Grid(NamedTuple):
-    """m points, sorted by the cubic cell that they are in; equal cells keep their order."""
+    """m points, sorted by their cubic cell; points of a cell keep their order."""
 
     low: Vector  # cm, the corner where the first cell begins
     cell: float  # cm, side of a cell
@@ -27,7 +27,7 @@ class Grid(NamedTuple):
 def make_grid(points: Array, chosen: Ints, cell: float) -> Grid:
     """Sort the points `chosen`, rising indices of `points` (n, 3), by cells of `cell` cm.
 
-    Cells are larger where so many would be needed that most of the work were about empty ones.
+    Cells grow until their number is in proportion to the points.
     """
     m = len(chosen)
     low, high = np.zeros(3), np.zeros(3)
@@ -68,10 +68,10 @@ def make_grid(points: Array, chosen: Ints, cell: float) -> Grid:
 
 @kernel
 def near_slots(grid: Grid, p: Vector, reach: float, slots: Ints) -> int:
-    """Enter slots of all points within `reach` cm of p, and of some that are farther.
+    """Write the slots of all points near p to `slots` and return their number.
 
-    Returns how many there are; `slots` must have room for all m. (A generator would read better,
-    but compiled ones do not survive in numba's cache.)
+    They include all points within `reach` cm and some farther ones; `slots` must have room for all
+    m. (Numba cannot cache generators.)
     """
     first_a, last_a = _range(grid, p, reach, 0)
     first_b, last_b = _range(grid, p, reach, 1)
@@ -101,17 +101,19 @@ def _range(grid: Grid, p: Vector, reach: float, axis: int) -> tuple[int, int]:
 def nearest(
     grid: Grid, p: Vector, reach: float, but: int, found: Ints, gaps: Array, slots: Ints
 ) -> None:
-    """Enter the members nearest to p into `found` (k,) and their distances, cm, into `gaps` (k,).
+    """Write the members nearest to p to `found` (k,) and their distances, cm, to `gaps` (k,).
 
-    They are nearer than `reach` and none is the member `but`; -1 and infinity where there are no
-    more. Of those at equal distances the lower index comes first. `slots` (m,) is room to work.
-    One looks farther only while there are too few.
+    All are nearer than `reach`, and the member `but` is left out; missing ones are -1 at infinity.
+    Of equal distances the lower index comes first. `slots` (m,) is scratch space. The search
+    widens only while too few are found.
     """
     found[:] = -1
     gaps[:] = np.inf
     inner, outer = -1.0, min(0.5 * grid.cell, reach)
     while True:
-        bound = min(outer, gaps[-1]) * (1.0 + 1e-12)  # rounding must not tell equals apart
+        bound = min(outer, gaps[-1]) * (
+            1.0 + 1e-12
+        )  # tolerance, so that rounding does not separate equals
         for k in range(near_slots(grid, p, outer, slots)):
             slot = slots[k]
             away = minus(vector(grid.place[slot]), p)
@@ -129,7 +131,7 @@ def nearest(
 
 @kernel
 def insert(found: Ints, cost: Array, member: int, price: float) -> bool:
-    """Put a member among the cheapest `found`, sorted by cost, then index; False if too dear."""
+    """Insert a member into `found`, sorted by cost, then index; False if it costs too much."""
     slot = len(found) - 1
     if price > cost[slot] or (price == cost[slot] and found[slot] >= 0 and member > found[slot]):
         return False

@@ -1,4 +1,4 @@
-"""Where its leader is, as far as a schooling fish knows: from its own eyes, or its companions'."""
+"""Where a schooling fish knows its leader to be, by its own eyes or from companions."""
 
 from subsea.core.arrays import Ints
 from subsea.core.kernels import kernel
@@ -10,10 +10,10 @@ from subsea.state import Clock, Minds, Nature
 def watch_leader(
     who: Ints, bodies: Bodies, minds: Minds, scene: Surroundings, nature: Nature, clock: Clock
 ) -> None:
-    """Renew `leader_place` and `leader_seen` of the fishes `who` that school.
+    """Update `leader_place` and `leader_seen` of the fishes `who` that school.
 
-    A fish that doesn't see its leader knows what those of its companions know that saw it last:
-    so a school finds its way around a pillar that hides who leads it.
+    A fish that does not see its leader takes over the latest sighting of its companions: so a
+    school finds its way around a pillar that hides the leader.
     """
     now = clock.tick * clock.dt
     for i in who:

@@ -1,4 +1,4 @@
-"""Whom a fish may mate with (Tu §7.9.3)."""
+"""Possible mates in sight (Tu §7.9.3)."""
 
 import numpy as np
 
@@ -10,21 +10,21 @@ from subsea.perception.vision import Bodies, Surroundings, eye_of, sees_fish, si
 from subsea.state import LIBIDO, LOOPING, PACIFIST, Minds, Nature
 
 CELL_CM = 100.0
-ODD = 2.0  # nobody courts a stranger so many times as long, or as short
-TEMPTING_CM = 40.0  # a mate that is farther off does not tempt who is not in the mood (Tu §7.4)
-STRANGE_CM = 1e6  # so much farther away a fish of another species counts
+ODD = 2.0  # largest ratio of lengths between mates of different species
+TEMPTING_CM = 40.0  # range of a mate for a fish without libido (Tu §7.4)
+STRANGE_CM = 1e6  # added to the distance of another species
 
 
 @kernel
 def see_mates(
     who: Ints, bodies: Bodies, minds: Minds, scene: Surroundings, grid: Grid, nature: Nature
 ) -> None:
-    """Enter possible mates in sight of the fishes `who`, from the pacifists in `grid`.
+    """Set the possible mates of the fishes `who`, from the pacifists in `grid`.
 
-    Those of the same species come first, then the nearest. Who has too little libido to court
-    looks no farther than a mate could tempt it. A mate is of the other sex, not shunned and not
-    circling with another; one of another species must be about as large. Two whom a direction has
-    betrothed know of each other wherever they are, and nobody else is a mate to them.
+    Same species come first, then the nearest. A fish with too little libido to court looks only as
+    far as a mate can tempt it. A mate is of the other sex, not shunned and not circling with
+    another; one of another species must be of similar size. Two fishes betrothed by a direction
+    know of each other anywhere and have no other mates.
     """
     longest = 0.0
     for j in grid.member:

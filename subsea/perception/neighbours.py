@@ -1,4 +1,4 @@
-"""Who swims beside a fish: what its lateral line feels, in all directions (Tu §6.3)."""
+"""Nearest companions, as felt by the lateral line in all directions (Tu §6.3)."""
 
 import numpy as np
 
@@ -8,15 +8,14 @@ from subsea.geometry.vector import vector
 from subsea.perception.grid import Grid, make_grid, nearest
 from subsea.state import Fishes, Minds
 
-REACH_CM = 110.0  # how far a fish looks for companions
-CELL_CM = 60.0  # side of a cell: large enough that few are empty
+REACH_CM = 110.0  # range of companions
+CELL_CM = 60.0  # large enough that few cells are empty
 
 
 def find_neighbours(who: Ints, fishes: Fishes, minds: Minds, reach: float) -> None:
-    """Enter into `minds.neighbour` of the fishes `who` the nearest living ones of the same species.
+    """Set `minds.neighbour` of the fishes `who`: the nearest of their species within `reach` cm.
 
-    They are within `reach` cm. Equal distances are told apart by index, so the answer does not
-    depend on order.
+    Equal distances are ordered by index, so the result does not depend on the order of `who`.
     """
     kinds = fishes.species[who]
     for kind in np.unique(kinds):

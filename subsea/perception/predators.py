@@ -1,4 +1,4 @@
-"""Which predators a prey fish sees, and how fearful each of them is (Tu §7.4)."""
+"""Predators that prey see, and how fearful each of them is (Tu §7.4)."""
 
 import numpy as np
 
@@ -17,18 +17,18 @@ from subsea.perception.vision import (
 )
 from subsea.state import NOBODY, PREY, SUBMARINE, Minds, Nature
 
-CELL_CM = 400.0  # predators are few, and seen from afar
+CELL_CM = 400.0  # large, as predators are few and seen from afar
 
 
 @kernel
 def see_predators(
     who: Ints, bodies: Bodies, minds: Minds, scene: Surroundings, grid: Grid, nature: Nature
 ) -> None:
-    """Enter what the fishes `who` have to fear: those in sight of the predators in `grid`.
+    """Set what the fishes `who` fear, from the predators in `grid`.
 
     Predator j, d cm away, is as fearful as Fʲ = min(D₀/d, 1). The submarine is one
     more, with a D₀ of its own. Only prey fear (Tu §7.9). `minds.menaces`
-    is their sum, at most 1: no fish fears more, and who fears so much looks at none but the worst.
+    is their sum, at most 1; at 1 only worse ones are looked at.
     """
     longest = 0.0
     for j in grid.member:
@@ -52,7 +52,7 @@ def see_predators(
                 gap = minus(vector(grid.place[slots[k]]), eye)
                 danger = fearfulness(float(minds.dread[i]), norm(gap))
                 if total >= 1.0 and -danger > cost[-1]:
-                    continue  # it could add nothing, and to see costs more than all else
+                    continue  # it adds nothing, and the test of sight is the most expensive
                 if sees_fish(bodies, i, j, scene, nature):
                     total += min(danger, 1.0)
                     insert(worst, cost, j, -danger)

@@ -1,4 +1,4 @@
-"""Who thinks in this tick: fishes that are far away or out of sight do so less often."""
+"""Which fishes think in a tick: far or hidden ones do so less often."""
 
 import numpy as np
 
@@ -7,16 +7,16 @@ from subsea.core.kernels import kernel
 from subsea.geometry.vector import minus, norm, vector
 from subsea.state import Clock, Fishes, Minds, Sea
 
-NEAR_CM = 400.0  # within this distance of the submarine a fish thinks in every tick
-FAR_TICKS = 4  # farther away once in so many ticks, 0.13 s ...
-UNSEEN_TICKS = 8  # ... and once in so many where the water hides it
+NEAR_CM = 400.0  # distance to the submarine within which a fish thinks every tick
+FAR_TICKS = 4  # interval beyond, 0.13 s ...
+UNSEEN_TICKS = 8  # ... and where the water hides it
 
 
 @kernel
 def fish_due(fishes: Fishes, minds: Minds, sea: Sea, visibility: float, clock: Clock) -> Ints:
-    """Indices, rising, of the living fishes that think now; `minds.pause` of all grows.
+    """Rising indices of the living fishes that think now; adds a tick to `minds.pause` of all.
 
-    Turns are spread evenly over ticks. In the first tick everybody thinks.
+    Turns are spread evenly over ticks. In the first tick all think.
     """
     n = len(minds.intention)
     who = np.empty(n, np.int64)

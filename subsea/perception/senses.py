@@ -1,4 +1,4 @@
-"""What the fishes whose turn it is perceive."""
+"""Run all senses of the fishes that think in a tick."""
 
 import numpy as np
 
@@ -10,12 +10,12 @@ from subsea.perception.neighbours import REACH_CM, find_neighbours
 from subsea.perception.vision import bodies_of, middles_of, surroundings_of
 from subsea.state import PACIFIST, PREDATOR, PREY, Clock, Fishes, Minds, Nature, Sea
 
-LARGE_CM = 45.0  # fishes longer than that are kept in a grid of their own ...
-SMALL_CELL_CM, LARGE_CELL_CM = 30.0, 150.0  # ... so that nobody looks far for small ones
+LARGE_CM = 45.0  # longer fishes are kept in a grid of their own ...
+SMALL_CELL_CM, LARGE_CELL_CM = 30.0, 150.0  # ... so that small ones are searched nearby
 
 
 def sense(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
-    """Fill all that perception writes of the fishes `who`, but for what the focusser does."""
+    """Update all that perception writes of the fishes `who`, except by the focusser."""
     if len(who) == 0:
         return
     feel_water(who, fishes.position, sea.climate, minds.light, minds.temperature)
@@ -48,8 +48,8 @@ def feel_water(
 ) -> None:
     """Set brightness and temperature of the water around the fishes `who`.
 
-    Light fades with depth as exp(-depth / l); the water cools evenly down to the depth at which
-    its lower temperature is given, and no further.
+    Light fades with depth as exp(-depth / l); the water cools evenly down to the depth of the
+    lower temperature, and no further.
     """
     surface_c, depth_c, depth, fade = climate
     for i in who:

@@ -1,4 +1,4 @@
-"""What a fish can see: the view volume, and what hides things in it (Tu §6.3, §6.4)."""
+"""Vision of a fish: view volume and occlusion (Tu §6.3, §6.4)."""
 
 import math
 from typing import NamedTuple
@@ -13,12 +13,12 @@ from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, vector
 from subsea.state import Fishes, Nature, Sea
 
 FIELD_COS = math.cos(math.radians(150.0))  # half of the field of 300 degrees
-# Where on its centre line, from snout to tail, a fish is looked at: first where most of it is.
-# A solid that hides five points in a row is as long as the fish, which hides all 23 nodes too.
+# Points of the centre line, from snout to tail, that are tested for occlusion, the middle first.
+# A solid that hides all five is as long as the fish and hides all 23 nodes too.
 BODY_SHARES = (0.5, 0.25, 0.75, 0.0, 1.0)
-# Water takes contrast away exponentially: what is farther than so many V_r is seen by nobody.
+# Most multiples of V_r: water reduces contrast exponentially.
 FARTHEST = 3.0
-SUBMARINE_CM = 300.0  # how long the submarine is to the eye of a fish
+SUBMARINE_CM = 300.0  # length of the submarine as fishes see it
 
 
 class Bodies(NamedTuple):
@@ -50,12 +50,12 @@ class Surroundings(NamedTuple):
 
 
 def bodies_of(fishes: Fishes) -> Bodies:
-    """Views of the fishes' arrays."""
+    """Those arrays of the fishes, without a copy."""
     return Bodies(*(getattr(fishes, name) for name in Bodies._fields))
 
 
 def surroundings_of(sea: Sea) -> Surroundings:
-    """Views of the sea's arrays."""
+    """Those arrays of the sea, without a copy."""
     return Surroundings(*(getattr(sea, name) for name in Surroundings._fields))
 
 
@@ -75,8 +75,7 @@ def eye_of(bodies: Bodies, i: int) -> Vector:
 def along_body(bodies: Bodies, i: int, share: float) -> Vector:
     """A point on the centre line, `share` of the body length behind the snout, cm, world.
 
-    The line is straight, as it is on average over a beat: a swimming body's bends are less than
-    a tenth of its length.
+    The line is taken as straight: bends of a swimming body are less than a tenth of its length.
     """
     along = float(bodies.snout[i]) - share * float(bodies.length[i])
     return plus(vector(bodies.position[i]), times(along, ahead_of(bodies, i)))
@@ -93,7 +92,7 @@ def middles_of(bodies: Bodies) -> Array:
 
 @kernel
 def sight(length: float, nature: Nature) -> float:
-    """V_r s^p: from how far something `length` cm long is seen, cm (Tu §6.3.1)."""
+    """Range at which a thing of `length` cm is seen, V_r s^p, cm (Tu §6.3.1)."""
     return nature.vision_cm * min(length / nature.standard_cm, FARTHEST)
 
 
@@ -107,7 +106,7 @@ def in_view(eye: Vector, ahead: Vector, p: Vector, reach: float) -> bool:
 
 @kernel
 def hidden(scene: Surroundings, eye: Vector, p: Vector) -> bool:
-    """Whether a pillar, a rock or the seabed is between eye and p; other fishes do not hide."""
+    """Whether a pillar, a rock or the seabed occludes p; other fishes do not."""
     for k in range(len(scene.pillars)):
         if ray_meets_pillar(scene.pillars[k], 0.0, eye, p) <= 1.0:
             return True
@@ -121,14 +120,14 @@ def hidden(scene: Surroundings, eye: Vector, p: Vector) -> bool:
 
 @kernel
 def sees_point(bodies: Bodies, i: int, scene: Surroundings, p: Vector, reach: float) -> bool:
-    """Whether fish i sees the point p, which is in sight from `reach` cm (Tu §6.4.1)."""
+    """Whether fish i sees the point p within `reach` cm (Tu §6.4.1)."""
     eye = eye_of(bodies, i)
     return in_view(eye, ahead_of(bodies, i), p, reach) and not hidden(scene, eye, p)
 
 
 @kernel
 def sees_fish(bodies: Bodies, i: int, j: int, scene: Surroundings, nature: Nature) -> bool:
-    """Whether fish i sees fish j: its middle is in view and any point of it not hidden (§6.4.2)."""
+    """Whether fish i sees fish j: middle in view, any point not occluded (Tu §6.4.2)."""
     eye = eye_of(bodies, i)
     reach = sight(float(bodies.length[j]), nature)
     if not in_view(eye, ahead_of(bodies, i), vector(bodies.position[j]), reach):
@@ -141,10 +140,10 @@ def sees_fish(bodies: Bodies, i: int, j: int, scene: Surroundings, nature: Natur
 
 @kernel
 def sees_pillar(bodies: Bodies, i: int, pillar: Array, nature: Nature) -> bool:
-    """Whether a pillar is near enough to be seen at all: Tu's test, |P - O| - r < V_r (§6.4.3).
+    """Whether a pillar is near enough to be seen: |P - O| - r < V_r (Tu §6.4.3).
 
-    P is the point of the axis that is closest in height to the eye. Pillars stand so far apart
-    that what hides them, and the blind angle, are neglected.
+    P is the point of the axis closest in height to the eye. Occlusion and the blind angle are
+    neglected.
     """
     eye = eye_of(bodies, i)
     x, y, radius, top = pillar
@@ -153,7 +152,7 @@ def sees_pillar(bodies: Bodies, i: int, pillar: Array, nature: Nature) -> bool:
 
 @kernel
 def sees_box(bodies: Bodies, i: int, scene: Surroundings, box: Array, reach: float) -> bool:
-    """Whether any of the eight corners of a box, as of a cluster of seaweed, is seen (§6.4.4)."""
+    """Whether any corner of a box, as of a cluster of seaweed, is seen (Tu §6.4.4)."""
     for corner in range(8):
         p = (
             float(box[3 if corner & 1 else 0]),

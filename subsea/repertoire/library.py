@@ -1,4 +1,4 @@
-"""All repertoires of a dive in flat arrays, for compiled kernels and for the GPU."""
+"""All repertoires of a dive in flat arrays, for kernels and the GPU."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -14,9 +14,9 @@ from subsea.repertoire.transitions import plan_transitions
 
 
 class Library(NamedTuple):
-    """Rows are frames; all segments of all species follow one another (R rows, S species).
+    """Rows are frames of all segments of all species in sequence (R rows, S species).
 
-    The first four tables go on with 2 k rows for the poses of fishes that are simulated.
+    The first four tables end with 2 k rows for the poses of simulated fishes.
     """
 
     rotation: Array  # (R + 2 k, 4) float32, increments in body axes
@@ -29,7 +29,7 @@ class Library(NamedTuple):
     speed: Array  # (S, 7) float32, cm/s of the recorded fish
     entry: Ints  # (R, 7) int32, row at which a segment is entered from each row ...
     glide: Ints  # (R, 7) int32, ... and how many frames that takes
-    leave: NDArray[np.bool_]  # (R, 7), whether this row is a good one to leave for a segment
+    leave: NDArray[np.bool_]  # (R, 7), whether this row is good for leaving to a segment
     coupling: Coupling  # arrays (S, 426, …): control points from nodes
     recorded_length: Array  # (S,) float32, cm
     bounding_radius: Array  # (S,) float32, body lengths
@@ -38,11 +38,10 @@ class Library(NamedTuple):
 def pack(
     repertoires: Sequence[Repertoire], couplings: Sequence[Coupling], live: int = 0
 ) -> Library:
-    """Lay the repertoires out in flat arrays, with rows for `live` fishes that are simulated.
+    """Pack repertoires into flat arrays, with rows for `live` simulated fishes.
 
-    The couplings of the 426 control points, one per species, serve those whose file carries no
-    control points: they are made from the nodes. A repertoire that lacks one of the seven
-    segments is a UserError.
+    Control points that a file lacks are computed from the nodes by the species' coupling. A
+    repertoire without one of the seven segments is a UserError.
     """
     rotation, translation, nodes, points = [], [], [], []
     plans: list[Transitions] = []
@@ -92,6 +91,6 @@ def pack(
 
 
 def _table(parts: list[Array], live: int) -> Array:
-    """Recorded rows, one part after another, and two empty rows for each live fish."""
+    """Recorded rows in sequence, and two empty rows for each live fish."""
     empty = np.zeros((2 * live, *parts[0].shape[1:]))
     return np.concatenate([*parts, empty]).astype(np.float32)

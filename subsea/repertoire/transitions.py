@@ -1,9 +1,8 @@
-"""Where to enter the next segment and how many frames to glide: planned when it is written.
+"""Plan transitions between segments: the row of entry and the length of the glide.
 
-SMC appendix A glides to the first frame of the next segment, for as long as the tail needs at a
-fixed speed. Here row and length are chosen together so that no node is jerked: over all rows of
-the next segment and all lengths, the largest change of any node's velocity at the two ends of
-the glide is made smallest, as a share of what happens inside the two segments anyway.
+SMC appendix A glides to the first frame of the next segment, for a time set by the way of the tail.
+Here row and length together minimise the largest change of any node's velocity at both ends of the
+glide, relative to the changes inside the two segments.
 """
 
 from typing import NamedTuple
@@ -14,23 +13,22 @@ from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
 from subsea.repertoire.schema import MAX_GLIDE_FRAMES, Segment, Transitions
 
-# A cyclic segment is left only in this share of its rows, those from which the glide is gentlest:
-# a fish that is about to turn waits a few frames until its beat is where the turn begins.
+# Share of the rows of a cyclic segment that may be left, those with the gentlest glides: a fish
+# waits a few frames until its beat fits the turn.
 LEAVING_SHARE = 0.3
-# Nor from rows where a node's velocity would change by more than this, times what is usual,
-# unless there are none better: a long body is easily on the wrong side of its beat.
+# Largest change of a node's velocity over the usual one at such rows, unless all are worse.
 ROUGH = 1.5
-NEARLY = 1.15  # times the gentlest is as good
+NEARLY = 1.15  # factor within which a change counts as the gentlest
 
 
 class Kinematics(NamedTuple):
-    """Rows, t of them, and the velocities at each, per frame and in body axes."""
+    """t rows of nodes with their velocities, per frame and in body axes."""
 
     nodes: Array  # (t, 23, 3)
     shift: Array  # (t, 3) of the body frame into each row
     spin: Array  # (t, 3)
-    arriving: Array  # (t, 23, 3) of each node, into the row
-    leaving: Array  # (t, 23, 3) and out of it
+    arriving: Array  # (t, 23, 3) of each node into the row
+    leaving: Array  # (t, 23, 3) of each node out of it
 
 
 def plan_transitions(segments: list[Segment]) -> Transitions:
@@ -43,7 +41,7 @@ def plan_transitions(segments: list[Segment]) -> Transitions:
     frames = np.ones(shape, np.int64)
     leave = np.ones(shape, np.bool_)
     for a, (here, segment) in enumerate(zip(motions, segments, strict=True)):
-        # Segments that are not cyclic are left at their end, and entered at their beginning.
+        # Acyclic segments are left at their end and entered at their beginning.
         rows = np.arange(len(here.nodes)) if segment.cyclic else np.array([len(here.nodes) - 1])
         for b, (there, target) in enumerate(zip(motions, segments, strict=True)):
             goals = np.arange(len(there.nodes)) if target.cyclic else np.array([0])
@@ -89,7 +87,7 @@ def usual_change(motion: Kinematics) -> float:
 
 @kernel
 def gentlest(here: Kinematics, row: int, there: Kinematics, goals: Ints) -> tuple[int, int, float]:
-    """The goal, the length, and the larger change of any node's velocity at the glide's ends."""
+    """The best goal and length, and the largest change of a node's velocity at its ends."""
     best_goal, best_length, least = goals[0], 1, np.inf
     for goal in goals:
         for length in range(1, MAX_GLIDE_FRAMES + 1):
@@ -114,7 +112,7 @@ def gentlest(here: Kinematics, row: int, there: Kinematics, goals: Ints) -> tupl
 def _carried(
     here: Kinematics, row: int, there: Kinematics, goal: int, share: float, node: Array
 ) -> Array:
-    """How the gliding body frame carries a node: the increments of both rows are blended."""
+    """Velocity of a node carried by the gliding frame, with blended increments."""
     shift = (1.0 - share) * here.shift[row] + share * there.shift[goal]
     spin = (1.0 - share) * here.spin[row] + share * there.spin[goal]
     shift[0] += spin[1] * node[2] - spin[2] * node[1]

@@ -1,4 +1,4 @@
-"""The tours of a scenario: a path through waypoints, and what it looks at on the way."""
+"""Tours of a scenario: a path through waypoints, with gaze targets."""
 
 import math
 from typing import NamedTuple
@@ -18,27 +18,27 @@ from subsea.state import HULL_CM, Sea, State
 from subsea.submarine.hull import AHEAD_CM_S
 from subsea.submarine.rail import Rail
 
-AHEAD_S = 2.0  # who looks ahead looks to where the path is so much later
-NEAR_CM = 250.0  # of the fishes that are followed those count most that are not much farther off
-PROBE_S = 0.1  # between the places of a path that are looked at before anybody goes there
+AHEAD_S = 2.0  # how far along the path a tour that looks ahead looks
+NEAR_CM = 250.0  # scale of the distance that weights followed fishes
+PROBE_S = 0.1  # interval at which a path is checked
 
 
 class Course(NamedTuple):
-    """A tour that is ready to be followed."""
+    """A tour that is ready to run."""
 
     curve: Curve
-    gaze_s: Array  # (g,) when it looks ...
-    gazes: tuple[Waypoint, ...]  # ... at what these waypoints say
-    species: tuple[str, ...]  # those of the sea, in the order of `Fishes.species`
+    gaze_s: Array  # (g,) times of the gaze targets ...
+    gazes: tuple[Waypoint, ...]  # ... of these waypoints
+    species: tuple[str, ...]  # in the order of `Fishes.species`
 
     @property
     def seconds(self) -> float:
-        """How long the tour, or one round of it, takes."""
+        """Duration of the tour, or of one round."""
         return float(self.curve.times[-1])
 
 
 def course_of(scenario: Scenario, name: str) -> Course:
-    """The tour called `name` of a scenario; a name that it does not have is a UserError."""
+    """The tour `name` of a scenario; an unknown name is a UserError."""
     tours = {tour.name: tour for tour in scenario.tour}
     if name not in tours:
         raise unknown("tour", name, [AUTOPILOT, *tours])
@@ -46,7 +46,7 @@ def course_of(scenario: Scenario, name: str) -> Course:
 
 
 def rail_at(course: Course, state: State, t: float) -> Rail:
-    """Where the hull is `t` seconds after the start, and where it looks in the sea as it is."""
+    """Position and gaze `t` seconds after the start, in the present sea."""
     place, velocity = curve_at(course.curve, t)
     if course.curve.loop:
         t %= course.seconds
@@ -63,7 +63,7 @@ def rail_at(course: Course, state: State, t: float) -> Rail:
 
 
 def check_tours(scenario: Scenario, sea: Sea, rocks: list[str]) -> None:
-    """A UserError for a tour that leaves the sea, comes too near to what is in it, or races.
+    """Raise a UserError for a tour that leaves the sea, is too near solids, or too fast.
 
     `rocks` are the names of the rocks of the sea.
     """
@@ -82,7 +82,7 @@ def check_tours(scenario: Scenario, sea: Sea, rocks: list[str]) -> None:
 def _first_fault(
     curves: list[Curve], sea: Sea, bounds: Bounds, rocks: list[str]
 ) -> tuple[int, float, str] | None:
-    """The first fault of courses: of which, after how many seconds, and in words."""
+    """The first fault of any course: its index, the time in seconds, and a message."""
     for k, curve in enumerate(curves):
         for t in np.arange(0.0, curve.times[-1], PROBE_S).tolist():
             if fault := _fault(*curve_at(curve, t), sea, bounds, rocks):
@@ -95,7 +95,7 @@ def _course(tour: TourTable, scenario: Scenario) -> Course:
     places = np.array([point.position_cm for point in tour.waypoint])
     looking = [point for point in tour.waypoint if point.looks]
     looking = looking or [msgspec.structs.replace(tour.waypoint[0], ahead=True)]
-    if tour.loop:  # what it looks at in the end is what it began with
+    if tour.loop:  # the last gaze is the first
         first, last = looking[0], looking[-1]
         period = float(times[-1])
         looking = [_later(last, -period), *looking, _later(first, period)]
@@ -114,7 +114,7 @@ def _later(point: Waypoint, seconds: float) -> Waypoint:
 def _toward(
     course: Course, gaze: Waypoint, state: State, place: Array, t: float
 ) -> tuple[float, float]:
-    """Heading and pitch (rad) of what a waypoint says to look at; as it looks now if it is gone."""
+    """Heading and pitch (rad) of a waypoint's gaze target; the present ones if it is gone."""
     if gaze.look_at_cm:
         way = np.array(gaze.look_at_cm) - place
     elif gaze.follow:
@@ -128,7 +128,7 @@ def _toward(
 
 
 def angles_of(way: Array, state: State) -> tuple[float, float]:
-    """Heading and pitch (rad) that look along a `way` (3,); those of now if that leads nowhere."""
+    """Heading and pitch (rad) along a `way` (3,); the present ones if it is too short."""
     level = math.hypot(way[0], way[1])
     if level + abs(way[2]) < 1.0:
         heading, pitch = state.submarine.angles
@@ -137,7 +137,7 @@ def angles_of(way: Array, state: State) -> tuple[float, float]:
 
 
 def middle_of(there: Array, place: Array) -> Array:
-    """The middle (3,) of places (n, 3), rather of those near `place`; of none that."""
+    """The mean (3,) of places (n, 3), weighted to those near `place`; `place` if none."""
     if not len(there):
         return place
     there = there.astype(np.float64)
@@ -151,7 +151,7 @@ def _eased(share: float) -> float:
 
 
 def _fault(place: Array, velocity: Array, sea: Sea, bounds: Bounds, rocks: list[str]) -> str | None:
-    """What is wrong with a hull at `place` that moves so, in words; None: nothing."""
+    """The fault of a hull at `place` with this velocity as a message, or None."""
     speed = float(np.linalg.norm(velocity))
     if speed > AHEAD_CM_S:
         return f"moves at {speed:.0f} cm/s, expected at most {AHEAD_CM_S:g}"

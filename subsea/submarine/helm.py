@@ -1,10 +1,10 @@
-"""What the pilot asks for. The ten manoeuvres of SMC §8.2 are its signs."""
+"""Commands of the pilot: the ten manoeuvres of SMC §8.2."""
 
 from typing import NamedTuple
 
 
 class Helm(NamedTuple):
-    """Commands in [-1, 1]: shares of what the machinery can give.
+    """Commands in [-1, 1]: shares of full thrust.
 
     =============  ==========================  ============================
     field          positive                    negative
@@ -15,7 +15,7 @@ class Helm(NamedTuple):
     ``heave``      rise                        dive
     =============  ==========================  ============================
 
-    ``full_stop`` overrides all of them: the hull brakes, levels and holds its heading.
+    ``full_stop`` overrides all: the hull brakes, levels and holds its heading.
     """
 
     surge: float = 0.0

@@ -1,4 +1,4 @@
-"""How the submarine answers to its helm: thrust against drag, righting moment, soft limits."""
+"""Dynamics of the submarine: thrust against drag, righting moment, soft limits."""
 
 import math
 from collections.abc import Callable
@@ -13,32 +13,30 @@ from subsea.submarine.helm import Helm
 
 FloorHeight = Callable[[float, float], float]  # x, y in cm -> height of the seabed in cm
 
-# Speeds that full thrust settles at. Brisk enough to follow a school, too slow to feel ill.
+# Speeds at full thrust: fast enough to follow a school, slow enough against motion sickness.
 AHEAD_CM_S = 120.0
 ASTERN_CM_S = 60.0
 HEAVE_CM_S = 70.0
 YAW_RAD_S = math.radians(40.0)
-MAX_PITCH = math.radians(60.0)  # rad; no loops: a visitor must never lose the horizon
+MAX_PITCH = math.radians(60.0)  # rad; the horizon stays in view
 
-# Drag decelerates by (LINEAR + QUADRATIC * |v|) * v. The hull slips ahead far more easily than
-# sideways, which is what makes the course follow the nose.
+# Drag decelerates by (LINEAR + QUADRATIC * |v|) * v. It is far larger sideways than ahead, so the
+# course follows the nose.
 LINEAR_ALONG, QUADRATIC_ALONG = 0.30, 2.4e-3  # 1/s, 1/cm
 LINEAR_ACROSS, QUADRATIC_ACROSS = 1.0, 6.0e-3
 LINEAR_YAW, QUADRATIC_YAW = 1.2, 1.5  # 1/s, 1/rad
 BRAKE = 2.2  # 1/s, added to every linear term by a full stop: 120 cm/s to 1 cm/s in two seconds
 
-# What a standing passenger of a tram is asked to bear: thrust, drag and brake give no more.
+# Limit for thrust, drag and brake together, as for standing passengers of a tram.
 ACCELERATION_CM_S2 = 150.0
 
-RIGHTING = 3.0  # 1/s; the buoyancy above the ballast levels the hull, critically damped
-# rad/s²; what that and the diving planes give at most, so the nose moves by 36° a second at most.
-RIGHTING_MOST = 4.0
+RIGHTING = 3.0  # 1/s; buoyancy above the ballast levels the hull, critically damped
+RIGHTING_MOST = 4.0  # rad/s²; limit with the diving planes: the nose moves at most 36° a second
 
 CLEARANCE_CM = HULL_CM
-APPROACH_S = 1.0  # a wall at distance d may be approached at d / APPROACH_S, so never reached
-RETURN_CM_S = 40.0  # fastest push back for a hull that finds itself too close
-PROBE_CM = 25.0  # half the distance over which the slope of the seabed is felt
-
+APPROACH_S = 1.0  # a wall at distance d is approached at d / APPROACH_S at most, so never reached
+RETURN_CM_S = 40.0  # fastest push back for a hull that is too close
+PROBE_CM = 25.0  # half the baseline of the seabed's slope
 
 NO_SOLIDS = np.zeros((0, 7))
 
@@ -46,7 +44,7 @@ NO_SOLIDS = np.zeros((0, 7))
 def settled_speed(share: float, full_cm_s: float, linear: float, quadratic: float) -> float:
     """The speed (cm/s or rad/s) at which drag balances `share` of full thrust.
 
-    Full thrust is whatever settles at `full_cm_s`, so this solves
+    Full thrust settles at `full_cm_s`, so this solves
     ``linear v + quadratic v² = share (linear full + quadratic full²)``.
     """
     thrust = share * _thrust(full_cm_s, linear, quadratic)
@@ -78,13 +76,13 @@ def step_hull(
     submarine.position += dt * submarine.velocity
     for distance, normal in _solids(submarine, floor_height, pillars, rocks):
         submarine.position += max(0.5 * CLEARANCE_CM - distance, 0.0) * normal
-    # Between two ticks the seabed may curve more than its slope foretold; never touch it.
+    # The seabed may curve more than its slope predicts: never touch it.
     x, y, z = submarine.position
     submarine.position[2] = max(z, floor_height(x, y) + 0.5 * CLEARANCE_CM)
 
 
 def hull_axes(heading: float, pitch: float) -> Array:
-    """Rows ahead, left, up (3, 3): the axes of a hull without roll, in world coordinates."""
+    """Rows ahead, left, up (3, 3): the axes of a hull without roll, world."""
     ch, sh, cp, sp = math.cos(heading), math.sin(heading), math.cos(pitch), math.sin(pitch)
     return np.array([[ch * cp, sh * cp, sp], [-sh, ch, 0.0], [-ch * sp, -sh * sp, cp]])
 
@@ -94,7 +92,7 @@ def _turn(submarine: Submarine, helm: Helm, dt: float) -> None:
     thrust = helm.yaw * _thrust(YAW_RAD_S, LINEAR_YAW, QUADRATIC_YAW)
     linear = LINEAR_YAW + BRAKE * helm.full_stop
     heading_rate = _driven(heading_rate, thrust, linear, QUADRATIC_YAW, dt)
-    # Spring and damper, solved implicitly: stable at any dt, at rest where the planes hold it.
+    # Spring and damper, solved implicitly: stable at any dt.
     stiffness = RIGHTING**2
     most = RIGHTING_MOST / stiffness
     error = np.clip(helm.pitch * MAX_PITCH - submarine.angles[1], -most, most)
@@ -129,7 +127,7 @@ def _push(submarine: Submarine, helm: Helm, dt: float) -> None:
 def _solids(
     submarine: Submarine, floor_height: FloorHeight, pillars: Array, rocks: Array
 ) -> list[tuple[float, Array]]:
-    """Distances from the solids that the hull may reach within two seconds, and the ways off."""
+    """Distances and outward normals of the solids within two seconds' reach."""
     x, y, z = (float(value) for value in submarine.position)
     floor = floor_height(x, y)
     reach = CLEARANCE_CM + 2.0 * AHEAD_CM_S
@@ -142,7 +140,7 @@ def _solids(
             normal, distance = off(rows[k], (x, y, z))
             roof = rows[k, 2] - rows[k, 5] if off is from_rock else z
             if normal[2] < 0.0 and roof < floor + 2.0 * CLEARANCE_CM:
-                # What has no room beneath it must not press the hull into the seabed.
+                # A solid without room beneath must not press the hull into the seabed.
                 level = max(math.hypot(normal[0], normal[1]), 1e-3)
                 normal = normal[0] / level, normal[1] / level, 0.0
             found.append((distance, np.array(normal)))
@@ -152,7 +150,7 @@ def _solids(
 def keep_clear(
     submarine: Submarine, floor_height: FloorHeight, bounds: Bounds, pillars: Array, rocks: Array
 ) -> None:
-    """Slow the approach to every wall in proportion to the distance left."""
+    """Limit the speed toward every wall in proportion to its distance."""
     x, y, z = submarine.position
     slope_x = (floor_height(x + PROBE_CM, y) - floor_height(x - PROBE_CM, y)) / (2.0 * PROBE_CM)
     slope_y = (floor_height(x, y + PROBE_CM) - floor_height(x, y - PROBE_CM)) / (2.0 * PROBE_CM)
@@ -174,10 +172,10 @@ def keep_clear(
 
 
 def _thrust(full_speed: float, linear: float, quadratic: float) -> float:
-    """The thrust per mass whose settled speed is `full_speed`."""
+    """The thrust per mass that settles at `full_speed`."""
     return (linear + quadratic * full_speed) * full_speed
 
 
 def _driven(speed: float, thrust: float, linear: float, quadratic: float, dt: float) -> float:
-    """The speed after `dt`, with drag taken implicitly: it may slow, never reverse the motion."""
+    """The speed after `dt` with implicit drag, which never reverses the motion."""
     return float((speed + dt * thrust) / (1.0 + dt * (linear + quadratic * abs(speed))))

@@ -1,8 +1,7 @@
-"""A hull on rails: it is where a tour wants it, and turns to where the tour looks.
+"""The submarine on a rail: position and gaze are set by a tour, not by the helm.
 
-The path sets the pose itself. Asking the helm for it would add what the machinery cannot do, drag
-and slip, to every tour; yet the hull is a body in the sea as ever: its place and velocity are in
-the state, so fishes shy, the bow wave pushes and seaweed bends as before a piloted one.
+The tour sets the pose directly, without thrust, drag and slip. Position and velocity are part of
+the state as usual, so fishes, bow wave and seaweed react as to a piloted hull.
 """
 
 import math
@@ -14,17 +13,17 @@ from subsea.core.arrays import Array
 from subsea.state import Submarine
 from subsea.submarine.hull import MAX_PITCH
 
-GAZE = 2.5  # 1/s: it turns as a head does, critically damped ...
-TURN_RAD_S = math.radians(15.0)  # ... and never faster than is pleasant to watch
+GAZE = 2.5  # 1/s: it turns like a head, critically damped ...
+TURN_RAD_S = math.radians(15.0)  # ... and no faster than is pleasant to watch
 
 
 class Rail(NamedTuple):
-    """Where the hull is after a tick, in place of a `Helm`."""
+    """The pose of the hull after a tick, in place of a `Helm`."""
 
     position: Array  # (3,) cm
     velocity: Array  # (3,) cm/s
     angles: tuple[float, float]  # rad, heading and pitch to turn to
-    cut: bool = False  # it is there at once, as in a film
+    cut: bool = False  # jump there at once, as a film cut
 
 
 def ride(submarine: Submarine, rail: Rail, dt: float) -> None:
@@ -46,7 +45,7 @@ def ride(submarine: Submarine, rail: Rail, dt: float) -> None:
 
 
 def board(submarine: Submarine, before: Rail, now: Rail) -> None:
-    """Put the submarine on rails, at once, between two ticks."""
+    """Put the submarine on a rail between two ticks."""
     submarine.previous_position[:], submarine.previous_angles[:] = before.position, before.angles
     submarine.position[:], submarine.angles[:] = now.position, now.angles
     submarine.velocity[:] = now.velocity
