@@ -1,4 +1,4 @@
-"""The house of docs/architecture.md: data travels down the folders, imports only go up."""
+"""The structure of docs/architecture.md: imports, sizes and names."""
 
 import ast
 import re
@@ -13,8 +13,8 @@ import pytest
 ROOT = Path(__file__).parents[1]
 
 
-def test_imports_only_go_up_the_list_of_folders():
-    """Every contract of `[tool.importlinter]`; a new folder without a place is a fault too."""
+def test_imports_keep_the_contracts():
+    """Every contract of `[tool.importlinter]`."""
     program = Path(sys.executable).with_name("lint-imports")
     done = subprocess.run(
         [str(program), "--no-cache"], cwd=ROOT, capture_output=True, text=True, check=False
@@ -34,12 +34,12 @@ def test_pytest_skips_no_folder_of_tests(pytestconfig):
 
 MOST_PARAMETERS = 8
 MOST_LINES = 400
-LONG = "# Over 400 lines: "  # begins the line with which a longer module says why
+LONG = "# Over 400 lines: "  # begins the line that gives the reason for a longer module
 MODULES = [*ROOT.glob("subsea/**/*.py"), *ROOT.glob("capture/**/*.py")]
 
 
 def definitions(kind):
-    """Each definition of a kind of syntax node, with its place."""
+    """Definitions of a kind of syntax node, with their positions."""
     for path in MODULES:
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, kind):
@@ -62,7 +62,7 @@ def test_a_module_has_at_most_400_lines_or_says_why():
     assert not [path for path in long if not any(line.startswith(LONG) for line in texts[path])]
 
 
-def test_a_class_name_stands_once_in_the_project():
+def test_class_names_are_unique():
     places = defaultdict(list)
     for where, node in definitions(ast.ClassDef):
         places[node.name].append(where)
@@ -78,7 +78,7 @@ def test_a_class_name_stands_once_in_the_project():
         ("subsea.ui.dive", ("h5py", "PIL", "zmq", "tqdm", "av", "scipy.linalg")),
     ],
 )
-def test_a_command_does_without_what_others_need(module, others):
+def test_a_command_imports_only_what_it_needs(module, others):
     program = f"import sys, {module}; print([m for m in {others} if m in sys.modules])"
     done = subprocess.run(
         [sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True
@@ -89,7 +89,7 @@ def test_a_command_does_without_what_others_need(module, others):
 @pytest.mark.parametrize(
     "page", [*ROOT.glob("*.md"), *ROOT.glob("docs/*.md")], ids=lambda p: p.name
 )
-def test_every_link_of_the_documentation_leads_somewhere(page):
+def test_every_link_of_the_documentation_exists(page):
     links = re.findall(r"\]\(([^)#]+)", page.read_text(encoding="utf-8"))
     missing = [k for k in links if "://" not in k and not (page.parent / k).exists()]
     assert not missing

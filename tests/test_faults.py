@@ -1,6 +1,6 @@
-"""Full disks, killed processes, two at once: nothing is lost, and the next start works.
+"""Full disks, killed processes, two writers at once: nothing is lost, the next start works.
 
-Every writer is a process of its own here, as a visitor starts it.
+Every writer is a separate process, as for a user.
 """
 
 import json
@@ -17,8 +17,8 @@ import pytest
 from PIL import Image
 
 ROOT = Path(__file__).parents[1]
-SMALL = 100  # bytes that a disk has room for
-# What writes, the file it writes, how that is read, and how long it runs at most.
+SMALL = 100  # bytes of free space
+# Arguments of each writer, its file, and a reader of the file.
 WRITERS = {
     "record": (["simulate", "--ticks", "12", "--fish", "4", "--out"], "out.h5", h5py.File),
     "picture": (["film", "--seconds", "0.1", "--size", "64x64", "--quality", "low"], "out.png",
@@ -30,7 +30,7 @@ WRITERS = {
 
 
 def command(name, folder):
-    """The words that make a writer write into a folder."""
+    """The command of a writer that writes into a folder."""
     words, file, _ = WRITERS[name]
     if name == "repertoire":
         return [sys.executable, "-m", "capture", *words, str(folder)]
@@ -38,7 +38,7 @@ def command(name, folder):
 
 
 def start(words, **more):
-    # Where a disk is full Python may leave a part of a module's compiled code, and trip over it.
+    # On a full disk Python may leave truncated compiled modules.
     environment = os.environ | {"PYTHONDONTWRITEBYTECODE": "1"}
     return subprocess.Popen(
         words, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
@@ -47,7 +47,7 @@ def start(words, **more):
 
 
 def no_room(size=SMALL):
-    """Let this process write no file of more than a few bytes, as if the disk were full."""
+    """Limit the size of files that this process may write, as on a full disk."""
     import resource
 
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
@@ -59,7 +59,7 @@ def some_room():
 
 
 @pytest.mark.parametrize("writer", WRITERS)
-def test_a_full_disk_is_one_line_and_the_former_file_stays(writer, tmp_path):
+def test_a_full_disk_is_an_error_of_one_line_and_keeps_the_old_file(writer, tmp_path):
     file = tmp_path / WRITERS[writer][1]
     file.write_text("former")
     running = start(command(writer, tmp_path), preexec_fn=no_room)
@@ -69,13 +69,13 @@ def test_a_full_disk_is_one_line_and_the_former_file_stays(writer, tmp_path):
     assert f"subsea: {file}: cannot write (File too large)" in err or writer == "repertoire"
     assert f"{tmp_path}" in err.splitlines()[-1]
     assert file.read_text() == "former"
-    # Segments of a repertoire that are whole wait there for the next start.
+    # Finished segments of a repertoire are saved for the next start.
     left = {one.name for one in tmp_path.iterdir() if one.suffix != ".recording"}
     assert left == {file.name}
 
 
 def test_a_disk_that_fills_up_ends_a_long_record_at_once(tmp_path):
-    """Not hours later, when all ticks are made."""
+    """Not only at the end."""
     words = ["simulate", "--ticks", "1000000", "--fish", "4", "--out", str(tmp_path / "out.h5")]
     running = start([sys.executable, "-m", "subsea", *words], preexec_fn=some_room)
     _, err = running.communicate(timeout=120)
@@ -85,7 +85,7 @@ def test_a_disk_that_fills_up_ends_a_long_record_at_once(tmp_path):
 
 
 @pytest.mark.parametrize("writer", ["record", "repertoire"])
-def test_two_at_once_leave_one_whole_file(writer, tmp_path):
+def test_two_writers_at_once_leave_one_whole_file(writer, tmp_path):
     both = [start(command(writer, tmp_path)) for _ in range(2)]
     for one in both:
         _, err = one.communicate(timeout=250)
@@ -94,16 +94,16 @@ def test_two_at_once_leave_one_whole_file(writer, tmp_path):
     WRITERS[writer][2](tmp_path / WRITERS[writer][1])
 
 
-def test_who_is_killed_at_any_moment_loses_nothing(tmp_path):
-    """A record over a former one, killed while it starts, writes, or has just written."""
-    file, dice = tmp_path / "out.h5", random.Random(5)
+def test_a_writer_killed_at_any_moment_loses_nothing(tmp_path):
+    """A record over an old one, killed while it starts, writes, or has just written."""
+    file, rng = tmp_path / "out.h5", random.Random(5)
     words = command("record", tmp_path)
     begun = time.monotonic()
     assert start(words).communicate(timeout=250) and file.exists()
     whole, took = file.read_bytes(), time.monotonic() - begun
     for _ in range(3):
         running = start(words)
-        time.sleep(dice.uniform(0.3, 1.05) * took)
+        time.sleep(rng.uniform(0.3, 1.05) * took)
         running.kill()
         running.communicate()
         assert file.read_bytes() == whole
@@ -114,8 +114,8 @@ def test_who_is_killed_at_any_moment_loses_nothing(tmp_path):
 
 
 @pytest.mark.parametrize("writer", ["picture", "report"])
-@pytest.mark.skipif(not Path("/proc/1").exists(), reason="needs a folder where nobody may write")
-def test_a_folder_that_is_only_read_is_one_line(writer):
+@pytest.mark.skipif(not Path("/proc/1").exists(), reason="needs a folder that cannot be written")
+def test_a_read_only_folder_is_an_error_of_one_line(writer):
     running = start([*command(writer, Path("/proc/1"))])
     _, err = running.communicate(timeout=250)
     assert running.returncode == 2, err

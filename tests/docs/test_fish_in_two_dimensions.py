@@ -101,7 +101,7 @@ def test_small_implicit_and_explicit_steps_agree(flat: ModuleType, body: Any) ->
     assert np.abs(ends[0] - ends[1]).max() < 0.02 * moved
 
 
-def test_it_learns_to_swim_and_with_one_frequency_farther(flat: ModuleType, body: Any) -> None:
+def test_it_learns_to_swim_farther_with_one_frequency(flat: ModuleType, body: Any) -> None:
     rng = np.random.default_rng(5)
     unlearned = [flat.distance(body, flat.controller_at(rng.random(13))) for _ in range(20)]
     lessons = flat.learn(flat.QUICK)
@@ -129,7 +129,7 @@ def test_it_learns_to_turn(flat: ModuleType, body: Any) -> None:
 
 
 @pytest.mark.parametrize("way", ["parameters", "phases", "lengths"])
-def test_a_passage_leads_from_the_one_controller_to_the_other(
+def test_a_transition_leads_from_one_controller_to_the_other(
     flat: ModuleType, body: Any, way: str
 ) -> None:
     lessons = flat.learn(flat.QUICK)
@@ -145,7 +145,7 @@ def test_great_amplitudes_fold_the_body(flat: ModuleType, body: Any) -> None:
     assert flat.folded(body, 0.5, 12) > 0.8
 
 
-def test_the_body_lies_within_its_scaffold_and_goes_with_it(flat: ModuleType, body: Any) -> None:
+def test_the_outline_lies_in_the_scaffold_and_moves_with_it(flat: ModuleType, body: Any) -> None:
     assert flat.skin()[1].min() > -1e-9
     turned = body.rest @ np.array([[0.0, 1.0], [-1.0, 0.0]]) + 3.0
     at_rest = flat.outline_of(body, body.rest)

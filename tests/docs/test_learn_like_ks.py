@@ -67,7 +67,7 @@ def test_one_diagonal_covers_the_same_hull(ks: ModuleType) -> None:
     assert len(triangles) < len(TRIANGLES)
 
 
-def test_the_kernel_compiled_anew_does_the_same_for_the_same_hull(ks: ModuleType) -> None:
+def test_the_recompiled_kernel_agrees_for_the_same_hull(ks: ModuleType) -> None:
     from subsea.biomechanics.body import TRIANGLE_WEIGHTS
 
     body = build_body(load_species("fusilier").body)

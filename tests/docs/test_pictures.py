@@ -49,7 +49,7 @@ def test_no_picture_is_large():
 @pytest.mark.parametrize(
     ("script", "draw"), [("make_reef_pictures", "plate"), ("make_spine_pictures", "beats")]
 )
-def test_plates_that_are_put_together_by_hand_are_drawn(script, draw, monkeypatch):
+def test_plates_with_their_own_records_are_drawn(script, draw, monkeypatch):
     """Nothing but these scripts writes the records of fishes and growths that it draws."""
     monkeypatch.syspath_prepend(ROOT / "docs")
     module = import_module(script)

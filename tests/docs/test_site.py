@@ -38,7 +38,7 @@ def test_the_site_has_every_page(site):
     assert (site[0] / "contributing" / "index.html").exists()
 
 
-def test_the_site_takes_nothing_from_elsewhere(site):
+def test_the_site_loads_nothing_from_other_hosts(site):
     for page in site[0].rglob("*.html"):
         foreign = re.findall(
             r'(?:src|href)="(https?://[^"]+\.(?:js|css|woff2?|png))"', page.read_text()
@@ -46,7 +46,7 @@ def test_the_site_takes_nothing_from_elsewhere(site):
         assert foreign == [], page
 
 
-def test_the_reference_is_as_the_programs_are(monkeypatch):
+def test_the_reference_is_up_to_date(monkeypatch):
     monkeypatch.syspath_prepend(ROOT / "docs")
     import make_reference
 
@@ -55,14 +55,14 @@ def test_the_reference_is_as_the_programs_are(monkeypatch):
         assert (ROOT / "docs" / name).read_text() == made, "run python docs/make_reference.py"
 
 
-def test_the_versions_of_files_are_those_that_are_written():
+def test_pages_name_the_current_file_versions():
     page = (ROOT / "docs" / "files.md").read_text()
     for module in (records, schema):
         assert f"`{module.FORMAT}` version {module.VERSION} " in page
 
 
-def test_every_file_of_the_project_that_a_page_names_is_there():
-    named = re.compile(r"`((?:assets|docs|subsea|tests|tools)/[\w./-]+)`")
+def test_every_file_named_in_a_page_exists():
+    named = re.compile(r"`((?:assets|capture|docs|subsea|tests|tools)/[\w./-]+)`")
     missing = {
         (page.name, name)
         for page in [*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")]
@@ -72,7 +72,7 @@ def test_every_file_of_the_project_that_a_page_names_is_there():
     assert missing == set()
 
 
-def test_every_picture_that_is_shown_is_there_and_no_other_is_kept():
+def test_shown_pictures_exist_and_all_pictures_are_shown():
     shown = set()
     for page in [*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")]:
         shown |= set(re.findall(r"pictures/([\w-]+\.\w+)", page.read_text()))

@@ -1,4 +1,4 @@
-"""Whatever happens to a file, it is read or refused in one line; and the watch over that sees."""
+"""Damaged files are read or refused in one line, and the tool finds violations."""
 
 import importlib.util
 import os
@@ -30,7 +30,7 @@ def test_damaged_files_are_read_or_refused_in_one_line(tmp_path):
     assert not (tmp_path / "kept").exists()
 
 
-def test_what_is_damaged_was_sound(fuzz, tmp_path):
+def test_samples_are_sound(fuzz, tmp_path):
     for name in fuzz.KINDS.keys() - {"record", "snapshot"}:  # these are made by what they are of
         kind = fuzz.KINDS[name]
         for sample in kind.samples(tmp_path)[:2]:
@@ -65,7 +65,7 @@ def never_comes_back(path):
     ],
     ids=["sound", "crash", "fault", "slow", "hang", "memory", "writing", "no words"],
 )
-def test_what_a_reader_must_not_do_is_found(fuzz, monkeypatch, tmp_path, capsys, read, found):
+def test_each_kind_of_reader_fault_is_found(fuzz, monkeypatch, tmp_path, capsys, read, found):
     monkeypatch.setattr(fuzz, "SECONDS", 0.5)
     kind = fuzz.Kind(".toml", lambda folder: [b"a = 3"], read)
     number = fuzz.fuzz("any", kind, 2 if found is None else 1, 0, tmp_path / "kept")

@@ -1,4 +1,4 @@
-"""The tool that lets hands at random loose on a dive finds what no dive should do."""
+"""The tool that sends random input to a dive finds its failures."""
 
 import importlib.util
 import random
@@ -72,7 +72,7 @@ def play(monkey, monkeypatch, tmp_path):
     ],
     ids=["sound", "code", "traceback", "panel", "warning", "hang", "stays"],
 )
-def test_what_no_dive_should_do_is_found(play, monkey, monkeypatch, program, told):
+def test_each_kind_of_failure_is_found(play, monkey, monkeypatch, program, told):
     to_the_end = told is None or told.startswith("Ctrl-C")
     # Only who waits in vain is impatient: a sound dive may take its time.
     if told == "no picture for 1 s":
@@ -86,7 +86,7 @@ def test_what_no_dive_should_do_is_found(play, monkey, monkeypatch, program, tol
         assert any(told in line for line in found), found
 
 
-def test_a_dive_that_its_visitor_leaves_is_opened_again(play):
+def test_a_dive_that_is_left_is_opened_again(play):
     found, opened = play("for _ in range(8): beat()\nos._exit(0)", 10**4, dives=2)
     assert found == []
     assert opened == 2
@@ -97,7 +97,7 @@ def test_memory_that_grows_is_found(monkey):
     assert monkey.growth([100.0 + k for k in range(40)]) == ["memory grew by 17%"]
 
 
-def test_the_same_seed_does_the_same_and_all_of_it_is_kept(monkey):
+def test_the_same_seed_gives_the_same_events(monkey):
     first, again = (list(islice(monkey.events(random.Random(3)), 3000)) for _ in range(2))
     assert first == again
     assert first != list(islice(monkey.events(random.Random(4)), 3000))

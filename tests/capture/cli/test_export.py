@@ -27,7 +27,7 @@ from subsea.repertoire import read_repertoire, write_repertoire
         ("gltf --morph", ["fusilier.glb"]),
     ],
 )
-def test_it_tells_each_file_in_a_line(
+def test_it_prints_a_line_for_each_file(
     form: str, files: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "new"
@@ -67,7 +67,7 @@ def test_detail_and_root_reach_the_files(tmp_path: Path) -> None:
         (["fusilier", "--to", "vat", "--out", "/proc/none"], "/proc/none"),
     ],
 )
-def test_what_the_user_can_mend_is_one_line(
+def test_a_wrong_command_is_an_error_of_one_line(
     arguments: list[str], expected: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["export", *arguments]) == 2
@@ -75,7 +75,7 @@ def test_what_the_user_can_mend_is_one_line(
     assert not out and err.count("\n") == 1 and expected in err
 
 
-def test_a_species_of_ones_own_is_exported_by_name(
+def test_an_own_species_is_exported_by_name(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
@@ -91,7 +91,7 @@ def test_a_species_of_ones_own_is_exported_by_name(
     assert (tmp_path / "my-fish.usdc").is_file()
 
 
-def test_interrupted_it_leaves_nothing(
+def test_an_interrupted_export_leaves_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """While joints are fitted, which takes longest."""
@@ -108,7 +108,7 @@ def test_interrupted_it_leaves_nothing(
 
 
 @pytest.mark.parametrize("form", ["vat", "usd", "gltf"])
-def test_without_room_nothing_is_left(form: str, tmp_path: Path) -> None:
+def test_a_full_disk_leaves_nothing(form: str, tmp_path: Path) -> None:
     """No file may be longer than 200 blocks of 1024 bytes: the last ones fail."""
     arguments = f"export fusilier --to {form} --detail 2 --out {tmp_path / 'new'}"
     command = f"ulimit -f 200; exec {sys.executable} -m capture {arguments}"

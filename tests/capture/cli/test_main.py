@@ -43,7 +43,7 @@ def test_a_recording_can_be_read_and_repeats_to_the_last_byte(tmp_path: Path) ->
         (["plot", "no/such.h5"], "--out"),
     ],
 )
-def test_what_the_user_can_mend_is_one_line_and_code_2(
+def test_a_wrong_command_is_an_error_of_one_line_with_code_2(
     arguments: list[str], expected: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(arguments) == 2
@@ -80,14 +80,14 @@ def test_a_repertoire_of_a_newer_version_is_one_line_with_what_to_do(
         assert f"version 7, this program reads version {VERSION}; update subsea" in line
 
 
-def test_a_folder_in_which_nothing_can_be_made_is_one_line_before_any_drawing(
+def test_an_unwritable_folder_is_an_error_before_plotting(
     recorded: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["plot", str(recorded), "--out", "/proc/plots"]) == 2
     assert "/proc/plots: cannot make the folder" in one_line(capsys)
 
 
-def test_a_provenance_without_a_fish_is_told_after_the_table(
+def test_a_provenance_without_plans_is_an_error_after_the_table(
     recorded: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "orphan.h5"
@@ -138,7 +138,7 @@ def test_a_fish_that_misses_a_target_is_code_1(
     assert [line.split(",")[0] for line in short] == ["turn of 30°", "turn of 30°"]
 
 
-def test_a_repertoire_with_a_gap_is_code_1(
+def test_an_incomplete_repertoire_is_code_1(
     recorded: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "gap.h5"

@@ -32,7 +32,7 @@ def test_a_folder_that_cannot_be_written_to(
     assert folder in one_line(capsys)
 
 
-def test_all_and_a_name(capsys: pytest.CaptureFixture[str]) -> None:
+def test_all_with_a_name_is_an_error(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["record", "fusilier", "--all"]) == 2
     assert "'fusilier'" in one_line(capsys)
 

@@ -211,7 +211,7 @@ def test_the_validator_has_no_objection(
 
 
 @pytest.mark.parametrize("known", BAKED, indirect=True)
-def test_the_way_can_be_baked_into_joints_and_targets(
+def test_the_path_can_be_baked_into_joints_and_targets(
     fitted: Exported, baked: tuple[Path, Path]
 ) -> None:
     """Nothing moves the root then."""
@@ -244,7 +244,7 @@ def test_a_cycle_ends_as_it_began(fitted: Exported, files: tuple[Path, Path]) ->
             assert reader.content["nodes"][0]["name"] in ("root", model.name)
 
 
-def test_shares_are_the_best_there_are() -> None:
+def test_weights_are_optimal() -> None:
     """Where all may be used, by the conditions of Karush, Kuhn and Tucker."""
     rng = np.random.default_rng(3)
     for _ in range(50):

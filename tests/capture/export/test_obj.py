@@ -28,7 +28,7 @@ def test_a_mesh_of_the_nodes_moves_as_the_nodes_do(repertoire: Repertoire, tmp_p
         np.testing.assert_allclose(read_mesh(tmp_path / "bent.obj")[1], nodes, atol=1e-4)
 
 
-def test_all_but_vertices_and_normals_stays(repertoire: Repertoire, tmp_path: Path) -> None:
+def test_only_vertices_and_normals_change(repertoire: Repertoire, tmp_path: Path) -> None:
     mesh = bind_mesh(repertoire, write_obj(tmp_path / "fish.obj", repertoire.rest_nodes), False)
     write_mesh(tmp_path / "bent.obj", mesh, repertoire.segments["swim_slow"].nodes[0])
     text = (tmp_path / "bent.obj").read_text()
@@ -54,7 +54,7 @@ def test_fitting_brings_any_size_to_the_fish(repertoire: Repertoire) -> None:
         ("v 900 0 0\nv 0 0 0\n", "--fit"),
     ],
 )
-def test_what_is_no_mesh_is_one_line(
+def test_a_faulty_mesh_is_an_error_of_one_line(
     recorded: Path,
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],

@@ -115,7 +115,7 @@ def test_bounds_are_those_of_the_points(tmp_path: Path) -> None:
         np.testing.assert_allclose(box.GetMax(), points.max(axis=0), atol=1e-6)
 
 
-def test_body_and_fins_wear_the_sheet(tmp_path: Path) -> None:
+def test_body_and_fins_have_the_texture(tmp_path: Path) -> None:
     """Fins, and what is clear of the body, with its opacity."""
     model, clips = make_clips("fusilier", detail=1)
     stage = written(tmp_path, model, clips, baked=False)
@@ -144,7 +144,7 @@ def test_body_and_fins_wear_the_sheet(tmp_path: Path) -> None:
     assert model.rest[model.triangles[: model.body][faces], 0].max() < 0.0  # behind the middle
 
 
-def test_without_usd_core_one_line_tells_what_to_install(
+def test_without_usd_core_the_error_names_the_extra(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     model, clips = make_clips("fusilier", detail=3)
@@ -154,7 +154,7 @@ def test_without_usd_core_one_line_tells_what_to_install(
     assert not list(tmp_path.iterdir())
 
 
-def test_nothing_is_left_of_what_cannot_be_written(tmp_path: Path) -> None:
+def test_a_failed_export_leaves_no_files(tmp_path: Path) -> None:
     model, clips = make_clips("fusilier", detail=3)
     (tmp_path / "out").write_text("no folder")
     with pytest.raises(UserError, match="out"):

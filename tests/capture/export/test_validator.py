@@ -7,7 +7,7 @@ from typing import Any
 import trimesh
 
 
-def test_it_tells_sound_from_damaged(
+def test_the_validator_detects_damage(
     khronos: Callable[[Path], dict[str, Any]], tmp_path: Path
 ) -> None:
     file = tmp_path / "box.glb"

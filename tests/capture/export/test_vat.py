@@ -61,7 +61,7 @@ def _texcoord_1(file: Path) -> np.ndarray:
 @pytest.mark.parametrize(
     "known", ["fusilier", "blue_tang", "blacktip_reef_shark", "ribbon_eel", "spotted_eagle_ray"]
 )
-def test_decoded_it_is_our_playback(
+def test_decoded_frames_equal_playback(
     known: str, exported: dict[str, tuple[Model, list[Clip]]], tmp_path: Path
 ) -> None:
     """Within half a step of 16 bits: 1e-5 body lengths, and 0.002 degrees."""
@@ -115,7 +115,7 @@ def _compare(
         assert np.abs(facing - normals[frame] @ Y_UP.T).max() < 2e-5
 
 
-def test_the_root_is_told_in_the_axes_of_the_texture(
+def test_the_root_motion_is_in_the_axes_of_the_texture(
     exported: dict[str, tuple[Model, list[Clip]]], tmp_path: Path
 ) -> None:
     model, clips = exported["fusilier"]
@@ -152,7 +152,7 @@ def test_the_validator_has_no_objection(
     assert issues["numErrors"] == issues["numWarnings"] == 0, issues
 
 
-def test_other_readers_take_the_mesh_at_rest_and_the_sheet(
+def test_other_readers_read_the_mesh_and_the_texture(
     own: tuple[Model, list[Clip]], tmp_path: Path
 ) -> None:
     model, clips = own
@@ -167,7 +167,7 @@ def test_other_readers_take_the_mesh_at_rest_and_the_sheet(
         assert picture.size == (len(model.rest), 2 * sum(len(clip.points) for clip in clips))
 
 
-def test_a_picture_of_sixteen_bits_comes_back(tmp_path: Path) -> None:
+def test_a_16_bit_picture_is_read_back_unchanged(tmp_path: Path) -> None:
     texels = np.random.default_rng(7).integers(0, 65536, (5, 7, 3)).astype(np.uint16)
     kept = texels.copy()
     (tmp_path / "noise.png").write_bytes(png16(texels))
@@ -177,7 +177,7 @@ def test_a_picture_of_sixteen_bits_comes_back(tmp_path: Path) -> None:
     np.testing.assert_array_equal(texels, kept)
 
 
-def test_nothing_is_left_of_what_cannot_be_written(tmp_path: Path) -> None:
+def test_a_failed_export_leaves_no_files(tmp_path: Path) -> None:
     model, clips = make_clips("fusilier", detail=3)
     (tmp_path / "out").write_text("no folder")
     with pytest.raises(UserError, match="out"):

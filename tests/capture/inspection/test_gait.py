@@ -54,7 +54,7 @@ def lost(body: Body, state: BodyState, contraction: Floats) -> float:
     return total
 
 
-def test_what_the_muscles_do_water_and_viscosity_use_up(species: Species) -> None:
+def test_water_and_viscosity_dissipate_the_work_of_muscles(species: Species) -> None:
     body = build_body(species.body)
     beat = beat_contraction(species.swim, 1.0)
     steady = steady_beat(body, beat).state
@@ -64,7 +64,7 @@ def test_what_the_muscles_do_water_and_viscosity_use_up(species: Species) -> Non
     assert used < work < 1.08 * used
 
 
-def test_pull_is_the_steepest_stroke_of_the_beat(species: Species) -> None:
+def test_the_contraction_step_is_the_steepest_of_the_beat(species: Species) -> None:
     """A sine of contraction c over N steps is steepest at c l π / N."""
     body, swim = build_body(species.body), species.swim
     steps = swim.ticks_per_beat * STEPS_PER_TICK
@@ -73,7 +73,7 @@ def test_pull_is_the_steepest_stroke_of_the_beat(species: Species) -> None:
     assert step == pytest.approx(longest * np.pi / steps, 1e-3)
 
 
-def test_straightness_and_sweep_of_a_known_way() -> None:
+def test_straightness_and_sweep_of_a_known_path() -> None:
     """A fish on a circle turns by the same angle each beat and strays by the circle's sagitta."""
     angle, radius = 0.01, 100.0
     turns = angle * np.arange(11)

@@ -90,7 +90,7 @@ def load_detuned(lesson: Lesson) -> Species:
     return load_toml(path, Species)
 
 
-def test_what_was_learned_is_verified_as_it_stands_in_the_file(lesson: Lesson) -> None:
+def test_the_controllers_in_the_file_pass_verification(lesson: Lesson) -> None:
     new = load_toml(lesson.path, Species)
     assert not swim_faults(build_body(new.body), new.swim, 99)
 
@@ -121,7 +121,7 @@ def test_nothing_better_is_one_line_and_code_1(
     assert path.stat().st_ino == inode
 
 
-def test_winners_that_all_fail_are_told_in_one_line_and_change_nothing(
+def test_rejected_winners_are_reported_in_one_line_and_change_nothing(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = detuned(tmp_path / "fish.toml")
@@ -211,7 +211,7 @@ def test_both_methods_approach_the_least_of_a_bowl(method: str) -> None:
     assert np.all((np.array([one.point for one in tried]) >= 0) & (np.array(tried[0].point) <= 1))
 
 
-def test_who_is_rejected_takes_its_like_along() -> None:
+def test_similar_candidates_are_skipped() -> None:
     near, far = (0.5, 0.5 + MIN_DISTANCE / 2), (0.5, 0.5 + 2 * MIN_DISTANCE)
     tried = [Evaluation(3.0, far), Evaluation(2.0, near), Evaluation(1.0, (0.5, 0.5))]
     assert [one.loss for one in distinct(tried)] == [1.0, 3.0]
@@ -251,7 +251,7 @@ def test_a_winner_that_fails_verification_gives_way_to_the_next(
     assert sum("rejected: it cannot turn" in note for note in found.notes) == 1
 
 
-def test_an_interrupted_lesson_tells_the_best_and_leaves_the_file(
+def test_interrupted_learning_reports_the_best_and_leaves_the_file(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = detuned(tmp_path / "fish.toml")
@@ -289,7 +289,7 @@ def test_an_interrupted_lesson_tells_the_best_and_leaves_the_file(
         (["fusilier", "--sead", "3"], "did you mean '--seed'?"),
     ],
 )
-def test_what_the_user_can_mend_is_told_before_the_search(
+def test_errors_are_reported_before_the_search(
     arguments: list[str],
     expected: str,
     monkeypatch: pytest.MonkeyPatch,
@@ -348,7 +348,7 @@ def test_no_point_of_the_box_contracts_faster_than_a_muscle_can(ticks: int) -> N
     assert max(swim.contraction) > 0.59 or step > 0.98 * S_MAX
 
 
-def test_holds_are_found_anew_for_the_shipped_bends(species: Species) -> None:
+def test_hold_times_of_the_shipped_bends_are_found_again(species: Species) -> None:
     """They agree with those of the file, which were found by bisection on the same gait."""
     body = build_body(species.body)
     steady = steady_beat(body, beat_contraction(species.swim, species.swim.medium)).state
@@ -357,7 +357,7 @@ def test_holds_are_found_anew_for_the_shipped_bends(species: Species) -> None:
         assert new.hold_ticks == pytest.approx(old.hold_ticks, abs=0.4)
 
 
-def test_a_body_out_of_shape_is_worse_than_any_that_keeps_it() -> None:
+def test_losing_the_shape_is_the_greatest_loss() -> None:
     fish = load_species("fusilier")
     body = build_body(fish.body)
     sound = swim_loss(body, fish.swim, 1)
@@ -372,7 +372,7 @@ def test_economy_weighs_the_logarithm_of_the_cost(species: Species) -> None:
     assert np.exp(loss[1] - loss[0]) == pytest.approx(steady_gait(species).cost, rel=1e-3)
 
 
-def test_a_fish_that_does_not_swim_is_measured_and_learns_all_the_same() -> None:
+def test_a_fish_that_does_not_swim_can_still_learn() -> None:
     fish = load_species("fusilier")
     assert fish.muscles
     lame = msgspec.structs.replace(fish.swim, contraction=(0.0, 0.0), ticks_per_beat=40)
@@ -382,7 +382,7 @@ def test_a_fish_that_does_not_swim_is_measured_and_learns_all_the_same() -> None
     assert "old controller is faulty" in found.notes[0]
 
 
-def test_missing_a_limit_counts_by_its_share() -> None:
+def test_missing_a_limit_counts_relative_to_it() -> None:
     tail = GAIT_LIMITS["tail"]
     assert excess(0.2, tail) == 0
     assert excess(0.3, tail) == pytest.approx(0.2)

@@ -39,7 +39,7 @@ def test_every_segment_and_the_repertoire_get_a_page(
         assert 0.03 < (page < 250).mean() < 0.5  # neither empty nor blotted
 
 
-def test_motion_that_no_muscles_made_is_drawn_as_far_as_it_is_known(
+def test_motion_without_plans_is_plotted_without_simulation(
     known_repertoire: Repertoire, repertoires: dict[str, Repertoire], tmp_path: Path
 ) -> None:
     """Without a fish in the provenance there is no steering map to measure."""

@@ -29,7 +29,7 @@ def test_the_midline_goes_from_the_nose_through_the_rings_to_the_tail(
     ("name", "amplitude", "side"),
     [("swim_fast", 0.10, 0), ("turn_left_gradual", 0.06, 1), ("turn_right_gradual", 0.06, -1)],
 )
-def test_the_sway_about_a_straight_or_round_way_is_the_wave_that_was_put_in(
+def test_the_offset_from_a_straight_or_circular_path_is_the_given_wave(
     known_repertoire: Repertoire, name: str, amplitude: float, side: int
 ) -> None:
     segment = known_repertoire.segments[name]
@@ -46,7 +46,7 @@ def test_the_sway_about_a_straight_or_round_way_is_the_wave_that_was_put_in(
 
 
 @pytest.mark.parametrize("name", ["turn_left_gradual", "turn_right_gradual", "swim_slow"])
-def test_a_cycle_is_played_along_its_way(known_repertoire: Repertoire, name: str) -> None:
+def test_a_cycle_is_replayed_along_its_path(known_repertoire: Repertoire, name: str) -> None:
     """It begins straight ahead, and then curves to its side."""
     segment = known_repertoire.segments[name]
     nose = top_view(segment, 10).midline[:, 0]  # in this motion the nose doesn't sway
@@ -57,7 +57,9 @@ def test_a_cycle_is_played_along_its_way(known_repertoire: Repertoire, name: str
         assert np.angle(steps[0]) == pytest.approx(0, abs=1e-9)
 
 
-def test_a_turn_that_is_no_cycle_is_seen_against_its_body(known_repertoire: Repertoire) -> None:
+def test_a_sharp_turn_is_measured_from_the_body_axis(
+    known_repertoire: Repertoire,
+) -> None:
     segment = known_repertoire.segments["turn_left_sharp"]
     np.testing.assert_array_equal(
         lateral_offset(segment, 3)[:, -1], segment.nodes[:, 21:, 2].mean(axis=1)
@@ -65,7 +67,7 @@ def test_a_turn_that_is_no_cycle_is_seen_against_its_body(known_repertoire: Repe
     assert len(top_view(segment, 3).origin) == FRAMES
 
 
-def test_the_speed_is_that_of_the_middle_of_all_nodes(known_repertoire: Repertoire) -> None:
+def test_the_speed_is_that_of_the_mean_of_all_nodes(known_repertoire: Repertoire) -> None:
     still = known_repertoire.segments["swim_fast"]
     stiff = dataclasses.replace(
         still,

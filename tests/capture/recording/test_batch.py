@@ -77,7 +77,7 @@ def test_the_number_of_processes_changes_nothing(whole: Path, tmp_path: Path) ->
 
 
 @pytest.mark.parametrize("done", [0, 4, 7, 11, 14])
-def test_an_interrupted_recording_goes_on_where_it_stopped(
+def test_an_interrupted_recording_continues_where_it_stopped(
     done: int, whole: Path, tmp_path: Path, swum: list[str]
 ) -> None:
     def interrupt() -> None:
@@ -96,7 +96,7 @@ def test_an_interrupted_recording_goes_on_where_it_stopped(
     assert_same(tmp_path, whole)
 
 
-def test_what_is_up_to_date_is_left_alone_unless_forced(
+def test_an_up_to_date_repertoire_is_skipped_unless_forced(
     whole: Path, tmp_path: Path, swum: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "fusilier.h5"
@@ -112,7 +112,7 @@ def test_what_is_up_to_date_is_left_alone_unless_forced(
     assert swum == list(SEGMENTS)
 
 
-def test_kept_segments_of_another_fish_or_damaged_ones_are_recorded_again(
+def test_damaged_segments_and_those_of_another_fish_are_recorded_again(
     tmp_path: Path, swum: list[str]
 ) -> None:
     species = load_species("fusilier")
@@ -130,7 +130,7 @@ def test_kept_segments_of_another_fish_or_damaged_ones_are_recorded_again(
 
 
 @pytest.mark.parametrize("name", species_names())
-def test_a_segment_is_kept_exactly(name: str, tmp_path: Path) -> None:
+def test_a_segment_is_saved_exactly(name: str, tmp_path: Path) -> None:
     species = load_species(name)
     segment, beats = record_segment(species, "turn_left_sharp")
     save_segment(tmp_path, name, species, "turn_left_sharp", (segment, beats))
@@ -143,7 +143,7 @@ def test_a_segment_is_kept_exactly(name: str, tmp_path: Path) -> None:
         np.testing.assert_array_equal(theirs, ours)
 
 
-def test_a_process_that_dies_loses_nothing(whole: Path, tmp_path: Path) -> None:
+def test_a_crashed_process_loses_nothing(whole: Path, tmp_path: Path) -> None:
     killed: list[int] = []
 
     def kill_once() -> None:
@@ -156,7 +156,7 @@ def test_a_process_that_dies_loses_nothing(whole: Path, tmp_path: Path) -> None:
     assert_same(tmp_path, whole)
 
 
-def test_processes_that_keep_dying_are_one_line(tmp_path: Path) -> None:
+def test_repeated_crashes_are_an_error_of_one_line(tmp_path: Path) -> None:
     def kill() -> None:
         for child in multiprocessing.active_children():
             os.kill(child.pid or 0, signal.SIGKILL)
@@ -240,7 +240,7 @@ def test_ctrl_c_leaves_the_old_repertoire_and_one_line(
     assert list(tmp_path.iterdir()) == [old]
 
 
-def test_ctrl_c_reaches_processes_that_are_just_starting_in_silence(tmp_path: Path) -> None:
+def test_ctrl_c_while_processes_start_prints_nothing_else(tmp_path: Path) -> None:
     """A terminal sends it to every process of the command."""
     command = [sys.executable, "-m", "capture", "record", "--all", "--jobs", "2"]
     with subprocess.Popen(

@@ -97,7 +97,7 @@ def test_a_worker_that_is_killed_midway_loses_nothing(
 @pytest.mark.parametrize(
     ("lost", "line"), [("workers", "no worker for"), ("scheduler", "the scheduler has stopped")]
 )
-def test_a_cluster_that_is_lost_is_one_line_and_what_is_done_is_kept(
+def test_a_lost_cluster_is_an_error_of_one_line_and_finished_segments_are_saved(
     lost: str, line: str, dask: Cluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def tell(name: str, segments: int) -> None:
@@ -114,7 +114,7 @@ def test_a_cluster_that_is_lost_is_one_line_and_what_is_done_is_kept(
 
 
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "nonsense", "ftp://x:1", ""])
-def test_an_address_where_no_scheduler_answers_is_one_line_and_soon_given_up(
+def test_an_address_without_a_scheduler_is_soon_an_error_of_one_line(
     address: str,
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
@@ -151,7 +151,7 @@ def test_a_client_waits_as_long_as_it_should(monkeypatch: pytest.MonkeyPatch) ->
     assert given["timeout"] == 0.5
 
 
-def test_without_dask_the_line_says_what_to_install(
+def test_without_dask_the_error_names_the_extra(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
@@ -160,6 +160,6 @@ def test_without_dask_the_line_says_what_to_install(
     assert "install subsea[cluster]" in capsys.readouterr().err
 
 
-def test_a_worker_with_another_program_refuses() -> None:
+def test_a_worker_of_another_version_refuses() -> None:
     with pytest.raises(UserError, match="another version"):
         module._record(("fusilier", "swim_slow"), load_species("fusilier"), "of yesterday")

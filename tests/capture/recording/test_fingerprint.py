@@ -25,7 +25,7 @@ def test_it_depends_on_the_code(monkeypatch: pytest.MonkeyPatch) -> None:
     assert fingerprint(species) != before
 
 
-def test_the_code_covers_what_records_and_nothing_else() -> None:
+def test_the_code_is_that_of_the_recorder_and_its_imports() -> None:
     """Every module that `record` imports, directly or not, but for files and species."""
     import grimp
 

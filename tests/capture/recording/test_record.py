@@ -8,7 +8,7 @@ from subsea.repertoire import Repertoire
 MIRROR = np.array([0, *(1 + 4 * ring + k for ring in range(5) for k in (1, 0, 3, 2)), 21, 22])
 
 
-def test_turns_turn_to_their_side_by_what_they_promise(repertoire: Repertoire) -> None:
+def test_turns_have_their_side_and_angle(repertoire: Repertoire) -> None:
     segments = repertoire.segments
     assert 4 < segments["turn_left_gradual"].turn_deg < 18
     assert 40 < segments["turn_left_sharp"].turn_deg < 65

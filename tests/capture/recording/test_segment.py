@@ -56,7 +56,7 @@ def test_headings_count_left_as_positive(degrees: float) -> None:
     assert heading_change(start, after) == pytest.approx(degrees)
 
 
-def test_attributes_tell_what_the_rows_do(repertoire: Repertoire) -> None:
+def test_attributes_agree_with_the_rows(repertoire: Repertoire) -> None:
     for name, segment in repertoire.segments.items():
         length = repertoire.body_length_cm
         assert segment.bounding_radius_bl >= np.linalg.norm(segment.nodes, axis=2).max() / length

@@ -33,7 +33,7 @@ def recorded(species):
     return {name: record_segment(species, name)[0] for name in SEGMENTS}
 
 
-def test_there_is_such_a_species():
+def test_a_spine_driven_species_exists():
     assert NAMES
 
 
@@ -89,7 +89,7 @@ def test_the_wave_runs_backward_faster_than_the_fish_swims(species):
 
 
 @given(st.integers(0, 2**32 - 1), st.sampled_from(SEGMENTS))
-def test_replayed_from_any_pose_it_is_what_was_performed(seed, name):
+def test_replay_from_any_pose_equals_the_recorded_motion(seed, name):
     species = load_species(NAMES[0])
     segment = record_segment(species, name)[0]
     rng = np.random.default_rng(seed)
@@ -119,7 +119,7 @@ def test_linear_swing_moves_differently_from_sinusoidal(species):
     assert 0.001 * plan.length < np.abs(a - b).max() < 0.1 * plan.length
 
 
-def test_inspect_judges_it_by_its_rules(species, tmp_path, capsys):
+def test_inspect_compares_with_the_plan(species, tmp_path, capsys):
     name = NAMES[0]
     path = tmp_path / f"{name}.h5"
     repertoire = record_species(name, load_species(name))

@@ -51,7 +51,7 @@ def test_a_sharp_turn_starts_where_swimming_ends_and_leaves_it_alone(species: Sp
     assert len(trial.frames) == beats * species.swim.ticks_per_beat + 1
 
 
-def test_swimming_speed_follows_what_is_asked_for(species: Species) -> None:
+def test_swimming_speed_follows_the_desired_speed(species: Species) -> None:
     """swim-MC: any speed within reach, between the amplitudes that were measured too."""
     body, swim = build_body(species.body), species.swim
     speeds = speed_map(body, swim)
