@@ -132,7 +132,7 @@ def run(options: Namespace) -> int:
     if options.attract is not None:
         settings = replace(settings, attract=replace(settings.attract, after_min=options.attract))
     if options.kiosk:
-        from subsea.ui.kiosk import kiosk_settings
+        from subsea.dive.settings import kiosk_settings
 
         settings, options.fullscreen = kiosk_settings(settings), options.theatre is None
     chosen = _dive_options(options, settings)

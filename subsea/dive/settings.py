@@ -12,7 +12,19 @@ from msgspec import Meta, inspect
 from subsea.core.atomic_io import replacing
 from subsea.core.errors import UserError
 from subsea.core.toml_files import error_at, load_toml
-from subsea.dive.bindings import CONTROLS, Bindings, bindings_of, input_name
+from subsea.dive.bindings import (
+    COMMANDS,
+    CONTROLS,
+    Bindings,
+    Command,
+    bindings_of,
+    input_name,
+)
+
+# Commands of visitors; all others have no inputs.
+KIOSK_COMMANDS: tuple[Command, ...] = (
+    "help", "menu", "ride", "look", "follow", "reins", "alight", "lights", "leave",
+)  # fmt: skip
 
 Pixels = Annotated[int, Meta(ge=64, le=8192)]
 
@@ -164,6 +176,22 @@ def usual_settings(tell: Callable[[str], None]) -> Settings:
     except UserError as fault:
         tell(f"{fault}; {_rename_aside(path)}")
         return DEFAULTS
+
+
+def kiosk_settings(settings: Settings) -> Settings:
+    """The same settings with inputs for visitors only, and the operator's key to leave.
+
+    A UserError if that key is an input of visitors.
+    """
+    nothing: dict[str, list[str]] = {wish: [] for wish in COMMANDS if wish not in KIOSK_COMMANDS}
+    controls = settings.controls | nothing
+    key = input_name(settings.kiosk.leave)
+    if others := bindings_of(controls | {"leave": []}).controls.get(key):
+        raise UserError(
+            f"--kiosk: {key!r} cannot be both 'leave' and {others[0]!r}, "
+            "at `kiosk.leave` of the settings"
+        )
+    return msgspec.structs.replace(settings, controls=controls | {"leave": [key]})
 
 
 def write_settings(path: Path) -> None:

@@ -3,17 +3,7 @@
 from typing import Annotated, NamedTuple
 
 from subsea.core.kernels.struct_ref import Kind, by_pointer
-from subsea.state.declaration import (
-    BOOL,
-    F32,
-    I8,
-    I32,
-    U8,
-    behavior,
-    creation,
-    motor,
-    written_by,
-)
+from subsea.state.declaration import BOOL, F32, I8, I32, U8, behavior, creation, motor, written_by
 
 UPRIGHT = (1.0, 0.0, 0.0, 0.0)
 water = written_by("habitat, behavior")

@@ -15,6 +15,7 @@ from subsea.dive.directed_camera import check_tour, endless_tour, is_cut
 from subsea.dive.options import DisplayOptions, DiveOptions, TheatreOptions
 from subsea.dive.pilot import Pilot
 from subsea.dive.ride import Ride
+from subsea.dive.settings import kiosk_settings
 from subsea.dive.start import ready_world
 from subsea.dive.tick_source import LocalTicks, TickSource, tick_source_maker
 from subsea.dive.timeline import RATES, Timeline
@@ -27,7 +28,7 @@ from subsea.ui.commands import Commands
 from subsea.ui.help_overlay import help_content
 from subsea.ui.idle_tours import IdleTours
 from subsea.ui.inspector import Inspector
-from subsea.ui.kiosk import Kiosk, kiosk_settings
+from subsea.ui.kiosk import Kiosk
 from subsea.ui.menu import Menu
 from subsea.ui.monitors import Installation, Screen
 from subsea.ui.open_windows import Opening, open_windows

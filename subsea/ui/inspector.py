@@ -15,10 +15,10 @@ from imgui_bundle import imgui
 
 from subsea.core.background import CancelledByUserError
 from subsea.core.errors import UserError
+from subsea.dive.intention_text import name_of
 from subsea.ui.context import DiveContext, PanelContext
 from subsea.ui.gui import GLASS, MARK, colour, recovering_errors
 from subsea.ui.panels import PANELS
-from subsea.ui.panels.intention import name_of
 
 RING = 0.62  # radius of the ring around the chosen fish, in its lengths
 LEAST_RING = 0.6  # least radius, in heights of letters

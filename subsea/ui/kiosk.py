@@ -5,35 +5,11 @@ from typing import Any
 
 import glfw
 import imgui_bundle  # noqa: F401  # before glfw: it brings the one libglfw that both share
-import msgspec
 
-from subsea.core.errors import UserError
-from subsea.dive.bindings import COMMANDS, Command, bindings_of, input_name
-from subsea.dive.settings import Settings
 from subsea.ui.window import GlWindow
 
-# Commands of visitors; all others have no inputs.
-ALLOWED: tuple[Command, ...] = (
-    "help", "menu", "ride", "look", "follow", "reins", "alight", "lights", "leave",
-)  # fmt: skip
 POINTER_S = 3.0  # until a resting pointer is hidden
 AGAIN_S = 1.0  # between attempts to take the keyboard back
-
-
-def kiosk_settings(settings: Settings) -> Settings:
-    """The same settings with inputs for visitors only, and the operator's key to leave.
-
-    A UserError if that key is an input of visitors.
-    """
-    nothing: dict[str, list[str]] = {wish: [] for wish in COMMANDS if wish not in ALLOWED}
-    controls = settings.controls | nothing
-    key = input_name(settings.kiosk.leave)
-    if others := bindings_of(controls | {"leave": []}).controls.get(key):
-        raise UserError(
-            f"--kiosk: {key!r} cannot be both 'leave' and {others[0]!r}, "
-            "at `kiosk.leave` of the settings"
-        )
-    return msgspec.structs.replace(settings, controls=controls | {"leave": [key]})
 
 
 class Kiosk:

@@ -12,7 +12,16 @@ from subsea.cli.main import main
 from subsea.core.errors import UserError
 from subsea.dive import settings
 from subsea.dive.bindings import ACTIONS, COMMANDS
-from subsea.dive.settings import Settings, default_text, read_settings, usual_settings
+from subsea.dive.settings import (
+    DEFAULTS,
+    KIOSK_COMMANDS,
+    KioskSettings,
+    Settings,
+    default_text,
+    kiosk_settings,
+    read_settings,
+    usual_settings,
+)
 from subsea.render.output.quality import CHOICES
 
 
@@ -177,3 +186,25 @@ def test_what_became_of_nonsense_is_told_on_the_terminal_and_in_the_window(
     _, _, (note,) = asked
     assert note.startswith("settings.toml:2: unknown key")
     assert note.endswith("kept as settings.toml.kept-1, and the defaults are used")
+
+
+def test_a_kiosk_has_inputs_for_what_cannot_strand_it_only():
+    found = kiosk_settings(DEFAULTS).bindings
+    assert found.key(ord("Q"), 2 | 1) == "leave"
+    assert found.key(ord("Q"), 0) == "dive"
+    for wish in COMMANDS:
+        assert bool(found.inputs(wish)) == (wish in KIOSK_COMMANDS)
+    assert kiosk_settings(with_key("F12")).bindings.control("F12") == "leave"  # no visitor's input
+
+
+@pytest.mark.parametrize(
+    ("key", "controls", "rival"), [("F9", {"ride": ["F9"]}, "ride"), ("w", {}, "ahead")]
+)
+def test_the_operators_key_is_none_that_visitors_use(key, controls, rival):
+    name = key.upper()
+    with pytest.raises(UserError, match=f"--kiosk: '{name}' .* '{rival}', at `kiosk.leave`"):
+        kiosk_settings(with_key(key, **controls))
+
+
+def with_key(key, **controls):
+    return msgspec.structs.replace(DEFAULTS, controls=controls, kiosk=KioskSettings(leave=key))

@@ -3,16 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.state import (
-    AVOID,
-    EAT,
-    ESCAPE,
-    FEAR,
-    HUNGER,
-    PREDATOR,
-    SCHOOL,
-    WANDER,
-)
+from subsea.state import AVOID, EAT, ESCAPE, FEAR, HUNGER, PREDATOR, SCHOOL, WANDER
 from subsea.study.minds import changes_per_second, escapes, meals, saturated, time_budget
 from tests.support.records import a_record, still
 

@@ -5,14 +5,10 @@ import time
 from contextlib import closing
 
 import glfw
-import msgspec
 import pytest
 
-from subsea.core.errors import UserError
-from subsea.dive.bindings import COMMANDS
-from subsea.dive.settings import DEFAULTS, AttractSettings, KioskSettings, Settings
+from subsea.dive.settings import AttractSettings, Settings
 from subsea.ui.dive import Dive
-from subsea.ui.kiosk import ALLOWED, kiosk_settings
 from tests.support.windows import dive_options
 
 AFTER_S = 4.0
@@ -134,25 +130,3 @@ def test_the_operators_key_leaves_and_elsewhere_the_close_button_does(exhibit, h
     glfw.set_window_should_close(exhibit.window.handle, False)
     hands.do("key", "ctrl+shift+q")
     hands.until(exhibit, lambda: not exhibit.window.open)
-
-
-def test_a_kiosk_has_inputs_for_what_cannot_strand_it_only():
-    found = kiosk_settings(DEFAULTS).bindings
-    assert found.key(ord("Q"), 2 | 1) == "leave"
-    assert found.key(ord("Q"), 0) == "dive"
-    for wish in COMMANDS:
-        assert bool(found.inputs(wish)) == (wish in ALLOWED)
-    assert kiosk_settings(with_key("F12")).bindings.control("F12") == "leave"  # no visitor's input
-
-
-@pytest.mark.parametrize(
-    ("key", "controls", "rival"), [("F9", {"ride": ["F9"]}, "ride"), ("w", {}, "ahead")]
-)
-def test_the_operators_key_is_none_that_visitors_use(key, controls, rival):
-    name = key.upper()
-    with pytest.raises(UserError, match=f"--kiosk: '{name}' .* '{rival}', at `kiosk.leave`"):
-        kiosk_settings(with_key(key, **controls))
-
-
-def with_key(key, **controls):
-    return msgspec.structs.replace(DEFAULTS, controls=controls, kiosk=KioskSettings(leave=key))

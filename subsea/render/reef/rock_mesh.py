@@ -21,14 +21,7 @@ from subsea.habitat.formations import (
     on_the_surface,
     rough_distance,
 )
-from subsea.habitat.stone_shade import (
-    SUN,
-    Shade,
-    box_of,
-    openness,
-    passes,
-    shade_of,
-)
+from subsea.habitat.stone_shade import SUN, Shade, box_of, openness, passes, shade_of
 from subsea.render.gl.static_batch import StaticMesh
 from subsea.render.reef.isosurface import surface_net
 

@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 
 from subsea.behavior.table import INTENTIONS
 from subsea.behavior.temperament import apply_individual
+from subsea.dive.intention_text import focus
+from subsea.dive.mental_chart import SPAN, Chart
 from subsea.scenario.schema import IndividualTable
 from subsea.state import COURTSHIP, HUNGER, LIBIDO, MENTAL_STATES, Nature
 from subsea.ui.context import PanelContext
 from subsea.ui.gui import GLASS, INK, LIT, MARK, QUIET, colour
 from subsea.ui.panels.fish_picker import choose_fish
-from subsea.ui.panels.intention import focus
-from subsea.ui.panels.mental_chart import SPAN, Chart
 from subsea.world.world import TICK_S, World
 
 WIDE, HIGH = 24.0, 3.0  # of a chart, in heights of letters

@@ -11,6 +11,8 @@ import pytest
 
 from subsea.behavior.table import INTENTIONS
 from subsea.core.resources import resource_path
+from subsea.dive.intention_text import focus
+from subsea.dive.mental_chart import Chart
 from subsea.scenario.schema import Waypoint
 from subsea.state import EAT, ESCAPE, FEAR, SUBMARINE
 from subsea.ui.dive import Dive
@@ -18,8 +20,6 @@ from subsea.ui.gui import LIT
 from subsea.ui.panels import PANELS
 from subsea.ui.panels.behavior import ChartState
 from subsea.ui.panels.control import angles_deg
-from subsea.ui.panels.intention import focus
-from subsea.ui.panels.mental_chart import Chart
 from subsea.view.retina import Gaze
 from subsea.world import snapshot
 from subsea.world.world import TICK_S
