@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from subsea.behavior.table import BEHAVIORS, DESIRES
 from subsea.biomechanics.body_frame import body_frame, to_body
+from subsea.core.arrays import Array
 from subsea.core.console import say
 from subsea.dive.warm_up import warm_up
 from subsea.geometry.rotation import from_matrix
@@ -176,6 +177,12 @@ def known_repertoire() -> Repertoire:
         rest_nodes=straight_nodes(),
         segments={name: segment(*forms[name]) for name in SEGMENTS},
     )
+
+
+@pytest.fixture(scope="session")
+def known_repertoire_nodes(known_repertoire: Repertoire) -> Array:
+    """Its nodes at rest."""
+    return known_repertoire.rest_nodes
 
 
 @pytest.fixture(scope="session")

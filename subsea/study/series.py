@@ -5,15 +5,14 @@ from collections.abc import Iterator
 import numpy as np
 
 from subsea.core.arrays import Array, Bools
+from subsea.geometry.rotation import matrix
 
 SAMPLE_S = 0.2  # interval at which the shape of schools is sampled
 
 
 def headings(orientation: Array) -> Array:
     """Unit vectors (..., 3) along the body, of quaternions (..., 4)."""
-    w, x, y, z = np.moveaxis(np.asarray(orientation, np.float64), -1, 0)
-    parts = [1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)]
-    return np.stack(parts, axis=-1)
+    return np.asarray(matrix(np.asarray(orientation, np.float64))[..., 0])
 
 
 def runs(flags: Bools) -> Iterator[tuple[int, int]]:

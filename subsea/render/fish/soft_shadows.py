@@ -9,6 +9,7 @@ from subsea.core.arrays import Array
 from subsea.core.kernels import kernel
 from subsea.frame.packet import FISH, KIND, ORIENTATION, POSITION, SCALE, Packet, RenderScene
 from subsea.geometry.height_field import height_at
+from subsea.geometry.rotation import x_axis
 from subsea.habitat.stone_shade import SUN
 from subsea.render.gl.owner import GpuOwner, replace_data
 from subsea.render.gl.shaders import program, set_uniforms
@@ -111,9 +112,7 @@ def cast(
         if far >= FARTHEST_CM:
             continue
         share = min((FARTHEST_CM - far) / FADING_CM, 1.0)
-        a, b, c, d = one[ORIENTATION]
-        # The direction of its snout, seen from above.
-        ax, ay = 1.0 - 2.0 * (c * c + d * d), 2.0 * (b * c + a * d)
+        ax, ay, _ = x_axis(one[ORIENTATION])  # the direction of its snout, seen from above
         length = lengths[int(one[KIND])] * one[SCALE]
         flat = np.sqrt(ax * ax + ay * ay)
         ax, ay = (ax / flat, ay / flat) if flat > 1e-3 else (1.0, 0.0)
