@@ -1,1 +1,1 @@
-"""One dive on several computers: a master and the nodes that step the same world with it."""
+"""One dive on several computers: a master and nodes that step the same world in lockstep."""

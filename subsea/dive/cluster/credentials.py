@@ -1,4 +1,4 @@
-"""The keys with which a computer takes part in the dive of a theatre's cluster."""
+"""The keys of a computer in the cluster of a theatre."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,9 +11,9 @@ from subsea.view.theatre.theatre_file import Cluster
 
 
 def credentials(cluster: Cluster, nodes: Sequence[str], node: str, path: Path) -> Keys | None:
-    """The keys of one of a cluster's `nodes`, if the theatre file `path` names any.
+    """Read the keys of `node`, if the theatre file `path` names a folder of keys.
 
-    Keys that are missing and an address that needs some are UserErrors.
+    Missing keys, and an address that needs keys where none are named, are UserErrors.
     """
     try:
         keys = None
@@ -28,9 +28,9 @@ def credentials(cluster: Cluster, nodes: Sequence[str], node: str, path: Path) -
 
 
 def cluster_faults(cluster: Cluster, nodes: Sequence[str], path: Path) -> tuple[UserError, ...]:
-    """An error for each node whose secret key is here and that cannot take part all the same.
+    """Errors of the nodes that have a secret key on this computer; of the master if none has.
 
-    A computer needs no secret key but its own; where there is none at all the master's is missing.
+    A computer needs no secret key but its own.
     """
     here = [cluster.master]
     if cluster.keys is not None:

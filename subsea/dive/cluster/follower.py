@@ -1,4 +1,4 @@
-"""A computer that follows the master's dive: it makes the same ticks and shows its own windows."""
+"""A node of a cluster: steps the same ticks as the master and shows its own windows."""
 
 import math
 import time
@@ -32,13 +32,13 @@ from subsea.world import snapshot
 from subsea.world.step import step
 from subsea.world.world import World
 
-CALL_S = 1.0  # so often a node that hears nothing calls the master
-SILENT_S = 1.0  # a master that draws slowly is not yet a silent one
-HURRY_S = 0.25  # for so long ticks are made without a picture by a node that is behind
+CALL_S = 1.0  # interval of calls to a silent master
+SILENT_S = 1.0  # shortest silence that counts, as a master may draw slowly
+HURRY_S = 0.25  # longest time without a picture while a node catches up
 
 
 class Follower:
-    """Call `picture`; if there is one draw it, call `swap` and show it."""
+    """The connection to the master: call `picture`; if it returns one, draw, `swap`, show."""
 
     def __init__(
         self,
@@ -51,17 +51,16 @@ class Follower:
         tell: Say = lambda message: None,
         view: str = "",
     ) -> None:
-        """Call the node `master` at `address` as the node `name`.
+        """Connect to the node `master` at `address` as the node `name`.
 
-        Whoever is not heard for `timeout_s` is waited for no more. With `keys` the master must
-        have the key that is known of it. Its `view` must be the master's. What cannot be is a
-        UserError.
+        A master that is silent for `timeout_s` is no longer waited for. With `keys` the master
+        must have its known key. `view` must equal the master's. Raises UserErrors.
         """
         self.world = world
-        self.waiting = ""  # what this node waits for, in words for its windows
+        self.waiting = ""  # what this node waits for, to show in its windows
         self._name, self._address, self._timeout_s, self._tell = name, address, timeout_s, tell
         self._identity = identity_of(world, view)
-        self._dive = ""  # the dive that it takes part in
+        self._dive = ""  # ID of the dive that it takes part in
         self._number = 0  # of the last picture
         self._alpha = 1.0
         self._heard: deque[FromMaster] = deque()
@@ -78,12 +77,11 @@ class Follower:
         self._wait_for(f"waiting for the master at {address}")
 
     def picture(self, patience_s: float) -> float | None:
-        """Make the ticks of the next picture; the point between the last two at which to draw.
+        """Step the ticks of the next picture; return the point between the last two to draw at.
 
-        None if there is none within `patience_s`; `waiting` then says why, once the master was
-        silent for too long. One that is behind makes the ticks of all pictures that it has
-        missed, and draws the last. If the master refuses this node, or its key, that is a
-        UserError.
+        Returns None if no picture comes within `patience_s`; `waiting` then says why, once the
+        master has been silent for too long. A node that is behind steps the ticks of all missed
+        pictures and draws the last. If the master refuses this node or its key: UserError.
         """
         start, made = time.monotonic(), False
         while True:
@@ -106,7 +104,7 @@ class Follower:
         return None
 
     def swap(self) -> None:
-        """Tell the master that the picture is drawn, and wait until all show theirs."""
+        """Report the picture as drawn and wait until all nodes show theirs."""
         self._say(PictureDrawn(self._number))
         end = time.monotonic() + self._timeout_s
         while (message := self._next(end - time.monotonic())) is not None:
@@ -117,18 +115,18 @@ class Follower:
                 return
 
     def close(self) -> None:
-        """Hang up."""
+        """Close the connection."""
         self._failures.close(0)
         self._socket.disable_monitor()
         self._socket.close()
         self._context.term()
 
     def _make(self, picture: Picture) -> bool:
-        """Make the ticks of the next picture; False if it is not the next, or not of this world."""
+        """Step the ticks of a picture; False if it is not the next one, or of another world."""
         if picture.number <= self._number:
             return False
         if picture.number > self._number + 1:
-            self._dive, self._called_s = "", -math.inf  # something was lost: the state is needed
+            self._dive, self._called_s = "", -math.inf  # a picture was lost: fetch the state
             return False
         state = self.world.state
         state.submarine.lights[:] = picture.lights
@@ -152,7 +150,7 @@ class Follower:
         self._tell(f"took the state of the dive at tick {self.world.state.tick}")
 
     def _call(self) -> None:
-        """Call the master, if it is silent or if its state is needed."""
+        """Call the master if it is silent or its state is needed."""
         now = time.monotonic()
         silent = now - self._heard_s > max(self._timeout_s, SILENT_S)
         if silent:
@@ -162,7 +160,7 @@ class Follower:
             self._say(Hello(self._name, self._identity, self._dive))
 
     def _next(self, wait_s: float) -> FromMaster | None:
-        """The next thing that the master says within so many seconds; None if there is none."""
+        """The next message of the master within `wait_s` seconds, or None."""
         self._refuse_failures()
         if self._heard:
             return self._heard.popleft()
@@ -184,7 +182,7 @@ class Follower:
         return None
 
     def _refuse_failures(self) -> None:
-        """A UserError if master and node cannot agree on keys."""
+        """Raise a UserError if master and node cannot agree on keys."""
         while why := link.failed(self._failures):
             if why == link.AUTH:
                 raise UserError(
@@ -197,7 +195,7 @@ class Follower:
                 )
 
     def _say(self, message: FromNode) -> None:
-        with suppress(zmq.Again):  # nobody is there: it will be called again
+        with suppress(zmq.Again):  # no connection yet: it will be called again
             self._socket.send(encode(message), zmq.NOBLOCK)
 
     def _wait_for(self, words: str) -> None:

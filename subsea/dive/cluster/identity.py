@@ -1,4 +1,4 @@
-"""What two computers must have in common to show one dive: equal worlds, pictures that meet."""
+"""Check that two computers have equal worlds and views, so that they can show one dive."""
 
 import hashlib
 from importlib.metadata import version
@@ -14,7 +14,7 @@ from subsea.world.world import World
 
 
 def identity_of(world: World, view: str = "") -> Identity:
-    """What this world was made of and what it became, and how all are to look at it: `view`."""
+    """Hash what this world was made of, its constant state, and its `view`."""
     library, recorded = world.library, len(world.library.entry)
     tables = {
         name: value[:recorded]
@@ -35,14 +35,14 @@ def identity_of(world: World, view: str = "") -> Identity:
 
 
 def _anywhere(species: Species) -> Species:
-    """A species without the folder that its sheet lies in."""
+    """A species without the folder of its colour sheet."""
     if not (sheet := species.skin.sheet):
         return species
     return structs.replace(species, skin=structs.replace(species.skin, sheet=Path(sheet).name))
 
 
 def difference(theirs: Identity, ours: Identity) -> str:
-    """What another has that we have not, in words; nothing if they show one dive."""
+    """Describe how another computer differs from this one; empty if they match."""
     if theirs.version != ours.version:
         return f"has subsea {theirs.version}, expected {ours.version}"
     what = ""

@@ -1,7 +1,7 @@
-"""Key pairs by which master and nodes know each other (CURVE, as ZeroMQ has it).
+"""Key pairs that authenticate master and nodes (ZeroMQ CURVE).
 
-A folder holds NAME.key, which everybody may see, and NAME.key_secret, which only the computer
-NAME may have. Files are ZeroMQ's certificates.
+A folder holds the public NAME.key and NAME.key_secret, which only the computer NAME may have. The
+files are ZeroMQ certificates.
 """
 
 import os
@@ -26,18 +26,18 @@ HEADER = "# subsea: {what} of {name}\nmetadata\ncurve\n"
 
 
 class Keys(NamedTuple):
-    """What one computer needs."""
+    """The keys of one computer."""
 
     public: bytes  # Z85, 40 bytes, as all of them
     secret: bytes
-    others: dict[str, bytes]  # public keys of those that it is to know, by name
+    others: dict[str, bytes]  # public keys of the others, by name
 
 
 def write_keys(folder: Path, names: Sequence[str]) -> list[Path]:
-    """A new key pair for each computer; the files, public and secret in turn.
+    """Write a new key pair for each computer; return the files, public and secret in turn.
 
-    Secret files can be read by nobody but their owner. A name that cannot be a file's, or one
-    that has keys already, is a UserError, and nothing is written.
+    Only the owner can read secret files. If a name is invalid or has keys already, nothing is
+    written: UserError.
     """
     _check_curve()
     for name in names:
@@ -67,7 +67,7 @@ def write_keys(folder: Path, names: Sequence[str]) -> list[Path]:
                 written.append(folder / f"{name}{suffix}")
                 undo.callback(written[-1].unlink, missing_ok=True)
                 path = all_at_once.enter_context(replacing(written[-1]))
-                # Made with its mode, so that no moment is left in which others may read it.
+                # Created with its mode, so that others can never read it.
                 path.touch(mode, exist_ok=False)
                 path.write_text(text)
         all_at_once.close()
@@ -76,7 +76,7 @@ def write_keys(folder: Path, names: Sequence[str]) -> list[Path]:
 
 
 def read_keys(folder: Path, name: str, others: Sequence[str]) -> Keys:
-    """The pair of `name` and the public keys of `others`; what is missing is a UserError."""
+    """Read the pair of `name` and the public keys of `others`; UserError if one is missing."""
     _check_curve()
     path = folder / f"{name}{SECRET}"
     public, secret = _read(path)
@@ -92,12 +92,11 @@ def _read(path: Path) -> tuple[bytes, bytes | None]:
     try:
         public, secret = zmq.auth.load_certificate(path)
     except OSError as fault:
-        raise UserError(
-            f"{path}: cannot read (no such key); `subsea keys {path.parent} NAME...` makes them"
-            if not path.exists()
-            else f"{path}: cannot read ({fault.strerror})"
-        ) from fault
-    except (ValueError, IndexError) as fault:  # no such line, or nothing in it
+        message = f"cannot read ({fault.strerror})"
+        if not path.exists():
+            message = f"cannot read (no such key); `subsea keys {path.parent} NAME...` makes them"
+        raise UserError(message, file=path) from fault
+    except (ValueError, IndexError) as fault:  # a missing or empty line
         raise UserError("holds no key", file=path) from fault
     for key in (public, secret):
         if key is not None and not _is_key(key):
@@ -106,7 +105,7 @@ def _read(path: Path) -> tuple[bytes, bytes | None]:
 
 
 def _is_key(text: bytes) -> bool:
-    """Whether it is 32 bytes in Z85, which not all 40 letters are."""
+    """Whether a text is 32 bytes in Z85; not all texts of 40 letters are."""
     try:
         return len(z85.decode(text)) == 32
     except (ValueError, KeyError, struct.error):

@@ -1,4 +1,4 @@
-"""Sockets of master and nodes: who may listen where, with which keys and which limits."""
+"""Sockets of master and nodes, with keys and limits."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -11,10 +11,10 @@ from subsea.core.errors import UserError
 from subsea.dive.cluster.keys import Keys
 from subsea.view.theatre.node_names import parse_address
 
-HEARTBEAT_MS, HEARTBEAT_TIMEOUT_MS = 1000, 4000  # a cable that was pulled is noticed
-LINGER_MS = 300  # the last words may still leave
+HEARTBEAT_MS, HEARTBEAT_TIMEOUT_MS = 1000, 4000  # to notice a pulled cable
+LINGER_MS = 300  # for the last messages
 HANDSHAKE_MS = 5000
-BACKLOG = 2000  # messages for a node that takes none: eight seconds at 120 pictures a second
+BACKLOG = 2000  # unread messages of a node: eight seconds at 120 pictures a second
 
 AUTH = int(zmq.EVENT_HANDSHAKE_FAILED_AUTH)
 PROTOCOL = int(zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL)
@@ -22,10 +22,10 @@ NO_DETAIL = int(zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL)
 
 
 def endpoint(address: str, keys: Keys | None) -> str:
-    """ZeroMQ's name of an address such as ``127.0.0.1:5560``.
+    """The ZeroMQ endpoint of an address such as ``127.0.0.1:5560``.
 
-    What is no IP address with a port is a UserError, and so is one beyond this computer without
-    keys.
+    Anything but an IP address with a port is a UserError, and so is an address that other
+    computers can reach if there are no keys.
     """
     try:
         ip, port = parse_address(address)
@@ -42,11 +42,11 @@ def endpoint(address: str, keys: Keys | None) -> str:
 
 
 def listening(context: "zmq.Context[Any]", address: str, keys: Keys | None, limit: int) -> Any:
-    """The master's socket; messages of more than `limit` bytes end a connection."""
+    """The socket of the master; messages of more than `limit` bytes end a connection."""
     where = endpoint(address, keys)
     socket = _socket(context, zmq.ROUTER, limit)
     with _closed_if_not(socket, f"address {address}: cannot listen there"):
-        # Sending to a node that is gone, or that takes nothing any more, is then told.
+        # Raise when sending to a node that has gone or no longer reads.
         socket.router_mandatory = True
         if keys:
             socket.curve_server = True
@@ -58,11 +58,11 @@ def listening(context: "zmq.Context[Any]", address: str, keys: Keys | None, limi
 def calling(
     context: "zmq.Context[Any]", address: str, keys: Keys | None, master: str, limit: int
 ) -> Any:
-    """A node's socket, which calls until the master answers."""
+    """The socket of a node, which reconnects until the master answers."""
     where = endpoint(address, keys)
     socket = _socket(context, zmq.DEALER, limit)
     with _closed_if_not(socket, f"address {address}: cannot call there"):
-        socket.immediate = True  # what is said while nobody listens is not kept
+        socket.immediate = True  # drop messages while not connected
         socket.reconnect_ivl, socket.reconnect_ivl_max = 100, 1000
         if keys:
             socket.curve_serverkey = keys.others[master]
@@ -72,7 +72,7 @@ def calling(
 
 
 def failures(socket: Any) -> Any:
-    """A socket that tells of handshakes that failed; see `failed`."""
+    """A socket that reports failed handshakes; see `failed`."""
     return socket.get_monitor_socket(AUTH | PROTOCOL | NO_DETAIL)
 
 
@@ -85,7 +85,7 @@ def failed(monitor: Any) -> int:
 
 @contextmanager
 def _closed_if_not(socket: Any, fault: str) -> Iterator[None]:
-    """What ZeroMQ refuses is a UserError; the socket is closed, else its context waits for ever."""
+    """Turn a ZMQError into a UserError and close the socket, so that its context can end."""
     try:
         yield
     except zmq.ZMQError as reason:

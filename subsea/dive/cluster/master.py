@@ -1,4 +1,4 @@
-"""The computer that has the pilot: it sends every picture's ticks, and waits for all to draw it."""
+"""The master of a cluster: sends the ticks of every picture and waits until all have drawn."""
 
 import math
 import secrets
@@ -38,33 +38,33 @@ from subsea.world.world import World
 
 Say = Callable[[str], None]
 
-CHECK_TICKS = 30  # so often every node's world is compared with the master's: once a second
-NUDGE_S = 0.02  # so often a node that is waited for is asked whether it is still there
-NEAR = 30  # pictures that a node may be behind to be waited for again
-LONGEST_PROBATION_S = 60.0  # for so long at most, a node that was late is not waited for
-SOON_S = 60.0  # a node whose world differs twice within that is refused, and told so once in it
-AT_ONCE = 1000  # messages that are read at a time: a flood must not stop the dive
+CHECK_TICKS = 30  # interval of checksums of the world: once a second
+NUDGE_S = 0.02  # interval at which late nodes are probed
+NEAR = 30  # most pictures that a node may be behind to be waited for again
+LONGEST_PROBATION_S = 60.0  # longest time that a late node is not waited for
+SOON_S = 60.0  # a node that diverges twice within this time is refused
+AT_ONCE = 1000  # most messages read at a time, so that a flood does not stop the dive
 
 
 @dataclass
 class _Node:
-    """What the master knows of a node."""
+    """The state of a node as the master sees it."""
 
     name: str
-    route: bytes | None = None  # its connection, None while there is none
+    route: bytes | None = None  # its connection; None: not connected
     in_step: bool = False  # whether it is waited for
     drawn: int = 0  # number of its last picture ...
     drawn_s: float = 0.0  # ... and when it was drawn
     not_before_s: float = 0.0  # until then it is not waited for
     diverged_s: float = -SOON_S
     came: bool = False  # whether it was in step before
-    refusal: str = ""  # why one that came with its name was refused ...
-    refused_s: float = 0.0  # ... and when that was told
+    refusal: str = ""  # why a node of its name was refused ...
+    refused_s: float = 0.0  # ... and when that was reported
     waits: WaitStatistics = field(default_factory=WaitStatistics)
 
 
 class Master:
-    """Call `picture` and `swap` in turn; between them draw, after them show what was drawn."""
+    """The connections to the nodes: call `picture`, draw, `swap`, show, in turn."""
 
     def __init__(
         self,
@@ -76,11 +76,11 @@ class Master:
         tell: Say = lambda message: None,
         view: str = "",
     ) -> None:
-        """Listen at `address` for `nodes`, all but the master itself.
+        """Listen at `address` for `nodes`, which are all but the master itself.
 
-        A node is waited for up to `timeout_s`. With `keys` only those with known keys may
-        connect; without, only this computer. `view` tells all that decides how pictures of the
-        nodes meet: those with another are refused. What cannot be is a UserError.
+        A node is waited for up to `timeout_s`. With `keys` only nodes with known keys may
+        connect, without keys only this computer. `view` describes the theatre and the display;
+        nodes with another view are refused. Raises UserErrors.
         """
         self.world = world
         self._timeout_s, self._tell, self._keys = timeout_s, tell, keys
@@ -89,7 +89,7 @@ class Master:
         self._dive = secrets.token_hex(8)
         self._number = 0
         self._checked = -CHECK_TICKS  # the tick of the last checksum
-        self._strangers = 0
+        self._refusals = 0
         self._context: Any = zmq.Context()
         self._authenticator = None
         try:
@@ -104,10 +104,11 @@ class Master:
         self._failures = link.failures(self._socket)
 
     def picture(self, ticks: Iterable[Helm | Rail], alpha: float) -> None:
-        """Tell all nodes the next picture, and make its ticks here too.
+        """Send the next picture to all nodes and step its ticks here.
 
-        A sequence is told before, so that all make the ticks at the same time. Of what else is
-        given, as a tour that looks at the world, each is asked for after the tick before it.
+        A sequence is sent first, so that all computers step at the same time. From any other
+        iterable, as of a tour that depends on the world, each tick is taken after the previous
+        one was stepped.
         """
         self._hear(0.0)
         state = self.world.state
@@ -129,7 +130,7 @@ class Master:
         self._send_all(picture_of(self._number, tick, alpha, made, check, lights))
 
     def swap(self) -> None:
-        """Wait until all nodes in step have drawn, or the time is up, and have them show it."""
+        """Wait until all nodes in step have drawn, or time out, and tell them to show it."""
         start = time.monotonic()
         late: list[_Node] = []
         while missing := [node for node in self._present() if self._awaited(node)]:
@@ -140,7 +141,7 @@ class Master:
             self._hear(min(NUDGE_S, self._timeout_s - waited))
             for node in missing:
                 if self._awaited(node):
-                    # Words that it has heard already: only whether they can be said matters.
+                    # A repeated message: only whether it can be sent matters.
                     self._send(node, encode(Swap(self._number - 1)))
         now = time.monotonic()
         for node in late:
@@ -156,24 +157,24 @@ class Master:
             self._send(node, message)
 
     def report(self) -> list[str]:
-        """One line for each node: how long it was waited for, and what happened to it."""
+        """One line for each node with its wait times and events."""
         return [f"node {node.name}: {node.waits.words()}" for node in self._nodes.values()]
 
     def in_step(self) -> list[str]:
-        """The nodes that are waited for."""
+        """The names of the nodes that are waited for."""
         return [node.name for node in self._present() if node.in_step]
 
     def close(self) -> None:
-        """Hang up."""
+        """Close all connections."""
         self._failures.close(0)
         self._socket.disable_monitor()
         self._socket.close()
         self._leave()
 
     def _hear(self, wait_s: float) -> None:
-        """Take what nodes have said, waiting up to `wait_s` for the first word."""
+        """Handle messages of nodes, waiting up to `wait_s` for the first."""
         while link.failed(self._failures):
-            self._stranger("a connection without a key that is known, or none of subsea's")
+            self._report_refused("a connection without a key that is known, or none of subsea's")
         if not self._socket.poll(math.ceil(1000.0 * wait_s)):
             return
         asking: dict[str, _Node] = {}
@@ -187,8 +188,8 @@ class Master:
                     raise UserError("what was received is no message of subsea")
                 message = from_node(frames[1].bytes)
             except UserError as fault:
-                self._stranger(str(fault))
-                self._say_to(frames[0].bytes, Refused(str(fault)[:200]))
+                self._report_refused(str(fault))
+                self._reply(frames[0].bytes, Refused(str(fault)[:200]))
                 continue
             node = self._answer(frames[0].bytes, message, frames[1])
             if node:
@@ -199,14 +200,14 @@ class Master:
                 self._send(node, state)
 
     def _answer(self, route: bytes, message: FromNode, frame: Any) -> _Node | None:
-        """Take one message; the node, if it is to be given the state."""
+        """Handle one message; return the node if it needs the state."""
         if isinstance(message, Hello):
             return self._welcome(route, message, frame)
         node = next((node for node in self._present() if node.route == route), None)
         if node is None:
-            return None  # the last words of a connection that was dropped
+            return None  # a message of a dropped connection
         if isinstance(message, Diverged):
-            return self._again(node, message.tick)
+            return self._resynchronize(node, message.tick)
         now = time.monotonic()
         node.drawn, node.drawn_s = min(message.number, self._number), now
         if not node.in_step and self._number - node.drawn <= NEAR and now >= node.not_before_s:
@@ -219,37 +220,37 @@ class Master:
         reason = self._objection(hello, frame)
         if reason:
             self._refuse(hello.node, reason)
-            self._say_to(route, Refused(f"the master refuses node {hello.node}: it {reason}"))
+            self._reply(route, Refused(f"the master refuses node {hello.node}: it {reason}"))
             return None
         node = self._nodes[hello.node]
         if node.route == route and hello.dive == self._dive:
-            return None  # the master was silent for a while, no more
+            return None  # the master was only silent for a while
         if node.route not in (None, route):
             reason = f"another computer has come as node {node.name}"
-            self._say_to(node.route, Refused(reason))
+            self._reply(node.route, Refused(reason))
             self._drop(node, reason)
         node.route, node.in_step = route, False
         return node
 
     def _refuse(self, name: str, reason: str) -> None:
-        """Tell it: of a node once in a while, as it may try again and again."""
+        """Report a refused node, at most once in `SOON_S`, as it may try again and again."""
         now = time.monotonic()
         if name not in self._nodes:
-            self._stranger(f"node {name}: {reason}")
+            self._report_refused(f"node {name}: {reason}")
         elif (node := self._nodes[name]).refusal != reason or now - node.refused_s > SOON_S:
             node.refusal, node.refused_s = reason, now
             self._tell(f"node {name}: {reason}: refused")
 
     def _objection(self, hello: Hello, frame: Any) -> str:
-        """Why a node may not take part, in words that follow its name; nothing if it may."""
+        """Why a node may not take part, to follow its name; empty if it may."""
         if hello.node not in self._nodes:
             return f"is not among the nodes of the theatre: {', '.join(self._nodes)}"
         if self._keys and frame.get("User-Id").encode() != self._keys.others[hello.node]:
             return "has the key of another node"
         return difference(hello.identity, self._identity)
 
-    def _again(self, node: _Node, tick: int) -> _Node | None:
-        """A node whose world differs gets the state once more, but not again and again."""
+    def _resynchronize(self, node: _Node, tick: int) -> _Node | None:
+        """Send the state again to a node whose world differs; refuse it the second time."""
         now = time.monotonic()
         node.waits.diverged += 1
         node.in_step = False
@@ -258,7 +259,7 @@ class Master:
                 f"its world differed from the master's again at tick {tick}; its processor or its "
                 "packages compute otherwise"
             )
-            self._say_to(node.route, Refused(f"the master refuses node {node.name}: {reason}"))
+            self._reply(node.route, Refused(f"the master refuses node {node.name}: {reason}"))
             self._drop(node, reason)
             return None
         node.diverged_s = now
@@ -272,7 +273,7 @@ class Master:
         return node.in_step and node.drawn < self._number
 
     def _send(self, node: _Node, data: bytes) -> None:
-        """Send it if the node takes it, else do without the node."""
+        """Send to a node, or drop it if it does not read."""
         try:
             self._socket.send_multipart([node.route, data], zmq.NOBLOCK)
         except zmq.Again:
@@ -287,8 +288,8 @@ class Master:
         for node in self._present():
             self._send(node, data)
 
-    def _say_to(self, route: bytes | None, message: FromMaster) -> None:
-        """Send it to whoever is there, if it is."""
+    def _reply(self, route: bytes | None, message: FromMaster) -> None:
+        """Send to a connection, ignoring errors."""
         with suppress(zmq.ZMQError):
             self._socket.send_multipart([route, encode(message)], zmq.NOBLOCK)
 
@@ -297,11 +298,11 @@ class Master:
         node.waits.dropped += 1
         self._tell(f"node {node.name}: {reason}; going on without it")
 
-    def _stranger(self, reason: str) -> None:
-        """Tell of what was refused: the 1st, 10th, 100th time, so that nobody floods the log."""
-        self._strangers += 1
-        if str(self._strangers).strip("0") == "1":
-            self._tell(f"refused: {reason} ({self._strangers} so far)")
+    def _report_refused(self, reason: str) -> None:
+        """Report a refused message the 1st, 10th, 100th time, so that the log is not flooded."""
+        self._refusals += 1
+        if str(self._refusals).strip("0") == "1":
+            self._tell(f"refused: {reason} ({self._refusals} so far)")
 
     def _leave(self) -> None:
         if self._authenticator:
@@ -310,11 +311,11 @@ class Master:
 
 
 class _KnownKeys:
-    """Whose keys are known."""
+    """The known public keys, for the ZeroMQ authenticator."""
 
     def __init__(self, keys: Keys) -> None:
         self._public = set(keys.others.values())
 
     def callback(self, domain: str, key: bytes) -> bool:
-        """For the authenticator: of any domain, a key in Z85."""
+        """Whether a key in Z85 is known; called by the authenticator."""
         return key in self._public

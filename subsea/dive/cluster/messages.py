@@ -1,8 +1,8 @@
-"""What master and nodes say to each other: small structures with strict types and limits.
+"""Messages between master and nodes: small structures with strict types and limits.
 
-Every message begins with MAGIC and the number of the protocol, so that another version is told
-in words and anything else is known for garbage at once. The rest is MessagePack, decoded into
-these structures and nothing else.
+Every message begins with MAGIC and the protocol number, so that another version gets a clear
+error and anything else is rejected at once. The rest is MessagePack, decoded into these structures
+only.
 """
 
 from collections.abc import Sequence
@@ -33,24 +33,24 @@ RailRow = tuple[Amount, Amount, Amount, Amount, Amount, Amount, Amount, Amount, 
 
 
 class Message(msgspec.Struct, forbid_unknown_fields=True, tag=str.lower):
-    """What all have in common."""
+    """Base of all messages."""
 
 
 class Identity(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """What must be equal for two computers to show one dive: see `dive/cluster/identity.py`."""
 
     version: Name  # of subsea
-    title: Annotated[str, msgspec.Meta(max_length=200)]  # of the scenario, to be told
+    title: Annotated[str, msgspec.Meta(max_length=200)]  # of the scenario, for messages
     scenario: Hash
     seed: Count
     species: Hash
     repertoires: Hash
-    sea: Hash  # of everything that was made of those
-    view: Hash  # of all that decides how pictures of it meet
+    sea: Hash  # of the constant state made of those
+    view: Hash  # of the theatre and display options
 
 
 class Hello(Message):
-    """From a node: it wants the state, unless it is in this `dive` already."""
+    """From a node: a request for the state, unless it is already in this `dive`."""
 
     node: Name
     identity: Identity
@@ -58,13 +58,13 @@ class Hello(Message):
 
 
 class PictureDrawn(Message, tag="drawn"):
-    """From a node: its picture of this number is ready to be shown."""
+    """From a node: this picture is ready to be shown."""
 
     number: Count
 
 
 class Diverged(Message):
-    """From a node: its world is not the master's, and it wants the state."""
+    """From a node: its world differs from the master's, so it needs the state."""
 
     tick: Count
 
@@ -78,7 +78,7 @@ class WorldState(Message, tag="state"):
 
 
 class Picture(Message):
-    """To all nodes: the ticks to make, what the pilot asks for in each, and when to look."""
+    """To all nodes: the ticks to step, with the pilot's input, and the point to draw at."""
 
     number: Count
     tick: Count  # before them
@@ -91,13 +91,13 @@ class Picture(Message):
 
 
 class Swap(Message):
-    """To all nodes: show the picture of this number. Told again while the others are waited for."""
+    """To all nodes: show this picture. Repeated while other nodes are waited for."""
 
     number: Count
 
 
 class Refused(Message):
-    """To a node: why it may not take part."""
+    """To a node: why it is refused."""
 
     reason: Words
 
@@ -110,22 +110,22 @@ _from_master: msgspec.msgpack.Decoder[FromMaster] = msgspec.msgpack.Decoder(From
 
 
 def encode(message: FromNode | FromMaster) -> bytes:
-    """The bytes that are sent."""
+    """Encode a message."""
     return MAGIC + msgspec.msgpack.encode(message)
 
 
 def from_node(data: bytes) -> FromNode:
-    """What a node said; anything else is a UserError."""
+    """Decode a message of a node; anything else is a UserError."""
     return _decode(data, _from_node)
 
 
 def from_master(data: bytes) -> FromMaster:
-    """What the master said; anything else is a UserError."""
+    """Decode a message of the master; anything else is a UserError."""
     return _decode(data, _from_master)
 
 
 def ticks_of(picture: Picture) -> list[Helm | Rail]:
-    """What the submarine does in each tick."""
+    """The input or rail of the submarine in each tick of a picture."""
     carried = [
         Rail(np.array(row[:3]), np.array(row[3:6]), row[6:8], row[8]) for row in picture.rails
     ]
@@ -136,7 +136,7 @@ def picture_of(
     number: int, tick: int, alpha: float, ticks: Sequence[Helm | Rail], checksum: str,
     lights: bool = False,
 ) -> Picture:  # fmt: skip
-    """The message that says so; rails after a helm are not foreseen."""
+    """The message of a picture; its rails must come before its helms."""
     rails = [_rail_row(one) for one in ticks if isinstance(one, Rail)]
     helms = [_helm_row(one) for one in ticks if isinstance(one, Helm)]
     return Picture(number, tick, float(alpha), helms, rails, checksum, lights)

@@ -1,35 +1,35 @@
-"""How long the others waited for a node."""
+"""Statistics of how long a node was waited for."""
 
 from collections import deque
 from dataclasses import dataclass, field
 
 import numpy as np
 
-RECENT = 10_000  # pictures of which the 95th percentile is taken
+RECENT = 10_000  # pictures in the 95th percentile
 
 
 @dataclass
 class WaitStatistics:
-    """Of one node, in seconds; `late` and the like count events."""
+    """Wait times of one node in seconds, and counts of events."""
 
-    frames: int = 0  # pictures that it showed together with the others
+    frames: int = 0  # pictures shown in step
     total_s: float = 0.0
     longest_s: float = 0.0
     recent_s: deque[float] = field(default_factory=lambda: deque(maxlen=RECENT))
-    late: int = 0  # times that the others went on without it
-    dropped: int = 0  # connections that were lost
-    rejoined: int = 0  # times that it came back
-    diverged: int = 0  # times that its world was another
+    late: int = 0  # timeouts
+    dropped: int = 0  # lost connections
+    rejoined: int = 0  # returns
+    diverged: int = 0  # times that its world differed
 
     def add(self, wait_s: float) -> None:
-        """One picture, for which all waited so long after the master had drawn its own."""
+        """Add the time from the master's picture to the node's."""
         self.frames += 1
         self.total_s += wait_s
         self.longest_s = max(self.longest_s, wait_s)
         self.recent_s.append(wait_s)
 
     def words(self) -> str:
-        """One line: pictures; mean, 95th percentile and longest wait; what went wrong."""
+        """One line with the number of pictures, the wait times and the events."""
         mean, late = (0.0, 0.0)
         if self.frames:
             mean, late = self.total_s / self.frames, float(np.percentile(self.recent_s, 95))
