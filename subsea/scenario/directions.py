@@ -1,6 +1,6 @@
-"""Directions: what is to happen in a scenario, and when, from its tables `[[direction]]`.
+"""Directions: scripted events of a scenario, from its tables `[[direction]]`.
 
-A direction begins when all that it says of *when* is so. `directing` makes it happen.
+A direction begins once all its conditions hold. `directing` carries it out.
 """
 
 from collections.abc import Callable, Sequence
@@ -24,7 +24,7 @@ Event = Literal[
 ]  # fmt: skip
 
 MOVES = ("path_cm", "hunger", "libido", "fear", "likes", "hunts", "rests")
-"""What moves fishes, those that `who` names."""
+"""Influences on the fishes that `who` selects."""
 
 INFLUENCES = (*MOVES, "pair", "current_cm_s", "hook", "lights", "camera", "caption", "end")
 
@@ -37,14 +37,14 @@ class FishSelector(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_o
     species: str | None = None
 
     def __post_init__(self) -> None:
-        """Refuse none, and two at once."""
+        """Require exactly one."""
         given = (self.shoal is not None) + (self.fish is not None) + (self.species is not None)
         if given != 1:
             raise ValueError("expected one of `shoal`, `fish` and `species`")
 
 
 class Camera(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """What a directed camera shows: a tour, or a place from where, or what it looks at."""
+    """A directed camera: a tour, or a position and a target."""
 
     tour: str | None = None  # the name of one, begun anew
     position_cm: Place | None = None  # where it is; none: `distance_cm` from what it looks at
@@ -55,7 +55,7 @@ class Camera(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
     over_s: Seconds = 3.0  # so long the way there takes, or longer if it is far; 0: a cut
 
     def __post_init__(self) -> None:
-        """Refuse to show two things at once, or nothing."""
+        """Require one thing to show."""
         if self.look_at_cm is not None and self.follow is not None:
             raise ValueError("only one of `look_at_cm` and `follow` can be looked at")
         looks = self.look_at_cm is not None or self.follow is not None
@@ -70,7 +70,7 @@ class Camera(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
 
 
 class Direction(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """One thing that is to happen: when, and what."""
+    """One scripted event: when, and what."""
 
     # By which others follow it, and records tell it.
     name: Annotated[str, msgspec.Meta(max_length=60)] = ""
@@ -111,14 +111,14 @@ class Direction(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
 
     @property
     def influences(self) -> tuple[str, ...]:
-        """The names of what it does."""
+        """The names of its influences."""
         values = {name: getattr(self, name) for name in INFLUENCES}
         values |= {"rests": self.rests or None, "end": self.end or None}
         return tuple(name for name, value in values.items() if value is not None)
 
 
 class Shoals(NamedTuple):
-    """What directions may refer to: of each shoal the species, and the kind of each fish."""
+    """What directions may refer to: species and size of each shoal, kind of each fish."""
 
     species: Sequence[str]
     numbers: Sequence[int]
@@ -174,7 +174,7 @@ def _refuse(key: str, fault: str) -> NoReturn:
 def _faults(
     one: Direction, shoals: Shoals, tours: Sequence[str], hook: bool
 ) -> list[tuple[str, str]]:
-    """Key and fault of what cannot be in a direction, whatever the others are."""
+    """Key and fault of each thing wrong in a direction by itself."""
     faults: list[tuple[str, str]] = []
     wholes = [("of", one.of), ("who", one.who)]
     wholes += [("hunts", one.hunts)] if isinstance(one.hunts, FishSelector) else []
@@ -241,7 +241,7 @@ def _faults(
 
 
 def numbers_of(whose: FishSelector, shoals: Shoals) -> range | list[int]:
-    """The numbers of the fishes that are meant, as far as there are such."""
+    """The numbers of the selected fishes, as far as they exist."""
     if whose.fish is not None:
         return range(whose.fish, min(whose.fish + 1, sum(shoals.numbers)))
     if whose.shoal is not None:
@@ -261,9 +261,9 @@ def numbers_of(whose: FishSelector, shoals: Shoals) -> range | list[int]:
 def renumbered(
     directions: Sequence[Direction], fish: Callable[[int], int], shoal: Callable[[int], int]
 ) -> list[Direction]:
-    """The directions once fishes and shoals have the numbers that these give for theirs.
+    """Renumber fishes and shoals in directions by two functions from old to new numbers.
 
-    Who is gone has -1: directions about it are left out, and those that come after them.
+    -1 means removed: directions about it are left out, and those that wait for them.
     """
 
     def now(whose: Any) -> Any:
@@ -297,7 +297,7 @@ def renumbered(
 
 
 def _strangers(whose: FishSelector, shoals: Shoals) -> list[tuple[str, str]]:
-    """Key and fault of fishes that there are not."""
+    """Key and fault of a selector of fishes that do not exist."""
     if whose.shoal is not None and whose.shoal >= len(shoals.species):
         last = len(shoals.species) - 1
         return [("shoal", f"{whose.shoal}: there is no such shoal, expected 0 to {last}")]

@@ -1,4 +1,4 @@
-"""Which fish is called so."""
+"""Find a fish by number or species."""
 
 import numpy as np
 
@@ -7,10 +7,10 @@ from subsea.scenario.schema import Scenario
 
 
 def find_fish(name: str, scenario: Scenario) -> int:
-    """The number that a scenario's world gives the fish called so; another one is a UserError.
+    """Return the index of a fish given as a number, a species or SPECIES:NUMBER.
 
-    A fish is called by its number, its species, or SPECIES:NUMBER. Those of a species are counted
-    from 0, in the order of their numbers.
+    Fishes of a species are counted from 0 in the order of their numbers. An unknown fish is a
+    UserError.
     """
     kinds = np.repeat(
         [shoal.species for shoal in scenario.fish], [shoal.number for shoal in scenario.fish]

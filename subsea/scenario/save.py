@@ -1,7 +1,7 @@
-"""Scenarios written as files that people read, and that differ from old ones by what changed.
+"""Write scenarios as readable files that differ from the old ones only where they changed.
 
-A file is taken apart at headers such as ``[[rock]]``. What did not change keeps its bytes, comments
-and all; in a table that did, tomlkit replaces single values; tables come and go whole.
+A file is split at headers such as ``[[rock]]``. Tables that did not change keep their bytes and
+comments; in changed tables single values are edited; tables are added and removed whole.
 """
 
 import re
@@ -22,7 +22,7 @@ from subsea.core.validation import convert
 from subsea.scenario.checks import check_scenario
 from subsea.scenario.schema import Scenario
 
-Content = dict[str, Any]  # of a table: what differs from the defaults, as TOML has it
+Content = dict[str, Any]  # of a table: values that differ from the defaults
 
 KEYS = [field.encode_name for field in msgspec.structs.fields(Scenario)]
 _HEADER = re.compile(r"\s*(\[\[?)\s*([A-Za-z0-9_-]+)(\s*\.[^\]]*)?\]\]?\s*(#.*)?")
@@ -30,11 +30,10 @@ _MISSING = object()
 
 
 def save_scenario(scenario: Scenario, path: Path, like: Path | None = None) -> None:
-    """Write a scenario so that `load_scenario` gives it back.
+    """Write a scenario to a file from which `load_scenario` reads the same.
 
-    `like` is the file that it came from: comments, order and what did not change stay as they are
-    there. The file appears whole or not at all; a scenario that could not be loaded, and a place
-    where no file can be written, are UserErrors.
+    `like` is the file that it came from, whose comments, order and unchanged values are kept. The
+    file is written atomically. An invalid scenario or path is a UserError.
     """
     text = scenario_text(scenario, like)
     with replacing(path) as temporary:
@@ -42,11 +41,11 @@ def save_scenario(scenario: Scenario, path: Path, like: Path | None = None) -> N
 
 
 def scenario_text(scenario: Scenario, like: Path | None = None) -> str:
-    """What `save_scenario` writes."""
+    """The text that `save_scenario` writes."""
     with locate_errors(scenario, "the scenario"):
         check_scenario(scenario)
     if like is not None:
-        # Where the old file is gone, or is written in a way that cannot be edited: a new one.
+        # If the old file is gone or cannot be edited: a new one.
         with suppress(UserError, OSError, ValueError):
             old = load_toml(like, Scenario)
             text = _edited(like.read_bytes().decode("utf-8"), _short(old), _short(scenario))
@@ -65,7 +64,7 @@ def _read(text: str) -> Scenario:
 
 
 def _short(struct: msgspec.Struct) -> Content:
-    """The content of a struct without what is as it is by default."""
+    """The content of a struct without default values."""
     content: Content = {}
     for field in msgspec.structs.fields(struct):
         value = getattr(struct, field.name)
@@ -84,7 +83,7 @@ def _plain(value: Any) -> Any:
 
 
 def _tables(value: Any) -> list[Content]:
-    """The tables that a key of the scenario stands for: of a list all, else the one."""
+    """The tables of a key, as a list."""
     return value if isinstance(value, list) else [value]
 
 
@@ -113,7 +112,7 @@ def _lines(content: Content) -> str:
 
 
 class _Piece(NamedTuple):
-    """Some lines of a file: a header, what is under it, and comments just above it."""
+    """Lines of a file: a header, its keys, and the comments just above."""
 
     key: str  # of the scenario, "" for what comes before the first header
     begins: bool  # whether its header is that of a table of the scenario, not of one within
@@ -140,7 +139,7 @@ def _edited(text: str, old: Content, new: Content) -> str:
 
 
 def _taken_apart(text: str) -> tuple[str, list[_Piece]]:
-    """What comes before the first header, and one piece for each table of the scenario."""
+    """Split a text into what precedes the first header, and one piece per table."""
     lines = text.splitlines(keepends=True)
     cuts = []
     for k, line in enumerate(lines):
@@ -163,12 +162,12 @@ def _taken_apart(text: str) -> tuple[str, list[_Piece]]:
 def _exchange(
     pieces: list[_Piece], key: str, was: list[Content], now: list[Content], listed: bool
 ) -> None:
-    """Change, take out and put in tables of a key, so that what is as it was stays in its place."""
+    """Change, remove and insert tables of a key; unchanged ones stay in place."""
     old, new = ([repr(sorted(table.items())) for table in tables] for tables in (was, now))
     places = [k for k, piece in enumerate(pieces) if piece.key == key and piece.begins]
-    if len(places) != len(was):  # written in a way that is not known here
+    if len(places) != len(was):  # written in an unknown way
         places = []
-    # From the last to the first, so that places stay true.
+    # From the last to the first, so that indices stay valid.
     for what, i, j, m, n in reversed(SequenceMatcher(None, old, new, autojunk=False).get_opcodes()):
         if what == "equal":
             continue
@@ -186,7 +185,7 @@ def _exchange(
 
 
 def _room(pieces: list[_Piece], places: list[int], key: str) -> int:
-    """Where the first table of a key goes: before the others, or behind the keys before it."""
+    """Where the first table of a key goes: before its others, or after the keys before it."""
     if places:
         return places[0]
     order = {name: k for k, name in enumerate(KEYS)}
@@ -195,7 +194,7 @@ def _room(pieces: list[_Piece], places: list[int], key: str) -> int:
 
 
 def _put_in(pieces: list[_Piece], place: int, piece: _Piece) -> None:
-    """Put in a piece with a blank line before it and one behind it."""
+    """Insert a piece with blank lines around it."""
     if place > 0:
         above = pieces[place - 1]
         text = above.text if above.text.endswith("\n") else f"{above.text}\n"
@@ -208,7 +207,7 @@ def _put_in(pieces: list[_Piece], place: int, piece: _Piece) -> None:
 
 
 def _take_out(pieces: list[_Piece], place: int) -> None:
-    """Take out a piece; of the last one the blank line above it too."""
+    """Remove a piece; with the last one also the blank line above it."""
     last = place == len(pieces) - 1
     del pieces[place]
     if last and pieces:

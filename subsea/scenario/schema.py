@@ -1,4 +1,4 @@
-"""Scenarios: who lives where, from `assets/scenarios/NAME.toml`."""
+"""Tables of scenario files: who lives where. See `assets/scenarios`."""
 
 from typing import Annotated, Literal
 
@@ -73,14 +73,14 @@ class Shoal(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         None  # centre; none: spread over the sea
     )
     spread_cm: Positive = 150.0
-    heading_deg: Coordinate | None = None  # none: the dice decide
+    heading_deg: Coordinate | None = None  # none: random
     toward_cm: tuple[Coordinate, Coordinate, Coordinate] | None = None  # where they are bound first
     leader_cm: BodyLength | None = None  # of the first fish, which leads; none: as the others
     kind: Kind | None = None  # none: as the species is
     male_share: Share = 0.5
     likes: list[Habit] = []  # Tu §7.3
     schooling: bool | None = None  # none: as the species does
-    hunger: Share | None = None  # at the start, the urge within; none: the dice decide
+    hunger: Share | None = None  # at the start, the urge within; none: random
     libido: Share | None = None
     digestion: Rate | None = None  # p0 of Tu §7.4, 1/s
     libido_rate: Rate | None = None  # p1, 1/s
@@ -175,7 +175,7 @@ class ReefTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
     seed: Seed = 0
 
     def __post_init__(self) -> None:
-        """Refuse a table of which nothing may grow."""
+        """Refuse weights that are all 0."""
         if self.kinds and not any(self.kinds.values()):
             raise ValueError("`kinds` must give a weight above 0 to one of them")
 
@@ -242,7 +242,7 @@ class NatureTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_on
 
 
 class IndividualTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """What one fish has of its own, whatever its shoal says; no dice are thrown for it."""
+    """Properties of one fish, which replace those of its shoal and random values."""
 
     fish: Annotated[int, msgspec.Meta(ge=0, lt=MAX_FISHES)]  # its number, as shoals count from 0
     kind: Kind | None = None
@@ -271,7 +271,7 @@ class PhysicsTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_o
 
 
 class Scenario(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """Everything that a dive starts from."""
+    """The start of a dive."""
 
     title: str
     seed: Seed

@@ -1,4 +1,4 @@
-"""Where a dive's scenario is saved, as it is now: never over one that comes with the program."""
+"""Save scenarios, but never over one that comes with the program."""
 
 from pathlib import Path
 
@@ -11,12 +11,12 @@ from subsea.scenario.schema import Scenario
 
 
 def is_shipped(path: Path) -> bool:
-    """Whether this file came with the program."""
+    """Whether a file comes with the program."""
     return path.resolve().parent == resource_path(SHIPPED).resolve()
 
 
 def place_of(source: Path) -> Path:
-    """Where the scenario of a file is saved: there, or as ``my-NAME`` if it came along."""
+    """Where to save the scenario of a file: there, or as ``my-NAME`` if it is shipped."""
     if not is_shipped(source):
         return source
     number, path = 1, own_scenarios() / f"my-{source.name}"
@@ -27,9 +27,9 @@ def place_of(source: Path) -> Path:
 
 
 def place_named(name: str) -> Path:
-    """Where a scenario is saved under a name, or at a path: nothing may be there.
+    """Where to save a scenario under a name or path, which must be unused.
 
-    A word is a name in the visitor's own folder.
+    A name without a slash is one in the user's own folder.
     """
     if not name or name.endswith(("/", "\\")):
         raise UserError(f"{name or 'nothing'}: expected a name to save the scenario as")
@@ -46,7 +46,7 @@ def place_named(name: str) -> Path:
 
 
 def held(path: Path) -> bytes:
-    """What a file holds; nothing where there is none."""
+    """The content of a file; empty if it cannot be read."""
     try:
         return path.read_bytes()
     except OSError:
@@ -54,9 +54,9 @@ def held(path: Path) -> bytes:
 
 
 def save(scenario: Scenario, path: Path, source: Path, known: bytes) -> None:
-    """Write the scenario of the file `source`, which held `known`, to `path`.
+    """Write the scenario of the file `source`, whose content was `known`, to `path`.
 
-    What cannot be written is a UserError, and so is what another has changed since.
+    A UserError if it cannot be written or another program has changed the file.
     """
     if is_shipped(path):
         raise UserError("comes with the program, expected another place", file=path)
@@ -70,12 +70,12 @@ def save(scenario: Scenario, path: Path, source: Path, known: bytes) -> None:
 
 
 def opened(name: str) -> tuple[Scenario, Path]:
-    """The scenario of a name or at a path, and its file."""
+    """Load a scenario by name or path; return it with its file."""
     return load_scenario(name if name in scenario_names() else str(_path(name)))
 
 
 def _path(text: str) -> Path:
-    """The path that somebody has written; a ``~`` of nobody known is a UserError."""
+    """Expand ``~`` in a path; a UserError for an unknown user."""
     try:
         return Path(text).expanduser()
     except RuntimeError as fault:
@@ -83,7 +83,7 @@ def _path(text: str) -> Path:
 
 
 def _is_there(path: Path) -> bool:
-    """Whether something is at a path; a name that no file can have is a UserError."""
+    """Whether a path exists; a UserError for an impossible name."""
     try:
         return path.exists()
     except OSError as fault:

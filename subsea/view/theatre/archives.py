@@ -12,14 +12,14 @@ from xml.parsers import expat
 
 from subsea.core.errors import UserError
 
-Fetch = Callable[[str, int], bytes | None]  # a file by its path, of at most so many bytes
+Fetch = Callable[[str, int], bytes | None]  # path, most bytes -> content
 
 MAX_ARCHIVE = 2**30  # bytes
-MAX_DIRECTORY = 2**20  # bytes of its list of files, which `zipfile` reads before anything else
+MAX_DIRECTORY = 2**20  # bytes of the directory, which `zipfile` reads first
 MAX_XML = 2**20
 
-_END = b"PK\x05\x06"  # before the record at the end of an archive
-_END_64 = b"PK\x06\x07"  # before it, in one of more than 4 GB or 65,535 files
+_END = b"PK\x05\x06"  # signature of the record at the end of an archive
+_END_64 = b"PK\x06\x07"  # signature in archives of more than 4 GB or 65,535 files
 
 
 @contextmanager
@@ -73,17 +73,17 @@ def parsed_xml(data: bytes, where: str) -> Element:
 
 
 def plain(name: str) -> str:
-    """A path as it is compared: no capitals, one kind of slash, nothing before it."""
+    """Normalize a path for comparison: lower case, forward slashes, no leading ./"""
     return name.strip().replace("\\", "/").removeprefix("./").lower()
 
 
 def line(fault: BaseException) -> str:
-    """The first line of what an error says."""
+    """The first line of an error."""
     return str(fault).partition("\n")[0][:200] or type(fault).__name__
 
 
 def _check_length(file: BinaryIO, path: Path) -> None:
-    """Refuse a file that is no archive, or one that would fill the memory when it is opened."""
+    """Refuse a file that is not an archive or would exhaust memory when opened."""
     length = file.seek(0, 2)
     file.seek(max(length - 2**16 - 42, 0))
     end = file.read()
@@ -101,7 +101,7 @@ def _inflated(archive: zipfile.ZipFile, one: zipfile.ZipInfo, most: int, where: 
         raise UserError("packed in an unusual way or encrypted, expected plain zip", file=where)
     try:
         with archive.open(one) as file:
-            data = file.read(most + 1)  # what it says of its own size may be false
+            data = file.read(most + 1)  # the size in its header may be false
     except (
         zipfile.BadZipFile,
         NotImplementedError,

@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 from subsea.core.arrays import Array
 from subsea.view.theatre.screens import Screen, places_on, points_on
 
-WITHIN = 1e-6  # of a screen: what lies so near an edge is on it
-LEAST = 1e-4  # of a screen: as far from its edges counts what is on them, if nobody else is there
-EDGE = np.linspace(0.02, 0.98, 49)  # places along an edge at which is asked who else is there
+WITHIN = 1e-6  # of a screen: tolerance at its edges
+LEAST = 1e-4  # of a screen: least distance from the edges where one projector shines alone
+EDGE = np.linspace(0.02, 0.98, 49)  # places along an edge to test for other projectors
 
 
 class Projector(NamedTuple):
-    """What counts for the light on the screen."""
+    """A projector: its screen and its light."""
 
     screen: Screen
     gamma: float
@@ -27,7 +27,7 @@ class Projector(NamedTuple):
 
 
 def shares(projectors: Sequence[Projector], number: int, places: Array) -> Array:
-    """Which share (n,) of the light at places (n, 2) of its screen comes from projector `number`.
+    """The share (n,) of the light at places (n, 2) of its screen from projector `number`.
 
     The places are shares of its own screen.
     """
@@ -43,7 +43,7 @@ def shares(projectors: Sequence[Projector], number: int, places: Array) -> Array
 
 
 def depth(projectors: Sequence[Projector], number: int, places: Array) -> NDArray[np.int_]:
-    """How many projectors light places (n, 2) of the screen of projector `number`, (n,)."""
+    """The number (n,) of projectors that light places (n, 2) of projector `number`'s screen."""
     points = points_on(projectors[number].screen, places)
     return np.sum(
         [_within(places_on(one.screen, points)) for one in projectors], axis=0, dtype=np.int_
@@ -51,7 +51,7 @@ def depth(projectors: Sequence[Projector], number: int, places: Array) -> NDArra
 
 
 def mask_of(projectors: Sequence[Projector], number: int, places: Array) -> Array:
-    """Factors and what is added (n, 4) at places (n, 2) of the screen of projector `number`.
+    """Factors and offsets (n, 4) at places (n, 2) of the screen of projector `number`.
 
     They act on the values that go to the projector: value · factor + added. Where fewer projectors
     shine than elsewhere, those that do are lifted to the black of the places where most do.
@@ -62,13 +62,13 @@ def mask_of(projectors: Sequence[Projector], number: int, places: Array) -> Arra
     most = max(_deepest(projectors), int(here.max(initial=1)))
     lifted = one.black * (most - here) / np.maximum(here, 1)
     added = lifted ** (1.0 / one.gamma)
-    # Exact for black and for white; with a lifted black grey is a little darker than it should be.
+    # Exact for black and white; with a raised black level grey is slightly too dark.
     factor = (light * (1.0 - lifted) + lifted) ** (1.0 / one.gamma) - added
     return np.column_stack([factor, factor, factor, added])
 
 
 def _weight(projectors: Sequence[Projector], number: int, places: Array) -> Array:
-    """How strongly a projector shines at places (n, 2) of its screen: nothing beyond its edges."""
+    """The weight of a projector at places (n, 2) of its screen; 0 beyond its edges."""
     s, t = places.T
     weight = _within(places).astype(np.float64)
     for blended, inside in zip(_blended(projectors, number), (s, 1 - s, t, 1 - t), strict=True):

@@ -18,11 +18,11 @@ from subsea.view.theatre.warp import checked, mesh, painted
 
 MAX_BYTES = 32 * 2**20
 POLAR, RECTANGULAR = 1, 2
-MASK_SIDE = 512  # pixels of the longer one: brightness is smooth
+MASK_SIDE = 512  # pixels of the longer side: brightness is smooth
 
 
 def read_bourke(path: Path, size: tuple[int, int]) -> tuple[Warp, NDArray[np.float32]]:
-    """The warp of a file for a projector of `size` pixels, and its brightness; else a UserError.
+    """Read the warp and the brightness for a projector of `size` pixels; else a UserError.
 
     Brightness is a mask (height, width, 4), upper row first: factors on red, green and blue code
     values, and zero.
@@ -48,7 +48,7 @@ def parse_bourke(
     nodes = np.empty((columns * rows, 5))
     for k, (number, words) in enumerate(lines[2:]):
         try:
-            if len(words) != 5:  # of a single one numpy would make five
+            if len(words) != 5:  # numpy would broadcast a single one
                 raise ValueError
             nodes[k] = [float(word) for word in words]
         except ValueError as fault:

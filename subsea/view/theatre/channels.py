@@ -1,4 +1,4 @@
-"""Channels: what a theatre file says of each projector, checked, with its mesh and its mask."""
+"""Resolve the channels of a theatre file, each with its mesh and mask."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -46,7 +46,7 @@ TALL = 8  # ... in so many pieces upwards
 
 @dataclass(frozen=True)
 class ProjectorChannel:
-    """A projector that can be used: lengths in centimetres of the sea."""
+    """A usable channel; lengths in centimetres of the sea."""
 
     name: str
     window: int  # number of its window in the theatre

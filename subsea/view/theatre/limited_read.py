@@ -1,4 +1,4 @@
-"""Files of calibration data as bytes, of a size that they may have."""
+"""Read calibration files of limited size."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -7,11 +7,11 @@ from subsea.core.errors import UserError
 
 
 def whole(path: Path, most: int) -> bytes:
-    """All bytes of a file of at most `most` bytes; else a UserError that names it."""
+    """Read a file of at most `most` bytes; else a UserError."""
     try:
         with path.open("rb") as file:
             data = file.read(most + 1)
-    except (OSError, ValueError) as fault:  # a ValueError: a name with a zero byte
+    except (OSError, ValueError) as fault:  # ValueError: a name with a zero byte
         reason = fault.strerror if isinstance(fault, OSError) else str(fault)
         raise UserError(f"cannot read ({reason})", file=path) from fault
     if len(data) > most:
@@ -20,7 +20,7 @@ def whole(path: Path, most: int) -> bytes:
 
 
 def numbered_lines(data: bytes, where: str) -> Iterator[tuple[int, list[str]]]:
-    """The words of each line that has any, with its number; text after ``#`` is left out."""
+    """Number and words of each line that is not empty, without comments after ``#``."""
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as fault:

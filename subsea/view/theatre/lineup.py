@@ -1,4 +1,4 @@
-"""What is shown in place of the sea to line up projectors: a numbered pattern for each."""
+"""Test patterns on all channels, to line up projectors."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,7 @@ Picture = NDArray[np.uint8]
 
 
 def lineup(rig: CameraRig) -> Picture:
-    """A canvas (h, w, 3), top row first, with a pattern wherever a patch takes something from.
+    """A canvas (h, w, 3), top row first, with a pattern in the source of each patch.
 
     Channels are numbered from 1; where the eyes differ L or R is added, and to the faces of a
     cube where they look.
@@ -39,7 +39,7 @@ def lineup(rig: CameraRig) -> Picture:
 
 
 def _eyes(rig: CameraRig, channel: int) -> list[Rect]:
-    """What a channel's patches take from the canvas: one rectangle, or the left and right eye's."""
+    """The source rectangles of a channel on the canvas: one, or one for each eye."""
     sources = [
         source
         for patch in rig.patches

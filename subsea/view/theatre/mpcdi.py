@@ -62,7 +62,7 @@ class ViewAngles(NamedTuple):
 
 
 class MpcdiRegion(NamedTuple):
-    """A projector."""
+    """The calibration of a projector."""
 
     name: str
     buffer: str
@@ -77,7 +77,7 @@ class MpcdiRegion(NamedTuple):
 
 
 class MpcdiArchive(NamedTuple):
-    """The projectors that can be used, and a line for each thing that cannot."""
+    """The usable projectors, and a line for each thing that cannot be used."""
 
     profile: str  # 2d or 3d
     regions: tuple[MpcdiRegion, ...]
@@ -85,7 +85,7 @@ class MpcdiArchive(NamedTuple):
 
 
 def read_mpcdi(path: Path) -> MpcdiArchive:
-    """The projectors of an archive; a UserError of one line if not a single one can be used."""
+    """Read the projectors of an archive; a UserError if none can be used."""
     with opened(path) as fetch:
         for name in ("mpcdi.xml", "mpacs.xml"):
             if (xml := fetch(name, MAX_XML)) is not None:
@@ -184,14 +184,14 @@ def _archive(root: Element, fetch: Fetch, where: str) -> MpcdiArchive:
 
 
 def _points(region: MpcdiRegion) -> int:
-    """How many points its warp and pixels its maps have: what it takes of the memory."""
+    """The number of points of the warp and pixels of the maps of a region."""
     maps = [one for one in (region.alpha, region.beta) if one is not None]
     warped = 0 if region.warp is None else len(region.warp.vertices)
     return warped + sum(one.shape[0] * one.shape[1] for one in maps)
 
 
 def _region(element: Element, buffer: str, profile: str, at: str) -> MpcdiRegion:
-    """What the XML says of a region itself."""
+    """Read the attributes of a region from the XML."""
     width, height = (
         _number(element.get(f"{axis}resolution"), f"{axis}Resolution", at) for axis in "xy"
     )
@@ -271,7 +271,7 @@ def _map(element: Element | None, fetch: Fetch, at: str) -> NDArray[np.float32] 
 
 
 def _path(element: Element | None) -> str:
-    """The file that a part of a fileset names, or nothing."""
+    """The path in a part of a fileset, or an empty text."""
     return (element.findtext("path") or "").strip() if element is not None else ""
 
 

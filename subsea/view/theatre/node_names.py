@@ -1,4 +1,4 @@
-"""What computers may be called, and where they are called: the same in theatre files and keys."""
+"""Names and addresses of computers, for theatre files and keys."""
 
 import ipaddress
 
@@ -7,7 +7,7 @@ NAME = r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}\Z"
 
 
 def parse_address(address: str) -> tuple[ipaddress.IPv4Address | ipaddress.IPv6Address, int]:
-    """The IP address and the port of ``127.0.0.1:5560``; a ValueError says what was expected.
+    """Parse an IP address with a port, such as ``127.0.0.1:5560``; else a ValueError.
 
     Names of hosts are not looked up, and so ``localhost`` is none.
     """

@@ -22,7 +22,7 @@ IGNORED = ("vn", "vp", "g", "o", "s", "l", "p", "mtllib", "usemtl", "mg", "lod")
 
 
 def read_obj(path: Path) -> Warp:
-    """The warp of a file; a UserError names it, and the line or how much of it is wrong."""
+    """Read a warp; a UserError names the file, and the line or how much of it is wrong."""
     return parse_obj(whole(path, MAX_BYTES), str(path))
 
 
@@ -30,8 +30,8 @@ def parse_obj(data: bytes, where: str) -> Warp:
     """As `read_obj`, from bytes; `where` names them in errors."""
     points: list[list[float]] = []
     shown: list[list[float]] = []
-    corners: list[tuple[int, int]] = []  # of all faces, a point and what it shows
-    triangles: list[tuple[int, int, int]] = []  # numbers of corners
+    corners: list[tuple[int, int]] = []  # of all faces: indices of a point and its source
+    triangles: list[tuple[int, int, int]] = []  # indices of corners
     for number, (kind, *words) in numbered_lines(data, where):
         at = f"{where}: line {number}"
         if kind == "v":
@@ -58,7 +58,7 @@ def parse_obj(data: bytes, where: str) -> Warp:
 
 
 def _numbers(words: list[str], names: tuple[str, ...], at: str) -> list[float]:
-    """The first numbers of a line; the others, such as z or a colour, are of no account."""
+    """The first numbers of a line; others, such as z or a colour, are ignored."""
     try:
         return [float(words[k]) for k in range(len(names))]
     except (ValueError, IndexError) as fault:
@@ -66,7 +66,7 @@ def _numbers(words: list[str], names: tuple[str, ...], at: str) -> list[float]:
 
 
 def _corner(word: str, points: int, shown: int, at: str) -> tuple[int, int]:
-    """A point and what it shows, from 0, of a corner such as 3/5 or -1/-1/2; plain 3 is 3/3."""
+    """Point and source indices, from 0, of a corner such as 3/5 or -1/-1/2; 3 is 3/3."""
     parts = word.split("/")
     try:
         point = int(parts[0])

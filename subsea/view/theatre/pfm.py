@@ -1,4 +1,4 @@
-"""Portable float maps: rows of three numbers (``PF``) or of one (``Pf``), as warps are stored in.
+"""Portable float maps with three numbers (``PF``) or one (``Pf``) a pixel, used for warps.
 
 The header is three lines: ``PF``, width and height, and a scale whose sign tells the order of
 bytes, negative for little-endian. Numbers of 32 bits follow, the lowest row first
@@ -23,7 +23,7 @@ _HEADER = re.compile(rb"(P[Ff])\s+(\d{1,9})\s+(\d{1,9})\s+([-+.\deE]{1,40})(\s)"
 
 
 def read_pfm(path: Path) -> NDArray[np.float32]:
-    """The numbers (height, width, 3 or 1) of a file, the upper row first; else a UserError."""
+    """Read the numbers (height, width, 3 or 1), upper row first; else a UserError."""
     return parse_pfm(whole(path, MAX_BYTES), str(path))
 
 

@@ -1,4 +1,4 @@
-"""PNG pictures of unknown origin, as blends of projectors are stored in."""
+"""PNG pictures of unknown origin, used for blend maps of projectors."""
 
 import io
 import struct
@@ -16,7 +16,7 @@ MAX_BYTES = 8 * MAX_PIXELS
 
 
 def parse_png(data: bytes, where: str) -> NDArray[np.float32]:
-    """A picture (h, w, 3) from 0 to 1, upper row first; else a UserError that names `where`.
+    """Decode a picture (h, w, 3) from 0 to 1, upper row first; else a UserError at `where`.
 
     Its alpha channel is left out. Pillow reads grey pictures of 16 bits as they are, but only the
     upper 8 bits of each colour of a coloured one: as fine as the pictures that it is to blend.
@@ -39,14 +39,14 @@ def parse_png(data: bytes, where: str) -> NDArray[np.float32]:
                 grey = np.asarray(image.convert("L"), np.float32) / np.float32(255)
             else:
                 return np.asarray(image.convert("RGB"), np.float32) / np.float32(255)
-    except Exception as fault:  # Pillow raises nearly anything at a mangled file
+    except Exception as fault:  # Pillow raises nearly anything for a damaged file
         raise UserError(f"not a readable PNG picture ({line(fault)})", file=where) from fault
     grey = np.clip(grey, 0.0, 1.0)
     return np.broadcast_to(grey[..., None], (*grey.shape, 3))  # a third of the memory
 
 
 def stretched(picture: NDArray[np.float32], width: int, height: int) -> NDArray[np.float32]:
-    """A picture (h, w, 3) at another size, linear between its pixels."""
+    """Resize a picture (h, w, 3) with linear interpolation."""
     if picture.shape[:2] == (height, width):
         return picture
     layers = [Image.fromarray(np.ascontiguousarray(picture[..., k])) for k in range(3)]

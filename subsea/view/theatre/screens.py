@@ -1,4 +1,4 @@
-"""Screens: where their points are, which of them an eye sees in a direction, and its frustum.
+"""Geometry of screens: points, rays from an eye, and frusta.
 
 Points are (right, up, ahead) of the middle of the eyes, in centimetres; places on a screen are
 shares (s, t) of its width and height from the lower left corner.
@@ -14,16 +14,16 @@ from subsea.core.errors import UserError
 from subsea.view.camera import axes_of
 from subsea.view.theatre.theatre_file import Angles, Cylinder, Plane
 
-STEEPEST = math.tan(math.radians(82.0))  # of rays to the edge of a frustum, from its middle axis
-SQUARE = 0.01  # cosine by which two edges may miss a right angle
+STEEPEST = math.tan(math.radians(82.0))  # of rays to the edge of a frustum, against its axis
+SQUARE = 0.01  # largest cosine between edges that count as perpendicular
 
 
 class Flat(NamedTuple):
     """A rectangle."""
 
-    corner: Array  # (3,) the lower left one
-    along: Array  # (3,) from there to the lower right one
-    up: Array  # (3,) from there to the upper left one
+    corner: Array  # (3,) lower left
+    along: Array  # (3,) to the lower right corner
+    up: Array  # (3,) to the upper left corner
 
 
 class Curved(NamedTuple):
@@ -85,7 +85,7 @@ def screen_of(table: Plane | Cylinder | Angles, eye: Array, scale: float) -> Scr
 
 
 def _under_angles(table: Angles, scale: float) -> Flat:
-    """The flat screen that is seen under these angles, after turning by heading, pitch, roll."""
+    """The flat screen seen under these angles, turned by heading, pitch and roll."""
     if table.left_deg >= table.right_deg or table.down_deg >= table.up_deg:
         raise UserError(
             "`angles`: expected `left_deg` less than `right_deg`, `down_deg` less than `up_deg`"
@@ -165,7 +165,7 @@ def places_on(screen: Screen, rays: Array) -> Array:
 
 
 def distance_to(screen: Screen) -> float:
-    """How far away a flat one's plane is, or the middle of a curved one, in centimetres."""
+    """Distance of a flat screen's plane, or of a curved screen's middle, in centimetres."""
     if isinstance(screen, Flat):
         normal = np.cross(screen.along, screen.up)
         return float(abs(screen.corner @ normal) / np.linalg.norm(normal))

@@ -1,4 +1,4 @@
-"""A numbered test pattern: which channel is where, and whether it is straight, sharp and round."""
+"""A numbered test pattern to check place, geometry and focus of a channel."""
 
 import colorsys
 from typing import Any
@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 WHITE, GREY, BLACK = (255, 255, 255), (130, 130, 130), (0, 0, 0)
-GOLDEN = 0.618034  # of a turn of hue between two channels: no two of many are alike
-STEPS = 11  # of the grey ramp, black and white among them
+GOLDEN = 0.618034  # hue step between channels, in turns, so that all differ
+STEPS = 11  # of the grey ramp, with black and white
 
 
 def pattern(size: tuple[int, int], number: int, word: str = "") -> NDArray[np.uint8]:

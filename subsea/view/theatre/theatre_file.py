@@ -91,7 +91,7 @@ SCREENS = ("plane", "cylinder", "angles", "panorama", "dome", "equirectangular")
 
 
 class ScreenTable(_Table, frozen=True, kw_only=True):
-    """What is common to channels and archives: the screen, one of six kinds, and its light."""
+    """Keys of channels and archives: one of six kinds of screen, and the light on it."""
 
     plane: Plane | None = None
     cylinder: Cylinder | None = None
@@ -107,7 +107,7 @@ class ScreenTable(_Table, frozen=True, kw_only=True):
     _needs_screen: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
-        """Refuse none and two screens."""
+        """Require exactly one screen."""
         given = [name for name in SCREENS if getattr(self, name) is not None]
         if len(given) > 1 or (not given and self._needs_screen):
             what = " and ".join(f"`{name}`" for name in given) or "none"
@@ -115,17 +115,17 @@ class ScreenTable(_Table, frozen=True, kw_only=True):
 
 
 class Window(_Table, frozen=True, kw_only=True):
-    """A picture: a window at a place of the desktop, or one that fills a monitor."""
+    """A window at a position of the desktop, or on a whole monitor."""
 
     name: Name
     size: tuple[Pixels, Pixels]
     position: tuple[Offset, Offset] | None = None  # of its upper left corner, in pixels
     monitor: str | Annotated[int, msgspec.Meta(ge=1, le=64)] | None = None  # by name, or 1, 2, …
-    node: Name = MAIN  # the computer that shows it
+    node: Name = MAIN  # the computer that it is on
 
 
 class Channel(ScreenTable, frozen=True, kw_only=True):
-    """What one projector lights, or one part of a window shows."""
+    """The part of a window for one projector or screen."""
 
     name: Name
     window: Name
@@ -151,7 +151,7 @@ class Archive(ScreenTable, frozen=True, kw_only=True):
 
 
 class Cluster(_Table, frozen=True, kw_only=True):
-    """Several computers: who leads, and where the others find it."""
+    """Several computers: the master and its address."""
 
     master: Name
     address: str = "127.0.0.1:5560"
@@ -159,16 +159,16 @@ class Cluster(_Table, frozen=True, kw_only=True):
     keys: str | None = None  # a folder made by `subsea keys`
 
     def __post_init__(self) -> None:
-        """Refuse what is no address."""
+        """Refuse an invalid address."""
         parse_address(self.address)
 
 
 class Theatre(_Table, frozen=True, kw_only=True):
-    """All that there is in a theatre."""
+    """A whole theatre."""
 
     title: str = ""
     scale: Annotated[float, msgspec.Meta(ge=0.01, le=100)] = 1.0  # cm of the sea per real cm
-    eye_cm: Point = (0.0, 0.0, 0.0)  # between the eyes of who sits best
+    eye_cm: Point = (0.0, 0.0, 0.0)  # between the eyes at the best seat
     eye_distance_cm: Annotated[float, msgspec.Meta(ge=0, le=20)] = 6.4
     level: bool = False  # the horizon stays level, whatever the submarine's pitch
     window: Annotated[list[Window], msgspec.Meta(min_length=1, max_length=MOST_WINDOWS)]
@@ -183,9 +183,9 @@ class Theatre(_Table, frozen=True, kw_only=True):
 
 
 def load_theatre(name: str) -> tuple[Theatre, Path]:
-    """The theatre called `name`, or the one in the file `name`, and the file it came from.
+    """Load the theatre called `name`, or from the path `name`; return it with its file.
 
-    What is wrong with the whole is a UserError; screens are checked where they are built.
+    Raises a UserError; the geometry of screens is checked when they are built.
     """
     path = named_or_file(name, FOLDER, ".toml", "theatre")
     theatre = load_toml(path, Theatre)
@@ -234,7 +234,7 @@ def load_theatre(name: str) -> tuple[Theatre, Path]:
 
 
 def viewport(channel: Channel, window: Window) -> tuple[int, int, int, int]:
-    """Where a channel lies in its window: x, y from the upper left corner, width, height."""
+    """The rectangle of a channel in its window: x, y from the upper left, width, height."""
     return channel.viewport or (0, 0, *window.size)
 
 
@@ -251,7 +251,7 @@ def _distinct(path: Path, kind: str, names: list[str]) -> None:
 
 
 def _apart(path: Path, theatre: Theatre) -> None:
-    """No two windows of a computer may lie on the same monitor or on one another."""
+    """Refuse windows of a computer that share a monitor or overlap."""
     for (_, one), (k, other) in combinations(enumerate(theatre.window), 2):
         if one.node != other.node:
             continue

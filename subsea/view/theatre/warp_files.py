@@ -1,4 +1,4 @@
-"""The warp file of a channel, of any kind that is read."""
+"""Read the warp file of a channel, of any supported format."""
 
 from pathlib import Path
 
@@ -32,7 +32,7 @@ def read_warp(path: Path, size: tuple[int, int]) -> tuple[Warp, NDArray[np.float
 
 
 def sources_of(numbers: NDArray[np.float32], where: str) -> NDArray[np.float32]:
-    """u and v (h, w, 2) of the numbers (h, w, c) of a PFM file; a grey one is a UserError."""
+    """u and v (h, w, 2) from the numbers (h, w, c) of a PFM file; UserError for a grey one."""
     if numbers.shape[2] != 3:
         raise UserError("one number a point ('Pf'), expected u and v ('PF')", file=where)
     if min(numbers.shape[:2]) < 2:
