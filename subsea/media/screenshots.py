@@ -1,4 +1,4 @@
-"""Pictures and films that a visitor takes during a dive, of what is on the screen."""
+"""Screenshots and screen recordings during a dive."""
 
 from collections.abc import Callable
 from contextlib import ExitStack
@@ -17,16 +17,16 @@ from subsea.media.frame_writers import Write, film_writer, fitted_size, write_pn
 Pixels = NDArray[np.uint8]  # (height, width, 3), top row first
 
 FPS = 30
-STUCK_S = 3.0  # a dive that shows nothing new for longer is not filmed meanwhile
+MAX_GAP_S = 3.0  # a longer gap between two pictures is cut
 
 
 def pictures_folder(named: str = "") -> Path:
-    """Where they go: the folder that the settings name, else subsea in the user's pictures."""
+    """The folder of the settings, else subsea in the user's pictures."""
     return Path(named).expanduser() if named else platformdirs.user_pictures_path() / "subsea"
 
 
-class Shots:
-    """Writes the files, and tells their names. Whatever a disk does, the dive goes on."""
+class ScreenCapture:
+    """Writes pictures and films, and reports their names. A failing disk never ends the dive."""
 
     def __init__(
         self,
@@ -34,9 +34,9 @@ class Shots:
         tell: Callable[[str], None],
         now: Callable[[], datetime] = datetime.now,
     ) -> None:
-        """Into `folder`, which is made when it is first needed; `tell` shows a line."""
+        """Write into `folder`, created when first needed; `tell` shows a line."""
         self._folder, self._tell, self._now = folder, tell, now
-        self._film: ExitStack | None = None  # while one is being taken
+        self._film: ExitStack | None = None  # while recording
         self._write: Write
         self._path = folder
         self._size = 0, 0
@@ -45,7 +45,7 @@ class Shots:
 
     @property
     def filming(self) -> bool:
-        """Whether a film is being taken: then `frame` wants every picture."""
+        """Whether a film is recorded: then `frame` needs every picture."""
         return self._film is not None
 
     def picture(self, pixels: Pixels) -> None:
@@ -59,7 +59,7 @@ class Shots:
             self._tell(f"picture: {path}")
 
     def film(self, size: tuple[int, int]) -> None:
-        """Begin a film of a screen of `size` (width, height), or end the one that there is."""
+        """Begin a film of a screen of `size` (width, height), or end the current one."""
         if self._film is not None:
             self.end()
             return
@@ -79,18 +79,18 @@ class Shots:
         self._tell(f"filming: {self._path}")
 
     def frame(self, pixels: Pixels, elapsed_s: float) -> None:
-        """The screen shows these pixels, `elapsed_s` after it showed the last ones.
+        """Add the pixels on the screen, shown `elapsed_s` after the last ones.
 
-        Films have FPS frames a second, whatever the dive has.
+        Films have FPS frames a second, at any frame rate of the dive.
         """
         if self._film is None:
             return
         width, height = self._size
         if (fitted_size("film", (pixels.shape[1], pixels.shape[0]))) != self._size:
-            self.end("the window has another size now")
+            self.end("the size of the window changed")
             return
         if self._frames:
-            self._seconds += min(elapsed_s, STUCK_S)
+            self._seconds += min(elapsed_s, MAX_GAP_S)
         try:
             while self._frames <= self._seconds * FPS:
                 self._write(self._frames, pixels[:height, :width])
@@ -99,11 +99,11 @@ class Shots:
             self._give_up(fault)
 
     def end(self, why: str = "") -> None:
-        """End the film, if one is being taken, and tell its name."""
+        """End the film, if there is one, and report its name."""
         if self._film is None:
             return
         if not self._frames:
-            self._give_up(UserError("ended before its first picture", file=self._path))
+            self._give_up(UserError("ended before the first picture", file=self._path))
             return
         film, self._film = self._film, None
         try:
@@ -115,7 +115,7 @@ class Shots:
         self._tell(f"film of {length}{': ' * bool(why)}{why}: {self._path}")
 
     def _give_up(self, fault: Exception) -> None:
-        """Leave nothing of the film, and tell why."""
+        """Discard the film and report why."""
         film, self._film = self._film, None
         try:
             if film is not None:
@@ -126,7 +126,7 @@ class Shots:
             self._tell(str(fault))
 
     def _new(self, suffix: str) -> Path:
-        """A name with date and time that nothing has."""
+        """An unused name with date and time."""
         stem = f"subsea-{self._now():%Y-%m-%d-%H%M%S}"
         path, number = self._folder / f"{stem}{suffix}", 1
         while path.exists():

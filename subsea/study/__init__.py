@@ -1,1 +1,1 @@
-"""Records of simulations: made, measured, plotted."""
+"""Record, measure and plot simulations."""

@@ -1,4 +1,4 @@
-"""Plots of a record: who does what, how schools hold together, what moves a mind, ways and room."""
+"""Plots of a record: time budgets, schools, minds, paths and clearance."""
 
 from collections.abc import Callable
 from contextlib import ExitStack
@@ -26,7 +26,7 @@ STYLE = {
     "legend.frameon": False,
     "legend.fontsize": 8,
 }
-# Okabe and Ito's colours, which nobody mistakes for one another; then others for what is new.
+# The palette of Okabe and Ito, safe for colour-blind readers; then others for new intentions.
 INTENTION_COLOURS = {
     "avoid": "#E69F00",
     "escape": "#D55E00",
@@ -47,7 +47,7 @@ SMOOTH_S = 2.0  # over which the lines of schools are smoothed
 
 
 def check_plots() -> None:
-    """A UserError unless matplotlib is there."""
+    """Raise a UserError unless matplotlib is installed."""
     try:
         import matplotlib  # noqa: F401
     except ImportError as fault:
@@ -62,8 +62,8 @@ def plots_in(folder: Path) -> list[Path]:
 def plot(record: Record, folder: Path, check: Callable[[], None] = lambda: None) -> list[Path]:
     """Write the plots of a record into `folder` as PNG, all or none; returns the files.
 
-    Schools are left out of a record that has none. `check` is called between two plots, and may
-    raise.
+    A record without schools gets no plot of them. `check`, which may raise, is called between two
+    plots.
     """
     check_plots()
     from matplotlib import rc_context
@@ -115,7 +115,7 @@ def _budget_page(page: Any, record: Record) -> None:
     axis.xaxis.set_major_formatter("{x:.0%}")
     axis.tick_params(axis="y", length=0)
     axis.spines["left"].set_visible(False)
-    page.suptitle(f"What fishes do, {_span(record)}", x=0.01, ha="left", fontsize=11)
+    page.suptitle(f"Time budget, {_span(record)}", x=0.01, ha="left", fontsize=11)
     page.legend(loc="outside upper right", ncols=len(record.intention_names))
 
 
@@ -125,7 +125,7 @@ def _span(record: Record) -> str:
 
 
 def _schools_page(page: Any, record: Record) -> None:
-    """Polarisation, distance to the nearest and what hangs together, over time."""
+    """Polarisation, nearest-neighbour distance and largest connected part over time."""
     largest = sorted(schools(record), key=lambda s: -int(s.members.max()))[:SHOWN_SCHOOLS]
     page.set_size_inches(10, 6.2)
     top, middle, bottom = page.subplots(3, 1, sharex=True, height_ratios=(3, 3, 2))
@@ -139,13 +139,13 @@ def _schools_page(page: Any, record: Record) -> None:
         bottom.plot(school.time, school.together, color=colour, linewidth=1.2)
     top.axhline(0.8, color="0.6", linestyle="--", linewidth=0.8)
     top.set(ylim=(0, 1.02), ylabel="polarisation")
-    top.set_title("Length of the mean heading: 1 is all alike")
+    top.set_title("Length of the mean heading: 1 if all are parallel")
     middle.axhspan(0.6, 1.6, color="0.93", zorder=0)
     middle.set(ylim=(0, 3), ylabel="body lengths")
     middle.set_title("Distance to the nearest companion (median)")
     bottom.axhline(WHOLE, color="0.6", linestyle="--", linewidth=0.8)
     bottom.set(ylim=(0, 1.05), xlim=(0, record.time[-1]), xlabel="time, s", ylabel="share")
-    bottom.set_title(f"Largest part that hangs together (within {LINK_BL:g} body lengths)")
+    bottom.set_title(f"Largest connected part (within {LINK_BL:g} body lengths)")
     page.legend(
         *top.get_legend_handles_labels(), loc="outside upper right", ncols=min(3, len(largest))
     )
@@ -153,7 +153,7 @@ def _schools_page(page: Any, record: Record) -> None:
 
 
 def _smooth(values: Array) -> Array:
-    """A running mean that leaves gaps where there is nothing."""
+    """A running mean that keeps gaps."""
     width = max(round(SMOOTH_S / SAMPLE_S), 1)
     there = np.isfinite(values)
     kernel = np.ones(min(width, len(values)))
@@ -205,7 +205,7 @@ def _minds_page(page: Any, record: Record) -> None:
 
 
 def _eventful(record: Record) -> list[int]:
-    """The fishes whose minds move most, of different species where there are such."""
+    """The fishes whose minds change most, of different species if possible."""
     change = record.mental_state.std(axis=0).sum(axis=1)
     variety = np.array([len(np.unique(one)) for one in record.intention.T])
     by_interest = np.argsort(-(change + 0.15 * variety), kind="stable")
@@ -218,7 +218,7 @@ def _eventful(record: Record) -> list[int]:
 
 
 def _paths_page(page: Any, record: Record) -> None:
-    """The ways of the fishes from above, over the seabed and what stands on it."""
+    """The paths of the fishes from above, over the seabed and its obstacles."""
     from matplotlib.colors import LinearSegmentedColormap
     from matplotlib.patches import Circle, Ellipse
 
@@ -263,13 +263,13 @@ def _paths_page(page: Any, record: Record) -> None:
     page.colorbar(shade, ax=axis, label="seabed, m", format="%.1f", shrink=0.5, aspect=25)
     page.legend(loc="outside lower center", ncols=min(4, len(record.species_names)))
     page.suptitle(
-        f"Ways from above, {_span(record)}; the last {RECENT_S:g} s in full", x=0.01, ha="left",
+        f"Paths from above, {_span(record)}; the last {RECENT_S:g} s in full", x=0.01, ha="left",
         fontsize=11,
     )  # fmt: skip
 
 
 def _frame(record: Record) -> tuple[Array, Array]:
-    """Limits in x and y, m, of a square around all ways; of the whole sea if that is not larger."""
+    """Limits in x and y of a square around all paths, m; at most those of the whole sea."""
     whole = 1.03 * record.radius_cm / 100
     places = record.position[record.alive][:, :2] / 100
     low, high = places.min(axis=0), places.max(axis=0)
@@ -281,7 +281,7 @@ def _frame(record: Record) -> tuple[Array, Array]:
 
 
 def _clearance_page(page: Any, record: Record) -> None:
-    """How often which clearance from bounds and obstacles occurs."""
+    """Histogram of the clearance from bounds and obstacles."""
     clearance, which = clearances(record)
     page.set_size_inches(9, 4)
     axis = page.subplots()
@@ -297,11 +297,11 @@ def _clearance_page(page: Any, record: Record) -> None:
         color=[BARRIER_COLOURS[k] for k in shown], label=[BARRIERS[k] for k in shown],
     )  # fmt: skip
     axis.axvline(0, color="#D55E00", linewidth=1.2)
-    axis.set(xlabel="clearance of snout, middle or tail, whichever is least, cm")
+    axis.set(xlabel="least clearance of snout, middle and tail, cm")
     axis.set_ylabel("fish-ticks")
     inside = int((clearance < 0).sum())
     axis.set_title(
-        f"Room to bounds and obstacles: {inside:,} of {there.sum():,} fish-ticks below 0"
+        f"Clearance from bounds and obstacles: {inside:,} of {there.sum():,} fish-ticks below 0"
     )
     axis.legend(title="nearest")
 

@@ -1,4 +1,4 @@
-"""The record of a simulation: what it holds, and reading one back (docs/records.md)."""
+"""The record of a simulation: its datasets, and reading one (docs/records.md)."""
 
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -12,16 +12,16 @@ from subsea.core.errors import UserError
 from subsea.fish.surface import SurfacePlan, along
 
 FORMAT, VERSION = "subsea-record", 2
-STATIONS = 13  # places along a body, from the snout to the tail's edge, where its outline is given
-MAX_FISH_TICKS = 20_000_000  # what a study holds in memory: some 2 GB
+STATIONS = 13  # points of a body's outline, from the snout to the tail's edge
+MAX_FISH_TICKS = 20_000_000  # a study holds them in memory: about 2 GB
 
 
 class DatasetSpec(NamedTuple):
-    """One dataset."""
+    """Type, shape, unit and meaning of one dataset."""
 
     type: type
-    shape: tuple[str | int, ...]  # lengths; the letters are explained in docs/records.md
-    unit: str  # "1" for what has none
+    shape: tuple[str | int, ...]  # lengths; docs/records.md explains the letters
+    unit: str  # "1" if dimensionless
     meaning: str
 
 
@@ -109,7 +109,7 @@ FIELDS = {
 
 
 class Record(NamedTuple):
-    """What a study needs of a record: T ticks of n fishes of s species."""
+    """The parts of a record that a study needs: T ticks of n fishes of s species."""
 
     time: Array  # (T,) s
     position: Array  # (T, n, 3) cm
@@ -139,7 +139,7 @@ class Record(NamedTuple):
     seed: int
     radius_cm: float
     half_width_cm: float  # of the seabed's square
-    alarmed: float  # f0: more fear than that is alarm
+    alarmed: float  # f0: fear above it is alarm
     species_names: list[str]
     intention_names: list[str]
     mental_state_names: list[str]
@@ -147,7 +147,7 @@ class Record(NamedTuple):
     kind_names: list[str]
 
 
-# Fields of Record that are datasets, and where their names differ from the end of the path.
+# Fields of Record that are datasets, and names that differ from the end of the path.
 _RENAMED = {"plankton/count": "plankton"}
 _READ = {
     name: path
@@ -164,7 +164,7 @@ _CODED = (
 def outline(surface: SurfacePlan) -> tuple[Array, Array]:
     """Half-widths and half-heights (STATIONS,) of a body at rest, in body lengths.
 
-    Fins but the tail are left out; wings, as rays have, count as body.
+    Fins except the tail are left out; wings, as of rays, count as body.
     """
     at = np.linspace(0.0, 1.0, STATIONS)
     width = along(surface.width, at)
@@ -176,17 +176,17 @@ def outline(surface: SurfacePlan) -> tuple[Array, Array]:
 
 
 def read_record(path: Path) -> Record:
-    """The record in the file `path`; a damaged or foreign file is a UserError in one line."""
+    """Read a record; a damaged or foreign file is a UserError."""
     where = str(path)
     with hdf5.reading(path) as file:
         if hdf5.attribute(file, "format", str, where) != FORMAT:
             raise UserError(
-                "not a record of a simulation (`subsea simulate` makes them)", file=where
+                "not a record of a simulation, expected a file of `subsea simulate`", file=where
             )
         version = hdf5.attribute(file, "version", int, where)
         if version != VERSION:
             raise UserError(
-                f"version {version} of the format, expected {VERSION}; record it anew", file=where
+                f"version {version} of the format, expected {VERSION}; record it again", file=where
             )
         lengths: dict[str, int] = {}
         first = ("time", "fish/species", *_READ.values())
@@ -209,7 +209,7 @@ def read_record(path: Path) -> Record:
 
 
 def _dataset(file: Any, path: str, lengths: dict[str, int], where: str) -> NDArray[Any]:
-    """A dataset as FIELDS has it; `lengths` T, n, s … that the first ones have bind the rest."""
+    """Read a dataset of FIELDS; the first ones determine the `lengths` T, n, s … of the rest."""
     field = FIELDS[path]
     shape = tuple(k if isinstance(k, int) else lengths.get(k) for k in field.shape)
     folder, _, name = path.rpartition("/")
@@ -224,7 +224,7 @@ def _dataset(file: Any, path: str, lengths: dict[str, int], where: str) -> NDArr
     lengths.update({letter: k for letter, k in found if isinstance(letter, str)})
     if lengths.get("T", 0) * lengths.get("n", 0) > MAX_FISH_TICKS:
         raise UserError(
-            f"{lengths['T']} ticks of {lengths['n']} fishes are too much for one study, "
+            f"{lengths['T']} ticks of {lengths['n']} fishes are too many for one study, "
             f"expected at most {MAX_FISH_TICKS:,} ticks × fishes",
             file=where,
         )
@@ -232,7 +232,7 @@ def _dataset(file: Any, path: str, lengths: dict[str, int], where: str) -> NDArr
 
 
 def _check(record: Record, where: str) -> None:
-    """Refuse codes without a name, companions that don't exist, and sizes that make no sense."""
+    """Refuse codes without a name, companions that do not exist, and impossible sizes."""
     for field, names in _CODED:
         most = int(getattr(record, field).max())
         if most >= len(getattr(record, names)):
@@ -255,4 +255,4 @@ def _check(record: Record, where: str) -> None:
     if min(record.heights.shape) < 2:
         raise UserError("expected at least 2×2 heights", file=f"{where}/sea/heights")
     if len(record.time) > 1 and np.diff(record.time).min() <= 0:
-        raise UserError("expected times that rise", file=f"{where}/time")
+        raise UserError("expected increasing times", file=f"{where}/time")

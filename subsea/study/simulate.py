@@ -1,4 +1,4 @@
-"""`subsea simulate`: what every fish does, for those who study them. No OpenGL."""
+"""`subsea simulate`: record every fish, for studies. No OpenGL."""
 
 from collections.abc import Sequence
 from importlib.metadata import version
@@ -26,13 +26,13 @@ from subsea.world.step import step
 from subsea.world.world import TICK_S, World
 
 SUFFIXES = (".h5", ".hdf5")
-BLOCK_FISH_TICKS = 200_000  # what is held in memory between two writes: some 16 MB
+BLOCK_FISH_TICKS = 200_000  # held in memory between two writes: about 16 MB
 
 Rows = dict[str, NDArray[Any]]
-Event = tuple[float, int, tuple[int, int]]  # when, which direction, whom it is about
+Event = tuple[float, int, tuple[int, int]]  # time, direction, the fishes concerned
 EVENTS = ("direction/time", "direction/number", "direction/cast")
 
-# What `minds.target` means to each intention; one that is not named has no target.
+# Meaning of `minds.target` for each intention; others have no target.
 TARGETS = {
     "avoid": "fish",
     "escape": "fish",
@@ -51,15 +51,15 @@ def simulate(
 ) -> int:  # fmt: skip
     """Record `ticks` ticks of a world into `out`; returns the exit code.
 
-    `changes` are made to the scenario, whose text is kept as they leave it. The submarine drifts
-    where it starts. Ctrl-C leaves a valid file with the ticks so far.
+    `changes` are made to the scenario before its text is stored. Nobody steers the submarine.
+    Ctrl-C leaves a valid file with the ticks so far.
     """
     if out.suffix.lower() not in SUFFIXES:
         raise UserError(f"expected a name that ends in {' or '.join(SUFFIXES)}", file=out)
     check_file(out)
     chosen, source = load_scenario(scenario, changes)
     if not any(shoal.number for shoal in chosen.fish):
-        raise UserError("holds no fishes, there is nothing to record", file=source)
+        raise UserError("has no fishes, nothing to record", file=source)
     world = start_world(scenario, seed, fish, changes=changes)
     number = len(world.state.fishes.species)
     length = int(np.clip(BLOCK_FISH_TICKS // number, 1, min(64, ticks)))
@@ -98,7 +98,7 @@ def _extent(ticks: int, fishes: int) -> str:
 
 
 def _empty_block(length: int, n: int) -> Rows:
-    """Room for `length` ticks of `n` fishes."""
+    """Empty arrays for `length` ticks of `n` fishes."""
     sizes = {"T": length, "n": n}
     return {
         name: np.zeros([sizes[k] if isinstance(k, str) else k for k in field.shape], field.type)
@@ -108,7 +108,7 @@ def _empty_block(length: int, n: int) -> Rows:
 
 
 def _note(world: World, block: Rows, row: int) -> None:
-    """Write the present tick into a row of the block."""
+    """Write the current tick into a row of the block."""
     state = world.state
     block["time"][row] = state.tick * TICK_S
     for name in ("position", "orientation", "velocity", "segment", "alive"):
@@ -122,7 +122,7 @@ def _note(world: World, block: Rows, row: int) -> None:
 
 
 def _begun(world: World) -> list[Event]:
-    """The directions that began in the tick that was made last."""
+    """The directions that began in the last tick."""
     log, tick = world.state.directions, world.state.tick
     return [
         (tick * TICK_S, int(k), (int(log.cast[k, 0]), int(log.cast[k, 1])))
@@ -131,7 +131,7 @@ def _begun(world: World) -> list[Event]:
 
 
 def _table(happened: list[Event]) -> Rows:
-    """What has happened as rows of the record."""
+    """Events as rows of the record."""
     columns = zip(*happened, strict=True) if happened else ([], [], [])
     return {
         name: np.array([*column], FIELDS[name].type).reshape(-1, *FIELDS[name].shape[1:])
@@ -159,7 +159,7 @@ def _constants(world: World) -> Rows:
 
 
 def _attributes(world: World, scenario_text: str) -> dict[str, Any]:
-    """The names behind every code, and all that is needed to run the same again."""
+    """The names of all codes, and everything needed to repeat the run."""
     bounds = world.scenario.bounds
     names = {
         "species_keys": world.scenario.species,

@@ -1,4 +1,4 @@
-"""The measures of a record as lines for people."""
+"""The measures of a record as a table in text."""
 
 from typing import Any
 
@@ -8,7 +8,7 @@ Measured = dict[str, Any]
 
 
 def table(found: Measured) -> list[str]:
-    """Lines for people."""
+    """Format measures as lines of text."""
     sea, minds, food = found["sea"], found["minds"], found["food"]
     species = ", ".join(f"{number} {name}" for name, number in found["species"].items())
     lines = [
@@ -19,7 +19,7 @@ def table(found: Measured) -> list[str]:
               f"{sea['fish_ticks']:,} fish-ticks"),
         _line("least clearance", _cm(sea)),
         _line("bodies overlap", f"{sea['overlap_share']:.3%} of fish-ticks, and "
-              f"{sea['meant_overlap_share']:.3%} as meant to (courting, hunting)"),
+              f"{sea['meant_overlap_share']:.3%} intended (courting, hunting)"),
         _line("changes of intention", f"{minds['changes_per_second']:.2f} a second and fish, "
               f"at most {minds['changes_per_second_most']:.2f}"),
         _line("hunger saturated", f"{minds['hunger_saturated_share']:.2%} of fish-ticks"),
@@ -71,7 +71,7 @@ def _mated(mating: Measured) -> list[str]:
     lines = [
         _line(
             "courtships",
-            f"{mating['courtships']}, of which {mating['complete']} complete, "
+            f"{mating['courtships']}, {mating['complete']} complete, "
             f"{mating['rejected']} rejected ({mating['rejected_and_turned_away']} turned away)",
         )
     ]
@@ -113,7 +113,7 @@ def _schools(schools: list[Measured]) -> list[str]:
             middle = f"{polarised:>19s}  {spaced:>29s}"
         longest = f"{one['longest_split_s']:.1f} s" if one["splits"] else "–"
         if one["not_rejoined"]:
-            longest += " and on"
+            longest += ", not rejoined"
         lines.append(
             f"{one['leader']:9d}{one['fishes']:8d}{one['cruising_share']:9.0%}{middle}"
             f"{one['splits']:8d}  {longest}"

@@ -19,7 +19,7 @@ from subsea.dive.settings import kiosk_settings
 from subsea.dive.start import ready_world
 from subsea.dive.tick_source import LocalTicks, TickSource, tick_source_maker
 from subsea.dive.timeline import RATES, Timeline
-from subsea.media.screenshots import Shots, pictures_folder
+from subsea.media.screenshots import ScreenCapture, pictures_folder
 from subsea.scenario.fish_lookup import find_fish
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Scenario
@@ -135,7 +135,7 @@ class Dive:
         self.see_brightness = options.see_brightness
         self.tick_source: TickSource
         self._make_ticks, self._check = make_ticks, check
-        self._shots = Shots(pictures_folder(settings.pictures.folder), self.note)
+        self._shots = ScreenCapture(pictures_folder(settings.pictures.folder), self.note)
         self._picture_wanted = False
         self._loading = True
         self._seen_tick = 0  # in which the fish that is ridden has seen the light last

@@ -48,64 +48,64 @@ def test_help_loads_nothing_heavy():
     assert not heavy & set(done.stdout.split())
 
 
-@pytest.mark.parametrize(
-    ("arguments", "hint"),
-    [
-        (["flim"], "'film'"),
-        (["--sed", "3"], "--sed"),
-        (["dive", "--sed", "3"], "'--seed'"),
-        (["dive", "--seed"], "expected one argument"),
-        (["dive", "--seed", "-1"], "from 0"),
-        (["dive", "--seed", "x"], "whole number"),
-        (["dive", "--size", "1280"], "1280x720"),
-        (["dive", "--size", "1x1"], "64 to 8192"),
-        (["dive", "--seconds", "nan"], "from 0.1"),
-        (["dive", "--display", "top-bottm"], "'top-bottom'"),
-        (["dive", "--scenario", "peacefull"], "'peaceful'"),
-        (["dive", "--scenario", "nowhere/reef.toml"], "nowhere/reef.toml"),
-        (["dive", "deeper"], "'deeper'"),
-        (["dive", "--gaze", "30,-10"], "--gaze needs --eyes FISH or --follow FISH"),
-        (["dive", "--reins"], "--reins needs --eyes FISH or --follow FISH"),
-        (["dive", "--eyes", "1", "--follow", "2"], "expected one"),
-        (["dive", "--pace", "3"], "0, 0.25, 0.5, 1, 2 or 4"),
-        (["film"], "OUT"),
-        (["film", "dive.avi"], ".mp4"),
-        (["film", "a.mp4", "--fps", "0"], "from 1"),
-        (["film", "a.mp4", "b.mp4"], "'b.mp4'"),
-        (["film", "a.png", "--scenario", "peacefull"], "'peaceful'"),
-        (["simulate", "--out", "a.h5"], "--ticks"),
-        (["simulate", "--ticks", "0", "--out", "a.h5"], "from 1"),
-        (["simulate", "--ticks", "1.5", "--out", "a.h5"], "whole number"),
-        (["simulate", "--ticks", "5", "--out", "/proc/none/a.h5"], "/proc/none"),
-        (["benchmark", "--without", "culing"], "'culling'"),
-        (["benchmark", "--frames", "many"], "whole number"),
-        (["benchmark", "--fish", "0"], "from 1"),
-        (["simulate", "--ticks", "5", "--out", "a.csv"], ".h5 or .hdf5"),
-        (["study"], "RECORD.h5"),
-        (["study", "nowhere.h5"], "no such file"),
-        (["benchmark", "--json", "/tmp"], "expected the name of a file"),
-        (["benchmark", "--scenario", "peacefull"], "'peaceful'"),
-        (["benchmark", "--paper", "--json", "a.json"], "'--json'"),
-        (["benchmark", "--fish=9", "--paper"], "'--fish=9'"),
-        (["film", "/proc/a.png"], "/proc"),
-        (["film", "a" * 300 + ".mp4"], "too long"),
-        (["simulate", "--ticks", "5", "--out", "a" * 300 + ".h5"], "too long"),
-        (["benchmark", "--json", "a" * 300 + "/report.json"], "too long"),
-        (["benchmark", "--json", "/proc/none/a.json"], "/proc/none"),
-        (["doctor", "--quick"], "--quick"),
-        (["keys", "here"], "NAME"),
-        (["dive", "--node", "left"], "--node needs --theatre too"),
-        (["keys", "here", "../left"], "expected a name"),
-        (["dive", "--settings", "nowhere/mine.toml"], "nowhere/mine.toml: cannot read"),
-        (["settings", "--writ"], "'--write'"),
-    ],
-)
-def test_every_fault_is_one_line_with_a_hint(capsys, arguments, hint):
-    code, out, err = run(capsys, *arguments)
-    assert code == 2
-    assert not out
-    assert len(err) == 1
-    assert hint in err[0]
+FAULTS = [
+    (["flim"], "'film'"),
+    (["--sed", "3"], "--sed"),
+    (["dive", "--sed", "3"], "'--seed'"),
+    (["dive", "--seed"], "expected one argument"),
+    (["dive", "--seed", "-1"], "from 0"),
+    (["dive", "--seed", "x"], "whole number"),
+    (["dive", "--size", "1280"], "1280x720"),
+    (["dive", "--size", "1x1"], "64 to 8192"),
+    (["dive", "--seconds", "nan"], "from 0.1"),
+    (["dive", "--display", "top-bottm"], "'top-bottom'"),
+    (["dive", "--scenario", "peacefull"], "'peaceful'"),
+    (["dive", "--scenario", "nowhere/reef.toml"], "nowhere/reef.toml"),
+    (["dive", "deeper"], "'deeper'"),
+    (["dive", "--gaze", "30,-10"], "--gaze needs --eyes FISH or --follow FISH"),
+    (["dive", "--reins"], "--reins needs --eyes FISH or --follow FISH"),
+    (["dive", "--eyes", "1", "--follow", "2"], "expected one"),
+    (["dive", "--pace", "3"], "0, 0.25, 0.5, 1, 2 or 4"),
+    (["film"], "OUT"),
+    (["film", "dive.avi"], ".mp4"),
+    (["film", "a.mp4", "--fps", "0"], "from 1"),
+    (["film", "a.mp4", "b.mp4"], "'b.mp4'"),
+    (["film", "a.png", "--scenario", "peacefull"], "'peaceful'"),
+    (["simulate", "--out", "a.h5"], "--ticks"),
+    (["simulate", "--ticks", "0", "--out", "a.h5"], "from 1"),
+    (["simulate", "--ticks", "1.5", "--out", "a.h5"], "whole number"),
+    (["simulate", "--ticks", "5", "--out", "/proc/none/a.h5"], "/proc/none"),
+    (["benchmark", "--without", "culing"], "'culling'"),
+    (["benchmark", "--frames", "many"], "whole number"),
+    (["benchmark", "--fish", "0"], "from 1"),
+    (["simulate", "--ticks", "5", "--out", "a.csv"], ".h5 or .hdf5"),
+    (["study"], "RECORD.h5"),
+    (["study", "nowhere.h5"], "no such file"),
+    (["benchmark", "--json", "/tmp"], "expected the name of a file"),
+    (["benchmark", "--scenario", "peacefull"], "'peaceful'"),
+    (["benchmark", "--paper", "--json", "a.json"], "'--json'"),
+    (["benchmark", "--fish=9", "--paper"], "'--fish=9'"),
+    (["film", "/proc/a.png"], "/proc"),
+    (["film", "a" * 300 + ".mp4"], "too long"),
+    (["simulate", "--ticks", "5", "--out", "a" * 300 + ".h5"], "too long"),
+    (["benchmark", "--json", "a" * 300 + "/report.json"], "too long"),
+    (["benchmark", "--json", "/proc/none/a.json"], "/proc/none"),
+    (["doctor", "--quick"], "--quick"),
+    (["keys", "here"], "NAME"),
+    (["dive", "--node", "left"], "--node needs --theatre too"),
+    (["keys", "here", "../left"], "expected a name"),
+    (["dive", "--settings", "nowhere/mine.toml"], "nowhere/mine.toml: cannot read"),
+    (["settings", "--writ"], "'--write'"),
+]
+
+
+def test_every_fault_is_one_line_with_a_hint(capsys):
+    for arguments, hint in FAULTS:
+        code, out, err = run(capsys, *arguments)
+        assert code == 2, arguments
+        assert not out, arguments
+        assert len(err) == 1, err
+        assert hint in err[0], arguments
 
 
 @pytest.mark.parametrize(

@@ -184,32 +184,32 @@ def test_fishes_are_called_as_the_world_numbers_them(seen):
         find_fish(str(len(fishes)), scenario)
 
 
-@pytest.mark.parametrize(
-    ("name", "arguments", "says"),
-    [
-        ("out", ["--eyes", "whale"], "whale"),
-        ("out", ["--eyes", "100000"], "0 to "),
-        ("out", ["--eyes", "clownfish:9"], "0 to 1"),
-        ("out", ["--eyes", "clownfish:x"], "SPECIES:NUMBER"),
-        ("out.mp4", ["--eyes", "0"], "folder"),
-        ("out", ["--eyes", "0", "--display", "dome"], "dome"),
-        ("out", ["--eyes", "0", "--theatre", "cave"], "not --theatre"),
-        ("out", ["--eyes", "0", "--shrink", "2"], "not --shrink"),
-        ("out", ["--eyes", "0", "--swap-eyes"], "not --swap-eyes"),
-        ("out", ["--eyes", "0", "--eye-distance", "0"], "not --eye-distance"),
-        ("out", ["--eyes", "0", "--comfort", "1"], "not --comfort"),
-        ("out", ["--eyes", "0", "--dome-tilt", "0"], "not --dome-tilt"),
-        ("out", ["--eyes", "0", "--gaze", "a,b"], "gaze"),
-        ("out", ["--eyes", "0", "--gaze", "0,95"], "range"),
-        ("out", ["--gaze", "0,5"], "--eyes"),
-    ],
-)
-def test_bad_input_is_one_line_and_leaves_nothing(tmp_path, capsys, name, arguments, says):
-    assert main(["film", str(tmp_path / name), *arguments]) == 2
-    last = capsys.readouterr().err.splitlines()[-1]
-    assert last.startswith("subsea: ")
-    assert says in last
-    assert not list(tmp_path.iterdir())
+BAD_INPUT = [
+    ("out", ["--eyes", "whale"], "whale"),
+    ("out", ["--eyes", "100000"], "0 to "),
+    ("out", ["--eyes", "clownfish:9"], "0 to 1"),
+    ("out", ["--eyes", "clownfish:x"], "SPECIES:NUMBER"),
+    ("out.mp4", ["--eyes", "0"], "folder"),
+    ("out", ["--eyes", "0", "--display", "dome"], "dome"),
+    ("out", ["--eyes", "0", "--theatre", "cave"], "not --theatre"),
+    ("out", ["--eyes", "0", "--shrink", "2"], "not --shrink"),
+    ("out", ["--eyes", "0", "--swap-eyes"], "not --swap-eyes"),
+    ("out", ["--eyes", "0", "--eye-distance", "0"], "not --eye-distance"),
+    ("out", ["--eyes", "0", "--comfort", "1"], "not --comfort"),
+    ("out", ["--eyes", "0", "--dome-tilt", "0"], "not --dome-tilt"),
+    ("out", ["--eyes", "0", "--gaze", "a,b"], "gaze"),
+    ("out", ["--eyes", "0", "--gaze", "0,95"], "range"),
+    ("out", ["--gaze", "0,5"], "--eyes"),
+]
+
+
+def test_bad_input_is_one_line_and_leaves_nothing(tmp_path, capsys):
+    for name, arguments, says in BAD_INPUT:
+        assert main(["film", str(tmp_path / name), *arguments]) == 2
+        last = capsys.readouterr().err.splitlines()[-1]
+        assert last.startswith("subsea: ")
+        assert says in last, arguments
+        assert not list(tmp_path.iterdir())
 
 
 def test_fishes_are_red_and_what_stands_is_blue():

@@ -11,16 +11,16 @@ import pytest
 from PIL import Image
 
 from subsea.media import screenshots
-from subsea.media.screenshots import FPS, STUCK_S, Shots, pictures_folder
+from subsea.media.screenshots import FPS, MAX_GAP_S, ScreenCapture, pictures_folder
 
 NOON = datetime(2026, 5, 4, 12, 3, 2)
 
 
 @pytest.fixture
 def camera(tmp_path):
-    """Shots at noon into a folder that is not there yet, and what they told."""
+    """ScreenCapture at noon into a folder that is not there yet, and what they told."""
     told = []
-    return Shots(tmp_path / "pictures" / "mine", told.append, lambda: NOON), told
+    return ScreenCapture(tmp_path / "pictures" / "mine", told.append, lambda: NOON), told
 
 
 def pixels(size=(64, 48), value=0):
@@ -61,7 +61,7 @@ def test_a_film_lasts_as_long_as_the_dive_did_however_fast_that_was(camera, tmp_
     [path] = (tmp_path / "pictures" / "mine").iterdir()
     frames = decoded(path)
     assert frames[0].shape == (48, 64, 3)
-    assert len(frames) == 1 + int((0.3 + STUCK_S) * FPS + 1e-6)
+    assert len(frames) == 1 + int((0.3 + MAX_GAP_S) * FPS + 1e-6)
     assert frames[0][5, 5, 0] > 200 > 50 > frames[0][-5, 5, 0]
     assert told == [f"filming: {path}", f"film of {len(frames) / FPS:.1f} s: {path}"]
     green = [int(frame[30:, :, 1].mean()) for frame in (frames[2], frames[8])]
@@ -75,7 +75,7 @@ def test_a_window_that_changes_its_size_ends_the_film(camera, tmp_path):
     taken.frame(pixels(), 0.1)
     taken.frame(pixels((80, 48)), 0.1)
     assert not taken.filming
-    assert "another size" in told[-1]
+    assert "size of the window changed" in told[-1]
     [path] = (tmp_path / "pictures" / "mine").iterdir()
     assert len(decoded(path)) == 4
     taken.film((1, 1))
@@ -94,14 +94,14 @@ def test_what_closes_a_dive_leaves_a_valid_film(camera, tmp_path):
     path.unlink()
     taken.film((64, 48))
     taken.end()
-    assert "before its first picture" in told[-1]
+    assert "before the first picture" in told[-1]
     assert not list(tmp_path.glob("**/*.mp4"))
 
 
 def test_a_folder_that_cannot_be_made_is_one_line_and_the_dive_goes_on(tmp_path):
     told = []
     (tmp_path / "file").write_text("no folder")
-    taken = Shots(tmp_path / "file" / "pictures", told.append)
+    taken = ScreenCapture(tmp_path / "file" / "pictures", told.append)
     taken.picture(pixels())
     taken.film((64, 48))
     taken.frame(pixels(), 0.1)

@@ -217,19 +217,17 @@ def test_memory_of_a_dive_that_is_drawn_is_judged_after_its_warm_up():
     assert faults(warms_up[:20], True) == []  # too short to tell
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        (["--minutes", "0"], "expected a number from 0.01"),
-        (["--compare", "none.json"], "none.json: cannot read (No such file or directory)"),
-        (["--compare", "bad.json"], "bad.json: expected what `subsea soak --json` writes"),
-        (["--json", "."], "is a folder"),
-    ],
-)
-def test_a_soak_that_cannot_be_is_a_fault_in_one_line(
-    tmp_path, monkeypatch, capsys, options, message
-):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "bad.json").write_text("[3]")
-    assert main(["soak", *options]) == 2
-    assert message in capsys.readouterr().err.splitlines()[-1]
+BAD_OPTIONS = [
+    (["--minutes", "0"], "expected a number from 0.01"),
+    (["--compare", "none.json"], "none.json: cannot read (No such file or directory)"),
+    (["--compare", "bad.json"], "bad.json: expected what `subsea soak --json` writes"),
+    (["--json", "."], "is a folder"),
+]
+
+
+def test_a_soak_that_cannot_be_is_a_fault_in_one_line(tmp_path, monkeypatch, capsys):
+    for options, message in BAD_OPTIONS:
+        monkeypatch.chdir(tmp_path)
+        (tmp_path / "bad.json").write_text("[3]")
+        assert main(["soak", *options]) == 2
+        assert message in capsys.readouterr().err.splitlines()[-1]

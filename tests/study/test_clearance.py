@@ -12,28 +12,28 @@ ROCKS = np.array([[100.0, -300.0, -300.0, 30.0, 60.0, 30.0, np.pi / 2]])
 NONE = {"pillars": np.zeros((0, 4)), "rocks": np.zeros((0, 7))}
 
 
-@pytest.mark.parametrize(
-    ("place", "clearance", "barrier"),
-    [
-        ((480.0, 0.0, -200.0), 500.0 - 488.0, "wall"),  # the snout reaches 8 cm ahead
-        ((495.0, 0.0, -200.0), -3.0, "wall"),
-        ((-490.0, 0.0, -200.0), -2.0, "wall"),  # the tail 12 cm behind
-        ((0.0, 0.0, -5.0), 5.0, "surface"),
-        ((0.0, 0.0, -403.0), -3.0, "seabed"),
-        ((100.0, -300.0, -390.0), 10.0, "seabed"),
-        ((0.0, 70.0, -200.0), 40.0, "pillar"),
-        ((0.0, 20.0, -200.0), -10.0, "pillar"),
-        ((0.0, 0.0, -140.0), 10.0, "pillar"),  # above its top
-        ((30.0, 40.0, -140.0), 17.09, "pillar"),  # beside its top, from the tail at (18, 40)
-        ((112.0, -260.0, -300.0), 10.0, "rock"),  # abreast of the shorter half axis, 30 cm
-        ((150.0, -300.0, -300.0), -22.0, "rock"),  # the tail, inside the longer one, 60 cm
-    ],
-)
-def test_clearance_is_the_least_of_snout_middle_and_tail(place, clearance, barrier):
-    solids = {"pillars": PILLARS, "rocks": ROCKS} if barrier in ("pillar", "rock") else NONE
-    found, which = clearances(a_record(still(2, place), **solids))
-    assert found == pytest.approx(clearance, abs=0.1)
-    assert (which == BARRIERS.index(barrier)).all()
+PLACES = [
+    ((480.0, 0.0, -200.0), 500.0 - 488.0, "wall"),  # the snout reaches 8 cm ahead
+    ((495.0, 0.0, -200.0), -3.0, "wall"),
+    ((-490.0, 0.0, -200.0), -2.0, "wall"),  # the tail 12 cm behind
+    ((0.0, 0.0, -5.0), 5.0, "surface"),
+    ((0.0, 0.0, -403.0), -3.0, "seabed"),
+    ((100.0, -300.0, -390.0), 10.0, "seabed"),
+    ((0.0, 70.0, -200.0), 40.0, "pillar"),
+    ((0.0, 20.0, -200.0), -10.0, "pillar"),
+    ((0.0, 0.0, -140.0), 10.0, "pillar"),  # above its top
+    ((30.0, 40.0, -140.0), 17.09, "pillar"),  # beside its top, from the tail at (18, 40)
+    ((112.0, -260.0, -300.0), 10.0, "rock"),  # abreast of the shorter half axis, 30 cm
+    ((150.0, -300.0, -300.0), -22.0, "rock"),  # the tail, inside the longer one, 60 cm
+]
+
+
+def test_clearance_is_the_least_of_snout_middle_and_tail():
+    for place, clearance, barrier in PLACES:
+        solids = {"pillars": PILLARS, "rocks": ROCKS} if barrier in ("pillar", "rock") else NONE
+        found, which = clearances(a_record(still(2, place), **solids))
+        assert found == pytest.approx(clearance, abs=0.1), place
+        assert (which == BARRIERS.index(barrier)).all(), place
 
 
 def test_a_study_measures_the_distances_that_fishes_perceive():

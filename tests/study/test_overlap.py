@@ -1,32 +1,30 @@
 """Bodies that overlap."""
 
 import numpy as np
-import pytest
 
 from subsea.state import PREDATOR, PREY
 from subsea.study.overlap import overlaps
 from tests.support.records import EAST, NORTH, a_record, still
 
+OFFSETS = [
+    ((0.0, 1.9, 0.0), EAST, True),  # abreast: half-widths add up to 2 cm
+    ((0.0, 2.1, 0.0), EAST, False),
+    ((0.0, 0.0, 5.9), EAST, True),  # one above the other: half-heights to 6 cm
+    ((0.0, 0.0, 6.1), EAST, False),
+    ((0.0, 1.2, 4.7), EAST, True),  # (1.2/2)² + (4.7/6)² = 0.97
+    ((0.0, 1.3, 4.7), EAST, False),  # 1.04, though far from both half-widths and heights
+    ((19.0, 0.0, 0.0), EAST, True),  # snout to tail
+    ((27.0, 0.0, 0.0), EAST, False),
+    ((8.0, -6.8, 0.0), NORTH, True),  # its snout at 1.2 cm from the other's centre line
+    ((0.0, 40.0, 0.0), NORTH, False),
+]
 
-@pytest.mark.parametrize(
-    ("offset", "turn", "touches"),
-    [
-        ((0.0, 1.9, 0.0), EAST, True),  # abreast: half-widths add up to 2 cm
-        ((0.0, 2.1, 0.0), EAST, False),
-        ((0.0, 0.0, 5.9), EAST, True),  # one above the other: half-heights to 6 cm
-        ((0.0, 0.0, 6.1), EAST, False),
-        ((0.0, 1.2, 4.7), EAST, True),  # (1.2/2)² + (4.7/6)² = 0.97
-        ((0.0, 1.3, 4.7), EAST, False),  # 1.04, though far from both half-widths and heights
-        ((19.0, 0.0, 0.0), EAST, True),  # snout to tail
-        ((27.0, 0.0, 0.0), EAST, False),
-        ((8.0, -6.8, 0.0), NORTH, True),  # its snout at 1.2 cm from the other's centre line
-        ((0.0, 40.0, 0.0), NORTH, False),
-    ],
-)
-def test_bodies_overlap_as_ellipses_do(offset, turn, touches):
-    there = np.array([0.0, 0.0, -200.0])
-    record = a_record(still(2, there, there + offset), np.stack([EAST, turn]))
-    assert (overlaps(record) == (2 if touches else 0)).all()
+
+def test_bodies_overlap_as_ellipses_do():
+    for offset, turn, touches in OFFSETS:
+        there = np.array([0.0, 0.0, -200.0])
+        record = a_record(still(2, there, there + offset), np.stack([EAST, turn]))
+        assert (overlaps(record) == (2 if touches else 0)).all(), offset
 
 
 def test_a_bent_body_is_where_it_bends():

@@ -131,7 +131,7 @@ def spoil_link(file):
         (spoil_numbers, "fish/snout: contains numbers that are not finite"),
         (spoil_code, "fish/intention: code 200 has no name"),
         (spoil_leader, "fish/leader: expected fishes from 0 to 11"),
-        (spoil_order, "time: expected times that rise"),
+        (spoil_order, "time: expected increasing times"),
         (spoil_version, "version 1 of the format, expected 2"),
         (spoil_format, "not a record of a simulation"),
         (spoil_names, "'kind_names' is not a row of words"),
